@@ -1,0 +1,182 @@
+//! Eight lanes in AVX2 registers.
+//!
+//! Sound only where AVX2 is present: [`super::Width::detect`] sees to that, and nothing else makes these words.
+
+use core::arch::x86_64::*;
+
+use super::simd_operators;
+use crate::kernel::word::{PairTable, Wide, Word};
+
+/// Eight lanes of 32 bits.
+#[derive(Clone, Copy)]
+pub struct Avx2(__m256i);
+
+/// Eight lanes of 64 bits: those of the even words and those of the odd ones, as the multiplier delivers them.
+#[derive(Clone, Copy)]
+pub struct Avx2Wide {
+    even: __m256i,
+    odd: __m256i,
+}
+
+simd_operators!(Avx2, __m256i, _mm256_add_epi32, _mm256_sub_epi32, _mm256_mullo_epi32, _mm256_xor_si256,
+    _mm256_and_si256, _mm256_sll_epi32, _mm256_srl_epi32);
+
+const ODD: i32 = 0xAA;
+
+/// The odd words, where the multiplier looks for even ones.
+#[inline(always)]
+fn odd(words: __m256i) -> __m256i {
+    unsafe { _mm256_srli_epi64::<32>(words) }
+}
+
+impl Word for Avx2 {
+    type Wide = Avx2Wide;
+    const LANES: usize = 8;
+
+    #[inline(always)]
+    fn splat(x: u32) -> Avx2 {
+        unsafe { Avx2(_mm256_set1_epi32(x as i32)) }
+    }
+
+    #[inline(always)]
+    fn iota() -> Avx2 {
+        unsafe { Avx2(_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7)) }
+    }
+
+    #[inline(always)]
+    fn load(from: &[u32]) -> Avx2 {
+        unsafe { Avx2(_mm256_loadu_si256(from[..8].as_ptr().cast())) }
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [u32]) {
+        unsafe { _mm256_storeu_si256(to[..8].as_mut_ptr().cast(), self.0) }
+    }
+
+    #[inline(always)]
+    fn sar(self, n: u32) -> Avx2 {
+        unsafe { Avx2(_mm256_sra_epi32(self.0, _mm_cvtsi32_si128(n as i32))) }
+    }
+
+    #[inline(always)]
+    fn shift_left(self, n: Avx2) -> Avx2 {
+        unsafe { Avx2(_mm256_sllv_epi32(self.0, n.0)) }
+    }
+
+    #[inline(always)]
+    fn leading_zeros(self) -> Avx2 {
+        unsafe {
+            // AVX2 has no such instruction: the exponent of the word as a float tells, once the bits that could round
+            // it up to the next power of two are gone. A word with its top bit set reads as negative and saturates.
+            let top = _mm256_andnot_si256(_mm256_srli_epi32::<8>(self.0), self.0);
+            let exponent = _mm256_srli_epi32::<23>(_mm256_castps_si256(_mm256_cvtepi32_ps(top)));
+            Avx2(_mm256_subs_epu16(_mm256_set1_epi32(127 + 31), exponent))
+        }
+    }
+
+    #[inline(always)]
+    fn mulhi(self, by: Avx2) -> Avx2 {
+        unsafe {
+            let even = _mm256_mul_epu32(self.0, by.0);
+            let odd = _mm256_mul_epu32(odd(self.0), odd(by.0));
+            Avx2(_mm256_blend_epi32::<ODD>(_mm256_srli_epi64::<32>(even), odd))
+        }
+    }
+
+    #[inline(always)]
+    fn mulhilo(self, by: Avx2) -> (Avx2, Avx2) {
+        unsafe {
+            let even = _mm256_mul_epu32(self.0, by.0);
+            let odd = _mm256_mul_epu32(odd(self.0), odd(by.0));
+            let high = _mm256_blend_epi32::<ODD>(_mm256_srli_epi64::<32>(even), odd);
+            let low = _mm256_blend_epi32::<ODD>(even, _mm256_slli_epi64::<32>(odd));
+            (Avx2(high), Avx2(low))
+        }
+    }
+
+    #[inline(always)]
+    fn min_signed(self, other: Avx2) -> Avx2 {
+        unsafe { Avx2(_mm256_min_epi32(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    fn max_signed(self, other: Avx2) -> Avx2 {
+        unsafe { Avx2(_mm256_max_epi32(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    fn lookup(table: &PairTable, index: Avx2) -> (Avx2, Avx2) {
+        unsafe {
+            // Pairs are fetched as 64-bit words: half the loads of two 32-bit gathers. The mask keeps them in the table.
+            let index = _mm256_and_si256(index.0, _mm256_set1_epi32(511));
+            let from = table.as_ptr().cast();
+            let low = _mm256_i32gather_epi64::<8>(from, _mm256_castsi256_si128(index));
+            let high = _mm256_i32gather_epi64::<8>(from, _mm256_extracti128_si256::<1>(index));
+            // The shuffle works within 128-bit halves; the permutation puts its quarters in order.
+            let pick = |firsts: __m256| _mm256_permute4x64_epi64::<0b11_01_10_00>(_mm256_castps_si256(firsts));
+            let (low, high) = (_mm256_castsi256_ps(low), _mm256_castsi256_ps(high));
+            let first = pick(_mm256_shuffle_ps::<0b10_00_10_00>(low, high));
+            let second = pick(_mm256_shuffle_ps::<0b11_01_11_01>(low, high));
+            (Avx2(first), Avx2(second))
+        }
+    }
+
+    #[inline(always)]
+    fn mul_wide(self, by: Avx2) -> Avx2Wide {
+        unsafe {
+            Avx2Wide {
+                even: _mm256_mul_epi32(self.0, by.0),
+                odd: _mm256_mul_epi32(odd(self.0), odd(by.0)),
+            }
+        }
+    }
+}
+
+impl core::ops::Add for Avx2Wide {
+    type Output = Avx2Wide;
+    #[inline(always)]
+    fn add(self, other: Avx2Wide) -> Avx2Wide {
+        unsafe {
+            Avx2Wide {
+                even: _mm256_add_epi64(self.even, other.even),
+                odd: _mm256_add_epi64(self.odd, other.odd),
+            }
+        }
+    }
+}
+
+impl Avx2Wide {
+    #[inline(always)]
+    fn lanes(self) -> [u64; 8] {
+        let mut lanes = [0; 8];
+        unsafe {
+            _mm256_storeu_si256(lanes[..4].as_mut_ptr().cast(), self.even);
+            _mm256_storeu_si256(lanes[4..].as_mut_ptr().cast(), self.odd);
+        }
+        lanes
+    }
+}
+
+impl Wide for Avx2Wide {
+    type Word = Avx2;
+
+    #[inline(always)]
+    fn splat(x: i64) -> Avx2Wide {
+        unsafe { Avx2Wide { even: _mm256_set1_epi64x(x), odd: _mm256_set1_epi64x(x) } }
+    }
+
+    #[inline(always)]
+    fn high(self) -> Avx2 {
+        unsafe { Avx2(_mm256_blend_epi32::<ODD>(_mm256_srli_epi64::<32>(self.even), self.odd)) }
+    }
+
+    #[inline(always)]
+    fn total_signed(self) -> i128 {
+        self.lanes().iter().map(|&lane| i128::from(lane as i64)).sum()
+    }
+
+    #[inline(always)]
+    fn total_unsigned(self) -> u128 {
+        self.lanes().iter().map(|&lane| u128::from(lane)).sum()
+    }
+}

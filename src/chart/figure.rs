@@ -1,0 +1,147 @@
+//! What a chart shows, independent of how it is drawn.
+
+use super::Scale;
+
+/// A chart of curves y(x).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    /// What it answers, in bold.
+    pub title: String,
+    /// A second, smaller line.
+    pub subtitle: Option<String>,
+    /// The horizontal axis.
+    pub x: Axis,
+    /// The vertical axis.
+    pub y: Axis,
+    /// What the colours tell apart. Without entries the legend has no such part.
+    pub colours: Grouping,
+    /// What dashes and markers tell apart. Without entries they follow the colour, for readers in greyscale.
+    pub dashes: Grouping,
+    /// What the points are, for the legend: `Monte Carlo`, `measured`. Empty: not said.
+    pub points: String,
+    /// The curves; later ones are drawn over earlier ones.
+    pub series: Vec<Series>,
+    /// Closed forms that belong to no single series.
+    pub laws: Vec<Law>,
+    /// What the curves are judged by.
+    pub limit: Option<Limit>,
+}
+
+/// One axis.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Axis {
+    /// `rms error`
+    pub label: String,
+    /// `″`; empty for a pure number.
+    pub unit: String,
+    /// How it is divided.
+    pub scale: Scale,
+}
+
+impl Axis {
+    /// The axis title: `rms error, ″`.
+    pub fn title(&self) -> String {
+        with_unit(&self.label, &self.unit)
+    }
+}
+
+/// `label, unit`, or the label alone where there is no unit.
+pub(super) fn with_unit(label: &str, unit: &str) -> String {
+    if unit.is_empty() { label.to_owned() } else { format!("{label}, {unit}") }
+}
+
+/// A part of the legend: a heading and what each style stands for.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Grouping {
+    /// What is told apart: `gap ticks`.
+    pub title: String,
+    /// From top to bottom.
+    pub entries: Vec<Entry>,
+}
+
+/// What one style stands for.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Entry {
+    /// Index of the colour, or of the dash with its marker. The palettes repeat.
+    pub style: usize,
+    /// `quadratic`
+    pub name: String,
+}
+
+/// One curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// [`Entry::style`] among the colours.
+    pub colour: usize,
+    /// [`Entry::style`] among the dashes.
+    pub dash: usize,
+    /// By rising x.
+    pub points: Vec<SeriesPoint>,
+    /// The closed form of the same quantity, a thin line under the points. In a figure where no series has one, lines
+    /// join the points instead.
+    pub law: Vec<(f64, f64)>,
+}
+
+/// One point of a curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeriesPoint {
+    /// In the unit of the x axis.
+    pub x: f64,
+    /// In the unit of the y axis.
+    pub y: f64,
+    /// Lower and upper ends of the uncertainty (95 %).
+    pub band: Option<(f64, f64)>,
+}
+
+/// A closed form of its own, drawn as a thin grey line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Law {
+    /// Its name in the legend.
+    pub label: String,
+    /// By rising x.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// A horizontal line that the curves are judged by. An axis that cannot show its value leaves it out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Limit {
+    /// In the unit of the y axis.
+    pub value: f64,
+    /// `limit 10 ″`
+    pub label: String,
+}
+
+impl Figure {
+    /// Number of points that the axes cannot show: not finite, or not positive on a logarithmic axis.
+    pub fn left_out(&self) -> usize {
+        self.series
+            .iter()
+            .flat_map(|series| &series.points)
+            .filter(|point| !self.shows((point.x, point.y)))
+            .count()
+    }
+
+    /// Whether both axes can show the place.
+    pub(super) fn shows(&self, (x, y): (f64, f64)) -> bool {
+        self.x.scale.shows(x) && self.y.scale.shows(y)
+    }
+
+    /// Whether any series has a closed form.
+    pub(super) fn has_laws(&self) -> bool {
+        self.series.iter().any(|series| !series.law.is_empty())
+    }
+
+    /// The style of a series' dash and marker.
+    pub(super) fn dash_of(&self, series: &Series) -> usize {
+        if self.dashes.entries.is_empty() { series.colour } else { series.dash }
+    }
+
+    /// The name of a series: those of its colour and of its dash.
+    pub(super) fn name(&self, series: &Series) -> String {
+        let of = |grouping: &Grouping, style| {
+            grouping.entries.iter().find(|entry| entry.style == style).map(|entry| entry.name.clone())
+        };
+        let names = [of(&self.colours, series.colour), of(&self.dashes, series.dash)];
+        names.into_iter().flatten().collect::<Vec<_>>().join(", ")
+    }
+}

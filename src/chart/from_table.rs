@@ -1,0 +1,247 @@
+//! A figure from the columns of a table.
+
+use std::collections::BTreeSet;
+
+use super::figure::{Axis, Entry, Figure, Grouping, Limit, Series, SeriesPoint, with_unit};
+use super::scale::Scale;
+use super::spec::{ChartError, Notes, Spec};
+use crate::table::{Cell, Column, Table, significant};
+
+impl Figure {
+    /// The chart of `table` that `spec` describes. Curves stand in the order of their first rows, and points by rising x;
+    /// curves that coincide are merged by [`Figure::merge_coincident`].
+    ///
+    /// # Errors
+    /// A column that is not there, holds text instead of numbers, or has no row with a value asked for.
+    pub fn from_table(table: &Table, spec: &Spec) -> Result<(Figure, Notes), ChartError> {
+        let (x, y) = (numbers(table, &spec.x)?, numbers(table, &spec.y)?);
+        let oracle = format!("oracle_{}", y.name);
+        let oracle = table.columns.iter().find(|column| column.name == oracle);
+        let (colours, dashes) = match &spec.series[..] {
+            [] => (None, None),
+            [colour] => (Some(table.column(colour)?), None),
+            [colour, dash] => (Some(table.column(colour)?), Some(table.column(dash)?)),
+            more => return Err(ChartError::TooManySeries { found: more.len() }),
+        };
+        let rows = chosen_rows(table, &spec.filter)?;
+        let mut figure = Figure {
+            title: spec.title.clone(),
+            subtitle: spec.subtitle.clone(),
+            x: axis(x, spec.x_scale),
+            y: axis(y, spec.y_scale),
+            colours: grouping(colours, &rows),
+            dashes: grouping(dashes, &rows),
+            points: spec.points.clone(),
+            series: vec![],
+            laws: vec![],
+            limit: spec.limit.map(|value| limit(value, y)),
+        };
+        let mut notes = Notes::default();
+        for row in rows {
+            let colour = colours.map_or(0, |column| style(&figure.colours, &column.cells[row]));
+            let dash = dashes.map_or(0, |column| style(&figure.dashes, &column.cells[row]));
+            let series = curve(&mut figure.series, colour, dash);
+            let Some(x) = x.cells[row].number() else {
+                notes.blank += 1;
+                continue;
+            };
+            series.law.extend(oracle.and_then(|oracle| oracle.cells[row].number()).map(|law| (x, law)));
+            match y.cells[row].number() {
+                Some(value) => {
+                    let band = y.band.as_ref().and_then(|band| band.get(row).copied().flatten());
+                    series.points.push(SeriesPoint { x, y: value, band });
+                }
+                None => notes.blank += 1,
+            }
+        }
+        for series in &mut figure.series {
+            series.points.sort_by(|a, b| a.x.total_cmp(&b.x));
+            series.law.sort_by(|a, b| a.0.total_cmp(&b.0));
+            notes.repeated += series.points.windows(2).filter(|pair| pair[0].x == pair[1].x).count();
+        }
+        notes.left_out = figure.left_out();
+        notes.merged = figure.merge_coincident();
+        notes.coincident = figure.coincident();
+        Ok((figure, notes))
+    }
+}
+
+/// The column of that name, if it may be an axis.
+fn numbers<'t>(table: &'t Table, name: &str) -> Result<&'t Column, ChartError> {
+    let column = table.column(name)?;
+    match column.cells.iter().find(|cell| matches!(cell, Cell::Text(_))) {
+        Some(text) => Err(ChartError::NotNumbers { column: column.header(), example: text.text() }),
+        None => Ok(column),
+    }
+}
+
+fn chosen_rows(table: &Table, filter: &[(String, String)]) -> Result<Vec<usize>, ChartError> {
+    let mut rows: Vec<usize> = (0..table.rows()).collect();
+    for (name, value) in filter {
+        let column = table.column(name)?;
+        let known: BTreeSet<String> = rows.iter().map(|&row| column.cells[row].text()).collect();
+        rows.retain(|&row| has_value(&column.cells[row], value));
+        if rows.is_empty() && !known.is_empty() {
+            let (column, value) = (column.header(), value.clone());
+            return Err(ChartError::NoSuchRow { column, value, known: known.into_iter().collect() });
+        }
+    }
+    Ok(rows)
+}
+
+/// Whether a cell shows `value`, or is the same number written differently, as `0.10` for 0.1.
+fn has_value(cell: &Cell, value: &str) -> bool {
+    cell.text() == value || cell.number().is_some_and(|number| value.parse() == Ok(number))
+}
+
+fn axis(column: &Column, scale: Scale) -> Axis {
+    Axis { label: column.label.clone(), unit: column.unit.symbol.to_owned(), scale }
+}
+
+fn limit(value: f64, y: &Column) -> Limit {
+    let label = format!("limit {} {}", significant(value, 6), y.unit.symbol);
+    Limit { value, label: label.trim_end().to_owned() }
+}
+
+/// The different values of a column, in the order of their first rows.
+fn grouping(column: Option<&Column>, rows: &[usize]) -> Grouping {
+    let Some(column) = column else {
+        return Grouping::default();
+    };
+    let mut entries: Vec<Entry> = vec![];
+    for name in rows.iter().map(|&row| name(&column.cells[row])) {
+        if entries.iter().all(|entry| entry.name != name) {
+            entries.push(Entry { style: entries.len(), name });
+        }
+    }
+    Grouping { title: with_unit(&column.label, column.unit.symbol), entries }
+}
+
+/// A value as the legend names it.
+fn name(cell: &Cell) -> String {
+    if *cell == Cell::Blank { "(blank)".to_owned() } else { cell.text() }
+}
+
+fn style(grouping: &Grouping, cell: &Cell) -> usize {
+    let name = name(cell);
+    grouping.entries.iter().find(|entry| entry.name == name).map_or(0, |entry| entry.style)
+}
+
+/// The curve of these styles, a new one if there is none yet.
+fn curve(series: &mut Vec<Series>, colour: usize, dash: usize) -> &mut Series {
+    let place = series.iter().position(|s| (s.colour, s.dash) == (colour, dash)).unwrap_or_else(|| {
+        series.push(Series { colour, dash, points: vec![], law: vec![] });
+        series.len() - 1
+    });
+    &mut series[place]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::Unit;
+
+    fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
+        Column { name: name.to_owned(), label: name.to_owned(), unit, cells, band: None }
+    }
+
+    /// Two fillers that differ only at n = 2, and "copy", which equals "const".
+    fn table() -> Table {
+        let mut rows: Vec<(&str, i64, f64, f64)> = vec![];
+        for n in [2, 1] {
+            for x in [3.0, 1.0, 2.0] {
+                let y = x * n as f64;
+                rows.extend([("const", n, x, y), ("quad", n, x, y + (n - 1) as f64), ("copy", n, x, y)]);
+            }
+        }
+        let numbers =
+            |of: fn(&(&str, i64, f64, f64)) -> f64| rows.iter().map(|row| Cell::Number(of(row))).collect();
+        let mut rms = column("rms", Unit::ARCSEC, numbers(|row| row.3));
+        rms.band = Some(rows.iter().map(|row| Some((0.9 * row.3, 1.1 * row.3))).collect());
+        Table {
+            columns: vec![
+                column("filler", Unit::NONE, rows.iter().map(|row| Cell::Text(row.0.to_owned())).collect()),
+                column(
+                    "switching.gap_ticks",
+                    Unit::NONE,
+                    rows.iter().map(|row| Cell::Integer(row.1)).collect(),
+                ),
+                column("motion.frequency", Unit::HZ, numbers(|row| row.2)),
+                rms,
+                column("oracle_rms", Unit::ARCSEC, numbers(|row| 1.01 * row.3)),
+            ],
+        }
+    }
+
+    fn spec() -> Spec {
+        Spec {
+            title: "t".to_owned(),
+            subtitle: None,
+            x: "frequency".to_owned(),
+            y: "rms".to_owned(),
+            x_scale: Scale::Linear,
+            y_scale: Scale::Log,
+            series: vec!["filler".to_owned(), "gap_ticks".to_owned()],
+            filter: vec![],
+            limit: Some(10.0),
+            points: "Monte Carlo".to_owned(),
+        }
+    }
+
+    #[test]
+    fn rows_become_curves_in_order_of_appearance_sorted_by_x_with_band_law_unit_and_limit() {
+        let (figure, notes) = Figure::from_table(&table(), &spec()).unwrap();
+        assert_eq!(figure.x.title(), "motion.frequency, Hz");
+        assert_eq!(figure.limit.unwrap().label, "limit 10 ″");
+        let names = |grouping: &Grouping| grouping.entries.iter().map(|e| e.name.clone()).collect::<Vec<_>>();
+        assert_eq!(names(&figure.colours), ["const = copy", "quad"]);
+        assert_eq!(names(&figure.dashes), ["2", "1"]);
+        let first = &figure.series[0];
+        assert_eq!(
+            first.points.iter().map(|p| (p.x, p.y)).collect::<Vec<_>>(),
+            [(1.0, 2.0), (2.0, 4.0), (3.0, 6.0)]
+        );
+        assert_eq!(first.points[0].band, Some((1.8, 2.2)));
+        assert_eq!(first.law[0], (1.0, 2.02));
+        assert_eq!(notes.merged, ["const = copy"]);
+        assert_eq!(notes.coincident, ["const = copy, 1 and quad, 1"]);
+    }
+
+    #[test]
+    fn a_filter_keeps_its_rows_and_one_that_keeps_none_says_what_there_is() {
+        let with = |value: &str| Spec { filter: vec![("gap_ticks".to_owned(), value.to_owned())], ..spec() };
+        let (figure, _) = Figure::from_table(&table(), &with("1.0")).unwrap();
+        assert_eq!(figure.dashes.entries.len(), 1);
+        let error = Figure::from_table(&table(), &with("7")).unwrap_err();
+        assert_eq!(error.to_string(), "no row has switching.gap_ticks = `7`; there are 1, 2");
+    }
+
+    #[test]
+    fn values_left_out_blank_or_repeated_are_counted_and_said() {
+        let mut table = table();
+        table.columns[3].cells[0] = Cell::Number(0.0);
+        table.columns[3].cells[1] = Cell::Blank;
+        let (_, notes) =
+            Figure::from_table(&table, &Spec { series: vec!["filler".to_owned()], ..spec() }).unwrap();
+        assert_eq!((notes.left_out, notes.blank, notes.repeated), (1, 1, 8));
+        let sentence = notes.sentence().unwrap();
+        assert!(sentence.starts_with("1 of the points cannot be shown on these axes"), "{sentence}");
+        assert_eq!(Notes::default().sentence(), None);
+    }
+
+    #[test]
+    fn an_empty_table_makes_an_empty_figure() {
+        let mut table = table();
+        table.columns.iter_mut().for_each(|column| column.cells.clear());
+        let (figure, notes) = Figure::from_table(&table, &spec()).unwrap();
+        assert!(figure.series.is_empty() && notes.sentence().is_none());
+    }
+
+    #[test]
+    fn text_on_an_axis_and_a_third_grouping_are_refused() {
+        let text = Spec { y: "filler".to_owned(), ..spec() };
+        assert!(matches!(Figure::from_table(&table(), &text), Err(ChartError::NotNumbers { .. })));
+        let three = Spec { series: vec!["filler".to_owned(); 3], ..spec() };
+        assert_eq!(Figure::from_table(&table(), &three), Err(ChartError::TooManySeries { found: 3 }));
+    }
+}

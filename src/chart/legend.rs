@@ -1,0 +1,170 @@
+//! The legend: what colours, dashes and signs stand for, beside the plot.
+
+use super::canvas::{Canvas, Lettering, Stroke};
+use super::figure::{Figure, Grouping};
+use super::palette::{self, INK, MUTED};
+use super::text;
+
+const SIZE: f64 = 13.0;
+const ROW: f64 = 22.0;
+const SAMPLE: f64 = 36.0;
+const GAP: f64 = 10.0;
+/// Longer entries are shortened.
+const WIDEST_TEXT: f64 = 210.0;
+
+/// The legend of a figure, ready to be drawn.
+#[derive(Debug, Default)]
+pub(super) struct Legend {
+    rows: Vec<Row>,
+}
+
+#[derive(Debug)]
+enum Row {
+    Heading(String),
+    Entry(Sample, String),
+    Remark(String),
+    Space,
+}
+
+/// A piece of what the entry stands for.
+#[derive(Debug, Default)]
+struct Sample {
+    line: Option<Stroke>,
+    /// Style and colour.
+    marker: Option<(usize, &'static str)>,
+    band: Option<&'static str>,
+}
+
+impl Legend {
+    /// One part for the colours, one for dashes and markers, one for laws, one on how to read points, lines and bands.
+    pub fn of(figure: &Figure) -> Legend {
+        let mut legend = Legend::default();
+        let own_dashes = !figure.dashes.entries.is_empty();
+        legend.grouping(&figure.colours, |style| {
+            let colour = palette::colour(style);
+            if own_dashes {
+                return Sample { line: Some(Stroke { colour, width: 3.5, dash: "" }), ..Sample::default() };
+            }
+            curve_sample(style, colour)
+        });
+        legend.grouping(&figure.dashes, |style| curve_sample(style, MUTED));
+        legend.part(None, law_entries(figure));
+        legend.part(None, reading_entries(figure));
+        let coincident = figure.coincident();
+        if !coincident.is_empty() {
+            legend.part(Some("the same curve"), coincident.into_iter().map(Row::Remark).collect());
+        }
+        legend
+    }
+
+    fn grouping(&mut self, grouping: &Grouping, sample: impl Fn(usize) -> Sample) {
+        let entries =
+            grouping.entries.iter().map(|entry| Row::Entry(sample(entry.style), entry.name.clone()));
+        self.part(Some(&grouping.title), entries.collect());
+    }
+
+    fn part(&mut self, heading: Option<&str>, rows: Vec<Row>) {
+        if rows.is_empty() {
+            return;
+        }
+        if !self.rows.is_empty() {
+            self.rows.push(Row::Space);
+        }
+        self.rows.extend(heading.filter(|text| !text.is_empty()).map(|text| Row::Heading(text.to_owned())));
+        self.rows.extend(rows);
+    }
+
+    /// The width that it takes, 0 if it is empty.
+    pub fn width(&self) -> f64 {
+        let of_row = |row: &Row| match row {
+            Row::Heading(text) => text::width(text, SIZE, true).min(WIDEST_TEXT + SAMPLE + GAP),
+            Row::Entry(_, text) => SAMPLE + GAP + text::width(text, SIZE, false).min(WIDEST_TEXT),
+            Row::Remark(text) => text::width(text, SIZE, false).min(WIDEST_TEXT + SAMPLE + GAP),
+            Row::Space => 0.0,
+        };
+        self.rows.iter().map(of_row).fold(0.0, f64::max)
+    }
+
+    /// Draws it downwards from its upper left corner; what does not fit above `bottom` is counted in a last row.
+    pub fn draw(&self, canvas: &mut Canvas, (left, top): (f64, f64), bottom: f64) {
+        let lettering = Lettering { size: SIZE, bold: false, colour: INK, anchor: "start" };
+        let mut y = top;
+        for (i, row) in self.rows.iter().enumerate() {
+            let middle = y + 0.5 * ROW;
+            let baseline = middle + 0.36 * SIZE;
+            let rest =
+                self.rows[i..].iter().filter(|row| matches!(row, Row::Entry(..) | Row::Remark(_))).count();
+            if y + 2.0 * ROW > bottom && rest > 1 {
+                canvas.text((left, baseline), &format!("… and {rest} more"), lettering);
+                return;
+            }
+            match row {
+                Row::Heading(text) => {
+                    let text = text::fitted(text, SIZE, true, WIDEST_TEXT + SAMPLE + GAP);
+                    canvas.text((left, baseline), &text, Lettering { bold: true, ..lettering });
+                }
+                Row::Entry(sample, text) => {
+                    sample.draw(canvas, left, middle);
+                    let text = text::fitted(text, SIZE, false, WIDEST_TEXT);
+                    canvas.text((left + SAMPLE + GAP, baseline), &text, lettering);
+                }
+                Row::Remark(text) => {
+                    let text = text::fitted(text, SIZE, false, WIDEST_TEXT + SAMPLE + GAP);
+                    canvas.text((left, baseline), &text, Lettering { colour: MUTED, ..lettering });
+                }
+                Row::Space => {}
+            }
+            y += if matches!(row, Row::Space) { 0.6 * ROW } else { ROW };
+        }
+    }
+}
+
+fn curve_sample(style: usize, colour: &'static str) -> Sample {
+    let line = Stroke { colour, width: 1.6, dash: palette::dash(style) };
+    Sample { line: Some(line), marker: Some((style, colour)), band: None }
+}
+
+fn law_entries(figure: &Figure) -> Vec<Row> {
+    let sample = |style| Sample { line: Some(law_stroke(style)), ..Sample::default() };
+    figure.laws.iter().enumerate().map(|(i, law)| Row::Entry(sample(i), law.label.clone())).collect()
+}
+
+/// How a law of its own is drawn: never solid, as the closed forms of curves are in the legend.
+pub(super) fn law_stroke(style: usize) -> Stroke {
+    Stroke { colour: MUTED, width: 1.4, dash: palette::dash(style + 1) }
+}
+
+fn reading_entries(figure: &Figure) -> Vec<Row> {
+    let has_band = figure.series.iter().flat_map(|series| &series.points).any(|point| point.band.is_some());
+    let mut rows = vec![];
+    if !figure.points.is_empty() && !figure.series.is_empty() {
+        rows.push(Row::Entry(
+            Sample { marker: Some((0, MUTED)), ..Sample::default() },
+            figure.points.clone(),
+        ));
+    }
+    if figure.has_laws() {
+        let line = Stroke { colour: MUTED, width: 1.4, dash: "" };
+        rows.push(Row::Entry(Sample { line: Some(line), ..Sample::default() }, "closed form".to_owned()));
+    }
+    if has_band {
+        rows.push(Row::Entry(Sample { band: Some(MUTED), ..Sample::default() }, "95 % band".to_owned()));
+    }
+    rows
+}
+
+impl Sample {
+    fn draw(&self, canvas: &mut Canvas, left: f64, middle: f64) {
+        let right = left + SAMPLE;
+        if let Some(colour) = self.band {
+            let (over, under) = (middle - 5.0, middle + 5.0);
+            canvas.area(&[(left, over), (right, over), (right, under), (left, under)], colour);
+        }
+        if let Some(stroke) = self.line {
+            canvas.line(&[(left, middle), (right, middle)], stroke);
+        }
+        if let Some((style, colour)) = self.marker {
+            canvas.marker((left + 0.5 * SAMPLE, middle), 4.2, style, colour);
+        }
+    }
+}

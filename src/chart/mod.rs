@@ -1,0 +1,33 @@
+//! Charts: a table becomes a [`Figure`], a figure an SVG, an SVG a PNG.
+//!
+//! ```text
+//! Table ─ Spec ─▶ Figure ─ svg() ─▶ SVG text ─ png() ─▶ PNG bytes
+//! ```
+//!
+//! The same figure gives the same bytes on every machine: logarithms are libm's, coordinates are rounded to 0.01 px,
+//! lettering is measured and rendered with the bundled DejaVu Sans, and nothing carries a date, a version or an id.
+//! A picture has no ids also because several of them may stand in one HTML page, where equal ids would meet.
+//!
+//! The drawing is our own. kuva 0.6, whose source was read for it, takes no explicit ticks, writes 0.01 as `1e-2`, shows line *or*
+//! marker in a legend, never both, and takes logarithms from the platform.
+
+mod axes;
+mod canvas;
+mod coincidence;
+mod figure;
+mod from_table;
+mod legend;
+mod palette;
+mod plot;
+mod png;
+mod scale;
+mod spec;
+mod svg;
+mod text;
+mod ticks;
+
+pub use figure::{Axis, Entry, Figure, Grouping, Law, Limit, Series, SeriesPoint};
+pub use png::{PngError, png};
+pub use scale::Scale;
+pub use spec::{ChartError, Notes, Spec};
+pub use svg::{HEIGHT, WIDTH};

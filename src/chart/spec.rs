@@ -1,0 +1,102 @@
+//! What a chart of a table is asked for, and what comes back beside the figure.
+
+#[cfg(doc)]
+use super::Figure;
+use super::Scale;
+use crate::table::ColumnError;
+#[cfg(doc)]
+use crate::table::Table;
+
+/// Which columns make a chart, and how. Columns are named as [`Table::column`] understands them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spec {
+    /// In bold over the chart.
+    pub title: String,
+    /// A second, smaller line.
+    pub subtitle: Option<String>,
+    /// The column along the horizontal axis.
+    pub x: String,
+    /// The column along the vertical axis. Its bands are drawn, and as its closed form the column `oracle_<y>`, where the table has it.
+    pub y: String,
+    /// How the horizontal axis is divided.
+    pub x_scale: Scale,
+    /// How the vertical axis is divided.
+    pub y_scale: Scale,
+    /// At most two columns that split the rows into curves: the first by colour, the second by dash and marker.
+    pub series: Vec<String>,
+    /// Only rows with this value in this column are shown: (column, value as files show it).
+    pub filter: Vec<(String, String)>,
+    /// A horizontal line, in the unit of y.
+    pub limit: Option<f64>,
+    /// What the points are, for the legend: `Monte Carlo`, `measured`. Empty: not said.
+    pub points: String,
+}
+
+/// What the reader of a chart should be told besides.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Notes {
+    /// Points that the axes cannot show, as [`Figure::left_out`] counts them.
+    pub left_out: usize,
+    /// Rows of the chart without x or without y.
+    pub blank: usize,
+    /// Points at an x where their curve has one already: the rows differ in a column that the chart does not name.
+    pub repeated: usize,
+    /// Entries that stand for several curves because they coincide: `const = linear`.
+    pub merged: Vec<String>,
+    /// Single curves that coincide: `const, 1 and linear, 1`.
+    pub coincident: Vec<String>,
+}
+
+impl Notes {
+    /// One sentence, or none if there is nothing to say.
+    pub fn sentence(&self) -> Option<String> {
+        let counted = |count: usize, what: &str| (count > 0).then(|| format!("{count} {what}"));
+        let equal: Vec<&str> = self.merged.iter().chain(&self.coincident).map(String::as_str).collect();
+        let parts = [
+            counted(
+                self.left_out,
+                "of the points cannot be shown on these axes (not positive or not finite)",
+            ),
+            counted(self.blank, "of the rows have no value"),
+            counted(
+                self.repeated,
+                "of the points repeat the x of their curve; name what tells them apart in `series` or `filter`",
+            ),
+            (!equal.is_empty()).then(|| format!("curves that coincide: {}", equal.join("; "))),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        (!parts.is_empty()).then(|| format!("{}.", parts.join("; ")))
+    }
+}
+
+/// Why a table makes no such chart.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ChartError {
+    /// A name that selects no single column.
+    #[error(transparent)]
+    Column(#[from] ColumnError),
+    /// More than two columns to tell curves apart.
+    #[error("{found} columns are to tell the curves apart; a chart has one for colour and one for dash")]
+    TooManySeries {
+        /// How many were named.
+        found: usize,
+    },
+    /// A column of text for an axis.
+    #[error("`{column}` holds text such as `{example}`; an axis needs numbers")]
+    NotNumbers {
+        /// Its header.
+        column: String,
+        /// One of its texts.
+        example: String,
+    },
+    /// A filter that leaves nothing.
+    #[error("no row has {column} = `{value}`; there are {}", known.join(", "))]
+    NoSuchRow {
+        /// The header of the column filtered by.
+        column: String,
+        /// The value asked for.
+        value: String,
+        /// The values there are.
+        known: Vec<String>,
+    },
+}

@@ -1,0 +1,235 @@
+//! A figure as SVG: the layout and the titles.
+
+use super::axes::{self, TICK_SIZE};
+use super::canvas::{Canvas, Lettering};
+use super::figure::Figure;
+use super::legend::Legend;
+use super::palette::{INK, MUTED};
+use super::plot::{self, Frame, Plot};
+use super::text;
+use super::ticks::Ticks;
+
+/// Width of every picture in CSS px.
+pub const WIDTH: f64 = 1000.0;
+/// Height of every picture in CSS px.
+pub const HEIGHT: f64 = 650.0;
+
+const MARGIN: f64 = 26.0;
+const TITLE_SIZE: f64 = 20.0;
+/// About as many labels as an axis has room for.
+const MOST_LABELS: usize = 9;
+
+const AXIS_TITLE: Lettering = Lettering { size: 14.5, bold: false, colour: INK, anchor: "middle" };
+
+impl Figure {
+    /// The figure as SVG, [`WIDTH`] × [`HEIGHT`] CSS px. Equal figures give equal bytes on every machine.
+    ///
+    /// Points that the axes cannot show are missing in it; [`Figure::left_out`] counts them.
+    ///
+    /// ```
+    /// # use sagnac::chart::*;
+    /// let axis = |label: &str, unit: &str| Axis { label: label.into(), unit: unit.into(), scale: Scale::Log };
+    /// let point = |x: f64| SeriesPoint { x, y: 20.0 * x * x, band: None };
+    /// let figure = Figure {
+    ///     title: "Residual of the constant filler".into(),
+    ///     subtitle: None,
+    ///     x: axis("vibration frequency", "Hz"),
+    ///     y: axis("rms error", "″"),
+    ///     colours: Grouping::default(),
+    ///     dashes: Grouping::default(),
+    ///     points: "Monte Carlo".into(),
+    ///     series: vec![Series { colour: 0, dash: 0, points: [2.0, 4.0, 8.0].map(point).into(), law: vec![] }],
+    ///     laws: vec![],
+    ///     limit: Some(Limit { value: 10.0, label: "limit 10 ″".into() }),
+    /// };
+    /// let picture = png(&figure.svg(), 2.0)?;
+    /// # assert!(picture.len() > 1000);
+    /// # Ok::<(), PngError>(())
+    /// ```
+    pub fn svg(&self) -> String {
+        let (x, y) = (plot::x_range(self), plot::y_range(self));
+        let (x_ticks, y_ticks) = (x.ticks(MOST_LABELS), y.ticks(MOST_LABELS));
+        let legend = Legend::of(self);
+        let frame = frame(self, &legend, &y_ticks);
+        let plot = Plot { figure: self, x, y, frame };
+
+        let mut canvas = Canvas::default();
+        canvas.open_picture(WIDTH, HEIGHT, text::FAMILY, &self.title);
+        draw_titles(&mut canvas, self, frame);
+        canvas.group("grid", |canvas| axes::draw_grid(canvas, &plot, &x_ticks, &y_ticks));
+        canvas.group("axes", |canvas| axes::draw_axes(canvas, &plot, &x_ticks, &y_ticks));
+        plot.draw(&mut canvas);
+        let points = self.series.iter().map(|series| series.points.len()).sum::<usize>();
+        if points == self.left_out() && self.laws.is_empty() {
+            draw_nothing(&mut canvas, points, frame);
+        }
+        canvas.group("legend", |canvas| {
+            legend.draw(canvas, (frame.right + MARGIN, frame.top), HEIGHT - 0.5 * MARGIN);
+        });
+        canvas.close_picture();
+        canvas.finish()
+    }
+}
+
+fn frame(figure: &Figure, legend: &Legend, y_ticks: &Ticks) -> Frame {
+    let labels =
+        y_ticks.major.iter().map(|(_, label)| text::width(label, TICK_SIZE, false)).fold(0.0, f64::max);
+    let legend = legend.width();
+    Frame {
+        left: MARGIN + AXIS_TITLE.size + 14.0 + labels + 10.0,
+        top: if figure.subtitle.is_some() { 86.0 } else { 66.0 },
+        right: WIDTH - MARGIN - if legend > 0.0 { legend + MARGIN } else { 0.0 },
+        bottom: HEIGHT - 72.0,
+    }
+}
+
+fn draw_titles(canvas: &mut Canvas, figure: &Figure, frame: Frame) {
+    let room = WIDTH - 2.0 * MARGIN;
+    let wanted = text::width(&figure.title, TITLE_SIZE, true);
+    let size = (TITLE_SIZE * (room / wanted.max(1.0)).min(1.0)).max(14.0);
+    let title = Lettering { size, bold: true, colour: INK, anchor: "start" };
+    canvas.text((MARGIN, 40.0), &text::fitted(&figure.title, size, true, room), title);
+    if let Some(subtitle) = &figure.subtitle {
+        let lettering = Lettering { size: 13.5, bold: false, colour: MUTED, anchor: "start" };
+        canvas.text((MARGIN, 63.0), &text::fitted(subtitle, 13.5, false, room), lettering);
+    }
+    let Frame { left, top, right, bottom } = frame;
+    let fitted = |title: &str, room: f64| text::fitted(title, AXIS_TITLE.size, false, room);
+    canvas.text((0.5 * (left + right), HEIGHT - 20.0), &fitted(&figure.x.title(), right - left), AXIS_TITLE);
+    let place = (MARGIN + 0.8 * AXIS_TITLE.size, 0.5 * (top + bottom));
+    canvas.upward_text(place, &fitted(&figure.y.title(), bottom - top), AXIS_TITLE);
+}
+
+/// Says why the frame is empty.
+fn draw_nothing(canvas: &mut Canvas, left_out: usize, frame: Frame) {
+    let why = match left_out {
+        0 => "no points".to_owned(),
+        1 => "the only point cannot be shown on these axes".to_owned(),
+        n => format!("none of the {n} points can be shown on these axes"),
+    };
+    // Above the middle, where a limit would be.
+    let place = (0.5 * (frame.left + frame.right), frame.top + 0.3 * (frame.bottom - frame.top));
+    let lettering = Lettering { size: 16.0, bold: false, colour: MUTED, anchor: "middle" };
+    canvas.text_on_white(place, &why, lettering);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Axis, Entry, Grouping, Law, Limit, Scale, Series, SeriesPoint, png};
+    use super::*;
+    use resvg::tiny_skia::Pixmap;
+    use resvg::usvg::roxmltree::Document;
+
+    fn grouping(title: &str, names: &[&str]) -> Grouping {
+        let entries = names.iter().enumerate().map(|(style, name)| Entry { style, name: (*name).to_owned() });
+        Grouping { title: title.to_owned(), entries: entries.collect() }
+    }
+
+    fn axis(label: &str, unit: &str) -> Axis {
+        Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log }
+    }
+
+    /// Everything that a figure can have, small.
+    fn figure() -> Figure {
+        let points = |slope: f64| (1..=4).map(move |k| (0.02 * f64::from(k), slope * f64::from(k * k)));
+        let series = |colour: usize, dash: usize, slope: f64| Series {
+            colour,
+            dash,
+            points: points(slope)
+                .map(|(x, y)| SeriesPoint { x, y, band: Some((0.9 * y, 1.2 * y)) })
+                .collect(),
+            law: points(1.02 * slope).collect(),
+        };
+        Figure {
+            title: "Residual < 10 ″ & more".to_owned(),
+            subtitle: Some("n = 1, 3".to_owned()),
+            x: axis("Δt·ν", ""),
+            y: axis("rms error", "″"),
+            colours: grouping("filler", &["const = linear", "quadratic"]),
+            dashes: grouping("gap ticks", &["1", "3"]),
+            points: "Monte Carlo".to_owned(),
+            series: vec![series(0, 0, 2.0), series(0, 1, 5.0), series(1, 0, 0.1), series(1, 1, 0.3)],
+            laws: vec![Law { label: "x³/6".to_owned(), points: points(1.0).collect() }],
+            limit: Some(Limit { value: 10.0, label: "limit 10 ″".to_owned() }),
+        }
+    }
+
+    fn elements(document: &Document, tag: &str, name: &str) -> usize {
+        let group = document.descendants().find(|node| node.attribute("aria-label") == Some(name));
+        group.map_or(0, |group| group.descendants().filter(|node| node.has_tag_name(tag)).count())
+    }
+
+    /// After a wanted change of the drawing: look at `golden.new.svg`, then rename it to `golden.svg`.
+    #[test]
+    fn the_picture_is_the_golden_one_byte_for_byte() {
+        let svg = figure().svg();
+        if svg != include_str!("golden.svg") {
+            let new = concat!(env!("CARGO_MANIFEST_DIR"), "/src/chart/golden.new.svg");
+            std::fs::write(new, svg).unwrap();
+            panic!(
+                "the picture is not src/chart/golden.svg; review {new} and rename it, or mend the drawing"
+            );
+        }
+    }
+
+    #[test]
+    fn the_picture_has_every_curve_and_legend_entry_and_no_ids_or_comments() {
+        let svg = figure().svg();
+        let document = Document::parse(&svg).unwrap();
+        assert_eq!(elements(&document, "circle", "quadratic, 1"), 4);
+        assert_eq!(elements(&document, "polygon", "const = linear, 3"), 4);
+        assert_eq!(elements(&document, "text", "legend"), 2 + 2 + 2 + 1 + 3);
+        assert!(!svg.contains(" id=") && !svg.contains("<!--"));
+    }
+
+    #[test]
+    fn equal_figures_give_equal_bytes() {
+        assert_eq!(figure().svg(), figure().svg());
+        assert_eq!(png(&figure().svg(), 1.0).unwrap(), png(&figure().svg(), 1.0).unwrap());
+    }
+
+    #[test]
+    fn figures_with_nothing_or_little_to_show_are_drawn_all_the_same() {
+        for scale in [Scale::Log, Scale::Linear] {
+            for ys in [vec![], vec![0.0], vec![3.0], vec![0.0, 0.0, 0.0], vec![f64::NAN, -1.0, f64::MAX]] {
+                let mut figure = figure();
+                figure.y.scale = scale;
+                figure.laws.clear();
+                figure.limit = None;
+                figure.series.truncate(1);
+                figure.series[0].law.clear();
+                figure.series[0].points = ys
+                    .iter()
+                    .map(|&y| SeriesPoint { x: 1.0, y, band: Some((f64::NAN, f64::INFINITY)) })
+                    .collect();
+                let svg = figure.svg();
+                assert!(!svg.contains("NaN") && !svg.contains("inf"), "{scale:?} {ys:?}");
+                let drawn = ys.len() - figure.left_out();
+                assert_eq!(elements(&Document::parse(&svg).unwrap(), "circle", "const = linear, 1"), drawn);
+                assert_eq!(svg.contains("shown on these axes") || svg.contains("no points"), drawn == 0);
+            }
+        }
+    }
+
+    #[test]
+    fn the_png_has_the_colours_of_its_curves_and_mostly_white() {
+        let pixmap = Pixmap::decode_png(&png(&figure().svg(), 2.0).unwrap()).unwrap();
+        assert_eq!((pixmap.width(), pixmap.height()), (2000, 1300));
+        let share = |red, green, blue| {
+            let alike = pixmap
+                .pixels()
+                .iter()
+                .filter(|p| (p.red(), p.green(), p.blue()) == (red, green, blue))
+                .count();
+            alike as f64 / pixmap.pixels().len() as f64
+        };
+        assert!(share(255, 255, 255) > 0.8, "{} white", share(255, 255, 255));
+        for (red, green, blue) in [(0x00, 0x44, 0x88), (0xc2, 0x4a, 0x00), (0xb3, 0x00, 0x1b)] {
+            assert!(
+                share(red, green, blue) > 2e-4,
+                "{} of #{red:02x}{green:02x}{blue:02x}",
+                share(red, green, blue)
+            );
+        }
+    }
+}

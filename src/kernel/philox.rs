@@ -1,0 +1,184 @@
+//! Random words: Philox4x32-10, a counter-based generator, so that a draw is a function of its address.
+//!
+//! Twin of `shaders/philox.wgsl`. Source: Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3"
+//! (SC 2011), and the known-answer vectors of Random123.
+
+use super::word::{Scalar, Word};
+
+/// What a draw is for: the last word of its counter. A new purpose shifts no other draw.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Purpose {
+    /// Noise of the ticks before the gap, counted outward from it: tick 0, −1, −2, …; four to a block.
+    NoiseBefore = 0,
+    /// Words 0 and 1: noise of the ticks after the gap, counted outward from it: tick n+1, n+2, …; words 2 and 3:
+    /// phases of the tones. Two and two to a block, so that the usual trial takes two blocks and not three.
+    NoiseAfterAndPhase = 1,
+}
+
+/// The purposes by the names that the shaders know them by.
+pub const PURPOSES: [(&str, Purpose); 2] =
+    [("NOISE_BEFORE", Purpose::NoiseBefore), ("NOISE_AFTER_AND_PHASE", Purpose::NoiseAfterAndPhase)];
+
+/// Where the draws of a trial are found: its number in two halves, and the key of its point.
+#[derive(Debug, Clone, Copy)]
+pub struct Address<W> {
+    pub low: W,
+    pub high: u32,
+    pub key: [u32; 2],
+}
+
+impl<W: Word> Address<W> {
+    /// The four words of a block of a purpose.
+    #[inline(always)]
+    pub fn draw(&self, purpose: Purpose, block: usize) -> [W; 4] {
+        let counter = [self.low, W::splat(self.high), W::splat(block as u32), W::splat(purpose as u32)];
+        philox(counter, self.key.map(W::splat))
+    }
+}
+
+const MULTIPLIER: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
+const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
+
+/// Four random words for a counter and a key, in 10 rounds.
+#[inline(always)]
+pub fn philox<W: Word>(counter: [W; 4], key: [W; 2]) -> [W; 4] {
+    let mut c = counter;
+    let mut k = key;
+    // Written out: a loop left rolled keeps the words out of the wide registers.
+    c = round(c, k);
+    k = next(k);
+    c = round(c, k);
+    k = next(k);
+    c = round(c, k);
+    k = next(k);
+    c = round(c, k);
+    k = next(k);
+    c = round(c, k);
+    k = next(k);
+    c = round(c, k);
+    k = next(k);
+    c = round(c, k);
+    k = next(k);
+    c = round(c, k);
+    k = next(k);
+    c = round(c, k);
+    k = next(k);
+    round(c, k)
+}
+
+#[inline(always)]
+fn round<W: Word>(c: [W; 4], k: [W; 2]) -> [W; 4] {
+    let (high0, low0) = c[0].mulhilo(W::splat(MULTIPLIER[0]));
+    let (high1, low1) = c[2].mulhilo(W::splat(MULTIPLIER[1]));
+    [high1 ^ c[1] ^ k[0], low1, high0 ^ c[3] ^ k[1], low0]
+}
+
+#[inline(always)]
+fn next<W: Word>(k: [W; 2]) -> [W; 2] {
+    [k[0] + W::splat(WEYL[0]), k[1] + W::splat(WEYL[1])]
+}
+
+/// The words of one key in counter order, for use with `rand`'s distributions and adaptors.
+///
+/// The counter is 128 bits, least significant word first, and starts at 0; output word i of block b is word 4b + i of
+/// the stream. Period 2^130 words. Not cryptographic.
+///
+/// ```
+/// use rand::{RngExt, SeedableRng};
+/// let mut rng = sagnac::kernel::philox::Philox::seed_from_u64(1);
+/// let x: f64 = rng.random();
+/// assert!((0.0..1.0).contains(&x));
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Philox {
+    key: [u32; 2],
+    /// Index of the next word.
+    next: u128,
+    block: [u32; 4],
+}
+
+impl Philox {
+    /// The stream of `key` from its start.
+    pub fn new(key: [u32; 2]) -> Philox {
+        Philox { key, next: 0, block: [0; 4] }
+    }
+
+    fn word(&mut self) -> u32 {
+        let lane = (self.next % 4) as usize;
+        if lane == 0 {
+            let counter = self.next / 4;
+            let words = [0, 32, 64, 96].map(|shift| Scalar((counter >> shift) as u32));
+            self.block = philox(words, self.key.map(Scalar)).map(|word| word.0);
+        }
+        self.next = self.next.wrapping_add(1);
+        self.block[lane]
+    }
+}
+
+impl rand_core::TryRng for Philox {
+    type Error = core::convert::Infallible;
+
+    fn try_next_u32(&mut self) -> Result<u32, Self::Error> {
+        Ok(self.word())
+    }
+
+    fn try_next_u64(&mut self) -> Result<u64, Self::Error> {
+        rand_core::utils::next_u64_via_u32(self)
+    }
+
+    fn try_fill_bytes(&mut self, to: &mut [u8]) -> Result<(), Self::Error> {
+        rand_core::utils::fill_bytes_via_next_word(to, || self.try_next_u32())
+    }
+}
+
+impl rand_core::SeedableRng for Philox {
+    type Seed = [u8; 8];
+
+    fn from_seed(seed: [u8; 8]) -> Philox {
+        let [a, b, c, d, e, f, g, h] = seed;
+        Philox::new([u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_core::{Rng, SeedableRng};
+
+    /// Random123's `kat_vectors` for philox4x32, 10 rounds: counter, key, output.
+    const RANDOM123: [([u32; 4], [u32; 2], [u32; 4]); 3] = [
+        ([0; 4], [0; 2], [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8]),
+        ([!0; 4], [!0; 2], [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]),
+        (
+            [0x243f_6a88, 0x85a3_08d3, 0x1319_8a2e, 0x0370_7344],
+            [0xa409_3822, 0x299f_31d0],
+            [0xd16c_fe09, 0x94fd_cceb, 0x5001_e420, 0x2412_6ea1],
+        ),
+    ];
+
+    #[test]
+    fn words_are_those_of_random123() {
+        for (counter, key, expected) in RANDOM123 {
+            assert_eq!(philox(counter.map(Scalar), key.map(Scalar)).map(|word| word.0), expected);
+        }
+    }
+
+    #[test]
+    fn the_stream_is_the_blocks_in_counter_order() {
+        let mut rng = Philox::from_seed([0; 8]);
+        let first: Vec<u32> = (0..4).map(|_| rng.next_u32()).collect();
+        assert_eq!(first, RANDOM123[0].2);
+        let fifth = philox([1, 0, 0, 0].map(Scalar), [Scalar(0); 2])[0].0;
+        assert_eq!(rng.next_u32(), fifth);
+    }
+
+    #[test]
+    fn value_stability() {
+        let mut rng = Philox::seed_from_u64(42);
+        assert_eq!(rng.next_u64(), 16_613_817_376_571_387_151);
+        let mut bytes = [0; 5];
+        rng.fill_bytes(&mut bytes);
+        assert_eq!(bytes, [209, 255, 10, 185, 5]);
+    }
+}

@@ -1,0 +1,236 @@
+//! The arithmetic of the kernels: 32-bit words that wrap, in as many lanes as the processor offers.
+//!
+//! A kernel is written once over [`Word`]; a backend chooses the width. Every operation is defined on the bits of one
+//! lane, so all widths and the shaders (`shaders/word.wgsl`) agree by construction, and the tests say that they do.
+
+use core::ops::{Add, BitAnd, BitXor, Mul, Shl, Shr, Sub};
+
+/// A table of pairs, indexed by a word below its length: see [`Word::lookup`].
+pub type PairTable = [[u32; 2]; 512];
+
+/// Lanes of 32-bit words. `+ - * ^ & << >>` act on each lane and wrap; `>>` shifts in zeros.
+pub trait Word:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + BitXor<Output = Self>
+    + BitAnd<Output = Self>
+    + Shl<u32, Output = Self>
+    + Shr<u32, Output = Self>
+{
+    /// The same lanes as signed 64-bit numbers.
+    type Wide: Wide<Word = Self>;
+    /// Number of lanes.
+    const LANES: usize;
+
+    /// `x` in every lane.
+    fn splat(x: u32) -> Self;
+    /// 0, 1, 2, … over the lanes.
+    fn iota() -> Self;
+    /// The first `LANES` words of `from`, in order.
+    fn load(from: &[u32]) -> Self;
+    /// The lanes in order, into the first `LANES` places of `to`.
+    fn store(self, to: &mut [u32]);
+    /// Shift right, repeating the sign bit.
+    fn sar(self, n: u32) -> Self;
+    /// Shift left by each lane's own count below 32.
+    fn shift_left(self, n: Self) -> Self;
+    /// Number of zero bits above the highest one; the argument is not 0.
+    fn leading_zeros(self) -> Self;
+    /// Upper half of the unsigned product.
+    fn mulhi(self, by: Self) -> Self;
+    /// Upper and lower half of the unsigned product.
+    fn mulhilo(self, by: Self) -> (Self, Self);
+    /// The smaller as signed numbers.
+    fn min_signed(self, other: Self) -> Self;
+    /// The larger as signed numbers.
+    fn max_signed(self, other: Self) -> Self;
+    /// The pair at `index`, which is below 512.
+    fn lookup(table: &PairTable, index: Self) -> (Self, Self);
+    /// The signed product.
+    fn mul_wide(self, by: Self) -> Self::Wide;
+}
+
+/// Lanes of signed 64-bit numbers; sums wrap.
+pub trait Wide: Copy + Add<Output = Self> {
+    /// The 32-bit lanes they come from.
+    type Word;
+
+    /// `x` in every lane.
+    fn splat(x: i64) -> Self;
+    /// Bits 32 to 63 of each lane.
+    fn high(self) -> Self::Word;
+    /// The sum of the lanes, each read as signed, exactly.
+    fn total_signed(self) -> i128;
+    /// The sum of the lanes, each read as unsigned, exactly.
+    fn total_unsigned(self) -> u128;
+}
+
+/// One lane: the portable width, and the reference of the others.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Scalar(pub u32);
+
+impl Add for Scalar {
+    type Output = Scalar;
+    #[inline(always)]
+    fn add(self, other: Scalar) -> Scalar {
+        Scalar(self.0.wrapping_add(other.0))
+    }
+}
+
+impl Sub for Scalar {
+    type Output = Scalar;
+    #[inline(always)]
+    fn sub(self, other: Scalar) -> Scalar {
+        Scalar(self.0.wrapping_sub(other.0))
+    }
+}
+
+impl Mul for Scalar {
+    type Output = Scalar;
+    #[inline(always)]
+    fn mul(self, other: Scalar) -> Scalar {
+        Scalar(self.0.wrapping_mul(other.0))
+    }
+}
+
+impl BitXor for Scalar {
+    type Output = Scalar;
+    #[inline(always)]
+    fn bitxor(self, other: Scalar) -> Scalar {
+        Scalar(self.0 ^ other.0)
+    }
+}
+
+impl BitAnd for Scalar {
+    type Output = Scalar;
+    #[inline(always)]
+    fn bitand(self, other: Scalar) -> Scalar {
+        Scalar(self.0 & other.0)
+    }
+}
+
+impl Shl<u32> for Scalar {
+    type Output = Scalar;
+    #[inline(always)]
+    fn shl(self, n: u32) -> Scalar {
+        Scalar(self.0 << n)
+    }
+}
+
+impl Shr<u32> for Scalar {
+    type Output = Scalar;
+    #[inline(always)]
+    fn shr(self, n: u32) -> Scalar {
+        Scalar(self.0 >> n)
+    }
+}
+
+impl Word for Scalar {
+    type Wide = ScalarWide;
+    const LANES: usize = 1;
+
+    #[inline(always)]
+    fn splat(x: u32) -> Scalar {
+        Scalar(x)
+    }
+
+    #[inline(always)]
+    fn iota() -> Scalar {
+        Scalar(0)
+    }
+
+    #[inline(always)]
+    fn load(from: &[u32]) -> Scalar {
+        Scalar(from[0])
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [u32]) {
+        to[0] = self.0;
+    }
+
+    #[inline(always)]
+    fn sar(self, n: u32) -> Scalar {
+        Scalar((self.0 as i32 >> n) as u32)
+    }
+
+    #[inline(always)]
+    fn shift_left(self, n: Scalar) -> Scalar {
+        Scalar(self.0 << n.0)
+    }
+
+    #[inline(always)]
+    fn leading_zeros(self) -> Scalar {
+        Scalar(self.0.leading_zeros())
+    }
+
+    #[inline(always)]
+    fn mulhi(self, by: Scalar) -> Scalar {
+        self.mulhilo(by).0
+    }
+
+    #[inline(always)]
+    fn mulhilo(self, by: Scalar) -> (Scalar, Scalar) {
+        let product = u64::from(self.0) * u64::from(by.0);
+        (Scalar((product >> 32) as u32), Scalar(product as u32))
+    }
+
+    #[inline(always)]
+    fn min_signed(self, other: Scalar) -> Scalar {
+        Scalar((self.0 as i32).min(other.0 as i32) as u32)
+    }
+
+    #[inline(always)]
+    fn max_signed(self, other: Scalar) -> Scalar {
+        Scalar((self.0 as i32).max(other.0 as i32) as u32)
+    }
+
+    #[inline(always)]
+    fn lookup(table: &PairTable, index: Scalar) -> (Scalar, Scalar) {
+        let [first, second] = table[index.0 as usize & 511];
+        (Scalar(first), Scalar(second))
+    }
+
+    #[inline(always)]
+    fn mul_wide(self, by: Scalar) -> ScalarWide {
+        ScalarWide(i64::from(self.0 as i32) * i64::from(by.0 as i32))
+    }
+}
+
+/// One lane of 64 bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ScalarWide(pub i64);
+
+impl Add for ScalarWide {
+    type Output = ScalarWide;
+    #[inline(always)]
+    fn add(self, other: ScalarWide) -> ScalarWide {
+        ScalarWide(self.0.wrapping_add(other.0))
+    }
+}
+
+impl Wide for ScalarWide {
+    type Word = Scalar;
+
+    #[inline(always)]
+    fn splat(x: i64) -> ScalarWide {
+        ScalarWide(x)
+    }
+
+    #[inline(always)]
+    fn high(self) -> Scalar {
+        Scalar((self.0 >> 32) as u32)
+    }
+
+    #[inline(always)]
+    fn total_signed(self) -> i128 {
+        i128::from(self.0)
+    }
+
+    #[inline(always)]
+    fn total_unsigned(self) -> u128 {
+        u128::from(self.0 as u64)
+    }
+}

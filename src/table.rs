@@ -1,0 +1,195 @@
+//! The table: named columns with units, the only thing that files, charts, reports and JSON read.
+
+use std::io;
+
+/// What the numbers of a column are measured in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unit {
+    /// As it ends a column's name in files: `arcsec`, `hz`. Empty for a pure number.
+    pub suffix: &'static str,
+    /// As it stands on an axis: `″`, `Hz`.
+    pub symbol: &'static str,
+}
+
+impl Unit {
+    pub const NONE: Unit = Unit { suffix: "", symbol: "" };
+    pub const ARCSEC: Unit = Unit { suffix: "arcsec", symbol: "″" };
+    pub const ARCSEC_PER_S: Unit = Unit { suffix: "arcsec_per_s", symbol: "″/s" };
+    pub const ARCSEC_PER_SQRT_S: Unit = Unit { suffix: "arcsec_per_sqrt_s", symbol: "″/√s" };
+    pub const HZ: Unit = Unit { suffix: "hz", symbol: "Hz" };
+    pub const S: Unit = Unit { suffix: "s", symbol: "s" };
+}
+
+/// One cell. What is not known is [`Cell::Blank`], never 0.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cell {
+    Blank,
+    Text(String),
+    Integer(i64),
+    Number(f64),
+}
+
+impl Cell {
+    /// The cell as a number, where it is one.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Cell::Integer(i) => Some(*i as f64),
+            Cell::Number(x) => Some(*x),
+            Cell::Blank | Cell::Text(_) => None,
+        }
+    }
+
+    /// The cell as files show it: 9 significant digits for numbers, nothing for a blank.
+    pub fn text(&self) -> String {
+        match self {
+            Cell::Blank => String::new(),
+            Cell::Text(text) => text.clone(),
+            Cell::Integer(i) => i.to_string(),
+            Cell::Number(x) => significant(*x, 9),
+        }
+    }
+}
+
+impl From<Option<f64>> for Cell {
+    /// A value that is missing or not finite is blank.
+    fn from(value: Option<f64>) -> Cell {
+        value.filter(|x| x.is_finite()).map_or(Cell::Blank, Cell::Number)
+    }
+}
+
+/// One quantity over all rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Without the unit: `rms`, `motion.frequency`.
+    pub name: String,
+    /// For people: `rms error`, `Vibration frequency`.
+    pub label: String,
+    pub unit: Unit,
+    pub cells: Vec<Cell>,
+    /// Lower and upper ends of the uncertainty of each cell (95 %), where there is one.
+    pub band: Option<Vec<Option<(f64, f64)>>>,
+}
+
+impl Column {
+    /// The name with its unit, as the header of a file has it: `rms_arcsec`.
+    pub fn header(&self) -> String {
+        if self.unit.suffix.is_empty() {
+            self.name.clone()
+        } else {
+            format!("{}_{}", self.name, self.unit.suffix)
+        }
+    }
+}
+
+/// Why a name given by the user selects no single column.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ColumnError {
+    #[error("no column is called `{name}`; there are {}", known.join(", "))]
+    Unknown { name: String, known: Vec<String> },
+    #[error("`{name}` may mean {}; write the whole name", candidates.join(" or "))]
+    Ambiguous { name: String, candidates: Vec<String> },
+}
+
+/// Columns of equal length.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Table {
+    pub columns: Vec<Column>,
+}
+
+impl Table {
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, |column| column.cells.len())
+    }
+
+    /// The column a user means by `name`: its header, its name, or its name without the part before the last dot.
+    ///
+    /// # Errors
+    /// No such column, or several.
+    pub fn column(&self, name: &str) -> Result<&Column, ColumnError> {
+        let bare = |column: &Column| column.name.rsplit('.').next() == Some(name);
+        let exact = |column: &&Column| column.header() == name || column.name == name;
+        if let Some(column) = self.columns.iter().find(exact) {
+            return Ok(column);
+        }
+        let found: Vec<&Column> = self.columns.iter().filter(|column| bare(column)).collect();
+        match found[..] {
+            [column] => Ok(column),
+            [] => Err(ColumnError::Unknown {
+                name: name.to_owned(),
+                known: self.columns.iter().map(Column::header).collect(),
+            }),
+            _ => Err(ColumnError::Ambiguous {
+                name: name.to_owned(),
+                candidates: found.iter().map(|column| column.header()).collect(),
+            }),
+        }
+    }
+
+    /// Writes the table as CSV: a header, then the rows; blanks stay empty.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_csv(&self, to: impl io::Write) -> io::Result<()> {
+        let mut writer = csv::Writer::from_writer(to);
+        writer.write_record(self.columns.iter().map(Column::header))?;
+        for row in 0..self.rows() {
+            writer.write_record(self.columns.iter().map(|column| column.cells[row].text()))?;
+        }
+        writer.flush()
+    }
+}
+
+/// `x` with `digits` significant digits, without trailing zeros, in plain or scientific form, whichever is shorter to read.
+pub fn significant(x: f64, digits: usize) -> String {
+    if x == 0.0 {
+        return "0".to_owned();
+    }
+    let scientific = format!("{:.*e}", digits - 1, x);
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let trim = |text: &str| match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text.to_owned(),
+    };
+    if (-5..digits as i32).contains(&exponent) {
+        trim(&format!("{:.*}", (digits as i32 - 1 - exponent).max(0) as usize, x))
+    } else {
+        format!("{}e{exponent}", trim(mantissa))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(name: &str, unit: Unit) -> Column {
+        Column { name: name.to_owned(), label: name.to_owned(), unit, cells: vec![], band: None }
+    }
+
+    #[test]
+    fn a_name_finds_its_column_with_or_without_prefix_and_unit() {
+        let table = Table { columns: vec![column("motion.frequency", Unit::HZ), column("rms", Unit::ARCSEC)] };
+        for name in ["motion.frequency_hz", "motion.frequency", "frequency"] {
+            assert_eq!(table.column(name).unwrap().header(), "motion.frequency_hz");
+        }
+        assert_eq!(table.column("rms").unwrap().header(), "rms_arcsec");
+    }
+
+    #[test]
+    fn an_ambiguous_or_unknown_name_is_an_error_that_lists_the_choices() {
+        let table = Table { columns: vec![column("a.x", Unit::HZ), column("b.x", Unit::S)] };
+        assert_eq!(table.column("x").unwrap_err().to_string(), "`x` may mean a.x_hz or b.x_s; write the whole name");
+        assert_eq!(table.column("y").unwrap_err().to_string(), "no column is called `y`; there are a.x_hz, b.x_s");
+    }
+
+    #[test]
+    fn numbers_keep_nine_digits_and_blanks_stay_blank() {
+        assert_eq!(Cell::Number(77.569_123_456_7).text(), "77.5691235");
+        assert_eq!(Cell::Number(0.1).text(), "0.1");
+        assert_eq!(Cell::Number(1.5e-7).text(), "1.5e-7");
+        assert_eq!(Cell::Number(12000.0).text(), "12000");
+        assert_eq!(Cell::from(Some(f64::NAN)).text(), "");
+        assert_eq!(Cell::from(None).text(), "");
+    }
+}

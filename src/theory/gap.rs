@@ -1,0 +1,187 @@
+//! The gap at a mode switch: weights of the fillers, and the exact error of a sine and of white noise.
+//!
+//! Every filler is linear in the ticks it reads, so its angle over the gap is a weighted sum of them, and its error
+//! for a sine is a sine of the same frequency. Source: Z(14)–Z(18); tick j is the angle over ((j − 1)T, jT], the gap
+//! is the ticks 1 … n.
+
+use core::f64::consts::PI;
+
+/// Weights of a filler as exact fractions: `numerators[k] / denominator` on the k-th of its ticks.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Weights {
+    pub ticks: Vec<i32>,
+    pub numerators: Vec<i64>,
+    /// Positive, and without a factor common to all numerators.
+    pub denominator: i64,
+}
+
+impl Weights {
+    /// The weights as numbers.
+    pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
+        self.numerators.iter().map(|&w| w as f64 / self.denominator as f64)
+    }
+
+    /// √Σw²: the standard deviation of the error for unit white noise on the ticks.
+    pub fn noise_gain(&self) -> f64 {
+        libm::sqrt(self.values().map(|w| w * w).sum())
+    }
+
+    /// Σ|w|: the largest error for noise of at most 1 on each tick.
+    pub fn largest_gain(&self) -> f64 {
+        self.values().map(f64::abs).sum()
+    }
+}
+
+/// The weights on `ticks` that give the sum over the gap of the least-squares polynomial of an order through them.
+///
+/// Solves the normal equations in whole numbers (Bareiss' elimination), so the fractions are exact. `None` where the
+/// ticks do not determine the polynomial. Ticks within ±128 and orders up to 2 cannot overflow.
+pub fn polynomial_weights(ticks: &[i32], order: usize, gap_ticks: u32) -> Option<Weights> {
+    let terms = order + 1;
+    let power_sum = |ticks: &mut dyn Iterator<Item = i32>, power: usize| -> i128 {
+        ticks.map(|tick| i128::from(tick).pow(power as u32)).sum()
+    };
+    // Rows: Σ_k x_k^(row + column) a_column = Σ_gap j^row, whose solution a weighs tick x by Σ a_i x^i.
+    let mut rows: Vec<Vec<i128>> = (0..terms)
+        .map(|row| {
+            let mut equation: Vec<i128> =
+                (0..terms).map(|column| power_sum(&mut ticks.iter().copied(), row + column)).collect();
+            equation.push(power_sum(&mut (1..=gap_ticks as i32), row));
+            equation
+        })
+        .collect();
+    let mut previous = 1;
+    for k in 0..terms {
+        let pivot = (k..terms).find(|&row| rows[row][k] != 0)?;
+        rows.swap(k, pivot);
+        let pivot_row = rows[k].clone();
+        for (i, row) in rows.iter_mut().enumerate() {
+            if i != k {
+                let factor = row[k];
+                for (cell, &above) in row.iter_mut().zip(&pivot_row) {
+                    *cell = (pivot_row[k] * *cell - factor * above) / previous;
+                }
+            }
+        }
+        previous = pivot_row[k];
+    }
+    let determinant = previous;
+    let weight = |x: i32| -> i128 { (0..terms).map(|i| rows[i][terms] * i128::from(x).pow(i as u32)).sum() };
+    let numerators: Vec<i128> = ticks.iter().map(|&x| weight(x)).collect();
+    let common = numerators.iter().fold(determinant, |divisor, &w| greatest_common_divisor(divisor, w));
+    let divisor = common.abs() * determinant.signum();
+    Some(Weights {
+        ticks: ticks.to_vec(),
+        numerators: numerators.iter().map(|w| i64::try_from(w / divisor)).collect::<Result<_, _>>().ok()?,
+        denominator: i64::try_from(determinant / divisor).ok()?,
+    })
+}
+
+fn greatest_common_divisor(a: i128, b: i128) -> i128 {
+    if b == 0 { a.abs() } else { greatest_common_divisor(b, a % b) }
+}
+
+/// Angle of a tick at the peak of the rate, per unit of rate amplitude: T sinc(νT).
+pub fn tick_amplitude(tick_s: f64, frequency_hz: f64) -> f64 {
+    let x = PI * frequency_hz * tick_s;
+    if x == 0.0 { tick_s } else { tick_s * libm::sin(x) / x }
+}
+
+/// Phase of the middle of `tick` against the middle of the gap, in radians at νT = `nu_t`.
+pub fn tick_phase(tick: f64, gap_ticks: u32, nu_t: f64) -> f64 {
+    2.0 * PI * nu_t * (tick - 0.5 * (f64::from(gap_ticks) + 1.0))
+}
+
+/// The filler's error for ticks sin(φ + phase), as factors (a, b) of a sin φ + b cos φ, φ at the middle of the gap.
+pub fn sine_response(weights: &Weights, gap_ticks: u32, nu_t: f64) -> (f64, f64) {
+    let mut response = (0.0, 0.0);
+    let mut add = |tick: i32, factor: f64| {
+        let phase = tick_phase(f64::from(tick), gap_ticks, nu_t);
+        response.0 += factor * libm::cos(phase);
+        response.1 += factor * libm::sin(phase);
+    };
+    for (&tick, w) in weights.ticks.iter().zip(weights.values()) {
+        add(tick, w);
+    }
+    for tick in 1..=gap_ticks as i32 {
+        add(tick, -1.0);
+    }
+    response
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ORDERS: [&str; 3] = ["const", "linear", "quadratic"];
+
+    fn default_ticks(error: &str, n: u32) -> Vec<i32> {
+        let n = n as i32;
+        if error == "residual" { vec![-1, 0, n + 1, n + 2] } else { vec![-3, -2, -1, 0] }
+    }
+
+    fn reference(name: &str) -> Vec<csv::StringRecord> {
+        let path = format!("{}/tests/data/{name}.csv", env!("CARGO_MANIFEST_DIR"));
+        csv::Reader::from_path(path).unwrap().records().map(Result::unwrap).collect()
+    }
+
+    fn weights_of(record: &csv::StringRecord) -> (u32, Weights) {
+        let n = record[0].parse().unwrap();
+        let order = ORDERS.iter().position(|&name| name == &record[2]).unwrap();
+        (n, polynomial_weights(&default_ticks(&record[1], n), order, n).unwrap())
+    }
+
+    #[test]
+    fn weights_and_gains_are_those_of_the_reference() {
+        for record in reference("gap_weights") {
+            let (_, weights) = weights_of(&record);
+            for (w, expected) in weights.values().chain([weights.noise_gain()]).zip(record.iter().skip(3)) {
+                let expected: f64 = expected.parse().unwrap();
+                assert!((w - expected).abs() < 1e-10, "{record:?}: {w}");
+            }
+        }
+    }
+
+    #[test]
+    fn sine_responses_are_those_of_the_reference() {
+        for record in reference("gap_sine") {
+            let (n, weights) = weights_of(&record);
+            let nu_t: f64 = record[3].parse().unwrap();
+            let (a, b) = sine_response(&weights, n, nu_t);
+            let largest = tick_amplitude(1.0, nu_t) * libm::hypot(a, b);
+            let expected: f64 = record[5].parse().unwrap();
+            assert!((largest - expected).abs() < 1e-10 * expected.max(1.0), "{record:?}: {largest}");
+        }
+    }
+
+    #[test]
+    fn residual_amplitudes_at_the_papers_point_are_right_to_their_digits() {
+        for (n, constant, quadratic) in [(1, 26.026, 1.435), (2, 77.569, 8.189), (3, 154.511, 26.848)] {
+            for (order, expected) in [(0, constant), (1, constant), (2, quadratic)] {
+                let weights = polynomial_weights(&default_ticks("residual", n), order, n).unwrap();
+                let (a, b) = sine_response(&weights, n, 0.1);
+                let largest = 12000.0 * tick_amplitude(0.005, 20.0) * libm::hypot(a, b);
+                assert!((largest - expected).abs() < 5.1e-4, "n = {n}, order {order}: {largest}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_constant_rate_is_filled_exactly() {
+        for n in 1..=64 {
+            for order in 0..3 {
+                for error in ["residual", "extrapolation"] {
+                    let weights = polynomial_weights(&default_ticks(error, n), order, n).unwrap();
+                    let total: i64 = weights.numerators.iter().sum();
+                    assert_eq!(total, i64::from(n) * weights.denominator, "n = {n}, order {order}, {error}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn too_few_ticks_determine_no_polynomial() {
+        assert_eq!(polynomial_weights(&[0, 2], 2, 1), None);
+        assert_eq!(polynomial_weights(&[], 0, 1), None);
+    }
+}

@@ -1,0 +1,3 @@
+//! Closed forms, in f64: what the Monte Carlo is lowered from and compared with.
+
+pub mod gap;
