@@ -1,2 +1,9 @@
 pub mod backend;
+pub mod block;
+pub mod chart;
+pub mod id;
 pub mod kernel;
+pub mod stats;
+pub mod store;
+pub mod table;
+pub mod theory;

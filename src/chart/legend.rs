@@ -131,7 +131,7 @@ fn law_entries(figure: &Figure) -> Vec<Row> {
 
 /// How a law of its own is drawn: never solid, as the closed forms of curves are in the legend.
 pub(super) fn law_stroke(style: usize) -> Stroke {
-    Stroke { colour: MUTED, width: 1.4, dash: palette::dash(style + 1) }
+    Stroke { colour: MUTED, width: 1.4, dash: palette::broken(style) }
 }
 
 fn reading_entries(figure: &Figure) -> Vec<Row> {

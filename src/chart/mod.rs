@@ -4,12 +4,12 @@
 //! Table ─ Spec ─▶ Figure ─ svg() ─▶ SVG text ─ png() ─▶ PNG bytes
 //! ```
 //!
-//! The same figure gives the same bytes on every machine: logarithms are libm's, coordinates are rounded to 0.01 px,
-//! lettering is measured and rendered with the bundled DejaVu Sans, and nothing carries a date, a version or an id.
-//! A picture has no ids also because several of them may stand in one HTML page, where equal ids would meet.
+//! The same figure gives the same SVG on every machine: logarithms are libm's, coordinates are rounded to 0.01 px,
+//! lettering is measured in the bundled DejaVu Sans, and nothing carries a date, a version or an id. A picture has no
+//! ids also because several of them may stand in one HTML page, where equal ids would meet.
 //!
-//! The drawing is our own. kuva 0.6, whose source was read for it, takes no explicit ticks, writes 0.01 as `1e-2`, shows line *or*
-//! marker in a legend, never both, and takes logarithms from the platform.
+//! The drawing is our own. kuva 0.6, whose source was read for it, takes no explicit ticks, writes 0.01 as `1e-2`,
+//! shows line *or* marker in a legend, never both, and takes logarithms from the platform.
 
 mod axes;
 mod canvas;

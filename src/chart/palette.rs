@@ -1,6 +1,6 @@
 //! The looks that tell curves apart.
 
-/// Colours that differ for colour-blind readers and, in the first three, by lightness in greyscale (L* 29, 54, 64).
+/// Colours that differ for colour-blind readers and, in the first three, by lightness in greyscale (L* 29, 48, 69).
 /// After Paul Tol's schemes and Okabe and Ito.
 const COLOURS: [&str; 8] =
     ["#004488", "#c24a00", "#4fb9a8", "#aa3377", "#e0a100", "#5aaae0", "#444444", "#999933"];
@@ -35,6 +35,11 @@ pub(super) fn colour(style: usize) -> &'static str {
 /// The dash pattern of a style; they repeat.
 pub(super) fn dash(style: usize) -> &'static str {
     DASHES[style % DASHES.len()]
+}
+
+/// The dash pattern of a style among those that are not solid; they repeat.
+pub(super) fn broken(style: usize) -> &'static str {
+    DASHES[1 + style % (DASHES.len() - 1)]
 }
 
 /// The corners of a style's marker; they repeat.

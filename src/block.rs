@@ -1,0 +1,123 @@
+//! Blocks: dyadic ranges of trial numbers, the unit of dispatch, storage and sharding.
+//!
+//! Two blocks nest or are disjoint, so a pile of rows folds to one answer in any order, however it was written.
+
+use core::ops::Range;
+
+/// The trials `first .. first + 2^log2`; `first` is a multiple of 2^log2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Block {
+    pub first: u64,
+    pub log2: u32,
+}
+
+impl Block {
+    /// Number of trials.
+    pub fn trials(&self) -> u64 {
+        1 << self.log2
+    }
+
+    /// The first trial behind the block.
+    pub fn end(&self) -> u64 {
+        self.first + self.trials()
+    }
+}
+
+/// log2 of the largest block: beyond it a lost block would cost minutes.
+const LARGEST: u32 = 26;
+
+/// log2 of a study's base block: 32 to 63 blocks in all its trials, so that a jackknife over them has enough parts.
+pub fn base_log2(trials: u64) -> u32 {
+    (trials / 32).max(1).ilog2().min(LARGEST)
+}
+
+/// The fewest blocks of at most 2^`largest` trials that make up `range`, in order.
+pub fn cover(range: Range<u64>, largest: u32) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    let mut first = range.start;
+    while first < range.end {
+        let log2 = (range.end - first).ilog2().min(first.trailing_zeros()).min(largest);
+        blocks.push(Block { first, log2 });
+        first += 1 << log2;
+    }
+    blocks
+}
+
+/// The blocks that lie in no other one, in order: a complete larger range is kept in place of its parts.
+pub fn fold<T>(mut rows: Vec<(Block, T)>) -> Vec<(Block, T)> {
+    rows.sort_by_key(|(block, _)| (block.first, core::cmp::Reverse(block.log2)));
+    let mut end = 0;
+    rows.retain(|(block, _)| {
+        let outer = block.first >= end;
+        end = end.max(block.end());
+        outer
+    });
+    rows
+}
+
+/// The parts of `0 .. trials` that no held block covers, in order.
+pub fn missing(held: &[Block], trials: u64) -> Vec<Range<u64>> {
+    let mut gaps = Vec::new();
+    let mut end = 0;
+    for (block, ()) in fold(held.iter().map(|&block| (block, ())).collect()) {
+        if block.first > end {
+            gaps.push(end..block.first.min(trials));
+        }
+        end = block.end();
+        if end >= trials {
+            return gaps;
+        }
+    }
+    gaps.push(end..trials);
+    gaps.retain(|gap| gap.start < gap.end);
+    gaps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cover_is_the_range_itself_in_aligned_blocks() {
+        for (range, largest) in [(0..1_000_000, 14), (5..6, 3), (1_000_000..10_000_000, 18), (7..7, 4), (3..1000, 26)] {
+            let blocks = cover(range.clone(), largest);
+            let mut at = range.start;
+            for block in &blocks {
+                assert_eq!(block.first, at);
+                assert_eq!(block.first % block.trials(), 0, "{block:?} is not aligned");
+                assert!(block.log2 <= largest);
+                at = block.end();
+            }
+            assert_eq!(at, range.end.max(range.start));
+        }
+        assert_eq!(cover(0..1 << 20, 14).len(), 64);
+    }
+
+    #[test]
+    fn folding_keeps_the_outermost_blocks_in_any_order() {
+        let block = |first, log2| (Block { first, log2 }, ());
+        let rows = vec![block(4, 1), block(0, 2), block(2, 1), block(8, 0), block(0, 0), block(4, 1)];
+        let kept: Vec<Block> = fold(rows).into_iter().map(|row| row.0).collect();
+        assert_eq!(kept, [block(0, 2).0, block(4, 1).0, block(8, 0).0]);
+    }
+
+    #[test]
+    fn what_is_missing_and_what_is_held_make_up_the_whole() {
+        let held = [Block { first: 4, log2: 2 }, Block { first: 4, log2: 1 }, Block { first: 16, log2: 0 }];
+        assert_eq!(missing(&held, 20), [0..4, 8..16, 17..20]);
+        assert_eq!(missing(&held, 6), [Range { start: 0, end: 4 }]);
+        assert_eq!(missing(&[], 3), [Range { start: 0, end: 3 }]);
+        assert_eq!(missing(&cover(0..1000, 5), 1000), []);
+        assert_eq!(missing(&cover(0..2000, 5), 1000), []);
+    }
+
+    #[test]
+    fn a_study_has_32_to_63_base_blocks() {
+        for trials in [32, 1000, 1_000_000, 1_000_000_000] {
+            let blocks = trials >> base_log2(trials);
+            assert!((32..64).contains(&blocks), "{trials} trials: {blocks}");
+        }
+        assert_eq!(base_log2(1), 0);
+        assert_eq!(base_log2(1 << 40), LARGEST);
+    }
+}

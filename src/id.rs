@@ -1,0 +1,40 @@
+//! Identities: short hashes of what a thing means, never of where it is kept or how it was computed.
+
+use core::fmt;
+
+use sha2::{Digest, Sha256};
+
+/// The first 128 bits of a SHA-256.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Id(pub [u8; 16]);
+
+impl Id {
+    /// The identity of a text.
+    pub fn of(text: &str) -> Id {
+        Id::of_bytes(text.as_bytes())
+    }
+
+    /// The identity of some words, in their order.
+    pub fn of_words(words: impl IntoIterator<Item = u32>) -> Id {
+        let bytes: Vec<u8> = words.into_iter().flat_map(u32::to_le_bytes).collect();
+        Id::of_bytes(&bytes)
+    }
+
+    fn of_bytes(bytes: &[u8]) -> Id {
+        let mut id = [0; 16];
+        id.copy_from_slice(&Sha256::digest(bytes)[..16]);
+        Id(id)
+    }
+
+    /// The first 64 bits as a key for random words.
+    pub fn key(&self) -> [u32; 2] {
+        let [a, b, c, d, e, f, g, h, ..] = self.0;
+        [u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])]
+    }
+}
+
+impl fmt::Display for Id {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}

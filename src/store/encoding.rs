@@ -1,0 +1,108 @@
+//! A tally as bytes: numbers of seven bits a byte (LEB128), runs of empty bins as their length.
+
+use crate::kernel::moments::{BINS, Moments};
+
+/// The tally as bytes.
+pub fn encode(tally: &Moments) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    put(&mut bytes, u128::from(tally.count));
+    put(&mut bytes, zigzag(tally.sum));
+    put(&mut bytes, tally.square);
+    put(&mut bytes, zigzag(tally.least.into()));
+    put(&mut bytes, zigzag(tally.greatest.into()));
+    let mut empty = 0;
+    for &count in &tally.bins {
+        if count == 0 {
+            empty += 1;
+        } else {
+            put(&mut bytes, empty);
+            put(&mut bytes, u128::from(count));
+            empty = 0;
+        }
+    }
+    bytes
+}
+
+/// The tally that the bytes stand for; `None` where they stand for none.
+pub fn decode(bytes: &[u8]) -> Option<Moments> {
+    let mut rest = bytes;
+    let mut tally = Moments {
+        count: take(&mut rest)?.try_into().ok()?,
+        sum: unzigzag(take(&mut rest)?),
+        square: take(&mut rest)?,
+        least: unzigzag(take(&mut rest)?).try_into().ok()?,
+        greatest: unzigzag(take(&mut rest)?).try_into().ok()?,
+        bins: vec![0; BINS],
+    };
+    let mut bin = 0;
+    while !rest.is_empty() {
+        let empty: usize = take(&mut rest)?.try_into().ok()?;
+        bin += empty;
+        *tally.bins.get_mut(bin)? = take(&mut rest)?.try_into().ok()?;
+        bin += 1;
+    }
+    let counted = tally.bins.iter().try_fold(0_u64, |sum, &count| sum.checked_add(count))?;
+    (counted == tally.count).then_some(tally)
+}
+
+fn put(bytes: &mut Vec<u8>, mut number: u128) {
+    while number >= 0x80 {
+        bytes.push(number as u8 | 0x80);
+        number >>= 7;
+    }
+    bytes.push(number as u8);
+}
+
+fn take(bytes: &mut &[u8]) -> Option<u128> {
+    let (mut number, mut shift) = (0_u128, 0);
+    loop {
+        let (&byte, rest) = bytes.split_first()?;
+        *bytes = rest;
+        let part = u128::from(byte & 0x7f);
+        if shift >= 128 || part.leading_zeros() < shift {
+            return None;
+        }
+        number |= part << shift;
+        if byte < 0x80 {
+            return Some(number);
+        }
+        shift += 7;
+    }
+}
+
+fn zigzag(number: i128) -> u128 {
+    ((number << 1) ^ (number >> 127)) as u128
+}
+
+fn unzigzag(number: u128) -> i128 {
+    (number >> 1) as i128 ^ -((number & 1) as i128)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tally_survives_its_bytes() {
+        let mut tally = Moments::empty(true);
+        tally.bins[3] = 1;
+        tally.bins[BINS - 1] = u64::MAX - 1;
+        tally.count = u64::MAX;
+        for sum in [0, 1, -1, i128::MAX, i128::MIN] {
+            (tally.sum, tally.square, tally.least, tally.greatest) = (sum, u128::MAX, i32::MIN, i32::MAX);
+            assert_eq!(decode(&encode(&tally)).as_ref(), Some(&tally));
+        }
+    }
+
+    #[test]
+    fn cut_or_lengthened_bytes_are_refused() {
+        let mut tally = Moments::empty(true);
+        (tally.count, tally.bins[5]) = (300, 300);
+        let bytes = encode(&tally);
+        for length in 0..bytes.len() {
+            assert_eq!(decode(&bytes[..length]), None, "cut to {length}");
+        }
+        assert_eq!(decode(&[&bytes[..], &[0]].concat()), None);
+        assert_eq!(decode(&[0xff; 40]), None);
+    }
+}

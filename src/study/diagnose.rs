@@ -1,0 +1,187 @@
+//! What is wrong with a study, where, and how to put it right.
+
+use std::fmt;
+use std::ops::Range;
+use std::sync::Arc;
+
+use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
+
+/// The text of a study with the name of its file.
+pub(super) type Text = Arc<NamedSource<String>>;
+
+/// A fault at one place of a study, as found by code that does not hold the text.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Fault {
+    span: Range<usize>,
+    message: String,
+    label: String,
+    help: String,
+}
+
+impl Fault {
+    /// `message`: the whole finding; `label`: what stands at `span`; `help`: what is accepted.
+    pub(super) fn new(
+        span: Range<usize>,
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Fault {
+        Fault { span, message: message.into(), label: label.into(), help: help.into() }
+    }
+
+    /// An error of the TOML text itself.
+    pub(super) fn from_syntax(error: &toml::de::Error) -> Fault {
+        let help = "a study is a TOML file; values with units stand in quotes, as in frequency = \"20 Hz\"";
+        let message = format!("the study is not valid TOML: {}", error.message().replace('\n', "; "));
+        Fault::new(error.span().unwrap_or_default(), message, "here", help)
+    }
+
+    /// An error of well-formed TOML that is no study: a key unknown or missing, or a value of the wrong type.
+    ///
+    /// serde hands over such errors as text only; it sets every name in backticks, the offending one first.
+    pub(super) fn from_serde(error: &toml::de::Error) -> Fault {
+        let span = error.span().unwrap_or_default();
+        let message = error.message();
+        let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+        match names[..] {
+            [found, ref known @ ..] if message.starts_with("unknown field") => {
+                Fault::new(span, format!("unknown key `{found}`"), "not a key of this table", choices(found, known))
+            }
+            [found, ref known @ ..] if message.starts_with("unknown variant") => {
+                Fault::new(span, format!("unknown value \"{found}\""), "not one of the choices", choices(found, known))
+            }
+            [missing] if message.starts_with("missing field") => {
+                let message = format!("the key `{missing}` is missing");
+                Fault::new(span, message, "in this table", format!("add a line `{missing} = …`"))
+            }
+            _ => Fault::new(span, message, "wrong type", "`sagnac schema` prints what every key accepts"),
+        }
+    }
+
+    /// The fault with the text it is about.
+    pub(super) fn within(self, text: &Text) -> StudyError {
+        let end = first_line_end(text.inner(), &self.span);
+        let span = Some(self.span.start..end);
+        let Fault { message, label, help, .. } = self;
+        StudyError { message, label, help, span, text: Some(text.clone()) }
+    }
+}
+
+/// The end of `span`, or of its first line: a caret under a whole table points at nothing.
+fn first_line_end(text: &str, span: &Range<usize>) -> usize {
+    let marked = text.get(span.clone()).unwrap_or_default();
+    marked.find(['\r', '\n']).map_or(span.end, |length| span.start + length)
+}
+
+/// Why a study was refused: what was found and where, what is accepted, how to put it right.
+///
+/// A [`miette::Diagnostic`]; [`StudyError::render`] gives the text for a terminal.
+#[derive(Debug, Clone, thiserror::Error)]
+#[error("{message}")]
+pub struct StudyError {
+    message: String,
+    label: String,
+    help: String,
+    /// Absent where the file could not be read.
+    span: Option<Range<usize>>,
+    text: Option<Text>,
+}
+
+impl StudyError {
+    /// A study file that could not be read.
+    pub(super) fn unreadable(path: &std::path::Path, error: &std::io::Error) -> StudyError {
+        StudyError {
+            message: format!("cannot read the study {}: {error}", path.display()),
+            label: String::new(),
+            help: "give the path of a study file (TOML, UTF-8)".to_owned(),
+            span: None,
+            text: None,
+        }
+    }
+
+    /// The report for people: file, line, caret and help, `width` columns wide; without escape codes unless `color`.
+    pub fn render(&self, color: bool, width: usize) -> String {
+        let theme = if color { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
+        let handler = GraphicalReportHandler::new_themed(theme).with_links(color).with_width(width);
+        let mut report = String::new();
+        match handler.render_report(&mut report, self) {
+            Ok(()) => report,
+            Err(fmt::Error) => format!("{self}\nhelp: {}\n", self.help),
+        }
+    }
+}
+
+impl Diagnostic for StudyError {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        Some(Box::new(&self.help))
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.text.as_deref().map(|text| text as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let span = self.span.clone()?;
+        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(Some(self.label.clone()), span))))
+    }
+}
+
+/// Help for a wrong name: the nearest of `known` if one is near, and all of them.
+pub(super) fn choices(found: &str, known: &[&str]) -> String {
+    let accepted = format!("accepted: {}", known.join(", "));
+    match nearest(found, known) {
+        Some(name) => format!("did you mean `{name}`? {accepted}"),
+        None => accepted,
+    }
+}
+
+/// The name most like `found`, where one is alike: a slip of the fingers, or a name without its prefix.
+fn nearest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
+    let likeness = |name: &str| {
+        let bare = name.rsplit('.').next().unwrap_or(name);
+        let whole = strsim::normalized_damerau_levenshtein(found, name);
+        whole.max(strsim::normalized_damerau_levenshtein(found, bare))
+    };
+    let best = known.iter().copied().max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;
+    (likeness(best) >= 0.5).then_some(best)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_name_is_offered_only_when_it_is_near() {
+        let known = ["motion.frequency", "motion.amplitude", "gyro.tick"];
+        assert_eq!(nearest("motion.freqency", &known), Some("motion.frequency"));
+        assert_eq!(nearest("frequency", &known), Some("motion.frequency"));
+        assert_eq!(nearest("temperature", &known), None);
+        assert_eq!(nearest("x", &[]), None);
+    }
+
+    #[test]
+    fn an_error_renders_through_every_handler_of_miette() {
+        let text: Text = Arc::new(NamedSource::new("a.toml", "x = 1\ny = 2 µ\n".to_owned()));
+        let error = Fault::new(10..14, "bad y", "this one", "write 3").within(&text);
+        let plain = error.render(false, 80);
+        for piece in ["bad y", "a.toml:2:5", "this one", "write 3"] {
+            assert!(plain.contains(piece), "{piece} is missing in\n{plain}");
+        }
+        assert!(!plain.contains('\u{1b}') && error.render(true, 80).contains('\u{1b}'));
+        let mut narrated = String::new();
+        miette::NarratableReportHandler::new().render_report(&mut narrated, &error).unwrap();
+        assert!(narrated.contains("this one") && narrated.contains("line 2"), "{narrated}");
+        let mut ascii = String::new();
+        let handler = GraphicalReportHandler::new_themed(GraphicalTheme::none());
+        handler.render_report(&mut ascii, &error).unwrap();
+        assert!(ascii.contains("a.toml:2:5"), "{ascii}");
+        assert!(format!("{:?}", miette::Report::new(error)).contains("this one"));
+    }
+
+    #[test]
+    fn an_unreadable_file_has_no_caret_but_help() {
+        let error = std::io::Error::from(std::io::ErrorKind::NotFound);
+        let shown = StudyError::unreadable(std::path::Path::new("no.toml"), &error).render(false, 80);
+        assert!(shown.contains("no.toml") && shown.contains("help"), "{shown}");
+    }
+}

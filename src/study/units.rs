@@ -1,0 +1,289 @@
+//! Quantities: a number with a unit as engineers write them, held in ″ and s.
+
+use std::fmt;
+
+use super::expression::{self, Exponents};
+use crate::table::{Cell, Unit, significant};
+
+/// What a value of a study measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dimension {
+    /// A whole number, without unit.
+    Count,
+    Time,
+    Frequency,
+    Angle,
+    Rate,
+    /// Angle over the root of time; also a rate over the root of frequency, two-sided: 1 °/h/√Hz = 1/60 °/√h.
+    AngleRandomWalk,
+}
+
+impl Dimension {
+    /// All that is written with a unit.
+    const MEASURED: [Dimension; 5] = [
+        Dimension::Time,
+        Dimension::Frequency,
+        Dimension::Angle,
+        Dimension::Rate,
+        Dimension::AngleRandomWalk,
+    ];
+
+    fn exponents(self) -> Exponents {
+        match self {
+            Dimension::Count => Exponents::angle_time(0, 0),
+            Dimension::Time => Exponents::angle_time(0, 2),
+            Dimension::Frequency => Exponents::angle_time(0, -2),
+            Dimension::Angle => Exponents::angle_time(2, 0),
+            Dimension::Rate => Exponents::angle_time(2, -2),
+            Dimension::AngleRandomWalk => Exponents::angle_time(2, -1),
+        }
+    }
+
+    /// For sentences: `an angle`.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Dimension::Count => "a whole number",
+            Dimension::Time => "a time",
+            Dimension::Frequency => "a frequency",
+            Dimension::Angle => "an angle",
+            Dimension::Rate => "an angular rate",
+            Dimension::AngleRandomWalk => "an angle random walk",
+        }
+    }
+
+    /// Units a user may take, then one example.
+    fn accepted(self) -> (&'static str, &'static str) {
+        match self {
+            Dimension::Count => ("", "3"),
+            Dimension::Time => ("s, ms, µs (us), min, h", "\"5 ms\""),
+            Dimension::Frequency => ("Hz, kHz, 1/s", "\"20 Hz\""),
+            Dimension::Angle => ("arcsec (″), arcmin (′), deg (°), rad, mrad, µrad (urad)", "\"1.6 arcsec\""),
+            Dimension::Rate => ("arcsec/s, deg/s, deg/h, rad/s", "\"12000 arcsec/s\""),
+            Dimension::AngleRandomWalk => {
+                ("deg/sqrt(h), deg/√h, arcsec/sqrt(s), deg/h/sqrt(Hz)", "\"0.003 deg/sqrt(h)\"")
+            }
+        }
+    }
+
+    /// The unit in which tables show values of this kind.
+    pub fn unit(self) -> Unit {
+        match self {
+            Dimension::Count => Unit::NONE,
+            Dimension::Time => Unit::S,
+            Dimension::Frequency => Unit::HZ,
+            Dimension::Angle => Unit::ARCSEC,
+            Dimension::Rate => Unit::ARCSEC_PER_S,
+            Dimension::AngleRandomWalk => Unit::ARCSEC_PER_SQRT_S,
+        }
+    }
+}
+
+/// The help that lists what may be written for `dimensions`.
+pub(super) fn accepted(dimensions: &[Dimension]) -> String {
+    let each = dimensions.iter().map(|dimension| match dimension.accepted() {
+        ("", example) => format!("{}, for example {example}", dimension.name()),
+        (units, example) => format!("{} in {units}, for example {example}", dimension.name()),
+    });
+    format!("accepted: {}", each.collect::<Vec<_>>().join("; or "))
+}
+
+/// A value in base units: ″, s, their combinations, or a plain count.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantity {
+    /// Rounded to 12 significant digits, so that values which share an identity are the same bits.
+    pub value: f64,
+    pub dimension: Dimension,
+}
+
+impl Quantity {
+    pub(super) fn new(value: f64, dimension: Dimension) -> Quantity {
+        Quantity { value: round_12(value), dimension }
+    }
+
+    /// The value as a cell of a table.
+    pub fn cell(self) -> Cell {
+        match self.dimension {
+            Dimension::Count => Cell::Integer(self.value as i64),
+            _ => Cell::Number(self.value),
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    /// With its unit: `20 Hz`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let symbol = self.dimension.unit().symbol;
+        let space = if symbol.is_empty() { "" } else { " " };
+        write!(f, "{}{space}{symbol}", significant(self.value, 12))
+    }
+}
+
+/// Rounds to 12 significant decimal digits, through text: exact, and the same everywhere.
+pub(super) fn round_12(x: f64) -> f64 {
+    format!("{x:.11e}").parse().unwrap_or(x)
+}
+
+/// Why a text is not the quantity it should be.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum UnitError {
+    #[error("\"{text}\" is a bare number, its unit is missing")]
+    BareNumber { text: String },
+    #[error("\"{text}\" does not begin with a number")]
+    NoNumber { text: String },
+    #[error("\"{text}\" is not a finite number")]
+    NotFinite { text: String },
+    #[error("`{unit}` is not a known unit")]
+    Unknown { unit: String },
+    #[error("`{unit}` cannot be read as a unit")]
+    Malformed { unit: String },
+    #[error("\"{text}\" is {found}")]
+    Dimension { text: String, found: String },
+}
+
+/// Reads `"<number> <unit>"` as a quantity of one of the `wanted` dimensions.
+///
+/// The number may hold `_`, an exponent and the Unicode minus.
+///
+/// # Errors
+/// No number, no unit, an unknown unit, another dimension, or a value that is not finite.
+pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
+    let text = text.trim();
+    let owned = || text.to_owned();
+    let (number, unit) = text.split_at(number_length(text));
+    let unit = unit.trim();
+    let digits = number.replace('_', "").replace('−', "-");
+    let number: f64 = digits.parse().map_err(|_| UnitError::NoNumber { text: owned() })?;
+    if unit.is_empty() {
+        return Err(UnitError::BareNumber { text: owned() });
+    }
+    let size = expression::parse(unit)?;
+    let of_size = |dimension: &Dimension| dimension.exponents() == size.exponents;
+    let Some(dimension) = wanted.iter().copied().find(of_size) else {
+        let known = Dimension::MEASURED.into_iter().find(of_size);
+        let found = known.map_or_else(|| format!("a quantity in {}", size.exponents), |d| d.name().to_owned());
+        return Err(UnitError::Dimension { text: owned(), found });
+    };
+    let value = number * size.factor;
+    if value.is_finite() { Ok(Quantity::new(value, dimension)) } else { Err(UnitError::NotFinite { text: owned() }) }
+}
+
+/// Reads a quantity of any dimension that has a name.
+pub(super) fn parse_any(text: &str) -> Result<Quantity, UnitError> {
+    parse(text, &Dimension::MEASURED)
+}
+
+/// Bytes of the longest number at the start: sign, digits, fraction, exponent.
+fn number_length(text: &str) -> usize {
+    let skip = |at: usize, keep: &dyn Fn(char) -> bool, most: usize| {
+        let kept = text[at..].chars().take(most).take_while(|c| keep(*c));
+        at + kept.map(char::len_utf8).sum::<usize>()
+    };
+    let sign = |c: char| matches!(c, '+' | '-' | '−');
+    let digit = |c: char| c.is_ascii_digit() || c == '_';
+    let whole = skip(skip(0, &sign, 1), &digit, usize::MAX);
+    let point = skip(whole, &|c| c == '.', 1);
+    let mantissa = if point > whole { skip(point, &digit, usize::MAX) } else { whole };
+    let letter = skip(mantissa, &|c| matches!(c, 'e' | 'E'), 1);
+    let exponent_digits = skip(letter, &sign, 1);
+    let exponent = skip(exponent_digits, &digit, usize::MAX);
+    if letter > mantissa && exponent > exponent_digits { exponent } else { mantissa }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(text: &str) -> f64 {
+        parse_any(text).unwrap_or_else(|error| panic!("{text}: {error}")).value
+    }
+
+    #[test]
+    fn quantities_come_out_in_arcseconds_and_seconds() {
+        let table = [
+            ("5 ms", 0.005),
+            ("5ms", 0.005),
+            ("50_000 µs", 0.05),
+            ("7 us", 7e-6),
+            ("7 μs", 7e-6),
+            ("2 min", 120.0),
+            ("1.5 h", 5400.0),
+            ("20 Hz", 20.0),
+            ("20 1/s", 20.0),
+            ("0.02 kHz", 20.0),
+            ("2e1 Hz", 20.0),
+            ("+2.5E-3 kHz", 2.5),
+            ("−3 ″", -3.0),
+            ("3 \"", 3.0),
+            ("2 ′", 120.0),
+            ("2 arcmin", 120.0),
+            ("1°", 3600.0),
+            ("1 rad", 206_264.806_247),
+            ("1 mrad", 206.264_806_247),
+            ("1 µrad", 0.206_264_806_247),
+            ("1 urad", 0.206_264_806_247),
+            ("1 deg/s", 3600.0),
+            ("1 °/h", 1.0),
+            ("1 deg/sqrt(h)", 60.0),
+            ("1 deg/√h", 60.0),
+            ("1 deg * h^-1", 1.0),
+            ("0.003 deg/sqrt(h)", 0.18),
+            ("1 deg/h/sqrt(Hz)", 1.0),
+            ("60 °/h/√(Hz)", value("1 °/√h")),
+        ];
+        for (text, expected) in table {
+            assert_eq!(value(text), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn densities_and_roots_reduce_to_base_units() {
+        let table = [
+            ("deg/h/sqrt(h)", 1.0 / 60.0, [2, -3, 0, 0]),
+            ("(deg/s)^2/Hz", 12_960_000.0, [4, -2, 0, 0]),
+            ("g^2/Hz", 1.0, [0, 2, 4, 0]),
+            ("arcsec/pulse", 1.0, [2, 0, 0, -2]),
+            ("pulses", 1.0, [0, 0, 0, 2]),
+            ("g·s/√(Hz)", 1.0, [0, 3, 2, 0]),
+        ];
+        for (text, factor, exponents) in table {
+            let size = expression::parse(text).unwrap();
+            assert!((size.factor / factor - 1.0).abs() < 1e-14, "{text}: {}", size.factor);
+            assert_eq!(size.exponents, Exponents(exponents), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_quantity_is_named() {
+        let table = [
+            ("20", "bare number"),
+            ("Hz", "does not begin with a number"),
+            ("", "does not begin with a number"),
+            ("nan Hz", "does not begin with a number"),
+            ("inf s", "does not begin with a number"),
+            ("1e999 Hz", "not a finite number"),
+            ("5 sec", "`sec` is not a known unit"),
+            ("5 hz", "`hz` is not a known unit"),
+            ("5 deg/", "`deg/` cannot be read"),
+            ("5 deg/sqrt(h", "cannot be read"),
+            ("5 sqrt(sqrt(h))", "cannot be read"),
+            ("5 deg^99999999999", "cannot be read"),
+            ("5 deg deg", "cannot be read"),
+            ("3 deg/h/sqrt(h)", "is a quantity in ″·s^-1.5"),
+            ("3 g", "is a quantity in g"),
+        ];
+        for (text, piece) in table {
+            let error = parse_any(text).unwrap_err().to_string();
+            assert!(error.contains(piece), "{text}: {error}");
+        }
+        assert!(expression::parse(&"(".repeat(100_000)).is_err());
+        let error = parse("5 ms", &[Dimension::Frequency]).unwrap_err();
+        assert_eq!(error.to_string(), "\"5 ms\" is a time");
+    }
+
+    #[test]
+    fn values_keep_twelve_digits() {
+        assert_eq!(round_12(0.1 + 0.2), 0.3);
+        assert_eq!(round_12(1.0 / 3.0), 0.333_333_333_333);
+        assert_eq!(round_12(-2e300 / 3.0), -6.666_666_666_67e299);
+    }
+}
