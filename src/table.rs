@@ -169,7 +169,8 @@ mod tests {
 
     #[test]
     fn a_name_finds_its_column_with_or_without_prefix_and_unit() {
-        let table = Table { columns: vec![column("motion.frequency", Unit::HZ), column("rms", Unit::ARCSEC)] };
+        let table =
+            Table { columns: vec![column("motion.frequency", Unit::HZ), column("rms", Unit::ARCSEC)] };
         for name in ["motion.frequency_hz", "motion.frequency", "frequency"] {
             assert_eq!(table.column(name).unwrap().header(), "motion.frequency_hz");
         }
@@ -179,8 +180,14 @@ mod tests {
     #[test]
     fn an_ambiguous_or_unknown_name_is_an_error_that_lists_the_choices() {
         let table = Table { columns: vec![column("a.x", Unit::HZ), column("b.x", Unit::S)] };
-        assert_eq!(table.column("x").unwrap_err().to_string(), "`x` may mean a.x_hz or b.x_s; write the whole name");
-        assert_eq!(table.column("y").unwrap_err().to_string(), "no column is called `y`; there are a.x_hz, b.x_s");
+        assert_eq!(
+            table.column("x").unwrap_err().to_string(),
+            "`x` may mean a.x_hz or b.x_s; write the whole name"
+        );
+        assert_eq!(
+            table.column("y").unwrap_err().to_string(),
+            "no column is called `y`; there are a.x_hz, b.x_s"
+        );
     }
 
     #[test]

@@ -64,7 +64,12 @@ macro_rules! parameters {
                 text += &format!("const {}: u32 = {from}u;\n", stringify!($field).to_uppercase());
                 from += ($length)(shape);
             )*
-            text + &format!("const PARAMETER_WORDS: u32 = {from}u;\n")
+            text
+        }
+
+        /// Number of parameter words of a shape.
+        pub fn word_count(shape: Shape) -> usize {
+            0 $(+ ($length)(shape))*
         }
     };
 }

@@ -2,7 +2,7 @@ pub mod gap_fill;
 pub mod map;
 pub mod moments;
 pub mod normal;
-mod normal_table;
+pub(crate) mod normal_table;
 pub mod philox;
 pub mod sine;
 pub mod word;

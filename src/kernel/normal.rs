@@ -85,7 +85,7 @@ mod tests {
             let path = concat!(env!("CARGO_MANIFEST_DIR"), "/src/kernel/normal_table.rs.new");
             let text = format!(
                 "//! The quadratics of [`super::normal`]: start, then slope and curvature, of each segment.\n\n\
-                 use super::word::PairTable;\n\n#[rustfmt::skip]\npub(super) static NORMAL_TABLE: PairTable = [\n{rows}];\n"
+                 use super::word::PairTable;\n\n#[rustfmt::skip]\npub static NORMAL_TABLE: PairTable = [\n{rows}];\n"
             );
             std::fs::write(path, text).unwrap();
             panic!("the table differs; the regenerated one is in {path}");

@@ -3,7 +3,7 @@
 use super::word::PairTable;
 
 #[rustfmt::skip]
-pub(super) static NORMAL_TABLE: PairTable = [
+pub static NORMAL_TABLE: PairTable = [
     [0x0acab499, 0xc9513c79],
     [0x0a047f67, 0xc3171ae3],
     [0x09441f3a, 0xbda75986],

@@ -5,6 +5,11 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 
+use rayon::prelude::*;
+
+use super::Job;
+use crate::kernel::gap_fill;
+use crate::kernel::moments::Moments;
 use crate::kernel::word::{Scalar, Word};
 
 /// Implements the operators of a SIMD word, lane by lane.
@@ -117,4 +122,56 @@ fn in_avx2<T: AnyWidth>(work: T) -> T::Output {
 #[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx2,bmi1,bmi2,lzcnt")]
 fn in_avx512<T: AnyWidth>(work: T) -> T::Output {
     work.run::<avx512::Avx512>()
+}
+
+/// Trials that a thread takes at a time: some milliseconds.
+const PIECE: u64 = 1 << 16;
+
+/// The cores of this machine, or some of them.
+#[derive(Debug)]
+pub struct Cpu {
+    width: Width,
+    pool: rayon::ThreadPool,
+}
+
+impl Cpu {
+    /// Kernels in lanes of `width` on so many threads; 0 means one for each core.
+    ///
+    /// # Errors
+    /// The system gives no threads.
+    pub fn new(width: Width, threads: usize) -> Result<Cpu, rayon::ThreadPoolBuildError> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+        Ok(Cpu { width, pool })
+    }
+
+    /// In words: lanes and threads.
+    pub fn name(&self) -> String {
+        format!("CPU ({}, {} threads)", self.width.name(), self.pool.current_num_threads())
+    }
+
+    /// Tallies of each job, in order; `progress` hears of trials as they are done.
+    pub fn tally(&self, jobs: &[Job], histogram: bool, progress: &(dyn Fn(u64) + Sync)) -> Vec<Vec<Moments>> {
+        self.pool.install(|| jobs.par_iter().map(|job| self.tally_job(job, histogram, progress)).collect())
+    }
+
+    fn tally_job(&self, job: &Job, histogram: bool, progress: &(dyn Fn(u64) + Sync)) -> Vec<Moments> {
+        let Job { launch, block } = job;
+        let empty = || vec![Moments::empty(histogram); 2 * launch.shape.fillers];
+        // Pieces of an aligned block never straddle a multiple of 2^32, which the kernel asks for.
+        (0..block.trials().div_ceil(PIECE))
+            .into_par_iter()
+            .map(|piece| {
+                let first = block.first + piece * PIECE;
+                let count = PIECE.min(block.end() - first);
+                let tallies = gap_fill::tally(self.width, launch, first, count, histogram);
+                progress(count);
+                tallies
+            })
+            .reduce(empty, |mut left, right| {
+                for (tally, other) in left.iter_mut().zip(&right) {
+                    tally.merge(other);
+                }
+                left
+            })
+    }
 }

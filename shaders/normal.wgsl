@@ -1,0 +1,20 @@
+// Standard normal numbers, one word each, in units of 2^-28. Twin of src/kernel/normal.rs.
+
+@group(0) @binding(0) var<storage, read> normal_table: array<vec2<u32>, 512>;
+
+const SEGMENT_BITS = 4u;
+
+fn normal(r: u32) -> u32 {
+    let sign = sar(r, 31u);
+    let tail = (r << 1u) ^ 1u;
+    let octave = countLeadingZeros(tail);
+    let mantissa = tail << octave;
+    let segment = (octave << SEGMENT_BITS)
+        + ((mantissa >> (31u - SEGMENT_BITS)) & ((1u << SEGMENT_BITS) - 1u));
+    let f = mantissa << (SEGMENT_BITS + 1u);
+    let entry = normal_table[segment];
+    let curvature = (entry.y & 0xfffu) << 6u;
+    let slope = (entry.y >> 8u) - mulhi(f, curvature);
+    let magnitude = entry.x - mulhi(f, slope);
+    return (magnitude ^ sign) - sign;
+}

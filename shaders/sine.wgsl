@@ -1,0 +1,19 @@
+// Sine of a phase in turns, in units of 2^-30. Twin of src/kernel/sine.rs, which gives the coefficients SINE.
+
+const QUARTER_TURN = 0x40000000u;
+
+fn sine(phase: u32) -> u32 {
+    let sign = sar(phase, 31u);
+    let half = phase << 1u;
+    let mirror = sar(half, 31u);
+    let z = (half ^ mirror) - mirror;
+    let zz = mulhi(z, z) << 1u;
+    var sum = SINE[5];
+    sum = SINE[4] - mulhi(sum, zz);
+    sum = SINE[3] - mulhi(sum, zz);
+    sum = SINE[2] - mulhi(sum, zz);
+    sum = SINE[1] - mulhi(sum, zz);
+    sum = SINE[0] - mulhi(sum, zz);
+    let magnitude = mulhi(sum, z);
+    return (magnitude ^ sign) - sign;
+}

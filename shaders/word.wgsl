@@ -1,0 +1,69 @@
+// The arithmetic of the kernels: 32-bit words that wrap. Twin of src/kernel/word.rs.
+//
+// WGSL has no upper half of a product. It is put together from 16-bit parts, or, where the device has 64-bit
+// registers (INT64), taken from one of them; both give the same bits.
+
+fn sar(x: u32, n: u32) -> u32 {
+    return bitcast<u32>(bitcast<i32>(x) >> n);
+}
+
+//#if INT64
+alias Wide = i64;
+
+fn mulhi(a: u32, b: u32) -> u32 {
+    return u32((u64(a) * u64(b)) >> 32u);
+}
+
+fn mul_wide(a: u32, b: u32) -> Wide {
+    return i64(bitcast<i32>(a)) * i64(bitcast<i32>(b));
+}
+
+fn add_wide(a: Wide, b: Wide) -> Wide {
+    return a + b;
+}
+
+fn wide(low: u32, high: u32) -> Wide {
+    return i64((u64(high) << 32u) | u64(low));
+}
+
+fn low_word(a: Wide) -> u32 {
+    return u32(u64(a) & 0xfffffffflu);
+}
+
+fn high_word(a: Wide) -> u32 {
+    return u32(u64(a) >> 32u);
+}
+//#else
+alias Wide = vec2<u32>;
+
+fn mulhi(a: u32, b: u32) -> u32 {
+    let a0 = a & 0xffffu;
+    let a1 = a >> 16u;
+    let b0 = b & 0xffffu;
+    let b1 = b >> 16u;
+    let cross = a0 * b1;
+    let middle = ((a0 * b0) >> 16u) + (cross & 0xffffu) + a1 * b0;
+    return a1 * b1 + (cross >> 16u) + (middle >> 16u);
+}
+
+fn mul_wide(a: u32, b: u32) -> Wide {
+    return vec2<u32>(a * b, mulhi(a, b) - (sar(a, 31u) & b) - (sar(b, 31u) & a));
+}
+
+fn add_wide(a: Wide, b: Wide) -> Wide {
+    let low = a.x + b.x;
+    return vec2<u32>(low, a.y + b.y + select(0u, 1u, low < a.x));
+}
+
+fn wide(low: u32, high: u32) -> Wide {
+    return vec2<u32>(low, high);
+}
+
+fn low_word(a: Wide) -> u32 {
+    return a.x;
+}
+
+fn high_word(a: Wide) -> u32 {
+    return a.y;
+}
+//#end

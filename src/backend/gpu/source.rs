@@ -1,0 +1,228 @@
+//! Shader sources: the files of `shaders/`, put together and specialised as text.
+//!
+//! Override constants can give invalid modules (wgpu#7793), so shapes and variants are written into the text. Three
+//! directives do it, each on a line of its own and closed by `//#end`:
+//! `//#for k in 0..N` repeats its lines with the word `k` replaced by 0u, 1u, …; `//#if FLAG` and `//#else` choose.
+
+use std::collections::HashMap;
+
+use crate::kernel::gap_fill::{self, Shape};
+use crate::kernel::map::Map;
+use crate::kernel::moments::{BIN_BITS, BINS, FLUSH, LEVEL_OFFSET};
+use crate::kernel::philox::PURPOSES;
+use crate::kernel::sine::SINE;
+
+const WORD: &str = include_str!("../../../shaders/word.wgsl");
+const PHILOX: &str = include_str!("../../../shaders/philox.wgsl");
+const NORMAL: &str = include_str!("../../../shaders/normal.wgsl");
+const SINE_: &str = include_str!("../../../shaders/sine.wgsl");
+const GAP_FILL: &str = include_str!("../../../shaders/gap_fill.wgsl");
+const MOMENTS: &str = include_str!("../../../shaders/moments.wgsl");
+const MAP: &str = include_str!("../../../shaders/map.wgsl");
+
+/// Words of a workgroup's partial sums of one estimate: Σ and Σ² of three words each, least, greatest.
+pub const PARTIAL_WORDS: usize = 8;
+
+/// Workgroups of a row of a dispatch: below every device's limit of a dimension.
+pub const GROUPS_PER_ROW: u32 = 32768;
+
+/// How a kernel is built for a device. All variants give the same bits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Variant {
+    /// Products through 64-bit registers and not from 16-bit parts.
+    pub int64: bool,
+    /// With the bounds checks of the shader compiler.
+    pub checked: bool,
+    /// Invocations of a workgroup, a power of two.
+    pub workgroup: u32,
+}
+
+/// The shader of the gap-fill kernel for a shape.
+pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
+    let estimates = 2 * shape.fillers;
+    let places = gap_fill::wgsl_places(shape);
+    let constants = [
+        ("BEFORE", shape.before),
+        ("BEFORE_LENGTH", shape.before.max(1)),
+        ("AFTER", shape.after),
+        ("AFTER_LENGTH", shape.after.max(1)),
+        ("RESIDUAL_BEFORE", shape.residual_before),
+        ("EXTRAPOLATION_BEFORE", shape.extrapolation_before),
+        ("FILLERS", shape.fillers),
+        ("ESTIMATES", estimates),
+        ("PARAMETER_VECTORS", gap_fill::word_count(shape).div_ceil(4)),
+    ];
+    let parts = [WORD, PHILOX, NORMAL, SINE_, GAP_FILL, MOMENTS];
+    let flags: &[&str] = if histogram { &["HISTOGRAM"] } else { &[] };
+    places + &assemble(&parts, &constants, flags, variant)
+}
+
+/// The shader of a building block.
+pub fn map(map: &Map, variant: Variant) -> String {
+    let constants = [("INPUTS", map.inputs), ("OUTPUTS", map.outputs)];
+    assemble(&[WORD, PHILOX, NORMAL, SINE_, MAP], &constants, &[], variant).replace("// EVALUATE", map.wgsl)
+}
+
+fn assemble(parts: &[&str], constants: &[(&str, usize)], flags: &[&str], variant: Variant) -> String {
+    let fixed = [
+        ("WORKGROUP", variant.workgroup as usize),
+        ("FLUSH", FLUSH as usize),
+        ("BINS", BINS),
+        ("BIN_BITS", BIN_BITS as usize),
+        ("LEVEL_OFFSET", LEVEL_OFFSET as usize),
+        ("PARTIAL_WORDS", PARTIAL_WORDS),
+        ("GROUPS_PER_ROW", GROUPS_PER_ROW as usize),
+    ];
+    let purposes = PURPOSES.map(|(name, purpose)| (name, purpose as usize));
+    let all: HashMap<&str, usize> =
+        constants.iter().chain(&fixed).chain(&purposes).map(|&(name, value)| (name, value)).collect();
+    let mut names: Vec<_> = all.iter().collect();
+    names.sort();
+    let header: String = names.iter().map(|(name, value)| format!("const {name}: u32 = {value}u;\n")).collect();
+    let sine = SINE.map(|coefficient| format!("{coefficient}u")).join(", ");
+    let mut flags = flags.to_vec();
+    if variant.int64 {
+        flags.push("INT64");
+    }
+    let lines: Vec<&str> = parts.iter().flat_map(|part| part.lines()).collect();
+    let mut body = String::new();
+    let mut at = 0;
+    while at < lines.len() {
+        at = expand(&lines, at, &all, &flags, &mut body);
+    }
+    format!("{header}const SINE = array<u32, 6>({sine});\n{body}")
+}
+
+/// Expands the line `at`, or the directive that starts there, and returns the line behind it.
+fn expand(lines: &[&str], at: usize, constants: &HashMap<&str, usize>, flags: &[&str], to: &mut String) -> usize {
+    let line = lines[at].trim();
+    if let Some(rest) = line.strip_prefix("//#for ") {
+        let (name, range) = rest.split_once(" in 0..").expect("for NAME in 0..COUNT");
+        let count = constants.get(range).copied().or(range.parse().ok()).expect("a known count");
+        let end = block_end(lines, at);
+        for value in 0..count {
+            let body: Vec<String> =
+                lines[at + 1..end].iter().map(|line| replace_word(line, name, &format!("{value}u"))).collect();
+            let body: Vec<&str> = body.iter().map(String::as_str).collect();
+            let mut inner = 0;
+            while inner < body.len() {
+                inner = expand(&body, inner, constants, flags, to);
+            }
+        }
+        end + 1
+    } else if let Some(flag) = line.strip_prefix("//#if ") {
+        let end = block_end(lines, at);
+        let middle = (at + 1..end).find(|&i| depth(&lines[at + 1..i]) == 0 && lines[i].trim() == "//#else");
+        let (mut inner, stop) = match (flags.contains(&flag), middle) {
+            (true, middle) => (at + 1, middle.unwrap_or(end)),
+            (false, Some(middle)) => (middle + 1, end),
+            (false, None) => (end, end),
+        };
+        while inner < stop {
+            inner = expand(lines, inner, constants, flags, to);
+        }
+        end + 1
+    } else {
+        to.push_str(lines[at]);
+        to.push('\n');
+        at + 1
+    }
+}
+
+/// The line of the `//#end` that closes the directive at `start`.
+fn block_end(lines: &[&str], start: usize) -> usize {
+    (start + 1..lines.len())
+        .find(|&i| lines[i].trim() == "//#end" && depth(&lines[start + 1..i]) == 0)
+        .expect("a directive is closed")
+}
+
+/// How many directives `lines` open and do not close.
+fn depth(lines: &[&str]) -> i32 {
+    lines
+        .iter()
+        .map(|line| match line.trim() {
+            "//#end" => -1,
+            line if line.starts_with("//#for ") || line.starts_with("//#if ") => 1,
+            _ => 0,
+        })
+        .sum()
+}
+
+/// `line` with the whole word `name` replaced.
+fn replace_word(line: &str, name: &str, by: &str) -> String {
+    if line.trim().starts_with("//") && !line.trim().starts_with("//#") {
+        return line.to_owned();
+    }
+    let in_word = |c: char| c.is_alphanumeric() || c == '_';
+    let mut replaced = String::new();
+    let mut rest = line;
+    while let Some(found) = rest.find(name) {
+        let whole = !rest[..found].ends_with(in_word) && !rest[found + name.len()..].starts_with(in_word);
+        replaced += &rest[..found];
+        replaced += if whole { by } else { name };
+        rest = &rest[found + name.len()..];
+    }
+    replaced + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::map;
+
+    const SHAPES: [Shape; 3] = [
+        Shape { before: 4, after: 2, residual_before: 2, extrapolation_before: 4, fillers: 3 },
+        Shape { before: 9, after: 5, residual_before: 9, extrapolation_before: 3, fillers: 1 },
+        Shape { before: 2, after: 0, residual_before: 2, extrapolation_before: 1, fillers: 2 },
+    ];
+
+    fn variants() -> impl Iterator<Item = Variant> {
+        [(false, 32), (false, 64), (true, 64), (true, 128)]
+            .into_iter()
+            .map(|(int64, workgroup)| Variant { int64, checked: true, workgroup })
+    }
+
+    /// Parses and validates without a device.
+    fn validate(source: &str) -> naga::Module {
+        let module = naga::front::wgsl::parse_str(source)
+            .unwrap_or_else(|error| panic!("{}\n{source}", error.emit_to_string(source)));
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::SHADER_INT64)
+            .validate(&module)
+            .unwrap_or_else(|error| panic!("{error:?}"));
+        module
+    }
+
+    #[test]
+    fn every_variant_of_every_kernel_is_valid() {
+        for variant in variants() {
+            for shape in SHAPES {
+                for histogram in [false, true] {
+                    validate(&gap_fill(shape, histogram, variant));
+                }
+            }
+            for block in [map::PHILOX, map::NORMAL, map::SINE] {
+                validate(&super::map(&block, variant));
+            }
+        }
+    }
+
+    #[test]
+    fn the_layouts_are_those_of_rust() {
+        let variant = Variant { int64: false, checked: true, workgroup: 64 };
+        let module = validate(&gap_fill(SHAPES[0], true, variant));
+        let size = |name: &str| {
+            let (_, global) = module.global_variables.iter().find(|(_, v)| v.name.as_deref() == Some(name)).unwrap();
+            module.types[global.ty].inner.size(module.to_ctx()) as usize
+        };
+        assert_eq!(size("parameters"), gap_fill::word_count(SHAPES[0]).div_ceil(4) * 16);
+        assert_eq!(size("normal_table"), size_of::<crate::kernel::word::PairTable>());
+        assert_eq!(size("jobs"), size_of::<super::super::tile::Job>(), "one element of a runtime-sized array");
+        let shared = size("counts") + size("lanes");
+        assert!(shared <= 16384, "{shared} bytes of workgroup memory: more than every device has");
+    }
+
+    #[test]
+    fn words_are_replaced_whole() {
+        assert_eq!(replace_word("k + kk + _k + p(k)", "k", "3u"), "3u + kk + _k + p(3u)");
+    }
+}
