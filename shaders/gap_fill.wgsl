@@ -3,36 +3,41 @@
 
 @group(0) @binding(1) var<uniform> parameters: array<vec4<u32>, PARAMETER_VECTORS>;
 
-fn p(place: u32) -> u32 {
-    return parameters[place / 4u][place % 4u];
+// The parameters in registers: loaded where they are used, they are loaded anew in every trial.
+var<private> p: array<u32, PARAMETER_WORDS>;
+
+fn load_parameters() {
+    //#for i in 0..PARAMETER_WORDS
+    p[i] = parameters[i / 4u][i % 4u];
+    //#end
 }
 
 fn bin_base(estimate: u32) -> u32 {
-    return p(BIN_BASE + estimate);
+    return p[BIN_BASE + estimate];
 }
 
 fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
-    let address = Address(low, high, vec2<u32>(p(KEY), p(KEY + 1u)));
+    let address = Address(low, high, vec2<u32>(p[KEY], p[KEY + 1u]));
 
     var random = draw(address, NOISE_AFTER_AND_PHASE, 0u);
-    let phase = p(PHASE) + (random[2] & p(PHASE_SPREAD));
+    let phase = p[PHASE] + (random[2] & p[PHASE_SPREAD]);
     let sin = sine(phase);
     let cos = sine(phase + QUARTER_TURN);
-    let truth = high_word(angle(sin, cos, p(GAP_SIN), p(GAP_COS)));
+    let truth = high_word(angle(sin, cos, p[GAP_SIN], p[GAP_COS]));
 
     var after: array<u32, AFTER_LENGTH>;
     //#for k in 0..AFTER
     if k > 0u && k % 2u == 0u {
         random = draw(address, NOISE_AFTER_AND_PHASE, k / 2u);
     }
-    after[k] = tick(angle(sin, cos, p(AFTER_SIN + k), p(AFTER_COS + k)), normal(random[k % 2u]), p(SIGMA));
+    after[k] = tick(angle(sin, cos, p[AFTER_SIN + k], p[AFTER_COS + k]), normal(random[k % 2u]), p[SIGMA]);
     //#end
     var before: array<u32, BEFORE_LENGTH>;
     //#for k in 0..BEFORE
     if k % 4u == 0u {
         random = draw(address, NOISE_BEFORE, k / 4u);
     }
-    before[k] = tick(angle(sin, cos, p(BEFORE_SIN + k), p(BEFORE_COS + k)), normal(random[k % 4u]), p(SIGMA));
+    before[k] = tick(angle(sin, cos, p[BEFORE_SIN + k], p[BEFORE_COS + k]), normal(random[k % 4u]), p[SIGMA]);
     //#end
 
     var error: array<u32, ESTIMATES>;
@@ -40,19 +45,19 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
     //#for filler in 0..FILLERS
     sum = 0u;
     //#for k in 0..RESIDUAL_BEFORE
-    sum += before[k] * p(RESIDUAL_WEIGHT + filler * (RESIDUAL_BEFORE + AFTER) + k);
+    sum += before[k] * p[RESIDUAL_WEIGHT + filler * (RESIDUAL_BEFORE + AFTER) + k];
     //#end
     //#for k in 0..AFTER
-    sum += after[k] * p(RESIDUAL_WEIGHT + filler * (RESIDUAL_BEFORE + AFTER) + RESIDUAL_BEFORE + k);
+    sum += after[k] * p[RESIDUAL_WEIGHT + filler * (RESIDUAL_BEFORE + AFTER) + RESIDUAL_BEFORE + k];
     //#end
-    error[filler] = sum - truth * p(RESIDUAL_SCALE + filler);
+    error[filler] = sum - truth * p[RESIDUAL_SCALE + filler];
     //#end
     //#for filler in 0..FILLERS
     sum = 0u;
     //#for k in 0..EXTRAPOLATION_BEFORE
-    sum += before[k] * p(EXTRAPOLATION_WEIGHT + filler * EXTRAPOLATION_BEFORE + k);
+    sum += before[k] * p[EXTRAPOLATION_WEIGHT + filler * EXTRAPOLATION_BEFORE + k];
     //#end
-    error[FILLERS + filler] = sum - truth * p(EXTRAPOLATION_SCALE + filler);
+    error[FILLERS + filler] = sum - truth * p[EXTRAPOLATION_SCALE + filler];
     //#end
     return error;
 }

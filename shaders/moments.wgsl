@@ -15,9 +15,10 @@ struct Job {
 @group(0) @binding(3) var<storage, read_write> partials: array<u32>;
 //#if HISTOGRAM
 @group(0) @binding(4) var<storage, read_write> histograms: array<atomic<u32>>;
-var<workgroup> counts: array<atomic<u32>, ESTIMATES * BINS>;
 //#end
-var<workgroup> lanes: array<u32, 3u * WORKGROUP>;
+
+// First the bin counts, then the sums of the invocations: never both.
+var<workgroup> shared_words: array<atomic<u32>, SHARED_WORDS>;
 
 struct Sums {
     sum: Wide,
@@ -33,9 +34,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         return;
     }
     let job = jobs[index];
+    load_parameters();
     //#if HISTOGRAM
     for (var i = lane; i < ESTIMATES * BINS; i += WORKGROUP) {
-        atomicStore(&counts[i], 0u);
+        atomicStore(&shared_words[i], 0u);
     }
     workgroupBarrier();
     //#end
@@ -51,26 +53,28 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
         //#end
         //#if HISTOGRAM
         //#for e in 0..ESTIMATES
-        atomicAdd(&counts[e * BINS + bin(error[e], bin_base(e))], 1u);
+        atomicAdd(&shared_words[e * BINS + bin(error[e], bin_base(e))], 1u);
         //#end
         //#end
     }
 
-    let base = index * ESTIMATES * PARTIAL_WORDS;
-    //#for e in 0..ESTIMATES
-    reduce_sum(lane, base + e * PARTIAL_WORDS, sums[e].sum, sar(high_word(sums[e].sum), 31u));
-    reduce_sum(lane, base + e * PARTIAL_WORDS + 3u, sums[e].square, 0u);
-    reduce_extremes(lane, base + e * PARTIAL_WORDS + 6u, sums[e].least, sums[e].greatest);
-    //#end
-
     //#if HISTOGRAM
+    workgroupBarrier();
     for (var i = lane; i < ESTIMATES * BINS; i += WORKGROUP) {
-        let count = atomicLoad(&counts[i]);
+        let count = atomicLoad(&shared_words[i]);
         if count != 0u {
             atomicAdd(&histograms[job.slot * ESTIMATES * BINS + i], count);
         }
     }
+    workgroupBarrier();
     //#end
+    //#for e in 0..ESTIMATES
+    stage(lane, e, sums[e]);
+    //#end
+    workgroupBarrier();
+    if lane < ESTIMATES {
+        flush(lane, (index * ESTIMATES + lane) * PARTIAL_WORDS);
+    }
 }
 
 fn add(sums: Sums, error: u32) -> Sums {
@@ -82,49 +86,52 @@ fn add(sums: Sums, error: u32) -> Sums {
     );
 }
 
-// Adds up one 96-bit number of each invocation and writes the sum to three words of the partials.
-fn reduce_sum(lane: u32, to: u32, number: Wide, top: u32) {
-    lanes[lane] = low_word(number);
-    lanes[WORKGROUP + lane] = high_word(number);
-    lanes[2u * WORKGROUP + lane] = top;
-    workgroupBarrier();
-    for (var half = WORKGROUP / 2u; half > 0u; half >>= 1u) {
-        if lane < half {
-            let other = lane + half;
-            let word0 = lanes[lane] + lanes[other];
-            let carry0 = select(0u, 1u, word0 < lanes[lane]);
-            let plain1 = lanes[WORKGROUP + lane] + lanes[WORKGROUP + other];
-            let word1 = plain1 + carry0;
-            let carry1 = select(0u, 1u, plain1 < lanes[WORKGROUP + lane]) + select(0u, 1u, word1 < plain1);
-            lanes[lane] = word0;
-            lanes[WORKGROUP + lane] = word1;
-            lanes[2u * WORKGROUP + lane] += lanes[2u * WORKGROUP + other] + carry1;
-        }
-        workgroupBarrier();
-    }
-    if lane < 3u {
-        partials[to + lane] = lanes[lane * WORKGROUP];
-    }
-    workgroupBarrier();
+// Puts the sums of an invocation where `flush` finds them: six words for each estimate and lane.
+fn stage(lane: u32, estimate: u32, sums: Sums) {
+    let to = estimate * STAGED_WORDS * WORKGROUP + lane;
+    atomicStore(&shared_words[to], low_word(sums.sum));
+    atomicStore(&shared_words[to + WORKGROUP], high_word(sums.sum));
+    atomicStore(&shared_words[to + 2u * WORKGROUP], low_word(sums.square));
+    atomicStore(&shared_words[to + 3u * WORKGROUP], high_word(sums.square));
+    atomicStore(&shared_words[to + 4u * WORKGROUP], bitcast<u32>(sums.least));
+    atomicStore(&shared_words[to + 5u * WORKGROUP], bitcast<u32>(sums.greatest));
 }
 
-fn reduce_extremes(lane: u32, to: u32, least: i32, greatest: i32) {
-    lanes[lane] = bitcast<u32>(least);
-    lanes[WORKGROUP + lane] = bitcast<u32>(greatest);
-    workgroupBarrier();
-    for (var half = WORKGROUP / 2u; half > 0u; half >>= 1u) {
-        if lane < half {
-            let other = lane + half;
-            lanes[lane] = bitcast<u32>(min(bitcast<i32>(lanes[lane]), bitcast<i32>(lanes[other])));
-            lanes[WORKGROUP + lane] =
-                bitcast<u32>(max(bitcast<i32>(lanes[WORKGROUP + lane]), bitcast<i32>(lanes[WORKGROUP + other])));
-        }
-        workgroupBarrier();
+// Adds up the sums of all lanes in 96 bits. One invocation does an estimate: a tree would need a barrier a level.
+fn flush(estimate: u32, to: u32) {
+    let base = estimate * STAGED_WORDS * WORKGROUP;
+    var sum = vec3<u32>();
+    var square = vec3<u32>();
+    var least = 0x7fffffff;
+    var greatest = -0x7fffffff - 1;
+    for (var lane = base; lane < base + WORKGROUP; lane++) {
+        let high = atomicLoad(&shared_words[lane + WORKGROUP]);
+        sum = add96(sum, vec3<u32>(atomicLoad(&shared_words[lane]), high, sar(high, 31u)));
+        square = add96(square, vec3<u32>(
+            atomicLoad(&shared_words[lane + 2u * WORKGROUP]),
+            atomicLoad(&shared_words[lane + 3u * WORKGROUP]),
+            0u,
+        ));
+        least = min(least, bitcast<i32>(atomicLoad(&shared_words[lane + 4u * WORKGROUP])));
+        greatest = max(greatest, bitcast<i32>(atomicLoad(&shared_words[lane + 5u * WORKGROUP])));
     }
-    if lane < 2u {
-        partials[to + lane] = lanes[lane * WORKGROUP];
-    }
-    workgroupBarrier();
+    partials[to] = sum.x;
+    partials[to + 1u] = sum.y;
+    partials[to + 2u] = sum.z;
+    partials[to + 3u] = square.x;
+    partials[to + 4u] = square.y;
+    partials[to + 5u] = square.z;
+    partials[to + 6u] = bitcast<u32>(least);
+    partials[to + 7u] = bitcast<u32>(greatest);
+}
+
+fn add96(a: vec3<u32>, b: vec3<u32>) -> vec3<u32> {
+    let x = a.x + b.x;
+    let carry_x = select(0u, 1u, x < a.x);
+    let plain = a.y + b.y;
+    let y = plain + carry_x;
+    let carry_y = select(0u, 1u, plain < a.y) + select(0u, 1u, y < plain);
+    return vec3<u32>(x, y, a.z + b.z + carry_y);
 }
 
 // The bin of |error|, below BINS: log-linear, 128 to the octave, starting at the level `base`.

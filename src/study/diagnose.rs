@@ -44,17 +44,27 @@ impl Fault {
         let message = error.message();
         let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
         match names[..] {
-            [found, ref known @ ..] if message.starts_with("unknown field") => {
-                Fault::new(span, format!("unknown key `{found}`"), "not a key of this table", choices(found, known))
-            }
-            [found, ref known @ ..] if message.starts_with("unknown variant") => {
-                Fault::new(span, format!("unknown value \"{found}\""), "not one of the choices", choices(found, known))
-            }
+            [found, ref known @ ..] if message.starts_with("unknown field") => Fault::new(
+                span,
+                format!("unknown key `{found}`"),
+                "not a key of this table",
+                choices(found, known),
+            ),
+            [found, ref known @ ..] if message.starts_with("unknown variant") => Fault::new(
+                span,
+                format!("unknown value \"{found}\""),
+                "not one of the choices",
+                choices(found, known),
+            ),
             [missing] if message.starts_with("missing field") => {
                 let message = format!("the key `{missing}` is missing");
                 Fault::new(span, message, "in this table", format!("add a line `{missing} = …`"))
             }
-            _ => Fault::new(span, message, "wrong type", "`sagnac schema` prints what every key accepts"),
+            _ if message.starts_with("invalid length") => {
+                let help = "write a table: [name] with a line for each key, or name = { … }";
+                Fault::new(span, "a list stands where a table is needed", "a list", help)
+            }
+            _ => Fault::new(span, message, "wrong value", "`sagnac schema` prints what every key accepts"),
         }
     }
 
@@ -99,7 +109,7 @@ impl StudyError {
         }
     }
 
-    /// The report for people: file, line, caret and help, `width` columns wide; without escape codes unless `color`.
+    /// The report for people: file, line, caret and help, `width` columns wide; escape codes only if `color`.
     pub fn render(&self, color: bool, width: usize) -> String {
         let theme = if color { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
         let handler = GraphicalReportHandler::new_themed(theme).with_links(color).with_width(width);

@@ -98,20 +98,21 @@ struct Parser<'a> {
     rest: &'a str,
 }
 
-impl Parser<'_> {
+impl<'a> Parser<'a> {
     fn expression(&mut self) -> Result<Size, UnitError> {
         let mut product = self.power()?;
         loop {
-            let sign = if self.eat("/") {
-                -1
+            if self.eat("/") {
+                let Size { factor, exponents } = self.power()?;
+                product.factor /= factor;
+                product.exponents = product.exponents.plus(exponents.times(-1));
             } else if self.eat("*") || self.eat("·") {
-                1
+                let Size { factor, exponents } = self.power()?;
+                product.factor *= factor;
+                product.exponents = product.exponents.plus(exponents);
             } else {
                 return Ok(product);
-            };
-            let Size { factor, exponents } = self.power()?;
-            product.factor *= if sign < 0 { 1.0 / factor } else { factor };
-            product.exponents = product.exponents.plus(exponents.times(sign));
+            }
         }
     }
 
@@ -164,7 +165,7 @@ impl Parser<'_> {
     }
 
     /// A word, or one of the signs ″ " ′ °.
-    fn symbol(&mut self) -> &str {
+    fn symbol(&mut self) -> &'a str {
         self.rest = self.rest.trim_start();
         match self.rest.chars().next() {
             Some(sign @ ('″' | '"' | '′' | '°')) => self.split(sign.len_utf8()),
@@ -178,12 +179,12 @@ impl Parser<'_> {
         rest.is_some()
     }
 
-    fn take_while(&mut self, keep: impl Fn(char) -> bool) -> &str {
+    fn take_while(&mut self, keep: impl Fn(char) -> bool) -> &'a str {
         let end = self.rest.find(|c| !keep(c)).unwrap_or(self.rest.len());
         self.split(end)
     }
 
-    fn split(&mut self, end: usize) -> &str {
+    fn split(&mut self, end: usize) -> &'a str {
         let (head, tail) = self.rest.split_at(end);
         self.rest = tail;
         head

@@ -118,9 +118,9 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// Rounds to 12 significant decimal digits, through text: exact, and the same everywhere.
+/// Rounds to 12 significant decimal digits, through text: exact, and the same everywhere. −0 becomes 0.
 pub(super) fn round_12(x: f64) -> f64 {
-    format!("{x:.11e}").parse().unwrap_or(x)
+    format!("{x:.11e}").parse().unwrap_or(x) + 0.0
 }
 
 /// Why a text is not the quantity it should be.
@@ -160,11 +160,16 @@ pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
     let of_size = |dimension: &Dimension| dimension.exponents() == size.exponents;
     let Some(dimension) = wanted.iter().copied().find(of_size) else {
         let known = Dimension::MEASURED.into_iter().find(of_size);
-        let found = known.map_or_else(|| format!("a quantity in {}", size.exponents), |d| d.name().to_owned());
+        let found =
+            known.map_or_else(|| format!("a quantity in {}", size.exponents), |d| d.name().to_owned());
         return Err(UnitError::Dimension { text: owned(), found });
     };
     let value = number * size.factor;
-    if value.is_finite() { Ok(Quantity::new(value, dimension)) } else { Err(UnitError::NotFinite { text: owned() }) }
+    if value.is_finite() {
+        Ok(Quantity::new(value, dimension))
+    } else {
+        Err(UnitError::NotFinite { text: owned() })
+    }
 }
 
 /// Reads a quantity of any dimension that has a name.

@@ -23,6 +23,9 @@ const MAP: &str = include_str!("../../../shaders/map.wgsl");
 /// Words of a workgroup's partial sums of one estimate: Σ and Σ² of three words each, least, greatest.
 pub const PARTIAL_WORDS: usize = 8;
 
+/// Words of an invocation's sums of one estimate: Σ and Σ² of two words each, least, greatest.
+const STAGED_WORDS: usize = 6;
+
 /// Workgroups of a row of a dispatch: below every device's limit of a dimension.
 pub const GROUPS_PER_ROW: u32 = 32768;
 
@@ -41,6 +44,8 @@ pub struct Variant {
 pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
     let estimates = 2 * shape.fillers;
     let places = gap_fill::wgsl_places(shape);
+    let staged = STAGED_WORDS * variant.workgroup as usize;
+    let shared_words = estimates * if histogram { BINS.max(staged) } else { staged };
     let constants = [
         ("BEFORE", shape.before),
         ("BEFORE_LENGTH", shape.before.max(1)),
@@ -50,7 +55,9 @@ pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
         ("EXTRAPOLATION_BEFORE", shape.extrapolation_before),
         ("FILLERS", shape.fillers),
         ("ESTIMATES", estimates),
+        ("PARAMETER_WORDS", gap_fill::word_count(shape)),
         ("PARAMETER_VECTORS", gap_fill::word_count(shape).div_ceil(4)),
+        ("SHARED_WORDS", shared_words),
     ];
     let parts = [WORD, PHILOX, NORMAL, SINE_, GAP_FILL, MOMENTS];
     let flags: &[&str] = if histogram { &["HISTOGRAM"] } else { &[] };
@@ -71,6 +78,7 @@ fn assemble(parts: &[&str], constants: &[(&str, usize)], flags: &[&str], variant
         ("BIN_BITS", BIN_BITS as usize),
         ("LEVEL_OFFSET", LEVEL_OFFSET as usize),
         ("PARTIAL_WORDS", PARTIAL_WORDS),
+        ("STAGED_WORDS", STAGED_WORDS),
         ("GROUPS_PER_ROW", GROUPS_PER_ROW as usize),
     ];
     let purposes = PURPOSES.map(|(name, purpose)| (name, purpose as usize));
@@ -217,7 +225,7 @@ mod tests {
         assert_eq!(size("parameters"), gap_fill::word_count(SHAPES[0]).div_ceil(4) * 16);
         assert_eq!(size("normal_table"), size_of::<crate::kernel::word::PairTable>());
         assert_eq!(size("jobs"), size_of::<super::super::tile::Job>(), "one element of a runtime-sized array");
-        let shared = size("counts") + size("lanes");
+        let shared = size("shared_words");
         assert!(shared <= 16384, "{shared} bytes of workgroup memory: more than every device has");
     }
 

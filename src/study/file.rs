@@ -1,0 +1,297 @@
+//! The study file exactly as users write it, and its JSON schema.
+//!
+//! The doc comments here are the descriptions in the schema.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use schemars::JsonSchema;
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Serialize};
+use toml::Spanned;
+
+use super::scalar::Scalar;
+
+/// A study of sagnac: one question about a laser gyroscope, and all that its answer depends on.
+///
+/// Quantities are texts with a unit: "5 ms", "20 Hz", "1.6 arcsec", "12000 arcsec/s", "0.003 deg/sqrt(h)".
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(title = "sagnac study")]
+pub(super) struct StudyFile {
+    /// Shown above charts and reports.
+    pub(super) title: String,
+    /// What the study is to answer, in one sentence.
+    #[serde(default)]
+    pub(super) question: String,
+    pub(super) kind: Kind,
+    /// Seed of all random numbers; 1 if absent.
+    #[serde(default)]
+    #[schemars(with = "i64", range(min = 0))]
+    pub(super) seed: Option<Spanned<Scalar>>,
+    /// Monte Carlo trials at each point; 1 000 000 if absent.
+    #[serde(default)]
+    #[schemars(with = "i64", range(min = 1, max = 1_099_511_627_776_i64))]
+    pub(super) trials: Option<Spanned<Scalar>>,
+    #[serde(default)]
+    pub(super) streams: Streams,
+    pub(super) gyro: GyroTable,
+    pub(super) motion: MotionTable,
+    pub(super) switching: SwitchingTable,
+    /// Each varies one key; several multiply, the first being the slowest to change.
+    #[serde(default)]
+    #[schemars(with = "Vec<SweepTable>")]
+    pub(super) sweep: Vec<SweepTable>,
+    /// One chart or several; absent, a chart that suits the kind of study.
+    #[serde(default)]
+    pub(super) chart: Charts,
+}
+
+/// What is studied.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// The angle lost or won when the ticks missing at a mode switch are filled in.
+    GapFill,
+}
+
+/// Whether the points of a study share their random numbers.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Streams {
+    /// Every point draws its own random numbers.
+    #[default]
+    Independent,
+    /// A trial sees the same random numbers at every point: smooth curves, paired differences.
+    Common,
+}
+
+/// The gyro.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct GyroTable {
+    /// Length of a tick, the time between two readings of the angle: "5 ms".
+    #[schemars(with = "String", extend("examples" = ["5 ms"]))]
+    pub(super) tick: Spanned<Scalar>,
+    #[schemars(with = "TickNoiseTable")]
+    pub(super) tick_noise: Spanned<TickNoiseTable>,
+}
+
+/// Noise of the angle of one tick, independent from tick to tick; in exactly one of three forms.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("minProperties" = 1, "maxProperties" = 1))]
+pub(super) struct TickNoiseTable {
+    /// Standard deviation, an angle: "0.53 arcsec".
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(super) std: Option<Spanned<Scalar>>,
+    /// Three standard deviations, an angle: "1.6 arcsec".
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(super) three_sigma: Option<Spanned<Scalar>>,
+    /// Angle random walk N, from which the standard deviation is N·√tick: "0.003 deg/sqrt(h)".
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(super) angle_random_walk: Option<Spanned<Scalar>>,
+}
+
+/// The torsional vibration of the base.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MotionTable {
+    /// Amplitude of the rate, "12000 arcsec/s", or of the angle, "90 arcsec", then times 2πν at each point.
+    #[schemars(with = "String", extend("examples" = ["12000 arcsec/s", "90 arcsec"]))]
+    pub(super) amplitude: Spanned<Scalar>,
+    /// Frequency ν of the vibration: "20 Hz".
+    #[schemars(with = "String", extend("examples" = ["20 Hz"]))]
+    pub(super) frequency: Spanned<Scalar>,
+    #[serde(default)]
+    pub(super) phase: Phase,
+}
+
+/// Phase of the rate at the middle of the gap.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Phase {
+    /// Random, another in each trial.
+    #[default]
+    Uniform,
+    /// The rate passes through zero.
+    ZeroCrossing,
+    /// The rate is greatest.
+    Extremum,
+}
+
+/// The mode switch, and how the ticks it loses are filled in.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SwitchingTable {
+    /// Number n of lost ticks; they are numbered 1 … n.
+    #[schemars(with = "i64", range(min = 1, max = 64))]
+    pub(super) gap_ticks: Spanned<Scalar>,
+    /// Ticks that the residual is fitted to; -1, 0, n+1, n+2 if absent. Numbers, "n+1", ranges "-7..0".
+    #[serde(default)]
+    #[schemars(with = "Vec<TickSchema>")]
+    pub(super) fit_ticks: Option<Spanned<Vec<Spanned<Scalar>>>>,
+    /// Ticks that the extrapolation is fitted to, none after 0; -3, -2, -1, 0 if absent.
+    #[serde(default)]
+    #[schemars(with = "Vec<TickSchema>")]
+    pub(super) extrapolation_ticks: Option<Spanned<Vec<Spanned<Scalar>>>>,
+    /// Fillers to compare, each once.
+    #[schemars(with = "Vec<Filler>", length(min = 1), extend("uniqueItems" = true))]
+    pub(super) fillers: Spanned<Vec<Spanned<Filler>>>,
+}
+
+/// A way to fill the gap: a polynomial fitted by least squares.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Filler {
+    /// Order 0.
+    Const,
+    /// Order 1.
+    Linear,
+    /// Order 2.
+    Quadratic,
+}
+
+/// Values for one key, in exactly one of three forms.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("minProperties" = 2, "maxProperties" = 2))]
+pub(super) struct SweepTable {
+    /// The key to vary: "motion.frequency".
+    #[schemars(with = "String")]
+    pub(super) key: Spanned<String>,
+    /// The values one by one.
+    #[serde(default)]
+    #[schemars(with = "Vec<ValueSchema>")]
+    pub(super) list: Option<Spanned<Vec<Spanned<Scalar>>>>,
+    /// Values at equal differences.
+    #[serde(default)]
+    #[schemars(with = "SpacingTable")]
+    pub(super) linear: Option<Spanned<SpacingTable>>,
+    /// Values at equal ratios.
+    #[serde(default)]
+    #[schemars(with = "SpacingTable")]
+    pub(super) log: Option<Spanned<SpacingTable>>,
+}
+
+/// Evenly spaced values, both ends included.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SpacingTable {
+    #[schemars(with = "ValueSchema")]
+    pub(super) from: Spanned<Scalar>,
+    #[schemars(with = "ValueSchema")]
+    pub(super) to: Spanned<Scalar>,
+    /// How many values.
+    #[schemars(with = "i64", range(min = 1, max = 10_000))]
+    pub(super) points: Spanned<Scalar>,
+}
+
+/// A chart of the estimates. Columns are named without prefix and unit: "frequency", "rms".
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ChartTable {
+    /// Above the chart; the study's title if absent.
+    // Else the schema would give null, which TOML does not have, as the default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "String")]
+    pub(super) title: Option<String>,
+    /// Column of the abscissa.
+    #[schemars(with = "String", extend("examples" = ["dt_nu", "frequency"]))]
+    pub(super) x: Spanned<String>,
+    /// Column of the ordinate.
+    #[schemars(with = "String", extend("examples" = ["rms", "q9973", "max"]))]
+    pub(super) y: Spanned<String>,
+    /// Columns whose values make the curves: first the colour, second the dash; ["filler"] if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<String>", length(min = 1, max = 2))]
+    pub(super) series: Option<Spanned<Vec<Spanned<String>>>>,
+    /// Rows to show: column = value. { error = "residual" } if absent.
+    #[serde(default, rename = "where")]
+    #[schemars(with = "BTreeMap<String, ValueSchema>")]
+    pub(super) rows: Option<BTreeMap<Spanned<String>, Spanned<Scalar>>>,
+    /// Allowed error, an angle, drawn as a line: "10 arcsec".
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(super) limit: Option<Spanned<Scalar>>,
+    #[serde(default)]
+    pub(super) x_scale: Scale,
+    #[serde(default)]
+    pub(super) y_scale: Scale,
+}
+
+/// The scale of an axis.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scale {
+    /// Equal ratios are equally long.
+    #[default]
+    Log,
+    /// Equal differences are equally long.
+    Linear,
+}
+
+/// `[chart]` or `[[chart]]`.
+#[derive(Debug, Default, JsonSchema)]
+#[schemars(untagged)]
+pub(super) enum Charts {
+    #[default]
+    #[schemars(skip)]
+    Default,
+    One(Box<ChartTable>),
+    Several(Vec<ChartTable>),
+}
+
+impl<'de> Deserialize<'de> for Charts {
+    /// By hand, as serde's untagged enums lose the places of values.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Charts, D::Error> {
+        struct OneOrSeveral;
+
+        impl<'de> Visitor<'de> for OneOrSeveral {
+            type Value = Charts;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("one table [chart] or several [[chart]]")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Charts, A::Error> {
+                Deserialize::deserialize(MapAccessDeserializer::new(map)).map(Charts::One)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Charts, A::Error> {
+                Deserialize::deserialize(SeqAccessDeserializer::new(seq)).map(Charts::Several)
+            }
+        }
+
+        deserializer.deserialize_any(OneOrSeveral)
+    }
+}
+
+/// The number of a tick, or an inclusive range: -1, "n+1", "-7..0".
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum TickSchema {
+    Number(i32),
+    Text(String),
+}
+
+/// A quantity as text with its unit, or a number where the key has no unit.
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum ValueSchema {
+    Number(f64),
+    Text(String),
+}
+
+/// The JSON schema of study files, for editors and other programs.
+pub fn schema() -> String {
+    let schema = schemars::schema_for!(StudyFile);
+    // The alternate form of a JSON value is the indented one.
+    format!("{:#}\n", schema.as_value())
+}
