@@ -1,9 +1,19 @@
+//! Monte Carlo studies for laser gyroscopes.
+//!
+//! ```text
+//! study.toml ─ study ─▶ points ─ lower ─▶ launches ─ kernel on a backend ─▶ tallies ─ store ─▶ stats ─▶ table ─ chart
+//! ```
+
 pub mod backend;
 pub mod block;
 pub mod chart;
 pub mod id;
 pub mod kernel;
+pub mod lower;
+pub mod run;
 pub mod stats;
 pub mod store;
+pub mod study;
 pub mod table;
 pub mod theory;
+pub mod verify;

@@ -2,13 +2,61 @@
 
 pub mod cpu;
 pub mod gpu;
+mod select;
+
+pub use select::{SelectError, Selection, select};
 
 use crate::block::Block;
 use crate::kernel::gap_fill::Launch;
+use crate::kernel::map::Map;
+use crate::kernel::moments::Moments;
 
 /// Trials to be tallied: a block of a launch.
 #[derive(Debug, Clone, Copy)]
 pub struct Job<'a> {
     pub launch: &'a Launch,
     pub block: Block,
+}
+
+/// A device that runs the kernels.
+pub enum Device {
+    Cpu(cpu::Cpu),
+    Gpu(Box<gpu::Gpu>),
+}
+
+impl Device {
+    /// As it is called in messages and provenance.
+    pub fn name(&self) -> String {
+        match self {
+            Device::Cpu(cpu) => cpu.name(),
+            Device::Gpu(gpu) => gpu.name().to_owned(),
+        }
+    }
+
+    /// Tallies of each job, in order; `progress` hears of trials as they are done.
+    ///
+    /// # Errors
+    /// A GPU is lost or refuses; nothing of the jobs is kept.
+    pub fn tally(
+        &mut self,
+        jobs: &[Job],
+        histogram: bool,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Vec<Vec<Moments>>, gpu::GpuError> {
+        match self {
+            Device::Cpu(cpu) => Ok(cpu.tally(jobs, histogram, progress)),
+            Device::Gpu(gpu) => gpu.tally(jobs, histogram, progress),
+        }
+    }
+
+    /// The results of a building block for a list of items.
+    ///
+    /// # Errors
+    /// A GPU is lost or refuses.
+    pub fn map(&mut self, map: &Map, items: &[u32]) -> Result<Vec<u32>, gpu::GpuError> {
+        match self {
+            Device::Cpu(cpu) => Ok((map.cpu)(cpu.width(), items)),
+            Device::Gpu(gpu) => gpu.map(map, items),
+        }
+    }
 }

@@ -1,3 +1,5 @@
+//! The kernels: integer arithmetic only, each with a twin of the same stem in `shaders/`.
+
 pub mod gap_fill;
 pub mod map;
 pub mod moments;
@@ -6,3 +8,30 @@ pub(crate) mod normal_table;
 pub mod philox;
 pub mod sine;
 pub mod word;
+
+use map::Map;
+
+/// A kernel by the form of what it computes.
+#[derive(Debug, Clone, Copy)]
+pub enum Form {
+    /// A building block: words to words.
+    Map(Map),
+    /// Trials of a gap-fill point to moments of its estimates.
+    GapFill,
+}
+
+/// A kernel as the registry has it.
+#[derive(Debug, Clone, Copy)]
+pub struct Kernel {
+    /// The stem of its file here and in `shaders/`.
+    pub name: &'static str,
+    pub form: Form,
+}
+
+/// Every kernel: what `verify`, the self-test of devices and the identity tests go through.
+pub const KERNELS: [Kernel; 4] = [
+    Kernel { name: "philox", form: Form::Map(map::PHILOX) },
+    Kernel { name: "normal", form: Form::Map(map::NORMAL) },
+    Kernel { name: "sine", form: Form::Map(map::SINE) },
+    Kernel { name: "gap_fill", form: Form::GapFill },
+];

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::file::{Filler, Phase};
+use super::file::{Filler, Kind, Phase, Streams};
 use super::units::round_12;
 
 /// All that the motion, the noise and the gap of one point depend on. Every number has 12 significant digits.
@@ -86,6 +86,36 @@ impl Filler {
             Filler::Const => "const",
             Filler::Linear => "linear",
             Filler::Quadratic => "quadratic",
+        }
+    }
+}
+
+impl Kind {
+    /// As study files call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::GapFill => "gap-fill",
+        }
+    }
+}
+
+impl Streams {
+    /// As study files call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Streams::Independent => "independent",
+            Streams::Common => "common",
+        }
+    }
+}
+
+impl Phase {
+    /// As study files call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Phase::Uniform => "uniform",
+            Phase::ZeroCrossing => "zero-crossing",
+            Phase::Extremum => "extremum",
         }
     }
 }

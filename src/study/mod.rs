@@ -110,6 +110,22 @@ impl Study {
         Fault::new(span, message, "here", help).within(&self.text)
     }
 
+    /// Where `key`, such as `gyro.tick_noise`, is written, for an error about its value.
+    pub fn place_of(&self, key: &str) -> Range<usize> {
+        let name = key.rsplit('.').next().unwrap_or(key);
+        let text = self.text.inner();
+        let mut at = 0;
+        for line in text.split_inclusive('\n') {
+            let indent = line.len() - line.trim_start().len();
+            let rest = line[indent..].strip_prefix(name).map(str::trim_start);
+            if rest.is_some_and(|rest| rest.starts_with('=')) {
+                return at + indent..at + line.trim_end().len();
+            }
+            at += line.len();
+        }
+        0..0
+    }
+
     fn check(text: &Text) -> Result<Study, Fault> {
         let toml = toml::Deserializer::parse(text.inner()).map_err(|error| Fault::from_syntax(&error))?;
         let file = StudyFile::deserialize(toml).map_err(|error| Fault::from_serde(&error))?;

@@ -144,6 +144,11 @@ impl Cpu {
         Ok(Cpu { width, pool })
     }
 
+    /// The lanes of its kernels.
+    pub fn width(&self) -> Width {
+        self.width
+    }
+
     /// In words: lanes and threads.
     pub fn name(&self) -> String {
         format!("CPU ({}, {} threads)", self.width.name(), self.pool.current_num_threads())

@@ -1,0 +1,90 @@
+//! Choosing a device: `auto`, `cpu`, `gpu`, or part of an adapter's name.
+
+use super::Device;
+use super::cpu::{Cpu, Width};
+use super::gpu::{Adapter, Gpu, GpuError};
+use crate::verify::self_test;
+
+/// Why no device is there as asked for.
+#[derive(Debug, thiserror::Error)]
+pub enum SelectError {
+    #[error("no GPU was found\nuse --device cpu, or install a Vulkan driver; `sagnac devices` lists what is there")]
+    NoGpu,
+    #[error("no device is called `{name}`; there are {}", known.join(", "))]
+    Unknown { name: String, known: Vec<String> },
+    #[error("{name} cannot be used: {source}")]
+    Gpu { name: String, source: GpuError },
+    #[error("{name} computes other bits than the CPU in {kernel}: it is not used\nupdate its driver, or use --device cpu")]
+    Untrusted { name: String, kernel: &'static str },
+    #[error("cannot start threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}
+
+impl SelectError {
+    /// Whether the user asked for what is not there, and not the machine failed.
+    pub fn is_usage(&self) -> bool {
+        matches!(self, SelectError::NoGpu | SelectError::Unknown { .. })
+    }
+}
+
+/// A device and why it was taken, in one line.
+pub struct Selection {
+    pub device: Device,
+    pub reason: String,
+}
+
+/// The device that `wanted` means. `auto` is a real GPU that passes its self-test, else the CPU.
+///
+/// # Errors
+/// No such device, or it does not work, or it computes other bits than the CPU.
+pub fn select(wanted: &str) -> Result<Selection, SelectError> {
+    match wanted {
+        "cpu" => cpu("as asked"),
+        "auto" => auto(),
+        "gpu" => {
+            let adapters = Adapter::all();
+            let adapter = adapters.iter().find(|adapter| !adapter.is_software()).or(adapters.first());
+            open(adapter.ok_or(SelectError::NoGpu)?, "as asked")
+        }
+        part => {
+            let adapters = Adapter::all();
+            let matches = |adapter: &&Adapter| adapter.name().to_lowercase().contains(&part.to_lowercase());
+            match adapters.iter().find(matches) {
+                Some(adapter) => open(adapter, "as asked"),
+                None => {
+                    let names = adapters.iter().map(Adapter::name);
+                    let known = ["auto", "cpu", "gpu"].map(str::to_owned).into_iter().chain(names).collect();
+                    Err(SelectError::Unknown { name: part.to_owned(), known })
+                }
+            }
+        }
+    }
+}
+
+fn auto() -> Result<Selection, SelectError> {
+    let adapters = Adapter::all();
+    let Some(adapter) = adapters.iter().find(|adapter| !adapter.is_software()) else {
+        return match adapters.first() {
+            None => cpu("no GPU was found"),
+            Some(software) => cpu(&format!("the only adapter, {}, is a software rasteriser", software.name())),
+        };
+    };
+    match open(adapter, "a GPU that passed its self-test") {
+        Err(error) => cpu(&error.to_string().replace('\n', "; ")),
+        selected => selected,
+    }
+}
+
+fn cpu(reason: &str) -> Result<Selection, SelectError> {
+    Ok(Selection { device: Device::Cpu(Cpu::new(Width::widest(), 0)?), reason: reason.to_owned() })
+}
+
+fn open(adapter: &Adapter, reason: &str) -> Result<Selection, SelectError> {
+    let name = adapter.name();
+    let failed = |source| SelectError::Gpu { name: name.clone(), source };
+    let mut device = Device::Gpu(Box::new(Gpu::open(adapter, adapter.variant()).map_err(failed)?));
+    match self_test(&mut device).map_err(failed)? {
+        None => Ok(Selection { device, reason: reason.to_owned() }),
+        Some(kernel) => Err(SelectError::Untrusted { name, kernel }),
+    }
+}

@@ -1,0 +1,287 @@
+//! Running a study: what is missing in the store is sampled and added, then all that is held becomes a table.
+
+use std::time::Instant;
+
+use crate::backend::gpu::GpuError;
+use crate::backend::{Device, Job};
+use crate::block::{Block, base_log2, cover, missing};
+use crate::kernel::gap_fill::{Launch, MAX_FILLERS};
+use crate::lower::{Estimate, LowerError, Lowered};
+use crate::stats::{Estimates, z_score};
+use crate::store::{Identity, Row, Store, StoreError};
+use crate::study::{Point, Study, StudyError};
+use crate::table::{Cell, Column, Table, Unit};
+
+/// Why a run ended early. What was computed before is in the store.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    #[error("{0}\nwhat was computed is kept: run again to go on, or with --device cpu")]
+    Gpu(#[from] GpuError),
+}
+
+/// A study whose every point is proven to fit.
+#[derive(Debug)]
+pub struct Plan<'a> {
+    study: &'a Study,
+    points: Vec<Lowered>,
+}
+
+/// A launch and the blocks of it that are missing.
+struct Work {
+    point: usize,
+    fillers: Vec<usize>,
+    launch: Launch,
+    blocks: Vec<Block>,
+}
+
+/// What a run did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Done {
+    /// Trials sampled, over all points.
+    pub trials: u64,
+    pub seconds: f64,
+}
+
+/// How long a batch should take: results are on disk this often.
+const BATCH_SECONDS: f64 = 0.3;
+
+/// Trials of the first batch.
+const FIRST_BATCH: u64 = 1 << 20;
+
+impl<'a> Plan<'a> {
+    /// Lowers every point.
+    ///
+    /// # Errors
+    /// A point cannot be represented; the error points at the key to change.
+    pub fn new(study: &'a Study) -> Result<Plan<'a>, StudyError> {
+        let lower = |point: &Point| {
+            Lowered::new(point, &study.fillers, study.seed, study.streams).map_err(|error| refused(study, point, &error))
+        };
+        let points = study.points().iter().map(lower).collect::<Result<_, _>>()?;
+        Ok(Plan { study, points })
+    }
+
+    /// What makes the results those of this study.
+    pub fn identity(&self) -> Identity {
+        Identity {
+            kind: self.study.kind.name().to_owned(),
+            seed: self.study.seed,
+            streams: self.study.streams.name().to_owned(),
+        }
+    }
+
+    /// Samples what the store lacks. `progress` hears how many trials there are in all and, as it comes, what is done.
+    ///
+    /// # Errors
+    /// The device or the disk fails.
+    pub fn run(
+        &self,
+        store: &mut Store,
+        device: &mut Device,
+        progress: &(dyn Progress + Sync),
+    ) -> Result<Done, RunError> {
+        let work = self.missing(store)?;
+        let total = work.iter().flat_map(|work| &work.blocks).map(Block::trials).sum();
+        let asked = self.study.trials * self.points.len() as u64;
+        progress.start(asked.saturating_sub(total), asked.max(total));
+        let started = Instant::now();
+        let mut rest: Vec<(&Work, Job)> = work
+            .iter()
+            .flat_map(|work| work.blocks.iter().map(move |&block| (work, Job { launch: &work.launch, block })))
+            .rev()
+            .collect();
+        let mut batch_trials = FIRST_BATCH;
+        while !rest.is_empty() {
+            let batch_started = Instant::now();
+            let batch = take_batch(&mut rest, batch_trials);
+            let jobs: Vec<Job> = batch.iter().map(|(_, job)| *job).collect();
+            let results = device.tally(&jobs, true, &|trials| progress.advance(trials))?;
+            let rows: Vec<Row> = batch
+                .iter()
+                .zip(results)
+                .flat_map(|((work, job), tallies)| {
+                    let estimates = self.estimates_of(work);
+                    estimates.zip(tallies).map(|(estimate, tally)| Row {
+                        address: estimate.address,
+                        block: job.block,
+                        tally,
+                    })
+                })
+                .collect();
+            store.insert(&rows)?;
+            let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
+            batch_trials = ((batch_trials as f64 * factor) as u64).max(1);
+        }
+        let seconds = started.elapsed().as_secs_f64();
+        progress.finish();
+        if total > 0 {
+            store.note(&device.name(), total, seconds)?;
+        }
+        Ok(Done { trials: total, seconds })
+    }
+
+    /// The estimates of a launch in its order: residuals, then extrapolations.
+    fn estimates_of<'b>(&'b self, work: &'b Work) -> impl Iterator<Item = &'b Estimate> {
+        let fillers = &self.points[work.point].fillers;
+        [0, 1].into_iter().flat_map(move |error| work.fillers.iter().map(move |&filler| &fillers[filler][error]))
+    }
+
+    /// What the store lacks: fillers of a point that lack the same trials share a launch.
+    fn missing(&self, store: &Store) -> Result<Vec<Work>, StoreError> {
+        let trials = self.study.trials;
+        let log2 = base_log2(trials);
+        let mut all = Vec::new();
+        for (index, point) in self.points.iter().enumerate() {
+            let mut groups: Vec<(Vec<Block>, Vec<usize>)> = Vec::new();
+            for (filler, estimates) in point.fillers.iter().enumerate() {
+                let mut blocks = Vec::new();
+                for estimate in estimates {
+                    let held = store.blocks(&estimate.address)?;
+                    blocks.extend(missing(&held, trials).into_iter().flat_map(|gap| cover(gap, log2)));
+                }
+                blocks.sort();
+                blocks.dedup();
+                match groups.iter_mut().find(|group| group.0 == blocks && group.1.len() < MAX_FILLERS) {
+                    Some(group) => group.1.push(filler),
+                    None => groups.push((blocks, vec![filler])),
+                }
+            }
+            for (blocks, fillers) in groups.into_iter().filter(|group| !group.0.is_empty()) {
+                all.push(Work { point: index, launch: point.launch(&fillers), fillers, blocks });
+            }
+        }
+        Ok(all)
+    }
+
+    /// Points that the store holds and the study no longer asks for.
+    ///
+    /// # Errors
+    /// The disk fails.
+    pub fn unasked(&self, store: &Store) -> Result<usize, StoreError> {
+        let points = store.points()?;
+        Ok(points.iter().filter(|id| self.points.iter().all(|point| point.id != **id)).count())
+    }
+
+    /// All estimates held, a row for each point, filler and error.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    pub fn table(&self, store: &Store) -> Result<Table, StoreError> {
+        let mut columns = Columns::new(self.study);
+        for (point, lowered) in self.study.points().iter().zip(&self.points) {
+            for (filler, estimates) in self.study.fillers.iter().zip(&lowered.fillers) {
+                for estimate in estimates {
+                    let tally = store.total(&estimate.address)?;
+                    let found = Estimates::of(&tally, estimate.bin_base, estimate.unit_arcsec);
+                    columns.push(point, filler.name(), estimate, tally.count, found);
+                }
+            }
+        }
+        Ok(columns.table)
+    }
+}
+
+/// Who hears how a run goes on.
+pub trait Progress {
+    /// `done` of `total` trials are there already.
+    fn start(&self, done: u64, total: u64);
+    /// So many more are done.
+    fn advance(&self, trials: u64);
+    fn finish(&self);
+}
+
+fn refused(study: &Study, point: &Point, error: &LowerError) -> StudyError {
+    let at: Vec<String> = point.swept.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+    let place = if at.is_empty() { String::new() } else { format!(", at {}", at.join(", ")) };
+    study.error_at(study.place_of(error.key()), format!("{error}{place}"), error.help())
+}
+
+fn take_batch<'a, 'b>(rest: &mut Vec<(&'a Work, Job<'b>)>, trials: u64) -> Vec<(&'a Work, Job<'b>)> {
+    let (mut batch, mut taken) = (Vec::new(), 0);
+    while let Some(next) = rest.pop_if(|(_, job)| taken == 0 || taken + job.block.trials() <= trials) {
+        taken += next.1.block.trials();
+        batch.push(next);
+    }
+    batch
+}
+
+/// The columns of a gap-fill table, row by row.
+struct Columns {
+    table: Table,
+}
+
+/// Half the width of a 95 % interval in standard errors.
+const NORMAL_95: f64 = 1.959_963_985;
+
+impl Columns {
+    fn new(study: &Study) -> Columns {
+        let column = |name: &str, label: &str, unit| Column {
+            name: name.to_owned(),
+            label: label.to_owned(),
+            unit,
+            cells: vec![],
+            band: None,
+        };
+        let banded = |name: &str, label: &str| Column { band: Some(vec![]), ..column(name, label, Unit::ARCSEC) };
+        let mut columns: Vec<Column> = study
+            .sweeps
+            .iter()
+            .map(|sweep| {
+                let unit = sweep.values.first().map_or(Unit::NONE, |value| value.dimension.unit());
+                column(sweep.key.name, sweep.key.label, unit)
+            })
+            .collect();
+        columns.extend([
+            column("dt_nu", "Δt·ν", Unit::NONE),
+            column("filler", "filler", Unit::NONE),
+            column("error", "error", Unit::NONE),
+            column("trials", "trials", Unit::NONE),
+            column("mean", "mean error", Unit::ARCSEC),
+            banded("rms", "rms error"),
+            column("rms_se", "standard error of the rms", Unit::ARCSEC),
+            column("max", "largest error seen", Unit::ARCSEC),
+            banded("q9973", "99.73 % error"),
+            column("q9973_lo", "99.73 % error, lower", Unit::ARCSEC),
+            column("q9973_hi", "99.73 % error, upper", Unit::ARCSEC),
+            column("oracle_rms", "rms error, closed form", Unit::ARCSEC),
+            column("oracle_max", "largest error of the motion, closed form", Unit::ARCSEC),
+            column("z", "deviation from the closed form, standard errors", Unit::NONE),
+        ]);
+        Columns { table: Table { columns } }
+    }
+
+    fn push(&mut self, point: &Point, filler: &str, estimate: &Estimate, trials: u64, found: Option<Estimates>) {
+        let q = found.and_then(|found| found.q9973);
+        let rms_se = found.and_then(|found| found.rms_se);
+        let z = found.zip(rms_se).and_then(|(found, se)| {
+            z_score(found.rms, estimate.oracle.rms, se, estimate.oracle.rounding)
+        });
+        let cells = point.swept.iter().map(|(_, value)| value.cell()).chain([
+            Cell::from(Some(point.inputs.dt_nu())),
+            Cell::Text(filler.to_owned()),
+            Cell::Text(estimate.error.name().to_owned()),
+            Cell::Integer(trials as i64),
+            found.map(|found| found.mean).into(),
+            found.map(|found| found.rms).into(),
+            rms_se.into(),
+            found.map(|found| found.max).into(),
+            q.map(|q| q.value).into(),
+            q.and_then(|q| q.low).into(),
+            q.and_then(|q| q.high).into(),
+            Some(estimate.oracle.rms).into(),
+            Some(estimate.oracle.max).into(),
+            z.into(),
+        ]);
+        let rms_band =
+            found.zip(rms_se).map(|(found, se)| (found.rms - NORMAL_95 * se, found.rms + NORMAL_95 * se));
+        let q_band = q.and_then(|q| q.low.zip(q.high));
+        for (column, cell) in self.table.columns.iter_mut().zip(cells) {
+            column.cells.push(cell);
+            if let Some(band) = &mut column.band {
+                band.push(if column.name == "rms" { rms_band } else { q_band });
+            }
+        }
+    }
+}
