@@ -16,4 +16,5 @@ pub mod store;
 pub mod study;
 pub mod table;
 pub mod theory;
+pub mod verdict;
 pub mod verify;

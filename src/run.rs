@@ -164,22 +164,39 @@ impl<'a> Plan<'a> {
         Ok(points.iter().filter(|id| self.points.iter().all(|point| point.id != **id)).count())
     }
 
+    /// The table before anything is sampled: all rows, without estimates.
+    pub fn blank_table(&self) -> Table {
+        let mut columns = Columns::new(self.study);
+        self.rows(|point, filler, estimate| columns.push(point, filler, estimate, 0, None));
+        columns.table
+    }
+
     /// All estimates held, a row for each point, filler and error.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
     pub fn table(&self, store: &Store) -> Result<Table, StoreError> {
         let mut columns = Columns::new(self.study);
+        let mut failed = None;
+        self.rows(|point, filler, estimate| match store.total(&estimate.address) {
+            Ok(tally) => {
+                let found = Estimates::of(&tally, estimate.bin_base, estimate.unit_arcsec);
+                columns.push(point, filler, estimate, tally.count, found);
+            }
+            Err(error) => drop(failed.get_or_insert(error)),
+        });
+        failed.map_or(Ok(columns.table), Err)
+    }
+
+    /// Every point, filler and error, in the order of the table.
+    fn rows(&self, mut row: impl FnMut(&Point, &str, &Estimate)) {
         for (point, lowered) in self.study.points().iter().zip(&self.points) {
             for (filler, estimates) in self.study.fillers.iter().zip(&lowered.fillers) {
                 for estimate in estimates {
-                    let tally = store.total(&estimate.address)?;
-                    let found = Estimates::of(&tally, estimate.bin_base, estimate.unit_arcsec);
-                    columns.push(point, filler.name(), estimate, tally.count, found);
+                    row(point, filler.name(), estimate);
                 }
             }
         }
-        Ok(columns.table)
     }
 }
 

@@ -98,6 +98,11 @@ impl Study {
         &self.points
     }
 
+    /// The file as it was read.
+    pub fn text(&self) -> &str {
+        self.text.inner()
+    }
+
     /// An error about the bytes `span` of this study, for what only shows later, such as a chart's unknown column.
     ///
     /// `message` says what was found, `help` what is accepted.

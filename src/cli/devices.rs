@@ -1,0 +1,21 @@
+//! `sagnac devices`.
+
+use sagnac::backend::cpu::Width;
+use sagnac::backend::gpu::Adapter;
+
+use super::Failure;
+use super::output::print;
+
+/// Lists what kernels can run on.
+pub fn devices() -> Result<(), Failure> {
+    let widths: Vec<&str> = Width::available().into_iter().map(Width::name).collect();
+    print(&format!("cpu: {}", widths.join(", ")))?;
+    let adapters = Adapter::all();
+    for adapter in &adapters {
+        print(&format!("gpu: {}\n     {}", adapter.name(), adapter.description()))?;
+    }
+    if adapters.is_empty() {
+        eprintln!("no GPU and no software rasteriser was found (Vulkan, Metal, DX12)");
+    }
+    Ok(())
+}

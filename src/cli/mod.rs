@@ -1,0 +1,116 @@
+//! The command line.
+
+mod bench;
+mod devices;
+mod failure;
+mod output;
+mod progress;
+mod run;
+mod terminal;
+mod verify;
+
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+use failure::Failure;
+use sagnac::study::{self, MOST_TRIALS};
+
+/// Monte Carlo studies for laser gyroscopes, with the same bits on every CPU and GPU.
+#[derive(Debug, Parser)]
+#[command(name = "sagnac", version, max_term_width = 110, after_help = EXIT_CODES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXIT_CODES: &str = "\
+Examples:
+  sagnac run studies/error_vs_dtnu.toml
+  sagnac run my.toml --trials 100000000 --device gpu
+  sagnac verify
+
+Exit codes:
+  0 done    1 runtime error    2 usage, unknown device    3 invalid study, folder of another study
+  4 stopped but resumable    5 a check failed    6 storage (full, read-only, locked)    130, 143 signals";
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run studies: sample what is missing, write the table and the charts
+    ///
+    /// Results go to a folder. Running again resumes; a larger --trials continues.
+    Run(Run),
+    /// List the devices that kernels can run on
+    Devices,
+    /// Prove that every kernel gives the same bits on every device, here and now
+    Verify(Verify),
+    /// Measure the throughput of the kernels
+    Bench(Bench),
+    /// Print the JSON schema of study files
+    Schema,
+}
+
+#[derive(Debug, Args)]
+struct Run {
+    /// Study files
+    #[arg(required = true, value_name = "STUDY")]
+    studies: Vec<std::path::PathBuf>,
+    #[command(flatten)]
+    device: DeviceArg,
+    /// Results folder [default: results/<name of the study file>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<std::path::PathBuf>,
+    /// Trials at each point, in place of the study's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
+    trials: Option<u64>,
+    /// Seed, in place of the study's
+    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    seed: Option<u64>,
+    /// Print the table and the verdict as JSON
+    #[arg(long)]
+    json: bool,
+    /// Print only errors
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+#[derive(Debug, Args)]
+struct Verify {
+    #[command(flatten)]
+    device: DeviceArg,
+    /// Units of work for each kernel: trials of each configuration, or numbers
+    #[arg(long, value_name = "N", default_value_t = 1 << 18, value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
+    trials: u64,
+}
+
+#[derive(Debug, Args)]
+struct Bench {
+    #[command(flatten)]
+    device: DeviceArg,
+    /// Print the figures as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Args)]
+struct DeviceArg {
+    /// auto, cpu, gpu, or part of the name of an adapter that `sagnac devices` lists
+    #[arg(long = "device", value_name = "DEVICE", default_value = "auto")]
+    name: String,
+}
+
+/// Runs the program.
+pub fn main() -> ExitCode {
+    let cli = Cli::parse();
+    let result = match &cli.command {
+        Command::Run(options) => run::run(options),
+        Command::Devices => devices::devices(),
+        Command::Verify(options) => verify::verify(options),
+        Command::Bench(options) => bench::bench(options),
+        Command::Schema => output::print(&study::schema()),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

@@ -1,0 +1,129 @@
+//! Progress on the standard error stream: a bar on a terminal, now and then a line elsewhere.
+
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use sagnac::run::Progress;
+
+/// Seconds between lines where there is no terminal.
+const LINE_SECONDS: u64 = 10;
+
+/// How progress is shown.
+pub enum Shown {
+    Nothing,
+    Bar(ProgressBar),
+    Lines(Lines),
+}
+
+impl Shown {
+    /// What suits the standard error stream.
+    pub fn new(quiet: bool) -> Shown {
+        if quiet {
+            return Shown::Nothing;
+        }
+        if !std::io::stderr().is_terminal() {
+            return Shown::Lines(Lines::default());
+        }
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10));
+        let template = "{bar:30} {percent:>3} %  {trials} trials  {rate}  {eta} left";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(
+                style
+                    .with_key("trials", |state: &ProgressState, to: &mut dyn std::fmt::Write| {
+                        let _ = write!(to, "{} of {}", short(state.pos() as f64), short(state.len().unwrap_or(0) as f64));
+                    })
+                    .with_key("rate", |state: &ProgressState, to: &mut dyn std::fmt::Write| {
+                        let _ = write!(to, "{}/s", short(state.per_sec()));
+                    }),
+            );
+        }
+        Shown::Bar(bar)
+    }
+}
+
+impl Progress for Shown {
+    fn start(&self, done: u64, total: u64) {
+        match self {
+            Shown::Nothing => {}
+            Shown::Bar(bar) => {
+                bar.set_length(total);
+                bar.set_position(done);
+                bar.reset_eta();
+                bar.tick();
+                bar.enable_steady_tick(Duration::from_millis(100));
+            }
+            Shown::Lines(lines) => lines.start(done, total),
+        }
+    }
+
+    fn advance(&self, trials: u64) {
+        match self {
+            Shown::Nothing => {}
+            Shown::Bar(bar) => bar.inc(trials),
+            Shown::Lines(lines) => lines.advance(trials),
+        }
+    }
+
+    fn finish(&self) {
+        if let Shown::Bar(bar) = self {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// Plain lines, without control characters.
+#[derive(Default)]
+pub struct Lines {
+    done: AtomicU64,
+    state: Mutex<Option<State>>,
+}
+
+struct State {
+    before: u64,
+    total: u64,
+    started: Instant,
+    next: Duration,
+}
+
+impl Lines {
+    fn start(&self, before: u64, total: u64) {
+        self.done.store(before, Ordering::Relaxed);
+        if before < total {
+            eprintln!("{} of {} trials done", short(before as f64), short(total as f64));
+        }
+        if let Ok(mut state) = self.state.lock() {
+            let next = Duration::from_secs(LINE_SECONDS);
+            *state = Some(State { before, total, started: Instant::now(), next });
+        }
+    }
+
+    fn advance(&self, trials: u64) {
+        let done = self.done.fetch_add(trials, Ordering::Relaxed) + trials;
+        // A thread that finds another one printing has nothing to add.
+        let Ok(mut state) = self.state.try_lock() else { return };
+        let Some(State { before, total, started, next }) = state.as_mut() else { return };
+        let elapsed = started.elapsed();
+        if elapsed >= *next && done > *before {
+            *next = elapsed + Duration::from_secs(LINE_SECONDS);
+            let rate = (done - *before) as f64 / elapsed.as_secs_f64();
+            let left = Duration::from_secs_f64((total.saturating_sub(done)) as f64 / rate);
+            let percent = 100.0 * done as f64 / (*total).max(1) as f64;
+            eprintln!("{percent:.0} %, {} trials/s, {} left", short(rate), HumanDuration(left));
+        }
+    }
+}
+
+/// A large number with three digits and a word.
+pub fn short(number: f64) -> String {
+    let (scale, unit) = match number {
+        x if x >= 1e12 => (1e12, " trillion"),
+        x if x >= 1e9 => (1e9, " billion"),
+        x if x >= 1e6 => (1e6, " million"),
+        x if x >= 1e4 => (1e3, " thousand"),
+        _ => (1.0, ""),
+    };
+    format!("{}{unit}", sagnac::table::significant(number / scale, 3))
+}
