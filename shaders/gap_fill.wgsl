@@ -41,26 +41,58 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
     //#end
 
     var error: array<u32, ESTIMATES>;
-    var sum: u32;
+    var sum: Sum;
     //#for filler in 0..FILLERS
-    sum = 0u;
+    sum = less(truth, p[RESIDUAL_SCALE + filler]);
     //#for k in 0..RESIDUAL_BEFORE
-    sum += before[k] * p[RESIDUAL_WEIGHT + filler * (RESIDUAL_BEFORE + AFTER) + k];
+    sum = add_tick(sum, before[k], p[RESIDUAL_WEIGHT + filler * (RESIDUAL_BEFORE + AFTER) + k]);
     //#end
     //#for k in 0..AFTER
-    sum += after[k] * p[RESIDUAL_WEIGHT + filler * (RESIDUAL_BEFORE + AFTER) + RESIDUAL_BEFORE + k];
+    sum = add_tick(sum, after[k], p[RESIDUAL_WEIGHT + filler * (RESIDUAL_BEFORE + AFTER) + RESIDUAL_BEFORE + k]);
     //#end
-    error[filler] = sum - truth * p[RESIDUAL_SCALE + filler];
+    error[filler] = error_of(sum, filler);
     //#end
     //#for filler in 0..FILLERS
-    sum = 0u;
+    sum = less(truth, p[EXTRAPOLATION_SCALE + filler]);
     //#for k in 0..EXTRAPOLATION_BEFORE
-    sum += before[k] * p[EXTRAPOLATION_WEIGHT + filler * EXTRAPOLATION_BEFORE + k];
+    sum = add_tick(sum, before[k], p[EXTRAPOLATION_WEIGHT + filler * EXTRAPOLATION_BEFORE + k]);
     //#end
-    error[FILLERS + filler] = sum - truth * p[EXTRAPOLATION_SCALE + filler];
+    error[FILLERS + filler] = error_of(sum, FILLERS + filler);
     //#end
     return error;
 }
+
+// A weighted sum of ticks less the scaled truth, in 32 bits where that is enough.
+//#if WIDE
+alias Sum = Wide;
+
+fn less(truth: u32, scale: u32) -> Sum {
+    return mul_wide(truth, 0u - scale);
+}
+
+fn add_tick(sum: Sum, tick: u32, weight: u32) -> Sum {
+    return add_wide(sum, mul_wide(tick, weight));
+}
+
+fn error_of(sum: Sum, estimate: u32) -> u32 {
+    let shift = p[SHIFT + estimate];
+    return bits_from(add_wide(sum, wide((1u << shift) >> 1u, 0u)), shift);
+}
+//#else
+alias Sum = u32;
+
+fn less(truth: u32, scale: u32) -> Sum {
+    return truth * (0u - scale);
+}
+
+fn add_tick(sum: Sum, tick: u32, weight: u32) -> Sum {
+    return sum + tick * weight;
+}
+
+fn error_of(sum: Sum, estimate: u32) -> u32 {
+    return sum;
+}
+//#end
 
 // The angle that the tone turns through, in 2^-32 LSB, with half an LSB for rounding.
 fn angle(sin: u32, cos: u32, at_sin: u32, at_cos: u32) -> Wide {

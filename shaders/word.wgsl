@@ -33,6 +33,10 @@ fn low_word(a: Wide) -> u32 {
 fn high_word(a: Wide) -> u32 {
     return u32(u64(a) >> 32u);
 }
+
+fn bits_from(a: Wide, n: u32) -> u32 {
+    return u32((u64(a) >> n) & 0xfffffffflu);
+}
 //#else
 alias Wide = vec2<u32>;
 
@@ -65,5 +69,10 @@ fn low_word(a: Wide) -> u32 {
 
 fn high_word(a: Wide) -> u32 {
     return a.y;
+}
+
+fn bits_from(a: Wide, n: u32) -> u32 {
+    // A shift by 32 would be a shift by 0.
+    return (a.x >> n) | select(a.y << (32u - n), 0u, n == 0u);
 }
 //#end

@@ -20,8 +20,8 @@ pub enum LowerError {
     NoiseTooSmall { sigma_arcsec: f64, tick_arcsec: f64 },
     #[error("switching.fillers: `{filler}` does not determine its polynomial from ticks {ticks:?}")]
     Singular { filler: &'static str, ticks: Vec<i32> },
-    #[error("switching.fillers: the {error} of `{filler}` reaches {bound_arcsec:.3e} ″ with weights over {scale}, which is more than 32-bit arithmetic can hold at this point")]
-    TooLarge { filler: &'static str, error: &'static str, bound_arcsec: f64, scale: i64 },
+    #[error("switching.fillers: the weighted sum of the {error} of `{filler}` reaches 2^{bits:.0}, more than 64-bit arithmetic can hold")]
+    TooLarge { filler: &'static str, error: &'static str, bits: f64 },
 }
 
 /// Which error of a filler: after the gap is closed, or while it is open.
@@ -64,6 +64,8 @@ pub struct Estimate {
     /// Where its histogram starts.
     pub bin_base: u32,
     weights: Weights,
+    /// Bits that its sum is rounded by.
+    shift: u32,
 }
 
 /// A point, ready to be sampled.
@@ -178,6 +180,7 @@ impl Lowered {
             residual_before,
             extrapolation_before,
             fillers: fillers.len(),
+            wide: [0, 1].into_iter().flat_map(estimates).any(|estimate| estimate.shift > 0),
         };
         let before: Vec<i32> = (0..shape.before as i32).map(|k| -k).collect();
         let after: Vec<i32> = (1..=shape.after as i32).map(|k| n + k).collect();
@@ -195,6 +198,7 @@ impl Lowered {
         let residual_ticks = [&before[..residual_before], &after[..]].concat();
         let [gap_sin, gap_cos] = self.tone.gap_words();
         let bin_base: Vec<u32> = [0, 1].into_iter().flat_map(estimates).map(|e| e.bin_base).collect();
+        let shift: Vec<u32> = [0, 1].into_iter().flat_map(estimates).map(|e| e.shift).collect();
         let words = Parameters {
             key: &self.key,
             phase: &[self.tone.phase],
@@ -210,6 +214,7 @@ impl Lowered {
             residual_scale: &scales(0),
             extrapolation_weight: &weights(1, &before[..extrapolation_before]),
             extrapolation_scale: &scales(1),
+            shift: if shape.wide { &shift } else { &[] },
             bin_base: &bin_base,
         }
         .words();
@@ -256,6 +261,7 @@ impl Tone {
         error: Error,
         weights: Weights,
     ) -> Result<Estimate, LowerError> {
+        let weights = in_32_bits(weights);
         let scale = weights.denominator as f64;
         let ticks: Vec<[i32; 2]> = weights.ticks.iter().map(|&tick| self.tick_words(tick)).collect();
         let gap = self.gap_words();
@@ -269,19 +275,25 @@ impl Tone {
         let sigma = f64::from(self.sigma) / SIGMA_UNITS;
         let gain = weights.largest_gain() * scale;
         let noise = sigma * weights.noise_gain() * scale;
-        // Each tick and the gap is rounded once, by half an LSB at most; the sine is wrong by 2^−29.5 at most.
+        // The terms of the sum one by one: what its accumulator must hold on the way.
         let size = |words: &[i32; 2]| (f64::from(words[0]).abs() + f64::from(words[1]).abs()) / ANGLE_UNITS;
-        let sine_error: f64 =
+        let motion: f64 =
             weights.numerators.iter().zip(&ticks).map(|(&w, tick)| w.abs() as f64 * size(tick)).sum::<f64>()
                 + scale * size(&gap);
-        let rounding = 0.5 * (gain + scale) + libm::exp2(-29.5) * sine_error;
-        let bound = libm::hypot(a, b) + REACH * sigma * gain + rounding;
-        let unit_arcsec = lsb_arcsec / scale;
-        if bound >= LIMIT as f64 || gain >= LIMIT as f64 {
-            let bound_arcsec = bound * unit_arcsec;
-            let (filler, error, scale) = (filler.name(), error.name(), weights.denominator);
-            return Err(LowerError::TooLarge { filler, error, bound_arcsec, scale });
+        let terms = motion + (REACH * sigma + 1.0) * gain + scale;
+        if terms >= libm::exp2(62.0) {
+            let (filler, error, bits) = (filler.name(), error.name(), libm::log2(terms));
+            return Err(LowerError::TooLarge { filler, error, bits });
         }
+        // Each tick and the gap is rounded once, by half an LSB at most; the sine is wrong by 2^−29.5 at most.
+        let rounding = 0.5 * (gain + scale) + libm::exp2(-29.5) * motion;
+        let bound = libm::hypot(a, b) + REACH * sigma * gain + rounding;
+        let shift = libm::ceil(libm::log2((bound + 1.0) / (LIMIT as f64 - 1.0))).max(0.0);
+        let (shift, unit) = (shift as u32, libm::exp2(shift));
+        // From here on in units of the tally.
+        let [a, b, noise, rounding] = [a, b, noise, rounding].map(|x| x / unit);
+        let rounding = if shift > 0 { rounding + 0.5 } else { rounding };
+        let unit_arcsec = lsb_arcsec / scale * unit;
         let (mean_square, max) = if self.phase_spread != 0 {
             (0.5 * (a * a + b * b), libm::hypot(a, b))
         } else {
@@ -300,11 +312,21 @@ impl Tone {
             .chain(ticks.iter().flatten().map(|&word| word as u32))
             .chain(weights.ticks.iter().map(|&tick| tick as u32))
             .chain(weights.numerators.iter().map(|&w| w as u32))
-            .chain([weights.denominator as u32, bin_base])
+            .chain([weights.denominator as u32, shift, bin_base])
             .chain(words_of(unit_arcsec));
         let address = Address { point, estimate: estimate_id(filler, error, &weights.ticks), digest: Id::of_words(words) };
-        Ok(Estimate { error, address, oracle, unit_arcsec, bin_base, weights })
+        Ok(Estimate { error, address, oracle, unit_arcsec, bin_base, weights, shift })
     }
+}
+
+/// The weights themselves where they fit in 32 bits, else the nearest that do.
+fn in_32_bits(weights: Weights) -> Weights {
+    let largest = weights.numerators.iter().map(|w| w.abs()).max().unwrap_or(0).max(weights.denominator);
+    if largest < 1 << 30 {
+        return weights;
+    }
+    let largest = weights.values().fold(1.0, |largest: f64, w| largest.max(w.abs()));
+    weights.fixed_point(libm::floor(30.0 - libm::log2(largest)).clamp(1.0, 24.0) as u32)
 }
 
 fn words_of(x: f64) -> [u32; 2] {

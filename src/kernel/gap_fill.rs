@@ -2,7 +2,8 @@
 //!
 //! Twin of `shaders/gap_fill.wgsl`. Ticks are counted outward from the gap: `before[0]` is tick 0, `before[1]` tick −1,
 //! `after[0]` tick n+1. A filler is a vector of integer weights over a common denominator D (its scale), so that
-//! D·δP = Σ w P − D Σ_gap true is an exact integer. Source: Z(14)–Z(18).
+//! D·δP = Σ w P − D Σ_gap true is an exact integer. One that needs more than 32 bits is rounded down to them by a
+//! shift. Source: Z(14)–Z(18).
 
 use super::moments::{self, MAX_ESTIMATES, Moments, Sampler};
 use super::normal::normal;
@@ -32,6 +33,8 @@ pub struct Shape {
     /// Ticks before the gap that the extrapolation uses.
     pub extrapolation_before: usize,
     pub fillers: usize,
+    /// Whether weighted sums need 64 bits: fillers with large weights do, the usual polynomials do not.
+    pub wide: bool,
 }
 
 /// Declares the parameter words once: the fields in order, their lengths for a shape, and their names in the shaders.
@@ -96,6 +99,8 @@ parameters! {
     /// Weights of the extrapolation, filler by filler, outward from the gap.
     extrapolation_weight: |shape: Shape| shape.fillers * shape.extrapolation_before,
     extrapolation_scale: |shape: Shape| shape.fillers,
+    /// How far each wide sum is shifted to the right, rounding: residuals, then extrapolations.
+    shift: |shape: Shape| if shape.wide { 2 * shape.fillers } else { 0 },
     /// Where each estimate's histogram starts: residuals, then extrapolations.
     bin_base: |shape: Shape| 2 * shape.fillers,
 }
@@ -157,25 +162,59 @@ impl Sampler for GapFill<'_> {
 
         let mut error = [W::splat(0); MAX_ESTIMATES];
         for filler in 0..shape.fillers {
+            let mut sum = Sum::less(truth, p.residual_scale[filler], shape.wide);
             let weight = &p.residual_weight[filler * (shape.residual_before + shape.after)..];
-            let mut sum = W::splat(0);
             for k in 0..shape.residual_before {
-                sum = sum + before[k] * W::splat(weight[k]);
+                sum.add(before[k], weight[k]);
             }
             for k in 0..shape.after {
-                sum = sum + after[k] * W::splat(weight[shape.residual_before + k]);
+                sum.add(after[k], weight[shape.residual_before + k]);
             }
-            error[filler] = sum - truth * W::splat(p.residual_scale[filler]);
+            error[filler] = sum.error(p.shift, filler);
         }
         for filler in 0..shape.fillers {
+            let mut sum = Sum::less(truth, p.extrapolation_scale[filler], shape.wide);
             let weight = &p.extrapolation_weight[filler * shape.extrapolation_before..];
-            let mut sum = W::splat(0);
             for k in 0..shape.extrapolation_before {
-                sum = sum + before[k] * W::splat(weight[k]);
+                sum.add(before[k], weight[k]);
             }
-            error[shape.fillers + filler] = sum - truth * W::splat(p.extrapolation_scale[filler]);
+            error[shape.fillers + filler] = sum.error(p.shift, shape.fillers + filler);
         }
         error
+    }
+}
+
+/// A weighted sum of ticks less the scaled truth, in 32 bits where that is enough.
+#[derive(Clone, Copy)]
+enum Sum<W: Word> {
+    Narrow(W),
+    Wide(W::Wide),
+}
+
+impl<W: Word> Sum<W> {
+    #[inline(always)]
+    fn less(truth: W, scale: u32, wide: bool) -> Sum<W> {
+        let minus = W::splat(scale.wrapping_neg());
+        if wide { Sum::Wide(truth.mul_wide(minus)) } else { Sum::Narrow(truth * minus) }
+    }
+
+    #[inline(always)]
+    fn add(&mut self, tick: W, weight: u32) {
+        match self {
+            Sum::Narrow(sum) => *sum = *sum + tick * W::splat(weight),
+            Sum::Wide(sum) => *sum = *sum + tick.mul_wide(W::splat(weight)),
+        }
+    }
+
+    #[inline(always)]
+    fn error(self, shift: &[u32], estimate: usize) -> W {
+        match self {
+            Sum::Narrow(sum) => sum,
+            Sum::Wide(sum) => {
+                let half = (1_i64 << shift[estimate]) >> 1;
+                (sum + W::Wide::splat(half)).bits_from(shift[estimate])
+            }
+        }
     }
 }
 
@@ -193,7 +232,7 @@ fn tick<W: Word>(angle: W::Wide, z: W, sigma: u32) -> W {
 
 /// Shapes whose loops are worth unrolling ahead of time: the default ticks with one to three fillers.
 const UNROLLED: Shape =
-    Shape { before: 4, after: 2, residual_before: 2, extrapolation_before: 4, fillers: MAX_FILLERS };
+    Shape { before: 4, after: 2, residual_before: 2, extrapolation_before: 4, fillers: MAX_FILLERS, wide: false };
 
 struct Tally<'a> {
     words: &'a [u32],

@@ -61,6 +61,8 @@ pub trait Wide: Copy + Add<Output = Self> {
     fn splat(x: i64) -> Self;
     /// Bits 32 to 63 of each lane.
     fn high(self) -> Self::Word;
+    /// Bits `n` to `n` + 31 of each lane; `n` is below 32.
+    fn bits_from(self, n: u32) -> Self::Word;
     /// The sum of the lanes, each read as signed, exactly.
     fn total_signed(self) -> i128;
     /// The sum of the lanes, each read as unsigned, exactly.
@@ -222,6 +224,11 @@ impl Wide for ScalarWide {
     #[inline(always)]
     fn high(self) -> Scalar {
         Scalar((self.0 >> 32) as u32)
+    }
+
+    #[inline(always)]
+    fn bits_from(self, n: u32) -> Scalar {
+        Scalar((self.0 >> n) as u32)
     }
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! A tally as bytes: numbers of seven bits a byte (LEB128), runs of empty bins as their length.
+//! A tally as bytes: numbers of seven bits a byte (LEB128), runs of empty and of filled bins by their lengths.
 
 use crate::kernel::moments::{BINS, Moments};
 
@@ -10,15 +10,13 @@ pub fn encode(tally: &Moments) -> Vec<u8> {
     put(&mut bytes, tally.square);
     put(&mut bytes, zigzag(tally.least.into()));
     put(&mut bytes, zigzag(tally.greatest.into()));
-    let mut empty = 0;
-    for &count in &tally.bins {
-        if count == 0 {
-            empty += 1;
-        } else {
-            put(&mut bytes, empty);
-            put(&mut bytes, u128::from(count));
-            empty = 0;
-        }
+    let mut rest = &tally.bins[..];
+    while let Some(empty) = rest.iter().position(|&count| count > 0) {
+        let filled = rest[empty..].iter().position(|&count| count == 0).unwrap_or(rest.len() - empty);
+        put(&mut bytes, empty as u128);
+        put(&mut bytes, filled as u128);
+        rest[empty..empty + filled].iter().for_each(|&count| put(&mut bytes, u128::from(count)));
+        rest = &rest[empty + filled..];
     }
     bytes
 }
@@ -34,12 +32,14 @@ pub fn decode(bytes: &[u8]) -> Option<Moments> {
         greatest: unzigzag(take(&mut rest)?).try_into().ok()?,
         bins: vec![0; BINS],
     };
-    let mut bin = 0;
+    let mut bin: usize = 0;
     while !rest.is_empty() {
-        let empty: usize = take(&mut rest)?.try_into().ok()?;
-        bin += empty;
-        *tally.bins.get_mut(bin)? = take(&mut rest)?.try_into().ok()?;
-        bin += 1;
+        bin = bin.checked_add(usize::try_from(take(&mut rest)?).ok()?)?;
+        let filled = usize::try_from(take(&mut rest)?).ok()?;
+        for count in tally.bins.get_mut(bin..bin.checked_add(filled)?)? {
+            *count = take(&mut rest)?.try_into().ok()?;
+        }
+        bin += filled;
     }
     let counted = tally.bins.iter().try_fold(0_u64, |sum, &count| sum.checked_add(count))?;
     (counted == tally.count).then_some(tally)

@@ -21,6 +21,22 @@ impl Weights {
         self.numerators.iter().map(|&w| w as f64 / self.denominator as f64)
     }
 
+    /// The nearest weights over 2^`bits`, with a sum that still is that of the exact ones.
+    pub fn fixed_point(&self, bits: u32) -> Weights {
+        let denominator = 1_i64 << bits;
+        let mut numerators: Vec<i64> =
+            self.values().map(|w| libm::round(w * denominator as f64) as i64).collect();
+        let exact = self.numerators.iter().map(|&w| i128::from(w)).sum::<i128>() * i128::from(denominator)
+            / i128::from(self.denominator);
+        let missing = exact as i64 - numerators.iter().sum::<i64>();
+        // Shared out evenly, it changes no weight by more than its own rounding did.
+        let count = numerators.len() as i64;
+        for (k, w) in numerators.iter_mut().enumerate() {
+            *w += missing / count + if (k as i64) < (missing % count).abs() { missing.signum() } else { 0 };
+        }
+        Weights { ticks: self.ticks.clone(), numerators, denominator }
+    }
+
     /// √Σw²: the standard deviation of the error for unit white noise on the ticks.
     pub fn noise_gain(&self) -> f64 {
         libm::sqrt(self.values().map(|w| w * w).sum())
@@ -175,6 +191,18 @@ mod tests {
                     let total: i64 = weights.numerators.iter().sum();
                     assert_eq!(total, i64::from(n) * weights.denominator, "n = {n}, order {order}, {error}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn weights_in_fixed_point_keep_their_sum_and_are_near() {
+        let exact = polynomial_weights(&[-9, -8, -7, -3, 0, 6, 7, 11], 2, 5).unwrap();
+        for bits in [8, 16, 24] {
+            let rounded = exact.fixed_point(bits);
+            assert_eq!(rounded.numerators.iter().sum::<i64>(), 5 << bits);
+            for (w, near) in exact.values().zip(rounded.values()) {
+                assert!((w - near).abs() <= 1.5 / f64::from(1 << bits), "{bits} bits: {w}, {near}");
             }
         }
     }

@@ -165,6 +165,15 @@ impl Wide for Avx512Wide {
     }
 
     #[inline(always)]
+    fn bits_from(self, n: u32) -> Avx512 {
+        unsafe {
+            let n = _mm_cvtsi32_si128(n as i32);
+            let (even, odd) = (_mm512_srl_epi64(self.even, n), _mm512_srl_epi64(self.odd, n));
+            Avx512(_mm512_mask_blend_epi32(ODD, even, _mm512_slli_epi64::<32>(odd)))
+        }
+    }
+
+    #[inline(always)]
     fn total_signed(self) -> i128 {
         self.lanes().iter().map(|&lane| i128::from(lane as i64)).sum()
     }

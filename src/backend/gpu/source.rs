@@ -60,8 +60,9 @@ pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
         ("SHARED_WORDS", shared_words),
     ];
     let parts = [WORD, PHILOX, NORMAL, SINE_, GAP_FILL, MOMENTS];
-    let flags: &[&str] = if histogram { &["HISTOGRAM"] } else { &[] };
-    places + &assemble(&parts, &constants, flags, variant)
+    let flags: Vec<&str> =
+        [("HISTOGRAM", histogram), ("WIDE", shape.wide)].into_iter().filter(|flag| flag.1).map(|flag| flag.0).collect();
+    places + &assemble(&parts, &constants, &flags, variant)
 }
 
 /// The shader of a building block.
@@ -179,9 +180,9 @@ mod tests {
     use crate::kernel::map;
 
     const SHAPES: [Shape; 3] = [
-        Shape { before: 4, after: 2, residual_before: 2, extrapolation_before: 4, fillers: 3 },
-        Shape { before: 9, after: 5, residual_before: 9, extrapolation_before: 3, fillers: 1 },
-        Shape { before: 2, after: 0, residual_before: 2, extrapolation_before: 1, fillers: 2 },
+        Shape { before: 4, after: 2, residual_before: 2, extrapolation_before: 4, fillers: 3, wide: false },
+        Shape { before: 9, after: 5, residual_before: 9, extrapolation_before: 3, fillers: 1, wide: true },
+        Shape { before: 2, after: 0, residual_before: 2, extrapolation_before: 1, fillers: 2, wide: false },
     ];
 
     fn variants() -> impl Iterator<Item = Variant> {
