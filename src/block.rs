@@ -79,7 +79,9 @@ mod tests {
 
     #[test]
     fn a_cover_is_the_range_itself_in_aligned_blocks() {
-        for (range, largest) in [(0..1_000_000, 14), (5..6, 3), (1_000_000..10_000_000, 18), (7..7, 4), (3..1000, 26)] {
+        for (range, largest) in
+            [(0..1_000_000, 14), (5..6, 3), (1_000_000..10_000_000, 18), (7..7, 4), (3..1000, 26)]
+        {
             let blocks = cover(range.clone(), largest);
             let mut at = range.start;
             for block in &blocks {

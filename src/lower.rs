@@ -16,11 +16,15 @@ use crate::theory::gap::{Weights, polynomial_weights, sine_response, tick_amplit
 /// Why a point cannot be sampled. Each message names the parameter to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LowerError {
-    #[error("gyro.tick_noise: {sigma_arcsec} ″ of noise are lost beside a motion of {tick_arcsec:.0} ″ per tick in 32-bit arithmetic")]
+    #[error(
+        "gyro.tick_noise: {sigma_arcsec} ″ of noise are lost beside a motion of {tick_arcsec:.0} ″ per tick in 32-bit arithmetic"
+    )]
     NoiseTooSmall { sigma_arcsec: f64, tick_arcsec: f64 },
     #[error("switching.fillers: `{filler}` does not determine its polynomial from ticks {ticks:?}")]
     Singular { filler: &'static str, ticks: Vec<i32> },
-    #[error("switching.fillers: the weighted sum of the {error} of `{filler}` reaches 2^{bits:.0}, more than 64-bit arithmetic can hold")]
+    #[error(
+        "switching.fillers: the weighted sum of the {error} of `{filler}` reaches 2^{bits:.0}, more than 64-bit arithmetic can hold"
+    )]
     TooLarge { filler: &'static str, error: &'static str, bits: f64 },
 }
 
@@ -114,7 +118,9 @@ impl LowerError {
         match self {
             LowerError::NoiseTooSmall { .. } => "make the noise larger, or 0",
             LowerError::Singular { .. } => "give it more ticks, or a lower order",
-            LowerError::TooLarge { .. } => "leave the filler out, move its ticks nearer to the gap, or shorten the gap",
+            LowerError::TooLarge { .. } => {
+                "leave the filler out, move its ticks nearer to the gap, or shorten the gap"
+            }
         }
     }
 }
@@ -124,7 +130,12 @@ impl Lowered {
     ///
     /// # Errors
     /// The point cannot be represented: see [`LowerError`].
-    pub fn new(point: &Point, fillers: &[Filler], seed: u64, streams: Streams) -> Result<Lowered, LowerError> {
+    pub fn new(
+        point: &Point,
+        fillers: &[Filler],
+        seed: u64,
+        streams: Streams,
+    ) -> Result<Lowered, LowerError> {
         let inputs = canonical(&point.inputs);
         let id = point_id(&inputs, seed, streams);
         let key = match streams {
@@ -149,7 +160,8 @@ impl Lowered {
             .map(|&filler| {
                 let lower = |error, ticks: &[i32]| {
                     let singular = || LowerError::Singular { filler: filler.name(), ticks: ticks.to_vec() };
-                    let weights = polynomial_weights(ticks, filler.order(), gap_ticks).ok_or_else(singular)?;
+                    let weights =
+                        polynomial_weights(ticks, filler.order(), gap_ticks).ok_or_else(singular)?;
                     tone.estimate(id, key, lsb_arcsec, filler, error, weights)
                 };
                 Ok([
@@ -185,16 +197,19 @@ impl Lowered {
         let before: Vec<i32> = (0..shape.before as i32).map(|k| -k).collect();
         let after: Vec<i32> = (1..=shape.after as i32).map(|k| n + k).collect();
         let angles = |ticks: &[i32]| -> (Vec<u32>, Vec<u32>) {
-            ticks.iter().map(|&tick| self.tone.tick_words(tick)).map(|[sin, cos]| (sin as u32, cos as u32)).unzip()
+            ticks
+                .iter()
+                .map(|&tick| self.tone.tick_words(tick))
+                .map(|[sin, cos]| (sin as u32, cos as u32))
+                .unzip()
         };
         let (before_sin, before_cos) = angles(&before);
         let (after_sin, after_cos) = angles(&after);
         let weights = |error: usize, ticks: &[i32]| -> Vec<u32> {
             estimates(error).flat_map(|e| ticks.iter().map(|&tick| e.weight(tick) as u32)).collect()
         };
-        let scales = |error: usize| -> Vec<u32> {
-            estimates(error).map(|e| e.weights.denominator as u32).collect()
-        };
+        let scales =
+            |error: usize| -> Vec<u32> { estimates(error).map(|e| e.weights.denominator as u32).collect() };
         let residual_ticks = [&before[..residual_before], &after[..]].concat();
         let [gap_sin, gap_cos] = self.tone.gap_words();
         let bin_base: Vec<u32> = [0, 1].into_iter().flat_map(estimates).map(|e| e.bin_base).collect();
@@ -314,7 +329,11 @@ impl Tone {
             .chain(weights.numerators.iter().map(|&w| w as u32))
             .chain([weights.denominator as u32, shift, bin_base])
             .chain(words_of(unit_arcsec));
-        let address = Address { point, estimate: estimate_id(filler, error, &weights.ticks), digest: Id::of_words(words) };
+        let address = Address {
+            point,
+            estimate: estimate_id(filler, error, &weights.ticks),
+            digest: Id::of_words(words),
+        };
         Ok(Estimate { error, address, oracle, unit_arcsec, bin_base, weights, shift })
     }
 }
@@ -371,7 +390,11 @@ fn point_id(inputs: &Physical, seed: u64, streams: Streams) -> Id {
 }
 
 fn estimate_id(filler: Filler, error: Error, ticks: &[i32]) -> Id {
-    Id::of(&format!("estimate\nfiller=polynomial\norder={}\nerror={}\nticks={ticks:?}\n", filler.order(), error.name()))
+    Id::of(&format!(
+        "estimate\nfiller=polynomial\norder={}\nerror={}\nticks={ticks:?}\n",
+        filler.order(),
+        error.name()
+    ))
 }
 
 /// The unit of angle, a power of two of an arcsecond, from the physical inputs alone: the worst error of the three

@@ -57,7 +57,8 @@ impl<'a> Plan<'a> {
     /// A point cannot be represented; the error points at the key to change.
     pub fn new(study: &'a Study) -> Result<Plan<'a>, StudyError> {
         let lower = |point: &Point| {
-            Lowered::new(point, &study.fillers, study.seed, study.streams).map_err(|error| refused(study, point, &error))
+            Lowered::new(point, &study.fillers, study.seed, study.streams)
+                .map_err(|error| refused(study, point, &error))
         };
         let points = study.points().iter().map(lower).collect::<Result<_, _>>()?;
         Ok(Plan { study, points })
@@ -89,7 +90,9 @@ impl<'a> Plan<'a> {
         let started = Instant::now();
         let mut rest: Vec<(&Work, Job)> = work
             .iter()
-            .flat_map(|work| work.blocks.iter().map(move |&block| (work, Job { launch: &work.launch, block })))
+            .flat_map(|work| {
+                work.blocks.iter().map(move |&block| (work, Job { launch: &work.launch, block }))
+            })
             .rev()
             .collect();
         let mut batch_trials = FIRST_BATCH;
@@ -125,7 +128,9 @@ impl<'a> Plan<'a> {
     /// The estimates of a launch in its order: residuals, then extrapolations.
     fn estimates_of<'b>(&'b self, work: &'b Work) -> impl Iterator<Item = &'b Estimate> {
         let fillers = &self.points[work.point].fillers;
-        [0, 1].into_iter().flat_map(move |error| work.fillers.iter().map(move |&filler| &fillers[filler][error]))
+        [0, 1]
+            .into_iter()
+            .flat_map(move |error| work.fillers.iter().map(move |&filler| &fillers[filler][error]))
     }
 
     /// What the store lacks: fillers of a point that lack the same trials share a launch.
@@ -241,7 +246,8 @@ impl Columns {
             cells: vec![],
             band: None,
         };
-        let banded = |name: &str, label: &str| Column { band: Some(vec![]), ..column(name, label, Unit::ARCSEC) };
+        let banded =
+            |name: &str, label: &str| Column { band: Some(vec![]), ..column(name, label, Unit::ARCSEC) };
         let mut columns: Vec<Column> = study
             .sweeps
             .iter()
@@ -269,12 +275,19 @@ impl Columns {
         Columns { table: Table { columns } }
     }
 
-    fn push(&mut self, point: &Point, filler: &str, estimate: &Estimate, trials: u64, found: Option<Estimates>) {
+    fn push(
+        &mut self,
+        point: &Point,
+        filler: &str,
+        estimate: &Estimate,
+        trials: u64,
+        found: Option<Estimates>,
+    ) {
         let q = found.and_then(|found| found.q9973);
         let rms_se = found.and_then(|found| found.rms_se);
-        let z = found.zip(rms_se).and_then(|(found, se)| {
-            z_score(found.rms, estimate.oracle.rms, se, estimate.oracle.rounding)
-        });
+        let z = found
+            .zip(rms_se)
+            .and_then(|(found, se)| z_score(found.rms, estimate.oracle.rms, se, estimate.oracle.rounding));
         let cells = point.swept.iter().map(|(_, value)| value.cell()).chain([
             Cell::from(Some(point.inputs.dt_nu())),
             Cell::Text(filler.to_owned()),

@@ -99,7 +99,9 @@ fn quantile(tally: &Moments, edges: Edges) -> Option<Quantile> {
     };
     // Of n trials about n (1 − level) lie above the quantile; these many at least and at most, in 95 % of all cases.
     let (fewest, most) = binomial_interval(n, 1.0 - LEVEL);
-    let low = bin_of_rank(tally, n.saturating_sub(most) as f64).filter(|_| most < n).map(|(bin, _)| edges.of(bin).0);
+    let low = bin_of_rank(tally, n.saturating_sub(most) as f64)
+        .filter(|_| most < n)
+        .map(|(bin, _)| edges.of(bin).0);
     let high = (fewest > 0)
         .then(|| bin_of_rank(tally, (n - fewest + 1) as f64))
         .flatten()
@@ -174,7 +176,8 @@ mod tests {
     #[test]
     fn the_standard_error_of_the_rms_is_that_of_a_sine_and_not_of_a_normal_distribution() {
         let n = 100_000;
-        let sine = (0..n).map(|k| (1e6 * libm::sin(f64::from(k) * 6.283_185_307 / f64::from(n))) as i32);
+        let sine =
+            (0..n).map(|k| (1e6 * libm::sin(f64::from(k) / f64::from(n) * core::f64::consts::TAU)) as i32);
         let base = level(176_776);
         let estimates = Estimates::of(&tally_of(sine, base), base, 0.5).unwrap();
         let rms = 1e6 / libm::sqrt(2.0) * 0.5;

@@ -26,17 +26,27 @@ const SCHEMA_VERSION: i64 = 1;
 pub enum StoreError {
     #[error("cannot create the results folder {path}: {source}\nchoose another one with --out DIR")]
     Folder { path: PathBuf, source: std::io::Error },
-    #[error("{path} is in use by another program\nwait for it to end, or choose another folder with --out DIR")]
+    #[error(
+        "{path} is in use by another program\nwait for it to end, or choose another folder with --out DIR"
+    )]
     Busy { path: PathBuf },
     #[error("cannot keep results in {path}: {source}")]
     Storage { path: PathBuf, source: rusqlite::Error },
-    #[error("{path} is of schema version {found}, this program writes version {SCHEMA_VERSION}\nuse the program that wrote it, or choose another folder with --out DIR")]
+    #[error(
+        "{path} is of schema version {found}, this program writes version {SCHEMA_VERSION}\nuse the program that wrote it, or choose another folder with --out DIR"
+    )]
     Version { path: PathBuf, found: String },
-    #[error("{path} holds results of another study (seed {seed}, streams {streams}, kind {kind})\nchoose another folder with --out DIR, or remove this one")]
+    #[error(
+        "{path} holds results of another study (seed {seed}, streams {streams}, kind {kind})\nchoose another folder with --out DIR, or remove this one"
+    )]
     OtherStudy { path: PathBuf, kind: String, seed: String, streams: String },
-    #[error("{path}: the row of point {point}, estimate {estimate}, trials from {first} is damaged ({what})\nremove the folder and run again, or restore it from a copy")]
+    #[error(
+        "{path}: the row of point {point}, estimate {estimate}, trials from {first} is damaged ({what})\nremove the folder and run again, or restore it from a copy"
+    )]
     Damaged { path: PathBuf, point: Id, estimate: Id, first: u64, what: &'static str },
-    #[error("{path}: trials from {first} of point {point}, estimate {estimate} are there already with other values\nthe folder was written by a program or machine that computes differently: run `sagnac verify`")]
+    #[error(
+        "{path}: trials from {first} of point {point}, estimate {estimate} are there already with other values\nthe folder was written by a program or machine that computes differently: run `sagnac verify`"
+    )]
     Disagrees { path: PathBuf, point: Id, estimate: Id, first: u64 },
 }
 
@@ -241,7 +251,8 @@ impl Store {
             if sum != checksum(address, block, &moments) {
                 return Err(self.damaged(address, block, "its checksum is wrong"));
             }
-            let tally = encoding::decode(&moments).ok_or(self.damaged(address, block, "it cannot be read"))?;
+            let tally =
+                encoding::decode(&moments).ok_or(self.damaged(address, block, "it cannot be read"))?;
             if tally.count != block.trials() {
                 return Err(self.damaged(address, block, "its count is not that of its block"));
             }

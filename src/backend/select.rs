@@ -8,13 +8,17 @@ use crate::verify::self_test;
 /// Why no device is there as asked for.
 #[derive(Debug, thiserror::Error)]
 pub enum SelectError {
-    #[error("no GPU was found\nuse --device cpu, or install a Vulkan driver; `sagnac devices` lists what is there")]
+    #[error(
+        "no GPU was found\nuse --device cpu, or install a Vulkan driver; `sagnac devices` lists what is there"
+    )]
     NoGpu,
     #[error("no device is called `{name}`; there are {}", known.join(", "))]
     Unknown { name: String, known: Vec<String> },
     #[error("{name} cannot be used: {source}")]
     Gpu { name: String, source: GpuError },
-    #[error("{name} computes other bits than the CPU in {kernel}: it is not used\nupdate its driver, or use --device cpu")]
+    #[error(
+        "{name} computes other bits than the CPU in {kernel}: it is not used\nupdate its driver, or use --device cpu"
+    )]
     Untrusted { name: String, kernel: &'static str },
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
@@ -66,7 +70,9 @@ fn auto() -> Result<Selection, SelectError> {
     let Some(adapter) = adapters.iter().find(|adapter| !adapter.is_software()) else {
         return match adapters.first() {
             None => cpu("no GPU was found"),
-            Some(software) => cpu(&format!("the only adapter, {}, is a software rasteriser", software.name())),
+            Some(software) => {
+                cpu(&format!("the only adapter, {}, is a software rasteriser", software.name()))
+            }
         };
     };
     match open(adapter, "a GPU that passed its self-test") {

@@ -50,7 +50,9 @@ impl Failure {
             Failure::Study(error) => eprintln!("{}", error.render(colored(), 110)),
             Failure::OutputClosed => {}
             Failure::Gpu(_) => {
-                eprintln!("error: {self}\nwhat was computed is kept: run again to go on, or use --device cpu");
+                eprintln!(
+                    "error: {self}\nwhat was computed is kept: run again to go on, or use --device cpu"
+                );
             }
             other => eprintln!("error: {other}"),
         }
@@ -62,7 +64,13 @@ impl Failure {
             Failure::Gpu(_) | Failure::Picture(_) => 1,
             Failure::Usage(_) => 2,
             Failure::Study(_) | Failure::Store(StoreError::OtherStudy { .. }) => 3,
-            Failure::Select(error) => if error.is_usage() { 2 } else { 1 },
+            Failure::Select(error) => {
+                if error.is_usage() {
+                    2
+                } else {
+                    1
+                }
+            }
             Failure::Different => 5,
             Failure::Store(_) | Failure::Write { .. } => 6,
             Failure::OutputClosed => 0,

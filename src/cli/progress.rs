@@ -33,7 +33,12 @@ impl Shown {
             bar.set_style(
                 style
                     .with_key("trials", |state: &ProgressState, to: &mut dyn std::fmt::Write| {
-                        let _ = write!(to, "{} of {}", short(state.pos() as f64), short(state.len().unwrap_or(0) as f64));
+                        let _ = write!(
+                            to,
+                            "{} of {}",
+                            short(state.pos() as f64),
+                            short(state.len().unwrap_or(0) as f64)
+                        );
                     })
                     .with_key("rate", |state: &ProgressState, to: &mut dyn std::fmt::Write| {
                         let _ = write!(to, "{}/s", short(state.per_sec()));

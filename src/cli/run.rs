@@ -20,7 +20,8 @@ use super::terminal::pivot;
 /// Runs the studies one after the other. All are read and checked before the first starts.
 pub fn run(options: &super::Run) -> Result<(), Failure> {
     if options.out.is_some() && options.studies.len() > 1 {
-        let message = "--out names one folder, but there are several studies\nrun them one by one, or without --out";
+        let message =
+            "--out names one folder, but there are several studies\nrun them one by one, or without --out";
         return Err(Failure::Usage(message.to_owned()));
     }
     let mut studies = Vec::new();
@@ -74,7 +75,9 @@ fn run_study(study: &Study, folder: &Path, device: &mut Device, options: &super:
     }
     match plan.unasked(&store)? {
         0 => {}
-        n => eprintln!("note: {n} points of earlier runs are kept but not shown: the study no longer asks for them"),
+        n => eprintln!(
+            "note: {n} points of earlier runs are kept but not shown: the study no longer asks for them"
+        ),
     }
     print(&summary(study, &table, &answers)?)?;
     let rate = if done.trials > 0 {
@@ -107,7 +110,8 @@ fn draw(study: &Study, table: &Table, folder: &Path) -> Result<Vec<String>, Fail
         let (figure, said) =
             Figure::from_table(table, &spec(study, chart)).map_err(|error| refused(study, chart, &error))?;
         let svg = figure.svg();
-        let png = chart::png(&svg, 2.0).map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
+        let png = chart::png(&svg, 2.0)
+            .map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
         write(&folder.join(format!("{stem}.svg")), svg.as_bytes())?;
         write(&folder.join(format!("{stem}.png")), &png)?;
         notes.extend(said.sentence().map(|sentence| format!("{stem}: {sentence}")));
@@ -141,7 +145,8 @@ fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
         ChartError::NotNumbers { column, .. } | ChartError::NoSuchRow { column, .. } => column,
         ChartError::TooManySeries { .. } => "",
     };
-    let named = [&chart.x, &chart.y].into_iter().chain(&chart.series).chain(chart.rows.iter().map(|row| &row.0));
+    let named =
+        [&chart.x, &chart.y].into_iter().chain(&chart.series).chain(chart.rows.iter().map(|row| &row.0));
     let span = named.into_iter().find(|named| named.name == *name).map_or(0..0, |named| named.span.clone());
     study.error_at(span, format!("chart: {error}"), "name a column of points.csv, with or without its unit")
 }

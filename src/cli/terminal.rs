@@ -44,8 +44,12 @@ pub fn pivot(
     for (line, curve, text) in cells {
         grid[line + 1][curve + 1] = text;
     }
-    let shown: Vec<Vec<String>> =
-        grid.into_iter().enumerate().filter(|(i, _)| *i == 0 || (i - 1) % step == 0).map(|(_, row)| row).collect();
+    let shown: Vec<Vec<String>> = grid
+        .into_iter()
+        .enumerate()
+        .filter(|(i, _)| *i == 0 || (i - 1) % step == 0)
+        .map(|(_, row)| row)
+        .collect();
     let note = if step > 1 { format!(" (one line in {step})") } else { String::new() };
     let names: Vec<String> = series.iter().map(|column| column.name.clone()).collect();
     Ok(format!("{} by {}{note}\n{}", y.header(), names.join(", "), aligned(&shown)))

@@ -134,6 +134,8 @@ impl Sampler for GapFill<'_> {
         self.p.bin_base[estimate]
     }
 
+    // The loops read like those of the shader.
+    #[expect(clippy::needless_range_loop)]
     #[inline(always)]
     fn trial<W: Word>(&self, low: W, high: u32) -> [W; MAX_ESTIMATES] {
         let GapFill { p, shape } = self;
@@ -150,14 +152,16 @@ impl Sampler for GapFill<'_> {
             if k > 0 && k % 2 == 0 {
                 random = address.draw(Purpose::NoiseAfterAndPhase, k / 2);
             }
-            after[k] = tick(angle(sin, cos, p.after_sin[k], p.after_cos[k]), normal(random[k % 2]), p.sigma[0]);
+            after[k] =
+                tick(angle(sin, cos, p.after_sin[k], p.after_cos[k]), normal(random[k % 2]), p.sigma[0]);
         }
         let mut before = [W::splat(0); MAX_SIDE];
         for k in 0..shape.before {
             if k % 4 == 0 {
                 random = address.draw(Purpose::NoiseBefore, k / 4);
             }
-            before[k] = tick(angle(sin, cos, p.before_sin[k], p.before_cos[k]), normal(random[k % 4]), p.sigma[0]);
+            before[k] =
+                tick(angle(sin, cos, p.before_sin[k], p.before_cos[k]), normal(random[k % 4]), p.sigma[0]);
         }
 
         let mut error = [W::splat(0); MAX_ESTIMATES];
@@ -231,8 +235,14 @@ fn tick<W: Word>(angle: W::Wide, z: W, sigma: u32) -> W {
 }
 
 /// Shapes whose loops are worth unrolling ahead of time: the default ticks with one to three fillers.
-const UNROLLED: Shape =
-    Shape { before: 4, after: 2, residual_before: 2, extrapolation_before: 4, fillers: MAX_FILLERS, wide: false };
+const UNROLLED: Shape = Shape {
+    before: 4,
+    after: 2,
+    residual_before: 2,
+    extrapolation_before: 4,
+    fillers: MAX_FILLERS,
+    wide: false,
+};
 
 struct Tally<'a> {
     words: &'a [u32],

@@ -195,7 +195,9 @@ mod tests {
     #[test]
     fn bins_follow_the_levels() {
         for base in [0, level(5), level(1000), level(123_456_789)] {
-            for error in [0, 1, -1, 2, 3, 5, -6, 999, 1000, 1007, -1008, 12345, 123_456_789, 1 << 28, (1 << 29) - 1] {
+            for error in
+                [0, 1, -1, 2, 3, 5, -6, 999, 1000, 1007, -1008, 12345, 123_456_789, 1 << 28, (1 << 29) - 1]
+            {
                 let above = (i64::from(level(i32::unsigned_abs(error))) - i64::from(base) + 1).max(0);
                 let expected = above.min(BINS as i64 - 1) as u32;
                 assert_eq!(bin(Scalar(error as u32), base).0, expected, "error {error}, base {base}");

@@ -24,8 +24,8 @@ pub fn normal<W: Word>(r: W) -> W {
     let tail = (r << 1) ^ W::splat(1);
     let octave = tail.leading_zeros();
     let mantissa = tail.shift_left(octave);
-    let segment = (octave << SEGMENT_BITS)
-        + ((mantissa >> (31 - SEGMENT_BITS)) & W::splat((1 << SEGMENT_BITS) - 1));
+    let segment =
+        (octave << SEGMENT_BITS) + ((mantissa >> (31 - SEGMENT_BITS)) & W::splat((1 << SEGMENT_BITS) - 1));
     let f = mantissa << (SEGMENT_BITS + 1);
     let (start, bend) = W::lookup(&NORMAL_TABLE, segment);
     // `bend` holds the slope in its upper 20 bits and the curvature in its lower 12.

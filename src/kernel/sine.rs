@@ -39,10 +39,13 @@ mod tests {
 
     /// The polynomial in z² through sin(πz/2)/z at six Chebyshev points.
     fn regenerated() -> [u32; 6] {
-        let x: Vec<f64> =
-            (0..6).map(|k| 0.5 - 0.5 * libm::cos(f64::from(2 * k + 1) * core::f64::consts::PI / 12.0)).collect();
-        let mut divided: Vec<f64> =
-            x.iter().map(|&zz| libm::sin(libm::sqrt(zz) * core::f64::consts::FRAC_PI_2) / libm::sqrt(zz)).collect();
+        let x: Vec<f64> = (0..6)
+            .map(|k| 0.5 - 0.5 * libm::cos(f64::from(2 * k + 1) * core::f64::consts::PI / 12.0))
+            .collect();
+        let mut divided: Vec<f64> = x
+            .iter()
+            .map(|&zz| libm::sin(libm::sqrt(zz) * core::f64::consts::FRAC_PI_2) / libm::sqrt(zz))
+            .collect();
         for order in 1..6 {
             for i in (order..6).rev() {
                 divided[i] = (divided[i] - divided[i - 1]) / (x[i] - x[i - order]);

@@ -18,8 +18,17 @@ pub struct Avx2Wide {
     odd: __m256i,
 }
 
-simd_operators!(Avx2, __m256i, _mm256_add_epi32, _mm256_sub_epi32, _mm256_mullo_epi32, _mm256_xor_si256,
-    _mm256_and_si256, _mm256_sll_epi32, _mm256_srl_epi32);
+simd_operators!(
+    Avx2,
+    __m256i,
+    _mm256_add_epi32,
+    _mm256_sub_epi32,
+    _mm256_mullo_epi32,
+    _mm256_xor_si256,
+    _mm256_and_si256,
+    _mm256_sll_epi32,
+    _mm256_srl_epi32
+);
 
 const ODD: i32 = 0xAA;
 
@@ -113,7 +122,8 @@ impl Word for Avx2 {
             let low = _mm256_i32gather_epi64::<8>(from, _mm256_castsi256_si128(index));
             let high = _mm256_i32gather_epi64::<8>(from, _mm256_extracti128_si256::<1>(index));
             // The shuffle works within 128-bit halves; the permutation puts its quarters in order.
-            let pick = |firsts: __m256| _mm256_permute4x64_epi64::<0b11_01_10_00>(_mm256_castps_si256(firsts));
+            let pick =
+                |firsts: __m256| _mm256_permute4x64_epi64::<0b11_01_10_00>(_mm256_castps_si256(firsts));
             let (low, high) = (_mm256_castsi256_ps(low), _mm256_castsi256_ps(high));
             let first = pick(_mm256_shuffle_ps::<0b10_00_10_00>(low, high));
             let second = pick(_mm256_shuffle_ps::<0b11_01_11_01>(low, high));
@@ -124,10 +134,7 @@ impl Word for Avx2 {
     #[inline(always)]
     fn mul_wide(self, by: Avx2) -> Avx2Wide {
         unsafe {
-            Avx2Wide {
-                even: _mm256_mul_epi32(self.0, by.0),
-                odd: _mm256_mul_epi32(odd(self.0), odd(by.0)),
-            }
+            Avx2Wide { even: _mm256_mul_epi32(self.0, by.0), odd: _mm256_mul_epi32(odd(self.0), odd(by.0)) }
         }
     }
 }

@@ -19,8 +19,17 @@ pub struct Avx512Wide {
     odd: __m512i,
 }
 
-simd_operators!(Avx512, __m512i, _mm512_add_epi32, _mm512_sub_epi32, _mm512_mullo_epi32, _mm512_xor_si512,
-    _mm512_and_si512, _mm512_sll_epi32, _mm512_srl_epi32);
+simd_operators!(
+    Avx512,
+    __m512i,
+    _mm512_add_epi32,
+    _mm512_sub_epi32,
+    _mm512_mullo_epi32,
+    _mm512_xor_si512,
+    _mm512_and_si512,
+    _mm512_sll_epi32,
+    _mm512_srl_epi32
+);
 
 const ODD: __mmask16 = 0xAAAA;
 
@@ -118,10 +127,7 @@ impl Word for Avx512 {
     #[inline(always)]
     fn mul_wide(self, by: Avx512) -> Avx512Wide {
         unsafe {
-            Avx512Wide {
-                even: _mm512_mul_epi32(self.0, by.0),
-                odd: _mm512_mul_epi32(odd(self.0), odd(by.0)),
-            }
+            Avx512Wide { even: _mm512_mul_epi32(self.0, by.0), odd: _mm512_mul_epi32(odd(self.0), odd(by.0)) }
         }
     }
 }

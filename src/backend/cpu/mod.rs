@@ -68,7 +68,10 @@ impl Width {
         let mut widths = vec![Width::Portable];
         #[cfg(target_arch = "x86_64")]
         {
-            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("bmi2") && is_x86_feature_detected!("lzcnt") {
+            if is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("bmi2")
+                && is_x86_feature_detected!("lzcnt")
+            {
                 widths.push(Width::Avx2);
             }
             if is_x86_feature_detected!("avx512f")

@@ -120,7 +120,8 @@ impl Gpu {
         let heard = Arc::clone(&failure);
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| note(&heard, error.to_string())));
         let heard = Arc::clone(&failure);
-        device.set_device_lost_callback(move |reason, message| note(&heard, format!("{reason:?}: {message}")));
+        device
+            .set_device_lost_callback(move |reason, message| note(&heard, format!("{reason:?}: {message}")));
         let normal_table = wgpu::util::DeviceExt::create_buffer_init(
             &device,
             &wgpu::util::BufferInitDescriptor {
@@ -212,13 +213,19 @@ impl Gpu {
         encoder.copy_buffer_to_buffer(&output, 0, &read, 0, size);
         self.queue.submit([encoder.finish()]);
         read.map_async(wgpu::MapMode::Read, .., |_| {});
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| GpuError::Lost(error.to_string()))?;
+        self.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map_err(|error| GpuError::Lost(error.to_string()))?;
         self.failure()?;
         let bytes = read.get_mapped_range(..).map_err(|error| GpuError::Lost(error.to_string()))?;
         Ok(bytemuck::cast_slice(&bytes).to_vec())
     }
 
-    fn gap_fill_pipeline(&mut self, shape: Shape, histogram: bool) -> Result<wgpu::ComputePipeline, GpuError> {
+    fn gap_fill_pipeline(
+        &mut self,
+        shape: Shape,
+        histogram: bool,
+    ) -> Result<wgpu::ComputePipeline, GpuError> {
         if let Some(pipeline) = self.pipelines.get(&(shape, histogram)) {
             return Ok(pipeline.clone());
         }

@@ -60,8 +60,11 @@ pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
         ("SHARED_WORDS", shared_words),
     ];
     let parts = [WORD, PHILOX, NORMAL, SINE_, GAP_FILL, MOMENTS];
-    let flags: Vec<&str> =
-        [("HISTOGRAM", histogram), ("WIDE", shape.wide)].into_iter().filter(|flag| flag.1).map(|flag| flag.0).collect();
+    let flags: Vec<&str> = [("HISTOGRAM", histogram), ("WIDE", shape.wide)]
+        .into_iter()
+        .filter(|flag| flag.1)
+        .map(|flag| flag.0)
+        .collect();
     places + &assemble(&parts, &constants, &flags, variant)
 }
 
@@ -87,7 +90,8 @@ fn assemble(parts: &[&str], constants: &[(&str, usize)], flags: &[&str], variant
         constants.iter().chain(&fixed).chain(&purposes).map(|&(name, value)| (name, value)).collect();
     let mut names: Vec<_> = all.iter().collect();
     names.sort();
-    let header: String = names.iter().map(|(name, value)| format!("const {name}: u32 = {value}u;\n")).collect();
+    let header: String =
+        names.iter().map(|(name, value)| format!("const {name}: u32 = {value}u;\n")).collect();
     let sine = SINE.map(|coefficient| format!("{coefficient}u")).join(", ");
     let mut flags = flags.to_vec();
     if variant.int64 {
@@ -103,15 +107,23 @@ fn assemble(parts: &[&str], constants: &[(&str, usize)], flags: &[&str], variant
 }
 
 /// Expands the line `at`, or the directive that starts there, and returns the line behind it.
-fn expand(lines: &[&str], at: usize, constants: &HashMap<&str, usize>, flags: &[&str], to: &mut String) -> usize {
+fn expand(
+    lines: &[&str],
+    at: usize,
+    constants: &HashMap<&str, usize>,
+    flags: &[&str],
+    to: &mut String,
+) -> usize {
     let line = lines[at].trim();
     if let Some(rest) = line.strip_prefix("//#for ") {
         let (name, range) = rest.split_once(" in 0..").expect("for NAME in 0..COUNT");
         let count = constants.get(range).copied().or(range.parse().ok()).expect("a known count");
         let end = block_end(lines, at);
         for value in 0..count {
-            let body: Vec<String> =
-                lines[at + 1..end].iter().map(|line| replace_word(line, name, &format!("{value}u"))).collect();
+            let body: Vec<String> = lines[at + 1..end]
+                .iter()
+                .map(|line| replace_word(line, name, &format!("{value}u")))
+                .collect();
             let body: Vec<&str> = body.iter().map(String::as_str).collect();
             let mut inner = 0;
             while inner < body.len() {
@@ -186,18 +198,23 @@ mod tests {
     ];
 
     fn variants() -> impl Iterator<Item = Variant> {
-        [(false, 32), (false, 64), (true, 64), (true, 128)]
-            .into_iter()
-            .map(|(int64, workgroup)| Variant { int64, checked: true, workgroup })
+        [(false, 32), (false, 64), (true, 64), (true, 128)].into_iter().map(|(int64, workgroup)| Variant {
+            int64,
+            checked: true,
+            workgroup,
+        })
     }
 
     /// Parses and validates without a device.
     fn validate(source: &str) -> naga::Module {
         let module = naga::front::wgsl::parse_str(source)
             .unwrap_or_else(|error| panic!("{}\n{source}", error.emit_to_string(source)));
-        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::SHADER_INT64)
-            .validate(&module)
-            .unwrap_or_else(|error| panic!("{error:?}"));
+        naga::valid::Validator::new(
+            naga::valid::ValidationFlags::all(),
+            naga::valid::Capabilities::SHADER_INT64,
+        )
+        .validate(&module)
+        .unwrap_or_else(|error| panic!("{error:?}"));
         module
     }
 
@@ -220,12 +237,17 @@ mod tests {
         let variant = Variant { int64: false, checked: true, workgroup: 64 };
         let module = validate(&gap_fill(SHAPES[0], true, variant));
         let size = |name: &str| {
-            let (_, global) = module.global_variables.iter().find(|(_, v)| v.name.as_deref() == Some(name)).unwrap();
+            let (_, global) =
+                module.global_variables.iter().find(|(_, v)| v.name.as_deref() == Some(name)).unwrap();
             module.types[global.ty].inner.size(module.to_ctx()) as usize
         };
         assert_eq!(size("parameters"), gap_fill::word_count(SHAPES[0]).div_ceil(4) * 16);
         assert_eq!(size("normal_table"), size_of::<crate::kernel::word::PairTable>());
-        assert_eq!(size("jobs"), size_of::<super::super::tile::Job>(), "one element of a runtime-sized array");
+        assert_eq!(
+            size("jobs"),
+            size_of::<super::super::tile::Job>(),
+            "one element of a runtime-sized array"
+        );
         let shared = size("shared_words");
         assert!(shared <= 16384, "{shared} bytes of workgroup memory: more than every device has");
     }

@@ -74,7 +74,11 @@ impl Place {
 
 impl Gpu {
     /// Hands a tile to the device.
-    pub(super) fn submit<'a>(&mut self, parts: Vec<Part<'a>>, histogram: bool) -> Result<InFlight<'a>, GpuError> {
+    pub(super) fn submit<'a>(
+        &mut self,
+        parts: Vec<Part<'a>>,
+        histogram: bool,
+    ) -> Result<InFlight<'a>, GpuError> {
         let workgroup = self.variant.workgroup;
         let mut places = Vec::new();
         let mut size = 0;
@@ -83,7 +87,11 @@ impl Gpu {
             size = place.end;
             places.push(place);
         }
-        let work = self.buffer("work", size, BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST);
+        let work = self.buffer(
+            "work",
+            size,
+            BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+        );
         let results = self.buffer("results", size, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.clear_buffer(&work, 0, None);
