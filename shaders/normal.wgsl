@@ -13,8 +13,8 @@ fn normal(r: u32) -> u32 {
         + ((mantissa >> (31u - SEGMENT_BITS)) & ((1u << SEGMENT_BITS) - 1u));
     let f = mantissa << (SEGMENT_BITS + 1u);
     let entry = normal_table[segment];
-    let curvature = (entry.y & 0xfffu) << 6u;
-    let slope = (entry.y >> 8u) - mulhi(f, curvature);
+    let curvature = entry.y & 0xfffu;
+    let slope = (entry.y >> 8u) - (((f >> 17u) * curvature) >> 9u);
     let magnitude = entry.x - mulhi(f, slope);
     return (magnitude ^ sign) - sign;
 }

@@ -116,7 +116,7 @@ impl Philox {
     }
 }
 
-impl rand_core::TryRng for Philox {
+impl rand::rand_core::TryRng for Philox {
     type Error = core::convert::Infallible;
 
     fn try_next_u32(&mut self) -> Result<u32, Self::Error> {
@@ -124,15 +124,15 @@ impl rand_core::TryRng for Philox {
     }
 
     fn try_next_u64(&mut self) -> Result<u64, Self::Error> {
-        rand_core::utils::next_u64_via_u32(self)
+        rand::rand_core::utils::next_u64_via_u32(self)
     }
 
     fn try_fill_bytes(&mut self, to: &mut [u8]) -> Result<(), Self::Error> {
-        rand_core::utils::fill_bytes_via_next_word(to, || self.try_next_u32())
+        rand::rand_core::utils::fill_bytes_via_next_word(to, || self.try_next_u32())
     }
 }
 
-impl rand_core::SeedableRng for Philox {
+impl rand::rand_core::SeedableRng for Philox {
     type Seed = [u8; 8];
 
     fn from_seed(seed: [u8; 8]) -> Philox {
@@ -144,7 +144,7 @@ impl rand_core::SeedableRng for Philox {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use rand_core::{Rng, SeedableRng};
+    use rand::rand_core::{Rng, SeedableRng};
 
     /// Random123's `kat_vectors` for philox4x32, 10 rounds: counter, key, output.
     const RANDOM123: [([u32; 4], [u32; 2], [u32; 4]); 3] = [
