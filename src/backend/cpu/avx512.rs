@@ -93,7 +93,8 @@ impl Word for Avx512 {
             let even = _mm512_mul_epu32(self.0, by.0);
             let odd = _mm512_mul_epu32(odd(self.0), odd(by.0));
             let high = _mm512_mask_blend_epi32(ODD, _mm512_srli_epi64::<32>(even), odd);
-            let low = _mm512_mask_blend_epi32(ODD, even, _mm512_slli_epi64::<32>(odd));
+            // A shuffle and no shift: the compiler would draw the shift into the product, and make it a slow 64-bit one.
+            let low = _mm512_mask_shuffle_epi32::<0b10_10_00_00>(even, ODD, odd);
             (Avx512(high), Avx512(low))
         }
     }
