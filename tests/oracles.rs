@@ -86,7 +86,11 @@ impl Row<'_> {
     }
 
     fn place(&self) -> String {
-        let cells = self.table.columns.iter().map(|column| format!("{} {}", column.name, column.cells[self.index].text()));
+        let cells = self
+            .table
+            .columns
+            .iter()
+            .map(|column| format!("{} {}", column.name, column.cells[self.index].text()));
         cells.collect::<Vec<_>>().join(", ")
     }
 }
@@ -248,7 +252,11 @@ fn an_independent_sampler_in_floating_point_agrees_within_5_standard_errors() {
         let table = run_afresh(&study(&setting.changes));
         for row in rows(&table) {
             let order = ["const", "linear", "quadratic"].iter().position(|&name| name == row.text("filler"));
-            let ticks = if row.text("error") == "residual" { &setting.fit_ticks } else { &setting.extrapolation_ticks };
+            let ticks = if row.text("error") == "residual" {
+                &setting.fit_ticks
+            } else {
+                &setting.extrapolation_ticks
+            };
             let (rms, se) = sampled(setting, ticks, order.unwrap() as i32, 200_000, &mut rng);
             let (found, own_se) = (row.number("rms"), row.number("rms_se"));
             let z = (found - rms) / se.hypot(own_se);
@@ -300,8 +308,9 @@ type TallyRows = BTreeMap<(Vec<u8>, Vec<u8>, i64, i64), (Vec<u8>, Vec<u8>, i64)>
 /// All rows of the table of tallies, byte for byte.
 fn tallies(folder: &Path) -> TallyRows {
     let connection = rusqlite::Connection::open(folder.join(FILE)).unwrap();
-    let mut statement =
-        connection.prepare("SELECT point, estimate, first, log2, digest, moments, checksum FROM tally").unwrap();
+    let mut statement = connection
+        .prepare("SELECT point, estimate, first, log2, digest, moments, checksum FROM tally")
+        .unwrap();
     let rows = statement
         .query_map([], |row| {
             let key = (row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?);
@@ -337,7 +346,11 @@ const THREE_FILLERS: &str = r#"fillers = ["const", "linear", "quadratic"]"#;
 fn adding_a_filler_changes_no_tally() {
     let base = papers_point("131_072");
     let with = |fillers| [&base[..], &[(THREE_FILLERS, fillers)]].concat();
-    extend(&with(r#"fillers = ["linear"]"#), &with(r#"fillers = ["quadratic", "linear", "const"]"#), "a filler");
+    extend(
+        &with(r#"fillers = ["linear"]"#),
+        &with(r#"fillers = ["quadratic", "linear", "const"]"#),
+        "a filler",
+    );
 }
 
 #[test]
@@ -381,10 +394,12 @@ fn exact_errors(launch: &Launch, trial: u64) -> Vec<i128> {
     let shape = launch.shape;
     let p = Parameters::of(&launch.words, shape);
     let signed = |word: u32| i128::from(word as i32);
-    let address = Address { low: Scalar(trial as u32), high: (trial >> 32) as u32, key: [p.key[0], p.key[1]] };
+    let address =
+        Address { low: Scalar(trial as u32), high: (trial >> 32) as u32, key: [p.key[0], p.key[1]] };
     let draw = |purpose, block, lane: usize| address.draw(purpose, block)[lane];
     let phase = p.phase[0].wrapping_add(draw(Purpose::NoiseAfterAndPhase, 0, 2).0 & p.phase_spread[0]);
-    let (sin, cos) = (signed(sine(Scalar(phase)).0), signed(sine(Scalar(phase.wrapping_add(QUARTER_TURN))).0));
+    let (sin, cos) =
+        (signed(sine(Scalar(phase)).0), signed(sine(Scalar(phase.wrapping_add(QUARTER_TURN))).0));
     let angle = |at_sin: u32, at_cos: u32| sin * signed(at_sin) + cos * signed(at_cos) + (1 << 31);
     let noise = |word: Scalar| signed(normal(word).0) * i128::from(p.sigma[0]);
     let truth = angle(p.gap_sin[0], p.gap_cos[0]) >> 32;
@@ -392,13 +407,16 @@ fn exact_errors(launch: &Launch, trial: u64) -> Vec<i128> {
         .map(|k| angle(p.before_sin[k], p.before_cos[k]) + noise(draw(Purpose::NoiseBefore, k / 4, k % 4)))
         .collect();
     let after: Vec<i128> = (0..shape.after)
-        .map(|k| angle(p.after_sin[k], p.after_cos[k]) + noise(draw(Purpose::NoiseAfterAndPhase, k / 2, k % 2)))
+        .map(|k| {
+            angle(p.after_sin[k], p.after_cos[k]) + noise(draw(Purpose::NoiseAfterAndPhase, k / 2, k % 2))
+        })
         .collect();
     for tick in before.iter().chain(&after) {
         assert!(i64::try_from(*tick).is_ok(), "a tick of {tick} wraps");
     }
     let weighted = |ticks: &[&[i128]], weights: &[u32], scale: u32| -> i128 {
-        let filled: i128 = ticks.concat().iter().zip(weights).map(|(tick, &w)| (tick >> 32) * signed(w)).sum();
+        let filled: i128 =
+            ticks.concat().iter().zip(weights).map(|(tick, &w)| (tick >> 32) * signed(w)).sum();
         filled - truth * signed(scale)
     };
     let used = shape.residual_before + shape.after;
@@ -442,6 +460,14 @@ fn demanding() -> Vec<Configuration> {
             c.point.fit_ticks = vec![-60, -1, 0, 11, 12, 70];
             c.point.extrapolation_ticks = vec![-63, -62, -61];
         }),
+        // The largest shift, 26, of 60,000 random lists of ticks.
+        Configuration::new("large weights", |c| {
+            c.point.inputs.gap_ticks = 1;
+            c.point.inputs.tick_noise = TickNoise::Std(1e6);
+            c.point.inputs.amplitude = Amplitude::Rate(0.0);
+            c.point.fit_ticks = vec![-51, -35, -26, -20, -9, -3];
+            c.point.extrapolation_ticks = vec![-59, -55, -44, -38, -23, -22, -18];
+        }),
     ]
 }
 
@@ -454,7 +480,11 @@ fn sums_are_those_of_128_bits_however_large_the_errors() {
             let mut expected = vec![Moments::empty(false); 2 * launch.shape.fillers];
             for trial in 0..TRIALS {
                 for (tally, error) in expected.iter_mut().zip(exact_errors(&launch, trial)) {
-                    assert!(error.abs() < i128::from(LIMIT), "{}: {error} is beyond the limit", configuration.name);
+                    assert!(
+                        error.abs() < i128::from(LIMIT),
+                        "{}: {error} is beyond the limit",
+                        configuration.name
+                    );
                     tally.count += 1;
                     tally.sum += error;
                     tally.square += (error * error) as u128;
@@ -489,7 +519,8 @@ fn noise_that_the_arithmetic_would_lose_is_refused_by_name() {
     assert!(matches!(error, LowerError::NoiseTooSmall { .. }), "{error}");
     assert!(error.to_string().starts_with(error.key()) && error.key() == "gyro.tick_noise", "{error}");
 
-    let changes = [&papers_point("1")[..], &[("three_sigma = \"1.6 arcsec\"", "std = \"1e-9 arcsec\"")]].concat();
+    let changes =
+        [&papers_point("1")[..], &[("three_sigma = \"1.6 arcsec\"", "std = \"1e-9 arcsec\"")]].concat();
     let study = study(&changes);
     let shown = Plan::new(&study).unwrap_err().render(false, 120);
     assert!(shown.contains("study.toml:9") && shown.contains("gyro.tick_noise"), "{shown}");
@@ -500,5 +531,20 @@ fn ticks_that_determine_no_polynomial_are_refused_by_name() {
     let singular = Configuration::new("two ticks", |c| c.point.fit_ticks = vec![0, 4]);
     let error = lower(&singular).unwrap_err();
     assert_eq!(error, LowerError::Singular { filler: "quadratic", ticks: vec![0, 4] });
+    assert!(error.to_string().starts_with(error.key()), "{error}");
+}
+
+#[test]
+fn weights_beyond_64_bits_are_refused_by_name() {
+    // A study accepts no tick so far off, and none of those it accepts comes near.
+    let distant = Configuration::new("distant", |c| {
+        c.point.inputs.gap_ticks = 1;
+        c.point.extrapolation_ticks = vec![-1_000_002, -1_000_001, -1_000_000];
+    });
+    let error = lower(&distant).unwrap_err();
+    assert!(
+        matches!(error, LowerError::TooLarge { filler: "quadratic", error: "extrapolation", .. }),
+        "{error}"
+    );
     assert!(error.to_string().starts_with(error.key()), "{error}");
 }

@@ -82,7 +82,8 @@ fn on_cpu(width: Width, threads: usize, launch: &Launch, blocks: &[Block], histo
 }
 
 fn on_gpu(gpu: &mut Gpu, launch: &Launch, blocks: &[Block], histogram: bool) -> Vec<Moments> {
-    let parts = gpu.tally(&jobs(launch, blocks), histogram, &|_| {}).unwrap_or_else(|error| panic!("{error}"));
+    let parts =
+        gpu.tally(&jobs(launch, blocks), histogram, &|_| {}).unwrap_or_else(|error| panic!("{error}"));
     total(launch, parts, histogram)
 }
 
@@ -198,7 +199,10 @@ fn the_papers_point_is_the_same_on_any_width_threads_and_division() {
                     for (division, blocks) in divisions(trials) {
                         let found = on_cpu(width, threads, launch, &blocks, histogram);
                         let width = width.name();
-                        assert_eq!(found, reference, "{width}, {threads} threads, {division}, {trials} trials");
+                        assert_eq!(
+                            found, reference,
+                            "{width}, {threads} threads, {division}, {trials} trials"
+                        );
                         coverage.comparisons += 1;
                     }
                 }
@@ -372,7 +376,8 @@ fn pairwise(sizes: &[usize]) -> Vec<Vec<usize>> {
         for factor in 0..sizes.len() {
             let gain = |value: usize| {
                 let covers = |pair: &&[(usize, usize); 2]| {
-                    pair.contains(&(factor, value)) && pair.iter().all(|&(f, v)| f == factor || row[f] == Some(v))
+                    pair.contains(&(factor, value))
+                        && pair.iter().all(|&(f, v)| f == factor || row[f] == Some(v))
                 };
                 uncovered.iter().filter(covers).count()
             };
@@ -394,7 +399,10 @@ fn the_pairwise_rows_cover_every_pair() {
         for first in 0..second {
             for a in 0..sizes[first] {
                 for b in 0..sizes[second] {
-                    assert!(rows.iter().any(|row| row[first] == a && row[second] == b), "{first}:{a} {second}:{b}");
+                    assert!(
+                        rows.iter().any(|row| row[first] == a && row[second] == b),
+                        "{first}:{a} {second}:{b}"
+                    );
                 }
             }
         }
