@@ -48,7 +48,7 @@ impl Magnitudes {
         let mut sums = Magnitudes::default();
         for &z in z {
             sums.square += u128::from(u64::from(z) * u64::from(z));
-            let coarse = u128::from(u64::from(z) * u64::from(z) >> 12);
+            let coarse = u128::from((u64::from(z) * u64::from(z)) >> 12);
             sums.fourth += coarse * coarse;
             for (k, beyond) in sums.beyond.iter_mut().enumerate() {
                 *beyond += u64::from(z > (k as u32 + 1) * SIGMA);
