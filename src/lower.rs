@@ -296,7 +296,8 @@ impl Tone {
             weights.numerators.iter().zip(&ticks).map(|(&w, tick)| w.abs() as f64 * size(tick)).sum::<f64>()
                 + scale * size(&gap);
         let terms = motion + (REACH * sigma + 1.0) * gain + scale;
-        if terms >= libm::exp2(62.0) {
+        // Below 2^59 the shift stays below 32, which `bits_from` asks for.
+        if terms >= libm::exp2(59.0) {
             let (filler, error, bits) = (filler.name(), error.name(), libm::log2(terms));
             return Err(LowerError::TooLarge { filler, error, bits });
         }

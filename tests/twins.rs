@@ -1,0 +1,453 @@
+//! Identity: every width, every thread count, every division of the trials and every variant of the shaders give the
+//! bits of the portable kernel. `assert_eq!` on whole tallies; there is no tolerance anywhere in this file.
+//!
+//! Two lists drive it, [`KERNELS`] and [`configurations`]: a new kernel or configuration cannot be forgotten.
+
+use std::time::Instant;
+
+use sagnac::backend::Job;
+use sagnac::backend::cpu::{Cpu, Width};
+use sagnac::backend::gpu::source::Variant;
+use sagnac::backend::gpu::{Adapter, Gpu};
+use sagnac::block::{Block, cover};
+use sagnac::kernel::gap_fill::Launch;
+use sagnac::kernel::map::{Map, PHILOX};
+use sagnac::kernel::moments::Moments;
+use sagnac::kernel::philox::philox;
+use sagnac::kernel::word::Scalar;
+use sagnac::kernel::{Form, KERNELS};
+use sagnac::study::{Filler, Phase, TickNoise};
+use sagnac::verify::{Configuration, configurations};
+
+const TRIALS: u64 = 1 << 20;
+
+/// Every adapter of this machine. The GPU half of these tests is never skipped.
+fn adapters() -> Vec<Adapter> {
+    let adapters = Adapter::all();
+    assert!(
+        !adapters.is_empty(),
+        "no Vulkan adapter was found, so identity on a GPU cannot be shown: run ./test, or install a software one \
+         (apt-get install mesa-vulkan-drivers libvulkan1)"
+    );
+    adapters
+}
+
+/// Every way to build the shaders that an adapter can run.
+fn variants(adapter: &Adapter) -> Vec<Variant> {
+    let products: &[bool] = if adapter.has_int64() { &[true, false] } else { &[false] };
+    let mut all = Vec::new();
+    for &int64 in products {
+        for checked in [false, true] {
+            all.extend([32, 64, 128].map(|workgroup| Variant { int64, checked, workgroup }));
+        }
+    }
+    all
+}
+
+fn name(adapter: &Adapter, variant: Variant) -> String {
+    let products = if variant.int64 { "u64" } else { "split" };
+    let checks = if variant.checked { "checked" } else { "unchecked" };
+    format!("{} {products} {checks} {}", adapter.name(), variant.workgroup)
+}
+
+fn open(adapter: &Adapter, variant: Variant) -> Gpu {
+    Gpu::open(adapter, variant).unwrap_or_else(|error| panic!("{}: {error}", name(adapter, variant)))
+}
+
+/// The usual variant, and the one that differs from it in everything.
+fn two_variants(adapter: &Adapter) -> Vec<Variant> {
+    let split = Variant { int64: false, checked: true, workgroup: 64 };
+    vec![Variant { int64: adapter.has_int64(), checked: false, workgroup: 64 }, split]
+}
+
+fn jobs<'a>(launch: &'a Launch, blocks: &[Block]) -> Vec<Job<'a>> {
+    blocks.iter().map(|&block| Job { launch, block }).collect()
+}
+
+/// The tallies of all parts in one.
+fn total(launch: &Launch, parts: Vec<Vec<Moments>>, histogram: bool) -> Vec<Moments> {
+    let mut total = vec![Moments::empty(histogram); 2 * launch.shape.fillers];
+    for part in parts {
+        assert_eq!(part.len(), total.len());
+        for (total, part) in total.iter_mut().zip(&part) {
+            total.merge(part);
+        }
+    }
+    total
+}
+
+fn on_cpu(width: Width, threads: usize, launch: &Launch, blocks: &[Block], histogram: bool) -> Vec<Moments> {
+    let cpu = Cpu::new(width, threads).unwrap();
+    total(launch, cpu.tally(&jobs(launch, blocks), histogram, &|_| {}), histogram)
+}
+
+fn on_gpu(gpu: &mut Gpu, launch: &Launch, blocks: &[Block], histogram: bool) -> Vec<Moments> {
+    let parts =
+        gpu.tally(&jobs(launch, blocks), histogram, &|_| {}).unwrap_or_else(|error| panic!("{error}"));
+    total(launch, parts, histogram)
+}
+
+fn reference(launch: &Launch, blocks: &[Block], histogram: bool) -> Vec<Moments> {
+    on_cpu(Width::Portable, 0, launch, blocks, histogram)
+}
+
+/// The same trials in one block, in many, in many more than a tile holds, and in uneven parts from the last to the
+/// first.
+fn divisions(trials: u64) -> Vec<(&'static str, Vec<Block>)> {
+    let cuts = [0, 1, 77_777, 500_001, 524_289, trials];
+    let ragged = cuts.windows(2).rev().flat_map(|cut| cover(cut[0]..cut[1], 17)).collect();
+    vec![
+        ("whole", cover(0..trials, 63)),
+        ("split", cover(0..trials, 14)),
+        ("fine", cover(0..trials, 9)),
+        ("ragged", ragged),
+    ]
+}
+
+/// Says on the standard output what a test went through.
+struct Coverage {
+    started: Instant,
+    comparisons: usize,
+}
+
+impl Coverage {
+    fn start() -> Coverage {
+        Coverage { started: Instant::now(), comparisons: 0 }
+    }
+
+    fn end(self, what: &str) {
+        println!("{what}: {} comparisons, {:.1} s", self.comparisons, self.started.elapsed().as_secs_f64());
+    }
+}
+
+/// Random123's `kat_vectors` for philox4x32, 10 rounds: counter and key, output.
+const RANDOM123: [([u32; 6], [u32; 4]); 3] = [
+    ([0; 6], [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8]),
+    ([!0; 6], [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]),
+    (
+        [0x243f_6a88, 0x85a3_08d3, 0x1319_8a2e, 0x0370_7344, 0xa409_3822, 0x299f_31d0],
+        [0xd16c_fe09, 0x94fd_cceb, 0x5001_e420, 0x2412_6ea1],
+    ),
+];
+
+#[test]
+fn words_are_those_of_random123_in_every_width_and_shader() {
+    let mut coverage = Coverage::start();
+    let items = RANDOM123.map(|(input, _)| input).concat();
+    let expected = RANDOM123.map(|(_, output)| output).concat();
+    for width in Width::available() {
+        assert_eq!((PHILOX.cpu)(width, &items), expected, "{}", width.name());
+        coverage.comparisons += 1;
+    }
+    for adapter in adapters() {
+        for variant in variants(&adapter) {
+            let found = open(&adapter, variant).map(&PHILOX, &items).unwrap();
+            assert_eq!(found, expected, "{}", name(&adapter, variant));
+            coverage.comparisons += 1;
+        }
+    }
+    coverage.end("Random123 vectors");
+}
+
+/// Words round every edge of the building blocks, then words of the generator: in all an odd number of items.
+fn items(map: &Map) -> Vec<u32> {
+    let mut words: Vec<u32> =
+        (0..32).flat_map(|bit| [-1, 0, 1].map(|step| (1_u32 << bit).wrapping_add_signed(step))).collect();
+    words.extend((0..4).flat_map(|turn: u32| [-1, 0, 1].map(|step| (turn << 30).wrapping_add_signed(step))));
+    let count = (1 << 16) + 41;
+    let counters = 0..(count * map.inputs as u32).div_ceil(4);
+    let block = |counter| philox([counter, 7, 7, 7].map(Scalar), [Scalar(3); 2]).map(|word| word.0);
+    words.extend(counters.flat_map(block));
+    words.truncate(count as usize * map.inputs);
+    words
+}
+
+#[test]
+fn building_blocks_are_the_same_in_every_width_and_shader() {
+    let mut coverage = Coverage::start();
+    let mut names = Vec::new();
+    let adapters = adapters();
+    for kernel in KERNELS {
+        let Form::Map(map) = kernel.form else { continue };
+        let items = items(&map);
+        let reference = (map.cpu)(Width::Portable, &items);
+        for width in Width::available() {
+            assert_eq!((map.cpu)(width, &items), reference, "{} in {}", kernel.name, width.name());
+            coverage.comparisons += 1;
+        }
+        for adapter in &adapters {
+            for variant in variants(adapter) {
+                let found = open(adapter, variant).map(&map, &items).unwrap();
+                assert_eq!(found, reference, "{} on {}", kernel.name, name(adapter, variant));
+                coverage.comparisons += 1;
+            }
+        }
+        names.push(kernel.name);
+    }
+    coverage.end(&format!("building blocks {names:?}, {} items each", (1 << 16) + 41));
+}
+
+#[test]
+fn the_papers_point_is_the_same_on_any_width_threads_and_division() {
+    let mut coverage = Coverage::start();
+    let launch = &configurations()[0].launches()[0];
+    for trials in [TRIALS, 1_000_003] {
+        for histogram in [true, false] {
+            let reference = reference(launch, &cover(0..trials, 63), histogram);
+            for width in Width::available() {
+                for threads in 1..=3 {
+                    for (division, blocks) in divisions(trials) {
+                        let found = on_cpu(width, threads, launch, &blocks, histogram);
+                        let width = width.name();
+                        assert_eq!(
+                            found, reference,
+                            "{width}, {threads} threads, {division}, {trials} trials"
+                        );
+                        coverage.comparisons += 1;
+                    }
+                }
+            }
+        }
+    }
+    coverage.end("paper: widths × 1, 2, 3 threads × divisions × histogram, 2^20 and 1,000,003 trials");
+}
+
+#[test]
+fn the_papers_point_is_the_same_on_any_shader_tile_and_division() {
+    let mut coverage = Coverage::start();
+    let launch = &configurations()[0].launches()[0];
+    for histogram in [true, false] {
+        let reference = reference(launch, &cover(0..TRIALS, 63), histogram);
+        for adapter in adapters() {
+            for variant in variants(&adapter) {
+                let mut gpu = open(&adapter, variant);
+                let tiles = [TRIALS / 3 + 1, 40_001, 2 * TRIALS, TRIALS];
+                for ((division, blocks), tile) in divisions(TRIALS).into_iter().zip(tiles) {
+                    gpu.set_tile(tile);
+                    let found = on_gpu(&mut gpu, launch, &blocks, histogram);
+                    let name = name(&adapter, variant);
+                    assert_eq!(found, reference, "{name}, {division}, tiles of {tile} at first");
+                    coverage.comparisons += 1;
+                }
+            }
+        }
+    }
+    coverage.end("paper: all shader variants × tiles and divisions × histogram, 2^20 trials");
+}
+
+#[test]
+fn tiles_from_one_trial_to_all_give_the_same() {
+    let mut coverage = Coverage::start();
+    let launch = &configurations()[0].launches()[0];
+    let blocks = cover(5..30_011, 13);
+    let reference = reference(launch, &blocks, true);
+    for adapter in adapters() {
+        let mut gpu = open(&adapter, adapter.variant());
+        for tile in [1, 2, 63, 64, 65, 4095, 4096, 4097, 30_006, 1 << 28] {
+            gpu.set_tile(tile);
+            let found = on_gpu(&mut gpu, launch, &blocks, true);
+            assert_eq!(found, reference, "{}, tiles of {tile} at first", adapter.name());
+            coverage.comparisons += 1;
+        }
+    }
+    coverage.end("paper: tiles of 1 … 2^28 trials at first, 30,006 trials");
+}
+
+#[test]
+fn every_configuration_is_the_same_everywhere() {
+    let mut coverage = Coverage::start();
+    let names: Vec<&str> = configurations().iter().map(|configuration| configuration.name).collect();
+    let blocks = cover(0..TRIALS, 16);
+    for configuration in configurations() {
+        for launch in &configuration.launches() {
+            let reference = reference(launch, &cover(0..TRIALS, 63), true);
+            for width in Width::available() {
+                let found = on_cpu(width, 0, launch, &blocks, true);
+                assert_eq!(found, reference, "{} in {}", configuration.name, width.name());
+                coverage.comparisons += 1;
+            }
+            for adapter in adapters() {
+                for variant in two_variants(&adapter) {
+                    let found = on_gpu(&mut open(&adapter, variant), launch, &blocks, true);
+                    assert_eq!(found, reference, "{} on {}", configuration.name, name(&adapter, variant));
+                    coverage.comparisons += 1;
+                }
+            }
+        }
+    }
+    coverage.end(&format!("configurations {names:?}, 2^20 trials"));
+}
+
+#[test]
+fn jobs_of_many_launches_in_one_call_do_not_mix() {
+    let mut coverage = Coverage::start();
+    let launches: Vec<Launch> = configurations().iter().flat_map(Configuration::launches).collect();
+    let blocks = cover(3..20_000, 13);
+    // Launch by launch within each block, so that neighbours differ.
+    let mixed: Vec<Job> =
+        blocks.iter().flat_map(|&block| launches.iter().map(move |launch| Job { launch, block })).collect();
+    let expected: Vec<Vec<Moments>> =
+        mixed.iter().map(|job| reference(job.launch, &[job.block], true)).collect();
+    for width in Width::available() {
+        assert_eq!(Cpu::new(width, 2).unwrap().tally(&mixed, true, &|_| {}), expected, "{}", width.name());
+        coverage.comparisons += mixed.len();
+    }
+    for adapter in adapters() {
+        let mut gpu = open(&adapter, adapter.variant());
+        gpu.set_tile(70_000);
+        assert_eq!(gpu.tally(&mixed, true, &|_| {}).unwrap(), expected, "{}", adapter.name());
+        coverage.comparisons += mixed.len();
+    }
+    coverage.end("many launches in one call");
+}
+
+/// The values that the pairwise cover combines, by their place in each list.
+struct Factors;
+
+impl Factors {
+    const GAP_TICKS: [u32; 4] = [1, 2, 3, 5];
+    const PHASES: [Phase; 3] = [Phase::Uniform, Phase::ZeroCrossing, Phase::Extremum];
+    const NOISES: [TickNoise; 3] =
+        [TickNoise::Std(1.6 / 3.0), TickNoise::AngleRandomWalk(2.0), TickNoise::Std(0.0)];
+    const FILLERS: [&[Filler]; 7] = [
+        &[Filler::Const, Filler::Linear, Filler::Quadratic],
+        &[Filler::Quadratic],
+        &[Filler::Linear],
+        &[Filler::Const],
+        &[Filler::Linear, Filler::Const],
+        &[Filler::Quadratic, Filler::Linear],
+        &[Filler::Const, Filler::Quadratic],
+    ];
+    const FIRST_TRIALS: [u64; 4] = [0, 12_345, (1 << 32) - (1 << 15), 1 << 40];
+    const EXTRAPOLATIONS: [&[i32]; 3] = [&[-3, -2, -1, 0], &[-7, -6, -5, -4, -3, -2, -1, 0], &[-5, -2, 0]];
+
+    /// Default; eight before; asymmetrical; many after; before only; after only.
+    fn fit_ticks(n: i32) -> [Vec<i32>; 6] {
+        [
+            vec![-1, 0, n + 1, n + 2],
+            (-7..=0).chain(n + 1..=n + 2).collect(),
+            vec![-3, -1, 0, n + 1],
+            (-1..=0).chain(n + 1..=n + 7).collect(),
+            vec![-3, -2, -1, 0],
+            vec![n + 1, n + 2, n + 3],
+        ]
+    }
+
+    fn sizes() -> [usize; 7] {
+        [
+            Self::GAP_TICKS.len(),
+            Self::PHASES.len(),
+            Self::NOISES.len(),
+            Self::fit_ticks(1).len(),
+            Self::FILLERS.len(),
+            Self::FIRST_TRIALS.len(),
+            Self::EXTRAPOLATIONS.len(),
+        ]
+    }
+
+    fn configuration(row: &[usize]) -> (Configuration, u64) {
+        let configuration = Configuration::new("pairwise", |c| {
+            c.point.inputs.gap_ticks = Self::GAP_TICKS[row[0]];
+            c.point.inputs.phase = Self::PHASES[row[1]];
+            c.point.inputs.tick_noise = Self::NOISES[row[2]];
+            c.point.fit_ticks = Self::fit_ticks(Self::GAP_TICKS[row[0]] as i32)[row[3]].clone();
+            c.fillers = Self::FILLERS[row[4]].to_vec();
+            c.point.extrapolation_ticks = Self::EXTRAPOLATIONS[row[6]].to_vec();
+        });
+        (configuration, Self::FIRST_TRIALS[row[5]])
+    }
+}
+
+/// Rows in which every pair of values of two factors occurs. Greedy: each row takes an uncovered pair and then, factor
+/// by factor, the value that covers most.
+fn pairwise(sizes: &[usize]) -> Vec<Vec<usize>> {
+    let mut uncovered: Vec<[(usize, usize); 2]> = Vec::new();
+    for second in 0..sizes.len() {
+        for first in 0..second {
+            for a in 0..sizes[first] {
+                uncovered.extend((0..sizes[second]).map(|b| [(first, a), (second, b)]));
+            }
+        }
+    }
+    let mut rows = Vec::new();
+    while let Some(&seed) = uncovered.first() {
+        let mut row: Vec<Option<usize>> = vec![None; sizes.len()];
+        seed.iter().for_each(|&(factor, value)| row[factor] = Some(value));
+        for factor in 0..sizes.len() {
+            let gain = |value: usize| {
+                let covers = |pair: &&[(usize, usize); 2]| {
+                    pair.contains(&(factor, value))
+                        && pair.iter().all(|&(f, v)| f == factor || row[f] == Some(v))
+                };
+                uncovered.iter().filter(covers).count()
+            };
+            // The first of the best: the order of the lists decides, nothing random.
+            let best = (0..sizes[factor]).rev().max_by_key(|&value| gain(value));
+            row[factor] = row[factor].or(best);
+        }
+        uncovered.retain(|pair| !pair.iter().all(|&(factor, value)| row[factor] == Some(value)));
+        rows.push(row.into_iter().flatten().collect());
+    }
+    rows
+}
+
+#[test]
+fn the_pairwise_rows_cover_every_pair() {
+    let sizes = Factors::sizes();
+    let rows = pairwise(&sizes);
+    for second in 0..sizes.len() {
+        for first in 0..second {
+            for a in 0..sizes[first] {
+                for b in 0..sizes[second] {
+                    assert!(
+                        rows.iter().any(|row| row[first] == a && row[second] == b),
+                        "{first}:{a} {second}:{b}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn every_pair_of_settings_is_the_same_everywhere() {
+    let mut coverage = Coverage::start();
+    let rows = pairwise(&Factors::sizes());
+    let mut gpus: Vec<Gpu> = adapters().iter().map(|adapter| open(adapter, adapter.variant())).collect();
+    for row in &rows {
+        let (configuration, first) = Factors::configuration(row);
+        // A cover is made of aligned blocks, so a range across a multiple of 2^32 is split there.
+        let blocks = cover(first..first + (1 << 16), 63);
+        for launch in &configuration.launches() {
+            let reference = reference(launch, &blocks, true);
+            assert!(reference.iter().all(|tally| tally.count == 1 << 16));
+            for width in Width::available() {
+                let found = on_cpu(width, 0, launch, &blocks, true);
+                assert_eq!(found, reference, "{} from {first}: {configuration:?}", width.name());
+                coverage.comparisons += 1;
+            }
+            for gpu in &mut gpus {
+                let found = on_gpu(gpu, launch, &blocks, true);
+                assert_eq!(found, reference, "{} from {first}: {configuration:?}", gpu.name());
+                coverage.comparisons += 1;
+            }
+        }
+    }
+    coverage.end(&format!("pairwise cover: {} rows, none refused, 2^16 trials each", rows.len()));
+}
+
+#[test]
+fn one_hundred_million_trials_of_the_papers_point_are_the_same() {
+    let mut coverage = Coverage::start();
+    let launch = &configurations()[0].launches()[0];
+    let blocks = cover(0..100_000_000, 21);
+    let width = Width::widest();
+    let reference = on_cpu(width, 0, launch, &blocks, false);
+    for adapter in adapters() {
+        let found = on_gpu(&mut open(&adapter, adapter.variant()), launch, &blocks, false);
+        assert_eq!(found, reference, "{} and {}", adapter.name(), width.name());
+        coverage.comparisons += 1;
+    }
+    assert!(reference.iter().all(|tally| tally.count == 100_000_000));
+    coverage.end(&format!("paper: 1e8 trials, {} and every adapter", width.name()));
+}
