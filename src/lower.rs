@@ -23,7 +23,7 @@ pub enum LowerError {
     #[error("switching.fillers: `{filler}` does not determine its polynomial from ticks {ticks:?}")]
     Singular { filler: &'static str, ticks: Vec<i32> },
     #[error(
-        "switching.fillers: the weighted sum of the {error} of `{filler}` reaches 2^{bits:.0}, more than 64-bit arithmetic can hold"
+        "switching.fillers: the weighted sum of the {error} of `{filler}` reaches 2^{bits:.0}, more than its 64-bit sum can hold"
     )]
     TooLarge { filler: &'static str, error: &'static str, bits: f64 },
 }

@@ -178,8 +178,8 @@ fn replace_word(line: &str, name: &str, by: &str) -> String {
     let mut replaced = String::new();
     let mut rest = line;
     while let Some(found) = rest.find(name) {
-        let whole = !rest[..found].ends_with(in_word) && !rest[found + name.len()..].starts_with(in_word);
         replaced += &rest[..found];
+        let whole = !replaced.ends_with(in_word) && !rest[found + name.len()..].starts_with(in_word);
         replaced += if whole { by } else { name };
         rest = &rest[found + name.len()..];
     }
