@@ -20,7 +20,8 @@ use super::terminal::pivot;
 /// Runs the studies one after the other. All are read and checked before the first starts.
 pub fn run(options: &super::Run) -> Result<(), Failure> {
     if options.out.is_some() && options.studies.len() > 1 {
-        let message = "--out names one folder, but there are several studies\nrun them one by one, or without --out";
+        let message =
+            "--out names one folder, but there are several studies\nrun them one by one, or without --out";
         return Err(Failure::Usage(message.to_owned()));
     }
     let mut studies = Vec::new();
@@ -29,7 +30,16 @@ pub fn run(options: &super::Run) -> Result<(), Failure> {
         study.trials = options.trials.unwrap_or(study.trials);
         study.seed = options.seed.unwrap_or(study.seed);
         check(&study)?;
-        studies.push((folder(options, path), study));
+        let folder = folder(options, path);
+        if studies.iter().any(|(taken, _)| *taken == folder) {
+            let message = format!(
+                "several studies would write to {}, the last one {}\nrun them one by one, each with its --out DIR",
+                folder.display(),
+                path.display()
+            );
+            return Err(Failure::Usage(message));
+        }
+        studies.push((folder, study));
     }
     let Selection { mut device, reason } = select(&options.device.name)?;
     if !options.quiet {
@@ -74,7 +84,12 @@ fn run_study(study: &Study, folder: &Path, device: &mut Device, options: &super:
     }
     match plan.unasked(&store)? {
         0 => {}
-        n => eprintln!("note: {n} points of earlier runs are kept but not shown: the study no longer asks for them"),
+        1 => {
+            eprintln!("note: 1 point of earlier runs is kept but not shown: the study no longer asks for it")
+        }
+        n => eprintln!(
+            "note: {n} points of earlier runs are kept but not shown: the study no longer asks for them"
+        ),
     }
     print(&summary(study, &table, &answers)?)?;
     let rate = if done.trials > 0 {
@@ -107,7 +122,8 @@ fn draw(study: &Study, table: &Table, folder: &Path) -> Result<Vec<String>, Fail
         let (figure, said) =
             Figure::from_table(table, &spec(study, chart)).map_err(|error| refused(study, chart, &error))?;
         let svg = figure.svg();
-        let png = chart::png(&svg, 2.0).map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
+        let png = chart::png(&svg, 2.0)
+            .map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
         write(&folder.join(format!("{stem}.svg")), svg.as_bytes())?;
         write(&folder.join(format!("{stem}.png")), &png)?;
         notes.extend(said.sentence().map(|sentence| format!("{stem}: {sentence}")));
@@ -136,14 +152,26 @@ fn spec(study: &Study, chart: &Chart) -> Spec {
 
 /// A chart's error at the name in the study that caused it.
 fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
-    let name = match error {
-        ChartError::Column(ColumnError::Unknown { name, .. } | ColumnError::Ambiguous { name, .. }) => name,
-        ChartError::NotNumbers { column, .. } | ChartError::NoSuchRow { column, .. } => column,
-        ChartError::TooManySeries { .. } => "",
+    let named = || [&chart.x, &chart.y].into_iter().chain(&chart.series);
+    let rows = || chart.rows.iter().map(|row| &row.0);
+    let place = |mut names: Box<dyn Iterator<Item = &study::Named> + '_>, name: &str| {
+        // A default is written nowhere; another name may be.
+        names
+            .find(|named| named.name == name && !named.span.is_empty())
+            .map_or(0..0, |named| named.span.clone())
     };
-    let named = [&chart.x, &chart.y].into_iter().chain(&chart.series).chain(chart.rows.iter().map(|row| &row.0));
-    let span = named.into_iter().find(|named| named.name == *name).map_or(0..0, |named| named.span.clone());
-    study.error_at(span, format!("chart: {error}"), "name a column of points.csv, with or without its unit")
+    let column = "name a column of points.csv, with or without its unit";
+    let (span, help) = match error {
+        ChartError::Column(ColumnError::Unknown { name, .. } | ColumnError::Ambiguous { name, .. })
+        | ChartError::NotNumbers { column: name, .. } => {
+            (place(Box::new(named().chain(rows())), name), column)
+        }
+        ChartError::NoSuchRow { column, .. } => {
+            (place(Box::new(rows()), column), "`where` takes values that the column has in points.csv")
+        }
+        ChartError::TooManySeries { .. } => (0..0, column),
+    };
+    study.error_at(span, format!("chart: {error}"), help)
 }
 
 /// The verdict of every chart with a limit.
