@@ -70,7 +70,7 @@ impl Figure {
 fn numbers<'t>(table: &'t Table, name: &str) -> Result<&'t Column, ChartError> {
     let column = table.column(name)?;
     match column.cells.iter().find(|cell| matches!(cell, Cell::Text(_))) {
-        Some(text) => Err(ChartError::NotNumbers { column: column.header(), example: text.text() }),
+        Some(text) => Err(ChartError::NotNumbers { column: name.to_owned(), example: text.text() }),
         None => Ok(column),
     }
 }
@@ -82,7 +82,7 @@ fn chosen_rows(table: &Table, filter: &[(String, String)]) -> Result<Vec<usize>,
         let known: BTreeSet<String> = rows.iter().map(|&row| column.cells[row].text()).collect();
         rows.retain(|&row| has_value(&column.cells[row], value));
         if rows.is_empty() && !known.is_empty() {
-            let (column, value) = (column.header(), value.clone());
+            let (column, value) = (name.clone(), value.clone());
             return Err(ChartError::NoSuchRow { column, value, known: known.into_iter().collect() });
         }
     }

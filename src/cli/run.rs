@@ -30,7 +30,16 @@ pub fn run(options: &super::Run) -> Result<(), Failure> {
         study.trials = options.trials.unwrap_or(study.trials);
         study.seed = options.seed.unwrap_or(study.seed);
         check(&study)?;
-        studies.push((folder(options, path), study));
+        let folder = folder(options, path);
+        if studies.iter().any(|(taken, _)| *taken == folder) {
+            let message = format!(
+                "several studies would write to {}, the last one {}\nrun them one by one, each with its --out DIR",
+                folder.display(),
+                path.display()
+            );
+            return Err(Failure::Usage(message));
+        }
+        studies.push((folder, study));
     }
     let Selection { mut device, reason } = select(&options.device.name)?;
     if !options.quiet {
@@ -75,6 +84,9 @@ fn run_study(study: &Study, folder: &Path, device: &mut Device, options: &super:
     }
     match plan.unasked(&store)? {
         0 => {}
+        1 => {
+            eprintln!("note: 1 point of earlier runs is kept but not shown: the study no longer asks for it")
+        }
         n => eprintln!(
             "note: {n} points of earlier runs are kept but not shown: the study no longer asks for them"
         ),
@@ -140,15 +152,26 @@ fn spec(study: &Study, chart: &Chart) -> Spec {
 
 /// A chart's error at the name in the study that caused it.
 fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
-    let name = match error {
-        ChartError::Column(ColumnError::Unknown { name, .. } | ColumnError::Ambiguous { name, .. }) => name,
-        ChartError::NotNumbers { column, .. } | ChartError::NoSuchRow { column, .. } => column,
-        ChartError::TooManySeries { .. } => "",
+    let named = || [&chart.x, &chart.y].into_iter().chain(&chart.series);
+    let rows = || chart.rows.iter().map(|row| &row.0);
+    let place = |mut names: Box<dyn Iterator<Item = &study::Named> + '_>, name: &str| {
+        // A default is written nowhere; another name may be.
+        names
+            .find(|named| named.name == name && !named.span.is_empty())
+            .map_or(0..0, |named| named.span.clone())
     };
-    let named =
-        [&chart.x, &chart.y].into_iter().chain(&chart.series).chain(chart.rows.iter().map(|row| &row.0));
-    let span = named.into_iter().find(|named| named.name == *name).map_or(0..0, |named| named.span.clone());
-    study.error_at(span, format!("chart: {error}"), "name a column of points.csv, with or without its unit")
+    let column = "name a column of points.csv, with or without its unit";
+    let (span, help) = match error {
+        ChartError::Column(ColumnError::Unknown { name, .. } | ColumnError::Ambiguous { name, .. })
+        | ChartError::NotNumbers { column: name, .. } => {
+            (place(Box::new(named().chain(rows())), name), column)
+        }
+        ChartError::NoSuchRow { column, .. } => {
+            (place(Box::new(rows()), column), "`where` takes values that the column has in points.csv")
+        }
+        ChartError::TooManySeries { .. } => (0..0, column),
+    };
+    study.error_at(span, format!("chart: {error}"), help)
 }
 
 /// The verdict of every chart with a limit.

@@ -1,0 +1,628 @@
+//! The program as a user meets it: commands, files, messages and exit codes.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::process::{Command as Process, Stdio};
+use std::time::{Duration, Instant};
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_sagnac");
+const SHIPPED: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/studies/error_vs_dtnu.toml"));
+
+/// One point, two fillers, four rows; every line has the number that the tests below expect.
+const STUDY: &str = r#"title = "A study"
+kind = "gap-fill"
+[gyro]
+tick = "5 ms"
+tick_noise = { std = "1 arcsec" }
+[motion]
+amplitude = "12000 arcsec/s"
+frequency = "20 Hz"
+[switching]
+gap_ticks = 3
+fillers = ["const", "quadratic"]
+"#;
+
+const HEADER: &str = "dt_nu,filler,error,trials,mean_arcsec,rms_arcsec,rms_se_arcsec,max_arcsec,q9973_arcsec,\
+                      q9973_lo_arcsec,q9973_hi_arcsec,oracle_rms_arcsec,oracle_max_arcsec,z";
+
+/// STUDY with `old` replaced.
+fn replaced(old: &str, new: &str) -> String {
+    assert!(STUDY.contains(old), "{old} is not in the study");
+    STUDY.replace(old, new)
+}
+
+fn with(end: &str) -> String {
+    format!("{STUDY}{end}\n")
+}
+
+/// A folder of its own, and what the program does there.
+struct Desk(TempDir);
+
+/// How a command ended.
+struct Ended {
+    code: i32,
+    stdout: String,
+    stderr: String,
+}
+
+impl Desk {
+    /// With a file `study.toml`.
+    fn with(text: &str) -> Desk {
+        let desk = Desk(TempDir::new().unwrap());
+        desk.write("study.toml", text);
+        desk
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        std::fs::write(self.path(name), text).unwrap();
+    }
+
+    fn read(&self, name: &str) -> String {
+        std::fs::read_to_string(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    fn names(&self, folder: &str) -> Vec<String> {
+        let entries = std::fs::read_dir(self.path(folder)).unwrap();
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    /// Runs the program with `words` as its arguments.
+    fn sagnac(&self, words: &str) -> Ended {
+        self.sagnac_with(words, &[])
+    }
+
+    fn sagnac_with(&self, words: &str, variables: &[(&str, &str)]) -> Ended {
+        let mut command = Command::new(PROGRAM);
+        command.current_dir(self.0.path()).args(words.split_whitespace()).envs(variables.iter().copied());
+        let output = command.timeout(Duration::from_secs(120)).output().unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        let (stdout, stderr) = (text(output.stdout), text(output.stderr));
+        assert!(!stderr.contains("panicked"), "`sagnac {words}` panicked:\n{stderr}");
+        let code =
+            output.status.code().unwrap_or_else(|| panic!("`sagnac {words}` ended by a signal:\n{stderr}"));
+        Ended { code, stdout, stderr }
+    }
+
+    /// Runs the program and expects it to succeed.
+    fn done(&self, words: &str) -> Ended {
+        let ended = self.sagnac(words);
+        assert_eq!(ended.code, 0, "sagnac {words}\n{}", ended.stderr);
+        ended
+    }
+
+    /// Runs the program and expects an exit code and every piece in what it says on stderr.
+    fn fails(&self, words: &str, code: i32, pieces: &[&str]) {
+        let ended = self.sagnac(words);
+        assert_eq!(ended.code, code, "sagnac {words}\n{}", ended.stderr);
+        assert_eq!(ended.stdout, "", "sagnac {words}");
+        let said = unwrapped(&ended.stderr);
+        for piece in pieces {
+            assert!(said.contains(piece), "`{piece}` is missing after `sagnac {words}`:\n{}", ended.stderr);
+        }
+    }
+
+    /// The table of a results folder.
+    fn points(&self, folder: &str) -> Vec<BTreeMap<String, String>> {
+        let text = self.read(&format!("{folder}/points.csv"));
+        let mut reader = csv::Reader::from_reader(text.as_bytes());
+        reader.deserialize().map(Result::unwrap).collect()
+    }
+}
+
+/// A report without the line breaks and the frame that the width of the terminal gives it.
+fn unwrapped(report: &str) -> String {
+    report.replace(['│', '×'], " ").split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// A bad study: exit 3, its place, every piece, help, and nothing left behind.
+fn refused(text: &str, place: &str, pieces: &[&str]) {
+    let desk = Desk::with(text);
+    let place = format!("[study.toml:{place}]");
+    let all: Vec<&str> = [place.as_str(), "help:", "╰──"].iter().chain(pieces).copied().collect();
+    desk.fails("run study.toml --device cpu --trials 100", 3, &all);
+    assert_eq!(desk.names("."), ["study.toml"], "something was left behind");
+}
+
+#[test]
+fn an_unknown_key_is_pointed_at_and_the_nearest_known_one_named() {
+    refused(&format!("sed = 1\n{STUDY}"), "1:1", &["unknown key `sed`", "did you mean `seed`?", "trials"]);
+    refused(
+        &replaced("frequency", "freqency"),
+        "8:1",
+        &["8 freqency = \"20 Hz\"", "unknown key `freqency`", "did you mean `frequency`?"],
+    );
+    refused(&replaced("std", "sdt"), "5:16", &["unknown key `sdt`", "did you mean `std`?", "three_sigma"]);
+    refused(&replaced("[gyro]", "[giro]"), "3:2", &["unknown key `giro`", "did you mean `gyro`?"]);
+}
+
+#[test]
+fn a_wrong_or_missing_unit_is_told_with_the_units_that_are_accepted() {
+    let accepted = "accepted: a frequency in Hz, kHz, 1/s, for example \"20 Hz\"";
+    refused(&replaced("20 Hz", "20 deg"), "8:13", &["\"20 deg\" is an angle", accepted]);
+    refused(&replaced("20 Hz", "20 hz"), "8:13", &["`hz` is not a known unit", accepted]);
+    refused(&replaced("\"20 Hz\"", "20"), "8:13", &["a bare number", accepted]);
+    refused(&replaced("20 Hz", "20"), "8:13", &["a bare number", accepted]);
+    refused(&replaced("\"5 ms\"", "5"), "4:8", &["a bare number", "accepted: a time in s, ms"]);
+}
+
+#[test]
+fn negative_values_and_values_that_are_no_numbers_are_refused() {
+    refused(&replaced("20 Hz", "-20 Hz"), "8:13", &["motion.frequency = -20 Hz", "negative"]);
+    refused(&replaced("1 arcsec\"", "-1 arcsec\""), "5:22", &["gyro.tick_noise.std", "negative"]);
+    refused(&replaced("20 Hz", "NaN Hz"), "8:13", &["does not begin with a number"]);
+    refused(&replaced("\"20 Hz\"", "nan"), "8:13", &["accepted: a frequency in Hz"]);
+    refused(&replaced("20 Hz", "1e999 Hz"), "8:13", &["is not a finite number"]);
+    refused(&format!("seed = -1\n{STUDY}"), "1:8", &["seed = -1"]);
+}
+
+#[test]
+fn absurd_values_are_refused_with_the_range_that_is_accepted() {
+    refused(&replaced("20 Hz", "1 000 kHz"), "8:13", &["accepted: "]);
+    refused(&replaced("20 Hz", "1e9 Hz"), "8:13", &["too large", "accepted: 1e-9 Hz to 1e7 Hz"]);
+    refused(&replaced("20 Hz", "2001 Hz"), "8:13", &["absurd at a tick rate of 200 Hz", "2000 Hz here"]);
+    refused(&replaced("5 ms", "1 h"), "4:8", &["gyro.tick = 3600 s", "1 µs to 1000 s"]);
+    refused(&replaced("12000", "1e12"), "7:13", &["motion.amplitude", "accepted: "]);
+    refused(&format!("trials = 0\n{STUDY}"), "1:10", &["trials = 0", "1 … 1099511627776"]);
+}
+
+#[test]
+fn a_sweep_without_values_or_over_text_is_refused() {
+    let sweep = |key: &str, list: &str| with(&format!("[[sweep]]\nkey = \"{key}\"\nlist = {list}"));
+    refused(
+        &sweep("motion.frequency", "[]"),
+        "14:8",
+        &["the sweep over motion.frequency is empty", "no values"],
+    );
+    refused(
+        &sweep("motion.phase", "[\"uniform\"]"),
+        "13:7",
+        &["motion.phase is text", "motion.frequency", "switching.gap_ticks"],
+    );
+    refused(&sweep("motion.freqency", "[\"1 Hz\"]"), "13:7", &["did you mean `motion.frequency`?"]);
+    refused(&sweep("motion.frequency", "[\"1 Hz\", 2]"), "14:17", &["a bare number", "Hz, kHz, 1/s"]);
+}
+
+#[test]
+fn gaps_and_fits_that_make_no_sense_are_refused() {
+    refused(&replaced("gap_ticks = 3", "gap_ticks = 65"), "10:13", &["within 1 … 64", "too large"]);
+    refused(&replaced("gap_ticks = 3", "gap_ticks = 0"), "10:13", &["within 1 … 64"]);
+    refused(&with("fit_ticks = [-1, 0, 2]"), "12:21", &["tick 2 lies inside the gap", "gap_ticks = 3"]);
+    refused(&with("fit_ticks = [-1, 0]"), "12:13", &["quadratic needs 3 ticks, switching.fit_ticks has 2"]);
+    refused(&with("fit_ticks = [-1, 0, 0]"), "12:21", &["tick 0 is listed twice"]);
+}
+
+#[test]
+fn noise_too_small_to_be_represented_is_refused_by_name() {
+    refused(
+        &replaced("1 arcsec\"", "1e-9 arcsec\""),
+        "5:1",
+        &["gyro.tick_noise", "make the noise larger, or 0"],
+    );
+    let swept = with("[[sweep]]\nkey = \"gyro.tick_noise.std\"\nlist = [\"1 arcsec\", \"1e-9 arcsec\"]");
+    refused(&swept, "5:1", &["gyro.tick_noise"]);
+    Desk::with(&replaced("1 arcsec\"", "0 arcsec\"")).done("run study.toml --device cpu --trials 100");
+}
+
+#[test]
+fn charts_that_name_what_is_not_there_are_refused() {
+    let chart = |lines: &str| with(&format!("[chart]\nx = \"dt_nu\"\n{lines}"));
+    refused(&chart("y = \"rsm\""), "14:5", &["no column is called `rsm`", "rms_arcsec", "q9973_arcsec"]);
+    refused(&chart("y = \"rms\"\nseries = [\"filer\"]"), "15:11", &["no column is called `filer`"]);
+    refused(&chart("y = \"filler\""), "14:5", &["`filler`"]);
+    refused(
+        &chart("y = \"rms\"\nwhere = { errors = \"residual\" }"),
+        "15:11",
+        &["no column is called `errors`"],
+    );
+    refused(&chart("y = \"rms\"\nwhere = { error = \"residuals\" }"), "15:11", &["residuals", "residual"]);
+    refused(
+        &chart("y = \"rms\"\nwhere = { filler = \"linear\" }"),
+        "15:11",
+        &["linear", "const", "quadratic"],
+    );
+    let swept = |lines: &str| {
+        chart(&format!("{lines}\n[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"5 Hz\", \"20 Hz\"]"))
+    };
+    refused(
+        &swept("y = \"rms\"\nwhere = { frequency = \"6 Hz\" }"),
+        "15:11",
+        &["frequency = `6`", "there are 20, 5"],
+    );
+}
+
+#[test]
+fn what_is_no_toml_or_no_file_is_told() {
+    refused(&replaced("\"20 Hz\"", "20 Hz"), "8:13", &["not valid TOML", "stand in quotes"]);
+    refused(&replaced("[gyro]", "[gyro"), "3:6", &["not valid TOML"]);
+    let desk = Desk::with(STUDY);
+    desk.fails("run missing.toml --device cpu", 3, &["cannot read the study missing.toml", "help:"]);
+    std::fs::create_dir(desk.path("folder")).unwrap();
+    desk.fails("run folder --device cpu", 3, &["cannot read the study folder", "help:"]);
+    std::fs::write(desk.path("latin1.toml"), b"title = \"\xe9\"\n").unwrap();
+    desk.fails("run latin1.toml --device cpu", 3, &["cannot read the study latin1.toml", "UTF-8"]);
+    assert_eq!(desk.names("."), ["folder", "latin1.toml", "study.toml"]);
+}
+
+#[test]
+fn a_bad_study_among_good_ones_stops_all_before_the_first_starts() {
+    let desk = Desk::with(STUDY);
+    desk.write("bad.toml", &replaced("20 Hz", "20"));
+    desk.fails("run study.toml bad.toml --device cpu", 3, &["[bad.toml:8:13]"]);
+    assert_eq!(desk.names("."), ["bad.toml", "study.toml"]);
+}
+
+#[test]
+fn wrong_usage_ends_with_2_and_leaves_nothing() {
+    let desk = Desk::with(STUDY);
+    desk.write("other.toml", STUDY);
+    desk.fails(
+        "run study.toml other.toml --device cpu --out all",
+        2,
+        &["--out names one folder", "without --out"],
+    );
+    desk.fails("run study.toml --device abacus", 2, &["no device is called `abacus`", "auto, cpu, gpu"]);
+    desk.fails("run study.toml --device cpu --trials 0", 2, &["--trials", "1..=1099511627776"]);
+    desk.fails("run study.toml --device cpu --trials many", 2, &["--trials"]);
+    desk.fails("run study.toml --device cpu --seed=-1", 2, &["--seed"]);
+    desk.fails("run --device cpu", 2, &["<STUDY>"]);
+    desk.fails("verify --device abacus", 2, &["no device is called `abacus`"]);
+    desk.fails("walk", 2, &["walk"]);
+    assert_eq!(desk.names("."), ["other.toml", "study.toml"]);
+}
+
+#[test]
+fn two_studies_never_share_a_default_folder() {
+    let desk = Desk::with(STUDY);
+    std::fs::create_dir(desk.path("more")).unwrap();
+    desk.write("more/study.toml", &replaced("20 Hz", "10 Hz"));
+    desk.fails("run study.toml more/study.toml --device cpu", 2, &["results/study", "study.toml", "--out"]);
+    assert_eq!(desk.names("."), ["more", "study.toml"]);
+}
+
+#[test]
+fn a_folder_of_another_study_is_left_as_it_is() {
+    let desk = Desk::with(STUDY);
+    desk.done("run study.toml --device cpu --trials 1000 --seed 1 --out kept");
+    let points = desk.read("kept/points.csv");
+    desk.fails(
+        "run study.toml --device cpu --trials 1000 --seed 2 --out kept",
+        3,
+        &["kept", "another study", "seed 1", "--out"],
+    );
+    assert_eq!(desk.read("kept/points.csv"), points);
+    desk.done("run study.toml --device cpu --trials 1000 --seed 1 --out kept");
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_a_storage_failure() {
+    let desk = Desk::with(STUDY);
+    let run = "run study.toml --device cpu --trials 1000 --out";
+    let pieces = ["cannot create the results folder", "--out DIR"];
+    desk.fails(&format!("{run} study.toml/results"), 6, &pieces);
+    desk.fails(&format!("{run} study.toml"), 6, &pieces);
+    if cfg!(target_os = "linux") {
+        desk.fails(&format!("{run} /proc/sagnac"), 6, &["cannot create the results folder /proc/sagnac"]);
+    }
+    assert_eq!(desk.names("."), ["study.toml"]);
+}
+
+#[test]
+fn a_folder_in_use_is_a_storage_failure_that_says_so() {
+    let desk = Desk::with(STUDY);
+    let run = "run study.toml --device cpu --trials 1000";
+    desk.done(run);
+    let holder = rusqlite::Connection::open(desk.path("results/study/tallies.sqlite")).unwrap();
+    holder.execute_batch("PRAGMA locking_mode = EXCLUSIVE; BEGIN EXCLUSIVE;").unwrap();
+    desk.fails(run, 6, &["results/study/tallies.sqlite is in use", "--out DIR"]);
+    drop(holder);
+    assert!(desk.done(run).stderr.contains("nothing was left to sample"));
+}
+
+#[test]
+fn a_damaged_database_is_a_storage_failure() {
+    let desk = Desk::with(STUDY);
+    let run = "run study.toml --device cpu --trials 1000";
+    desk.done(run);
+    let path = desk.path("results/study/tallies.sqlite");
+    let sound = std::fs::read(&path).unwrap();
+    let points = desk.read("results/study/points.csv");
+    let all_bad = vec![0x5a; sound.len()];
+    let later_pages_bad = [&sound[..4096], &all_bad[4096..]].concat();
+    for bytes in [b"not a database, only some text\n".to_vec(), all_bad, later_pages_bad] {
+        std::fs::write(&path, bytes).unwrap();
+        desk.fails(run, 6, &["results/study/tallies.sqlite"]);
+        assert_eq!(desk.read("results/study/points.csv"), points);
+    }
+    std::fs::write(&path, sound).unwrap();
+    desk.done(run);
+}
+
+#[test]
+fn a_damaged_row_is_found_by_its_checksum() {
+    let desk = Desk::with(STUDY);
+    let run = "run study.toml --device cpu --trials 1000";
+    desk.done(run);
+    let store = rusqlite::Connection::open(desk.path("results/study/tallies.sqlite")).unwrap();
+    let changed = store.execute("UPDATE tally SET checksum = checksum + 1 WHERE first = 0", []).unwrap();
+    assert_eq!(changed, 4, "each of 4 estimates has one block that begins with the first trial");
+    drop(store);
+    desk.fails(run, 6, &["results/study/tallies.sqlite", "damaged", "checksum"]);
+}
+
+#[test]
+fn a_run_writes_the_table_the_chart_and_the_study() {
+    let desk = Desk::with(SHIPPED);
+    let ended = desk.done("run study.toml --device cpu --trials 1000");
+    assert!(ended.stdout.starts_with("Residual error of the gap fillers"), "{}", ended.stdout);
+    assert!(ended.stderr.contains("results are in results/study"), "{}", ended.stderr);
+    let files = ["chart.png", "chart.svg", "points.csv", "study.toml", "tallies.sqlite"];
+    assert_eq!(desk.names("results/study"), files);
+    let table = desk.read("results/study/points.csv");
+    let header = format!("motion.frequency_hz,switching.gap_ticks,{HEADER}");
+    assert_eq!(table.lines().next(), Some(header.as_str()));
+    assert_eq!(desk.points("results/study").len(), 24 * 3 * 3 * 2);
+    let png = std::fs::read(desk.path("results/study/chart.png")).unwrap();
+    assert_eq!(&png[..16], b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR");
+    assert!(png.ends_with(b"IEND\xaeB`\x82"));
+    let svg = desk.read("results/study/chart.svg");
+    assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
+    let kept = desk.read("results/study/study.toml");
+    assert!(
+        kept.starts_with("# Run with trials = 1000 and seed = 1.\n") && kept.ends_with(SHIPPED),
+        "{kept}"
+    );
+    desk.done("run results/study/study.toml --device cpu --trials 1000 --out again");
+    assert_eq!(desk.read("again/points.csv"), table);
+}
+
+#[test]
+fn a_study_without_sweeps_has_no_swept_columns_and_no_chart() {
+    let desk = Desk::with(STUDY);
+    desk.done("run study.toml --device cpu --trials 1000");
+    assert_eq!(desk.read("results/study/points.csv").lines().next(), Some(HEADER));
+    assert_eq!(desk.names("results/study"), ["points.csv", "study.toml", "tallies.sqlite"]);
+    let rows = desk.points("results/study");
+    let names: Vec<(&str, &str)> =
+        rows.iter().map(|row| (row["filler"].as_str(), row["error"].as_str())).collect();
+    let (residual, extrapolation) = ("residual", "extrapolation");
+    assert_eq!(
+        names,
+        [
+            ("const", residual),
+            ("const", extrapolation),
+            ("quadratic", residual),
+            ("quadratic", extrapolation)
+        ]
+    );
+}
+
+#[test]
+fn what_is_not_known_is_blank_and_not_zero() {
+    let desk = Desk::with(STUDY);
+    desk.done("run study.toml --device cpu --trials 1");
+    for row in desk.points("results/study") {
+        for blank in ["rms_se_arcsec", "q9973_hi_arcsec", "z"] {
+            assert_eq!(row[blank], "", "{blank} of {row:?}");
+        }
+        for known in ["trials", "dt_nu", "mean_arcsec", "rms_arcsec", "max_arcsec", "oracle_rms_arcsec"] {
+            let value: f64 = row[known].parse().unwrap_or_else(|_| panic!("{known} of {row:?}"));
+            assert!(value.is_finite(), "{known} of {row:?}");
+        }
+    }
+}
+
+#[test]
+fn a_sweep_without_a_chart_gets_one_and_several_charts_are_numbered() {
+    let sweep = "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"5 Hz\", \"10 Hz\"]\n";
+    let desk = Desk::with(&with(sweep));
+    desk.done("run study.toml --device cpu --trials 1000");
+    let default = ["chart.png", "chart.svg", "points.csv", "study.toml", "tallies.sqlite"];
+    assert_eq!(desk.names("results/study"), default);
+    let charts = "[[chart]]\nx = \"dt_nu\"\ny = \"rms\"\n[[chart]]\nx = \"frequency\"\ny = \"max\"\n";
+    desk.write("two.toml", &with(&format!("{sweep}{charts}")));
+    desk.done("run two.toml --device cpu --trials 1000");
+    assert_eq!(desk.names("results/two")[..4], ["chart-1.png", "chart-1.svg", "chart-2.png", "chart-2.svg"]);
+}
+
+#[test]
+fn json_has_the_numbers_of_the_table() {
+    let desk = Desk::with(SHIPPED);
+    let ended = desk.done("run study.toml --device cpu --trials 1000 --json");
+    let json: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
+    assert_eq!((json["trials"].as_u64(), json["seed"].as_u64()), (Some(1000), Some(1)));
+    assert_eq!(json["sampled_trials"].as_u64(), Some(72_000));
+    assert_eq!(json["verdicts"][0]["limit_arcsec"].as_f64(), Some(10.0));
+    let rows = desk.points("results/study");
+    let points = json["points"].as_array().unwrap();
+    assert_eq!(points.len(), rows.len());
+    for (point, row) in points.iter().zip(&rows) {
+        assert_eq!(point.as_object().unwrap().len(), row.len());
+        for (column, text) in row {
+            match &point[column] {
+                serde_json::Value::Null => assert_eq!(text, "", "{column}"),
+                serde_json::Value::String(string) => assert_eq!(text, string, "{column}"),
+                number => {
+                    let (number, written) = (number.as_f64().unwrap(), text.parse::<f64>().unwrap());
+                    assert!((number - written).abs() <= 1e-8 * number.abs(), "{column}: {number}, {written}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_quiet_run_prints_nothing() {
+    let desk = Desk::with(STUDY);
+    let ended = desk.done("run study.toml --device cpu --trials 1000 --quiet");
+    assert_eq!((ended.stdout.as_str(), ended.stderr.as_str()), ("", ""));
+    assert!(desk.path("results/study/points.csv").exists());
+}
+
+#[test]
+fn schema_prints_the_committed_one_and_devices_lists_the_cpu() {
+    let desk = Desk::with(STUDY);
+    let committed = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/schema/study.schema.json"));
+    assert_eq!(desk.done("schema").stdout.trim_end(), committed.trim_end());
+    let devices = desk.done("devices").stdout;
+    assert!(devices.starts_with("cpu: portable"), "{devices}");
+}
+
+#[test]
+fn verify_prints_a_digest_for_each_kernel_and_the_same_ones_again() {
+    let desk = Desk::with(STUDY);
+    let first = desk.done("verify --device cpu --trials 4096").stdout;
+    let kernels: Vec<&str> = first
+        .lines()
+        .map(|line| match line.split(' ').collect::<Vec<_>>()[..] {
+            ["identical", kernel, digest] => {
+                let hex = |c: char| c.is_ascii_digit() || ('a'..='f').contains(&c);
+                assert!(digest.len() == 16 && digest.chars().all(hex), "{line}");
+                kernel
+            }
+            _ => panic!("{line}"),
+        })
+        .collect();
+    assert_eq!(kernels, ["philox", "normal", "sine", "gap_fill"]);
+    assert_eq!(desk.done("verify --device cpu --trials 4096").stdout, first);
+}
+
+#[test]
+fn a_second_run_samples_nothing_and_changes_nothing() {
+    let desk = Desk::with(SHIPPED);
+    desk.done("run study.toml --device cpu --trials 1000");
+    let files = ["points.csv", "chart.svg", "study.toml"].map(|name| format!("results/study/{name}"));
+    let before = files.each_ref().map(|name| desk.read(name));
+    let ended = desk.done("run study.toml --device cpu --trials 1000");
+    assert!(ended.stderr.contains("nothing was left to sample"), "{}", ended.stderr);
+    assert_eq!(files.each_ref().map(|name| desk.read(name)), before);
+}
+
+#[test]
+fn more_trials_later_are_the_same_as_all_at_once() {
+    let desk = Desk::with(SHIPPED);
+    for trials in [1, 1000, 20_000] {
+        desk.done(&format!("run study.toml --device cpu --quiet --trials {trials} --out grown"));
+    }
+    desk.done("run study.toml --device cpu --quiet --trials 20000 --out fresh");
+    assert_eq!(desk.read("grown/points.csv"), desk.read("fresh/points.csv"));
+    assert_eq!(desk.read("grown/chart.svg"), desk.read("fresh/chart.svg"));
+}
+
+#[test]
+fn a_filler_or_a_sweep_value_added_later_is_the_same_as_from_the_start() {
+    let sweep = |list: &str| format!("[[sweep]]\nkey = \"motion.frequency\"\nlist = [{list}]\n");
+    let (few, all) = (sweep("\"5 Hz\", \"20 Hz\""), sweep("\"5 Hz\", \"10 Hz\", \"20 Hz\""));
+    let fillers =
+        |text: &str| text.replace("\"const\", \"quadratic\"", "\"const\", \"linear\", \"quadratic\"");
+    let desk = Desk::with(&with(&few));
+    desk.write("filler.toml", &fillers(&with(&few)));
+    desk.write("all.toml", &fillers(&with(&all)));
+    for study in ["study", "filler", "all"] {
+        desk.done(&format!("run {study}.toml --device cpu --quiet --trials 5000 --out grown"));
+    }
+    desk.done("run all.toml --device cpu --quiet --trials 5000 --out fresh");
+    assert_eq!(desk.read("grown/points.csv"), desk.read("fresh/points.csv"));
+}
+
+#[test]
+fn a_point_no_longer_asked_for_is_kept_but_not_shown() {
+    let sweep = |list: &str| with(&format!("[[sweep]]\nkey = \"motion.frequency\"\nlist = [{list}]"));
+    let desk = Desk::with(&sweep("\"5 Hz\", \"20 Hz\""));
+    desk.done("run study.toml --device cpu --trials 1000");
+    desk.write("study.toml", &sweep("\"5 Hz\""));
+    let ended = desk.done("run study.toml --device cpu --trials 1000");
+    assert!(ended.stderr.contains("note: 1 point of earlier runs is kept"), "{}", ended.stderr);
+    assert_eq!(desk.points("results/study").len(), 4);
+}
+
+/// 12 points; the trials are asked for on the command line.
+fn long_study() -> String {
+    let sweeps = "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"4 Hz\", \"8 Hz\", \"12 Hz\", \"16 Hz\"]\n\
+                  [[sweep]]\nkey = \"switching.gap_ticks\"\nlist = [1, 2, 3]\n";
+    with(sweeps)
+}
+
+const LONG_TRIALS: u64 = 10_000_000;
+
+/// Bytes of the database with its log.
+fn stored(folder: &Path) -> u64 {
+    let size = |name: &str| std::fs::metadata(folder.join(name)).map_or(0, |file| file.len());
+    size("tallies.sqlite") + size("tallies.sqlite-wal")
+}
+
+/// Starts a run and kills it once its database has grown by `bytes`.
+fn killed(desk: &Desk, words: &str, folder: &str, bytes: u64) {
+    let mut child = Process::new(PROGRAM)
+        .current_dir(desk.0.path())
+        .args(words.split_whitespace())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let (folder, started) = (desk.path(folder), Instant::now());
+    while stored(&folder) < bytes {
+        assert!(started.elapsed() < Duration::from_secs(60), "no {bytes} bytes were stored");
+        assert!(child.try_wait().unwrap().is_none(), "the run ended before {bytes} bytes were stored");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert!(child.try_wait().unwrap().is_none(), "the run ended before it was killed");
+    child.kill().unwrap();
+    let status = child.wait().unwrap();
+    assert_eq!(status.code(), None, "the run ended by itself");
+    assert!(!folder.join("points.csv").exists(), "the run had finished its table");
+}
+
+#[test]
+fn a_killed_run_resumes_to_the_same_table() {
+    let desk = Desk::with(&long_study());
+    let run = format!("run study.toml --device cpu --trials {LONG_TRIALS} --json --out");
+    desk.done(&format!("{run} whole"));
+    let (whole, all) = (desk.read("whole/points.csv"), 12 * LONG_TRIALS);
+    for (index, kib) in [150, 500, 1500].into_iter().enumerate() {
+        let folder = format!("killed-{index}");
+        killed(&desk, &format!("{run} {folder}"), &folder, kib << 10);
+        let resumed = desk.done(&format!("{run} {folder}"));
+        let json: serde_json::Value = serde_json::from_str(&resumed.stdout).unwrap();
+        let sampled = json["sampled_trials"].as_u64().unwrap();
+        assert!(
+            (1..all).contains(&sampled),
+            "{kib} KiB: {sampled} of {all} trials were sampled after the kill"
+        );
+        assert!(desk.read(&format!("{folder}/points.csv")) == whole, "{kib} KiB: another table");
+    }
+}
+
+#[test]
+fn one_thread_gives_the_same_table() {
+    let desk = Desk::with(&long_study());
+    desk.done("run study.toml --device cpu --quiet --trials 100000 --out all");
+    let ended = desk
+        .sagnac_with("run study.toml --device cpu --trials 100000 --out one", &[("RAYON_NUM_THREADS", "1")]);
+    assert!(ended.stderr.contains("1 thread"), "{}", ended.stderr);
+    assert_eq!(desk.read("all/points.csv"), desk.read("one/points.csv"));
+}
+
+#[test]
+fn a_software_rasteriser_gives_the_same_table() {
+    let desk = Desk::with(SHIPPED);
+    desk.done("run study.toml --device cpu --quiet --trials 20000 --out cpu");
+    let ended = desk.sagnac("run study.toml --device llvmpipe --trials 20000 --out gpu");
+    assert_eq!(
+        ended.code, 0,
+        "run ./test, which installs a Vulkan software rasteriser (llvmpipe), then this test again:\n{}",
+        ended.stderr
+    );
+    assert!(ended.stderr.contains("device: llvmpipe"), "{}", ended.stderr);
+    assert_eq!(desk.read("cpu/points.csv"), desk.read("gpu/points.csv"));
+    assert_eq!(desk.read("cpu/chart.svg"), desk.read("gpu/chart.svg"));
+}
