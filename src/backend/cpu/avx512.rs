@@ -83,7 +83,7 @@ impl Word for Avx512 {
         unsafe {
             let even = _mm512_mul_epu32(self.0, by.0);
             let odd = _mm512_mul_epu32(odd(self.0), odd(by.0));
-            Avx512(_mm512_mask_blend_epi32(ODD, _mm512_srli_epi64::<32>(even), odd))
+            Avx512(_mm512_mask_shuffle_epi32::<0b11_11_01_01>(odd, !ODD, even))
         }
     }
 
@@ -92,7 +92,7 @@ impl Word for Avx512 {
         unsafe {
             let even = _mm512_mul_epu32(self.0, by.0);
             let odd = _mm512_mul_epu32(odd(self.0), odd(by.0));
-            let high = _mm512_mask_blend_epi32(ODD, _mm512_srli_epi64::<32>(even), odd);
+            let high = _mm512_mask_shuffle_epi32::<0b11_11_01_01>(odd, !ODD, even);
             // A shuffle and no shift: the compiler would draw the shift into the product, and make it a slow 64-bit one.
             let low = _mm512_mask_shuffle_epi32::<0b10_10_00_00>(even, ODD, odd);
             (Avx512(high), Avx512(low))
@@ -168,7 +168,7 @@ impl Wide for Avx512Wide {
 
     #[inline(always)]
     fn high(self) -> Avx512 {
-        unsafe { Avx512(_mm512_mask_blend_epi32(ODD, _mm512_srli_epi64::<32>(self.even), self.odd)) }
+        unsafe { Avx512(_mm512_mask_shuffle_epi32::<0b11_11_01_01>(self.odd, !ODD, self.even)) }
     }
 
     #[inline(always)]
