@@ -32,10 +32,11 @@ simd_operators!(
 
 const ODD: i32 = 0xAA;
 
-/// The odd words, where the multiplier looks for even ones.
+/// The odd words, where the multiplier looks for even ones: by shuffles throughout, as the multiplier's ports are the
+/// ones that shifts would take.
 #[inline(always)]
 fn odd(words: __m256i) -> __m256i {
-    unsafe { _mm256_srli_epi64::<32>(words) }
+    unsafe { _mm256_shuffle_epi32::<0b11_11_01_01>(words) }
 }
 
 impl Word for Avx2 {
@@ -88,7 +89,7 @@ impl Word for Avx2 {
         unsafe {
             let even = _mm256_mul_epu32(self.0, by.0);
             let odd = _mm256_mul_epu32(odd(self.0), odd(by.0));
-            Avx2(_mm256_blend_epi32::<ODD>(_mm256_srli_epi64::<32>(even), odd))
+            Avx2(_mm256_blend_epi32::<ODD>(_mm256_shuffle_epi32::<0b11_11_01_01>(even), odd))
         }
     }
 
@@ -97,8 +98,8 @@ impl Word for Avx2 {
         unsafe {
             let even = _mm256_mul_epu32(self.0, by.0);
             let odd = _mm256_mul_epu32(odd(self.0), odd(by.0));
-            let high = _mm256_blend_epi32::<ODD>(_mm256_srli_epi64::<32>(even), odd);
-            let low = _mm256_blend_epi32::<ODD>(even, _mm256_slli_epi64::<32>(odd));
+            let high = _mm256_blend_epi32::<ODD>(_mm256_shuffle_epi32::<0b11_11_01_01>(even), odd);
+            let low = _mm256_blend_epi32::<ODD>(even, _mm256_shuffle_epi32::<0b10_10_00_00>(odd));
             (Avx2(high), Avx2(low))
         }
     }
@@ -174,7 +175,7 @@ impl Wide for Avx2Wide {
 
     #[inline(always)]
     fn high(self) -> Avx2 {
-        unsafe { Avx2(_mm256_blend_epi32::<ODD>(_mm256_srli_epi64::<32>(self.even), self.odd)) }
+        unsafe { Avx2(_mm256_blend_epi32::<ODD>(_mm256_shuffle_epi32::<0b11_11_01_01>(self.even), self.odd)) }
     }
 
     #[inline(always)]
@@ -182,7 +183,7 @@ impl Wide for Avx2Wide {
         unsafe {
             let n = _mm_cvtsi32_si128(n as i32);
             let (even, odd) = (_mm256_srl_epi64(self.even, n), _mm256_srl_epi64(self.odd, n));
-            Avx2(_mm256_blend_epi32::<ODD>(even, _mm256_slli_epi64::<32>(odd)))
+            Avx2(_mm256_blend_epi32::<ODD>(even, _mm256_shuffle_epi32::<0b10_10_00_00>(odd)))
         }
     }
 
