@@ -365,7 +365,7 @@ fn a_run_writes_the_table_the_chart_and_the_study() {
     let ended = desk.done("run study.toml --device cpu --trials 1000");
     assert!(ended.stdout.starts_with("Residual error of the gap fillers"), "{}", ended.stdout);
     assert!(ended.stderr.contains("results are in results/study"), "{}", ended.stderr);
-    let files = ["chart.png", "chart.svg", "points.csv", "study.toml", "tallies.sqlite"];
+    let files = ["chart.png", "chart.svg", "points.csv", "resolved_study.toml", "tallies.sqlite"];
     assert_eq!(desk.names("results/study"), files);
     let table = desk.read("results/study/points.csv");
     let header = format!("motion.frequency_hz,switching.gap_ticks,{HEADER}");
@@ -376,12 +376,12 @@ fn a_run_writes_the_table_the_chart_and_the_study() {
     assert!(png.ends_with(b"IEND\xaeB`\x82"));
     let svg = desk.read("results/study/chart.svg");
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
-    let kept = desk.read("results/study/study.toml");
+    let kept = desk.read("results/study/resolved_study.toml");
     assert!(
         kept.starts_with("# Run with trials = 1000 and seed = 1.\n") && kept.ends_with(SHIPPED),
         "{kept}"
     );
-    desk.done("run results/study/study.toml --device cpu --trials 1000 --out again");
+    desk.done("run results/study/resolved_study.toml --device cpu --trials 1000 --out again");
     assert_eq!(desk.read("again/points.csv"), table);
 }
 
@@ -390,7 +390,7 @@ fn a_study_without_sweeps_has_no_swept_columns_and_no_chart() {
     let desk = Desk::with(STUDY);
     desk.done("run study.toml --device cpu --trials 1000");
     assert_eq!(desk.read("results/study/points.csv").lines().next(), Some(HEADER));
-    assert_eq!(desk.names("results/study"), ["points.csv", "study.toml", "tallies.sqlite"]);
+    assert_eq!(desk.names("results/study"), ["points.csv", "resolved_study.toml", "tallies.sqlite"]);
     let rows = desk.points("results/study");
     let names: Vec<(&str, &str)> =
         rows.iter().map(|row| (row["filler"].as_str(), row["error"].as_str())).collect();
@@ -426,7 +426,7 @@ fn a_sweep_without_a_chart_gets_one_and_several_charts_are_numbered() {
     let sweep = "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"5 Hz\", \"10 Hz\"]\n";
     let desk = Desk::with(&with(sweep));
     desk.done("run study.toml --device cpu --trials 1000");
-    let default = ["chart.png", "chart.svg", "points.csv", "study.toml", "tallies.sqlite"];
+    let default = ["chart.png", "chart.svg", "points.csv", "resolved_study.toml", "tallies.sqlite"];
     assert_eq!(desk.names("results/study"), default);
     let charts = "[[chart]]\nx = \"dt_nu\"\ny = \"rms\"\n[[chart]]\nx = \"frequency\"\ny = \"max\"\n";
     desk.write("two.toml", &with(&format!("{sweep}{charts}")));
@@ -500,7 +500,8 @@ fn verify_prints_a_digest_for_each_kernel_and_the_same_ones_again() {
 fn a_second_run_samples_nothing_and_changes_nothing() {
     let desk = Desk::with(SHIPPED);
     desk.done("run study.toml --device cpu --trials 1000");
-    let files = ["points.csv", "chart.svg", "study.toml"].map(|name| format!("results/study/{name}"));
+    let files =
+        ["points.csv", "chart.svg", "resolved_study.toml"].map(|name| format!("results/study/{name}"));
     let before = files.each_ref().map(|name| desk.read(name));
     let ended = desk.done("run study.toml --device cpu --trials 1000");
     assert!(ended.stderr.contains("nothing was left to sample"), "{}", ended.stderr);
