@@ -6,6 +6,9 @@
 // The parameters in registers: loaded where they are used, they are loaded anew in every trial.
 var<private> p: array<u32, PARAMETER_WORDS>;
 
+// Half of an LSB in 2^-32 LSB: turns a floor into a rounding.
+const HALF = 0x80000000u;
+
 fn load_parameters() {
     //#for i in 0..PARAMETER_WORDS
     p[i] = parameters[i / 4u][i % 4u];
@@ -16,28 +19,43 @@ fn bin_base(estimate: u32) -> u32 {
     return p[BIN_BASE + estimate];
 }
 
+// The k-th tick on either side of the gap, where the shape has it: what the tone turns through and noise.
+fn side(ticks: ptr<function, Ticks>, tone: vec2<u32>, k: u32, noise: vec2<u32>) {
+    let even = add_wide(mul_wide(tone[0], p[SIDE_SIN + k]), wide(HALF, 0u));
+    let odd = mul_wide(tone[1], p[SIDE_COS + k]);
+    if k < BEFORE {
+        (*ticks).before[k] = tick(sub_wide(even, odd), normal(noise[0]), p[SIGMA]);
+    }
+    if k < AFTER {
+        (*ticks).after[k] = tick(add_wide(even, odd), normal(noise[1]), p[SIGMA]);
+    }
+}
+
+// The ticks on both sides, outward from the gap.
+struct Ticks {
+    before: array<u32, SIDES>,
+    after: array<u32, SIDES>,
+}
+
 fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
-    let address = Address(low, high, vec2<u32>(p[KEY], p[KEY + 1u]));
+    let address = Address(low, high, schedule(vec2<u32>(p[KEY], p[KEY + 1u])));
 
-    var random = draw(address, NOISE_AFTER_AND_PHASE, 0u);
-    let phase = p[PHASE] + (random[2] & p[PHASE_SPREAD]);
-    let sin = sine(phase);
-    let cos = sine(phase + QUARTER_TURN);
-    let truth = high_word(angle(sin, cos, p[GAP_SIN], p[GAP_COS]));
+    let first = draw(address, NOISE_AFTER_AND_PHASE, 0u);
+    let phase = p[PHASE] + (first[2] & p[PHASE_SPREAD]);
+    let tone = vec2<u32>(sine(phase), sine(phase + QUARTER_TURN));
+    let truth = high_word(add_wide(mul_wide(tone[0], p[GAP_SIN]), wide(HALF, 0u)));
 
-    var after: array<u32, AFTER_LENGTH>;
-    //#for k in 0..AFTER
-    if k > 0u && k % 2u == 0u {
-        random = draw(address, NOISE_AFTER_AND_PHASE, k / 2u);
+    var ticks: Ticks;
+    var noise_before: vec4<u32>;
+    var noise_after = first;
+    //#for k in 0..SIDES
+    if k % 4u == 0u && k < BEFORE {
+        noise_before = draw(address, NOISE_BEFORE, k / 4u);
     }
-    after[k] = tick(angle(sin, cos, p[AFTER_SIN + k], p[AFTER_COS + k]), normal(random[k % 2u]), p[SIGMA]);
-    //#end
-    var before: array<u32, BEFORE_LENGTH>;
-    //#for k in 0..BEFORE
-    if k % 4u == 0u {
-        random = draw(address, NOISE_BEFORE, k / 4u);
+    if k % 2u == 0u && 0u < k && k < AFTER {
+        noise_after = draw(address, NOISE_AFTER_AND_PHASE, k / 2u);
     }
-    before[k] = tick(angle(sin, cos, p[BEFORE_SIN + k], p[BEFORE_COS + k]), normal(random[k % 4u]), p[SIGMA]);
+    side(&ticks, tone, k, vec2<u32>(noise_before[k % 4u], noise_after[k % 2u]));
     //#end
 
     var error: array<u32, ESTIMATES>;
@@ -45,17 +63,17 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
     //#for filler in 0..FILLERS
     sum = less(truth, p[RESIDUAL_SCALE + filler]);
     //#for k in 0..RESIDUAL_BEFORE
-    sum = add_tick(sum, before[k], p[RESIDUAL_WEIGHT + filler * (RESIDUAL_BEFORE + AFTER) + k]);
+    sum = add_tick(sum, ticks.before[k], p[RESIDUAL_WEIGHT + filler * (RESIDUAL_BEFORE + AFTER) + k]);
     //#end
     //#for k in 0..AFTER
-    sum = add_tick(sum, after[k], p[RESIDUAL_WEIGHT + filler * (RESIDUAL_BEFORE + AFTER) + RESIDUAL_BEFORE + k]);
+    sum = add_tick(sum, ticks.after[k], p[RESIDUAL_WEIGHT + filler * (RESIDUAL_BEFORE + AFTER) + RESIDUAL_BEFORE + k]);
     //#end
     error[filler] = error_of(sum, filler);
     //#end
     //#for filler in 0..FILLERS
     sum = less(truth, p[EXTRAPOLATION_SCALE + filler]);
     //#for k in 0..EXTRAPOLATION_BEFORE
-    sum = add_tick(sum, before[k], p[EXTRAPOLATION_WEIGHT + filler * EXTRAPOLATION_BEFORE + k]);
+    sum = add_tick(sum, ticks.before[k], p[EXTRAPOLATION_WEIGHT + filler * EXTRAPOLATION_BEFORE + k]);
     //#end
     error[FILLERS + filler] = error_of(sum, FILLERS + filler);
     //#end
@@ -94,12 +112,7 @@ fn error_of(sum: Sum, estimate: u32) -> u32 {
 }
 //#end
 
-// The angle that the tone turns through, in 2^-32 LSB, with half an LSB for rounding.
-fn angle(sin: u32, cos: u32, at_sin: u32, at_cos: u32) -> Wide {
-    return add_wide(add_wide(mul_wide(sin, at_sin), mul_wide(cos, at_cos)), wide(0x80000000u, 0u));
-}
-
-// What the gyro delivers for a tick: the angle and sigma times the normal number z, in LSB.
+// What the gyro delivers for a tick, in LSB: the angle, in 2^-32 LSB, and sigma times the normal number z.
 fn tick(angle: Wide, z: u32, sigma: u32) -> u32 {
     return high_word(add_wide(angle, mul_wide(z, sigma)));
 }

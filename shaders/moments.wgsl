@@ -20,8 +20,10 @@ struct Job {
 // First the bin counts, then the sums of the invocations: never both.
 var<workgroup> shared_words: array<atomic<u32>, SHARED_WORDS>;
 
+// The sum is kept as its lower 32 bits and the sum of the upper halves.
 struct Sums {
-    sum: Wide,
+    sum: u32,
+    halves: u32,
     square: Wide,
     least: i32,
     greatest: i32,
@@ -44,7 +46,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 
     var sums: array<Sums, ESTIMATES>;
     //#for e in 0..ESTIMATES
-    sums[e] = Sums(wide(0u, 0u), wide(0u, 0u), 0x7fffffff, -0x7fffffff - 1);
+    sums[e] = Sums(0u, 0u, wide(0u, 0u), 0x7fffffff, -0x7fffffff - 1);
     //#end
     for (var i = lane; i < job.count; i += WORKGROUP) {
         let error = trial(job.low + i, job.high);
@@ -79,7 +81,8 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 
 fn add(sums: Sums, error: u32) -> Sums {
     return Sums(
-        add_wide(sums.sum, mul_wide(error, 1u)),
+        sums.sum + error,
+        sums.halves + sar(error, 16u),
         add_wide(sums.square, mul_wide(error, error)),
         min(sums.least, bitcast<i32>(error)),
         max(sums.greatest, bitcast<i32>(error)),
@@ -89,8 +92,8 @@ fn add(sums: Sums, error: u32) -> Sums {
 // Puts the sums of an invocation where `flush` finds them: six words for each estimate and lane.
 fn stage(lane: u32, estimate: u32, sums: Sums) {
     let to = estimate * STAGED_WORDS * WORKGROUP + lane;
-    atomicStore(&shared_words[to], low_word(sums.sum));
-    atomicStore(&shared_words[to + WORKGROUP], high_word(sums.sum));
+    atomicStore(&shared_words[to], sums.sum);
+    atomicStore(&shared_words[to + WORKGROUP], sums.halves);
     atomicStore(&shared_words[to + 2u * WORKGROUP], low_word(sums.square));
     atomicStore(&shared_words[to + 3u * WORKGROUP], high_word(sums.square));
     atomicStore(&shared_words[to + 4u * WORKGROUP], bitcast<u32>(sums.least));
@@ -105,8 +108,7 @@ fn flush(estimate: u32, to: u32) {
     var least = 0x7fffffff;
     var greatest = -0x7fffffff - 1;
     for (var lane = base; lane < base + WORKGROUP; lane++) {
-        let high = atomicLoad(&shared_words[lane + WORKGROUP]);
-        sum = add96(sum, vec3<u32>(atomicLoad(&shared_words[lane]), high, sar(high, 31u)));
+        sum = add96(sum, whole_sum(atomicLoad(&shared_words[lane]), atomicLoad(&shared_words[lane + WORKGROUP])));
         square = add96(square, vec3<u32>(
             atomicLoad(&shared_words[lane + 2u * WORKGROUP]),
             atomicLoad(&shared_words[lane + 3u * WORKGROUP]),
@@ -123,6 +125,12 @@ fn flush(estimate: u32, to: u32) {
     partials[to + 5u] = square.z;
     partials[to + 6u] = bitcast<u32>(least);
     partials[to + 7u] = bitcast<u32>(greatest);
+}
+
+// A sum of at most FLUSH errors, from its lower 32 bits and the sum of the errors' upper halves.
+fn whole_sum(low: u32, halves: u32) -> vec3<u32> {
+    let rest = low - (halves << 16u);
+    return add96(vec3<u32>(halves << 16u, sar(halves, 16u), sar(halves, 31u)), vec3<u32>(rest, 0u, 0u));
 }
 
 fn add96(a: vec3<u32>, b: vec3<u32>) -> vec3<u32> {

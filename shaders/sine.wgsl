@@ -3,7 +3,6 @@
 const QUARTER_TURN = 0x40000000u;
 
 fn sine(phase: u32) -> u32 {
-    let sign = sar(phase, 31u);
     let half = phase << 1u;
     let mirror = sar(half, 31u);
     let z = (half ^ mirror) - mirror;
@@ -14,6 +13,5 @@ fn sine(phase: u32) -> u32 {
     sum = SINE[2] - mulhi(sum, zz);
     sum = SINE[1] - mulhi(sum, zz);
     sum = SINE[0] - mulhi(sum, zz);
-    let magnitude = mulhi(sum, z);
-    return (magnitude ^ sign) - sign;
+    return with_sign(mulhi(sum, z), phase);
 }

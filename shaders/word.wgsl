@@ -7,6 +7,12 @@ fn sar(x: u32, n: u32) -> u32 {
     return bitcast<u32>(bitcast<i32>(x) >> n);
 }
 
+// x, or minus x where `sign` is negative.
+fn with_sign(x: u32, sign: u32) -> u32 {
+    let mask = sar(sign, 31u);
+    return (x ^ mask) - mask;
+}
+
 //#if INT64
 alias Wide = i64;
 
@@ -20,6 +26,10 @@ fn mul_wide(a: u32, b: u32) -> Wide {
 
 fn add_wide(a: Wide, b: Wide) -> Wide {
     return a + b;
+}
+
+fn sub_wide(a: Wide, b: Wide) -> Wide {
+    return a - b;
 }
 
 fn wide(low: u32, high: u32) -> Wide {
@@ -57,6 +67,10 @@ fn mul_wide(a: u32, b: u32) -> Wide {
 fn add_wide(a: Wide, b: Wide) -> Wide {
     let low = a.x + b.x;
     return vec2<u32>(low, a.y + b.y + select(0u, 1u, low < a.x));
+}
+
+fn sub_wide(a: Wide, b: Wide) -> Wide {
+    return vec2<u32>(a.x - b.x, a.y - b.y - select(0u, 1u, a.x < b.x));
 }
 
 fn wide(low: u32, high: u32) -> Wide {

@@ -196,22 +196,16 @@ impl Lowered {
         };
         let before: Vec<i32> = (0..shape.before as i32).map(|k| -k).collect();
         let after: Vec<i32> = (1..=shape.after as i32).map(|k| n + k).collect();
-        let angles = |ticks: &[i32]| -> (Vec<u32>, Vec<u32>) {
-            ticks
-                .iter()
-                .map(|&tick| self.tone.tick_words(tick))
-                .map(|[sin, cos]| (sin as u32, cos as u32))
-                .unzip()
-        };
-        let (before_sin, before_cos) = angles(&before);
-        let (after_sin, after_cos) = angles(&after);
+        let (side_sin, side_cos): (Vec<u32>, Vec<u32>) = (1..=shape.sides() as i32)
+            .map(|k| self.tone.tick_words(n + k))
+            .map(|[sin, cos]| (sin as u32, cos as u32))
+            .unzip();
         let weights = |error: usize, ticks: &[i32]| -> Vec<u32> {
             estimates(error).flat_map(|e| ticks.iter().map(|&tick| e.weight(tick) as u32)).collect()
         };
         let scales =
             |error: usize| -> Vec<u32> { estimates(error).map(|e| e.weights.denominator as u32).collect() };
         let residual_ticks = [&before[..residual_before], &after[..]].concat();
-        let [gap_sin, gap_cos] = self.tone.gap_words();
         let bin_base: Vec<u32> = [0, 1].into_iter().flat_map(estimates).map(|e| e.bin_base).collect();
         let shift: Vec<u32> = [0, 1].into_iter().flat_map(estimates).map(|e| e.shift).collect();
         let words = Parameters {
@@ -219,12 +213,9 @@ impl Lowered {
             phase: &[self.tone.phase],
             phase_spread: &[self.tone.phase_spread],
             sigma: &[self.tone.sigma],
-            gap_sin: &[gap_sin as u32],
-            gap_cos: &[gap_cos as u32],
-            before_sin: &before_sin,
-            before_cos: &before_cos,
-            after_sin: &after_sin,
-            after_cos: &after_cos,
+            gap_sin: &[self.tone.gap_words()[0] as u32],
+            side_sin: &side_sin,
+            side_cos: &side_cos,
             residual_weight: &weights(0, &residual_ticks),
             residual_scale: &scales(0),
             extrapolation_weight: &weights(1, &before[..extrapolation_before]),
@@ -251,15 +242,10 @@ impl Tone {
         self.words(libm::cos(phase), libm::sin(phase))
     }
 
-    /// The same of the whole gap.
+    /// The same of the whole gap, whose parts at cosine 1 cancel.
     fn gap_words(&self) -> [i32; 2] {
-        let (mut sin, mut cos) = (0.0, 0.0);
-        for tick in 1..=self.gap_ticks {
-            let phase = tick_phase(f64::from(tick), self.gap_ticks, self.nu_t);
-            sin += libm::cos(phase);
-            cos += libm::sin(phase);
-        }
-        self.words(sin, cos)
+        let phases = (1..=self.gap_ticks).map(|tick| tick_phase(f64::from(tick), self.gap_ticks, self.nu_t));
+        self.words(phases.map(libm::cos).sum(), 0.0)
     }
 
     fn words(&self, sin: f64, cos: f64) -> [i32; 2] {

@@ -176,7 +176,8 @@ pub fn self_test(device: &mut Device) -> Result<Option<&'static str>, GpuError> 
 /// Input words for so many items of a building block, from the generator itself.
 fn items(map: &Map, count: usize) -> Vec<u32> {
     let words = (count * map.inputs) as u32;
-    let block = |counter| philox::philox([counter, 0, 0, u32::MAX].map(Scalar), [Scalar(0); 2]);
+    let block =
+        |counter| philox::philox([counter, 0, 0, u32::MAX].map(Scalar), philox::schedule([Scalar(0); 2]));
     let random = (0..words.div_ceil(4)).flat_map(|counter| block(counter).map(|word| word.0));
     random.take(words as usize).collect()
 }

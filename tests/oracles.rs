@@ -11,7 +11,7 @@ use sagnac::block::cover;
 use sagnac::kernel::gap_fill::{Launch, Parameters};
 use sagnac::kernel::moments::{LIMIT, Moments};
 use sagnac::kernel::normal::{REACH, normal};
-use sagnac::kernel::philox::{Address, Purpose};
+use sagnac::kernel::philox::{Address, Keys, Purpose, schedule};
 use sagnac::kernel::sine::{QUARTER_TURN, sine};
 use sagnac::kernel::word::Scalar;
 use sagnac::lower::{LowerError, Lowered};
@@ -389,27 +389,32 @@ fn another_seed_gives_other_draws() {
     assert!(rms("seed = 1").iter().zip(rms("seed = 2")).all(|(one, other)| *one != other));
 }
 
+fn keys(key: [u32; 2]) -> Keys {
+    schedule(key.map(Scalar)).map(|key| key.map(|word| word.0))
+}
+
 /// The errors of a trial in 128 bits, from the parameters and the draws, with no step that could wrap.
 fn exact_errors(launch: &Launch, trial: u64) -> Vec<i128> {
     let shape = launch.shape;
     let p = Parameters::of(&launch.words, shape);
     let signed = |word: u32| i128::from(word as i32);
     let address =
-        Address { low: Scalar(trial as u32), high: (trial >> 32) as u32, key: [p.key[0], p.key[1]] };
+        Address { low: Scalar(trial as u32), high: (trial >> 32) as u32, keys: keys([p.key[0], p.key[1]]) };
     let draw = |purpose, block, lane: usize| address.draw(purpose, block)[lane];
     let phase = p.phase[0].wrapping_add(draw(Purpose::NoiseAfterAndPhase, 0, 2).0 & p.phase_spread[0]);
     let (sin, cos) =
         (signed(sine(Scalar(phase)).0), signed(sine(Scalar(phase.wrapping_add(QUARTER_TURN))).0));
     let angle = |at_sin: u32, at_cos: u32| sin * signed(at_sin) + cos * signed(at_cos) + (1 << 31);
     let noise = |word: Scalar| signed(normal(word).0) * i128::from(p.sigma[0]);
-    let truth = angle(p.gap_sin[0], p.gap_cos[0]) >> 32;
+    let truth = angle(p.gap_sin[0], 0) >> 32;
     let before: Vec<i128> = (0..shape.before)
-        .map(|k| angle(p.before_sin[k], p.before_cos[k]) + noise(draw(Purpose::NoiseBefore, k / 4, k % 4)))
+        .map(|k| {
+            angle(p.side_sin[k], p.side_cos[k].wrapping_neg())
+                + noise(draw(Purpose::NoiseBefore, k / 4, k % 4))
+        })
         .collect();
     let after: Vec<i128> = (0..shape.after)
-        .map(|k| {
-            angle(p.after_sin[k], p.after_cos[k]) + noise(draw(Purpose::NoiseAfterAndPhase, k / 2, k % 2))
-        })
+        .map(|k| angle(p.side_sin[k], p.side_cos[k]) + noise(draw(Purpose::NoiseAfterAndPhase, k / 2, k % 2)))
         .collect();
     for tick in before.iter().chain(&after) {
         assert!(i64::try_from(*tick).is_ok(), "a tick of {tick} wraps");

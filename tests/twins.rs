@@ -13,7 +13,7 @@ use sagnac::block::{Block, cover};
 use sagnac::kernel::gap_fill::Launch;
 use sagnac::kernel::map::{Map, PHILOX};
 use sagnac::kernel::moments::Moments;
-use sagnac::kernel::philox::philox;
+use sagnac::kernel::philox::{philox, schedule};
 use sagnac::kernel::word::Scalar;
 use sagnac::kernel::{Form, KERNELS};
 use sagnac::study::{Filler, Phase, TickNoise};
@@ -156,7 +156,7 @@ fn items(map: &Map) -> Vec<u32> {
     words.extend((0..4).flat_map(|turn: u32| [-1, 0, 1].map(|step| (turn << 30).wrapping_add_signed(step))));
     let count = (1 << 16) + 41;
     let counters = 0..(count * map.inputs as u32).div_ceil(4);
-    let block = |counter| philox([counter, 7, 7, 7].map(Scalar), [Scalar(3); 2]).map(|word| word.0);
+    let block = |counter| philox([counter, 7, 7, 7].map(Scalar), schedule([Scalar(3); 2])).map(|word| word.0);
     words.extend(counters.flat_map(block));
     words.truncate(count as usize * map.inputs);
     words

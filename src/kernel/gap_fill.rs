@@ -7,9 +7,9 @@
 
 use super::moments::{self, MAX_ESTIMATES, Moments, Sampler};
 use super::normal::normal;
-use super::philox::{Address, Purpose};
+use super::philox::{Address, Keys, Purpose, schedule};
 use super::sine::{QUARTER_TURN, sine};
-use super::word::{Wide, Word};
+use super::word::{Scalar, Wide, Word};
 use crate::backend::cpu::{AnyWidth, Width};
 
 /// Raised when the kernel's results change for the same parameters: part of every digest.
@@ -35,6 +35,13 @@ pub struct Shape {
     pub fillers: usize,
     /// Whether weighted sums need 64 bits: fillers with large weights do, the usual polynomials do not.
     pub wide: bool,
+}
+
+impl Shape {
+    /// Ticks on the longer side of the gap.
+    pub fn sides(self) -> usize {
+        self.before.max(self.after)
+    }
 }
 
 /// Declares the parameter words once: the fields in order, their lengths for a shape, and their names in the shaders.
@@ -86,13 +93,12 @@ parameters! {
     phase_spread: |_| 1,
     /// Standard deviation of the tick noise, in 2^−4 LSB.
     sigma: |_| 1,
-    /// The gap's angle at sine 1 and at cosine 1, in 2^−2 LSB; so for the ticks.
+    /// The gap's angle at sine 1 of the phase at its middle, in 2^−2 LSB; at cosine 1 it is 0.
     gap_sin: |_| 1,
-    gap_cos: |_| 1,
-    before_sin: |shape: Shape| shape.before,
-    before_cos: |shape: Shape| shape.before,
-    after_sin: |shape: Shape| shape.after,
-    after_cos: |shape: Shape| shape.after,
+    /// The angle of the k-th tick on either side: at sine 1 it is the same on both, at cosine 1 it is this one after the
+    /// gap and minus this one before.
+    side_sin: |shape: Shape| shape.sides(),
+    side_cos: |shape: Shape| shape.sides(),
     /// Weights of the residual, filler by filler: ticks before, then after, each outward from the gap.
     residual_weight: |shape: Shape| shape.fillers * (shape.residual_before + shape.after),
     residual_scale: |shape: Shape| shape.fillers,
@@ -105,25 +111,51 @@ parameters! {
     bin_base: |shape: Shape| 2 * shape.fillers,
 }
 
-/// Half of a tick's unit: turns the floor of [`tick`] into a rounding.
+/// Half of an LSB in 2^−32 LSB: turns a floor into a rounding.
 const HALF: i64 = 1 << 31;
 
-/// The trials of one launch.
+/// The trials of one launch; `SIDE` is room for the ticks on one side of the gap.
 #[derive(Clone, Copy)]
-pub struct GapFill<'a> {
+pub struct GapFill<'a, const SIDE: usize> {
     p: Parameters<'a>,
+    keys: Keys,
     shape: Shape,
 }
 
-impl<'a> GapFill<'a> {
+impl<'a, const SIDE: usize> GapFill<'a, SIDE> {
     /// The trials that `words` describe.
     #[inline(always)]
-    pub fn new(words: &'a [u32], shape: Shape) -> GapFill<'a> {
-        GapFill { p: Parameters::of(words, shape), shape }
+    pub fn new(words: &'a [u32], shape: Shape) -> GapFill<'a, SIDE> {
+        let p = Parameters::of(words, shape);
+        let keys = schedule([Scalar(p.key[0]), Scalar(p.key[1])]).map(|key| key.map(|word| word.0));
+        GapFill { p, keys, shape }
+    }
+
+    /// The k-th tick on either side of the gap, where the shape has it: what the tone turns through and noise.
+    #[inline(always)]
+    fn side<W: Word>(&self, ticks: &mut Ticks<W, SIDE>, tone: [W; 2], k: usize, noise: [W; 2]) {
+        let GapFill { p, shape, .. } = self;
+        if k >= shape.sides() {
+            return;
+        }
+        let even = tone[0].mul_wide(W::splat(p.side_sin[k])) + W::Wide::splat(HALF);
+        let odd = tone[1].mul_wide(W::splat(p.side_cos[k]));
+        if k < shape.before {
+            ticks.before[k] = tick(even - odd, normal(noise[0]), p.sigma[0]);
+        }
+        if k < shape.after {
+            ticks.after[k] = tick(even + odd, normal(noise[1]), p.sigma[0]);
+        }
     }
 }
 
-impl Sampler for GapFill<'_> {
+/// The ticks on both sides, outward from the gap.
+struct Ticks<W, const SIDE: usize> {
+    before: [W; SIDE],
+    after: [W; SIDE],
+}
+
+impl<const SIDE: usize> Sampler for GapFill<'_, SIDE> {
     #[inline(always)]
     fn estimates(&self) -> usize {
         2 * self.shape.fillers
@@ -138,31 +170,27 @@ impl Sampler for GapFill<'_> {
     #[expect(clippy::needless_range_loop)]
     #[inline(always)]
     fn trial<W: Word>(&self, low: W, high: u32) -> [W; MAX_ESTIMATES] {
-        let GapFill { p, shape } = self;
-        let address = Address { low, high, key: [p.key[0], p.key[1]] };
+        let GapFill { p, shape, .. } = self;
+        let address = Address { low, high, keys: self.keys };
 
-        let mut random = address.draw(Purpose::NoiseAfterAndPhase, 0);
-        let phase = W::splat(p.phase[0]) + (random[2] & W::splat(p.phase_spread[0]));
-        let sin = sine(phase);
-        let cos = sine(phase + W::splat(QUARTER_TURN));
-        let truth = angle(sin, cos, p.gap_sin[0], p.gap_cos[0]).high();
+        let first = address.draw(Purpose::NoiseAfterAndPhase, 0);
+        let phase = W::splat(p.phase[0]) + (first[2] & W::splat(p.phase_spread[0]));
+        let tone = [sine(phase), sine(phase + W::splat(QUARTER_TURN))];
+        let truth = (tone[0].mul_wide(W::splat(p.gap_sin[0])) + W::Wide::splat(HALF)).high();
 
-        let mut after = [W::splat(0); MAX_SIDE];
-        for k in 0..shape.after {
-            if k > 0 && k % 2 == 0 {
-                random = address.draw(Purpose::NoiseAfterAndPhase, k / 2);
-            }
-            after[k] =
-                tick(angle(sin, cos, p.after_sin[k], p.after_cos[k]), normal(random[k % 2]), p.sigma[0]);
+        let mut ticks = Ticks { before: [W::splat(0); SIDE], after: [W::splat(0); SIDE] };
+        for k in (0..shape.sides()).step_by(4) {
+            let draw = |wanted, purpose, block| if wanted { address.draw(purpose, block) } else { first };
+            let before = draw(k < shape.before, Purpose::NoiseBefore, k / 4);
+            let near = draw(0 < k && k < shape.after, Purpose::NoiseAfterAndPhase, k / 2);
+            let far = draw(k + 2 < shape.after, Purpose::NoiseAfterAndPhase, k / 2 + 1);
+            // Written out: the compiler leaves loops of such a length rolled, and their words in memory.
+            self.side(&mut ticks, tone, k, [before[0], near[0]]);
+            self.side(&mut ticks, tone, k + 1, [before[1], near[1]]);
+            self.side(&mut ticks, tone, k + 2, [before[2], far[0]]);
+            self.side(&mut ticks, tone, k + 3, [before[3], far[1]]);
         }
-        let mut before = [W::splat(0); MAX_SIDE];
-        for k in 0..shape.before {
-            if k % 4 == 0 {
-                random = address.draw(Purpose::NoiseBefore, k / 4);
-            }
-            before[k] =
-                tick(angle(sin, cos, p.before_sin[k], p.before_cos[k]), normal(random[k % 4]), p.sigma[0]);
-        }
+        let Ticks { before, after } = ticks;
 
         let mut error = [W::splat(0); MAX_ESTIMATES];
         for filler in 0..shape.fillers {
@@ -222,19 +250,13 @@ impl<W: Word> Sum<W> {
     }
 }
 
-/// The angle that the tone turns through, in 2^−32 LSB, with half an LSB for rounding.
-#[inline(always)]
-fn angle<W: Word>(sin: W, cos: W, at_sin: u32, at_cos: u32) -> W::Wide {
-    sin.mul_wide(W::splat(at_sin)) + cos.mul_wide(W::splat(at_cos)) + W::Wide::splat(HALF)
-}
-
-/// What the gyro delivers for a tick: the angle and `sigma` times the normal number `z`, in LSB.
+/// What the gyro delivers for a tick, in LSB: the angle, in 2^−32 LSB, and `sigma` times the normal number `z`.
 #[inline(always)]
 fn tick<W: Word>(angle: W::Wide, z: W, sigma: u32) -> W {
     (angle + z.mul_wide(W::splat(sigma))).high()
 }
 
-/// Shapes whose loops are worth unrolling ahead of time: the default ticks with one to three fillers.
+/// The shape that is compiled ahead of time: the default ticks with three fillers.
 const UNROLLED: Shape = Shape {
     before: 4,
     after: 2,
@@ -260,9 +282,11 @@ impl AnyWidth for Tally<'_> {
         let Tally { words, shape, first, count, histogram } = self;
         // The comparison makes the shape a constant of the branch.
         if shape == UNROLLED {
-            moments::tally::<W>(GapFill::new(words, UNROLLED), first, count, histogram)
+            moments::tally::<W>(GapFill::<4>::new(words, UNROLLED), first, count, histogram)
+        } else if shape.sides() <= 16 {
+            moments::tally::<W>(GapFill::<16>::new(words, shape), first, count, histogram)
         } else {
-            moments::tally::<W>(GapFill::new(words, shape), first, count, histogram)
+            moments::tally::<W>(GapFill::<MAX_SIDE>::new(words, shape), first, count, histogram)
         }
     }
 }

@@ -3,7 +3,7 @@
 //! Twin of `shaders/map.wgsl`. Identity checks run the building blocks one by one on every backend.
 
 use super::normal::normal;
-use super::philox::philox;
+use super::philox::{philox, schedule};
 use super::sine::sine;
 use super::word::Word;
 use crate::backend::cpu::{AnyWidth, Width};
@@ -32,11 +32,11 @@ struct PhiloxBlock;
 impl Block for PhiloxBlock {
     const INPUTS: usize = 6;
     const OUTPUTS: usize = 4;
-    const WGSL: &'static str = "let c = philox(vec4<u32>(x[0], x[1], x[2], x[3]), vec2<u32>(x[4], x[5])); \
+    const WGSL: &'static str = "let c = philox(vec4<u32>(x[0], x[1], x[2], x[3]), schedule(vec2<u32>(x[4], x[5]))); \
                                 y = array<u32, OUTPUTS>(c.x, c.y, c.z, c.w);";
     #[inline(always)]
     fn evaluate<W: Word>(x: [W; 6]) -> [W; 4] {
-        philox([x[0], x[1], x[2], x[3]], [x[4], x[5]])
+        philox([x[0], x[1], x[2], x[3]], schedule([x[4], x[5]]))
     }
 }
 

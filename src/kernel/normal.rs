@@ -20,21 +20,21 @@ const SEGMENT_BITS: u32 = 4;
 /// The standard normal number that belongs to the random word `r`, in units of 2^−28.
 #[inline(always)]
 pub fn normal<W: Word>(r: W) -> W {
-    let sign = r.sar(31);
     let tail = (r << 1) ^ W::splat(1);
     let octave = tail.leading_zeros();
     let mantissa = tail.shift_left(octave);
-    let segment =
-        (octave << SEGMENT_BITS) + ((mantissa >> (31 - SEGMENT_BITS)) & W::splat((1 << SEGMENT_BITS) - 1));
+    // The leading one of the mantissa is not masked off: the table starts with as many entries that are never read.
+    let segment = (octave << SEGMENT_BITS) + (mantissa >> (31 - SEGMENT_BITS));
     let f = mantissa << (SEGMENT_BITS + 1);
-    let (start, bend) = W::lookup(&NORMAL_TABLE, segment);
+    // SAFETY: `tail` is odd, so the octave is at most 31 and the segment at most 31·16 + 31, the last of the table.
+    let (start, bend) = unsafe { W::lookup(&NORMAL_TABLE, segment) };
     // `bend` holds the slope in its upper 20 bits and the curvature in its lower 12.
     let curvature = bend & W::splat(0xfff);
     // 15 bits of the position are enough for the small term, and one cheap product of 16-bit parts does it.
     let slope = (bend >> 8) - (((f >> 17) * curvature) >> 9);
     let magnitude = start - f.mulhi(slope);
     // The sign comes last: flooring signed products would shift the mean by half a unit.
-    (magnitude ^ sign) - sign
+    magnitude.with_sign(r)
 }
 
 #[cfg(test)]
@@ -55,10 +55,10 @@ mod tests {
 
     /// The quadratics through the quantile at the Chebyshev points of each segment.
     fn regenerated() -> PairTable {
-        let mut table = [[0; 2]; 512];
+        let mut table = [[0; 2]; 528];
         let node = |k: f64| 0.5 - 0.5 * libm::cos((2.0 * k + 1.0) * core::f64::consts::PI / 6.0);
         let x = [node(0.0), node(1.0), node(2.0)];
-        for (segment, entry) in table.iter_mut().enumerate() {
+        for (segment, entry) in table[16..].iter_mut().enumerate() {
             let octave = libm::exp2(-2.0 - (segment >> SEGMENT_BITS) as f64);
             let y = x.map(|x| {
                 let position = ((segment % 16) as f64 + x) / 16.0;

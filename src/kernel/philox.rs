@@ -3,7 +3,7 @@
 //! Twin of `shaders/philox.wgsl`. Source: Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3"
 //! (SC 2011), and the known-answer vectors of Random123.
 
-use super::word::{Scalar, Word};
+use super::word::{Factor, Scalar, Word};
 
 /// What a draw is for: the last word of its counter. A new purpose shifts no other draw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,63 +20,72 @@ pub enum Purpose {
 pub const PURPOSES: [(&str, Purpose); 2] =
     [("NOISE_BEFORE", Purpose::NoiseBefore), ("NOISE_AFTER_AND_PHASE", Purpose::NoiseAfterAndPhase)];
 
-/// Where the draws of a trial are found: its number in two halves, and the key of its point.
+/// Where the draws of a trial are found: its number in two halves, and the keys of its point.
 #[derive(Debug, Clone, Copy)]
 pub struct Address<W> {
     pub low: W,
     pub high: u32,
-    pub key: [u32; 2],
+    pub keys: Keys,
 }
 
 impl<W: Word> Address<W> {
     /// The four words of a block of a purpose.
     #[inline(always)]
     pub fn draw(&self, purpose: Purpose, block: usize) -> [W; 4] {
-        let counter = [self.low, W::splat(self.high), W::splat(block as u32), W::splat(purpose as u32)];
-        philox(counter, self.key.map(W::splat))
+        let counter = [
+            self.low.factors(),
+            W::Factors::splat(self.high),
+            W::Factors::splat(block as u32),
+            W::Factors::splat(purpose as u32),
+        ];
+        let mut keys = [[W::Factors::splat(0); 2]; 10];
+        for (keys, key) in keys.iter_mut().zip(&self.keys) {
+            *keys = [W::Factors::splat(key[0]), W::Factors::splat(key[1])];
+        }
+        let [a, b, c, d] = philox(counter, keys);
+        [W::of_factors(a), W::of_factors(b), W::of_factors(c), W::of_factors(d)]
     }
 }
 
 const MULTIPLIER: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 
-/// Four random words for a counter and a key, in 10 rounds.
+/// The keys of the ten rounds.
+pub type Keys<W = u32> = [[W; 2]; 10];
+
+/// Four random words for a counter and the keys of its rounds.
 #[inline(always)]
-pub fn philox<W: Word>(counter: [W; 4], key: [W; 2]) -> [W; 4] {
+pub fn philox<W: Factor>(counter: [W; 4], keys: Keys<W>) -> [W; 4] {
     let mut c = counter;
-    let mut k = key;
     // Written out: a loop left rolled keeps the words out of the wide registers.
-    c = round(c, k);
-    k = next(k);
-    c = round(c, k);
-    k = next(k);
-    c = round(c, k);
-    k = next(k);
-    c = round(c, k);
-    k = next(k);
-    c = round(c, k);
-    k = next(k);
-    c = round(c, k);
-    k = next(k);
-    c = round(c, k);
-    k = next(k);
-    c = round(c, k);
-    k = next(k);
-    c = round(c, k);
-    k = next(k);
-    round(c, k)
+    c = round(c, keys[0]);
+    c = round(c, keys[1]);
+    c = round(c, keys[2]);
+    c = round(c, keys[3]);
+    c = round(c, keys[4]);
+    c = round(c, keys[5]);
+    c = round(c, keys[6]);
+    c = round(c, keys[7]);
+    c = round(c, keys[8]);
+    round(c, keys[9])
 }
 
 #[inline(always)]
-fn round<W: Word>(c: [W; 4], k: [W; 2]) -> [W; 4] {
+fn round<W: Factor>(c: [W; 4], k: [W; 2]) -> [W; 4] {
     let (high0, low0) = c[0].mulhilo(W::splat(MULTIPLIER[0]));
     let (high1, low1) = c[2].mulhilo(W::splat(MULTIPLIER[1]));
     [high1 ^ c[1] ^ k[0], low1, high0 ^ c[3] ^ k[1], low0]
 }
 
+/// The keys of the rounds, made once for a point: the Weyl sequence from its key.
 #[inline(always)]
-fn next<W: Word>(k: [W; 2]) -> [W; 2] {
-    [k[0] + W::splat(WEYL[0]), k[1] + W::splat(WEYL[1])]
+pub fn schedule<W: Word>(key: [W; 2]) -> Keys<W> {
+    let mut keys = [key; 10];
+    for r in 1..10 {
+        let [k0, k1] = keys[r - 1];
+        keys[r] = [k0 + W::splat(WEYL[0]), k1 + W::splat(WEYL[1])];
+    }
+    keys
 }
 
 /// The words of one key in counter order, for use with `rand`'s distributions and adaptors.
@@ -109,7 +118,7 @@ impl Philox {
         if lane == 0 {
             let counter = self.next / 4;
             let words = [0, 32, 64, 96].map(|shift| Scalar((counter >> shift) as u32));
-            self.block = philox(words, self.key.map(Scalar)).map(|word| word.0);
+            self.block = philox(words, schedule(self.key.map(Scalar))).map(|word| word.0);
         }
         self.next = self.next.wrapping_add(1);
         self.block[lane]
@@ -160,7 +169,7 @@ mod tests {
     #[test]
     fn words_are_those_of_random123() {
         for (counter, key, expected) in RANDOM123 {
-            assert_eq!(philox(counter.map(Scalar), key.map(Scalar)).map(|word| word.0), expected);
+            assert_eq!(philox(counter.map(Scalar), schedule(key.map(Scalar))).map(|word| word.0), expected);
         }
     }
 
@@ -169,7 +178,7 @@ mod tests {
         let mut rng = Philox::from_seed([0; 8]);
         let first: Vec<u32> = (0..4).map(|_| rng.next_u32()).collect();
         assert_eq!(first, RANDOM123[0].2);
-        let fifth = philox([1, 0, 0, 0].map(Scalar), [Scalar(0); 2])[0].0;
+        let fifth = philox([1, 0, 0, 0].map(Scalar), schedule([Scalar(0); 2]))[0].0;
         assert_eq!(rng.next_u32(), fifth);
     }
 

@@ -17,7 +17,6 @@ pub const SINE: [u32; 6] = [3_373_259_426, 2_774_394_665, 684_554_253, 80_430_26
 /// The sine of `phase`, in units of 2^−30; the cosine is the sine a quarter turn ahead.
 #[inline(always)]
 pub fn sine<W: Word>(phase: W) -> W {
-    let sign = phase.sar(31);
     let half = phase << 1;
     let mirror = half.sar(31);
     let z = (half ^ mirror) - mirror;
@@ -28,8 +27,7 @@ pub fn sine<W: Word>(phase: W) -> W {
     sum = W::splat(SINE[2]) - sum.mulhi(zz);
     sum = W::splat(SINE[1]) - sum.mulhi(zz);
     sum = W::splat(SINE[0]) - sum.mulhi(zz);
-    let magnitude = sum.mulhi(z);
-    (magnitude ^ sign) - sign
+    sum.mulhi(z).with_sign(phase)
 }
 
 #[cfg(test)]

@@ -5,27 +5,34 @@
 
 use core::ops::{Add, BitAnd, BitXor, Mul, Shl, Shr, Sub};
 
-/// A table of pairs, indexed by a word below its length: see [`Word::lookup`].
-pub type PairTable = [[u32; 2]; 512];
+/// A table of pairs: see [`Word::lookup`].
+pub type PairTable = [[u32; 2]; 528];
+
+/// What Philox needs of a word: `^` and full products.
+pub trait Factor: Copy + BitXor<Output = Self> {
+    /// `x` in every lane.
+    fn splat(x: u32) -> Self;
+    /// Upper and lower half of the unsigned product.
+    fn mulhilo(self, by: Self) -> (Self, Self);
+}
 
 /// Lanes of 32-bit words. `+ - * ^ & << >>` act on each lane and wrap; `>>` shifts in zeros.
 pub trait Word:
-    Copy
+    Factor
     + Add<Output = Self>
     + Sub<Output = Self>
     + Mul<Output = Self>
-    + BitXor<Output = Self>
     + BitAnd<Output = Self>
     + Shl<u32, Output = Self>
     + Shr<u32, Output = Self>
 {
+    /// The same lanes as the multiplier likes them best, for words that are multiplied again and again.
+    type Factors: Factor;
     /// The same lanes as signed 64-bit numbers.
     type Wide: Wide<Word = Self>;
     /// Number of lanes.
     const LANES: usize;
 
-    /// `x` in every lane.
-    fn splat(x: u32) -> Self;
     /// 0, 1, 2, … over the lanes.
     fn iota() -> Self;
     /// The first `LANES` words of `from`, in order.
@@ -40,20 +47,31 @@ pub trait Word:
     fn leading_zeros(self) -> Self;
     /// Upper half of the unsigned product.
     fn mulhi(self, by: Self) -> Self;
-    /// Upper and lower half of the unsigned product.
-    fn mulhilo(self, by: Self) -> (Self, Self);
+    /// The same lanes for the multiplier.
+    fn factors(self) -> Self::Factors;
+    /// The lanes that the multiplier had.
+    fn of_factors(factors: Self::Factors) -> Self;
     /// The smaller as signed numbers.
     fn min_signed(self, other: Self) -> Self;
     /// The larger as signed numbers.
     fn max_signed(self, other: Self) -> Self;
-    /// The pair at `index`, which is below 512.
-    fn lookup(table: &PairTable, index: Self) -> (Self, Self);
+    /// The pair at `index`.
+    ///
+    /// # Safety
+    /// Every lane of `index` is below the length of the table.
+    unsafe fn lookup(table: &PairTable, index: Self) -> (Self, Self);
+    /// Itself, or minus itself where `sign` is negative.
+    #[inline(always)]
+    fn with_sign(self, sign: Self) -> Self {
+        let sign = sign.sar(31);
+        (self ^ sign) - sign
+    }
     /// The signed product.
     fn mul_wide(self, by: Self) -> Self::Wide;
 }
 
 /// Lanes of signed 64-bit numbers; sums wrap.
-pub trait Wide: Copy + Add<Output = Self> {
+pub trait Wide: Copy + Add<Output = Self> + Sub<Output = Self> {
     /// The 32-bit lanes they come from.
     type Word;
 
@@ -63,8 +81,6 @@ pub trait Wide: Copy + Add<Output = Self> {
     fn high(self) -> Self::Word;
     /// Bits `n` to `n` + 31 of each lane; `n` is below 32.
     fn bits_from(self, n: u32) -> Self::Word;
-    /// The sum of the lanes, each read as signed, exactly.
-    fn total_signed(self) -> i128;
     /// The sum of the lanes, each read as unsigned, exactly.
     fn total_unsigned(self) -> u128;
 }
@@ -129,14 +145,23 @@ impl Shr<u32> for Scalar {
     }
 }
 
-impl Word for Scalar {
-    type Wide = ScalarWide;
-    const LANES: usize = 1;
-
+impl Factor for Scalar {
     #[inline(always)]
     fn splat(x: u32) -> Scalar {
         Scalar(x)
     }
+
+    #[inline(always)]
+    fn mulhilo(self, by: Scalar) -> (Scalar, Scalar) {
+        let product = u64::from(self.0) * u64::from(by.0);
+        (Scalar((product >> 32) as u32), Scalar(product as u32))
+    }
+}
+
+impl Word for Scalar {
+    type Factors = Scalar;
+    type Wide = ScalarWide;
+    const LANES: usize = 1;
 
     #[inline(always)]
     fn iota() -> Scalar {
@@ -174,9 +199,13 @@ impl Word for Scalar {
     }
 
     #[inline(always)]
-    fn mulhilo(self, by: Scalar) -> (Scalar, Scalar) {
-        let product = u64::from(self.0) * u64::from(by.0);
-        (Scalar((product >> 32) as u32), Scalar(product as u32))
+    fn factors(self) -> Scalar {
+        self
+    }
+
+    #[inline(always)]
+    fn of_factors(factors: Scalar) -> Scalar {
+        factors
     }
 
     #[inline(always)]
@@ -190,8 +219,9 @@ impl Word for Scalar {
     }
 
     #[inline(always)]
-    fn lookup(table: &PairTable, index: Scalar) -> (Scalar, Scalar) {
-        let [first, second] = table[index.0 as usize & 511];
+    unsafe fn lookup(table: &PairTable, index: Scalar) -> (Scalar, Scalar) {
+        // SAFETY: the caller's.
+        let [first, second] = unsafe { *table.get_unchecked(index.0 as usize) };
         (Scalar(first), Scalar(second))
     }
 
@@ -213,6 +243,14 @@ impl Add for ScalarWide {
     }
 }
 
+impl Sub for ScalarWide {
+    type Output = ScalarWide;
+    #[inline(always)]
+    fn sub(self, other: ScalarWide) -> ScalarWide {
+        ScalarWide(self.0.wrapping_sub(other.0))
+    }
+}
+
 impl Wide for ScalarWide {
     type Word = Scalar;
 
@@ -229,11 +267,6 @@ impl Wide for ScalarWide {
     #[inline(always)]
     fn bits_from(self, n: u32) -> Scalar {
         Scalar((self.0 >> n) as u32)
-    }
-
-    #[inline(always)]
-    fn total_signed(self) -> i128 {
-        i128::from(self.0)
     }
 
     #[inline(always)]

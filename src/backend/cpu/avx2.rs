@@ -1,11 +1,11 @@
 //! Eight lanes in AVX2 registers.
 //!
-//! Sound only where AVX2 is present: [`super::Width::detect`] sees to that, and nothing else makes these words.
+//! Sound only where AVX2 is present: [`super::Width::available`] sees to that, and nothing else makes these words.
 
 use core::arch::x86_64::*;
 
 use super::simd_operators;
-use crate::kernel::word::{PairTable, Wide, Word};
+use crate::kernel::word::{Factor, PairTable, Wide, Word};
 
 /// Eight lanes of 32 bits.
 #[derive(Clone, Copy)]
@@ -39,14 +39,68 @@ fn odd(words: __m256i) -> __m256i {
     unsafe { _mm256_shuffle_epi32::<0b11_11_01_01>(words) }
 }
 
-impl Word for Avx2 {
-    type Wide = Avx2Wide;
-    const LANES: usize = 8;
+/// Eight lanes for the multiplier: the even words and the odd ones, each in the lower half of 64 bits; what the upper
+/// halves hold means nothing. Products need no sorting this way.
+#[derive(Clone, Copy)]
+pub struct Avx2Factors {
+    even: __m256i,
+    odd: __m256i,
+}
 
+impl core::ops::BitXor for Avx2Factors {
+    type Output = Avx2Factors;
+    #[inline(always)]
+    fn bitxor(self, other: Avx2Factors) -> Avx2Factors {
+        unsafe {
+            Avx2Factors {
+                even: _mm256_xor_si256(self.even, other.even),
+                odd: _mm256_xor_si256(self.odd, other.odd),
+            }
+        }
+    }
+}
+
+impl Factor for Avx2Factors {
+    #[inline(always)]
+    fn splat(x: u32) -> Avx2Factors {
+        let words = Avx2::splat(x).0;
+        Avx2Factors { even: words, odd: words }
+    }
+
+    #[inline(always)]
+    fn mulhilo(self, by: Avx2Factors) -> (Avx2Factors, Avx2Factors) {
+        unsafe {
+            let low = Avx2Factors {
+                even: _mm256_mul_epu32(self.even, by.even),
+                odd: _mm256_mul_epu32(self.odd, by.odd),
+            };
+            (Avx2Factors { even: odd(low.even), odd: odd(low.odd) }, low)
+        }
+    }
+}
+
+impl Factor for Avx2 {
     #[inline(always)]
     fn splat(x: u32) -> Avx2 {
         unsafe { Avx2(_mm256_set1_epi32(x as i32)) }
     }
+
+    #[inline(always)]
+    fn mulhilo(self, by: Avx2) -> (Avx2, Avx2) {
+        unsafe {
+            let even = _mm256_mul_epu32(self.0, by.0);
+            let odd = _mm256_mul_epu32(odd(self.0), odd(by.0));
+            let high = _mm256_blend_epi32::<ODD>(_mm256_shuffle_epi32::<0b11_11_01_01>(even), odd);
+            let low = _mm256_blend_epi32::<ODD>(even, _mm256_shuffle_epi32::<0b10_10_00_00>(odd));
+            (Avx2(high), Avx2(low))
+        }
+    }
+}
+
+impl Word for Avx2 {
+    type Factors = Avx2Factors;
+    type Wide = Avx2Wide;
+    const LANES: usize = 8;
 
     #[inline(always)]
     fn iota() -> Avx2 {
@@ -94,13 +148,14 @@ impl Word for Avx2 {
     }
 
     #[inline(always)]
-    fn mulhilo(self, by: Avx2) -> (Avx2, Avx2) {
+    fn factors(self) -> Avx2Factors {
+        Avx2Factors { even: self.0, odd: odd(self.0) }
+    }
+
+    #[inline(always)]
+    fn of_factors(factors: Avx2Factors) -> Avx2 {
         unsafe {
-            let even = _mm256_mul_epu32(self.0, by.0);
-            let odd = _mm256_mul_epu32(odd(self.0), odd(by.0));
-            let high = _mm256_blend_epi32::<ODD>(_mm256_shuffle_epi32::<0b11_11_01_01>(even), odd);
-            let low = _mm256_blend_epi32::<ODD>(even, _mm256_shuffle_epi32::<0b10_10_00_00>(odd));
-            (Avx2(high), Avx2(low))
+            Avx2(_mm256_blend_epi32::<ODD>(factors.even, _mm256_shuffle_epi32::<0b10_10_00_00>(factors.odd)))
         }
     }
 
@@ -115,10 +170,10 @@ impl Word for Avx2 {
     }
 
     #[inline(always)]
-    fn lookup(table: &PairTable, index: Avx2) -> (Avx2, Avx2) {
+    unsafe fn lookup(table: &PairTable, index: Avx2) -> (Avx2, Avx2) {
         unsafe {
-            // Pairs are fetched as 64-bit words: half the loads of two 32-bit gathers. The mask keeps them in the table.
-            let index = _mm256_and_si256(index.0, _mm256_set1_epi32(511));
+            // Pairs are fetched as 64-bit words: half the loads of two 32-bit gathers.
+            let index = index.0;
             let from = table.as_ptr().cast();
             let low = _mm256_i32gather_epi64::<8>(from, _mm256_castsi256_si128(index));
             let high = _mm256_i32gather_epi64::<8>(from, _mm256_extracti128_si256::<1>(index));
@@ -130,6 +185,12 @@ impl Word for Avx2 {
             let second = pick(_mm256_shuffle_ps::<0b11_01_11_01>(low, high));
             (Avx2(first), Avx2(second))
         }
+    }
+
+    #[inline(always)]
+    fn with_sign(self, sign: Avx2) -> Avx2 {
+        // The instruction gives 0 for a sign of 0, hence the odd one.
+        unsafe { Avx2(_mm256_sign_epi32(self.0, _mm256_or_si256(sign.0, _mm256_set1_epi32(1)))) }
     }
 
     #[inline(always)]
@@ -148,6 +209,19 @@ impl core::ops::Add for Avx2Wide {
             Avx2Wide {
                 even: _mm256_add_epi64(self.even, other.even),
                 odd: _mm256_add_epi64(self.odd, other.odd),
+            }
+        }
+    }
+}
+
+impl core::ops::Sub for Avx2Wide {
+    type Output = Avx2Wide;
+    #[inline(always)]
+    fn sub(self, other: Avx2Wide) -> Avx2Wide {
+        unsafe {
+            Avx2Wide {
+                even: _mm256_sub_epi64(self.even, other.even),
+                odd: _mm256_sub_epi64(self.odd, other.odd),
             }
         }
     }
@@ -185,11 +259,6 @@ impl Wide for Avx2Wide {
             let (even, odd) = (_mm256_srl_epi64(self.even, n), _mm256_srl_epi64(self.odd, n));
             Avx2(_mm256_blend_epi32::<ODD>(even, _mm256_shuffle_epi32::<0b10_10_00_00>(odd)))
         }
-    }
-
-    #[inline(always)]
-    fn total_signed(self) -> i128 {
-        self.lanes().iter().map(|&lane| i128::from(lane as i64)).sum()
     }
 
     #[inline(always)]

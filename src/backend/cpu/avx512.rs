@@ -1,12 +1,12 @@
 //! Sixteen lanes in AVX-512 registers.
 //!
-//! Sound only where AVX-512 F, BW, CD, DQ and VL are present: [`super::Width::detect`] sees to that, and
+//! Sound only where AVX-512 F, BW, CD, DQ and VL are present: [`super::Width::available`] sees to that, and
 //! nothing else makes these words.
 
 use core::arch::x86_64::*;
 
 use super::simd_operators;
-use crate::kernel::word::{PairTable, Wide, Word};
+use crate::kernel::word::{Factor, PairTable, Wide, Word};
 
 /// Sixteen lanes of 32 bits.
 #[derive(Clone, Copy)]
@@ -39,14 +39,69 @@ fn odd(words: __m512i) -> __m512i {
     unsafe { _mm512_srli_epi64::<32>(words) }
 }
 
-impl Word for Avx512 {
-    type Wide = Avx512Wide;
-    const LANES: usize = 16;
+/// Sixteen lanes for the multiplier: the even words and the odd ones, each in the lower half of 64 bits; what the upper
+/// halves hold means nothing. Products need no sorting this way.
+#[derive(Clone, Copy)]
+pub struct Avx512Factors {
+    even: __m512i,
+    odd: __m512i,
+}
 
+impl core::ops::BitXor for Avx512Factors {
+    type Output = Avx512Factors;
+    #[inline(always)]
+    fn bitxor(self, other: Avx512Factors) -> Avx512Factors {
+        unsafe {
+            Avx512Factors {
+                even: _mm512_xor_si512(self.even, other.even),
+                odd: _mm512_xor_si512(self.odd, other.odd),
+            }
+        }
+    }
+}
+
+impl Factor for Avx512Factors {
+    #[inline(always)]
+    fn splat(x: u32) -> Avx512Factors {
+        let words = Avx512::splat(x).0;
+        Avx512Factors { even: words, odd: words }
+    }
+
+    #[inline(always)]
+    fn mulhilo(self, by: Avx512Factors) -> (Avx512Factors, Avx512Factors) {
+        unsafe {
+            let low = Avx512Factors {
+                even: _mm512_mul_epu32(self.even, by.even),
+                odd: _mm512_mul_epu32(self.odd, by.odd),
+            };
+            (Avx512Factors { even: odd(low.even), odd: odd(low.odd) }, low)
+        }
+    }
+}
+
+impl Factor for Avx512 {
     #[inline(always)]
     fn splat(x: u32) -> Avx512 {
         unsafe { Avx512(_mm512_set1_epi32(x as i32)) }
     }
+
+    #[inline(always)]
+    fn mulhilo(self, by: Avx512) -> (Avx512, Avx512) {
+        unsafe {
+            let even = _mm512_mul_epu32(self.0, by.0);
+            let odd = _mm512_mul_epu32(odd(self.0), odd(by.0));
+            let high = _mm512_mask_shuffle_epi32::<0b11_11_01_01>(odd, !ODD, even);
+            // A shuffle and no shift: the compiler would draw the shift into the product, and make it a slow 64-bit one.
+            let low = _mm512_mask_shuffle_epi32::<0b10_10_00_00>(even, ODD, odd);
+            (Avx512(high), Avx512(low))
+        }
+    }
+}
+
+impl Word for Avx512 {
+    type Factors = Avx512Factors;
+    type Wide = Avx512Wide;
+    const LANES: usize = 16;
 
     #[inline(always)]
     fn iota() -> Avx512 {
@@ -88,15 +143,13 @@ impl Word for Avx512 {
     }
 
     #[inline(always)]
-    fn mulhilo(self, by: Avx512) -> (Avx512, Avx512) {
-        unsafe {
-            let even = _mm512_mul_epu32(self.0, by.0);
-            let odd = _mm512_mul_epu32(odd(self.0), odd(by.0));
-            let high = _mm512_mask_shuffle_epi32::<0b11_11_01_01>(odd, !ODD, even);
-            // A shuffle and no shift: the compiler would draw the shift into the product, and make it a slow 64-bit one.
-            let low = _mm512_mask_shuffle_epi32::<0b10_10_00_00>(even, ODD, odd);
-            (Avx512(high), Avx512(low))
-        }
+    fn factors(self) -> Avx512Factors {
+        Avx512Factors { even: self.0, odd: odd(self.0) }
+    }
+
+    #[inline(always)]
+    fn of_factors(factors: Avx512Factors) -> Avx512 {
+        unsafe { Avx512(_mm512_mask_shuffle_epi32::<0b10_10_00_00>(factors.even, ODD, factors.odd)) }
     }
 
     #[inline(always)]
@@ -110,10 +163,10 @@ impl Word for Avx512 {
     }
 
     #[inline(always)]
-    fn lookup(table: &PairTable, index: Avx512) -> (Avx512, Avx512) {
+    unsafe fn lookup(table: &PairTable, index: Avx512) -> (Avx512, Avx512) {
         unsafe {
-            // Pairs are fetched as 64-bit words: half the loads of two 32-bit gathers. The mask keeps them in the table.
-            let index = _mm512_and_si512(index.0, _mm512_set1_epi32(511));
+            // Pairs are fetched as 64-bit words: half the loads of two 32-bit gathers.
+            let index = index.0;
             let from = table.as_ptr().cast();
             let low = _mm512_i32gather_epi64::<8>(_mm512_castsi512_si256(index), from);
             let high = _mm512_i32gather_epi64::<8>(_mm512_extracti64x4_epi64::<1>(index), from);
@@ -122,6 +175,14 @@ impl Word for Avx512 {
             let first = _mm512_permutex2var_epi32(low, firsts, high);
             let second = _mm512_permutex2var_epi32(low, seconds, high);
             (Avx512(first), Avx512(second))
+        }
+    }
+
+    #[inline(always)]
+    fn with_sign(self, sign: Avx512) -> Avx512 {
+        unsafe {
+            let negative = _mm512_movepi32_mask(sign.0);
+            Avx512(_mm512_mask_sub_epi32(self.0, negative, _mm512_setzero_si512(), self.0))
         }
     }
 
@@ -141,6 +202,19 @@ impl core::ops::Add for Avx512Wide {
             Avx512Wide {
                 even: _mm512_add_epi64(self.even, other.even),
                 odd: _mm512_add_epi64(self.odd, other.odd),
+            }
+        }
+    }
+}
+
+impl core::ops::Sub for Avx512Wide {
+    type Output = Avx512Wide;
+    #[inline(always)]
+    fn sub(self, other: Avx512Wide) -> Avx512Wide {
+        unsafe {
+            Avx512Wide {
+                even: _mm512_sub_epi64(self.even, other.even),
+                odd: _mm512_sub_epi64(self.odd, other.odd),
             }
         }
     }
@@ -178,11 +252,6 @@ impl Wide for Avx512Wide {
             let (even, odd) = (_mm512_srl_epi64(self.even, n), _mm512_srl_epi64(self.odd, n));
             Avx512(_mm512_mask_blend_epi32(ODD, even, _mm512_slli_epi64::<32>(odd)))
         }
-    }
-
-    #[inline(always)]
-    fn total_signed(self) -> i128 {
-        self.lanes().iter().map(|&lane| i128::from(lane as i64)).sum()
     }
 
     #[inline(always)]

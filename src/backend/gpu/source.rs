@@ -48,9 +48,8 @@ pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
     let shared_words = estimates * if histogram { BINS.max(staged) } else { staged };
     let constants = [
         ("BEFORE", shape.before),
-        ("BEFORE_LENGTH", shape.before.max(1)),
         ("AFTER", shape.after),
-        ("AFTER_LENGTH", shape.after.max(1)),
+        ("SIDES", shape.sides()),
         ("RESIDUAL_BEFORE", shape.residual_before),
         ("EXTRAPOLATION_BEFORE", shape.extrapolation_before),
         ("FILLERS", shape.fillers),
