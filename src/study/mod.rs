@@ -36,6 +36,7 @@ pub use inputs::{Amplitude, Inputs, TickNoise};
 pub use key::Key;
 pub use point::Point;
 pub use sweep::Sweep;
+pub(crate) use units::round_12;
 pub use units::{Dimension, Quantity, UnitError, parse as parse_quantity};
 
 use diagnose::{Fault, Text, choices};

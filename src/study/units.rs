@@ -119,7 +119,7 @@ impl fmt::Display for Quantity {
 }
 
 /// Rounds to 12 significant decimal digits, through text: exact, and the same everywhere. −0 becomes 0.
-pub(super) fn round_12(x: f64) -> f64 {
+pub(crate) fn round_12(x: f64) -> f64 {
     format!("{x:.11e}").parse().unwrap_or(x) + 0.0
 }
 
