@@ -1,7 +1,5 @@
 //! A figure from the columns of a table.
 
-use std::collections::BTreeSet;
-
 use super::figure::{Axis, Entry, Figure, Grouping, Limit, Series, SeriesPoint, with_unit};
 use super::scale::Scale;
 use super::spec::{ChartError, Notes, Spec};
@@ -23,7 +21,7 @@ impl Figure {
             [colour, dash] => (Some(table.column(colour)?), Some(table.column(dash)?)),
             more => return Err(ChartError::TooManySeries { found: more.len() }),
         };
-        let rows = chosen_rows(table, &spec.filter)?;
+        let rows = table.rows_where(&spec.filter)?;
         let mut figure = Figure {
             title: spec.title.clone(),
             subtitle: spec.subtitle.clone(),
@@ -73,25 +71,6 @@ fn numbers<'t>(table: &'t Table, name: &str) -> Result<&'t Column, ChartError> {
         Some(text) => Err(ChartError::NotNumbers { column: name.to_owned(), example: text.text() }),
         None => Ok(column),
     }
-}
-
-fn chosen_rows(table: &Table, filter: &[(String, String)]) -> Result<Vec<usize>, ChartError> {
-    let mut rows: Vec<usize> = (0..table.rows()).collect();
-    for (name, value) in filter {
-        let column = table.column(name)?;
-        let known: BTreeSet<String> = rows.iter().map(|&row| column.cells[row].text()).collect();
-        rows.retain(|&row| has_value(&column.cells[row], value));
-        if rows.is_empty() && !known.is_empty() {
-            let (column, value) = (name.clone(), value.clone());
-            return Err(ChartError::NoSuchRow { column, value, known: known.into_iter().collect() });
-        }
-    }
-    Ok(rows)
-}
-
-/// Whether a cell shows `value`, or is the same number written differently, as `0.10` for 0.1.
-fn has_value(cell: &Cell, value: &str) -> bool {
-    cell.text() == value || cell.number().is_some_and(|number| value.parse() == Ok(number))
 }
 
 fn axis(column: &Column, scale: Scale) -> Axis {

@@ -60,7 +60,7 @@ impl Notes {
             counted(self.blank, "of the rows have no value"),
             counted(
                 self.repeated,
-                "of the points repeat the x of their curve; name what tells them apart in `series` or `filter`",
+                "of the points repeat the x of their curve; name what tells them apart in `series` or `where`",
             ),
             (!equal.is_empty()).then(|| format!("curves that coincide: {}", equal.join("; "))),
         ];
@@ -72,7 +72,7 @@ impl Notes {
 /// Why a table makes no such chart.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ChartError {
-    /// A name that selects no single column.
+    /// A name that selects no single column, or a filter that leaves nothing.
     #[error(transparent)]
     Column(#[from] ColumnError),
     /// More than two columns to tell curves apart.
@@ -88,15 +88,5 @@ pub enum ChartError {
         column: String,
         /// One of its texts.
         example: String,
-    },
-    /// A filter that leaves nothing.
-    #[error("no row has {column} = `{value}`; there are {}", known.join(", "))]
-    NoSuchRow {
-        /// The header of the column filtered by.
-        column: String,
-        /// The value asked for.
-        value: String,
-        /// The values there are.
-        known: Vec<String>,
     },
 }

@@ -166,7 +166,7 @@ fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
         | ChartError::NotNumbers { column: name, .. } => {
             (place(Box::new(named().chain(rows())), name), column)
         }
-        ChartError::NoSuchRow { column, .. } => {
+        ChartError::Column(ColumnError::NoRow { column, .. }) => {
             (place(Box::new(rows()), column), "`where` takes values that the column has in points.csv")
         }
         ChartError::TooManySeries { .. } => (0..0, column),
