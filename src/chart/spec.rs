@@ -26,7 +26,7 @@ pub struct Spec {
     pub series: Vec<String>,
     /// Only rows with this value in this column are shown: (column, value as files show it).
     pub filter: Vec<(String, String)>,
-    /// A horizontal line, in the unit of y.
+    /// A horizontal line, an angle in ″: y must be one.
     pub limit: Option<f64>,
     /// What the points are, for the legend: `Monte Carlo`, `measured`. Empty: not said.
     pub points: String,
@@ -89,4 +89,16 @@ pub enum ChartError {
         /// One of its texts.
         example: String,
     },
+    /// A limit in ″ on an axis of something else.
+    #[error("`{column}` is {}, a limit in ″ cannot be drawn on it", in_unit(unit))]
+    LimitUnit {
+        /// The name of the column along the vertical axis.
+        column: String,
+        /// The symbol of its unit; empty for a pure number.
+        unit: String,
+    },
+}
+
+fn in_unit(unit: &str) -> String {
+    if unit.is_empty() { "a number without unit".to_owned() } else { format!("in {unit}") }
 }

@@ -158,7 +158,7 @@ impl Study {
             )?,
         };
         let points = base.points()?;
-        let charts = chart::read_all(file.chart, &sweeps)?;
+        let charts = chart::read_all(file.chart, &sweeps, &fillers)?;
         Ok(Study {
             title: file.title,
             question: file.question,

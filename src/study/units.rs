@@ -172,11 +172,6 @@ pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
     }
 }
 
-/// Reads a quantity of any dimension that has a name.
-pub(super) fn parse_any(text: &str) -> Result<Quantity, UnitError> {
-    parse(text, &Dimension::MEASURED)
-}
-
 /// Bytes of the longest number at the start: sign, digits, fraction, exponent.
 fn number_length(text: &str) -> usize {
     let skip = |at: usize, keep: &dyn Fn(char) -> bool, most: usize| {
@@ -197,6 +192,10 @@ fn number_length(text: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn parse_any(text: &str) -> Result<Quantity, UnitError> {
+        parse(text, &Dimension::MEASURED)
+    }
 
     fn value(text: &str) -> f64 {
         parse_any(text).unwrap_or_else(|error| panic!("{text}: {error}")).value
