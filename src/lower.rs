@@ -10,22 +10,36 @@ use crate::kernel::gap_fill::{self, Launch, MAX_FILLERS, Parameters, Shape};
 use crate::kernel::moments::{LIMIT, level};
 use crate::kernel::normal::REACH;
 use crate::store::Address;
-use crate::study::{Filler, Inputs, Phase, Point, Streams};
+use crate::study::{Filler, Inputs, Phase, Point, Streams, round_12};
+use crate::table::significant;
 use crate::theory::gap::{Weights, polynomial_weights, sine_response, tick_amplitude, tick_phase};
 
 /// Why a point cannot be sampled. Each message names the parameter to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LowerError {
-    #[error(
-        "gyro.tick_noise: {sigma_arcsec} ″ of noise are lost beside a motion of {tick_arcsec:.0} ″ per tick in 32-bit arithmetic"
-    )]
-    NoiseTooSmall { sigma_arcsec: f64, tick_arcsec: f64 },
+    #[error("gyro.tick_noise: {} ″ of noise per tick {lost}", significant(*sigma_arcsec, 6))]
+    NoiseTooSmall { sigma_arcsec: f64, lost: Lost },
+    #[error("motion.amplitude: {} ″ of motion per tick {lost}", significant(*tick_arcsec, 6))]
+    MotionTooSmall { tick_arcsec: f64, lost: Lost },
     #[error("switching.fillers: `{filler}` does not determine its polynomial from ticks {ticks:?}")]
     Singular { filler: &'static str, ticks: Vec<i32> },
     #[error(
         "switching.fillers: the weighted sum of the {error} of `{filler}` reaches 2^{bits:.0}, more than its 64-bit sum can hold"
     )]
     TooLarge { filler: &'static str, error: &'static str, bits: f64 },
+}
+
+/// Why a quantity has too few units in the fixed point of a tick.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Lost {
+    /// The other quantity is so large that it takes all 32 bits.
+    #[error("are lost beside a motion of {} ″ per tick in 32-bit arithmetic", significant(*tick_arcsec, 6))]
+    BesideMotion { tick_arcsec: f64 },
+    #[error("are lost beside a noise of {} ″ per tick in 32-bit arithmetic", significant(*sigma_arcsec, 6))]
+    BesideNoise { sigma_arcsec: f64 },
+    /// There is no finer unit.
+    #[error("are too few units of 2^-24 ″, the finest unit of angle")]
+    BelowFinest,
 }
 
 /// Which error of a filler: after the gap is closed, or while it is open.
@@ -87,7 +101,7 @@ pub struct Lowered {
 struct Tone {
     gap_ticks: u32,
     nu_t: f64,
-    /// Peak angle of a tick, in LSB.
+    /// Angle of a tick at the peak of the rate, in LSB.
     amplitude: f64,
     phase: u32,
     phase_spread: u32,
@@ -97,6 +111,13 @@ struct Tone {
 /// Units of the kernel's parameters per LSB.
 const ANGLE_UNITS: f64 = 4.0;
 const SIGMA_UNITS: f64 = 16.0;
+
+/// Fewest units of σ: it is then rounded by at most 1 %.
+const LEAST_SIGMA: f64 = 50.0;
+
+/// Fewest units of the peak angle of a tick: it is then rounded by less than 0.1 %. Motion without noise has more even
+/// where the longest gap leaves the least room.
+const LEAST_MOTION: f64 = 512.0;
 
 /// Headroom kept for fillers other than the three polynomials on their default ticks.
 const RESERVE: f64 = 4.0;
@@ -109,6 +130,7 @@ impl LowerError {
     pub fn key(&self) -> &'static str {
         match self {
             LowerError::NoiseTooSmall { .. } => "gyro.tick_noise",
+            LowerError::MotionTooSmall { .. } => "motion.amplitude",
             LowerError::Singular { .. } | LowerError::TooLarge { .. } => "switching.fillers",
         }
     }
@@ -117,6 +139,10 @@ impl LowerError {
     pub fn help(&self) -> &'static str {
         match self {
             LowerError::NoiseTooSmall { .. } => "make the noise larger, or 0",
+            LowerError::MotionTooSmall { lost: Lost::BelowFinest, .. } => "make the motion larger, or 0",
+            LowerError::MotionTooSmall { .. } => {
+                "make the motion larger, or 0; or the noise smaller, or the gap shorter"
+            }
             LowerError::Singular { .. } => "give it more ticks, or a lower order",
             LowerError::TooLarge { .. } => {
                 "leave the filler out, move its ticks nearer to the gap, or shorten the gap"
@@ -149,11 +175,20 @@ impl Lowered {
             Phase::ZeroCrossing => (0, 0),
             Phase::Extremum => (1 << 30, 0),
         };
-        let sigma = libm::round(sigma_arcsec / lsb_arcsec * SIGMA_UNITS) as u32;
-        if sigma_arcsec > 0.0 && sigma < 50 {
-            return Err(LowerError::NoiseTooSmall { sigma_arcsec, tick_arcsec });
+        let finest = lsb_arcsec == libm::exp2(-f64::from(FINEST));
+        let sigma = libm::round(sigma_arcsec / lsb_arcsec * SIGMA_UNITS);
+        if sigma_arcsec > 0.0 && sigma < LEAST_SIGMA {
+            let tick_arcsec = tick_arcsec.abs();
+            let lost = if finest { Lost::BelowFinest } else { Lost::BesideMotion { tick_arcsec } };
+            return Err(LowerError::NoiseTooSmall { sigma_arcsec, lost });
         }
+        let sigma = sigma as u32;
         let amplitude = tick_arcsec / lsb_arcsec;
+        if amplitude != 0.0 && amplitude.abs() * ANGLE_UNITS < LEAST_MOTION {
+            let tick_arcsec = tick_arcsec.abs();
+            let lost = if finest { Lost::BelowFinest } else { Lost::BesideNoise { sigma_arcsec } };
+            return Err(LowerError::MotionTooSmall { tick_arcsec, lost });
+        }
         let tone = Tone { gap_ticks, nu_t, amplitude, phase, phase_spread, sigma };
         let fillers = fillers
             .iter()
@@ -342,7 +377,7 @@ fn words_of(x: f64) -> [u32; 2] {
 /// What a point's draws and truth depend on, each to 12 significant digits.
 #[derive(Debug, Clone, Copy)]
 struct Physical {
-    /// Peak angle of a tick.
+    /// Angle of a tick with the peak of the rate at its middle, negative where sinc(νT) is.
     tick_arcsec: f64,
     sigma_arcsec: f64,
     nu_t: f64,
@@ -352,18 +387,15 @@ struct Physical {
 
 /// The inputs by what they come to: a motion given as a rate or as an angle is the same motion.
 fn canonical(inputs: &Inputs) -> Physical {
-    let (tick_s, frequency_hz) = (digits12(inputs.tick_s), digits12(inputs.frequency_hz));
+    let (tick_s, frequency_hz) = (round_12(inputs.tick_s), round_12(inputs.frequency_hz));
+    let nu_t = round_12(tick_s * frequency_hz);
     Physical {
-        tick_arcsec: digits12(digits12(inputs.rate_amplitude()) * tick_amplitude(tick_s, frequency_hz)).abs(),
-        sigma_arcsec: digits12(inputs.sigma_arcsec()),
-        nu_t: digits12(tick_s * frequency_hz),
+        tick_arcsec: round_12(round_12(inputs.rate_amplitude()) * tick_amplitude(tick_s, nu_t)),
+        sigma_arcsec: round_12(inputs.sigma_arcsec()),
+        nu_t,
         gap_ticks: inputs.gap_ticks,
         phase: inputs.phase,
     }
-}
-
-fn digits12(x: f64) -> f64 {
-    format!("{x:.11e}").parse().unwrap_or(x)
 }
 
 fn point_id(inputs: &Physical, seed: u64, streams: Streams) -> Id {
@@ -389,6 +421,7 @@ fn estimate_id(filler: Filler, error: Error, ticks: &[i32]) -> Id {
 fn lsb(inputs: &Physical) -> f64 {
     let &Physical { tick_arcsec, sigma_arcsec, nu_t, gap_ticks, .. } = inputs;
     let n = gap_ticks as i32;
+    let tick_arcsec = tick_arcsec.abs();
     let mut worst = f64::from(gap_ticks + 1) * (tick_arcsec + REACH * sigma_arcsec);
     for order in 0..3 {
         for ticks in [[-1, 0, n + 1, n + 2], [-3, -2, -1, 0]] {

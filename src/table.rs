@@ -1,5 +1,6 @@
 //! The table: named columns with units, the only thing that files, charts, reports and JSON read.
 
+use std::collections::BTreeSet;
 use std::io;
 
 /// What the numbers of a column are measured in.
@@ -48,6 +49,11 @@ impl Cell {
             Cell::Number(x) => significant(*x, 9),
         }
     }
+
+    /// Whether files show the cell as `value`, or it is the same number written differently, as `0.10` for 0.1.
+    fn shows(&self, value: &str) -> bool {
+        self.text() == value || self.number().is_some_and(|number| value.parse() == Ok(number))
+    }
 }
 
 impl From<Option<f64>> for Cell {
@@ -81,13 +87,15 @@ impl Column {
     }
 }
 
-/// Why a name given by the user selects no single column.
+/// Why what the user named selects no single column, or no row.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ColumnError {
     #[error("no column is called `{name}`; there are {}", known.join(", "))]
     Unknown { name: String, known: Vec<String> },
     #[error("`{name}` may mean {}; write the whole name", candidates.join(" or "))]
     Ambiguous { name: String, candidates: Vec<String> },
+    #[error("no row has {column} = `{value}`; there are {}", known.join(", "))]
+    NoRow { column: String, value: String, known: Vec<String> },
 }
 
 /// Columns of equal length.
@@ -102,28 +110,36 @@ impl Table {
         self.columns.first().map_or(0, |column| column.cells.len())
     }
 
-    /// The column a user means by `name`: its header, its name, or its name without the part before the last dot.
+    /// The column a user means by `name`: its header or its name, each with or without the part before the last dot.
     ///
     /// # Errors
     /// No such column, or several.
     pub fn column(&self, name: &str) -> Result<&Column, ColumnError> {
-        let bare = |column: &Column| column.name.rsplit('.').next() == Some(name);
-        let exact = |column: &&Column| column.header() == name || column.name == name;
-        if let Some(column) = self.columns.iter().find(exact) {
-            return Ok(column);
+        find(&self.columns, name)
+    }
+
+    /// The rows in which every named column shows its value: (column, value as files show it).
+    ///
+    /// # Errors
+    /// A name selects no single column, or a value none of the rows left by those before it.
+    pub fn rows_where<N: AsRef<str>, V: AsRef<str>>(
+        &self,
+        filter: &[(N, V)],
+    ) -> Result<Vec<usize>, ColumnError> {
+        let mut rows: Vec<usize> = (0..self.rows()).collect();
+        for (name, value) in filter {
+            let (column, value) = (self.column(name.as_ref())?, value.as_ref());
+            let known: BTreeSet<String> = rows.iter().map(|&row| column.cells[row].text()).collect();
+            rows.retain(|&row| column.cells[row].shows(value));
+            if rows.is_empty() && !known.is_empty() {
+                return Err(ColumnError::NoRow {
+                    column: name.as_ref().to_owned(),
+                    value: value.to_owned(),
+                    known: known.into_iter().collect(),
+                });
+            }
         }
-        let found: Vec<&Column> = self.columns.iter().filter(|column| bare(column)).collect();
-        match found[..] {
-            [column] => Ok(column),
-            [] => Err(ColumnError::Unknown {
-                name: name.to_owned(),
-                known: self.columns.iter().map(Column::header).collect(),
-            }),
-            _ => Err(ColumnError::Ambiguous {
-                name: name.to_owned(),
-                candidates: found.iter().map(|column| column.header()).collect(),
-            }),
-        }
+        Ok(rows)
     }
 
     /// Writes the table as CSV: a header, then the rows; blanks stay empty.
@@ -137,6 +153,28 @@ impl Table {
             writer.write_record(self.columns.iter().map(|column| column.cells[row].text()))?;
         }
         writer.flush()
+    }
+}
+
+/// The column that [`Table::column`] finds, among columns that need not be a table.
+pub(crate) fn find<'c>(columns: &'c [Column], name: &str) -> Result<&'c Column, ColumnError> {
+    let exact = |column: &&Column| column.header() == name || column.name == name;
+    if let Some(column) = columns.iter().find(exact) {
+        return Ok(column);
+    }
+    let is_end_of = |whole: &str| whole.rsplit('.').next() == Some(name);
+    let bare = |column: &&Column| is_end_of(&column.name) || is_end_of(&column.header());
+    let found: Vec<&Column> = columns.iter().filter(bare).collect();
+    match found[..] {
+        [column] => Ok(column),
+        [] => Err(ColumnError::Unknown {
+            name: name.to_owned(),
+            known: columns.iter().map(Column::header).collect(),
+        }),
+        _ => Err(ColumnError::Ambiguous {
+            name: name.to_owned(),
+            candidates: found.iter().map(|column| column.header()).collect(),
+        }),
     }
 }
 
@@ -171,7 +209,7 @@ mod tests {
     fn a_name_finds_its_column_with_or_without_prefix_and_unit() {
         let table =
             Table { columns: vec![column("motion.frequency", Unit::HZ), column("rms", Unit::ARCSEC)] };
-        for name in ["motion.frequency_hz", "motion.frequency", "frequency"] {
+        for name in ["motion.frequency_hz", "motion.frequency", "frequency_hz", "frequency"] {
             assert_eq!(table.column(name).unwrap().header(), "motion.frequency_hz");
         }
         assert_eq!(table.column("rms").unwrap().header(), "rms_arcsec");
@@ -188,6 +226,27 @@ mod tests {
             table.column("y").unwrap_err().to_string(),
             "no column is called `y`; there are a.x_hz, b.x_s"
         );
+    }
+
+    #[test]
+    fn rows_are_chosen_by_the_values_that_files_show_and_a_value_that_is_not_there_is_told() {
+        let with = |name: &str, cells: Vec<Cell>| Column { cells, ..column(name, Unit::NONE) };
+        let text = |name: &str| Cell::Text(name.to_owned());
+        let table = Table {
+            columns: vec![
+                with("a.filler", vec![text("const"), text("const"), text("linear")]),
+                with("x", vec![Cell::Number(0.1), Cell::Number(1.0 / 3.0), Cell::Integer(2)]),
+            ],
+        };
+        assert_eq!(table.rows_where(&[("filler", "const")]), Ok(vec![0, 1]));
+        assert_eq!(table.rows_where(&[("filler", "const"), ("x", "0.333333333")]), Ok(vec![1]));
+        assert_eq!(
+            (table.rows_where(&[("x", "0.10")]), table.rows_where(&[("x", "2")])),
+            (Ok(vec![0]), Ok(vec![2]))
+        );
+        assert_eq!(table.rows_where::<&str, &str>(&[]), Ok(vec![0, 1, 2]));
+        let error = table.rows_where(&[("filler", "linear"), ("x", "0.1")]).unwrap_err();
+        assert_eq!(error.to_string(), "no row has x = `0.1`; there are 2");
     }
 
     #[test]

@@ -44,15 +44,11 @@ pub enum Outcome {
 /// The answer for every curve, in the order of the table.
 ///
 /// # Errors
-/// A name selects no single column.
+/// A name selects no single column, or a filter leaves no row.
 pub fn verdict(table: &Table, question: &Question) -> Result<Vec<Answer>, ColumnError> {
     let x = table.column(question.x)?;
     let error = table.column("q9973")?;
     let series = question.series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
-    let mut filter = Vec::new();
-    for (name, value) in &question.filter {
-        filter.push((table.column(name)?, value));
-    }
     // Wherever the curve runs along, the frequency and Δt·ν are told too.
     let mut coordinates = vec![x];
     for name in ["motion.frequency", "dt_nu"] {
@@ -60,9 +56,8 @@ pub fn verdict(table: &Table, question: &Question) -> Result<Vec<Answer>, Column
     }
     let mut curves: Vec<Vec<usize>> = Vec::new();
     let mut place = BTreeMap::new();
-    for row in 0..table.rows() {
-        let wanted = filter.iter().all(|(column, value)| column.cells[row].text() == **value);
-        if wanted && x.cells[row].number().is_some() && error.cells[row].number().is_some() {
+    for row in table.rows_where(&question.filter)? {
+        if x.cells[row].number().is_some() && error.cells[row].number().is_some() {
             let key: Vec<String> = series.iter().map(|column| column.cells[row].text()).collect();
             let next = curves.len();
             let curve = *place.entry(key).or_insert(next);

@@ -222,12 +222,14 @@ fn charts_that_name_what_is_not_there_are_refused() {
     refused(
         &chart("y = \"rms\"\nwhere = { errors = \"residual\" }"),
         "15:11",
-        &["no column is called `errors`"],
+        &["`where` cannot choose rows by `errors`", "did you mean `error`?"],
     );
-    refused(&chart("y = \"rms\"\nwhere = { error = \"residuals\" }"), "15:11", &["residuals", "residual"]);
+    refused(&chart("y = \"rms\"\nwhere = { trials = 0 }"), "15:11", &["by `trials`", "filler, error"]);
+    refused(&chart("y = \"rms\"\nwhere = { rms = \"\" }"), "15:11", &["by `rms`", "filler, error"]);
+    refused(&chart("y = \"rms\"\nwhere = { error = \"residuals\" }"), "15:19", &["residuals", "residual"]);
     refused(
         &chart("y = \"rms\"\nwhere = { filler = \"linear\" }"),
-        "15:11",
+        "15:20",
         &["linear", "const", "quadratic"],
     );
     let swept = |lines: &str| {
@@ -235,9 +237,16 @@ fn charts_that_name_what_is_not_there_are_refused() {
     };
     refused(
         &swept("y = \"rms\"\nwhere = { frequency = \"6 Hz\" }"),
-        "15:11",
-        &["frequency = `6`", "there are 20, 5"],
+        "15:23",
+        &["no point has motion.frequency = 6 Hz", "accepted: 5 Hz, 20 Hz"],
     );
+    refused(&chart("y = \"rms\"\nlimit = \"0 arcsec\""), "15:9", &["chart.limit = 0 ″", "not above 0"]);
+    refused(
+        &chart("y = \"z\"\nlimit = \"10 arcsec\""),
+        "14:5",
+        &["`z` is a number without unit, a limit in ″ cannot be drawn on it", "leave out the limit"],
+    );
+    refused(&swept("y = \"frequency_hz\"\nlimit = \"10 arcsec\""), "14:5", &["`frequency_hz` is in Hz"]);
 }
 
 #[test]

@@ -281,6 +281,102 @@ fn the_reference_weights_are_those_of_the_theorys_table() {
     }
 }
 
+/// Error of a filler for the rate A_Ω sin(2πν(t − middle) + φ), from the angle's change over each tick.
+fn error_of_motion(ticks: &[f64], order: i32, n: i32, frequency: f64, phase: f64) -> f64 {
+    let (tick_s, rate) = (0.005, 12000.0);
+    let turn = 2.0 * std::f64::consts::PI * frequency * tick_s;
+    let angle = |time: f64| -rate / (turn / tick_s) * (turn * (time - 0.5 * f64::from(n)) + phase).cos();
+    let tick = |j: f64| angle(j) - angle(j - 1.0);
+    let filled: f64 = ticks.iter().zip(weights(ticks, order, n)).map(|(&j, w)| w * tick(j)).sum();
+    filled - (angle(f64::from(n)) - angle(0.0))
+}
+
+/// Values that the closed form of E = a + s·z has at a fixed phase.
+struct FixedPhase {
+    phase: &'static str,
+    sigma: f64,
+    frequency: f64,
+    n: i32,
+}
+
+impl FixedPhase {
+    /// a and s of a row.
+    fn expected(&self, row: &Row) -> (f64, f64) {
+        let order = ["const", "linear", "quadratic"].iter().position(|&name| name == row.text("filler"));
+        let (order, n) = (order.unwrap() as i32, f64::from(self.n));
+        let residual = row.text("error") == "residual";
+        let ticks = if residual { [-1.0, 0.0, n + 1.0, n + 2.0] } else { [-3.0, -2.0, -1.0, 0.0] };
+        let phase = if self.phase == "extremum" { std::f64::consts::FRAC_PI_2 } else { 0.0 };
+        let gain = weights(&ticks, order, self.n).iter().map(|w| w * w).sum::<f64>().sqrt();
+        (error_of_motion(&ticks, order, self.n, self.frequency, phase), self.sigma * gain)
+    }
+}
+
+/// Calls `check` with every row of studies at fixed phases: below and above the tick rate, where sinc(νT) is negative
+/// between 200 and 400 Hz.
+fn at_fixed_phases(check: impl Fn(&FixedPhase, &Row)) {
+    for phase in ["extremum", "zero-crossing"] {
+        for sigma in [0.5, 0.05] {
+            let (phase_line, sigma_line) =
+                (format!("phase = \"{phase}\""), format!("std = \"{sigma} arcsec\""));
+            let table = run_afresh(&study(&[
+                (
+                    ALL_FREQUENCIES,
+                    r#"list = ["3 Hz", "20 Hz", "47 Hz", "130 Hz", "230 Hz", "300 Hz", "450 Hz"]"#,
+                ),
+                ("list = [1, 2, 3]", "list = [1, 3]"),
+                ("1_000_000", "200_000"),
+                ("phase = \"uniform\"", &phase_line),
+                ("three_sigma = \"1.6 arcsec\"", &sigma_line),
+            ]));
+            assert_eq!(rows(&table).count(), 7 * 2 * 3 * 2);
+            for row in rows(&table) {
+                let frequency = row.number("motion.frequency");
+                let n = row.number("switching.gap_ticks") as i32;
+                check(&FixedPhase { phase, sigma, frequency, n }, &row);
+            }
+        }
+    }
+}
+
+#[test]
+fn the_mean_at_a_fixed_phase_is_the_error_of_the_motion_with_its_sign() {
+    at_fixed_phases(|at, row| {
+        let (a, s) = at.expected(row);
+        let (mean, trials) = (row.number("mean"), row.number("trials"));
+        // The rounding of ticks adds up to less than 1e-3 ″, see the zero crossing without noise.
+        let bound = 5.0 * s / trials.sqrt() + 1e-3;
+        assert!((mean - a).abs() < bound, "mean {mean}, not {a} ± {bound}, {}: {}", at.phase, row.place());
+    });
+}
+
+#[test]
+fn at_a_fixed_phase_the_rms_and_its_standard_error_are_those_of_the_closed_form() {
+    at_fixed_phases(|at, row| {
+        let (a, s) = at.expected(row);
+        // E = a + s·z: Var(E²) = 4a²s² + 2s⁴.
+        let variance = 4.0 * a * a * s * s + 2.0 * s.powi(4);
+        let expected = (variance / row.number("trials")).sqrt() / (2.0 * a.hypot(s));
+        let (se, z) = (row.number("rms_se"), row.number("z"));
+        // 200,000 trials give σ to 0.16 %, and the bins the rest to 0.4 %.
+        assert!((se / expected - 1.0).abs() < 0.02, "se {se}, not {expected}, {}: {}", at.phase, row.place());
+        assert!(z.abs() < 5.0, "z = {z}, {}: {}", at.phase, row.place());
+    });
+}
+
+#[test]
+fn a_constant_error_has_no_standard_error_left() {
+    let table = run_afresh(&study(&[
+        AT_20_HZ,
+        ("1_000_000", "10_000"),
+        ("phase = \"uniform\"", "phase = \"extremum\""),
+        ("three_sigma = \"1.6 arcsec\"", "std = \"0 arcsec\""),
+    ]));
+    for row in rows(&table) {
+        assert!(row.number("rms_se") == 0.0 && row.number("z").abs() <= 1.0, "{}", row.place());
+    }
+}
+
 #[test]
 fn a_gap_centred_on_the_zero_crossing_without_noise_leaves_only_rounding() {
     let changes = [
@@ -529,6 +625,74 @@ fn noise_that_the_arithmetic_would_lose_is_refused_by_name() {
     let study = study(&changes);
     let shown = Plan::new(&study).unwrap_err().render(false, 120);
     assert!(shown.contains("study.toml:9") && shown.contains("gyro.tick_noise"), "{shown}");
+}
+
+#[test]
+fn noise_below_the_finest_unit_is_not_blamed_on_a_motion_that_is_not_there() {
+    let tiny = Configuration::new("tiny noise alone", |c| {
+        c.point.inputs.amplitude = Amplitude::Rate(0.0);
+        c.point.inputs.tick_noise = TickNoise::Std(1e-9);
+    });
+    let shown = lower(&tiny).unwrap_err().to_string();
+    assert_eq!(
+        shown,
+        "gyro.tick_noise: 1e-9 ″ of noise per tick are too few units of 2^-24 ″, the finest unit of angle"
+    );
+}
+
+#[test]
+fn motion_that_the_arithmetic_would_lose_is_refused_by_name() {
+    let motion = |rate, sigma| {
+        Configuration::new("small motion", |c| {
+            c.point.inputs.amplitude = Amplitude::Rate(rate);
+            c.point.inputs.tick_noise = TickNoise::Std(sigma);
+        })
+    };
+    for (rate, sigma, cause) in
+        [(1e-2, 1.0, "a noise of 1 ″"), (1e-4, 0.0, "2^-24 ″"), (1e-9, 0.0, "2^-24 ″")]
+    {
+        let error = lower(&motion(rate, sigma)).unwrap_err();
+        assert!(matches!(error, LowerError::MotionTooSmall { .. }), "{rate} ″/s beside {sigma} ″: {error}");
+        let shown = error.to_string();
+        assert!(shown.starts_with(error.key()) && shown.contains(cause), "{shown}");
+    }
+    for (rate, sigma) in [(10.0, 1.0), (1e-1, 0.0), (0.0, 1.0), (0.0, 0.0)] {
+        lower(&motion(rate, sigma)).unwrap_or_else(|error| panic!("{rate} ″/s beside {sigma} ″: {error}"));
+    }
+
+    let changes = [&papers_point("1")[..], &[("12000 arcsec/s", "0.01 arcsec/s")]].concat();
+    let study = study(&changes);
+    let shown = Plan::new(&study).unwrap_err().render(false, 120);
+    assert!(shown.contains("study.toml:12") && shown.contains("motion.amplitude"), "{shown}");
+}
+
+#[test]
+fn no_gap_is_too_long_for_motion_without_noise() {
+    for gap_ticks in [1, 16, 48, 64] {
+        for k in 1..=200 {
+            let frequency_hz = 10.1 * f64::from(k);
+            // Two amplitudes to meet a power of two from either side.
+            for rate in [12000.0, 17000.0] {
+                let long = Configuration::new("long gap", |c| {
+                    c.point.inputs.gap_ticks = gap_ticks;
+                    c.point.inputs.frequency_hz = frequency_hz.min(2000.0);
+                    c.point.inputs.amplitude = Amplitude::Rate(rate);
+                    c.point.inputs.tick_noise = TickNoise::Std(0.0);
+                    let n = gap_ticks as i32;
+                    c.point.fit_ticks = vec![-1, 0, n + 1, n + 2];
+                });
+                lower(&long).unwrap_or_else(|error| panic!("n = {gap_ticks}, {frequency_hz} Hz: {error}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_vibration_of_whole_turns_in_a_tick_leaves_no_motion() {
+    let changes = [&papers_point("1")[..], &[("20 Hz\"]", "200 Hz\", \"600 Hz\"]")]].concat();
+    for row in rows(&run_afresh(&study(&changes))) {
+        assert_eq!(row.number("oracle_max"), 0.0, "{}", row.place());
+    }
 }
 
 #[test]

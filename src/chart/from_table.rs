@@ -1,20 +1,22 @@
 //! A figure from the columns of a table.
 
-use std::collections::BTreeSet;
-
 use super::figure::{Axis, Entry, Figure, Grouping, Limit, Series, SeriesPoint, with_unit};
 use super::scale::Scale;
 use super::spec::{ChartError, Notes, Spec};
-use crate::table::{Cell, Column, Table, significant};
+use crate::table::{Cell, Column, Table, Unit, significant};
 
 impl Figure {
     /// The chart of `table` that `spec` describes. Curves stand in the order of their first rows, and points by rising x;
     /// curves that coincide are merged by [`Figure::merge_coincident`].
     ///
     /// # Errors
-    /// A column that is not there, holds text instead of numbers, or has no row with a value asked for.
+    /// A limit where y is no angle, a column that is not there, holds text instead of numbers, or has no row with a value asked for.
     pub fn from_table(table: &Table, spec: &Spec) -> Result<(Figure, Notes), ChartError> {
         let (x, y) = (numbers(table, &spec.x)?, numbers(table, &spec.y)?);
+        if spec.limit.is_some() && y.unit != Unit::ARCSEC {
+            let (column, unit) = (spec.y.clone(), y.unit.symbol.to_owned());
+            return Err(ChartError::LimitUnit { column, unit });
+        }
         let oracle = format!("oracle_{}", y.name);
         let oracle = table.columns.iter().find(|column| column.name == oracle);
         let (colours, dashes) = match &spec.series[..] {
@@ -23,7 +25,7 @@ impl Figure {
             [colour, dash] => (Some(table.column(colour)?), Some(table.column(dash)?)),
             more => return Err(ChartError::TooManySeries { found: more.len() }),
         };
-        let rows = chosen_rows(table, &spec.filter)?;
+        let rows = table.rows_where(&spec.filter)?;
         let mut figure = Figure {
             title: spec.title.clone(),
             subtitle: spec.subtitle.clone(),
@@ -75,25 +77,6 @@ fn numbers<'t>(table: &'t Table, name: &str) -> Result<&'t Column, ChartError> {
     }
 }
 
-fn chosen_rows(table: &Table, filter: &[(String, String)]) -> Result<Vec<usize>, ChartError> {
-    let mut rows: Vec<usize> = (0..table.rows()).collect();
-    for (name, value) in filter {
-        let column = table.column(name)?;
-        let known: BTreeSet<String> = rows.iter().map(|&row| column.cells[row].text()).collect();
-        rows.retain(|&row| has_value(&column.cells[row], value));
-        if rows.is_empty() && !known.is_empty() {
-            let (column, value) = (name.clone(), value.clone());
-            return Err(ChartError::NoSuchRow { column, value, known: known.into_iter().collect() });
-        }
-    }
-    Ok(rows)
-}
-
-/// Whether a cell shows `value`, or is the same number written differently, as `0.10` for 0.1.
-fn has_value(cell: &Cell, value: &str) -> bool {
-    cell.text() == value || cell.number().is_some_and(|number| value.parse() == Ok(number))
-}
-
 fn axis(column: &Column, scale: Scale) -> Axis {
     Axis { label: column.label.clone(), unit: column.unit.symbol.to_owned(), scale }
 }
@@ -139,7 +122,6 @@ fn curve(series: &mut Vec<Series>, colour: usize, dash: usize) -> &mut Series {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::Unit;
 
     fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
         Column { name: name.to_owned(), label: name.to_owned(), unit, cells, band: None }
@@ -225,6 +207,7 @@ mod tests {
             Figure::from_table(&table, &Spec { series: vec!["filler".to_owned()], ..spec() }).unwrap();
         assert_eq!((notes.left_out, notes.blank, notes.repeated), (1, 1, 8));
         let sentence = notes.sentence().unwrap();
+        assert!(sentence.contains("in `series` or `where`"), "{sentence}");
         assert!(sentence.starts_with("1 of the points cannot be shown on these axes"), "{sentence}");
         assert_eq!(Notes::default().sentence(), None);
     }
@@ -243,5 +226,13 @@ mod tests {
         assert!(matches!(Figure::from_table(&table(), &text), Err(ChartError::NotNumbers { .. })));
         let three = Spec { series: vec!["filler".to_owned(); 3], ..spec() };
         assert_eq!(Figure::from_table(&table(), &three), Err(ChartError::TooManySeries { found: 3 }));
+    }
+
+    #[test]
+    fn a_limit_is_drawn_on_angles_only() {
+        let frequency = Spec { y: "frequency".to_owned(), ..spec() };
+        let error = Figure::from_table(&table(), &frequency).unwrap_err().to_string();
+        assert_eq!(error, "`frequency` is in Hz, a limit in ″ cannot be drawn on it");
+        assert!(Figure::from_table(&table(), &Spec { limit: None, ..frequency }).is_ok());
     }
 }

@@ -26,7 +26,7 @@ pub struct Spec {
     pub series: Vec<String>,
     /// Only rows with this value in this column are shown: (column, value as files show it).
     pub filter: Vec<(String, String)>,
-    /// A horizontal line, in the unit of y.
+    /// A horizontal line, an angle in ″: y must be one.
     pub limit: Option<f64>,
     /// What the points are, for the legend: `Monte Carlo`, `measured`. Empty: not said.
     pub points: String,
@@ -60,7 +60,7 @@ impl Notes {
             counted(self.blank, "of the rows have no value"),
             counted(
                 self.repeated,
-                "of the points repeat the x of their curve; name what tells them apart in `series` or `filter`",
+                "of the points repeat the x of their curve; name what tells them apart in `series` or `where`",
             ),
             (!equal.is_empty()).then(|| format!("curves that coincide: {}", equal.join("; "))),
         ];
@@ -72,7 +72,7 @@ impl Notes {
 /// Why a table makes no such chart.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ChartError {
-    /// A name that selects no single column.
+    /// A name that selects no single column, or a filter that leaves nothing.
     #[error(transparent)]
     Column(#[from] ColumnError),
     /// More than two columns to tell curves apart.
@@ -89,14 +89,16 @@ pub enum ChartError {
         /// One of its texts.
         example: String,
     },
-    /// A filter that leaves nothing.
-    #[error("no row has {column} = `{value}`; there are {}", known.join(", "))]
-    NoSuchRow {
-        /// The header of the column filtered by.
+    /// A limit in ″ on an axis of something else.
+    #[error("`{column}` is {}, a limit in ″ cannot be drawn on it", in_unit(unit))]
+    LimitUnit {
+        /// The name of the column along the vertical axis.
         column: String,
-        /// The value asked for.
-        value: String,
-        /// The values there are.
-        known: Vec<String>,
+        /// The symbol of its unit; empty for a pure number.
+        unit: String,
     },
+}
+
+fn in_unit(unit: &str) -> String {
+    if unit.is_empty() { "a number without unit".to_owned() } else { format!("in {unit}") }
 }

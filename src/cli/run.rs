@@ -166,9 +166,13 @@ fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
         | ChartError::NotNumbers { column: name, .. } => {
             (place(Box::new(named().chain(rows())), name), column)
         }
-        ChartError::NoSuchRow { column, .. } => {
+        ChartError::Column(ColumnError::NoRow { column, .. }) => {
             (place(Box::new(rows()), column), "`where` takes values that the column has in points.csv")
         }
+        ChartError::LimitUnit { column, .. } => (
+            place(Box::new(std::iter::once(&chart.y)), column),
+            "name an error in ″ as y, or leave out the limit",
+        ),
         ChartError::TooManySeries { .. } => (0..0, column),
     };
     study.error_at(span, format!("chart: {error}"), help)

@@ -8,7 +8,7 @@ const MOST_ROWS: usize = 48;
 /// One column of a table over the first sweep: a line for each of its values, a column for each curve.
 ///
 /// # Errors
-/// A name selects no single column.
+/// A name selects no single column, or the filter leaves no row.
 pub fn pivot(
     table: &Table,
     across: &str,
@@ -19,18 +19,12 @@ pub fn pivot(
     let (across, y) = (table.column(across)?, table.column(y)?);
     let series = series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
     let series: Vec<&Column> = series.into_iter().filter(|column| column.name != across.name).collect();
-    let filter = filter
-        .iter()
-        .map(|(name, value)| table.column(name).map(|column| (column, value)))
-        .collect::<Result<Vec<_>, _>>()?;
     let (mut lines, mut curves, mut cells) = (Vec::new(), Vec::new(), Vec::new());
-    for row in 0..table.rows() {
-        if filter.iter().all(|(column, value)| column.cells[row].text() == **value) {
-            let line = place_of(&mut lines, short(across, row));
-            let name: Vec<String> = series.iter().map(|column| column.cells[row].text()).collect();
-            let curve = place_of(&mut curves, name.join(" "));
-            cells.push((line, curve, short(y, row)));
-        }
+    for row in table.rows_where(filter)? {
+        let line = place_of(&mut lines, short(across, row));
+        let name: Vec<String> = series.iter().map(|column| column.cells[row].text()).collect();
+        let curve = place_of(&mut curves, name.join(" "));
+        cells.push((line, curve, short(y, row)));
     }
     let step = lines.len().div_ceil(MOST_ROWS).max(1);
     let mut grid = vec![vec![String::new(); curves.len() + 1]; lines.len() + 1];

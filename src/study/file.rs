@@ -210,11 +210,12 @@ pub(super) struct ChartTable {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<String>", length(min = 1, max = 2))]
     pub(super) series: Option<Spanned<Vec<Spanned<String>>>>,
-    /// Rows to show: column = value. { error = "residual" } if absent.
+    /// Rows to show: a swept key, filler or error = one of its values. With error = "residual" unless series or this
+    /// names error.
     #[serde(default, rename = "where")]
     #[schemars(with = "BTreeMap<String, ValueSchema>")]
     pub(super) rows: Option<BTreeMap<Spanned<String>, Spanned<Scalar>>>,
-    /// Allowed error, an angle, drawn as a line: "10 arcsec".
+    /// Allowed error, an angle above 0, drawn as a line where y is an error in ″: "10 arcsec".
     #[serde(default)]
     #[schemars(with = "String")]
     pub(super) limit: Option<Spanned<Scalar>>,

@@ -36,6 +36,7 @@ pub use inputs::{Amplitude, Inputs, TickNoise};
 pub use key::Key;
 pub use point::Point;
 pub use sweep::Sweep;
+pub(crate) use units::round_12;
 pub use units::{Dimension, Quantity, UnitError, parse as parse_quantity};
 
 use diagnose::{Fault, Text, choices};
@@ -157,7 +158,7 @@ impl Study {
             )?,
         };
         let points = base.points()?;
-        let charts = chart::read_all(file.chart, &sweeps)?;
+        let charts = chart::read_all(file.chart, &sweeps, &fillers)?;
         Ok(Study {
             title: file.title,
             question: file.question,

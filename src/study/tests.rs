@@ -128,8 +128,10 @@ fn a_chart_is_supplied_where_none_is_written() {
 #[test]
 fn several_charts_keep_the_places_of_their_names() {
     let text = with(
-        "[[chart]]\nx = \"dt_nu\"\ny = \"rms\"\nwhere = { frequency = \"0.02 kHz\", gap_ticks = 3 }\n\
-         [[chart]]\nx = \"dt_nu\"\ny = \"mxa\"\ny_scale = \"linear\"\n",
+        "[[chart]]\nx = \"dt_nu\"\ny = \"rms\"\nwhere = { frequency_hz = \"0.02 kHz\", gap_ticks = 3 }\n\
+         [[chart]]\nx = \"dt_nu\"\ny = \"mxa\"\ny_scale = \"linear\"\n\
+         [[sweep]]\nkey = \"motion.frequency\"\nlist = [\"20 Hz\"]\n\
+         [[sweep]]\nkey = \"switching.gap_ticks\"\nlist = [3]\n",
     );
     let study = parsed(&text);
     assert_eq!(study.charts[0].rows[0].1, Cell::Number(20.0));
@@ -208,6 +210,64 @@ fn wrong_values_are_named_with_what_is_accepted() {
     let chart = |line: &str| with(&format!("[chart]\nx = \"dt_nu\"\ny = \"rms\"\n{line}\n"));
     refused(&chart("series = [\"a\", \"b\", \"c\"]"), &["a.toml:15:10", "names 3 columns"]);
     refused(&chart("limit = 10"), &["a.toml:15:9", "chart.limit", "accepted: an angle"]);
+    for limit in ["0 arcsec", "-1 arcsec"] {
+        let pieces = [&format!("chart.limit = {}", limit.replace("arcsec", "″")), "not above 0"];
+        refused(&chart(&format!("limit = \"{limit}\"")), &["a.toml:15:9", pieces[0], pieces[1]]);
+    }
+}
+
+#[test]
+fn a_chart_shows_residuals_unless_errors_are_named() {
+    let rows = |lines: &str| -> Vec<(String, String)> {
+        let study = parsed(&with(&format!("[chart]\nx = \"dt_nu\"\ny = \"rms\"\n{lines}\n")));
+        study.charts[0].rows.iter().map(|(named, cell)| (named.name.clone(), cell.text())).collect()
+    };
+    let pair = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+    let residual = pair("error", "residual");
+    assert_eq!(rows(""), std::slice::from_ref(&residual));
+    assert_eq!(rows("where = { filler = \"const\" }"), [pair("filler", "const"), residual.clone()]);
+    assert_eq!(rows("where = {}"), [residual]);
+    assert_eq!(rows("where = { error = \"extrapolation\" }"), [pair("error", "extrapolation")]);
+    assert_eq!(rows("series = [\"filler\", \"error\"]"), []);
+}
+
+#[test]
+fn rows_are_chosen_by_swept_keys_filler_and_error_and_the_values_they_take() {
+    let chart = |rows: &str| {
+        with(&format!(
+            "[[sweep]]\nkey = \"motion.frequency\"\nlog = {{ from = \"1 Hz\", to = \"7 Hz\", points = 20 }}\n\
+             [[sweep]]\nkey = \"gyro.tick_noise.std\"\nlist = [\"1 arcsec\", \"2 arcsec\"]\n\
+             [chart]\nx = \"dt_nu\"\ny = \"rms\"\nwhere = {{ {rows} }}\n"
+        ))
+    };
+    // As points.csv shows the second value.
+    let study = parsed(&chart("frequency = \"1.1078446 Hz\", std = \"2 arcsec\""));
+    assert_eq!(study.charts[0].rows[0].1, study.points()[2].swept[0].1.cell());
+    for (rows, at, pieces) in [
+        (
+            "trials = 0",
+            11,
+            ["`where` cannot choose rows by `trials`", "motion.frequency, gyro.tick_noise.std"],
+        ),
+        ("rms = \"\"", 11, ["by `rms`", "filler, error"]),
+        ("dt_nu = 0.1", 11, ["by `dt_nu`", "neither swept nor filler nor error"]),
+        ("gap_ticks = 3", 11, ["by `gap_ticks`", "accepted: "]),
+        ("errors = \"residual\"", 11, ["by `errors`", "did you mean `error`?"]),
+        ("error = \"residuals\"", 19, ["no row has error = \"residuals\"", "residual, extrapolation"]),
+        ("filler = \"linear\"", 20, ["no row has filler = \"linear\"", "const, quadratic"]),
+        ("filler = 1", 20, ["no row has filler = 1", "const, quadratic"]),
+        (
+            "frequency = \"9 Hz\"",
+            23,
+            ["no point has motion.frequency = 9 Hz", "accepted: 1 Hz, 1.10784459762 Hz, "],
+        ),
+        ("frequency = 1", 23, ["a bare number", "Hz, kHz"]),
+        ("std = \"1 deg/s\"", 17, ["is an angular rate", "accepted: an angle"]),
+        ("std = \"1 ″\", \"gyro.tick_noise.std\" = \"2 ″\"", 11, ["gives gyro.tick_noise.std twice", "out"]),
+    ] {
+        let place = format!("a.toml:21:{at}");
+        refused(&chart(rows), &[&place, pieces[0], pieces[1]]);
+    }
 }
 
 #[test]

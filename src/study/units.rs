@@ -119,7 +119,7 @@ impl fmt::Display for Quantity {
 }
 
 /// Rounds to 12 significant decimal digits, through text: exact, and the same everywhere. −0 becomes 0.
-pub(super) fn round_12(x: f64) -> f64 {
+pub(crate) fn round_12(x: f64) -> f64 {
     format!("{x:.11e}").parse().unwrap_or(x) + 0.0
 }
 
@@ -172,11 +172,6 @@ pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
     }
 }
 
-/// Reads a quantity of any dimension that has a name.
-pub(super) fn parse_any(text: &str) -> Result<Quantity, UnitError> {
-    parse(text, &Dimension::MEASURED)
-}
-
 /// Bytes of the longest number at the start: sign, digits, fraction, exponent.
 fn number_length(text: &str) -> usize {
     let skip = |at: usize, keep: &dyn Fn(char) -> bool, most: usize| {
@@ -197,6 +192,10 @@ fn number_length(text: &str) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn parse_any(text: &str) -> Result<Quantity, UnitError> {
+        parse(text, &Dimension::MEASURED)
+    }
 
     fn value(text: &str) -> f64 {
         parse_any(text).unwrap_or_else(|error| panic!("{text}: {error}")).value

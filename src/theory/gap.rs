@@ -97,10 +97,17 @@ fn greatest_common_divisor(a: i128, b: i128) -> i128 {
     if b == 0 { a.abs() } else { greatest_common_divisor(b, a % b) }
 }
 
-/// Angle of a tick at the peak of the rate, per unit of rate amplitude: T sinc(νT).
-pub fn tick_amplitude(tick_s: f64, frequency_hz: f64) -> f64 {
-    let x = PI * frequency_hz * tick_s;
-    if x == 0.0 { tick_s } else { tick_s * libm::sin(x) / x }
+/// Angle of a tick with the peak of the rate at its middle, per unit of rate amplitude: T sinc(νT), for νT = `nu_t`.
+///
+/// It is negative where the turns within the tick outweigh its middle, as for 1 < νT < 2, and exactly 0 at whole νT.
+pub fn tick_amplitude(tick_s: f64, nu_t: f64) -> f64 {
+    if nu_t == 0.0 {
+        return tick_s;
+    }
+    // sin πνT from the nearest whole number: 0 is met exactly there, where sin(π·1) would leave 1e-16.
+    let whole = libm::round(nu_t);
+    let sign = if whole % 2.0 == 0.0 { 1.0 } else { -1.0 };
+    tick_s * sign * libm::sin(PI * (nu_t - whole)) / (PI * nu_t)
 }
 
 /// Phase of the middle of `tick` against the middle of the gap, in radians at νT = `nu_t`.
@@ -176,10 +183,21 @@ mod tests {
             for (order, expected) in [(0, constant), (1, constant), (2, quadratic)] {
                 let weights = polynomial_weights(&default_ticks("residual", n), order, n).unwrap();
                 let (a, b) = sine_response(&weights, n, 0.1);
-                let largest = 12000.0 * tick_amplitude(0.005, 20.0) * libm::hypot(a, b);
+                let largest = 12000.0 * tick_amplitude(0.005, 0.1) * libm::hypot(a, b);
                 assert!((largest - expected).abs() < 5.1e-4, "n = {n}, order {order}: {largest}");
             }
         }
+    }
+
+    #[test]
+    fn the_angle_of_a_tick_is_the_integral_of_the_rate_with_its_sign_and_0_over_whole_turns() {
+        for nu_t in [1e-9, 0.1, 0.5, 0.99, 1.01, 1.5, 2.5, 9.3] {
+            let turns = 2.0 * PI * nu_t;
+            let integral = (libm::sin(0.5 * turns) - libm::sin(-0.5 * turns)) / turns;
+            let found = tick_amplitude(0.005, nu_t) / 0.005;
+            assert!((found - integral).abs() < 1e-14, "νT = {nu_t}: {found}, not {integral}");
+        }
+        assert_eq!((tick_amplitude(0.005, 0.0), tick_amplitude(0.005, 3.0)), (0.005, 0.0));
     }
 
     #[test]
