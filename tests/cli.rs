@@ -561,6 +561,14 @@ fn stored(folder: &Path) -> u64 {
     size("tallies.sqlite") + size("tallies.sqlite-wal")
 }
 
+/// Device and trials of each run that left something.
+fn provenance(folder: &Path) -> Vec<(String, u64)> {
+    let store = rusqlite::Connection::open(folder.join("tallies.sqlite")).unwrap();
+    let mut statement = store.prepare("SELECT device, trials FROM provenance").unwrap();
+    let rows = statement.query_map([], |row| Ok((row.get(0)?, row.get::<_, i64>(1)? as u64))).unwrap();
+    rows.map(Result::unwrap).collect()
+}
+
 /// Starts a run and kills it once its database has grown by `bytes`.
 fn killed(desk: &Desk, words: &str, folder: &str, bytes: u64) {
     let mut child = Process::new(PROGRAM)
@@ -592,6 +600,7 @@ fn a_killed_run_resumes_to_the_same_table() {
     for (index, kib) in [150, 500, 1500].into_iter().enumerate() {
         let folder = format!("killed-{index}");
         killed(&desk, &format!("{run} {folder}"), &folder, kib << 10);
+        let before = provenance(&desk.path(&folder));
         let resumed = desk.done(&format!("{run} {folder}"));
         let json: serde_json::Value = serde_json::from_str(&resumed.stdout).unwrap();
         let sampled = json["sampled_trials"].as_u64().unwrap();
@@ -600,6 +609,10 @@ fn a_killed_run_resumes_to_the_same_table() {
             "{kib} KiB: {sampled} of {all} trials were sampled after the kill"
         );
         assert!(desk.read(&format!("{folder}/points.csv")) == whole, "{kib} KiB: another table");
+        let after = provenance(&desk.path(&folder));
+        assert_eq!((before.len(), after.len()), (1, 2), "{kib} KiB: a row for each run");
+        assert!(before[0].0.starts_with("CPU"), "{kib} KiB: {before:?}");
+        assert_eq!(before[0].1 + sampled, all, "{kib} KiB: the killed run is noted with what it has left");
     }
 }
 
