@@ -205,12 +205,71 @@ fn gaps_and_fits_that_make_no_sense_are_refused() {
 fn noise_too_small_to_be_represented_is_refused_by_name() {
     refused(
         &replaced("1 arcsec\"", "1e-9 arcsec\""),
-        "5:1",
+        "5:22",
         &["gyro.tick_noise", "make the noise larger, or 0"],
     );
-    let swept = with("[[sweep]]\nkey = \"gyro.tick_noise.std\"\nlist = [\"1 arcsec\", \"1e-9 arcsec\"]");
-    refused(&swept, "5:1", &["gyro.tick_noise"]);
     Desk::with(&replaced("1 arcsec\"", "0 arcsec\"")).done("run study.toml --device cpu --trials 100");
+}
+
+#[test]
+fn what_cannot_be_represented_is_pointed_at_however_it_is_written() {
+    let noise = |lines: &str| replaced("tick_noise = { std = \"1 arcsec\" }", lines);
+    refused(&noise("tick_noise.std = \"1e-9 arcsec\""), "5:18", &["gyro.tick_noise"]);
+    refused(&noise("[gyro.tick_noise]\nstd = \"\"\"1e-9 arcsec\"\"\""), "6:7", &["gyro.tick_noise"]);
+    refused(&noise("\"tick_noise\" = { std = \"1e-9 arcsec\" }"), "5:24", &["gyro.tick_noise"]);
+    let quoted = noise("tick_noise.std = \"1e-9 arcsec\"")
+        .replace("\"A study\"", "\"\"\"\ntick_noise = { std = \"1 arcsec\" }\n\"\"\"");
+    refused(&quoted, "7:18", &["gyro.tick_noise"]);
+    let swept = with("[[sweep]]\nkey = \"gyro.tick_noise.std\"\nlist = [\"1 arcsec\", \"1e-9 arcsec\"]");
+    refused(&swept, "14:8", &["gyro.tick_noise", "at gyro.tick_noise.std = 1e-9"]);
+}
+
+#[test]
+fn a_value_of_the_wrong_type_is_told_in_the_words_of_studies() {
+    let line = |old: &str, place: &str, new: &str, pieces: &[&str]| {
+        let desk = Desk::with(&replaced(old, new));
+        desk.fails(
+            "run study.toml --device cpu",
+            3,
+            &[&[&*format!("[study.toml:{place}]")], pieces].concat(),
+        );
+        let said = desk.sagnac("run study.toml --device cpu").stderr;
+        for word in ["struct", "sequence", "invalid type", "Table", "wanted", "= …"] {
+            assert!(!said.contains(word), "`{word}` in\n{said}");
+        }
+    };
+    let gyro = "[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"1 arcsec\" }\n";
+    let noise = "{ std = \"1 arcsec\" }";
+    let (kind, like_gyro) = ("kind = \"gap-fill\"", "[gyro] tick = \"5 ms\" tick_noise = {");
+    let five = format!("{kind}\ngyro = 5\n");
+    line(
+        &format!("{kind}\n{gyro}"),
+        "3:8",
+        &five,
+        &["`gyro` is the number 5", "has to be a table", like_gyro],
+    );
+    line(gyro, "1:1", "", &["the key `gyro` is missing", like_gyro]);
+    line("tick = \"5 ms\"\n", "3:1", "", &["the key `gyro.tick` is missing", "tick = \"5 ms\""]);
+    line(
+        noise,
+        "5:14",
+        "\"1 arcsec\"",
+        &["`gyro.tick_noise` is the text \"1 arcsec\"", "{ std = \"0.53 arcsec\" }"],
+    );
+    line(
+        "[\"const\", \"quadratic\"]",
+        "11:11",
+        "\"const\"",
+        &["is the text \"const\"", "a list in brackets", "[\"const\", "],
+    );
+    line(
+        "\"quadratic\"",
+        "11:21",
+        "2",
+        &["the list `switching.fillers` cannot hold the number 2", "[\"const\", "],
+    );
+    line("\"gap-fill\"", "2:8", "1", &["`kind` is the number 1", "kind = \"gap-fill\""]);
+    line("\"5 ms\"", "4:8", "2026-01-01", &["`gyro.tick` is a date", "tick = \"5 ms\""]);
 }
 
 #[test]
@@ -376,13 +435,28 @@ fn a_run_writes_the_table_the_chart_and_the_study() {
     assert!(png.ends_with(b"IEND\xaeB`\x82"));
     let svg = desk.read("results/study/chart.svg");
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
-    let kept = desk.read("results/study/resolved_study.toml");
-    assert!(
-        kept.starts_with("# Run with trials = 1000 and seed = 1.\n") && kept.ends_with(SHIPPED),
-        "{kept}"
-    );
-    desk.done("run results/study/resolved_study.toml --device cpu --trials 1000 --out again");
-    assert_eq!(desk.read("again/points.csv"), table);
+}
+
+#[test]
+fn the_resolved_study_repeats_the_run_without_options() {
+    let shipped = "trials = 1_000_000";
+    let written = SHIPPED.replace(shipped, "trials = 1_000_000 # many");
+    assert_ne!(written, SHIPPED);
+    let neither = SHIPPED.replace("seed = 1\n", "").replace(&format!("{shipped}\n"), "");
+    let inserted = neither.replace("\"gap-fill\"\n", "\"gap-fill\"\nseed = 7\ntrials = 1000\n");
+    let replaced = written.replace("seed = 1\n", "seed = 7\n").replace("1_000_000 #", "1000 #");
+    for (text, expected) in [(&written, &replaced), (&neither, &inserted)] {
+        let desk = Desk::with(text);
+        desk.done("run study.toml --device cpu --trials 1000 --seed 7");
+        let table = desk.read("results/study/points.csv");
+        assert_eq!(desk.read("results/study/resolved_study.toml"), *expected);
+        desk.done("run results/study/resolved_study.toml --device cpu --out fresh");
+        assert_eq!(desk.read("fresh/points.csv"), table);
+        let again = desk.done("run results/study/resolved_study.toml --device cpu --out results/study");
+        assert!(again.stderr.contains("nothing was left to sample"), "{}", again.stderr);
+        assert_eq!(desk.read("results/study/points.csv"), table);
+        assert_eq!(desk.read("results/study/resolved_study.toml"), *expected);
+    }
 }
 
 #[test]

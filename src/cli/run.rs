@@ -70,7 +70,7 @@ fn run_study(study: &Study, folder: &Path, device: &mut Device, options: &super:
     let mut csv = Vec::new();
     table.write_csv(&mut csv).map_err(|source| Failure::Write { path: folder.join("points.csv"), source })?;
     write(&folder.join("points.csv"), &csv)?;
-    write(&folder.join("resolved_study.toml"), resolved(study).as_bytes())?;
+    write(&folder.join("resolved_study.toml"), study.resolved().as_bytes())?;
     let notes = draw(study, &table, folder)?;
     let answers = answers(study, &table)?;
     if options.json {
@@ -99,11 +99,6 @@ fn run_study(study: &Study, folder: &Path, device: &mut Device, options: &super:
     };
     eprintln!("{rate}; results are in {}", folder.display());
     Ok(())
-}
-
-/// The study as it was run.
-fn resolved(study: &Study) -> String {
-    format!("# Run with trials = {} and seed = {}.\n{}", study.trials, study.seed, study.text())
 }
 
 /// Writes a file as a whole or not at all.
