@@ -17,7 +17,7 @@ use crate::table::{Cell, Column, Table, Unit};
 pub enum RunError {
     #[error(transparent)]
     Store(#[from] StoreError),
-    #[error("{0}\nwhat was computed is kept: run again to go on, or with --device cpu")]
+    #[error(transparent)]
     Gpu(#[from] GpuError),
 }
 

@@ -1,6 +1,7 @@
 //! The program as a user meets it: commands, files, messages and exit codes.
 
 use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Stdio};
 use std::time::{Duration, Instant};
@@ -330,6 +331,7 @@ fn wrong_usage_ends_with_2_and_leaves_nothing() {
         &["--out names one folder", "without --out"],
     );
     desk.fails("run study.toml --device abacus", 2, &["no device is called `abacus`", "auto, cpu, gpu"]);
+    desk.fails("run study.toml --device=", 2, &["no device is called ``", "auto, cpu, gpu"]);
     desk.fails("run study.toml --device cpu --trials 0", 2, &["--trials", "1..=1099511627776"]);
     desk.fails("run study.toml --device cpu --trials many", 2, &["--trials"]);
     desk.fails("run study.toml --device cpu --seed=-1", 2, &["--seed"]);
@@ -532,6 +534,78 @@ fn json_has_the_numbers_of_the_table() {
             }
         }
     }
+}
+
+#[test]
+fn several_studies_print_one_json_document() {
+    let desk = Desk::with(STUDY);
+    desk.write("other.toml", &replaced("A study", "Another"));
+    let ended = desk.done("run study.toml other.toml --device cpu --trials 1000 --json");
+    let json: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
+    let titles: Vec<&str> =
+        json.as_array().unwrap().iter().map(|one| one["title"].as_str().unwrap()).collect();
+    assert_eq!(titles, ["A study", "Another"]);
+}
+
+/// Ends a command whose standard output goes to `stdout`.
+fn printed_to(desk: &Desk, words: &str, stdout: impl Into<Stdio>) -> (Option<i32>, String) {
+    let mut command = Process::new(PROGRAM);
+    command.current_dir(desk.0.path()).args(words.split_whitespace()).stdout(stdout);
+    let output = command.stderr(Stdio::piped()).spawn().unwrap().wait_with_output().unwrap();
+    (output.status.code(), String::from_utf8(output.stderr).unwrap())
+}
+
+#[test]
+fn output_that_is_lost_is_a_failure_and_a_reader_that_left_is_none() {
+    let desk = Desk::with(STUDY);
+    let commands =
+        ["schema", "run study.toml --device cpu --trials 1000 --json", "verify --device cpu --trials 64"];
+    for words in commands {
+        if cfg!(target_os = "linux") {
+            let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+            let (code, said) = printed_to(&desk, words, full);
+            assert_eq!(code, Some(6), "{words}: {said}");
+            assert!(said.contains("cannot write to the standard output"), "{words}: {said}");
+        }
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let (code, said) = printed_to(&desk, words, writer);
+        assert_eq!((code, said.contains("error:")), (Some(0), false), "{words}: {said}");
+    }
+}
+
+#[test]
+fn help_lists_only_exit_codes_that_exist() {
+    let help = Desk::with(STUDY).done("--help").stdout;
+    assert!(help.contains("3 invalid study") && help.contains("5 a check failed"), "{help}");
+    assert!(!help.contains("resumable"), "{help}");
+}
+
+/// Time from the start of a run to its first line of progress.
+fn time_to_progress(desk: &Desk, out: &str) -> Duration {
+    let started = Instant::now();
+    let mut child = Process::new(PROGRAM)
+        .current_dir(desk.0.path())
+        .args(["run", "study.toml", "--device", "cpu", "--trials", "1000000000", "--out", out])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+    let seen = lines.into_iter().any(|line| line.contains("trials done"));
+    let elapsed = started.elapsed();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(seen, "the run ended without progress");
+    elapsed
+}
+
+#[test]
+fn progress_is_seen_within_100_ms() {
+    let desk = Desk::with(SHIPPED);
+    // Other programs can only make it longer, so the least counts.
+    let least = (0..3).map(|start| time_to_progress(&desk, &format!("out-{start}"))).min().unwrap();
+    assert!(least < Duration::from_millis(100), "{} ms", least.as_millis());
 }
 
 #[test]
