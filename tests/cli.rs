@@ -511,6 +511,95 @@ fn a_sweep_without_a_chart_gets_one_and_several_charts_are_numbered() {
 }
 
 #[test]
+fn charts_that_are_no_longer_asked_for_are_removed_and_nothing_else() {
+    let sweep = "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"5 Hz\", \"10 Hz\"]\n";
+    let chart = "[[chart]]\nx = \"dt_nu\"\ny = \"rms\"\n";
+    let desk = Desk::with(&with(sweep));
+    let own = ["chart-02.svg", "chart-0.png", "chart-3.txt", "chart-a.svg", "my-chart.svg"];
+    let run = |charts: usize| {
+        desk.write("study.toml", &with(&format!("{sweep}{}", chart.repeat(charts))));
+        desk.done("run study.toml --device cpu --trials 1000 --quiet");
+        for name in own {
+            desk.write(&format!("results/study/{name}"), "mine");
+        }
+        let names = desk.names("results/study");
+        names
+            .into_iter()
+            .filter(|name| name.starts_with("chart") && !own.contains(&name.as_str()))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(run(1), ["chart.png", "chart.svg"]);
+    assert_eq!(run(2), ["chart-1.png", "chart-1.svg", "chart-2.png", "chart-2.svg"]);
+    assert_eq!(run(1), ["chart.png", "chart.svg"]);
+    for name in own {
+        assert_eq!(desk.read(&format!("results/study/{name}")), "mine");
+    }
+    desk.write("study.toml", STUDY);
+    desk.done("run study.toml --device cpu --trials 1000 --quiet");
+    assert!(!desk.path("results/study/chart.svg").exists() && !desk.path("results/study/chart.png").exists());
+}
+
+/// Lines of the table on the standard output, split into cells.
+fn cells(stdout: &str) -> Vec<Vec<&str>> {
+    let lines = stdout.lines().skip_while(|line| !line.contains(" by ")).skip(1);
+    lines.take_while(|line| !line.is_empty()).map(|line| line.split_whitespace().collect()).collect()
+}
+
+#[test]
+fn the_printed_table_has_a_line_for_every_value_of_every_sweep() {
+    let sweep = |key: &str, list: &str| format!("[[sweep]]\nkey = \"{key}\"\nlist = {list}\n");
+    let near = sweep("motion.frequency", r#"["20.001 Hz", "20.002 Hz", "25 Hz"]"#);
+    let desk = Desk::with(&with(&near));
+    let said = desk.done("run study.toml --device cpu --trials 1000").stdout;
+    let firsts: Vec<&str> = cells(&said)[1..].iter().map(|line| line[0]).collect();
+    assert_eq!(firsts, ["20.001", "20.002", "25"], "{said}");
+
+    let gaps = sweep("switching.gap_ticks", "[1, 2]");
+    let rates = sweep("motion.amplitude", r#"["10 arcsec/s", "20 arcsec/s"]"#);
+    desk.write("three.toml", &with(&format!("{near}{gaps}{rates}")));
+    let said = desk.done("run three.toml --device cpu --trials 1000").stdout;
+    let lines = cells(&said);
+    assert_eq!(lines.len(), 1 + 3 * 2, "{said}");
+    assert_eq!(lines[0][..2], ["motion.frequency_hz", "motion.amplitude_arcsec_per_s"]);
+    let points = desk.points("results/three");
+    for line in &lines[1..] {
+        let wanted: Vec<f64> = points
+            .iter()
+            .filter(|row| row["motion.frequency_hz"] == line[0] && row["error"] == "residual")
+            .filter(|row| row["motion.amplitude_arcsec_per_s"] == line[1])
+            .map(|row| row["rms_arcsec"].parse().unwrap())
+            .collect();
+        let shown: Vec<f64> = line[2..].iter().map(|cell| cell.parse().unwrap()).collect();
+        assert_eq!(shown.len(), wanted.len(), "{said}");
+        for (shown, wanted) in shown.iter().zip(&wanted) {
+            assert!((shown / wanted - 1.0).abs() < 1e-3, "{shown}, {wanted}:\n{said}");
+        }
+    }
+
+    desk.write(
+        "both.toml",
+        &with(&format!("{gaps}[chart]\nx = \"gap_ticks\"\ny = \"rms\"\nwhere = {{ gap_ticks = 2 }}")),
+    );
+    let said = desk.done("run both.toml --device cpu --trials 1000").stdout;
+    assert_eq!(cells(&said)[1].len(), 1 + 4, "residual and extrapolation of two fillers:\n{said}");
+}
+
+#[test]
+fn a_thinned_table_shows_all_values_of_the_faster_sweeps() {
+    let study = with(
+        "[[sweep]]\nkey = \"motion.frequency\"\nlinear = { from = \"1 Hz\", to = \"50 Hz\", points = 50 }\n\
+         [[sweep]]\nkey = \"motion.amplitude\"\nlist = [\"10 arcsec/s\", \"20 arcsec/s\"]\n\
+         [chart]\nx = \"frequency\"\ny = \"rms\"",
+    );
+    let said = Desk::with(&study).done("run study.toml --device cpu --trials 1").stdout;
+    let lines = cells(&said);
+    assert!(said.contains("(one line in 3)") && lines.len() == 1 + 34, "{said}");
+    for rate in ["10", "20"] {
+        assert_eq!(lines.iter().filter(|line| line[1] == rate).count(), 17, "{said}");
+    }
+}
+
+#[test]
 fn json_has_the_numbers_of_the_table() {
     let desk = Desk::with(SHIPPED);
     let ended = desk.done("run study.toml --device cpu --trials 1000 --json");

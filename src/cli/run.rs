@@ -239,9 +239,10 @@ fn filter(chart: &Chart) -> Vec<(&str, String)> {
 fn summary(study: &Study, table: &Table, answers: &[(f64, Vec<Answer>)]) -> Result<String, Failure> {
     let mut text = format!("{}\n{}\n", study.title, study.question);
     if let Some(chart) = study.charts.first() {
-        let across = study.sweeps.first().map_or(chart.x.name.as_str(), |sweep| sweep.key.name);
+        let sweeps: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
+        let across = if sweeps.is_empty() { vec![chart.x.name.as_str()] } else { sweeps };
         let series: Vec<&str> = chart.series.iter().map(|column| column.name.as_str()).collect();
-        let shown = pivot(table, across, &chart.y.name, &series, &filter(chart))
+        let shown = pivot(table, &across, &chart.y.name, &series, &filter(chart))
             .map_err(|error| refused(study, chart, &ChartError::Column(error)))?;
         text += &format!("\n{shown}");
     }
