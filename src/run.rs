@@ -8,7 +8,7 @@ use crate::block::{Block, base_log2, cover, missing};
 use crate::kernel::gap_fill::{Launch, MAX_FILLERS};
 use crate::lower::{Estimate, LowerError, Lowered};
 use crate::stats::{Estimates, z_score};
-use crate::store::{Identity, Row, Store, StoreError};
+use crate::store::{Identity, Provenance, Row, Store, StoreError};
 use crate::study::{Point, Study, StudyError};
 use crate::table::{Cell, Column, Table, Unit};
 
@@ -17,7 +17,7 @@ use crate::table::{Cell, Column, Table, Unit};
 pub enum RunError {
     #[error(transparent)]
     Store(#[from] StoreError),
-    #[error("{0}\nwhat was computed is kept: run again to go on, or with --device cpu")]
+    #[error(transparent)]
     Gpu(#[from] GpuError),
 }
 
@@ -95,7 +95,7 @@ impl<'a> Plan<'a> {
             })
             .rev()
             .collect();
-        let mut batch_trials = FIRST_BATCH;
+        let (mut batch_trials, mut sampled) = (FIRST_BATCH, 0);
         while !rest.is_empty() {
             let batch_started = Instant::now();
             let batch = take_batch(&mut rest, batch_trials);
@@ -113,15 +113,14 @@ impl<'a> Plan<'a> {
                     })
                 })
                 .collect();
-            store.insert(&rows)?;
+            sampled += batch.iter().map(|(_, job)| job.block.trials()).sum::<u64>();
+            let seconds = started.elapsed().as_secs_f64();
+            store.insert(&rows, &Provenance { device: device.name(), trials: sampled, seconds })?;
             let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
             batch_trials = ((batch_trials as f64 * factor) as u64).max(1);
         }
         let seconds = started.elapsed().as_secs_f64();
         progress.finish();
-        if total > 0 {
-            store.note(&device.name(), total, seconds)?;
-        }
         Ok(Done { trials: total, seconds })
     }
 

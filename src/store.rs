@@ -9,7 +9,7 @@ mod encoding;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-use rusqlite::{Connection, ErrorCode, OptionalExtension, params};
+use rusqlite::{Connection, ErrorCode, OptionalExtension, TransactionBehavior, params};
 
 use crate::block::{Block, fold};
 use crate::id::Id;
@@ -81,11 +81,22 @@ pub struct Row {
     pub tally: Moments,
 }
 
+/// Who computes rows, how many trials and how long it took; no part of any identity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Provenance {
+    pub device: String,
+    /// Over all points, since the store was opened.
+    pub trials: u64,
+    pub seconds: f64,
+}
+
 /// An open results database; no other program can open it meanwhile.
 #[derive(Debug)]
 pub struct Store {
     path: PathBuf,
     connection: Connection,
+    /// The row that tells the provenance of what is inserted, once there is any.
+    session: Option<i64>,
 }
 
 impl Store {
@@ -98,65 +109,40 @@ impl Store {
             .map_err(|source| StoreError::Folder { path: folder.to_owned(), source })?;
         let path = folder.join(FILE);
         let failed = |source| storage_error(&path, source);
-        let connection = Connection::open(&path).map_err(failed)?;
+        let mut connection = Connection::open(&path).map_err(failed)?;
         connection
             .execute_batch(
                 "PRAGMA locking_mode = EXCLUSIVE;
                  PRAGMA journal_mode = WAL;
-                 PRAGMA synchronous = NORMAL;
-                 BEGIN EXCLUSIVE;
-                 CREATE TABLE IF NOT EXISTS study (key TEXT PRIMARY KEY, value TEXT NOT NULL);
+                 PRAGMA synchronous = NORMAL;",
+            )
+            .map_err(failed)?;
+        // The tables and whose they are: all or nothing, or a run killed here would leave a folder that is nobody's.
+        let transaction =
+            connection.transaction_with_behavior(TransactionBehavior::Exclusive).map_err(failed)?;
+        transaction
+            .execute_batch(
+                "CREATE TABLE IF NOT EXISTS study (key TEXT PRIMARY KEY, value TEXT NOT NULL);
                  CREATE TABLE IF NOT EXISTS tally (
                      point BLOB NOT NULL, estimate BLOB NOT NULL, first INTEGER NOT NULL, log2 INTEGER NOT NULL,
                      digest BLOB NOT NULL, moments BLOB NOT NULL, checksum INTEGER NOT NULL,
                      PRIMARY KEY (point, estimate, first, log2)) WITHOUT ROWID;
                  CREATE TABLE IF NOT EXISTS provenance (
                      finished INTEGER NOT NULL, program TEXT NOT NULL, device TEXT NOT NULL,
-                     trials INTEGER NOT NULL, seconds REAL NOT NULL);
-                 COMMIT;",
+                     trials INTEGER NOT NULL, seconds REAL NOT NULL);",
             )
             .map_err(failed)?;
-        let store = Store { path, connection };
-        store.claim(identity)?;
-        Ok(store)
+        claim(&transaction, &path, identity)?;
+        transaction.commit().map_err(failed)?;
+        Ok(Store { path, connection, session: None })
     }
 
-    /// Writes down whose results these are, or checks it.
-    fn claim(&self, identity: &Identity) -> Result<(), StoreError> {
-        let version = SCHEMA_VERSION.to_string();
-        let wanted = [
-            ("schema", version.clone()),
-            ("id", identity.id().to_string()),
-            ("kind", identity.kind.clone()),
-            ("seed", identity.seed.to_string()),
-            ("streams", identity.streams.clone()),
-        ];
-        let path = || self.path.clone();
-        match self.about("schema")? {
-            None => wanted.iter().try_for_each(|(key, value)| {
-                let sql = "INSERT INTO study VALUES (?1, ?2)";
-                self.connection.execute(sql, params![key, value]).map(drop).map_err(|e| self.failed(e))
-            }),
-            Some(found) if found != version => Err(StoreError::Version { path: path(), found }),
-            Some(_) if self.about("id")? == Some(identity.id().to_string()) => Ok(()),
-            Some(_) => {
-                let about = |key| self.about(key).map(Option::unwrap_or_default);
-                let (kind, seed, streams) = (about("kind")?, about("seed")?, about("streams")?);
-                Err(StoreError::OtherStudy { path: path(), kind, seed, streams })
-            }
-        }
-    }
-
-    fn about(&self, key: &str) -> Result<Option<String>, StoreError> {
-        let sql = "SELECT value FROM study WHERE key = ?1";
-        self.connection.query_row(sql, [key], |row| row.get(0)).optional().map_err(|e| self.failed(e))
-    }
-
-    /// Adds rows, all of them or, on an error, none.
+    /// Adds rows, all of them or, on an error, none; and notes in the same step what this session has done so far, so
+    /// that a run which is killed has left both or neither.
     ///
     /// # Errors
     /// A row is there already with other values, or the disk fails.
-    pub fn insert(&mut self, rows: &[Row]) -> Result<(), StoreError> {
+    pub fn insert(&mut self, rows: &[Row], so_far: &Provenance) -> Result<(), StoreError> {
         let path = self.path.clone();
         let failed = |source| storage_error(&path, source);
         let transaction = self.connection.transaction().map_err(failed)?;
@@ -200,7 +186,10 @@ impl Store {
                 }
             }
         }
-        transaction.commit().map_err(failed)
+        let session = note(&transaction, self.session, so_far).map_err(failed)?;
+        transaction.commit().map_err(failed)?;
+        self.session = Some(session);
+        Ok(())
     }
 
     /// The blocks held of a tally, as they were written.
@@ -276,18 +265,6 @@ impl Store {
         points.map(|point| point.map_err(|e| self.failed(e))).collect()
     }
 
-    /// Notes who computed how many trials and how long it took; no part of any identity.
-    ///
-    /// # Errors
-    /// The disk fails.
-    pub fn note(&self, device: &str, trials: u64, seconds: f64) -> Result<(), StoreError> {
-        let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_or(0, |time| time.as_secs());
-        let program = concat!("sagnac ", env!("CARGO_PKG_VERSION"));
-        let sql = "INSERT INTO provenance VALUES (?1, ?2, ?3, ?4, ?5)";
-        let values = params![now as i64, program, device, trials as i64, seconds];
-        self.connection.execute(sql, values).map(drop).map_err(|e| self.failed(e))
-    }
-
     fn failed(&self, source: rusqlite::Error) -> StoreError {
         storage_error(&self.path, source)
     }
@@ -301,6 +278,51 @@ impl Store {
         let (point, estimate) = (address.point, address.estimate);
         StoreError::Disagrees { path: self.path.clone(), point, estimate, first: block.first }
     }
+}
+
+/// Writes down whose results these are, or checks it.
+fn claim(connection: &Connection, path: &Path, identity: &Identity) -> Result<(), StoreError> {
+    let failed = |source| storage_error(path, source);
+    let about = |key: &str| -> Result<Option<String>, StoreError> {
+        let sql = "SELECT value FROM study WHERE key = ?1";
+        connection.query_row(sql, [key], |row| row.get(0)).optional().map_err(failed)
+    };
+    let (version, id) = (SCHEMA_VERSION.to_string(), identity.id().to_string());
+    match (about("schema")?, about("id")?) {
+        (Some(found), _) if found != version => Err(StoreError::Version { path: path.to_owned(), found }),
+        (Some(_), Some(found)) if found == id => Ok(()),
+        (Some(_), Some(_)) => {
+            let about = |key| about(key).map(Option::unwrap_or_default);
+            let (kind, seed, streams) = (about("kind")?, about("seed")?, about("streams")?);
+            Err(StoreError::OtherStudy { path: path.to_owned(), kind, seed, streams })
+        }
+        // Without an id it was never claimed, and nothing was ever inserted.
+        _ => {
+            let claims = [
+                ("schema", version),
+                ("id", id),
+                ("kind", identity.kind.clone()),
+                ("seed", identity.seed.to_string()),
+                ("streams", identity.streams.clone()),
+            ];
+            claims.iter().try_for_each(|(key, value)| {
+                let sql = "INSERT OR REPLACE INTO study VALUES (?1, ?2)";
+                connection.execute(sql, params![key, value]).map(drop).map_err(failed)
+            })
+        }
+    }
+}
+
+/// Writes the provenance of a session, in place of what is there of it, and returns its row.
+fn note(connection: &Connection, session: Option<i64>, so_far: &Provenance) -> Result<i64, rusqlite::Error> {
+    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_or(0, |time| time.as_secs());
+    let program = concat!("sagnac ", env!("CARGO_PKG_VERSION"));
+    // Without a row number SQLite takes the next one.
+    let sql = "INSERT OR REPLACE INTO provenance (rowid, finished, program, device, trials, seconds)
+               VALUES (?1, ?2, ?3, ?4, ?5, ?6)";
+    let Provenance { device, trials, seconds } = so_far;
+    connection.execute(sql, params![session, now as i64, program, device, *trials as i64, seconds])?;
+    Ok(connection.last_insert_rowid())
 }
 
 fn storage_error(path: &Path, source: rusqlite::Error) -> StoreError {

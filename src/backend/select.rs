@@ -52,8 +52,9 @@ pub fn select(wanted: &str) -> Result<Selection, SelectError> {
         }
         part => {
             let adapters = Adapter::all();
-            let matches = |adapter: &&Adapter| adapter.name().to_lowercase().contains(&part.to_lowercase());
-            match adapters.iter().find(matches) {
+            // Nothing is part of every name, but nobody means the first adapter by it.
+            let part_of = |name: &str| !part.trim().is_empty() && name.contains(&part.to_lowercase());
+            match adapters.iter().find(|adapter| part_of(&adapter.name().to_lowercase())) {
                 Some(adapter) => open(adapter, "as asked"),
                 None => {
                     let names = adapters.iter().map(Adapter::name);

@@ -10,7 +10,7 @@ use sagnac::verify::Configuration;
 use serde::Serialize;
 
 use super::Failure;
-use super::output::print;
+use super::output::{print, print_json};
 
 /// One measurement.
 #[derive(Debug, Serialize)]
@@ -56,8 +56,7 @@ pub fn bench(options: &super::Bench) -> Result<(), Failure> {
         }
     }
     if options.json {
-        let json = serde_json::to_string_pretty(&figures).unwrap_or_default();
-        print(&json)?;
+        print_json(&figures)?;
     }
     Ok(())
 }

@@ -21,12 +21,17 @@ pub enum Failure {
     Select(#[from] SelectError),
     #[error(transparent)]
     Store(#[from] StoreError),
-    #[error(transparent)]
+    #[error("{0}\nchoose another device with --device; `sagnac devices` lists what is there")]
     Gpu(#[from] GpuError),
+    /// The same in the middle of a run.
+    #[error("{0}\nwhat was computed is kept: run again to go on, or use --device cpu")]
+    Interrupted(GpuError),
     #[error("{0}")]
     Picture(String),
     #[error("cannot write {path}: {source}")]
     Write { path: PathBuf, source: std::io::Error },
+    #[error("cannot write to the standard output: {0}\nsend it where there is room and run again")]
+    Output(std::io::Error),
     #[error("a kernel gives different bits: do not trust results of that device")]
     Different,
     /// Whoever read our output went away: there is nobody to tell.
@@ -38,7 +43,7 @@ impl From<RunError> for Failure {
     fn from(error: RunError) -> Failure {
         match error {
             RunError::Store(error) => Failure::Store(error),
-            RunError::Gpu(error) => Failure::Gpu(error),
+            RunError::Gpu(error) => Failure::Interrupted(error),
         }
     }
 }
@@ -49,11 +54,6 @@ impl Failure {
         match self {
             Failure::Study(error) => eprintln!("{}", error.render(colored(), 110)),
             Failure::OutputClosed => {}
-            Failure::Gpu(_) => {
-                eprintln!(
-                    "error: {self}\nwhat was computed is kept: run again to go on, or use --device cpu"
-                );
-            }
             other => eprintln!("error: {other}"),
         }
         ExitCode::from(self.code())
@@ -61,7 +61,7 @@ impl Failure {
 
     fn code(&self) -> u8 {
         match self {
-            Failure::Gpu(_) | Failure::Picture(_) => 1,
+            Failure::Gpu(_) | Failure::Interrupted(_) | Failure::Picture(_) => 1,
             Failure::Usage(_) => 2,
             Failure::Study(_) | Failure::Store(StoreError::OtherStudy { .. }) => 3,
             Failure::Select(error) => {
@@ -72,7 +72,7 @@ impl Failure {
                 }
             }
             Failure::Different => 5,
-            Failure::Store(_) | Failure::Write { .. } => 6,
+            Failure::Store(_) | Failure::Write { .. } | Failure::Output(_) => 6,
             Failure::OutputClosed => 0,
         }
     }
@@ -81,4 +81,19 @@ impl Failure {
 /// Whether messages may be coloured.
 fn colored() -> bool {
     std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_run_says_that_results_are_kept_and_says_it_once() {
+        let lost = || GpuError::Lost("unplugged".to_owned());
+        let of_a_run = Failure::from(RunError::Gpu(lost())).to_string();
+        assert_eq!(of_a_run.matches("kept").count(), 1, "{of_a_run}");
+        let of_another_command = Failure::from(lost()).to_string();
+        assert!(!of_another_command.contains("kept"), "{of_another_command}");
+        assert!(of_another_command.contains("--device"), "{of_another_command}");
+    }
 }

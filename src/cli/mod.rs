@@ -32,7 +32,7 @@ Examples:
 
 Exit codes:
   0 done    1 runtime error    2 usage, unknown device    3 invalid study, folder of another study
-  4 stopped but resumable    5 a check failed    6 storage (full, read-only, locked)    130, 143 signals";
+  5 a check failed    6 storage or output (full, read-only, locked)    130, 143 signals";
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -66,7 +66,7 @@ struct Run {
     /// Seed, in place of the study's
     #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
     seed: Option<u64>,
-    /// Print the table and the verdict as JSON
+    /// Print the table and the verdict as JSON: one object, or with several studies one array of them
     #[arg(long)]
     json: bool,
     /// Print only errors

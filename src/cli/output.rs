@@ -1,14 +1,37 @@
 //! Data to the standard output.
 
-use std::io::Write;
+use std::io::{self, BufWriter, ErrorKind, Write};
+
+use serde::Serialize;
 
 use super::Failure;
 
 /// Prints `text` with a final line end.
 ///
 /// # Errors
-/// The reader has gone away.
+/// The reader has gone away, or the output cannot be written.
 pub fn print(text: &str) -> Result<(), Failure> {
-    let mut stdout = std::io::stdout().lock();
-    writeln!(stdout, "{}", text.trim_end()).and_then(|()| stdout.flush()).map_err(|_| Failure::OutputClosed)
+    let mut stdout = io::stdout().lock();
+    writeln!(stdout, "{}", text.trim_end()).and_then(|()| stdout.flush()).map_err(failure)
+}
+
+/// Prints `value` as an indented JSON document.
+///
+/// # Errors
+/// Those of [`print`].
+pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
+    let mut stdout = BufWriter::new(io::stdout().lock());
+    serde_json::to_writer_pretty(&mut stdout, value)
+        .map_err(io::Error::from)
+        .and_then(|()| writeln!(stdout))
+        .and_then(|()| stdout.flush())
+        .map_err(failure)
+}
+
+/// A reader that went away, as `head` does, has what it wanted; anything else is output that is lost.
+fn failure(error: io::Error) -> Failure {
+    match error.kind() {
+        ErrorKind::BrokenPipe => Failure::OutputClosed,
+        _ => Failure::Output(error),
+    }
 }

@@ -1,5 +1,6 @@
 //! `sagnac run`.
 
+use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -10,10 +11,10 @@ use sagnac::store::Store;
 use sagnac::study::{self, Chart, Study, StudyError};
 use sagnac::table::{ColumnError, Table, significant};
 use sagnac::verdict::{Answer, Question, verdict};
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::Failure;
-use super::output::print;
+use super::output::{print, print_json};
 use super::progress::{Shown, short};
 use super::terminal::pivot;
 
@@ -45,7 +46,14 @@ pub fn run(options: &super::Run) -> Result<(), Failure> {
     if !options.quiet {
         eprintln!("device: {}, {reason}", device.name());
     }
-    studies.iter().try_for_each(|(folder, study)| run_study(study, folder, &mut device, options))
+    let run = |(folder, study): &(PathBuf, Study)| run_study(study, folder, &mut device, options);
+    let results = studies.iter().map(run).collect::<Result<Vec<_>, _>>()?;
+    let documents: Vec<Value> = results.into_iter().flatten().collect();
+    match &documents[..] {
+        [] => Ok(()),
+        [document] => print_json(document),
+        several => print_json(&several),
+    }
 }
 
 fn folder(options: &super::Run, study: &Path) -> PathBuf {
@@ -62,7 +70,13 @@ fn check(study: &Study) -> Result<(), Failure> {
     Ok(())
 }
 
-fn run_study(study: &Study, folder: &Path, device: &mut Device, options: &super::Run) -> Result<(), Failure> {
+/// Runs one study, and returns its results as JSON where the options ask for that.
+fn run_study(
+    study: &Study,
+    folder: &Path,
+    device: &mut Device,
+    options: &super::Run,
+) -> Result<Option<Value>, Failure> {
     let plan = Plan::new(study)?;
     let mut store = Store::open(folder, &plan.identity())?;
     let done = plan.run(&mut store, device, &Shown::new(options.quiet))?;
@@ -70,14 +84,14 @@ fn run_study(study: &Study, folder: &Path, device: &mut Device, options: &super:
     let mut csv = Vec::new();
     table.write_csv(&mut csv).map_err(|source| Failure::Write { path: folder.join("points.csv"), source })?;
     write(&folder.join("points.csv"), &csv)?;
-    write(&folder.join("resolved_study.toml"), resolved(study).as_bytes())?;
+    write(&folder.join("resolved_study.toml"), study.resolved().as_bytes())?;
     let notes = draw(study, &table, folder)?;
     let answers = answers(study, &table)?;
     if options.json {
-        return print(&to_json(study, device, done, &table, &answers));
+        return Ok(Some(to_json(study, device, done, &table, &answers)));
     }
     if options.quiet {
-        return Ok(());
+        return Ok(None);
     }
     for note in notes {
         eprintln!("note: {note}");
@@ -98,12 +112,7 @@ fn run_study(study: &Study, folder: &Path, device: &mut Device, options: &super:
         "nothing was left to sample".to_owned()
     };
     eprintln!("{rate}; results are in {}", folder.display());
-    Ok(())
-}
-
-/// The study as it was run.
-fn resolved(study: &Study) -> String {
-    format!("# Run with trials = {} and seed = {}.\n{}", study.trials, study.seed, study.text())
+    Ok(None)
 }
 
 /// Writes a file as a whole or not at all.
@@ -114,11 +123,17 @@ fn write(path: &Path, contents: &[u8]) -> Result<(), Failure> {
     written.and_then(|()| std::fs::rename(&partial, path)).map_err(failed)
 }
 
-/// Draws every chart as SVG and PNG, and returns what is to be said of them.
+/// The names of a chart's files, without their endings.
+fn chart_stem(index: usize, charts: usize) -> String {
+    if charts == 1 { "chart".to_owned() } else { format!("chart-{}", index + 1) }
+}
+
+/// Draws every chart as SVG and PNG, removes those of earlier runs that are drawn no more, and returns what is to be
+/// said of them.
 fn draw(study: &Study, table: &Table, folder: &Path) -> Result<Vec<String>, Failure> {
     let mut notes = Vec::new();
     for (index, chart) in study.charts.iter().enumerate() {
-        let stem = if study.charts.len() == 1 { "chart".to_owned() } else { format!("chart-{}", index + 1) };
+        let stem = chart_stem(index, study.charts.len());
         let (figure, said) =
             Figure::from_table(table, &spec(study, chart)).map_err(|error| refused(study, chart, &error))?;
         let svg = figure.svg();
@@ -128,7 +143,30 @@ fn draw(study: &Study, table: &Table, folder: &Path) -> Result<Vec<String>, Fail
         write(&folder.join(format!("{stem}.png")), &png)?;
         notes.extend(said.sentence().map(|sentence| format!("{stem}: {sentence}")));
     }
+    remove_undrawn(folder, study.charts.len())?;
     Ok(notes)
+}
+
+/// Removes the pictures of charts that a folder of `charts` charts does not have; other files are not ours.
+fn remove_undrawn(folder: &Path, charts: usize) -> Result<(), Failure> {
+    let failed = |source| Failure::Write { path: folder.to_owned(), source };
+    let drawn: Vec<String> = (0..charts).map(|index| chart_stem(index, charts)).collect();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let stem = path.file_stem().and_then(OsStr::to_str).unwrap_or_default();
+        let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default();
+        let picture = ["svg", "png"].contains(&ending) && is_chart_stem(stem);
+        if picture && !drawn.iter().any(|drawn| drawn == stem) {
+            std::fs::remove_file(&path).map_err(|source| Failure::Write { path, source })?;
+        }
+    }
+    Ok(())
+}
+
+/// Whether [`chart_stem`] gives this name to some chart.
+fn is_chart_stem(stem: &str) -> bool {
+    let number = stem.strip_prefix("chart-").and_then(|number| number.parse().ok());
+    stem == "chart" || number.is_some_and(|number: usize| number >= 1 && stem == format!("chart-{number}"))
 }
 
 fn spec(study: &Study, chart: &Chart) -> Spec {
@@ -205,9 +243,10 @@ fn filter(chart: &Chart) -> Vec<(&str, String)> {
 fn summary(study: &Study, table: &Table, answers: &[(f64, Vec<Answer>)]) -> Result<String, Failure> {
     let mut text = format!("{}\n{}\n", study.title, study.question);
     if let Some(chart) = study.charts.first() {
-        let across = study.sweeps.first().map_or(chart.x.name.as_str(), |sweep| sweep.key.name);
+        let sweeps: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
+        let across = if sweeps.is_empty() { vec![chart.x.name.as_str()] } else { sweeps };
         let series: Vec<&str> = chart.series.iter().map(|column| column.name.as_str()).collect();
-        let shown = pivot(table, across, &chart.y.name, &series, &filter(chart))
+        let shown = pivot(table, &across, &chart.y.name, &series, &filter(chart))
             .map_err(|error| refused(study, chart, &ChartError::Column(error)))?;
         text += &format!("\n{shown}");
     }
@@ -226,19 +265,19 @@ fn to_json(
     done: Done,
     table: &Table,
     answers: &[(f64, Vec<Answer>)],
-) -> String {
+) -> Value {
     let cell = |cell: &sagnac::table::Cell| match cell {
         sagnac::table::Cell::Blank => json!(null),
         sagnac::table::Cell::Text(text) => json!(text),
         sagnac::table::Cell::Integer(integer) => json!(integer),
         sagnac::table::Cell::Number(number) => json!(number),
     };
-    let rows: Vec<serde_json::Value> = (0..table.rows())
+    let rows: Vec<Value> = (0..table.rows())
         .map(|row| table.columns.iter().map(|column| (column.header(), cell(&column.cells[row]))).collect())
         .collect();
-    let verdicts: Vec<serde_json::Value> =
+    let verdicts: Vec<Value> =
         answers.iter().map(|(limit, found)| json!({ "limit_arcsec": limit, "series": found })).collect();
-    let all = json!({
+    json!({
         "title": study.title,
         "question": study.question,
         "seed": study.seed,
@@ -248,6 +287,5 @@ fn to_json(
         "seconds": done.seconds,
         "verdicts": verdicts,
         "points": rows,
-    });
-    serde_json::to_string_pretty(&all).unwrap_or_default()
+    })
 }

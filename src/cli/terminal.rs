@@ -1,42 +1,62 @@
 //! Tables for people, in aligned columns.
 
+use std::collections::HashMap;
+
 use sagnac::table::{Column, ColumnError, Table, significant};
 
 /// Rows of a table that are shown; of longer ones every second, third, … is.
 const MOST_ROWS: usize = 48;
 
-/// One column of a table over the first sweep: a line for each of its values, a column for each curve.
+/// Significant digits of a number: as few as tell it from the others beside it.
+const DIGITS: std::ops::RangeInclusive<usize> = 4..=17;
+
+/// One column of a table over the sweeps: a line for each combination of their values, a column for each curve.
+///
+/// `sweeps` are the columns that name lines, but for those in `series`; the first of them always is. What else differs
+/// between rows, filler or error, names columns too, so that no cell has two values.
 ///
 /// # Errors
 /// A name selects no single column, or the filter leaves no row.
 pub fn pivot(
     table: &Table,
-    across: &str,
+    sweeps: &[&str],
     y: &str,
     series: &[&str],
     filter: &[(&str, String)],
 ) -> Result<String, ColumnError> {
-    let (across, y) = (table.column(across)?, table.column(y)?);
-    let series = series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
-    let series: Vec<&Column> = series.into_iter().filter(|column| column.name != across.name).collect();
-    let (mut lines, mut curves, mut cells) = (Vec::new(), Vec::new(), Vec::new());
-    for row in table.rows_where(filter)? {
-        let line = place_of(&mut lines, short(across, row));
-        let name: Vec<String> = series.iter().map(|column| column.cells[row].text()).collect();
-        let curve = place_of(&mut curves, name.join(" "));
-        cells.push((line, curve, short(y, row)));
+    let columns = |names: &[&str]| names.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>();
+    let (sweeps, y, mut series) = (columns(sweeps)?, table.column(y)?, columns(series)?);
+    series.retain(|column| sweeps.first().is_none_or(|first| column.name != first.name));
+    let rows = table.rows_where(filter)?;
+    let unnamed = |column: &&Column| series.iter().all(|named| named.name != column.name);
+    let mut across: Vec<Names> = sweeps.into_iter().filter(unnamed).map(|c| Names::new(c, &rows)).collect();
+    let others = columns(&["filler", "error"])?.into_iter().filter(unnamed).map(|c| Names::new(c, &rows));
+    let mut curves: Vec<Names> = series.iter().map(|column| Names::new(column, &rows)).collect();
+    curves.extend(others.filter(Names::differ));
+    // The first sweep stands for the lines even where it has one value.
+    let mut first = true;
+    across.retain(|names| std::mem::take(&mut first) || names.differ());
+    let (line_of, lines) = combinations(&across, rows.len());
+    let (curve_of, columns) = combinations(&curves, rows.len());
+    let least = lines.len().div_ceil(MOST_ROWS).max(1);
+    // A step that shares no factor with a faster sweep does not show the same of its values again and again.
+    let inner = || across.iter().skip(1).map(|names| names.texts.len());
+    let step = (least..).find(|&step| step == 1 || inner().all(|n| gcd(step, n) == 1)).unwrap_or(least);
+    let mut grid = vec![vec![String::new(); across.len() + columns.len()]; lines.len() + 1];
+    for (place, names) in across.iter().enumerate() {
+        grid[0][place] = names.column.header();
+        for (line, &at) in lines.iter().enumerate() {
+            grid[line + 1][place] = names.at(at).to_owned();
+        }
     }
-    let step = lines.len().div_ceil(MOST_ROWS).max(1);
-    let mut grid = vec![vec![String::new(); curves.len() + 1]; lines.len() + 1];
-    grid[0][0] = across.header();
-    for (curve, name) in curves.iter().enumerate() {
-        grid[0][curve + 1] = name.clone();
+    for (place, &at) in columns.iter().enumerate() {
+        let words: Vec<&str> = curves.iter().map(|names| names.at(at)).collect();
+        grid[0][across.len() + place] = words.join(" ");
     }
-    for (line, name) in lines.iter().enumerate() {
-        grid[line + 1][0] = name.clone();
-    }
-    for (line, curve, text) in cells {
-        grid[line + 1][curve + 1] = text;
+    for (at, &row) in rows.iter().enumerate() {
+        let cell = &y.cells[row];
+        let text = cell.number().map_or_else(|| cell.text(), |x| significant(x, *DIGITS.start()));
+        grid[line_of[at] + 1][across.len() + curve_of[at]] = text;
     }
     let shown: Vec<Vec<String>> = grid
         .into_iter()
@@ -45,20 +65,65 @@ pub fn pivot(
         .map(|(_, row)| row)
         .collect();
     let note = if step > 1 { format!(" (one line in {step})") } else { String::new() };
-    let names: Vec<String> = series.iter().map(|column| column.name.clone()).collect();
+    let names: Vec<&str> = curves.iter().map(|names| names.column.name.as_str()).collect();
     Ok(format!("{} by {}{note}\n{}", y.header(), names.join(", "), aligned(&shown)))
 }
 
-fn short(column: &Column, row: usize) -> String {
-    column.cells[row].number().map_or_else(|| column.cells[row].text(), |x| significant(x, 4))
+/// The different values of a column in the rows shown.
+struct Names<'t> {
+    column: &'t Column,
+    /// For each row shown, the place of its value in `texts`.
+    values: Vec<usize>,
+    texts: Vec<String>,
 }
 
-/// The place of `name` in a list, which it is added to where it is new.
-fn place_of(names: &mut Vec<String>, name: String) -> usize {
-    names.iter().position(|known| *known == name).unwrap_or_else(|| {
-        names.push(name);
-        names.len() - 1
-    })
+impl<'t> Names<'t> {
+    fn new(column: &'t Column, rows: &[usize]) -> Names<'t> {
+        // Debug writes a number with as many digits as it has.
+        let (values, firsts) = distinct(rows.iter().map(|&row| format!("{:?}", column.cells[row])));
+        let text = |digits: usize| {
+            let cells = firsts.iter().map(|&at| &column.cells[rows[at]]);
+            cells
+                .map(|cell| cell.number().map_or_else(|| cell.text(), |x| significant(x, digits)))
+                .collect::<Vec<String>>()
+        };
+        let tells_apart = |texts: &Vec<String>| distinct(texts.iter()).1.len() == texts.len();
+        let texts = DIGITS.map(text).find(tells_apart).unwrap_or_else(|| text(*DIGITS.end()));
+        Names { column, values, texts }
+    }
+
+    fn differ(&self) -> bool {
+        self.texts.len() > 1
+    }
+
+    /// The value in a row shown.
+    fn at(&self, at: usize) -> &str {
+        &self.texts[self.values[at]]
+    }
+}
+
+/// The place of each item among the different ones, and where each of these first stands.
+fn distinct<T: std::hash::Hash + Eq>(items: impl Iterator<Item = T>) -> (Vec<usize>, Vec<usize>) {
+    let (mut known, mut firsts) = (HashMap::new(), Vec::new());
+    let places = items
+        .enumerate()
+        .map(|(at, item)| {
+            *known.entry(item).or_insert_with(|| {
+                firsts.push(at);
+                firsts.len() - 1
+            })
+        })
+        .collect();
+    (places, firsts)
+}
+
+/// The same of the combinations of several columns, over `count` rows.
+fn combinations(columns: &[Names], count: usize) -> (Vec<usize>, Vec<usize>) {
+    distinct((0..count).map(|at| columns.iter().map(|names| names.values[at]).collect::<Vec<_>>()))
+}
+
+fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 /// Rows of cells with every column as wide as its widest cell, flush right.

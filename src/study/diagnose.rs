@@ -6,6 +6,14 @@ use std::sync::Arc;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
 
+use super::expected::{Expected, Found, found_at, joined};
+
+/// Help where there is no better.
+const SCHEMA: &str = "`sagnac schema` prints what every key accepts";
+
+/// How messages of serde and toml about a value of the wrong type begin.
+const WRONG_TYPE: [&str; 3] = ["invalid type", "invalid length", "wanted "];
+
 /// The text of a study with the name of its file.
 pub(super) type Text = Arc<NamedSource<String>>;
 
@@ -38,8 +46,9 @@ impl Fault {
 
     /// An error of well-formed TOML that is no study: a key unknown or missing, or a value of the wrong type.
     ///
-    /// serde hands over such errors as text only; it sets every name in backticks, the offending one first.
-    pub(super) fn from_serde(error: &toml::de::Error) -> Fault {
+    /// serde hands over such errors as text only, in words of the program; it sets every name in backticks, the
+    /// offending one first.
+    pub(super) fn from_serde(error: &toml::de::Error, text: &str) -> Fault {
         let span = error.span().unwrap_or_default();
         let message = error.message();
         let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
@@ -56,15 +65,36 @@ impl Fault {
                 "not one of the choices",
                 choices(found, known),
             ),
-            [missing] if message.starts_with("missing field") => {
-                let message = format!("the key `{missing}` is missing");
-                Fault::new(span, message, "in this table", format!("add a line `{missing} = …`"))
+            [missing] if message.starts_with("missing field") => Fault::missing(span, text, missing),
+            _ if WRONG_TYPE.iter().any(|start| message.starts_with(start)) => Fault::wrong_type(span, text),
+            _ => Fault::new(span, message, "wrong value", SCHEMA),
+        }
+    }
+
+    /// The table at `span` lacks the key `missing`.
+    fn missing(span: Range<usize>, text: &str, missing: &str) -> Fault {
+        let keys = found_at(text, &span).into_iter().map(|table| joined(&table.key, missing));
+        let expected = keys.filter_map(|key| Expected::of(&key)).next();
+        let key = expected.map_or(missing, |expected| expected.key);
+        let help =
+            expected.map_or(SCHEMA.to_owned(), |expected| format!("add it as in\n{}", expected.example));
+        let label = if key == missing { "in this file" } else { "in this table" };
+        Fault::new(span, format!("the key `{key}` is missing"), label, help)
+    }
+
+    /// The value at `span` is a text, a number, a list, … where another of these is needed.
+    fn wrong_type(span: Range<usize>, text: &str) -> Fault {
+        let found = found_at(text, &span).into_iter().next();
+        let expected = found.as_ref().and_then(|found| Expected::of(&found.key));
+        match (found, expected) {
+            (Some(Found { key, item, what }), Some(expected)) => {
+                let message = match item {
+                    true => format!("the list `{key}` cannot hold {what}"),
+                    false => format!("`{key}` is {what}, but has to be {}", expected.what),
+                };
+                Fault::new(span, message, what, format!("write it as in\n{}", expected.example))
             }
-            _ if message.starts_with("invalid length") => {
-                let help = "write a table: [name] with a line for each key, or name = { … }";
-                Fault::new(span, "a list stands where a table is needed", "a list", help)
-            }
-            _ => Fault::new(span, message, "wrong value", "`sagnac schema` prints what every key accepts"),
+            _ => Fault::new(span, "no such value can stand here", "wrong value", SCHEMA),
         }
     }
 

@@ -25,7 +25,8 @@ pub(super) struct StudyFile {
     /// What the study is to answer, in one sentence.
     #[serde(default)]
     pub(super) question: String,
-    pub(super) kind: Kind,
+    #[schemars(with = "Kind")]
+    pub(super) kind: Spanned<Kind>,
     /// Seed of all random numbers; 1 if absent.
     #[serde(default)]
     #[schemars(with = "i64", range(min = 0))]

@@ -8,10 +8,12 @@
 
 mod chart;
 mod diagnose;
+mod expected;
 mod expression;
 mod file;
 mod inputs;
 mod key;
+mod place;
 mod point;
 mod scalar;
 mod sweep;
@@ -21,7 +23,8 @@ mod units;
 #[cfg(test)]
 mod tests;
 
-use std::ops::Range;
+use std::cmp::Reverse;
+use std::ops::{Range, RangeInclusive};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -41,6 +44,7 @@ pub use units::{Dimension, Quantity, UnitError, parse as parse_quantity};
 
 use diagnose::{Fault, Text, choices};
 use file::{StudyFile, TickNoiseTable};
+use place::Places;
 use scalar::Scalar;
 use ticks::{Purpose, TickList};
 
@@ -66,6 +70,17 @@ pub struct Study {
     pub charts: Vec<Chart>,
     points: Vec<Point>,
     text: Text,
+    places: Places,
+    written: Written,
+}
+
+/// What [`Study::resolved`] may have to replace in the text.
+#[derive(Debug, Clone)]
+struct Written {
+    seed: Option<Spanned<u64>>,
+    trials: Option<Spanned<u64>>,
+    /// The end of the value of `kind`, which every study has at its top level.
+    kind_end: usize,
 }
 
 impl Study {
@@ -99,9 +114,32 @@ impl Study {
         &self.points
     }
 
-    /// The file as it was read.
-    pub fn text(&self) -> &str {
-        self.text.inner()
+    /// The file as it was read, but with the seed and the trials of this value: a study that repeats this one without
+    /// further options. Comments and layout are kept.
+    pub fn resolved(&self) -> String {
+        let Written { seed, trials, kind_end } = &self.written;
+        let mut text = self.text.inner().clone();
+        let next_line = text[*kind_end..].find('\n').map(|length| kind_end + length + 1);
+        // A key after the kind stands at the top level, and before any table.
+        let after_kind = next_line.unwrap_or(text.len());
+        let line_end = if next_line.is_some() { "" } else { "\n" };
+        let mut edits = Vec::new();
+        for (key, value, written) in [("trials", self.trials, trials), ("seed", self.seed, seed)] {
+            match written {
+                None => edits.push((after_kind..after_kind, format!("{line_end}{key} = {value}\n"))),
+                Some(written) if *written.get_ref() != value => {
+                    edits.push((written.span(), value.to_string()))
+                }
+                // As it is written, 1_000_000 or 0xff.
+                Some(_) => {}
+            }
+        }
+        // From the end, so that the places of the others hold.
+        edits.sort_by_key(|(place, _)| Reverse(place.start));
+        for (place, new) in edits {
+            text.replace_range(place, &new);
+        }
+        text
     }
 
     /// An error about the bytes `span` of this study, for what only shows later, such as a chart's unknown column.
@@ -116,39 +154,26 @@ impl Study {
         Fault::new(span, message, "here", help).within(&self.text)
     }
 
-    /// Where `key`, such as `gyro.tick_noise`, is written, for an error about its value.
+    /// Where the values of `key` are written, for an error about them: of a sweep over it, else its own. A table such as
+    /// `gyro.tick_noise` stands for the keys in it; empty at 0 where nothing is written.
     pub fn place_of(&self, key: &str) -> Range<usize> {
-        let name = key.rsplit('.').next().unwrap_or(key);
-        let text = self.text.inner();
-        let mut at = 0;
-        for line in text.split_inclusive('\n') {
-            let indent = line.len() - line.trim_start().len();
-            let rest = line[indent..].strip_prefix(name).map(str::trim_start);
-            if rest.is_some_and(|rest| rest.starts_with('=')) {
-                return at + indent..at + line.trim_end().len();
-            }
-            at += line.len();
-        }
-        0..0
+        self.places.blame(&self.sweeps, &[key])
     }
 
     fn check(text: &Text) -> Result<Study, Fault> {
         let toml = toml::Deserializer::parse(text.inner()).map_err(|error| Fault::from_syntax(&error))?;
-        let file = StudyFile::deserialize(toml).map_err(|error| Fault::from_serde(&error))?;
-        let seed = match &file.seed {
-            Some(seed) => scalar::whole("seed", seed, 0..=i64::MAX)?,
-            None => 1,
-        };
-        let trials = match &file.trials {
-            Some(trials) => scalar::whole("trials", trials, 1..=MOST_TRIALS as i64)?,
-            None => 1_000_000,
+        let file = StudyFile::deserialize(toml).map_err(|error| Fault::from_serde(&error, text.inner()))?;
+        let written = Written {
+            seed: read_count("seed", file.seed.as_ref(), 0..=i64::MAX)?,
+            trials: read_count("trials", file.trials.as_ref(), 1..=MOST_TRIALS as i64)?,
+            kind_end: file.kind.span().end,
         };
         let (inputs, places) = read_inputs(&file)?;
         let fillers = read_fillers(&file.switching.fillers)?;
         let sweeps = sweep::read_all(&file.sweep)?;
         let base = point::Base {
             inputs,
-            places,
+            places: &places,
             sweeps: &sweeps,
             fillers: &fillers,
             fit_ticks: TickList::read(Purpose::Residual, file.switching.fit_ticks.as_ref())?,
@@ -162,10 +187,9 @@ impl Study {
         Ok(Study {
             title: file.title,
             question: file.question,
-            kind: file.kind,
-            // Both are read as positive numbers.
-            seed: seed.cast_unsigned(),
-            trials: trials.cast_unsigned(),
+            kind: file.kind.into_inner(),
+            seed: written.seed.as_ref().map_or(1, |seed| *seed.get_ref()),
+            trials: written.trials.as_ref().map_or(1_000_000, |trials| *trials.get_ref()),
             streams: file.streams,
             inputs,
             fillers,
@@ -173,14 +197,25 @@ impl Study {
             charts,
             points,
             text: text.clone(),
+            places,
+            written,
         })
     }
 }
 
-type Place = (&'static Key, Range<usize>);
+/// A whole number that is not negative, where it is written.
+fn read_count(
+    key: &str,
+    given: Option<&Spanned<Scalar>>,
+    range: RangeInclusive<i64>,
+) -> Result<Option<Spanned<u64>>, Fault> {
+    let Some(given) = given else { return Ok(None) };
+    let count = scalar::whole(key, given, range)?;
+    Ok(Some(Spanned::new(given.span(), count.cast_unsigned())))
+}
 
-/// The inputs as written, and where each stands.
-fn read_inputs(file: &StudyFile) -> Result<(Inputs, Vec<Place>), Fault> {
+/// The inputs as written, and where all that points depend on stands.
+fn read_inputs(file: &StudyFile) -> Result<(Inputs, Places), Fault> {
     let written = [
         (&key::TICK, &file.gyro.tick),
         noise_form(&file.gyro.tick_noise)?,
@@ -197,10 +232,21 @@ fn read_inputs(file: &StudyFile) -> Result<(Inputs, Vec<Place>), Fault> {
         phase: file.motion.phase,
         gap_ticks: 0,
     };
+    let mut places = Places::default();
     for (key, value) in written {
         key.set(&mut inputs, key.read(value)?);
+        places.add(key.name, value.span());
     }
-    Ok((inputs, written.map(|(key, value)| (key, value.span())).to_vec()))
+    places.add("switching.fillers", file.switching.fillers.span());
+    for (key, list) in [
+        ("switching.fit_ticks", &file.switching.fit_ticks),
+        ("switching.extrapolation_ticks", &file.switching.extrapolation_ticks),
+    ] {
+        if let Some(list) = list {
+            places.add(key, list.span());
+        }
+    }
+    Ok((inputs, places))
 }
 
 fn noise_form(table: &Spanned<TickNoiseTable>) -> Result<(&'static Key, &Spanned<Scalar>), Fault> {

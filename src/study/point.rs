@@ -1,11 +1,10 @@
 //! Points: every combination of swept values, each checked as a whole.
 
-use std::ops::Range;
-
 use super::diagnose::Fault;
 use super::file::Filler;
 use super::inputs::Inputs;
 use super::key::{AMPLITUDE, FREQUENCY, Key, NOISE_RANDOM_WALK, TICK};
+use super::place::Places;
 use super::sweep::Sweep;
 use super::ticks::TickList;
 use super::units::Quantity;
@@ -35,8 +34,7 @@ pub struct Point {
 /// What all points share, with the places to blame.
 pub(super) struct Base<'a> {
     pub(super) inputs: Inputs,
-    /// Where each key stands in the text.
-    pub(super) places: Vec<(&'static Key, Range<usize>)>,
+    pub(super) places: &'a Places,
     pub(super) sweeps: &'a [Sweep],
     pub(super) fillers: &'a [Filler],
     pub(super) fit_ticks: TickList,
@@ -74,7 +72,9 @@ impl Base<'_> {
     fn check(&self, inputs: &Inputs) -> Result<(), Fault> {
         let Inputs { tick_s, frequency_hz, .. } = *inputs;
         let refuse = |keys: &[&'static Key], message, label, accepted: &str| {
-            Err(Fault::new(self.place(keys), message, label, format!("accepted: {accepted}")))
+            let names: Vec<&str> = keys.iter().map(|key| key.name).collect();
+            let place = self.places.blame(self.sweeps, &names);
+            Err(Fault::new(place, message, label, format!("accepted: {accepted}")))
         };
         if frequency_hz * tick_s > MOST_TICK_RATES {
             let tick_rate = significant(1.0 / tick_s, 6);
@@ -111,16 +111,5 @@ impl Base<'_> {
             format!("the fit is singular: {name} needs {needed} tick{plural}, {} has {found}", list.purpose);
         let help = format!("list at least {needed} tick{plural}, or leave out the filler \"{name}\"");
         Err(Fault::new(list.span.clone(), message, "too few ticks", help))
-    }
-
-    /// The place to blame for the values of `keys`: a sweep over one of them, else where the first that is written
-    /// stands. The chief suspect comes first.
-    fn place(&self, keys: &[&'static Key]) -> Range<usize> {
-        let sweep = |key: &Key| self.sweeps.iter().find(|sweep| sweep.key.name == key.name);
-        let written = |key: &Key| self.places.iter().find(|(place, _)| place.name == key.name);
-        match keys.iter().find_map(|key| sweep(key)) {
-            Some(sweep) => sweep.span.clone(),
-            None => keys.iter().find_map(|key| written(key)).map_or(0..0, |(_, span)| span.clone()),
-        }
     }
 }

@@ -153,20 +153,23 @@ fn text_that_is_no_study_is_pointed_at() {
         &["a.toml:8:1", "unknown key `freqency`", "did you mean `frequency`?"],
     );
     refused(&replaced("[gyro]", "[giro]"), &["a.toml:3:", "unknown key `giro`", "did you mean `gyro`?"]);
-    refused(&replaced("frequency = \"20 Hz\"\n", ""), &["a.toml:6:1", "the key `frequency` is missing"]);
+    refused(
+        &replaced("frequency = \"20 Hz\"\n", ""),
+        &["a.toml:6:1", "the key `motion.frequency` is missing"],
+    );
     refused(&replaced("title = \"A study\"\n", ""), &["a.toml:1:1", "the key `title` is missing"]);
     refused("", &["the key `title` is missing"]);
-    refused(&replaced("\"A study\"", "5"), &["a.toml:1:9", "integer `5`", "string"]);
+    refused(&replaced("\"A study\"", "5"), &["a.toml:1:9", "`title` is the number 5", "a text in quotes"]);
     refused(&replaced("gap-fill", "gapfill"), &["a.toml:2:8", "unknown value \"gapfill\"", "gap-fill"]);
     refused(
         &replaced("\"quadratic\"", "\"cubic\""),
         &["a.toml:11:21", "\"cubic\"", "const, linear, quadratic"],
     );
-    refused(&replaced("\"5 ms\"", "[5]"), &["a.toml:4:8", "one value"]);
+    refused(&replaced("\"5 ms\"", "[5]"), &["a.toml:4:8", "`gyro.tick` is a list", "\"5 ms\""]);
     refused(&with("[chart]\nx = \"dt_nu\"\ny = \"rms\"\nsize = 3\n"), &["a.toml:15:1", "unknown key `size`"]);
     refused(
         &with("[[sweep]]\nkey = \"motion.frequency\"\nlog = [1]\n"),
-        &["a.toml:14:7", "a list stands where a table is needed", "write a table"],
+        &["a.toml:14:7", "`sweep.log` is a list", "a table of from, to and points"],
     );
     refused(&with("chart = 5\n"), &["a.toml:12:1", "unknown key `chart`"]);
     refused(&format!("chart = 5\n{BASE}"), &["a.toml:1:9", "one table [chart] or several [[chart]]"]);
@@ -202,8 +205,8 @@ fn wrong_values_are_named_with_what_is_accepted() {
     refused(&replaced("gap_ticks = 3", "gap_ticks = 2.5"), &["a.toml:10:13", "not a whole number"]);
     refused(&format!("trials = 0\n{BASE}"), &["a.toml:1:10", "trials = 0", "1 … 1099511627776"]);
     refused(&format!("seed = 9223372036854775808\n{BASE}"), &["a.toml:1:8", "is too large"]);
-    refused(&format!("seed = 99999999999999999999\n{BASE}"), &["a.toml:1:8"]);
-    refused(&replaced("\"5 ms\"", "2026-01-01"), &["a.toml:4:8", "one value"]);
+    refused(&format!("seed = 99999999999999999999\n{BASE}"), &["a.toml:1:8", "too large"]);
+    refused(&replaced("\"5 ms\"", "2026-01-01"), &["a.toml:4:8", "`gyro.tick` is a date"]);
     refused(&format!("seed = -1\n{BASE}"), &["a.toml:1:8", "seed = -1", "too small"]);
     refused(&replaced("[\"const\", \"quadratic\"]", "[]"), &["a.toml:11:11", "empty", "const, linear"]);
     refused(&replaced("\"quadratic\"", "\"const\""), &["a.toml:11:21", "twice"]);
@@ -365,5 +368,64 @@ fn the_schema_describes_every_key() {
         ["\"gap_ticks\"", "\"zero-crossing\"", "\"where\"", "\"additionalProperties\": false", "5 ms"]
     {
         assert!(schema.contains(piece), "{piece} is missing in\n{schema}");
+    }
+}
+
+/// Every key below a schema of an object, as `gyro.tick`.
+fn keys_of(schema: &serde_json::Value, root: &serde_json::Value, table: &str, keys: &mut Vec<String>) {
+    let resolved = match schema["$ref"].as_str() {
+        Some(pointer) => root.pointer(&pointer[1..]).unwrap(),
+        None => schema,
+    };
+    for part in ["anyOf", "oneOf", "allOf"].iter().filter_map(|part| resolved[part].as_array()).flatten() {
+        keys_of(part, root, table, keys);
+    }
+    if !resolved["items"].is_null() {
+        keys_of(&resolved["items"], root, table, keys);
+    }
+    for (name, value) in resolved["properties"].as_object().into_iter().flatten() {
+        let key = expected::joined(table, name);
+        keys_of(value, root, &key, keys);
+        keys.push(key);
+    }
+}
+
+#[test]
+fn errors_know_what_every_key_holds() {
+    let schema: serde_json::Value = serde_json::from_str(&schema()).unwrap();
+    let mut keys = Vec::new();
+    keys_of(&schema, &schema, "", &mut keys);
+    assert!(keys.len() > 30, "{keys:?}");
+    for key in keys {
+        assert!(expected::Expected::of(&key).is_some(), "{key} is missing");
+    }
+}
+
+#[test]
+fn a_resolved_study_has_its_seed_and_trials_whatever_its_form() {
+    let lines = ["kind = \"gap-fill\"", "# a comment", "seed = 0x10 # hex"];
+    let tables = "gyro = { tick = \"5 ms\", tick_noise.std = \"1 arcsec\" }\n\
+                  motion = { amplitude = \"12000 arcsec/s\", frequency = \"20 Hz\" }\n\
+                  switching = { gap_ticks = 3, fillers = [\"const\"] }\n\
+                  title = \"\"\"\nseed = 3\n\"\"\"\n";
+    for text in [
+        format!("{tables}{}", lines.join("\n")),
+        format!("{}\n{tables}", lines.join("\r\n")),
+        format!("{tables}{}", lines[0]),
+    ] {
+        let mut study = parsed(&text);
+        for seed in [study.seed, 7] {
+            study.seed = seed;
+            let resolved = study.resolved();
+            let again = parsed(&resolved);
+            assert_eq!(
+                (again.seed, again.trials, &again.title),
+                (seed, 1_000_000, &study.title),
+                "{resolved}"
+            );
+            assert_eq!(again.resolved(), resolved);
+            assert_eq!(resolved.contains("0x10"), text.contains("0x10") && seed == 16, "{resolved}");
+            assert_eq!(resolved.contains("# hex"), text.contains("# hex"), "{resolved}");
+        }
     }
 }

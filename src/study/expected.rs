@@ -1,0 +1,151 @@
+//! What each key of a study holds, for errors about values of the wrong type and about missing keys.
+
+use std::ops::Range;
+
+use toml::de::{DeTable, DeValue};
+
+/// What a key holds, and how it may be written.
+pub(super) struct Expected {
+    /// From the root, as in `sweep.log.from`; ends with `*` for a table whose keys are free.
+    pub(super) key: &'static str,
+    pub(super) what: &'static str,
+    pub(super) example: &'static str,
+}
+
+const fn entry(key: &'static str, what: &'static str, example: &'static str) -> Expected {
+    Expected { key, what, example }
+}
+
+const TEXT: &str = "a text in quotes";
+const QUANTITY: &str = "a number with its unit, in quotes";
+const NUMBER: &str = "a whole number";
+const END: &str = "a value of the key that is swept";
+const SPACING: &str = "a table of from, to and points";
+
+/// Every key of a study file.
+static KEYS: &[Expected] = &[
+    entry("title", TEXT, "title = \"Error of the gap fillers\""),
+    entry("question", TEXT, "question = \"Which filler is good enough?\""),
+    entry("kind", TEXT, "kind = \"gap-fill\""),
+    entry("seed", NUMBER, "seed = 1"),
+    entry("trials", NUMBER, "trials = 1_000_000"),
+    entry("streams", TEXT, "streams = \"independent\""),
+    entry("gyro", "a table", "[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"0.53 arcsec\" }"),
+    entry("gyro.tick", QUANTITY, "tick = \"5 ms\""),
+    entry(
+        "gyro.tick_noise",
+        "a table of std, three_sigma or angle_random_walk",
+        "tick_noise = { std = \"0.53 arcsec\" }",
+    ),
+    entry("gyro.tick_noise.std", QUANTITY, "std = \"0.53 arcsec\""),
+    entry("gyro.tick_noise.three_sigma", QUANTITY, "three_sigma = \"1.6 arcsec\""),
+    entry("gyro.tick_noise.angle_random_walk", QUANTITY, "angle_random_walk = \"0.003 deg/sqrt(h)\""),
+    entry("motion", "a table", "[motion]\namplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\""),
+    entry("motion.amplitude", QUANTITY, "amplitude = \"12000 arcsec/s\""),
+    entry("motion.frequency", QUANTITY, "frequency = \"20 Hz\""),
+    entry("motion.phase", TEXT, "phase = \"uniform\""),
+    entry("switching", "a table", "[switching]\ngap_ticks = 3\nfillers = [\"const\", \"quadratic\"]"),
+    entry("switching.gap_ticks", NUMBER, "gap_ticks = 3"),
+    entry("switching.fit_ticks", "a list in brackets", "fit_ticks = [-1, 0, \"n+1\", \"n+2\"]"),
+    entry("switching.extrapolation_ticks", "a list in brackets", "extrapolation_ticks = [-3, -2, -1, 0]"),
+    entry("switching.fillers", "a list in brackets", "fillers = [\"const\", \"linear\", \"quadratic\"]"),
+    entry(
+        "sweep",
+        "a table [[sweep]], or several",
+        "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"2 Hz\", \"5 Hz\"]",
+    ),
+    entry("sweep.key", TEXT, "key = \"motion.frequency\""),
+    entry("sweep.list", "a list in brackets", "list = [\"2 Hz\", \"5 Hz\"]"),
+    entry("sweep.linear", SPACING, "linear = { from = \"2 Hz\", to = \"40 Hz\", points = 20 }"),
+    entry("sweep.linear.from", END, "from = \"2 Hz\""),
+    entry("sweep.linear.to", END, "to = \"40 Hz\""),
+    entry("sweep.linear.points", NUMBER, "points = 20"),
+    entry("sweep.log", SPACING, "log = { from = \"2 Hz\", to = \"40 Hz\", points = 24 }"),
+    entry("sweep.log.from", END, "from = \"2 Hz\""),
+    entry("sweep.log.to", END, "to = \"40 Hz\""),
+    entry("sweep.log.points", NUMBER, "points = 24"),
+    entry("chart", "one table [chart] or several [[chart]]", "[chart]\nx = \"dt_nu\"\ny = \"rms\""),
+    entry("chart.title", TEXT, "title = \"Largest error\""),
+    entry("chart.x", TEXT, "x = \"dt_nu\""),
+    entry("chart.y", TEXT, "y = \"rms\""),
+    entry("chart.series", "a list in brackets", "series = [\"filler\", \"gap_ticks\"]"),
+    entry("chart.where", "a table of columns and values", "where = { error = \"residual\" }"),
+    entry("chart.where.*", "one value", "where = { error = \"residual\" }"),
+    entry("chart.limit", QUANTITY, "limit = \"10 arcsec\""),
+    entry("chart.x_scale", TEXT, "x_scale = \"log\""),
+    entry("chart.y_scale", TEXT, "y_scale = \"linear\""),
+];
+
+impl Expected {
+    pub(super) fn of(key: &str) -> Option<&'static Expected> {
+        let any_in = |pattern: &str| pattern.strip_suffix('*').is_some_and(|table| key.starts_with(table));
+        KEYS.iter().find(|expected| expected.key == key || any_in(expected.key))
+    }
+}
+
+/// A value as it stands in a study.
+pub(super) struct Found {
+    /// From the root, without the places in lists; empty for the root.
+    pub(super) key: String,
+    /// Whether it is an item of the key's list.
+    pub(super) item: bool,
+    /// For sentences: `a list`, `the number 5`.
+    pub(super) what: String,
+}
+
+/// The values at these bytes of a TOML text: several where tables are written as dotted keys only.
+pub(super) fn found_at(text: &str, place: &Range<usize>) -> Vec<Found> {
+    let mut found = Vec::new();
+    if let Ok(root) = DeTable::parse(text) {
+        let span = root.span();
+        search(&DeValue::Table(root.into_inner()), &span, "", false, place, &mut found);
+    }
+    found
+}
+
+fn search(
+    value: &DeValue,
+    span: &Range<usize>,
+    key: &str,
+    item: bool,
+    place: &Range<usize>,
+    found: &mut Vec<Found>,
+) {
+    if span == place {
+        found.push(Found { key: key.to_owned(), item, what: description(value) });
+    }
+    match value {
+        DeValue::Table(table) => {
+            for (name, value) in table {
+                let key = joined(key, name.get_ref());
+                search(value.get_ref(), &value.span(), &key, false, place, found);
+            }
+        }
+        DeValue::Array(items) => {
+            for value in items.iter() {
+                search(value.get_ref(), &value.span(), key, true, place, found);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The name of `key` in the table `table`, whose name is empty for the root.
+pub(super) fn joined(table: &str, key: &str) -> String {
+    if table.is_empty() { key.to_owned() } else { format!("{table}.{key}") }
+}
+
+fn description(value: &DeValue) -> String {
+    match value {
+        DeValue::String(text) => format!("the text \"{text}\""),
+        DeValue::Integer(number) if i64::from_str_radix(number.as_str(), number.radix()).is_err() => {
+            format!("the far too large number {number}")
+        }
+        DeValue::Integer(number) => format!("the number {number}"),
+        DeValue::Float(number) => format!("the number {number}"),
+        DeValue::Boolean(value) => value.to_string(),
+        DeValue::Datetime(_) => "a date or a time".to_owned(),
+        DeValue::Array(_) => "a list".to_owned(),
+        DeValue::Table(_) => "a table".to_owned(),
+    }
+}
