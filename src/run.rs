@@ -47,6 +47,9 @@ pub struct Done {
 /// How long a batch should take: results are on disk this often.
 const BATCH_SECONDS: f64 = 0.3;
 
+/// Most jobs of a batch: their tallies are held in memory together, some 30 KiB each.
+const MOST_JOBS: usize = 1024;
+
 /// Trials of the first batch.
 const FIRST_BATCH: u64 = 1 << 20;
 
@@ -221,7 +224,9 @@ fn refused(study: &Study, point: &Point, error: &LowerError) -> StudyError {
 
 fn take_batch<'a, 'b>(rest: &mut Vec<(&'a Work, Job<'b>)>, trials: u64) -> Vec<(&'a Work, Job<'b>)> {
     let (mut batch, mut taken) = (Vec::new(), 0);
-    while let Some(next) = rest.pop_if(|(_, job)| taken == 0 || taken + job.block.trials() <= trials) {
+    while batch.len() < MOST_JOBS
+        && let Some(next) = rest.pop_if(|(_, job)| taken == 0 || taken + job.block.trials() <= trials)
+    {
         taken += next.1.block.trials();
         batch.push(next);
     }

@@ -96,52 +96,67 @@ pub struct Verdict {
     pub differences: Vec<String>,
 }
 
-/// Runs every kernel for `units` trials or items on the portable width, on every other width of this machine and on
-/// `device`, and compares bit for bit; `report` hears each verdict as it is reached.
+/// Runs every kernel for `units` trials or items in all on the portable width, on every other width of this machine and
+/// on `devices`, and compares bit for bit; `report` hears each verdict as it is reached.
 ///
 /// # Errors
-/// The device is lost or refuses.
-pub fn verify(device: &mut Device, units: u64, mut report: impl FnMut(&Verdict)) -> Result<bool, GpuError> {
+/// A device is lost or refuses.
+pub fn verify(
+    devices: &mut [Device],
+    units: u64,
+    mut report: impl FnMut(&Verdict),
+) -> Result<bool, GpuError> {
     let mut identical = true;
     for kernel in KERNELS {
-        let verdict = verify_kernel(&kernel, device, units)?;
+        let verdict = verify_kernel(&kernel, devices, units)?;
         identical &= verdict.differences.is_empty();
         report(&verdict);
     }
     Ok(identical)
 }
 
-fn verify_kernel(kernel: &Kernel, device: &mut Device, units: u64) -> Result<Verdict, GpuError> {
+/// Items of a building block that are held at a time.
+const ITEMS: u64 = 1 << 20;
+
+fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<Verdict, GpuError> {
     let mut hasher = Sha256::new();
     let mut differences = Vec::new();
+    let mut compare = |same: bool, name: String| {
+        if !same && !differences.contains(&name) {
+            differences.push(name);
+        }
+    };
     match kernel.form {
         Form::Map(map) => {
-            let items = items(&map, units.min(1 << 20) as usize);
-            let reference = (map.cpu)(Width::Portable, &items);
-            for width in Width::available() {
-                if (map.cpu)(width, &items) != reference {
-                    differences.push(width.name().to_owned());
+            for first in (0..units).step_by(ITEMS as usize) {
+                let items = items(&map, first..units.min(first + ITEMS));
+                let reference = (map.cpu)(Width::PORTABLE, &items);
+                for width in Width::available() {
+                    compare((map.cpu)(width, &items) == reference, width.name().to_owned());
                 }
+                for device in &mut *devices {
+                    compare(device.map(&map, &items)? == reference, device.name());
+                }
+                hasher.update(bytemuck::cast_slice::<u32, u8>(&reference));
             }
-            if device.map(&map, &items)? != reference {
-                differences.push(device.name());
-            }
-            hasher.update(bytemuck::cast_slice::<u32, u8>(&reference));
         }
         Form::GapFill => {
-            for configuration in configurations() {
-                for launch in configuration.launches() {
-                    let reference = on_cpu(Width::Portable, &launch, units);
-                    for width in Width::available() {
-                        if on_cpu(width, &launch, units) != reference {
-                            differences.push(format!("{} ({})", width.name(), configuration.name));
-                        }
-                    }
-                    if tally(device, &launch, units)? != reference {
-                        differences.push(format!("{} ({})", device.name(), configuration.name));
-                    }
-                    reference.iter().for_each(|tally| digest(tally, &mut hasher));
+            let launches: Vec<(&str, Launch)> = configurations()
+                .iter()
+                .flat_map(|c| c.launches().into_iter().map(|launch| (c.name, launch)))
+                .collect();
+            let trials = units.div_ceil(launches.len() as u64);
+            for (name, launch) in launches {
+                let reference = on_cpu(Width::PORTABLE, &launch, trials);
+                for width in Width::available() {
+                    let same = on_cpu(width, &launch, trials) == reference;
+                    compare(same, format!("{} ({name})", width.name()));
                 }
+                for device in &mut *devices {
+                    let same = tally(device, &launch, trials)? == reference;
+                    compare(same, format!("{} ({name})", device.name()));
+                }
+                reference.iter().for_each(|tally| digest(tally, &mut hasher));
             }
         }
     }
@@ -149,6 +164,9 @@ fn verify_kernel(kernel: &Kernel, device: &mut Device, units: u64) -> Result<Ver
     let digest = hash[..8].iter().fold(0, |digest, &byte| digest << 8 | u64::from(byte));
     Ok(Verdict { kernel: kernel.name, digest, differences })
 }
+
+/// The configurations of the self-test: sums of 32 bits and of 64.
+const SELF_TEST: [&str; 2] = ["paper", "sparse-fit-ticks"];
 
 /// The first kernel, if any, in which a device differs from the portable CPU on a small load.
 ///
@@ -158,12 +176,17 @@ pub fn self_test(device: &mut Device) -> Result<Option<&'static str>, GpuError> 
     for kernel in KERNELS {
         let same = match kernel.form {
             Form::Map(map) => {
-                let items = items(&map, 4096);
-                device.map(&map, &items)? == (map.cpu)(Width::Portable, &items)
+                let items = items(&map, 0..4096);
+                device.map(&map, &items)? == (map.cpu)(Width::PORTABLE, &items)
             }
             Form::GapFill => {
-                let launch = &Configuration::new("paper", |_| {}).launches()[0];
-                tally(device, launch, 5000)? == on_cpu(Width::Portable, launch, 5000)
+                let mut same = true;
+                for configuration in configurations().iter().filter(|c| SELF_TEST.contains(&c.name)) {
+                    for launch in &configuration.launches() {
+                        same &= tally(device, launch, 5000)? == on_cpu(Width::PORTABLE, launch, 5000);
+                    }
+                }
+                same
             }
         };
         if !same {
@@ -173,13 +196,15 @@ pub fn self_test(device: &mut Device) -> Result<Option<&'static str>, GpuError> 
     Ok(None)
 }
 
-/// Input words for so many items of a building block, from the generator itself.
-fn items(map: &Map, count: usize) -> Vec<u32> {
-    let words = (count * map.inputs) as u32;
-    let block =
-        |counter| philox::philox([counter, 0, 0, u32::MAX].map(Scalar), philox::schedule([Scalar(0); 2]));
-    let random = (0..words.div_ceil(4)).flat_map(|counter| block(counter).map(|word| word.0));
-    random.take(words as usize).collect()
+/// Input words of some items of a building block, from the generator itself; an item takes whole blocks of it.
+fn items(map: &Map, range: core::ops::Range<u64>) -> Vec<u32> {
+    let blocks = map.inputs.div_ceil(4) as u64;
+    let keys = philox::schedule([Scalar(0); 2]);
+    let block = |n: u64| philox::philox([n as u32, (n >> 32) as u32, 0, u32::MAX].map(Scalar), keys);
+    range
+        .flat_map(|item| (item * blocks..(item + 1) * blocks).flat_map(block).take(map.inputs))
+        .map(|word| word.0)
+        .collect()
 }
 
 fn on_cpu(width: Width, launch: &Launch, trials: u64) -> Vec<Moments> {

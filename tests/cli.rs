@@ -587,7 +587,7 @@ fn the_printed_table_has_a_line_for_every_value_of_every_sweep() {
 
     desk.write(
         "both.toml",
-        &with(&format!("{gaps}[chart]\nx = \"gap_ticks\"\ny = \"rms\"\nwhere = {{ gap_ticks = 2 }}")),
+        &with(&format!("{gaps}[chart]\nx = \"gap_ticks\"\ny = \"rms\"\nseries = [\"filler\", \"error\"]\nwhere = {{ gap_ticks = 2 }}")),
     );
     let said = desk.done("run both.toml --device cpu --trials 1000").stdout;
     assert_eq!(cells(&said)[1].len(), 1 + 4, "residual and extrapolation of two fillers:\n{said}");

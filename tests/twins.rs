@@ -10,9 +10,9 @@ use sagnac::backend::cpu::{Cpu, Width};
 use sagnac::backend::gpu::source::Variant;
 use sagnac::backend::gpu::{Adapter, Gpu};
 use sagnac::block::{Block, cover};
-use sagnac::kernel::gap_fill::Launch;
+use sagnac::kernel::gap_fill::{Launch, Parameters};
 use sagnac::kernel::map::{Map, PHILOX};
-use sagnac::kernel::moments::Moments;
+use sagnac::kernel::moments::{BINS, LIMIT, Moments};
 use sagnac::kernel::philox::{philox, schedule};
 use sagnac::kernel::word::Scalar;
 use sagnac::kernel::{Form, KERNELS};
@@ -54,12 +54,6 @@ fn open(adapter: &Adapter, variant: Variant) -> Gpu {
     Gpu::open(adapter, variant).unwrap_or_else(|error| panic!("{}: {error}", name(adapter, variant)))
 }
 
-/// The usual variant, and the one that differs from it in everything.
-fn two_variants(adapter: &Adapter) -> Vec<Variant> {
-    let split = Variant { int64: false, checked: true, workgroup: 64 };
-    vec![Variant { int64: adapter.has_int64(), checked: false, workgroup: 64 }, split]
-}
-
 fn jobs<'a>(launch: &'a Launch, blocks: &[Block]) -> Vec<Job<'a>> {
     blocks.iter().map(|&block| Job { launch, block }).collect()
 }
@@ -88,7 +82,7 @@ fn on_gpu(gpu: &mut Gpu, launch: &Launch, blocks: &[Block], histogram: bool) -> 
 }
 
 fn reference(launch: &Launch, blocks: &[Block], histogram: bool) -> Vec<Moments> {
-    on_cpu(Width::Portable, 0, launch, blocks, histogram)
+    on_cpu(Width::PORTABLE, 0, launch, blocks, histogram)
 }
 
 /// The same trials in one block, in many, in many more than a tile holds, and in uneven parts from the last to the
@@ -170,7 +164,7 @@ fn building_blocks_are_the_same_in_every_width_and_shader() {
     for kernel in KERNELS {
         let Form::Map(map) = kernel.form else { continue };
         let items = items(&map);
-        let reference = (map.cpu)(Width::Portable, &items);
+        let reference = (map.cpu)(Width::PORTABLE, &items);
         for width in Width::available() {
             assert_eq!((map.cpu)(width, &items), reference, "{} in {}", kernel.name, width.name());
             coverage.comparisons += 1;
@@ -187,12 +181,20 @@ fn building_blocks_are_the_same_in_every_width_and_shader() {
     coverage.end(&format!("building blocks {names:?}, {} items each", (1 << 16) + 41));
 }
 
+/// The launches of all configurations, by name.
+fn launches() -> Vec<(&'static str, Launch)> {
+    let launches = |c: &Configuration| -> Vec<_> { c.launches().into_iter().map(|l| (c.name, l)).collect() };
+    configurations().iter().flat_map(launches).collect()
+}
+
 #[test]
-fn the_papers_point_is_the_same_on_any_width_threads_and_division() {
+fn every_configuration_is_the_same_on_any_width_threads_and_division() {
     let mut coverage = Coverage::start();
-    let launch = &configurations()[0].launches()[0];
-    for trials in [TRIALS, 1_000_003] {
-        for histogram in [true, false] {
+    for (configuration, launch) in &launches() {
+        // The paper's point without the histogram too, and in a number of trials that no width divides.
+        let paper = *configuration == "paper";
+        let cases = [(TRIALS, true), (TRIALS, false), (1_000_003, true), (1_000_003, false)];
+        for &(trials, histogram) in &cases[..if paper { 4 } else { 1 }] {
             let reference = reference(launch, &cover(0..trials, 63), histogram);
             for width in Width::available() {
                 for threads in 1..=3 {
@@ -201,7 +203,7 @@ fn the_papers_point_is_the_same_on_any_width_threads_and_division() {
                         let width = width.name();
                         assert_eq!(
                             found, reference,
-                            "{width}, {threads} threads, {division}, {trials} trials"
+                            "{configuration} in {width}, {threads} threads, {division}, {trials} trials"
                         );
                         coverage.comparisons += 1;
                     }
@@ -209,30 +211,113 @@ fn the_papers_point_is_the_same_on_any_width_threads_and_division() {
             }
         }
     }
-    coverage.end("paper: widths × 1, 2, 3 threads × divisions × histogram, 2^20 and 1,000,003 trials");
+    coverage.end(&format!(
+        "{} configurations: widths × 1, 2, 3 threads × divisions, 2^20 trials",
+        configurations().len()
+    ));
 }
 
 #[test]
-fn the_papers_point_is_the_same_on_any_shader_tile_and_division() {
+fn every_configuration_is_the_same_on_any_shader_tile_and_division() {
     let mut coverage = Coverage::start();
-    let launch = &configurations()[0].launches()[0];
-    for histogram in [true, false] {
-        let reference = reference(launch, &cover(0..TRIALS, 63), histogram);
-        for adapter in adapters() {
-            for variant in variants(&adapter) {
-                let mut gpu = open(&adapter, variant);
-                let tiles = [TRIALS / 3 + 1, 40_001, 2 * TRIALS, TRIALS];
-                for ((division, blocks), tile) in divisions(TRIALS).into_iter().zip(tiles) {
-                    gpu.set_tile(tile);
-                    let found = on_gpu(&mut gpu, launch, &blocks, histogram);
-                    let name = name(&adapter, variant);
-                    assert_eq!(found, reference, "{name}, {division}, tiles of {tile} at first");
-                    coverage.comparisons += 1;
+    for (configuration, launch) in &launches() {
+        let cases = [true, false];
+        for &histogram in &cases[..if *configuration == "paper" { 2 } else { 1 }] {
+            let reference = reference(launch, &cover(0..TRIALS, 63), histogram);
+            for adapter in adapters() {
+                for variant in variants(&adapter) {
+                    let mut gpu = open(&adapter, variant);
+                    let tiles = [TRIALS / 3 + 1, 40_001, 2 * TRIALS, TRIALS];
+                    for ((division, blocks), tile) in divisions(TRIALS).into_iter().zip(tiles) {
+                        gpu.set_tile(tile);
+                        let found = on_gpu(&mut gpu, launch, &blocks, histogram);
+                        let name = name(&adapter, variant);
+                        assert_eq!(
+                            found, reference,
+                            "{configuration} on {name}, {division}, tiles of {tile} at first"
+                        );
+                        coverage.comparisons += 1;
+                    }
                 }
             }
         }
     }
-    coverage.end("paper: all shader variants × tiles and divisions × histogram, 2^20 trials");
+    coverage.end(&format!(
+        "{} configurations: shader variants × tiles and divisions, 2^20 trials",
+        configurations().len()
+    ));
+}
+
+/// A launch of the paper's point at its extremum without noise, whose every error is near ±[`LIMIT`]: the truth alone,
+/// times a scale that brings it there.
+fn at_the_limit(sign: i32) -> (Launch, i64) {
+    let launch = Configuration::new("at the limit", |c| {
+        c.point.inputs.phase = Phase::Extremum;
+        c.point.inputs.tick_noise = TickNoise::Std(0.0);
+    })
+    .launches()
+    .remove(0);
+    let p = Parameters::of(&launch.words, launch.shape);
+    // sine(¼ turn) = 2^30.
+    let truth = ((i64::from(p.gap_sin[0] as i32) << 30) + (1 << 31)) >> 32;
+    let scale = ((LIMIT - 1) / truth) as i32 * sign;
+    let none = vec![0; p.residual_weight.len().max(p.extrapolation_weight.len())];
+    let scales = vec![scale as u32; launch.shape.fillers];
+    let words = Parameters {
+        residual_weight: &none[..p.residual_weight.len()],
+        extrapolation_weight: &none[..p.extrapolation_weight.len()],
+        residual_scale: &scales,
+        extrapolation_scale: &scales,
+        ..p
+    }
+    .words();
+    (Launch { shape: launch.shape, words }, -truth * i64::from(scale))
+}
+
+#[test]
+fn sums_of_the_largest_errors_are_exact_in_every_width_and_shader() {
+    let mut coverage = Coverage::start();
+    for sign in [1, -1] {
+        let (launch, error) = at_the_limit(sign);
+        assert!(error.abs() > LIMIT - LIMIT / 64, "{error} is near the limit of {LIMIT}");
+        let bins = {
+            let mut bins = vec![0; BINS];
+            bins[BINS - 1] = TRIALS;
+            bins
+        };
+        let expected = Moments {
+            count: TRIALS,
+            sum: i128::from(error) * i128::from(TRIALS),
+            square: (i128::from(error) * i128::from(error)) as u128 * u128::from(TRIALS),
+            least: error as i32,
+            greatest: error as i32,
+            bins,
+        };
+        let strip = |tallies: Vec<Moments>| -> Vec<Moments> {
+            // Which bin is the last depends on where the histogram starts; all trials are in one.
+            tallies
+                .into_iter()
+                .map(|mut tally| {
+                    tally.bins.sort_unstable();
+                    tally
+                })
+                .collect()
+        };
+        let expected = vec![expected; 2 * launch.shape.fillers];
+        let blocks = cover(0..TRIALS, 63);
+        for width in Width::available() {
+            assert_eq!(strip(on_cpu(width, 0, &launch, &blocks, true)), expected, "{}", width.name());
+            coverage.comparisons += 1;
+        }
+        for adapter in adapters() {
+            for variant in variants(&adapter) {
+                let found = on_gpu(&mut open(&adapter, variant), &launch, &blocks, true);
+                assert_eq!(strip(found), expected, "{}", name(&adapter, variant));
+                coverage.comparisons += 1;
+            }
+        }
+    }
+    coverage.end("errors of ±2^29: Σ, Σ² and extremes against 128 bits, 2^20 trials");
 }
 
 #[test]
@@ -251,31 +336,6 @@ fn tiles_from_one_trial_to_all_give_the_same() {
         }
     }
     coverage.end("paper: tiles of 1 … 2^28 trials at first, 30,006 trials");
-}
-
-#[test]
-fn every_configuration_is_the_same_everywhere() {
-    let mut coverage = Coverage::start();
-    let names: Vec<&str> = configurations().iter().map(|configuration| configuration.name).collect();
-    let blocks = cover(0..TRIALS, 16);
-    for configuration in configurations() {
-        for launch in &configuration.launches() {
-            let reference = reference(launch, &cover(0..TRIALS, 63), true);
-            for width in Width::available() {
-                let found = on_cpu(width, 0, launch, &blocks, true);
-                assert_eq!(found, reference, "{} in {}", configuration.name, width.name());
-                coverage.comparisons += 1;
-            }
-            for adapter in adapters() {
-                for variant in two_variants(&adapter) {
-                    let found = on_gpu(&mut open(&adapter, variant), launch, &blocks, true);
-                    assert_eq!(found, reference, "{} on {}", configuration.name, name(&adapter, variant));
-                    coverage.comparisons += 1;
-                }
-            }
-        }
-    }
-    coverage.end(&format!("configurations {names:?}, 2^20 trials"));
 }
 
 #[test]

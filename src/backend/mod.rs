@@ -4,7 +4,7 @@ pub mod cpu;
 pub mod gpu;
 mod select;
 
-pub use select::{SelectError, Selection, select};
+pub use select::{SelectError, Selection, every_adapter, select};
 
 use crate::block::Block;
 use crate::kernel::gap_fill::Launch;

@@ -37,6 +37,18 @@ pub struct Selection {
     pub reason: String,
 }
 
+/// Every adapter of this machine, without a self-test: what a check of identity compares.
+///
+/// # Errors
+/// One of them cannot be opened.
+pub fn every_adapter() -> Result<Vec<Device>, SelectError> {
+    let open = |adapter: &Adapter| match Gpu::open(adapter, adapter.variant()) {
+        Ok(gpu) => Ok(Device::Gpu(Box::new(gpu))),
+        Err(source) => Err(SelectError::Gpu { name: adapter.name(), source }),
+    };
+    Adapter::all().iter().map(open).collect()
+}
+
 /// The device that `wanted` means. `auto` is a real GPU that passes its self-test, else the CPU.
 ///
 /// # Errors

@@ -76,10 +76,11 @@ struct Run {
 
 #[derive(Debug, Args)]
 struct Verify {
-    #[command(flatten)]
-    device: DeviceArg,
-    /// Units of work for each kernel: trials of each configuration, or numbers
-    #[arg(long, value_name = "N", default_value_t = 1 << 18, value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
+    /// cpu, gpu, or part of the name of an adapter that `sagnac devices` lists [default: all there are]
+    #[arg(long, value_name = "DEVICE")]
+    device: Option<String>,
+    /// Units of work in all for each kernel: trials over its configurations, or numbers
+    #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
     trials: u64,
 }
 

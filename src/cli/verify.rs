@@ -1,17 +1,27 @@
 //! `sagnac verify`.
 
-use sagnac::backend::select;
+use sagnac::backend::cpu::Width;
+use sagnac::backend::{Device, every_adapter, select};
 use sagnac::verify;
 
 use super::Failure;
 use super::output::print;
 
-/// Compares every kernel on every width of the CPU and on the device.
+/// Compares every kernel on every width of the CPU and on the device, or on every adapter there is.
 pub fn verify(options: &super::Verify) -> Result<(), Failure> {
-    let mut selection = select(&options.device.name)?;
-    eprintln!("device: {}, {}", selection.device.name(), selection.reason);
+    let mut devices = match &options.device {
+        Some(name) => vec![select(name)?.device],
+        None => every_adapter()?,
+    };
+    let widths = Width::available().into_iter().map(|width| format!("CPU ({})", width.name()));
+    let mut names: Vec<String> = widths.collect();
+    names.extend(devices.iter().filter(|device| matches!(device, Device::Gpu(_))).map(Device::name));
+    eprintln!("comparing: {}", names.join(", "));
+    if !devices.iter().any(|device| matches!(device, Device::Gpu(_))) {
+        eprintln!("no adapter is compared: no shader runs");
+    }
     let mut printed = Ok(());
-    let identical = verify::verify(&mut selection.device, options.trials, |verdict| {
+    let identical = verify::verify(&mut devices, options.trials, |verdict| {
         let line = if verdict.differences.is_empty() {
             format!("identical {} {:016x}", verdict.kernel, verdict.digest)
         } else {

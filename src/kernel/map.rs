@@ -18,6 +18,8 @@ pub struct Map {
     pub cpu: fn(Width, &[u32]) -> Vec<u32>,
     /// The same for one item as a statement of a shader, from `x` to `y`.
     pub wgsl: &'static str,
+    /// Whether the shader reads the table of the Gaussian.
+    pub table: bool,
 }
 
 /// A building block in any width, from the first words of `x` to the first of the result.
@@ -25,6 +27,7 @@ trait Block {
     const INPUTS: usize;
     const OUTPUTS: usize;
     const WGSL: &'static str;
+    const TABLE: bool = false;
     fn evaluate<W: Word>(x: [W; 6]) -> [W; 4];
 }
 
@@ -45,6 +48,7 @@ impl Block for NormalBlock {
     const INPUTS: usize = 1;
     const OUTPUTS: usize = 1;
     const WGSL: &'static str = "y[0] = normal(x[0]);";
+    const TABLE: bool = true;
     #[inline(always)]
     fn evaluate<W: Word>(x: [W; 6]) -> [W; 4] {
         [normal(x[0]); 4]
@@ -70,7 +74,7 @@ pub const NORMAL: Map = map_of::<NormalBlock>();
 pub const SINE: Map = map_of::<SineBlock>();
 
 const fn map_of<B: Block>() -> Map {
-    Map { inputs: B::INPUTS, outputs: B::OUTPUTS, cpu: evaluate_all::<B>, wgsl: B::WGSL }
+    Map { inputs: B::INPUTS, outputs: B::OUTPUTS, cpu: evaluate_all::<B>, wgsl: B::WGSL, table: B::TABLE }
 }
 
 fn evaluate_all<B: Block>(width: Width, items: &[u32]) -> Vec<u32> {

@@ -46,9 +46,12 @@ macro_rules! simd_operators {
 #[cfg(target_arch = "x86_64")]
 use simd_operators;
 
-/// How many lanes the kernels run in. All widths give the same bits.
+/// How many lanes the kernels run in. All widths give the same bits; one that the processor lacks cannot be had.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Width {
+pub struct Width(Lanes);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Lanes {
     Portable,
     #[cfg(target_arch = "x86_64")]
     Avx2,
@@ -63,54 +66,54 @@ pub trait AnyWidth {
 }
 
 impl Width {
+    /// One lane, on any processor: the reference of the others.
+    pub const PORTABLE: Width = Width(Lanes::Portable);
+
     /// The widths that this processor has, narrowest first.
     pub fn available() -> Vec<Width> {
-        let mut widths = vec![Width::Portable];
+        let mut widths = vec![Width::PORTABLE];
         #[cfg(target_arch = "x86_64")]
         {
-            if is_x86_feature_detected!("avx2")
+            let avx2 = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("bmi1")
                 && is_x86_feature_detected!("bmi2")
-                && is_x86_feature_detected!("lzcnt")
-            {
-                widths.push(Width::Avx2);
-            }
-            if is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("lzcnt");
+            let avx512 = is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512bw")
                 && is_x86_feature_detected!("avx512cd")
                 && is_x86_feature_detected!("avx512dq")
-                && is_x86_feature_detected!("avx512vl")
-            {
-                widths.push(Width::Avx512);
-            }
+                && is_x86_feature_detected!("avx512vl");
+            widths.extend(avx2.then_some(Width(Lanes::Avx2)));
+            widths.extend((avx2 && avx512).then_some(Width(Lanes::Avx512)));
         }
         widths
     }
 
     /// The widest of this processor.
     pub fn widest() -> Width {
-        Width::available().pop().unwrap_or(Width::Portable)
+        Width::available().pop().unwrap_or(Width::PORTABLE)
     }
 
     /// As people know it.
     pub fn name(self) -> &'static str {
-        match self {
-            Width::Portable => "portable",
+        match self.0 {
+            Lanes::Portable => "portable",
             #[cfg(target_arch = "x86_64")]
-            Width::Avx2 => "AVX2",
+            Lanes::Avx2 => "AVX2",
             #[cfg(target_arch = "x86_64")]
-            Width::Avx512 => "AVX-512",
+            Lanes::Avx512 => "AVX-512",
         }
     }
 
     /// Does `work` in lanes of this width.
     pub fn run<T: AnyWidth>(self, work: T) -> T::Output {
-        match self {
-            Width::Portable => work.run::<Scalar>(),
-            // SAFETY: a width is only made where the processor has it.
+        match self.0 {
+            Lanes::Portable => work.run::<Scalar>(),
+            // SAFETY: only `available` makes these, where the processor has what the functions enable.
             #[cfg(target_arch = "x86_64")]
-            Width::Avx2 => unsafe { in_avx2(work) },
+            Lanes::Avx2 => unsafe { in_avx2(work) },
             #[cfg(target_arch = "x86_64")]
-            Width::Avx512 => unsafe { in_avx512(work) },
+            Lanes::Avx512 => unsafe { in_avx512(work) },
         }
     }
 }

@@ -197,9 +197,9 @@ impl Gpu {
         let output = self.buffer("results", size, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
         let read = self.buffer("read", size, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
         let mut resources = vec![input.as_entire_binding(), output.as_entire_binding()];
-        let uses_table = map.wgsl.contains("normal");
-        let first = if uses_table { 0 } else { 1 };
-        if uses_table {
+        // The table is binding 0; a shader without it starts at 1.
+        let first = u32::from(!map.table);
+        if map.table {
             resources.insert(0, self.normal_table.as_entire_binding());
         }
         let bind_group = self.bind_group(&pipeline, first, resources);
