@@ -340,6 +340,10 @@ fn wrong_usage_ends_with_2_and_leaves_nothing() {
         &["--out names one folder", "without --out"],
     );
     desk.fails("run study.toml --device abacus", 2, &["no device is called `abacus`", "auto, cpu, gpu"]);
+    assert!(
+        desk.done("run study.toml --device portable --trials 10 --out p").stderr.contains("CPU (portable")
+    );
+    std::fs::remove_dir_all(desk.path("p")).unwrap();
     desk.fails("run study.toml --device=", 2, &["no device is called ``", "auto, cpu, gpu"]);
     desk.fails("run study.toml --device cpu --trials 0", 2, &["--trials", "1..=1099511627776"]);
     desk.fails("run study.toml --device cpu --trials many", 2, &["--trials"]);

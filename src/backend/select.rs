@@ -1,4 +1,4 @@
-//! Choosing a device: `auto`, `cpu`, `gpu`, or part of an adapter's name.
+//! Choosing a device: `auto`, `cpu`, `gpu`, a width of the CPU, or part of an adapter's name.
 
 use super::Device;
 use super::cpu::{Cpu, Width};
@@ -55,7 +55,7 @@ pub fn every_adapter() -> Result<Vec<Device>, SelectError> {
 /// No such device, or it does not work, or it computes other bits than the CPU.
 pub fn select(wanted: &str) -> Result<Selection, SelectError> {
     match wanted {
-        "cpu" => cpu("as asked"),
+        "cpu" => cpu(Width::widest(), "as asked"),
         "auto" => auto(),
         "gpu" => {
             let adapters = Adapter::all();
@@ -63,14 +63,19 @@ pub fn select(wanted: &str) -> Result<Selection, SelectError> {
             open(adapter.ok_or(SelectError::NoGpu)?, "as asked")
         }
         part => {
+            let is_wanted = |width: &Width| width.name().eq_ignore_ascii_case(part);
+            if let Some(width) = Width::available().into_iter().find(is_wanted) {
+                return cpu(width, "as asked");
+            }
             let adapters = Adapter::all();
             // Nothing is part of every name, but nobody means the first adapter by it.
             let part_of = |name: &str| !part.trim().is_empty() && name.contains(&part.to_lowercase());
             match adapters.iter().find(|adapter| part_of(&adapter.name().to_lowercase())) {
                 Some(adapter) => open(adapter, "as asked"),
                 None => {
-                    let names = adapters.iter().map(Adapter::name);
-                    let known = ["auto", "cpu", "gpu"].map(str::to_owned).into_iter().chain(names).collect();
+                    let widths = Width::available().into_iter().map(Width::name);
+                    let known = ["auto", "cpu", "gpu"].into_iter().chain(widths).map(str::to_owned);
+                    let known = known.chain(adapters.iter().map(Adapter::name)).collect();
                     Err(SelectError::Unknown { name: part.to_owned(), known })
                 }
             }
@@ -82,20 +87,21 @@ fn auto() -> Result<Selection, SelectError> {
     let adapters = Adapter::all();
     let Some(adapter) = adapters.iter().find(|adapter| !adapter.is_software()) else {
         return match adapters.first() {
-            None => cpu("no GPU was found"),
+            None => cpu(Width::widest(), "no GPU was found"),
             Some(software) => {
-                cpu(&format!("the only adapter, {}, is a software rasteriser", software.name()))
+                let reason = format!("the only adapter, {}, is a software rasteriser", software.name());
+                cpu(Width::widest(), &reason)
             }
         };
     };
     match open(adapter, "a GPU that passed its self-test") {
-        Err(error) => cpu(&error.to_string().replace('\n', "; ")),
+        Err(error) => cpu(Width::widest(), &error.to_string().replace('\n', "; ")),
         selected => selected,
     }
 }
 
-fn cpu(reason: &str) -> Result<Selection, SelectError> {
-    Ok(Selection { device: Device::Cpu(Cpu::new(Width::widest(), 0)?), reason: reason.to_owned() })
+fn cpu(width: Width, reason: &str) -> Result<Selection, SelectError> {
+    Ok(Selection { device: Device::Cpu(Cpu::new(width, 0)?), reason: reason.to_owned() })
 }
 
 fn open(adapter: &Adapter, reason: &str) -> Result<Selection, SelectError> {

@@ -76,7 +76,7 @@ struct Run {
 
 #[derive(Debug, Args)]
 struct Verify {
-    /// cpu, gpu, or part of the name of an adapter that `sagnac devices` lists [default: all there are]
+    /// cpu, gpu, or part of an adapter's name: see `sagnac devices` [default: all adapters]
     #[arg(long, value_name = "DEVICE")]
     device: Option<String>,
     /// Units of work in all for each kernel: trials over its configurations, or numbers
@@ -95,7 +95,7 @@ struct Bench {
 
 #[derive(Debug, Args)]
 struct DeviceArg {
-    /// auto, cpu, gpu, or part of the name of an adapter that `sagnac devices` lists
+    /// auto, cpu, gpu, a width of the CPU such as avx2, or part of an adapter's name: see `sagnac devices`
     #[arg(long = "device", value_name = "DEVICE", default_value = "auto")]
     name: String,
 }
