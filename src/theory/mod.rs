@@ -1,3 +1,4 @@
 //! Closed forms, in f64: what the Monte Carlo is lowered from and compared with.
 
 pub mod gap;
+pub mod minimum_variance;
