@@ -110,8 +110,7 @@ fn cholesky(count: usize, matrix: impl Fn(usize, usize) -> f64) -> Option<Vec<Ve
             row.push((matrix(i, j) - known) / above[j]);
         }
         let pivot = matrix(i, i) - row.iter().map(|x| x * x).sum::<f64>();
-        // Not `<`: a pivot that is no number is refused too.
-        if !(pivot > LEAST_PIVOT * matrix(i, i)) {
+        if pivot.is_nan() || pivot <= LEAST_PIVOT * matrix(i, i) {
             return None;
         }
         row.push(libm::sqrt(pivot));
