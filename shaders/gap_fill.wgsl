@@ -2,12 +2,12 @@
 // Twin of src/kernel/gap_fill.rs, which gives the shape (BEFORE, AFTER, …) and the places of the parameters.
 
 @group(0) @binding(1) var<uniform> parameters: array<vec4<u32>, PARAMETER_VECTORS>;
+//#if TABLE
+@group(0) @binding(5) var<storage, read> table: array<u32>;
+//#end
 
 // The parameters in registers: loaded where they are used, they are loaded anew in every trial.
 var<private> p: array<u32, PARAMETER_WORDS>;
-
-// Half of an LSB in 2^-32 LSB: turns a floor into a rounding.
-const HALF = 0x80000000u;
 
 fn load_parameters() {
     //#for i in 0..PARAMETER_WORDS
@@ -19,33 +19,98 @@ fn bin_base(estimate: u32) -> u32 {
     return p[BIN_BASE + estimate];
 }
 
-// The k-th tick on either side of the gap, where the shape has it: what the tone turns through and noise.
-fn side(ticks: ptr<function, Ticks>, tone: vec2<u32>, k: u32, noise: vec2<u32>) {
-    let even = add_wide(mul_wide(tone[0], p[SIDE_SIN + k]), wide(HALF, 0u));
-    let odd = mul_wide(tone[1], p[SIDE_COS + k]);
+// The k-th tick on either side of the gap, where the shape has it: its motion and noise are read, and added to the sums.
+fn side(run: ptr<function, Run>, motion: Motion, k: u32, noise: vec2<u32>) {
+    let angles = side_motion(motion, k);
+    //#if PROFILE
+    let of_profile = profile_side(motion, k);
+    //#else
+    let of_profile = vec2<u32>();
+    //#end
     if k < BEFORE {
-        (*ticks).before[k] = tick(sub_wide(even, odd), normal(noise[0]), p[SIGMA]);
+        var reading = high_word(add_wide(angles.before, mul_wide(normal(noise[0]), p[SIGMA]))) + of_profile[0];
+        //#if READOUT
+        let earlier = (*run).at_start - reading;
+        reading = pulses((*run).at_start) - pulses(earlier);
+        (*run).at_start = earlier;
+        //#end
+        //#if IN_GAP
+        (*run).kept[k] = reading;
+        //#end
+        //#for filler in 0..FILLERS
+        //#if RESIDUAL
+        if k < RESIDUAL_BEFORE {
+            (*run).sum[filler] =
+                add_tick((*run).sum[filler], reading, p[RESIDUAL_WEIGHT + filler * (RESIDUAL_BEFORE + AFTER) + k]);
+        }
+        //#end
+        //#if EXTRAPOLATION
+        if k < EXTRAPOLATION_BEFORE {
+            (*run).sum[EXTRAPOLATIONS + filler] = add_tick(
+                (*run).sum[EXTRAPOLATIONS + filler],
+                reading,
+                p[EXTRAPOLATION_WEIGHT + filler * EXTRAPOLATION_BEFORE + k],
+            );
+        }
+        //#end
+        //#end
     }
+    //#if RESIDUAL
     if k < AFTER {
-        (*ticks).after[k] = tick(add_wide(even, odd), normal(noise[1]), p[SIGMA]);
+        var reading = high_word(add_wide(angles.after, mul_wide(normal(noise[1]), p[SIGMA]))) + of_profile[1];
+        //#if READOUT
+        let later = (*run).at_end + reading;
+        reading = pulses(later) - pulses((*run).at_end);
+        (*run).at_end = later;
+        //#end
+        //#for filler in 0..FILLERS
+        (*run).sum[filler] = add_tick(
+            (*run).sum[filler],
+            reading,
+            p[RESIDUAL_WEIGHT + filler * (RESIDUAL_BEFORE + AFTER) + RESIDUAL_BEFORE + k],
+        );
+        //#end
     }
+    //#end
 }
 
-// The ticks on both sides, outward from the gap.
-struct Ticks {
-    before: array<u32, SIDES>,
-    after: array<u32, SIDES>,
+// What goes on from tick to tick: the sums, readings of the ticks before the gap, and where the readout stands.
+struct Run {
+    sum: array<Sum, ESTIMATES>,
+    kept: array<u32, KEPT>,
+    at_start: u32,
+    at_end: u32,
 }
+
+//#if READOUT
+// The angle that the whole pulses up to `angle` make.
+fn pulses(angle: u32) -> u32 {
+    return angle & p[READOUT_MASK];
+}
+//#end
 
 fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
     let address = Address(low, high, schedule(vec2<u32>(p[KEY], p[KEY + 1u])));
 
     let first = draw(address, NOISE_AFTER_AND_PHASE, 0u);
-    let phase = p[PHASE] + (first[2] & p[PHASE_SPREAD]);
-    let tone = vec2<u32>(sine(phase), sine(phase + QUARTER_TURN));
-    let truth = high_word(add_wide(mul_wide(tone[0], p[GAP_SIN]), wide(HALF, 0u)));
+    let motion = draw_motion(address, first);
+    let truth = gap(motion, ROWS - 1u);
 
-    var ticks: Ticks;
+    var run: Run;
+    //#for filler in 0..FILLERS
+    //#if RESIDUAL
+    run.sum[filler] = less(truth, p[RESIDUAL_SCALE + filler]);
+    //#end
+    //#if EXTRAPOLATION
+    run.sum[EXTRAPOLATIONS + filler] = less(truth, p[EXTRAPOLATION_SCALE + filler]);
+    //#end
+    //#end
+    //#if READOUT
+    let words = draw(address, READOUT, 0u);
+    let gap_noise = high_word(add_wide(mul_wide(normal(words[1]), p[GAP_SIGMA]), wide(HALF, 0u)));
+    run.at_start = words[0] - pulses(words[0]);
+    run.at_end = run.at_start + truth + gap_noise;
+    //#end
     var noise_before: vec4<u32>;
     var noise_after = first;
     //#for k in 0..SIDES
@@ -55,27 +120,28 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
     if k % 2u == 0u && 0u < k && k < AFTER {
         noise_after = draw(address, NOISE_AFTER_AND_PHASE, k / 2u);
     }
-    side(&ticks, tone, k, vec2<u32>(noise_before[k % 4u], noise_after[k % 2u]));
+    side(&run, motion, k, vec2<u32>(noise_before[k % 4u], noise_after[k % 2u]));
     //#end
 
     var error: array<u32, ESTIMATES>;
-    var sum: Sum;
-    //#for filler in 0..FILLERS
-    sum = less(truth, p[RESIDUAL_SCALE + filler]);
-    //#for k in 0..RESIDUAL_BEFORE
-    sum = add_tick(sum, ticks.before[k], p[RESIDUAL_WEIGHT + filler * (RESIDUAL_BEFORE + AFTER) + k]);
+    //#for e in 0..IN_GAPS
+    error[e] = error_of(run.sum[e], e);
     //#end
-    //#for k in 0..AFTER
-    sum = add_tick(sum, ticks.after[k], p[RESIDUAL_WEIGHT + filler * (RESIDUAL_BEFORE + AFTER) + RESIDUAL_BEFORE + k]);
-    //#end
-    error[filler] = error_of(sum, filler);
-    //#end
-    //#for filler in 0..FILLERS
-    sum = less(truth, p[EXTRAPOLATION_SCALE + filler]);
-    //#for k in 0..EXTRAPOLATION_BEFORE
-    sum = add_tick(sum, ticks.before[k], p[EXTRAPOLATION_WEIGHT + filler * EXTRAPOLATION_BEFORE + k]);
-    //#end
-    error[FILLERS + filler] = error_of(sum, FILLERS + filler);
+    //#if IN_GAP
+    for (var row = 0u; row < GAP_TICKS; row++) {
+        let row_truth = gap(motion, row);
+        //#for filler in 0..FILLERS
+        {
+            var sum = less(row_truth, p[IN_GAP_SCALE + filler]);
+            for (var k = 0u; k < EXTRAPOLATION_BEFORE; k++) {
+                sum = add_tick(sum, run.kept[k], table[(filler * GAP_TICKS + row) * EXTRAPOLATION_BEFORE + k]);
+            }
+            let found = error_of(sum, IN_GAPS + filler);
+            let size = bitcast<i32>(with_sign(found, found));
+            error[IN_GAPS + filler] = bitcast<u32>(max(bitcast<i32>(error[IN_GAPS + filler]), size));
+        }
+        //#end
+    }
     //#end
     return error;
 }
@@ -111,8 +177,3 @@ fn error_of(sum: Sum, estimate: u32) -> u32 {
     return sum;
 }
 //#end
-
-// What the gyro delivers for a tick, in LSB: the angle, in 2^-32 LSB, and sigma times the normal number z.
-fn tick(angle: Wide, z: u32, sigma: u32) -> u32 {
-    return high_word(add_wide(angle, mul_wide(z, sigma)));
-}

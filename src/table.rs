@@ -17,6 +17,8 @@ impl Unit {
     pub const ARCSEC: Unit = Unit { suffix: "arcsec", symbol: "″" };
     pub const ARCSEC_PER_S: Unit = Unit { suffix: "arcsec_per_s", symbol: "″/s" };
     pub const ARCSEC_PER_SQRT_S: Unit = Unit { suffix: "arcsec_per_sqrt_s", symbol: "″/√s" };
+    pub const ARCSEC_PER_S2: Unit = Unit { suffix: "arcsec_per_s2", symbol: "″/s²" };
+    pub const ARCSEC2_PER_S2_PER_HZ: Unit = Unit { suffix: "arcsec2_per_s2_per_hz", symbol: "(″/s)²/Hz" };
     pub const HZ: Unit = Unit { suffix: "hz", symbol: "Hz" };
     pub const S: Unit = Unit { suffix: "s", symbol: "s" };
 }

@@ -7,7 +7,7 @@ mod select;
 pub use select::{SelectError, Selection, every_adapter, select};
 
 use crate::block::Block;
-use crate::kernel::gap_fill::Launch;
+use crate::kernel::launch::Launch;
 use crate::kernel::map::Map;
 use crate::kernel::moments::Moments;
 

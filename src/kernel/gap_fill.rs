@@ -1,216 +1,189 @@
 //! One trial of a mode switch: the ticks round the gap, and how far each filler's angle is from the true one.
 //!
-//! Twin of `shaders/gap_fill.wgsl`. Ticks are counted outward from the gap: `before[0]` is tick 0, `before[1]` tick −1,
-//! `after[0]` tick n+1. A filler is a vector of integer weights over a common denominator D (its scale), so that
-//! D·δP = Σ w P − D Σ_gap true is an exact integer. One that needs more than 32 bits is rounded down to them by a
-//! shift. Source: Z(14)–Z(18).
+//! Twin of `shaders/gap_fill.wgsl`. Ticks are counted outward from the gap: the first before it is tick 0, the second
+//! tick −1, the first after it tick n+1. A filler is a vector of integer weights over a common denominator D (its scale),
+//! so that D·δP = Σ w P − D Σ_gap true is an exact integer. One that needs more than 32 bits is rounded down to them by
+//! a shift. Source: Z(14)–Z(18).
 
+use super::launch::{Launch, MAX_SIDE, Parameters, Shape};
 use super::moments::{self, MAX_ESTIMATES, Moments, Sampler};
+use super::motion::{Given, Motion};
 use super::normal::normal;
 use super::philox::{Address, Keys, Purpose, schedule};
-use super::sine::{QUARTER_TURN, sine};
 use super::word::{Scalar, Wide, Word};
 use crate::backend::cpu::{AnyWidth, Width};
 
 /// Raised when the kernel's results change for the same parameters: part of every digest.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
-/// Most ticks on one side of the gap.
-pub const MAX_SIDE: usize = 64;
-
-/// Most fillers of one launch; a point with more takes several.
-pub const MAX_FILLERS: usize = MAX_ESTIMATES / 2;
-
-/// How many ticks and fillers a launch has: what a shader is specialised for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Shape {
-    /// Ticks sampled before the gap: the larger of the next two.
-    pub before: usize,
-    /// Ticks sampled after the gap.
-    pub after: usize,
-    /// Ticks before the gap that the residual uses.
-    pub residual_before: usize,
-    /// Ticks before the gap that the extrapolation uses.
-    pub extrapolation_before: usize,
-    pub fillers: usize,
-    /// Whether weighted sums need 64 bits: fillers with large weights do, the usual polynomials do not.
-    pub wide: bool,
-}
-
-impl Shape {
-    /// Ticks on the longer side of the gap.
-    pub fn sides(self) -> usize {
-        self.before.max(self.after)
-    }
-}
-
-/// Declares the parameter words once: the fields in order, their lengths for a shape, and their names in the shaders.
-macro_rules! parameters {
-    ($($(#[$doc:meta])* $field:ident: $length:expr),* $(,)?) => {
-        /// The fixed-point image of a point, one field after the other, as the kernel sees it.
-        #[derive(Debug, Clone, Copy)]
-        pub struct Parameters<'a> { $($(#[$doc])* pub $field: &'a [u32]),* }
-
-        impl<'a> Parameters<'a> {
-            /// The fields of `words`, which are as many as `shape` asks for.
-            #[inline(always)]
-            #[allow(unused_assignments)]
-            pub fn of(words: &'a [u32], shape: Shape) -> Parameters<'a> {
-                let mut from = 0;
-                $(let length = ($length)(shape); let $field = &words[from..from + length]; from += length;)*
-                Parameters { $($field),* }
-            }
-
-            /// The words of the fields.
-            pub fn words(&self) -> Vec<u32> {
-                [$(self.$field),*].concat()
-            }
-        }
-
-        /// The place of each field among the words, as constants of a shader.
-        pub fn wgsl_places(shape: Shape) -> String {
-            let (mut text, mut from) = (String::new(), 0);
-            $(
-                text += &format!("const {}: u32 = {from}u;\n", stringify!($field).to_uppercase());
-                from += ($length)(shape);
-            )*
-            text
-        }
-
-        /// Number of parameter words of a shape.
-        pub fn word_count(shape: Shape) -> usize {
-            0 $(+ ($length)(shape))*
-        }
-    };
-}
-
-parameters! {
-    /// Key of the random words.
-    key: |_| 2,
-    /// Phase of the tone at the middle of the gap, 2^32 to the turn, before the random part.
-    phase: |_| 1,
-    /// Which bits of the random phase are added: all of them or none.
-    phase_spread: |_| 1,
-    /// Standard deviation of the tick noise, in 2^−4 LSB.
-    sigma: |_| 1,
-    /// The gap's angle at sine 1 of the phase at its middle, in 2^−2 LSB; at cosine 1 it is 0.
-    gap_sin: |_| 1,
-    /// The angle of the k-th tick on either side: at sine 1 it is the same on both, at cosine 1 it is this one after the
-    /// gap and minus this one before.
-    side_sin: |shape: Shape| shape.sides(),
-    side_cos: |shape: Shape| shape.sides(),
-    /// Weights of the residual, filler by filler: ticks before, then after, each outward from the gap.
-    residual_weight: |shape: Shape| shape.fillers * (shape.residual_before + shape.after),
-    residual_scale: |shape: Shape| shape.fillers,
-    /// Weights of the extrapolation, filler by filler, outward from the gap.
-    extrapolation_weight: |shape: Shape| shape.fillers * shape.extrapolation_before,
-    extrapolation_scale: |shape: Shape| shape.fillers,
-    /// How far each wide sum is shifted to the right, rounding: residuals, then extrapolations.
-    shift: |shape: Shape| if shape.wide { 2 * shape.fillers } else { 0 },
-    /// Where each estimate's histogram starts: residuals, then extrapolations.
-    bin_base: |shape: Shape| 2 * shape.fillers,
-}
-
-/// Half of an LSB in 2^−32 LSB: turns a floor into a rounding.
-const HALF: i64 = 1 << 31;
-
-/// The trials of one launch; `SIDE` is room for the ticks on one side of the gap.
+/// The trials of one launch; `KEPT` is room for ticks before the gap that errors in the gap need again, `GAUSSIANS` for
+/// the normal numbers of Gaussian motion.
 #[derive(Clone, Copy)]
-pub struct GapFill<'a, const SIDE: usize> {
-    p: Parameters<'a>,
+struct GapFill<'a, const KEPT: usize, const GAUSSIANS: usize> {
+    given: Given<'a>,
     keys: Keys,
-    shape: Shape,
 }
 
-impl<'a, const SIDE: usize> GapFill<'a, SIDE> {
-    /// The trials that `words` describe.
+impl<'a, const KEPT: usize, const GAUSSIANS: usize> GapFill<'a, KEPT, GAUSSIANS> {
     #[inline(always)]
-    pub fn new(words: &'a [u32], shape: Shape) -> GapFill<'a, SIDE> {
-        let p = Parameters::of(words, shape);
+    fn new(launch: &'a Launch, shape: Shape) -> GapFill<'a, KEPT, GAUSSIANS> {
+        let p = Parameters::of(&launch.words, shape);
         let keys = schedule([Scalar(p.key[0]), Scalar(p.key[1])]).map(|key| key.map(|word| word.0));
-        GapFill { p, keys, shape }
+        GapFill { given: Given { p, table: &launch.table, shape }, keys }
     }
 
-    /// The k-th tick on either side of the gap, where the shape has it: what the tone turns through and noise.
+    /// Goes on to the k-th tick on either side of the gap, where the shape has it: its motion and noise are read, and
+    /// added to the sums.
     #[inline(always)]
-    fn side<W: Word>(&self, ticks: &mut Ticks<W, SIDE>, tone: [W; 2], k: usize, noise: [W; 2]) {
-        let GapFill { p, shape, .. } = self;
+    fn side<W: Word>(
+        &self,
+        run: &mut Run<W, KEPT>,
+        motion: &Motion<W, GAUSSIANS>,
+        k: usize,
+        noise: [W; 2],
+    ) {
+        let Given { p, shape, .. } = &self.given;
         if k >= shape.sides() {
             return;
         }
-        let even = tone[0].mul_wide(W::splat(p.side_sin[k])) + W::Wide::splat(HALF);
-        let odd = tone[1].mul_wide(W::splat(p.side_cos[k]));
+        let [mut before, mut after] = motion.side(&self.given, k);
+        let profile = if shape.profile { motion.profile_side(&self.given, k) } else { [W::splat(0); 2] };
         if k < shape.before {
-            ticks.before[k] = tick(even - odd, normal(noise[0]), p.sigma[0]);
+            before = before + normal(noise[0]).mul_wide(W::splat(p.sigma[0]));
+            let mut reading = before.high() + profile[0];
+            if shape.readout {
+                let earlier = run.at_start - reading;
+                reading = pulses(run.at_start, p) - pulses(earlier, p);
+                run.at_start = earlier;
+            }
+            if KEPT > 0 {
+                run.kept[k] = reading;
+            }
+            for filler in 0..shape.fillers {
+                if k < shape.residual_before && shape.residual {
+                    let weight = p.residual_weight[filler * (shape.residual_before + shape.after) + k];
+                    run.sum[filler].add(reading, weight);
+                }
+                if k < shape.extrapolation_before && shape.extrapolation {
+                    let weight = p.extrapolation_weight[filler * shape.extrapolation_before + k];
+                    run.sum[extrapolations(*shape) + filler].add(reading, weight);
+                }
+            }
         }
         if k < shape.after {
-            ticks.after[k] = tick(even + odd, normal(noise[1]), p.sigma[0]);
+            after = after + normal(noise[1]).mul_wide(W::splat(p.sigma[0]));
+            let mut reading = after.high() + profile[1];
+            if shape.readout {
+                let later = run.at_end + reading;
+                reading = pulses(later, p) - pulses(run.at_end, p);
+                run.at_end = later;
+            }
+            for filler in 0..shape.fillers {
+                let weights = filler * (shape.residual_before + shape.after) + shape.residual_before;
+                run.sum[filler].add(reading, p.residual_weight[weights + k]);
+            }
         }
     }
 }
 
-/// The ticks on both sides, outward from the gap.
-struct Ticks<W, const SIDE: usize> {
-    before: [W; SIDE],
-    after: [W; SIDE],
+/// What goes on from tick to tick.
+struct Run<W: Word, const KEPT: usize> {
+    sum: [Sum<W>; MAX_ESTIMATES],
+    /// Readings of the ticks before the gap.
+    kept: [W; KEPT],
+    /// Where the readout stands at the outermost boundaries so far, in LSB.
+    at_start: W,
+    at_end: W,
 }
 
-impl<const SIDE: usize> Sampler for GapFill<'_, SIDE> {
+/// The first extrapolation among the estimates.
+#[inline(always)]
+fn extrapolations(shape: Shape) -> usize {
+    if shape.residual { shape.fillers } else { 0 }
+}
+
+/// The first error in the gap among the estimates.
+#[inline(always)]
+fn in_gaps(shape: Shape) -> usize {
+    extrapolations(shape) + if shape.extrapolation { shape.fillers } else { 0 }
+}
+
+/// The angle that the whole pulses up to `angle` make.
+#[inline(always)]
+fn pulses<W: Word>(angle: W, p: &Parameters) -> W {
+    angle & W::splat(p.readout_mask[0])
+}
+
+impl<const KEPT: usize, const GAUSSIANS: usize> Sampler for GapFill<'_, KEPT, GAUSSIANS> {
     #[inline(always)]
     fn estimates(&self) -> usize {
-        2 * self.shape.fillers
+        self.given.shape.estimates()
     }
 
     #[inline(always)]
     fn bin_base(&self, estimate: usize) -> u32 {
-        self.p.bin_base[estimate]
+        self.given.p.bin_base[estimate]
     }
 
     // The loops read like those of the shader.
     #[expect(clippy::needless_range_loop)]
     #[inline(always)]
     fn trial<W: Word>(&self, low: W, high: u32) -> [W; MAX_ESTIMATES] {
-        let GapFill { p, shape, .. } = self;
+        let Given { p, table, shape } = &self.given;
         let address = Address { low, high, keys: self.keys };
 
         let first = address.draw(Purpose::NoiseAfterAndPhase, 0);
-        let phase = W::splat(p.phase[0]) + (first[2] & W::splat(p.phase_spread[0]));
-        let tone = [sine(phase), sine(phase + W::splat(QUARTER_TURN))];
-        let truth = (tone[0].mul_wide(W::splat(p.gap_sin[0])) + W::Wide::splat(HALF)).high();
+        let motion = Motion::<W, GAUSSIANS>::draw(&self.given, &address, first);
+        let truth = motion.gap(&self.given, shape.rows() - 1);
 
-        let mut ticks = Ticks { before: [W::splat(0); SIDE], after: [W::splat(0); SIDE] };
+        let nothing = Sum::less(W::splat(0), 0, shape.wide);
+        let zero = W::splat(0);
+        let mut run = Run { sum: [nothing; MAX_ESTIMATES], kept: [zero; KEPT], at_start: zero, at_end: zero };
+        for filler in 0..shape.fillers {
+            if shape.residual {
+                run.sum[filler] = Sum::less(truth, p.residual_scale[filler], shape.wide);
+            }
+            if shape.extrapolation {
+                let scale = p.extrapolation_scale[filler];
+                run.sum[extrapolations(*shape) + filler] = Sum::less(truth, scale, shape.wide);
+            }
+        }
+        if shape.readout {
+            let words = address.draw(Purpose::Readout, 0);
+            let noise = normal(words[1]).mul_wide(W::splat(p.gap_sigma[0])) + W::Wide::splat(1 << 31);
+            run.at_start = words[0] - pulses(words[0], p);
+            run.at_end = run.at_start + truth + noise.high();
+        }
         for k in (0..shape.sides()).step_by(4) {
             let draw = |wanted, purpose, block| if wanted { address.draw(purpose, block) } else { first };
             let before = draw(k < shape.before, Purpose::NoiseBefore, k / 4);
             let near = draw(0 < k && k < shape.after, Purpose::NoiseAfterAndPhase, k / 2);
             let far = draw(k + 2 < shape.after, Purpose::NoiseAfterAndPhase, k / 2 + 1);
             // Written out: the compiler leaves loops of such a length rolled, and their words in memory.
-            self.side(&mut ticks, tone, k, [before[0], near[0]]);
-            self.side(&mut ticks, tone, k + 1, [before[1], near[1]]);
-            self.side(&mut ticks, tone, k + 2, [before[2], far[0]]);
-            self.side(&mut ticks, tone, k + 3, [before[3], far[1]]);
+            self.side(&mut run, &motion, k, [before[0], near[0]]);
+            self.side(&mut run, &motion, k + 1, [before[1], near[1]]);
+            self.side(&mut run, &motion, k + 2, [before[2], far[0]]);
+            self.side(&mut run, &motion, k + 3, [before[3], far[1]]);
         }
-        let Ticks { before, after } = ticks;
 
-        let mut error = [W::splat(0); MAX_ESTIMATES];
-        for filler in 0..shape.fillers {
-            let mut sum = Sum::less(truth, p.residual_scale[filler], shape.wide);
-            let weight = &p.residual_weight[filler * (shape.residual_before + shape.after)..];
-            for k in 0..shape.residual_before {
-                sum.add(before[k], weight[k]);
-            }
-            for k in 0..shape.after {
-                sum.add(after[k], weight[shape.residual_before + k]);
-            }
-            error[filler] = sum.error(p.shift, filler);
+        let mut error = [zero; MAX_ESTIMATES];
+        for e in 0..in_gaps(*shape) {
+            error[e] = run.sum[e].error(p.shift, e);
         }
-        for filler in 0..shape.fillers {
-            let mut sum = Sum::less(truth, p.extrapolation_scale[filler], shape.wide);
-            let weight = &p.extrapolation_weight[filler * shape.extrapolation_before..];
-            for k in 0..shape.extrapolation_before {
-                sum.add(before[k], weight[k]);
+        if KEPT > 0 && shape.in_gap {
+            for filler in 0..shape.fillers {
+                let e = in_gaps(*shape) + filler;
+                for row in 0..shape.gap_ticks {
+                    let truth = motion.gap(&self.given, row);
+                    let mut sum = Sum::less(truth, p.in_gap_scale[filler], shape.wide);
+                    let weight = &table[(filler * shape.gap_ticks + row) * shape.extrapolation_before..];
+                    for k in 0..shape.extrapolation_before {
+                        sum.add(run.kept[k], weight[k]);
+                    }
+                    let found = sum.error(p.shift, e);
+                    error[e] = error[e].max_signed(found.with_sign(found));
+                }
             }
-            error[shape.fillers + filler] = sum.error(p.shift, shape.fillers + filler);
         }
         error
     }
@@ -250,25 +223,37 @@ impl<W: Word> Sum<W> {
     }
 }
 
-/// What the gyro delivers for a tick, in LSB: the angle, in 2^−32 LSB, and `sigma` times the normal number `z`.
-#[inline(always)]
-fn tick<W: Word>(angle: W::Wide, z: W, sigma: u32) -> W {
-    (angle + z.mul_wide(W::splat(sigma))).high()
-}
-
-/// The shape that is compiled ahead of time: the default ticks with three fillers.
-const UNROLLED: Shape = Shape {
+/// The default ticks with three fillers and one tone: what most points are.
+const POLYNOMIALS: Shape = Shape {
     before: 4,
     after: 2,
     residual_before: 2,
     extrapolation_before: 4,
-    fillers: MAX_FILLERS,
+    fillers: 3,
+    residual: true,
+    extrapolation: true,
+    in_gap: false,
     wide: false,
+    gap_ticks: 0,
+    tones: 1,
+    amplitudes: false,
+    frequencies: false,
+    gaussian: false,
+    profile: false,
+    every: false,
+    constants: false,
+    readout: false,
 };
 
+/// One filler with ten ticks, eight of them before the gap.
+const TEN_TICKS: Shape =
+    Shape { before: 8, residual_before: 8, extrapolation_before: 8, fillers: 1, wide: true, ..POLYNOMIALS };
+
+/// The default ticks with three fillers in a recorded profile.
+const PROFILE: Shape = Shape { tones: 0, profile: true, ..POLYNOMIALS };
+
 struct Tally<'a> {
-    words: &'a [u32],
-    shape: Shape,
+    launch: &'a Launch,
     first: u64,
     count: u64,
     histogram: bool,
@@ -279,27 +264,27 @@ impl AnyWidth for Tally<'_> {
 
     #[inline(always)]
     fn run<W: Word>(self) -> Vec<Moments> {
-        let Tally { words, shape, first, count, histogram } = self;
-        // The comparison makes the shape a constant of the branch.
-        if shape == UNROLLED {
-            moments::tally::<W>(GapFill::<4>::new(words, UNROLLED), first, count, histogram)
-        } else if shape.sides() <= 16 {
-            moments::tally::<W>(GapFill::<16>::new(words, shape), first, count, histogram)
+        let Tally { launch, first, count, histogram } = self;
+        let shape = launch.shape;
+        // Each of the first comparisons makes the shape a constant of its branch.
+        if shape == POLYNOMIALS {
+            moments::tally::<W>(GapFill::<0, 0>::new(launch, POLYNOMIALS), first, count, histogram)
+        } else if shape == TEN_TICKS {
+            moments::tally::<W>(GapFill::<0, 0>::new(launch, TEN_TICKS), first, count, histogram)
+        } else if shape == PROFILE {
+            moments::tally::<W>(GapFill::<0, 0>::new(launch, PROFILE), first, count, histogram)
+        } else if !shape.in_gap && !shape.gaussian {
+            moments::tally::<W>(GapFill::<0, 0>::new(launch, shape), first, count, histogram)
         } else {
-            moments::tally::<W>(GapFill::<MAX_SIDE>::new(words, shape), first, count, histogram)
+            moments::tally::<W>(GapFill::<MAX_SIDE, MAX_GAUSSIANS>::new(launch, shape), first, count, histogram)
         }
     }
 }
 
+/// Most normal numbers of Gaussian motion: a gap and two sides of [`MAX_SIDE`] ticks.
+pub const MAX_GAUSSIANS: usize = 3 * MAX_SIDE;
+
 /// Tallies of the estimates over the trials `first .. first + count`, which have one upper half.
 pub fn tally(width: Width, launch: &Launch, first: u64, count: u64, histogram: bool) -> Vec<Moments> {
-    width.run(Tally { words: &launch.words, shape: launch.shape, first, count, histogram })
-}
-
-/// All that a device needs to sample the estimates of one point.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Launch {
-    pub shape: Shape,
-    /// The [`Parameters`], one after the other.
-    pub words: Vec<u32>,
+    width.run(Tally { launch, first, count, histogram })
 }

@@ -1,8 +1,10 @@
 //! The kernels: integer arithmetic only, each with a twin of the same stem in `shaders/`.
 
 pub mod gap_fill;
+pub mod launch;
 pub mod map;
 pub mod moments;
+pub(crate) mod motion;
 pub mod normal;
 pub(crate) mod normal_table;
 pub mod philox;

@@ -14,11 +14,32 @@ pub enum Purpose {
     /// Words 0 and 1: noise of the ticks after the gap, counted outward from it: tick n+1, n+2, …; words 2 and 3:
     /// phases of the tones. Two and two to a block, so that the usual trial takes two blocks and not three.
     NoiseAfterAndPhase = 1,
+    /// A block for each tone: word 0 its amplitude, where that is drawn from a Rayleigh distribution together with word
+    /// 1; word 2 its frequency.
+    Tone = 2,
+    /// Word 0: where the readout stands at the start of the gap; word 1: noise over the whole gap.
+    Readout = 3,
+    /// Word 0: the place in a recorded profile.
+    Position = 4,
+    /// Gaussian motion of the ticks 1, 2, … of the gap; four to a block.
+    GaussianGap = 5,
+    /// Gaussian motion of the ticks before the gap, counted outward from it; four to a block.
+    GaussianBefore = 6,
+    /// Gaussian motion of the ticks after the gap, counted outward from it; four to a block.
+    GaussianAfter = 7,
 }
 
 /// The purposes by the names that the shaders know them by.
-pub const PURPOSES: [(&str, Purpose); 2] =
-    [("NOISE_BEFORE", Purpose::NoiseBefore), ("NOISE_AFTER_AND_PHASE", Purpose::NoiseAfterAndPhase)];
+pub const PURPOSES: [(&str, Purpose); 8] = [
+    ("NOISE_BEFORE", Purpose::NoiseBefore),
+    ("NOISE_AFTER_AND_PHASE", Purpose::NoiseAfterAndPhase),
+    ("TONE", Purpose::Tone),
+    ("READOUT", Purpose::Readout),
+    ("POSITION", Purpose::Position),
+    ("GAUSSIAN_GAP", Purpose::GaussianGap),
+    ("GAUSSIAN_BEFORE", Purpose::GaussianBefore),
+    ("GAUSSIAN_AFTER", Purpose::GaussianAfter),
+];
 
 /// Where the draws of a trial are found: its number in two halves, and the keys of its point.
 #[derive(Debug, Clone, Copy)]

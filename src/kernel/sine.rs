@@ -20,14 +20,19 @@ pub fn sine<W: Word>(phase: W) -> W {
     let half = phase << 1;
     let mirror = half.sar(31);
     let z = (half ^ mirror) - mirror;
+    sine_ratio(z).mulhi(z).with_sign(phase)
+}
+
+/// sin(πz/2)/z, in units of 2^−31, for z from 0 to 2^31 in the same units: π/2 · sinc of half of z.
+#[inline(always)]
+pub fn sine_ratio<W: Word>(z: W) -> W {
     let zz = z.mulhi(z) << 1;
     let mut sum = W::splat(SINE[5]);
     sum = W::splat(SINE[4]) - sum.mulhi(zz);
     sum = W::splat(SINE[3]) - sum.mulhi(zz);
     sum = W::splat(SINE[2]) - sum.mulhi(zz);
     sum = W::splat(SINE[1]) - sum.mulhi(zz);
-    sum = W::splat(SINE[0]) - sum.mulhi(zz);
-    sum.mulhi(z).with_sign(phase)
+    W::splat(SINE[0]) - sum.mulhi(zz)
 }
 
 #[cfg(test)]

@@ -60,6 +60,11 @@ pub trait Word:
     /// # Safety
     /// Every lane of `index` is below the length of the table.
     unsafe fn lookup(table: &PairTable, index: Self) -> (Self, Self);
+    /// The word at `index` of `table`.
+    ///
+    /// # Safety
+    /// Every lane of `index` is below the length of the table, which is below 2^31.
+    unsafe fn gather(table: &[u32], index: Self) -> Self;
     /// Itself, or minus itself where `sign` is negative.
     #[inline(always)]
     fn with_sign(self, sign: Self) -> Self {
@@ -223,6 +228,12 @@ impl Word for Scalar {
         // SAFETY: the caller's.
         let [first, second] = unsafe { *table.get_unchecked(index.0 as usize) };
         (Scalar(first), Scalar(second))
+    }
+
+    #[inline(always)]
+    unsafe fn gather(table: &[u32], index: Scalar) -> Scalar {
+        // SAFETY: the caller's.
+        Scalar(unsafe { *table.get_unchecked(index.0 as usize) })
     }
 
     #[inline(always)]

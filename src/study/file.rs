@@ -13,6 +13,16 @@ use toml::Spanned;
 
 use super::scalar::Scalar;
 
+mod either;
+pub(super) mod motion;
+pub(super) mod switching;
+
+pub(super) use either::Either;
+pub use motion::{Phase, Position};
+use motion::MotionTable;
+pub use switching::Error;
+use switching::SwitchingTable;
+
 /// A study of sagnac: one question about a laser gyroscope, and all that its answer depends on.
 ///
 /// Quantities are texts with a unit: "5 ms", "20 Hz", "1.6 arcsec", "12000 arcsec/s", "0.003 deg/sqrt(h)".
@@ -38,7 +48,8 @@ pub(super) struct StudyFile {
     #[serde(default)]
     pub(super) streams: Streams,
     pub(super) gyro: GyroTable,
-    pub(super) motion: MotionTable,
+    #[schemars(with = "MotionTable")]
+    pub(super) motion: Spanned<MotionTable>,
     pub(super) switching: SwitchingTable,
     /// Each varies one key; several multiply, the first being the slowest to change.
     #[serde(default)]
@@ -77,6 +88,14 @@ pub(super) struct GyroTable {
     pub(super) tick: Spanned<Scalar>,
     #[schemars(with = "TickNoiseTable")]
     pub(super) tick_noise: Spanned<TickNoiseTable>,
+    /// Angle of a pulse, where whole pulses are read: "3.2 arcsec". Not quantised if absent.
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(super) readout_lsb: Option<Spanned<Scalar>>,
+    /// What the uncorrected relock adds to the ticks n+1, n+2, …: ["20.3 arcsec", "14.8 arcsec"].
+    #[serde(default)]
+    #[schemars(with = "Vec<String>")]
+    pub(super) relock: Option<Spanned<Vec<Spanned<Scalar>>>>,
 }
 
 /// Noise of the angle of one tick, independent from tick to tick; in exactly one of three forms.
@@ -96,65 +115,6 @@ pub(super) struct TickNoiseTable {
     #[serde(default)]
     #[schemars(with = "String")]
     pub(super) angle_random_walk: Option<Spanned<Scalar>>,
-}
-
-/// The torsional vibration of the base.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct MotionTable {
-    /// Amplitude of the rate, "12000 arcsec/s", or of the angle, "90 arcsec", then times 2πν at each point.
-    #[schemars(with = "String", extend("examples" = ["12000 arcsec/s", "90 arcsec"]))]
-    pub(super) amplitude: Spanned<Scalar>,
-    /// Frequency ν of the vibration: "20 Hz".
-    #[schemars(with = "String", extend("examples" = ["20 Hz"]))]
-    pub(super) frequency: Spanned<Scalar>,
-    #[serde(default)]
-    pub(super) phase: Phase,
-}
-
-/// Phase of the rate at the middle of the gap.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Phase {
-    /// Random, another in each trial.
-    #[default]
-    Uniform,
-    /// The rate passes through zero.
-    ZeroCrossing,
-    /// The rate is greatest.
-    Extremum,
-}
-
-/// The mode switch, and how the ticks it loses are filled in.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct SwitchingTable {
-    /// Number n of lost ticks; they are numbered 1 … n.
-    #[schemars(with = "i64", range(min = 1, max = 64))]
-    pub(super) gap_ticks: Spanned<Scalar>,
-    /// Ticks that the residual is fitted to; -1, 0, n+1, n+2 if absent. Numbers, "n+1", ranges "-7..0".
-    #[serde(default)]
-    #[schemars(with = "Vec<TickSchema>")]
-    pub(super) fit_ticks: Option<Spanned<Vec<Spanned<Scalar>>>>,
-    /// Ticks that the extrapolation is fitted to, none after 0; -3, -2, -1, 0 if absent.
-    #[serde(default)]
-    #[schemars(with = "Vec<TickSchema>")]
-    pub(super) extrapolation_ticks: Option<Spanned<Vec<Spanned<Scalar>>>>,
-    /// Fillers to compare, each once.
-    #[schemars(with = "Vec<Filler>", length(min = 1), extend("uniqueItems" = true))]
-    pub(super) fillers: Spanned<Vec<Spanned<Filler>>>,
-}
-
-/// A way to fill the gap: a polynomial fitted by least squares.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Filler {
-    /// Order 0.
-    Const,
-    /// Order 1.
-    Linear,
-    /// Order 2.
-    Quadratic,
 }
 
 /// Values for one key, in exactly one of three forms.

@@ -1,20 +1,20 @@
 //! The physical inputs of one point, in ″ and s.
 
-use std::f64::consts::TAU;
-
-use super::file::{Filler, Kind, Phase, Streams};
+use super::file::{Kind, Phase, Streams};
+use super::motion::Motion;
 use super::units::round_12;
 
 /// All that the motion, the noise and the gap of one point depend on. Every number has 12 significant digits.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Inputs {
     /// T, s.
     pub tick_s: f64,
     pub tick_noise: TickNoise,
-    pub amplitude: Amplitude,
-    /// ν, Hz.
-    pub frequency_hz: f64,
-    pub phase: Phase,
+    /// Angle of a pulse, ″; 0 where the readout is not quantised.
+    pub readout_lsb: f64,
+    /// What the relock adds to the ticks n+1, n+2, …, ″.
+    pub relock: Vec<f64>,
+    pub motion: Motion,
     /// n.
     pub gap_ticks: u32,
 }
@@ -26,15 +26,6 @@ pub enum TickNoise {
     Std(f64),
     /// N, ″/√s.
     AngleRandomWalk(f64),
-}
-
-/// Amplitude of the vibration.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Amplitude {
-    /// A_Ω, ″/s.
-    Rate(f64),
-    /// Of the angle, ″.
-    Angle(f64),
 }
 
 impl TickNoise {
@@ -53,40 +44,11 @@ impl Inputs {
         }
     }
 
-    /// A_Ω, ″/s: as given, or the amplitude of the angle times 2πν.
-    pub fn rate_amplitude(&self) -> f64 {
-        match self.amplitude {
-            Amplitude::Rate(rate) => rate,
-            Amplitude::Angle(angle) => angle * TAU * self.frequency_hz,
-        }
-    }
-
-    /// Δt·ν with Δt = (n+1)T/2, from the middle of the gap to the nearest valid tick (our reading of Z(20)).
-    pub fn dt_nu(&self) -> f64 {
-        (f64::from(self.gap_ticks) + 1.0) / 2.0 * self.tick_s * self.frequency_hz
-    }
-}
-
-impl Filler {
-    /// Every filler, by order.
-    pub const ALL: [Filler; 3] = [Filler::Const, Filler::Linear, Filler::Quadratic];
-
-    /// Order of the polynomial.
-    pub fn order(self) -> usize {
-        match self {
-            Filler::Const => 0,
-            Filler::Linear => 1,
-            Filler::Quadratic => 2,
-        }
-    }
-
-    /// As study files and tables call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Filler::Const => "const",
-            Filler::Linear => "linear",
-            Filler::Quadratic => "quadratic",
-        }
+    /// Δt·ν with Δt = (n+1)T/2, from the middle of the gap to the nearest valid tick (our reading of Z(20)); absent where
+    /// the motion is not one tone of fixed frequency.
+    pub fn dt_nu(&self) -> Option<f64> {
+        let (_, frequency_hz) = self.motion.single_tone()?;
+        Some((f64::from(self.gap_ticks) + 1.0) / 2.0 * self.tick_s * frequency_hz)
     }
 }
 
@@ -123,22 +85,23 @@ impl Phase {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::study::motion::Tone;
 
     #[test]
     fn derived_quantities_follow_the_theory() {
         let mut inputs = Inputs {
             tick_s: 0.005,
             tick_noise: TickNoise::AngleRandomWalk(2.0),
-            amplitude: Amplitude::Angle(90.0),
-            frequency_hz: 20.0,
-            phase: Phase::Uniform,
+            readout_lsb: 0.0,
+            relock: vec![],
+            motion: Motion::of_tone(Tone::of_angle(90.0, 20.0)),
             gap_ticks: 3,
         };
         assert!((inputs.sigma_arcsec() - 0.141_421_356).abs() < 1e-9);
-        assert!((inputs.rate_amplitude() - 11_309.733_553).abs() < 1e-6);
-        assert!((inputs.dt_nu() - 0.2).abs() < 1e-15);
+        assert!((inputs.motion.single_tone().unwrap().0 - 11_309.733_553).abs() < 1e-6);
+        assert!((inputs.dt_nu().unwrap() - 0.2).abs() < 1e-15);
         inputs.tick_noise = TickNoise::from_three_sigma(1.6);
-        inputs.amplitude = Amplitude::Rate(12000.0);
-        assert_eq!((inputs.sigma_arcsec(), inputs.rate_amplitude()), (0.533_333_333_333, 12000.0));
+        inputs.motion = Motion::of_tone(Tone::of_rate(12000.0, 20.0));
+        assert_eq!((inputs.sigma_arcsec(), inputs.motion.single_tone()), (0.533_333_333_333, Some((12000.0, 20.0))));
     }
 }

@@ -11,10 +11,14 @@ mod diagnose;
 mod expected;
 mod expression;
 mod file;
+mod filler;
 mod inputs;
 mod key;
+mod motion;
 mod place;
 mod point;
+mod read_fillers;
+mod read_motion;
 mod scalar;
 mod sweep;
 mod ticks;
@@ -34,19 +38,23 @@ use toml::Spanned;
 
 pub use chart::{Chart, Named};
 pub use diagnose::StudyError;
-pub use file::{Filler, Kind, Phase, Scale, Streams, schema};
-pub use inputs::{Amplitude, Inputs, TickNoise};
+pub use file::{Error, Kind, Phase, Position, Scale, Streams, schema};
+pub use filler::{Fill, Filler, Method, POLYNOMIALS};
+pub use inputs::{Inputs, TickNoise};
 pub use key::Key;
+pub use motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 pub use point::Point;
 pub use sweep::Sweep;
 pub(crate) use units::round_12;
 pub use units::{Dimension, Quantity, UnitError, parse as parse_quantity};
 
-use diagnose::{Fault, Text, choices};
+use diagnose::{Fault, Text};
 use file::{StudyFile, TickNoiseTable};
 use place::Places;
 use scalar::Scalar;
 use ticks::{Purpose, TickList};
+
+use crate::kernel::launch::MAX_SIDE;
 
 /// Most trials at one point, 2^40.
 pub const MOST_TRIALS: u64 = 1 << 40;
@@ -66,6 +74,8 @@ pub struct Study {
     pub inputs: Inputs,
     /// One or more, each once.
     pub fillers: Vec<Filler>,
+    /// Which errors of them are found, each once.
+    pub errors: Vec<Error>,
     pub sweeps: Vec<Sweep>,
     pub charts: Vec<Chart>,
     points: Vec<Point>,
@@ -168,14 +178,19 @@ impl Study {
             trials: read_count("trials", file.trials.as_ref(), 1..=MOST_TRIALS as i64)?,
             kind_end: file.kind.span().end,
         };
-        let (inputs, places) = read_inputs(&file)?;
-        let fillers = read_fillers(&file.switching.fillers)?;
+        let folder = Path::new(text.name()).parent().unwrap_or(Path::new(""));
+        let (inputs, places) = read_inputs(&file, folder)?;
+        let written_fillers = read_fillers::read(&file.switching.fillers)?;
+        let errors = read_errors(file.switching.errors.as_ref())?;
         let sweeps = sweep::read_all(&file.sweep)?;
+        for (sweep, table) in sweeps.iter().zip(&file.sweep) {
+            sweep.key.check_applies(&inputs, table.key.span())?;
+        }
         let base = point::Base {
-            inputs,
+            inputs: inputs.clone(),
             places: &places,
             sweeps: &sweeps,
-            fillers: &fillers,
+            fillers: &written_fillers,
             fit_ticks: TickList::read(Purpose::Residual, file.switching.fit_ticks.as_ref())?,
             extrapolation_ticks: TickList::read(
                 Purpose::Extrapolation,
@@ -183,6 +198,7 @@ impl Study {
             )?,
         };
         let points = base.points()?;
+        let fillers: Vec<Filler> = written_fillers.into_iter().map(|written| written.filler).collect();
         let charts = chart::read_all(file.chart, &sweeps, &fillers)?;
         Ok(Study {
             title: file.title,
@@ -193,6 +209,7 @@ impl Study {
             streams: file.streams,
             inputs,
             fillers,
+            errors,
             sweeps,
             charts,
             points,
@@ -215,27 +232,30 @@ fn read_count(
 }
 
 /// The inputs as written, and where all that points depend on stands.
-fn read_inputs(file: &StudyFile) -> Result<(Inputs, Places), Fault> {
-    let written = [
-        (&key::TICK, &file.gyro.tick),
-        noise_form(&file.gyro.tick_noise)?,
-        (&key::AMPLITUDE, &file.motion.amplitude),
-        (&key::FREQUENCY, &file.motion.frequency),
-        (&key::GAP_TICKS, &file.switching.gap_ticks),
-    ];
+fn read_inputs(file: &StudyFile, folder: &Path) -> Result<(Inputs, Places), Fault> {
+    let mut places = Places::default();
+    let motion = read_motion::read(file.motion.get_ref(), &mut places, file.motion.span(), folder)?;
     // Each number is overwritten by its key.
     let mut inputs = Inputs {
         tick_s: 0.0,
         tick_noise: TickNoise::Std(0.0),
-        amplitude: Amplitude::Rate(0.0),
-        frequency_hz: 0.0,
-        phase: file.motion.phase,
+        readout_lsb: 0.0,
+        relock: read_relock(file.gyro.relock.as_ref())?,
+        motion,
         gap_ticks: 0,
     };
-    let mut places = Places::default();
-    for (key, value) in written {
+    let written = [
+        Some((&key::TICK, &file.gyro.tick)),
+        Some(noise_form(&file.gyro.tick_noise)?),
+        file.gyro.readout_lsb.as_ref().map(|lsb| (&key::READOUT_LSB, lsb)),
+        Some((&key::GAP_TICKS, &file.switching.gap_ticks)),
+    ];
+    for (key, value) in written.into_iter().flatten() {
         key.set(&mut inputs, key.read(value)?);
         places.add(key.name, value.span());
+    }
+    if let Some(relock) = &file.gyro.relock {
+        places.add("gyro.relock", relock.span());
     }
     places.add("switching.fillers", file.switching.fillers.span());
     for (key, list) in [
@@ -264,19 +284,41 @@ fn noise_form(table: &Spanned<TickNoiseTable>) -> Result<(&'static Key, &Spanned
     }
 }
 
-fn read_fillers(list: &Spanned<Vec<Spanned<Filler>>>) -> Result<Vec<Filler>, Fault> {
-    let names = Filler::ALL.map(Filler::name);
-    if list.get_ref().is_empty() {
-        let message = "switching.fillers is empty, there is nothing to compare";
-        return Err(Fault::new(list.span(), message, "no filler", choices("", &names)));
+/// Angles that the relock adds to ticks.
+fn read_relock(list: Option<&Spanned<Vec<Spanned<Scalar>>>>) -> Result<Vec<f64>, Fault> {
+    let Some(list) = list else { return Ok(vec![]) };
+    if list.get_ref().len() > MAX_SIDE {
+        let message = format!("gyro.relock lists {} ticks", list.get_ref().len());
+        return Err(Fault::new(list.span(), message, "too many", format!("accepted: up to {MAX_SIDE} ticks")));
     }
-    let mut fillers = Vec::new();
-    for filler in list.get_ref() {
-        if fillers.contains(filler.get_ref()) {
-            let message = format!("switching.fillers lists \"{}\" twice", filler.get_ref().name());
-            return Err(Fault::new(filler.span(), message, "listed before", "leave it out here"));
+    let angle = |item: &Spanned<Scalar>| {
+        let quantity = scalar::quantity("gyro.relock", item, &[Dimension::Angle])?;
+        if quantity.value.abs() <= MOST_RELOCK {
+            return Ok(quantity.value);
         }
-        fillers.push(*filler.get_ref());
+        let message = format!("gyro.relock = {quantity} is out of range");
+        Err(Fault::new(item.span(), message, "too large", "accepted: -1e6 to 1e6 arcsec"))
+    };
+    list.get_ref().iter().map(angle).collect()
+}
+
+/// Largest angle of the relock in one tick, ″.
+const MOST_RELOCK: f64 = 1e6;
+
+fn read_errors(list: Option<&Spanned<Vec<Spanned<Error>>>>) -> Result<Vec<Error>, Fault> {
+    let Some(list) = list else { return Ok(vec![Error::Residual, Error::Extrapolation]) };
+    let help = "accepted: one or more of \"residual\", \"extrapolation\", \"in-gap\", each once";
+    if list.get_ref().is_empty() {
+        return Err(Fault::new(list.span(), "switching.errors is empty", "no error", help));
     }
-    Ok(fillers)
+    let mut errors = Vec::new();
+    for error in list.get_ref() {
+        if errors.contains(error.get_ref()) {
+            let message = format!("switching.errors lists \"{}\" twice", error.get_ref().name());
+            return Err(Fault::new(error.span(), message, "listed before", help));
+        }
+        errors.push(*error.get_ref());
+    }
+    // In the order of the kernel, so that tables do not depend on how they are listed.
+    Ok(Error::ALL.into_iter().filter(|error| errors.contains(error)).collect())
 }

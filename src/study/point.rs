@@ -1,14 +1,17 @@
 //! Points: every combination of swept values, each checked as a whole.
 
 use super::diagnose::Fault;
-use super::file::Filler;
+use super::filler::{Fill, Method};
 use super::inputs::Inputs;
-use super::key::{AMPLITUDE, FREQUENCY, Key, NOISE_RANDOM_WALK, TICK};
+use super::key::NOISE_RANDOM_WALK;
+use super::motion::{Frequency, Gaussian, Tone};
 use super::place::Places;
+use super::read_fillers::{Extrapolation, Written};
 use super::sweep::Sweep;
 use super::ticks::TickList;
 use super::units::Quantity;
 use crate::table::significant;
+use crate::theory::minimum_variance::Band;
 
 /// Highest vibration frequency, in tick rates; above it the gyro sees nothing of the vibration but aliases.
 const MOST_TICK_RATES: f64 = 10.0;
@@ -25,10 +28,8 @@ pub struct Point {
     /// Name of each swept key, and its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Quantity)>,
     pub inputs: Inputs,
-    /// Ticks that the residual is fitted to, ascending.
-    pub fit_ticks: Vec<i32>,
-    /// Ticks that the extrapolation is fitted to, ascending.
-    pub extrapolation_ticks: Vec<i32>,
+    /// The ticks of each filler, in the order of the fillers.
+    pub fills: Vec<Fill>,
 }
 
 /// What all points share, with the places to blame.
@@ -36,7 +37,7 @@ pub(super) struct Base<'a> {
     pub(super) inputs: Inputs,
     pub(super) places: &'a Places,
     pub(super) sweeps: &'a [Sweep],
-    pub(super) fillers: &'a [Filler],
+    pub(super) fillers: &'a [Written],
     pub(super) fit_ticks: TickList,
     pub(super) extrapolation_ticks: TickList,
 }
@@ -52,7 +53,7 @@ impl Base<'_> {
     }
 
     fn point(&self, index: usize) -> Result<Point, Fault> {
-        let mut inputs = self.inputs;
+        let mut inputs = self.inputs.clone();
         let mut swept = Vec::with_capacity(self.sweeps.len());
         let mut rest = index;
         for sweep in self.sweeps.iter().rev() {
@@ -63,53 +64,168 @@ impl Base<'_> {
         }
         swept.reverse();
         self.check(&inputs)?;
-        let fit_ticks = self.ticks(&self.fit_ticks, &inputs)?;
-        let extrapolation_ticks = self.ticks(&self.extrapolation_ticks, &inputs)?;
-        Ok(Point { index, swept, inputs, fit_ticks, extrapolation_ticks })
+        let fills = self.fillers.iter().map(|written| self.fill(written, &inputs)).collect::<Result<_, _>>()?;
+        Ok(Point { index, swept, inputs, fills })
     }
 
     /// Limits that need more than one value.
     fn check(&self, inputs: &Inputs) -> Result<(), Fault> {
-        let Inputs { tick_s, frequency_hz, .. } = *inputs;
-        let refuse = |keys: &[&'static Key], message, label, accepted: &str| {
-            let names: Vec<&str> = keys.iter().map(|key| key.name).collect();
-            let place = self.places.blame(self.sweeps, &names);
+        let refuse = |names: &[&str], message, label, accepted: &str| {
+            let place = self.places.blame(self.sweeps, names);
             Err(Fault::new(place, message, label, format!("accepted: {accepted}")))
         };
-        if frequency_hz * tick_s > MOST_TICK_RATES {
-            let tick_rate = significant(1.0 / tick_s, 6);
-            let message = format!(
-                "motion.frequency = {frequency_hz} Hz is absurd at a tick rate of {tick_rate} Hz \
-                 (gyro.tick = {tick_s} s)"
-            );
-            let highest = significant(MOST_TICK_RATES / tick_s, 6);
-            let accepted = format!("up to {MOST_TICK_RATES} times the tick rate, {highest} Hz here");
-            return refuse(&[&FREQUENCY, &TICK], message, "too fast for the ticks", &accepted);
+        for tone in &inputs.motion.tones {
+            self.check_tone(tone, inputs)?;
         }
-        let rate = inputs.rate_amplitude();
-        if rate > MOST_RATE {
-            let message = format!("motion.amplitude comes to {rate:.3e} arcsec/s at {frequency_hz} Hz");
-            return refuse(&[&AMPLITUDE, &FREQUENCY], message, "too large", "0 to 1e9 arcsec/s");
+        if let Some(Gaussian::Band { band, .. }) = &inputs.motion.gaussian {
+            let names = ["motion.gaussian.low", "motion.gaussian.high", "motion.gaussian", "gyro.tick"];
+            self.check_band("motion.gaussian", *band, inputs, &names)?;
         }
+        for Written { filler, span, .. } in self.fillers {
+            if let Method::MinimumVariance(Some(band)) = &filler.method {
+                above_nyquist(&filler.name, *band, inputs).map_or(Ok(()), |(message, accepted)| {
+                    Err(Fault::new(span.clone(), message, "too high for the ticks", accepted))
+                })?;
+            }
+        }
+        let rate = inputs.motion.rate.abs();
+        let turned = inputs.motion.acceleration.abs() * inputs.tick_s * 64.0;
+        if turned > MOST_RATE {
+            let message = format!("motion.acceleration changes the rate by {turned:.3e} arcsec/s in 64 ticks");
+            return refuse(&["motion.acceleration", "gyro.tick"], message, "too large", "up to 1e9 arcsec/s");
+        }
+        debug_assert!(rate <= MOST_RATE, "a key's limit");
         let sigma = inputs.sigma_arcsec();
         if sigma > MOST_SIGMA {
             let message = format!("gyro.tick_noise comes to {sigma:.3e} arcsec per tick of {tick_s} s");
-            return refuse(&[&NOISE_RANDOM_WALK, &TICK], message, "too large", "0 to 1e6 arcsec per tick");
+            return refuse(&[NOISE_RANDOM_WALK.name, "gyro.tick"], message, "too large", "0 to 1e6 arcsec per tick");
         }
         Ok(())
     }
 
-    /// The ticks of `list` at this point, enough of them for every filler.
-    fn ticks(&self, list: &TickList, inputs: &Inputs) -> Result<Vec<i32>, Fault> {
-        let ticks = list.resolve(inputs.gap_ticks)?;
-        let Some(filler) = self.fillers.iter().find(|filler| filler.order() >= ticks.len()) else {
-            return Ok(ticks);
+    /// Limits of a tone.
+    fn check_tone(&self, tone: &Tone, inputs: &Inputs) -> Result<(), Fault> {
+        let refuse = |names: &[&str], message, label, accepted: &str| {
+            let place = self.places.blame(self.sweeps, names);
+            Err(Fault::new(place, message, label, format!("accepted: {accepted}")))
         };
-        let (name, needed, found) = (filler.name(), filler.order() + 1, ticks.len());
-        let plural = if needed == 1 { "" } else { "s" };
-        let message =
-            format!("the fit is singular: {name} needs {needed} tick{plural}, {} has {found}", list.purpose);
-        let help = format!("list at least {needed} tick{plural}, or leave out the filler \"{name}\"");
-        Err(Fault::new(list.span.clone(), message, "too few ticks", help))
+        let tick_s = inputs.tick_s;
+        let names = ["motion.frequency", "motion.tones", "gyro.tick"];
+        if let Frequency::Band(band) = tone.frequency {
+            let names = ["motion.frequency.low", "motion.frequency.high", "motion.frequency", "motion.tones"];
+            self.check_band("motion.frequency", band, inputs, &names)?;
+        }
+        let highest = tone.band().high_hz;
+        if highest * tick_s > MOST_TICK_RATES {
+            let tick_rate = significant(1.0 / tick_s, 6);
+            let message = format!(
+                "motion.frequency = {highest} Hz is absurd at a tick rate of {tick_rate} Hz (gyro.tick = {tick_s} s)"
+            );
+            let most = significant(MOST_TICK_RATES / tick_s, 6);
+            let accepted = format!("up to {MOST_TICK_RATES} times the tick rate, {most} Hz here");
+            return refuse(&names, message, "too fast for the ticks", &accepted);
+        }
+        let drawn = inputs.motion.tones.iter().any(|tone| matches!(tone.frequency, Frequency::Band(_)));
+        if drawn && highest * tick_s > 0.5 {
+            let message = format!("a tone of {highest} Hz beside one of drawn frequency is above the Nyquist frequency");
+            let accepted = format!("up to {} Hz here", significant(0.5 / tick_s, 6));
+            return refuse(&names, message, "too fast for the ticks", &accepted);
+        }
+        let rate = tone.amplitude.value.scale() * tone.rate_factor(highest);
+        if rate > MOST_RATE {
+            let message = format!("motion.amplitude comes to {rate:.3e} arcsec/s at {highest} Hz");
+            let names = ["motion.amplitude", "motion.frequency", "motion.tones"];
+            return refuse(&names, message, "too large", "0 to 1e9 arcsec/s");
+        }
+        Ok(())
     }
+
+    /// A band has its ends in order and below the Nyquist frequency of the ticks.
+    fn check_band(&self, key: &str, band: Band, inputs: &Inputs, names: &[&str]) -> Result<(), Fault> {
+        let place = self.places.blame(self.sweeps, names);
+        if band.low_hz > band.high_hz {
+            let message = format!("{key}: the band runs from {} Hz down to {} Hz", band.low_hz, band.high_hz);
+            return Err(Fault::new(place, message, "backwards", "keep the lower end below the upper one"));
+        }
+        above_nyquist(key, band, inputs).map_or(Ok(()), |(message, accepted)| {
+            Err(Fault::new(place, message, "too high for the ticks", accepted))
+        })
+    }
+
+    /// The ticks of one filler at this point, enough of them, and as many as it has weights.
+    fn fill(&self, written: &Written, inputs: &Inputs) -> Result<Fill, Fault> {
+        let Written { filler, fit_ticks, extrapolation, span } = written;
+        let n = inputs.gap_ticks;
+        let fit = fit_ticks.as_ref().unwrap_or(&self.fit_ticks);
+        let fit_ticks = fit.resolve(n)?;
+        let (list, extrapolation_ticks) = match extrapolation {
+            Extrapolation::None => (None, None),
+            Extrapolation::Common => (Some(&self.extrapolation_ticks), Some(self.extrapolation_ticks.resolve(n)?)),
+            Extrapolation::Own(list) => (Some(list), Some(list.resolve(n)?)),
+            Extrapolation::OfFit => {
+                let before: Vec<i32> = fit_ticks.iter().copied().filter(|tick| *tick <= 0).collect();
+                (Some(fit), Some(before))
+            }
+        };
+        for (list, ticks) in [(Some(fit), Some(&fit_ticks)), (list, extrapolation_ticks.as_ref())] {
+            let (Some(list), Some(ticks)) = (list, ticks) else { continue };
+            let (needed, found, name) = (filler.least_ticks(), ticks.len(), &filler.name);
+            if found < needed {
+                let plural = if needed == 1 { "" } else { "s" };
+                let message = format!(
+                    "the fit is singular: {name} needs {needed} tick{plural}, {} has {found}",
+                    list.purpose
+                );
+                let help = format!("list at least {needed} tick{plural}, or leave out the filler \"{name}\"");
+                return Err(Fault::new(list.span.clone(), message, "too few ticks", help));
+            }
+        }
+        if let Method::Weights { residual, extrapolation } = &filler.method {
+            check_weights("weights", residual, &fit_ticks, n, span)?;
+            if let (Some(weights), Some(ticks)) = (extrapolation, &extrapolation_ticks) {
+                check_weights("extrapolation_weights", weights, ticks, n, span)?;
+            }
+        }
+        Ok(Fill { fit_ticks, extrapolation_ticks })
+    }
+}
+
+/// What is wrong with a band that reaches above half the tick rate, and what is accepted.
+fn above_nyquist(name: &str, band: Band, inputs: &Inputs) -> Option<(String, String)> {
+    let nyquist = significant(0.5 / inputs.tick_s, 6);
+    (band.high_hz * inputs.tick_s > 0.5).then(|| {
+        let high = significant(band.high_hz, 6);
+        let tick_s = inputs.tick_s;
+        let message =
+            format!("{name}: the band reaches {high} Hz, above the Nyquist frequency of ticks of {tick_s} s");
+        (message, format!("accepted: up to {nyquist} Hz, or a shorter gyro.tick"))
+    })
+}
+
+/// Largest difference between the sum of weights and n that rounding in a text explains.
+const SUM_TOLERANCE: f64 = 1e-6;
+
+/// There is one weight for each tick, and they sum to n.
+fn check_weights(
+    key: &str,
+    weights: &[f64],
+    ticks: &[i32],
+    n: u32,
+    span: &std::ops::Range<usize>,
+) -> Result<(), Fault> {
+    let at = format!("(at gap_ticks = {n})");
+    if weights.len() != ticks.len() {
+        let message = format!("{} {key} stand for {} ticks {ticks:?} {at}", weights.len(), ticks.len());
+        return Err(Fault::new(span.clone(), message, "not one for each tick", "write a weight for each tick"));
+    }
+    let sum: f64 = weights.iter().sum();
+    if (sum - f64::from(n)).abs() > SUM_TOLERANCE {
+        let short = significant(sum - f64::from(n), 6);
+        let message = format!("the {key} sum to {}, not to n = {n} {at}", significant(sum, 9));
+        let help = format!(
+            "a constant rate Ω would leave an error of {short}·Ω·T at every switch: scale the weights to sum to {n}"
+        );
+        return Err(Fault::new(span.clone(), message, "a biased filler", help));
+    }
+    Ok(())
 }

@@ -16,16 +16,21 @@ pub enum Dimension {
     Rate,
     /// Angle over the root of time; also a rate over the root of frequency, two-sided: 1 °/h/√Hz = 1/60 °/√h.
     AngleRandomWalk,
+    AngularAcceleration,
+    /// Power spectral density of a rate, one-sided.
+    RateDensity,
 }
 
 impl Dimension {
     /// All that is written with a unit.
-    const MEASURED: [Dimension; 5] = [
+    const MEASURED: [Dimension; 7] = [
         Dimension::Time,
         Dimension::Frequency,
         Dimension::Angle,
         Dimension::Rate,
         Dimension::AngleRandomWalk,
+        Dimension::AngularAcceleration,
+        Dimension::RateDensity,
     ];
 
     fn exponents(self) -> Exponents {
@@ -36,6 +41,8 @@ impl Dimension {
             Dimension::Angle => Exponents::angle_time(2, 0),
             Dimension::Rate => Exponents::angle_time(2, -2),
             Dimension::AngleRandomWalk => Exponents::angle_time(2, -1),
+            Dimension::AngularAcceleration => Exponents::angle_time(2, -4),
+            Dimension::RateDensity => Exponents::angle_time(4, -2),
         }
     }
 
@@ -48,6 +55,8 @@ impl Dimension {
             Dimension::Angle => "an angle",
             Dimension::Rate => "an angular rate",
             Dimension::AngleRandomWalk => "an angle random walk",
+            Dimension::AngularAcceleration => "an angular acceleration",
+            Dimension::RateDensity => "a density of the rate",
         }
     }
 
@@ -62,6 +71,10 @@ impl Dimension {
             Dimension::AngleRandomWalk => {
                 ("deg/sqrt(h), deg/√h, arcsec/sqrt(s), deg/h/sqrt(Hz)", "\"0.003 deg/sqrt(h)\"")
             }
+            Dimension::AngularAcceleration => ("arcsec/s^2, deg/s^2, rad/s^2", "\"100 deg/s^2\""),
+            Dimension::RateDensity => {
+                ("(arcsec/s)^2/Hz, (deg/s)^2/Hz, (rad/s)^2/Hz", "\"0.1 (deg/s)^2/Hz\"")
+            }
         }
     }
 
@@ -74,6 +87,8 @@ impl Dimension {
             Dimension::Angle => Unit::ARCSEC,
             Dimension::Rate => Unit::ARCSEC_PER_S,
             Dimension::AngleRandomWalk => Unit::ARCSEC_PER_SQRT_S,
+            Dimension::AngularAcceleration => Unit::ARCSEC_PER_S2,
+            Dimension::RateDensity => Unit::ARCSEC2_PER_S2_PER_HZ,
         }
     }
 }

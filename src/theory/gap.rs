@@ -21,20 +21,18 @@ impl Weights {
         self.numerators.iter().map(|&w| w as f64 / self.denominator as f64)
     }
 
-    /// The nearest weights over 2^`bits`, with a sum that still is that of the exact ones.
-    pub fn fixed_point(&self, bits: u32) -> Weights {
+    /// The nearest weights over 2^`bits` whose sum is exactly `sum`.
+    pub fn nearest(ticks: &[i32], values: &[f64], sum: i64, bits: u32) -> Weights {
         let denominator = 1_i64 << bits;
         let mut numerators: Vec<i64> =
-            self.values().map(|w| libm::round(w * denominator as f64) as i64).collect();
-        let exact = self.numerators.iter().map(|&w| i128::from(w)).sum::<i128>() * i128::from(denominator)
-            / i128::from(self.denominator);
-        let missing = exact as i64 - numerators.iter().sum::<i64>();
+            values.iter().map(|w| libm::round(w * denominator as f64) as i64).collect();
+        let missing = sum * denominator - numerators.iter().sum::<i64>();
         // Shared out evenly, it changes no weight by more than its own rounding did.
         let count = numerators.len() as i64;
         for (k, w) in numerators.iter_mut().enumerate() {
             *w += missing / count + if (k as i64) < (missing % count).abs() { missing.signum() } else { 0 };
         }
-        Weights { ticks: self.ticks.clone(), numerators, denominator }
+        Weights { ticks: ticks.to_vec(), numerators, denominator }
     }
 
     /// √Σw²: the standard deviation of the error for unit white noise on the ticks.

@@ -6,7 +6,9 @@
 
 use core::f64::consts::TAU;
 
+use super::cholesky::{definite, solve};
 use super::gap::tick_amplitude;
+use super::quadrature::mean;
 
 /// A vibration of random phase whose frequency is spread evenly over a band; one of a single frequency has both ends there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,49 +17,30 @@ pub struct Band {
     pub high_hz: f64,
 }
 
-/// Sixteen-point Gauss–Legendre quadrature: positive nodes and their weights.
-const NODES: [[f64; 2]; 8] = [
-    [0.095_012_509_837_637_44, 0.189_450_610_455_068_5],
-    [0.281_603_550_779_258_9, 0.182_603_415_044_923_6],
-    [0.458_016_777_657_227_4, 0.169_156_519_395_002_54],
-    [0.617_876_244_402_643_7, 0.149_595_988_816_576_73],
-    [0.755_404_408_355_003, 0.124_628_971_255_533_87],
-    [0.865_631_202_387_831_8, 0.095_158_511_682_492_78],
-    [0.944_575_023_073_232_6, 0.062_253_523_938_647_89],
-    [0.989_400_934_991_649_9, 0.027_152_459_411_754_095],
-];
-
 impl Band {
     /// Covariance of the angles of two ticks, ″², by their distance 0 … `lags` − 1.
     ///
     /// `rate_amplitude` is A_Ω in ″/s, `tick_s` is T. The mean over the band of (A_Ω T sinc νT)²/2 · cos 2πν·lag·T, by
     /// quadrature in so many panels that none holds more than one turn: right to 1e-12 of the variance.
     pub fn covariance(&self, rate_amplitude: f64, tick_s: f64, lags: usize) -> Vec<f64> {
-        let term = |nu: f64, lag: f64| {
-            let peak = rate_amplitude * tick_amplitude(tick_s, nu * tick_s);
-            0.5 * peak * peak * libm::cos(TAU * nu * tick_s * lag)
-        };
-        let width = self.high_hz - self.low_hz;
-        let panels = 1.0 + libm::ceil(width * tick_s * (lags as f64 + 1.0));
-        let mean = |lag: f64| {
-            let mut sum = 0.0;
-            for panel in 0..panels as usize {
-                let middle = self.low_hz + width * (panel as f64 + 0.5) / panels;
-                let half = 0.5 * width / panels;
-                for [node, weight] in NODES {
-                    sum += weight * (term(middle - half * node, lag) + term(middle + half * node, lag));
-                }
-            }
-            0.5 * sum / panels
-        };
-        (0..lags)
-            .map(|lag| if width == 0.0 { term(self.low_hz, lag as f64) } else { mean(lag as f64) })
-            .collect()
+        self.by_lag(lags, tick_s, |nu| rate_amplitude * tick_amplitude(tick_s, nu * tick_s))
+    }
+
+    /// The same for a fixed amplitude A of the angle, ″: the peak angle of a tick is A_Ω T sinc νT with A_Ω = 2πνA.
+    pub fn covariance_of_angle(&self, amplitude: f64, tick_s: f64, lags: usize) -> Vec<f64> {
+        self.by_lag(lags, tick_s, |nu| amplitude * TAU * nu * tick_amplitude(tick_s, nu * tick_s))
+    }
+
+    fn by_lag(&self, lags: usize, tick_s: f64, peak: impl Fn(f64) -> f64) -> Vec<f64> {
+        let turns = (self.high_hz - self.low_hz) * tick_s * (lags as f64 + 1.0);
+        let panels = 1 + libm::ceil(turns) as usize;
+        let term = |nu: f64, lag: f64| 0.5 * peak(nu) * peak(nu) * libm::cos(TAU * nu * tick_s * lag);
+        (0..lags).map(|lag| mean(self.low_hz, self.high_hz, panels, |nu| term(nu, lag as f64))).collect()
     }
 }
 
-/// Weights on `ticks` of the least error over the gap 1 … n, for motion of this `covariance` by lag and independent noise
-/// of standard deviation `sigma` on each tick.
+/// Weights on `ticks` of the least error over the gap 1 … n, for motion of this `covariance` by lag and `noise` on the
+/// readings, of which the lags not given have none: `[σ²]` for independent noise.
 ///
 /// `None` where the covariance of the ticks is singular to working precision: the noise is too small for the motion to
 /// leave anything to choose by. `covariance` reaches over all ticks and the gap.
@@ -65,12 +48,13 @@ pub fn minimum_variance_weights(
     ticks: &[i32],
     gap_ticks: u32,
     covariance: &[f64],
-    sigma: f64,
+    noise: &[f64],
 ) -> Option<Vec<f64>> {
     let between = |a: i32, b: i32| covariance[a.abs_diff(b) as usize];
+    let of_noise = |a: i32, b: i32| noise.get(a.abs_diff(b) as usize).copied().unwrap_or(0.0);
     let count = ticks.len();
     let factor =
-        cholesky(count, |i, j| between(ticks[i], ticks[j]) + if i == j { sigma * sigma } else { 0.0 })?;
+        definite(count, |i, j| between(ticks[i], ticks[j]) + of_noise(ticks[i], ticks[j]))?;
     let gap = |&tick: &i32| (1..=gap_ticks as i32).map(|j| between(tick, j)).sum();
     let best = solve(&factor, ticks.iter().map(gap).collect());
     let ones = solve(&factor, vec![1.0; count]);
@@ -94,43 +78,6 @@ pub fn error_variance(ticks: &[i32], weights: &[f64], gap_ticks: u32, covariance
         }
     }
     motion + sigma * sigma * weights.iter().map(|w| w * w).sum::<f64>()
-}
-
-/// A pivot below this part of the diagonal is rounding and nothing else.
-const LEAST_PIVOT: f64 = 1e-13;
-
-/// The lower triangular factor of a symmetric matrix, row by row; `None` where it is not positive definite.
-fn cholesky(count: usize, matrix: impl Fn(usize, usize) -> f64) -> Option<Vec<Vec<f64>>> {
-    let mut factor: Vec<Vec<f64>> = Vec::with_capacity(count);
-    for i in 0..count {
-        let mut row: Vec<f64> = Vec::with_capacity(i + 1);
-        for above in factor.iter() {
-            let j = row.len();
-            let known: f64 = (0..j).map(|k| row[k] * above[k]).sum();
-            row.push((matrix(i, j) - known) / above[j]);
-        }
-        let pivot = matrix(i, i) - row.iter().map(|x| x * x).sum::<f64>();
-        if pivot.is_nan() || pivot <= LEAST_PIVOT * matrix(i, i) {
-            return None;
-        }
-        row.push(libm::sqrt(pivot));
-        factor.push(row);
-    }
-    Some(factor)
-}
-
-/// Solves L Lᵀ x = b.
-fn solve(factor: &[Vec<f64>], mut x: Vec<f64>) -> Vec<f64> {
-    let count = x.len();
-    for i in 0..count {
-        let known: f64 = (0..i).map(|k| factor[i][k] * x[k]).sum();
-        x[i] = (x[i] - known) / factor[i][i];
-    }
-    for i in (0..count).rev() {
-        let known: f64 = (i + 1..count).map(|k| factor[k][i] * x[k]).sum();
-        x[i] = (x[i] - known) / factor[i][i];
-    }
-    x
 }
 
 #[cfg(test)]

@@ -1,4 +1,6 @@
 //! Closed forms, in f64: what the Monte Carlo is lowered from and compared with.
 
+pub mod cholesky;
 pub mod gap;
 pub mod minimum_variance;
+pub mod quadrature;

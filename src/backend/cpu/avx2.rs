@@ -188,6 +188,11 @@ impl Word for Avx2 {
     }
 
     #[inline(always)]
+    unsafe fn gather(table: &[u32], index: Avx2) -> Avx2 {
+        unsafe { Avx2(_mm256_i32gather_epi32::<4>(table.as_ptr().cast(), index.0)) }
+    }
+
+    #[inline(always)]
     fn with_sign(self, sign: Avx2) -> Avx2 {
         // The instruction gives 0 for a sign of 0, hence the odd one.
         unsafe { Avx2(_mm256_sign_epi32(self.0, _mm256_or_si256(sign.0, _mm256_set1_epi32(1)))) }

@@ -179,6 +179,11 @@ impl Word for Avx512 {
     }
 
     #[inline(always)]
+    unsafe fn gather(table: &[u32], index: Avx512) -> Avx512 {
+        unsafe { Avx512(_mm512_i32gather_epi32::<4>(index.0, table.as_ptr().cast())) }
+    }
+
+    #[inline(always)]
     fn with_sign(self, sign: Avx512) -> Avx512 {
         unsafe {
             let negative = _mm512_movepi32_mask(sign.0);

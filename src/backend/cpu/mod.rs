@@ -167,7 +167,7 @@ impl Cpu {
 
     fn tally_job(&self, job: &Job, histogram: bool, progress: &(dyn Fn(u64) + Sync)) -> Vec<Moments> {
         let Job { launch, block } = job;
-        let empty = || vec![Moments::empty(histogram); 2 * launch.shape.fillers];
+        let empty = || vec![Moments::empty(histogram); launch.shape.estimates()];
         // Pieces of an aligned block never straddle a multiple of 2^32, which the kernel asks for.
         (0..block.trials().div_ceil(PIECE))
             .into_par_iter()

@@ -12,7 +12,7 @@ use wgpu::BufferUsages;
 use self::source::Variant;
 use self::tile::{Part, Piece};
 use super::Job;
-use crate::kernel::gap_fill::Shape;
+use crate::kernel::launch::Shape;
 use crate::kernel::map::Map;
 use crate::kernel::moments::Moments;
 use crate::kernel::normal_table::NORMAL_TABLE;
@@ -89,6 +89,8 @@ pub struct Gpu {
     queue: wgpu::Queue,
     variant: Variant,
     normal_table: wgpu::Buffer,
+    /// The table of the launch before, with what is in it: neighbours often share one.
+    table: Option<(Arc<[u32]>, wgpu::Buffer)>,
     pipelines: HashMap<(Shape, bool), wgpu::ComputePipeline>,
     failure: Arc<Mutex<Option<String>>>,
     /// Trials of the next tile.
@@ -104,6 +106,7 @@ impl Gpu {
         let own = adapter.adapter.limits();
         let limits = wgpu::Limits {
             max_compute_workgroup_storage_size: own.max_compute_workgroup_storage_size,
+            max_storage_buffers_per_shader_stage: own.max_storage_buffers_per_shader_stage,
             max_storage_buffer_binding_size: own.max_storage_buffer_binding_size,
             max_buffer_size: own.max_buffer_size,
             ..wgpu::Limits::downlevel_defaults()
@@ -132,7 +135,7 @@ impl Gpu {
         );
         let pipelines = HashMap::new();
         let name = adapter.name();
-        Ok(Gpu { name, device, queue, variant, normal_table, pipelines, failure, tile: FIRST_TILE })
+        Ok(Gpu { name, device, queue, variant, normal_table, table: None, pipelines, failure, tile: FIRST_TILE })
     }
 
     /// The name of its adapter.
@@ -156,7 +159,7 @@ impl Gpu {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Vec<Vec<Moments>>, GpuError> {
         let mut results: Vec<Vec<Moments>> =
-            jobs.iter().map(|job| vec![Moments::empty(histogram); 2 * job.launch.shape.fillers]).collect();
+            jobs.iter().map(|job| vec![Moments::empty(histogram); job.launch.shape.estimates()]).collect();
         let mut rest = Rest::of(jobs);
         let mut before = None;
         // One tile runs while the next is prepared and the one before is read.
@@ -196,13 +199,11 @@ impl Gpu {
         let input = self.upload("items", bytemuck::cast_slice(items), BufferUsages::STORAGE);
         let output = self.buffer("results", size, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
         let read = self.buffer("read", size, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
-        let mut resources = vec![input.as_entire_binding(), output.as_entire_binding()];
-        // The table is binding 0; a shader without it starts at 1.
-        let first = u32::from(!map.table);
+        let mut resources = vec![(1, input.as_entire_binding()), (2, output.as_entire_binding())];
         if map.table {
-            resources.insert(0, self.normal_table.as_entire_binding());
+            resources.push((0, self.normal_table.as_entire_binding()));
         }
-        let bind_group = self.bind_group(&pipeline, first, resources);
+        let bind_group = self.bind_group(&pipeline, resources);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -219,6 +220,18 @@ impl Gpu {
         self.failure()?;
         let bytes = read.get_mapped_range(..).map_err(|error| GpuError::Lost(error.to_string()))?;
         Ok(bytemuck::cast_slice(&bytes).to_vec())
+    }
+
+    /// A buffer with the table of a launch.
+    fn table(&mut self, table: &Arc<[u32]>) -> wgpu::Buffer {
+        if let Some((held, buffer)) = &self.table
+            && Arc::ptr_eq(held, table)
+        {
+            return buffer.clone();
+        }
+        let buffer = self.upload("table", bytemuck::cast_slice(table), BufferUsages::STORAGE);
+        self.table = Some((Arc::clone(table), buffer.clone()));
+        buffer
     }
 
     fn gap_fill_pipeline(
@@ -264,11 +277,10 @@ impl Gpu {
     fn bind_group(
         &self,
         pipeline: &wgpu::ComputePipeline,
-        first: u32,
-        resources: Vec<wgpu::BindingResource>,
+        resources: Vec<(u32, wgpu::BindingResource)>,
     ) -> wgpu::BindGroup {
-        let entries: Vec<wgpu::BindGroupEntry> = (first..)
-            .zip(resources)
+        let entries: Vec<wgpu::BindGroupEntry> = resources
+            .into_iter()
             .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
             .collect();
         self.device.create_bind_group(&wgpu::BindGroupDescriptor {

@@ -6,7 +6,7 @@
 
 use std::collections::HashMap;
 
-use crate::kernel::gap_fill::{self, Shape};
+use crate::kernel::launch::{self, MARGIN, Shape};
 use crate::kernel::map::Map;
 use crate::kernel::moments::{BIN_BITS, BINS, FLUSH, LEVEL_OFFSET};
 use crate::kernel::philox::PURPOSES;
@@ -16,6 +16,7 @@ const WORD: &str = include_str!("../../../shaders/word.wgsl");
 const PHILOX: &str = include_str!("../../../shaders/philox.wgsl");
 const NORMAL: &str = include_str!("../../../shaders/normal.wgsl");
 const SINE_: &str = include_str!("../../../shaders/sine.wgsl");
+const MOTION: &str = include_str!("../../../shaders/motion.wgsl");
 const GAP_FILL: &str = include_str!("../../../shaders/gap_fill.wgsl");
 const MOMENTS: &str = include_str!("../../../shaders/moments.wgsl");
 const MAP: &str = include_str!("../../../shaders/map.wgsl");
@@ -42,10 +43,15 @@ pub struct Variant {
 
 /// The shader of the gap-fill kernel for a shape.
 pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
-    let estimates = 2 * shape.fillers;
-    let places = gap_fill::wgsl_places(shape);
+    let estimates = shape.estimates();
+    let places = launch::wgsl_places(shape);
     let staged = STAGED_WORDS * variant.workgroup as usize;
     let shared_words = estimates * if histogram { BINS.max(staged) } else { staged };
+    let words = launch::word_count(shape);
+    let (residuals, extrapolations) = (
+        if shape.residual { shape.fillers } else { 0 },
+        if shape.extrapolation { shape.fillers } else { 0 },
+    );
     let constants = [
         ("BEFORE", shape.before),
         ("AFTER", shape.after),
@@ -54,16 +60,43 @@ pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
         ("EXTRAPOLATION_BEFORE", shape.extrapolation_before),
         ("FILLERS", shape.fillers),
         ("ESTIMATES", estimates),
-        ("PARAMETER_WORDS", gap_fill::word_count(shape)),
-        ("PARAMETER_VECTORS", gap_fill::word_count(shape).div_ceil(4)),
+        ("EXTRAPOLATIONS", residuals),
+        ("IN_GAPS", residuals + extrapolations),
+        ("KEPT", if shape.in_gap { shape.before } else { 1 }),
+        ("TONES", shape.tones),
+        // There is no array without elements.
+        ("TONE_ROOM", shape.tones.max(1)),
+        ("ROWS", shape.rows()),
+        ("GAP_TICKS", shape.gap_ticks),
+        ("GAUSSIANS", shape.gaussians()),
+        ("GAUSSIAN_SIDES", shape.gaussian_row(shape.gap_ticks)),
+        ("MOTION_TABLE", shape.motion_table()),
+        ("MARGIN", MARGIN),
+        ("PARAMETER_WORDS", words),
+        ("PARAMETER_VECTORS", words.div_ceil(4)),
         ("SHARED_WORDS", shared_words),
     ];
-    let parts = [WORD, PHILOX, NORMAL, SINE_, GAP_FILL, MOMENTS];
-    let flags: Vec<&str> = [("HISTOGRAM", histogram), ("WIDE", shape.wide)]
-        .into_iter()
-        .filter(|flag| flag.1)
-        .map(|flag| flag.0)
-        .collect();
+    let parts = [WORD, PHILOX, NORMAL, SINE_, MOTION, GAP_FILL, MOMENTS];
+    let flags: Vec<&str> = [
+        ("HISTOGRAM", histogram),
+        ("WIDE", shape.wide),
+        ("RESIDUAL", shape.residual),
+        ("EXTRAPOLATION", shape.extrapolation),
+        ("IN_GAP", shape.in_gap),
+        ("AMPLITUDES", shape.amplitudes),
+        ("FREQUENCIES", shape.frequencies),
+        ("DRAWN", shape.amplitudes || shape.frequencies),
+        ("GAUSSIAN", shape.gaussian),
+        ("PROFILE", shape.profile),
+        ("EVERY", shape.every),
+        ("CONSTANTS", shape.constants),
+        ("READOUT", shape.readout),
+        ("TABLE", shape.has_table()),
+    ]
+    .into_iter()
+    .filter(|flag| flag.1)
+    .map(|flag| flag.0)
+    .collect();
     places + &assemble(&parts, &constants, &flags, variant)
 }
 
@@ -190,10 +223,37 @@ mod tests {
     use super::*;
     use crate::kernel::map;
 
-    const SHAPES: [Shape; 3] = [
-        Shape { before: 4, after: 2, residual_before: 2, extrapolation_before: 4, fillers: 3, wide: false },
-        Shape { before: 9, after: 5, residual_before: 9, extrapolation_before: 3, fillers: 1, wide: true },
-        Shape { before: 2, after: 0, residual_before: 2, extrapolation_before: 1, fillers: 2, wide: false },
+    /// The default ticks with three fillers and one tone.
+    const PLAIN: Shape = Shape {
+        before: 4,
+        after: 2,
+        residual_before: 2,
+        extrapolation_before: 4,
+        fillers: 3,
+        residual: true,
+        extrapolation: true,
+        in_gap: false,
+        wide: false,
+        gap_ticks: 0,
+        tones: 1,
+        amplitudes: false,
+        frequencies: false,
+        gaussian: false,
+        profile: false,
+        every: false,
+        constants: false,
+        readout: false,
+    };
+
+    const SHAPES: [Shape; 8] = [
+        PLAIN,
+        Shape { before: 9, after: 6, residual_before: 9, fillers: 1, wide: true, tones: 8, ..PLAIN },
+        Shape { after: 0, residual: false, tones: 0, fillers: 2, constants: true, readout: true, ..PLAIN },
+        Shape { in_gap: true, gap_ticks: 5, fillers: 2, amplitudes: true, ..PLAIN },
+        Shape { in_gap: true, gap_ticks: 5, fillers: 1, frequencies: true, tones: 2, wide: true, ..PLAIN },
+        Shape { gaussian: true, gap_ticks: 3, in_gap: true, fillers: 2, constants: true, ..PLAIN },
+        Shape { profile: true, tones: 0, readout: true, ..PLAIN },
+        Shape { profile: true, every: true, in_gap: true, gap_ticks: 2, fillers: 2, ..PLAIN },
     ];
 
     fn variants() -> impl Iterator<Item = Variant> {
@@ -240,7 +300,7 @@ mod tests {
                 module.global_variables.iter().find(|(_, v)| v.name.as_deref() == Some(name)).unwrap();
             module.types[global.ty].inner.size(module.to_ctx()) as usize
         };
-        assert_eq!(size("parameters"), gap_fill::word_count(SHAPES[0]).div_ceil(4) * 16);
+        assert_eq!(size("parameters"), launch::word_count(SHAPES[0]).div_ceil(4) * 16);
         assert_eq!(size("normal_table"), size_of::<crate::kernel::word::PairTable>());
         assert_eq!(
             size("jobs"),

@@ -6,7 +6,7 @@ use wgpu::{BufferUsages, util::DeviceExt};
 
 use super::source::{GROUPS_PER_ROW, PARTIAL_WORDS};
 use super::{Gpu, GpuError};
-use crate::kernel::gap_fill::Launch;
+use crate::kernel::launch::Launch;
 use crate::kernel::moments::{BINS, FLUSH, Moments};
 
 /// What one workgroup does, as its shader reads it.
@@ -63,7 +63,7 @@ struct Place {
 
 impl Place {
     fn of(part: &Part, from: u64, histogram: bool, workgroup: u32) -> Place {
-        let estimates = 2 * part.launch.shape.fillers as u64;
+        let estimates = part.launch.shape.estimates() as u64;
         let groups = part.pieces.iter().map(|piece| piece.groups(workgroup)).sum::<u64>();
         let histogram_bytes = if histogram { 4 * estimates * (BINS * part.pieces.len()) as u64 } else { 0 };
         let histograms = (from + 4 * estimates * PARTIAL_WORDS as u64 * groups).next_multiple_of(ALIGNMENT);
@@ -129,21 +129,25 @@ impl Gpu {
         words.resize(words.len().next_multiple_of(4), 0);
         let parameters = self.upload("parameters", bytemuck::cast_slice(&words), BufferUsages::UNIFORM);
         let jobs = self.upload("jobs", bytemuck::cast_slice(&jobs), BufferUsages::STORAGE);
+        let table = part.launch.shape.has_table().then(|| self.table(&part.launch.table));
         let pipeline = self.gap_fill_pipeline(part.launch.shape, histogram)?;
         let range = |offset: u64, end: u64| {
             let size = std::num::NonZeroU64::new(end - offset);
             wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: work, offset, size })
         };
         let mut resources = vec![
-            self.normal_table.as_entire_binding(),
-            parameters.as_entire_binding(),
-            jobs.as_entire_binding(),
-            range(place.partials, place.histograms),
+            (0, self.normal_table.as_entire_binding()),
+            (1, parameters.as_entire_binding()),
+            (2, jobs.as_entire_binding()),
+            (3, range(place.partials, place.histograms)),
         ];
         if histogram {
-            resources.push(range(place.histograms, place.end));
+            resources.push((4, range(place.histograms, place.end)));
         }
-        let bind_group = self.bind_group(&pipeline, 0, resources);
+        if let Some(table) = &table {
+            resources.push((5, table.as_entire_binding()));
+        }
+        let bind_group = self.bind_group(&pipeline, resources);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &bind_group, &[]);
@@ -181,7 +185,7 @@ fn add_results(
     words: &[u32],
     results: &mut [Vec<Moments>],
 ) {
-    let estimates = 2 * part.launch.shape.fillers;
+    let estimates = part.launch.shape.estimates();
     let mut partials = words[place.partials as usize / 4..].chunks_exact(estimates * PARTIAL_WORDS);
     let mut histograms = words[place.histograms as usize / 4..].chunks_exact(BINS);
     for piece in &part.pieces {

@@ -1,0 +1,124 @@
+//! Lowering: a point of a study becomes the fixed-point parameters of its kernel, with a proof that they fit.
+//!
+//! Everything here is f64 through `libm`, in a fixed order, so that the words are the same on every machine. The
+//! oracle of each estimate is taken from the *lowered* parameters: it is exact for what is sampled.
+//!
+//! ```text
+//! Inputs ─ physical ─▶ Physical ─ unit ─▶ Fixed ─┬─ weights, response, readout ─▶ Estimates
+//!                                               └─ launch ─▶ Launch
+//! ```
+
+mod estimate;
+mod fixed;
+mod launch;
+mod physical;
+mod readout;
+mod refusal;
+mod response;
+mod unit;
+mod weights;
+
+pub use estimate::{Estimate, Oracle};
+pub use refusal::{LowerError, Lost};
+pub use weights::Rows;
+
+use crate::id::Id;
+use crate::kernel::moments::MAX_ESTIMATES;
+use crate::study::{Error, Filler, Method, Point, Streams};
+use estimate::Owner;
+use fixed::Fixed;
+use physical::Physical;
+
+/// A point, ready to be sampled.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lowered {
+    pub id: Id,
+    key: [u32; 2],
+    fixed: Fixed,
+    /// The estimates of each filler: its errors, in the order of the kernel.
+    pub fillers: Vec<Vec<Estimate>>,
+}
+
+impl Lowered {
+    /// Lowers a point of a study with this seed.
+    ///
+    /// # Errors
+    /// The point cannot be represented: see [`LowerError`].
+    pub fn new(
+        point: &Point,
+        fillers: &[Filler],
+        errors: &[Error],
+        seed: u64,
+        streams: Streams,
+    ) -> Result<Lowered, LowerError> {
+        let physical = Physical::of(&point.inputs)?;
+        let id = physical.id(&point.inputs, seed, streams);
+        let key = match streams {
+            Streams::Independent => id.key(),
+            Streams::Common => Id::of(&format!("streams\nkind=gap-fill\nseed={seed}\n")).key(),
+        };
+        let n = point.inputs.gap_ticks as i32;
+        let reach = |tick: i32| if tick > 0 { tick - n } else { 1 - tick };
+        let ticks = point.fills.iter().flat_map(|fill| fill.fit_ticks.iter().chain(fill.extrapolation_ticks.iter().flatten()));
+        let sides = ticks.map(|&tick| reach(tick)).max().unwrap_or(1) as usize;
+        let lsb_arcsec = unit::lsb(&physical)?;
+        let fixed = Fixed::new(&physical, lsb_arcsec, sides);
+        let estimates = |filler: &Filler, fill: &crate::study::Fill| {
+            let definition = definition(filler);
+            let mut estimates = Vec::new();
+            for &error in errors {
+                let ticks = match error {
+                    Error::Residual => Some(&fill.fit_ticks),
+                    Error::Extrapolation | Error::InGap => fill.extrapolation_ticks.as_ref(),
+                };
+                let Some(ticks) = ticks else { continue };
+                let Some(rows) = Rows::of(filler, error, ticks, &point.inputs)? else { continue };
+                let owner = Owner { point: id, key, filler: &filler.name, definition: &definition, error };
+                estimates.push(Estimate::new(&owner, &fixed, rows)?);
+            }
+            Ok(estimates)
+        };
+        let fillers = fillers
+            .iter()
+            .zip(&point.fills)
+            .map(|(filler, fill)| estimates(filler, fill))
+            .collect::<Result<Vec<_>, LowerError>>()?;
+        Ok(Lowered { id, key, fixed, fillers })
+    }
+
+    /// Most fillers with the errors of one of them that a launch can have.
+    pub fn most_fillers(&self, filler: usize) -> usize {
+        MAX_ESTIMATES / self.fillers[filler].len().max(1)
+    }
+
+    /// Whether two fillers have the same errors and so can share a launch.
+    pub fn alike(&self, a: usize, b: usize) -> bool {
+        let errors = |filler: usize| self.fillers[filler].iter().map(|estimate| estimate.error);
+        errors(a).eq(errors(b))
+    }
+
+    /// The fewest trials, `asked` or more, that the point can have: whole replays of a profile that is taken in turn.
+    pub fn trials(&self, asked: u64) -> u64 {
+        match &self.fixed.profile {
+            Some(profile) if profile.every => asked.next_multiple_of(profile.positions as u64),
+            _ => asked,
+        }
+    }
+}
+
+/// What a filler is, whatever its name: part of the identity of its estimates.
+fn definition(filler: &Filler) -> String {
+    match &filler.method {
+        Method::Polynomial(order) => format!("polynomial order={order}"),
+        Method::MinimumVariance(None) => "minimum-variance".to_owned(),
+        Method::MinimumVariance(Some(band)) => {
+            format!("minimum-variance band_hz={:.11e} {:.11e}", band.low_hz, band.high_hz)
+        }
+        Method::Weights { residual, extrapolation } => format!("weights {residual:?} {extrapolation:?}"),
+    }
+}
+
+/// The bits of a number.
+fn words_of(x: f64) -> [u32; 2] {
+    [x.to_bits() as u32, (x.to_bits() >> 32) as u32]
+}

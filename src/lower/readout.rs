@@ -1,0 +1,121 @@
+//! The variance that reading whole pulses adds, where it has a closed form.
+//!
+//! A reading is the tick less the difference of the fractions f of a pulse at its two ends, so that fractions telescope:
+//! the error is Σ_b (w_{b+1} − w_b) f_b over the boundaries b, with w the weight of the tick that ends at b. Each f is
+//! uniform, whatever the motion, and independent of it. Those of two boundaries with an angle d between them have the
+//! covariance q²/(2π²) Σ_m cos(2πmd/q)/m², whose mean over the trials is that of the characteristic function of d.
+
+use core::f64::consts::PI;
+
+use super::fixed::{ANGLE_UNITS, Fixed, FixedTone, RAYLEIGH_UNIT, SIGMA_UNITS, ToneMotion, gaussian_place};
+use super::response::Functional;
+
+/// Most terms of the sum over m.
+const TERMS: u32 = 4096;
+
+/// Variance and a bound of its error, LSB²; `None` for motion whose characteristic function has no closed form here.
+pub(super) fn variance(fixed: &Fixed, f: &Functional) -> Option<(f64, f64)> {
+    let Some(readout) = fixed.readout else { return Some((0.0, 0.0)) };
+    let pulse = libm::exp2(f64::from(readout.bits));
+    let weight = |tick: i32| f.ticks.iter().position(|&own| own == tick).map_or(0.0, |k| f.weights[k] as f64);
+    let (first, last) = (*f.ticks.first()?, *f.ticks.last()?);
+    // Boundary b is the end of tick b; those within the gap have no weight.
+    let boundaries: Vec<(i32, f64)> = (first.min(1) - 1..=last.max(0))
+        .filter(|b| !(1..fixed.gap_ticks).contains(b))
+        .map(|b| {
+            // What follows the end of tick 0 and what ends the gap belong to the gap, which is not read.
+            let next = if b == 0 { 0.0 } else { weight(b + 1) };
+            let own = if b == fixed.gap_ticks && b > 0 { 0.0 } else { weight(b) };
+            (b, next - own)
+        })
+        .filter(|(_, g)| *g != 0.0)
+        .collect();
+    let (mut sum, mut error) = (0.0, 0.0);
+    for (i, &(from, g)) in boundaries.iter().enumerate() {
+        sum += g * g * pulse * pulse / 12.0;
+        for &(to, h) in &boundaries[i + 1..] {
+            let (covariance, tail) = covariance(fixed, from, to, pulse)?;
+            sum += 2.0 * g * h * covariance;
+            error += 2.0 * (g * h).abs() * tail;
+        }
+    }
+    Some((sum, error))
+}
+
+/// Covariance of the fractions at two boundaries, and a bound of what is left out.
+fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64) -> Option<(f64, f64)> {
+    let n = fixed.gap_ticks;
+    let parts: Vec<(i32, bool)> = spans(from, to, n);
+    // The angle between the boundaries: a constant, tones of random phase, and what is normal.
+    let mut constant = 0.0;
+    let mut normal = 0.0;
+    let mut swings = Vec::new();
+    for &(tick, gap) in &parts {
+        let of = if gap { fixed.gap_constant(n) } else { fixed.tick_constant(tick) };
+        constant += of as f64 / libm::exp2(32.0);
+        let sigma = if gap {
+            f64::from(fixed.readout?.gap_sigma) / SIGMA_UNITS
+        } else {
+            fixed.sigma_lsb()
+        };
+        normal += sigma * sigma;
+    }
+    if fixed.profile.is_some() {
+        return None;
+    }
+    for tone in &fixed.tones {
+        let [a, b] = swing(tone, &parts, n)?;
+        let phase = f64::from(tone.phase) / libm::exp2(32.0) * 2.0 * PI;
+        if tone.rayleigh {
+            normal += (a * a + b * b) * RAYLEIGH_UNIT * RAYLEIGH_UNIT;
+        } else if tone.phase_spread != 0 {
+            swings.push(libm::hypot(a, b));
+        } else {
+            constant += a * libm::sin(phase) + b * libm::cos(phase);
+        }
+    }
+    if let Some(factor) = &fixed.gaussian {
+        for i in 0..factor.len() {
+            let word = |tick: i32| factor[gaussian_place(tick, n)].get(i).map_or(0.0, |&word| f64::from(word));
+            let angle: f64 = parts
+                .iter()
+                .map(|&(tick, gap)| if gap { (1..=n).map(word).sum() } else { word(tick) })
+                .sum();
+            normal += angle * angle / (SIGMA_UNITS * SIGMA_UNITS);
+        }
+    }
+    if normal == 0.0 && swings.is_empty() {
+        let part = constant / pulse - libm::floor(constant / pulse);
+        return Some((pulse * pulse / 12.0 * (1.0 - 6.0 * part * (1.0 - part)), 0.0));
+    }
+    let unit = pulse * pulse / (2.0 * PI * PI);
+    let (mut sum, mut tail) = (0.0, unit / f64::from(TERMS));
+    for m in 1..=TERMS {
+        let k = 2.0 * PI * f64::from(m) / pulse;
+        let damped = libm::exp(-0.5 * k * k * normal);
+        if damped < 1e-15 {
+            tail = 0.0;
+            break;
+        }
+        let swung: f64 = swings.iter().map(|&d| libm::j0(k * d)).product();
+        sum += damped * swung * libm::cos(k * constant) / f64::from(m * m);
+    }
+    Some((unit * sum, tail))
+}
+
+/// What lies between two boundaries: ticks, and the gap as a whole.
+fn spans(from: i32, to: i32, n: i32) -> Vec<(i32, bool)> {
+    (from + 1..=to).filter(|tick| !(2..=n).contains(tick)).map(|tick| (tick, tick == 1)).collect()
+}
+
+/// A tone of fixed amplitude and frequency over the spans, at sine 1 and cosine 1.
+fn swing(tone: &FixedTone, parts: &[(i32, bool)], n: i32) -> Option<[f64; 2]> {
+    let (ToneMotion::Fixed { .. }, 0) = (tone.motion, tone.part[1]) else { return None };
+    let mut sum = [0.0; 2];
+    for &(tick, gap) in parts {
+        let words = if gap { tone.gap_words(n, n) } else { tone.tick_words(tick, n) };
+        sum[0] += f64::from(words[0]) / ANGLE_UNITS;
+        sum[1] += f64::from(words[1]) / ANGLE_UNITS;
+    }
+    Some(sum)
+}

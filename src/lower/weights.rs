@@ -1,0 +1,130 @@
+//! The weights of a filler at a point: exact fractions where there are, else the nearest over a power of two.
+
+use super::refusal::LowerError;
+use crate::study::{Error, Filler, Inputs, Method};
+use crate::theory::gap::{Weights, polynomial_weights};
+use crate::theory::minimum_variance::minimum_variance_weights;
+
+/// Weights on some ticks over a common denominator: a row for the whole gap, or for errors in the gap one for each of its
+/// lengths from its first tick on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rows {
+    pub ticks: Vec<i32>,
+    pub numerators: Vec<Vec<i64>>,
+    pub denominator: i64,
+}
+
+impl Rows {
+    /// The weights of a filler for one of its errors, on `ticks`; `None` where the filler has no such error.
+    ///
+    /// # Errors
+    /// The ticks do not determine them.
+    pub fn of(
+        filler: &Filler,
+        error: Error,
+        ticks: &[i32],
+        inputs: &Inputs,
+    ) -> Result<Option<Rows>, LowerError> {
+        let n = inputs.gap_ticks;
+        let lengths = if error == Error::InGap { 1..=n } else { n..=n };
+        match &filler.method {
+            Method::Polynomial(order) => {
+                let rows = lengths.map(|length| polynomial_weights(ticks, *order, length));
+                let singular =
+                    || LowerError::Singular { filler: filler.name.clone(), ticks: ticks.to_vec() };
+                let rows = rows.collect::<Option<Vec<Weights>>>().ok_or_else(singular)?;
+                Ok(Some(exact(ticks, rows)))
+            }
+            Method::MinimumVariance(_) => {
+                let design = design(filler, inputs);
+                let rows = lengths
+                    .map(|length| {
+                        let weights =
+                            minimum_variance_weights(ticks, length, &design.covariance, &design.noise);
+                        let singular = || LowerError::SingularCovariance {
+                            filler: filler.name.clone(),
+                            sigma_arcsec: inputs.sigma_arcsec(),
+                        };
+                        Ok((length, weights.ok_or_else(singular)?))
+                    })
+                    .collect::<Result<Vec<_>, LowerError>>()?;
+                Ok(Some(nearest(ticks, &rows)))
+            }
+            Method::Weights { residual, extrapolation } => {
+                let weights = match error {
+                    Error::Residual => Some(residual),
+                    Error::Extrapolation => extrapolation.as_ref(),
+                    // They say nothing of the first ticks of the gap.
+                    Error::InGap => extrapolation.as_ref().filter(|_| n == 1),
+                };
+                Ok(weights.map(|weights| nearest(ticks, &[(n, weights.clone())])))
+            }
+        }
+    }
+
+    /// The weights as numbers, row by row.
+    pub fn values(&self) -> Vec<Vec<f64>> {
+        let value = |w: &i64| *w as f64 / self.denominator as f64;
+        self.numerators.iter().map(|row| row.iter().map(value).collect()).collect()
+    }
+}
+
+/// Second-order statistics that a minimum-variance filler is designed from, ″² by lag.
+struct Design {
+    covariance: Vec<f64>,
+    noise: Vec<f64>,
+}
+
+fn design(filler: &Filler, inputs: &Inputs) -> Design {
+    let (tick_s, motion) = (inputs.tick_s, &inputs.motion);
+    let lags = 2 * crate::kernel::launch::MARGIN + inputs.gap_ticks as usize;
+    let covariance = match &filler.method {
+        Method::MinimumVariance(Some(band)) => {
+            // As much motion as the study has, spread over the band.
+            let amplitude = motion.rate_rms(tick_s) * core::f64::consts::SQRT_2;
+            band.covariance(amplitude, tick_s, lags)
+        }
+        _ => motion.covariance(tick_s, lags),
+    };
+    // A reading of whole pulses is wrong by the difference of two fractions, of which neighbours share one.
+    let fraction = inputs.readout_lsb * inputs.readout_lsb / 12.0;
+    let sigma = inputs.sigma_arcsec();
+    Design { covariance, noise: vec![sigma * sigma + 2.0 * fraction, -fraction] }
+}
+
+/// Fractions on one denominator, where they fit in 32 bits, else the nearest that do.
+fn exact(ticks: &[i32], rows: Vec<Weights>) -> Rows {
+    let divide = |a: i64, b: i64| -> i64 {
+        let (mut a, mut b) = (a, b);
+        while b != 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    let common = rows.iter().try_fold(1_i64, |common, row| {
+        (common / divide(common, row.denominator)).checked_mul(row.denominator)
+    });
+    let numerators = common.and_then(|denominator| {
+        let scaled = |row: &Weights| -> Option<Vec<i64>> {
+            let factor = denominator / row.denominator;
+            row.numerators.iter().map(|w| w.checked_mul(factor)).collect()
+        };
+        let numerators = rows.iter().map(scaled).collect::<Option<Vec<_>>>()?;
+        let largest = numerators.iter().flatten().map(|w| w.abs()).max().unwrap_or(0).max(denominator);
+        (largest < 1 << 30).then_some(Rows { ticks: ticks.to_vec(), numerators, denominator })
+    });
+    numerators.unwrap_or_else(|| {
+        let length = |row: &Weights| libm::round(row.values().sum()) as u32;
+        nearest(ticks, &rows.iter().map(|row| (length(row), row.values().collect())).collect::<Vec<_>>())
+    })
+}
+
+/// The nearest weights over one power of two, each row with the sum of its length.
+fn nearest(ticks: &[i32], rows: &[(u32, Vec<f64>)]) -> Rows {
+    let largest = rows.iter().flat_map(|(_, row)| row).fold(1.0, |largest: f64, w| largest.max(w.abs()));
+    let bits = libm::floor(30.0 - libm::log2(largest)).clamp(1.0, 24.0) as u32;
+    let nearest = |(length, row): &(u32, Vec<f64>)| {
+        Weights::nearest(ticks, row, i64::from(*length), bits).numerators
+    };
+    Rows { ticks: ticks.to_vec(), numerators: rows.iter().map(nearest).collect(), denominator: 1 << bits }
+}

@@ -1,0 +1,134 @@
+//! `[motion]` as users write it.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use toml::Spanned;
+
+use super::Either;
+use crate::study::scalar::Scalar;
+
+/// Two ends, the lower one first.
+pub(in crate::study) type Ends = Vec<Spanned<Scalar>>;
+
+/// The motion of the base: one tone (amplitude, frequency, phase) or several, Gaussian motion, or a recorded profile; a
+/// constant rate and an angular acceleration on top.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::study) struct MotionTable {
+    /// Amplitude of the rate, "12000 arcsec/s", or of the angle, "90 arcsec", then times 2πν at each point; or drawn for
+    /// each trial.
+    #[serde(default)]
+    #[schemars(with = "Either<AmplitudeTable>", extend("examples" = ["12000 arcsec/s", "90 arcsec"]))]
+    pub(in crate::study) amplitude: Option<Spanned<Either<AmplitudeTable>>>,
+    /// Frequency ν of the vibration, "20 Hz"; or the band it is drawn from for each trial, ["18 Hz", "22 Hz"].
+    #[serde(default)]
+    #[schemars(with = "Either<Vec<String>>", extend("examples" = ["20 Hz"]))]
+    pub(in crate::study) frequency: Option<Spanned<Either<Ends>>>,
+    #[serde(default)]
+    #[schemars(with = "Phase")]
+    pub(in crate::study) phase: Option<Spanned<Phase>>,
+    /// Several tones of independent phases, at most 8, instead of one.
+    #[serde(default)]
+    #[schemars(with = "Vec<ToneTable>")]
+    pub(in crate::study) tones: Option<Spanned<Vec<Spanned<ToneTable>>>>,
+    /// Stationary Gaussian motion.
+    #[serde(default)]
+    #[schemars(with = "GaussianTable")]
+    pub(in crate::study) gaussian: Option<Spanned<GaussianTable>>,
+    /// A recorded motion that is replayed.
+    #[serde(default)]
+    #[schemars(with = "ProfileTable")]
+    pub(in crate::study) profile: Option<Spanned<ProfileTable>>,
+    /// Constant rate on top: "10 deg/s".
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(in crate::study) rate: Option<Spanned<Scalar>>,
+    /// Constant angular acceleration on top, the rate being meant at the middle of the gap: "100 deg/s^2".
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(in crate::study) acceleration: Option<Spanned<Scalar>>,
+}
+
+/// One tone of several.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::study) struct ToneTable {
+    /// As motion.amplitude.
+    #[schemars(with = "Either<AmplitudeTable>")]
+    pub(in crate::study) amplitude: Spanned<Either<AmplitudeTable>>,
+    /// As motion.frequency.
+    #[schemars(with = "Either<Vec<String>>")]
+    pub(in crate::study) frequency: Spanned<Either<Ends>>,
+    #[serde(default)]
+    #[schemars(with = "Phase")]
+    pub(in crate::study) phase: Option<Spanned<Phase>>,
+}
+
+/// An amplitude that is drawn for each trial, in one of two ways.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(extend("minProperties" = 1, "maxProperties" = 1))]
+pub(in crate::study) struct AmplitudeTable {
+    /// Evenly between two ends: ["8000 arcsec/s", "12000 arcsec/s"].
+    #[serde(default)]
+    #[schemars(with = "Vec<String>")]
+    pub(in crate::study) uniform: Option<Spanned<Ends>>,
+    /// Rayleigh-distributed with this scale, the standard deviation of the rate; the phase is then uniform.
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(in crate::study) rayleigh: Option<Spanned<Scalar>>,
+}
+
+/// Phase of the rate at the middle of the gap.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Phase {
+    /// Random, another in each trial.
+    #[default]
+    Uniform,
+    /// The rate passes through zero.
+    ZeroCrossing,
+    /// The rate is greatest.
+    Extremum,
+}
+
+/// Stationary Gaussian motion: of rms and band, or of a density.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::study) struct GaussianTable {
+    /// Standard deviation of the rate: "8485 arcsec/s".
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(in crate::study) rms: Option<Spanned<Scalar>>,
+    /// Band over which it is spread evenly: ["18 Hz", "22 Hz"].
+    #[serde(default)]
+    #[schemars(with = "Vec<String>")]
+    pub(in crate::study) band: Option<Spanned<Ends>>,
+    /// One-sided power spectral density of the rate, straight lines in log–log between its points and nothing outside:
+    /// [["1 Hz", "10 (deg/s)^2/Hz"], ["50 Hz", "0.1 (deg/s)^2/Hz"]].
+    #[serde(default)]
+    #[schemars(with = "Vec<[String; 2]>")]
+    pub(in crate::study) psd: Option<Spanned<Vec<Spanned<Ends>>>>,
+}
+
+/// A recorded motion.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::study) struct ProfileTable {
+    /// CSV file with columns of time and rate, their units in brackets in the header; beside the study file.
+    #[schemars(with = "String")]
+    pub(in crate::study) file: Spanned<String>,
+    #[serde(default)]
+    pub(in crate::study) position: Position,
+}
+
+/// Where in a recorded profile the gap falls.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Position {
+    /// Anywhere, at random.
+    #[default]
+    Random,
+    /// At every tick in turn; the trials are rounded up to whole replays.
+    Every,
+}

@@ -1,0 +1,135 @@
+//! `[switching]` as users write it.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::motion::Ends;
+use super::{Either, TickSchema};
+use crate::study::scalar::Scalar;
+
+/// The mode switch, and how the ticks it loses are filled in.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::study) struct SwitchingTable {
+    /// Number n of lost ticks; they are numbered 1 … n.
+    #[schemars(with = "i64", range(min = 1, max = 64))]
+    pub(in crate::study) gap_ticks: Spanned<Scalar>,
+    /// Ticks that the residual is fitted to; -1, 0, n+1, n+2 if absent. Numbers, "n+1", ranges "-7..0".
+    #[serde(default)]
+    #[schemars(with = "Vec<TickSchema>")]
+    pub(in crate::study) fit_ticks: Option<Spanned<Vec<Spanned<Scalar>>>>,
+    /// Ticks that the extrapolation is fitted to, none after 0; -3, -2, -1, 0 if absent.
+    #[serde(default)]
+    #[schemars(with = "Vec<TickSchema>")]
+    pub(in crate::study) extrapolation_ticks: Option<Spanned<Vec<Spanned<Scalar>>>>,
+    /// Fillers to compare, each once: "const", "linear", "quadratic", or tables.
+    #[schemars(with = "Vec<FillerSchema>", length(min = 1), extend("uniqueItems" = true))]
+    pub(in crate::study) fillers: Spanned<Vec<Spanned<Either<FillerTable>>>>,
+    /// Errors to find; ["residual", "extrapolation"] if absent.
+    #[serde(default)]
+    #[schemars(with = "Vec<Error>", length(min = 1), extend("uniqueItems" = true))]
+    pub(in crate::study) errors: Option<Spanned<Vec<Spanned<Error>>>>,
+}
+
+/// A filler with ticks of its own.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::study) struct FillerTable {
+    #[schemars(with = "FillerKind")]
+    pub(in crate::study) kind: Spanned<FillerKind>,
+    /// In tables and charts; the kind if absent.
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(in crate::study) name: Option<Spanned<String>>,
+    /// Ticks that the residual is fitted to; switching.fit_ticks if absent.
+    #[serde(default)]
+    #[schemars(with = "Vec<TickSchema>")]
+    pub(in crate::study) fit_ticks: Option<Spanned<Vec<Spanned<Scalar>>>>,
+    /// Ticks that the extrapolation is fitted to. If absent the fit ticks up to 0 of a minimum-variance filler that has
+    /// fit_ticks of its own, else switching.extrapolation_ticks.
+    #[serde(default)]
+    #[schemars(with = "Vec<TickSchema>")]
+    pub(in crate::study) extrapolation_ticks: Option<Spanned<Vec<Spanned<Scalar>>>>,
+    /// Vibration band that a minimum-variance filler is designed for, ["18 Hz", "22 Hz"]; the study's own motion if absent.
+    #[serde(default)]
+    #[schemars(with = "Vec<String>")]
+    pub(in crate::study) band: Option<Spanned<Ends>>,
+    /// Weights of the residual in the order of its ticks; they sum to n. Numbers, or fractions "5/2".
+    #[serde(default)]
+    #[schemars(with = "Vec<WeightSchema>")]
+    pub(in crate::study) weights: Option<Spanned<Vec<Spanned<Scalar>>>>,
+    /// Weights of the extrapolation; without them the filler has none.
+    #[serde(default)]
+    #[schemars(with = "Vec<WeightSchema>")]
+    pub(in crate::study) extrapolation_weights: Option<Spanned<Vec<Spanned<Scalar>>>>,
+}
+
+/// How a filler weighs its ticks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::study) enum FillerKind {
+    /// Least-squares polynomial of order 0.
+    Const,
+    /// Of order 1.
+    Linear,
+    /// Of order 2.
+    Quadratic,
+    /// Least variance of the error for a motion and the study's noise.
+    MinimumVariance,
+    /// Weights as given.
+    Weights,
+}
+
+/// Which error of a filler.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Error {
+    /// Of the angle after the gap is closed and corrected.
+    Residual,
+    /// Of the angle at the end of the gap, before the correction.
+    Extrapolation,
+    /// The largest of the angle while the gap is open.
+    InGap,
+}
+
+impl Error {
+    /// Every error, in the order of the kernel.
+    pub const ALL: [Error; 3] = [Error::Residual, Error::Extrapolation, Error::InGap];
+
+    /// As study files and tables call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Error::Residual => "residual",
+            Error::Extrapolation => "extrapolation",
+            Error::InGap => "in-gap",
+        }
+    }
+}
+
+/// The name of a polynomial, or a table.
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum FillerSchema {
+    Name(PolynomialSchema),
+    Table(FillerTable),
+}
+
+#[derive(JsonSchema)]
+#[schemars(rename_all = "kebab-case")]
+#[expect(dead_code, reason = "only its schema is used")]
+enum PolynomialSchema {
+    Const,
+    Linear,
+    Quadratic,
+}
+
+/// A weight: a number, or a fraction as text.
+#[derive(JsonSchema)]
+#[schemars(untagged)]
+#[expect(dead_code, reason = "only its schema is used")]
+enum WeightSchema {
+    Number(f64),
+    Text(String),
+}

@@ -1,0 +1,196 @@
+//! The motion of the base at one point, in ″ and s.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use super::file::{Phase, Position};
+use crate::record::Record;
+use crate::theory::minimum_variance::Band;
+use crate::theory::psd::{Psd, autocovariance};
+
+/// Everything that the base does, added up. The rate is meant at the middle of the gap.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Motion {
+    /// At most 8.
+    pub tones: Vec<Tone>,
+    pub gaussian: Option<Gaussian>,
+    pub profile: Option<Profile>,
+    /// Constant rate, ″/s.
+    pub rate: f64,
+    /// Angular acceleration, ″/s².
+    pub acceleration: f64,
+}
+
+/// One sinusoidal rate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tone {
+    pub amplitude: Amplitude,
+    pub frequency: Frequency,
+    pub phase: Phase,
+}
+
+/// Amplitude of a tone: of its rate, ″/s, or of its angle, ″.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Amplitude {
+    pub of_angle: bool,
+    pub value: Value,
+}
+
+/// A value that is fixed or drawn for each trial.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Value {
+    Fixed(f64),
+    /// Evenly between two ends.
+    Uniform([f64; 2]),
+    /// Rayleigh-distributed with this scale: with an even phase the rate is then normal with this standard deviation.
+    Rayleigh(f64),
+}
+
+/// Frequency of a tone, Hz.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Frequency {
+    Fixed(f64),
+    /// Drawn evenly from a band for each trial.
+    Band(Band),
+}
+
+/// Stationary Gaussian motion.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Gaussian {
+    /// Of this standard deviation of the rate, ″/s, spread evenly over a band.
+    Band { rms: f64, band: Band },
+    /// Of this power spectral density of the rate, one-sided.
+    Psd(Arc<Psd>),
+}
+
+/// A recorded motion that is replayed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile {
+    /// As the study names it.
+    pub file: String,
+    pub record: Arc<Record>,
+    /// Where the gap falls.
+    pub position: Position,
+}
+
+impl Motion {
+    /// One tone and nothing else.
+    pub fn of_tone(tone: Tone) -> Motion {
+        Motion { tones: vec![tone], ..Motion::default() }
+    }
+
+    /// Rate amplitude, ″/s, and frequency, Hz, where the motion has exactly one tone, of fixed amplitude and frequency,
+    /// and nothing random beside it.
+    pub fn single_tone(&self) -> Option<(f64, f64)> {
+        let [tone] = self.tones[..] else { return None };
+        let (Value::Fixed(amplitude), Frequency::Fixed(frequency_hz)) = (tone.amplitude.value, tone.frequency)
+        else {
+            return None;
+        };
+        let alone = self.gaussian.is_none() && self.profile.is_none();
+        alone.then(|| (amplitude * tone.rate_factor(frequency_hz), frequency_hz))
+    }
+
+    /// Standard deviation of the rate, ″/s; of a tone drawn from a band at its middle, of a profile over its ticks.
+    pub fn rate_rms(&self, tick_s: f64) -> f64 {
+        let mut square = 0.0;
+        for tone in &self.tones {
+            let band = tone.band();
+            let factor = tone.rate_factor(0.5 * (band.low_hz + band.high_hz));
+            square += 0.5 * tone.amplitude.value.mean_square() * factor * factor;
+        }
+        match &self.gaussian {
+            Some(Gaussian::Band { rms, .. }) => square += rms * rms,
+            Some(Gaussian::Psd(psd)) => square += psd.variance(),
+            None => {}
+        }
+        if let Some(profile) = &self.profile {
+            square += autocovariance(&profile.record.tick_angles(tick_s), 1)[0] / (tick_s * tick_s);
+        }
+        libm::sqrt(square)
+    }
+
+    /// Covariance of the angles of two ticks, ″², by their distance 0 … `lags` − 1; a constant rate and acceleration are
+    /// no part of it, and a phase counts as evenly drawn.
+    pub fn covariance(&self, tick_s: f64, lags: usize) -> Vec<f64> {
+        let mut sum = vec![0.0; lags];
+        let mut add = |part: Vec<f64>| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+        for tone in &self.tones {
+            add(tone.covariance(tick_s, lags));
+        }
+        match &self.gaussian {
+            // A sine of this rms at every frequency of the band.
+            Some(Gaussian::Band { rms, band }) => {
+                add(band.covariance(rms * core::f64::consts::SQRT_2, tick_s, lags));
+            }
+            Some(Gaussian::Psd(psd)) => add(psd.covariance(tick_s, lags)),
+            None => {}
+        }
+        if let Some(profile) = &self.profile {
+            add(autocovariance(&profile.record.tick_angles(tick_s), lags));
+        }
+        sum
+    }
+}
+
+impl Tone {
+    /// A tone of fixed rate amplitude, ″/s, and frequency, Hz, of random phase.
+    pub fn of_rate(amplitude: f64, frequency_hz: f64) -> Tone {
+        let amplitude = Amplitude { of_angle: false, value: Value::Fixed(amplitude) };
+        Tone { amplitude, frequency: Frequency::Fixed(frequency_hz), phase: Phase::Uniform }
+    }
+
+    /// A tone of fixed amplitude of the angle, ″, and frequency, Hz, of random phase.
+    pub fn of_angle(amplitude: f64, frequency_hz: f64) -> Tone {
+        let amplitude = Amplitude { of_angle: true, value: Value::Fixed(amplitude) };
+        Tone { amplitude, frequency: Frequency::Fixed(frequency_hz), phase: Phase::Uniform }
+    }
+
+    /// What the amplitude is multiplied with to be one of the rate.
+    pub fn rate_factor(&self, frequency_hz: f64) -> f64 {
+        if self.amplitude.of_angle { TAU * frequency_hz } else { 1.0 }
+    }
+
+    /// The frequencies it may have.
+    pub fn band(&self) -> Band {
+        match self.frequency {
+            Frequency::Fixed(nu) => Band { low_hz: nu, high_hz: nu },
+            Frequency::Band(band) => band,
+        }
+    }
+
+    fn covariance(&self, tick_s: f64, lags: usize) -> Vec<f64> {
+        let amplitude = libm::sqrt(self.amplitude.value.mean_square());
+        let band = self.band();
+        if self.amplitude.of_angle {
+            band.covariance_of_angle(amplitude, tick_s, lags)
+        } else {
+            band.covariance(amplitude, tick_s, lags)
+        }
+    }
+}
+
+impl Value {
+    pub fn mean(self) -> f64 {
+        match self {
+            Value::Fixed(x) => x,
+            Value::Uniform([a, b]) => 0.5 * (a + b),
+            Value::Rayleigh(scale) => scale * libm::sqrt(0.5 * core::f64::consts::PI),
+        }
+    }
+
+    pub fn mean_square(self) -> f64 {
+        match self {
+            Value::Fixed(x) => x * x,
+            Value::Uniform([a, b]) => (a * a + a * b + b * b) / 3.0,
+            Value::Rayleigh(scale) => 2.0 * scale * scale,
+        }
+    }
+
+    /// The largest, or the scale of a Rayleigh distribution.
+    pub fn scale(self) -> f64 {
+        match self {
+            Value::Fixed(x) | Value::Uniform([_, x]) | Value::Rayleigh(x) => x,
+        }
+    }
+}

@@ -1,0 +1,246 @@
+//! Reading `[motion]`: from what is written to the motion, with every fault at its place.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use toml::Spanned;
+
+use super::diagnose::Fault;
+use super::file::motion::{AmplitudeTable, Ends, GaussianTable, MotionTable, ProfileTable, ToneTable};
+use super::file::{Either, Phase};
+use super::key::{ACCELERATION, AMPLITUDE, FREQUENCY, GAUSSIAN_RMS, Key, RATE};
+use super::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
+use super::place::Places;
+use super::scalar::{self, Scalar};
+use super::units::Dimension;
+use crate::kernel::launch::MAX_TONES;
+use crate::record::Record;
+use crate::theory::minimum_variance::Band;
+use crate::theory::psd::Psd;
+
+/// What a motion may be, for messages.
+const FORMS: &str = "accepted: amplitude and frequency; tones = [{ amplitude = …, frequency = … }, …]; gaussian = { rms \
+                     = …, band = […] }; profile = { file = … }; rate or acceleration";
+
+/// The motion that is written; `folder` is where a record is looked for. Notes the place of each key.
+pub(super) fn read(
+    table: &MotionTable,
+    places: &mut Places,
+    place: std::ops::Range<usize>,
+    folder: &Path,
+) -> Result<Motion, Fault> {
+    let mut motion = Motion { tones: tones(table, places)?, ..Motion::default() };
+    if let Some(gaussian) = &table.gaussian {
+        places.add("motion.gaussian", gaussian.span());
+        motion.gaussian = Some(read_gaussian(gaussian)?);
+    }
+    if let Some(profile) = &table.profile {
+        places.add("motion.profile", profile.span());
+        if !motion.tones.is_empty() || motion.gaussian.is_some() {
+            let message = "motion.profile stands beside tones or gaussian, a record is the whole vibration";
+            return Err(Fault::new(profile.span(), message, "besides another motion", "leave one of them out"));
+        }
+        motion.profile = Some(read_profile(profile, folder)?);
+    }
+    for (key, written, to) in [
+        (&RATE, &table.rate, &mut motion.rate),
+        (&ACCELERATION, &table.acceleration, &mut motion.acceleration),
+    ] {
+        if let Some(written) = written {
+            places.add(key.name, written.span());
+            *to = key.read(written)?.value;
+        }
+    }
+    let nothing = motion == Motion::default() && table.rate.is_none() && table.acceleration.is_none();
+    if nothing {
+        let message = "[motion] is empty, there is no motion to fill in";
+        return Err(Fault::new(place, message, "nothing here", format!("{FORMS}; rate = \"0 deg/s\" for none")));
+    }
+    Ok(motion)
+}
+
+fn tones(table: &MotionTable, places: &mut Places) -> Result<Vec<Tone>, Fault> {
+    let MotionTable { amplitude, frequency, phase, tones, .. } = table;
+    if let Some(tones) = tones {
+        places.add("motion.tones", tones.span());
+        let alone = [
+            amplitude.as_ref().map(Spanned::span),
+            frequency.as_ref().map(Spanned::span),
+            phase.as_ref().map(Spanned::span),
+        ];
+        if let Some(span) = alone.into_iter().flatten().next() {
+            let message = "motion.tones stands beside the amplitude, frequency or phase of a single tone";
+            return Err(Fault::new(span, message, "besides tones", "put it into tones, or leave tones out"));
+        }
+        let list = tones.get_ref();
+        let refuse = |message: String, label| {
+            Err(Fault::new(tones.span(), message, label, format!("accepted: 1 to {MAX_TONES} tones")))
+        };
+        match list.len() {
+            0 => return refuse("motion.tones is empty".to_owned(), "no tone"),
+            count if count > MAX_TONES => {
+                return refuse(
+                    format!("motion.tones has {count} tones, more than {MAX_TONES}"),
+                    "too many tones",
+                );
+            }
+            _ => {}
+        }
+        return list
+            .iter()
+            .map(|tone| {
+                let ToneTable { amplitude, frequency, phase } = tone.get_ref();
+                read_tone("motion.tones", amplitude, frequency, phase.as_ref())
+            })
+            .collect();
+    }
+    match (amplitude, frequency) {
+        (Some(amplitude), Some(frequency)) => {
+            places.add(AMPLITUDE.name, amplitude.span());
+            places.add(FREQUENCY.name, frequency.span());
+            Ok(vec![read_tone("motion", amplitude, frequency, phase.as_ref())?])
+        }
+        (Some(only), None) => Err(lacking(only.span(), "motion.frequency", "frequency = \"20 Hz\"")),
+        (None, Some(only)) => Err(lacking(only.span(), "motion.amplitude", "amplitude = \"12000 arcsec/s\"")),
+        (None, None) => match phase {
+            Some(phase) => Err(lacking(phase.span(), "motion.amplitude", "amplitude = \"12000 arcsec/s\"")),
+            None => Ok(vec![]),
+        },
+    }
+}
+
+fn lacking(span: std::ops::Range<usize>, key: &str, example: &str) -> Fault {
+    let message = format!("{key} is missing: a tone has an amplitude and a frequency");
+    Fault::new(span, message, "only this one", format!("add for example {example}"))
+}
+
+fn read_tone(
+    table: &str,
+    amplitude: &Spanned<Either<AmplitudeTable>>,
+    frequency: &Spanned<Either<Ends>>,
+    phase: Option<&Spanned<Phase>>,
+) -> Result<Tone, Fault> {
+    let name = |key: &str| format!("{table}.{key}");
+    let frequency = match frequency.get_ref() {
+        Either::One(scalar) => {
+            let given = Spanned::new(frequency.span(), scalar.clone());
+            Frequency::Fixed(FREQUENCY.read_as(&name("frequency"), &given)?.value)
+        }
+        Either::Other(ends) => Frequency::Band(band(&name("frequency"), ends, frequency.span())?),
+    };
+    let amplitude_ = read_amplitude(&name("amplitude"), amplitude)?;
+    let fixed = phase.filter(|phase| *phase.get_ref() != Phase::Uniform);
+    if let (Value::Rayleigh(_), Some(phase)) = (amplitude_.value, fixed) {
+        let message = "a Rayleigh-distributed amplitude goes with a random phase: it is narrow-band Gaussian motion";
+        return Err(Fault::new(phase.span(), message, "a fixed phase", "leave the phase out, or draw the amplitude uniformly"));
+    }
+    Ok(Tone { amplitude: amplitude_, frequency, phase: phase.map_or(Phase::Uniform, |phase| *phase.get_ref()) })
+}
+
+fn read_amplitude(name: &str, written: &Spanned<Either<AmplitudeTable>>) -> Result<Amplitude, Fault> {
+    let of = |quantity: super::Quantity| quantity.dimension == Dimension::Angle;
+    match written.get_ref() {
+        Either::One(scalar) => {
+            let quantity = AMPLITUDE.read_as(name, &Spanned::new(written.span(), scalar.clone()))?;
+            Ok(Amplitude { of_angle: of(quantity), value: Value::Fixed(quantity.value) })
+        }
+        Either::Other(AmplitudeTable { uniform: Some(ends), rayleigh: None }) => {
+            let [low, high] = pair(name, &AMPLITUDE, ends.get_ref(), ends.span())?;
+            if of(low) != of(high) {
+                let message = format!("{name} mixes a rate and an angle");
+                return Err(Fault::new(ends.span(), message, "two kinds", "write both as rates, or both as angles"));
+            }
+            Ok(Amplitude { of_angle: of(low), value: Value::Uniform([low.value, high.value]) })
+        }
+        Either::Other(AmplitudeTable { uniform: None, rayleigh: Some(scale) }) => {
+            let quantity = AMPLITUDE.read_as(&format!("{name}.rayleigh"), scale)?;
+            Ok(Amplitude { of_angle: of(quantity), value: Value::Rayleigh(quantity.value) })
+        }
+        Either::Other(_) => {
+            let message = format!("{name} needs exactly one of uniform, rayleigh");
+            let help = "accepted: \"12000 arcsec/s\", { uniform = [\"8000 arcsec/s\", \"12000 arcsec/s\"] }, \
+                        { rayleigh = \"8000 arcsec/s\" }";
+            Err(Fault::new(written.span(), message, "not exactly one", help))
+        }
+    }
+}
+
+/// Two values of a key's kind, the lower one first.
+fn pair(
+    name: &str,
+    key: &Key,
+    ends: &[Spanned<Scalar>],
+    span: std::ops::Range<usize>,
+) -> Result<[super::Quantity; 2], Fault> {
+    let [low, high] = ends else {
+        let message = format!("{name} needs two ends, not {}", ends.len());
+        return Err(Fault::new(span, message, "not two values", "write the lower end and the upper end"));
+    };
+    let [low, high] = [key.read_as(name, low)?, key.read_as(name, high)?];
+    if low.value > high.value {
+        let message = format!("{name} runs from {low} down to {high}");
+        return Err(Fault::new(span, message, "backwards", "write the lower end first"));
+    }
+    Ok([low, high])
+}
+
+/// A band of frequencies.
+pub(super) fn band(name: &str, ends: &Ends, span: std::ops::Range<usize>) -> Result<Band, Fault> {
+    let [low, high] = pair(name, &FREQUENCY, ends, span)?;
+    Ok(Band { low_hz: low.value, high_hz: high.value })
+}
+
+fn read_gaussian(written: &Spanned<GaussianTable>) -> Result<Gaussian, Fault> {
+    match written.get_ref() {
+        GaussianTable { rms: Some(rms), band: Some(ends), psd: None } => Ok(Gaussian::Band {
+            rms: GAUSSIAN_RMS.read(rms)?.value,
+            band: band("motion.gaussian.band", ends.get_ref(), ends.span())?,
+        }),
+        GaussianTable { rms: None, band: None, psd: Some(psd) } => {
+            Ok(Gaussian::Psd(Arc::new(read_psd(psd.get_ref(), psd.span())?)))
+        }
+        _ => {
+            let message = "motion.gaussian needs rms and band, or psd";
+            let help = "accepted: { rms = \"8485 arcsec/s\", band = [\"18 Hz\", \"22 Hz\"] } or { psd = [[\"1 Hz\", \
+                        \"10 (deg/s)^2/Hz\"], …] }";
+            Err(Fault::new(written.span(), message, "neither of the two", help))
+        }
+    }
+}
+
+fn read_psd(rows: &[Spanned<Ends>], span: std::ops::Range<usize>) -> Result<Psd, Fault> {
+    let mut points: Vec<[f64; 2]> = Vec::new();
+    for row in rows {
+        let [frequency, density] = &row.get_ref()[..] else {
+            let message = format!("a row of motion.gaussian.psd has {} values", row.get_ref().len());
+            return Err(Fault::new(row.span(), message, "not two", "write a frequency and a density"));
+        };
+        let nu = FREQUENCY.read_as("motion.gaussian.psd", frequency)?;
+        let value = scalar::quantity("motion.gaussian.psd", density, &[Dimension::RateDensity])?;
+        if value.value <= 0.0 {
+            let message = format!("motion.gaussian.psd has a density of {value} at {nu}");
+            let label = if value.value < 0.0 { "negative" } else { "zero" };
+            let help = "accepted: densities above 0; outside the frequencies given there is no motion";
+            return Err(Fault::new(density.span(), message, label, help));
+        }
+        if points.last().is_some_and(|last| last[0] >= nu.value) {
+            let message = format!("motion.gaussian.psd does not rise at {nu}");
+            return Err(Fault::new(frequency.span(), message, "not above the one before", "sort the rows by frequency"));
+        }
+        points.push([nu.value, value.value]);
+    }
+    if points.len() < 2 {
+        let message = format!("motion.gaussian.psd has {} rows", points.len());
+        return Err(Fault::new(span, message, "too few", "give two rows or more: the ends of a line each"));
+    }
+    Ok(Psd { points })
+}
+
+fn read_profile(written: &Spanned<ProfileTable>, folder: &Path) -> Result<Profile, Fault> {
+    let ProfileTable { file, position } = written.get_ref();
+    let record = Record::read(&folder.join(file.get_ref())).map_err(|error| {
+        let help = "the record is looked for beside the study file";
+        Fault::new(file.span(), format!("motion.profile: {error}"), "this record", help)
+    })?;
+    Ok(Profile { file: file.get_ref().clone(), record: Arc::new(record), position: *position })
+}
