@@ -5,7 +5,7 @@ use std::time::Instant;
 use crate::backend::gpu::GpuError;
 use crate::backend::{Device, Job};
 use crate::block::{Block, base_log2, cover, missing};
-use crate::kernel::gap_fill::{Launch, MAX_FILLERS};
+use crate::kernel::launch::Launch;
 use crate::lower::{Estimate, LowerError, Lowered};
 use crate::stats::{Estimates, z_score};
 use crate::store::{Identity, Provenance, Row, Store, StoreError};
@@ -60,7 +60,7 @@ impl<'a> Plan<'a> {
     /// A point cannot be represented; the error points at the key to change.
     pub fn new(study: &'a Study) -> Result<Plan<'a>, StudyError> {
         let lower = |point: &Point| {
-            Lowered::new(point, &study.fillers, study.seed, study.streams)
+            Lowered::new(point, &study.fillers, &study.errors, study.seed, study.streams)
                 .map_err(|error| refused(study, point, &error))
         };
         let points = study.points().iter().map(lower).collect::<Result<_, _>>()?;
@@ -88,7 +88,7 @@ impl<'a> Plan<'a> {
     ) -> Result<Done, RunError> {
         let work = self.missing(store)?;
         let total = work.iter().flat_map(|work| &work.blocks).map(Block::trials).sum();
-        let asked = self.study.trials * self.points.len() as u64;
+        let asked = self.points.iter().map(|point| point.trials(self.study.trials)).sum::<u64>();
         progress.start(asked.saturating_sub(total), asked.max(total));
         let started = Instant::now();
         let mut rest: Vec<(&Work, Job)> = work
@@ -108,7 +108,7 @@ impl<'a> Plan<'a> {
                 .iter()
                 .zip(results)
                 .flat_map(|((work, job), tallies)| {
-                    let estimates = self.estimates_of(work);
+                    let estimates = self.points[work.point].launched(&work.fillers);
                     estimates.zip(tallies).map(|(estimate, tally)| Row {
                         address: estimate.address,
                         block: job.block,
@@ -127,20 +127,12 @@ impl<'a> Plan<'a> {
         Ok(Done { trials: total, seconds })
     }
 
-    /// The estimates of a launch in its order: residuals, then extrapolations.
-    fn estimates_of<'b>(&'b self, work: &'b Work) -> impl Iterator<Item = &'b Estimate> {
-        let fillers = &self.points[work.point].fillers;
-        [0, 1]
-            .into_iter()
-            .flat_map(move |error| work.fillers.iter().map(move |&filler| &fillers[filler][error]))
-    }
-
     /// What the store lacks: fillers of a point that lack the same trials share a launch.
     fn missing(&self, store: &Store) -> Result<Vec<Work>, StoreError> {
-        let trials = self.study.trials;
-        let log2 = base_log2(trials);
         let mut all = Vec::new();
         for (index, point) in self.points.iter().enumerate() {
+            let trials = point.trials(self.study.trials);
+            let log2 = base_log2(trials);
             let mut groups: Vec<(Vec<Block>, Vec<usize>)> = Vec::new();
             for (filler, estimates) in point.fillers.iter().enumerate() {
                 let mut blocks = Vec::new();
@@ -150,7 +142,12 @@ impl<'a> Plan<'a> {
                 }
                 blocks.sort();
                 blocks.dedup();
-                match groups.iter_mut().find(|group| group.0 == blocks && group.1.len() < MAX_FILLERS) {
+                let joins = |group: &&mut (Vec<Block>, Vec<usize>)| {
+                    group.0 == blocks
+                        && group.1.len() < point.most_fillers(filler)
+                        && point.alike(group.1[0], filler)
+                };
+                match groups.iter_mut().find(joins) {
                     Some(group) => group.1.push(filler),
                     None => groups.push((blocks, vec![filler])),
                 }
@@ -200,7 +197,7 @@ impl<'a> Plan<'a> {
         for (point, lowered) in self.study.points().iter().zip(&self.points) {
             for (filler, estimates) in self.study.fillers.iter().zip(&lowered.fillers) {
                 for estimate in estimates {
-                    row(point, filler.name(), estimate);
+                    row(point, &filler.name, estimate);
                 }
             }
         }
@@ -291,9 +288,10 @@ impl Columns {
         let rms_se = found.and_then(|found| found.rms_se);
         let z = found
             .zip(rms_se)
-            .and_then(|(found, se)| z_score(found.rms, estimate.oracle.rms, se, estimate.oracle.rounding));
+            .zip(estimate.oracle.rms)
+            .and_then(|((found, se), rms)| z_score(found.rms, rms, se, estimate.oracle.rounding));
         let cells = point.swept.iter().map(|(_, value)| value.cell()).chain([
-            Cell::from(Some(point.inputs.dt_nu())),
+            Cell::from(point.inputs.dt_nu()),
             Cell::Text(filler.to_owned()),
             Cell::Text(estimate.error.name().to_owned()),
             Cell::Integer(trials as i64),
@@ -304,8 +302,8 @@ impl Columns {
             q.map(|q| q.value).into(),
             q.and_then(|q| q.low).into(),
             q.and_then(|q| q.high).into(),
-            Some(estimate.oracle.rms).into(),
-            Some(estimate.oracle.max).into(),
+            estimate.oracle.rms.into(),
+            estimate.oracle.max.into(),
             z.into(),
         ]);
         let rms_band =

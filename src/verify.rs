@@ -1,90 +1,19 @@
 //! Identity: the same bits from every width and device, shown on the user's own machine.
 
+mod configurations;
+
 use sha2::{Digest, Sha256};
 
 use crate::backend::cpu::{Cpu, Width};
 use crate::backend::gpu::GpuError;
 use crate::backend::{Device, Job};
 use crate::block::{base_log2, cover};
-use crate::kernel::gap_fill::{Launch, MAX_FILLERS};
+use crate::kernel::launch::Launch;
 use crate::kernel::map::Map;
 use crate::kernel::moments::Moments;
 use crate::kernel::word::Scalar;
 use crate::kernel::{Form, KERNELS, Kernel, philox};
-use crate::lower::Lowered;
-use crate::study::{Amplitude, Filler, Inputs, Phase, Point, Streams, TickNoise};
-
-/// A gap-fill point that identity is checked on.
-#[derive(Debug, Clone)]
-pub struct Configuration {
-    pub name: &'static str,
-    pub point: Point,
-    pub fillers: Vec<Filler>,
-}
-
-impl Configuration {
-    /// The paper's point with some other inputs, ticks or fillers.
-    pub fn new(name: &'static str, change: impl FnOnce(&mut Configuration)) -> Configuration {
-        let inputs = Inputs {
-            tick_s: 0.005,
-            tick_noise: TickNoise::Std(1.6 / 3.0),
-            amplitude: Amplitude::Rate(12000.0),
-            frequency_hz: 20.0,
-            phase: Phase::Uniform,
-            gap_ticks: 3,
-        };
-        let point = Point {
-            index: 0,
-            swept: vec![],
-            inputs,
-            fit_ticks: vec![],
-            extrapolation_ticks: vec![-3, -2, -1, 0],
-        };
-        let mut configuration = Configuration { name, point, fillers: Filler::ALL.to_vec() };
-        change(&mut configuration);
-        if configuration.point.fit_ticks.is_empty() {
-            let n = configuration.point.inputs.gap_ticks as i32;
-            configuration.point.fit_ticks = vec![-1, 0, n + 1, n + 2];
-        }
-        configuration
-    }
-
-    /// The launches that sample it.
-    pub fn launches(&self) -> Vec<Launch> {
-        let lowered = Lowered::new(&self.point, &self.fillers, 1, Streams::Independent)
-            .unwrap_or_else(|error| panic!("{} does not lower: {error}", self.name));
-        let all: Vec<usize> = (0..self.fillers.len()).collect();
-        all.chunks(MAX_FILLERS).map(|fillers| lowered.launch(fillers)).collect()
-    }
-}
-
-/// Points that differ in all that the kernel distinguishes.
-pub fn configurations() -> Vec<Configuration> {
-    vec![
-        Configuration::new("paper", |_| {}),
-        Configuration::new("one-tick-gap", |c| c.point.inputs.gap_ticks = 1),
-        Configuration::new("five-tick-gap", |c| c.point.inputs.gap_ticks = 5),
-        Configuration::new("zero-crossing", |c| c.point.inputs.phase = Phase::ZeroCrossing),
-        Configuration::new("extremum-without-noise", |c| {
-            c.point.inputs.phase = Phase::Extremum;
-            c.point.inputs.tick_noise = TickNoise::Std(0.0);
-        }),
-        Configuration::new("noise-without-motion", |c| {
-            c.point.inputs.amplitude = Amplitude::Angle(0.0);
-            c.point.inputs.tick_noise = TickNoise::AngleRandomWalk(2.0);
-        }),
-        Configuration::new("many-fit-ticks", |c| {
-            c.point.fit_ticks = (-9..=0).chain(4..=9).collect();
-            c.point.extrapolation_ticks = (-6..=0).collect();
-            c.fillers = vec![Filler::Quadratic];
-        }),
-        Configuration::new("sparse-fit-ticks", |c| {
-            c.point.fit_ticks = vec![-5, -2, 0, 4, 7];
-            c.point.extrapolation_ticks = vec![-12, -4, 0];
-            c.fillers = vec![Filler::Quadratic, Filler::Const];
-        }),
-    ]
-}
+pub use configurations::{Configuration, configurations};
 
 /// What a check of one kernel found.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -224,7 +153,7 @@ fn jobs(launch: &Launch, trials: u64) -> Vec<Job<'_>> {
 }
 
 fn fold(launch: &Launch, parts: Vec<Vec<Moments>>) -> Vec<Moments> {
-    let mut total = vec![Moments::empty(true); 2 * launch.shape.fillers];
+    let mut total = vec![Moments::empty(true); launch.shape.estimates()];
     for part in parts {
         for (total, part) in total.iter_mut().zip(&part) {
             total.merge(part);

@@ -116,7 +116,7 @@ impl FixedTone {
                 let span = f.ticks.iter().map(|&tick| f64::from(tick.abs())).fold(f64::from(n), f64::max);
                 // Turns of the fastest term over the band.
                 let turns = (ends[1] - ends[0]) / libm::exp2(32.0) * 4.0 * (span + 1.0);
-                let panels = 1 + libm::ceil(turns) as usize;
+                let panels = 1.0 + libm::ceil(turns);
                 let mean = |g: &dyn Fn([f64; 2]) -> f64| {
                     quadrature::mean(ends[0], ends[1], panels, |word| g(self.at(f, n, word)))
                 };
@@ -129,7 +129,7 @@ impl FixedTone {
                 // Bounded by a grid and by how fast the response can change between its points.
                 let peak = self.peak_at(ends[0]).max(self.peak_at(ends[1]));
                 let size = peak * (f.gain() + f.scale as f64 * f64::from(f.gap));
-                let steps = 64 * panels;
+                let steps = 64 * panels as usize;
                 let step = (ends[1] - ends[0]) / steps as f64;
                 let slope = size * (2.0 * PI * (span + 1.0) * 2.0 + PI) / libm::exp2(32.0);
                 let greatest = (0..=steps)

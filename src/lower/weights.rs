@@ -94,7 +94,7 @@ fn design(filler: &Filler, inputs: &Inputs) -> Design {
 
 /// Fractions on one denominator, where they fit in 32 bits, else the nearest that do.
 fn exact(ticks: &[i32], rows: Vec<Weights>) -> Rows {
-    let divide = |a: i64, b: i64| -> i64 {
+    let divisor = |a: i64, b: i64| -> i64 {
         let (mut a, mut b) = (a, b);
         while b != 0 {
             (a, b) = (b, a % b);
@@ -102,7 +102,7 @@ fn exact(ticks: &[i32], rows: Vec<Weights>) -> Rows {
         a
     };
     let common = rows.iter().try_fold(1_i64, |common, row| {
-        (common / divide(common, row.denominator)).checked_mul(row.denominator)
+        (common / divisor(common, row.denominator)).checked_mul(row.denominator)
     });
     let numerators = common.and_then(|denominator| {
         let scaled = |row: &Weights| -> Option<Vec<i64>> {

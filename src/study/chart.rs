@@ -5,12 +5,12 @@ use std::ops::Range;
 use toml::Spanned;
 
 use super::diagnose::{Fault, choices};
-use super::file::{ChartTable, Charts, Filler, Scale};
+use super::file::{ChartTable, Charts, Error, Scale};
+use super::filler::Filler;
 use super::key::FREQUENCY;
 use super::scalar::{self, Scalar};
 use super::sweep::Sweep;
 use super::units::{Dimension, Quantity};
-use crate::lower::Error;
 use crate::table::{self, Cell, Column, ColumnError, Unit};
 
 /// The columns of text that `where` may name besides swept keys.
@@ -181,7 +181,7 @@ fn row(
     })?;
     let cell = match sweeps.iter().find(|sweep| sweep.key.name == column.name) {
         Some(sweep) => swept_value(sweep, value)?.cell(),
-        None if column.name == FILLER => text(FILLER, value, fillers.iter().map(|filler| filler.name()))?,
+        None if column.name == FILLER => text(FILLER, value, fillers.iter().map(|filler| filler.name.as_str()))?,
         None => text(ERROR, value, Error::ALL.iter().map(|error| error.name()))?,
     };
     Ok((column.name.clone(), cell))
@@ -203,10 +203,10 @@ fn swept_value(sweep: &Sweep, given: &Spanned<Scalar>) -> Result<Quantity, Fault
 }
 
 /// One of the texts that a column takes.
-fn text(
+fn text<'a>(
     column: &str,
     given: &Spanned<Scalar>,
-    known: impl Iterator<Item = &'static str>,
+    known: impl Iterator<Item = &'a str>,
 ) -> Result<Cell, Fault> {
     let known: Vec<&str> = known.collect();
     match given.get_ref() {

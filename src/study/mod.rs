@@ -38,6 +38,7 @@ use toml::Spanned;
 
 pub use chart::{Chart, Named};
 pub use diagnose::StudyError;
+pub(crate) use diagnose::{Fault, Text};
 pub use file::{Error, Kind, Phase, Position, Scale, Streams, schema};
 pub use filler::{Fill, Filler, Method, POLYNOMIALS};
 pub use inputs::{Inputs, TickNoise};
@@ -45,10 +46,10 @@ pub use key::Key;
 pub use motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 pub use point::Point;
 pub use sweep::Sweep;
-pub(crate) use units::round_12;
+pub(crate) use units::{parse_unit, round_12};
 pub use units::{Dimension, Quantity, UnitError, parse as parse_quantity};
 
-use diagnose::{Fault, Text};
+use diagnose::Wrong;
 use file::{StudyFile, TickNoiseTable};
 use place::Places;
 use scalar::Scalar;
@@ -99,7 +100,9 @@ impl Study {
     /// # Errors
     /// A file that cannot be read, and those of [`Study::parse`].
     pub fn read(path: &Path) -> Result<Study, StudyError> {
-        let text = std::fs::read_to_string(path).map_err(|error| StudyError::unreadable(path, &error))?;
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            StudyError::unreadable("the study", path, &error, "give the path of a study file (TOML, UTF-8)")
+        })?;
         Study::parse(&path.display().to_string(), &text)
     }
 
@@ -116,7 +119,7 @@ impl Study {
     /// ```
     pub fn parse(name: &str, text: &str) -> Result<Study, StudyError> {
         let text: Text = Arc::new(NamedSource::new(name, text.to_owned()));
-        Study::check(&text).map_err(|fault| fault.within(&text))
+        Study::check(&text).map_err(|wrong| wrong.within(&text))
     }
 
     /// All points, in order; without a sweep the one that is written.
@@ -170,7 +173,7 @@ impl Study {
         self.places.blame(&self.sweeps, &[key])
     }
 
-    fn check(text: &Text) -> Result<Study, Fault> {
+    fn check(text: &Text) -> Result<Study, Wrong> {
         let toml = toml::Deserializer::parse(text.inner()).map_err(|error| Fault::from_syntax(&error))?;
         let file = StudyFile::deserialize(toml).map_err(|error| Fault::from_serde(&error, text.inner()))?;
         let written = Written {
@@ -232,7 +235,7 @@ fn read_count(
 }
 
 /// The inputs as written, and where all that points depend on stands.
-fn read_inputs(file: &StudyFile, folder: &Path) -> Result<(Inputs, Places), Fault> {
+fn read_inputs(file: &StudyFile, folder: &Path) -> Result<(Inputs, Places), Wrong> {
     let mut places = Places::default();
     let motion = read_motion::read(file.motion.get_ref(), &mut places, file.motion.span(), folder)?;
     // Each number is overwritten by its key.

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use super::file::{Phase, Position};
 use crate::record::Record;
+use crate::theory::autocovariance::autocovariance;
 use crate::theory::minimum_variance::Band;
-use crate::theory::psd::{Psd, autocovariance};
+use crate::theory::psd::Psd;
 
 /// Everything that the base does, added up. The rate is meant at the middle of the gap.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use toml::Spanned;
 
-use super::diagnose::Fault;
+use super::diagnose::{Fault, Wrong};
 use super::file::motion::{AmplitudeTable, Ends, GaussianTable, MotionTable, ProfileTable, ToneTable};
 use super::file::{Either, Phase};
 use super::key::{ACCELERATION, AMPLITUDE, FREQUENCY, GAUSSIAN_RMS, Key, RATE};
@@ -14,7 +14,7 @@ use super::place::Places;
 use super::scalar::{self, Scalar};
 use super::units::Dimension;
 use crate::kernel::launch::MAX_TONES;
-use crate::record::Record;
+use crate::record::{Record, RecordError};
 use crate::theory::minimum_variance::Band;
 use crate::theory::psd::Psd;
 
@@ -28,7 +28,7 @@ pub(super) fn read(
     places: &mut Places,
     place: std::ops::Range<usize>,
     folder: &Path,
-) -> Result<Motion, Fault> {
+) -> Result<Motion, Wrong> {
     let mut motion = Motion { tones: tones(table, places)?, ..Motion::default() };
     if let Some(gaussian) = &table.gaussian {
         places.add("motion.gaussian", gaussian.span());
@@ -38,7 +38,9 @@ pub(super) fn read(
         places.add("motion.profile", profile.span());
         if !motion.tones.is_empty() || motion.gaussian.is_some() {
             let message = "motion.profile stands beside tones or gaussian, a record is the whole vibration";
-            return Err(Fault::new(profile.span(), message, "besides another motion", "leave one of them out"));
+            return Err(
+                Fault::new(profile.span(), message, "besides another motion", "leave one of them out").into()
+            );
         }
         motion.profile = Some(read_profile(profile, folder)?);
     }
@@ -54,7 +56,8 @@ pub(super) fn read(
     let nothing = motion == Motion::default() && table.rate.is_none() && table.acceleration.is_none();
     if nothing {
         let message = "[motion] is empty, there is no motion to fill in";
-        return Err(Fault::new(place, message, "nothing here", format!("{FORMS}; rate = \"0 deg/s\" for none")));
+        let help = format!("{FORMS}; rate = \"0 deg/s\" for none");
+        return Err(Fault::new(place, message, "nothing here", help).into());
     }
     Ok(motion)
 }
@@ -233,14 +236,12 @@ fn read_psd(rows: &[Spanned<Ends>], span: std::ops::Range<usize>) -> Result<Psd,
         let message = format!("motion.gaussian.psd has {} rows", points.len());
         return Err(Fault::new(span, message, "too few", "give two rows or more: the ends of a line each"));
     }
-    Ok(Psd { points })
+    // What its own checks would find has been refused with its place.
+    Psd::new(points).map_err(|error| Fault::new(span, error.to_string(), "no spectrum", "sort the rows by frequency"))
 }
 
-fn read_profile(written: &Spanned<ProfileTable>, folder: &Path) -> Result<Profile, Fault> {
+fn read_profile(written: &Spanned<ProfileTable>, folder: &Path) -> Result<Profile, RecordError> {
     let ProfileTable { file, position } = written.get_ref();
-    let record = Record::read(&folder.join(file.get_ref())).map_err(|error| {
-        let help = "the record is looked for beside the study file";
-        Fault::new(file.span(), format!("motion.profile: {error}"), "this record", help)
-    })?;
+    let record = Record::read(&folder.join(file.get_ref()))?;
     Ok(Profile { file: file.get_ref().clone(), record: Arc::new(record), position: *position })
 }

@@ -33,7 +33,7 @@ impl Band {
 
     fn by_lag(&self, lags: usize, tick_s: f64, peak: impl Fn(f64) -> f64) -> Vec<f64> {
         let turns = (self.high_hz - self.low_hz) * tick_s * (lags as f64 + 1.0);
-        let panels = 1 + libm::ceil(turns) as usize;
+        let panels = 1.0 + libm::ceil(turns);
         let term = |nu: f64, lag: f64| 0.5 * peak(nu) * peak(nu) * libm::cos(TAU * nu * tick_s * lag);
         (0..lags).map(|lag| mean(self.low_hz, self.high_hz, panels, |nu| term(nu, lag as f64))).collect()
     }

@@ -1,6 +1,8 @@
 //! Closed forms, in f64: what the Monte Carlo is lowered from and compared with.
 
+pub mod autocovariance;
 pub mod cholesky;
 pub mod gap;
 pub mod minimum_variance;
+pub mod psd;
 pub mod quadrature;

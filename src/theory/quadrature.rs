@@ -1,6 +1,6 @@
-//! Gauss–Legendre quadrature in a fixed order.
+//! Gauss–Legendre quadrature in panels.
 
-/// Sixteen points: positive nodes and their weights.
+/// Sixteen points: positive nodes on (−1, 1) and their weights.
 const NODES: [[f64; 2]; 8] = [
     [0.095_012_509_837_637_44, 0.189_450_610_455_068_5],
     [0.281_603_550_779_258_9, 0.182_603_415_044_923_6],
@@ -12,21 +12,38 @@ const NODES: [[f64; 2]; 8] = [
     [0.989_400_934_991_649_9, 0.027_152_459_411_754_095],
 ];
 
-/// The mean of `f` between `low` and `high`, by sixteen points in each of `panels` equal parts.
+/// The points of the sixteen-point rule in each of `panels` equal parts of `low` … `high`, as pairs about the middle of
+/// their part, with the weight of both.
 ///
-/// Where no part holds more than one turn of an oscillation it is right to 1e-12 of its amplitude.
-pub fn mean(low: f64, high: f64, panels: usize, f: impl Fn(f64) -> f64) -> f64 {
+/// The weights of a part add up to 1 over its 8 pairs: half their sum of f(below) + f(above), over the number of parts,
+/// is the mean of f. A part is exact for polynomials up to degree 31, and right to rounding for a sine of one turn.
+pub(super) fn pairs(low: f64, high: f64, panels: f64) -> impl Iterator<Item = ([f64; 2], f64)> {
+    let width = high - low;
+    let half = 0.5 * width / panels;
+    (0..panels as usize).flat_map(move |panel| {
+        let middle = low + width * (panel as f64 + 0.5) / panels;
+        NODES.into_iter().map(move |[node, weight]| ([middle - half * node, middle + half * node], weight))
+    })
+}
+
+/// The mean of `f` between `low` and `high`; its value where they are the same.
+pub fn mean(low: f64, high: f64, panels: f64, f: impl Fn(f64) -> f64) -> f64 {
     if low == high {
         return f(low);
     }
-    let width = (high - low) / panels as f64;
-    let mut sum = 0.0;
-    for panel in 0..panels {
-        let middle = low + width * (panel as f64 + 0.5);
-        for [node, weight] in NODES {
-            let off = 0.5 * width * node;
-            sum += weight * (f(middle - off) + f(middle + off));
-        }
+    let sum: f64 = pairs(low, high, panels).map(|([a, b], weight)| weight * (f(a) + f(b))).sum();
+    0.5 * sum / panels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_of_a_polynomial_of_degree_31_and_of_a_turn_is_right_to_rounding() {
+        let power = mean(-1.0, 1.0, 1.0, |x| libm::pow(x, 31.0) + libm::pow(x, 30.0));
+        assert!((power - 1.0 / 31.0).abs() < 1e-15, "{power}");
+        let turn = mean(2.0, 5.0, 3.0, |x| 1.0 + libm::cos(core::f64::consts::TAU * x + 0.3));
+        assert!((turn - 1.0).abs() < 1e-14, "{turn}");
     }
-    0.5 * sum / panels as f64
 }
