@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::physical::{Physical, PhysicalTone, ToneKind};
-use super::words_of;
 use crate::kernel::launch::MARGIN;
 use crate::kernel::normal::SIGMA;
 use crate::kernel::sine::ONE;

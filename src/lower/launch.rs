@@ -74,7 +74,8 @@ impl Lowered {
         }
         .words();
         let in_gap: Vec<u32> = of(Error::InGap)
-            .flat_map(|e| (0..n as usize).flat_map(|row| extrapolation_ticks.iter().map(move |&tick| e.weight(row, tick))))
+            .flat_map(|e| (0..n as usize).map(move |row| (e, row)))
+            .flat_map(|(e, row)| extrapolation_ticks.iter().map(move |&tick| e.weight(row, tick)))
             .collect();
         let table = match (&fixed.profile, in_gap.is_empty()) {
             // Shared by all launches of the point.

@@ -97,7 +97,7 @@ impl Base<'_> {
         debug_assert!(rate <= MOST_RATE, "a key's limit");
         let sigma = inputs.sigma_arcsec();
         if sigma > MOST_SIGMA {
-            let message = format!("gyro.tick_noise comes to {sigma:.3e} arcsec per tick of {tick_s} s");
+            let message = format!("gyro.tick_noise comes to {sigma:.3e} arcsec per tick of {} s", inputs.tick_s);
             return refuse(&[NOISE_RANDOM_WALK.name, "gyro.tick"], message, "too large", "0 to 1e6 arcsec per tick");
         }
         Ok(())

@@ -7,7 +7,6 @@ use std::marker::PhantomData;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{self, Deserialize, Deserializer, IntoDeserializer, MapAccess, SeqAccess, Visitor};
-use toml::Spanned;
 
 use crate::study::scalar::Scalar;
 
@@ -16,16 +15,6 @@ use crate::study::scalar::Scalar;
 pub(in crate::study) enum Either<T> {
     One(Scalar),
     Other(T),
-}
-
-impl<T> Either<T> {
-    /// The one value, where it is one, with its place.
-    pub(in crate::study) fn one(this: &Spanned<Either<T>>) -> Option<Spanned<Scalar>> {
-        match this.get_ref() {
-            Either::One(scalar) => Some(Spanned::new(this.span(), scalar.clone())),
-            Either::Other(_) => None,
-        }
-    }
 }
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for Either<T> {
