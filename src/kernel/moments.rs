@@ -62,19 +62,17 @@ impl Moments {
     }
 }
 
-/// Tallies of a sampler's estimates over the trials `first .. first + count`, which have one upper half.
+/// Tallies of a sampler's estimates over the trials `first .. first + count`, which have one upper half; `count` is a
+/// multiple of the lanes.
 #[inline(always)]
 pub fn tally<W: Word>(sampler: impl Sampler, first: u64, count: u64, histogram: bool) -> Vec<Moments> {
     let mut tallies = vec![Moments::empty(histogram); sampler.estimates()];
-    let whole = count - count % W::LANES as u64;
     if !histogram {
-        accumulate::<W, false>(sampler, first, whole, &mut tallies, &mut []);
-        accumulate::<Scalar, false>(sampler, first + whole, count - whole, &mut tallies, &mut []);
+        accumulate::<W, false>(sampler, first, count, &mut tallies, &mut []);
         return tallies;
     }
     let mut counts = vec![[0; BINS]; sampler.estimates()];
-    accumulate::<W, true>(sampler, first, whole, &mut tallies, &mut counts);
-    accumulate::<Scalar, true>(sampler, first + whole, count - whole, &mut tallies, &mut counts);
+    accumulate::<W, true>(sampler, first, count, &mut tallies, &mut counts);
     for (tally, counts) in tallies.iter_mut().zip(&counts) {
         tally.bins = counts.iter().map(|&n: &u32| u64::from(n)).collect();
     }
