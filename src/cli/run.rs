@@ -93,8 +93,13 @@ fn run_study(
     if options.quiet {
         return Ok(None);
     }
-    for note in notes {
+    for note in notes.into_iter().chain(plan.absent()) {
         eprintln!("note: {note}");
+    }
+    let (imprecise, fillers) = plan.imprecise(&store)?;
+    if imprecise > 0 {
+        let trials = short(study.trials as f64);
+        eprintln!("note: {imprecise} of {fillers} fillers at points are not as precise as asked after {trials} trials");
     }
     match plan.unasked(&store)? {
         0 => {}

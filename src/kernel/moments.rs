@@ -3,7 +3,7 @@
 //! Twin of `shaders/moments.wgsl`. A lane adds up at most [`FLUSH`] trials in 64 bits before the sums go on in 128;
 //! with errors below [`LIMIT`] that cannot overflow. (64-bit sums without this bound wrapped once in 1.3e8 trials.)
 
-use super::word::{Scalar, Wide, Word};
+use super::word::{Wide, Word};
 
 /// Most estimates of one launch.
 pub const MAX_ESTIMATES: usize = 6;
@@ -211,6 +211,7 @@ pub fn level_edge(level: u32) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernel::word::Scalar;
 
     #[test]
     fn bins_follow_the_levels() {

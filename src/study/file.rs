@@ -45,6 +45,11 @@ pub(super) struct StudyFile {
     #[serde(default)]
     #[schemars(with = "i64", range(min = 1, max = 1_099_511_627_776_i64))]
     pub(super) trials: Option<Spanned<Scalar>>,
+    /// Where to stop before that: "0.5 %", half the 95 % interval of the rms as a part of it, or of other estimates by name.
+    /// The trials are then the most there are.
+    #[serde(default)]
+    #[schemars(with = "Either<PrecisionTable>", extend("examples" = ["0.5 %"]))]
+    pub(super) precision: Option<Spanned<Either<PrecisionTable>>>,
     #[serde(default)]
     pub(super) streams: Streams,
     pub(super) gyro: GyroTable,
@@ -58,6 +63,20 @@ pub(super) struct StudyFile {
     /// One chart or several; absent, a chart that suits the kind of study.
     #[serde(default)]
     pub(super) chart: Charts,
+}
+
+/// Precision by estimate: half its 95 % interval as a part of it.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PrecisionTable {
+    /// Of the rms: "0.5 %".
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(super) rms: Option<Spanned<Scalar>>,
+    /// Of the 99.73 % level: "2 %".
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(super) q9973: Option<Spanned<Scalar>>,
 }
 
 /// What is studied.

@@ -17,6 +17,7 @@ mod key;
 mod motion;
 mod place;
 mod point;
+mod precision;
 mod read_fillers;
 mod read_motion;
 mod scalar;
@@ -45,6 +46,7 @@ pub use inputs::{Inputs, TickNoise};
 pub use key::Key;
 pub use motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 pub use point::Point;
+pub use precision::Precision;
 pub use sweep::Sweep;
 pub(crate) use units::{parse_unit, round_12};
 pub use units::{Dimension, Quantity, UnitError, parse as parse_quantity};
@@ -70,6 +72,8 @@ pub struct Study {
     pub seed: u64,
     /// At each point.
     pub trials: u64,
+    /// Where sampling stops before `trials`.
+    pub precision: Option<Precision>,
     pub streams: Streams,
     /// Before any sweep.
     pub inputs: Inputs,
@@ -201,6 +205,14 @@ impl Study {
             )?,
         };
         let points = base.points()?;
+        let precision = file.precision.as_ref().map(precision::read).transpose()?;
+        if let (Some(written), Some(Profile { position: Position::Every, .. })) =
+            (&file.precision, &inputs.motion.profile)
+        {
+            let message = "precision stands beside position = \"every\", which is exact in whole replays only";
+            let help = "leave precision out, or take position = \"random\"";
+            return Err(Fault::new(written.span(), message, "cannot stop early", help).into());
+        }
         let fillers: Vec<Filler> = written_fillers.into_iter().map(|written| written.filler).collect();
         let charts = chart::read_all(file.chart, &sweeps, &fillers)?;
         Ok(Study {
@@ -209,6 +221,7 @@ impl Study {
             kind: file.kind.into_inner(),
             seed: written.seed.as_ref().map_or(1, |seed| *seed.get_ref()),
             trials: written.trials.as_ref().map_or(1_000_000, |trials| *trials.get_ref()),
+            precision,
             streams: file.streams,
             inputs,
             fillers,
