@@ -7,6 +7,7 @@
 use core::f64::consts::TAU;
 
 use super::gap::tick_amplitude;
+use super::quadrature;
 
 /// A vibration of random phase whose frequency is spread evenly over a band; one of a single frequency has both ends there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,18 +15,6 @@ pub struct Band {
     pub low_hz: f64,
     pub high_hz: f64,
 }
-
-/// Sixteen-point Gauss–Legendre quadrature: positive nodes and their weights.
-const NODES: [[f64; 2]; 8] = [
-    [0.095_012_509_837_637_44, 0.189_450_610_455_068_5],
-    [0.281_603_550_779_258_9, 0.182_603_415_044_923_6],
-    [0.458_016_777_657_227_4, 0.169_156_519_395_002_54],
-    [0.617_876_244_402_643_7, 0.149_595_988_816_576_73],
-    [0.755_404_408_355_003, 0.124_628_971_255_533_87],
-    [0.865_631_202_387_831_8, 0.095_158_511_682_492_78],
-    [0.944_575_023_073_232_6, 0.062_253_523_938_647_89],
-    [0.989_400_934_991_649_9, 0.027_152_459_411_754_095],
-];
 
 impl Band {
     /// Covariance of the angles of two ticks, ″², by their distance 0 … `lags` − 1.
@@ -41,12 +30,8 @@ impl Band {
         let panels = 1.0 + libm::ceil(width * tick_s * (lags as f64 + 1.0));
         let mean = |lag: f64| {
             let mut sum = 0.0;
-            for panel in 0..panels as usize {
-                let middle = self.low_hz + width * (panel as f64 + 0.5) / panels;
-                let half = 0.5 * width / panels;
-                for [node, weight] in NODES {
-                    sum += weight * (term(middle - half * node, lag) + term(middle + half * node, lag));
-                }
+            for ([below, above], weight) in quadrature::pairs(self.low_hz, self.high_hz, panels) {
+                sum += weight * (term(below, lag) + term(above, lag));
             }
             0.5 * sum / panels
         };

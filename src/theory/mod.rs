@@ -1,4 +1,7 @@
 //! Closed forms, in f64: what the Monte Carlo is lowered from and compared with.
 
+pub mod autocovariance;
 pub mod gap;
 pub mod minimum_variance;
+pub mod psd;
+mod quadrature;

@@ -1,0 +1,56 @@
+//! The covariance of a recorded motion, estimated from its ticks.
+
+/// Covariance of `ticks` by lag 0 … `lags` − 1, in the square of their unit: their mean removed, and the sum over all
+/// pairs divided by the number of ticks, not of pairs.
+///
+/// This biased estimate shrinks the covariance at lag l of N ticks by the factor 1 − l/N, and by the variance of their
+/// mean. In return the matrix of the covariances is positive semidefinite, as a minimum-variance filler needs, which that
+/// of the unbiased estimate need not be. Lags from N on are 0, as all are without ticks. Takes N · `lags` steps.
+pub fn autocovariance(ticks: &[f64], lags: usize) -> Vec<f64> {
+    let count = ticks.len().max(1) as f64;
+    let mean = ticks.iter().sum::<f64>() / count;
+    let deviations: Vec<f64> = ticks.iter().map(|x| x - mean).collect();
+    let at = |lag: usize| {
+        let later = deviations.get(lag..).unwrap_or_default();
+        deviations.iter().zip(later).map(|(a, b)| a * b).sum::<f64>() / count
+    };
+    (0..lags).map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::theory::minimum_variance::{Band, minimum_variance_weights};
+
+    #[test]
+    fn small_cases_are_those_by_hand() {
+        // Deviations −1.5, −0.5, 0.5, 1.5: Σ of products 5, 1.25, −1.5, −2.25, over 4.
+        assert_eq!(autocovariance(&[1.0, 2.0, 3.0, 4.0], 6), [1.25, 0.3125, -0.375, -0.5625, 0.0, 0.0]);
+        assert_eq!(autocovariance(&[7.0], 2), [0.0, 0.0]);
+        assert_eq!(autocovariance(&[], 2), [0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_long_tone_has_the_covariance_of_its_closed_form() {
+        // 20 Hz at ticks of 5 ms: ten ticks a turn, so that 100 000 ticks hold whole turns only.
+        let exact = Band { low_hz: 20.0, high_hz: 20.0 }.covariance(12000.0, 0.005, 40);
+        let peak = libm::sqrt(2.0 * exact[0]);
+        let tick = |k: usize| 3.0 + peak * libm::sin(core::f64::consts::TAU * (k as f64 / 10.0 + 0.123));
+        let found = autocovariance(&(0..100_000).map(tick).collect::<Vec<f64>>(), 40);
+        for (lag, (found, exact_at)) in found.iter().zip(&exact).enumerate() {
+            // The bias, and what the missing pairs leave of a turn.
+            let bound = (lag + 10) as f64 / 100_000.0 * exact[0];
+            assert!((found - exact_at).abs() <= bound, "lag {lag}: {found}, not {exact_at} within {bound}");
+        }
+    }
+
+    #[test]
+    fn the_matrix_is_positive_definite_even_for_few_ticks() {
+        // Of these the unbiased estimate at the last lag, the product of the two ends, exceeds the variance.
+        let ticks = [5.0, -1.0, 0.5, -2.0, 0.25, -1.5, 1.0, -3.0, 5.0];
+        let covariance = autocovariance(&ticks, 9);
+        assert!(9.0 * covariance[8] > covariance[0], "{covariance:?}");
+        let weights = minimum_variance_weights(&[-3, -2, -1, 0, 4, 5], 3, &covariance, 0.0);
+        assert!(weights.is_some(), "{covariance:?}");
+    }
+}
