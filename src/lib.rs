@@ -10,6 +10,7 @@ pub mod chart;
 pub mod id;
 pub mod kernel;
 pub mod lower;
+pub mod record;
 pub mod run;
 pub mod stats;
 pub mod store;

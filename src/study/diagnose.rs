@@ -1,4 +1,4 @@
-//! What is wrong with a study, where, and how to put it right.
+//! What is wrong with a study, or a file that it names, where, and how to put it right.
 
 use std::fmt;
 use std::ops::Range;
@@ -14,12 +14,12 @@ const SCHEMA: &str = "`sagnac schema` prints what every key accepts";
 /// How messages of serde and toml about a value of the wrong type begin.
 const WRONG_TYPE: [&str; 3] = ["invalid type", "invalid length", "wanted "];
 
-/// The text of a study with the name of its file.
-pub(super) type Text = Arc<NamedSource<String>>;
+/// The text of a study, or of a file that it names, with the name of that file.
+pub(crate) type Text = Arc<NamedSource<String>>;
 
-/// A fault at one place of a study, as found by code that does not hold the text.
+/// A fault at one place of a text, as found by code that does not hold its name.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Fault {
+pub(crate) struct Fault {
     span: Range<usize>,
     message: String,
     label: String,
@@ -28,7 +28,7 @@ pub(super) struct Fault {
 
 impl Fault {
     /// `message`: the whole finding; `label`: what stands at `span`; `help`: what is accepted.
-    pub(super) fn new(
+    pub(crate) fn new(
         span: Range<usize>,
         message: impl Into<String>,
         label: impl Into<String>,
@@ -99,7 +99,7 @@ impl Fault {
     }
 
     /// The fault with the text it is about.
-    pub(super) fn within(self, text: &Text) -> StudyError {
+    pub(crate) fn within(self, text: &Text) -> StudyError {
         let end = first_line_end(text.inner(), &self.span);
         let span = Some(self.span.start..end);
         let Fault { message, label, help, .. } = self;
@@ -128,12 +128,17 @@ pub struct StudyError {
 }
 
 impl StudyError {
-    /// A study file that could not be read.
-    pub(super) fn unreadable(path: &std::path::Path, error: &std::io::Error) -> StudyError {
+    /// A file that could not be read: `what` it is, `the study`, and in `help` what to give instead.
+    pub(crate) fn unreadable(
+        what: &str,
+        path: &std::path::Path,
+        error: &std::io::Error,
+        help: &str,
+    ) -> StudyError {
         StudyError {
-            message: format!("cannot read the study {}: {error}", path.display()),
+            message: format!("cannot read {what} {}: {error}", path.display()),
             label: String::new(),
-            help: "give the path of a study file (TOML, UTF-8)".to_owned(),
+            help: help.to_owned(),
             span: None,
             text: None,
         }
@@ -221,7 +226,8 @@ mod tests {
     #[test]
     fn an_unreadable_file_has_no_caret_but_help() {
         let error = std::io::Error::from(std::io::ErrorKind::NotFound);
-        let shown = StudyError::unreadable(std::path::Path::new("no.toml"), &error).render(false, 80);
-        assert!(shown.contains("no.toml") && shown.contains("help"), "{shown}");
+        let path = std::path::Path::new("no.toml");
+        let shown = StudyError::unreadable("the study", path, &error, "give another").render(false, 80);
+        assert!(shown.contains("the study no.toml") && shown.contains("give another"), "{shown}");
     }
 }

@@ -34,15 +34,16 @@ use toml::Spanned;
 
 pub use chart::{Chart, Named};
 pub use diagnose::StudyError;
+pub(crate) use diagnose::{Fault, Text};
 pub use file::{Filler, Kind, Phase, Scale, Streams, schema};
 pub use inputs::{Amplitude, Inputs, TickNoise};
 pub use key::Key;
 pub use point::Point;
 pub use sweep::Sweep;
-pub(crate) use units::round_12;
 pub use units::{Dimension, Quantity, UnitError, parse as parse_quantity};
+pub(crate) use units::{parse_unit, round_12};
 
-use diagnose::{Fault, Text, choices};
+use diagnose::choices;
 use file::{StudyFile, TickNoiseTable};
 use place::Places;
 use scalar::Scalar;
@@ -89,7 +90,9 @@ impl Study {
     /// # Errors
     /// A file that cannot be read, and those of [`Study::parse`].
     pub fn read(path: &Path) -> Result<Study, StudyError> {
-        let text = std::fs::read_to_string(path).map_err(|error| StudyError::unreadable(path, &error))?;
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            StudyError::unreadable("the study", path, &error, "give the path of a study file (TOML, UTF-8)")
+        })?;
         Study::parse(&path.display().to_string(), &text)
     }
 

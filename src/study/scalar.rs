@@ -7,7 +7,7 @@ use serde::de::{self, Deserialize, Deserializer, Visitor};
 use toml::Spanned;
 
 use super::diagnose::Fault;
-use super::units::{self, Dimension, Quantity, UnitError};
+use super::units::{self, Dimension, Quantity};
 
 /// A text or number, kept as written so that a wrong one can be described.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,15 +81,9 @@ pub(super) fn quantity(name: &str, given: &Spanned<Scalar>, wanted: &[Dimension]
     let fault =
         |message: String, label: &str| Fault::new(given.span(), message, label, units::accepted(wanted));
     match given.get_ref() {
-        Scalar::Text(text) => units::parse(text, wanted).map_err(|error| {
-            let label = match &error {
-                UnitError::BareNumber { .. } => "a bare number",
-                UnitError::Dimension { found, .. } => found,
-                UnitError::Unknown { .. } | UnitError::Malformed { .. } => "no such unit",
-                UnitError::NoNumber { .. } | UnitError::NotFinite { .. } => "not a number with a unit",
-            };
-            fault(format!("{name}: {error}"), label)
-        }),
+        Scalar::Text(text) => {
+            units::parse(text, wanted).map_err(|error| fault(format!("{name}: {error}"), error.label()))
+        }
         bare @ (Scalar::Integer(_) | Scalar::Float(_)) => {
             Err(fault(format!("{name}: {bare} is a bare number, its unit is missing"), bare.kind()))
         }

@@ -40,7 +40,7 @@ impl Dimension {
     }
 
     /// For sentences: `an angle`.
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Dimension::Count => "a whole number",
             Dimension::Time => "a time",
@@ -49,6 +49,11 @@ impl Dimension {
             Dimension::Rate => "an angular rate",
             Dimension::AngleRandomWalk => "an angle random walk",
         }
+    }
+
+    /// Units a user may take, for sentences: `s, ms, …`.
+    pub(crate) fn units(self) -> &'static str {
+        self.accepted().0
     }
 
     /// Units a user may take, then one example.
@@ -140,6 +145,18 @@ pub enum UnitError {
     Dimension { text: String, found: String },
 }
 
+impl UnitError {
+    /// What stands there, in the few words that fit under a caret.
+    pub(crate) fn label(&self) -> &str {
+        match self {
+            UnitError::BareNumber { .. } => "a bare number",
+            UnitError::Dimension { found, .. } => found,
+            UnitError::Unknown { .. } | UnitError::Malformed { .. } => "no such unit",
+            UnitError::NoNumber { .. } | UnitError::NotFinite { .. } => "not a number with a unit",
+        }
+    }
+}
+
 /// Reads `"<number> <unit>"` as a quantity of one of the `wanted` dimensions.
 ///
 /// The number may hold `_`, an exponent and the Unicode minus.
@@ -156,20 +173,33 @@ pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
     if unit.is_empty() {
         return Err(UnitError::BareNumber { text: owned() });
     }
-    let size = expression::parse(unit)?;
-    let of_size = |dimension: &Dimension| dimension.exponents() == size.exponents;
-    let Some(dimension) = wanted.iter().copied().find(of_size) else {
-        let known = Dimension::MEASURED.into_iter().find(of_size);
-        let found =
-            known.map_or_else(|| format!("a quantity in {}", size.exponents), |d| d.name().to_owned());
-        return Err(UnitError::Dimension { text: owned(), found });
-    };
-    let value = number * size.factor;
+    let (factor, dimension) = unit_of(unit, text, wanted)?;
+    let value = number * factor;
     if value.is_finite() {
         Ok(Quantity::new(value, dimension))
     } else {
         Err(UnitError::NotFinite { text: owned() })
     }
+}
+
+/// Reads a unit alone: its size in base units, and which of the `wanted` dimensions it measures.
+///
+/// # Errors
+/// An unknown unit, or one of another dimension.
+pub(crate) fn parse_unit(unit: &str, wanted: &[Dimension]) -> Result<(f64, Dimension), UnitError> {
+    unit_of(unit, unit, wanted)
+}
+
+/// The same for the unit of a `text`, which an error about its dimension shows.
+fn unit_of(unit: &str, text: &str, wanted: &[Dimension]) -> Result<(f64, Dimension), UnitError> {
+    let size = expression::parse(unit)?;
+    let of_size = |dimension: &Dimension| dimension.exponents() == size.exponents;
+    if let Some(dimension) = wanted.iter().copied().find(of_size) {
+        return Ok((size.factor, dimension));
+    }
+    let known = Dimension::MEASURED.into_iter().find(of_size);
+    let found = known.map_or_else(|| format!("a quantity in {}", size.exponents), |d| d.name().to_owned());
+    Err(UnitError::Dimension { text: text.to_owned(), found })
 }
 
 /// Bytes of the longest number at the start: sign, digits, fraction, exponent.

@@ -1,0 +1,213 @@
+//! A recorded profile of motion: evenly spaced samples of an angular rate, and the angles of the ticks over it.
+
+mod header;
+mod rows;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use miette::NamedSource;
+
+use crate::study::{StudyError, Text};
+
+/// Most samples of a record, 2^24: more than four hours at 1 kHz.
+pub const MOST_SAMPLES: usize = 1 << 24;
+
+/// Why a record was refused: what was found and where, what is accepted, how to put it right.
+///
+/// A [`miette::Diagnostic`]; [`RecordError::render`] gives the text for a terminal. As a [`StudyError`] it can be that
+/// of the study which names the record.
+#[derive(Debug, Clone, thiserror::Error, miette::Diagnostic)]
+#[error(transparent)]
+#[diagnostic(transparent)]
+pub struct RecordError(StudyError);
+
+impl RecordError {
+    /// The report for people: file, line, caret and help, `width` columns wide; escape codes only if `color`.
+    pub fn render(&self, color: bool, width: usize) -> String {
+        self.0.render(color, width)
+    }
+}
+
+impl From<RecordError> for StudyError {
+    fn from(error: RecordError) -> StudyError {
+        error.0
+    }
+}
+
+/// An angular rate at evenly spaced times, the first of them time 0; between its samples the rate is a straight line.
+///
+/// # File
+/// CSV in UTF-8: a header, then one row a sample. Lines that begin with `#` are comments. Two columns are read, in any
+/// order, and all others ignored: `time` and `rate`, upper or lower case, each with its unit as in `time [ms]`,
+/// `rate (°/s)` or `rate_deg_per_s`; a name such as `rate_x`, whose end is no unit of a rate, is another column. The
+/// times may start anywhere, but each step is within 1 % of the median one; the steps are then taken as equal.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// From sample to sample, s.
+    pub step_s: f64,
+    /// The samples, ″/s, 2 … [`MOST_SAMPLES`] of them.
+    pub rates: Vec<f64>,
+}
+
+impl Record {
+    /// Reads the record at `path`.
+    ///
+    /// # Errors
+    /// A file that cannot be read, and those of [`Record::parse`].
+    pub fn read(path: &Path) -> Result<Record, RecordError> {
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            let help =
+                "give the path of a record (CSV, UTF-8) with the columns `time [s]` and `rate [deg/s]`";
+            RecordError(StudyError::unreadable("the record", path, &error, help))
+        })?;
+        Record::parse(&path.display().to_string(), &text)
+    }
+
+    /// Reads a record from its `text`; `name` is that of the file, for messages.
+    ///
+    /// # Errors
+    /// The first fault found, with its place in the text: no such columns, no unit or a wrong one, a cell that is missing
+    /// or not a finite number, times that do not increase or not evenly, too few samples or too many.
+    ///
+    /// # Example
+    /// ```
+    /// # use sagnac::record::Record;
+    /// let record = Record::parse("base.csv", "time [ms], rate [deg/s]\n0, 1.5\n2, 1.5\n4, 1.5\n").unwrap();
+    /// assert_eq!((record.step_s, &record.rates[..]), (0.002, &[5400.0; 3][..]));
+    /// assert_eq!(record.tick_angles(0.001).len(), 4);
+    /// ```
+    pub fn parse(name: &str, text: &str) -> Result<Record, RecordError> {
+        rows::read(text, MOST_SAMPLES).map_err(|fault| {
+            let text: Text = Arc::new(NamedSource::new(name, text.to_owned()));
+            RecordError(fault.within(&text))
+        })
+    }
+
+    /// From the first sample to the last, s.
+    pub fn duration_s(&self) -> f64 {
+        self.last() as f64 * self.step_s
+    }
+
+    /// How many whole ticks of `tick_s` > 0 fit in the record.
+    pub fn whole_ticks(&self, tick_s: f64) -> usize {
+        // Times are rounded to 12 digits: a tick that ends with the record must not be lost to that.
+        let ticks = self.duration_s() / tick_s * (1.0 + 1e-11);
+        if tick_s > 0.0 { ticks as usize } else { 0 }
+    }
+
+    /// The angle of each whole tick of `tick_s` > 0, ″: tick k is the integral of the rate over (kT, (k + 1)T].
+    ///
+    /// Exact for straight lines between the samples, whatever the ratio of tick and step. It knows nothing of what the
+    /// rate did between samples: with a step longer than the tick the ticks in between only follow the line. Takes time
+    /// in proportion to samples and ticks, and 8 bytes a tick; [`Record::whole_ticks`] counts them before.
+    pub fn tick_angles(&self, tick_s: f64) -> Vec<f64> {
+        let samples_at = |tick: usize| (tick as f64 * tick_s / self.step_s).min(self.last() as f64);
+        (0..self.whole_ticks(tick_s)).map(|k| self.angle(samples_at(k), samples_at(k + 1))).collect()
+    }
+
+    /// The index of the last sample.
+    fn last(&self) -> usize {
+        self.rates.len().saturating_sub(1)
+    }
+
+    /// The integral of the rate from `start` to `end`, both counted in steps from the first sample, ″.
+    ///
+    /// Summed anew for each tick: differences of one running integral would lose digits over a long record.
+    fn angle(&self, start: f64, end: f64) -> f64 {
+        let mut sum = 0.0;
+        for i in start as usize..(libm::ceil(end) as usize).min(self.last()) {
+            let (from, to) = (start.max(i as f64), end.min((i + 1) as f64));
+            // A straight line has its mean at its middle.
+            let along = 0.5 * (from + to) - i as f64;
+            sum += (to - from) * (self.rates[i] + along * (self.rates[i + 1] - self.rates[i]));
+        }
+        sum * self.step_s
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Samples of `rate` at 0, `step_s`, … up to `duration_s`.
+    fn sampled(duration_s: f64, step_s: f64, rate: impl Fn(f64) -> f64) -> Record {
+        let steps = libm::round(duration_s / step_s) as usize;
+        Record { step_s, rates: (0..=steps).map(|i| rate(i as f64 * step_s)).collect() }
+    }
+
+    /// Shorter and longer than the steps of 2 ms that the tests take, commensurate and not.
+    const TICKS: [f64; 6] = [0.0005, 0.000_73, 0.002, 0.003_1, 0.005, 0.031_4];
+
+    #[test]
+    fn a_constant_rate_turns_by_rate_times_tick() {
+        let record = sampled(1.0, 0.002, |_| 7.0);
+        for tick_s in TICKS {
+            let angles = record.tick_angles(tick_s);
+            assert_eq!(angles.len(), libm::floor(1.0 / tick_s + 1e-9) as usize, "tick {tick_s}");
+            for (k, angle) in angles.iter().enumerate() {
+                assert!((angle / (7.0 * tick_s) - 1.0).abs() < 1e-12, "tick {k} of {tick_s} s: {angle}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_ramp_is_integrated_exactly() {
+        let record = sampled(1.0, 0.002, |t| 300.0 - 1000.0 * t);
+        for tick_s in TICKS {
+            for (k, angle) in record.tick_angles(tick_s).iter().enumerate() {
+                let middle = (k as f64 + 0.5) * tick_s;
+                let exact = (300.0 - 1000.0 * middle) * tick_s;
+                assert!(
+                    (angle - exact).abs() < 1e-12 * 300.0 * tick_s,
+                    "tick {k} of {tick_s} s: {angle}, not {exact}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_sine_is_met_within_the_error_of_straight_lines_and_no_better() {
+        let (amplitude, step_s) = (12000.0, 0.002);
+        let omega = core::f64::consts::TAU * 20.0;
+        let record = sampled(2.0, step_s, |t| amplitude * libm::sin(omega * t));
+        for tick_s in TICKS {
+            // The line misses the curve by at most h²/8 of its second derivative, at their middle.
+            let bound = tick_s * amplitude * omega * omega * step_s * step_s / 8.0;
+            let error = |(k, angle): (usize, &f64)| {
+                let (from, to) = (k as f64 * tick_s, (k + 1) as f64 * tick_s);
+                let exact = amplitude / omega * (libm::cos(omega * from) - libm::cos(omega * to));
+                (angle - exact).abs()
+            };
+            let worst = record.tick_angles(tick_s).iter().enumerate().map(error).fold(0.0, f64::max);
+            assert!(worst <= bound && worst > 0.2 * bound, "tick {tick_s}: {worst} against {bound}");
+        }
+    }
+
+    #[test]
+    fn the_ticks_add_up_to_the_turn_of_the_whole_record() {
+        let record = sampled(3.0, 0.002, |t| 50.0 + 12000.0 * libm::sin(91.0 * t));
+        let inner: f64 = record.rates[1..record.last()].iter().sum();
+        let whole = record.step_s * (inner + 0.5 * (record.rates[0] + record.rates[record.last()]));
+        for ticks in [1, 7, 600, 1501, 4000] {
+            let angles = record.tick_angles(3.0 / f64::from(ticks));
+            let sum: f64 = angles.iter().sum();
+            assert_eq!(angles.len(), ticks as usize, "{ticks} ticks of {} s", 3.0 / f64::from(ticks));
+            assert!((sum - whole).abs() < 1e-9, "{ticks} ticks: {sum}, not {whole}");
+        }
+    }
+
+    #[test]
+    fn a_tick_longer_than_the_record_or_not_positive_has_no_angle() {
+        let record = sampled(1.0, 0.002, |_| 7.0);
+        for tick_s in [1.001, f64::INFINITY, 0.0, -1.0, f64::NAN] {
+            assert_eq!(record.tick_angles(tick_s).len(), 0, "{tick_s}");
+        }
+    }
+
+    #[test]
+    fn a_file_that_is_not_there_is_named() {
+        let shown = Record::read(Path::new("no/such.csv")).unwrap_err().render(false, 110);
+        assert!(shown.contains("cannot read the record no/such.csv") && shown.contains("CSV"), "{shown}");
+    }
+}
