@@ -11,11 +11,13 @@
 //! The drawing is our own. kuva 0.6, whose source was read for it, takes no explicit ticks, writes 0.01 as `1e-2`,
 //! shows line *or* marker in a legend, never both, and takes logarithms from the platform.
 
+mod area;
 mod axes;
 mod canvas;
 mod coincidence;
 mod figure;
 mod from_table;
+mod layout;
 mod legend;
 mod palette;
 mod plot;
@@ -27,7 +29,7 @@ mod text;
 mod ticks;
 
 pub use figure::{Axis, Entry, Figure, Grouping, Law, Limit, Series, SeriesPoint};
+pub use layout::{HEIGHT, WIDTH};
 pub use png::{PngError, png};
 pub use scale::Scale;
 pub use spec::{ChartError, Notes, Spec};
-pub use svg::{HEIGHT, WIDTH};

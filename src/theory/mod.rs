@@ -2,3 +2,4 @@
 
 pub mod gap;
 pub mod minimum_variance;
+pub mod published;
