@@ -19,20 +19,22 @@ pub(super) struct Legend {
 }
 
 #[derive(Debug)]
-enum Row {
+pub(super) enum Row {
     Heading(String),
     Entry(Sample, String),
+    /// The next line of an entry.
+    Continued(String),
     Remark(String),
     Space,
 }
 
 /// A piece of what the entry stands for.
 #[derive(Debug, Default)]
-struct Sample {
-    line: Option<Stroke>,
+pub(super) struct Sample {
+    pub line: Option<Stroke>,
     /// Style and colour.
-    marker: Option<(usize, &'static str)>,
-    band: Option<&'static str>,
+    pub marker: Option<(usize, &'static str)>,
+    pub band: Option<&'static str>,
 }
 
 impl Legend {
@@ -48,7 +50,7 @@ impl Legend {
             curve_sample(style, colour)
         });
         legend.grouping(&figure.dashes, |style| curve_sample(style, MUTED));
-        legend.part(None, law_entries(figure));
+        legend.part(None, law_rows(figure));
         legend.part(None, reading_entries(figure));
         let coincident = figure.coincident();
         if !coincident.is_empty() {
@@ -63,7 +65,7 @@ impl Legend {
         self.part(Some(&grouping.title), entries.collect());
     }
 
-    fn part(&mut self, heading: Option<&str>, rows: Vec<Row>) {
+    pub fn part(&mut self, heading: Option<&str>, rows: Vec<Row>) {
         if rows.is_empty() {
             return;
         }
@@ -78,7 +80,9 @@ impl Legend {
     pub fn width(&self) -> f64 {
         let of_row = |row: &Row| match row {
             Row::Heading(text) => text::width(text, SIZE, true).min(WIDEST_TEXT + SAMPLE + GAP),
-            Row::Entry(_, text) => SAMPLE + GAP + text::width(text, SIZE, false).min(WIDEST_TEXT),
+            Row::Entry(_, text) | Row::Continued(text) => {
+                SAMPLE + GAP + text::width(text, SIZE, false).min(WIDEST_TEXT)
+            }
             Row::Remark(text) => text::width(text, SIZE, false).min(WIDEST_TEXT + SAMPLE + GAP),
             Row::Space => 0.0,
         };
@@ -103,8 +107,10 @@ impl Legend {
                     let text = text::fitted(text, SIZE, true, WIDEST_TEXT + SAMPLE + GAP);
                     canvas.text((left, baseline), &text, Lettering { bold: true, ..lettering });
                 }
-                Row::Entry(sample, text) => {
-                    sample.draw(canvas, left, middle);
+                Row::Entry(_, text) | Row::Continued(text) => {
+                    if let Row::Entry(sample, _) = row {
+                        sample.draw(canvas, left, middle);
+                    }
                     let text = text::fitted(text, SIZE, false, WIDEST_TEXT);
                     canvas.text((left + SAMPLE + GAP, baseline), &text, lettering);
                 }
@@ -114,7 +120,21 @@ impl Legend {
                 }
                 Row::Space => {}
             }
-            y += if matches!(row, Row::Space) { 0.6 * ROW } else { ROW };
+            y += self.height_of(i);
+        }
+    }
+
+    /// The height that it takes, 0 if it is empty.
+    pub fn height(&self) -> f64 {
+        (0..self.rows.len()).map(|row| self.height_of(row)).sum()
+    }
+
+    /// From one row to the next.
+    fn height_of(&self, row: usize) -> f64 {
+        match (&self.rows[row], self.rows.get(row + 1)) {
+            (Row::Space, _) => 0.6 * ROW,
+            (_, Some(Row::Continued(_))) => 0.75 * ROW,
+            _ => ROW,
         }
     }
 }
@@ -124,14 +144,23 @@ fn curve_sample(style: usize, colour: &'static str) -> Sample {
     Sample { line: Some(line), marker: Some((style, colour)), band: None }
 }
 
-fn law_entries(figure: &Figure) -> Vec<Row> {
-    let sample = |style| Sample { line: Some(law_stroke(style)), ..Sample::default() };
-    figure.laws.iter().enumerate().map(|(i, law)| Row::Entry(sample(i), law.label.clone())).collect()
+fn law_rows(figure: &Figure) -> Vec<Row> {
+    let sample = |law| Sample { line: Some(law_stroke(law, None)), ..Sample::default() };
+    let laws = figure.laws.iter().enumerate();
+    laws.flat_map(|(i, law)| wrapped_entry(sample(i), &law.label)).collect()
 }
 
-/// How a law of its own is drawn: never solid, as the closed forms of curves are in the legend.
-pub(super) fn law_stroke(style: usize) -> Stroke {
-    Stroke { colour: MUTED, width: 1.4, dash: palette::broken(style) }
+/// How the lines of a law are drawn: broad and pale, in the colour of the curves it is about if they have one.
+pub(super) fn law_stroke(law: usize, colour: Option<usize>) -> Stroke {
+    let colour = colour.map_or(palette::PALE_MUTED, palette::pale);
+    Stroke { colour, width: 4.5, dash: palette::broad_dash(law) }
+}
+
+/// An entry with all of its text, in as many lines as it takes.
+pub(super) fn wrapped_entry(sample: Sample, text: &str) -> Vec<Row> {
+    let mut lines = text::wrapped(text, SIZE, WIDEST_TEXT).into_iter();
+    let first = Row::Entry(sample, lines.next().unwrap_or_default());
+    std::iter::once(first).chain(lines.map(Row::Continued)).collect()
 }
 
 fn reading_entries(figure: &Figure) -> Vec<Row> {

@@ -17,6 +17,7 @@ mod canvas;
 mod coincidence;
 mod figure;
 mod from_table;
+mod laws;
 mod layout;
 mod legend;
 mod palette;
@@ -28,7 +29,7 @@ mod svg;
 mod text;
 mod ticks;
 
-pub use figure::{Axis, Entry, Figure, Grouping, Law, Limit, Series, SeriesPoint};
+pub use figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
 pub use layout::{HEIGHT, WIDTH};
 pub use png::{PngError, png};
 pub use scale::Scale;

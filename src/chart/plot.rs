@@ -21,7 +21,8 @@ pub(super) fn x_range(figure: &Figure) -> Range {
     let laws = figure
         .laws
         .iter()
-        .flat_map(|law| &law.points)
+        .flat_map(|law| &law.lines)
+        .flat_map(|line| &line.points)
         .filter(|place| figure.shows(**place))
         .map(|place| place.0);
     Range::around(figure.x.scale, points.chain(laws))
@@ -32,8 +33,8 @@ pub(super) fn y_range(figure: &Figure) -> Range {
     let scale = figure.y.scale;
     let points: Vec<f64> = shown_points(figure).map(|point| point.y).collect();
     let bands = shown_points(figure).filter_map(|point| point.band).flat_map(|(lower, upper)| [lower, upper]);
-    let laws =
-        figure.series.iter().map(|series| &series.law).chain(figure.laws.iter().map(|law| &law.points));
+    let lines = figure.laws.iter().flat_map(|law| &law.lines).map(|line| &line.points);
+    let laws = figure.series.iter().map(|series| &series.law).chain(lines);
     let laws = laws.flatten().filter(|place| figure.x.scale.shows(place.0)).map(|place| place.1);
     let (low, high) = reach(scale, &points);
     let beside = bands.chain(laws).filter(|&value| scale.shows(value)).map(|value| value.clamp(low, high));
@@ -58,14 +59,18 @@ fn shown_points(figure: &Figure) -> impl Iterator<Item = &SeriesPoint> {
 }
 
 impl Plot<'_> {
-    /// Draws bands, laws, limit and points, in this order from below.
+    /// Draws laws, bands, closed forms, limit and points, in this order from below.
     pub fn draw(&self, canvas: &mut Canvas) {
         let Frame { left, top, right, bottom } = self.area.frame;
         canvas.open_window(left, top, right - left, bottom - top);
-        self.figure.series.iter().for_each(|series| self.draw_bands(canvas, series));
         for (i, law) in self.figure.laws.iter().enumerate() {
-            canvas.group(&law.label, |canvas| self.draw_line(canvas, &law.points, law_stroke(i)));
+            canvas.group(&law.label, |canvas| {
+                for line in &law.lines {
+                    self.draw_line(canvas, &line.points, law_stroke(i, line.colour()));
+                }
+            });
         }
+        self.figure.series.iter().for_each(|series| self.draw_bands(canvas, series));
         self.figure.series.iter().for_each(|series| self.draw_curve(canvas, series));
         let limit = self.figure.limit.as_ref().filter(|limit| self.area.y.scale.shows(limit.value));
         if let Some(limit) = limit {
@@ -95,7 +100,8 @@ impl Plot<'_> {
         for run in self.runs(series) {
             for run in run.chunk_by(|a, b| a.band.is_some() && b.band.is_some()) {
                 let lower = run.iter().filter_map(|point| Some(self.area.place((point.x, point.band?.0))));
-                let upper = run.iter().rev().filter_map(|point| Some(self.area.place((point.x, point.band?.1))));
+                let upper =
+                    run.iter().rev().filter_map(|point| Some(self.area.place((point.x, point.band?.1))));
                 let corners: Vec<_> = lower.chain(upper).collect();
                 match corners[..] {
                     [] => {}
@@ -151,7 +157,8 @@ impl Plot<'_> {
         let y = self.area.down(limit.value) - 7.0;
         let label = text::fitted(&limit.label, SIZE, true, right - left - 16.0);
         let width = text::width(&label, SIZE, true);
-        let places: Vec<_> = shown_points(self.figure).map(|point| self.area.place((point.x, point.y))).collect();
+        let places: Vec<_> =
+            shown_points(self.figure).map(|point| self.area.place((point.x, point.y))).collect();
         let covered = |start: f64| {
             let near = |&&(px, py): &&(f64, f64)| {
                 (start - 20.0..start + width + 20.0).contains(&px)

@@ -28,6 +28,8 @@ pub struct Spec {
     pub filter: Vec<(String, String)>,
     /// A horizontal line, an angle in ″: y must be one.
     pub limit: Option<f64>,
+    /// Columns with laws to be drawn beside the curves, angles in ″: y must be one. Their labels stand in the legend.
+    pub laws: Vec<String>,
     /// What the points are, for the legend: `Monte Carlo`, `measured`. Empty: not said.
     pub points: String,
 }
@@ -89,13 +91,15 @@ pub enum ChartError {
         /// One of its texts.
         example: String,
     },
-    /// A limit in ″ on an axis of something else.
-    #[error("`{column}` is {}, a limit in ″ cannot be drawn on it", in_unit(unit))]
-    LimitUnit {
-        /// The name of the column along the vertical axis.
+    /// A limit or a law in ″ beside something else.
+    #[error("`{column}` is {}, {beside} in ″ cannot be drawn on it", in_unit(unit))]
+    NotAngle {
+        /// The name of the column of the estimates.
         column: String,
         /// The symbol of its unit; empty for a pure number.
         unit: String,
+        /// `a limit` or `a law`.
+        beside: &'static str,
     },
 }
 

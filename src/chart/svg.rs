@@ -68,7 +68,7 @@ impl Figure {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Axis, Entry, Grouping, Law, Limit, Scale, Series, SeriesPoint, png};
+    use super::super::{Axis, Entry, Grouping, Law, LawLine, Limit, Scale, Series, SeriesPoint, png};
     use super::*;
     use resvg::tiny_skia::Pixmap;
     use resvg::usvg::roxmltree::Document;
@@ -93,6 +93,7 @@ mod tests {
                 .collect(),
             law: points(1.02 * slope).collect(),
         };
+        let line = |colours: Vec<usize>, slope: f64| LawLine { colours, points: points(slope).collect() };
         Figure {
             title: "Residual < 10 ″ & more".to_owned(),
             subtitle: Some("n = 1, 3".to_owned()),
@@ -102,7 +103,10 @@ mod tests {
             dashes: grouping("gap ticks", &["1", "3"]),
             points: "Monte Carlo".to_owned(),
             series: vec![series(0, 0, 2.0), series(0, 1, 5.0), series(1, 0, 0.1), series(1, 1, 0.3)],
-            laws: vec![Law { label: "x³/6".to_owned(), points: points(1.0).collect() }],
+            laws: vec![Law {
+                label: "x³/6".to_owned(),
+                lines: vec![line(vec![1], 0.3), line(vec![0, 1], 1.0)],
+            }],
             limit: Some(Limit { value: 10.0, label: "limit 10 ″".to_owned() }),
         }
     }

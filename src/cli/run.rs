@@ -184,6 +184,7 @@ fn spec(study: &Study, chart: &Chart) -> Spec {
         series: chart.series.iter().map(|column| column.name.clone()).collect(),
         filter: chart.rows.iter().map(|(column, value)| (column.name.clone(), value.text())).collect(),
         limit: chart.limit_arcsec,
+        laws: vec![],
         points: "Monte Carlo".to_owned(),
     }
 }
@@ -207,7 +208,7 @@ fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
         ChartError::Column(ColumnError::NoRow { column, .. }) => {
             (place(Box::new(rows()), column), "`where` takes values that the column has in points.csv")
         }
-        ChartError::LimitUnit { column, .. } => (
+        ChartError::NotAngle { column, .. } => (
             place(Box::new(std::iter::once(&chart.y)), column),
             "name an error in ″ as y, or leave out the limit",
         ),
