@@ -2,6 +2,7 @@
 
 use super::canvas::{Canvas, Lettering, Stroke};
 use super::figure::{Figure, Grouping};
+use super::map::{HATCH, hatching};
 use super::palette::{self, INK, MUTED};
 use super::text;
 
@@ -9,6 +10,8 @@ const SIZE: f64 = 13.0;
 const ROW: f64 = 22.0;
 const SAMPLE: f64 = 36.0;
 const GAP: f64 = 10.0;
+/// Half the height of the sample of an area.
+const FILL: f64 = 7.0;
 /// Longer entries are shortened.
 const WIDEST_TEXT: f64 = 210.0;
 
@@ -35,6 +38,8 @@ pub(super) struct Sample {
     /// Style and colour.
     pub marker: Option<(usize, &'static str)>,
     pub band: Option<&'static str>,
+    /// Colour of an area, and whether it is hatched.
+    pub fill: Option<(&'static str, bool)>,
 }
 
 impl Legend {
@@ -141,7 +146,7 @@ impl Legend {
 
 fn curve_sample(style: usize, colour: &'static str) -> Sample {
     let line = Stroke { colour, width: 1.6, dash: palette::dash(style) };
-    Sample { line: Some(line), marker: Some((style, colour)), band: None }
+    Sample { line: Some(line), marker: Some((style, colour)), ..Sample::default() }
 }
 
 fn law_rows(figure: &Figure) -> Vec<Row> {
@@ -185,6 +190,15 @@ fn reading_entries(figure: &Figure) -> Vec<Row> {
 impl Sample {
     fn draw(&self, canvas: &mut Canvas, left: f64, middle: f64) {
         let right = left + SAMPLE;
+        let (over, under) = (middle - FILL, middle + FILL);
+        if let Some((colour, hatched)) = self.fill {
+            canvas.block((left, over), (right, under), colour);
+            if hatched {
+                canvas.lines(hatching((left, over), (right, under)), HATCH);
+            }
+            let corners = [(left, over), (right, over), (right, under), (left, under), (left, over)];
+            canvas.line(&corners, Stroke { colour: MUTED, width: 0.8, dash: "" });
+        }
         if let Some(colour) = self.band {
             let (over, under) = (middle - 5.0, middle + 5.0);
             canvas.area(&[(left, over), (right, over), (right, under), (left, under)], colour);

@@ -1,7 +1,8 @@
-//! Charts: a table becomes a [`Figure`], a figure an SVG, an SVG a PNG.
+//! Charts: a table becomes a [`Figure`] of curves or a [`Map`], these an SVG, an SVG a PNG.
 //!
 //! ```text
-//! Table ─ Spec ─▶ Figure ─ svg() ─▶ SVG text ─ png() ─▶ PNG bytes
+//! Table ─ Spec ────▶ Figure ─ svg() ─▶ SVG text ─ png() ─▶ PNG bytes
+//!       └ MapSpec ─▶ Map ────┘
 //! ```
 //!
 //! The same figure gives the same SVG on every machine: logarithms are libm's, coordinates are rounded to 0.01 px,
@@ -20,6 +21,7 @@ mod from_table;
 mod laws;
 mod layout;
 mod legend;
+mod map;
 mod palette;
 mod plot;
 mod png;
@@ -31,6 +33,7 @@ mod ticks;
 
 pub use figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
 pub use layout::{HEIGHT, WIDTH};
+pub use map::{Cells, Map, MapNotes, MapSpec, Show, Won};
 pub use png::{PngError, png};
 pub use scale::Scale;
 pub use spec::{ChartError, Notes, Spec};

@@ -91,6 +91,22 @@ pub enum ChartError {
         /// One of its texts.
         example: String,
     },
+    /// Both axes of a map show the same.
+    #[error("`{column}` is both x and y; a map needs two different columns")]
+    SameAxes {
+        /// As y names it.
+        column: String,
+    },
+    /// Several rows on one cell of a map.
+    #[error("several rows fall on one cell of the map, as at {cell}{}", differing(column.as_deref(), values))]
+    SeveralRows {
+        /// The values of the axes there: `dt_nu = 0.1, motion.amplitude = 5`.
+        cell: String,
+        /// The first column in which two of the rows differ.
+        column: Option<String>,
+        /// Their values there.
+        values: Vec<String>,
+    },
     /// A limit or a law in ″ beside something else.
     #[error("`{column}` is {}, {beside} in ″ cannot be drawn on it", in_unit(unit))]
     NotAngle {
@@ -101,6 +117,10 @@ pub enum ChartError {
         /// `a limit` or `a law`.
         beside: &'static str,
     },
+}
+
+fn differing(column: Option<&str>, values: &[String]) -> String {
+    column.map_or(String::new(), |column| format!(": they differ in {column} ({})", values.join(", ")))
 }
 
 fn in_unit(unit: &str) -> String {

@@ -22,7 +22,7 @@ pub fn pivot(
     sweeps: &[&str],
     y: &str,
     series: &[&str],
-    filter: &[(&str, String)],
+    filter: &[(String, String)],
 ) -> Result<String, ColumnError> {
     let columns = |names: &[&str]| names.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>();
     let (sweeps, y, mut series) = (columns(sweeps)?, table.column(y)?, columns(series)?);

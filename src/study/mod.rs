@@ -7,14 +7,17 @@
 //! Whatever is wrong is found here, before any work, and told with its place in the file.
 
 mod chart;
+mod chart_file;
 mod diagnose;
 mod expected;
 mod expression;
 mod file;
 mod inputs;
 mod key;
+mod law;
 mod place;
 mod point;
+mod rows;
 mod scalar;
 mod sweep;
 mod ticks;
@@ -32,11 +35,13 @@ use miette::NamedSource;
 use serde::Deserialize;
 use toml::Spanned;
 
-pub use chart::{Chart, Named};
+pub use chart::{Chart, Named, Shows};
+pub use chart_file::Scale;
 pub use diagnose::StudyError;
-pub use file::{Filler, Kind, Phase, Scale, Streams, schema};
+pub use file::{Filler, Kind, Phase, Streams, schema};
 pub use inputs::{Amplitude, Inputs, TickNoise};
 pub use key::Key;
+pub use law::Law;
 pub use point::Point;
 pub use sweep::Sweep;
 pub(crate) use units::round_12;
@@ -112,6 +117,17 @@ impl Study {
     /// All points, in order; without a sweep the one that is written.
     pub fn points(&self) -> &[Point] {
         &self.points
+    }
+
+    /// The laws that any chart draws, each once.
+    pub fn laws(&self) -> Vec<Law> {
+        let mut laws: Vec<Law> = Vec::new();
+        for law in self.charts.iter().flat_map(Chart::laws) {
+            if !laws.contains(law) {
+                laws.push(*law);
+            }
+        }
+        laws
     }
 
     /// The file as it was read, but with the seed and the trials of this value: a study that repeats this one without

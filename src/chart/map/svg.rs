@@ -1,0 +1,157 @@
+//! A map as SVG.
+
+use super::super::area::{Area, Frame};
+use super::super::axes;
+use super::super::canvas::{Canvas, Stroke};
+use super::super::layout::{HEIGHT, MARGIN, MOST_LABELS, Titles, WIDTH, draw_nothing};
+use super::super::legend::{Legend, Row, Sample, wrapped_entry};
+use super::super::palette::{self, LIMIT, PALE_MUTED};
+use super::super::scale::{Range, Scale};
+use super::super::text;
+use super::colour_bar::ColourBar;
+use super::draw::{self, Edges};
+use super::{Cells, Map, Won, limit_line, share};
+
+impl Map {
+    /// The map as SVG, [`WIDTH`] × [`HEIGHT`] CSS px. Equal maps give equal bytes on every machine.
+    pub fn svg(&self) -> String {
+        let (x, y) = (range(self.x.scale, &self.columns), range(self.y.scale, &self.rows));
+        let (x_ticks, y_ticks) = (x.ticks(MOST_LABELS), y.ticks(MOST_LABELS));
+        let colours = self.colours();
+        let colour_ticks = colours.ticks(MOST_LABELS);
+        let z_title = self.z.title();
+        let bar = matches!(self.cells, Cells::Values(_)).then_some(ColourBar {
+            range: colours,
+            ticks: &colour_ticks,
+            title: &z_title,
+            limit: self.limit_on(colours),
+        });
+        let legend = self.legend();
+        let titles = Titles {
+            title: &self.title,
+            subtitle: self.subtitle.as_deref(),
+            x: self.x.title(),
+            y: self.y.title(),
+        };
+        let frame = titles.frame(&y_ticks, legend.width().max(bar.as_ref().map_or(0.0, ColourBar::width)));
+        let area = Area { x, y, frame };
+        let edges = Edges::new(self, &area);
+
+        let mut canvas = Canvas::default();
+        canvas.open_picture(WIDTH, HEIGHT, text::FAMILY, &self.title);
+        titles.draw(&mut canvas, frame);
+        draw::draw_cells(&mut canvas, self, &edges, colours);
+        self.draw_over(&mut canvas, &area, &edges);
+        draw::draw_frame(&mut canvas, frame);
+        canvas.group("axes", |canvas| axes::draw_axes(canvas, &area, &x_ticks, &y_ticks));
+        if self.known() == 0 {
+            draw_nothing(&mut canvas, "cell", 0, frame);
+        }
+        let Frame { top, right, bottom, .. } = frame;
+        let (left, mut legend_top) = (right + MARGIN, top);
+        if let Some(bar) = bar {
+            let under = if legend.height() > 0.0 { legend.height() + 0.7 * MARGIN } else { 0.0 };
+            legend_top = (bottom - under).max(top + 0.4 * (bottom - top)) + 0.7 * MARGIN;
+            bar.draw(&mut canvas, left, (top, legend_top - 0.7 * MARGIN));
+        }
+        canvas.group("legend", |canvas| legend.draw(canvas, (left, legend_top), HEIGHT - 0.5 * MARGIN));
+        canvas.close_picture();
+        canvas.finish()
+    }
+
+    /// The scale of the colours: exactly the values shown, or some about a single one.
+    fn colours(&self) -> Range {
+        let values: Vec<f64> = self.values().into_iter().flatten().collect();
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let scale = self.z.scale;
+        if low < high { Range { scale, low, high } } else { Range::around(scale, values) }
+    }
+
+    /// The limit, where the colours have it.
+    fn limit_on(&self, colours: Range) -> Option<f64> {
+        let limit = self.limit.as_ref()?.value;
+        (colours.low..=colours.high).contains(&limit).then_some(limit)
+    }
+
+    /// Draws what stands over the cells.
+    fn draw_over(&self, canvas: &mut Canvas, area: &Area, edges: &Edges) {
+        match (&self.cells, &self.limit) {
+            (Cells::Values(_), Some(limit)) => limit_line::draw(canvas, self, area, limit),
+            (Cells::Values(_), None) => {}
+            (Cells::Winners { won, .. }, limit) => {
+                if let Some(limit) = limit {
+                    draw::draw_hatching(canvas, edges, won, limit.value);
+                }
+                draw::draw_boundaries(canvas, edges, won);
+            }
+        }
+    }
+
+    fn legend(&self) -> Legend {
+        let mut legend = Legend::default();
+        if let Cells::Winners { of, won } = &self.cells {
+            let won: Vec<Won> = won.iter().copied().flatten().collect();
+            let entry = |style: usize, name: &str| {
+                let fill = Some((palette::area_colour(style), false));
+                let cells = won.iter().filter(|won| won.style == style).count();
+                wrapped_entry(
+                    Sample { fill, ..Sample::default() },
+                    &format!("{name}: {}", share(cells, won.len())),
+                )
+            };
+            let rows = of.entries.iter().flat_map(|of| entry(of.style, &of.name));
+            legend.part(Some(&format!("least {}", self.z.label)), rows.collect());
+            legend.part(None, close_rows(&won));
+        }
+        legend.part(None, self.limit_rows());
+        if self.known() < self.columns.len() * self.rows.len() {
+            legend.part(None, vec![Row::Remark("blank: not known".to_owned())]);
+        }
+        let chosen = self.chosen.iter().map(|chosen| Row::Remark(chosen.clone()));
+        legend.part(Some("shown"), chosen.collect());
+        legend
+    }
+
+    /// What the limit is, and how many cells are within it.
+    fn limit_rows(&self) -> Vec<Row> {
+        let Some((limit, within)) = self.limit.as_ref().zip(self.within_limit()) else {
+            return vec![];
+        };
+        let known = self.known();
+        let (sample, text) = match self.cells {
+            Cells::Values(_) => {
+                let line = Some(Stroke { colour: LIMIT, width: 2.2, dash: "" });
+                (
+                    Sample { line, ..Sample::default() },
+                    format!("{}; within: {}", limit.label, share(within, known)),
+                )
+            }
+            Cells::Winners { .. } => {
+                let fill = Some(("#ffffff", true));
+                let text =
+                    format!("even the least is over the {}: {}", limit.label, share(known - within, known));
+                (Sample { fill, ..Sample::default() }, text)
+            }
+        };
+        wrapped_entry(sample, &text)
+    }
+}
+
+/// How many winners may be none, if any.
+fn close_rows(won: &[Won]) -> Vec<Row> {
+    let close = won.iter().filter(|won| !won.certain).count();
+    if close == 0 {
+        return vec![];
+    }
+    let text = format!("paler: the 95 % bands of the best two overlap: {}", share(close, won.len()));
+    wrapped_entry(Sample { fill: Some((PALE_MUTED, false)), ..Sample::default() }, &text)
+}
+
+/// What an axis covers: the cells, from edge to edge.
+fn range(scale: Scale, values: &[f64]) -> Range {
+    match scale.edges(values)[..] {
+        [low, .., high] => Range { scale, low, high },
+        _ => Range::around(scale, []),
+    }
+}
