@@ -5,10 +5,10 @@
 const COLOURS: [&str; 8] =
     ["#004488", "#c24a00", "#4fb9a8", "#aa3377", "#e0a100", "#5aaae0", "#444444", "#999933"];
 
-/// The colours with 35 % and with 70 % of white in them: for areas, and for what stands behind.
+/// The colours with 28 % and with 62 % of white in them: for areas, and for what stands behind.
 const TINTS: [[&str; 8]; 2] = [
-    ["#5985b2", "#d78959", "#8dd2c6", "#c87aa7", "#ebc259", "#94c8eb", "#858585", "#bdbd7a"],
-    ["#b2c7db", "#edc9b2", "#caeae5", "#e6c2d6", "#f6e3b2", "#cee6f6", "#c7c7c7", "#e0e0c2"],
+    ["#4778a9", "#d37d47", "#80cdc0", "#c26c9d", "#e9bb47", "#88c2e9", "#787878", "#b6b66c"],
+    ["#9eb8d2", "#e8ba9e", "#bce4de", "#dfb1cb", "#f3db9e", "#c0dff3", "#b8b8b8", "#d8d8b1"],
 ];
 
 /// Dash patterns, as `stroke-dasharray` has them.
@@ -32,7 +32,7 @@ pub(super) const INK: &str = "#222222";
 /// What is said beside the main thing.
 pub(super) const MUTED: &str = "#5c5c5c";
 /// The same for what stands behind.
-pub(super) const PALE_MUTED: &str = "#cecece";
+pub(super) const PALE_MUTED: &str = "#c1c1c1";
 /// Grid lines at the labelled ticks, and between them.
 pub(super) const GRID: [&str; 2] = ["#d9dde1", "#eff1f3"];
 /// The limit line.
@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn tints_are_their_colours_with_white() {
-        for (tints, white) in TINTS.iter().zip([0.35, 0.7]) {
+        for (tints, white) in TINTS.iter().zip([0.28, 0.62]) {
             for (tint, colour) in tints.iter().zip(COLOURS) {
                 for (found, full) in parts(tint).into_iter().zip(parts(colour)) {
                     let mixed = full * (1.0 - white) + 255.0 * white;

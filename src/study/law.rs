@@ -54,8 +54,8 @@ impl Law {
         match self {
             Law::TaylorExtremum => "Taylor term of one tick at an extremum, as published, Z(20)",
             Law::TaylorZeroCrossing => "Taylor term of one tick at a zero crossing, as published, Z(20)",
-            Law::NoiseAsPublished => "3σ noise of const as published, with √n",
-            Law::Noise => "3σ noise of const by Z(18), with n",
+            Law::NoiseAsPublished => "3σ noise of const as published, growing as √n",
+            Law::Noise => "3σ noise of const by Z(18), growing as n",
         }
     }
 

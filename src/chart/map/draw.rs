@@ -89,6 +89,8 @@ pub(in crate::chart) fn hatching(
             let to = right.min(sum - top);
             [(from, sum - from), (to, sum - to)]
         })
+        // A corner that is only touched.
+        .filter(|[from, to]| from.0 < to.0)
         .collect()
 }
 
@@ -137,15 +139,15 @@ mod tests {
 
     #[test]
     fn hatching_stays_in_its_rectangle_and_goes_on_in_the_next() {
-        let [one, next] = [hatching((3.0, 5.0), (31.0, 22.0)), hatching((31.0, 5.0), (50.0, 22.0))];
+        let [one, next] = [hatching((3.0, 5.5), (31.25, 22.25)), hatching((31.25, 5.5), (50.0, 22.25))];
         for [(x0, y0), (x1, y1)] in &one {
-            assert!((3.0..=31.0).contains(x0) && (3.0..=31.0).contains(x1), "{x0} to {x1}");
-            assert!((5.0..=22.0).contains(y0) && (5.0..=22.0).contains(y1), "{y0} to {y1}");
+            assert!((3.0..=31.25).contains(x0) && (3.0..=31.25).contains(x1), "{x0} to {x1}");
+            assert!((5.5..=22.25).contains(y0) && (5.5..=22.25).contains(y1), "{y0} to {y1}");
             assert!((x0 + y0 - x1 - y1).abs() < 1e-9);
         }
         let on_edge = |lines: &[[(f64, f64); 2]]| -> Vec<f64> {
             let ends = lines.iter().flatten();
-            let mut heights: Vec<f64> = ends.filter(|end| end.0 == 31.0).map(|end| end.1).collect();
+            let mut heights: Vec<f64> = ends.filter(|end| end.0 == 31.25).map(|end| end.1).collect();
             heights.sort_by(f64::total_cmp);
             heights
         };

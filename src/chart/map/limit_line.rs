@@ -13,27 +13,54 @@ const LINES: [Stroke; 2] =
     [Stroke { colour: "#ffffff", width: 5.0, dash: "" }, Stroke { colour: LIMIT, width: 2.2, dash: "" }];
 
 /// Draws the line with its label. It runs between the middles of the cells, on the scale of the values; from the
-/// outermost middles to the frame it goes straight on.
+/// outermost middles to the frame the values are continued as they change before.
 pub(super) fn draw(canvas: &mut Canvas, map: &Map, area: &Area, limit: &Limit) {
     if !map.z.scale.shows(limit.value) {
         return;
     }
     let Frame { left, top, right, bottom } = area.frame;
-    let beyond = |from: f64, middles: Vec<f64>, to: f64| -> Vec<f64> {
-        std::iter::once(from).chain(middles).chain([to]).collect()
-    };
-    let xs = beyond(left, map.columns.iter().map(|x| area.across(*x)).collect(), right);
-    let ys = beyond(bottom, map.rows.iter().map(|y| area.down(*y)).collect(), top);
+    let across = Points::new(left, map.columns.iter().map(|x| area.across(*x)).collect(), right);
+    let down = Points::new(bottom, map.rows.iter().map(|y| area.down(*y)).collect(), top);
     let values = map.values();
-    let inside = |place: usize, count: usize| place.saturating_sub(1).min(count.saturating_sub(1));
-    let value = |column: usize, row: usize| {
-        let (column, row) = (inside(column, map.columns.len()), inside(row, map.rows.len()));
+    let known = |column: usize, row: usize| -> Option<f64> {
         let value = values.get(row * map.columns.len() + column).copied().flatten();
         value.map(|value| map.z.scale.coordinate(value))
     };
-    let lines = contour(&xs, &ys, value, map.z.scale.coordinate(limit.value));
+    let value = |column: usize, row: usize| {
+        let across_in = |row: usize| across.value(column, |column| known(column, row));
+        down.value(row, across_in)
+    };
+    let lines = contour(&across.places, &down.places, value, map.z.scale.coordinate(limit.value));
     canvas.group(&limit.label, |canvas| lines.iter().for_each(|line| draw_line(canvas, line)));
     draw_label(canvas, &lines, area.frame, &limit.label);
+}
+
+/// The middles of the cells along one axis, between the two ends of the frame.
+struct Points {
+    places: Vec<f64>,
+}
+
+impl Points {
+    fn new(from: f64, middles: Vec<f64>, to: f64) -> Points {
+        Points { places: std::iter::once(from).chain(middles).chain([to]).collect() }
+    }
+
+    /// The value at a point where `of` gives that of each cell: at the ends, that of the outermost cell and on along the
+    /// straight line through it and the next one.
+    fn value(&self, point: usize, of: impl Fn(usize) -> Option<f64>) -> Option<f64> {
+        let cells = self.places.len() - 2;
+        let (outer, inner) = match point {
+            0 => (0, 1),
+            _ if point > cells => (cells.checked_sub(1)?, cells.saturating_sub(2)),
+            _ => return of(point - 1),
+        };
+        let outermost = of(outer)?;
+        let Some(next) = of(inner).filter(|_| outer != inner && inner < cells) else {
+            return Some(outermost);
+        };
+        let at = |cell: usize| self.places[cell + 1];
+        Some(outermost + (outermost - next) * (self.places[point] - at(outer)) / (at(outer) - at(inner)))
+    }
 }
 
 /// Draws a line of the limit.
@@ -83,4 +110,24 @@ fn densely(line: &[(f64, f64)]) -> Vec<(f64, f64)> {
         places.extend((0..steps as usize).map(|step| (x0 + (x1 - x0) * at(step), y0 + (y1 - y0) * at(step))));
     }
     places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_go_on_to_the_frame_along_a_straight_line_where_two_are_known() {
+        let points = Points::new(0.0, vec![1.0, 3.0, 7.0], 9.0);
+        let all = |cell: usize| Some([10.0, 14.0, 22.0][cell]);
+        let found: Vec<Option<f64>> = (0..5).map(|point| points.value(point, all)).collect();
+        assert_eq!(found, [8.0, 10.0, 14.0, 22.0, 26.0].map(Some));
+        let without = |cell: usize| all(cell).filter(|_| cell != 1);
+        let found: Vec<Option<f64>> = (0..5).map(|point| points.value(point, without)).collect();
+        assert_eq!(found, [Some(10.0), Some(10.0), None, Some(22.0), Some(22.0)]);
+        let one = Points::new(0.0, vec![1.0], 2.0);
+        assert_eq!([0, 1, 2].map(|point| one.value(point, |_| Some(5.0))), [Some(5.0); 3]);
+        let none = Points::new(0.0, vec![], 2.0);
+        assert_eq!([0, 1].map(|point| none.value(point, |_| None)), [None; 2]);
+    }
 }

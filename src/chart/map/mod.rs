@@ -92,15 +92,16 @@ impl Map {
     }
 }
 
-/// A part of a whole in percent, never rounded to all or nothing.
-fn share(part: usize, whole: usize) -> String {
-    let percent = 100.0 * part as f64 / whole.max(1) as f64;
-    match percent {
-        0.0 => "none".to_owned(),
-        p if part == whole => format!("{p:.0} %"),
-        p if p < 0.1 => "< 0.1 %".to_owned(),
-        p if p < 9.95 => format!("{p:.1} %"),
-        p if p > 99.5 => "> 99.5 %".to_owned(),
-        p => format!("{p:.0} %"),
-    }
+/// A part of all cells in percent, never rounded to all or none.
+fn share(part: usize, cells: usize) -> String {
+    let percent = 100.0 * part as f64 / cells.max(1) as f64;
+    let shown = match percent {
+        0.0 => return "no cells".to_owned(),
+        _ if part == cells => return "all cells".to_owned(),
+        p if p < 0.1 => "< 0.1".to_owned(),
+        p if p < 9.95 => format!("{p:.1}"),
+        p if p > 99.5 => "> 99.5".to_owned(),
+        p => format!("{p:.0}"),
+    };
+    format!("{shown} % of cells")
 }

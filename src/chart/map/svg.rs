@@ -8,15 +8,16 @@ use super::super::legend::{Legend, Row, Sample, wrapped_entry};
 use super::super::palette::{self, LIMIT, PALE_MUTED};
 use super::super::scale::{Range, Scale};
 use super::super::text;
+use super::super::ticks::Ticks;
 use super::colour_bar::ColourBar;
 use super::draw::{self, Edges};
-use super::{Cells, Map, Won, limit_line, share};
+use super::{Axis, Cells, Map, Won, limit_line, share};
 
 impl Map {
     /// The map as SVG, [`WIDTH`] × [`HEIGHT`] CSS px. Equal maps give equal bytes on every machine.
     pub fn svg(&self) -> String {
         let (x, y) = (range(self.x.scale, &self.columns), range(self.y.scale, &self.rows));
-        let (x_ticks, y_ticks) = (x.ticks(MOST_LABELS), y.ticks(MOST_LABELS));
+        let (x_ticks, y_ticks) = (ticks(&self.x, x, &self.columns), ticks(&self.y, y, &self.rows));
         let colours = self.colours();
         let colour_ticks = colours.ticks(MOST_LABELS);
         let z_title = self.z.title();
@@ -45,7 +46,7 @@ impl Map {
         draw::draw_frame(&mut canvas, frame);
         canvas.group("axes", |canvas| axes::draw_axes(canvas, &area, &x_ticks, &y_ticks));
         if self.known() == 0 {
-            draw_nothing(&mut canvas, "cell", 0, frame);
+            draw_nothing(&mut canvas, "value", 0, frame);
         }
         let Frame { top, right, bottom, .. } = frame;
         let (left, mut legend_top) = (right + MARGIN, top);
@@ -100,8 +101,9 @@ impl Map {
                     &format!("{name}: {}", share(cells, won.len())),
                 )
             };
+            let judged = Row::Remark(format!("with the least {}", self.z.label));
             let rows = of.entries.iter().flat_map(|of| entry(of.style, &of.name));
-            legend.part(Some(&format!("least {}", self.z.label)), rows.collect());
+            legend.part(Some(&of.title), std::iter::once(judged).chain(rows).collect());
             legend.part(None, close_rows(&won));
         }
         legend.part(None, self.limit_rows());
@@ -124,18 +126,26 @@ impl Map {
                 let line = Some(Stroke { colour: LIMIT, width: 2.2, dash: "" });
                 (
                     Sample { line, ..Sample::default() },
-                    format!("{}; within: {}", limit.label, share(within, known)),
+                    format!("{}, within: {}", no_break(&limit.label), share(within, known)),
                 )
             }
             Cells::Winners { .. } => {
                 let fill = Some(("#ffffff", true));
-                let text =
-                    format!("even the least is over the {}: {}", limit.label, share(known - within, known));
+                let text = format!(
+                    "even the least is over the {}: {}",
+                    no_break(&limit.label),
+                    share(known - within, known)
+                );
                 (Sample { fill, ..Sample::default() }, text)
             }
         };
         wrapped_entry(sample, &text)
     }
+}
+
+/// A text that is not broken into lines.
+fn no_break(text: &str) -> String {
+    text.replace(' ', "\u{a0}")
 }
 
 /// How many winners may be none, if any.
@@ -153,5 +163,38 @@ fn range(scale: Scale, values: &[f64]) -> Range {
     match scale.edges(values)[..] {
         [low, .., high] => Range { scale, low, high },
         _ => Range::around(scale, []),
+    }
+}
+
+/// The ticks of an axis: those of its scale, or, of counts that are few and well apart, one at each.
+fn ticks(axis: &Axis, range: Range, cells: &[f64]) -> Ticks {
+    /// Least distance of two labels, in lengths of the axis.
+    const APART: f64 = 0.045;
+    let counts =
+        axis.unit.is_empty() && cells.iter().all(|value| value.fract() == 0.0 && (0.0..1e5).contains(value));
+    let apart = cells.windows(2).all(|pair| range.fraction(pair[1]) - range.fraction(pair[0]) >= APART);
+    if cells.is_empty() || cells.len() > MOST_LABELS || !counts || !apart {
+        return range.ticks(MOST_LABELS);
+    }
+    Ticks { major: cells.iter().map(|value| (*value, format!("{value:.0}"))).collect(), minor: vec![] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_counts_have_a_tick_each_and_other_values_those_of_their_scale() {
+        let labels_in = |unit: &str, values: &[f64]| -> Vec<String> {
+            let axis = Axis { label: String::new(), unit: unit.to_owned(), scale: Scale::Linear };
+            let range = range(axis.scale, values);
+            ticks(&axis, range, values).major.into_iter().map(|(_, label)| label).collect()
+        };
+        let labels = |values: &[f64]| labels_in("", values);
+        assert_eq!(labels(&[1.0, 2.0, 3.0]), ["1", "2", "3"]);
+        assert_eq!(labels(&[3.0, 8.0, 13.0, 64.0]), ["3", "8", "13", "64"]);
+        assert_eq!(labels_in("Hz", &[1.0, 2.0, 3.0])[..2], ["0.5", "1.0"]);
+        assert_eq!(labels(&[1.0, 2.0, 100.0]), ["20", "40", "60", "80", "100", "120", "140"]);
+        assert_eq!(labels(&[1.0, 2.5])[0], "0.5");
     }
 }
