@@ -335,7 +335,7 @@ fn charts_with_keys_of_another_kind_are_refused() {
     refused(
         &swept_chart(&format!("{map}z = \"z\"\nlimit = \"10 arcsec\"")),
         "22:5",
-        &["a limit in ″ cannot be drawn on it", "name an error in ″ instead, or leave out a limit"],
+        &["a limit in ″ cannot be drawn on it", "name an error in ″ instead, or leave out the limit"],
     );
     let twice = map.replace("amplitude", "frequency_hz");
     refused(&swept_chart(&format!("{twice}z = \"rms\"")), "21:5", &["both x and y", "another column as y"]);
@@ -373,7 +373,7 @@ fn laws_are_refused_where_they_cannot_be_drawn() {
     refused(
         &laws("x = \"dt_nu\"\ny = \"z\""),
         "20:5",
-        &["a law in ″ cannot be drawn on it", "leave out a law"],
+        &["a law in ″ cannot be drawn on it", "leave out the law"],
     );
     refused(
         &laws("x = \"dt_nu\"\ny = \"rms\"").replace("noise\"]", "nose\"]"),
@@ -598,7 +598,7 @@ fn a_sweep_without_a_chart_gets_one_and_several_charts_are_numbered() {
 
 #[test]
 fn maps_are_drawn_with_their_limit_and_what_they_show_is_told() {
-    let axes = "x = \"frequency\"\ny = \"amplitude\"\nz = \"q9973\"\nlimit = \"10 arcsec\"\n";
+    let axes = "x = \"frequency\"\ny = \"amplitude\"\nz = \"q9973\"\nlimit = \"20 arcsec\"\n";
     let heat = format!("kind = \"heat-map\"\n{axes}where = {{ filler = \"const\" }}\n");
     let winners = format!("kind = \"winner-map\"\n{axes}");
     let text =
@@ -621,7 +621,7 @@ fn maps_are_drawn_with_their_limit_and_what_they_show_is_told() {
         assert!(heat.contains(piece), "{piece} is missing in\n{heat}");
     }
     let winners = desk.read("results/study/chart-2.svg");
-    for piece in ["const = linear: 75 % of cells", "quadratic: 25 % of cells", "even the least is over"] {
+    for piece in ["const = linear: 50 % of cells", "quadratic: 50 % of cells", "even the least is over"] {
         assert!(winners.contains(piece), "{piece} is missing in\n{winners}");
     }
     assert!(!ended.stdout.contains("against the limit"), "a map has no verdict:\n{}", ended.stdout);

@@ -15,7 +15,7 @@ impl Figure {
     /// A limit or a law where y is no angle, a column that is not there, holds text instead of numbers, or has no row with a value asked for.
     pub fn from_table(table: &Table, spec: &Spec) -> Result<(Figure, Notes), ChartError> {
         let (x, y) = (numbers(table, &spec.x)?, numbers(table, &spec.y)?);
-        check_angle(&spec.y, y, [spec.limit.map(|_| "a limit"), spec.laws.first().map(|_| "a law")])?;
+        check_angle(&spec.y, y, [spec.limit.map(|_| "limit"), spec.laws.first().map(|_| "law")])?;
         let laws = spec.laws.iter().map(|name| numbers(table, name)).collect::<Result<Vec<_>, _>>()?;
         let oracle = format!("oracle_{}", y.name);
         let oracle = table.columns.iter().find(|column| column.name == oracle);

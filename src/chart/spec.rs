@@ -108,13 +108,13 @@ pub enum ChartError {
         values: Vec<String>,
     },
     /// A limit or a law in ″ beside something else.
-    #[error("`{column}` is {}, {beside} in ″ cannot be drawn on it", in_unit(unit))]
+    #[error("`{column}` is {}, a {beside} in ″ cannot be drawn on it", in_unit(unit))]
     NotAngle {
         /// The name of the column of the estimates.
         column: String,
         /// The symbol of its unit; empty for a pure number.
         unit: String,
-        /// `a limit` or `a law`.
+        /// `limit` or `law`.
         beside: &'static str,
     },
 }

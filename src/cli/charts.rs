@@ -147,7 +147,7 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
             "`where` takes values that the column has in points.csv".to_owned(),
         ),
         ChartError::NotAngle { column, beside, .. } => {
-            let help = format!("name an error in ″ instead, or leave out {beside}");
+            let help = format!("name an error in ″ instead, or leave out the {beside}");
             (place(Box::new(std::iter::once(chart.estimate())), column), help)
         }
         ChartError::SameAxes { .. } => (chart.y.span.clone(), "name another column as y".to_owned()),

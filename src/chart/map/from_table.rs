@@ -16,7 +16,7 @@ impl Map {
     /// both axes; a column that is not there, holds text instead of numbers, or has no row with a value asked for.
     pub fn from_table(table: &Table, spec: &MapSpec) -> Result<(Map, MapNotes), ChartError> {
         let (x, y, z) = (numbers(table, &spec.x)?, numbers(table, &spec.y)?, numbers(table, &spec.z)?);
-        check_angle(&spec.z, z, [spec.limit.map(|_| "a limit")])?;
+        check_angle(&spec.z, z, [spec.limit.map(|_| "limit")])?;
         if x.name == y.name {
             return Err(ChartError::SameAxes { column: spec.y.clone() });
         }
