@@ -9,7 +9,7 @@ use crate::kernel::launch::Launch;
 use crate::lower::{Estimate, LowerError, Lowered};
 use crate::stats::{Estimates, z_score};
 use crate::store::{Identity, Provenance, Row, Store, StoreError};
-use crate::study::{Error, Point, Precision, Study, StudyError};
+use crate::study::{Error, Filler, Point, Precision, Study, StudyError};
 use crate::table::{Cell, Column, Table, Unit};
 
 /// Why a run ended early. What was computed before is in the store.
@@ -252,8 +252,8 @@ impl<'a> Plan<'a> {
     /// The table before anything is sampled: all rows, without estimates.
     pub fn blank_table(&self) -> Table {
         let mut columns = Columns::new(self.study);
-        self.rows(|point, filler, estimate| columns.push(point, filler, estimate, 0, None));
-        columns.table
+        self.rows(|point, filler, estimate| columns.push(point, &filler.name, estimate, 0, None));
+        self.with_laws(columns.table)
     }
 
     /// All estimates held, a row for each point, filler and error.
@@ -266,19 +266,32 @@ impl<'a> Plan<'a> {
         self.rows(|point, filler, estimate| match store.total(&estimate.address) {
             Ok(tally) => {
                 let found = Estimates::of(&tally, estimate.bin_base, estimate.unit_arcsec);
-                columns.push(point, filler, estimate, tally.count, found);
+                columns.push(point, &filler.name, estimate, tally.count, found);
             }
             Err(error) => drop(failed.get_or_insert(error)),
         });
-        failed.map_or(Ok(columns.table), Err)
+        failed.map_or_else(|| Ok(self.with_laws(columns.table)), Err)
+    }
+
+    /// The table with a column for each law that a chart draws.
+    fn with_laws(&self, mut table: Table) -> Table {
+        for law in self.study.laws() {
+            let mut cells = vec![];
+            self.rows(|point, filler, estimate| {
+                cells.push(law.arcsec(&point.inputs, filler, estimate.error, estimate.rows.ticks.len()).into());
+            });
+            let (name, label) = (law.column().to_owned(), law.label().to_owned());
+            table.columns.push(Column { name, label, unit: Unit::ARCSEC, cells, band: None });
+        }
+        table
     }
 
     /// Every point, filler and error, in the order of the table.
-    fn rows(&self, mut row: impl FnMut(&Point, &str, &Estimate)) {
+    fn rows(&self, mut row: impl FnMut(&Point, &Filler, &Estimate)) {
         for (point, lowered) in self.study.points().iter().zip(&self.points) {
             for (filler, estimates) in self.study.fillers.iter().zip(&lowered.fillers) {
                 for estimate in estimates {
-                    row(point, &filler.name, estimate);
+                    row(point, filler, estimate);
                 }
             }
         }

@@ -7,6 +7,7 @@
 //! Whatever is wrong is found here, before any work, and told with its place in the file.
 
 mod chart;
+mod chart_file;
 mod diagnose;
 mod expected;
 mod expression;
@@ -14,12 +15,14 @@ mod file;
 mod filler;
 mod inputs;
 mod key;
+mod law;
 mod motion;
 mod place;
 mod point;
 mod precision;
 mod read_fillers;
 mod read_motion;
+mod rows;
 mod scalar;
 mod sweep;
 mod ticks;
@@ -37,13 +40,15 @@ use miette::NamedSource;
 use serde::Deserialize;
 use toml::Spanned;
 
-pub use chart::{Chart, Named};
+pub use chart::{Chart, Named, Shows};
+pub use chart_file::Scale;
 pub use diagnose::StudyError;
 pub(crate) use diagnose::{Fault, Text};
-pub use file::{Error, Kind, Phase, Position, Scale, Streams, schema};
+pub use file::{Error, Kind, Phase, Position, Streams, schema};
 pub use filler::{Fill, Filler, Method, POLYNOMIALS};
 pub use inputs::{Inputs, TickNoise};
 pub use key::Key;
+pub use law::Law;
 pub use motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 pub use point::Point;
 pub use precision::Precision;
@@ -129,6 +134,17 @@ impl Study {
     /// All points, in order; without a sweep the one that is written.
     pub fn points(&self) -> &[Point] {
         &self.points
+    }
+
+    /// The laws that any chart draws, each once.
+    pub fn laws(&self) -> Vec<Law> {
+        let mut laws: Vec<Law> = Vec::new();
+        for law in self.charts.iter().flat_map(Chart::laws) {
+            if !laws.contains(law) {
+                laws.push(*law);
+            }
+        }
+        laws
     }
 
     /// The file as it was read, but with the seed and the trials of this value: a study that repeats this one without
