@@ -96,5 +96,5 @@ fn competition(grid: &Grid, z: &Column, mut of: Grouping, notes: &mut MapNotes) 
     }
     let (won, merged) = winners(&mut of.entries, &values);
     notes.merged = merged;
-    Cells::Winners { of, won }
+    Cells::Winners { of, won, banded: z.band.is_some() }
 }

@@ -13,7 +13,7 @@ const LINES: [Stroke; 2] =
     [Stroke { colour: "#ffffff", width: 5.0, dash: "" }, Stroke { colour: LIMIT, width: 2.2, dash: "" }];
 
 /// Draws the line with its label. It runs between the middles of the cells, on the scale of the values; from the
-/// outermost middles to the frame the values are continued as they change before.
+/// outermost middles to the frame the values go on as they change before.
 pub(super) fn draw(canvas: &mut Canvas, map: &Map, area: &Area, limit: &Limit) {
     if !map.z.scale.shows(limit.value) {
         return;
@@ -26,11 +26,12 @@ pub(super) fn draw(canvas: &mut Canvas, map: &Map, area: &Area, limit: &Limit) {
         let value = values.get(row * map.columns.len() + column).copied().flatten();
         value.map(|value| map.z.scale.coordinate(value))
     };
+    let level = map.z.scale.coordinate(limit.value);
     let value = |column: usize, row: usize| {
-        let across_in = |row: usize| across.value(column, |column| known(column, row));
-        down.value(row, across_in)
+        let across_in = |row: usize| across.value(column, level, |column| known(column, row));
+        down.value(row, level, across_in)
     };
-    let lines = contour(&across.places, &down.places, value, map.z.scale.coordinate(limit.value));
+    let lines = contour(&across.places, &down.places, value, level);
     canvas.group(&limit.label, |canvas| lines.iter().for_each(|line| draw_line(canvas, line)));
     draw_label(canvas, &lines, area.frame, &limit.label);
 }
@@ -46,8 +47,8 @@ impl Points {
     }
 
     /// The value at a point where `of` gives that of each cell: at the ends, that of the outermost cell and on along the
-    /// straight line through it and the next one.
-    fn value(&self, point: usize, of: impl Fn(usize) -> Option<f64>) -> Option<f64> {
+    /// straight line through it and the next one, but not across the `level`: noise would grow to lines of its own.
+    fn value(&self, point: usize, level: f64, of: impl Fn(usize) -> Option<f64>) -> Option<f64> {
         let cells = self.places.len() - 2;
         let (outer, inner) = match point {
             0 => (0, 1),
@@ -59,7 +60,9 @@ impl Points {
             return Some(outermost);
         };
         let at = |cell: usize| self.places[cell + 1];
-        Some(outermost + (outermost - next) * (self.places[point] - at(outer)) / (at(outer) - at(inner)))
+        let continued =
+            outermost + (outermost - next) * (self.places[point] - at(outer)) / (at(outer) - at(inner));
+        Some(if (continued > level) == (outermost > level) { continued } else { outermost })
     }
 }
 
@@ -120,14 +123,15 @@ mod tests {
     fn values_go_on_to_the_frame_along_a_straight_line_where_two_are_known() {
         let points = Points::new(0.0, vec![1.0, 3.0, 7.0], 9.0);
         let all = |cell: usize| Some([10.0, 14.0, 22.0][cell]);
-        let found: Vec<Option<f64>> = (0..5).map(|point| points.value(point, all)).collect();
+        let found: Vec<Option<f64>> = (0..5).map(|point| points.value(point, 12.0, all)).collect();
         assert_eq!(found, [8.0, 10.0, 14.0, 22.0, 26.0].map(Some));
+        assert_eq!([0, 4].map(|end| points.value(end, 9.0, all)), [Some(10.0), Some(26.0)], "not across 9");
         let without = |cell: usize| all(cell).filter(|_| cell != 1);
-        let found: Vec<Option<f64>> = (0..5).map(|point| points.value(point, without)).collect();
+        let found: Vec<Option<f64>> = (0..5).map(|point| points.value(point, 12.0, without)).collect();
         assert_eq!(found, [Some(10.0), Some(10.0), None, Some(22.0), Some(22.0)]);
         let one = Points::new(0.0, vec![1.0], 2.0);
-        assert_eq!([0, 1, 2].map(|point| one.value(point, |_| Some(5.0))), [Some(5.0); 3]);
+        assert_eq!([0, 1, 2].map(|point| one.value(point, 12.0, |_| Some(5.0))), [Some(5.0); 3]);
         let none = Points::new(0.0, vec![], 2.0);
-        assert_eq!([0, 1].map(|point| none.value(point, |_| None)), [None; 2]);
+        assert_eq!([0, 1].map(|point| none.value(point, 12.0, |_| None)), [None; 2]);
     }
 }

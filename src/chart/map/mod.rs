@@ -57,6 +57,8 @@ pub enum Cells {
         of: Grouping,
         /// The winners.
         won: Vec<Option<Won>>,
+        /// Whether the values have uncertainties, so that a lead can be judged.
+        banded: bool,
     },
 }
 

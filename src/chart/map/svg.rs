@@ -91,7 +91,7 @@ impl Map {
 
     fn legend(&self) -> Legend {
         let mut legend = Legend::default();
-        if let Cells::Winners { of, won } = &self.cells {
+        if let Cells::Winners { of, won, banded } = &self.cells {
             let won: Vec<Won> = won.iter().copied().flatten().collect();
             let entry = |style: usize, name: &str| {
                 let fill = Some((palette::area_colour(style), false));
@@ -104,7 +104,7 @@ impl Map {
             let judged = Row::Remark(format!("with the least {}", self.z.label));
             let rows = of.entries.iter().flat_map(|of| entry(of.style, &of.name));
             legend.part(Some(&of.title), std::iter::once(judged).chain(rows).collect());
-            legend.part(None, close_rows(&won));
+            legend.part(None, if *banded { close_rows(&won) } else { unjudged_rows() });
         }
         legend.part(None, self.limit_rows());
         if self.known() < self.columns.len() * self.rows.len() {
@@ -156,6 +156,12 @@ fn close_rows(won: &[Won]) -> Vec<Row> {
     }
     let text = format!("paler: the 95 % bands of the best two overlap: {}", share(close, won.len()));
     wrapped_entry(Sample { fill: Some((PALE_MUTED, false)), ..Sample::default() }, &text)
+}
+
+/// What is said of leads where no uncertainty is known.
+fn unjudged_rows() -> Vec<Row> {
+    let lines = ["no 95 % bands are known here:", "any lead is shown as certain"];
+    lines.map(|line| Row::Remark(line.to_owned())).into()
 }
 
 /// What an axis covers: the cells, from edge to edge.

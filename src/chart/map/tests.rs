@@ -96,7 +96,7 @@ fn several_rows_on_a_cell_are_refused_and_what_tells_them_apart_is_named() {
 #[test]
 fn the_least_wins_equal_competitors_as_one_and_shares_are_told() {
     let (map, notes) = Map::from_table(&table(), &winners()).unwrap();
-    let Cells::Winners { of, won } = &map.cells else { panic!("{:?}", map.cells) };
+    let Cells::Winners { of, won, banded: true } = &map.cells else { panic!("{:?}", map.cells) };
     let names: Vec<&str> = of.entries.iter().map(|entry| entry.name.as_str()).collect();
     assert_eq!(names, ["const = copy", "quad"]);
     let styles: Vec<usize> = won.iter().flatten().map(|won| won.style).collect();
@@ -109,6 +109,15 @@ fn the_least_wins_equal_competitors_as_one_and_shares_are_told() {
     assert!(svg.contains("const = copy: 33 % of cells") && svg.contains("quad: 67 % of cells"), "{svg}");
     assert_eq!(elements(&svg, "path", "beyond the limit"), 1);
     assert_eq!(elements(&svg, "path", "boundaries"), 1);
+}
+
+#[test]
+fn leads_without_bands_are_said_to_be_such() {
+    let mut table = table();
+    let said = |table: &Table| Map::from_table(table, &winners()).unwrap().0.svg().contains("no 95 % bands");
+    assert!(!said(&table));
+    table.columns[3].band = None;
+    assert!(said(&table));
 }
 
 #[test]
