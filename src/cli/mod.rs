@@ -4,6 +4,7 @@ mod bench;
 mod charts;
 mod devices;
 mod failure;
+mod one_point;
 mod output;
 mod progress;
 mod run;

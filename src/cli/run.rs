@@ -15,6 +15,7 @@ use super::Failure;
 use super::charts::{draw, filter, picture, refused};
 use super::output::{print, print_json, write};
 use super::progress::{Shown, short};
+use super::one_point::one_point;
 use super::terminal::pivot;
 
 /// Runs the studies one after the other. All are read and checked before the first starts.
@@ -147,6 +148,9 @@ fn summary(study: &Study, table: &Table, answers: &[(f64, Vec<Answer>)]) -> Resu
         let series: Vec<&str> = chart.series().iter().map(|column| column.name.as_str()).collect();
         let shown = pivot(table, &across, &chart.estimate().name, &series, &filter(chart))
             .map_err(|error| refused(study, chart, &ChartError::Column(error)))?;
+        text += &format!("\n{shown}");
+    } else if study.sweeps.is_empty() {
+        let shown = one_point(table).map_err(|error| Failure::Picture(error.to_string()))?;
         text += &format!("\n{shown}");
     }
     for (limit, found) in answers {
