@@ -23,7 +23,8 @@ pub fn one_point(table: &Table) -> Result<String, ColumnError> {
     };
     let (names, kinds) = (distinct(&fillers.cells), distinct(&errors.cells));
     let row_of = |filler: &str, error: &str| {
-        (0..table.rows()).find(|&row| fillers.cells[row].text() == filler && errors.cells[row].text() == error)
+        (0..table.rows())
+            .find(|&row| fillers.cells[row].text() == filler && errors.cells[row].text() == error)
     };
     let mut header = vec!["filler".to_owned()];
     for kind in &kinds {
@@ -49,7 +50,8 @@ pub fn one_point(table: &Table) -> Result<String, ColumnError> {
         ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
         if let [(least, best), (second, next), ..] = ranked[..] {
             let (least_text, ratio) = (significant(least, 4), significant(second / least, 3));
-            text += &format!("\nleast 99.73 % {kind}: {best}, {least_text} ″; next {next}, {ratio} times that");
+            text +=
+                &format!("\nleast 99.73 % {kind}: {best}, {least_text} ″; next {next}, {ratio} times that");
         }
     }
     Ok(text + "\n")

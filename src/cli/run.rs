@@ -13,9 +13,9 @@ use serde_json::{Value, json};
 
 use super::Failure;
 use super::charts::{draw, filter, picture, refused};
+use super::one_point::one_point;
 use super::output::{print, print_json, write};
 use super::progress::{Shown, short};
-use super::one_point::one_point;
 use super::terminal::pivot;
 
 /// Runs the studies one after the other. All are read and checked before the first starts.
@@ -99,7 +99,9 @@ fn run_study(
     let (imprecise, fillers) = plan.imprecise(&store)?;
     if imprecise > 0 {
         let trials = short(study.trials as f64);
-        eprintln!("note: {imprecise} of {fillers} fillers at points are not as precise as asked after {trials} trials");
+        eprintln!(
+            "note: {imprecise} of {fillers} fillers at points are not as precise as asked after {trials} trials"
+        );
     }
     match plan.unasked(&store)? {
         0 => {}

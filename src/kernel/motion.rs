@@ -71,7 +71,8 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
         }
         if shape.profile {
             let drawn = address.draw(Purpose::Position, 0)[0];
-            let position = if shape.every { in_turn(address.low, p) } else { drawn.mulhi(W::splat(p.positions[0])) };
+            let position =
+                if shape.every { in_turn(address.low, p) } else { drawn.mulhi(W::splat(p.positions[0])) };
             motion.start = position + W::splat(MARGIN as u32);
         }
         motion

@@ -74,7 +74,9 @@ impl LowerError {
             LowerError::TooLarge { .. } => {
                 "leave the filler out, move its ticks nearer to the gap, or shorten the gap"
             }
-            LowerError::ReadoutTooFine { .. } => "leave readout_lsb out: pulses as fine as this change nothing",
+            LowerError::ReadoutTooFine { .. } => {
+                "leave readout_lsb out: pulses as fine as this change nothing"
+            }
             LowerError::ProfileTooShort { .. } => "record for longer, or take a shorter tick or gap",
             LowerError::ProfileTooLong { .. } => "cut the record, or take a longer tick",
         }

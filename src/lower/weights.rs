@@ -30,8 +30,7 @@ impl Rows {
         match &filler.method {
             Method::Polynomial(order) => {
                 let rows = lengths.map(|length| polynomial_weights(ticks, *order, length));
-                let singular =
-                    || LowerError::Singular { filler: filler.name.clone(), ticks: ticks.to_vec() };
+                let singular = || LowerError::Singular { filler: filler.name.clone(), ticks: ticks.to_vec() };
                 let rows = rows.collect::<Option<Vec<Weights>>>().ok_or_else(singular)?;
                 Ok(Some(exact(ticks, rows)))
             }
@@ -123,8 +122,7 @@ fn exact(ticks: &[i32], rows: Vec<Weights>) -> Rows {
 fn nearest(ticks: &[i32], rows: &[(u32, Vec<f64>)]) -> Rows {
     let largest = rows.iter().flat_map(|(_, row)| row).fold(1.0, |largest: f64, w| largest.max(w.abs()));
     let bits = libm::floor(30.0 - libm::log2(largest)).clamp(1.0, 24.0) as u32;
-    let nearest = |(length, row): &(u32, Vec<f64>)| {
-        Weights::nearest(ticks, row, i64::from(*length), bits).numerators
-    };
+    let nearest =
+        |(length, row): &(u32, Vec<f64>)| Weights::nearest(ticks, row, i64::from(*length), bits).numerators;
     Rows { ticks: ticks.to_vec(), numerators: rows.iter().map(nearest).collect(), denominator: 1 << bits }
 }

@@ -53,8 +53,7 @@ pub fn minimum_variance_weights(
     let between = |a: i32, b: i32| covariance[a.abs_diff(b) as usize];
     let of_noise = |a: i32, b: i32| noise.get(a.abs_diff(b) as usize).copied().unwrap_or(0.0);
     let count = ticks.len();
-    let factor =
-        definite(count, |i, j| between(ticks[i], ticks[j]) + of_noise(ticks[i], ticks[j]))?;
+    let factor = definite(count, |i, j| between(ticks[i], ticks[j]) + of_noise(ticks[i], ticks[j]))?;
     let gap = |&tick: &i32| (1..=gap_ticks as i32).map(|j| between(tick, j)).sum();
     let best = solve(&factor, ticks.iter().map(gap).collect());
     let ones = solve(&factor, vec![1.0; count]);

@@ -6,8 +6,8 @@ use crate::kernel::launch::Launch;
 use crate::lower::Lowered;
 use crate::record::Record;
 use crate::study::{
-    Amplitude, Error, Fill, Filler, Frequency, Gaussian, Inputs, Method, Motion, Phase, Point, Position, Profile,
-    Streams, TickNoise, Tone, Value,
+    Amplitude, Error, Fill, Filler, Frequency, Gaussian, Inputs, Method, Motion, Phase, Point, Position,
+    Profile, Streams, TickNoise, Tone, Value,
 };
 use crate::theory::minimum_variance::Band;
 
