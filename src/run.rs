@@ -9,7 +9,7 @@ use crate::kernel::launch::Launch;
 use crate::lower::{Estimate, LowerError, Lowered};
 use crate::stats::{Estimates, z_score};
 use crate::store::{Identity, Provenance, Row, Store, StoreError};
-use crate::study::{Point, Study, StudyError};
+use crate::study::{Error, Filler, Point, Precision, Study, StudyError};
 use crate::table::{Cell, Column, Table, Unit};
 
 /// Why a run ended early. What was computed before is in the store.
@@ -78,6 +78,9 @@ impl<'a> Plan<'a> {
 
     /// Samples what the store lacks. `progress` hears how many trials there are in all and, as it comes, what is done.
     ///
+    /// With a precision, a filler at a point stops after 1, 2, 4, … base blocks of trials, where all its errors are known
+    /// as well as is asked: a rule that depends on nothing but the study.
+    ///
     /// # Errors
     /// The device or the disk fails.
     pub fn run(
@@ -86,11 +89,43 @@ impl<'a> Plan<'a> {
         device: &mut Device,
         progress: &(dyn Progress + Sync),
     ) -> Result<Done, RunError> {
-        let work = self.missing(store)?;
-        let total = work.iter().flat_map(|work| &work.blocks).map(Block::trials).sum();
-        let asked = self.points.iter().map(|point| point.trials(self.study.trials)).sum::<u64>();
-        progress.start(asked.saturating_sub(total), asked.max(total));
+        let most = |point: &Lowered| point.trials(self.study.trials);
+        let first = |point: &Lowered| match self.study.precision {
+            None => most(point),
+            Some(_) => most(point).min(1 << base_log2(most(point))),
+        };
+        let mut wanted: Vec<Vec<u64>> =
+            self.points.iter().map(|point| vec![first(point); point.fillers.len()]).collect();
         let started = Instant::now();
+        let mut trials = 0;
+        for round in 0.. {
+            let work = self.missing(store, &wanted)?;
+            let total: u64 = work.iter().flat_map(|work| &work.blocks).map(Block::trials).sum();
+            if round == 0 {
+                let asked = self.points.iter().map(most).sum::<u64>();
+                let rest = if self.study.precision.is_some() { asked } else { total };
+                progress.start(asked.saturating_sub(rest), asked.max(rest));
+            }
+            self.sample(&work, store, device, progress, started)?;
+            trials += total;
+            if !self.raise(&mut wanted, store)? {
+                break;
+            }
+        }
+        let seconds = started.elapsed().as_secs_f64();
+        progress.finish();
+        Ok(Done { trials, seconds })
+    }
+
+    /// Samples all of `work` in batches, each of which is kept as soon as it is done.
+    fn sample(
+        &self,
+        work: &[Work],
+        store: &mut Store,
+        device: &mut Device,
+        progress: &(dyn Progress + Sync),
+        started: Instant,
+    ) -> Result<(), RunError> {
         let mut rest: Vec<(&Work, Job)> = work
             .iter()
             .flat_map(|work| {
@@ -122,19 +157,65 @@ impl<'a> Plan<'a> {
             let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
             batch_trials = ((batch_trials as f64 * factor) as u64).max(1);
         }
-        let seconds = started.elapsed().as_secs_f64();
-        progress.finish();
-        Ok(Done { trials: total, seconds })
+        Ok(())
+    }
+
+    /// Doubles the trials of fillers that are not precise enough yet; whether there are such.
+    fn raise(&self, wanted: &mut [Vec<u64>], store: &Store) -> Result<bool, StoreError> {
+        let Some(precision) = &self.study.precision else { return Ok(false) };
+        let mut raised = false;
+        for (point, wanted) in self.points.iter().zip(wanted) {
+            let most = point.trials(self.study.trials);
+            for (estimates, wanted) in point.fillers.iter().zip(wanted) {
+                if *wanted < most && !precise(precision, estimates, *wanted, store)? {
+                    *wanted = (2 * *wanted).min(most);
+                    raised = true;
+                }
+            }
+        }
+        Ok(raised)
+    }
+
+    /// Fillers at points whose errors are not as precise as is asked, and how many there are in all.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    pub fn imprecise(&self, store: &Store) -> Result<(usize, usize), StoreError> {
+        let Some(precision) = &self.study.precision else { return Ok((0, 0)) };
+        let (mut imprecise, mut all) = (0, 0);
+        for estimates in self.points.iter().flat_map(|point| &point.fillers) {
+            imprecise += usize::from(!precise(precision, estimates, u64::MAX, store)?);
+            all += 1;
+        }
+        Ok((imprecise, all))
+    }
+
+    /// Errors that were asked for and that a filler does not have, each in a sentence.
+    pub fn absent(&self) -> Vec<String> {
+        let mut sentences = Vec::new();
+        for (index, filler) in self.study.fillers.iter().enumerate() {
+            let has = |error: Error| {
+                let all = |point: &Lowered| point.fillers[index].iter().any(|estimate| estimate.error == error);
+                self.points.iter().all(all)
+            };
+            let lacks: Vec<&str> =
+                self.study.errors.iter().filter(|error| !has(**error)).map(|error| error.name()).collect();
+            if !lacks.is_empty() {
+                let name = &filler.name;
+                sentences.push(format!("the weights of `{name}` do not give its errors: {}", lacks.join(", ")));
+            }
+        }
+        sentences
     }
 
     /// What the store lacks: fillers of a point that lack the same trials share a launch.
-    fn missing(&self, store: &Store) -> Result<Vec<Work>, StoreError> {
+    fn missing(&self, store: &Store, wanted: &[Vec<u64>]) -> Result<Vec<Work>, StoreError> {
         let mut all = Vec::new();
         for (index, point) in self.points.iter().enumerate() {
-            let trials = point.trials(self.study.trials);
-            let log2 = base_log2(trials);
+            let log2 = base_log2(point.trials(self.study.trials));
             let mut groups: Vec<(Vec<Block>, Vec<usize>)> = Vec::new();
             for (filler, estimates) in point.fillers.iter().enumerate() {
+                let trials = wanted[index][filler];
                 let mut blocks = Vec::new();
                 for estimate in estimates {
                     let held = store.blocks(&estimate.address)?;
@@ -171,8 +252,8 @@ impl<'a> Plan<'a> {
     /// The table before anything is sampled: all rows, without estimates.
     pub fn blank_table(&self) -> Table {
         let mut columns = Columns::new(self.study);
-        self.rows(|point, filler, estimate| columns.push(point, filler, estimate, 0, None));
-        columns.table
+        self.rows(|point, filler, estimate| columns.push(point, &filler.name, estimate, 0, None));
+        self.with_laws(columns.table)
     }
 
     /// All estimates held, a row for each point, filler and error.
@@ -185,19 +266,32 @@ impl<'a> Plan<'a> {
         self.rows(|point, filler, estimate| match store.total(&estimate.address) {
             Ok(tally) => {
                 let found = Estimates::of(&tally, estimate.bin_base, estimate.unit_arcsec);
-                columns.push(point, filler, estimate, tally.count, found);
+                columns.push(point, &filler.name, estimate, tally.count, found);
             }
             Err(error) => drop(failed.get_or_insert(error)),
         });
-        failed.map_or(Ok(columns.table), Err)
+        failed.map_or_else(|| Ok(self.with_laws(columns.table)), Err)
+    }
+
+    /// The table with a column for each law that a chart draws.
+    fn with_laws(&self, mut table: Table) -> Table {
+        for law in self.study.laws() {
+            let mut cells = vec![];
+            self.rows(|point, filler, estimate| {
+                cells.push(law.arcsec(&point.inputs, filler, estimate.error, estimate.rows.ticks.len()).into());
+            });
+            let (name, label) = (law.column().to_owned(), law.label().to_owned());
+            table.columns.push(Column { name, label, unit: Unit::ARCSEC, cells, band: None });
+        }
+        table
     }
 
     /// Every point, filler and error, in the order of the table.
-    fn rows(&self, mut row: impl FnMut(&Point, &str, &Estimate)) {
+    fn rows(&self, mut row: impl FnMut(&Point, &Filler, &Estimate)) {
         for (point, lowered) in self.study.points().iter().zip(&self.points) {
             for (filler, estimates) in self.study.fillers.iter().zip(&lowered.fillers) {
                 for estimate in estimates {
-                    row(point, &filler.name, estimate);
+                    row(point, filler, estimate);
                 }
             }
         }
@@ -211,6 +305,33 @@ pub trait Progress {
     /// So many more are done.
     fn advance(&self, trials: u64);
     fn finish(&self);
+}
+
+/// Whether all errors of a filler are as precise as is asked in their first `trials` trials.
+fn precise(
+    precision: &Precision,
+    estimates: &[Estimate],
+    trials: u64,
+    store: &Store,
+) -> Result<bool, StoreError> {
+    for estimate in estimates {
+        let tally = store.total_within(&estimate.address, trials)?;
+        let found = Estimates::of(&tally, estimate.bin_base, 1.0);
+        let within = |part: Option<f64>, half: Option<f64>, value: Option<f64>| match (part, half, value) {
+            (None, ..) => true,
+            (Some(part), Some(half), Some(value)) => half <= part * value,
+            _ => false,
+        };
+        let rms_half = found.and_then(|found| found.rms_se).map(|se| NORMAL_95 * se);
+        let q = found.and_then(|found| found.q9973);
+        let q_half = q.and_then(|q| q.low.zip(q.high)).map(|(low, high)| 0.5 * (high - low));
+        if !within(precision.rms, rms_half, found.map(|found| found.rms))
+            || !within(precision.q9973, q_half, q.map(|q| q.value))
+        {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
 
 fn refused(study: &Study, point: &Point, error: &LowerError) -> StudyError {

@@ -219,6 +219,14 @@ impl Store {
     /// # Errors
     /// A row is damaged or was computed from other parameters, or the disk fails.
     pub fn total(&self, address: &Address) -> Result<Moments, StoreError> {
+        self.total_within(address, u64::MAX)
+    }
+
+    /// The same of the rows that lie within the first `trials` trials.
+    ///
+    /// # Errors
+    /// Those of [`Store::total`].
+    pub fn total_within(&self, address: &Address, trials: u64) -> Result<Moments, StoreError> {
         let mut statement = self
             .connection
             .prepare_cached(
@@ -245,7 +253,9 @@ impl Store {
             if tally.count != block.trials() {
                 return Err(self.damaged(address, block, "its count is not that of its block"));
             }
-            held.push((block, tally));
+            if block.end() <= trials {
+                held.push((block, tally));
+            }
         }
         let mut total = Moments::empty(true);
         for (_, tally) in fold(held) {

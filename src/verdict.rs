@@ -14,7 +14,7 @@ pub struct Question<'a> {
     /// The columns that tell curves apart.
     pub series: Vec<&'a str>,
     /// Only rows with these values: (column, value as files show it).
-    pub filter: Vec<(&'a str, String)>,
+    pub filter: Vec<(String, String)>,
     /// In the unit of the 99.73 % error, ″.
     pub limit: f64,
 }

@@ -309,6 +309,79 @@ fn charts_that_name_what_is_not_there_are_refused() {
     refused(&swept("y = \"frequency_hz\"\nlimit = \"10 arcsec\""), "14:5", &["`frequency_hz` is in Hz"]);
 }
 
+/// Two sweeps of two values each, with a chart of these lines from line 19 on.
+fn swept_chart(lines: &str) -> String {
+    with(&format!(
+        "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"5 Hz\", \"20 Hz\"]\n[[sweep]]\n\
+         key = \"motion.amplitude\"\nlist = [\"10 arcsec/s\", \"12000 arcsec/s\"]\n[chart]\n{lines}"
+    ))
+}
+
+#[test]
+fn charts_with_keys_of_another_kind_are_refused() {
+    let map = "kind = \"heat-map\"\nx = \"frequency\"\ny = \"amplitude\"\n";
+    refused(
+        &swept_chart("kind = \"pie\""),
+        "19:8",
+        &["unknown value \"pie\"", "curves, heat-map, winner-map"],
+    );
+    refused(&swept_chart(map), "19:8", &["needs z", "z = \"q9973\""]);
+    refused(
+        &swept_chart("x = \"dt_nu\"\ny = \"rms\"\nz = \"rms\""),
+        "21:5",
+        &["chart.z is no key of a chart of kind = \"curves\"", "leave it out"],
+    );
+    refused(&swept_chart(&format!("{map}z = \"rsm\"")), "22:5", &["no column is called `rsm`"]);
+    refused(
+        &swept_chart(&format!("{map}z = \"z\"\nlimit = \"10 arcsec\"")),
+        "22:5",
+        &["a limit in ″ cannot be drawn on it", "name an error in ″ instead, or leave out the limit"],
+    );
+    let twice = map.replace("amplitude", "frequency_hz");
+    refused(&swept_chart(&format!("{twice}z = \"rms\"")), "21:5", &["both x and y", "another column as y"]);
+}
+
+#[test]
+fn a_map_of_several_rows_on_one_cell_is_refused_with_what_tells_them_apart() {
+    let map = |y: &str, more: &str| {
+        swept_chart(&format!("kind = \"heat-map\"\nx = \"frequency\"\ny = \"{y}\"\nz = \"rms\"\n{more}"))
+    };
+    refused(
+        &map("amplitude", ""),
+        "22:5",
+        &["they differ in filler (const, quadratic)", "where = { filler = \"const\" }"],
+    );
+    refused(
+        &map("dt_nu", "where = { filler = \"const\" }"),
+        "22:5",
+        &[
+            "differ in motion.amplitude (10, 12000)",
+            "where = { amplitude = \"10 ″/s\" }",
+            "amplitude an axis",
+        ],
+    );
+}
+
+#[test]
+fn laws_are_refused_where_they_cannot_be_drawn() {
+    let laws = |lines: &str| swept_chart(&format!("{lines}\nlaws = [\"noise\"]"));
+    refused(
+        &laws("x = \"max\"\ny = \"rms\""),
+        "19:5",
+        &["laws cannot be drawn over `max`", "motion.frequency"],
+    );
+    refused(
+        &laws("x = \"dt_nu\"\ny = \"z\""),
+        "20:5",
+        &["a law in ″ cannot be drawn on it", "leave out the law"],
+    );
+    refused(
+        &laws("x = \"dt_nu\"\ny = \"rms\"").replace("noise\"]", "nose\"]"),
+        "21:9",
+        &["unknown value \"nose\"", "did you mean `noise`?"],
+    );
+}
+
 #[test]
 fn what_is_no_toml_or_no_file_is_told() {
     refused(&replaced("\"20 Hz\"", "20 Hz"), "8:13", &["not valid TOML", "stand in quotes"]);
@@ -521,6 +594,65 @@ fn a_sweep_without_a_chart_gets_one_and_several_charts_are_numbered() {
     desk.write("two.toml", &with(&format!("{sweep}{charts}")));
     desk.done("run two.toml --device cpu --trials 1000");
     assert_eq!(desk.names("results/two")[..4], ["chart-1.png", "chart-1.svg", "chart-2.png", "chart-2.svg"]);
+}
+
+#[test]
+fn maps_are_drawn_with_their_limit_and_what_they_show_is_told() {
+    let axes = "x = \"frequency\"\ny = \"amplitude\"\nz = \"q9973\"\nlimit = \"20 arcsec\"\n";
+    let heat = format!("kind = \"heat-map\"\n{axes}where = {{ filler = \"const\" }}\n");
+    let winners = format!("kind = \"winner-map\"\n{axes}");
+    let text =
+        swept_chart(&format!("{heat}[[chart]]\n{winners}")).replace("[chart]\nkind", "[[chart]]\nkind");
+    let desk = Desk::with(&text.replace("\"const\", \"quadratic\"", "\"const\", \"linear\", \"quadratic\""));
+    let ended = desk.done("run study.toml --device cpu --trials 10000");
+    for piece in [
+        "chart-1: 3 of the 4 cells are within the limit.",
+        "chart-2: 3 of the 4 cells are within the limit; the same in every cell: const = linear.",
+    ] {
+        assert!(ended.stderr.contains(piece), "{}", ended.stderr);
+    }
+    assert_eq!(
+        desk.names("results/study")[..4],
+        ["chart-1.png", "chart-1.svg", "chart-2.png", "chart-2.svg"]
+    );
+    let heat = desk.read("results/study/chart-1.svg");
+    for piece in ["Vibration amplitude, ″/s", "99.73 % error, ″", "within: 75 % of cells", "filler = const"]
+    {
+        assert!(heat.contains(piece), "{piece} is missing in\n{heat}");
+    }
+    let winners = desk.read("results/study/chart-2.svg");
+    for piece in ["const = linear: 50 % of cells", "quadratic: 50 % of cells", "even the least is over"] {
+        assert!(winners.contains(piece), "{piece} is missing in\n{winners}");
+    }
+    assert!(!ended.stdout.contains("against the limit"), "a map has no verdict:\n{}", ended.stdout);
+}
+
+#[test]
+fn a_law_is_a_column_of_the_table_and_a_line_of_the_chart_that_asks_for_it() {
+    let chart = "[chart]\nx = \"frequency\"\ny = \"q9973\"\nlaws = [\"taylor-extremum\", \"noise\"]\n";
+    let sweep = "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"5 Hz\", \"20 Hz\"]\n";
+    let desk = Desk::with(&with(&format!("{sweep}{chart}")));
+    desk.done("run study.toml --device cpu --trials 1000");
+    let header = format!("motion.frequency_hz,{HEADER},law_taylor_extremum_arcsec,law_noise_arcsec");
+    assert_eq!(desk.read("results/study/points.csv").lines().next(), Some(header.as_str()));
+    let rows = desk.points("results/study");
+    let shown = |at: usize| {
+        let number = |name: &str| rows[at][name].parse().map_or(String::new(), |x: f64| format!("{x:.2}"));
+        (rows[at]["filler"].as_str(), number("law_taylor_extremum_arcsec"), number("law_noise_arcsec"))
+    };
+    // Of the second frequency, Δt·ν = 0.2, σ = 1 ″ and n = 3.
+    assert_eq!(shown(4), ("const", "47.37".to_owned(), "4.50".to_owned()));
+    assert_eq!(shown(6), ("quadratic", "6.23".to_owned(), String::new()));
+    let svg = desk.read("results/study/chart.svg");
+    for piece in
+        ["Taylor term of one tick at an", "extremum, as published, Z(20)", "3σ noise of const by Z(18),"]
+    {
+        assert!(svg.contains(piece), "{piece} is missing in\n{svg}");
+    }
+    desk.write("study.toml", &with(&format!("{sweep}{}", chart.replace("laws", "# laws"))));
+    desk.done("run study.toml --device cpu --trials 1000");
+    let header = format!("motion.frequency_hz,{HEADER}");
+    assert_eq!(desk.read("results/study/points.csv").lines().next(), Some(header.as_str()));
 }
 
 #[test]

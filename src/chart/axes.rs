@@ -1,8 +1,8 @@
 //! Grid, axes and tick labels.
 
+use super::area::{Area, Frame};
 use super::canvas::{Canvas, Lettering, Stroke};
 use super::palette::{GRID, INK};
-use super::plot::{Frame, Plot};
 use super::text;
 use super::ticks::Ticks;
 
@@ -15,34 +15,34 @@ const AXIS: Stroke = Stroke { colour: INK, width: 1.1, dash: "" };
 const LENGTHS: [f64; 2] = [6.0, 3.0];
 
 /// Draws lines across the frame, stronger ones at the labelled ticks.
-pub(super) fn draw_grid(canvas: &mut Canvas, plot: &Plot, x_ticks: &Ticks, y_ticks: &Ticks) {
-    let Frame { left, top, right, bottom } = plot.frame;
+pub(super) fn draw_grid(canvas: &mut Canvas, area: &Area, x_ticks: &Ticks, y_ticks: &Ticks) {
+    let Frame { left, top, right, bottom } = area.frame;
     // The stronger lines last, over the others.
     for rank in [1, 0] {
         let stroke = Stroke { colour: GRID[rank], width: 1.0, dash: "" };
-        for x in columns(plot, x_ticks, rank) {
+        for x in columns(area, x_ticks, rank) {
             canvas.line(&[(x, top), (x, bottom)], stroke);
         }
-        for y in rows(plot, y_ticks, rank) {
+        for y in rows(area, y_ticks, rank) {
             canvas.line(&[(left, y), (right, y)], stroke);
         }
     }
 }
 
 /// Draws the axes, their ticks and the labels.
-pub(super) fn draw_axes(canvas: &mut Canvas, plot: &Plot, x_ticks: &Ticks, y_ticks: &Ticks) {
-    let Frame { left, top, right, bottom } = plot.frame;
+pub(super) fn draw_axes(canvas: &mut Canvas, area: &Area, x_ticks: &Ticks, y_ticks: &Ticks) {
+    let Frame { left, top, right, bottom } = area.frame;
     canvas.line(&[(left, top), (left, bottom), (right, bottom)], AXIS);
     for (rank, length) in LENGTHS.into_iter().enumerate() {
-        for x in columns(plot, x_ticks, rank) {
+        for x in columns(area, x_ticks, rank) {
             canvas.line(&[(x, bottom), (x, bottom + length)], AXIS);
         }
-        for y in rows(plot, y_ticks, rank) {
+        for y in rows(area, y_ticks, rank) {
             canvas.line(&[(left - length, y), (left, y)], AXIS);
         }
     }
     let mut free_from = f64::NEG_INFINITY;
-    for (x, (_, label)) in columns(plot, x_ticks, 0).zip(&x_ticks.major) {
+    for (x, (_, label)) in columns(area, x_ticks, 0).zip(&x_ticks.major) {
         let half = 0.5 * text::width(label, TICK_SIZE, false);
         // A label that would touch the one before it is left out; its tick stays.
         if x - half > free_from {
@@ -50,21 +50,19 @@ pub(super) fn draw_axes(canvas: &mut Canvas, plot: &Plot, x_ticks: &Ticks, y_tic
             free_from = x + half + 6.0;
         }
     }
-    for (y, (_, label)) in rows(plot, y_ticks, 0).zip(&y_ticks.major) {
+    for (y, (_, label)) in rows(area, y_ticks, 0).zip(&y_ticks.major) {
         canvas.text((left - 10.0, y + 0.36 * TICK_SIZE), label, Lettering { anchor: "end", ..LABEL });
     }
 }
 
 /// Where the ticks of the x axis stand: the labelled ones (rank 0) or the others (rank 1).
-fn columns(plot: &Plot, ticks: &Ticks, rank: usize) -> impl Iterator<Item = f64> {
-    let Frame { left, right, .. } = plot.frame;
-    ranked(ticks, rank).map(move |x| left + plot.x.fraction(x) * (right - left))
+fn columns(area: &Area, ticks: &Ticks, rank: usize) -> impl Iterator<Item = f64> {
+    ranked(ticks, rank).map(move |x| area.across(x))
 }
 
 /// The same for the y axis.
-fn rows(plot: &Plot, ticks: &Ticks, rank: usize) -> impl Iterator<Item = f64> {
-    let Frame { top, bottom, .. } = plot.frame;
-    ranked(ticks, rank).map(move |y| bottom - plot.y.fraction(y) * (bottom - top))
+fn rows(area: &Area, ticks: &Ticks, rank: usize) -> impl Iterator<Item = f64> {
+    ranked(ticks, rank).map(move |y| area.down(y))
 }
 
 fn ranked(ticks: &Ticks, rank: usize) -> impl Iterator<Item = f64> {

@@ -117,6 +117,38 @@ impl Canvas {
         self.put(format_args!("</g>"));
     }
 
+    /// A named part whose edges are not smoothed, so that no seam shows between areas that touch.
+    pub fn crisp_group(&mut self, name: &str, draw: impl FnOnce(&mut Canvas)) {
+        self.put(format_args!(r#"<g aria-label="{}" shape-rendering="crispEdges">"#, Escaped(name)));
+        self.depth += 1;
+        draw(self);
+        self.depth -= 1;
+        self.put(format_args!("</g>"));
+    }
+
+    /// A filled rectangle between two corners; those that touch are written with the same corners.
+    pub fn block(&mut self, (left, top): (f64, f64), (right, bottom): (f64, f64), colour: &str) {
+        let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
+        self.put(format_args!(r#"<polygon points="{}" fill="{colour}"/>"#, Corners(&corners)));
+    }
+
+    /// Many straight lines, in one element; none where there is none.
+    pub fn lines(&mut self, lines: impl IntoIterator<Item = [(f64, f64); 2]>, stroke: Stroke) {
+        let Stroke { colour, width, .. } = stroke;
+        let mut path = String::new();
+        for [(x0, y0), (x1, y1)] in lines {
+            let [x0, y0, x1, y1] = [x0, y0, x1, y1].map(Px);
+            // Writing to a String cannot fail.
+            let _ = write!(path, "M{x0},{y0}L{x1},{y1}");
+        }
+        if !path.is_empty() {
+            let width = Px(width);
+            self.put(format_args!(
+                r#"<path d="{path}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linecap="round"/>"#
+            ));
+        }
+    }
+
     /// A line through two or more places.
     pub fn line(&mut self, places: &[(f64, f64)], stroke: Stroke) {
         let Stroke { colour, width, dash } = stroke;

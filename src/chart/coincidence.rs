@@ -10,8 +10,11 @@ impl Figure {
     pub fn merge_coincident(&mut self) -> Vec<String> {
         let colour: fn(&Series) -> usize = |series| series.colour;
         let dash: fn(&Series) -> usize = |series| series.dash;
-        let mut names = merge(&mut self.colours.entries, &mut self.series, colour, dash);
-        names.extend(merge(&mut self.dashes.entries, &mut self.series, dash, colour));
+        let merged = merge(&mut self.colours.entries, &mut self.series, colour, dash);
+        merged.iter().for_each(|&(from, to)| self.recolour_laws(from, to));
+        let mut names = names_of(&self.colours.entries, &merged);
+        let merged = merge(&mut self.dashes.entries, &mut self.series, dash, colour);
+        names.extend(names_of(&self.dashes.entries, &merged));
         names
     }
 
@@ -29,13 +32,20 @@ impl Figure {
     }
 }
 
-/// Merges the entries of one grouping; `style` is a curve's style in it, `other` that in the other grouping.
+/// The names of the entries that others were merged into: (merged style, style that stays).
+fn names_of(entries: &[Entry], merged: &[(usize, usize)]) -> Vec<String> {
+    let stays = |entry: &&Entry| merged.iter().any(|(_, to)| *to == entry.style);
+    entries.iter().filter(stays).map(|entry| entry.name.clone()).collect()
+}
+
+/// Merges the entries of one grouping; `style` is a curve's style in it, `other` that in the other grouping. Returns
+/// the styles that went and those that stand for them.
 fn merge(
     entries: &mut Vec<Entry>,
     series: &mut Vec<Series>,
     style: fn(&Series) -> usize,
     other: fn(&Series) -> usize,
-) -> Vec<String> {
+) -> Vec<(usize, usize)> {
     let mut kept: Vec<Entry> = Vec::new();
     let mut merged = vec![];
     for entry in entries.drain(..) {
@@ -50,14 +60,14 @@ fn merge(
         match kept.iter_mut().find(coincides) {
             Some(earlier) => {
                 earlier.name = format!("{} = {}", earlier.name, entry.name);
-                merged.push(earlier.style);
+                merged.push((entry.style, earlier.style));
                 series.retain(|curve| style(curve) != entry.style);
             }
             None => kept.push(entry),
         }
     }
     *entries = kept;
-    entries.iter().filter(|entry| merged.contains(&entry.style)).map(|entry| entry.name.clone()).collect()
+    merged
 }
 
 /// Whether two curves are the same to the nine digits that files show. Curves without points are not compared.

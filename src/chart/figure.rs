@@ -21,7 +21,7 @@ pub struct Figure {
     pub points: String,
     /// The curves; later ones are drawn over earlier ones.
     pub series: Vec<Series>,
-    /// Closed forms that belong to no single series.
+    /// Laws beside the curves.
     pub laws: Vec<Law>,
     /// What the curves are judged by.
     pub limit: Option<Limit>,
@@ -93,11 +93,20 @@ pub struct SeriesPoint {
     pub band: Option<(f64, f64)>,
 }
 
-/// A closed form of its own, drawn as a thin grey line.
+/// A law that is not the closed form of the curves, such as one that was published: broad pale lines under them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Law {
     /// Its name in the legend.
     pub label: String,
+    /// What it gives for the curves of each style: [`Figure::merge_laws`] joins those that are the same.
+    pub lines: Vec<LawLine>,
+}
+
+/// One line of a law.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LawLine {
+    /// The [`Entry::style`] among the colours of the curves it is about. Only the line of a single one has its colour.
+    pub colours: Vec<usize>,
     /// By rising x.
     pub points: Vec<(f64, f64)>,
 }

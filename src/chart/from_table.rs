@@ -1,6 +1,8 @@
 //! A figure from the columns of a table.
 
-use super::figure::{Axis, Entry, Figure, Grouping, Limit, Series, SeriesPoint, with_unit};
+use std::collections::BTreeMap;
+
+use super::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint, with_unit};
 use super::scale::Scale;
 use super::spec::{ChartError, Notes, Spec};
 use crate::table::{Cell, Column, Table, Unit, significant};
@@ -10,13 +12,11 @@ impl Figure {
     /// curves that coincide are merged by [`Figure::merge_coincident`].
     ///
     /// # Errors
-    /// A limit where y is no angle, a column that is not there, holds text instead of numbers, or has no row with a value asked for.
+    /// A limit or a law where y is no angle, a column that is not there, holds text instead of numbers, or has no row with a value asked for.
     pub fn from_table(table: &Table, spec: &Spec) -> Result<(Figure, Notes), ChartError> {
         let (x, y) = (numbers(table, &spec.x)?, numbers(table, &spec.y)?);
-        if spec.limit.is_some() && y.unit != Unit::ARCSEC {
-            let (column, unit) = (spec.y.clone(), y.unit.symbol.to_owned());
-            return Err(ChartError::LimitUnit { column, unit });
-        }
+        check_angle(&spec.y, y, [spec.limit.map(|_| "limit"), spec.laws.first().map(|_| "law")])?;
+        let laws = spec.laws.iter().map(|name| numbers(table, name)).collect::<Result<Vec<_>, _>>()?;
         let oracle = format!("oracle_{}", y.name);
         let oracle = table.columns.iter().find(|column| column.name == oracle);
         let (colours, dashes) = match &spec.series[..] {
@@ -39,6 +39,7 @@ impl Figure {
             limit: spec.limit.map(|value| limit(value, y)),
         };
         let mut notes = Notes::default();
+        let mut lines: BTreeMap<(usize, usize, usize), Vec<(f64, f64)>> = BTreeMap::new();
         for row in rows {
             let colour = colours.map_or(0, |column| style(&figure.colours, &column.cells[row]));
             let dash = dashes.map_or(0, |column| style(&figure.dashes, &column.cells[row]));
@@ -48,6 +49,10 @@ impl Figure {
                 continue;
             };
             series.law.extend(oracle.and_then(|oracle| oracle.cells[row].number()).map(|law| (x, law)));
+            for (law, column) in laws.iter().enumerate() {
+                let point = column.cells[row].number().map(|value| (x, value));
+                lines.entry((law, colour, dash)).or_default().extend(point);
+            }
             match y.cells[row].number() {
                 Some(value) => {
                     let band = y.band.as_ref().and_then(|band| band.get(row).copied().flatten());
@@ -61,15 +66,21 @@ impl Figure {
             series.law.sort_by(|a, b| a.0.total_cmp(&b.0));
             notes.repeated += series.points.windows(2).filter(|pair| pair[0].x == pair[1].x).count();
         }
+        figure.laws = laws.iter().map(|law| Law { label: law.label.clone(), lines: vec![] }).collect();
+        for ((law, colour, _), mut points) in lines {
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            figure.laws[law].lines.push(LawLine { colours: vec![colour], points });
+        }
         notes.left_out = figure.left_out();
         notes.merged = figure.merge_coincident();
         notes.coincident = figure.coincident();
+        figure.merge_laws();
         Ok((figure, notes))
     }
 }
 
 /// The column of that name, if it may be an axis.
-fn numbers<'t>(table: &'t Table, name: &str) -> Result<&'t Column, ChartError> {
+pub(super) fn numbers<'t>(table: &'t Table, name: &str) -> Result<&'t Column, ChartError> {
     let column = table.column(name)?;
     match column.cells.iter().find(|cell| matches!(cell, Cell::Text(_))) {
         Some(text) => Err(ChartError::NotNumbers { column: name.to_owned(), example: text.text() }),
@@ -77,17 +88,32 @@ fn numbers<'t>(table: &'t Table, name: &str) -> Result<&'t Column, ChartError> {
     }
 }
 
-fn axis(column: &Column, scale: Scale) -> Axis {
+/// Refuses the first thing in ″ `beside` a column of something else.
+pub(super) fn check_angle<const N: usize>(
+    name: &str,
+    column: &Column,
+    beside: [Option<&'static str>; N],
+) -> Result<(), ChartError> {
+    match beside.into_iter().flatten().next() {
+        Some(beside) if column.unit != Unit::ARCSEC => {
+            let (column, unit) = (name.to_owned(), column.unit.symbol.to_owned());
+            Err(ChartError::NotAngle { column, unit, beside })
+        }
+        _ => Ok(()),
+    }
+}
+
+pub(super) fn axis(column: &Column, scale: Scale) -> Axis {
     Axis { label: column.label.clone(), unit: column.unit.symbol.to_owned(), scale }
 }
 
-fn limit(value: f64, y: &Column) -> Limit {
+pub(super) fn limit(value: f64, y: &Column) -> Limit {
     let label = format!("limit {} {}", significant(value, 6), y.unit.symbol);
     Limit { value, label: label.trim_end().to_owned() }
 }
 
 /// The different values of a column, in the order of their first rows.
-fn grouping(column: Option<&Column>, rows: &[usize]) -> Grouping {
+pub(super) fn grouping(column: Option<&Column>, rows: &[usize]) -> Grouping {
     let Some(column) = column else {
         return Grouping::default();
     };
@@ -105,7 +131,7 @@ fn name(cell: &Cell) -> String {
     if *cell == Cell::Blank { "(blank)".to_owned() } else { cell.text() }
 }
 
-fn style(grouping: &Grouping, cell: &Cell) -> usize {
+pub(super) fn style(grouping: &Grouping, cell: &Cell) -> usize {
     let name = name(cell);
     grouping.entries.iter().find(|entry| entry.name == name).map_or(0, |entry| entry.style)
 }
@@ -166,6 +192,7 @@ mod tests {
             series: vec!["filler".to_owned(), "gap_ticks".to_owned()],
             filter: vec![],
             limit: Some(10.0),
+            laws: vec![],
             points: "Monte Carlo".to_owned(),
         }
     }
@@ -229,10 +256,40 @@ mod tests {
     }
 
     #[test]
-    fn a_limit_is_drawn_on_angles_only() {
+    fn laws_are_lines_of_each_curve_joined_where_they_are_one_and_coloured_where_they_are_of_one_colour() {
+        let mut table = table();
+        let fillers: Vec<String> = table.columns[0].cells.iter().map(Cell::text).collect();
+        let xs: Vec<f64> = table.columns[2].cells.iter().filter_map(Cell::number).collect();
+        let law = |of: fn(&str, f64) -> Option<f64>| {
+            let cells = fillers.iter().zip(&xs).map(|(filler, &x)| Cell::from(of(filler, x)));
+            cells.collect()
+        };
+        let named = |filler: &str, x: f64| Some(if filler == "quad" { x * x * x } else { x * x });
+        table.columns.push(column("named", Unit::ARCSEC, law(named)));
+        table.columns.push(column("not const", Unit::ARCSEC, law(|name, x| (name != "const").then_some(x))));
+        table.columns.push(column("none", Unit::ARCSEC, law(|_, _| None)));
+        let laws = ["named", "not const", "none"].map(str::to_owned).to_vec();
+        let (figure, _) = Figure::from_table(&table, &Spec { laws, ..spec() }).unwrap();
+        let lines: Vec<_> = figure
+            .laws
+            .iter()
+            .map(|law| {
+                let lines = law.lines.iter().map(|line| (line.colour(), line.points.len()));
+                (law.label.as_str(), lines.collect::<Vec<_>>())
+            })
+            .collect();
+        // "copy" is merged into "const", and with it the law that only the copy has.
+        assert_eq!(lines, [("named", vec![(Some(0), 3), (Some(1), 3)]), ("not const", vec![(None, 3)])]);
+    }
+
+    #[test]
+    fn limits_and_laws_are_drawn_on_angles_only() {
         let frequency = Spec { y: "frequency".to_owned(), ..spec() };
         let error = Figure::from_table(&table(), &frequency).unwrap_err().to_string();
         assert_eq!(error, "`frequency` is in Hz, a limit in ″ cannot be drawn on it");
+        let law = Spec { limit: None, laws: vec!["rms".to_owned()], ..frequency.clone() };
+        let error = Figure::from_table(&table(), &law).unwrap_err().to_string();
+        assert_eq!(error, "`frequency` is in Hz, a law in ″ cannot be drawn on it");
         assert!(Figure::from_table(&table(), &Spec { limit: None, ..frequency }).is_ok());
     }
 }

@@ -2,6 +2,7 @@
 
 use super::canvas::{Canvas, Lettering, Stroke};
 use super::figure::{Figure, Grouping};
+use super::map::{HATCH, hatching};
 use super::palette::{self, INK, MUTED};
 use super::text;
 
@@ -9,6 +10,8 @@ const SIZE: f64 = 13.0;
 const ROW: f64 = 22.0;
 const SAMPLE: f64 = 36.0;
 const GAP: f64 = 10.0;
+/// Half the height of the sample of an area.
+const FILL: f64 = 7.0;
 /// Longer entries are shortened.
 const WIDEST_TEXT: f64 = 210.0;
 
@@ -19,20 +22,24 @@ pub(super) struct Legend {
 }
 
 #[derive(Debug)]
-enum Row {
+pub(super) enum Row {
     Heading(String),
     Entry(Sample, String),
+    /// The next line of an entry.
+    Continued(String),
     Remark(String),
     Space,
 }
 
 /// A piece of what the entry stands for.
 #[derive(Debug, Default)]
-struct Sample {
-    line: Option<Stroke>,
+pub(super) struct Sample {
+    pub line: Option<Stroke>,
     /// Style and colour.
-    marker: Option<(usize, &'static str)>,
-    band: Option<&'static str>,
+    pub marker: Option<(usize, &'static str)>,
+    pub band: Option<&'static str>,
+    /// Colour of an area, and whether it is hatched.
+    pub fill: Option<(&'static str, bool)>,
 }
 
 impl Legend {
@@ -48,7 +55,7 @@ impl Legend {
             curve_sample(style, colour)
         });
         legend.grouping(&figure.dashes, |style| curve_sample(style, MUTED));
-        legend.part(None, law_entries(figure));
+        legend.part(None, law_rows(figure));
         legend.part(None, reading_entries(figure));
         let coincident = figure.coincident();
         if !coincident.is_empty() {
@@ -63,7 +70,7 @@ impl Legend {
         self.part(Some(&grouping.title), entries.collect());
     }
 
-    fn part(&mut self, heading: Option<&str>, rows: Vec<Row>) {
+    pub fn part(&mut self, heading: Option<&str>, rows: Vec<Row>) {
         if rows.is_empty() {
             return;
         }
@@ -78,7 +85,9 @@ impl Legend {
     pub fn width(&self) -> f64 {
         let of_row = |row: &Row| match row {
             Row::Heading(text) => text::width(text, SIZE, true).min(WIDEST_TEXT + SAMPLE + GAP),
-            Row::Entry(_, text) => SAMPLE + GAP + text::width(text, SIZE, false).min(WIDEST_TEXT),
+            Row::Entry(_, text) | Row::Continued(text) => {
+                SAMPLE + GAP + text::width(text, SIZE, false).min(WIDEST_TEXT)
+            }
             Row::Remark(text) => text::width(text, SIZE, false).min(WIDEST_TEXT + SAMPLE + GAP),
             Row::Space => 0.0,
         };
@@ -103,8 +112,10 @@ impl Legend {
                     let text = text::fitted(text, SIZE, true, WIDEST_TEXT + SAMPLE + GAP);
                     canvas.text((left, baseline), &text, Lettering { bold: true, ..lettering });
                 }
-                Row::Entry(sample, text) => {
-                    sample.draw(canvas, left, middle);
+                Row::Entry(_, text) | Row::Continued(text) => {
+                    if let Row::Entry(sample, _) = row {
+                        sample.draw(canvas, left, middle);
+                    }
                     let text = text::fitted(text, SIZE, false, WIDEST_TEXT);
                     canvas.text((left + SAMPLE + GAP, baseline), &text, lettering);
                 }
@@ -114,24 +125,47 @@ impl Legend {
                 }
                 Row::Space => {}
             }
-            y += if matches!(row, Row::Space) { 0.6 * ROW } else { ROW };
+            y += self.height_of(i);
+        }
+    }
+
+    /// The height that it takes, 0 if it is empty.
+    pub fn height(&self) -> f64 {
+        (0..self.rows.len()).map(|row| self.height_of(row)).sum()
+    }
+
+    /// From one row to the next.
+    fn height_of(&self, row: usize) -> f64 {
+        match (&self.rows[row], self.rows.get(row + 1)) {
+            (Row::Space, _) => 0.6 * ROW,
+            (_, Some(Row::Continued(_))) => 0.75 * ROW,
+            _ => ROW,
         }
     }
 }
 
 fn curve_sample(style: usize, colour: &'static str) -> Sample {
     let line = Stroke { colour, width: 1.6, dash: palette::dash(style) };
-    Sample { line: Some(line), marker: Some((style, colour)), band: None }
+    Sample { line: Some(line), marker: Some((style, colour)), ..Sample::default() }
 }
 
-fn law_entries(figure: &Figure) -> Vec<Row> {
-    let sample = |style| Sample { line: Some(law_stroke(style)), ..Sample::default() };
-    figure.laws.iter().enumerate().map(|(i, law)| Row::Entry(sample(i), law.label.clone())).collect()
+fn law_rows(figure: &Figure) -> Vec<Row> {
+    let sample = |law| Sample { line: Some(law_stroke(law, None)), ..Sample::default() };
+    let laws = figure.laws.iter().enumerate();
+    laws.flat_map(|(i, law)| wrapped_entry(sample(i), &law.label)).collect()
 }
 
-/// How a law of its own is drawn: never solid, as the closed forms of curves are in the legend.
-pub(super) fn law_stroke(style: usize) -> Stroke {
-    Stroke { colour: MUTED, width: 1.4, dash: palette::broken(style) }
+/// How the lines of a law are drawn: broad and pale, in the colour of the curves it is about if they have one.
+pub(super) fn law_stroke(law: usize, colour: Option<usize>) -> Stroke {
+    let colour = colour.map_or(palette::PALE_MUTED, palette::pale);
+    Stroke { colour, width: 4.5, dash: palette::broad_dash(law) }
+}
+
+/// An entry with all of its text, in as many lines as it takes.
+pub(super) fn wrapped_entry(sample: Sample, text: &str) -> Vec<Row> {
+    let mut lines = text::wrapped(text, SIZE, WIDEST_TEXT).into_iter();
+    let first = Row::Entry(sample, lines.next().unwrap_or_default());
+    std::iter::once(first).chain(lines.map(Row::Continued)).collect()
 }
 
 fn reading_entries(figure: &Figure) -> Vec<Row> {
@@ -156,6 +190,15 @@ fn reading_entries(figure: &Figure) -> Vec<Row> {
 impl Sample {
     fn draw(&self, canvas: &mut Canvas, left: f64, middle: f64) {
         let right = left + SAMPLE;
+        let (over, under) = (middle - FILL, middle + FILL);
+        if let Some((colour, hatched)) = self.fill {
+            canvas.block((left, over), (right, under), colour);
+            if hatched {
+                canvas.lines(hatching((left, over), (right, under)), HATCH);
+            }
+            let corners = [(left, over), (right, over), (right, under), (left, under), (left, over)];
+            canvas.line(&corners, Stroke { colour: MUTED, width: 0.8, dash: "" });
+        }
         if let Some(colour) = self.band {
             let (over, under) = (middle - 5.0, middle + 5.0);
             canvas.area(&[(left, over), (right, over), (right, under), (left, under)], colour);

@@ -1,7 +1,8 @@
-//! Charts: a table becomes a [`Figure`], a figure an SVG, an SVG a PNG.
+//! Charts: a table becomes a [`Figure`] of curves or a [`Map`], these an SVG, an SVG a PNG.
 //!
 //! ```text
-//! Table ─ Spec ─▶ Figure ─ svg() ─▶ SVG text ─ png() ─▶ PNG bytes
+//! Table ─ Spec ────▶ Figure ─ svg() ─▶ SVG text ─ png() ─▶ PNG bytes
+//!       └ MapSpec ─▶ Map ────┘
 //! ```
 //!
 //! The same figure gives the same SVG on every machine: logarithms are libm's, coordinates are rounded to 0.01 px,
@@ -11,12 +12,16 @@
 //! The drawing is our own. kuva 0.6, whose source was read for it, takes no explicit ticks, writes 0.01 as `1e-2`,
 //! shows line *or* marker in a legend, never both, and takes logarithms from the platform.
 
+mod area;
 mod axes;
 mod canvas;
 mod coincidence;
 mod figure;
 mod from_table;
+mod laws;
+mod layout;
 mod legend;
+mod map;
 mod palette;
 mod plot;
 mod png;
@@ -26,8 +31,9 @@ mod svg;
 mod text;
 mod ticks;
 
-pub use figure::{Axis, Entry, Figure, Grouping, Law, Limit, Series, SeriesPoint};
+pub use figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
+pub use layout::{HEIGHT, WIDTH};
+pub use map::{Cells, Map, MapNotes, MapSpec, Show, Won};
 pub use png::{PngError, png};
 pub use scale::Scale;
 pub use spec::{ChartError, Notes, Spec};
-pub use svg::{HEIGHT, WIDTH};

@@ -5,8 +5,17 @@
 const COLOURS: [&str; 8] =
     ["#004488", "#c24a00", "#4fb9a8", "#aa3377", "#e0a100", "#5aaae0", "#444444", "#999933"];
 
+/// The colours with 28 % and with 62 % of white in them: for areas, and for what stands behind.
+const TINTS: [[&str; 8]; 2] = [
+    ["#4778a9", "#d37d47", "#80cdc0", "#c26c9d", "#e9bb47", "#88c2e9", "#787878", "#b6b66c"],
+    ["#9eb8d2", "#e8ba9e", "#bce4de", "#dfb1cb", "#f3db9e", "#c0dff3", "#b8b8b8", "#d8d8b1"],
+];
+
 /// Dash patterns, as `stroke-dasharray` has them.
 const DASHES: [&str; 6] = ["", "7 3", "2 2.5", "9 3 2 3", "14 4", "9 3 2 3 2 3"];
+
+/// The same for broad lines.
+const BROAD_DASHES: [&str; 4] = ["", "12 5", "3 4", "12 4 3 4"];
 
 /// Markers of about equal area, as corners in units of the radius; a circle where there are none.
 const MARKERS: [&[(f64, f64)]; 6] = [
@@ -22,6 +31,8 @@ const MARKERS: [&[(f64, f64)]; 6] = [
 pub(super) const INK: &str = "#222222";
 /// What is said beside the main thing.
 pub(super) const MUTED: &str = "#5c5c5c";
+/// The same for what stands behind.
+pub(super) const PALE_MUTED: &str = "#c1c1c1";
 /// Grid lines at the labelled ticks, and between them.
 pub(super) const GRID: [&str; 2] = ["#d9dde1", "#eff1f3"];
 /// The limit line.
@@ -32,17 +43,49 @@ pub(super) fn colour(style: usize) -> &'static str {
     COLOURS[style % COLOURS.len()]
 }
 
+/// The colour of a style for a whole area.
+pub(super) fn area_colour(style: usize) -> &'static str {
+    TINTS[0][style % COLOURS.len()]
+}
+
+/// The colour of a style for what stands behind.
+pub(super) fn pale(style: usize) -> &'static str {
+    TINTS[1][style % COLOURS.len()]
+}
+
 /// The dash pattern of a style; they repeat.
 pub(super) fn dash(style: usize) -> &'static str {
     DASHES[style % DASHES.len()]
 }
 
-/// The dash pattern of a style among those that are not solid; they repeat.
-pub(super) fn broken(style: usize) -> &'static str {
-    DASHES[1 + style % (DASHES.len() - 1)]
+/// The dash pattern of a broad line; they repeat.
+pub(super) fn broad_dash(style: usize) -> &'static str {
+    BROAD_DASHES[style % BROAD_DASHES.len()]
 }
 
 /// The corners of a style's marker; they repeat.
 pub(super) fn marker(style: usize) -> &'static [(f64, f64)] {
     MARKERS[style % MARKERS.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Red, green and blue of `#rrggbb`.
+    fn parts(colour: &str) -> [f64; 3] {
+        [1, 3, 5].map(|at| f64::from(u8::from_str_radix(&colour[at..at + 2], 16).unwrap()))
+    }
+
+    #[test]
+    fn tints_are_their_colours_with_white() {
+        for (tints, white) in TINTS.iter().zip([0.28, 0.62]) {
+            for (tint, colour) in tints.iter().zip(COLOURS) {
+                for (found, full) in parts(tint).into_iter().zip(parts(colour)) {
+                    let mixed = full * (1.0 - white) + 255.0 * white;
+                    assert!((found - mixed).abs() <= 0.5 + 1e-9, "{tint} of {colour}: {found}, not {mixed}");
+                }
+            }
+        }
+    }
 }

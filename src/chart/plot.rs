@@ -1,5 +1,6 @@
 //! The data of a figure, drawn into the frame of its axes.
 
+use super::area::{Area, Frame};
 use super::canvas::{Canvas, Lettering, Stroke};
 use super::figure::{Figure, Limit, Series, SeriesPoint};
 use super::legend::law_stroke;
@@ -7,22 +8,11 @@ use super::palette::{self, LIMIT};
 use super::scale::{Range, Scale};
 use super::text;
 
-/// A rectangle of the picture, in px.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Frame {
-    pub left: f64,
-    pub top: f64,
-    pub right: f64,
-    pub bottom: f64,
-}
-
 /// A figure with its axes laid out.
 #[derive(Debug)]
 pub(super) struct Plot<'a> {
     pub figure: &'a Figure,
-    pub x: Range,
-    pub y: Range,
-    pub frame: Frame,
+    pub area: Area,
 }
 
 /// The x range of a figure: its points and laws.
@@ -31,7 +21,8 @@ pub(super) fn x_range(figure: &Figure) -> Range {
     let laws = figure
         .laws
         .iter()
-        .flat_map(|law| &law.points)
+        .flat_map(|law| &law.lines)
+        .flat_map(|line| &line.points)
         .filter(|place| figure.shows(**place))
         .map(|place| place.0);
     Range::around(figure.x.scale, points.chain(laws))
@@ -42,8 +33,8 @@ pub(super) fn y_range(figure: &Figure) -> Range {
     let scale = figure.y.scale;
     let points: Vec<f64> = shown_points(figure).map(|point| point.y).collect();
     let bands = shown_points(figure).filter_map(|point| point.band).flat_map(|(lower, upper)| [lower, upper]);
-    let laws =
-        figure.series.iter().map(|series| &series.law).chain(figure.laws.iter().map(|law| &law.points));
+    let lines = figure.laws.iter().flat_map(|law| &law.lines).map(|line| &line.points);
+    let laws = figure.series.iter().map(|series| &series.law).chain(lines);
     let laws = laws.flatten().filter(|place| figure.x.scale.shows(place.0)).map(|place| place.1);
     let (low, high) = reach(scale, &points);
     let beside = bands.chain(laws).filter(|&value| scale.shows(value)).map(|value| value.clamp(low, high));
@@ -68,24 +59,22 @@ fn shown_points(figure: &Figure) -> impl Iterator<Item = &SeriesPoint> {
 }
 
 impl Plot<'_> {
-    /// Where a point of the data stands in the picture.
-    pub fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
-        let Frame { left, top, right, bottom } = self.frame;
-        (left + self.x.fraction(x) * (right - left), bottom - self.y.fraction(y) * (bottom - top))
-    }
-
-    /// Draws bands, laws, limit and points, in this order from below.
+    /// Draws laws, bands, closed forms, limit and points, in this order from below.
     pub fn draw(&self, canvas: &mut Canvas) {
-        let Frame { left, top, right, bottom } = self.frame;
+        let Frame { left, top, right, bottom } = self.area.frame;
         canvas.open_window(left, top, right - left, bottom - top);
-        self.figure.series.iter().for_each(|series| self.draw_bands(canvas, series));
         for (i, law) in self.figure.laws.iter().enumerate() {
-            canvas.group(&law.label, |canvas| self.draw_line(canvas, &law.points, law_stroke(i)));
+            canvas.group(&law.label, |canvas| {
+                for line in &law.lines {
+                    self.draw_line(canvas, &line.points, law_stroke(i, line.colour()));
+                }
+            });
         }
+        self.figure.series.iter().for_each(|series| self.draw_bands(canvas, series));
         self.figure.series.iter().for_each(|series| self.draw_curve(canvas, series));
-        let limit = self.figure.limit.as_ref().filter(|limit| self.y.scale.shows(limit.value));
+        let limit = self.figure.limit.as_ref().filter(|limit| self.area.y.scale.shows(limit.value));
         if let Some(limit) = limit {
-            let y = self.limit_height(limit);
+            let y = self.area.down(limit.value);
             canvas.line(&[(left, y), (right, y)], Stroke { colour: LIMIT, width: 1.4, dash: "10 4" });
         }
         canvas.close_picture();
@@ -110,8 +99,9 @@ impl Plot<'_> {
         let colour = palette::colour(series.colour);
         for run in self.runs(series) {
             for run in run.chunk_by(|a, b| a.band.is_some() && b.band.is_some()) {
-                let lower = run.iter().filter_map(|point| Some(self.place((point.x, point.band?.0))));
-                let upper = run.iter().rev().filter_map(|point| Some(self.place((point.x, point.band?.1))));
+                let lower = run.iter().filter_map(|point| Some(self.area.place((point.x, point.band?.0))));
+                let upper =
+                    run.iter().rev().filter_map(|point| Some(self.area.place((point.x, point.band?.1))));
                 let corners: Vec<_> = lower.chain(upper).collect();
                 match corners[..] {
                     [] => {}
@@ -143,7 +133,7 @@ impl Plot<'_> {
     fn draw_line(&self, canvas: &mut Canvas, data: &[(f64, f64)], stroke: Stroke) {
         let shown = |place: &(f64, f64)| self.figure.shows(*place);
         for run in data.chunk_by(|a, b| shown(a) && shown(b)).filter(|run| run.len() > 1) {
-            let places: Vec<_> = run.iter().map(|&place| self.place(place)).collect();
+            let places: Vec<_> = run.iter().map(|&place| self.area.place(place)).collect();
             canvas.line(&places, stroke);
         }
     }
@@ -155,23 +145,20 @@ impl Plot<'_> {
         let (style, colour) = (self.figure.dash_of(series), palette::colour(series.colour));
         canvas.group(&self.figure.name(series), |canvas| {
             for point in points {
-                canvas.marker(self.place((point.x, point.y)), size * radius, style, colour);
+                canvas.marker(self.area.place((point.x, point.y)), size * radius, style, colour);
             }
         });
-    }
-
-    fn limit_height(&self, limit: &Limit) -> f64 {
-        self.frame.bottom - self.y.fraction(limit.value) * (self.frame.bottom - self.frame.top)
     }
 
     /// Writes the label over the limit line, at that end or in the middle where it covers the fewest points.
     fn draw_limit_label(&self, canvas: &mut Canvas, limit: &Limit) {
         const SIZE: f64 = 13.0;
-        let Frame { left, right, .. } = self.frame;
-        let y = self.limit_height(limit) - 7.0;
+        let Frame { left, right, .. } = self.area.frame;
+        let y = self.area.down(limit.value) - 7.0;
         let label = text::fitted(&limit.label, SIZE, true, right - left - 16.0);
         let width = text::width(&label, SIZE, true);
-        let places: Vec<_> = shown_points(self.figure).map(|point| self.place((point.x, point.y))).collect();
+        let places: Vec<_> =
+            shown_points(self.figure).map(|point| self.area.place((point.x, point.y))).collect();
         let covered = |start: f64| {
             let near = |&&(px, py): &&(f64, f64)| {
                 (start - 20.0..start + width + 20.0).contains(&px)

@@ -20,10 +20,39 @@ impl Scale {
     }
 
     /// A coordinate in which the axis is divided evenly.
-    fn coordinate(self, value: f64) -> f64 {
+    pub(super) fn coordinate(self, value: f64) -> f64 {
         match self {
             Scale::Log => libm::log10(value),
             Scale::Linear => value,
+        }
+    }
+
+    /// The value at a coordinate.
+    fn value(self, coordinate: f64) -> f64 {
+        match self {
+            Scale::Log => libm::pow(10.0, coordinate),
+            Scale::Linear => coordinate,
+        }
+    }
+
+    /// The edges of cells about `values`, which ascend and can be shown: in the middle between two, and as far beyond the
+    /// outer ones. The cell of a single value reaches as far as an axis about it.
+    pub(super) fn edges(self, values: &[f64]) -> Vec<f64> {
+        match *values {
+            [] => vec![],
+            [only] => {
+                let Range { low, high, .. } = Range::around(self, [only]);
+                vec![low, high]
+            }
+            [first, second, ..] => {
+                let between = |a: f64, b: f64| self.value(0.5 * (self.coordinate(a) + self.coordinate(b)));
+                let beyond = |outer: f64, inner: f64| {
+                    self.value(1.5 * self.coordinate(outer) - 0.5 * self.coordinate(inner))
+                };
+                let [.., inner, last] = *values else { return vec![] };
+                let middles = values.windows(2).map(|pair| between(pair[0], pair[1]));
+                std::iter::once(beyond(first, second)).chain(middles).chain([beyond(last, inner)]).collect()
+            }
         }
     }
 }
@@ -113,6 +142,18 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn edges_lie_in_the_middle_between_values_on_their_scale() {
+        let near = |found: Vec<f64>, expected: &[f64]| {
+            let close = found.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-12);
+            assert!(close && found.len() == expected.len(), "{found:?}, not {expected:?}");
+        };
+        near(Scale::Log.edges(&[1.0, 4.0, 64.0]), &[0.5, 2.0, 16.0, 256.0]);
+        near(Scale::Linear.edges(&[1.0, 2.0, 4.0]), &[0.5, 1.5, 3.0, 5.0]);
+        near(Scale::Linear.edges(&[4.0]), &[2.0, 6.0]);
+        near(Scale::Log.edges(&[]), &[]);
     }
 
     #[test]

@@ -28,6 +28,8 @@ pub struct Spec {
     pub filter: Vec<(String, String)>,
     /// A horizontal line, an angle in ″: y must be one.
     pub limit: Option<f64>,
+    /// Columns with laws to be drawn beside the curves, angles in ″: y must be one. Their labels stand in the legend.
+    pub laws: Vec<String>,
     /// What the points are, for the legend: `Monte Carlo`, `measured`. Empty: not said.
     pub points: String,
 }
@@ -89,14 +91,36 @@ pub enum ChartError {
         /// One of its texts.
         example: String,
     },
-    /// A limit in ″ on an axis of something else.
-    #[error("`{column}` is {}, a limit in ″ cannot be drawn on it", in_unit(unit))]
-    LimitUnit {
-        /// The name of the column along the vertical axis.
+    /// Both axes of a map show the same.
+    #[error("`{column}` is both x and y; a map needs two different columns")]
+    SameAxes {
+        /// As y names it.
+        column: String,
+    },
+    /// Several rows on one cell of a map.
+    #[error("several rows fall on one cell of the map, as at {cell}{}", differing(column.as_deref(), values))]
+    SeveralRows {
+        /// The values of the axes there: `dt_nu = 0.1, motion.amplitude = 5`.
+        cell: String,
+        /// The first column in which two of the rows differ.
+        column: Option<String>,
+        /// Their values there.
+        values: Vec<String>,
+    },
+    /// A limit or a law in ″ beside something else.
+    #[error("`{column}` is {}, a {beside} in ″ cannot be drawn on it", in_unit(unit))]
+    NotAngle {
+        /// The name of the column of the estimates.
         column: String,
         /// The symbol of its unit; empty for a pure number.
         unit: String,
+        /// `limit` or `law`.
+        beside: &'static str,
     },
+}
+
+fn differing(column: Option<&str>, values: &[String]) -> String {
+    column.map_or(String::new(), |column| format!(": they differ in {column} ({})", values.join(", ")))
 }
 
 fn in_unit(unit: &str) -> String {

@@ -1,25 +1,13 @@
-//! A figure as SVG: the layout and the titles.
+//! A figure as SVG.
 
-use super::axes::{self, TICK_SIZE};
-use super::canvas::{Canvas, Lettering};
+use super::area::Area;
+use super::axes;
+use super::canvas::Canvas;
 use super::figure::Figure;
+use super::layout::{HEIGHT, MARGIN, MOST_LABELS, Titles, WIDTH, draw_nothing};
 use super::legend::Legend;
-use super::palette::{INK, MUTED};
-use super::plot::{self, Frame, Plot};
+use super::plot::{self, Plot};
 use super::text;
-use super::ticks::Ticks;
-
-/// Width of every picture in CSS px.
-pub const WIDTH: f64 = 1000.0;
-/// Height of every picture in CSS px.
-pub const HEIGHT: f64 = 650.0;
-
-const MARGIN: f64 = 26.0;
-const TITLE_SIZE: f64 = 20.0;
-/// About as many labels as an axis has room for.
-const MOST_LABELS: usize = 9;
-
-const AXIS_TITLE: Lettering = Lettering { size: 14.5, bold: false, colour: INK, anchor: "middle" };
 
 impl Figure {
     /// The figure as SVG, [`WIDTH`] × [`HEIGHT`] CSS px. Equal figures give equal bytes on every machine.
@@ -50,18 +38,25 @@ impl Figure {
         let (x, y) = (plot::x_range(self), plot::y_range(self));
         let (x_ticks, y_ticks) = (x.ticks(MOST_LABELS), y.ticks(MOST_LABELS));
         let legend = Legend::of(self);
-        let frame = frame(self, &legend, &y_ticks);
-        let plot = Plot { figure: self, x, y, frame };
+        let titles = Titles {
+            title: &self.title,
+            subtitle: self.subtitle.as_deref(),
+            x: self.x.title(),
+            y: self.y.title(),
+        };
+        let frame = titles.frame(&y_ticks, legend.width());
+        let area = Area { x, y, frame };
+        let plot = Plot { figure: self, area };
 
         let mut canvas = Canvas::default();
         canvas.open_picture(WIDTH, HEIGHT, text::FAMILY, &self.title);
-        draw_titles(&mut canvas, self, frame);
-        canvas.group("grid", |canvas| axes::draw_grid(canvas, &plot, &x_ticks, &y_ticks));
-        canvas.group("axes", |canvas| axes::draw_axes(canvas, &plot, &x_ticks, &y_ticks));
+        titles.draw(&mut canvas, frame);
+        canvas.group("grid", |canvas| axes::draw_grid(canvas, &area, &x_ticks, &y_ticks));
+        canvas.group("axes", |canvas| axes::draw_axes(canvas, &area, &x_ticks, &y_ticks));
         plot.draw(&mut canvas);
         let points = self.series.iter().map(|series| series.points.len()).sum::<usize>();
         if points == self.left_out() && self.laws.is_empty() {
-            draw_nothing(&mut canvas, points, frame);
+            draw_nothing(&mut canvas, "point", points, frame);
         }
         canvas.group("legend", |canvas| {
             legend.draw(canvas, (frame.right + MARGIN, frame.top), HEIGHT - 0.5 * MARGIN);
@@ -71,51 +66,9 @@ impl Figure {
     }
 }
 
-fn frame(figure: &Figure, legend: &Legend, y_ticks: &Ticks) -> Frame {
-    let labels =
-        y_ticks.major.iter().map(|(_, label)| text::width(label, TICK_SIZE, false)).fold(0.0, f64::max);
-    let legend = legend.width();
-    Frame {
-        left: MARGIN + AXIS_TITLE.size + 14.0 + labels + 10.0,
-        top: if figure.subtitle.is_some() { 86.0 } else { 66.0 },
-        right: WIDTH - MARGIN - if legend > 0.0 { legend + MARGIN } else { 0.0 },
-        bottom: HEIGHT - 72.0,
-    }
-}
-
-fn draw_titles(canvas: &mut Canvas, figure: &Figure, frame: Frame) {
-    let room = WIDTH - 2.0 * MARGIN;
-    let wanted = text::width(&figure.title, TITLE_SIZE, true);
-    let size = (TITLE_SIZE * (room / wanted.max(1.0)).min(1.0)).max(14.0);
-    let title = Lettering { size, bold: true, colour: INK, anchor: "start" };
-    canvas.text((MARGIN, 40.0), &text::fitted(&figure.title, size, true, room), title);
-    if let Some(subtitle) = &figure.subtitle {
-        let lettering = Lettering { size: 13.5, bold: false, colour: MUTED, anchor: "start" };
-        canvas.text((MARGIN, 63.0), &text::fitted(subtitle, 13.5, false, room), lettering);
-    }
-    let Frame { left, top, right, bottom } = frame;
-    let fitted = |title: &str, room: f64| text::fitted(title, AXIS_TITLE.size, false, room);
-    canvas.text((0.5 * (left + right), HEIGHT - 20.0), &fitted(&figure.x.title(), right - left), AXIS_TITLE);
-    let place = (MARGIN + 0.8 * AXIS_TITLE.size, 0.5 * (top + bottom));
-    canvas.upward_text(place, &fitted(&figure.y.title(), bottom - top), AXIS_TITLE);
-}
-
-/// Says why the frame is empty.
-fn draw_nothing(canvas: &mut Canvas, left_out: usize, frame: Frame) {
-    let why = match left_out {
-        0 => "no points".to_owned(),
-        1 => "the only point cannot be shown on these axes".to_owned(),
-        n => format!("none of the {n} points can be shown on these axes"),
-    };
-    // Above the middle, where a limit would be.
-    let place = (0.5 * (frame.left + frame.right), frame.top + 0.3 * (frame.bottom - frame.top));
-    let lettering = Lettering { size: 16.0, bold: false, colour: MUTED, anchor: "middle" };
-    canvas.text_on_white(place, &why, lettering);
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::{Axis, Entry, Grouping, Law, Limit, Scale, Series, SeriesPoint, png};
+    use super::super::{Axis, Entry, Grouping, Law, LawLine, Limit, Scale, Series, SeriesPoint, png};
     use super::*;
     use resvg::tiny_skia::Pixmap;
     use resvg::usvg::roxmltree::Document;
@@ -140,6 +93,7 @@ mod tests {
                 .collect(),
             law: points(1.02 * slope).collect(),
         };
+        let line = |colours: Vec<usize>, slope: f64| LawLine { colours, points: points(slope).collect() };
         Figure {
             title: "Residual < 10 ″ & more".to_owned(),
             subtitle: Some("n = 1, 3".to_owned()),
@@ -149,7 +103,10 @@ mod tests {
             dashes: grouping("gap ticks", &["1", "3"]),
             points: "Monte Carlo".to_owned(),
             series: vec![series(0, 0, 2.0), series(0, 1, 5.0), series(1, 0, 0.1), series(1, 1, 0.3)],
-            laws: vec![Law { label: "x³/6".to_owned(), points: points(1.0).collect() }],
+            laws: vec![Law {
+                label: "x³/6".to_owned(),
+                lines: vec![line(vec![1], 0.3), line(vec![0, 1], 1.0)],
+            }],
             limit: Some(Limit { value: 10.0, label: "limit 10 ″".to_owned() }),
         }
     }

@@ -52,6 +52,20 @@ pub(super) fn fitted(text: &str, size: f64, bold: bool, room: f64) -> String {
     shown
 }
 
+/// `text` in lines of at most `room` px, broken at spaces; a longer word stays whole, and so do
+/// words with a no-break space between them.
+pub(super) fn wrapped(text: &str, size: f64, room: f64) -> Vec<String> {
+    let mut lines: Vec<String> = vec![];
+    for word in text.split(' ').filter(|word| !word.is_empty()) {
+        let longer = lines.last().map(|line| format!("{line} {word}"));
+        match (longer, lines.last_mut()) {
+            (Some(longer), Some(line)) if width(&longer, size, false) <= room => *line = longer,
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -70,6 +84,17 @@ mod tests {
         for sign in "″√Δ·ν°⁰¹²³⁴⁵⁶⁷⁸⁹⁻−τθσ∑Ω₀≤×…".chars() {
             assert!(width(&sign.to_string(), 100.0, false) > 10.0, "no glyph for {sign}");
         }
+    }
+
+    #[test]
+    fn text_is_broken_into_lines_that_have_room_and_lose_no_word() {
+        let text = "Taylor term of one tick at an extremum, as published";
+        let lines = wrapped(text, 13.0, 200.0);
+        assert!(lines.len() > 1 && lines.iter().all(|line| width(line, 13.0, false) <= 200.0), "{lines:?}");
+        assert_eq!(lines.join(" "), text);
+        assert_eq!(wrapped("one  two", 13.0, 1.0), ["one", "two"]);
+        assert_eq!(wrapped("10\u{a0}″ more", 13.0, 1.0), ["10\u{a0}″", "more"]);
+        assert!(wrapped("", 13.0, 200.0).is_empty());
     }
 
     #[test]

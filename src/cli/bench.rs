@@ -6,7 +6,8 @@ use sagnac::backend::cpu::{Cpu, Width};
 use sagnac::backend::gpu::GpuError;
 use sagnac::backend::{Device, Job, SelectError, select};
 use sagnac::block::cover;
-use sagnac::verify::Configuration;
+use sagnac::kernel::launch::Launch;
+use sagnac::verify::configurations;
 use serde::Serialize;
 
 use super::Failure;
@@ -17,6 +18,9 @@ use super::output::{print, print_json};
 struct Figure {
     device: String,
     kernel: &'static str,
+    /// The configuration that is sampled.
+    configuration: &'static str,
+    estimates: usize,
     histogram: bool,
     /// Best of the runs.
     million_trials_per_second: f64,
@@ -26,7 +30,11 @@ struct Figure {
 const RUNS: usize = 5;
 const SECONDS: f64 = 0.5;
 
-/// Measures the gap-fill kernel with six estimates, on every width of the CPU and on the device.
+/// What is measured: configurations of `verify`, and whether with the histogram that a run has.
+const MEASURED: [(&str, bool); 5] =
+    [("paper", false), ("paper", true), ("minimum-variance", false), ("eight-tones", false), ("profile", false)];
+
+/// Measures the gap-fill kernel on every width of the CPU and on the device.
 pub fn bench(options: &super::Bench) -> Result<(), Failure> {
     let selection = select(&options.device.name)?;
     eprintln!("device: {}, {}", selection.device.name(), selection.reason);
@@ -38,19 +46,27 @@ pub fn bench(options: &super::Bench) -> Result<(), Failure> {
         devices.push(Device::Cpu(Cpu::new(width, 0).map_err(SelectError::from)?));
     }
     let mut figures = Vec::new();
+    let all = configurations();
     for device in &mut devices {
-        for histogram in [false, true] {
-            let rate = measure(device, histogram)?;
+        for (name, histogram) in MEASURED {
+            let Some(launch) = all.iter().find(|c| c.name == name).and_then(|c| c.launches().into_iter().next())
+            else {
+                continue;
+            };
             let figure = Figure {
                 device: device.name(),
                 kernel: "gap_fill",
+                configuration: name,
+                estimates: launch.shape.estimates(),
                 histogram,
-                million_trials_per_second: rate / 1e6,
+                million_trials_per_second: measure(device, &launch, histogram)? / 1e6,
             };
             if !options.json {
                 let with = if histogram { "with histogram" } else { "without histogram" };
-                let Figure { device, kernel, million_trials_per_second: rate, .. } = &figure;
-                print(&format!("{kernel}, six estimates, {with:17} {rate:9.1} million trials/s  {device}"))?;
+                let Figure { device, kernel, estimates, million_trials_per_second: rate, .. } = &figure;
+                print(&format!(
+                    "{kernel}, {name}, {estimates} estimates, {with:17} {rate:9.1} million trials/s  {device}"
+                ))?;
             }
             figures.push(figure);
         }
@@ -62,8 +78,7 @@ pub fn bench(options: &super::Bench) -> Result<(), Failure> {
 }
 
 /// Best rate of some runs, trials per second.
-fn measure(device: &mut Device, histogram: bool) -> Result<f64, GpuError> {
-    let launch = &Configuration::new("paper", |_| {}).launches()[0];
+fn measure(device: &mut Device, launch: &Launch, histogram: bool) -> Result<f64, GpuError> {
     let mut trials = 1_u64 << 20;
     let mut best = 0.0_f64;
     let mut runs = 0;

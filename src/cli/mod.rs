@@ -1,6 +1,7 @@
 //! The command line.
 
 mod bench;
+mod charts;
 mod devices;
 mod failure;
 mod output;

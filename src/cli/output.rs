@@ -1,6 +1,7 @@
-//! Data to the standard output.
+//! Data to the standard output, and to files.
 
 use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::Path;
 
 use serde::Serialize;
 
@@ -34,4 +35,15 @@ fn failure(error: io::Error) -> Failure {
         ErrorKind::BrokenPipe => Failure::OutputClosed,
         _ => Failure::Output(error),
     }
+}
+
+/// Writes a file as a whole or not at all.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write(path: &Path, contents: &[u8]) -> Result<(), Failure> {
+    let failed = |source| Failure::Write { path: path.to_owned(), source };
+    let partial = path.with_extension("partial");
+    let written = std::fs::File::create(&partial).and_then(|mut file| file.write_all(contents));
+    written.and_then(|()| std::fs::rename(&partial, path)).map_err(failed)
 }

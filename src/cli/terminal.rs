@@ -22,7 +22,7 @@ pub fn pivot(
     sweeps: &[&str],
     y: &str,
     series: &[&str],
-    filter: &[(&str, String)],
+    filter: &[(String, String)],
 ) -> Result<String, ColumnError> {
     let columns = |names: &[&str]| names.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>();
     let (sweeps, y, mut series) = (columns(sweeps)?, table.column(y)?, columns(series)?);
@@ -51,7 +51,7 @@ pub fn pivot(
     }
     for (place, &at) in columns.iter().enumerate() {
         let words: Vec<&str> = curves.iter().map(|names| names.at(at)).collect();
-        grid[0][across.len() + place] = words.join(" ");
+        grid[0][across.len() + place] = if words.is_empty() { y.header() } else { words.join(" ") };
     }
     for (at, &row) in rows.iter().enumerate() {
         let cell = &y.cells[row];
@@ -66,7 +66,8 @@ pub fn pivot(
         .collect();
     let note = if step > 1 { format!(" (one line in {step})") } else { String::new() };
     let names: Vec<&str> = curves.iter().map(|names| names.column.name.as_str()).collect();
-    Ok(format!("{} by {}{note}\n{}", y.header(), names.join(", "), aligned(&shown)))
+    let by = if names.is_empty() { String::new() } else { format!(" by {}", names.join(", ")) };
+    Ok(format!("{}{by}{note}\n{}", y.header(), aligned(&shown)))
 }
 
 /// The different values of a column in the rows shown.

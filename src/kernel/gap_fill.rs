@@ -269,9 +269,9 @@ impl AnyWidth for Tally<'_> {
         // Each of the first comparisons makes the shape a constant of its branch.
         if shape == POLYNOMIALS {
             moments::tally::<W>(GapFill::<0, 0>::new(launch, POLYNOMIALS), first, count, histogram)
-        } else if shape == TEN_TICKS {
+        } else if W::LANES > 1 && shape == TEN_TICKS {
             moments::tally::<W>(GapFill::<0, 0>::new(launch, TEN_TICKS), first, count, histogram)
-        } else if shape == PROFILE {
+        } else if W::LANES > 1 && shape == PROFILE {
             moments::tally::<W>(GapFill::<0, 0>::new(launch, PROFILE), first, count, histogram)
         } else if !shape.in_gap && !shape.gaussian {
             moments::tally::<W>(GapFill::<0, 0>::new(launch, shape), first, count, histogram)
@@ -286,5 +286,13 @@ pub const MAX_GAUSSIANS: usize = 3 * MAX_SIDE;
 
 /// Tallies of the estimates over the trials `first .. first + count`, which have one upper half.
 pub fn tally(width: Width, launch: &Launch, first: u64, count: u64, histogram: bool) -> Vec<Moments> {
-    width.run(Tally { launch, first, count, histogram })
+    // What does not fill the lanes is done in one.
+    let rest = count % width.lanes() as u64;
+    let mut tallies = width.run(Tally { launch, first, count: count - rest, histogram });
+    if rest > 0 {
+        let first = first + count - rest;
+        let last = Width::PORTABLE.run(Tally { launch, first, count: rest, histogram });
+        tallies.iter_mut().zip(&last).for_each(|(tally, last)| tally.merge(last));
+    }
+    tallies
 }

@@ -3,7 +3,7 @@
 //! Twin of `shaders/moments.wgsl`. A lane adds up at most [`FLUSH`] trials in 64 bits before the sums go on in 128;
 //! with errors below [`LIMIT`] that cannot overflow. (64-bit sums without this bound wrapped once in 1.3e8 trials.)
 
-use super::word::{Scalar, Wide, Word};
+use super::word::{Wide, Word};
 
 /// Most estimates of one launch.
 pub const MAX_ESTIMATES: usize = 6;
@@ -62,19 +62,17 @@ impl Moments {
     }
 }
 
-/// Tallies of a sampler's estimates over the trials `first .. first + count`, which have one upper half.
+/// Tallies of a sampler's estimates over the trials `first .. first + count`, which have one upper half; `count` is a
+/// multiple of the lanes.
 #[inline(always)]
 pub fn tally<W: Word>(sampler: impl Sampler, first: u64, count: u64, histogram: bool) -> Vec<Moments> {
     let mut tallies = vec![Moments::empty(histogram); sampler.estimates()];
-    let whole = count - count % W::LANES as u64;
     if !histogram {
-        accumulate::<W, false>(sampler, first, whole, &mut tallies, &mut []);
-        accumulate::<Scalar, false>(sampler, first + whole, count - whole, &mut tallies, &mut []);
+        accumulate::<W, false>(sampler, first, count, &mut tallies, &mut []);
         return tallies;
     }
     let mut counts = vec![[0; BINS]; sampler.estimates()];
-    accumulate::<W, true>(sampler, first, whole, &mut tallies, &mut counts);
-    accumulate::<Scalar, true>(sampler, first + whole, count - whole, &mut tallies, &mut counts);
+    accumulate::<W, true>(sampler, first, count, &mut tallies, &mut counts);
     for (tally, counts) in tallies.iter_mut().zip(&counts) {
         tally.bins = counts.iter().map(|&n: &u32| u64::from(n)).collect();
     }
@@ -213,6 +211,7 @@ pub fn level_edge(level: u32) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernel::word::Scalar;
 
     #[test]
     fn bins_follow_the_levels() {

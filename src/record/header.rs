@@ -44,6 +44,10 @@ impl Columns {
             let message = "the first row is numbers, the header is missing";
             return Err(Fault::new(header.span.clone(), message, "numbers and no names", EXAMPLE));
         }
+        if header.cells.len() == 1 {
+            let message = "the header has only one column";
+            return Err(Fault::new(header.span.clone(), message, "no comma", EXAMPLE));
+        }
         Ok(Columns { time: find(header, &TIME)?, rate: find(header, &RATE)?, cells: header.cells.len() })
     }
 

@@ -110,15 +110,20 @@ static KEYS: &[Expected] = &[
     entry("sweep.log.to", END, "to = \"40 Hz\""),
     entry("sweep.log.points", NUMBER, "points = 24"),
     entry("chart", "one table [chart] or several [[chart]]", "[chart]\nx = \"dt_nu\"\ny = \"rms\""),
+    entry("chart.kind", TEXT, "kind = \"heat-map\""),
     entry("chart.title", TEXT, "title = \"Largest error\""),
     entry("chart.x", TEXT, "x = \"dt_nu\""),
     entry("chart.y", TEXT, "y = \"rms\""),
+    entry("chart.z", TEXT, "z = \"q9973\""),
+    entry("chart.of", TEXT, "of = \"filler\""),
     entry("chart.series", "a list in brackets", "series = [\"filler\", \"gap_ticks\"]"),
+    entry("chart.laws", "a list in brackets", "laws = [\"taylor-extremum\", \"noise\"]"),
     entry("chart.where", "a table of columns and values", "where = { error = \"residual\" }"),
     entry("chart.where.*", "one value", "where = { error = \"residual\" }"),
     entry("chart.limit", QUANTITY, "limit = \"10 arcsec\""),
     entry("chart.x_scale", TEXT, "x_scale = \"log\""),
     entry("chart.y_scale", TEXT, "y_scale = \"linear\""),
+    entry("chart.z_scale", TEXT, "z_scale = \"log\""),
 ];
 
 impl Expected {

@@ -2,15 +2,11 @@
 //!
 //! The doc comments here are the descriptions in the schema.
 
-use std::collections::BTreeMap;
-use std::fmt;
-
 use schemars::JsonSchema;
-use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
+use super::chart_file::Charts;
 use super::scalar::Scalar;
 
 mod either;
@@ -45,6 +41,11 @@ pub(super) struct StudyFile {
     #[serde(default)]
     #[schemars(with = "i64", range(min = 1, max = 1_099_511_627_776_i64))]
     pub(super) trials: Option<Spanned<Scalar>>,
+    /// Where to stop before that: "0.5 %", half the 95 % interval of the rms as a part of it, or of other estimates by name.
+    /// The trials are then the most there are.
+    #[serde(default)]
+    #[schemars(with = "Either<PrecisionTable>", extend("examples" = ["0.5 %"]))]
+    pub(super) precision: Option<Spanned<Either<PrecisionTable>>>,
     #[serde(default)]
     pub(super) streams: Streams,
     pub(super) gyro: GyroTable,
@@ -58,6 +59,20 @@ pub(super) struct StudyFile {
     /// One chart or several; absent, a chart that suits the kind of study.
     #[serde(default)]
     pub(super) chart: Charts,
+}
+
+/// Precision by estimate: half its 95 % interval as a part of it.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PrecisionTable {
+    /// Of the rms: "0.5 %".
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(super) rms: Option<Spanned<Scalar>>,
+    /// Of the 99.73 % level: "2 %".
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(super) q9973: Option<Spanned<Scalar>>,
 }
 
 /// What is studied.
@@ -152,87 +167,6 @@ pub(super) struct SpacingTable {
     pub(super) points: Spanned<Scalar>,
 }
 
-/// A chart of the estimates. Columns are named without prefix and unit: "frequency", "rms".
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct ChartTable {
-    /// Above the chart; the study's title if absent.
-    // Else the schema would give null, which TOML does not have, as the default.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "String")]
-    pub(super) title: Option<String>,
-    /// Column of the abscissa.
-    #[schemars(with = "String", extend("examples" = ["dt_nu", "frequency"]))]
-    pub(super) x: Spanned<String>,
-    /// Column of the ordinate.
-    #[schemars(with = "String", extend("examples" = ["rms", "q9973", "max"]))]
-    pub(super) y: Spanned<String>,
-    /// Columns whose values make the curves: first the colour, second the dash; ["filler"] if absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(with = "Vec<String>", length(min = 1, max = 2))]
-    pub(super) series: Option<Spanned<Vec<Spanned<String>>>>,
-    /// Rows to show: a swept key, filler or error = one of its values. With error = "residual" unless series or this
-    /// names error.
-    #[serde(default, rename = "where")]
-    #[schemars(with = "BTreeMap<String, ValueSchema>")]
-    pub(super) rows: Option<BTreeMap<Spanned<String>, Spanned<Scalar>>>,
-    /// Allowed error, an angle above 0, drawn as a line where y is an error in ″: "10 arcsec".
-    #[serde(default)]
-    #[schemars(with = "String")]
-    pub(super) limit: Option<Spanned<Scalar>>,
-    #[serde(default)]
-    pub(super) x_scale: Scale,
-    #[serde(default)]
-    pub(super) y_scale: Scale,
-}
-
-/// The scale of an axis.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Scale {
-    /// Equal ratios are equally long.
-    #[default]
-    Log,
-    /// Equal differences are equally long.
-    Linear,
-}
-
-/// `[chart]` or `[[chart]]`.
-#[derive(Debug, Default, JsonSchema)]
-#[schemars(untagged)]
-pub(super) enum Charts {
-    #[default]
-    #[schemars(skip)]
-    Default,
-    One(Box<ChartTable>),
-    Several(Vec<ChartTable>),
-}
-
-impl<'de> Deserialize<'de> for Charts {
-    /// By hand, as serde's untagged enums lose the places of values.
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Charts, D::Error> {
-        struct OneOrSeveral;
-
-        impl<'de> Visitor<'de> for OneOrSeveral {
-            type Value = Charts;
-
-            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-                f.write_str("one table [chart] or several [[chart]]")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Charts, A::Error> {
-                Deserialize::deserialize(MapAccessDeserializer::new(map)).map(Charts::One)
-            }
-
-            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Charts, A::Error> {
-                Deserialize::deserialize(SeqAccessDeserializer::new(seq)).map(Charts::Several)
-            }
-        }
-
-        deserializer.deserialize_any(OneOrSeveral)
-    }
-}
-
 /// The number of a tick, or an inclusive range: -1, "n+1", "-7..0".
 #[derive(JsonSchema)]
 #[schemars(untagged)]
@@ -246,7 +180,7 @@ enum TickSchema {
 #[derive(JsonSchema)]
 #[schemars(untagged)]
 #[expect(dead_code, reason = "only its schema is used")]
-enum ValueSchema {
+pub(super) enum ValueSchema {
     Number(f64),
     Text(String),
 }

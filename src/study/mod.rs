@@ -7,6 +7,7 @@
 //! Whatever is wrong is found here, before any work, and told with its place in the file.
 
 mod chart;
+mod chart_file;
 mod diagnose;
 mod expected;
 mod expression;
@@ -14,11 +15,14 @@ mod file;
 mod filler;
 mod inputs;
 mod key;
+mod law;
 mod motion;
 mod place;
 mod point;
+mod precision;
 mod read_fillers;
 mod read_motion;
+mod rows;
 mod scalar;
 mod sweep;
 mod ticks;
@@ -36,15 +40,18 @@ use miette::NamedSource;
 use serde::Deserialize;
 use toml::Spanned;
 
-pub use chart::{Chart, Named};
+pub use chart::{Chart, Named, Shows};
+pub use chart_file::Scale;
 pub use diagnose::StudyError;
 pub(crate) use diagnose::{Fault, Text};
-pub use file::{Error, Kind, Phase, Position, Scale, Streams, schema};
+pub use file::{Error, Kind, Phase, Position, Streams, schema};
 pub use filler::{Fill, Filler, Method, POLYNOMIALS};
 pub use inputs::{Inputs, TickNoise};
 pub use key::Key;
+pub use law::Law;
 pub use motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 pub use point::Point;
+pub use precision::Precision;
 pub use sweep::Sweep;
 pub(crate) use units::{parse_unit, round_12};
 pub use units::{Dimension, Quantity, UnitError, parse as parse_quantity};
@@ -70,6 +77,8 @@ pub struct Study {
     pub seed: u64,
     /// At each point.
     pub trials: u64,
+    /// Where sampling stops before `trials`.
+    pub precision: Option<Precision>,
     pub streams: Streams,
     /// Before any sweep.
     pub inputs: Inputs,
@@ -125,6 +134,17 @@ impl Study {
     /// All points, in order; without a sweep the one that is written.
     pub fn points(&self) -> &[Point] {
         &self.points
+    }
+
+    /// The laws that any chart draws, each once.
+    pub fn laws(&self) -> Vec<Law> {
+        let mut laws: Vec<Law> = Vec::new();
+        for law in self.charts.iter().flat_map(Chart::laws) {
+            if !laws.contains(law) {
+                laws.push(*law);
+            }
+        }
+        laws
     }
 
     /// The file as it was read, but with the seed and the trials of this value: a study that repeats this one without
@@ -201,6 +221,14 @@ impl Study {
             )?,
         };
         let points = base.points()?;
+        let precision = file.precision.as_ref().map(precision::read).transpose()?;
+        if let (Some(written), Some(Profile { position: Position::Every, .. })) =
+            (&file.precision, &inputs.motion.profile)
+        {
+            let message = "precision stands beside position = \"every\", which is exact in whole replays only";
+            let help = "leave precision out, or take position = \"random\"";
+            return Err(Fault::new(written.span(), message, "cannot stop early", help).into());
+        }
         let fillers: Vec<Filler> = written_fillers.into_iter().map(|written| written.filler).collect();
         let charts = chart::read_all(file.chart, &sweeps, &fillers)?;
         Ok(Study {
@@ -209,6 +237,7 @@ impl Study {
             kind: file.kind.into_inner(),
             seed: written.seed.as_ref().map_or(1, |seed| *seed.get_ref()),
             trials: written.trials.as_ref().map_or(1_000_000, |trials| *trials.get_ref()),
+            precision,
             streams: file.streams,
             inputs,
             fillers,

@@ -1,5 +1,7 @@
 //! Whole studies: what they expand to, and how wrong ones are reported.
 
+mod charts;
+
 use super::*;
 use crate::table::Cell;
 
@@ -114,7 +116,7 @@ fn a_value_is_the_same_however_it_is_written() {
 fn a_chart_is_supplied_where_none_is_written() {
     let names = |text: &str| {
         let chart = parsed(text).charts.remove(0);
-        let series: Vec<String> = chart.series.into_iter().map(|named| named.name).collect();
+        let series: Vec<String> = chart.series().iter().map(|named| named.name.clone()).collect();
         (chart.x.name, chart.y.name, series)
     };
     let frequency = "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"1 Hz\"]\n";

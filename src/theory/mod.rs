@@ -6,3 +6,4 @@ pub mod gap;
 pub mod minimum_variance;
 pub mod psd;
 pub mod quadrature;
+pub mod published;

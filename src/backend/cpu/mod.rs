@@ -105,6 +105,17 @@ impl Width {
         }
     }
 
+    /// Number of lanes.
+    pub fn lanes(self) -> usize {
+        match self.0 {
+            Lanes::Portable => Scalar::LANES,
+            #[cfg(target_arch = "x86_64")]
+            Lanes::Avx2 => avx2::Avx2::LANES,
+            #[cfg(target_arch = "x86_64")]
+            Lanes::Avx512 => avx512::Avx512::LANES,
+        }
+    }
+
     /// Does `work` in lanes of this width.
     pub fn run<T: AnyWidth>(self, work: T) -> T::Output {
         match self.0 {

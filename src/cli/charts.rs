@@ -1,0 +1,177 @@
+//! The charts of a study: what it asks for becomes pictures in the results folder.
+
+use std::ffi::OsStr;
+use std::path::Path;
+
+use sagnac::chart::{self, ChartError, Figure, Map, MapSpec, Scale, Show, Spec};
+use sagnac::study::{self, Chart, Shows, Study, StudyError};
+use sagnac::table::{ColumnError, Table};
+
+use super::Failure;
+use super::output::write;
+
+/// The names of a chart's files, without their endings.
+fn chart_stem(index: usize, charts: usize) -> String {
+    if charts == 1 { "chart".to_owned() } else { format!("chart-{}", index + 1) }
+}
+
+/// Draws every chart as SVG and PNG, removes those of earlier runs that are drawn no more, and returns what is to be
+/// said of them.
+pub fn draw(study: &Study, table: &Table, folder: &Path) -> Result<Vec<String>, Failure> {
+    let mut notes = Vec::new();
+    for (index, chart) in study.charts.iter().enumerate() {
+        let stem = chart_stem(index, study.charts.len());
+        let (svg, said) = picture(study, table, chart)?;
+        let png = chart::png(&svg, 2.0)
+            .map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
+        write(&folder.join(format!("{stem}.svg")), svg.as_bytes())?;
+        write(&folder.join(format!("{stem}.png")), &png)?;
+        notes.extend(said.map(|sentence| format!("{stem}: {sentence}")));
+    }
+    remove_undrawn(folder, study.charts.len())?;
+    Ok(notes)
+}
+
+/// Removes the pictures of charts that a folder of `charts` charts does not have; other files are not ours.
+fn remove_undrawn(folder: &Path, charts: usize) -> Result<(), Failure> {
+    let failed = |source| Failure::Write { path: folder.to_owned(), source };
+    let drawn: Vec<String> = (0..charts).map(|index| chart_stem(index, charts)).collect();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let stem = path.file_stem().and_then(OsStr::to_str).unwrap_or_default();
+        let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default();
+        let picture = ["svg", "png"].contains(&ending) && is_chart_stem(stem);
+        if picture && !drawn.iter().any(|drawn| drawn == stem) {
+            std::fs::remove_file(&path).map_err(|source| Failure::Write { path, source })?;
+        }
+    }
+    Ok(())
+}
+
+/// Whether [`chart_stem`] gives this name to some chart.
+fn is_chart_stem(stem: &str) -> bool {
+    let number = stem.strip_prefix("chart-").and_then(|number| number.parse().ok());
+    stem == "chart" || number.is_some_and(|number: usize| number >= 1 && stem == format!("chart-{number}"))
+}
+
+/// One chart as SVG, and a sentence on what is to be said of it.
+///
+/// # Errors
+/// The table does not have what the chart asks for; the error points at the name in the study.
+pub fn picture(study: &Study, table: &Table, chart: &Chart) -> Result<(String, Option<String>), StudyError> {
+    let drawn = match &chart.shows {
+        Shows::Curves { .. } => Figure::from_table(table, &curves(study, chart))
+            .map(|(figure, notes)| (figure.svg(), notes.sentence())),
+        Shows::HeatMap { z_scale, .. } => map(study, table, chart, Show::Values(scale(*z_scale))),
+        Shows::WinnerMap { of, .. } => map(study, table, chart, Show::Winners(of.name.clone())),
+    };
+    drawn.map_err(|error| refused(study, chart, &error))
+}
+
+fn map(
+    study: &Study,
+    table: &Table,
+    chart: &Chart,
+    show: Show,
+) -> Result<(String, Option<String>), ChartError> {
+    let spec = MapSpec {
+        title: title(study, chart),
+        subtitle: subtitle(study),
+        x: chart.x.name.clone(),
+        y: chart.y.name.clone(),
+        z: chart.estimate().name.clone(),
+        x_scale: scale(chart.x_scale),
+        y_scale: scale(chart.y_scale),
+        show,
+        filter: filter(chart),
+        limit: chart.limit_arcsec,
+    };
+    let (map, notes) = Map::from_table(table, &spec)?;
+    Ok((map.svg(), notes.sentence()))
+}
+
+fn curves(study: &Study, chart: &Chart) -> Spec {
+    Spec {
+        title: title(study, chart),
+        subtitle: subtitle(study),
+        x: chart.x.name.clone(),
+        y: chart.y.name.clone(),
+        x_scale: scale(chart.x_scale),
+        y_scale: scale(chart.y_scale),
+        series: chart.series().iter().map(|column| column.name.clone()).collect(),
+        filter: filter(chart),
+        limit: chart.limit_arcsec,
+        laws: chart.laws().iter().map(|law| law.column().to_owned()).collect(),
+        points: "Monte Carlo".to_owned(),
+    }
+}
+
+fn title(study: &Study, chart: &Chart) -> String {
+    chart.title.clone().unwrap_or_else(|| study.title.clone())
+}
+
+fn subtitle(study: &Study) -> Option<String> {
+    (!study.question.is_empty()).then(|| study.question.clone())
+}
+
+fn scale(scale: study::Scale) -> Scale {
+    match scale {
+        study::Scale::Log => Scale::Log,
+        study::Scale::Linear => Scale::Linear,
+    }
+}
+
+/// The rows of a chart: (column, value as files show it).
+pub fn filter(chart: &Chart) -> Vec<(String, String)> {
+    chart.rows.iter().map(|(column, value)| (column.name.clone(), value.text())).collect()
+}
+
+/// A chart's error at the name in the study that caused it.
+pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
+    let named = || [&chart.x, &chart.y, chart.estimate()].into_iter().chain(chart.series());
+    let rows = || chart.rows.iter().map(|row| &row.0);
+    let place = |mut names: Box<dyn Iterator<Item = &study::Named> + '_>, name: &str| {
+        // A default is written nowhere; another name may be.
+        names
+            .find(|named| named.name == name && !named.span.is_empty())
+            .map_or(0..0, |named| named.span.clone())
+    };
+    let column = "name a column of points.csv, with or without its unit".to_owned();
+    let (span, help) = match error {
+        ChartError::Column(ColumnError::Unknown { name, .. } | ColumnError::Ambiguous { name, .. })
+        | ChartError::NotNumbers { column: name, .. } => {
+            (place(Box::new(named().chain(rows())), name), column)
+        }
+        ChartError::Column(ColumnError::NoRow { column, .. }) => (
+            place(Box::new(rows()), column),
+            "`where` takes values that the column has in points.csv".to_owned(),
+        ),
+        ChartError::NotAngle { column, beside, .. } => {
+            let help = format!("name an error in ″ instead, or leave out the {beside}");
+            (place(Box::new(std::iter::once(chart.estimate())), column), help)
+        }
+        ChartError::SameAxes { .. } => (chart.y.span.clone(), "name another column as y".to_owned()),
+        ChartError::SeveralRows { column, values, .. } => {
+            (chart.estimate().span.clone(), choose_one(study, column.as_deref(), values))
+        }
+        ChartError::TooManySeries { .. } => (0..0, column),
+    };
+    study.error_at(span, format!("chart: {error}"), help)
+}
+
+/// How to leave one row for each cell of a map, where two differ in `column`.
+fn choose_one(study: &Study, column: Option<&str>, values: &[String]) -> String {
+    let Some((column, value)) = column.zip(values.first()) else {
+        return "choose one of the rows in `where`".to_owned();
+    };
+    // As studies write it, with the unit that files leave out.
+    let swept = study.sweeps.iter().find(|sweep| sweep.key.name == column);
+    let shown = swept.and_then(|sweep| sweep.values.iter().find(|quantity| quantity.cell().text() == *value));
+    let value = match shown {
+        Some(quantity) if quantity.dimension == study::Dimension::Count => quantity.to_string(),
+        Some(quantity) => format!("\"{quantity}\""),
+        None => format!("\"{value}\""),
+    };
+    let name = column.rsplit('.').next().unwrap_or(column);
+    format!("choose one, as in where = {{ {name} = {value} }}, or make {name} an axis")
+}

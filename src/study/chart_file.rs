@@ -1,0 +1,141 @@
+//! The charts of a study file exactly as users write them.
+//!
+//! The doc comments here are the descriptions in the schema.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use schemars::JsonSchema;
+use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
+use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Serialize};
+use toml::Spanned;
+
+use super::file::ValueSchema;
+use super::law::Law;
+use super::scalar::Scalar;
+
+/// A chart of the estimates: curves, or a map over two columns. Columns are named without prefix and unit: "frequency",
+/// "rms".
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ChartTable {
+    #[serde(default)]
+    #[schemars(with = "ChartKind")]
+    pub(super) kind: Option<Spanned<ChartKind>>,
+    /// Above the chart; the study's title if absent.
+    // Else the schema would give null, which TOML does not have, as the default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "String")]
+    pub(super) title: Option<String>,
+    /// Column of the abscissa; of a map a swept key or dt_nu.
+    #[schemars(with = "String", extend("examples" = ["dt_nu", "frequency"]))]
+    pub(super) x: Spanned<String>,
+    /// Column of the ordinate: of curves the estimate, of a map another swept key or dt_nu.
+    #[schemars(with = "String", extend("examples" = ["rms", "q9973", "max"]))]
+    pub(super) y: Spanned<String>,
+    /// Column that a map shows, and only a map: the least wins in a winner map.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "String", extend("examples" = ["rms", "q9973", "max"]))]
+    pub(super) z: Option<Spanned<String>>,
+    /// Column whose values compete in a winner map: a swept key, filler or error; "filler" if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "String")]
+    pub(super) of: Option<Spanned<String>>,
+    /// Columns whose values make the curves: first the colour, second the dash; ["filler"] if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Vec<String>", length(min = 1, max = 2))]
+    pub(super) series: Option<Spanned<Vec<Spanned<String>>>>,
+    /// Laws to draw beside curves over a swept key or dt_nu, where y is an error in ″.
+    #[serde(default)]
+    #[schemars(with = "Vec<Law>", extend("uniqueItems" = true))]
+    pub(super) laws: Option<Spanned<Vec<Spanned<Law>>>>,
+    /// Rows to show: a swept key, filler or error = one of its values. With error = "residual" unless series, of or
+    /// this names error.
+    #[serde(default, rename = "where")]
+    #[schemars(with = "BTreeMap<String, ValueSchema>")]
+    pub(super) rows: Option<BTreeMap<Spanned<String>, Spanned<Scalar>>>,
+    /// Allowed error, an angle above 0, where the estimate is an error in ″: "10 arcsec". A line of curves, a contour of a
+    /// heat map; a winner map is hatched where even the least is above.
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(super) limit: Option<Spanned<Scalar>>,
+    #[serde(default)]
+    pub(super) x_scale: Scale,
+    #[serde(default)]
+    pub(super) y_scale: Scale,
+    /// The scale of the colours of a heat map; "log" if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Scale")]
+    pub(super) z_scale: Option<Spanned<Scale>>,
+}
+
+/// What a chart is; "curves" if absent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum ChartKind {
+    /// y over x, a curve for each value of series.
+    Curves,
+    /// z over x and y, by colour.
+    HeatMap,
+    /// Over x and y, whose z is the least.
+    WinnerMap,
+}
+
+impl ChartKind {
+    /// As study files call it.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            ChartKind::Curves => "curves",
+            ChartKind::HeatMap => "heat-map",
+            ChartKind::WinnerMap => "winner-map",
+        }
+    }
+}
+
+/// The scale of an axis.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scale {
+    /// Equal ratios are equally long.
+    #[default]
+    Log,
+    /// Equal differences are equally long.
+    Linear,
+}
+
+/// `[chart]` or `[[chart]]`.
+#[derive(Debug, Default, JsonSchema)]
+#[schemars(untagged)]
+pub(super) enum Charts {
+    #[default]
+    #[schemars(skip)]
+    Default,
+    One(Box<ChartTable>),
+    Several(Vec<ChartTable>),
+}
+
+impl<'de> Deserialize<'de> for Charts {
+    /// By hand, as serde's untagged enums lose the places of values.
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Charts, D::Error> {
+        struct OneOrSeveral;
+
+        impl<'de> Visitor<'de> for OneOrSeveral {
+            type Value = Charts;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("one table [chart] or several [[chart]]")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Charts, A::Error> {
+                Deserialize::deserialize(MapAccessDeserializer::new(map)).map(Charts::One)
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, seq: A) -> Result<Charts, A::Error> {
+                Deserialize::deserialize(SeqAccessDeserializer::new(seq)).map(Charts::Several)
+            }
+        }
+
+        deserializer.deserialize_any(OneOrSeveral)
+    }
+}

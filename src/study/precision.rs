@@ -1,0 +1,50 @@
+//! The precision at which sampling stops.
+
+use toml::Spanned;
+
+use super::diagnose::Fault;
+use super::file::{Either, PrecisionTable};
+use super::scalar::Scalar;
+
+/// Half the 95 % interval of an estimate, as a part of it, that is precise enough; sampling of a filler at a point stops
+/// where all its errors are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Precision {
+    pub rms: Option<f64>,
+    pub q9973: Option<f64>,
+}
+
+const HELP: &str =
+    "accepted: a part in percent such as \"0.5 %\", of the rms; or { rms = \"0.5 %\", q9973 = \"2 %\" }, one or both";
+
+/// A bare part is that of the rms.
+pub(super) fn read(written: &Spanned<Either<PrecisionTable>>) -> Result<Precision, Fault> {
+    match written.get_ref() {
+        Either::One(part) => {
+            let part = Spanned::new(written.span(), part.clone());
+            Ok(Precision { rms: Some(percent("precision", &part)?), q9973: None })
+        }
+        Either::Other(PrecisionTable { rms: None, q9973: None }) => {
+            Err(Fault::new(written.span(), "precision names no estimate", "empty", HELP))
+        }
+        Either::Other(PrecisionTable { rms, q9973 }) => {
+            let read = |name, part: &Option<_>| part.as_ref().map(|part| percent(name, part)).transpose();
+            Ok(Precision { rms: read("precision.rms", rms)?, q9973: read("precision.q9973", q9973)? })
+        }
+    }
+}
+
+fn percent(name: &str, given: &Spanned<Scalar>) -> Result<f64, Fault> {
+    let part = match given.get_ref() {
+        Scalar::Text(text) => text.trim().strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok()),
+        _ => None,
+    };
+    let refuse = |message: String, label| Err(Fault::new(given.span(), message, label, HELP));
+    match part {
+        None => refuse(format!("{name}: {} is no part in percent", given.get_ref()), "not a part in percent"),
+        Some(part) if !(1e-4..=50.0).contains(&part) => {
+            refuse(format!("{name} = {part} % is out of range, it must lie within 0.0001 % … 50 %"), "out of range")
+        }
+        Some(part) => Ok(part / 100.0),
+    }
+}
