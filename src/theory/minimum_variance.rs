@@ -100,7 +100,7 @@ mod tests {
     fn design(band: Band, n: u32, name: &str) -> (Vec<f64>, f64) {
         let ticks = fit_ticks(name, n as i32);
         let covariance = band.covariance(RATE, TICK_S, 64);
-        let weights = minimum_variance_weights(&ticks, n, &covariance, SIGMA).unwrap();
+        let weights = minimum_variance_weights(&ticks, n, &covariance, &[SIGMA * SIGMA]).unwrap();
         let rms = libm::sqrt(error_variance(&ticks, &weights, n, &covariance, SIGMA));
         (weights, rms)
     }
@@ -177,8 +177,8 @@ mod tests {
     #[test]
     fn motion_without_noise_on_more_ticks_than_it_has_freedoms_is_singular() {
         let tone = Band { low_hz: 20.0, high_hz: 20.0 }.covariance(RATE, TICK_S, 64);
-        assert_eq!(minimum_variance_weights(&fit_ticks("4", 3), 3, &tone, 0.0), None);
-        assert!(minimum_variance_weights(&[0, 4], 3, &tone, 0.0).is_some());
-        assert_eq!(minimum_variance_weights(&[0, 4], 3, &[0.0; 64], 0.0), None);
+        assert_eq!(minimum_variance_weights(&fit_ticks("4", 3), 3, &tone, &[]), None);
+        assert!(minimum_variance_weights(&[0, 4], 3, &tone, &[]).is_some());
+        assert_eq!(minimum_variance_weights(&[0, 4], 3, &[0.0; 64], &[]), None);
     }
 }
