@@ -27,10 +27,26 @@ pub enum Purpose {
     GaussianBefore = 6,
     /// Gaussian motion of the ticks after the gap, counted outward from it; four to a block.
     GaussianAfter = 7,
+    /// A record: word 0 where its readout stands at the start, word 1 the phase of its sine, word 2 its Markov noise
+    /// before the first sample.
+    RecordStart = 8,
+    /// White noise of the rate, sample by sample; four to a block.
+    White = 9,
+    /// Steps of the rate random walk, sample by sample; four to a block.
+    Walk = 10,
+    /// Steps of the Markov noise, sample by sample; four to a block.
+    Markov = 11,
+    /// Quantisation noise of the angles 0, 1, …; four to a block.
+    Quantisation = 12,
+    /// A block for each octave of flicker noise: where the grids of its four streams lie.
+    FlickerGrid = 13,
+    /// And beyond, one purpose for each octave: its holds. Octaves 1 and 2 have one stream, four holds to a block; the
+    /// others have four streams, a hold of each to a block.
+    Flicker = 64,
 }
 
 /// The purposes by the names that the shaders know them by.
-pub const PURPOSES: [(&str, Purpose); 8] = [
+pub const PURPOSES: [(&str, Purpose); 15] = [
     ("NOISE_BEFORE", Purpose::NoiseBefore),
     ("NOISE_AFTER_AND_PHASE", Purpose::NoiseAfterAndPhase),
     ("TONE", Purpose::Tone),
@@ -39,6 +55,13 @@ pub const PURPOSES: [(&str, Purpose); 8] = [
     ("GAUSSIAN_GAP", Purpose::GaussianGap),
     ("GAUSSIAN_BEFORE", Purpose::GaussianBefore),
     ("GAUSSIAN_AFTER", Purpose::GaussianAfter),
+    ("RECORD_START", Purpose::RecordStart),
+    ("WHITE", Purpose::White),
+    ("WALK", Purpose::Walk),
+    ("MARKOV", Purpose::Markov),
+    ("QUANTISATION", Purpose::Quantisation),
+    ("FLICKER_GRID", Purpose::FlickerGrid),
+    ("FLICKER", Purpose::Flicker),
 ];
 
 /// Where the draws of a trial are found: its number in two halves, and the keys of its point.
@@ -53,11 +76,17 @@ impl<W: Word> Address<W> {
     /// The four words of a block of a purpose.
     #[inline(always)]
     pub fn draw(&self, purpose: Purpose, block: usize) -> [W; 4] {
+        self.draw_beyond(purpose, 0, block)
+    }
+
+    /// The same for the purpose that lies `beyond` places behind another one.
+    #[inline(always)]
+    pub fn draw_beyond(&self, purpose: Purpose, beyond: usize, block: usize) -> [W; 4] {
         let counter = [
             self.low.factors(),
             W::Factors::splat(self.high),
             W::Factors::splat(block as u32),
-            W::Factors::splat(purpose as u32),
+            W::Factors::splat(purpose as u32 + beyond as u32),
         ];
         let mut keys = [[W::Factors::splat(0); 2]; 10];
         for (keys, key) in keys.iter_mut().zip(&self.keys) {

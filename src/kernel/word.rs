@@ -73,6 +73,10 @@ pub trait Word:
     }
     /// The signed product.
     fn mul_wide(self, by: Self) -> Self::Wide;
+    /// Itself, plus `more` where the lanes of `a` and `b` are equal.
+    fn add_where_equal(self, more: Self, a: Self, b: Self) -> Self;
+    /// Which lanes are below `n` as unsigned numbers: bit k is lane k.
+    fn below(self, n: u32) -> u32;
 }
 
 /// Lanes of signed 64-bit numbers; sums wrap.
@@ -88,6 +92,10 @@ pub trait Wide: Copy + Add<Output = Self> + Sub<Output = Self> {
     fn bits_from(self, n: u32) -> Self::Word;
     /// The sum of the lanes, each read as unsigned, exactly.
     fn total_unsigned(self) -> u128;
+    /// The lower and the upper 32 bits of each lane, as numbers of 64 bits.
+    fn halves(self) -> [Self; 2];
+    /// The lanes in order, into as many places of `to`.
+    fn store(self, to: &mut [u64]);
 }
 
 /// One lane: the portable width, and the reference of the others.
@@ -240,6 +248,16 @@ impl Word for Scalar {
     fn mul_wide(self, by: Scalar) -> ScalarWide {
         ScalarWide(i64::from(self.0 as i32) * i64::from(by.0 as i32))
     }
+
+    #[inline(always)]
+    fn add_where_equal(self, more: Scalar, a: Scalar, b: Scalar) -> Scalar {
+        if a == b { self + more } else { self }
+    }
+
+    #[inline(always)]
+    fn below(self, n: u32) -> u32 {
+        u32::from(self.0 < n)
+    }
 }
 
 /// One lane of 64 bits.
@@ -283,5 +301,15 @@ impl Wide for ScalarWide {
     #[inline(always)]
     fn total_unsigned(self) -> u128 {
         u128::from(self.0 as u64)
+    }
+
+    #[inline(always)]
+    fn halves(self) -> [ScalarWide; 2] {
+        [ScalarWide(self.0 & 0xffff_ffff), ScalarWide((self.0 as u64 >> 32) as i64)]
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [u64]) {
+        to[0] = self.0 as u64;
     }
 }

@@ -204,6 +204,25 @@ impl Word for Avx2 {
             Avx2Wide { even: _mm256_mul_epi32(self.0, by.0), odd: _mm256_mul_epi32(odd(self.0), odd(by.0)) }
         }
     }
+
+    #[inline(always)]
+    fn add_where_equal(self, more: Avx2, a: Avx2, b: Avx2) -> Avx2 {
+        unsafe {
+            let more = _mm256_and_si256(more.0, _mm256_cmpeq_epi32(a.0, b.0));
+            Avx2(_mm256_add_epi32(self.0, more))
+        }
+    }
+
+    #[inline(always)]
+    fn below(self, n: u32) -> u32 {
+        unsafe {
+            // There is no unsigned comparison: both sides are moved by half the range.
+            let half = _mm256_set1_epi32(i32::MIN);
+            let n = _mm256_set1_epi32((n ^ (1 << 31)) as i32);
+            let below = _mm256_cmpgt_epi32(n, _mm256_xor_si256(self.0, half));
+            _mm256_movemask_ps(_mm256_castsi256_ps(below)) as u32
+        }
+    }
 }
 
 impl core::ops::Add for Avx2Wide {
@@ -269,5 +288,23 @@ impl Wide for Avx2Wide {
     #[inline(always)]
     fn total_unsigned(self) -> u128 {
         self.lanes().iter().map(|&lane| u128::from(lane)).sum()
+    }
+
+    #[inline(always)]
+    fn halves(self) -> [Avx2Wide; 2] {
+        unsafe {
+            let low = _mm256_set1_epi64x(0xffff_ffff);
+            [
+                Avx2Wide { even: _mm256_and_si256(self.even, low), odd: _mm256_and_si256(self.odd, low) },
+                Avx2Wide { even: _mm256_srli_epi64::<32>(self.even), odd: _mm256_srli_epi64::<32>(self.odd) },
+            ]
+        }
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [u64]) {
+        for (k, lane) in self.lanes().into_iter().enumerate() {
+            to[2 * (k % 4) + k / 4] = lane;
+        }
     }
 }

@@ -197,6 +197,16 @@ impl Word for Avx512 {
             Avx512Wide { even: _mm512_mul_epi32(self.0, by.0), odd: _mm512_mul_epi32(odd(self.0), odd(by.0)) }
         }
     }
+
+    #[inline(always)]
+    fn add_where_equal(self, more: Avx512, a: Avx512, b: Avx512) -> Avx512 {
+        unsafe { Avx512(_mm512_mask_add_epi32(self.0, _mm512_cmpeq_epi32_mask(a.0, b.0), self.0, more.0)) }
+    }
+
+    #[inline(always)]
+    fn below(self, n: u32) -> u32 {
+        unsafe { u32::from(_mm512_cmplt_epu32_mask(self.0, Avx512::splat(n).0)) }
+    }
 }
 
 impl core::ops::Add for Avx512Wide {
@@ -262,5 +272,23 @@ impl Wide for Avx512Wide {
     #[inline(always)]
     fn total_unsigned(self) -> u128 {
         self.lanes().iter().map(|&lane| u128::from(lane)).sum()
+    }
+
+    #[inline(always)]
+    fn halves(self) -> [Avx512Wide; 2] {
+        unsafe {
+            let low = _mm512_set1_epi64(0xffff_ffff);
+            [
+                Avx512Wide { even: _mm512_and_si512(self.even, low), odd: _mm512_and_si512(self.odd, low) },
+                Avx512Wide { even: _mm512_srli_epi64::<32>(self.even), odd: _mm512_srli_epi64::<32>(self.odd) },
+            ]
+        }
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [u64]) {
+        for (k, lane) in self.lanes().into_iter().enumerate() {
+            to[2 * (k % 8) + k / 8] = lane;
+        }
     }
 }

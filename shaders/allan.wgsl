@@ -1,0 +1,164 @@
+// Allan variances of synthetic records: exact sums of the squared differences of their angles.
+// Twin of src/kernel/allan.rs.
+//
+// An invocation makes one record, some chunks at a time; what goes on is kept in `state`, word by word for all lanes.
+
+// The words of the recipe, then what this dispatch does: chunks from `chunk_from` up to `chunk_to` of `lanes` records, the
+// first of them of number high·2^32 + low.
+struct Parameters {
+    key: vec2<u32>,
+    samples: u32,
+    white: u32,
+    rate_scale: u32,
+    walk: u32,
+    markov_loss: u32,
+    markov_step: u32,
+    markov_start: u32,
+    sine_step: u32,
+    sine_amplitude: u32,
+    quantisation: u32,
+    pulse: u32,
+    low: u32,
+    high: u32,
+    lanes: u32,
+    chunk_from: u32,
+    chunk_to: u32,
+    unused_0: u32,
+    unused_1: u32,
+    flicker: array<vec4<u32>, FLICKER_VECTORS>,
+    // Of each level: stride, where its ring begins, how long it is, and its first place.
+    levels: array<vec4<u32>, LEVELS>,
+    spans: array<vec4<u32>, SPAN_VECTORS>,
+}
+
+@group(0) @binding(1) var<uniform> p: Parameters;
+@group(0) @binding(2) var<storage, read_write> rings: array<u32>;
+@group(0) @binding(3) var<storage, read_write> sums: array<u32>;
+@group(0) @binding(4) var<storage, read_write> state: array<u32>;
+//#if DRIFT
+@group(0) @binding(5) var<storage, read> drift: array<u32>;
+//#end
+
+var<private> lane: u32;
+
+@compute @workgroup_size(WORKGROUP)
+fn main(@builtin(global_invocation_id) id: vec3<u32>) {
+    lane = id.x;
+    if lane >= p.lanes {
+        return;
+    }
+    let low = p.low + lane;
+    address = Address(low, p.high, schedule(p.key));
+    if p.chunk_from == 0u {
+        begin();
+    } else {
+        load_state();
+    }
+    for (var c = p.chunk_from; c < p.chunk_to; c += 1u) {
+        let first = c * CHUNK;
+        chunk(first);
+        let count = min(CHUNK, p.samples + 1u - first);
+        //#for l in 0..LEVELS
+        {
+            let level = p.levels[l];
+            let range = push(level, first, count);
+            for (var place = level.w; place < end_of_level(l); place += 1u) {
+                add(place, squares(level, p.spans[place / 4u][place % 4u], range));
+            }
+        }
+        //#end
+    }
+    store_state();
+}
+
+fn end_of_level(l: u32) -> u32 {
+    if l + 1u == LEVELS {
+        return PLACES;
+    }
+    return p.levels[l + 1u].w;
+}
+
+// Takes the angles of a chunk at the multiples of the stride; the first of them, counted in strides, and how many.
+fn push(level: vec4<u32>, first: u32, count: u32) -> vec2<u32> {
+    let stride = level.x;
+    let from_ = (first + stride - 1u) / stride;
+    var taken = 0u;
+    while (from_ + taken) * stride < first + count {
+        let at = level.y + (from_ + taken) % level.z;
+        rings[at * p.lanes + lane] = angles[(from_ + taken) * stride - first];
+        taken += 1u;
+    }
+    return vec2<u32>(from_, taken);
+}
+
+// The sum of the squared differences of order ORDER over `span` strides that end at the angles of `range`.
+fn squares(level: vec4<u32>, span: u32, range: vec2<u32>) -> Wide {
+    var sum = wide(0u, 0u);
+    for (var newest = max(range.x, ORDER * span); newest < range.x + range.y; newest += 1u) {
+        let first = angle(level, newest);
+        let second = angle(level, newest - span);
+        let third = angle(level, newest - 2u * span);
+        var difference = first - second - (second - third);
+        //#if THIRD_ORDER
+        let fourth = angle(level, newest - 3u * span);
+        difference = difference - (second - third - (third - fourth));
+        //#end
+        sum = add_wide(sum, mul_wide(difference, difference));
+    }
+    return sum;
+}
+
+fn angle(level: vec4<u32>, place: u32) -> u32 {
+    return rings[(level.y + place % level.z) * p.lanes + lane];
+}
+
+// The sum of a place has three words.
+fn add(place: u32, square: Wide) {
+    let at = 3u * place * p.lanes + lane;
+    let low = sums[at] + low_word(square);
+    let carry = select(0u, 1u, low < low_word(square));
+    let middle = sums[at + p.lanes] + carry;
+    let carry_on = select(0u, 1u, middle < carry);
+    let sum = middle + high_word(square);
+    sums[at] = low;
+    sums[at + p.lanes] = sum;
+    sums[at + 2u * p.lanes] += carry_on + select(0u, 1u, sum < middle);
+}
+
+fn flicker_sigma(octave: u32) -> u32 {
+    return p.flicker[octave / 4u][octave % 4u];
+}
+
+fn load_state() {
+    noise = Noise(wide(state[lane], state[p.lanes + lane]), kept(2u), kept(3u), kept(4u), kept(5u), kept(6u));
+    //#if FLICKER_HOLDS
+    for (var i = STREAMS; i < OCTAVES * STREAMS; i += 1u) {
+        holds[i] = Hold(kept(STATE_WORDS + 3u * i), kept(STATE_WORDS + 3u * i + 1u), kept(STATE_WORDS + 3u * i + 2u));
+    }
+    //#end
+}
+
+fn store_state() {
+    keep(0u, low_word(noise.angle));
+    keep(1u, high_word(noise.angle));
+    keep(2u, noise.flicker);
+    keep(3u, noise.walk);
+    keep(4u, noise.markov);
+    keep(5u, noise.phase);
+    keep(6u, noise.start);
+    //#if FLICKER_HOLDS
+    for (var i = STREAMS; i < OCTAVES * STREAMS; i += 1u) {
+        keep(STATE_WORDS + 3u * i, holds[i].value);
+        keep(STATE_WORDS + 3u * i + 1u, holds[i].change);
+        keep(STATE_WORDS + 3u * i + 2u, holds[i].grid);
+    }
+    //#end
+}
+
+fn kept(word: u32) -> u32 {
+    return state[word * p.lanes + lane];
+}
+
+fn keep(word: u32, value: u32) {
+    state[word * p.lanes + lane] = value;
+}

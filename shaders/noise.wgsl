@@ -1,0 +1,193 @@
+// Synthetic angles of a gyro at rest, chunk by chunk: white, flicker, walking and Markov rate, sine, drift and readout.
+// Twin of src/kernel/noise.rs, where the method is told.
+
+// One stream of an octave: the newest number, how much it differs from the one before, and when records go over to it.
+struct Hold {
+    value: u32,
+    change: u32,
+    grid: u32,
+}
+
+// What goes on from chunk to chunk.
+struct Noise {
+    angle: Wide,
+    flicker: u32,
+    walk: u32,
+    markov: u32,
+    phase: u32,
+    start: u32,
+}
+
+var<private> address: Address;
+var<private> noise: Noise;
+var<private> holds: array<Hold, HOLD_ROOM>;
+var<private> rate: array<u32, CHUNK>;
+var<private> angles: array<u32, CHUNK>;
+
+fn begin() {
+    let words = draw(address, RECORD_START, 0u);
+    noise = Noise(wide(0u, 0u), 0u, 0u, 0u, words.y, 0u);
+    //#if PULSE
+    noise.start = words.x & ((1u << p.pulse) - 1u);
+    //#end
+    //#if MARKOV
+    noise.markov = scaled(words.z, p.markov_start);
+    //#end
+    //#if FLICKER_HOLDS
+    for (var octave = 1u; octave < OCTAVES; octave += 1u) {
+        let grid = draw(address, FLICKER_GRID, octave);
+        // The hold that the record starts in, number 0.
+        let first = draw(address, FLICKER + octave, 0u);
+        for (var stream = 0u; stream < streams(octave); stream += 1u) {
+            let value = scaled(first[stream], flicker_sigma(octave));
+            noise.flicker += value;
+            holds[octave * STREAMS + stream] = Hold(value, 0u, grid[stream] >> (32u - octave));
+        }
+    }
+    //#end
+}
+
+// The angles of the chunk that starts at sample `first`.
+fn chunk(first: u32) {
+    rates(first);
+    for (var block = 0u; block < CHUNK / 4u; block += 1u) {
+        let words = draw(address, WHITE, first / 4u + block);
+        for (var k = 0u; k < 4u; k += 1u) {
+            let i = 4u * block + k;
+            angles[i] = high_word(noise.angle);
+            let step = add_wide(mul_wide(rate[i], p.rate_scale), mul_wide(normal(words[k]), p.white));
+            noise.angle = add_wide(noise.angle, step);
+        }
+    }
+    readings(first);
+}
+
+// The rate in each sample: flicker, random walk and Markov noise.
+fn rates(first: u32) {
+    for (var i = 0u; i < CHUNK; i += 1u) {
+        rate[i] = 0u;
+    }
+    //#if FLICKER_HOLDS
+    short_holds(first);
+    for (var octave = LONG_HOLDS; octave < OCTAVES; octave += 1u) {
+        long_holds(octave, first);
+    }
+    for (var i = 0u; i < CHUNK; i += 1u) {
+        noise.flicker += rate[i];
+        rate[i] = noise.flicker;
+    }
+    //#end
+    //#if WALK_STEPS
+    for (var block = 0u; block < CHUNK / 4u; block += 1u) {
+        let words = draw(address, WALK, first / 4u + block);
+        for (var k = 0u; k < 4u; k += 1u) {
+            noise.walk += scaled(words[k], p.walk);
+            rate[4u * block + k] += noise.walk;
+        }
+    }
+    //#end
+    //#if MARKOV_STEPS
+    for (var block = 0u; block < CHUNK / 4u; block += 1u) {
+        let words = draw(address, MARKOV, first / 4u + block);
+        for (var k = 0u; k < 4u; k += 1u) {
+            let lost = bits_from(mul_wide(noise.markov, p.markov_loss), 30u);
+            noise.markov = noise.markov - lost + scaled(words[k], p.markov_step);
+            rate[4u * block + k] += noise.markov;
+        }
+    }
+    //#end
+}
+
+// Changes of the holds that are shorter than a chunk.
+fn short_holds(first: u32) {
+    for (var octave = 1u; octave < min(OCTAVES, FOUR_STREAMS); octave += 1u) {
+        // Hold 0 is the one of the start: the one that begins at h 2^o has the number h + 1.
+        let hold = first >> octave;
+        var words = draw(address, FLICKER + octave, hold / 4u);
+        for (var h = 0u; h < (CHUNK >> octave); h += 1u) {
+            let number = hold + h + 1u;
+            if number % 4u == 0u {
+                words = draw(address, FLICKER + octave, number / 4u);
+            }
+            go_over(octave, 0u, scaled(words[number % 4u], flicker_sigma(octave)));
+            let hold = holds[octave * STREAMS];
+            rate[(h << octave) + hold.grid] += hold.change;
+        }
+    }
+    for (var octave = FOUR_STREAMS; octave < min(OCTAVES, LONG_HOLDS); octave += 1u) {
+        for (var h = 0u; h < (CHUNK >> octave); h += 1u) {
+            let words = draw(address, FLICKER + octave, (first >> octave) + h + 1u);
+            for (var stream = 0u; stream < STREAMS; stream += 1u) {
+                go_over(octave, stream, scaled(words[stream], flicker_sigma(octave)));
+                let hold = holds[octave * STREAMS + stream];
+                rate[(h << octave) + hold.grid] += hold.change;
+            }
+        }
+    }
+}
+
+// Changes of the holds of an octave that last for a chunk or longer.
+fn long_holds(octave: u32, first: u32) {
+    let place = first & ((1u << octave) - 1u);
+    if place == 0u {
+        let words = draw(address, FLICKER + octave, (first >> octave) + 1u);
+        for (var stream = 0u; stream < STREAMS; stream += 1u) {
+            go_over(octave, stream, scaled(words[stream], flicker_sigma(octave)));
+        }
+    }
+    for (var stream = 0u; stream < STREAMS; stream += 1u) {
+        let hold = holds[octave * STREAMS + stream];
+        let to_go = hold.grid - place;
+        if to_go < CHUNK {
+            rate[to_go] += hold.change;
+        }
+    }
+}
+
+// A new number for the next hold of a stream.
+fn go_over(octave: u32, stream: u32, value: u32) {
+    let at = octave * STREAMS + stream;
+    holds[at].change = value - holds[at].value;
+    holds[at].value = value;
+}
+
+// What is read of the angles of a chunk: with drift, sine and quantisation noise, in whole pulses.
+fn readings(first: u32) {
+    //#if DRIFT
+    for (var i = 0u; i < CHUNK; i += 1u) {
+        angles[i] += drift[min(first + i, p.samples)];
+    }
+    //#end
+    //#if SINE_WAVE
+    for (var i = 0u; i < CHUNK; i += 1u) {
+        // The integral of a sine is less its cosine; units of 2^-32 LSB in the product.
+        let cosine = sine(noise.phase + QUARTER_TURN);
+        angles[i] -= high_word(mul_wide(cosine, p.sine_amplitude));
+        noise.phase += p.sine_step;
+    }
+    //#end
+    //#if QUANTISATION_NOISE
+    for (var block = 0u; block < CHUNK / 4u; block += 1u) {
+        let words = draw(address, QUANTISATION, first / 4u + block);
+        for (var k = 0u; k < 4u; k += 1u) {
+            angles[4u * block + k] += scaled(words[k], p.quantisation);
+        }
+    }
+    //#end
+    //#if PULSE
+    let whole = 0xffffffffu << p.pulse;
+    for (var i = 0u; i < CHUNK; i += 1u) {
+        angles[i] = (angles[i] + noise.start) & whole;
+    }
+    //#end
+}
+
+// Streams of an octave.
+fn streams(octave: u32) -> u32 {
+    return select(STREAMS, 1u, octave < FOUR_STREAMS);
+}
+
+// A normal number of a standard deviation in 2^-4 units.
+fn scaled(word: u32, sigma: u32) -> u32 {
+    return high_word(mul_wide(normal(word), sigma));
+}
