@@ -334,7 +334,8 @@ fn precise(
     Ok(true)
 }
 
-fn refused(study: &Study, point: &Point, error: &LowerError) -> StudyError {
+/// The error of a point that cannot be sampled, at the key of the study that has to change.
+pub(crate) fn refused(study: &Study, point: &Point, error: &LowerError) -> StudyError {
     let at: Vec<String> = point.swept.iter().map(|(key, value)| format!("{key} = {value}")).collect();
     let place = if at.is_empty() { String::new() } else { format!(", at {}", at.join(", ")) };
     study.error_at(study.place_of(error.key()), format!("{error}{place}"), error.help())

@@ -1,0 +1,106 @@
+//! `sagnac filler`.
+
+mod choice;
+mod options;
+mod text;
+
+use std::path::{Path, PathBuf};
+
+use sagnac::firmware::Firmware;
+use sagnac::study::Study;
+use serde_json::{Value, json};
+
+use super::Failure;
+use super::files::{write, write_pictures};
+use super::output::{print, print_json};
+pub use options::Options;
+
+/// Shows the weights of a study's fillers at one point, and writes what firmware needs.
+pub fn filler(options: &Options) -> Result<(), Failure> {
+    let study = options.study()?;
+    let point = choice::point(&study, &options.at)?;
+    let fillers = choice::fillers(&study, &options.fillers)?;
+    let firmware = Firmware::new(&study, point, &fillers)?;
+    let folder = folder(options);
+    write_all(&firmware, &folder, options.test_vectors)?;
+    if options.json {
+        return print_json(&to_json(&firmware));
+    }
+    let points = study.points().len();
+    if points > 1 {
+        let (number, place) = (point.index + 1, firmware.place());
+        eprintln!("point {number} of {points}: {place}; choose another with --at KEY=VALUE");
+    }
+    print(&text::of(&firmware))?;
+    eprintln!("weights, response, C header{} are in {}", vectors_word(options), folder.display());
+    Ok(())
+}
+
+fn vectors_word(options: &Options) -> &'static str {
+    if options.test_vectors.is_some() { " and test vectors" } else { "" }
+}
+
+fn folder(options: &Options) -> PathBuf {
+    let stem = options.file.as_deref().and_then(Path::file_stem).unwrap_or_default();
+    let default = || Path::new("results").join(stem).join("filler");
+    options.out.clone().unwrap_or_else(default)
+}
+
+fn write_all(firmware: &Firmware, folder: &Path, test_vectors: Option<u32>) -> Result<(), Failure> {
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        move |source| Failure::Write { path, source }
+    };
+    std::fs::create_dir_all(folder).map_err(failed(folder))?;
+    let mut csv = Vec::new();
+    let path = folder.join("weights.csv");
+    firmware.write_weights(&mut csv).map_err(failed(&path))?;
+    write(&path, &csv)?;
+    write(&folder.join("sagnac_filler.h"), firmware.header().as_bytes())?;
+    write_pictures(folder, "response", &firmware.response())?;
+    if let Some(count) = test_vectors {
+        let mut csv = Vec::new();
+        let path = folder.join("test_vectors.csv");
+        firmware.write_vectors(&firmware.vectors(count as usize), &mut csv).map_err(failed(&path))?;
+        write(&path, &csv)?;
+    }
+    Ok(())
+}
+
+fn to_json(firmware: &Firmware) -> Value {
+    let fillers: Vec<Value> = firmware
+        .designs
+        .iter()
+        .map(|design| {
+            let errors: Vec<Value> = design
+                .rules()
+                .map(|(error, rule, closed)| {
+                    let whole = rule.whole();
+                    json!({
+                        "error": error.name(),
+                        "ticks": rule.ticks,
+                        "denominator": rule.denominator,
+                        "by_tick": (rule.rows.len() == firmware.gap_ticks as usize).then_some(&rule.rows),
+                        "numerators": whole.numerators,
+                        "weights": whole.values().collect::<Vec<_>>(),
+                        "noise_gain": whole.noise_gain(),
+                        "largest_gain": whole.largest_gain(),
+                        "largest_input": rule.largest_input(),
+                        "amplitude_arcsec": closed.amplitude,
+                        "rms_arcsec": closed.rms,
+                    })
+                })
+                .collect();
+            json!({ "name": design.name, "method": design.method, "errors": errors })
+        })
+        .collect();
+    let at: serde_json::Map<String, Value> =
+        firmware.at.iter().map(|(key, value)| ((*key).to_owned(), json!(value.to_string()))).collect();
+    json!({
+        "title": firmware.title,
+        "at": at,
+        "tick_s": firmware.tick_s,
+        "gap_ticks": firmware.gap_ticks,
+        "fillers": fillers,
+    })
+}
