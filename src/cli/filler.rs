@@ -7,7 +7,6 @@ mod text;
 use std::path::{Path, PathBuf};
 
 use sagnac::firmware::Firmware;
-use sagnac::study::Study;
 use serde_json::{Value, json};
 
 use super::Failure;

@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn rounding_does_not_add_up_over_the_gap() {
-        let thirds = rule(&[&[1]; 60], 3);
+        let thirds = rule(&[&[1][..]; 60], 3);
         for p in -20..=20 {
             let values = thirds.fill(&[p]);
             let mut sum = 0;
