@@ -223,13 +223,21 @@ fn mistakes_are_told_with_what_is_there_and_leave_nothing_behind() {
         2,
         &["does not sweep `tick`", "it sweeps motion.frequency, switching.gap_ticks"],
     );
-    desk.fails(&["filler", study, "--at", "gap_ticks=4"], 2, &["no point has switching.gap_ticks = 4", "1, 2, 3"]);
+    desk.fails(
+        &["filler", study, "--at", "gap_ticks=4"],
+        2,
+        &["no point has switching.gap_ticks = 4", "there are 1, 2, 3"],
+    );
     desk.fails(&["filler", study, "--at", "gap_ticks"], 2, &["give a key and a value"]);
     desk.fails(&["filler", "nowhere.toml"], 3, &["cannot read the study nowhere.toml"]);
     desk.fails(&["filler"], 2, &["<STUDY>"]);
     desk.fails(&["filler", study, "--gap-ticks", "3"], 2, &["cannot be used with"]);
     desk.fails(&["filler", "--gap-ticks", "3"], 2, &["--tick"]);
-    desk.fails(&["filler", "--gap-ticks", "65", "--tick", "5 ms"], 2, &["switching.gap_ticks = 65", "1 … 64"]);
+    desk.fails(
+        &["filler", "--gap-ticks", "65", "--tick", "5 ms"],
+        2,
+        &["switching.gap_ticks = 65", "1 … 64"],
+    );
     desk.fails(&["filler", "--gap-ticks", "3", "--tick", "5"], 2, &["unit is missing"]);
     let inside = ["filler", "--gap-ticks", "3", "--tick", "5 ms", "--fit-ticks", "-1,0,2,5"];
     desk.fails(&inside, 2, &["tick 2 lies inside the gap"]);
@@ -274,9 +282,8 @@ fn every_weight_has_a_row_in_weights_csv() {
     desk.done(&["filler", "study.toml", "--out", "out"]);
     let rows = desk.rows("out/weights.csv");
     let of = |filler: &str, error: &str, row: &str| -> Vec<f64> {
-        let wanted = |r: &&BTreeMap<String, String>| {
-            r["filler"] == filler && r["error"] == error && r["row"] == row
-        };
+        let wanted =
+            |r: &&BTreeMap<String, String>| r["filler"] == filler && r["error"] == error && r["row"] == row;
         rows.iter().filter(wanted).map(|r| r["weight"].parse().unwrap()).collect()
     };
     assert_eq!(of("quadratic", "residual", "sum"), [-1.0, 2.5, 2.5, -1.0]);
@@ -333,7 +340,9 @@ fn the_c_header_gives_the_test_vectors_bit_for_bit() {
         eprintln!("skipped: there is no C compiler `cc` to compile the header with");
         return;
     }
-    for (text, at) in [(STUDY.to_owned(), None), (swept(), Some("gap_ticks=1")), (swept(), Some("gap_ticks=2"))] {
+    for (text, at) in
+        [(STUDY.to_owned(), None), (swept(), Some("gap_ticks=1")), (swept(), Some("gap_ticks=2"))]
+    {
         let desk = Desk::with(&text);
         let mut words = vec!["filler", "study.toml", "--test-vectors", "3000", "--out", "out"];
         words.extend(at.iter().flat_map(|at| ["--at", at]));
@@ -409,11 +418,8 @@ fn compare(folder: &Path, header: &str, filler: &str, rows: &[&BTreeMap<String, 
         let values: Vec<&str> = read.iter().map(|tick| &*row[&format!("P[{tick}]")]).collect();
         input += &(values.join(" ") + "\n");
     }
-    let mut child = Process::new(folder.join("main"))
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
+    let mut child =
+        Process::new(folder.join("main")).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
     let mut stdin = child.stdin.take().unwrap();
     let writer = std::thread::spawn(move || stdin.write_all(input.as_bytes()));
     let output = child.wait_with_output().unwrap();
@@ -422,8 +428,11 @@ fn compare(folder: &Path, header: &str, filler: &str, rows: &[&BTreeMap<String, 
     assert_eq!(found.lines().count(), rows.len(), "{filler}");
     for (line, row) in found.lines().zip(rows) {
         let numbered = |name: &str| -> Vec<String> {
-            let by_tick: Vec<String> =
-                (1..).map_while(|j| row.get(&format!("{name}[{j}]"))).filter(|x| !x.is_empty()).cloned().collect();
+            let by_tick: Vec<String> = (1..)
+                .map_while(|j| row.get(&format!("{name}[{j}]")))
+                .filter(|x| !x.is_empty())
+                .cloned()
+                .collect();
             let sum = row[&format!("sum_{name}")].clone();
             // A rule with one row has the sum in its place.
             if by_tick.is_empty() && !sum.is_empty() { vec![sum] } else { by_tick }

@@ -10,8 +10,8 @@ use sagnac::firmware::Firmware;
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::files::{write, write_pictures};
-use super::output::{print, print_json};
+use super::charts::write_pictures;
+use super::output::{print, print_json, write};
 pub use options::Options;
 
 /// Shows the weights of a study's fillers at one point, and writes what firmware needs.
@@ -31,12 +31,9 @@ pub fn filler(options: &Options) -> Result<(), Failure> {
         eprintln!("point {number} of {points}: {place}; choose another with --at KEY=VALUE");
     }
     print(&text::of(&firmware))?;
-    eprintln!("weights, response, C header{} are in {}", vectors_word(options), folder.display());
+    let vectors = if options.test_vectors.is_some() { ", test vectors" } else { "" };
+    eprintln!("weights, response{vectors} and C header are in {}", folder.display());
     Ok(())
-}
-
-fn vectors_word(options: &Options) -> &'static str {
-    if options.test_vectors.is_some() { " and test vectors" } else { "" }
 }
 
 fn folder(options: &Options) -> PathBuf {
@@ -56,7 +53,7 @@ fn write_all(firmware: &Firmware, folder: &Path, test_vectors: Option<u32>) -> R
     firmware.write_weights(&mut csv).map_err(failed(&path))?;
     write(&path, &csv)?;
     write(&folder.join("sagnac_filler.h"), firmware.header().as_bytes())?;
-    write_pictures(folder, "response", &firmware.response())?;
+    write_pictures(folder, "response", &firmware.response().svg())?;
     if let Some(count) = test_vectors {
         let mut csv = Vec::new();
         let path = folder.join("test_vectors.csv");

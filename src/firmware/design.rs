@@ -3,7 +3,7 @@
 use super::rule::Rule;
 use crate::lower::{LowerError, Lowered, Rows};
 use crate::run::refused;
-use crate::study::{Error, Fill, Filler, Method, Point, Quantity, Study, StudyError};
+use crate::study::{Error, Fill, Filler, Inputs, Method, Point, Quantity, Study, StudyError};
 use crate::table::significant;
 use crate::theory::gap::{Weights, sine_response, tick_amplitude};
 
@@ -87,7 +87,7 @@ impl Firmware {
             };
             let errors = [Some(&interpolation), extrapolation.as_ref()]
                 .map(|rule| Closed { amplitude: rule.and_then(amplitude), rms: None });
-            let (name, method) = (filler.name.clone(), method(filler));
+            let (name, method) = (filler.name.clone(), method(filler, inputs));
             designs.push(Design { name, method, interpolation, extrapolation, errors });
         }
         let lowered = Lowered::new(&point, &fillers, &ERRORS, study.seed, study.streams);
@@ -147,18 +147,19 @@ pub(super) fn response(weights: &Weights, gap_ticks: u32, tick_s: f64, frequency
     tick_amplitude(tick_s, nu_t).abs() * libm::hypot(a, b)
 }
 
-fn method(filler: &Filler) -> String {
-    match &filler.method {
-        Method::Polynomial(order) => format!("polynomial of order {order}"),
-        Method::MinimumVariance(None) => {
-            "minimum variance for the motion and the noise of the study".to_owned()
-        }
-        Method::MinimumVariance(Some(band)) => {
-            let [low, high] = [band.low_hz, band.high_hz].map(|nu| significant(nu, 6));
-            format!("minimum variance for a band from {low} Hz to {high} Hz and the noise of the study")
-        }
-        Method::Weights { .. } => "weights as given".to_owned(),
-    }
+/// What a filler is, with the statistics it is designed from, in ASCII.
+fn method(filler: &Filler, inputs: &Inputs) -> String {
+    let band = match &filler.method {
+        Method::Polynomial(order) => return format!("polynomial of order {order}"),
+        Method::Weights { .. } => return "weights as given".to_owned(),
+        Method::MinimumVariance(band) => band,
+    };
+    let spread = band.map_or_else(String::new, |band| {
+        format!(" from {} Hz to {} Hz", significant(band.low_hz, 6), significant(band.high_hz, 6))
+    });
+    let rate = significant(inputs.motion.rate_rms(inputs.tick_s), 6);
+    let noise = significant(inputs.sigma_arcsec(), 6);
+    format!("minimum variance for {rate} arcsec/s rms{spread} and {noise} arcsec rms of noise per tick")
 }
 
 fn too_large(study: &Study, filler: &Filler) -> StudyError {

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::design::{Design, Firmware};
 use super::rule::Rule;
+use crate::table::significant;
 
 /// How to use the tables, as the header says it.
 const USE: &str = " * Use. P(k) is the whole number read at tick k, in any unit of angle; all results have the same unit.
@@ -129,13 +130,15 @@ fn tables(design: &Design, name: &str) -> String {
 }
 
 /// The ticks and the weights of a rule.
-fn table_of(name: &str, Rule { ticks, rows, denominator }: &Rule) -> String {
+fn table_of(name: &str, rule: &Rule) -> String {
+    let Rule { ticks, rows, denominator } = rule;
     let list = |numbers: &[i32]| numbers.iter().map(i32::to_string).collect::<Vec<_>>().join(", ");
     let lines: Vec<String> = rows.iter().map(|row| format!("    {{ {} }}", list(row))).collect();
     let (count, row_count) = (ticks.len(), rows.len());
+    let gain = significant(rule.whole().noise_gain(), 6);
     format!(
         "static const int32_t {name}_ticks[{count}] = {{ {} }};\n\
-         static const int32_t {name}[{row_count}][{count}] = {{ /* over {denominator} */\n{}\n}};\n",
+         static const int32_t {name}[{row_count}][{count}] = {{ /* over {denominator}; of noise the sum has {gain} times that of a tick */\n{}\n}};\n",
         list(ticks),
         lines.join(",\n")
     )

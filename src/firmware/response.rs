@@ -1,7 +1,7 @@
 //! The response of fillers over frequency, as a chart.
 
 use super::design::{Firmware, response};
-use crate::chart::{Axis, Entry, Figure, Grouping, Law, Scale, Series, SeriesPoint};
+use crate::chart::{Axis, Entry, Figure, Grouping, Law, LawLine, Scale, Series, SeriesPoint};
 use crate::study::Error;
 use crate::table::significant;
 use crate::theory::gap::Weights;
@@ -12,6 +12,9 @@ const DECADES: f64 = 3.0;
 /// Steps of a curve, and of its markers.
 const STEPS: usize = 720;
 const MARKER_STEPS: usize = 60;
+/// The chart reaches down to this part of the angle that the gap turns through at a constant rate: what is less is lost in
+/// any noise.
+const LEAST: f64 = 1e-5;
 
 impl Firmware {
     /// Amplitude of the error per amplitude of the rate over the frequency of a vibration, up to half the tick rate: a
@@ -27,22 +30,27 @@ impl Firmware {
                 let weights = rule.whole();
                 let point =
                     |i: usize| SeriesPoint { x: frequency(i), y: of(&weights, frequency(i)), band: None };
+                let visible =
+                    |point: &SeriesPoint| point.y >= LEAST * self.tick_s * f64::from(self.gap_ticks);
                 series.push(Series {
                     colour,
                     dash: usize::from(error == Error::Extrapolation),
-                    points: (0..=STEPS).step_by(MARKER_STEPS).map(point).collect(),
+                    points: (0..=STEPS).step_by(MARKER_STEPS).map(point).filter(visible).collect(),
                     law: (0..=STEPS).map(|i| (frequency(i), of(&weights, frequency(i)))).collect(),
                 });
             }
         }
+        let law = |label, points| Law { label, lines: vec![LawLine { colours: vec![], points }] };
         let nothing = Weights { ticks: vec![], numerators: vec![], denominator: 1 };
         let gap = (0..=STEPS).map(|i| (frequency(i), of(&nothing, frequency(i)))).collect();
-        let mut laws = vec![Law { label: "the gap itself, not filled".to_owned(), points: gap }];
+        let mut laws = vec![law("the gap itself, not filled".to_owned(), gap)];
         if let Some((_, nu)) = self.tone.filter(|(_, nu)| (frequency(0)..=nyquist).contains(nu)) {
-            let heights = || series.iter().flat_map(|series| &series.points).map(|point| point.y);
-            let (low, high) = (heights().fold(f64::INFINITY, f64::min), heights().fold(0.0, f64::max));
-            let label = format!("{} Hz, the motion", significant(nu, 4));
-            laws.push(Law { label, points: vec![(nu, low), (nu, high)] });
+            let markers = || series.iter().flat_map(|series| &series.points).map(|point| point.y);
+            let curves = series.iter().flat_map(|series| &series.law).map(|place| place.1);
+            // As far down as the axis, which reaches for curves to a decade below the markers.
+            let low = curves.fold(f64::INFINITY, f64::min).max(0.1 * markers().fold(f64::INFINITY, f64::min));
+            let label = format!("the motion, {} Hz", significant(nu, 4));
+            laws.push(law(label, vec![(nu, low), (nu, markers().fold(0.0, f64::max))]));
         }
         let entries = |names: Vec<String>| {
             names.into_iter().enumerate().map(|(style, name)| Entry { style, name }).collect()

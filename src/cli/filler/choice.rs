@@ -1,58 +1,81 @@
 //! Which point of a study, and which of its fillers.
 
-use sagnac::study::{Filler, Point, Study, parse_quantity};
-use sagnac::table::{Column, ColumnError, Table};
+use sagnac::study::{Dimension, Filler, Point, Quantity, Study, Sweep, parse_quantity};
+use sagnac::table::significant;
 
 use super::Failure;
 
+/// Most difference between a value asked for and a swept one, which reports show to six digits.
+const TOLERANCE: f64 = 1e-5;
+
+/// Most values of a sweep that a message lists.
+const MOST_LISTED: usize = 12;
+
 /// The first point whose swept keys have the values that are asked for, each as `key=value`.
 ///
-/// Keys may lack what stands before their last dot, and values their unit, which is then the base unit.
+/// A key may lack what stands before its last dot; a value without a unit is in base units.
 ///
 /// # Errors
 /// A key that is not swept, or a value that it does not take.
 pub fn point<'s>(study: &'s Study, at: &[String]) -> Result<&'s Point, Failure> {
-    let usage = |message: String| Failure::Usage(message);
-    if let (Some(first), true) = (at.first(), study.sweeps.is_empty()) {
-        return Err(usage(format!("--at {first}: the study has one point\nleave --at out")));
-    }
-    let column = |(place, sweep): (usize, &sagnac::study::Sweep)| Column {
-        name: sweep.key.name.to_owned(),
-        label: sweep.key.label.to_owned(),
-        unit: sweep.values[0].dimension.unit(),
-        cells: study.points().iter().map(|point| point.swept[place].1.cell()).collect(),
-        band: None,
-    };
-    let table = Table { columns: study.sweeps.iter().enumerate().map(column).collect() };
-    let mut filter = Vec::new();
+    let mut chosen: Vec<Option<Quantity>> = vec![None; study.sweeps.len()];
     for asked in at {
-        let refused = |error: ColumnError| {
-            let message = match error {
-                ColumnError::Unknown { name, .. } => {
-                    let swept: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
-                    format!("the study does not sweep `{name}`; it sweeps {}", swept.join(", "))
-                }
-                ColumnError::NoRow { column, value, known } => {
-                    format!("no point has {column} = {value}; there are {}", known.join(", "))
-                }
-                error @ ColumnError::Ambiguous { .. } => error.to_string(),
-            };
-            usage(format!("--at {asked}: {message}"))
-        };
-        let Some((key, value)) = asked.split_once('=') else {
-            return Err(usage(format!("--at {asked}: give a key and a value, such as frequency=\"20 Hz\"")));
-        };
-        let column = table.column(key.trim()).map_err(refused)?;
-        let sweep = study.sweeps.iter().find(|sweep| sweep.key.name == column.name);
-        let dimension = sweep.map(|sweep| sweep.values[0].dimension);
-        let quantity = dimension.and_then(|dimension| parse_quantity(value, &[dimension]).ok());
-        let value = quantity.map_or_else(|| value.trim().to_owned(), |quantity| quantity.cell().text());
-        filter.push((column.name.clone(), value));
-        table.rows_where(&filter).map_err(refused)?;
+        let (place, value) =
+            find(study, asked).map_err(|message| Failure::Usage(format!("--at {asked}: {message}")))?;
+        chosen[place] = Some(value);
     }
-    let rows = table.rows_where(&filter).unwrap_or_default();
-    // Without sweeps the table has no rows, and the study one point.
-    Ok(&study.points()[rows.first().copied().unwrap_or(0)])
+    let wanted = |point: &&Point| {
+        let mut values = point.swept.iter().zip(&chosen);
+        values.all(|((_, own), chosen)| chosen.is_none_or(|chosen| chosen == *own))
+    };
+    // Sweeps multiply, so that every choice of their values is a point.
+    Ok(study.points().iter().find(wanted).unwrap_or(&study.points()[0]))
+}
+
+/// The sweep that `key=value` means, and its value.
+fn find(study: &Study, asked: &str) -> Result<(usize, Quantity), String> {
+    let names: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
+    if names.is_empty() {
+        return Err("the study has one point\nleave --at out".to_owned());
+    }
+    let Some((key, value)) = asked.split_once('=') else {
+        return Err("give a key and a value, such as --at frequency=\"20 Hz\"".to_owned());
+    };
+    let key = key.trim();
+    let named = |name: &str| name == key || name.strip_suffix(key).is_some_and(|rest| rest.ends_with('.'));
+    let places: Vec<usize> = (0..names.len()).filter(|&place| named(names[place])).collect();
+    match places[..] {
+        [place] => Ok((place, value_of(&study.sweeps[place], value.trim())?)),
+        [] => Err(format!("the study does not sweep `{key}`; it sweeps {}", names.join(", "))),
+        _ => Err(format!("`{key}` may be one of {}; write the whole key", names.join(", "))),
+    }
+}
+
+/// The value of a sweep that a text means.
+fn value_of(sweep: &Sweep, text: &str) -> Result<Quantity, String> {
+    let dimension = sweep.values[0].dimension;
+    let asked = match (dimension, text.parse::<f64>()) {
+        (_, Ok(number)) => number,
+        (Dimension::Count, Err(_)) => return Err(format!("{text} is not a number")),
+        _ => parse_quantity(text, &[dimension]).map_err(|error| error.to_string())?.value,
+    };
+    let far = |value: &&Quantity| (value.value - asked).abs();
+    let nearest = sweep.values.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+    match nearest {
+        Some(near) if far(&near) <= TOLERANCE * near.value.abs() => Ok(*near),
+        _ => {
+            let shown = |value: &Quantity| {
+                let unit = value.dimension.unit().symbol;
+                format!("{} {unit}", significant(value.value, 6)).trim_end().to_owned()
+            };
+            let there = if sweep.values.len() <= MOST_LISTED {
+                format!("there are {}", sweep.values.iter().map(shown).collect::<Vec<_>>().join(", "))
+            } else {
+                format!("the nearest is {}", nearest.map(shown).unwrap_or_default())
+            };
+            Err(format!("no point has {} = {text}; {there}", sweep.key.name))
+        }
+    }
 }
 
 /// The fillers of these names, in the order of the study; all of them where none is named.
@@ -60,13 +83,12 @@ pub fn point<'s>(study: &'s Study, at: &[String]) -> Result<&'s Point, Failure> 
 /// # Errors
 /// A name that no filler has.
 pub fn fillers(study: &Study, names: &[String]) -> Result<Vec<Filler>, Failure> {
-    if let Some(unknown) = names.iter().find(|name| study.fillers.iter().all(|filler| filler.name != **name))
-    {
+    let unknown = |name: &&String| study.fillers.iter().all(|filler| filler.name != **name);
+    if let Some(unknown) = names.iter().find(unknown) {
         let known: Vec<&str> = study.fillers.iter().map(|filler| filler.name.as_str()).collect();
-        return Err(Failure::Usage(format!(
-            "--filler {unknown}: the study has no such filler; it has {}",
-            known.join(", ")
-        )));
+        let known = known.join(", ");
+        let message = format!("--filler {unknown}: the study has no such filler; it has {known}");
+        return Err(Failure::Usage(message));
     }
     let wanted = |filler: &&Filler| names.is_empty() || names.contains(&filler.name);
     Ok(study.fillers.iter().filter(wanted).cloned().collect())

@@ -23,8 +23,6 @@ pub struct Options {
     /// Only this filler of the study; may be given again
     #[arg(long = "filler", value_name = "NAME", requires = "file")]
     pub fillers: Vec<String>,
-    #[command(flatten)]
-    polynomials: Polynomials,
     /// Folder of weights.csv, response.svg, response.png and sagnac_filler.h [default: results/<name of the study file>/filler]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -34,6 +32,8 @@ pub struct Options {
     /// Print the weights as JSON
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    polynomials: Polynomials,
 }
 
 /// Polynomials without a study.

@@ -82,7 +82,7 @@ fn part(firmware: &Firmware, error: Error, rule: &Rule, closed: Closed) -> Strin
         text += &format!("    amplitude {amplitude} ″ at {nu} Hz and {rate} ″/s");
         text += &closed.rms.map_or_else(String::new, |rms| format!(", rms with noise {} ″", number(rms)));
         text += "\n";
-    } else if let Some(rms) = closed.rms {
+    } else if let Some(rms) = closed.rms.filter(|rms| *rms > 0.0) {
         text += &format!("    rms with noise {} ″\n", number(rms));
     }
     text
