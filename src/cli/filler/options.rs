@@ -85,9 +85,10 @@ impl Polynomials {
             chosen => chosen.iter().map(String::as_str).collect(),
         };
         let n = self.gap_ticks.unwrap_or_default();
+        let plural = if n == 1 { "" } else { "s" };
         let tick = toml::Value::from(self.tick.as_deref().unwrap_or_default());
         let mut text = format!(
-            "title = \"Polynomials over {n} lost ticks\"\nkind = \"gap-fill\"\n\
+            "title = \"Polynomials over {n} lost tick{plural}\"\nkind = \"gap-fill\"\n\
              [gyro]\ntick = {tick}\ntick_noise = {{ std = \"0 arcsec\" }}\n\
              [motion]\nrate = \"0 arcsec/s\"\n\
              [switching]\ngap_ticks = {n}\nfillers = {}\n",
