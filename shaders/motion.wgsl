@@ -136,10 +136,8 @@ fn side_motion(motion: Motion, k: u32) -> Side {
 // The angles of the k-th tick before and after the gap in the profile, in LSB.
 fn profile_side(motion: Motion, k: u32) -> vec2<u32> {
     let end = motion.start + p[GAP_LENGTH] + k;
-    return vec2<u32>(
-        profile(motion.start - k) - profile(motion.start - k - 1u),
-        profile(end + 1u) - profile(end),
-    );
+    let start = motion.start - k;
+    return vec2<u32>(profile(start) - profile(start - 1u), profile(end + 1u) - profile(end));
 }
 
 // The angle of the profile since its start, at a boundary of its ticks.
@@ -200,11 +198,13 @@ fn peak_of(half_turn: u32, t: u32) -> u32 {
 fn with_amplitude(tone: vec2<u32>, words: vec4<u32>, t: u32) -> vec2<u32> {
     let part = p[AMPLITUDE_LOW + t] + mulhi(words[0], p[AMPLITUDE_WIDTH + t]);
     let rayleigh = p[RAYLEIGH + t];
-    let scaled = vec2<u32>(
-        bits_from(add_wide(mul_wide(tone.x, part), wide(0x40000000u, 0u)), 31u),
-        bits_from(add_wide(mul_wide(tone.y, part), wide(0x40000000u, 0u)), 31u),
-    );
-    return scaled ^ ((scaled ^ vec2<u32>(normal(words[0]), normal(words[1]))) & vec2<u32>(rayleigh));
+    return vec2<u32>(amplitude(tone.x, words[0], part, rayleigh), amplitude(tone.y, words[1], part, rayleigh));
+}
+
+// A part of `tone`, or the normal number of the word where all bits of `rayleigh` are set.
+fn amplitude(tone: u32, word: u32, part: u32, rayleigh: u32) -> u32 {
+    let scaled = bits_from(add_wide(mul_wide(tone, part), wide(0x40000000u, 0u)), 31u);
+    return scaled ^ ((scaled ^ normal(word)) & rayleigh);
 }
 //#end
 

@@ -1,16 +1,17 @@
 //! Running a study: what is missing in the store is sampled and added, then all that is held becomes a table.
 
+mod rows;
+mod stop;
+
 use std::time::Instant;
 
 use crate::backend::gpu::GpuError;
 use crate::backend::{Device, Job};
 use crate::block::{Block, base_log2, cover, missing};
 use crate::kernel::launch::Launch;
-use crate::lower::{Estimate, LowerError, Lowered};
-use crate::stats::{Estimates, z_score};
+use crate::lower::{LowerError, Lowered};
 use crate::store::{Identity, Provenance, Row, Store, StoreError};
-use crate::study::{Error, Filler, Point, Precision, Study, StudyError};
-use crate::table::{Cell, Column, Table, Unit};
+use crate::study::{Error, Point, Study, StudyError};
 
 /// Why a run ended early. What was computed before is in the store.
 #[derive(Debug, thiserror::Error)]
@@ -49,6 +50,9 @@ const BATCH_SECONDS: f64 = 0.3;
 
 /// Most jobs of a batch: their tallies are held in memory together, some 30 KiB each.
 const MOST_JOBS: usize = 1024;
+
+/// Half the width of a 95 % interval in standard errors.
+const NORMAL_95: f64 = 1.959_963_985;
 
 /// Trials of the first batch.
 const FIRST_BATCH: u64 = 1 << 20;
@@ -160,49 +164,21 @@ impl<'a> Plan<'a> {
         Ok(())
     }
 
-    /// Doubles the trials of fillers that are not precise enough yet; whether there are such.
-    fn raise(&self, wanted: &mut [Vec<u64>], store: &Store) -> Result<bool, StoreError> {
-        let Some(precision) = &self.study.precision else { return Ok(false) };
-        let mut raised = false;
-        for (point, wanted) in self.points.iter().zip(wanted) {
-            let most = point.trials(self.study.trials);
-            for (estimates, wanted) in point.fillers.iter().zip(wanted) {
-                if *wanted < most && !precise(precision, estimates, *wanted, store)? {
-                    *wanted = (2 * *wanted).min(most);
-                    raised = true;
-                }
-            }
-        }
-        Ok(raised)
-    }
-
-    /// Fillers at points whose errors are not as precise as is asked, and how many there are in all.
-    ///
-    /// # Errors
-    /// A row of the store is damaged, or the disk fails.
-    pub fn imprecise(&self, store: &Store) -> Result<(usize, usize), StoreError> {
-        let Some(precision) = &self.study.precision else { return Ok((0, 0)) };
-        let (mut imprecise, mut all) = (0, 0);
-        for estimates in self.points.iter().flat_map(|point| &point.fillers) {
-            imprecise += usize::from(!precise(precision, estimates, u64::MAX, store)?);
-            all += 1;
-        }
-        Ok((imprecise, all))
-    }
-
     /// Errors that were asked for and that a filler does not have, each in a sentence.
     pub fn absent(&self) -> Vec<String> {
         let mut sentences = Vec::new();
         for (index, filler) in self.study.fillers.iter().enumerate() {
             let has = |error: Error| {
-                let all = |point: &Lowered| point.fillers[index].iter().any(|estimate| estimate.error == error);
+                let all =
+                    |point: &Lowered| point.fillers[index].iter().any(|estimate| estimate.error == error);
                 self.points.iter().all(all)
             };
             let lacks: Vec<&str> =
                 self.study.errors.iter().filter(|error| !has(**error)).map(|error| error.name()).collect();
             if !lacks.is_empty() {
                 let name = &filler.name;
-                sentences.push(format!("the weights of `{name}` do not give its errors: {}", lacks.join(", ")));
+                sentences
+                    .push(format!("the weights of `{name}` do not give its errors: {}", lacks.join(", ")));
             }
         }
         sentences
@@ -248,54 +224,6 @@ impl<'a> Plan<'a> {
         let points = store.points()?;
         Ok(points.iter().filter(|id| self.points.iter().all(|point| point.id != **id)).count())
     }
-
-    /// The table before anything is sampled: all rows, without estimates.
-    pub fn blank_table(&self) -> Table {
-        let mut columns = Columns::new(self.study);
-        self.rows(|point, filler, estimate| columns.push(point, &filler.name, estimate, 0, None));
-        self.with_laws(columns.table)
-    }
-
-    /// All estimates held, a row for each point, filler and error.
-    ///
-    /// # Errors
-    /// A row of the store is damaged, or the disk fails.
-    pub fn table(&self, store: &Store) -> Result<Table, StoreError> {
-        let mut columns = Columns::new(self.study);
-        let mut failed = None;
-        self.rows(|point, filler, estimate| match store.total(&estimate.address) {
-            Ok(tally) => {
-                let found = Estimates::of(&tally, estimate.bin_base, estimate.unit_arcsec);
-                columns.push(point, &filler.name, estimate, tally.count, found);
-            }
-            Err(error) => drop(failed.get_or_insert(error)),
-        });
-        failed.map_or_else(|| Ok(self.with_laws(columns.table)), Err)
-    }
-
-    /// The table with a column for each law that a chart draws.
-    fn with_laws(&self, mut table: Table) -> Table {
-        for law in self.study.laws() {
-            let mut cells = vec![];
-            self.rows(|point, filler, estimate| {
-                cells.push(law.arcsec(&point.inputs, filler, estimate.error, estimate.rows.ticks.len()).into());
-            });
-            let (name, label) = (law.column().to_owned(), law.label().to_owned());
-            table.columns.push(Column { name, label, unit: Unit::ARCSEC, cells, band: None });
-        }
-        table
-    }
-
-    /// Every point, filler and error, in the order of the table.
-    fn rows(&self, mut row: impl FnMut(&Point, &Filler, &Estimate)) {
-        for (point, lowered) in self.study.points().iter().zip(&self.points) {
-            for (filler, estimates) in self.study.fillers.iter().zip(&lowered.fillers) {
-                for estimate in estimates {
-                    row(point, filler, estimate);
-                }
-            }
-        }
-    }
 }
 
 /// Who hears how a run goes on.
@@ -305,33 +233,6 @@ pub trait Progress {
     /// So many more are done.
     fn advance(&self, trials: u64);
     fn finish(&self);
-}
-
-/// Whether all errors of a filler are as precise as is asked in their first `trials` trials.
-fn precise(
-    precision: &Precision,
-    estimates: &[Estimate],
-    trials: u64,
-    store: &Store,
-) -> Result<bool, StoreError> {
-    for estimate in estimates {
-        let tally = store.total_within(&estimate.address, trials)?;
-        let found = Estimates::of(&tally, estimate.bin_base, 1.0);
-        let within = |part: Option<f64>, half: Option<f64>, value: Option<f64>| match (part, half, value) {
-            (None, ..) => true,
-            (Some(part), Some(half), Some(value)) => half <= part * value,
-            _ => false,
-        };
-        let rms_half = found.and_then(|found| found.rms_se).map(|se| NORMAL_95 * se);
-        let q = found.and_then(|found| found.q9973);
-        let q_half = q.and_then(|q| q.low.zip(q.high)).map(|(low, high)| 0.5 * (high - low));
-        if !within(precision.rms, rms_half, found.map(|found| found.rms))
-            || !within(precision.q9973, q_half, q.map(|q| q.value))
-        {
-            return Ok(false);
-        }
-    }
-    Ok(true)
 }
 
 /// The error of a point that cannot be sampled, at the key of the study that has to change.
@@ -350,92 +251,4 @@ fn take_batch<'a, 'b>(rest: &mut Vec<(&'a Work, Job<'b>)>, trials: u64) -> Vec<(
         batch.push(next);
     }
     batch
-}
-
-/// The columns of a gap-fill table, row by row.
-struct Columns {
-    table: Table,
-}
-
-/// Half the width of a 95 % interval in standard errors.
-const NORMAL_95: f64 = 1.959_963_985;
-
-impl Columns {
-    fn new(study: &Study) -> Columns {
-        let column = |name: &str, label: &str, unit| Column {
-            name: name.to_owned(),
-            label: label.to_owned(),
-            unit,
-            cells: vec![],
-            band: None,
-        };
-        let banded =
-            |name: &str, label: &str| Column { band: Some(vec![]), ..column(name, label, Unit::ARCSEC) };
-        let mut columns: Vec<Column> = study
-            .sweeps
-            .iter()
-            .map(|sweep| {
-                let unit = sweep.values.first().map_or(Unit::NONE, |value| value.dimension.unit());
-                column(sweep.key.name, sweep.key.label, unit)
-            })
-            .collect();
-        columns.extend([
-            column("dt_nu", "Δt·ν", Unit::NONE),
-            column("filler", "filler", Unit::NONE),
-            column("error", "error", Unit::NONE),
-            column("trials", "trials", Unit::NONE),
-            column("mean", "mean error", Unit::ARCSEC),
-            banded("rms", "rms error"),
-            column("rms_se", "standard error of the rms", Unit::ARCSEC),
-            column("max", "largest error seen", Unit::ARCSEC),
-            banded("q9973", "99.73 % error"),
-            column("q9973_lo", "99.73 % error, lower", Unit::ARCSEC),
-            column("q9973_hi", "99.73 % error, upper", Unit::ARCSEC),
-            column("oracle_rms", "rms error, closed form", Unit::ARCSEC),
-            column("oracle_max", "largest error of the motion, closed form", Unit::ARCSEC),
-            column("z", "deviation from the closed form, standard errors", Unit::NONE),
-        ]);
-        Columns { table: Table { columns } }
-    }
-
-    fn push(
-        &mut self,
-        point: &Point,
-        filler: &str,
-        estimate: &Estimate,
-        trials: u64,
-        found: Option<Estimates>,
-    ) {
-        let q = found.and_then(|found| found.q9973);
-        let rms_se = found.and_then(|found| found.rms_se);
-        let z = found
-            .zip(rms_se)
-            .zip(estimate.oracle.rms)
-            .and_then(|((found, se), rms)| z_score(found.rms, rms, se, estimate.oracle.rounding));
-        let cells = point.swept.iter().map(|(_, value)| value.cell()).chain([
-            Cell::from(point.inputs.dt_nu()),
-            Cell::Text(filler.to_owned()),
-            Cell::Text(estimate.error.name().to_owned()),
-            Cell::Integer(trials as i64),
-            found.map(|found| found.mean).into(),
-            found.map(|found| found.rms).into(),
-            rms_se.into(),
-            found.map(|found| found.max).into(),
-            q.map(|q| q.value).into(),
-            q.and_then(|q| q.low).into(),
-            q.and_then(|q| q.high).into(),
-            estimate.oracle.rms.into(),
-            estimate.oracle.max.into(),
-            z.into(),
-        ]);
-        let rms_band =
-            found.zip(rms_se).map(|(found, se)| (found.rms - NORMAL_95 * se, found.rms + NORMAL_95 * se));
-        let q_band = q.and_then(|q| q.low.zip(q.high));
-        for (column, cell) in self.table.columns.iter_mut().zip(cells) {
-            column.cells.push(cell);
-            if let Some(band) = &mut column.band {
-                band.push(if column.name == "rms" { rms_band } else { q_band });
-            }
-        }
-    }
 }

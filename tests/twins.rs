@@ -3,92 +3,27 @@
 //!
 //! Two lists drive it, [`KERNELS`] and [`configurations`]: a new kernel or configuration cannot be forgotten.
 
-use std::time::Instant;
+mod devices;
 
+use devices::{Coverage, adapters, name, on_cpu, on_gpu, open, reference, variants};
 use sagnac::backend::Job;
 use sagnac::backend::cpu::{Cpu, Width};
-use sagnac::backend::gpu::source::Variant;
-use sagnac::backend::gpu::{Adapter, Gpu};
 use sagnac::block::{Block, cover};
-use sagnac::kernel::gap_fill::{Launch, Parameters};
+use sagnac::kernel::launch::{Launch, Parameters};
 use sagnac::kernel::map::{Map, PHILOX};
 use sagnac::kernel::moments::{BINS, LIMIT, Moments};
 use sagnac::kernel::philox::{philox, schedule};
 use sagnac::kernel::word::Scalar;
 use sagnac::kernel::{Form, KERNELS};
-use sagnac::study::{Filler, Phase, TickNoise};
+use sagnac::study::{Phase, TickNoise};
 use sagnac::verify::{Configuration, configurations};
 
 const TRIALS: u64 = 1 << 20;
 
-/// Every adapter of this machine. The GPU half of these tests is never skipped.
-fn adapters() -> Vec<Adapter> {
-    let adapters = Adapter::all();
-    assert!(
-        !adapters.is_empty(),
-        "no Vulkan adapter was found, so identity on a GPU cannot be shown: run ./test, or install a software one \
-         (apt-get install mesa-vulkan-drivers libvulkan1)"
-    );
-    adapters
-}
-
-/// Every way to build the shaders that an adapter can run.
-fn variants(adapter: &Adapter) -> Vec<Variant> {
-    let products: &[bool] = if adapter.has_int64() { &[true, false] } else { &[false] };
-    let mut all = Vec::new();
-    for &int64 in products {
-        for checked in [false, true] {
-            all.extend([32, 64, 128].map(|workgroup| Variant { int64, checked, workgroup }));
-        }
-    }
-    all
-}
-
-fn name(adapter: &Adapter, variant: Variant) -> String {
-    let products = if variant.int64 { "u64" } else { "split" };
-    let checks = if variant.checked { "checked" } else { "unchecked" };
-    format!("{} {products} {checks} {}", adapter.name(), variant.workgroup)
-}
-
-fn open(adapter: &Adapter, variant: Variant) -> Gpu {
-    Gpu::open(adapter, variant).unwrap_or_else(|error| panic!("{}: {error}", name(adapter, variant)))
-}
-
-fn jobs<'a>(launch: &'a Launch, blocks: &[Block]) -> Vec<Job<'a>> {
-    blocks.iter().map(|&block| Job { launch, block }).collect()
-}
-
-/// The tallies of all parts in one.
-fn total(launch: &Launch, parts: Vec<Vec<Moments>>, histogram: bool) -> Vec<Moments> {
-    let mut total = vec![Moments::empty(histogram); 2 * launch.shape.fillers];
-    for part in parts {
-        assert_eq!(part.len(), total.len());
-        for (total, part) in total.iter_mut().zip(&part) {
-            total.merge(part);
-        }
-    }
-    total
-}
-
-fn on_cpu(width: Width, threads: usize, launch: &Launch, blocks: &[Block], histogram: bool) -> Vec<Moments> {
-    let cpu = Cpu::new(width, threads).unwrap();
-    total(launch, cpu.tally(&jobs(launch, blocks), histogram, &|_| {}), histogram)
-}
-
-fn on_gpu(gpu: &mut Gpu, launch: &Launch, blocks: &[Block], histogram: bool) -> Vec<Moments> {
-    let parts =
-        gpu.tally(&jobs(launch, blocks), histogram, &|_| {}).unwrap_or_else(|error| panic!("{error}"));
-    total(launch, parts, histogram)
-}
-
-fn reference(launch: &Launch, blocks: &[Block], histogram: bool) -> Vec<Moments> {
-    on_cpu(Width::PORTABLE, 0, launch, blocks, histogram)
-}
-
 /// The same trials in one block, in many, in many more than a tile holds, and in uneven parts from the last to the
 /// first.
 fn divisions(trials: u64) -> Vec<(&'static str, Vec<Block>)> {
-    let cuts = [0, 1, 77_777, 500_001, 524_289, trials];
+    let cuts = [0, 1, trials / 13, trials / 2 - 7, trials / 2 + 1, trials];
     let ragged = cuts.windows(2).rev().flat_map(|cut| cover(cut[0]..cut[1], 17)).collect();
     vec![
         ("whole", cover(0..trials, 63)),
@@ -96,22 +31,6 @@ fn divisions(trials: u64) -> Vec<(&'static str, Vec<Block>)> {
         ("fine", cover(0..trials, 9)),
         ("ragged", ragged),
     ]
-}
-
-/// Says on the standard output what a test went through.
-struct Coverage {
-    started: Instant,
-    comparisons: usize,
-}
-
-impl Coverage {
-    fn start() -> Coverage {
-        Coverage { started: Instant::now(), comparisons: 0 }
-    }
-
-    fn end(self, what: &str) {
-        println!("{what}: {} comparisons, {:.1} s", self.comparisons, self.started.elapsed().as_secs_f64());
-    }
 }
 
 /// Random123's `kat_vectors` for philox4x32, 10 rounds: counter and key, output.
@@ -187,18 +106,25 @@ fn launches() -> Vec<(&'static str, Launch)> {
     configurations().iter().flat_map(launches).collect()
 }
 
+/// Trials of a configuration: many for the paper's point, whose every case is gone through.
+fn trials(configuration: &str) -> u64 {
+    if configuration == "paper" { TRIALS } else { 1 << 17 }
+}
+
 #[test]
 fn every_configuration_is_the_same_on_any_width_threads_and_division() {
     let mut coverage = Coverage::start();
     for (configuration, launch) in &launches() {
         // The paper's point without the histogram too, and in a number of trials that no width divides.
         let paper = *configuration == "paper";
-        let cases = [(TRIALS, true), (TRIALS, false), (1_000_003, true), (1_000_003, false)];
+        let cases = [(trials(configuration), true), (TRIALS, false), (1_000_003, true), (1_000_003, false)];
         for &(trials, histogram) in &cases[..if paper { 4 } else { 1 }] {
             let reference = reference(launch, &cover(0..trials, 63), histogram);
-            for width in Width::available() {
-                for threads in 1..=3 {
-                    for (division, blocks) in divisions(trials) {
+            for (w, width) in Width::available().into_iter().enumerate() {
+                for (d, (division, blocks)) in divisions(trials).into_iter().enumerate() {
+                    // The others in one number of threads for each division, another in each width.
+                    let threads = if paper { 1..=3 } else { (w + d) % 3 + 1..=(w + d) % 3 + 1 };
+                    for threads in threads {
                         let found = on_cpu(width, threads, launch, &blocks, histogram);
                         let width = width.name();
                         assert_eq!(
@@ -211,29 +137,40 @@ fn every_configuration_is_the_same_on_any_width_threads_and_division() {
             }
         }
     }
-    coverage.end(&format!(
-        "{} configurations: widths × 1, 2, 3 threads × divisions, 2^20 trials",
-        configurations().len()
-    ));
+    coverage.end(&format!("{} configurations: widths × threads × divisions", configurations().len()));
 }
 
 #[test]
 fn every_configuration_is_the_same_on_any_shader_tile_and_division() {
     let mut coverage = Coverage::start();
-    for (configuration, launch) in &launches() {
-        let cases = [true, false];
-        for &histogram in &cases[..if *configuration == "paper" { 2 } else { 1 }] {
-            let reference = reference(launch, &cover(0..TRIALS, 63), histogram);
-            for adapter in adapters() {
-                for variant in variants(&adapter) {
-                    let mut gpu = open(&adapter, variant);
-                    let tiles = [TRIALS / 3 + 1, 40_001, 2 * TRIALS, TRIALS];
-                    for ((division, blocks), tile) in divisions(TRIALS).into_iter().zip(tiles) {
-                        gpu.set_tile(tile);
-                        let found = on_gpu(&mut gpu, launch, &blocks, histogram);
+    let launches = launches();
+    let expected = |trials: u64, histogram: bool, launch: &Launch| {
+        reference(launch, &cover(0..trials, 63), histogram)
+    };
+    let references: Vec<Vec<Moments>> =
+        launches.iter().map(|(name, launch)| expected(trials(name), true, launch)).collect();
+    let without_histogram = expected(TRIALS, false, &launches[0].1);
+    for adapter in adapters() {
+        for (v, variant) in variants(&adapter).into_iter().enumerate() {
+            let mut gpu = open(&adapter, variant);
+            for (l, ((configuration, launch), reference)) in launches.iter().zip(&references).enumerate() {
+                let trials = trials(configuration);
+                let tiles = [trials / 3 + 1, 40_001, 2 * trials, trials];
+                let cases: Vec<_> = divisions(trials).into_iter().zip(tiles).collect();
+                let paper = *configuration == "paper";
+                // The others in one division for each variant, another in the next configuration.
+                let chosen = if paper { 0..4 } else { (v + l) % 4..(v + l) % 4 + 1 };
+                for ((division, blocks), tile) in &cases[chosen] {
+                    for histogram in [true, false] {
+                        if !histogram && !paper {
+                            continue;
+                        }
+                        gpu.set_tile(*tile);
+                        let found = on_gpu(&mut gpu, launch, blocks, histogram);
+                        let reference = if histogram { reference } else { &without_histogram };
                         let name = name(&adapter, variant);
                         assert_eq!(
-                            found, reference,
+                            &found, reference,
                             "{configuration} on {name}, {division}, tiles of {tile} at first"
                         );
                         coverage.comparisons += 1;
@@ -242,18 +179,15 @@ fn every_configuration_is_the_same_on_any_shader_tile_and_division() {
             }
         }
     }
-    coverage.end(&format!(
-        "{} configurations: shader variants × tiles and divisions, 2^20 trials",
-        configurations().len()
-    ));
+    coverage.end(&format!("{} configurations: shader variants × tiles and divisions", configurations().len()));
 }
 
 /// A launch of the paper's point at its extremum without noise, whose every error is near ±[`LIMIT`]: the truth alone,
 /// times a scale that brings it there.
 fn at_the_limit(sign: i32) -> (Launch, i64) {
     let launch = Configuration::new("at the limit", |c| {
-        c.point.inputs.phase = Phase::Extremum;
-        c.point.inputs.tick_noise = TickNoise::Std(0.0);
+        c.tone().phase = Phase::Extremum;
+        c.inputs.tick_noise = TickNoise::Std(0.0);
     })
     .launches()
     .remove(0);
@@ -271,7 +205,7 @@ fn at_the_limit(sign: i32) -> (Launch, i64) {
         ..p
     }
     .words();
-    (Launch { shape: launch.shape, words }, -truth * i64::from(scale))
+    (Launch { words, ..launch }, -truth * i64::from(scale))
 }
 
 #[test]
@@ -303,7 +237,7 @@ fn sums_of_the_largest_errors_are_exact_in_every_width_and_shader() {
                 })
                 .collect()
         };
-        let expected = vec![expected; 2 * launch.shape.fillers];
+        let expected = vec![expected; launch.shape.estimates()];
         let blocks = cover(0..TRIALS, 63);
         for width in Width::available() {
             assert_eq!(strip(on_cpu(width, 0, &launch, &blocks, true)), expected, "{}", width.name());
@@ -359,141 +293,6 @@ fn jobs_of_many_launches_in_one_call_do_not_mix() {
         coverage.comparisons += mixed.len();
     }
     coverage.end("many launches in one call");
-}
-
-/// The values that the pairwise cover combines, by their place in each list.
-struct Factors;
-
-impl Factors {
-    const GAP_TICKS: [u32; 4] = [1, 2, 3, 5];
-    const PHASES: [Phase; 3] = [Phase::Uniform, Phase::ZeroCrossing, Phase::Extremum];
-    const NOISES: [TickNoise; 3] =
-        [TickNoise::Std(1.6 / 3.0), TickNoise::AngleRandomWalk(2.0), TickNoise::Std(0.0)];
-    const FILLERS: [&[Filler]; 7] = [
-        &[Filler::Const, Filler::Linear, Filler::Quadratic],
-        &[Filler::Quadratic],
-        &[Filler::Linear],
-        &[Filler::Const],
-        &[Filler::Linear, Filler::Const],
-        &[Filler::Quadratic, Filler::Linear],
-        &[Filler::Const, Filler::Quadratic],
-    ];
-    const FIRST_TRIALS: [u64; 4] = [0, 12_345, (1 << 32) - (1 << 15), 1 << 40];
-    const EXTRAPOLATIONS: [&[i32]; 3] = [&[-3, -2, -1, 0], &[-7, -6, -5, -4, -3, -2, -1, 0], &[-5, -2, 0]];
-
-    /// Default; eight before; asymmetrical; many after; before only; after only.
-    fn fit_ticks(n: i32) -> [Vec<i32>; 6] {
-        [
-            vec![-1, 0, n + 1, n + 2],
-            (-7..=0).chain(n + 1..=n + 2).collect(),
-            vec![-3, -1, 0, n + 1],
-            (-1..=0).chain(n + 1..=n + 7).collect(),
-            vec![-3, -2, -1, 0],
-            vec![n + 1, n + 2, n + 3],
-        ]
-    }
-
-    fn sizes() -> [usize; 7] {
-        [
-            Self::GAP_TICKS.len(),
-            Self::PHASES.len(),
-            Self::NOISES.len(),
-            Self::fit_ticks(1).len(),
-            Self::FILLERS.len(),
-            Self::FIRST_TRIALS.len(),
-            Self::EXTRAPOLATIONS.len(),
-        ]
-    }
-
-    fn configuration(row: &[usize]) -> (Configuration, u64) {
-        let configuration = Configuration::new("pairwise", |c| {
-            c.point.inputs.gap_ticks = Self::GAP_TICKS[row[0]];
-            c.point.inputs.phase = Self::PHASES[row[1]];
-            c.point.inputs.tick_noise = Self::NOISES[row[2]];
-            c.point.fit_ticks = Self::fit_ticks(Self::GAP_TICKS[row[0]] as i32)[row[3]].clone();
-            c.fillers = Self::FILLERS[row[4]].to_vec();
-            c.point.extrapolation_ticks = Self::EXTRAPOLATIONS[row[6]].to_vec();
-        });
-        (configuration, Self::FIRST_TRIALS[row[5]])
-    }
-}
-
-/// Rows in which every pair of values of two factors occurs. Greedy: each row takes an uncovered pair and then, factor
-/// by factor, the value that covers most.
-fn pairwise(sizes: &[usize]) -> Vec<Vec<usize>> {
-    let mut uncovered: Vec<[(usize, usize); 2]> = Vec::new();
-    for second in 0..sizes.len() {
-        for first in 0..second {
-            for a in 0..sizes[first] {
-                uncovered.extend((0..sizes[second]).map(|b| [(first, a), (second, b)]));
-            }
-        }
-    }
-    let mut rows = Vec::new();
-    while let Some(&seed) = uncovered.first() {
-        let mut row: Vec<Option<usize>> = vec![None; sizes.len()];
-        seed.iter().for_each(|&(factor, value)| row[factor] = Some(value));
-        for factor in 0..sizes.len() {
-            let gain = |value: usize| {
-                let covers = |pair: &&[(usize, usize); 2]| {
-                    pair.contains(&(factor, value))
-                        && pair.iter().all(|&(f, v)| f == factor || row[f] == Some(v))
-                };
-                uncovered.iter().filter(covers).count()
-            };
-            // The first of the best: the order of the lists decides, nothing random.
-            let best = (0..sizes[factor]).rev().max_by_key(|&value| gain(value));
-            row[factor] = row[factor].or(best);
-        }
-        uncovered.retain(|pair| !pair.iter().all(|&(factor, value)| row[factor] == Some(value)));
-        rows.push(row.into_iter().flatten().collect());
-    }
-    rows
-}
-
-#[test]
-fn the_pairwise_rows_cover_every_pair() {
-    let sizes = Factors::sizes();
-    let rows = pairwise(&sizes);
-    for second in 0..sizes.len() {
-        for first in 0..second {
-            for a in 0..sizes[first] {
-                for b in 0..sizes[second] {
-                    assert!(
-                        rows.iter().any(|row| row[first] == a && row[second] == b),
-                        "{first}:{a} {second}:{b}"
-                    );
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn every_pair_of_settings_is_the_same_everywhere() {
-    let mut coverage = Coverage::start();
-    let rows = pairwise(&Factors::sizes());
-    let mut gpus: Vec<Gpu> = adapters().iter().map(|adapter| open(adapter, adapter.variant())).collect();
-    for row in &rows {
-        let (configuration, first) = Factors::configuration(row);
-        // A cover is made of aligned blocks, so a range across a multiple of 2^32 is split there.
-        let blocks = cover(first..first + (1 << 16), 63);
-        for launch in &configuration.launches() {
-            let reference = reference(launch, &blocks, true);
-            assert!(reference.iter().all(|tally| tally.count == 1 << 16));
-            for width in Width::available() {
-                let found = on_cpu(width, 0, launch, &blocks, true);
-                assert_eq!(found, reference, "{} from {first}: {configuration:?}", width.name());
-                coverage.comparisons += 1;
-            }
-            for gpu in &mut gpus {
-                let found = on_gpu(gpu, launch, &blocks, true);
-                assert_eq!(found, reference, "{} from {first}: {configuration:?}", gpu.name());
-                coverage.comparisons += 1;
-            }
-        }
-    }
-    coverage.end(&format!("pairwise cover: {} rows, none refused, 2^16 trials each", rows.len()));
 }
 
 #[test]

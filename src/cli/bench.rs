@@ -31,8 +31,13 @@ const RUNS: usize = 5;
 const SECONDS: f64 = 0.5;
 
 /// What is measured: configurations of `verify`, and whether with the histogram that a run has.
-const MEASURED: [(&str, bool); 5] =
-    [("paper", false), ("paper", true), ("minimum-variance", false), ("eight-tones", false), ("profile", false)];
+const MEASURED: [(&str, bool); 5] = [
+    ("paper", false),
+    ("paper", true),
+    ("minimum-variance", false),
+    ("eight-tones", false),
+    ("profile", false),
+];
 
 /// Measures the gap-fill kernel on every width of the CPU and on the device.
 pub fn bench(options: &super::Bench) -> Result<(), Failure> {
@@ -49,7 +54,8 @@ pub fn bench(options: &super::Bench) -> Result<(), Failure> {
     let all = configurations();
     for device in &mut devices {
         for (name, histogram) in MEASURED {
-            let Some(launch) = all.iter().find(|c| c.name == name).and_then(|c| c.launches().into_iter().next())
+            let Some(launch) =
+                all.iter().find(|c| c.name == name).and_then(|c| c.launches().into_iter().next())
             else {
                 continue;
             };

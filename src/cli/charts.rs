@@ -110,8 +110,13 @@ fn curves(study: &Study, chart: &Chart) -> Spec {
         filter: filter(chart),
         limit: chart.limit_arcsec,
         laws: chart.laws().iter().map(|law| law.column().to_owned()).collect(),
-        points: "Monte Carlo".to_owned(),
+        points: points(&chart.y.name).to_owned(),
     }
+}
+
+/// What the points of a chart are: columns of the oracle are not sampled.
+fn points(y: &str) -> &'static str {
+    if y.starts_with("oracle") { "closed form" } else { "Monte Carlo" }
 }
 
 fn title(study: &Study, chart: &Chart) -> String {

@@ -5,6 +5,7 @@ mod charts;
 mod devices;
 mod failure;
 mod filler;
+mod one_point;
 mod output;
 mod progress;
 mod run;

@@ -13,6 +13,7 @@ use serde_json::{Value, json};
 
 use super::Failure;
 use super::charts::{draw, filter, picture, refused};
+use super::one_point::one_point;
 use super::output::{print, print_json, write};
 use super::progress::{Shown, short};
 use super::terminal::pivot;
@@ -98,7 +99,9 @@ fn run_study(
     let (imprecise, fillers) = plan.imprecise(&store)?;
     if imprecise > 0 {
         let trials = short(study.trials as f64);
-        eprintln!("note: {imprecise} of {fillers} fillers at points are not as precise as asked after {trials} trials");
+        eprintln!(
+            "note: {imprecise} of {fillers} fillers at points are not as precise as asked after {trials} trials"
+        );
     }
     match plan.unasked(&store)? {
         0 => {}
@@ -147,6 +150,9 @@ fn summary(study: &Study, table: &Table, answers: &[(f64, Vec<Answer>)]) -> Resu
         let series: Vec<&str> = chart.series().iter().map(|column| column.name.as_str()).collect();
         let shown = pivot(table, &across, &chart.estimate().name, &series, &filter(chart))
             .map_err(|error| refused(study, chart, &ChartError::Column(error)))?;
+        text += &format!("\n{shown}");
+    } else if study.sweeps.is_empty() {
+        let shown = one_point(table).map_err(|error| Failure::Picture(error.to_string()))?;
         text += &format!("\n{shown}");
     }
     for (limit, found) in answers {

@@ -128,7 +128,7 @@ fn gcd(a: usize, b: usize) -> usize {
 }
 
 /// Rows of cells with every column as wide as its widest cell, flush right.
-pub fn aligned(rows: &[Vec<String>]) -> String {
+pub(super) fn aligned(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {
         rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)

@@ -35,13 +35,7 @@ impl<'a, const KEPT: usize, const GAUSSIANS: usize> GapFill<'a, KEPT, GAUSSIANS>
     /// Goes on to the k-th tick on either side of the gap, where the shape has it: its motion and noise are read, and
     /// added to the sums.
     #[inline(always)]
-    fn side<W: Word>(
-        &self,
-        run: &mut Run<W, KEPT>,
-        motion: &Motion<W, GAUSSIANS>,
-        k: usize,
-        noise: [W; 2],
-    ) {
+    fn side<W: Word>(&self, run: &mut Run<W, KEPT>, motion: &Motion<W, GAUSSIANS>, k: usize, noise: [W; 2]) {
         let Given { p, shape, .. } = &self.given;
         if k >= shape.sides() {
             return;
@@ -276,7 +270,12 @@ impl AnyWidth for Tally<'_> {
         } else if !shape.in_gap && !shape.gaussian {
             moments::tally::<W>(GapFill::<0, 0>::new(launch, shape), first, count, histogram)
         } else {
-            moments::tally::<W>(GapFill::<MAX_SIDE, MAX_GAUSSIANS>::new(launch, shape), first, count, histogram)
+            moments::tally::<W>(
+                GapFill::<MAX_SIDE, MAX_GAUSSIANS>::new(launch, shape),
+                first,
+                count,
+                histogram,
+            )
         }
     }
 }

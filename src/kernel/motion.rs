@@ -3,6 +3,9 @@
 //! Twin of `shaders/motion.wgsl`. The motion is a sum of tones, of stationary Gaussian motion, of a recorded profile and
 //! of what is the same in all trials; a launch pays only for what its shape has. Angles are in 2^−32 LSB until they are
 //! rounded. Ticks are counted outward from the gap.
+//!
+//! No closures here that do more than load: the compiler may set one apart from its caller, and then without the
+//! instructions that its width needs, ten times as slow.
 
 use super::launch::{MARGIN, MAX_TONES, Parameters, Shape};
 use super::normal::normal;
@@ -71,7 +74,8 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
         }
         if shape.profile {
             let drawn = address.draw(Purpose::Position, 0)[0];
-            let position = if shape.every { in_turn(address.low, p) } else { drawn.mulhi(W::splat(p.positions[0])) };
+            let position =
+                if shape.every { in_turn(address.low, p) } else { drawn.mulhi(W::splat(p.positions[0])) };
             motion.start = position + W::splat(MARGIN as u32);
         }
         motion
@@ -87,7 +91,7 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
                 self.gap_factors(given, row, t)
             } else {
                 let cos = if shape.in_gap { p.gap_cos[row * shape.tones + t] } else { 0 };
-                [p.gap_sin[row * shape.tones + t], cos].map(W::splat)
+                [W::splat(p.gap_sin[row * shape.tones + t]), W::splat(cos)]
             };
             angle = angle + self.tone[t][0].mul_wide(sin);
             if shape.in_gap {
@@ -120,7 +124,8 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
             let [sin, cos] = if shape.frequencies {
                 self.side_factors(given, k, t)
             } else {
-                [p.side_sin[k * shape.tones + t], p.side_cos[k * shape.tones + t]].map(W::splat)
+                let place = k * shape.tones + t;
+                [W::splat(p.side_sin[place]), W::splat(p.side_cos[place])]
             };
             even = even + self.tone[t][0].mul_wide(sin);
             odd = odd + self.tone[t][1].mul_wide(cos);
@@ -144,10 +149,14 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
     /// The angles of the k-th tick before and after the gap in the profile, in LSB.
     #[inline(always)]
     pub fn profile_side(&self, given: &Given, k: usize) -> [W; 2] {
-        let at = |offset: u32| given.profile(self.start + W::splat(offset));
-        let end = given.p.gap_length[0] + k as u32;
-        let k = k as u32;
-        [at(k.wrapping_neg()) - at((k + 1).wrapping_neg()), at(end + 1) - at(end)]
+        let (n, k) = (given.p.gap_length[0], k as u32);
+        let end = self.start + W::splat(n + k);
+        let start = self.start - W::splat(k);
+        let one = W::splat(1);
+        [
+            given.profile(start) - given.profile(start - one),
+            given.profile(end + one) - given.profile(end),
+        ]
     }
 
     /// Tone `t` of drawn frequency: its angle over the gap up to `row`, as factors of the sine and cosine at the middle.
@@ -173,8 +182,9 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
     #[inline(always)]
     fn factors(&self, t: usize, half_ticks: u32) -> [W; 2] {
         let turn = self.half_turn[t] * W::splat(half_ticks);
-        let factor = |phase: W| (self.peak[t].mul_wide(sine(phase)) + W::Wide::splat(HALF)).high();
-        [factor(turn + W::splat(QUARTER_TURN)), factor(turn)]
+        let sin = self.peak[t].mul_wide(sine(turn + W::splat(QUARTER_TURN))) + W::Wide::splat(HALF);
+        let cos = self.peak[t].mul_wide(sine(turn)) + W::Wide::splat(HALF);
+        [sin.high(), cos.high()]
     }
 
     /// The normal numbers of the Gaussian motion: of the gap, then outward in turn after and before it.
@@ -223,11 +233,14 @@ impl Given<'_> {
 fn with_amplitude<W: Word>(tone: [W; 2], words: [W; 4], p: &Parameters, t: usize) -> [W; 2] {
     let part = W::splat(p.amplitude_low[t]) + words[0].mulhi(W::splat(p.amplitude_width[t]));
     let rayleigh = W::splat(p.rayleigh[t]);
-    let chosen = |tone: W, word: W| {
-        let scaled = (tone.mul_wide(part) + W::Wide::splat(1 << 30)).bits_from(31);
-        scaled ^ ((scaled ^ normal(word)) & rayleigh)
-    };
-    [chosen(tone[0], words[0]), chosen(tone[1], words[1])]
+    [amplitude(tone[0], words[0], part, rayleigh), amplitude(tone[1], words[1], part, rayleigh)]
+}
+
+/// A part of `tone`, or the normal number of the word where all bits of `rayleigh` are set.
+#[inline(always)]
+fn amplitude<W: Word>(tone: W, word: W, part: W, rayleigh: W) -> W {
+    let scaled = (tone.mul_wide(part) + W::Wide::splat(1 << 30)).bits_from(31);
+    scaled ^ ((scaled ^ normal(word)) & rayleigh)
 }
 
 /// The angle of a tick at the peak of the rate, in 2^−4 LSB, for a frequency in turns per half tick.

@@ -65,7 +65,9 @@ impl Estimate {
             // Each tick and the gap is rounded once, by half an LSB at most, and the sine is wrong by 2^−29.5; a drawn
             // amplitude or frequency has factors that are rounded to an eighth of an LSB besides.
             let factors = if drawn { 0.25 * (gain + scale * f64::from(f.gap)) } else { 0.0 };
-            let own = 0.5 * (gain + scale) + libm::exp2(if drawn { -28.0 } else { -29.5 }) * response.terms + factors;
+            let own = 0.5 * (gain + scale)
+                + libm::exp2(if drawn { -28.0 } else { -29.5 }) * response.terms
+                + factors;
             rounding = rounding.max(own);
             bound = bound.max(response.bound + (REACH * sigma + pulse) * gain + own);
             terms = terms.max(response.terms + (REACH * sigma + pulse + 1.0) * gain + scale);
@@ -98,7 +100,8 @@ impl Estimate {
                 }),
         };
         // Where the variance of the readout is not known, about that of independent fractions.
-        let about = quantised.map_or(pulse * pulse / 6.0 * whole.noise_gain() * whole.noise_gain(), |(x, _)| x);
+        let about =
+            quantised.map_or(pulse * pulse / 6.0 * whole.noise_gain() * whole.noise_gain(), |(x, _)| x);
         let bin_base = level(libm::floor(0.25 * rms_with(about)) as u32);
         let words = [gap_fill::VERSION, owner.key[0], owner.key[1]]
             .into_iter()
@@ -107,7 +110,11 @@ impl Estimate {
             .chain(rows.numerators.iter().flatten().map(|&w| w as u32))
             .chain([rows.denominator as u32, shift, bin_base])
             .chain(words_of(unit_arcsec));
-        let address = Address { point: owner.point, estimate: owner.estimate_id(&rows.ticks), digest: Id::of_words(words) };
+        let address = Address {
+            point: owner.point,
+            estimate: owner.estimate_id(&rows.ticks),
+            digest: Id::of_words(words),
+        };
         Ok(Estimate { error: owner.error, address, oracle, unit_arcsec, bin_base, rows, shift })
     }
 

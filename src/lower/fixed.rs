@@ -142,7 +142,13 @@ impl Fixed {
         let mut words = vec![n as u32, self.sigma];
         let all = || ticks.iter().copied().chain(1..=n);
         for tone in &self.tones {
-            words.extend([tone.phase, tone.phase_spread, tone.part[0], tone.part[1], u32::from(tone.rayleigh)]);
+            words.extend([
+                tone.phase,
+                tone.phase_spread,
+                tone.part[0],
+                tone.part[1],
+                u32::from(tone.rayleigh),
+            ]);
             match tone.motion {
                 ToneMotion::Fixed { .. } => {
                     let parts = all().flat_map(|tick| tone.tick_words(tick, n));
@@ -186,7 +192,9 @@ impl FixedTone {
         let rayleigh = matches!(tone.value, Value::Rayleigh(_));
         let scale = if rayleigh { 1.0 / RAYLEIGH_UNIT } else { 1.0 } / lsb_arcsec;
         let motion = match tone.kind {
-            ToneKind::Fixed { tick_arcsec, nu_t } => ToneMotion::Fixed { amplitude: tick_arcsec * scale, nu_t },
+            ToneKind::Fixed { tick_arcsec, nu_t } => {
+                ToneMotion::Fixed { amplitude: tick_arcsec * scale, nu_t }
+            }
             ToneKind::Drawn { arcsec, of_angle, nu_t } => {
                 let half_turns = nu_t.map(|nu_t| libm::round(0.5 * nu_t * libm::exp2(32.0)) as u32);
                 // A_Ω T sinc νT is 2/π A_Ω T times the ratio that the kernel has.
@@ -252,10 +260,7 @@ fn factor(covariance: &[f64], gap_ticks: i32, sides: usize, lsb_arcsec: f64) -> 
     }
     let between = |i: usize, j: usize| covariance[ticks[i].abs_diff(ticks[j]) as usize];
     let word = |x: f64| libm::round(x / lsb_arcsec * SIGMA_UNITS) as i32;
-    semidefinite(ticks.len(), between)
-        .into_iter()
-        .map(|row| row.into_iter().map(word).collect())
-        .collect()
+    semidefinite(ticks.len(), between).into_iter().map(|row| row.into_iter().map(word).collect()).collect()
 }
 
 /// The two words of a 64-bit constant.

@@ -35,7 +35,8 @@ impl Lowered {
             .filter(|_| shape.constants)
             .collect();
         let positions: Vec<u32> = fixed.profile.iter().map(|profile| profile.positions as u32).collect();
-        let inverse: Vec<u32> = positions.iter().map(|&count| ((1_u64 << 32) / u64::from(count)) as u32).collect();
+        let inverse: Vec<u32> =
+            positions.iter().map(|&count| ((1_u64 << 32) / u64::from(count)) as u32).collect();
         let mask: Vec<u32> = fixed.readout.iter().map(|readout| !((1 << readout.bits) - 1)).collect();
         let gap_sigma: Vec<u32> = fixed.readout.iter().map(|readout| readout.gap_sigma).collect();
         let shift: Vec<u32> = estimates.iter().map(|e| e.shift).filter(|_| shape.wide).collect();
@@ -154,7 +155,9 @@ impl Tones {
             words.phase.push(tone.phase);
             words.phase_spread.push(tone.phase_spread);
             if shape.amplitudes {
-                for (to, word) in words.amplitude.iter_mut().zip([tone.part[0], tone.part[1], mask(tone.rayleigh)]) {
+                for (to, word) in
+                    words.amplitude.iter_mut().zip([tone.part[0], tone.part[1], mask(tone.rayleigh)])
+                {
                     to.push(word);
                 }
             }

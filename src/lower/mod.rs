@@ -19,7 +19,7 @@ mod unit;
 mod weights;
 
 pub use estimate::{Estimate, Oracle};
-pub use refusal::{LowerError, Lost};
+pub use refusal::{Lost, LowerError};
 pub use weights::Rows;
 
 use crate::id::Id;
@@ -59,7 +59,10 @@ impl Lowered {
         };
         let n = point.inputs.gap_ticks as i32;
         let reach = |tick: i32| if tick > 0 { tick - n } else { 1 - tick };
-        let ticks = point.fills.iter().flat_map(|fill| fill.fit_ticks.iter().chain(fill.extrapolation_ticks.iter().flatten()));
+        let ticks = point
+            .fills
+            .iter()
+            .flat_map(|fill| fill.fit_ticks.iter().chain(fill.extrapolation_ticks.iter().flatten()));
         let sides = ticks.map(|&tick| reach(tick)).max().unwrap_or(1) as usize;
         let lsb_arcsec = unit::lsb(&physical)?;
         let fixed = Fixed::new(&physical, lsb_arcsec, sides);

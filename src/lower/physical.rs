@@ -188,7 +188,9 @@ impl Physical {
                 round_12(band.low_hz * inputs.tick_s),
                 round_12(band.high_hz * inputs.tick_s)
             )),
-            Some(Gaussian::Psd(psd)) => line(format_args!("psd={:?} tick_s={:.11e}", psd.points(), inputs.tick_s)),
+            Some(Gaussian::Psd(psd)) => {
+                line(format_args!("psd={:?} tick_s={:.11e}", psd.points(), inputs.tick_s))
+            }
             None => {}
         }
         if let Some(profile) = &self.profile {

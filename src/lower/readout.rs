@@ -53,11 +53,7 @@ fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64) -> Option<(f64, f64
     for &(tick, gap) in &parts {
         let of = if gap { fixed.gap_constant(n) } else { fixed.tick_constant(tick) };
         constant += of as f64 / libm::exp2(32.0);
-        let sigma = if gap {
-            f64::from(fixed.readout?.gap_sigma) / SIGMA_UNITS
-        } else {
-            fixed.sigma_lsb()
-        };
+        let sigma = if gap { f64::from(fixed.readout?.gap_sigma) / SIGMA_UNITS } else { fixed.sigma_lsb() };
         normal += sigma * sigma;
     }
     if fixed.profile.is_some() {
@@ -76,11 +72,10 @@ fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64) -> Option<(f64, f64
     }
     if let Some(factor) = &fixed.gaussian {
         for i in 0..factor.len() {
-            let word = |tick: i32| factor[gaussian_place(tick, n)].get(i).map_or(0.0, |&word| f64::from(word));
-            let angle: f64 = parts
-                .iter()
-                .map(|&(tick, gap)| if gap { (1..=n).map(word).sum() } else { word(tick) })
-                .sum();
+            let word =
+                |tick: i32| factor[gaussian_place(tick, n)].get(i).map_or(0.0, |&word| f64::from(word));
+            let angle: f64 =
+                parts.iter().map(|&(tick, gap)| if gap { (1..=n).map(word).sum() } else { word(tick) }).sum();
             normal += angle * angle / (SIGMA_UNITS * SIGMA_UNITS);
         }
     }

@@ -40,7 +40,7 @@ pub enum LowerError {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Lost {
     /// The other quantities are so large that they take all 32 bits.
-    #[error("are lost beside {} ″ per tick of all that moves in 32-bit arithmetic", significant(*whole_arcsec, 6))]
+    #[error("are lost beside motion and noise of up to {} ″ per tick in 32-bit arithmetic", significant(*whole_arcsec, 6))]
     Beside { whole_arcsec: f64 },
     /// There is no finer unit.
     #[error("are too few units of 2^-24 ″, the finest unit of angle")]
@@ -74,7 +74,9 @@ impl LowerError {
             LowerError::TooLarge { .. } => {
                 "leave the filler out, move its ticks nearer to the gap, or shorten the gap"
             }
-            LowerError::ReadoutTooFine { .. } => "leave readout_lsb out: pulses as fine as this change nothing",
+            LowerError::ReadoutTooFine { .. } => {
+                "leave readout_lsb out: pulses as fine as this change nothing"
+            }
             LowerError::ProfileTooShort { .. } => "record for longer, or take a shorter tick or gap",
             LowerError::ProfileTooLong { .. } => "cut the record, or take a longer tick",
         }

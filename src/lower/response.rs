@@ -71,7 +71,8 @@ impl Fixed {
             sum.variance += part.variance;
             sum.bound += part.bound;
             sum.terms += part.terms;
-            let fixed = tone.part[1] == 0 && !tone.rayleigh && matches!(tone.motion, ToneMotion::Fixed { .. });
+            let fixed =
+                tone.part[1] == 0 && !tone.rayleigh && matches!(tone.motion, ToneMotion::Fixed { .. });
             sum.largest = sum.largest.filter(|_| fixed).map(|fixed_sum| fixed_sum + part.mean);
             swing += if tone.phase_spread != 0 { part.bound } else { 0.0 };
         }
@@ -109,7 +110,12 @@ impl FixedTone {
                 let [a, b] = [0, 1].map(|i| f.of(|t| tick(t, i), gap[i]));
                 let terms = [0, 1].map(|i| f.terms_of(|t| tick(t, i), gap[i])).iter().sum();
                 let e = self.fixed_phase(a, b);
-                self.parts([0.5 * (a * a + b * b), e, e * e], [libm::hypot(a, b), e.abs()], a.abs() + b.abs(), terms)
+                self.parts(
+                    [0.5 * (a * a + b * b), e, e * e],
+                    [libm::hypot(a, b), e.abs()],
+                    a.abs() + b.abs(),
+                    terms,
+                )
             }
             ToneMotion::Drawn { low, width, .. } => {
                 let ends = [f64::from(low), f64::from(low) + f64::from(width)];

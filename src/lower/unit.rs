@@ -2,7 +2,7 @@
 
 use super::fixed::Fixed;
 use super::physical::Physical;
-use super::refusal::{LowerError, Lost};
+use super::refusal::{Lost, LowerError};
 use super::response::Functional;
 use crate::kernel::moments::LIMIT;
 use crate::kernel::normal::REACH;

@@ -20,6 +20,8 @@ const TEXT: &str = "a text in quotes";
 const QUANTITY: &str = "a number with its unit, in quotes";
 const NUMBER: &str = "a whole number";
 const END: &str = "a value of the key that is swept";
+const DRAWN_AMPLITUDE: &str = "a number with its unit, in quotes, or a table of uniform or rayleigh";
+const DRAWN_FREQUENCY: &str = "a number with its unit, in quotes, or a list of two";
 const SPACING: &str = "a table of from, to and points";
 
 /// Every key of a study file.
@@ -29,6 +31,9 @@ static KEYS: &[Expected] = &[
     entry("kind", TEXT, "kind = \"gap-fill\""),
     entry("seed", NUMBER, "seed = 1"),
     entry("trials", NUMBER, "trials = 1_000_000"),
+    entry("precision", "a part in percent in quotes, or a table of rms and q9973", "precision = \"0.5 %\""),
+    entry("precision.rms", "a part in percent in quotes", "rms = \"0.5 %\""),
+    entry("precision.q9973", "a part in percent in quotes", "q9973 = \"2 %\""),
     entry("streams", TEXT, "streams = \"independent\""),
     entry("gyro", "a table", "[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"0.53 arcsec\" }"),
     entry("gyro.tick", QUANTITY, "tick = \"5 ms\""),
@@ -40,15 +45,58 @@ static KEYS: &[Expected] = &[
     entry("gyro.tick_noise.std", QUANTITY, "std = \"0.53 arcsec\""),
     entry("gyro.tick_noise.three_sigma", QUANTITY, "three_sigma = \"1.6 arcsec\""),
     entry("gyro.tick_noise.angle_random_walk", QUANTITY, "angle_random_walk = \"0.003 deg/sqrt(h)\""),
+    entry("gyro.readout_lsb", QUANTITY, "readout_lsb = \"3.2 arcsec\""),
+    entry("gyro.relock", "a list in brackets", "relock = [\"20.3 arcsec\", \"14.8 arcsec\"]"),
     entry("motion", "a table", "[motion]\namplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\""),
-    entry("motion.amplitude", QUANTITY, "amplitude = \"12000 arcsec/s\""),
-    entry("motion.frequency", QUANTITY, "frequency = \"20 Hz\""),
+    entry("motion.amplitude", DRAWN_AMPLITUDE, "amplitude = \"12000 arcsec/s\""),
+    entry("motion.amplitude.uniform", "a list of two ends", "uniform = [\"8000 arcsec/s\", \"12000 arcsec/s\"]"),
+    entry("motion.amplitude.rayleigh", QUANTITY, "rayleigh = \"8000 arcsec/s\""),
+    entry("motion.frequency", DRAWN_FREQUENCY, "frequency = \"20 Hz\""),
     entry("motion.phase", TEXT, "phase = \"uniform\""),
+    entry(
+        "motion.tones",
+        "a list of tables in brackets",
+        "tones = [{ amplitude = \"12000 arcsec/s\", frequency = \"20 Hz\" }]",
+    ),
+    entry("motion.tones.amplitude", DRAWN_AMPLITUDE, "amplitude = \"12000 arcsec/s\""),
+    entry("motion.tones.amplitude.uniform", "a list of two ends", "uniform = [\"8000 arcsec/s\", \"12000 arcsec/s\"]"),
+    entry("motion.tones.amplitude.rayleigh", QUANTITY, "rayleigh = \"8000 arcsec/s\""),
+    entry("motion.tones.frequency", DRAWN_FREQUENCY, "frequency = \"20 Hz\""),
+    entry("motion.tones.phase", TEXT, "phase = \"uniform\""),
+    entry(
+        "motion.gaussian",
+        "a table of rms and band, or of psd",
+        "gaussian = { rms = \"8485 arcsec/s\", band = [\"18 Hz\", \"22 Hz\"] }",
+    ),
+    entry("motion.gaussian.rms", QUANTITY, "rms = \"8485 arcsec/s\""),
+    entry("motion.gaussian.band", "a list of two ends", "band = [\"18 Hz\", \"22 Hz\"]"),
+    entry(
+        "motion.gaussian.psd",
+        "a list of pairs, frequency and density",
+        "psd = [[\"1 Hz\", \"10 (deg/s)^2/Hz\"], [\"50 Hz\", \"0.1 (deg/s)^2/Hz\"]]",
+    ),
+    entry("motion.profile", "a table of file and position", "profile = { file = \"base.csv\" }"),
+    entry("motion.profile.file", TEXT, "file = \"base.csv\""),
+    entry("motion.profile.position", TEXT, "position = \"random\""),
+    entry("motion.rate", QUANTITY, "rate = \"10 deg/s\""),
+    entry("motion.acceleration", QUANTITY, "acceleration = \"100 deg/s^2\""),
     entry("switching", "a table", "[switching]\ngap_ticks = 3\nfillers = [\"const\", \"quadratic\"]"),
     entry("switching.gap_ticks", NUMBER, "gap_ticks = 3"),
     entry("switching.fit_ticks", "a list in brackets", "fit_ticks = [-1, 0, \"n+1\", \"n+2\"]"),
     entry("switching.extrapolation_ticks", "a list in brackets", "extrapolation_ticks = [-3, -2, -1, 0]"),
     entry("switching.fillers", "a list in brackets", "fillers = [\"const\", \"linear\", \"quadratic\"]"),
+    entry("switching.fillers.kind", TEXT, "kind = \"minimum-variance\""),
+    entry("switching.fillers.name", TEXT, "name = \"mv8+2\""),
+    entry("switching.fillers.fit_ticks", "a list in brackets", "fit_ticks = [\"-7..0\", \"n+1\", \"n+2\"]"),
+    entry("switching.fillers.extrapolation_ticks", "a list in brackets", "extrapolation_ticks = [\"-7..0\"]"),
+    entry("switching.fillers.band", "a list of two ends", "band = [\"18 Hz\", \"22 Hz\"]"),
+    entry("switching.fillers.weights", "a list in brackets", "weights = [-1, \"5/2\", \"5/2\", -1]"),
+    entry(
+        "switching.fillers.extrapolation_weights",
+        "a list in brackets",
+        "extrapolation_weights = [\"3/4\", \"3/4\", \"3/4\", \"3/4\"]",
+    ),
+    entry("switching.errors", "a list in brackets", "errors = [\"residual\", \"extrapolation\", \"in-gap\"]"),
     entry(
         "sweep",
         "a table [[sweep]], or several",

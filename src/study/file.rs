@@ -14,8 +14,8 @@ pub(super) mod motion;
 pub(super) mod switching;
 
 pub(super) use either::Either;
-pub use motion::{Phase, Position};
 use motion::MotionTable;
+pub use motion::{Phase, Position};
 pub use switching::Error;
 use switching::SwitchingTable;
 

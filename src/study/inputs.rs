@@ -102,6 +102,9 @@ mod tests {
         assert!((inputs.dt_nu().unwrap() - 0.2).abs() < 1e-15);
         inputs.tick_noise = TickNoise::from_three_sigma(1.6);
         inputs.motion = Motion::of_tone(Tone::of_rate(12000.0, 20.0));
-        assert_eq!((inputs.sigma_arcsec(), inputs.motion.single_tone()), (0.533_333_333_333, Some((12000.0, 20.0))));
+        assert_eq!(
+            (inputs.sigma_arcsec(), inputs.motion.single_tone()),
+            (0.533_333_333_333, Some((12000.0, 20.0)))
+        );
     }
 }

@@ -80,9 +80,7 @@ pub(super) static AMPLITUDE: Key = Key {
     label: "Vibration amplitude",
     accepts: &[Dimension::Rate, Dimension::Angle],
     limits: (0.0, 1e9, "0 to 1e9 arcsec/s, or an angle of 0 to 1e9 arcsec"),
-    applies: |inputs| {
-        matches!(inputs.motion.tones[..], [tone] if matches!(tone.amplitude.value, Value::Fixed(_)))
-    },
+    applies: |inputs| matches!(inputs.motion.tones[..], [tone] if matches!(tone.amplitude.value, Value::Fixed(_))),
     set: |inputs, amplitude| {
         if let [tone] = &mut inputs.motion.tones[..] {
             tone.amplitude.value = Value::Fixed(amplitude.value);
@@ -96,9 +94,7 @@ pub(super) static FREQUENCY: Key = Key {
     label: "Vibration frequency",
     accepts: &[Dimension::Frequency],
     limits: (1e-9, 1e7, "1e-9 Hz to 1e7 Hz, and at most 10 times the tick rate"),
-    applies: |inputs| {
-        matches!(inputs.motion.tones[..], [tone] if matches!(tone.frequency, Frequency::Fixed(_)))
-    },
+    applies: |inputs| matches!(inputs.motion.tones[..], [tone] if matches!(tone.frequency, Frequency::Fixed(_))),
     set: |inputs, frequency| {
         if let [tone] = &mut inputs.motion.tones[..] {
             tone.frequency = Frequency::Fixed(frequency.value);

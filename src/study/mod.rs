@@ -53,8 +53,8 @@ pub use motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 pub use point::Point;
 pub use precision::Precision;
 pub use sweep::Sweep;
-pub(crate) use units::{parse_unit, round_12};
 pub use units::{Dimension, Quantity, UnitError, parse as parse_quantity};
+pub(crate) use units::{parse_unit, round_12};
 
 use diagnose::Wrong;
 use file::{StudyFile, TickNoiseTable};
@@ -225,7 +225,8 @@ impl Study {
         if let (Some(written), Some(Profile { position: Position::Every, .. })) =
             (&file.precision, &inputs.motion.profile)
         {
-            let message = "precision stands beside position = \"every\", which is exact in whole replays only";
+            let message =
+                "precision stands beside position = \"every\", which is exact in whole replays only";
             let help = "leave precision out, or take position = \"random\"";
             return Err(Fault::new(written.span(), message, "cannot stop early", help).into());
         }
@@ -321,7 +322,12 @@ fn read_relock(list: Option<&Spanned<Vec<Spanned<Scalar>>>>) -> Result<Vec<f64>,
     let Some(list) = list else { return Ok(vec![]) };
     if list.get_ref().len() > MAX_SIDE {
         let message = format!("gyro.relock lists {} ticks", list.get_ref().len());
-        return Err(Fault::new(list.span(), message, "too many", format!("accepted: up to {MAX_SIDE} ticks")));
+        return Err(Fault::new(
+            list.span(),
+            message,
+            "too many",
+            format!("accepted: up to {MAX_SIDE} ticks"),
+        ));
     }
     let angle = |item: &Spanned<Scalar>| {
         let quantity = scalar::quantity("gyro.relock", item, &[Dimension::Angle])?;

@@ -84,7 +84,8 @@ impl Motion {
     /// and nothing random beside it.
     pub fn single_tone(&self) -> Option<(f64, f64)> {
         let [tone] = self.tones[..] else { return None };
-        let (Value::Fixed(amplitude), Frequency::Fixed(frequency_hz)) = (tone.amplitude.value, tone.frequency)
+        let (Value::Fixed(amplitude), Frequency::Fixed(frequency_hz)) =
+            (tone.amplitude.value, tone.frequency)
         else {
             return None;
         };

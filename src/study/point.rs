@@ -64,7 +64,8 @@ impl Base<'_> {
         }
         swept.reverse();
         self.check(&inputs)?;
-        let fills = self.fillers.iter().map(|written| self.fill(written, &inputs)).collect::<Result<_, _>>()?;
+        let fills =
+            self.fillers.iter().map(|written| self.fill(written, &inputs)).collect::<Result<_, _>>()?;
         Ok(Point { index, swept, inputs, fills })
     }
 
@@ -91,14 +92,21 @@ impl Base<'_> {
         let rate = inputs.motion.rate.abs();
         let turned = inputs.motion.acceleration.abs() * inputs.tick_s * 64.0;
         if turned > MOST_RATE {
-            let message = format!("motion.acceleration changes the rate by {turned:.3e} arcsec/s in 64 ticks");
+            let message =
+                format!("motion.acceleration changes the rate by {turned:.3e} arcsec/s in 64 ticks");
             return refuse(&["motion.acceleration", "gyro.tick"], message, "too large", "up to 1e9 arcsec/s");
         }
         debug_assert!(rate <= MOST_RATE, "a key's limit");
         let sigma = inputs.sigma_arcsec();
         if sigma > MOST_SIGMA {
-            let message = format!("gyro.tick_noise comes to {sigma:.3e} arcsec per tick of {} s", inputs.tick_s);
-            return refuse(&[NOISE_RANDOM_WALK.name, "gyro.tick"], message, "too large", "0 to 1e6 arcsec per tick");
+            let message =
+                format!("gyro.tick_noise comes to {sigma:.3e} arcsec per tick of {} s", inputs.tick_s);
+            return refuse(
+                &[NOISE_RANDOM_WALK.name, "gyro.tick"],
+                message,
+                "too large",
+                "0 to 1e6 arcsec per tick",
+            );
         }
         Ok(())
     }
@@ -127,7 +135,9 @@ impl Base<'_> {
         }
         let drawn = inputs.motion.tones.iter().any(|tone| matches!(tone.frequency, Frequency::Band(_)));
         if drawn && highest * tick_s > 0.5 {
-            let message = format!("a tone of {highest} Hz beside one of drawn frequency is above the Nyquist frequency");
+            let message = format!(
+                "a tone of {highest} Hz beside one of drawn frequency is above the Nyquist frequency"
+            );
             let accepted = format!("up to {} Hz here", significant(0.5 / tick_s, 6));
             return refuse(&names, message, "too fast for the ticks", &accepted);
         }
@@ -160,7 +170,9 @@ impl Base<'_> {
         let fit_ticks = fit.resolve(n)?;
         let (list, extrapolation_ticks) = match extrapolation {
             Extrapolation::None => (None, None),
-            Extrapolation::Common => (Some(&self.extrapolation_ticks), Some(self.extrapolation_ticks.resolve(n)?)),
+            Extrapolation::Common => {
+                (Some(&self.extrapolation_ticks), Some(self.extrapolation_ticks.resolve(n)?))
+            }
             Extrapolation::Own(list) => (Some(list), Some(list.resolve(n)?)),
             Extrapolation::OfFit => {
                 let before: Vec<i32> = fit_ticks.iter().copied().filter(|tick| *tick <= 0).collect();
@@ -216,7 +228,12 @@ fn check_weights(
     let at = format!("(at gap_ticks = {n})");
     if weights.len() != ticks.len() {
         let message = format!("{} {key} stand for {} ticks {ticks:?} {at}", weights.len(), ticks.len());
-        return Err(Fault::new(span.clone(), message, "not one for each tick", "write a weight for each tick"));
+        return Err(Fault::new(
+            span.clone(),
+            message,
+            "not one for each tick",
+            "write a weight for each tick",
+        ));
     }
     let sum: f64 = weights.iter().sum();
     if (sum - f64::from(n)).abs() > SUM_TOLERANCE {

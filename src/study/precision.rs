@@ -14,8 +14,7 @@ pub struct Precision {
     pub q9973: Option<f64>,
 }
 
-const HELP: &str =
-    "accepted: a part in percent such as \"0.5 %\", of the rms; or { rms = \"0.5 %\", q9973 = \"2 %\" }, one or both";
+const HELP: &str = "accepted: a part in percent such as \"0.5 %\", of the rms; or { rms = \"0.5 %\", q9973 = \"2 %\" }, one or both";
 
 /// A bare part is that of the rms.
 pub(super) fn read(written: &Spanned<Either<PrecisionTable>>) -> Result<Precision, Fault> {
@@ -36,15 +35,18 @@ pub(super) fn read(written: &Spanned<Either<PrecisionTable>>) -> Result<Precisio
 
 fn percent(name: &str, given: &Spanned<Scalar>) -> Result<f64, Fault> {
     let part = match given.get_ref() {
-        Scalar::Text(text) => text.trim().strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok()),
+        Scalar::Text(text) => {
+            text.trim().strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok())
+        }
         _ => None,
     };
     let refuse = |message: String, label| Err(Fault::new(given.span(), message, label, HELP));
     match part {
         None => refuse(format!("{name}: {} is no part in percent", given.get_ref()), "not a part in percent"),
-        Some(part) if !(1e-4..=50.0).contains(&part) => {
-            refuse(format!("{name} = {part} % is out of range, it must lie within 0.0001 % … 50 %"), "out of range")
-        }
+        Some(part) if !(1e-4..=50.0).contains(&part) => refuse(
+            format!("{name} = {part} % is out of range, it must lie within 0.0001 % … 50 %"),
+            "out of range",
+        ),
         Some(part) => Ok(part / 100.0),
     }
 }

@@ -98,11 +98,17 @@ fn of_table(table: &FillerTable, entry: &Spanned<Entry>) -> Result<Written, Faul
                 let help = "add for example weights = [-1, \"5/2\", \"5/2\", -1]";
                 return Err(Fault::new(entry.span(), message, "no weights", help));
             };
-            let numbers = |list: &Spanned<Vec<_>>| list.get_ref().iter().map(weight).collect::<Result<_, _>>();
+            let numbers =
+                |list: &Spanned<Vec<_>>| list.get_ref().iter().map(weight).collect::<Result<_, _>>();
             let extrapolation = table.extrapolation_weights.as_ref().map(numbers).transpose()?;
             if let (None, Some(ticks)) = (&extrapolation, extrapolation_ticks) {
                 let message = "extrapolation_ticks stand without extrapolation_weights";
-                return Err(Fault::new(ticks.span(), message, "ticks without weights", "add them, or leave it out"));
+                return Err(Fault::new(
+                    ticks.span(),
+                    message,
+                    "ticks without weights",
+                    "add them, or leave it out",
+                ));
             }
             Method::Weights { residual: numbers(weights)?, extrapolation }
         }
@@ -119,7 +125,12 @@ fn of_table(table: &FillerTable, entry: &Spanned<Entry>) -> Result<Written, Faul
             let text = name.get_ref().trim();
             if text.is_empty() || text.chars().any(char::is_control) {
                 let message = "the name of a filler is a text on one line";
-                return Err(Fault::new(name.span(), message, "no name", "write for example name = \"mv8+2\""));
+                return Err(Fault::new(
+                    name.span(),
+                    message,
+                    "no name",
+                    "write for example name = \"mv8+2\"",
+                ));
             }
             text.to_owned()
         }

@@ -38,9 +38,13 @@ pub(super) fn read(
         places.add("motion.profile", profile.span());
         if !motion.tones.is_empty() || motion.gaussian.is_some() {
             let message = "motion.profile stands beside tones or gaussian, a record is the whole vibration";
-            return Err(
-                Fault::new(profile.span(), message, "besides another motion", "leave one of them out").into()
-            );
+            return Err(Fault::new(
+                profile.span(),
+                message,
+                "besides another motion",
+                "leave one of them out",
+            )
+            .into());
         }
         motion.profile = Some(read_profile(profile, folder)?);
     }
@@ -134,10 +138,20 @@ fn read_tone(
     let amplitude_ = read_amplitude(&name("amplitude"), amplitude)?;
     let fixed = phase.filter(|phase| *phase.get_ref() != Phase::Uniform);
     if let (Value::Rayleigh(_), Some(phase)) = (amplitude_.value, fixed) {
-        let message = "a Rayleigh-distributed amplitude goes with a random phase: it is narrow-band Gaussian motion";
-        return Err(Fault::new(phase.span(), message, "a fixed phase", "leave the phase out, or draw the amplitude uniformly"));
+        let message =
+            "a Rayleigh-distributed amplitude goes with a random phase: it is narrow-band Gaussian motion";
+        return Err(Fault::new(
+            phase.span(),
+            message,
+            "a fixed phase",
+            "leave the phase out, or draw the amplitude uniformly",
+        ));
     }
-    Ok(Tone { amplitude: amplitude_, frequency, phase: phase.map_or(Phase::Uniform, |phase| *phase.get_ref()) })
+    Ok(Tone {
+        amplitude: amplitude_,
+        frequency,
+        phase: phase.map_or(Phase::Uniform, |phase| *phase.get_ref()),
+    })
 }
 
 fn read_amplitude(name: &str, written: &Spanned<Either<AmplitudeTable>>) -> Result<Amplitude, Fault> {
@@ -151,7 +165,12 @@ fn read_amplitude(name: &str, written: &Spanned<Either<AmplitudeTable>>) -> Resu
             let [low, high] = pair(name, &AMPLITUDE, ends.get_ref(), ends.span())?;
             if of(low) != of(high) {
                 let message = format!("{name} mixes a rate and an angle");
-                return Err(Fault::new(ends.span(), message, "two kinds", "write both as rates, or both as angles"));
+                return Err(Fault::new(
+                    ends.span(),
+                    message,
+                    "two kinds",
+                    "write both as rates, or both as angles",
+                ));
             }
             Ok(Amplitude { of_angle: of(low), value: Value::Uniform([low.value, high.value]) })
         }
@@ -228,7 +247,12 @@ fn read_psd(rows: &[Spanned<Ends>], span: std::ops::Range<usize>) -> Result<Psd,
         }
         if points.last().is_some_and(|last| last[0] >= nu.value) {
             let message = format!("motion.gaussian.psd does not rise at {nu}");
-            return Err(Fault::new(frequency.span(), message, "not above the one before", "sort the rows by frequency"));
+            return Err(Fault::new(
+                frequency.span(),
+                message,
+                "not above the one before",
+                "sort the rows by frequency",
+            ));
         }
         points.push([nu.value, value.value]);
     }
@@ -237,7 +261,8 @@ fn read_psd(rows: &[Spanned<Ends>], span: std::ops::Range<usize>) -> Result<Psd,
         return Err(Fault::new(span, message, "too few", "give two rows or more: the ends of a line each"));
     }
     // What its own checks would find has been refused with its place.
-    Psd::new(points).map_err(|error| Fault::new(span, error.to_string(), "no spectrum", "sort the rows by frequency"))
+    Psd::new(points)
+        .map_err(|error| Fault::new(span, error.to_string(), "no spectrum", "sort the rows by frequency"))
 }
 
 fn read_profile(written: &Spanned<ProfileTable>, folder: &Path) -> Result<Profile, RecordError> {

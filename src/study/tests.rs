@@ -55,11 +55,15 @@ fn the_shipped_study_has_72_points_in_the_order_of_its_sweeps() {
     let study = parsed(SHIPPED);
     assert_eq!((study.points().len(), study.seed, study.trials), (72, 1, 1_000_000));
     let [first, second, .., last] = study.points() else { panic!("fewer than three points") };
-    assert_eq!((first.inputs.frequency_hz, first.inputs.gap_ticks), (2.0, 1));
-    assert_eq!((second.inputs.frequency_hz, second.inputs.gap_ticks), (2.0, 2));
-    assert_eq!((last.inputs.frequency_hz, last.inputs.gap_ticks, last.index), (40.0, 3, 71));
-    assert_eq!(last.fit_ticks, [-1, 0, 4, 5]);
-    assert_eq!(last.extrapolation_ticks, [-3, -2, -1, 0]);
+    let frequency = |point: &Point| point.inputs.motion.single_tone().unwrap().1;
+    assert_eq!((frequency(first), first.inputs.gap_ticks), (2.0, 1));
+    assert_eq!((frequency(second), second.inputs.gap_ticks), (2.0, 2));
+    assert_eq!((frequency(last), last.inputs.gap_ticks, last.index), (40.0, 3, 71));
+    assert_eq!(last.fills.len(), 3);
+    for fill in &last.fills {
+        assert_eq!(fill.fit_ticks, [-1, 0, 4, 5]);
+        assert_eq!(fill.extrapolation_ticks, Some(vec![-3, -2, -1, 0]));
+    }
     assert_eq!(last.inputs.tick_noise, TickNoise::Std(0.533_333_333_333));
     assert_eq!(second.swept[0].0, "motion.frequency");
     assert_eq!(
@@ -98,7 +102,7 @@ fn sweeps_give_values_of_twelve_digits_with_exact_ends() {
 #[test]
 fn a_swept_angle_becomes_a_rate_at_each_point() {
     let study = parsed(&with("[[sweep]]\nkey = \"motion.amplitude\"\nlist = [\"1 arcsec\", \"2 arcsec\"]\n"));
-    assert_eq!(study.points()[1].inputs.amplitude, Amplitude::Angle(2.0));
+    assert_eq!(study.points()[1].inputs.motion, Motion::of_tone(Tone::of_angle(2.0, 20.0)));
     assert_eq!(study.sweeps[0].values[0].dimension.unit(), crate::table::Unit::ARCSEC);
 }
 
@@ -157,7 +161,7 @@ fn text_that_is_no_study_is_pointed_at() {
     refused(&replaced("[gyro]", "[giro]"), &["a.toml:3:", "unknown key `giro`", "did you mean `gyro`?"]);
     refused(
         &replaced("frequency = \"20 Hz\"\n", ""),
-        &["a.toml:6:1", "the key `motion.frequency` is missing"],
+        &["a.toml:7:13", "motion.frequency is missing", "frequency = \"20 Hz\""],
     );
     refused(&replaced("title = \"A study\"\n", ""), &["a.toml:1:1", "the key `title` is missing"]);
     refused("", &["the key `title` is missing"]);

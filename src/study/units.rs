@@ -77,9 +77,7 @@ impl Dimension {
                 ("deg/sqrt(h), deg/√h, arcsec/sqrt(s), deg/h/sqrt(Hz)", "\"0.003 deg/sqrt(h)\"")
             }
             Dimension::AngularAcceleration => ("arcsec/s^2, deg/s^2, rad/s^2", "\"100 deg/s^2\""),
-            Dimension::RateDensity => {
-                ("(arcsec/s)^2/Hz, (deg/s)^2/Hz, (rad/s)^2/Hz", "\"0.1 (deg/s)^2/Hz\"")
-            }
+            Dimension::RateDensity => ("(arcsec/s)^2/Hz, (deg/s)^2/Hz, (rad/s)^2/Hz", "\"0.1 (deg/s)^2/Hz\""),
         }
     }
 

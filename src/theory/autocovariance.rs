@@ -50,7 +50,7 @@ mod tests {
         let ticks = [5.0, -1.0, 0.5, -2.0, 0.25, -1.5, 1.0, -3.0, 5.0];
         let covariance = autocovariance(&ticks, 9);
         assert!(9.0 * covariance[8] > covariance[0], "{covariance:?}");
-        let weights = minimum_variance_weights(&[-3, -2, -1, 0, 4, 5], 3, &covariance, 0.0);
+        let weights = minimum_variance_weights(&[-3, -2, -1, 0, 4, 5], 3, &covariance, &[]);
         assert!(weights.is_some(), "{covariance:?}");
     }
 }

@@ -215,7 +215,8 @@ mod tests {
     fn weights_in_fixed_point_keep_their_sum_and_are_near() {
         let exact = polynomial_weights(&[-9, -8, -7, -3, 0, 6, 7, 11], 2, 5).unwrap();
         for bits in [8, 16, 24] {
-            let rounded = exact.fixed_point(bits);
+            let values: Vec<f64> = exact.values().collect();
+            let rounded = Weights::nearest(&exact.ticks, &values, 5, bits);
             assert_eq!(rounded.numerators.iter().sum::<i64>(), 5 << bits);
             for (w, near) in exact.values().zip(rounded.values()) {
                 assert!((w - near).abs() <= 1.5 / f64::from(1 << bits), "{bits} bits: {w}, {near}");

@@ -53,8 +53,7 @@ pub fn minimum_variance_weights(
     let between = |a: i32, b: i32| covariance[a.abs_diff(b) as usize];
     let of_noise = |a: i32, b: i32| noise.get(a.abs_diff(b) as usize).copied().unwrap_or(0.0);
     let count = ticks.len();
-    let factor =
-        definite(count, |i, j| between(ticks[i], ticks[j]) + of_noise(ticks[i], ticks[j]))?;
+    let factor = definite(count, |i, j| between(ticks[i], ticks[j]) + of_noise(ticks[i], ticks[j]))?;
     let gap = |&tick: &i32| (1..=gap_ticks as i32).map(|j| between(tick, j)).sum();
     let best = solve(&factor, ticks.iter().map(gap).collect());
     let ones = solve(&factor, vec![1.0; count]);
@@ -101,7 +100,7 @@ mod tests {
     fn design(band: Band, n: u32, name: &str) -> (Vec<f64>, f64) {
         let ticks = fit_ticks(name, n as i32);
         let covariance = band.covariance(RATE, TICK_S, 64);
-        let weights = minimum_variance_weights(&ticks, n, &covariance, SIGMA).unwrap();
+        let weights = minimum_variance_weights(&ticks, n, &covariance, &[SIGMA * SIGMA]).unwrap();
         let rms = libm::sqrt(error_variance(&ticks, &weights, n, &covariance, SIGMA));
         (weights, rms)
     }
@@ -178,8 +177,8 @@ mod tests {
     #[test]
     fn motion_without_noise_on_more_ticks_than_it_has_freedoms_is_singular() {
         let tone = Band { low_hz: 20.0, high_hz: 20.0 }.covariance(RATE, TICK_S, 64);
-        assert_eq!(minimum_variance_weights(&fit_ticks("4", 3), 3, &tone, 0.0), None);
-        assert!(minimum_variance_weights(&[0, 4], 3, &tone, 0.0).is_some());
-        assert_eq!(minimum_variance_weights(&[0, 4], 3, &[0.0; 64], 0.0), None);
+        assert_eq!(minimum_variance_weights(&fit_ticks("4", 3), 3, &tone, &[]), None);
+        assert!(minimum_variance_weights(&[0, 4], 3, &tone, &[]).is_some());
+        assert_eq!(minimum_variance_weights(&[0, 4], 3, &[0.0; 64], &[]), None);
     }
 }

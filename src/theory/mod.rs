@@ -5,5 +5,5 @@ pub mod cholesky;
 pub mod gap;
 pub mod minimum_variance;
 pub mod psd;
-pub mod quadrature;
 pub mod published;
+pub mod quadrature;

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use crate::kernel::launch::Launch;
-use crate::lower::Lowered;
+use crate::lower::{LowerError, Lowered};
 use crate::record::Record;
 use crate::study::{
-    Amplitude, Error, Fill, Filler, Frequency, Gaussian, Inputs, Method, Motion, Phase, Point, Position, Profile,
-    Streams, TickNoise, Tone, Value,
+    Amplitude, Error, Fill, Filler, Frequency, Gaussian, Inputs, Method, Motion, Phase, Point, Position,
+    Profile, Streams, TickNoise, Tone, Value,
 };
 use crate::theory::minimum_variance::Band;
 
@@ -49,16 +49,27 @@ impl Configuration {
         configuration
     }
 
-    /// Ready to be sampled.
-    pub fn lowered(&self) -> Lowered {
+    /// Its only point.
+    pub fn point(&self) -> Point {
         let fill = Fill {
             fit_ticks: self.fit_ticks.clone(),
             extrapolation_ticks: Some(self.extrapolation_ticks.clone()),
         };
         let fills = vec![fill; self.fillers.len()];
-        let point = Point { index: 0, swept: vec![], inputs: self.inputs.clone(), fills };
-        Lowered::new(&point, &self.fillers, &self.errors, 1, Streams::Independent)
-            .unwrap_or_else(|error| panic!("{} does not lower: {error}", self.name))
+        Point { index: 0, swept: vec![], inputs: self.inputs.clone(), fills }
+    }
+
+    /// Ready to be sampled.
+    ///
+    /// # Errors
+    /// It cannot be represented.
+    pub fn lower(&self) -> Result<Lowered, LowerError> {
+        Lowered::new(&self.point(), &self.fillers, &self.errors, 1, Streams::Independent)
+    }
+
+    /// The same for one that is known to fit.
+    pub fn lowered(&self) -> Lowered {
+        self.lower().unwrap_or_else(|error| panic!("{} does not lower: {error}", self.name))
     }
 
     /// The launches that sample it.

@@ -135,7 +135,17 @@ impl Gpu {
         );
         let pipelines = HashMap::new();
         let name = adapter.name();
-        Ok(Gpu { name, device, queue, variant, normal_table, table: None, pipelines, failure, tile: FIRST_TILE })
+        Ok(Gpu {
+            name,
+            device,
+            queue,
+            variant,
+            normal_table,
+            table: None,
+            pipelines,
+            failure,
+            tile: FIRST_TILE,
+        })
     }
 
     /// The name of its adapter.

@@ -48,10 +48,8 @@ pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
     let staged = STAGED_WORDS * variant.workgroup as usize;
     let shared_words = estimates * if histogram { BINS.max(staged) } else { staged };
     let words = launch::word_count(shape);
-    let (residuals, extrapolations) = (
-        if shape.residual { shape.fillers } else { 0 },
-        if shape.extrapolation { shape.fillers } else { 0 },
-    );
+    let (residuals, extrapolations) =
+        (if shape.residual { shape.fillers } else { 0 }, if shape.extrapolation { shape.fillers } else { 0 });
     let constants = [
         ("BEFORE", shape.before),
         ("AFTER", shape.after),

@@ -24,7 +24,8 @@ pub(in crate::study) struct MotionTable {
     #[serde(default)]
     #[schemars(with = "Either<Vec<String>>", extend("examples" = ["20 Hz"]))]
     pub(in crate::study) frequency: Option<Spanned<Either<Ends>>>,
-    #[serde(default)]
+    // Else the schema would give null, which TOML does not have, as the default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Phase")]
     pub(in crate::study) phase: Option<Spanned<Phase>>,
     /// Several tones of independent phases, at most 8, instead of one.
@@ -59,7 +60,7 @@ pub(in crate::study) struct ToneTable {
     /// As motion.frequency.
     #[schemars(with = "Either<Vec<String>>")]
     pub(in crate::study) frequency: Spanned<Either<Ends>>,
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Phase")]
     pub(in crate::study) phase: Option<Spanned<Phase>>,
 }

@@ -39,7 +39,8 @@ pub(in crate::study) struct FillerTable {
     #[schemars(with = "FillerKind")]
     pub(in crate::study) kind: Spanned<FillerKind>,
     /// In tables and charts; the kind if absent.
-    #[serde(default)]
+    // Else the schema would give null, which TOML does not have, as the default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "String")]
     pub(in crate::study) name: Option<Spanned<String>>,
     /// Ticks that the residual is fitted to; switching.fit_ticks if absent.

@@ -1,0 +1,145 @@
+//! The table of a gap-fill study: a row for each point, filler and error.
+
+use super::{NORMAL_95, Plan};
+use crate::lower::Estimate;
+use crate::stats::{Estimates, z_score};
+use crate::store::{Store, StoreError};
+use crate::study::{Filler, Point, Study};
+use crate::table::{Cell, Column, Table, Unit};
+
+impl Plan<'_> {
+    /// The table before anything is sampled: all rows, without estimates.
+    pub fn blank_table(&self) -> Table {
+        let mut columns = Columns::new(self.study);
+        self.rows(|point, filler, estimate| columns.push(point, &filler.name, estimate, 0, None));
+        self.with_laws(columns.table)
+    }
+
+    /// All estimates held, a row for each point, filler and error.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    pub fn table(&self, store: &Store) -> Result<Table, StoreError> {
+        let mut columns = Columns::new(self.study);
+        let mut failed = None;
+        self.rows(|point, filler, estimate| match store.total(&estimate.address) {
+            Ok(tally) => {
+                let found = Estimates::of(&tally, estimate.bin_base, estimate.unit_arcsec);
+                columns.push(point, &filler.name, estimate, tally.count, found);
+            }
+            Err(error) => drop(failed.get_or_insert(error)),
+        });
+        failed.map_or_else(|| Ok(self.with_laws(columns.table)), Err)
+    }
+
+    /// The table with a column for each law that a chart draws.
+    fn with_laws(&self, mut table: Table) -> Table {
+        for law in self.study.laws() {
+            let mut cells = vec![];
+            self.rows(|point, filler, estimate| {
+                cells.push(
+                    law.arcsec(&point.inputs, filler, estimate.error, estimate.rows.ticks.len()).into(),
+                );
+            });
+            let (name, label) = (law.column().to_owned(), law.label().to_owned());
+            table.columns.push(Column { name, label, unit: Unit::ARCSEC, cells, band: None });
+        }
+        table
+    }
+
+    /// Every point, filler and error, in the order of the table.
+    fn rows(&self, mut row: impl FnMut(&Point, &Filler, &Estimate)) {
+        for (point, lowered) in self.study.points().iter().zip(&self.points) {
+            for (filler, estimates) in self.study.fillers.iter().zip(&lowered.fillers) {
+                for estimate in estimates {
+                    row(point, filler, estimate);
+                }
+            }
+        }
+    }
+}
+
+/// The columns of a gap-fill table, row by row.
+struct Columns {
+    table: Table,
+}
+
+impl Columns {
+    fn new(study: &Study) -> Columns {
+        let column = |name: &str, label: &str, unit| Column {
+            name: name.to_owned(),
+            label: label.to_owned(),
+            unit,
+            cells: vec![],
+            band: None,
+        };
+        let banded =
+            |name: &str, label: &str| Column { band: Some(vec![]), ..column(name, label, Unit::ARCSEC) };
+        let mut columns: Vec<Column> = study
+            .sweeps
+            .iter()
+            .map(|sweep| {
+                let unit = sweep.values.first().map_or(Unit::NONE, |value| value.dimension.unit());
+                column(sweep.key.name, sweep.key.label, unit)
+            })
+            .collect();
+        columns.extend([
+            column("dt_nu", "Δt·ν", Unit::NONE),
+            column("filler", "filler", Unit::NONE),
+            column("error", "error", Unit::NONE),
+            column("trials", "trials", Unit::NONE),
+            column("mean", "mean error", Unit::ARCSEC),
+            banded("rms", "rms error"),
+            column("rms_se", "standard error of the rms", Unit::ARCSEC),
+            column("max", "largest error seen", Unit::ARCSEC),
+            banded("q9973", "99.73 % error"),
+            column("q9973_lo", "99.73 % error, lower", Unit::ARCSEC),
+            column("q9973_hi", "99.73 % error, upper", Unit::ARCSEC),
+            column("oracle_rms", "rms error, closed form", Unit::ARCSEC),
+            column("oracle_max", "largest error of the motion, closed form", Unit::ARCSEC),
+            column("z", "deviation from the closed form, standard errors", Unit::NONE),
+        ]);
+        Columns { table: Table { columns } }
+    }
+
+    fn push(
+        &mut self,
+        point: &Point,
+        filler: &str,
+        estimate: &Estimate,
+        trials: u64,
+        found: Option<Estimates>,
+    ) {
+        let q = found.and_then(|found| found.q9973);
+        let rms_se = found.and_then(|found| found.rms_se);
+        let z = found
+            .zip(rms_se)
+            .zip(estimate.oracle.rms)
+            .and_then(|((found, se), rms)| z_score(found.rms, rms, se, estimate.oracle.rounding));
+        let cells = point.swept.iter().map(|(_, value)| value.cell()).chain([
+            Cell::from(point.inputs.dt_nu()),
+            Cell::Text(filler.to_owned()),
+            Cell::Text(estimate.error.name().to_owned()),
+            Cell::Integer(trials as i64),
+            found.map(|found| found.mean).into(),
+            found.map(|found| found.rms).into(),
+            rms_se.into(),
+            found.map(|found| found.max).into(),
+            q.map(|q| q.value).into(),
+            q.and_then(|q| q.low).into(),
+            q.and_then(|q| q.high).into(),
+            estimate.oracle.rms.into(),
+            estimate.oracle.max.into(),
+            z.into(),
+        ]);
+        let rms_band =
+            found.zip(rms_se).map(|(found, se)| (found.rms - NORMAL_95 * se, found.rms + NORMAL_95 * se));
+        let q_band = q.and_then(|q| q.low.zip(q.high));
+        for (column, cell) in self.table.columns.iter_mut().zip(cells) {
+            column.cells.push(cell);
+            if let Some(band) = &mut column.band {
+                band.push(if column.name == "rms" { rms_band } else { q_band });
+            }
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! Weights of fillers, by Gram and Schmidt and by elimination.
+
+use super::{Gyro, band_covariance};
+
+/// How a filler weighs its ticks.
+#[derive(Debug, Clone)]
+pub enum Method {
+    Polynomial(i32),
+    /// Designed for a band of frequencies, or for the gyro's own motion.
+    MinimumVariance(Option<[f64; 2]>),
+    /// Of the residual and of the extrapolation.
+    Given(Vec<f64>, Vec<f64>),
+}
+
+#[derive(Debug, Clone)]
+pub struct Filler {
+    pub name: &'static str,
+    pub method: Method,
+    pub fit_ticks: Vec<i32>,
+    pub extrapolation_ticks: Vec<i32>,
+}
+
+impl Filler {
+    /// A polynomial on the default ticks.
+    pub fn polynomial(order: i32, n: i32) -> Filler {
+        Filler {
+            name: ["const", "linear", "quadratic"][order as usize],
+            method: Method::Polynomial(order),
+            fit_ticks: vec![-1, 0, n + 1, n + 2],
+            extrapolation_ticks: vec![-3, -2, -1, 0],
+        }
+    }
+
+    /// As in the list of fillers of a study.
+    pub fn toml(&self) -> String {
+        let kind = match &self.method {
+            Method::Polynomial(order) => ["const", "linear", "quadratic"][*order as usize],
+            Method::MinimumVariance(_) => "minimum-variance",
+            Method::Given(..) => "weights",
+        };
+        let more = match &self.method {
+            Method::Polynomial(_) | Method::MinimumVariance(None) => String::new(),
+            Method::MinimumVariance(Some([low, high])) => format!(", band = [\"{low} Hz\", \"{high} Hz\"]"),
+            Method::Given(residual, extrapolation) => {
+                format!(", weights = {residual:?}, extrapolation_weights = {extrapolation:?}")
+            }
+        };
+        let Filler { name, fit_ticks, extrapolation_ticks, .. } = self;
+        format!(
+            "{{ kind = \"{kind}\", name = \"{name}\", fit_ticks = {fit_ticks:?}, extrapolation_ticks = \
+             {extrapolation_ticks:?}{more} }}"
+        )
+    }
+
+    /// Weights of the residual or of the extrapolation over the first `length` ticks of the gap; `None` where the filler
+    /// has none.
+    pub fn weights(&self, gyro: &Gyro, residual: bool, length: i32) -> Option<Vec<f64>> {
+        let ticks = if residual { &self.fit_ticks } else { &self.extrapolation_ticks };
+        match &self.method {
+            Method::Polynomial(order) => Some(polynomial(ticks, *order, length)),
+            Method::MinimumVariance(band) => Some(minimum_variance(gyro, *band, ticks, length)),
+            Method::Given(own, other) => {
+                (length == gyro.n).then(|| if residual { own.clone() } else { other.clone() })
+            }
+        }
+    }
+}
+
+/// The least-squares polynomial by Gram and Schmidt on the ticks.
+pub fn polynomial(ticks: &[i32], order: i32, length: i32) -> Vec<f64> {
+    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let places: Vec<f64> = ticks.iter().copied().chain(1..=length).map(f64::from).collect();
+    let fitted = ticks.len();
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for power in 0..=order {
+        let mut own: Vec<f64> = places.iter().map(|x| x.powi(power)).collect();
+        for other in &basis {
+            let along = dot(&own[..fitted], &other[..fitted]);
+            own.iter_mut().zip(other).for_each(|(own, other)| *own -= along * other);
+        }
+        let length = dot(&own[..fitted], &own[..fitted]).sqrt();
+        own.iter_mut().for_each(|x| *x /= length);
+        basis.push(own);
+    }
+    (0..fitted).map(|k| basis.iter().map(|q| q[k] * q[fitted..].iter().sum::<f64>()).sum()).collect()
+}
+
+/// [K + noise, 1; 1ᵀ, 0] [w; λ] = [k; length] by elimination with pivots.
+fn minimum_variance(gyro: &Gyro, band: Option<[f64; 2]>, ticks: &[i32], length: i32) -> Vec<f64> {
+    let farthest = ticks.iter().chain(&[1, length]).copied();
+    let lags = (farthest.clone().max().unwrap() - farthest.min().unwrap()) as usize + 1;
+    let covariance: Vec<f64> = match band {
+        None => gyro.covariance(lags),
+        // As much motion as the gyro has: for tones of fixed rate amplitude the sum of their squares.
+        Some(band) => {
+            let square: f64 = gyro.tones.iter().map(|tone| tone.amplitude.mean_square()).sum();
+            (0..lags).map(|lag| square * band_covariance(band, lag as f64)).collect()
+        }
+    };
+    let noise = gyro.noise_covariance();
+    let between = |a: i32, b: i32| covariance[a.abs_diff(b) as usize];
+    let count = ticks.len();
+    let mut rows: Vec<Vec<f64>> = ticks
+        .iter()
+        .map(|&a| {
+            let of_noise = |b: i32| noise.get(a.abs_diff(b) as usize).unwrap_or(&0.0);
+            let gap: f64 = (1..=length).map(|j| between(a, j)).sum();
+            ticks.iter().map(|&b| between(a, b) + of_noise(b)).chain([1.0, gap]).collect()
+        })
+        .collect();
+    rows.push([vec![1.0; count], vec![0.0, f64::from(length)]].concat());
+    let mut solution = eliminated(rows);
+    solution.truncate(count);
+    solution
+}
+
+/// The solution of a system whose last column is its right side.
+fn eliminated(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
+    let count = rows.len();
+    for k in 0..count {
+        let pivot = (k..count).max_by(|&a, &b| rows[a][k].abs().total_cmp(&rows[b][k].abs())).unwrap();
+        rows.swap(k, pivot);
+        let pivot_row = rows[k].clone();
+        for row in &mut rows[k + 1..] {
+            let factor = row[k] / pivot_row[k];
+            row.iter_mut().zip(&pivot_row).for_each(|(x, above)| *x -= factor * above);
+        }
+    }
+    for k in (0..count).rev() {
+        let known: f64 = (k + 1..count).map(|j| rows[k][j] * rows[j][count]).sum();
+        rows[k][count] = (rows[k][count] - known) / rows[k][k];
+    }
+    rows.iter().map(|row| row[count]).collect()
+}
+
+/// Variance of Σ w P − Σ P over the first `length` ticks of the gap, for motion and noise, ″².
+pub fn error_variance(gyro: &Gyro, ticks: &[i32], weights: &[f64], length: i32) -> f64 {
+    let all: Vec<(i32, f64)> = ticks
+        .iter()
+        .copied()
+        .zip(weights.iter().copied())
+        .chain((1..=length).map(|tick| (tick, -1.0)))
+        .collect();
+    let farthest = all.iter().map(|(tick, _)| *tick);
+    let lags = (farthest.clone().max().unwrap() - farthest.min().unwrap()) as usize + 1;
+    let covariance = gyro.covariance(lags);
+    let motion: f64 = all
+        .iter()
+        .flat_map(|&(a, u)| all.iter().map(move |&(b, v)| (a, u, b, v)))
+        .map(|(a, u, b, v)| u * v * covariance[a.abs_diff(b) as usize])
+        .sum();
+    motion + gyro.sigma * gyro.sigma * weights.iter().map(|w| w * w).sum::<f64>()
+}
