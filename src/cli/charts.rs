@@ -34,8 +34,8 @@ pub fn draw(study: &Study, table: &Table, folder: &Path) -> Result<Vec<String>, 
 /// # Errors
 /// It cannot be drawn or written.
 pub fn write_pictures(folder: &Path, stem: &str, svg: &str) -> Result<(), Failure> {
-    let png = chart::png(svg, 2.0)
-        .map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
+    let png =
+        chart::png(svg, 2.0).map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
     write(&folder.join(format!("{stem}.svg")), svg.as_bytes())?;
     write(&folder.join(format!("{stem}.png")), &png)
 }

@@ -1,10 +1,11 @@
 //! `sagnac filler`.
 
+mod alone;
 mod choice;
 mod options;
 mod text;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use sagnac::firmware::Firmware;
 use serde_json::{Value, json};
@@ -14,32 +15,26 @@ use super::charts::write_pictures;
 use super::output::{print, print_json, write};
 pub use options::Options;
 
-/// Shows the weights of a study's fillers at one point, and writes what firmware needs.
+/// Shows the weights of fillers at one point, and writes what firmware needs.
 pub fn filler(options: &Options) -> Result<(), Failure> {
-    let study = options.study()?;
-    let point = choice::point(&study, &options.at)?;
+    let source = options.source()?;
+    let study = options.study(&source)?;
+    let failure = |error| options.failure(&source, error);
     let fillers = choice::fillers(&study, &options.fillers)?;
-    let firmware = Firmware::new(&study, point, &fillers)?;
-    let folder = folder(options);
+    let point = choice::point(&study, &options.at, &fillers)?;
+    let mut firmware = Firmware::new(&study, point, &fillers).map_err(failure)?;
+    if !options.has_tick(&source) {
+        firmware.tick_s = None;
+    }
+    let folder = options.folder(&source);
     write_all(&firmware, &folder, options.test_vectors)?;
     if options.json {
         return print_json(&to_json(&firmware));
-    }
-    let points = study.points().len();
-    if points > 1 {
-        let (number, place) = (point.index + 1, firmware.place());
-        eprintln!("point {number} of {points}: {place}; choose another with --at KEY=VALUE");
     }
     print(&text::of(&firmware))?;
     let vectors = if options.test_vectors.is_some() { ", test vectors" } else { "" };
     eprintln!("weights, response{vectors} and C header are in {}", folder.display());
     Ok(())
-}
-
-fn folder(options: &Options) -> PathBuf {
-    let stem = options.file.as_deref().and_then(Path::file_stem).unwrap_or_default();
-    let default = || Path::new("results").join(stem).join("filler");
-    options.out.clone().unwrap_or_else(default)
 }
 
 fn write_all(firmware: &Firmware, folder: &Path, test_vectors: Option<u32>) -> Result<(), Failure> {
@@ -76,6 +71,7 @@ fn to_json(firmware: &Firmware) -> Value {
                         "error": error.name(),
                         "ticks": rule.ticks,
                         "denominator": rule.denominator,
+                        "exact": rule.exact,
                         "by_tick": (rule.rows.len() == firmware.gap_ticks as usize).then_some(&rule.rows),
                         "numerators": whole.numerators,
                         "weights": whole.values().collect::<Vec<_>>(),
@@ -98,5 +94,6 @@ fn to_json(firmware: &Firmware) -> Value {
         "tick_s": firmware.tick_s,
         "gap_ticks": firmware.gap_ticks,
         "fillers": fillers,
+        "no_rms_because": firmware.unsampled,
     })
 }

@@ -13,8 +13,8 @@ pub struct Firmware {
     pub title: String,
     /// Name and value of each swept key.
     pub at: Vec<(&'static str, Quantity)>,
-    /// T, s.
-    pub tick_s: f64,
+    /// T, s. Where it is not known, times are in ticks and frequencies in cycles per tick.
+    pub tick_s: Option<f64>,
     /// n.
     pub gap_ticks: u32,
     /// Rate amplitude, ″/s, and frequency, Hz, where the motion is a single tone.
@@ -58,29 +58,17 @@ impl Firmware {
     /// # Errors
     /// Ticks do not determine the weights of a filler, or the weights need more than 32 bits.
     pub fn new(study: &Study, point: &Point, fillers: &[Filler]) -> Result<Firmware, StudyError> {
+        let rules = rules(study, point, fillers)?;
         let fill_of = |filler: &Filler| {
             let place = study.fillers.iter().position(|own| own.name == filler.name);
-            place.map(|place| (filler.clone(), point.fills[place].clone()))
+            place.map(|place| point.fills[place].clone())
         };
-        let (fillers, fills): (Vec<Filler>, Vec<Fill>) = fillers.iter().filter_map(fill_of).unzip();
+        let fills: Vec<Fill> = fillers.iter().filter_map(fill_of).collect();
         let point = Point { fills, ..point.clone() };
         let inputs = &point.inputs;
         let tone = inputs.motion.single_tone();
-        let rule = |filler: &Filler, error, ticks: &[i32]| {
-            let rows = match Rows::by_tick(filler, error, ticks, inputs) {
-                Ok(None) => Rows::of(filler, error, ticks, inputs),
-                by_tick => by_tick,
-            };
-            let rows = rows.map_err(|error| refused(study, &point, &error))?;
-            rows.map(|rows| Rule::new(&rows).ok_or_else(|| too_large(study, filler))).transpose()
-        };
         let mut designs = Vec::new();
-        for (filler, fill) in fillers.iter().zip(&point.fills) {
-            let ticks = fill.extrapolation_ticks.as_deref();
-            let extrapolation =
-                ticks.map(|ticks| rule(filler, Error::Extrapolation, ticks)).transpose()?.flatten();
-            // Every filler has weights for its residual.
-            let Some(interpolation) = rule(filler, Error::Residual, &fill.fit_ticks)? else { continue };
+        for (filler, (interpolation, extrapolation)) in fillers.iter().zip(rules) {
             let amplitude = |rule: &Rule| {
                 let (rate, frequency_hz) = tone?;
                 Some(rate * response(&rule.whole(), inputs.gap_ticks, inputs.tick_s, frequency_hz))
@@ -90,12 +78,12 @@ impl Firmware {
             let (name, method) = (filler.name.clone(), method(filler, inputs));
             designs.push(Design { name, method, interpolation, extrapolation, errors });
         }
-        let lowered = Lowered::new(&point, &fillers, &ERRORS, study.seed, study.streams);
+        let lowered = Lowered::new(&point, fillers, &ERRORS, study.seed, study.streams);
         let unsampled = add_rms(&mut designs, &lowered);
         Ok(Firmware {
             title: study.title.clone(),
             at: point.swept.clone(),
-            tick_s: inputs.tick_s,
+            tick_s: Some(inputs.tick_s),
             gap_ticks: inputs.gap_ticks,
             tone,
             designs,
@@ -121,6 +109,37 @@ impl Design {
         let second = self.extrapolation.as_ref().map(|rule| (Error::Extrapolation, rule, extrapolation));
         core::iter::once((Error::Residual, &self.interpolation, residual)).chain(second)
     }
+}
+
+/// The rules of fillers of a study at a point: for the residual, and for the extrapolation where there is one.
+///
+/// # Errors
+/// Those of [`Firmware::new`].
+pub fn rules(
+    study: &Study,
+    point: &Point,
+    fillers: &[Filler],
+) -> Result<Vec<(Rule, Option<Rule>)>, StudyError> {
+    let mut rules = Vec::new();
+    for filler in fillers {
+        let place = study.fillers.iter().position(|own| own.name == filler.name);
+        let Some(fill) = place.map(|place| &point.fills[place]) else { continue };
+        let rule = |error, ticks: &[i32]| {
+            let rows = match Rows::by_tick(filler, error, ticks, &point.inputs) {
+                Ok(None) => Rows::of(filler, error, ticks, &point.inputs),
+                by_tick => by_tick,
+            };
+            let rows = rows.map_err(|error| refused(study, point, &error))?;
+            rows.map(|rows| Rule::new(&rows).ok_or_else(|| too_large(study, filler))).transpose()
+        };
+        let ticks = fill.extrapolation_ticks.as_deref();
+        let extrapolation = ticks.map(|ticks| rule(Error::Extrapolation, ticks)).transpose()?.flatten();
+        // Every filler has weights for its residual.
+        rules.extend(
+            rule(Error::Residual, &fill.fit_ticks)?.map(|interpolation| (interpolation, extrapolation)),
+        );
+    }
+    Ok(rules)
 }
 
 /// Takes the rms of each error from the oracle; returns why there is none.
@@ -154,9 +173,12 @@ fn method(filler: &Filler, inputs: &Inputs) -> String {
         Method::Weights { .. } => return "weights as given".to_owned(),
         Method::MinimumVariance(band) => band,
     };
-    let spread = band.map_or_else(String::new, |band| {
-        format!(" from {} Hz to {} Hz", significant(band.low_hz, 6), significant(band.high_hz, 6))
-    });
+    let hz = |nu| significant(nu, 6);
+    let spread = match (band, inputs.motion.single_tone()) {
+        (Some(band), _) => format!(" from {} Hz to {} Hz", hz(band.low_hz), hz(band.high_hz)),
+        (None, Some((_, nu))) => format!(" at {} Hz", hz(nu)),
+        (None, None) => String::new(),
+    };
     let rate = significant(inputs.motion.rate_rms(inputs.tick_s), 6);
     let noise = significant(inputs.sigma_arcsec(), 6);
     format!("minimum variance for {rate} arcsec/s rms{spread} and {noise} arcsec rms of noise per tick")

@@ -18,8 +18,9 @@ const USE: &str = " * Use. P(k) is the whole number read at tick k, in any unit 
  *
  * Arithmetic. With S_j the sum of w * P over the rows 1 .. j and D the denominator,
  *   R_j = floor((S_j + floor(D / 2)) / D),  E_j or I_j = R_j - R_(j-1),  R_0 = 0:
- * the running sum is rounded, halves towards +infinity, so that rounding does not add up over the gap. No sum leaves
- * 64 bits while every |P| is at most `limit`.
+ * the running sum is rounded, halves towards +infinity, so that rounding does not add up over the gap. No sum or
+ * difference leaves 64 bits while every |P| is at most `limit`. A table is exact where it says so; else its weights are
+ * rounded to the nearest w / D with D a power of two, and their sum is kept: a constant rate is filled without error.
 ";
 
 const FUNCTIONS: &str = "\
@@ -84,11 +85,11 @@ impl Firmware {
         if !place.is_empty() {
             let _ = writeln!(text, " * Point: {}", comment(&place));
         }
+        let of = self.tick_s.map_or_else(String::new, |tick_s| format!(" of T = {tick_s} s"));
         let _ = writeln!(
             text,
-            " * Gap:   n = {n} lost ticks, 1 .. n, of T = {} s; tick j is the angle turned over ((j - 1) T, j T],\n *        \
-             and the switch starts at the end of tick 0\n *\n * Fillers:",
-            self.tick_s
+            " * Gap:   n = {n}: ticks 1 .. n{of} are lost; tick j is the angle turned over ((j - 1) T, j T], and the\n *        \
+             switch starts at the end of tick 0\n *\n * Fillers:"
         );
         for (design, name) in self.designs.iter().zip(&names) {
             let _ = writeln!(text, " *   sagnac_{name}: {}, {}", comment(&design.name), design.method);
@@ -116,7 +117,7 @@ fn tables(design: &Design, name: &str) -> String {
             Some(rule) => {
                 let table = format!("sagnac_{name}_{part}");
                 text += &table_of(&table, rule);
-                let Rule { ticks, rows, denominator } = rule;
+                let Rule { ticks, rows, denominator, .. } = rule;
                 let (count, limit) = (ticks.len(), rule.largest_input());
                 format!(
                     "{{ {count}, {table}_ticks, {}, &{table}[0][0], {denominator}, {limit} }}",
@@ -131,14 +132,15 @@ fn tables(design: &Design, name: &str) -> String {
 
 /// The ticks and the weights of a rule.
 fn table_of(name: &str, rule: &Rule) -> String {
-    let Rule { ticks, rows, denominator } = rule;
+    let Rule { ticks, rows, denominator, exact } = rule;
     let list = |numbers: &[i32]| numbers.iter().map(i32::to_string).collect::<Vec<_>>().join(", ");
     let lines: Vec<String> = rows.iter().map(|row| format!("    {{ {} }}", list(row))).collect();
     let (count, row_count) = (ticks.len(), rows.len());
     let gain = significant(rule.whole().noise_gain(), 6);
+    let how = if *exact { "exact" } else { "rounded" };
     format!(
         "static const int32_t {name}_ticks[{count}] = {{ {} }};\n\
-         static const int32_t {name}[{row_count}][{count}] = {{ /* over {denominator}; of noise the sum has {gain} times that of a tick */\n{}\n}};\n",
+         static const int32_t {name}[{row_count}][{count}] = {{ /* {how}, over {denominator}; noise gain of the sum {gain} */\n{}\n}};\n",
         list(ticks),
         lines.join(",\n")
     )

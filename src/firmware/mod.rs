@@ -29,7 +29,7 @@ mod response;
 mod rule;
 mod vectors;
 
-pub use design::{Closed, Design, Firmware};
+pub use design::{Closed, Design, Firmware, rules};
 pub use header::identifiers;
 pub use rule::Rule;
 pub use vectors::Vectors;

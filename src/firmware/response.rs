@@ -6,32 +6,32 @@ use crate::study::Error;
 use crate::table::significant;
 use crate::theory::gap::Weights;
 
-/// The chart begins this many decades below the Nyquist frequency: at 0.1 Hz for ticks of 5 ms. Below it the errors go
-/// down on straight lines until they are lost in the rounding of f64.
-const DECADES: f64 = 3.0;
+/// The chart begins this many decades below the Nyquist frequency: at 1 Hz for ticks of 5 ms. Below it the errors go down on
+/// straight lines.
+const DECADES: f64 = 2.0;
 /// Steps of a curve, and of its markers.
 const STEPS: usize = 720;
 const MARKER_STEPS: usize = 60;
 /// The chart reaches down to this part of the angle that the gap turns through at a constant rate: what is less is lost in
 /// any noise.
-const LEAST: f64 = 1e-5;
+const LEAST: f64 = 1e-4;
 
 impl Firmware {
     /// Amplitude of the error per amplitude of the rate over the frequency of a vibration, up to half the tick rate: a
     /// colour for each filler, solid for the residual and dashed for the extrapolation. Beside them the angle of the gap
     /// itself, which is the error without any filler, and the frequency of a motion that is a single tone.
     pub fn response(&self) -> Figure {
-        let nyquist = 0.5 / self.tick_s;
+        let tick_s = self.tick_s.unwrap_or(1.0);
+        let nyquist = 0.5 / tick_s;
         let frequency = |i: usize| nyquist * libm::pow(10.0, DECADES * (i as f64 / STEPS as f64 - 1.0));
-        let of = |weights: &Weights, nu: f64| response(weights, self.gap_ticks, self.tick_s, nu);
+        let of = |weights: &Weights, nu: f64| response(weights, self.gap_ticks, tick_s, nu);
         let mut series = Vec::new();
         for (colour, design) in self.designs.iter().enumerate() {
             for (error, rule, _) in design.rules() {
                 let weights = rule.whole();
                 let point =
                     |i: usize| SeriesPoint { x: frequency(i), y: of(&weights, frequency(i)), band: None };
-                let visible =
-                    |point: &SeriesPoint| point.y >= LEAST * self.tick_s * f64::from(self.gap_ticks);
+                let visible = |point: &SeriesPoint| point.y >= LEAST * tick_s * f64::from(self.gap_ticks);
                 series.push(Series {
                     colour,
                     dash: usize::from(error == Error::Extrapolation),
@@ -66,15 +66,17 @@ impl Firmware {
             scale: Scale::Log,
         };
         let plural = if self.gap_ticks == 1 { "" } else { "s" };
-        let tick_ms = significant(1e3 * self.tick_s, 6);
+        let of = self.tick_s.map_or_else(String::new, |t| format!(" of {} ms", significant(1e3 * t, 6)));
+        let (frequency_unit, error_unit) = if self.tick_s.is_some() {
+            ("Hz", "″ per ″/s")
+        } else {
+            ("cycles per tick", "″ per ″ a tick")
+        };
         let mut figure = Figure {
-            title: format!(
-                "Response to vibration of a gap of {} tick{plural} of {tick_ms} ms",
-                self.gap_ticks
-            ),
+            title: format!("Response to vibration of a gap of {} tick{plural}{of}", self.gap_ticks),
             subtitle: Some(self.title.clone()),
-            x: axis("Vibration frequency", "Hz"),
-            y: axis("Error amplitude per rate amplitude", "″ per ″/s"),
+            x: axis("Vibration frequency", frequency_unit),
+            y: axis("Error amplitude per rate amplitude", error_unit),
             colours: Grouping { title: "filler".to_owned(), entries: entries(names) },
             dashes: Grouping { title: "error".to_owned(), entries: entries(errors) },
             points: String::new(),

@@ -16,6 +16,8 @@ pub struct Rule {
     pub rows: Vec<Vec<i32>>,
     /// D, positive.
     pub denominator: i32,
+    /// Whether the fractions are the weights themselves, not the nearest over a power of two.
+    pub exact: bool,
 }
 
 impl Rule {
@@ -27,6 +29,7 @@ impl Rule {
             ticks: rows.ticks.clone(),
             rows: rows.numerators.iter().map(words).collect::<Option<_>>()?,
             denominator: word(&rows.denominator)?,
+            exact: rows.exact,
         })
     }
 
@@ -40,20 +43,21 @@ impl Rule {
         }
     }
 
-    /// The largest |P| for which no sum on the way leaves 64 bits; the sums of smaller ones do not either.
+    /// The largest |P| for which no sum leaves 63 bits, so that no difference of two leaves 64; nor do those of smaller ones.
     pub fn largest_input(&self) -> i32 {
         let gain: i64 = self.rows.iter().flatten().map(|w| i64::from(*w).abs()).sum();
-        let room = i64::MAX - i64::from(self.denominator);
+        let room = i64::MAX / 2 - i64::from(self.denominator);
         i32::try_from(room / gain.max(1)).unwrap_or(i32::MAX)
     }
 
-    /// The lost ticks, or their sum alone where the rule has a single row, from `inputs` on its ticks.
+    /// The lost ticks, or their sum alone where the rule has a single row, from `inputs` on its ticks that are within
+    /// [`Rule::largest_input`].
     pub fn fill(&self, inputs: &[i32]) -> Vec<i64> {
         let denominator = i128::from(self.denominator);
         let (mut sum, mut filled) = (0_i128, 0_i64);
         let value = |row: &Vec<i32>| {
             sum += row.iter().zip(inputs).map(|(w, p)| i128::from(*w) * i128::from(*p)).sum::<i128>();
-            // Σ|w|/D is far below 2^31, and so is the quotient below 2^63.
+            // Within 63 bits for such inputs.
             let rounded = (sum + denominator / 2).div_euclid(denominator) as i64;
             let value = rounded - filled;
             filled = rounded;
@@ -69,7 +73,7 @@ mod tests {
 
     fn rule(rows: &[&[i32]], denominator: i32) -> Rule {
         let ticks = (0..rows[0].len() as i32).map(|k| k - 3).collect();
-        Rule { ticks, rows: rows.iter().map(|row| row.to_vec()).collect(), denominator }
+        Rule { ticks, rows: rows.iter().map(|row| row.to_vec()).collect(), denominator, exact: true }
     }
 
     #[test]
@@ -97,11 +101,12 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_input_is_the_last_that_fits_64_bits() {
+    fn the_largest_input_is_the_last_that_leaves_room_for_differences() {
         assert_eq!(rule(&[&[-20, 50, 50, -20]], 20).largest_input(), i32::MAX);
         let large = rule(&[&[i32::MAX; 4], &[i32::MAX; 4]], 1 << 30);
         let most = i128::from(large.largest_input());
         let sum = |p: i128| 8 * i128::from(i32::MAX) * p + (1 << 30);
-        assert!(sum(most) <= i128::from(i64::MAX) && sum(most + 1) > i128::from(i64::MAX), "{most}");
+        let room = i128::from(i64::MAX / 2);
+        assert!(sum(most) <= room && sum(most + 1) > room, "{most}");
     }
 }

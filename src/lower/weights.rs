@@ -14,6 +14,8 @@ pub struct Rows {
     pub ticks: Vec<i32>,
     pub numerators: Vec<Vec<i64>>,
     pub denominator: i64,
+    /// Whether the fractions are the weights themselves, not the nearest over a power of two.
+    pub exact: bool,
 }
 
 impl Rows {
@@ -147,7 +149,7 @@ fn exact(ticks: &[i32], rows: Vec<Weights>) -> Rows {
         };
         let numerators = rows.iter().map(scaled).collect::<Option<Vec<_>>>()?;
         let largest = numerators.iter().flatten().map(|w| w.abs()).max().unwrap_or(0).max(denominator);
-        (largest < 1 << 30).then_some(Rows { ticks: ticks.to_vec(), numerators, denominator })
+        (largest < 1 << 30).then_some(Rows { ticks: ticks.to_vec(), numerators, denominator, exact: true })
     });
     numerators.unwrap_or_else(|| {
         let length = |row: &Weights| libm::round(row.values().sum()) as u32;
@@ -161,5 +163,6 @@ fn nearest(ticks: &[i32], rows: &[(u32, Vec<f64>)]) -> Rows {
     let bits = libm::floor(30.0 - libm::log2(largest)).clamp(1.0, 24.0) as u32;
     let nearest =
         |(length, row): &(u32, Vec<f64>)| Weights::nearest(ticks, row, i64::from(*length), bits).numerators;
-    Rows { ticks: ticks.to_vec(), numerators: rows.iter().map(nearest).collect(), denominator: 1 << bits }
+    let numerators = rows.iter().map(nearest).collect();
+    Rows { ticks: ticks.to_vec(), numerators, denominator: 1 << bits, exact: false }
 }

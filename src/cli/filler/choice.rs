@@ -1,5 +1,6 @@
 //! Which point of a study, and which of its fillers.
 
+use sagnac::firmware::rules;
 use sagnac::study::{Dimension, Filler, Point, Quantity, Study, Sweep, parse_quantity};
 use sagnac::table::significant;
 
@@ -11,13 +12,14 @@ const TOLERANCE: f64 = 1e-5;
 /// Most values of a sweep that a message lists.
 const MOST_LISTED: usize = 12;
 
-/// The first point whose swept keys have the values that are asked for, each as `key=value`.
+/// The point whose swept keys have the values that are asked for, each as `key=value`; where several have them and the
+/// weights are the same at all of these, the first of them.
 ///
 /// A key may lack what stands before its last dot; a value without a unit is in base units.
 ///
 /// # Errors
-/// A key that is not swept, or a value that it does not take.
-pub fn point<'s>(study: &'s Study, at: &[String]) -> Result<&'s Point, Failure> {
+/// A key that is not swept, a value that it does not take, points of different weights.
+pub fn point<'s>(study: &'s Study, at: &[String], fillers: &[Filler]) -> Result<&'s Point, Failure> {
     let mut chosen: Vec<Option<Quantity>> = vec![None; study.sweeps.len()];
     for asked in at {
         let (place, value) =
@@ -28,8 +30,41 @@ pub fn point<'s>(study: &'s Study, at: &[String]) -> Result<&'s Point, Failure> 
         let mut values = point.swept.iter().zip(&chosen);
         values.all(|((_, own), chosen)| chosen.is_none_or(|chosen| chosen == *own))
     };
+    let points: Vec<&Point> = study.points().iter().filter(wanted).collect();
     // Sweeps multiply, so that every choice of their values is a point.
-    Ok(study.points().iter().find(wanted).unwrap_or(&study.points()[0]))
+    let first = points.first().copied().unwrap_or(&study.points()[0]);
+    let weights = |point: &Point| Ok::<_, Failure>((point.inputs.tick_s, rules(study, point, fillers)?));
+    let own = weights(first)?;
+    for point in &points {
+        if weights(point)? != own {
+            return Err(Failure::Usage(ambiguous(study, &chosen)));
+        }
+    }
+    Ok(first)
+}
+
+/// What there is to choose from.
+fn ambiguous(study: &Study, chosen: &[Option<Quantity>]) -> String {
+    let open =
+        study.sweeps.iter().zip(chosen).filter(|(sweep, chosen)| chosen.is_none() && sweep.values.len() > 1);
+    let each = open.map(|(sweep, _)| format!("\n  {} = {}", sweep.key.name, values(sweep)));
+    let each: String = each.collect();
+    format!("the weights differ between the points of the study\nchoose one with --at KEY=VALUE, from{each}")
+}
+
+/// The values of a sweep, or the ends of many.
+fn values(sweep: &Sweep) -> String {
+    match &sweep.values[..] {
+        [first, .., last] if sweep.values.len() > MOST_LISTED => {
+            format!("{}, … {} ({} values)", shown(first), shown(last), sweep.values.len())
+        }
+        all => all.iter().map(shown).collect::<Vec<_>>().join(", "),
+    }
+}
+
+fn shown(value: &Quantity) -> String {
+    let unit = value.dimension.unit().symbol;
+    format!("{} {unit}", significant(value.value, 6)).trim_end().to_owned()
 }
 
 /// The sweep that `key=value` means, and its value.
@@ -64,12 +99,8 @@ fn value_of(sweep: &Sweep, text: &str) -> Result<Quantity, String> {
     match nearest {
         Some(near) if far(&near) <= TOLERANCE * near.value.abs() => Ok(*near),
         _ => {
-            let shown = |value: &Quantity| {
-                let unit = value.dimension.unit().symbol;
-                format!("{} {unit}", significant(value.value, 6)).trim_end().to_owned()
-            };
             let there = if sweep.values.len() <= MOST_LISTED {
-                format!("there are {}", sweep.values.iter().map(shown).collect::<Vec<_>>().join(", "))
+                format!("there are {}", values(sweep))
             } else {
                 format!("the nearest is {}", nearest.map(shown).unwrap_or_default())
             };

@@ -1,106 +1,109 @@
-//! The options, and the study they make where none is given.
+//! The options of `sagnac filler`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use clap::builder::PossibleValuesParser;
-use miette::Diagnostic;
-use sagnac::study::{POLYNOMIALS, Study};
+use sagnac::study::{Study, StudyError};
 
 use super::Failure;
+use super::alone::{Alone, KINDS};
 
 /// Most test vectors.
 const MOST_VECTORS: i64 = 1_000_000;
 
 #[derive(Debug, Args)]
 pub struct Options {
-    /// Study file
-    #[arg(value_name = "STUDY", required_unless_present = "gap_ticks")]
-    pub file: Option<PathBuf>,
-    /// Point of a study with sweeps: value of a swept key, such as frequency="20 Hz" [default: the first point]
-    #[arg(long, value_name = "KEY=VALUE", requires = "file")]
+    /// Study file; or without one const, linear, quadratic, minimum-variance: one or more of these
+    #[arg(required = true, value_name = "STUDY|FILLER")]
+    what: Vec<String>,
+    /// Point of a study with sweeps: value of a swept key, such as frequency="20 Hz"
+    #[arg(long, value_name = "KEY=VALUE")]
     pub at: Vec<String>,
     /// Only this filler of the study; may be given again
-    #[arg(long = "filler", value_name = "NAME", requires = "file")]
+    #[arg(long = "filler", value_name = "NAME")]
     pub fillers: Vec<String>,
-    /// Folder of weights.csv, response.svg, response.png and sagnac_filler.h [default: results/<name of the study file>/filler]
+    /// Folder of what is written [default: results/<name of the study file, or of the filler>/filler]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Also write test_vectors.csv with this many inputs for each filler, and what it makes of them
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MOST_VECTORS))]
+    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "1000",
+          value_parser = clap::value_parser!(u32).range(1..=MOST_VECTORS))]
     pub test_vectors: Option<u32>,
     /// Print the weights as JSON
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    polynomials: Polynomials,
+    alone: Alone,
 }
 
-/// Polynomials without a study.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Polynomials without a study")]
-struct Polynomials {
-    /// Lost ticks n
-    #[arg(long, value_name = "N", conflicts_with = "file", requires = "tick")]
-    gap_ticks: Option<u32>,
-    /// Length of a tick, such as "5 ms"
-    #[arg(long, value_name = "TIME", requires = "gap_ticks")]
-    tick: Option<String>,
-    /// Which one; may be given again [default: all]
-    #[arg(long, value_name = "ORDER", requires = "gap_ticks", value_parser = PossibleValuesParser::new(POLYNOMIALS))]
-    order: Vec<String>,
-    /// Ticks that the residual is fitted to, such as "-7..0,n+1,n+2" [default: -1,0,n+1,n+2]
-    #[arg(long, value_name = "TICKS", requires = "gap_ticks", allow_hyphen_values = true)]
-    fit_ticks: Option<String>,
-    /// Ticks that the extrapolation is fitted to [default: -3..0]
-    #[arg(long, value_name = "TICKS", requires = "gap_ticks", allow_hyphen_values = true)]
-    extrapolation_ticks: Option<String>,
+/// Where the fillers come from.
+pub enum Source {
+    File(PathBuf),
+    /// Kinds of fillers.
+    Kinds(Vec<String>),
 }
 
 impl Options {
-    /// The study that the options name or make.
+    /// What stands before the options: a study file, or kinds of fillers.
+    ///
+    /// # Errors
+    /// Neither, or options that belong to the other one.
+    pub fn source(&self) -> Result<Source, Failure> {
+        let unknown: Vec<&String> = self.what.iter().filter(|what| !KINDS.contains(&what.as_str())).collect();
+        let given = self.alone.given();
+        let usage = |message: String| Err(Failure::Usage(message));
+        match (&unknown[..], given) {
+            ([], _) if !self.at.is_empty() || !self.fillers.is_empty() => {
+                usage("--at and --filler choose from a study, and none is given\nleave them out".to_owned())
+            }
+            ([], _) => Ok(Source::Kinds(self.what.clone())),
+            ([file], None) if self.what.len() == 1 => Ok(Source::File(PathBuf::from(file))),
+            ([name, ..], Some(option)) => usage(format!(
+                "{option} describes a filler without a study, and `{name}` is none\naccepted: {}; a study says it in \
+                 its file",
+                KINDS.join(", ")
+            )),
+            ([name, ..], None) => usage(format!(
+                "`{name}` is no filler\naccepted: one study file, or one or more of {}",
+                KINDS.join(", ")
+            )),
+        }
+    }
+
+    /// The study of a file, or one made of the options.
     ///
     /// # Errors
     /// Those of a study file; those of a study made of options are errors of usage.
-    pub fn study(&self) -> Result<Study, Failure> {
-        if let Some(file) = &self.file {
-            return Ok(Study::read(file)?);
-        }
-        Study::parse("options", &self.polynomials.text()).map_err(|error| {
-            let help = error.help().map_or_else(String::new, |help| format!("\n{help}"));
-            Failure::Usage(format!("{error}{help}"))
-        })
-    }
-}
-
-impl Polynomials {
-    /// A study of these polynomials in a base at rest: weights depend on no motion.
-    fn text(&self) -> String {
-        let quoted = |texts: &[&str]| {
-            let each = texts.iter().map(|text| toml::Value::from(text.trim()).to_string());
-            format!("[{}]", each.collect::<Vec<_>>().join(", "))
-        };
-        let orders: Vec<&str> = match &self.order[..] {
-            [] => POLYNOMIALS.to_vec(),
-            chosen => chosen.iter().map(String::as_str).collect(),
-        };
-        let n = self.gap_ticks.unwrap_or_default();
-        let plural = if n == 1 { "" } else { "s" };
-        let tick = toml::Value::from(self.tick.as_deref().unwrap_or_default());
-        let mut text = format!(
-            "title = \"Polynomials over {n} lost tick{plural}\"\nkind = \"gap-fill\"\n\
-             [gyro]\ntick = {tick}\ntick_noise = {{ std = \"0 arcsec\" }}\n\
-             [motion]\nrate = \"0 arcsec/s\"\n\
-             [switching]\ngap_ticks = {n}\nfillers = {}\n",
-            quoted(&orders)
-        );
-        for (key, list) in
-            [("fit_ticks", &self.fit_ticks), ("extrapolation_ticks", &self.extrapolation_ticks)]
-        {
-            if let Some(list) = list {
-                text += &format!("{key} = {}\n", quoted(&list.split(',').collect::<Vec<_>>()));
+    pub fn study(&self, source: &Source) -> Result<Study, Failure> {
+        match source {
+            Source::File(file) => Ok(Study::read(file)?),
+            Source::Kinds(kinds) => {
+                let text = self.alone.study(kinds)?;
+                Study::parse("options", &text).map_err(|error| self.failure(source, error))
             }
         }
-        text
+    }
+
+    /// Of a fault in a study: a study made of options has no text that a user knows.
+    pub fn failure(&self, source: &Source, error: StudyError) -> Failure {
+        match source {
+            Source::File(_) => error.into(),
+            Source::Kinds(_) => self.alone.failure(&error),
+        }
+    }
+
+    /// Whether the length of a tick is known: polynomials do without.
+    pub fn has_tick(&self, source: &Source) -> bool {
+        matches!(source, Source::File(_)) || self.alone.tick.is_some()
+    }
+
+    /// The folder that everything is written to.
+    pub fn folder(&self, source: &Source) -> PathBuf {
+        let stem = match source {
+            Source::File(file) => file.file_stem().map(PathBuf::from).unwrap_or_default(),
+            Source::Kinds(kinds) => PathBuf::from(kinds.join("+")),
+        };
+        let default = || Path::new("results").join(stem).join("filler");
+        self.out.clone().unwrap_or_else(default)
     }
 }

@@ -17,9 +17,12 @@ const ACROSS: usize = 10;
 pub fn of(firmware: &Firmware) -> String {
     let n = firmware.gap_ticks;
     let plural = if n == 1 { "" } else { "s" };
-    let tick_ms = significant(1e3 * firmware.tick_s, 6);
-    let mut text =
-        format!("{}\nn = {n} lost tick{plural} of {tick_ms} ms, numbered from 1\n", firmware.title);
+    let of = firmware.tick_s.map_or_else(String::new, |t| format!(" of {} ms", significant(1e3 * t, 6)));
+    let mut text = format!("{}\nn = {n} lost tick{plural}{of}, numbered from 1\n", firmware.title);
+    let place = firmware.place();
+    if !place.is_empty() {
+        text += &format!("at {place}\n");
+    }
     for design in &firmware.designs {
         text += &format!("\n{}: {}\n", design.name, design.method);
         for (error, rule, closed) in design.rules() {
@@ -70,8 +73,9 @@ fn part(firmware: &Firmware, error: Error, rule: &Rule, closed: Closed) -> Strin
         text += &aligned(&grid).lines().map(|line| format!("  {line}\n")).collect::<String>();
     }
     let number = |x: f64| significant(x, 5);
+    let how = if rule.exact { "exact, " } else { "rounded to the nearest with Σw kept, " };
     text += &format!(
-        "    over {}   Σw = {}   √Σw² = {}   Σ|w| = {}\n",
+        "    {how}over {}   Σw = {}   √Σw² = {}   Σ|w| = {}\n",
         denominator(rule.denominator),
         firmware.gap_ticks,
         number(whole.noise_gain()),
