@@ -31,7 +31,8 @@ const EXIT_CODES: &str = "\
 Examples:
   sagnac run studies/error_vs_dtnu.toml
   sagnac run my.toml --trials 100000000 --device gpu
-  sagnac filler my.toml --at gap_ticks=3 --filler quadratic --test-vectors 1000
+  sagnac filler quadratic --gap-ticks 3
+  sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
   sagnac verify
 
 Exit codes:

@@ -35,20 +35,29 @@ pub fn point<'s>(study: &'s Study, at: &[String], fillers: &[Filler]) -> Result<
     let first = points.first().copied().unwrap_or(&study.points()[0]);
     let weights = |point: &Point| Ok::<_, Failure>((point.inputs.tick_s, rules(study, point, fillers)?));
     let own = weights(first)?;
-    for point in &points {
+    // Of each key, whether it changes the weights by itself.
+    let mut matters = vec![false; study.sweeps.len()];
+    let mut differ = false;
+    for point in points {
         if weights(point)? != own {
-            return Err(Failure::Usage(ambiguous(study, &chosen)));
+            differ = true;
+            let pairs =
+                || (0..).zip(point.swept.iter().zip(&first.swept)).filter(|(_, (own, of))| own.1 != of.1);
+            if let (1, Some((key, _))) = (pairs().count(), pairs().next()) {
+                matters[key] = true;
+            }
         }
     }
-    Ok(first)
+    if differ { Err(Failure::Usage(ambiguous(study, &chosen, &matters))) } else { Ok(first) }
 }
 
-/// What there is to choose from.
-fn ambiguous(study: &Study, chosen: &[Option<Quantity>]) -> String {
-    let open =
-        study.sweeps.iter().zip(chosen).filter(|(sweep, chosen)| chosen.is_none() && sweep.values.len() > 1);
-    let each = open.map(|(sweep, _)| format!("\n  {} = {}", sweep.key.name, values(sweep)));
-    let each: String = each.collect();
+/// What there is to choose from: the keys that matter, or all that are open where none does by itself.
+fn ambiguous(study: &Study, chosen: &[Option<Quantity>], matters: &[bool]) -> String {
+    let any = matters.contains(&true);
+    let asked = study.sweeps.iter().zip(chosen).zip(matters);
+    let asked = asked.filter(|((_, chosen), matters)| chosen.is_none() && (**matters || !any));
+    let each: String =
+        asked.map(|((sweep, _), _)| format!("\n  {} = {}", sweep.key.name, values(sweep))).collect();
     format!("the weights differ between the points of the study\nchoose one with --at KEY=VALUE, from{each}")
 }
 
