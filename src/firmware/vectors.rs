@@ -28,7 +28,7 @@ impl Firmware {
         ticks.sort_unstable();
         ticks.dedup();
         let most = rules().map(Rule::largest_input).min().unwrap_or(i32::MAX);
-        let alternate = |k: usize, size: i32| if k % 2 == 0 { size } else { -size };
+        let alternate = |k: usize, size: i32| if k.is_multiple_of(2) { size } else { -size };
         let along = |value: &dyn Fn(usize) -> i32| (0..ticks.len()).map(value).collect::<Vec<i32>>();
         let mut inputs = vec![vec![0; ticks.len()]];
         for size in [1, -1, 1000, -1000, most, -most] {
