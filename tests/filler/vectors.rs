@@ -5,17 +5,19 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command as Process, Stdio};
 
-use crate::desk::{Desk, STUDY, swept};
+use crate::desk::Desk;
+use crate::fillers::{STUDY, rows, swept};
 
 #[test]
 fn test_vectors_hold_extremes_and_are_the_same_every_time() {
     let desk = Desk::with(STUDY);
-    let words = ["filler", "study.toml", "--test-vectors", "200", "--out"];
-    desk.done(&[&words[..], &["one"]].concat());
-    desk.done(&[&words[..], &["two"]].concat());
+    let words = "filler study.toml --test-vectors 200 --out";
+    for folder in ["one", "two"] {
+        desk.done(&format!("{words} {folder}"));
+    }
     assert_eq!(desk.read("one/test_vectors.csv"), desk.read("two/test_vectors.csv"));
     assert_eq!(desk.read("one/sagnac_filler.h"), desk.read("two/sagnac_filler.h"));
-    let rows = desk.rows("one/test_vectors.csv");
+    let rows = rows(&desk.path("one/test_vectors.csv"));
     assert_eq!(rows.len(), 200 * 6);
     let number = |row: &BTreeMap<String, String>, column: &str| row[column].parse::<i64>().unwrap();
     let inputs = |row: &BTreeMap<String, String>| -> Vec<i64> {
@@ -43,13 +45,11 @@ fn test_vectors_hold_extremes_and_are_the_same_every_time() {
 
 /// A folder with 3000 test vectors for each filler: of STUDY, and of the polynomials at two shorter gaps.
 fn desks() -> Vec<Desk> {
-    [(STUDY.to_owned(), None), (swept(), Some("gap_ticks=1")), (swept(), Some("gap_ticks=2"))]
+    [(STUDY.to_owned(), ""), (swept(), "--at gap_ticks=1"), (swept(), "--at gap_ticks=2")]
         .into_iter()
         .map(|(text, at)| {
             let desk = Desk::with(&text);
-            let mut words = vec!["filler", "study.toml", "--test-vectors", "3000", "--out", "out"];
-            words.extend(at.iter().flat_map(|at| ["--at", at]));
-            desk.done(&words);
+            desk.done(&format!("filler study.toml --test-vectors 3000 --out out {at}"));
             desk
         })
         .collect()
@@ -66,7 +66,7 @@ fn the_c_header_gives_the_test_vectors_bit_for_bit() {
         return;
     }
     for desk in desks() {
-        let rows = desk.rows("out/test_vectors.csv");
+        let rows = rows(&desk.path("out/test_vectors.csv"));
         let header = desk.read("out/sagnac_filler.h");
         for filler in FILLERS {
             let own: Vec<_> = rows.iter().filter(|row| row["filler"] == filler).collect();
@@ -80,7 +80,7 @@ fn the_c_header_gives_the_test_vectors_bit_for_bit() {
 #[test]
 fn the_rule_in_the_header_on_the_weights_of_the_table_gives_the_test_vectors() {
     for desk in desks() {
-        let (weights, rows) = (desk.rows("out/weights.csv"), desk.rows("out/test_vectors.csv"));
+        let (weights, rows) = (rows(&desk.path("out/weights.csv")), rows(&desk.path("out/test_vectors.csv")));
         let gap_ticks = rows[0].keys().filter(|column| column.starts_with("I[")).count();
         for filler in FILLERS {
             for (error, letter) in [("extrapolation", 'E'), ("residual", 'I')] {

