@@ -82,8 +82,9 @@ impl<'a> Plan<'a> {
 
     /// Samples what the store lacks. `progress` hears how many trials there are in all and, as it comes, what is done.
     ///
-    /// With a precision, a filler at a point stops after 1, 2, 4, … base blocks of trials, where all its errors are known
-    /// as well as is asked: a rule that depends on nothing but the study.
+    /// With a precision, a point stops after 1, 2, 4, … base blocks of trials, where all errors of all its fillers are known
+    /// as well as is asked: a rule that depends on nothing but the study. Fillers of a point keep the same trials, so
+    /// that they are compared on the same draws.
     ///
     /// # Errors
     /// The device or the disk fails.
@@ -93,22 +94,21 @@ impl<'a> Plan<'a> {
         device: &mut Device,
         progress: &(dyn Progress + Sync),
     ) -> Result<Done, RunError> {
-        let most = |point: &Lowered| point.trials(self.study.trials);
-        let first = |point: &Lowered| match self.study.precision {
-            None => most(point),
-            Some(_) => most(point).min(1 << base_log2(most(point))),
-        };
-        let mut wanted: Vec<Vec<u64>> =
-            self.points.iter().map(|point| vec![first(point); point.fillers.len()]).collect();
+        let mut wanted: Vec<u64> = self
+            .points
+            .iter()
+            .map(|point| point.trials(self.study.trials))
+            .map(|most| if self.study.precision.is_some() { most.min(1 << base_log2(most)) } else { most })
+            .collect();
         let started = Instant::now();
         let mut trials = 0;
         for round in 0.. {
             let work = self.missing(store, &wanted)?;
             let total: u64 = work.iter().flat_map(|work| &work.blocks).map(Block::trials).sum();
             if round == 0 {
-                let asked = self.points.iter().map(most).sum::<u64>();
-                let rest = if self.study.precision.is_some() { asked } else { total };
-                progress.start(asked.saturating_sub(rest), asked.max(rest));
+                let held = self.launched_trials(|index, _| wanted[index]).saturating_sub(total);
+                let most = self.launched_trials(|_, point| point.trials(self.study.trials));
+                progress.start(held, most.max(held + total));
             }
             self.sample(&work, store, device, progress, started)?;
             trials += total;
@@ -119,6 +119,14 @@ impl<'a> Plan<'a> {
         let seconds = started.elapsed().as_secs_f64();
         progress.finish();
         Ok(Done { trials, seconds })
+    }
+
+    /// Trials of all launches where each point has as many as `trials` says: those of a point with many fillers count more
+    /// than once.
+    fn launched_trials(&self, trials: impl Fn(usize, &Lowered) -> u64) -> u64 {
+        let launches =
+            |point: &Lowered| grouped(point, (0..point.fillers.len()).map(|_| Vec::new())).len() as u64;
+        self.points.iter().enumerate().map(|(index, point)| launches(point) * trials(index, point)).sum()
     }
 
     /// Samples all of `work` in batches, each of which is kept as soon as it is done.
@@ -184,14 +192,13 @@ impl<'a> Plan<'a> {
         sentences
     }
 
-    /// What the store lacks: fillers of a point that lack the same trials share a launch.
-    fn missing(&self, store: &Store, wanted: &[Vec<u64>]) -> Result<Vec<Work>, StoreError> {
+    /// What the store lacks.
+    fn missing(&self, store: &Store, wanted: &[u64]) -> Result<Vec<Work>, StoreError> {
         let mut all = Vec::new();
-        for (index, point) in self.points.iter().enumerate() {
+        for (index, (point, &trials)) in self.points.iter().zip(wanted).enumerate() {
             let log2 = base_log2(point.trials(self.study.trials));
-            let mut groups: Vec<(Vec<Block>, Vec<usize>)> = Vec::new();
-            for (filler, estimates) in point.fillers.iter().enumerate() {
-                let trials = wanted[index][filler];
+            let mut lacking = Vec::new();
+            for estimates in &point.fillers {
                 let mut blocks = Vec::new();
                 for estimate in estimates {
                     let held = store.blocks(&estimate.address)?;
@@ -199,17 +206,9 @@ impl<'a> Plan<'a> {
                 }
                 blocks.sort();
                 blocks.dedup();
-                let joins = |group: &&mut (Vec<Block>, Vec<usize>)| {
-                    group.0 == blocks
-                        && group.1.len() < point.most_fillers(filler)
-                        && point.alike(group.1[0], filler)
-                };
-                match groups.iter_mut().find(joins) {
-                    Some(group) => group.1.push(filler),
-                    None => groups.push((blocks, vec![filler])),
-                }
+                lacking.push(blocks);
             }
-            for (blocks, fillers) in groups.into_iter().filter(|group| !group.0.is_empty()) {
+            for (blocks, fillers) in grouped(point, lacking).into_iter().filter(|group| !group.0.is_empty()) {
                 all.push(Work { point: index, launch: point.launch(&fillers), fillers, blocks });
             }
         }
@@ -226,6 +225,21 @@ impl<'a> Plan<'a> {
     }
 }
 
+/// Fillers of a point that lack the same blocks share a launch.
+fn grouped(point: &Lowered, lacking: impl IntoIterator<Item = Vec<Block>>) -> Vec<(Vec<Block>, Vec<usize>)> {
+    let mut groups: Vec<(Vec<Block>, Vec<usize>)> = Vec::new();
+    for (filler, blocks) in lacking.into_iter().enumerate() {
+        let joins = |group: &&mut (Vec<Block>, Vec<usize>)| {
+            group.0 == blocks && group.1.len() < point.most_fillers(filler) && point.alike(group.1[0], filler)
+        };
+        match groups.iter_mut().find(joins) {
+            Some(group) => group.1.push(filler),
+            None => groups.push((blocks, vec![filler])),
+        }
+    }
+    groups
+}
+
 /// Who hears how a run goes on.
 pub trait Progress {
     /// `done` of `total` trials are there already.
@@ -235,7 +249,8 @@ pub trait Progress {
     fn finish(&self);
 }
 
-fn refused(study: &Study, point: &Point, error: &LowerError) -> StudyError {
+/// The error of a point that cannot be sampled, at the key of the study that has to change.
+pub(crate) fn refused(study: &Study, point: &Point, error: &LowerError) -> StudyError {
     let at: Vec<String> = point.swept.iter().map(|(key, value)| format!("{key} = {value}")).collect();
     let place = if at.is_empty() { String::new() } else { format!(", at {}", at.join(", ")) };
     study.error_at(study.place_of(error.key()), format!("{error}{place}"), error.help())

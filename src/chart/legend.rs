@@ -177,7 +177,8 @@ fn reading_entries(figure: &Figure) -> Vec<Row> {
             figure.points.clone(),
         ));
     }
-    if figure.has_laws() {
+    // Where points are not said to be something else there is nothing to tell them from.
+    if figure.has_laws() && !figure.points.is_empty() {
         let line = Stroke { colour: MUTED, width: 1.4, dash: "" };
         rows.push(Row::Entry(Sample { line: Some(line), ..Sample::default() }, "closed form".to_owned()));
     }

@@ -22,14 +22,22 @@ pub fn draw(study: &Study, table: &Table, folder: &Path) -> Result<Vec<String>, 
     for (index, chart) in study.charts.iter().enumerate() {
         let stem = chart_stem(index, study.charts.len());
         let (svg, said) = picture(study, table, chart)?;
-        let png = chart::png(&svg, 2.0)
-            .map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
-        write(&folder.join(format!("{stem}.svg")), svg.as_bytes())?;
-        write(&folder.join(format!("{stem}.png")), &png)?;
+        write_pictures(folder, &stem, &svg)?;
         notes.extend(said.map(|sentence| format!("{stem}: {sentence}")));
     }
     remove_undrawn(folder, study.charts.len())?;
     Ok(notes)
+}
+
+/// Writes a chart as `<stem>.svg` and `<stem>.png`.
+///
+/// # Errors
+/// It cannot be drawn or written.
+pub fn write_pictures(folder: &Path, stem: &str, svg: &str) -> Result<(), Failure> {
+    let png =
+        chart::png(svg, 2.0).map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
+    write(&folder.join(format!("{stem}.svg")), svg.as_bytes())?;
+    write(&folder.join(format!("{stem}.png")), &png)
 }
 
 /// Removes the pictures of charts that a folder of `charts` charts does not have; other files are not ours.

@@ -4,6 +4,7 @@ mod bench;
 mod charts;
 mod devices;
 mod failure;
+mod filler;
 mod one_point;
 mod output;
 mod progress;
@@ -30,6 +31,8 @@ const EXIT_CODES: &str = "\
 Examples:
   sagnac run studies/error_vs_dtnu.toml
   sagnac run my.toml --trials 100000000 --device gpu
+  sagnac filler quadratic --gap-ticks 3
+  sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
   sagnac verify
 
 Exit codes:
@@ -42,6 +45,8 @@ enum Command {
     ///
     /// Results go to a folder. Running again resumes; a larger --trials continues.
     Run(Run),
+    /// The weights of fillers for firmware: table, response over frequency, C header, test vectors
+    Filler(filler::Options),
     /// List the devices that kernels can run on
     Devices,
     /// Prove that every kernel gives the same bits on every device, here and now
@@ -107,6 +112,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
         Command::Run(options) => run::run(options),
+        Command::Filler(options) => filler::filler(options),
         Command::Devices => devices::devices(),
         Command::Verify(options) => verify::verify(options),
         Command::Bench(options) => bench::bench(options),

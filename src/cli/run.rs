@@ -56,8 +56,17 @@ pub fn run(options: &super::Run) -> Result<(), Failure> {
     }
 }
 
+/// The name of the study that a run writes beside its results.
+const RESOLVED: &str = "resolved_study.toml";
+
 fn folder(options: &super::Run, study: &Path) -> PathBuf {
-    let default = || Path::new("results").join(study.file_stem().unwrap_or_default());
+    let default = || match study.parent() {
+        // What repeats a run goes where its results are.
+        Some(results) if study.file_name() == Some(RESOLVED.as_ref()) && results != Path::new("") => {
+            results.to_owned()
+        }
+        _ => Path::new("results").join(study.file_stem().unwrap_or_default()),
+    };
     options.out.clone().unwrap_or_else(default)
 }
 
@@ -84,7 +93,8 @@ fn run_study(
     let mut csv = Vec::new();
     table.write_csv(&mut csv).map_err(|source| Failure::Write { path: folder.join("points.csv"), source })?;
     write(&folder.join("points.csv"), &csv)?;
-    write(&folder.join("resolved_study.toml"), study.resolved().as_bytes())?;
+    let trials = plan.held(&store)?.unwrap_or(study.trials);
+    write(&folder.join(RESOLVED), study.resolved(trials).as_bytes())?;
     let notes = draw(study, &table, folder)?;
     let answers = answers(study, &table)?;
     if options.json {
@@ -95,6 +105,11 @@ fn run_study(
     }
     for note in notes.into_iter().chain(plan.absent()) {
         eprintln!("note: {note}");
+    }
+    if trials > study.trials {
+        let why =
+            if plan.replays() { "whole replays of the record" } else { "the folder holds them already" };
+        eprintln!("note: {trials} trials a point, not {}: {why}", study.trials);
     }
     let (imprecise, fillers) = plan.imprecise(&store)?;
     if imprecise > 0 {

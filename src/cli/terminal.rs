@@ -128,7 +128,6 @@ fn gcd(a: usize, b: usize) -> usize {
 }
 
 /// Rows of cells with every column as wide as its widest cell, flush right.
-/// Lines of cells, each column as wide as its widest cell.
 pub(super) fn aligned(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |column: usize| {

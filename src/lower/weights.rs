@@ -1,17 +1,21 @@
 //! The weights of a filler at a point: exact fractions where there are, else the nearest over a power of two.
 
+use core::ops::RangeInclusive;
+
 use super::refusal::LowerError;
 use crate::study::{Error, Filler, Inputs, Method};
 use crate::theory::gap::{Weights, polynomial_weights};
 use crate::theory::minimum_variance::minimum_variance_weights;
 
-/// Weights on some ticks over a common denominator: a row for the whole gap, or for errors in the gap one for each of its
-/// lengths from its first tick on.
+/// Weights on some ticks over a common denominator: a row for the whole gap, or one for each of its ticks, or for errors in
+/// the gap one for each of its lengths from its first tick on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rows {
     pub ticks: Vec<i32>,
     pub numerators: Vec<Vec<i64>>,
     pub denominator: i64,
+    /// Whether the fractions are the weights themselves, not the nearest over a power of two.
+    pub exact: bool,
 }
 
 impl Rows {
@@ -27,6 +31,40 @@ impl Rows {
     ) -> Result<Option<Rows>, LowerError> {
         let n = inputs.gap_ticks;
         let lengths = if error == Error::InGap { 1..=n } else { n..=n };
+        Rows::over(lengths, filler, error, ticks, inputs)
+    }
+
+    /// The weights of a filler for each tick of the gap by itself, as firmware needs them: those that interpolate it for the
+    /// residual, else those that extrapolate to it. They sum over the gap to the weights of the error, up to the rounding
+    /// of weights that are no small fractions. `None` where the filler says nothing of single ticks.
+    ///
+    /// # Errors
+    /// The ticks do not determine them.
+    pub fn by_tick(
+        filler: &Filler,
+        error: Error,
+        ticks: &[i32],
+        inputs: &Inputs,
+    ) -> Result<Option<Rows>, LowerError> {
+        let Some(mut rows) = Rows::over(1..=inputs.gap_ticks, filler, error, ticks, inputs)? else {
+            return Ok(None);
+        };
+        // From the end, so that the row before is still one over a length.
+        for j in (1..rows.numerators.len()).rev() {
+            let (before, from) = rows.numerators.split_at_mut(j);
+            from[0].iter_mut().zip(&before[j - 1]).for_each(|(w, shorter)| *w -= shorter);
+        }
+        Ok(Some(rows))
+    }
+
+    /// The weights over the first ticks of the gap, for each of these numbers of them.
+    fn over(
+        lengths: RangeInclusive<u32>,
+        filler: &Filler,
+        error: Error,
+        ticks: &[i32],
+        inputs: &Inputs,
+    ) -> Result<Option<Rows>, LowerError> {
         match &filler.method {
             Method::Polynomial(order) => {
                 let rows = lengths.map(|length| polynomial_weights(ticks, *order, length));
@@ -52,10 +90,11 @@ impl Rows {
             Method::Weights { residual, extrapolation } => {
                 let weights = match error {
                     Error::Residual => Some(residual),
-                    Error::Extrapolation => extrapolation.as_ref(),
-                    // They say nothing of the first ticks of the gap.
-                    Error::InGap => extrapolation.as_ref().filter(|_| n == 1),
+                    Error::Extrapolation | Error::InGap => extrapolation.as_ref(),
                 };
+                // They say nothing of the first ticks of a gap.
+                let n = inputs.gap_ticks;
+                let weights = weights.filter(|_| *lengths.start() == n);
                 Ok(weights.map(|weights| nearest(ticks, &[(n, weights.clone())])))
             }
         }
@@ -110,7 +149,7 @@ fn exact(ticks: &[i32], rows: Vec<Weights>) -> Rows {
         };
         let numerators = rows.iter().map(scaled).collect::<Option<Vec<_>>>()?;
         let largest = numerators.iter().flatten().map(|w| w.abs()).max().unwrap_or(0).max(denominator);
-        (largest < 1 << 30).then_some(Rows { ticks: ticks.to_vec(), numerators, denominator })
+        (largest < 1 << 30).then_some(Rows { ticks: ticks.to_vec(), numerators, denominator, exact: true })
     });
     numerators.unwrap_or_else(|| {
         let length = |row: &Weights| libm::round(row.values().sum()) as u32;
@@ -124,5 +163,6 @@ fn nearest(ticks: &[i32], rows: &[(u32, Vec<f64>)]) -> Rows {
     let bits = libm::floor(30.0 - libm::log2(largest)).clamp(1.0, 24.0) as u32;
     let nearest =
         |(length, row): &(u32, Vec<f64>)| Weights::nearest(ticks, row, i64::from(*length), bits).numerators;
-    Rows { ticks: ticks.to_vec(), numerators: rows.iter().map(nearest).collect(), denominator: 1 << bits }
+    let numerators = rows.iter().map(nearest).collect();
+    Rows { ticks: ticks.to_vec(), numerators, denominator: 1 << bits, exact: false }
 }

@@ -32,6 +32,26 @@ impl Plan<'_> {
         failed.map_or_else(|| Ok(self.with_laws(columns.table)), Err)
     }
 
+    /// Trials that every estimate has, where all have the same number.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    pub fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
+        let mut held = None;
+        for estimate in self.points.iter().flat_map(|point| &point.fillers).flatten() {
+            let trials = store.total(&estimate.address)?.count;
+            if *held.get_or_insert(trials) != trials {
+                return Ok(None);
+            }
+        }
+        Ok(held)
+    }
+
+    /// Whether a record is replayed over all its places, which gives whole replays only.
+    pub fn replays(&self) -> bool {
+        self.points.iter().any(|point| point.trials(1) > 1)
+    }
+
     /// The table with a column for each law that a chart draws.
     fn with_laws(&self, mut table: Table) -> Table {
         for law in self.study.laws() {

@@ -1,4 +1,4 @@
-//! The stop rule: which fillers at which points are known as well as is asked.
+//! The stop rule: which points are known as well as is asked.
 
 use super::{NORMAL_95, Plan};
 use crate::lower::Estimate;
@@ -7,17 +7,19 @@ use crate::store::{Store, StoreError};
 use crate::study::Precision;
 
 impl Plan<'_> {
-    /// Doubles the trials of fillers that are not precise enough yet; whether there are such.
-    pub(super) fn raise(&self, wanted: &mut [Vec<u64>], store: &Store) -> Result<bool, StoreError> {
+    /// Doubles the trials of points where a filler is not precise enough yet; whether there are such.
+    pub(super) fn raise(&self, wanted: &mut [u64], store: &Store) -> Result<bool, StoreError> {
         let Some(precision) = &self.study.precision else { return Ok(false) };
         let mut raised = false;
         for (point, wanted) in self.points.iter().zip(wanted) {
             let most = point.trials(self.study.trials);
-            for (estimates, wanted) in point.fillers.iter().zip(wanted) {
-                if *wanted < most && !precise(precision, estimates, *wanted, store)? {
-                    *wanted = (2 * *wanted).min(most);
-                    raised = true;
-                }
+            let mut enough = true;
+            for estimates in &point.fillers {
+                enough = enough && precise(precision, estimates, *wanted, store)?;
+            }
+            if *wanted < most && !enough {
+                *wanted = (2 * *wanted).min(most);
+                raised = true;
             }
         }
         Ok(raised)

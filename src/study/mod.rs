@@ -99,6 +99,8 @@ pub struct Study {
 struct Written {
     seed: Option<Spanned<u64>>,
     trials: Option<Spanned<u64>>,
+    /// The file of a recorded profile, and where it is.
+    record: Option<Spanned<String>>,
     /// The end of the value of `kind`, which every study has at its top level.
     kind_end: usize,
 }
@@ -147,17 +149,17 @@ impl Study {
         laws
     }
 
-    /// The file as it was read, but with the seed and the trials of this value: a study that repeats this one without
-    /// further options. Comments and layout are kept.
-    pub fn resolved(&self) -> String {
-        let Written { seed, trials, kind_end } = &self.written;
+    /// The file as it was read, but with the seed of this value, so many trials, and the whole path of a record: a study
+    /// that repeats this one without further options, wherever it is kept. Comments and layout are kept too.
+    pub fn resolved(&self, trials: u64) -> String {
+        let Written { seed, trials: written_trials, record, kind_end } = &self.written;
         let mut text = self.text.inner().clone();
         let next_line = text[*kind_end..].find('\n').map(|length| kind_end + length + 1);
         // A key after the kind stands at the top level, and before any table.
         let after_kind = next_line.unwrap_or(text.len());
         let line_end = if next_line.is_some() { "" } else { "\n" };
         let mut edits = Vec::new();
-        for (key, value, written) in [("trials", self.trials, trials), ("seed", self.seed, seed)] {
+        for (key, value, written) in [("trials", trials, written_trials), ("seed", self.seed, seed)] {
             match written {
                 None => edits.push((after_kind..after_kind, format!("{line_end}{key} = {value}\n"))),
                 Some(written) if *written.get_ref() != value => {
@@ -166,6 +168,9 @@ impl Study {
                 // As it is written, 1_000_000 or 0xff.
                 Some(_) => {}
             }
+        }
+        if let Some(record) = record {
+            edits.push((record.span(), toml::Value::String(record.get_ref().clone()).to_string()));
         }
         // From the end, so that the places of the others hold.
         edits.sort_by_key(|(place, _)| Reverse(place.start));
@@ -196,12 +201,18 @@ impl Study {
     fn check(text: &Text) -> Result<Study, Wrong> {
         let toml = toml::Deserializer::parse(text.inner()).map_err(|error| Fault::from_syntax(&error))?;
         let file = StudyFile::deserialize(toml).map_err(|error| Fault::from_serde(&error, text.inner()))?;
+        let folder = Path::new(text.name()).parent().unwrap_or(Path::new(""));
         let written = Written {
             seed: read_count("seed", file.seed.as_ref(), 0..=i64::MAX)?,
             trials: read_count("trials", file.trials.as_ref(), 1..=MOST_TRIALS as i64)?,
+            record: file
+                .motion
+                .get_ref()
+                .profile
+                .as_ref()
+                .map(|profile| located(&profile.get_ref().file, folder)),
             kind_end: file.kind.span().end,
         };
-        let folder = Path::new(text.name()).parent().unwrap_or(Path::new(""));
         let (inputs, places) = read_inputs(&file, folder)?;
         let written_fillers = read_fillers::read(&file.switching.fillers)?;
         let errors = read_errors(file.switching.errors.as_ref())?;
@@ -251,6 +262,14 @@ impl Study {
             written,
         })
     }
+}
+
+/// The whole path of a file that is named from `folder`.
+fn located(file: &Spanned<String>, folder: &Path) -> Spanned<String> {
+    let path = folder.join(file.get_ref());
+    // One that is not there is told of when it is read.
+    let path = std::path::absolute(&path).unwrap_or(path);
+    Spanned::new(file.span(), path.display().to_string())
 }
 
 /// A whole number that is not negative, where it is written.

@@ -422,14 +422,14 @@ fn a_resolved_study_has_its_seed_and_trials_whatever_its_form() {
         let mut study = parsed(&text);
         for seed in [study.seed, 7] {
             study.seed = seed;
-            let resolved = study.resolved();
+            let resolved = study.resolved(study.trials);
             let again = parsed(&resolved);
             assert_eq!(
                 (again.seed, again.trials, &again.title),
                 (seed, 1_000_000, &study.title),
                 "{resolved}"
             );
-            assert_eq!(again.resolved(), resolved);
+            assert_eq!(again.resolved(again.trials), resolved);
             assert_eq!(resolved.contains("0x10"), text.contains("0x10") && seed == 16, "{resolved}");
             assert_eq!(resolved.contains("# hex"), text.contains("# hex"), "{resolved}");
         }

@@ -1,0 +1,143 @@
+//! Fillers from options alone: the options, and the study they make.
+
+use std::fmt::Write as _;
+
+use clap::Args;
+use miette::Diagnostic;
+use sagnac::study::{POLYNOMIALS, StudyError};
+
+use super::Failure;
+
+const MINIMUM_VARIANCE: &str = "minimum-variance";
+
+/// Fillers that need no study.
+pub const KINDS: [&str; 4] = [POLYNOMIALS[0], POLYNOMIALS[1], POLYNOMIALS[2], MINIMUM_VARIANCE];
+
+/// Keys of the study that is made of the options, and the options that stand for them; longer keys first.
+const NAMES: [(&str, &str); 9] = [
+    ("switching.extrapolation_ticks", "--extrapolation-ticks"),
+    ("switching.fit_ticks", "--fit-ticks"),
+    ("switching.gap_ticks", "--gap-ticks"),
+    ("switching.fillers", "the filler"),
+    ("motion.amplitude", "--amplitude"),
+    ("motion.frequency", "--band"),
+    ("gyro.tick_noise.std", "--noise"),
+    ("gyro.tick_noise", "--noise"),
+    ("gyro.tick", "--tick"),
+];
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Without a study")]
+pub struct Alone {
+    /// Lost ticks n
+    #[arg(long, value_name = "N")]
+    gap_ticks: Option<u32>,
+    /// Length of a tick, such as "5 ms"; polynomials do without
+    #[arg(long, value_name = "TIME")]
+    pub tick: Option<String>,
+    /// Ticks that the residual is fitted to, such as "-7..0,n+1,n+2" [default: -1,0,n+1,n+2]
+    #[arg(long, value_name = "TICKS", allow_hyphen_values = true)]
+    fit_ticks: Option<String>,
+    /// Ticks that the extrapolation is fitted to [default: -3..0; for minimum-variance the fit ticks up to 0]
+    #[arg(long, value_name = "TICKS", allow_hyphen_values = true)]
+    extrapolation_ticks: Option<String>,
+    /// Frequencies of the vibration, "18 Hz,22 Hz", or a single one
+    #[arg(long, value_name = "LOW,HIGH", requires_all = ["tick", "amplitude"])]
+    band: Option<String>,
+    /// Amplitude of the vibration, of its rate or angle, such as "12000 arcsec/s"
+    #[arg(long, value_name = "RATE", requires = "band")]
+    amplitude: Option<String>,
+    /// Standard deviation of the noise of a tick, such as "0.5 arcsec"
+    #[arg(long, value_name = "ANGLE")]
+    noise: Option<String>,
+}
+
+impl Alone {
+    /// One of the options that is given.
+    pub fn given(&self) -> Option<&'static str> {
+        let all = [
+            ("--tick", &self.tick),
+            ("--fit-ticks", &self.fit_ticks),
+            ("--extrapolation-ticks", &self.extrapolation_ticks),
+            ("--band", &self.band),
+            ("--amplitude", &self.amplitude),
+            ("--noise", &self.noise),
+        ];
+        let text = all.into_iter().find(|(_, value)| value.is_some()).map(|(name, _)| name);
+        self.gap_ticks.map(|_| "--gap-ticks").or(text)
+    }
+
+    /// The text of a study of fillers of these kinds.
+    ///
+    /// # Errors
+    /// What the fillers are made of is not given.
+    pub fn study(&self, kinds: &[String]) -> Result<String, Failure> {
+        let missing = |option: &str, example: &str, of: &str| {
+            Failure::Usage(format!("{option} is missing: {of}\nadd for example {option} {example}"))
+        };
+        let n = self.gap_ticks.ok_or_else(|| missing("--gap-ticks", "3", "how many ticks are lost"))?;
+        if kinds.iter().any(|kind| kind == MINIMUM_VARIANCE) {
+            let of = "a minimum-variance filler is designed for a vibration and the noise beside it";
+            let needed = [
+                ("--tick", "\"5 ms\"", &self.tick),
+                ("--band", "\"18 Hz,22 Hz\"", &self.band),
+                ("--amplitude", "\"12000 arcsec/s\"", &self.amplitude),
+                ("--noise", "\"0.5 arcsec\"", &self.noise),
+            ];
+            if let Some((option, example, _)) = needed.into_iter().find(|(.., value)| value.is_none()) {
+                return Err(missing(option, example, of));
+            }
+        }
+        let plural = if n == 1 { "" } else { "s" };
+        // Without a tick length a tick is the unit of time.
+        let tick = quoted(self.tick.as_deref().unwrap_or("1 s"));
+        let noise = quoted(self.noise.as_deref().unwrap_or("0 arcsec"));
+        let mut text = format!(
+            "title = \"{} over {n} lost tick{plural}\"\nkind = \"gap-fill\"\n\
+             [gyro]\ntick = {tick}\ntick_noise = {{ std = {noise} }}\n[motion]\n",
+            kinds.join(", ")
+        );
+        let band = self.band.as_deref().filter(|band| band.contains(',')).map(list);
+        // Writing to a String cannot fail.
+        let _ = match (&self.amplitude, &self.band) {
+            (Some(amplitude), Some(alone)) => {
+                let frequency = band.clone().unwrap_or_else(|| quoted(alone));
+                writeln!(text, "amplitude = {}\nfrequency = {frequency}", quoted(amplitude))
+            }
+            _ => writeln!(text, "rate = \"0 arcsec/s\""),
+        };
+        let fillers = kinds.iter().map(|kind| {
+            let mut table = format!("kind = \"{kind}\"");
+            let ticks = [("fit_ticks", &self.fit_ticks), ("extrapolation_ticks", &self.extrapolation_ticks)];
+            for (key, written) in ticks {
+                table +=
+                    &written.as_ref().map_or_else(String::new, |ticks| format!(", {key} = {}", list(ticks)));
+            }
+            if let Some(band) = band.as_ref().filter(|_| kind == MINIMUM_VARIANCE) {
+                table += &format!(", band = {band}");
+            }
+            format!("{{ {table} }}")
+        });
+        let fillers = fillers.collect::<Vec<_>>().join(", ");
+        let _ = writeln!(text, "[switching]\ngap_ticks = {n}\nfillers = [{fillers}]");
+        Ok(text)
+    }
+
+    /// A fault of that study, in terms of the options.
+    pub fn failure(&self, error: &StudyError) -> Failure {
+        let help = error.help().map_or_else(String::new, |help| format!("\n{help}"));
+        let said = NAMES.iter().fold(format!("{error}{help}"), |said, (key, name)| said.replace(key, name));
+        Failure::Usage(said)
+    }
+}
+
+/// A text as TOML writes it.
+fn quoted(text: &str) -> String {
+    toml::Value::from(text.trim()).to_string()
+}
+
+/// Texts between commas as a list.
+fn list(texts: &str) -> String {
+    let each: Vec<String> = texts.split(',').map(quoted).collect();
+    format!("[{}]", each.join(", "))
+}

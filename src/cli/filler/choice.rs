@@ -1,0 +1,135 @@
+//! Which point of a study, and which of its fillers.
+
+use sagnac::firmware::rules;
+use sagnac::study::{Dimension, Filler, Point, Quantity, Study, Sweep, parse_quantity};
+use sagnac::table::significant;
+
+use super::Failure;
+
+/// Most difference between a value asked for and a swept one, which reports show to six digits.
+const TOLERANCE: f64 = 1e-5;
+
+/// Most values of a sweep that a message lists.
+const MOST_LISTED: usize = 12;
+
+/// The point whose swept keys have the values that are asked for, each as `key=value`; where several have them and the
+/// weights are the same at all of these, the first of them.
+///
+/// A key may lack what stands before its last dot; a value without a unit is in base units.
+///
+/// # Errors
+/// A key that is not swept, a value that it does not take, points of different weights.
+pub fn point<'s>(study: &'s Study, at: &[String], fillers: &[Filler]) -> Result<&'s Point, Failure> {
+    let mut chosen: Vec<Option<Quantity>> = vec![None; study.sweeps.len()];
+    for asked in at {
+        let (place, value) =
+            find(study, asked).map_err(|message| Failure::Usage(format!("--at {asked}: {message}")))?;
+        chosen[place] = Some(value);
+    }
+    let wanted = |point: &&Point| {
+        let mut values = point.swept.iter().zip(&chosen);
+        values.all(|((_, own), chosen)| chosen.is_none_or(|chosen| chosen == *own))
+    };
+    let points: Vec<&Point> = study.points().iter().filter(wanted).collect();
+    // Sweeps multiply, so that every choice of their values is a point.
+    let first = points.first().copied().unwrap_or(&study.points()[0]);
+    let weights = |point: &Point| Ok::<_, Failure>((point.inputs.tick_s, rules(study, point, fillers)?));
+    let own = weights(first)?;
+    // Of each key, whether it changes the weights by itself.
+    let mut matters = vec![false; study.sweeps.len()];
+    let mut differ = false;
+    for point in points {
+        if weights(point)? != own {
+            differ = true;
+            let pairs =
+                || (0..).zip(point.swept.iter().zip(&first.swept)).filter(|(_, (own, of))| own.1 != of.1);
+            if let (1, Some((key, _))) = (pairs().count(), pairs().next()) {
+                matters[key] = true;
+            }
+        }
+    }
+    if differ { Err(Failure::Usage(ambiguous(study, &chosen, &matters))) } else { Ok(first) }
+}
+
+/// What there is to choose from: the keys that matter, or all that are open where none does by itself.
+fn ambiguous(study: &Study, chosen: &[Option<Quantity>], matters: &[bool]) -> String {
+    let any = matters.contains(&true);
+    let asked = study.sweeps.iter().zip(chosen).zip(matters);
+    let asked = asked.filter(|((_, chosen), matters)| chosen.is_none() && (**matters || !any));
+    let each: String =
+        asked.map(|((sweep, _), _)| format!("\n  {} = {}", sweep.key.name, values(sweep))).collect();
+    format!("the weights differ between the points of the study\nchoose one with --at KEY=VALUE, from{each}")
+}
+
+/// The values of a sweep, or the ends of many.
+fn values(sweep: &Sweep) -> String {
+    match &sweep.values[..] {
+        [first, .., last] if sweep.values.len() > MOST_LISTED => {
+            format!("{}, … {} ({} values)", shown(first), shown(last), sweep.values.len())
+        }
+        all => all.iter().map(shown).collect::<Vec<_>>().join(", "),
+    }
+}
+
+fn shown(value: &Quantity) -> String {
+    let unit = value.dimension.unit().symbol;
+    format!("{} {unit}", significant(value.value, 6)).trim_end().to_owned()
+}
+
+/// The sweep that `key=value` means, and its value.
+fn find(study: &Study, asked: &str) -> Result<(usize, Quantity), String> {
+    let names: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
+    if names.is_empty() {
+        return Err("the study has one point\nleave --at out".to_owned());
+    }
+    let Some((key, value)) = asked.split_once('=') else {
+        return Err("give a key and a value, such as --at frequency=\"20 Hz\"".to_owned());
+    };
+    let key = key.trim();
+    let named = |name: &str| name == key || name.strip_suffix(key).is_some_and(|rest| rest.ends_with('.'));
+    let places: Vec<usize> = (0..names.len()).filter(|&place| named(names[place])).collect();
+    match places[..] {
+        [place] => Ok((place, value_of(&study.sweeps[place], value.trim())?)),
+        [] => Err(format!("the study does not sweep `{key}`; it sweeps {}", names.join(", "))),
+        _ => Err(format!("`{key}` may be one of {}; write the whole key", names.join(", "))),
+    }
+}
+
+/// The value of a sweep that a text means.
+fn value_of(sweep: &Sweep, text: &str) -> Result<Quantity, String> {
+    let dimension = sweep.values[0].dimension;
+    let asked = match (dimension, text.parse::<f64>()) {
+        (_, Ok(number)) => number,
+        (Dimension::Count, Err(_)) => return Err(format!("{text} is not a number")),
+        _ => parse_quantity(text, &[dimension]).map_err(|error| error.to_string())?.value,
+    };
+    let far = |value: &&Quantity| (value.value - asked).abs();
+    let nearest = sweep.values.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+    match nearest {
+        Some(near) if far(&near) <= TOLERANCE * near.value.abs() => Ok(*near),
+        _ => {
+            let there = if sweep.values.len() <= MOST_LISTED {
+                format!("there are {}", values(sweep))
+            } else {
+                format!("the nearest is {}", nearest.map(shown).unwrap_or_default())
+            };
+            Err(format!("no point has {} = {text}; {there}", sweep.key.name))
+        }
+    }
+}
+
+/// The fillers of these names, in the order of the study; all of them where none is named.
+///
+/// # Errors
+/// A name that no filler has.
+pub fn fillers(study: &Study, names: &[String]) -> Result<Vec<Filler>, Failure> {
+    let unknown = |name: &&String| study.fillers.iter().all(|filler| filler.name != **name);
+    if let Some(unknown) = names.iter().find(unknown) {
+        let known: Vec<&str> = study.fillers.iter().map(|filler| filler.name.as_str()).collect();
+        let known = known.join(", ");
+        let message = format!("--filler {unknown}: the study has no such filler; it has {known}");
+        return Err(Failure::Usage(message));
+    }
+    let wanted = |filler: &&Filler| names.is_empty() || names.contains(&filler.name);
+    Ok(study.fillers.iter().filter(wanted).cloned().collect())
+}

@@ -1,0 +1,35 @@
+//! Fillers as firmware needs them: whole numbers, one rule of rounding, a C header and vectors to test an implementation by.
+//!
+//! ```text
+//! Study, Point ─ design ─▶ Firmware ─┬─ header ─▶ sagnac_filler.h
+//!                                    ├─ vectors ─▶ test_vectors.csv
+//!                                    ├─ weights ─▶ weights.csv
+//!                                    └─ response ─▶ Figure
+//! ```
+//!
+//! The algorithm is that of Z(14)–Z(17): while the gap 1 … n is open the extrapolation E_j is delivered in place of tick j;
+//! once the fit ticks after it are known, ΔP = Σ(E_j − I_j) is subtracted from the next tick, I_j being the interpolation.
+//!
+//! ```
+//! # use sagnac::firmware::Firmware;
+//! # use sagnac::study::Study;
+//! # let text = include_str!("../../studies/error_vs_dtnu.toml");
+//! let study = Study::parse("study.toml", text)?;
+//! let firmware = Firmware::new(&study, &study.points()[0], &study.fillers)?;
+//! let quadratic = &firmware.designs[2];
+//! // The first point has a gap of one tick: (−1, 4, 4, −1)/6.
+//! assert_eq!(quadratic.interpolation.fill(&[0, 10, 14, 0]), [16]);
+//! # Ok::<(), sagnac::study::StudyError>(())
+//! ```
+
+mod csv;
+mod design;
+mod header;
+mod response;
+mod rule;
+mod vectors;
+
+pub use design::{Closed, Design, Firmware, rules};
+pub use header::identifiers;
+pub use rule::Rule;
+pub use vectors::Vectors;
