@@ -30,7 +30,7 @@ fn begin() {
     //#if PULSE
     noise.start = words.x & ((1u << p.pulse) - 1u);
     //#end
-    //#if MARKOV
+    //#if MARKOV_STEPS
     noise.markov = scaled(words.z, p.markov_start);
     //#end
     //#if FLICKER_HOLDS

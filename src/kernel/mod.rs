@@ -1,13 +1,16 @@
 //! The kernels: integer arithmetic only, each with a twin of the same stem in `shaders/`.
 
+pub mod allan;
 pub mod gap_fill;
 pub mod launch;
 pub mod map;
 pub mod moments;
 pub(crate) mod motion;
+mod noise;
 pub mod normal;
 pub(crate) mod normal_table;
 pub mod philox;
+pub mod recipe;
 pub mod sine;
 pub mod word;
 

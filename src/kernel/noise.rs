@@ -6,15 +6,12 @@
 
 use super::normal::normal;
 use super::philox::{Address, Purpose};
-use super::recipe::{CHUNK, FOUR_STREAMS, LONG_HOLDS, MAX_OCTAVES, Recipe};
+use super::recipe::{CHUNK, FOUR_STREAMS, LONG_HOLDS, MAX_OCTAVES, Recipe, STREAMS};
 use super::sine::{QUARTER_TURN, sine};
 use super::word::{Wide, Word};
 
 /// A chunk of words, one for each lane and sample.
 pub(super) type Chunk = [u32; 16 * CHUNK];
-
-/// Streams of an octave's holds.
-const STREAMS: usize = 4;
 
 /// What goes on from chunk to chunk.
 pub(super) struct Noise<W: Word> {
@@ -71,7 +68,8 @@ impl<W: Word> Noise<W> {
             for stream in 0..streams(octave) {
                 let value = scaled(first[stream], recipe.flicker[octave - 1]);
                 noise.flicker = noise.flicker + value;
-                noise.holds[octave][stream] = Hold { value, change: zero, grid: grid[stream] >> (32 - octave as u32) };
+                noise.holds[octave][stream] =
+                    Hold { value, change: zero, grid: grid[stream] >> (32 - octave as u32) };
             }
         }
         noise

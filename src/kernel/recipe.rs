@@ -8,6 +8,9 @@ pub const CHUNK: usize = 64;
 /// Octaves of flicker noise, the white one included: what `theory::allan::holds` has variances for.
 pub const MAX_OCTAVES: usize = 24;
 
+/// Streams of holds of most octaves.
+pub const STREAMS: usize = 4;
+
 /// The first octave with four streams.
 pub const FOUR_STREAMS: usize = 3;
 
@@ -78,7 +81,11 @@ impl Recipe {
         let of_level = |level: &Level| {
             let last = u64::from(self.samples / level.stride);
             let order = u64::from(self.order);
-            level.spans.iter().map(move |&span| (last + 1).saturating_sub(order * u64::from(span))).collect::<Vec<_>>()
+            level
+                .spans
+                .iter()
+                .map(move |&span| (last + 1).saturating_sub(order * u64::from(span)))
+                .collect::<Vec<_>>()
         };
         self.levels.iter().flat_map(of_level).collect()
     }

@@ -280,7 +280,10 @@ impl Wide for Avx512Wide {
             let low = _mm512_set1_epi64(0xffff_ffff);
             [
                 Avx512Wide { even: _mm512_and_si512(self.even, low), odd: _mm512_and_si512(self.odd, low) },
-                Avx512Wide { even: _mm512_srli_epi64::<32>(self.even), odd: _mm512_srli_epi64::<32>(self.odd) },
+                Avx512Wide {
+                    even: _mm512_srli_epi64::<32>(self.even),
+                    odd: _mm512_srli_epi64::<32>(self.odd),
+                },
             ]
         }
     }

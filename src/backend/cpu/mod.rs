@@ -8,9 +8,10 @@ mod avx512;
 use rayon::prelude::*;
 
 use super::Job;
-use crate::kernel::gap_fill;
 use crate::kernel::moments::Moments;
+use crate::kernel::recipe::Recipe;
 use crate::kernel::word::{Scalar, Word};
+use crate::kernel::{allan, gap_fill};
 
 /// Implements the operators of a SIMD word, lane by lane.
 #[cfg(target_arch = "x86_64")]
@@ -174,6 +175,26 @@ impl Cpu {
     /// Tallies of each job, in order; `progress` hears of trials as they are done.
     pub fn tally(&self, jobs: &[Job], histogram: bool, progress: &(dyn Fn(u64) + Sync)) -> Vec<Vec<Moments>> {
         self.pool.install(|| jobs.par_iter().map(|job| self.tally_job(job, histogram, progress)).collect())
+    }
+
+    /// Sums of the squared differences of some records: record by record, in each the places of the curve; `progress` hears of
+    /// records as they are done.
+    pub fn sums(
+        &self,
+        recipe: &Recipe,
+        first: u64,
+        count: usize,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Vec<u128> {
+        let lanes = self.width.lanes();
+        let group = |group: usize| {
+            let done = group * lanes;
+            let count = lanes.min(count - done);
+            let sums = allan::sums(self.width, recipe, first + done as u64, count);
+            progress(count as u64);
+            sums
+        };
+        self.pool.install(|| (0..count.div_ceil(lanes)).into_par_iter().flat_map_iter(group).collect())
     }
 
     fn tally_job(&self, job: &Job, histogram: bool, progress: &(dyn Fn(u64) + Sync)) -> Vec<Moments> {

@@ -1,5 +1,6 @@
 //! The GPU: the kernels as compute shaders, through wgpu on Vulkan, Metal or DX12.
 
+mod records;
 pub mod source;
 mod tile;
 
@@ -26,6 +27,10 @@ pub enum GpuError {
     Lost(String),
     #[error("the device refused the work: {0}")]
     Refused(String),
+    #[error(
+        "a record needs {bytes} bytes on the device, of {most}: shorten the longest averaging time, or overlap = \"m/64\""
+    )]
+    TooLong { bytes: u64, most: u64 },
 }
 
 /// A tile should take this long: short enough for watchdogs, long enough to hide its preparation.

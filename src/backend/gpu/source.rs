@@ -10,6 +10,7 @@ use crate::kernel::launch::{self, MARGIN, Shape};
 use crate::kernel::map::Map;
 use crate::kernel::moments::{BIN_BITS, BINS, FLUSH, LEVEL_OFFSET};
 use crate::kernel::philox::PURPOSES;
+use crate::kernel::recipe::{self, Recipe};
 use crate::kernel::sine::SINE;
 
 const WORD: &str = include_str!("../../../shaders/word.wgsl");
@@ -19,6 +20,8 @@ const SINE_: &str = include_str!("../../../shaders/sine.wgsl");
 const MOTION: &str = include_str!("../../../shaders/motion.wgsl");
 const GAP_FILL: &str = include_str!("../../../shaders/gap_fill.wgsl");
 const MOMENTS: &str = include_str!("../../../shaders/moments.wgsl");
+const NOISE: &str = include_str!("../../../shaders/noise.wgsl");
+const ALLAN: &str = include_str!("../../../shaders/allan.wgsl");
 const MAP: &str = include_str!("../../../shaders/map.wgsl");
 
 /// Words of a workgroup's partial sums of one estimate: Σ and Σ² of three words each, least, greatest.
@@ -96,6 +99,48 @@ pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
     .map(|flag| flag.0)
     .collect();
     places + &assemble(&parts, &constants, &flags, variant)
+}
+
+/// Words of a record's state before those of its holds.
+pub const STATE_WORDS: usize = 7;
+
+/// Vectors of four words for the standard deviations of flicker noise: octave o has place o.
+pub fn flicker_vectors(recipe: &Recipe) -> usize {
+    recipe.octaves().max(1).div_ceil(4)
+}
+
+/// The shader of the Allan kernel for records of a recipe.
+pub fn allan(recipe: &Recipe, variant: Variant) -> String {
+    let octaves = recipe.octaves();
+    let constants = [
+        ("CHUNK", recipe::CHUNK),
+        ("OCTAVES", octaves),
+        ("STREAMS", recipe::STREAMS),
+        ("FOUR_STREAMS", recipe::FOUR_STREAMS),
+        ("LONG_HOLDS", recipe::LONG_HOLDS),
+        ("HOLD_ROOM", recipe::STREAMS * octaves.max(1)),
+        ("STATE_WORDS", STATE_WORDS),
+        ("FLICKER_VECTORS", flicker_vectors(recipe)),
+        ("LEVELS", recipe.levels.len()),
+        ("SPAN_VECTORS", recipe.places().div_ceil(4)),
+        ("PLACES", recipe.places()),
+        ("ORDER", recipe.order as usize),
+    ];
+    let flags: Vec<&str> = [
+        ("FLICKER_HOLDS", octaves > 1),
+        ("WALK_STEPS", recipe.walk > 0),
+        ("MARKOV_STEPS", recipe.markov.is_some()),
+        ("SINE_WAVE", recipe.sine.is_some()),
+        ("QUANTISATION_NOISE", recipe.quantisation > 0),
+        ("PULSE", recipe.pulse.is_some()),
+        ("DRIFT", !recipe.drift.is_empty()),
+        ("THIRD_ORDER", recipe.order == 3),
+    ]
+    .into_iter()
+    .filter(|flag| flag.1)
+    .map(|flag| flag.0)
+    .collect();
+    assemble(&[WORD, PHILOX, NORMAL, SINE_, NOISE, ALLAN], &constants, &flags, variant)
 }
 
 /// The shader of a building block.
