@@ -335,9 +335,19 @@ mod tests {
 
     #[test]
     fn a_quantile_that_few_trials_cannot_bound_has_no_upper_end() {
-        let q = Estimates::of(&tally_of(1..=100, 0), 0, 1.0).unwrap().q9973.unwrap();
+        let base = level(12);
+        let q = Estimates::of(&tally_of(1..=100, base), base, 1.0).unwrap().q9973.unwrap();
         assert_eq!(q.high, None);
         assert!(q.low.is_some());
+    }
+
+    #[test]
+    fn what_lies_beyond_the_histogram_is_left_blank_and_not_guessed() {
+        // Bins end at 32: one of a hundred errors lies far beyond.
+        let tally = tally_of((0..10_000).map(|k| if k % 100 == 0 { 5000 } else { 1 + k % 20 }), level(1));
+        let found = Estimates::of(&tally, level(1), 1.0).unwrap();
+        assert_eq!((found.q9973, found.rms_se), (None, None));
+        assert_eq!(found.max, 5000.0);
     }
 
     #[test]
