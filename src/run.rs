@@ -54,6 +54,12 @@ const MOST_JOBS: usize = 1024;
 /// Half the width of a 95 % interval in standard errors.
 const NORMAL_95: f64 = 1.959_963_985;
 
+/// Most trials of a record that is replayed: places are taken by the lower half of the trial's number.
+const MOST_REPLAYED: u64 = 1 << 32;
+
+/// log2 of the trials after which the stop rule first decides.
+const FEWEST_LOG2: u32 = 10;
+
 /// Trials of the first batch.
 const FIRST_BATCH: u64 = 1 << 20;
 
@@ -68,7 +74,13 @@ impl<'a> Plan<'a> {
                 .map_err(|error| refused(study, point, &error))
         };
         let points = study.points().iter().map(lower).collect::<Result<_, _>>()?;
-        Ok(Plan { study, points })
+        let plan = Plan { study, points };
+        if plan.replays() && study.trials > MOST_REPLAYED {
+            let message = format!("{} trials of a record that is replayed over every place", study.trials);
+            let help = format!("accepted: up to {MOST_REPLAYED} trials, or position = \"random\"");
+            return Err(study.error_at(study.place_of("motion.profile"), message, help));
+        }
+        Ok(plan)
     }
 
     /// What makes the results those of this study.
@@ -82,7 +94,7 @@ impl<'a> Plan<'a> {
 
     /// Samples what the store lacks. `progress` hears how many trials there are in all and, as it comes, what is done.
     ///
-    /// With a precision, a point stops after 1, 2, 4, … base blocks of trials, where all errors of all its fillers are known
+    /// With a precision, a point stops after 1, 2, 4, … base blocks of trials and 1024 at least, where all errors of all its fillers are known
     /// as well as is asked: a rule that depends on nothing but the study. Fillers of a point keep the same trials, so
     /// that they are compared on the same draws.
     ///
@@ -98,7 +110,11 @@ impl<'a> Plan<'a> {
             .points
             .iter()
             .map(|point| point.trials(self.study.trials))
-            .map(|most| if self.study.precision.is_some() { most.min(1 << base_log2(most)) } else { most })
+            .map(|most| match self.study.precision {
+                // Before that many trials a standard error is not known well enough to stop by.
+                Some(_) => most.min(1 << base_log2(most).max(FEWEST_LOG2)),
+                None => most,
+            })
             .collect();
         let started = Instant::now();
         let mut trials = 0;

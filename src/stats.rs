@@ -97,7 +97,8 @@ fn mean_and_variance(tally: &Moments) -> (f64, f64) {
 /// - Else the mean of (E² − ⟨E²⟩)² over the histogram: a distribution that reaches across 0 is wide, and its bins, 1/128
 ///   of |E| wide, change the result by less than 0.1 %.
 ///
-/// `None` without a histogram where one is needed, and where its bins leave no variance although there is some.
+/// `None` without a histogram where one is needed, where its bins leave no variance although there is some, and where too
+/// much of it may come from errors beyond them.
 fn variance_of_square(tally: &Moments, edges: Edges) -> Option<f64> {
     let (mean, variance) = mean_and_variance(tally);
     let mean = mean.abs();
@@ -126,8 +127,16 @@ fn variance_of_square(tally: &Moments, edges: Edges) -> Option<f64> {
         });
         first_order + 4.0 * mean * third + fourth - variance * variance
     };
-    (result > 0.0 && !tally.bins.is_empty()).then_some(result)
+    // What the open bin may add to the fourth moment, if all its errors are as large as the largest.
+    let open = tally.bins.last().filter(|_| is_open(BINS - 1, edges)).map_or(0.0, |&count| {
+        let (low, high) = edges.of(BINS - 1);
+        count as f64 / tally.count as f64 * (libm::pow(high, 4.0) - libm::pow(low, 4.0))
+    });
+    (result > 0.0 && !tally.bins.is_empty() && open <= OPEN_PART * result).then_some(result)
 }
+
+/// Most that errors beyond the histogram may make of the variance of E²: its root is then known to 10 %.
+const OPEN_PART: f64 = 0.2;
 
 /// Mean of a function over the histogram, each bin taken as filled evenly with whole numbers: `of` is given their mean
 /// and their second and fourth central moment.
@@ -155,6 +164,9 @@ fn quantile(tally: &Moments, edges: Edges) -> Option<Quantile> {
     let value = {
         let rank = LEVEL * n as f64;
         let (bin, within) = bin_of_rank(tally, rank)?;
+        if is_open(bin, edges) {
+            return None;
+        }
         let (a, b) = edges.of(bin);
         a + (b - a) * within
     };
@@ -168,6 +180,12 @@ fn quantile(tally: &Moments, edges: Edges) -> Option<Quantile> {
         .flatten()
         .map(|(bin, _)| edges.of(bin).1);
     Some(Quantile { value, low, high })
+}
+
+/// Whether the open last bin reaches so far that what lies in it is not known.
+fn is_open(bin: usize, edges: Edges) -> bool {
+    let (low, high) = edges.of(bin);
+    bin == BINS - 1 && high > low * (1.0 + 1.0 / f64::from(1 << BIN_BITS))
 }
 
 /// The bin that holds the `rank`-th smallest |error|, and how far into the bin it lies.
@@ -209,10 +227,11 @@ fn binomial_interval(n: u64, p: f64) -> (u64, u64) {
     (fewest.unwrap_or(0), n)
 }
 
-/// Deviation of an estimate from its closed form in standard errors: `proven` bounds what rounding adds.
+/// Deviation of an estimate from its closed form in standard errors: `proven` bounds what rounding adds. `None` where that
+/// bound is so wide that the comparison says nothing.
 pub fn z_score(value: f64, oracle: f64, se: f64, proven: f64) -> Option<f64> {
     let sigma = libm::hypot(se, proven);
-    (sigma > 0.0).then(|| (value - oracle) / sigma)
+    (sigma > 0.0 && (proven <= se || proven <= 0.05 * oracle)).then(|| (value - oracle) / sigma)
 }
 
 #[cfg(test)]
@@ -316,9 +335,19 @@ mod tests {
 
     #[test]
     fn a_quantile_that_few_trials_cannot_bound_has_no_upper_end() {
-        let q = Estimates::of(&tally_of(1..=100, 0), 0, 1.0).unwrap().q9973.unwrap();
+        let base = level(12);
+        let q = Estimates::of(&tally_of(1..=100, base), base, 1.0).unwrap().q9973.unwrap();
         assert_eq!(q.high, None);
         assert!(q.low.is_some());
+    }
+
+    #[test]
+    fn what_lies_beyond_the_histogram_is_left_blank_and_not_guessed() {
+        // Bins end at 32: one of a hundred errors lies far beyond.
+        let tally = tally_of((0..10_000).map(|k| if k % 100 == 0 { 5000 } else { 1 + k % 20 }), level(1));
+        let found = Estimates::of(&tally, level(1), 1.0).unwrap();
+        assert_eq!((found.q9973, found.rms_se), (None, None));
+        assert_eq!(found.max, 5000.0);
     }
 
     #[test]

@@ -93,7 +93,9 @@ fn run_study(
     let mut csv = Vec::new();
     table.write_csv(&mut csv).map_err(|source| Failure::Write { path: folder.join("points.csv"), source })?;
     write(&folder.join("points.csv"), &csv)?;
-    let trials = plan.held(&store)?.unwrap_or(study.trials);
+    // With a precision `trials` is the most there may be, and so part of the rule.
+    let held = if study.precision.is_none() { plan.held(&store)? } else { None };
+    let trials = held.unwrap_or(study.trials);
     write(&folder.join(RESOLVED), study.resolved(trials).as_bytes())?;
     let notes = draw(study, &table, folder)?;
     let answers = answers(study, &table)?;

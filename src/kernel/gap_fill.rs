@@ -218,7 +218,7 @@ impl<W: Word> Sum<W> {
 }
 
 /// The default ticks with three fillers and one tone: what most points are.
-const POLYNOMIALS: Shape = Shape {
+pub(crate) const POLYNOMIALS: Shape = Shape {
     before: 4,
     after: 2,
     residual_before: 2,

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use super::moments::MAX_ESTIMATES;
 
 /// Most ticks on one side of the gap.
 pub const MAX_SIDE: usize = 64;
@@ -88,11 +87,6 @@ impl Shape {
     /// Whether the kernel reads the table.
     pub fn has_table(self) -> bool {
         self.in_gap || self.gaussian || self.profile
-    }
-
-    /// Most fillers of one launch with this shape's errors; a point with more takes several.
-    pub fn most_fillers(errors: usize) -> usize {
-        MAX_ESTIMATES / errors
     }
 }
 

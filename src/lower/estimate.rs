@@ -20,6 +20,9 @@ pub struct Oracle {
     pub rms: Option<f64>,
     /// Largest error of the motion alone, where it is known.
     pub max: Option<f64>,
+    /// Standard deviation of E² in a trial whose place in the record is given, ″²: where every place comes equally often, the
+    /// noise alone scatters.
+    pub noise_of_square: Option<f64>,
     /// No sampled rms is farther from `rms` than this for rounding in the kernel.
     pub rounding: f64,
 }
@@ -39,6 +42,10 @@ pub struct Estimate {
     pub(super) shift: u32,
 }
 
+/// Most of the rms that rounding may be in an estimate of a filler that was designed for the least: beyond it the weights cancel
+/// the motion to below what the arithmetic can hold.
+const MOST_ROUNDING: f64 = 0.1;
+
 /// Whose an estimate is.
 pub(super) struct Owner<'a> {
     pub(super) point: Id,
@@ -46,6 +53,8 @@ pub(super) struct Owner<'a> {
     pub(super) filler: &'a str,
     /// What the filler is, whatever its name.
     pub(super) definition: &'a str,
+    /// Whether its weights were chosen for the least error.
+    pub(super) designed: bool,
     pub(super) error: Error,
 }
 
@@ -93,6 +102,15 @@ impl Estimate {
         };
         let oracle = Oracle {
             rms: quantised.filter(|_| known).map(|(variance, _)| rms_with(variance) * unit_arcsec),
+            noise_of_square: fixed
+                .profile
+                .as_ref()
+                .filter(|profile| profile.every && known && fixed.readout.is_none())
+                .map(|_| {
+                    let square = response.mean * response.mean + response.variance;
+                    let (n, unit) = (noise * noise, unit_arcsec / unit);
+                    libm::sqrt(4.0 * square * n + 2.0 * n * n) * unit * unit
+                }),
             max: response.largest.filter(|_| known).map(|largest| largest / unit * unit_arcsec),
             rounding: rounding
                 + quantised.map_or(0.0, |(variance, tail)| {
@@ -102,7 +120,14 @@ impl Estimate {
         // Where the variance of the readout is not known, about that of independent fractions.
         let about =
             quantised.map_or(pulse * pulse / 6.0 * whole.noise_gain() * whole.noise_gain(), |(x, _)| x);
-        let bin_base = level(libm::floor(0.25 * rms_with(about)) as u32);
+        // A record may have most of its motion in few places: then its own level says where bins are needed.
+        let tail = response.level.map_or(0.0, |motion| 0.125 * libm::hypot(motion, 3.0 * noise) / unit);
+        let bin_base = level(libm::floor((0.25 * rms_with(about)).max(tail)) as u32);
+        let lost = oracle.rms.is_some_and(|rms| oracle.rounding > MOST_ROUNDING * rms);
+        if owner.designed && lost {
+            let (filler, sigma_arcsec) = (owner.filler.to_owned(), sigma * fixed.lsb_arcsec);
+            return Err(LowerError::SingularCovariance { filler, sigma_arcsec });
+        }
         let words = [gap_fill::VERSION, owner.key[0], owner.key[1]]
             .into_iter()
             .chain(fixed.words(&rows.ticks))

@@ -35,8 +35,7 @@ impl Lowered {
             .filter(|_| shape.constants)
             .collect();
         let positions: Vec<u32> = fixed.profile.iter().map(|profile| profile.positions as u32).collect();
-        let inverse: Vec<u32> =
-            positions.iter().map(|&count| ((1_u64 << 32) / u64::from(count)) as u32).collect();
+        let inverse: Vec<u32> = positions.iter().map(|&count| u32::MAX / count).collect();
         let mask: Vec<u32> = fixed.readout.iter().map(|readout| !((1 << readout.bits) - 1)).collect();
         let gap_sigma: Vec<u32> = fixed.readout.iter().map(|readout| readout.gap_sigma).collect();
         let shift: Vec<u32> = estimates.iter().map(|e| e.shift).filter(|_| shape.wide).collect();

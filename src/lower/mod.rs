@@ -76,7 +76,9 @@ impl Lowered {
                 };
                 let Some(ticks) = ticks else { continue };
                 let Some(rows) = Rows::of(filler, error, ticks, &point.inputs)? else { continue };
-                let owner = Owner { point: id, key, filler: &filler.name, definition: &definition, error };
+                let designed = matches!(filler.method, Method::MinimumVariance(_));
+                let owner =
+                    Owner { point: id, key, filler: &filler.name, definition: &definition, designed, error };
                 estimates.push(Estimate::new(&owner, &fixed, rows)?);
             }
             Ok(estimates)

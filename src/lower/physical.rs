@@ -109,8 +109,7 @@ impl Physical {
             },
         });
         let profile = motion.profile.as_ref().map(|profile| {
-            let ticks = profile.record.tick_angles(tick_s);
-            let (file, count) = (profile.file.clone(), ticks.len());
+            let (file, count) = (profile.file.clone(), profile.record.whole_ticks(tick_s));
             if count > MOST_PROFILE_TICKS {
                 return Err(LowerError::ProfileTooLong { file, ticks: count, most: MOST_PROFILE_TICKS });
             }
@@ -119,6 +118,7 @@ impl Physical {
                 let gap_ticks = inputs.gap_ticks;
                 return Err(LowerError::ProfileTooShort { file, ticks: count, gap_ticks, margin: MARGIN });
             };
+            let ticks = profile.record.tick_angles(tick_s);
             Ok(PhysicalProfile { ticks, every: profile.position == Position::Every, positions: rest + 1 })
         });
         Ok(Physical {

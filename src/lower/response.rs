@@ -7,6 +7,7 @@ use super::fixed::{
     ANGLE_UNITS, Fixed, FixedProfile, FixedTone, RAYLEIGH_UNIT, SIGMA_UNITS, ToneMotion, gaussian_place,
 };
 use crate::kernel::normal::REACH;
+use crate::stats::LEVEL;
 use crate::theory::quadrature;
 
 /// Σ w P − D Σ_{j ≤ gap} P_j, the weights being whole numbers on ticks.
@@ -28,6 +29,8 @@ pub(super) struct Response {
     pub(super) bound: f64,
     /// The largest error, where it is known and not only bounded.
     pub(super) largest: Option<f64>,
+    /// The 99.73 % level of |error|, where the motion is so far from a sine or a Gaussian that the rms does not tell it.
+    pub(super) level: Option<f64>,
     /// Σ|w||P| + D|Σ P|: no accumulator holds more on the way.
     pub(super) terms: f64,
 }
@@ -61,8 +64,8 @@ impl Fixed {
         let lsb = |x: i64| x as f64 / libm::exp2(32.0);
         let constant = f.of(|tick| lsb(self.tick_constant(tick)), lsb(self.gap_constant(f.gap)));
         let terms = f.terms_of(|tick| lsb(self.tick_constant(tick)), lsb(self.gap_constant(f.gap)));
-        let mut sum =
-            Response { mean: constant, variance: 0.0, bound: constant.abs(), largest: Some(constant), terms };
+        let (bound, largest) = (constant.abs(), Some(constant));
+        let mut sum = Response { mean: constant, variance: 0.0, bound, largest, level: None, terms };
         // `largest` is the mean with its sign until the parts that swing about it are added at the end.
         let mut swing = 0.0;
         for tone in &self.tones {
@@ -91,6 +94,7 @@ impl Fixed {
             sum.bound += part.bound;
             sum.terms += part.terms;
             sum.largest = part.largest;
+            sum.level = part.level;
         }
         sum
     }
@@ -190,6 +194,7 @@ impl FixedTone {
                 variance: 2.0 * swinging * unit * unit,
                 bound: REACH * unit * sum,
                 largest: None,
+                level: None,
                 terms: REACH * unit * terms,
             };
         }
@@ -201,7 +206,7 @@ impl FixedTone {
         } else {
             (fixed * mean_part, fixed_square * mean_square, bounds[1])
         };
-        Response { mean, variance: (square - mean * mean).max(0.0), bound, largest: None, terms }
+        Response { mean, variance: (square - mean * mean).max(0.0), bound, largest: None, level: None, terms }
     }
 }
 
@@ -209,7 +214,7 @@ fn gaussian_response(factor: &[Vec<i32>], f: &Functional, n: i32) -> Response {
     let word = |tick: i32, i: usize| {
         factor[gaussian_place(tick, n)].get(i).map_or(0.0, |&word| f64::from(word) / SIGMA_UNITS)
     };
-    let mut sum = Response { mean: 0.0, variance: 0.0, bound: 0.0, largest: None, terms: 0.0 };
+    let mut sum = Response { mean: 0.0, variance: 0.0, bound: 0.0, largest: None, level: None, terms: 0.0 };
     for i in 0..factor.len() {
         let gap: f64 = (1..=f.gap).map(|tick| word(tick, i)).sum();
         let r = f.of(|tick| word(tick, i), gap);
@@ -224,6 +229,7 @@ impl FixedProfile {
     fn response(&self, f: &Functional, constant: f64) -> Response {
         let (mut sum, mut square, mut terms) = (0.0, 0.0, 0.0_f64);
         let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut sizes = Vec::with_capacity(self.positions);
         for position in 0..self.positions {
             let tick = |tick: i32| f64::from(self.tick(position, tick));
             let gap = f64::from(self.gap(position, f.gap));
@@ -231,15 +237,19 @@ impl FixedProfile {
             sum += e;
             square += e * e;
             (least, greatest) = (least.min(e), greatest.max(e));
+            sizes.push((e + constant).abs());
             terms = terms.max(f.terms_of(tick, gap));
         }
         let count = self.positions as f64;
         let mean = sum / count;
+        let rank = ((LEVEL * count) as usize).min(self.positions - 1);
+        let level = *sizes.select_nth_unstable_by(rank, f64::total_cmp).1;
         Response {
             mean,
             variance: (square / count - mean * mean).max(0.0),
             bound: least.abs().max(greatest.abs()),
             largest: Some((least + constant).abs().max((greatest + constant).abs())),
+            level: Some(level),
             terms,
         }
     }

@@ -82,7 +82,8 @@ impl Rows {
                             filler: filler.name.clone(),
                             sigma_arcsec: inputs.sigma_arcsec(),
                         };
-                        Ok((length, weights.ok_or_else(singular)?))
+                        let bounded = |w: &Vec<f64>| w.iter().all(|w| w.abs() < LARGEST_WEIGHT);
+                        Ok((length, weights.filter(bounded).ok_or_else(singular)?))
                     })
                     .collect::<Result<Vec<_>, LowerError>>()?;
                 Ok(Some(nearest(ticks, &rows)))
@@ -106,6 +107,9 @@ impl Rows {
         self.numerators.iter().map(|row| row.iter().map(value).collect()).collect()
     }
 }
+
+/// Weights of a designed filler stay below this, with at least ten bits left for their fractions.
+const LARGEST_WEIGHT: f64 = (1 << 20) as f64;
 
 /// Second-order statistics that a minimum-variance filler is designed from, ″² by lag.
 struct Design {

@@ -131,7 +131,12 @@ impl Columns {
         found: Option<Estimates>,
     ) {
         let q = found.and_then(|found| found.q9973);
-        let rms_se = found.and_then(|found| found.rms_se);
+        let rms_se = found.and_then(|found| match estimate.oracle.noise_of_square {
+            Some(noise) if trials > 0 && found.rms > 0.0 => {
+                Some(noise / libm::sqrt(trials as f64) / (2.0 * found.rms))
+            }
+            _ => found.rms_se,
+        });
         let z = found
             .zip(rms_se)
             .zip(estimate.oracle.rms)

@@ -2,6 +2,7 @@
 //!
 //! A new key that sweeps may vary is one entry here.
 
+use crate::kernel::launch::MAX_SIDE;
 use std::ops::Range;
 
 use toml::Spanned;
@@ -13,7 +14,7 @@ use super::scalar::{self, Scalar};
 use super::units::{Dimension, Quantity};
 
 /// Longest gap, ticks.
-pub(super) const LONGEST_GAP: i64 = 64;
+pub(super) const LONGEST_GAP: i64 = MAX_SIDE as i64;
 
 /// A key with a physical value.
 #[derive(Debug)]

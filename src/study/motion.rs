@@ -173,14 +173,6 @@ impl Tone {
 }
 
 impl Value {
-    pub fn mean(self) -> f64 {
-        match self {
-            Value::Fixed(x) => x,
-            Value::Uniform([a, b]) => 0.5 * (a + b),
-            Value::Rayleigh(scale) => scale * libm::sqrt(0.5 * core::f64::consts::PI),
-        }
-    }
-
     pub fn mean_square(self) -> f64 {
         match self {
             Value::Fixed(x) => x * x,

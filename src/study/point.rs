@@ -10,6 +10,7 @@ use super::read_fillers::{Extrapolation, Written};
 use super::sweep::Sweep;
 use super::ticks::TickList;
 use super::units::Quantity;
+use crate::kernel::launch::MAX_SIDE;
 use crate::table::significant;
 use crate::theory::minimum_variance::Band;
 
@@ -82,6 +83,13 @@ impl Base<'_> {
             let names = ["motion.gaussian.low", "motion.gaussian.high", "motion.gaussian", "gyro.tick"];
             self.check_band("motion.gaussian", *band, inputs, &names)?;
         }
+        if let Some(Gaussian::Psd(psd)) = &inputs.motion.gaussian
+            && let [.., [high_hz, _]] = psd.points()
+        {
+            let band = Band { low_hz: 0.0, high_hz: *high_hz };
+            let names = ["motion.gaussian", "gyro.tick"];
+            self.check_band("motion.gaussian.psd", band, inputs, &names)?;
+        }
         for Written { filler, span, .. } in self.fillers {
             if let Method::MinimumVariance(Some(band)) = &filler.method {
                 above_nyquist(&filler.name, *band, inputs).map_or(Ok(()), |(message, accepted)| {
@@ -90,10 +98,10 @@ impl Base<'_> {
             }
         }
         let rate = inputs.motion.rate.abs();
-        let turned = inputs.motion.acceleration.abs() * inputs.tick_s * 64.0;
+        let turned = inputs.motion.acceleration.abs() * inputs.tick_s * MAX_SIDE as f64;
         if turned > MOST_RATE {
             let message =
-                format!("motion.acceleration changes the rate by {turned:.3e} arcsec/s in 64 ticks");
+                format!("motion.acceleration changes the rate by {turned:.3e} arcsec/s in {MAX_SIDE} ticks");
             return refuse(&["motion.acceleration", "gyro.tick"], message, "too large", "up to 1e9 arcsec/s");
         }
         debug_assert!(rate <= MOST_RATE, "a key's limit");
@@ -167,13 +175,15 @@ impl Base<'_> {
         let Written { filler, fit_ticks, extrapolation, span } = written;
         let n = inputs.gap_ticks;
         let fit = fit_ticks.as_ref().unwrap_or(&self.fit_ticks);
-        let fit_ticks = fit.resolve(n)?;
+        let given = matches!(filler.method, Method::Weights { .. });
+        let resolved = |list: &TickList| if given { list.resolve_in_order(n) } else { list.resolve(n) };
+        let fit_ticks = resolved(fit)?;
         let (list, extrapolation_ticks) = match extrapolation {
             Extrapolation::None => (None, None),
             Extrapolation::Common => {
-                (Some(&self.extrapolation_ticks), Some(self.extrapolation_ticks.resolve(n)?))
+                (Some(&self.extrapolation_ticks), Some(resolved(&self.extrapolation_ticks)?))
             }
-            Extrapolation::Own(list) => (Some(list), Some(list.resolve(n)?)),
+            Extrapolation::Own(list) => (Some(list), Some(resolved(list)?)),
             Extrapolation::OfFit => {
                 let before: Vec<i32> = fit_ticks.iter().copied().filter(|tick| *tick <= 0).collect();
                 (Some(fit), Some(before))

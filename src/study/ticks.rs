@@ -1,5 +1,6 @@
 //! Lists of ticks to fit: numbers, `"n+1"`, ranges `"-7..0"`, where n is the length of the gap.
 
+use crate::kernel::launch::MAX_SIDE;
 use std::fmt;
 use std::ops::Range;
 
@@ -9,7 +10,7 @@ use super::diagnose::Fault;
 use super::scalar::Scalar;
 
 /// Ticks farther than this from the gap are refused: a fit over them says nothing about the gap.
-pub(super) const FARTHEST: i64 = 64;
+pub(super) const FARTHEST: i64 = MAX_SIDE as i64;
 
 /// What is accepted in a list of ticks.
 const ACCEPTED: &str =
@@ -108,6 +109,23 @@ impl TickList {
 
     /// The ticks at a gap of `gap_ticks`, ascending.
     pub(super) fn resolve(&self, gap_ticks: u32) -> Result<Vec<i32>, Fault> {
+        let mut ticks = self.as_written(gap_ticks)?;
+        ticks.sort_unstable();
+        Ok(ticks)
+    }
+
+    /// The same, but refused where they are not written in that order: weights that are given go with the ticks as they stand.
+    pub(super) fn resolve_in_order(&self, gap_ticks: u32) -> Result<Vec<i32>, Fault> {
+        let ticks = self.as_written(gap_ticks)?;
+        if ticks.is_sorted() {
+            return Ok(ticks);
+        }
+        let message = format!("{}: ticks {ticks:?} do not rise (at gap_ticks = {gap_ticks})", self.purpose);
+        let help = "write ticks from the earliest to the latest, and each weight at the place of its tick";
+        Err(Fault::new(self.span.clone(), message, "not in the order of time", help))
+    }
+
+    fn as_written(&self, gap_ticks: u32) -> Result<Vec<i32>, Fault> {
         let n = i64::from(gap_ticks);
         let mut ticks = Vec::new();
         for item in &self.ranges {
@@ -153,7 +171,6 @@ impl TickList {
                 ticks.push(tick);
             }
         }
-        ticks.sort_unstable();
         Ok(ticks)
     }
 }
@@ -200,6 +217,8 @@ mod tests {
         let twice = list(Purpose::Residual, &[Scalar::Integer(4), text("n+1")]).unwrap();
         assert!(twice.resolve(2).is_ok());
         assert!(format!("{:?}", twice.resolve(3).unwrap_err()).contains("tick 4 is listed twice"));
+        let turned = list(Purpose::Residual, &[text("n+1"), Scalar::Integer(0)]).unwrap();
+        assert!(format!("{:?}", turned.resolve_in_order(3).unwrap_err()).contains("[4, 0] do not rise"));
         let late = list(Purpose::Extrapolation, &[text("n+1")]).unwrap();
         assert!(format!("{:?}", late.resolve(3).unwrap_err()).contains("comes after the gap"));
         for item in ["n1", "m+1", "1..2..3", "", "n+", "5 ms", "-7..=0"] {

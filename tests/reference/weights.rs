@@ -132,22 +132,3 @@ fn eliminated(mut rows: Vec<Vec<f64>>) -> Vec<f64> {
     }
     rows.iter().map(|row| row[count]).collect()
 }
-
-/// Variance of Σ w P − Σ P over the first `length` ticks of the gap, for motion and noise, ″².
-pub fn error_variance(gyro: &Gyro, ticks: &[i32], weights: &[f64], length: i32) -> f64 {
-    let all: Vec<(i32, f64)> = ticks
-        .iter()
-        .copied()
-        .zip(weights.iter().copied())
-        .chain((1..=length).map(|tick| (tick, -1.0)))
-        .collect();
-    let farthest = all.iter().map(|(tick, _)| *tick);
-    let lags = (farthest.clone().max().unwrap() - farthest.min().unwrap()) as usize + 1;
-    let covariance = gyro.covariance(lags);
-    let motion: f64 = all
-        .iter()
-        .flat_map(|&(a, u)| all.iter().map(move |&(b, v)| (a, u, b, v)))
-        .map(|(a, u, b, v)| u * v * covariance[a.abs_diff(b) as usize])
-        .sum();
-    motion + gyro.sigma * gyro.sigma * weights.iter().map(|w| w * w).sum::<f64>()
-}

@@ -264,29 +264,10 @@ fn replace_word(line: &str, name: &str, by: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernel::gap_fill::POLYNOMIALS;
     use crate::kernel::map;
 
-    /// The default ticks with three fillers and one tone.
-    const PLAIN: Shape = Shape {
-        before: 4,
-        after: 2,
-        residual_before: 2,
-        extrapolation_before: 4,
-        fillers: 3,
-        residual: true,
-        extrapolation: true,
-        in_gap: false,
-        wide: false,
-        gap_ticks: 0,
-        tones: 1,
-        amplitudes: false,
-        frequencies: false,
-        gaussian: false,
-        profile: false,
-        every: false,
-        constants: false,
-        readout: false,
-    };
+    const PLAIN: Shape = POLYNOMIALS;
 
     const SHAPES: [Shape; 8] = [
         PLAIN,
