@@ -105,7 +105,7 @@ mod tests {
     }
 
     fn figure(series: Vec<Series>) -> Figure {
-        let axis = Axis { label: String::new(), unit: String::new(), scale: Scale::Log };
+        let axis = Axis { label: String::new(), unit: String::new(), scale: Scale::Log, whole: false };
         Figure {
             title: String::new(),
             subtitle: None,
@@ -117,6 +117,7 @@ mod tests {
             series,
             laws: vec![],
             limit: None,
+            chosen: vec![],
         }
     }
 

@@ -81,7 +81,7 @@ mod tests {
     }
 
     fn merged(lines: Vec<LawLine>) -> Vec<(Vec<usize>, usize)> {
-        let axis = Axis { label: String::new(), unit: String::new(), scale: Scale::Log };
+        let axis = Axis { label: String::new(), unit: String::new(), scale: Scale::Log, whole: false };
         let mut figure = Figure {
             title: String::new(),
             subtitle: None,
@@ -93,6 +93,7 @@ mod tests {
             series: vec![],
             laws: vec![Law { label: String::new(), lines }],
             limit: None,
+            chosen: vec![],
         };
         figure.merge_laws();
         let lines = figure.laws.into_iter().flat_map(|law| law.lines);

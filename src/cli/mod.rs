@@ -10,6 +10,7 @@ mod output;
 mod progress;
 mod run;
 mod terminal;
+mod verdicts;
 mod verify;
 
 use std::process::ExitCode;

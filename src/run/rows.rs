@@ -113,10 +113,10 @@ impl Columns {
             column("rms_se", "standard error of the rms", Unit::ARCSEC),
             column("max", "largest error seen", Unit::ARCSEC),
             banded("q9973", "99.73 % error"),
-            column("q9973_lo", "99.73 % error, lower", Unit::ARCSEC),
-            column("q9973_hi", "99.73 % error, upper", Unit::ARCSEC),
-            column("oracle_rms", "rms error, closed form", Unit::ARCSEC),
-            column("oracle_max", "largest error of the motion, closed form", Unit::ARCSEC),
+            column("q9973_lo", "99.73 % error (lower)", Unit::ARCSEC),
+            column("q9973_hi", "99.73 % error (upper)", Unit::ARCSEC),
+            column("oracle_rms", "rms error (closed form)", Unit::ARCSEC),
+            column("oracle_max", "largest error of the motion (closed form)", Unit::ARCSEC),
             column("z", "deviation from the closed form, standard errors", Unit::NONE),
         ]);
         Columns { table: Table { columns } }

@@ -60,10 +60,14 @@ pub(super) struct ChartTable {
     #[serde(default)]
     #[schemars(with = "String")]
     pub(super) limit: Option<Spanned<Scalar>>,
-    #[serde(default)]
-    pub(super) x_scale: Scale,
-    #[serde(default)]
-    pub(super) y_scale: Scale,
+    /// Linear if absent over a sweep that is linear or not above 0, else "log".
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Scale")]
+    pub(super) x_scale: Option<Scale>,
+    /// As x_scale.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Scale")]
+    pub(super) y_scale: Option<Scale>,
     /// The scale of the colours of a heat map; "log" if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Scale")]
