@@ -9,6 +9,10 @@ use crate::table::{Column, Table};
 const DT_NU: &str = "dt_nu";
 const FREQUENCY: &str = "motion.frequency";
 
+/// Follows from them too, and first of all from the amplitude.
+const AMPLITUDE_NOISE: &str = "amplitude_noise";
+const AMPLITUDE: &str = "motion.amplitude";
+
 /// Refuses curves along which more varies than one of the columns that tell rows apart, or whose abscissa stands still
 /// while that one varies.
 ///
@@ -47,14 +51,16 @@ fn mixed<'t>(x: &Column, apart: &[&'t Column], rows: &[usize]) -> Option<(&'t Co
         .filter_map(|column| Some((*column, *rows.iter().find(|&&row| differ(column, rows[0], row))?)))
         .collect();
     let named = |name: &str| varying.iter().position(|(column, _)| column.name == name);
-    let along = named(&x.name).or_else(|| named(FREQUENCY));
+    let base = if x.name == AMPLITUDE_NOISE { AMPLITUDE } else { FREQUENCY };
+    let along = named(&x.name).or_else(|| named(base));
     let along = (!varying.is_empty()).then(|| varying.remove(along.unwrap_or(0)));
     if let Some((column, row)) = varying.first() {
         return Some(found(column, rows[0], *row));
     }
     // An x that stands still, while another column varies; an estimate may be the same by chance.
     let (column, row) = along?;
-    let coordinate = x.name == DT_NU || apart.iter().any(|column| column.name == x.name);
+    let coordinate = [DT_NU, AMPLITUDE_NOISE].contains(&x.name.as_str())
+        || apart.iter().any(|column| column.name == x.name);
     let known = x.cells[rows[0]].number().is_some();
     let still = coordinate && known && !rows.iter().any(|&row| differ(x, rows[0], row));
     still.then(|| found(column, rows[0], row))

@@ -105,6 +105,7 @@ impl Columns {
             .collect();
         columns.extend([
             column("dt_nu", "Δt·ν", Unit::NONE),
+            column("amplitude_noise", "rate amplitude · T / σ", Unit::NONE),
             column("filler", "filler", Unit::NONE),
             column("error", "error", Unit::NONE),
             column("trials", "trials", Unit::NONE),
@@ -143,6 +144,7 @@ impl Columns {
             .and_then(|((found, se), rms)| z_score(found.rms, rms, se, estimate.oracle.rounding));
         let cells = point.swept.iter().map(|(_, value)| value.cell()).chain([
             Cell::from(point.inputs.dt_nu()),
+            point.inputs.amplitude_noise().into(),
             Cell::Text(filler.to_owned()),
             Cell::Text(estimate.error.name().to_owned()),
             Cell::Integer(trials as i64),
