@@ -138,7 +138,9 @@ impl<'a> Sampled<'a> {
 
 /// Whether a row has a closed form.
 fn is_closed(gyro: &Gyro, error: &str) -> bool {
-    let drawn = |tone: &Tone| !matches!(tone.amplitude, Draw::Fixed(_) | Draw::Rayleigh(_)) || tone.frequency[0] < tone.frequency[1];
+    let drawn = |tone: &Tone| {
+        !matches!(tone.amplitude, Draw::Fixed(_) | Draw::Rayleigh(_)) || tone.frequency[0] < tone.frequency[1]
+    };
     let readable = !gyro.tones.iter().any(drawn) && !matches!(gyro.beside, Beside::Profile { .. });
     (error != "in-gap" || gyro.n == 1) && (gyro.readout == 0.0 || readable)
 }
@@ -245,7 +247,10 @@ fn an_amplitude_of_rayleigh() {
     let tone = Tone::of_rate(Draw::Rayleigh(8485.0), 20.0, 20.0);
     check_both("Rayleigh amplitude", &of_tones(vec![tone]));
     let angle = Tone { of_angle: true, amplitude: Draw::Rayleigh(40.0), ..tone };
-    check("Rayleigh angle beside a tone", &of_tones(vec![angle, Tone::of_rate(Draw::Fixed(5000.0), 8.0, 8.0)]));
+    check(
+        "Rayleigh angle beside a tone",
+        &of_tones(vec![angle, Tone::of_rate(Draw::Fixed(5000.0), 8.0, 8.0)]),
+    );
 }
 
 #[test]
@@ -301,12 +306,7 @@ fn a_record_at_every_place() {
 
 #[test]
 fn a_rate_an_acceleration_and_the_relock() {
-    let still = Gyro {
-        rate: 36_000.0,
-        acceleration: -90_000.0,
-        relock: vec![20.3, 14.8],
-        ..Gyro::still()
-    };
+    let still = Gyro { rate: 36_000.0, acceleration: -90_000.0, relock: vec![20.3, 14.8], ..Gyro::still() };
     check_both("rate, acceleration and relock", &still);
     let vibrating = Gyro { tones: vec![Tone::of_rate(Draw::Fixed(12000.0), 20.0, 20.0)], ..still };
     check_both("the same under vibration", &vibrating);

@@ -153,10 +153,7 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
         let end = self.start + W::splat(n + k);
         let start = self.start - W::splat(k);
         let one = W::splat(1);
-        [
-            given.profile(start) - given.profile(start - one),
-            given.profile(end + one) - given.profile(end),
-        ]
+        [given.profile(start) - given.profile(start - one), given.profile(end + one) - given.profile(end)]
     }
 
     /// Tone `t` of drawn frequency: its angle over the gap up to `row`, as factors of the sine and cosine at the middle.
