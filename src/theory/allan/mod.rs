@@ -32,5 +32,5 @@ mod process;
 pub mod quantiser;
 
 pub use estimator::{Difference, Estimator, Stride};
-pub use part::Part;
+pub use part::{FLAT_LEVEL, Part, Trend};
 pub use process::Process;
