@@ -6,13 +6,13 @@ use super::{FitError, Term, survival};
 use crate::theory::allan::Process;
 use crate::theory::cholesky;
 
-/// Standard deviations of a normal distribution within which 95 % lie, on both sides and on one.
-const TWO_SIDED: f64 = 1.959_963_984_540_054;
-const ONE_SIDED: f64 = 1.644_853_626_951_472_2;
+/// Standard deviations of a normal distribution within which 95 % lie.
+const WITHIN_95: f64 = 1.959_963_984_540_054;
 /// Logarithmic step of the derivative by a shape.
 const STEP: f64 = 1e-4;
 
-/// How far a coefficient is known. Bounds are one-sided, at 95 % or more.
+/// How far a coefficient is known. A bound is the upper end of the 95 % interval, so that it fails 2.5 % of the time: a
+/// closer one for coefficients that turn out small would spoil the intervals of those that do not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Verdict {
     /// The 95 % interval of its square does not contain 0.
@@ -32,14 +32,15 @@ pub struct Shape {
     pub interval: [f64; 2],
 }
 
-/// A coefficient, in the unit of its [`Term`]. Numbers are there only where it is identified.
+/// A coefficient, in the unit of its [`Term`]. Value and shape are there only where it is identified.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coefficient {
     pub term: Term,
     pub value: Option<f64>,
     /// Of the value: that of its square over twice the value.
     pub standard_error: Option<f64>,
-    /// Roots of the 95 % interval of the square, which is the one that is nearly normal.
+    /// Roots of the 95 % interval of the square, which is the one that is nearly normal; from 0 where that reaches below,
+    /// and absent where there is no bound.
     pub interval: Option<[f64; 2]>,
     pub shape: Option<Shape>,
     pub verdict: Verdict,
@@ -75,7 +76,7 @@ impl Fit {
 ///
 /// The covariance of squares and logarithms of shapes is the inverse of JᵀC⁻¹J, J being the derivative of the curve. A
 /// term that is not in use is judged as if it entered next: by the estimate, possibly negative, that it would have, and that
-/// estimate's standard error. Its bound max(0, estimate) + 1.645 standard errors holds at least 95 % of the time.
+/// estimate's standard error, where a negative one counts as 0 for the bound.
 pub(super) fn assess(system: &System, solution: &Solution, terms: &[Term]) -> Result<Fit, FitError> {
     let used: Vec<Fitted> = solution.terms.iter().copied().filter(|fitted| fitted.square > 0.0).collect();
     let parameters: usize = used.iter().map(|fitted| fitted.term.parameters()).sum();
@@ -95,15 +96,16 @@ pub(super) fn assess(system: &System, solution: &Solution, terms: &[Term]) -> Re
 }
 
 fn coefficient(system: &System, used: &[Fitted], residual: &[f64], term: Term) -> Coefficient {
-    let nothing = |verdict| Coefficient {
+    let without_value = |below: Option<f64>, verdict| Coefficient {
         term,
         value: None,
         standard_error: None,
-        interval: None,
+        interval: below.map(|below| [0.0, below]),
         shape: None,
         verdict,
     };
-    let unknown = nothing(Verdict::NotIdentifiable { below: None });
+    let uncertain = |below| without_value(below, Verdict::NotIdentifiable { below });
+    let unknown = uncertain(None);
     let Some(place) = used.iter().position(|fitted| fitted.term == term) else {
         if term.has_shape() {
             return unknown;
@@ -112,21 +114,20 @@ fn coefficient(system: &System, used: &[Fitted], residual: &[f64], term: Term) -
         columns.push(system.column(term, 1.0));
         let Some(inverse) = Inverse::of(&columns) else { return unknown };
         let (estimate, error) = (inverse.row_times(columns.len() - 1, &columns, residual), inverse.error(columns.len() - 1));
-        let below = libm::sqrt(estimate.max(0.0) + ONE_SIDED * error);
-        return nothing(match estimate > 0.0 {
-            true => Verdict::NotIdentifiable { below: Some(below) },
-            false => Verdict::AtBoundary { below },
-        });
+        let below = libm::sqrt(estimate.max(0.0) + WITHIN_95 * error);
+        return match estimate > 0.0 {
+            true => uncertain(Some(below)),
+            false => without_value(Some(below), Verdict::AtBoundary { below }),
+        };
     };
     let columns = derivatives(system, used);
     let Some(inverse) = Inverse::of(&columns) else { return unknown };
     let column: usize = used[..place].iter().map(|fitted| fitted.term.parameters()).sum();
     let (square, error) = (used[place].square, inverse.error(column));
     let shape = term.has_shape().then(|| Shape::of(used[place].shape, inverse.error(column + 1)));
-    let [low, high] = [square - TWO_SIDED * error, square + TWO_SIDED * error];
+    let [low, high] = [square - WITHIN_95 * error, square + WITHIN_95 * error];
     if low <= 0.0 {
-        let below = libm::sqrt(square + ONE_SIDED * error);
-        return nothing(Verdict::NotIdentifiable { below: Some(below).filter(|_| !term.has_shape()) });
+        return uncertain(Some(libm::sqrt(high)).filter(|_| !term.has_shape()));
     }
     if shape.is_some_and(|shape| is_at_the_end(shape.value, system.shape_range(term))) {
         return unknown;
@@ -143,7 +144,7 @@ fn coefficient(system: &System, used: &[Fitted], residual: &[f64], term: Term) -
 
 impl Shape {
     fn of(value: f64, logarithmic_error: f64) -> Shape {
-        let factor = libm::exp(TWO_SIDED * logarithmic_error);
+        let factor = libm::exp(WITHIN_95 * logarithmic_error);
         Shape { value, standard_error: value * logarithmic_error, interval: [value / factor, value * factor] }
     }
 }

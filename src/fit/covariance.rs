@@ -4,11 +4,12 @@ use super::{Curve, FitError};
 use crate::theory::allan::{Process, gaussian};
 use crate::theory::cholesky;
 
-/// Variance, in parts of its own, that every estimate is given as if of its own.
+/// Variance, in parts of its own, that every estimate is given as if of its own: the least of these that makes the
+/// correlations positive definite.
 ///
-/// Neighbours of a dense curve are nearly the same number. What they differ by is then known to the precision of the
-/// covariance only, 1e-3 of it: without this, weights of such differences would grow without bound.
-const OWN: f64 = 1e-3;
+/// Neighbours of a dense curve are nearly the same number, and what they differ by is known to the precision of the
+/// covariance only. Without this, weights of such differences could grow without bound.
+const OWN: [f64; 3] = [1e-4, 1e-3, 1e-2];
 
 /// A covariance matrix and the factor of its correlations.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,17 +23,17 @@ impl Covariance {
     /// Of a symmetric matrix, (″/s)⁴, in the order of the curve.
     ///
     /// # Errors
-    /// A matrix that is not positive definite even with 0.1 % more on its diagonal.
+    /// A matrix that is not positive definite even with 1 % more on its diagonal.
     pub fn new(rows: Vec<Vec<f64>>) -> Result<Covariance, FitError> {
         let deviations: Vec<f64> = rows.iter().enumerate().map(|(i, row)| libm::sqrt(row[i])).collect();
         if !deviations.iter().all(|x| x.is_finite() && *x > 0.0) {
             return Err(FitError::NotDefinite);
         }
-        let correlation = |i: usize, j: usize| {
-            let own = if i == j { OWN } else { 0.0 };
-            rows[i][j] / (deviations[i] * deviations[j]) + own
+        let correlation = |i: usize, j: usize| rows[i][j] / (deviations[i] * deviations[j]);
+        let with_own = |own: &f64| {
+            cholesky::definite(rows.len(), |i, j| correlation(i, j) + if i == j { *own } else { 0.0 })
         };
-        let factor = cholesky::definite(rows.len(), correlation).ok_or(FitError::NotDefinite)?;
+        let factor = OWN.iter().find_map(with_own).ok_or(FitError::NotDefinite)?;
         Ok(Covariance { rows, deviations, factor })
     }
 

@@ -25,18 +25,52 @@ const DENSE: f64 = 6.0;
 /// Octave holds are taken as Gaussian, which makes the scatter of flicker at most 2 % too small (four streams). A
 /// warm-up is left out: it is the same in every record and not stationary. Every m leaves at least one difference.
 pub fn covariance(process: &Process, difference: Difference, samples: u64, ms: &[u64]) -> Vec<Vec<f64>> {
-    let pair = |i: usize, j: usize| {
-        let (a, b) = (ms[i].min(ms[j]), ms[i].max(ms[j]));
-        Pair::new(process, difference, samples, a, b).covariance()
-    };
-    let mut rows: Vec<Vec<f64>> = (0..ms.len()).map(|i| (0..=i).map(|j| pair(i, j)).collect()).collect();
-    for i in 0..ms.len() {
-        for j in i + 1..ms.len() {
-            let value = rows[j][i];
-            rows[i].push(value);
-        }
+    Components::new(process, difference, samples, ms).covariance(&vec![1.0; process.parts.len()])
+}
+
+/// The covariance of estimates taken apart: what each two parts of a process add to it.
+///
+/// The covariance of differences is a sum over parts, so that of the estimates is a quadratic form of the parts'
+/// variances: with it the covariance for other coefficients costs next to nothing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Components {
+    parts: usize,
+    /// For each pair of points i ≥ j the symmetric matrix over parts, row by row.
+    points: Vec<Vec<Vec<f64>>>,
+}
+
+impl Components {
+    /// Of the overlapping estimates at `ms` of a record of `samples`; as [`covariance`].
+    pub fn new(process: &Process, difference: Difference, samples: u64, ms: &[u64]) -> Components {
+        let pair = |i: usize, j: usize| {
+            let (a, b) = (ms[i].min(ms[j]), ms[i].max(ms[j]));
+            Pair::new(process, difference, samples, a, b).components()
+        };
+        let points = (0..ms.len()).map(|i| (0..=i).map(|j| pair(i, j)).collect()).collect();
+        Components { parts: process.parts.len(), points }
     }
-    rows
+
+    /// The covariance with the square of the coefficient of every part multiplied by its scale, (″/s)⁴.
+    pub fn covariance(&self, scales: &[f64]) -> Vec<Vec<f64>> {
+        let products: Vec<f64> = scales.iter().flat_map(|a| scales.iter().map(move |b| a * b)).collect();
+        let total =
+            |cells: &Vec<f64>| cells.iter().zip(&products).map(|(cell, product)| cell * product).sum();
+        let cell = |i: usize, j: usize| total(&self.points[i.max(j)][i.min(j)]);
+        let count = self.points.len();
+        (0..count).map(|i| (0..count).map(|j| cell(i, j)).collect()).collect()
+    }
+
+    /// What each two parts add to the variance of Σ `weights` · estimates.
+    pub fn variance_of(&self, weights: &[f64]) -> Vec<Vec<f64>> {
+        let mut sums = vec![0.0; self.parts * self.parts];
+        for (i, row) in self.points.iter().enumerate() {
+            for (j, cells) in row.iter().enumerate() {
+                let weight = weights[i] * weights[j] * if i == j { 1.0 } else { 2.0 };
+                sums.iter_mut().zip(cells).for_each(|(sum, cell)| *sum += weight * cell);
+            }
+        }
+        sums.chunks(self.parts.max(1)).map(<[f64]>::to_vec).collect()
+    }
 }
 
 /// Two averaging factors a ≤ b, and what the sums over their differences need.
@@ -47,7 +81,13 @@ struct Pair<'a> {
     b: f64,
     terms_a: f64,
     terms_b: f64,
-    kernel: Kernel<'a>,
+    kernels: Vec<Kernel>,
+}
+
+/// For each part the covariance c of two differences of its noise, or the product p of those of what is none.
+struct Products {
+    noise: Vec<f64>,
+    steady: Vec<f64>,
 }
 
 impl<'a> Pair<'a> {
@@ -60,40 +100,50 @@ impl<'a> Pair<'a> {
             b: b as f64,
             terms_a: terms(a),
             terms_b: terms(b),
-            kernel: Kernel::new(process, a),
+            kernels: process.parts.iter().map(|part| Kernel::new(part, process.sample_s, a)).collect(),
         }
     }
 
-    fn covariance(&self) -> f64 {
+    /// 2cc + 2cp + 2pc of every two parts, summed over all differences, as part of the covariance.
+    fn components(&self) -> Vec<f64> {
         let spans = self.difference.spans() as f64;
         let (t0, divisor) = (self.process.sample_s, self.difference.divisor());
-        // Lag of the difference at b after that at a, where an angle of one meets one of the other.
-        let order = 0..=self.difference.spans() as i32;
-        let mut meetings: Vec<f64> = order
-            .clone()
-            .flat_map(|i| order.clone().map(move |j| (i, j)))
-            .map(|(i, j)| f64::from(i) * self.a - f64::from(j) * self.b)
-            .collect();
-        meetings.extend([0.0, self.terms_b - self.terms_a]);
+        let white_errors = self.meetings();
+        let mut meetings: Vec<f64> = white_errors.iter().map(|meeting| meeting.0).collect();
+        // Where the number of pairs begins to fall, and the ends.
         let reach = FOLLOWED * (self.a + self.b) * spans;
         let (low, high) = ((1.0 - self.terms_a).max(-reach), (self.terms_b - 1.0).min(reach));
-        meetings.extend([low, high]);
+        meetings.extend([0.0, self.terms_b - self.terms_a, low, high]);
         meetings.retain(|lag| (low..=high).contains(lag));
         meetings.sort_by(f64::total_cmp);
         meetings.dedup();
-        let whites = self.whites();
-        let mut sum = 0.0;
+        let count = self.process.parts.len();
+        let mut products = Products { noise: vec![0.0; count], steady: vec![0.0; count] };
+        let mut sums = vec![0.0; count * count];
+        let mut add = |lag: f64, width: f64, met: f64| {
+            self.products(lag, width, met, &mut products);
+            let pairs = 2.0 * width * self.pairs_at(lag);
+            let Products { noise, steady } = &products;
+            for i in 0..count {
+                for j in 0..count {
+                    sums[i * count + j] +=
+                        pairs * (noise[i] * noise[j] + noise[i] * steady[j] + steady[i] * noise[j]);
+                }
+            }
+        };
         for lag in &meetings {
-            let met = whites.iter().filter(|white| white.0 == *lag).map(|white| white.1).sum();
-            sum += self.pairs_at(*lag) * self.product(*lag, 1.0, met);
+            add(
+                *lag,
+                1.0,
+                white_errors.iter().filter(|meeting| meeting.0 == *lag).map(|meeting| meeting.1).sum(),
+            );
         }
         for ends in meetings.windows(2) {
-            panels(ends[0], ends[1], |middle, width| {
-                sum += width * self.pairs_at(middle) * self.product(middle, width, 0.0);
-            });
+            panels(ends[0], ends[1], |middle, width| add(middle, width, 0.0));
         }
         let tau_squares = t0 * t0 * self.a * self.a * t0 * t0 * self.b * self.b;
-        sum / (self.terms_a * self.terms_b * divisor * divisor * tau_squares)
+        let scale = self.terms_a * self.terms_b * divisor * divisor * tau_squares;
+        sums.iter().map(|sum| sum / scale).collect()
     }
 
     /// Pairs of differences this far apart.
@@ -101,50 +151,45 @@ impl<'a> Pair<'a> {
         self.terms_a.min(self.terms_b - lag) - (-lag).max(0.0)
     }
 
-    /// Covariance of white errors of the angles by lag.
-    fn whites(&self) -> Vec<(f64, f64)> {
-        let variance: f64 = self
-            .process
-            .parts
-            .iter()
-            .map(|part| if let Part::Quantisation { q } = part { q * q } else { 0.0 })
-            .sum();
+    /// Lags of the difference at b after that at a where an angle of one meets one of the other, and the product of
+    /// their coefficients there.
+    fn meetings(&self) -> Vec<(f64, f64)> {
         let coefficients = self.difference.coefficients();
-        let mut whites = Vec::new();
-        for (i, u) in (0..).zip(coefficients) {
-            for (j, v) in (0..).zip(coefficients) {
-                whites.push((f64::from(i) * self.a - f64::from(j) * self.b, u * v * variance));
-            }
-        }
-        whites
+        let of_angle = |(i, u): (u32, &f64)| {
+            let (at, u) = (f64::from(i) * self.a, *u);
+            (0_u32..).zip(coefficients).map(move |(j, v)| (at - f64::from(j) * self.b, u * v))
+        };
+        (0_u32..).zip(coefficients).flat_map(of_angle).collect()
     }
 
-    /// 2c² + 4cp at a lag, the turns of a sine averaged over so many lags around it.
-    fn product(&self, lag: f64, width: f64, white: f64) -> f64 {
-        // The difference over a, its angles being behind those of b by x.
-        let inner = |x: f64| match self.difference {
-            Difference::Second => self.kernel.at((x - self.a).abs()),
-            Difference::Third => {
-                self.kernel.at((x - 2.0 * self.a).abs()) - self.kernel.at((x - self.a).abs())
-            }
-        };
+    /// The products at a lag, the turns of a sine averaged over so many lags around it; `met` is the product of the
+    /// coefficients of angles that meet.
+    fn products(&self, lag: f64, width: f64, met: f64, products: &mut Products) {
         let coefficients = self.difference.coefficients();
-        let c: f64 =
-            white + (0..).zip(coefficients).map(|(j, v)| v * inner(lag + f64::from(j) * self.b)).sum::<f64>();
-        let mut steady = 0.0;
-        for part in &self.process.parts {
-            steady += match *part {
-                Part::RateRamp { .. } => {
-                    let at = |m: f64| {
-                        part.trend(self.difference, self.process.sample_s, m as u64).map_or(0.0, |t| t.first)
-                    };
-                    at(self.a) * at(self.b)
-                }
-                Part::Sine { amplitude, frequency_hz } => self.of_sine(amplitude, frequency_hz, lag, width),
-                _ => 0.0,
+        for (i, (part, kernel)) in self.process.parts.iter().zip(&self.kernels).enumerate() {
+            // The difference over a, its angles being behind those of b by x.
+            let inner = |x: f64| match self.difference {
+                Difference::Second => kernel.at((x - self.a).abs()),
+                Difference::Third => kernel.at((x - 2.0 * self.a).abs()) - kernel.at((x - self.a).abs()),
             };
+            let (noise, steady) = match *part {
+                Part::Quantisation { q } => (met * q * q, 0.0),
+                Part::RateRamp { .. } => {
+                    let at = |m: f64| part.trend(self.difference, self.process.sample_s, m as u64);
+                    let [at_a, at_b] = [self.a, self.b].map(|m| at(m).map_or(0.0, |trend| trend.first));
+                    (0.0, at_a * at_b)
+                }
+                Part::Sine { amplitude, frequency_hz } => {
+                    (0.0, self.of_sine(amplitude, frequency_hz, lag, width))
+                }
+                Part::WarmUp { .. } => (0.0, 0.0),
+                _ => {
+                    let one = |(j, v): (u32, &f64)| v * inner(lag + f64::from(j) * self.b);
+                    ((0..).zip(coefficients).map(one).sum(), 0.0)
+                }
+            };
+            (products.noise[i], products.steady[i]) = (noise, steady);
         }
-        2.0 * c * c + 4.0 * c * steady
     }
 
     /// Mean product of the differences of a sine about a lag.

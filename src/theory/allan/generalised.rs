@@ -6,52 +6,105 @@
 //! cancels for lags that are long beside it.
 
 use super::part::FLAT_LEVEL;
-use super::{Part, Process, holds, markov};
+use super::{Part, holds, markov};
 
-/// Second differences of G, `m` apart, of a process.
-pub(super) struct Kernel<'a> {
-    process: &'a Process,
+/// Second differences of G, `m` apart, of one part of the angle.
+pub(super) struct Kernel {
     m: f64,
-    /// Variance of the rate of each octave of holds over its length, times t0², ″².
-    octaves: Vec<f64>,
+    form: Form,
 }
 
-impl<'a> Kernel<'a> {
-    pub(super) fn new(process: &'a Process, m: u64) -> Kernel<'a> {
-        let mut octaves = Vec::new();
-        for part in &process.parts {
-            if let Part::BiasInstability { b, octaves: count } = *part {
-                let scale = FLAT_LEVEL * b * b * process.sample_s * process.sample_s;
-                let variances = holds::variances(count).unwrap_or_else(|| vec![f64::NAN]);
-                octaves.resize(octaves.len().max(variances.len()), 0.0);
-                for (o, variance) in variances.into_iter().enumerate() {
-                    octaves[o] += scale * variance / (1_u64 << o) as f64;
-                }
+/// What G is, with its factor in ″².
+enum Form {
+    /// −|n|/2.
+    Walk(f64),
+    /// (|n|³ − |n|)/12.
+    WalkOfRate(f64),
+    Markov {
+        variance: f64,
+        decay: f64,
+    },
+    Holds(Holds),
+    /// Nothing that reaches from one sample to another, or no noise.
+    None,
+}
+
+impl Kernel {
+    pub(super) fn new(part: &Part, sample_s: f64, m: u64) -> Kernel {
+        let t0 = sample_s;
+        let form = match *part {
+            Part::AngleRandomWalk { n } => Form::Walk(n * n * t0),
+            Part::RateRandomWalk { k } => Form::WalkOfRate(k * k * t0 * t0 * t0),
+            Part::Markov { q_c, time_s } => {
+                Form::Markov { variance: 0.5 * q_c * q_c * time_s * t0 * t0, decay: t0 / time_s }
             }
-        }
-        Kernel { process, m: m as f64, octaves }
+            Part::BiasInstability { b, octaves } => {
+                Form::Holds(Holds::new(FLAT_LEVEL * b * b * t0 * t0, octaves))
+            }
+            Part::Quantisation { .. } | Part::Sine { .. } | Part::RateRamp { .. } | Part::WarmUp { .. } => {
+                Form::None
+            }
+        };
+        Kernel { m: m as f64, form }
     }
 
-    /// G(n + m) − 2G(n) + G(n − m), ″², at the lag n ≥ 0, less a constant; without the white error of the angles.
+    /// G(n + m) − 2G(n) + G(n − m), ″², at the lag n ≥ 0, less a constant.
     pub(super) fn at(&self, n: f64) -> f64 {
-        let (m, t0) = (self.m, self.process.sample_s);
-        let parts = self.process.parts.iter().map(|part| match *part {
-            // Of −|n|/2.
-            Part::AngleRandomWalk { n: walk } => -walk * walk * t0 * (m - n).max(0.0),
-            Part::RateRandomWalk { k } => k * k * t0 * t0 * t0 * cubic(m, n),
-            Part::Markov { q_c, time_s } => {
-                0.5 * q_c * q_c * time_s * t0 * t0 * markov::kernel(t0 / time_s, m, n)
-            }
-            _ => 0.0,
-        });
-        // A hold is a random walk of the rate that is taken back after its length.
-        let hold = |(o, variance): (usize, &f64)| {
-            let length = (1_u64 << o) as f64;
-            let taken_back = one_sided_cubic(m, n - length) + one_sided_cubic(m, -n - length);
-            2.0 * variance * (cubic(m, n) - taken_back)
-        };
-        parts.sum::<f64>() + self.octaves.iter().enumerate().map(hold).sum::<f64>()
+        let m = self.m;
+        match &self.form {
+            Form::Walk(scale) => -scale * (m - n).max(0.0),
+            Form::WalkOfRate(scale) => scale * cubic(m, n),
+            Form::Markov { variance, decay } => variance * markov::kernel(*decay, m, n),
+            Form::Holds(holds) => holds.at(m, n),
+            Form::None => 0.0,
+        }
     }
+}
+
+/// Octave holds. A hold is a random walk of the rate that is taken back after its length.
+struct Holds {
+    /// Variance of the rate of each octave times t0², ″²; of all octaves before it; and the sum of the variances over
+    /// their lengths from it on.
+    octaves: Vec<f64>,
+    before: Vec<f64>,
+    from: Vec<f64>,
+}
+
+impl Holds {
+    fn new(scale: f64, octaves: usize) -> Holds {
+        let variances = holds::variances(octaves).unwrap_or_else(|| vec![f64::NAN]);
+        let octaves: Vec<f64> = variances.iter().map(|variance| scale * variance).collect();
+        let (mut before, mut from) = (vec![0.0; octaves.len() + 1], vec![0.0; octaves.len() + 1]);
+        for o in 0..octaves.len() {
+            before[o + 1] = before[o] + octaves[o];
+        }
+        for o in (0..octaves.len()).rev() {
+            from[o] = from[o + 1] + octaves[o] / length(o);
+        }
+        Holds { octaves, before, from }
+    }
+
+    fn at(&self, m: f64, n: f64) -> f64 {
+        let within = |lag: f64| match lag < 1.0 {
+            true => 0,
+            false => self.octaves.len().min(1 + libm::floor(libm::log2(lag)) as usize),
+        };
+        // Holds that end before all three lags give the same at every lag, and of those that end after them nothing is
+        // taken back.
+        let (short, reached) = (within(n - m), within(n + m));
+        let hold = |o: usize| {
+            let taken_back = one_sided_cubic(m, n - length(o)) + one_sided_cubic(m, -n - length(o));
+            2.0 * self.octaves[o] / length(o) * (cubic(m, n) - taken_back)
+        };
+        self.before[short] * m * m
+            + (short..reached).map(hold).sum::<f64>()
+            + 2.0 * self.from[reached] * cubic(m, n)
+    }
+}
+
+/// Samples of a hold of an octave.
+fn length(octave: usize) -> f64 {
+    (1_u64 << octave) as f64
 }
 
 /// Second difference, m apart, of (|n|³ − |n|)/12, n ≥ 0.

@@ -114,14 +114,63 @@ fn the_covariance_is_the_double_sum_over_differences() {
 fn panels_are_the_sum_over_every_lag() {
     let mut process = all_parts();
     process.parts.retain(|part| !matches!(part, Part::Quantisation { .. }));
+    let count = process.parts.len();
     for (a, b) in [(1, 1), (1, 900), (40, 45), (30, 700), (1200, 1200)] {
         let pair = Pair::new(&process, Difference::Second, 5000, a, b);
-        let lags = 1 - pair.terms_a as i64..pair.terms_b as i64;
-        let sum: f64 = lags.map(|lag| pair.pairs_at(lag as f64) * pair.product(lag as f64, 1.0, 0.0)).sum();
+        let mut products = Products { noise: vec![0.0; count], steady: vec![0.0; count] };
+        let mut sum = 0.0;
+        for lag in 1 - pair.terms_a as i64..pair.terms_b as i64 {
+            pair.products(lag as f64, 1.0, 0.0, &mut products);
+            let [c, p] = [&products.noise, &products.steady].map(|each| each.iter().sum::<f64>());
+            sum += pair.pairs_at(lag as f64) * (2.0 * c * c + 4.0 * c * p);
+        }
         let scale = pair.terms_a * pair.terms_b * 4.0 * 0.0625 * (a * a * b * b) as f64;
-        let own = |m: u64| Pair::new(&process, Difference::Second, 5000, m, m).covariance();
-        let (found, expected) = (pair.covariance(), sum / scale);
-        let error = (found - expected) / libm::sqrt(own(a) * own(b));
+        let total = |pair: Pair| pair.components().iter().sum::<f64>();
+        let own = |m: u64| total(Pair::new(&process, Difference::Second, 5000, m, m));
+        let (expected, norm) = (sum / scale, libm::sqrt(own(a) * own(b)));
+        let found = total(pair);
+        let error = (found - expected) / norm;
         assert!(error.abs() < 2e-3, "m = {a}, {b}: {found}, not {expected}: {error}");
     }
+}
+
+#[test]
+fn components_are_a_quadratic_form_of_the_variances() {
+    let process = all_parts();
+    let ms = [1, 5, 16];
+    let components = Components::new(&process, Difference::Second, 100, &ms);
+    let scales = [2.0, 0.5, 1.0, 3.0, 0.0, 1.5, 0.25];
+    let scaled = |(part, scale): (&Part, f64)| {
+        let root = libm::sqrt(scale);
+        match *part {
+            Part::Quantisation { q } => Part::Quantisation { q: root * q },
+            Part::AngleRandomWalk { n } => Part::AngleRandomWalk { n: root * n },
+            Part::BiasInstability { b, octaves } => Part::BiasInstability { b: root * b, octaves },
+            Part::RateRandomWalk { k } => Part::RateRandomWalk { k: root * k },
+            Part::Markov { q_c, time_s } => Part::Markov { q_c: root * q_c, time_s },
+            Part::Sine { amplitude, frequency_hz } => {
+                Part::Sine { amplitude: root * amplitude, frequency_hz }
+            }
+            Part::RateRamp { r } => Part::RateRamp { r: root * r },
+            Part::WarmUp { amplitude, time_s } => Part::WarmUp { amplitude: root * amplitude, time_s },
+        }
+    };
+    let parts = process.parts.iter().zip(scales).map(scaled).collect();
+    let expected = covariance(&Process { parts, ..process }, Difference::Second, 100, &ms);
+    let found = components.covariance(&scales);
+    let weights = [1.0, -2.0, 0.5];
+    let mut variance = 0.0;
+    for i in 0..3 {
+        for j in 0..3 {
+            assert!((found[i][j] / expected[i][j] - 1.0).abs() < 1e-9, "{i}, {j}");
+            variance += weights[i] * weights[j] * expected[i][j];
+        }
+    }
+    let form = components.variance_of(&weights);
+    let found: f64 = form
+        .iter()
+        .zip(scales)
+        .flat_map(|(row, a)| row.iter().zip(scales).map(move |(x, b)| a * b * x))
+        .sum();
+    assert!((found / variance - 1.0).abs() < 1e-9, "{found}, not {variance}");
 }
