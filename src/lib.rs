@@ -7,6 +7,7 @@
 pub mod backend;
 pub mod block;
 pub mod chart;
+pub mod fit;
 pub mod id;
 pub mod kernel;
 pub mod lower;

@@ -1,11 +1,11 @@
 //! The fit of noise coefficients: recovery, coverage, boundaries and the choice of terms.
 
-use core::f64::consts::TAU;
+use core::f64::consts::{LN_2, PI, TAU};
 
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use sagnac::fit::{Covariance, Curve, Fit, Term, Terms, Verdict, fit, fit_record};
-use sagnac::theory::allan::{Difference, Estimator, Part, Process};
+use sagnac::fit::{Covariance, Curve, Errors, Fit, Term, Terms, Verdict, fit, fit_record};
+use sagnac::theory::allan::{Difference, Estimator, Part, Process, holds};
 use sagnac::theory::cholesky;
 
 /// A normal number, by Box and Muller.
@@ -106,7 +106,7 @@ fn curves_without_noise_are_recovered() {
     for per_decade in [0, 10] {
         let curve = mean_curve(&all, 1_000_000, per_decade);
         let covariance = Covariance::of_process(&all, &curve).unwrap();
-        let fit = fit(&curve, &covariance, &Terms::Given(Term::MODEL.to_vec())).unwrap();
+        let fit = fit(&curve, &covariance, &Terms::Given(Term::MODEL.to_vec()), Errors::Known).unwrap();
         assert!(fit.chi_squared < 1e-12, "χ² = {}", fit.chi_squared);
         assert_eq!(fit.degrees_of_freedom, curve.ms().len() - 5);
         assert_eq!(fit.p_value(), Some(1.0));
@@ -120,7 +120,7 @@ fn curves_without_noise_are_recovered() {
         let weights = process(&[part, Part::AngleRandomWalk { n: 1e-4 }]);
         let curve = mean_curve(&alone, 1_000_000, 0);
         let covariance = Covariance::of_process(&weights, &curve).unwrap();
-        let fit = fit(&curve, &covariance, &Terms::Auto(Term::MODEL.to_vec())).unwrap();
+        let fit = fit(&curve, &covariance, &Terms::Auto(Term::MODEL.to_vec()), Errors::Known).unwrap();
         near(value(&fit, term), truth, 1e-7, term.symbol());
         for other in Term::MODEL.into_iter().filter(|other| *other != term) {
             assert!(!is_identified(&fit, other), "{other:?} beside {term:?} alone");
@@ -138,7 +138,7 @@ fn correlation_time_and_frequency_are_recovered() {
     let curve = mean_curve(&truth, 324_000, 10);
     let covariance = Covariance::of_process(&truth, &curve).unwrap();
     for terms in [Terms::Given(terms.clone()), Terms::Auto(terms)] {
-        let fit = fit(&curve, &covariance, &terms).unwrap();
+        let fit = fit(&curve, &covariance, &terms, Errors::Known).unwrap();
         let shape = |term| fit.coefficient(term).unwrap().shape.map(|shape| shape.value);
         near(value(&fit, Term::Markov), sigma, 1e-4, "σ");
         near(shape(Term::Markov), time_s, 1e-4, "T_c");
@@ -151,7 +151,9 @@ fn correlation_time_and_frequency_are_recovered() {
     let truth = process(&[lgv1()[1], slow]);
     let curve = mean_curve(&truth, 324_000, 0);
     let covariance = Covariance::of_process(&truth, &curve).unwrap();
-    let fit = fit(&curve, &covariance, &Terms::Given(vec![Term::AngleRandomWalk, Term::Markov])).unwrap();
+    let fit =
+        fit(&curve, &covariance, &Terms::Given(vec![Term::AngleRandomWalk, Term::Markov]), Errors::Known)
+            .unwrap();
     let verdict = fit.coefficient(Term::Markov).unwrap().verdict;
     assert_eq!(verdict, Verdict::NotIdentifiable { below: None });
 }
@@ -164,7 +166,7 @@ fn intervals_cover_the_truth_95_times_in_100() {
     let terms = Terms::Given(QNB.to_vec());
     let fits: Vec<Fit> = draws(&mean, &covariance, 4000, 51)
         .iter()
-        .map(|curve| fit(curve, &covariance, &terms).unwrap())
+        .map(|curve| fit(curve, &covariance, &terms, Errors::Known).unwrap())
         .collect();
     for (term, truth) in QNB.into_iter().zip([0.11, 0.0288, 0.00164]) {
         let coverage = share(&fits, |fit| covers(fit, term, truth));
@@ -186,7 +188,7 @@ fn intervals_of_markov_noise_cover_its_time_too() {
     let terms = Terms::Given(vec![Term::Quantisation, Term::AngleRandomWalk, Term::Markov]);
     let fits: Vec<Fit> = draws(&mean, &covariance, 1000, 52)
         .iter()
-        .map(|curve| fit(curve, &covariance, &terms).unwrap())
+        .map(|curve| fit(curve, &covariance, &terms, Errors::Known).unwrap())
         .collect();
     let in_shape = |fit: &Fit| {
         let shape = fit.coefficient(Term::Markov).unwrap().shape;
@@ -206,7 +208,7 @@ fn what_is_not_there_is_bounded_and_not_invented() {
     let terms = Terms::Given(Term::MODEL.to_vec());
     let fits: Vec<Fit> = draws(&mean, &covariance, 2000, 53)
         .iter()
-        .map(|curve| fit(curve, &covariance, &terms).unwrap())
+        .map(|curve| fit(curve, &covariance, &terms, Errors::Known).unwrap())
         .collect();
     for term in [Term::Quantisation, Term::BiasInstability, Term::RateRandomWalk, Term::RateRamp] {
         let invented = share(&fits, |fit| is_identified(fit, term));
@@ -216,8 +218,13 @@ fn what_is_not_there_is_bounded_and_not_invented() {
     }
     // A bias instability of one standard error of its square is below its bound, or identified and in its interval.
     let error = {
-        let fit = fit(&mean, &covariance, &Terms::Given(vec![Term::AngleRandomWalk, Term::BiasInstability]))
-            .unwrap();
+        let fit = fit(
+            &mean,
+            &covariance,
+            &Terms::Given(vec![Term::AngleRandomWalk, Term::BiasInstability]),
+            Errors::Known,
+        )
+        .unwrap();
         let (Verdict::AtBoundary { below } | Verdict::NotIdentifiable { below: Some(below) }) =
             fit.coefficient(Term::BiasInstability).unwrap().verdict
         else {
@@ -232,7 +239,7 @@ fn what_is_not_there_is_bounded_and_not_invented() {
     let terms = Terms::Given(vec![Term::AngleRandomWalk, Term::BiasInstability]);
     let fits: Vec<Fit> = draws(&mean, &covariance, 4000, 54)
         .iter()
-        .map(|curve| fit(curve, &covariance, &terms).unwrap())
+        .map(|curve| fit(curve, &covariance, &terms, Errors::Known).unwrap())
         .collect();
     let coverage = share(&fits, |fit| covers(fit, Term::BiasInstability, error));
     println!("B of one standard error: covered {coverage}");
@@ -270,10 +277,11 @@ fn white_records_have_no_flicker() {
 fn terms_that_a_record_shows_are_found() {
     let samples = 16_384;
     let mut rng = StdRng::seed_from_u64(56);
-    let ms: Vec<u64> = (0..14).map(|octave| 1 << octave).collect();
-    let (q, n, k) = (3.0, 1.0, 0.003);
+    // Up to an eighth of the record.
+    let ms: Vec<u64> = (0..12).map(|octave| 1 << octave).collect();
+    let (q, n, k) = (3.0, 1.0, 0.01);
     let truths = [(Term::Quantisation, q), (Term::AngleRandomWalk, n), (Term::RateRandomWalk, k)];
-    let fits: Vec<Fit> = (0..200)
+    let fits: Vec<Fit> = (0..300)
         .map(|_| {
             let (mut rate, mut angle) = (0.0, 0.0);
             let mut theta = vec![q * normal(&mut rng)];
@@ -289,10 +297,14 @@ fn terms_that_a_record_shows_are_found() {
         let found = share(&fits, |fit| is_identified(fit, term));
         let coverage = share(&fits, |fit| covers(fit, term, truth));
         println!("{}: found in {found}, covered {coverage}", term.symbol());
-        assert!(found > 0.9 && coverage > 0.88, "{term:?}: found in {found}, covered {coverage}");
+        // Coverage as above; it holds for the chosen terms, which are not always the true ones.
+        assert!(found > 0.85 && coverage > 0.89, "{term:?}: found in {found}, covered {coverage}");
     }
-    let invented = share(&fits, |fit| is_identified(fit, Term::BiasInstability));
-    println!("B invented in {invented}");
+    for term in [Term::BiasInstability, Term::RateRamp] {
+        let invented = share(&fits, |fit| is_identified(fit, term));
+        println!("{}: invented in {invented}", term.symbol());
+        assert!(invented < 0.05 + 0.038, "{term:?}: {invented}");
+    }
 }
 
 #[test]
@@ -314,7 +326,7 @@ fn a_covariance_of_few_realisations_is_drawn_to_the_model() {
     // Five rows of twelve points: singular without the model.
     let few = Covariance::of_realisations(&rows(5, 57), &model).unwrap();
     assert!(distance(&few, &model) < 0.7, "{}", distance(&few, &model));
-    let fit_of_few = fit(&mean, &few, &Terms::Given(QNB.to_vec())).unwrap();
+    let fit_of_few = fit(&mean, &few, &Terms::Given(QNB.to_vec()), Errors::Known).unwrap();
     near(value(&fit_of_few, Term::BiasInstability), 0.00164, 1e-7, "B");
     // A model that is far off gives way to many rows.
     let wrong = Covariance::of_process(&process(&[Part::AngleRandomWalk { n: 0.1 }]), &mean).unwrap();
@@ -323,63 +335,56 @@ fn a_covariance_of_few_realisations_is_drawn_to_the_model() {
     assert!(distance(&many, &model) < 0.1, "{}", distance(&many, &model));
     assert!(Covariance::of_realisations(&rows(1, 59), &model).is_err());
 }
-#[test]
-#[ignore]
-fn explore_power() {
-    let samples = 16_384;
-    for (k, top) in [(0.003, 14), (0.003, 12), (0.01, 14), (0.03, 14)] {
-        let mut rng = StdRng::seed_from_u64(56);
-        let ms: Vec<u64> = (0..top).map(|octave| 1 << octave).collect();
-        let (q, n) = (3.0, 1.0);
-        let truths = [
-            (Term::Quantisation, q),
-            (Term::AngleRandomWalk, n),
-            (Term::BiasInstability, 0.0),
-            (Term::RateRandomWalk, k),
-            (Term::RateRamp, 0.0),
-        ];
-        let mut given = vec![];
-        let mut exact = vec![];
-        let mut auto = vec![];
-        let mut auto_true = vec![];
-        let truth =
-            process(&[Part::Quantisation { q }, Part::AngleRandomWalk { n }, Part::RateRandomWalk { k }]);
-        for _ in 0..300 {
-            let (mut rate, mut angle) = (0.0, 0.0);
-            let mut theta = vec![q * normal(&mut rng)];
-            for _ in 0..samples {
-                rate += k * normal(&mut rng);
-                angle += rate + n * normal(&mut rng);
-                theta.push(angle + q * normal(&mut rng));
-            }
-            let curve = curve_of_angles(&theta, &ms);
-            let c = Covariance::of_process(&truth, &curve).unwrap();
-            auto.push(fit_record(&curve, &Terms::Auto(Term::MODEL.to_vec())).unwrap());
-            given.push(fit_record(&curve, &Terms::Given(Term::MODEL.to_vec())).unwrap());
-            exact.push(
-                fit_record(
-                    &curve,
-                    &Terms::Given(vec![Term::Quantisation, Term::AngleRandomWalk, Term::RateRandomWalk]),
-                )
-                .unwrap(),
-            );
-            auto_true.push(fit(&curve, &c, &Terms::Auto(Term::MODEL.to_vec())).unwrap());
-        }
-        for (name, fits) in
-            [("auto", &auto), ("auto, true C", &auto_true), ("given 5", &given), ("given 3", &exact)]
-        {
-            print!("K = {k}, {top}, {name}:");
-            for (term, truth) in truths {
-                if fits[0].coefficient(term).is_some() {
-                    print!(
-                        "  {} found {:.3} covers {:.3}",
-                        term.symbol(),
-                        share(fits, |f| is_identified(f, term)),
-                        share(fits, |f| covers(f, term, truth))
-                    );
+/// A record of LGV-1, 9 h at 1 s: θ_0 … θ_N.
+fn record_of_lgv1(rng: &mut StdRng) -> Vec<f64> {
+    let samples = 32_400;
+    let level = 2.0 * LN_2 / PI * 0.00164_f64.powi(2);
+    let mut rates: Vec<f64> = (0..samples).map(|_| 0.0288 * normal(rng)).collect();
+    for (o, variance) in holds::variances(24).unwrap().into_iter().enumerate() {
+        let streams = if o < 3 { 1 } else { 4 };
+        for _ in 0..streams {
+            let offset = rng.random_range(0..1_usize << o);
+            let scale = (level * variance / f64::from(streams)).sqrt();
+            let mut hold = scale * normal(rng);
+            for (k, rate) in rates.iter_mut().enumerate() {
+                if (k + offset).is_multiple_of(1 << o) {
+                    hold = scale * normal(rng);
                 }
+                *rate += hold;
             }
-            println!();
         }
+    }
+    let mut angle = 0.0;
+    let mut theta = vec![0.11 * normal(rng)];
+    for rate in rates {
+        angle += rate;
+        theta.push(angle + 0.11 * normal(rng));
+    }
+    theta
+}
+
+#[test]
+fn intervals_of_whole_records_cover_the_truth() {
+    let mut rng = StdRng::seed_from_u64(60);
+    let ms: Vec<u64> = (0..14).map(|octave| 1 << octave).collect();
+    let curves: Vec<Curve> = (0..300).map(|_| curve_of_angles(&record_of_lgv1(&mut rng), &ms)).collect();
+    let fits = |terms: &Terms| -> Vec<Fit> {
+        curves.iter().map(|curve| fit_record(curve, terms).unwrap()).collect()
+    };
+    let (given, auto) = (fits(&Terms::Given(QNB.to_vec())), fits(&Terms::Auto(Term::MODEL.to_vec())));
+    for (term, truth) in QNB.into_iter().zip([0.11, 0.0288, 0.00164]) {
+        for (name, fits) in [("given", &given), ("auto", &auto)] {
+            let (found, coverage) =
+                (share(fits, |fit| is_identified(fit, term)), share(fits, |fit| covers(fit, term, truth)));
+            println!("LGV-1, {name}, {}: found in {found}, covered {coverage}", term.symbol());
+            assert!(found > 0.85, "{name}, {term:?}: found in {found}");
+            // 2 %, and three standard errors of 300 records.
+            assert!((coverage - 0.95).abs() < 0.02 + 0.038, "{name}, {term:?}: covered {coverage}");
+        }
+    }
+    for term in [Term::RateRandomWalk, Term::RateRamp] {
+        let invented = share(&auto, |fit| is_identified(fit, term));
+        println!("LGV-1, auto, {}: invented in {invented}", term.symbol());
+        assert!(invented < 0.05, "{term:?}: {invented}");
     }
 }

@@ -71,7 +71,8 @@ impl Covariance {
             return Err(FitError::Realisations { rows: rows.len() });
         }
         let count = rows.len() as f64;
-        let mean: Vec<f64> = (0..points).map(|i| rows.iter().map(|row| row[i]).sum::<f64>() / count).collect();
+        let mean: Vec<f64> =
+            (0..points).map(|i| rows.iter().map(|row| row[i]).sum::<f64>() / count).collect();
         let centred: Vec<Vec<f64>> =
             rows.iter().map(|row| row.iter().zip(&mean).map(|(x, mean)| x - mean).collect()).collect();
         let white: Vec<Vec<f64>> = centred.iter().map(|row| model.whiten(row)).collect();
@@ -97,6 +98,12 @@ impl Covariance {
     pub fn whiten(&self, values: &[f64]) -> Vec<f64> {
         let scaled = values.iter().zip(&self.deviations).map(|(x, deviation)| x / deviation).collect();
         cholesky::whiten(&self.factor, scaled)
+    }
+
+    /// Of a linear function of whitened numbers its coefficients for the numbers themselves.
+    pub(super) fn before_whitening(&self, coefficients: Vec<f64>) -> Vec<f64> {
+        let scaled = cholesky::solve_transposed(&self.factor, coefficients);
+        scaled.iter().zip(&self.deviations).map(|(x, deviation)| x / deviation).collect()
     }
 }
 

@@ -19,13 +19,17 @@ pub struct Curve {
 pub enum FitError {
     #[error("{ms} averaging factors for {variances} variances: a curve needs as many of both")]
     Lengths { ms: usize, variances: usize },
-    #[error("the variance at m = {m} is {value}: a fit needs finite values above 0; a constant record has none")]
+    #[error(
+        "the variance at m = {m} is {value}: a fit needs finite values above 0; a constant record has none"
+    )]
     NotPositive { m: u64, value: f64 },
     #[error("averaging factors have to ascend from 1; m = {m} does not")]
     NotAscending { m: u64 },
     #[error("m = {m} is too long for a record of {samples} samples")]
     TooLong { m: u64, samples: u64 },
-    #[error("{points} points cannot hold {parameters} parameters: leave out terms or take more averaging factors")]
+    #[error(
+        "{points} points cannot hold {parameters} parameters: leave out terms or take more averaging factors"
+    )]
     TooFewPoints { points: usize, parameters: usize },
     #[error("no terms to fit")]
     NoTerms,
@@ -33,7 +37,9 @@ pub enum FitError {
     TooManySamples { samples: u64 },
     #[error("the covariance of the estimates is not positive definite")]
     NotDefinite,
-    #[error("{rows} realisations give no covariance: at least two with one estimate for every averaging factor")]
+    #[error(
+        "{rows} realisations give no covariance: at least two with one estimate for every averaging factor"
+    )]
     Realisations { rows: usize },
 }
 
@@ -57,7 +63,9 @@ impl Curve {
         if let Some((&m, &value)) = ms.iter().zip(&variances).find(|(_, value)| !is_positive(**value)) {
             return Err(FitError::NotPositive { m, value });
         }
-        if let Some(&m) = ms.iter().zip(core::iter::once(&0).chain(&ms)).find(|(m, before)| m <= before).map(|pair| pair.0) {
+        if let Some(&m) =
+            ms.iter().zip(core::iter::once(&0).chain(&ms)).find(|(m, before)| m <= before).map(|pair| pair.0)
+        {
             return Err(FitError::NotAscending { m });
         }
         let estimator = Estimator { difference, ..Estimator::OVERLAPPING };

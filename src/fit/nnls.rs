@@ -19,7 +19,8 @@ pub fn nnls(columns: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
     let gram = |i: usize, j: usize| dot(&columns[i], &columns[j]) / (lengths[i] * lengths[j]);
     let gram: Vec<Vec<f64>> =
         (0..columns.len()).map(|i| (0..columns.len()).map(|j| gram(i, j)).collect()).collect();
-    let onto: Vec<f64> = columns.iter().zip(&lengths).map(|(column, length)| dot(column, b) / length).collect();
+    let onto: Vec<f64> =
+        columns.iter().zip(&lengths).map(|(column, length)| dot(column, b) / length).collect();
     let least_gradient = ROUNDING * libm::sqrt(dot(b, b));
     let mut x = vec![0.0; columns.len()];
     let mut used: Vec<usize> = Vec::new();
@@ -27,11 +28,13 @@ pub fn nnls(columns: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
     // Every step makes the residual less, so no set of columns comes twice, but for rounding.
     for _ in 0..STEPS * columns.len() {
         let gradient = |j: usize| onto[j] - used.iter().map(|&i| gram[j][i] * x[i]).sum::<f64>();
-        let candidates = (0..columns.len()).filter(|j| is_usable(*j) && !used.contains(j) && !refused.contains(j));
+        let candidates =
+            (0..columns.len()).filter(|j| is_usable(*j) && !used.contains(j) && !refused.contains(j));
         let steepest = candidates.map(|j| (j, gradient(j))).max_by(|a, b| a.1.total_cmp(&b.1));
         let Some((entering, _)) = steepest.filter(|(_, gradient)| *gradient > least_gradient) else { break };
         used.push(entering);
-        let Some(mut solution) = solve(&gram, &onto, &used).filter(|solution| solution[used.len() - 1] > 0.0) else {
+        let Some(mut solution) = solve(&gram, &onto, &used).filter(|solution| solution[used.len() - 1] > 0.0)
+        else {
             // It depends on the others, or only rounding made it enter.
             used.pop();
             refused.push(entering);
@@ -88,8 +91,9 @@ mod tests {
                 (0..6).map(|j| (0..9).map(|i| number(1 + case * 101 + j * 17 + i)).collect()).collect();
             let b: Vec<f64> = (0..9).map(|i| number(7 + case * 31 + i * 5)).collect();
             let x = nnls(&columns, &b);
-            let residual: Vec<f64> =
-                (0..9).map(|i| b[i] - columns.iter().zip(&x).map(|(column, x)| column[i] * x).sum::<f64>()).collect();
+            let residual: Vec<f64> = (0..9)
+                .map(|i| b[i] - columns.iter().zip(&x).map(|(column, x)| column[i] * x).sum::<f64>())
+                .collect();
             for (j, (column, x)) in columns.iter().zip(&x).enumerate() {
                 let gradient = dot(column, &residual);
                 let is_minimum = *x >= 0.0 && gradient < 1e-9 && (*x == 0.0 || gradient.abs() < 1e-9);

@@ -1,6 +1,6 @@
 //! The least squares of a set of terms, and the search for correlation time and frequency.
 //!
-//! For given shapes the squares follow by [`nnls`]; what is left is χ² as a function of the logarithms of the shapes
+//! For given shapes the squares follow by [`nnls()`]; what is left is χ² as a function of the logarithms of the shapes
 //! alone (variable projection; Golub and Pereyra 1973). It has more than one minimum, so a grid comes first and golden
 //! sections around its best point after.
 
@@ -49,6 +49,11 @@ impl<'a> System<'a> {
     /// A term of unit square, in standard deviations of independent points.
     pub fn column(&self, term: Term, shape: f64) -> Vec<f64> {
         self.covariance.whiten(&self.curve.of_term(term, 1.0, shape))
+    }
+
+    /// Of a linear function of such deviations its coefficients for the points of the curve.
+    pub(super) fn weights(&self, coefficients: Vec<f64>) -> Vec<f64> {
+        self.covariance.before_whitening(coefficients)
     }
 
     /// What a solution leaves of the curve, in the same.
