@@ -1,81 +1,16 @@
 //! The closed forms of the Allan variance against sampled noise, straight from the definition of each part.
 
-use core::f64::consts::{LN_2, PI, TAU};
+mod noise;
 
+use noise::{angles, record};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use sagnac::theory::allan::{Difference, Estimator, Part, Process, Stride, holds, quantiser};
+use sagnac::theory::allan::{Difference, Estimator, Part, Process, Stride, quantiser};
 
 /// Standard errors within which a mean has to lie.
 const SIGMAS: f64 = 5.0;
 const SAMPLES: usize = 3000;
 const MS: [u64; 10] = [1, 2, 3, 8, 25, 64, 200, 500, 1000, 1500];
-
-/// A normal number, by Box and Muller.
-fn normal(rng: &mut StdRng) -> f64 {
-    let (radius, turn): (f64, f64) = (rng.random(), rng.random());
-    (-2.0 * (1.0 - radius).ln()).sqrt() * (TAU * turn).cos()
-}
-
-/// N + 1 angles of one part.
-fn angles(part: Part, t0: f64, rng: &mut StdRng) -> Vec<f64> {
-    let held = |rates: &mut dyn FnMut(usize) -> f64| {
-        let mut angle = 0.0;
-        let rest = (0..SAMPLES).map(|k| {
-            angle += t0 * rates(k);
-            angle
-        });
-        core::iter::once(0.0).chain(rest).collect()
-    };
-    match part {
-        Part::Quantisation { q } => (0..=SAMPLES).map(|_| q * normal(rng)).collect(),
-        Part::AngleRandomWalk { n } => held(&mut |_| n / t0.sqrt() * normal(rng)),
-        Part::BiasInstability { b, octaves } => {
-            let level = 2.0 * LN_2 / PI * b * b;
-            let mut rates = vec![0.0; SAMPLES];
-            for (o, variance) in holds::variances(octaves).unwrap().into_iter().enumerate() {
-                let length = 1_usize << o;
-                let streams = if o < 3 { 1 } else { 4 };
-                for _ in 0..streams {
-                    let offset = rng.random_range(0..length);
-                    let scale = (level * variance / f64::from(streams)).sqrt();
-                    let mut hold = scale * normal(rng);
-                    for (k, rate) in rates.iter_mut().enumerate() {
-                        if (k + offset).is_multiple_of(length) {
-                            hold = scale * normal(rng);
-                        }
-                        *rate += hold;
-                    }
-                }
-            }
-            held(&mut |k| rates[k])
-        }
-        Part::RateRandomWalk { k } => {
-            let mut rate = 0.0;
-            held(&mut |_| {
-                rate += k * t0.sqrt() * normal(rng);
-                rate
-            })
-        }
-        Part::Markov { q_c, time_s } => {
-            let (a, sigma) = ((-t0 / time_s).exp(), q_c * (0.5 * time_s).sqrt());
-            let mut rate = sigma * normal(rng);
-            held(&mut |_| {
-                rate = a * rate + sigma * (1.0 - a * a).sqrt() * normal(rng);
-                rate
-            })
-        }
-        Part::Sine { amplitude, frequency_hz } => {
-            let phase: f64 = rng.random();
-            let at = |k: usize| (TAU * (frequency_hz * t0 * k as f64 + phase)).cos();
-            (0..=SAMPLES).map(|k| -amplitude / (TAU * frequency_hz) * at(k)).collect()
-        }
-        Part::RateRamp { r } => (0..=SAMPLES).map(|k| 0.5 * r * (t0 * k as f64).powi(2)).collect(),
-        Part::WarmUp { amplitude, time_s } => {
-            (0..=SAMPLES).map(|k| -amplitude * time_s * (-t0 * k as f64 / time_s).exp_m1()).collect()
-        }
-    }
-}
 
 fn estimate(estimator: Estimator, theta: &[f64], t0: f64, m: u64) -> f64 {
     let terms = estimator.terms(theta.len() as u64 - 1, m);
@@ -151,15 +86,12 @@ fn each_part_sampled_has_the_expected_variances() {
     for (i, part) in parts.into_iter().enumerate() {
         let process = Process { sample_s: t0, parts: vec![part] };
         let mut rng = StdRng::seed_from_u64(4000 + i as u64);
-        compare(&format!("{part:?}"), &process, 1000, || angles(part, t0, &mut rng), |_, _| 0.0);
+        compare(&format!("{part:?}"), &process, 1000, || angles(part, t0, SAMPLES, &mut rng), |_, _| 0.0);
     }
     // Together, ramp and warm-up add before they are squared.
     let process = Process { sample_s: t0, parts: parts.to_vec() };
     let mut rng = StdRng::seed_from_u64(4100);
-    let all = || {
-        let each: Vec<Vec<f64>> = parts.iter().map(|&part| angles(part, t0, &mut rng)).collect();
-        (0..=SAMPLES).map(|k| each.iter().map(|theta| theta[k]).sum()).collect()
-    };
+    let all = || record(&process, SAMPLES, &mut rng);
     compare("all", &process, 1000, all, |_, _| 0.0);
 }
 
@@ -175,11 +107,11 @@ fn a_readout_of_whole_pulses_adds_the_variance_of_its_closed_form() {
     for (name, parts) in [("noise", &parts[..1]), ("all", &parts[..])] {
         let process = Process { sample_s: t0, parts: parts.to_vec() };
         let mut rng = StdRng::seed_from_u64(4200 + parts.len() as u64);
-        let record = || {
-            let each: Vec<Vec<f64>> = process.parts.iter().map(|&part| angles(part, t0, &mut rng)).collect();
+        let pulses = || {
+            let noise = record(&process, SAMPLES, &mut rng);
             let start: f64 = rng.random();
-            let true_angle = |k: usize| rate * t0 * k as f64 + each.iter().map(|theta| theta[k]).sum::<f64>();
-            (0..=SAMPLES).map(|k| q * (true_angle(k) / q + start).floor()).collect()
+            let pulse = |(k, angle): (usize, f64)| q * ((rate * t0 * k as f64 + angle) / q + start).floor();
+            noise.into_iter().enumerate().map(pulse).collect()
         };
         let readout = |estimator: Estimator, m: u64| {
             let difference = estimator.difference;
@@ -193,6 +125,6 @@ fn a_readout_of_whole_pulses_adds_the_variance_of_its_closed_form() {
             let tau = t0 * m as f64;
             mean_square / (difference.divisor() * tau * tau)
         };
-        compare(&format!("readout, {name}"), &process, 1000, record, readout);
+        compare(&format!("readout, {name}"), &process, 1000, pulses, readout);
     }
 }

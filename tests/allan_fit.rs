@@ -1,18 +1,15 @@
-//! The fit of noise coefficients: recovery, coverage, boundaries and the choice of terms.
+//! The fit of noise coefficients to exact curves, and to curves whose scatter is known.
 
-use core::f64::consts::{LN_2, PI, TAU};
+mod fitted;
+mod noise;
 
+use fitted::{QNB, covers, is_identified, share};
+use noise::normal;
+use rand::SeedableRng;
 use rand::rngs::StdRng;
-use rand::{RngExt, SeedableRng};
-use sagnac::fit::{Covariance, Curve, Errors, Fit, Term, Terms, Verdict, fit, fit_record};
-use sagnac::theory::allan::{Difference, Estimator, Part, Process, holds};
+use sagnac::fit::{Covariance, Curve, Errors, Fit, Term, Terms, Verdict, fit};
+use sagnac::theory::allan::{Difference, Estimator, Part, Process};
 use sagnac::theory::cholesky;
-
-/// A normal number, by Box and Muller.
-fn normal(rng: &mut StdRng) -> f64 {
-    let (radius, turn): (f64, f64) = (rng.random(), rng.random());
-    (-2.0 * (1.0 - radius).ln()).sqrt() * (TAU * turn).cos()
-}
 
 /// Averaging factors, `per_decade` to a factor of ten or 0 for octaves, up to a tenth of the record.
 fn factors(samples: u64, per_decade: u32) -> Vec<u64> {
@@ -43,7 +40,6 @@ fn lgv1() -> [Part; 3] {
         Part::BiasInstability { b: 0.00164, octaves: 24 },
     ]
 }
-const QNB: [Term; 3] = [Term::Quantisation, Term::AngleRandomWalk, Term::BiasInstability];
 
 fn near(found: Option<f64>, expected: f64, tolerance: f64, what: &str) {
     let found = found.unwrap_or_else(|| panic!("{what} is not identified"));
@@ -52,18 +48,6 @@ fn near(found: Option<f64>, expected: f64, tolerance: f64, what: &str) {
 
 fn value(fit: &Fit, term: Term) -> Option<f64> {
     fit.coefficient(term).unwrap().value
-}
-
-/// Overlapping Allan variances of a record, by definition.
-fn curve_of_angles(theta: &[f64], ms: &[u64]) -> Curve {
-    let at = |&m: &u64| {
-        let m = m as usize;
-        let terms = theta.len() - 2 * m;
-        let sum: f64 = (0..terms).map(|k| (theta[k + 2 * m] - 2.0 * theta[k + m] + theta[k]).powi(2)).sum();
-        sum / (2 * terms * m * m) as f64
-    };
-    Curve::new(1.0, theta.len() as u64 - 1, Difference::Second, ms.to_vec(), ms.iter().map(at).collect())
-        .unwrap()
 }
 
 /// Curves drawn from a normal distribution about `mean`; those that reach below 0 are no curves and are left out.
@@ -78,19 +62,6 @@ fn draws(mean: &Curve, covariance: &Covariance, count: usize, seed: u64) -> Vec<
         Curve::new(1.0, mean.samples(), mean.difference(), mean.ms().to_vec(), variances).ok()
     };
     (0..count).filter_map(draw).collect()
-}
-
-/// How often something is so.
-fn share(fits: &[Fit], is_so: impl Fn(&Fit) -> bool) -> f64 {
-    fits.iter().filter(|fit| is_so(fit)).count() as f64 / fits.len() as f64
-}
-
-fn is_identified(fit: &Fit, term: Term) -> bool {
-    fit.coefficient(term).unwrap().verdict == Verdict::Identified
-}
-
-fn covers(fit: &Fit, term: Term, truth: f64) -> bool {
-    fit.coefficient(term).unwrap().interval.is_some_and(|[low, high]| low <= truth && truth <= high)
 }
 
 #[test]
@@ -247,67 +218,6 @@ fn what_is_not_there_is_bounded_and_not_invented() {
 }
 
 #[test]
-fn white_records_have_no_flicker() {
-    let samples = 4096;
-    let mut rng = StdRng::seed_from_u64(55);
-    // Up to half of the record, where one difference is left and the estimate most skewed.
-    let ms: Vec<u64> = (0..12).map(|octave| 1 << octave).collect();
-    let fits: Vec<Fit> = (0..400)
-        .map(|_| {
-            let mut theta = vec![0.0; samples + 1];
-            for k in 0..samples {
-                theta[k + 1] = theta[k] + normal(&mut rng);
-            }
-            fit_record(&curve_of_angles(&theta, &ms), &Terms::Auto(Term::MODEL.to_vec())).unwrap()
-        })
-        .collect();
-    let shares = Term::MODEL.map(|term| share(&fits, |fit| is_identified(fit, term)));
-    println!("white noise: Q, N, B, K, R found in {shares:?}");
-    assert_eq!(shares[1], 1.0);
-    for (term, share) in Term::MODEL.into_iter().zip(shares) {
-        // 5 %, and three standard errors of 400 records.
-        assert!(term == Term::AngleRandomWalk || share < 0.05 + 0.033, "{term:?}: {share}");
-    }
-    let coverage = share(&fits, |fit| covers(fit, Term::AngleRandomWalk, 1.0));
-    println!("N of records: covered {coverage}");
-    assert!((coverage - 0.95).abs() < 0.033, "{coverage}");
-}
-
-#[test]
-fn terms_that_a_record_shows_are_found() {
-    let samples = 16_384;
-    let mut rng = StdRng::seed_from_u64(56);
-    // Up to an eighth of the record.
-    let ms: Vec<u64> = (0..12).map(|octave| 1 << octave).collect();
-    let (q, n, k) = (3.0, 1.0, 0.01);
-    let truths = [(Term::Quantisation, q), (Term::AngleRandomWalk, n), (Term::RateRandomWalk, k)];
-    let fits: Vec<Fit> = (0..300)
-        .map(|_| {
-            let (mut rate, mut angle) = (0.0, 0.0);
-            let mut theta = vec![q * normal(&mut rng)];
-            for _ in 0..samples {
-                rate += k * normal(&mut rng);
-                angle += rate + n * normal(&mut rng);
-                theta.push(angle + q * normal(&mut rng));
-            }
-            fit_record(&curve_of_angles(&theta, &ms), &Terms::Auto(Term::MODEL.to_vec())).unwrap()
-        })
-        .collect();
-    for (term, truth) in truths {
-        let found = share(&fits, |fit| is_identified(fit, term));
-        let coverage = share(&fits, |fit| covers(fit, term, truth));
-        println!("{}: found in {found}, covered {coverage}", term.symbol());
-        // Coverage as above; it holds for the chosen terms, which are not always the true ones.
-        assert!(found > 0.85 && coverage > 0.89, "{term:?}: found in {found}, covered {coverage}");
-    }
-    for term in [Term::BiasInstability, Term::RateRamp] {
-        let invented = share(&fits, |fit| is_identified(fit, term));
-        println!("{}: invented in {invented}", term.symbol());
-        assert!(invented < 0.05 + 0.038, "{term:?}: {invented}");
-    }
-}
-
-#[test]
 fn a_covariance_of_few_realisations_is_drawn_to_the_model() {
     let truth = process(&lgv1());
     let mean = mean_curve(&truth, 32_400, 0);
@@ -334,57 +244,4 @@ fn a_covariance_of_few_realisations_is_drawn_to_the_model() {
     println!("few from the model by {}, many by {}", distance(&few, &model), distance(&many, &model));
     assert!(distance(&many, &model) < 0.1, "{}", distance(&many, &model));
     assert!(Covariance::of_realisations(&rows(1, 59), &model).is_err());
-}
-/// A record of LGV-1, 9 h at 1 s: θ_0 … θ_N.
-fn record_of_lgv1(rng: &mut StdRng) -> Vec<f64> {
-    let samples = 32_400;
-    let level = 2.0 * LN_2 / PI * 0.00164_f64.powi(2);
-    let mut rates: Vec<f64> = (0..samples).map(|_| 0.0288 * normal(rng)).collect();
-    for (o, variance) in holds::variances(24).unwrap().into_iter().enumerate() {
-        let streams = if o < 3 { 1 } else { 4 };
-        for _ in 0..streams {
-            let offset = rng.random_range(0..1_usize << o);
-            let scale = (level * variance / f64::from(streams)).sqrt();
-            let mut hold = scale * normal(rng);
-            for (k, rate) in rates.iter_mut().enumerate() {
-                if (k + offset).is_multiple_of(1 << o) {
-                    hold = scale * normal(rng);
-                }
-                *rate += hold;
-            }
-        }
-    }
-    let mut angle = 0.0;
-    let mut theta = vec![0.11 * normal(rng)];
-    for rate in rates {
-        angle += rate;
-        theta.push(angle + 0.11 * normal(rng));
-    }
-    theta
-}
-
-#[test]
-fn intervals_of_whole_records_cover_the_truth() {
-    let mut rng = StdRng::seed_from_u64(60);
-    let ms: Vec<u64> = (0..14).map(|octave| 1 << octave).collect();
-    let curves: Vec<Curve> = (0..300).map(|_| curve_of_angles(&record_of_lgv1(&mut rng), &ms)).collect();
-    let fits = |terms: &Terms| -> Vec<Fit> {
-        curves.iter().map(|curve| fit_record(curve, terms).unwrap()).collect()
-    };
-    let (given, auto) = (fits(&Terms::Given(QNB.to_vec())), fits(&Terms::Auto(Term::MODEL.to_vec())));
-    for (term, truth) in QNB.into_iter().zip([0.11, 0.0288, 0.00164]) {
-        for (name, fits) in [("given", &given), ("auto", &auto)] {
-            let (found, coverage) =
-                (share(fits, |fit| is_identified(fit, term)), share(fits, |fit| covers(fit, term, truth)));
-            println!("LGV-1, {name}, {}: found in {found}, covered {coverage}", term.symbol());
-            assert!(found > 0.85, "{name}, {term:?}: found in {found}");
-            // 2 %, and three standard errors of 300 records.
-            assert!((coverage - 0.95).abs() < 0.02 + 0.038, "{name}, {term:?}: covered {coverage}");
-        }
-    }
-    for term in [Term::RateRandomWalk, Term::RateRamp] {
-        let invented = share(&auto, |fit| is_identified(fit, term));
-        println!("LGV-1, auto, {}: invented in {invented}", term.symbol());
-        assert!(invented < 0.05, "{term:?}: {invented}");
-    }
 }

@@ -1,8 +1,8 @@
 //! How sure a fit is of each coefficient.
 //!
 //! The covariance of squares and logarithms of shapes is the inverse of JᵀC⁻¹J, J being the derivative of the curve by
-//! them. A term that is not in use is judged as if it entered next, by the estimate that it would have, possibly a negative
-//! one.
+//! them. A term that is not in use is judged as if it entered next, by the estimate that it would have, possibly a
+//! negative one.
 
 use super::coefficient::{Coefficient, Fit, Shape, Verdict};
 use super::growth::Growth;

@@ -20,8 +20,9 @@ pub const PENALTY_OF_SHAPE: f64 = 10.0;
 
 /// By how much χ² with its penalties has to rise without a term for the term to be identified.
 ///
-/// Else another term would do nearly as well, a ramp instead of a random walk of the rate, and which of them is there is a guess: of a random
-/// walk that a record barely shows, B would be made in 11 % of the records without this, in 5 % with it.
+/// Else another term would do nearly as well, a ramp instead of a random walk of the rate, and which of them is there
+/// is a guess: of a random walk that a record barely shows, B would be made in 11 % of the records without this, in 5 %
+/// with it.
 pub const RIVAL: f64 = 2.0;
 
 /// The terms of a fit.
@@ -59,8 +60,8 @@ pub enum Errors {
 
 /// Fits `terms` to a curve whose estimates have this covariance.
 ///
-/// With [`Terms::Auto`] the terms are those of the least χ² + Σ penalty, over all subsets ([`PENALTY`]): all compared with
-/// the same covariance, so that a term gains nothing by making points uncertain.
+/// With [`Terms::Auto`] the terms are those of the least χ² + Σ penalty, over all subsets ([`PENALTY`]): all compared
+/// with the same covariance, so that a term gains nothing by making points uncertain.
 ///
 /// # Errors
 /// No terms, or fewer points than fitted parameters.
@@ -70,9 +71,9 @@ pub fn fit(curve: &Curve, covariance: &Covariance, terms: &Terms, errors: Errors
 
 /// Fits `terms` to the overlapping estimates of one record, of which nothing else is known.
 ///
-/// Estimates at m above N/8 are so few differences that a low one of all of them is not rare: with them intervals of K cover the
-/// truth in 86 to 92 % of records instead of 94 to 96 %. Q, N and B of a gyro without K lose nothing by them, and a ramp is
-/// best seen there.
+/// Estimates at m above N/8 are so few differences that a low one of all of them is not rare: with them intervals of K
+/// cover the truth in 86 to 92 % of records instead of 94 to 96 %. Q, N and B of a gyro without K lose nothing by them,
+/// and a ramp is best seen there.
 ///
 /// The first weights are those of independent points with relative variances 2m/N. The best fit of all terms gives the
 /// covariance in closed form, that a better fit, and that fit the covariance which counts. To go on from there with

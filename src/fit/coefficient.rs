@@ -12,8 +12,8 @@ pub enum Verdict {
     /// The best fit has none of it; it is below this.
     AtBoundary { below: f64 },
     /// The curve asks for some of it, but not for sure, or another term would do as well: it is below this. Without a
-    /// bound it looks like the other terms together, has a shape that the curve does not show, or scatters so much from record to
-    /// record that this one says nothing of it.
+    /// bound it looks like the other terms together, has a shape that the curve does not show, or scatters so much from
+    /// record to record that this one says nothing of it.
     NotIdentifiable { below: Option<f64> },
 }
 
@@ -32,8 +32,8 @@ pub struct Coefficient {
     pub value: Option<f64>,
     /// Of the value: that of its square over twice the value.
     pub standard_error: Option<f64>,
-    /// Roots of the 95 % interval of the square, which is the one that is nearly normal; from 0 where that reaches below,
-    /// and absent where there is no bound.
+    /// Roots of the 95 % interval of the square, which is the one that is nearly normal; from 0 where that reaches
+    /// below, and absent where there is no bound.
     pub interval: Option<[f64; 2]>,
     pub shape: Option<Shape>,
     pub verdict: Verdict,

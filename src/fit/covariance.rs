@@ -46,11 +46,16 @@ impl Covariance {
     }
 
     /// Of independent estimates whose relative variances are 2m/N: a first guess that needs no model.
+    ///
+    /// A last estimate of very few differences can be 1e4 times too low, and must not weigh by that: it counts as no lower
+    /// than the one before it falling with τ⁻², as steep as noise can.
     pub(super) fn of_independent(curve: &Curve) -> Result<Covariance, FitError> {
-        let own = |i: usize| {
-            let (m, value) = (curve.ms()[i] as f64, curve.variances()[i]);
-            2.0 * m / curve.samples() as f64 * value * value
-        };
+        let mut values = curve.variances().to_vec();
+        for i in 1..values.len() {
+            let step = curve.ms()[i - 1] as f64 / curve.ms()[i] as f64;
+            values[i] = values[i].max(values[i - 1] * step * step);
+        }
+        let own = |i: usize| 2.0 * curve.ms()[i] as f64 / curve.samples() as f64 * values[i] * values[i];
         let cell = |i: usize, j: usize| if i == j { own(i) } else { 0.0 };
         let points = curve.ms().len();
         Covariance::new((0..points).map(|i| (0..points).map(|j| cell(i, j)).collect()).collect())
@@ -58,9 +63,9 @@ impl Covariance {
 
     /// Of simulated curves, one a row, drawn towards `model`, the covariance of the same process in closed form.
     ///
-    /// A covariance of few realisations is singular or nearly so, and its inverse useless. It is
-    /// replaced by (1 − λ)S + λT, where λ, by Ledoit and Wolf (2004), is the part of the squared distance between sample S
-    /// and model T that is scatter of S, both seen with T as measure of length. Many realisations, or a model that is far off, leave S;
+    /// A covariance of few realisations is singular or nearly so, and its inverse useless. It is replaced by (1 − λ)S +
+    /// λT, where λ, by Ledoit and Wolf (2004), is the part of the squared distance between sample S and model T that is
+    /// scatter of S, both seen with T as measure of length. Many realisations, or a model that is far off, leave S;
     /// few, or a model that fits, leave T.
     ///
     /// # Errors

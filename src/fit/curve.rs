@@ -47,8 +47,8 @@ impl Curve {
     /// The `variances`, (″/s)², at the averaging factors `ms` of a record of `samples` rates, one each `sample_s`.
     ///
     /// # Errors
-    /// Lists of unequal length, values that are not above 0, factors that do not ascend or are too long for the record, and
-    /// records too long for the flicker model.
+    /// Lists of unequal length, values that are not above 0, factors that do not ascend or are too long for the record,
+    /// and records too long for the flicker model.
     pub fn new(
         sample_s: f64,
         samples: u64,

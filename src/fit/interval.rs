@@ -1,10 +1,10 @@
 //! The 95 % interval of the square of a coefficient whose uncertainty grows with it.
 //!
-//! The variance of a fitted square x̂ is v_0 + v_1x + v_2x² in its true value x: v_2x² is the scatter of the noise itself, which is
-//! that of a χ² of 2/v_2 degrees of freedom. A fit that comes out low also claims to be
-//! precise, so that x̂ ± 2 standard errors at x̂ misses the truth too often. The interval holds instead every x of which x̂ is not among
-//! the 2.5 % least or greatest outcomes (test inversion), with the quantiles of a normal distribution corrected for the
-//! skewness of that χ² (Cornish and Fisher).
+//! The variance of a fitted square x̂ is v_0 + v_1x + v_2x² in its true value x: v_2x² is the scatter of the noise
+//! itself, which is that of a χ² of 2/v_2 degrees of freedom. A fit that comes out low also claims to be precise, so
+//! that x̂ ± 2 standard errors at x̂ misses the truth too often. The interval holds instead every x of which x̂ is not
+//! among the 2.5 % least or greatest outcomes (test inversion), with the quantiles of a normal distribution corrected
+//! for the skewness of that χ² (Cornish and Fisher).
 
 /// Standard deviations of a normal distribution within which 95 % lie.
 pub(super) const WITHIN_95: f64 = 1.959_963_984_540_054;

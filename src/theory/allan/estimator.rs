@@ -5,7 +5,8 @@
 pub enum Difference {
     /// θ_{k+2m} − 2θ_{k+m} + θ_k, whose mean square over 2τ² is the Allan variance.
     Second,
-    /// θ_{k+3m} − 3θ_{k+2m} + 3θ_{k+m} − θ_k, whose mean square over 6τ² is the Hadamard variance. It does not see a ramp.
+    /// θ_{k+3m} − 3θ_{k+2m} + 3θ_{k+m} − θ_k, whose mean square over 6τ² is the Hadamard variance. It does not see a
+    /// ramp.
     Third,
 }
 

@@ -1,9 +1,9 @@
 //! Covariance between the estimates of a curve, for Gaussian noise.
 //!
-//! For Gaussian differences D of the angle, overlapping at every sample, two estimates have the covariance
-//! ΣΣ [2c² + 4cp]/(M_i M_j d²τ_i²τ_j²), c the covariance of the two differences and p the product of what is not noise
-//! in them, d the divisor 2 or 6. The sum over lags is exact near the lags where an angle of one difference meets one of the other, and
-//! by quadrature in between, where c is smooth: right to 1e-4 of √(C_ii·C_jj), 2e-3 beside a sine, at a cost
+//! For Gaussian differences D of the angle, overlapping at every sample, two estimates have the covariance ΣΣ [2c² +
+//! 4cp]/(M_i M_j d²τ_i²τ_j²), c the covariance of the two differences and p the product of what is not noise in them, d
+//! the divisor 2 or 6. The sum over lags is exact near the lags where an angle of one difference meets one of the
+//! other, and by quadrature in between, where c is smooth: right to 1e-4 of √(C_ii·C_jj), 2e-3 beside a sine, at a cost
 //! that does not grow with the record.
 
 use core::f64::consts::PI;
@@ -12,8 +12,8 @@ use super::generalised::Kernel;
 use super::part::sine_of_turns;
 use super::{Difference, Part, Process};
 
-/// Lags beyond the meeting of the differences that are followed, in parts of their length: flicker's covariance there has
-/// fallen with the square of the lag.
+/// Lags beyond the meeting of the differences that are followed, in parts of their length: flicker's covariance there
+/// has fallen with the square of the lag.
 const FOLLOWED: f64 = 32.0;
 /// A panel of the quadrature is as long as this part of its distance to the nearest meeting.
 const PANEL: f64 = 0.25;

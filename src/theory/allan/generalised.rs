@@ -1,9 +1,9 @@
 //! The generalised covariance of a sampled angle: what gives any two of its differences their covariance.
 //!
-//! An angle that walks has no covariance, but its differences have: Σ c_i c_j G(k_i − k_j) with G = −V/2, V(n) being the
-//! variance of its increment over n samples, or any function that differs by a parabola, which second differences do not see.
-//! What is needed is the second difference of G over the shorter of two differences, written so that nothing
-//! cancels for lags that are long beside it.
+//! An angle that walks has no covariance, but its differences have: Σ c_i c_j G(k_i − k_j) with G = −V/2, V(n) being
+//! the variance of its increment over n samples, or any function that differs by a parabola, which second differences
+//! do not see. What is needed is the second difference of G over the shorter of two differences, written so that
+//! nothing cancels for lags that are long beside it.
 
 use super::part::FLAT_LEVEL;
 use super::{Part, holds, markov};

@@ -1,8 +1,8 @@
 //! First-order Gauss–Markov rate, sampled: r_k = a·r_{k−1} + σ√(1 − a²)·g_k, held over t0.
 //!
-//! With x = t0/T_c, a = e^{−x}, the sum of n rates of unit variance has the variance V(n) = [n(1 − a²) − 2a(1 − a^n)]/(1 − a)².
-//! Differences are written with the powers of x that cancel in them left out: sampled they are those of the continuous
-//! noise plus a term in sinh x − x. All lengths are in samples, all variances for σ = 1 and t0 = 1.
+//! With x = t0/T_c, a = e^{−x}, the sum of n rates of unit variance has the variance V(n) = [n(1 − a²) − 2a(1 −
+//! a^n)]/(1 − a)². Differences are written with the powers of x that cancel in them left out: sampled they are those of
+//! the continuous noise plus a term in sinh x − x. All lengths are in samples, all variances for σ = 1 and t0 = 1.
 
 use super::Difference;
 use super::exponential::{beyond_square, sinh_beyond_linear};

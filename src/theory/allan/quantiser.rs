@@ -1,10 +1,10 @@
 //! A readout that counts whole pulses: q⌊(θ + u)/q⌋ of the total angle, its start u even over one pulse q.
 //!
 //! The error of such a readout is even over one pulse at every sample, so that it is uncorrelated with the angle, and
-//! its variance is q²/12, that of the quantisation noise Q = q/√12. It is *not* white: while the angle moves by much less
-//! than a pulse it stays, and where the pulses come at an even rate it is a beat. The covariance of two errors whose
-//! angles differ by Δ is q²·B(Δ/q)/2 with the Bernoulli polynomial B = d² − d + 1/6 of the fractional part d, a series of
-//! cosines; its mean over Δ needs the characteristic function of Δ and nothing else.
+//! its variance is q²/12, that of the quantisation noise Q = q/√12. It is *not* white: while the angle moves by much
+//! less than a pulse it stays, and where the pulses come at an even rate it is a beat. The covariance of two errors
+//! whose angles differ by Δ is q²·B(Δ/q)/2 with the Bernoulli polynomial B = d² − d + 1/6 of the fractional part d, a
+//! series of cosines; its mean over Δ needs the characteristic function of Δ and nothing else.
 
 use core::f64::consts::PI;
 
@@ -41,8 +41,8 @@ pub fn mean_square(
 
 /// Bound of the deviation of [`mean_square`] from that of white noise of Q = q/√12, ″², whatever else the angle does.
 ///
-/// From the angle random walk, the Markov noise and the white noise before the readout alone: other parts are independent
-/// of them and can but shrink the correlation of the errors.
+/// From the angle random walk, the Markov noise and the white noise before the readout alone: other parts are
+/// independent of them and can but shrink the correlation of the errors.
 pub fn white_error(lsb: f64, process: &Process, difference: Difference, m: u64) -> f64 {
     let bound = |apart: u64| {
         let variance = noise_variance(process, apart * m) / (lsb * lsb);
