@@ -440,7 +440,7 @@ impl Prepared<'_> {
         if let Beside::Profile { rates, step_s, .. } = &self.gyro.beside {
             let position = position.unwrap_or_else(|| rng.random_range(0..self.positions()));
             for (angle, boundary) in angles.iter_mut().zip(boundaries.clone()) {
-                let tick = (position + MARGIN).strict_add_signed(boundary as isize);
+                let tick = (position + MARGIN).checked_add_signed(boundary as isize).unwrap();
                 *angle += recorded_angle(rates, &self.sums, *step_s, tick as f64 * TICK_S);
             }
         }
