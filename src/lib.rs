@@ -8,6 +8,7 @@ pub mod backend;
 pub mod block;
 pub mod chart;
 pub mod firmware;
+pub mod fit;
 pub mod id;
 pub mod kernel;
 pub mod lower;
