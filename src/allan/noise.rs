@@ -76,6 +76,8 @@ fn identify(angles: &Angles, most: usize, m: usize) -> Option<i32> {
         if pairs + 1 < LEAST_GROUPS - d {
             return None;
         }
+        // No series differenced once too often has r below −1/2: that is scatter, and δ would run to infinity.
+        let r = r.max(-0.5);
         let delta = r / (1.0 + r);
         if delta < STATIONARY || d >= most {
             let alpha = 2.0 - 2.0 * d as f64 - libm::round(2.0 * delta);

@@ -1,5 +1,6 @@
 //! The command line.
 
+mod allan;
 mod bench;
 mod charts;
 mod devices;
@@ -30,10 +31,11 @@ const EXIT_CODES: &str = "\
 Examples:
   sagnac run studies/error_vs_dtnu.toml
   sagnac run my.toml --trials 100000000 --device gpu
+  sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz
   sagnac verify
 
 Exit codes:
-  0 done    1 runtime error    2 usage, unknown device    3 invalid study, folder of another study
+  0 done    1 runtime error    2 usage, unknown device    3 invalid study or log, folder of another study
   5 a check failed    6 storage or output (full, read-only, locked)    130, 143 signals";
 
 #[derive(Debug, Subcommand)]
@@ -42,6 +44,8 @@ enum Command {
     ///
     /// Results go to a folder. Running again resumes; a larger --trials continues.
     Run(Run),
+    /// Deviations of recorded logs: Allan, modified Allan, time, Hadamard, with intervals and noise types
+    Allan(allan::Options),
     /// List the devices that kernels can run on
     Devices,
     /// Prove that every kernel gives the same bits on every device, here and now
@@ -107,6 +111,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
         Command::Run(options) => run::run(options),
+        Command::Allan(options) => allan::allan(options),
         Command::Devices => devices::devices(),
         Command::Verify(options) => verify::verify(options),
         Command::Bench(options) => bench::bench(options),

@@ -194,6 +194,14 @@ pub(super) const TEXT_WANTED: &str =
     "give CSV, TSV or columns with blanks between them as text, or a NumPy .npy file";
 
 fn endless(layout: &Layout, lines: usize, block: &[u8]) -> LogError {
+    if block.contains(&0) {
+        return LogError::new(
+            format!("{} is no text: there are zero bytes", layout.file),
+            "",
+            TEXT_WANTED,
+            None,
+        );
+    }
     let message = format!("{} has a line of more than {} MiB", layout.file, BLOCK >> 20);
     LogError::new(message, "begins here", TEXT_WANTED, Place::new(&layout.file, lines + 1, block, 0..0))
 }
