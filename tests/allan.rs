@@ -210,7 +210,7 @@ fn gaps_outliers_and_what_was_done_are_said() {
     let removed = desk.done("log.csv --data rate --time t --remove-outliers");
     assert!(removed.stderr.contains("taken for gaps"), "{}", removed.stderr);
     let first =
-        |ended: &Ended| ended.stdout.lines().nth(4).unwrap().split_whitespace().nth(2).unwrap().to_owned();
+        |ended: &Ended| ended.stdout.lines().nth(5).unwrap().split_whitespace().nth(2).unwrap().to_owned();
     let [kept, removed]: [f64; 2] = [kept, removed].map(|ended| first(&ended).parse().unwrap());
     assert!(kept > 5.0 && removed < 1.0, "{kept} with the outlier, {removed} without");
 }

@@ -6,8 +6,8 @@ use super::trend::{Line, Trend};
 
 /// Angles at evenly spaced times: the integral of a rate, its mean removed.
 ///
-/// No deviation changes with the mean rate. It is subtracted before anything is summed, because the running sum of a rate
-/// whose mean is a million times its noise would keep six digits less of the noise.
+/// No deviation changes with the mean rate. It is subtracted before anything is summed, because the running sum of a
+/// rate whose mean is a million times its noise would keep six digits less of the noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Angles {
     /// From angle to angle, s.
@@ -24,8 +24,8 @@ pub struct Angles {
 impl Angles {
     /// The sums of `increments`, each times `scale`; NaN stands for one that is missing.
     ///
-    /// For rates `scale` is `step_s`, times the size of their unit. A missing increment leaves the angle after it unknown
-    /// against the one before: no term reaches across.
+    /// For rates `scale` is `step_s`, times the size of their unit. A missing increment leaves the angle after it
+    /// unknown against the one before: no term reaches across.
     ///
     /// ```
     /// # use sagnac::allan::{Angles, Trend};
@@ -53,8 +53,8 @@ impl Angles {
 
     /// Measured `angles`, each times `scale`; NaN stands for one that is missing.
     ///
-    /// Angles on both sides of a missing one are still measured against each other: only terms that need that very angle
-    /// are left out.
+    /// Angles on both sides of a missing one are still measured against each other: only terms that need that very
+    /// angle are left out.
     pub fn from_angles(angles: &[f64], scale: f64, step_s: f64, trend: Trend) -> Angles {
         let line = Line::of(trend, angles.len().saturating_sub(1), |i| angles[i + 1] - angles[i]);
         let first = angles.iter().copied().find(|angle| angle.is_finite()).unwrap_or(0.0);

@@ -1,9 +1,9 @@
 //! Quantiles of the χ² distribution with any real number of degrees of freedom.
 //!
-//! They are found by Newton's method on the incomplete gamma function of statrs, a library of statistics that has been kept
-//! since 2016. Against SciPy its function is right to 1e-12 up to 1e3 degrees of freedom and to 4e-8 up to 2e7, in at most 0.1 ms; its own
-//! inverse is not used, as for small probabilities it is wrong by orders of magnitude and for many degrees of
-//! freedom slow. (puruspe's fails above 1e4.)
+//! They are found by Newton's method on the incomplete gamma function of statrs, a library of statistics that has
+//! been kept since 2016. Against SciPy its function is right to 1e-12 up to 1e3 degrees of freedom and to 4e-8 up to
+//! 2e7, in at most 0.1 ms; its own inverse is not used, as for small probabilities it is wrong by orders of magnitude
+//! and for many degrees of freedom slow. (puruspe's fails above 1e4.)
 
 use statrs::function::gamma::{checked_gamma_lr, checked_gamma_ur};
 

@@ -25,16 +25,18 @@ pub struct Point {
     pub interval: Option<(f64, f64)>,
 }
 
-/// A deviation of `angles` at each of the averaging `factors`, with two-sided intervals of this `confidence`, 0 < p < 1.
+/// A deviation of `angles` at each of the averaging `factors`, with two-sided intervals of this `confidence`, 0 < p <
+/// 1.
 ///
 /// # Method
-/// The terms are those of NIST SP 1065 (5.2), all that touch no gap, in order N operations for each factor. The noise is
-/// identified by its lag-1 autocorrelation, and with it the equivalent degrees of freedom are those of Greenhall and Riley for a
-/// record without gaps, times the part of the terms that gaps leave. The interval is that of χ² with so many degrees.
+/// The terms are those of NIST SP 1065 (5.2), all that touch no gap, in order N operations for each factor. The noise
+/// is identified by its lag-1 autocorrelation, and with it the equivalent degrees of freedom are those of Greenhall
+/// and Riley for a record without gaps, times the part of the terms that gaps leave. The interval is that of χ² with
+/// so many degrees.
 ///
 /// # Limits
-/// Exact intervals need noise of one power law; where two meet they are as good as the nearer one. Steeper noise than the deviation
-/// converges for counts as the steepest for which it does.
+/// Exact intervals need noise of one power law; where two meet they are as good as the nearer one. Steeper noise than
+/// the deviation converges for counts as the steepest for which it does.
 ///
 /// # Example
 /// ```
@@ -67,7 +69,8 @@ fn normalisation(deviation: Deviation) -> f64 {
     if deviation.differences() == 2 { 2.0 } else { 6.0 }
 }
 
-/// The interval of a deviation `value` whose square has `edf` degrees of freedom. None about 0, which says that nothing was resolved.
+/// The interval of a deviation `value` whose square has `edf` degrees of freedom. None about 0, which says that
+/// nothing was resolved.
 fn interval(value: f64, edf: f64, confidence: f64) -> Option<(f64, f64)> {
     let end = |probability: f64| {
         let quantile = chi_squared::quantile(probability, edf)?;

@@ -14,12 +14,12 @@ const INFINITE: f64 = f64::INFINITY;
 
 /// Equivalent degrees of freedom of the variance of `angles` angles without gaps, for noise of the exponent `alpha`.
 ///
-/// `alpha` is the exponent of the spectral density of the rate, −4 … 2; above −2d + 1 the variance converges, d its number
-/// of differences. `None` below that, and where there is no term.
+/// `alpha` is the exponent of the spectral density of the rate, −4 … 2; above −2d + 1 the variance converges, d its
+/// number of differences. `None` below that, and where there is no term.
 ///
-/// Against the covariances of sampled white noise the result is exact where that noise is of the angle, and within 3 % from
-/// m = 30 on where it is of the rate; at m = 1 it is 17 % too large and at m = 4 12 % too small (intervals
-/// 8 % too narrow, 6 % too wide), since the paper takes the noise as continuous.
+/// Against the covariances of sampled white noise the result is exact where that noise is of the angle, and within 3
+/// % from m = 30 on where it is of the rate; at m = 1 it is 17 % too large and at m = 4 12 % too small (intervals 8 %
+/// too narrow, 6 % too wide), since the paper takes the noise as continuous.
 pub(super) fn edf(deviation: Deviation, alpha: i32, angles: usize, m: usize) -> Option<f64> {
     let d = deviation.differences();
     let terms = deviation.terms(angles, m);

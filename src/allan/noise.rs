@@ -1,8 +1,8 @@
 //! Which power law the noise of a record follows at an averaging time.
 //!
-//! W. J. Riley and C. A. Greenhall, "Power law noise identification using the lag 1 autocorrelation", EFTF 2004. The record
-//! is thinned to groups of τ and differenced until it is stationary; its lag-1 autocorrelation r then gives
-//! δ = r/(1 + r), and d differences of the angle and δ make the exponent α = 2 − 2(δ + d).
+//! W. J. Riley and C. A. Greenhall, "Power law noise identification using the lag 1 autocorrelation", EFTF 2004. The
+//! record is thinned to groups of τ and differenced until it is stationary; its lag-1 autocorrelation r then gives δ
+//! = r/(1 + r), and d differences of the angle and δ make the exponent α = 2 − 2(δ + d).
 
 use std::ops::Range;
 
@@ -111,8 +111,8 @@ fn averages(angles: &Angles, groups: Range<usize>, m: usize) -> Vec<f64> {
 
 /// `z` less its polynomial of least squares of `degree` 1 or 2; NaN stays NaN.
 ///
-/// By polynomials orthogonal over evenly spaced places. With values missing those of degree 2 would no longer be; callers
-/// ask for degree 1 then, where the mean place of the known values makes them so.
+/// By polynomials orthogonal over evenly spaced places. With values missing those of degree 2 would no longer be;
+/// callers ask for degree 1 then, where the mean place of the known values makes them so.
 fn without_polynomial(mut z: Vec<f64>, degree: usize) -> Vec<f64> {
     let known = |z: &[f64]| z.iter().filter(|value| !value.is_nan()).count() as f64;
     let count = known(&z);

@@ -1,7 +1,7 @@
 //! Sums of squared differences over a record with gaps.
 //!
-//! The result is the same to the last bit for any number of threads: terms are added in lanes of a fixed number, lanes in
-//! tiles of a fixed length, tiles in groups of a fixed number, all in the order of the record.
+//! The result is the same to the last bit for any number of threads: terms are added in lanes of a fixed number,
+//! lanes in tiles of a fixed length, tiles in groups of a fixed number, all in the order of the record.
 
 use std::ops::Range;
 

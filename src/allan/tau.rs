@@ -31,7 +31,8 @@ pub enum TauError {
     Short { tau_s: f64, step_s: f64 },
     /// Without a term.
     #[error(
-        "τ = {tau_s} s is too long for a record of {length_s} s: {deviation} needs a record of {} τ, here τ ≤ {longest_s} s\n\
+        "τ = {tau_s} s is too long for a record of {length_s} s: {deviation} needs a record of {} τ, \
+         here τ ≤ {longest_s} s\n\
          leave it out, record longer, or give --tau octave",
         deviation.largest_factor_of_length()
     )]

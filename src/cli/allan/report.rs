@@ -52,7 +52,8 @@ fn outliers(column: &Column, analysis: &Analysis) -> Option<String> {
     let of = if analysis.data == Data::Angle { "increments " } else { "" };
     (!found.is_empty()).then(|| {
         format!(
-            "{}: {} {named}, {of}more than {} ({OUTLYING} standard deviations) from the median of their neighbours, at {}{more} s: {fate}",
+            "{}: {} {named}, {of}more than {OUTLYING} standard deviations ({} in the file's unit) from the median of \
+             their neighbours, at {}{more} s: {fate}",
             column.name,
             found.len(),
             significant(column.outliers.threshold, 3),

@@ -8,8 +8,8 @@ use super::{Channel, Data, Log};
 /// Fewest samples that are analysed.
 pub const LEAST_SAMPLES: usize = 16;
 
-/// Earth's rate of rotation, ″/s (°/h): the most that a gyro at rest has on its axis, but for its bias.
-const EARTH: f64 = 15.041_067;
+/// The most that a good gyro at rest shows, ″/s (°/h): the Earth's rotation on its axis, and 1 °/h of bias.
+const AT_REST: f64 = 16.041_067;
 
 /// One rad in °.
 const DEGREES: f64 = 57.295_779_513_082_32;
@@ -27,8 +27,9 @@ pub enum UnitCheck {
 impl Log {
     /// Refuses what says nothing: fewer than [`LEAST_SAMPLES`] samples, and all of them equal.
     ///
-    /// With [`UnitCheck::On`] also numbers in rad whose mean rate is more than Earth's rotation, if in ° it were within it: a gyro at
-    /// rest in °/s that was taken for rad/s; and any mean rate above 20 °/s. Only the mean is looked at, which no deviation depends on.
+    /// With [`UnitCheck::On`] also numbers in rad whose mean rate is above the Earth's rotation and 1 °/h of bias, if
+    /// in ° it would be within these, as those of a gyro at rest in °/s that were taken for rad/s; and any mean rate
+    /// above 20 °/s. Only the mean is looked at, which no deviation depends on.
     ///
     /// # Errors
     /// The first of these, with its column.
@@ -77,10 +78,10 @@ impl Log {
         };
         let in_rad = channel.unit.text.contains("rad");
         let help_off = "if the unit is right, say --unit-check off";
-        if in_rad && mean > EARTH && mean <= EARTH * DEGREES {
+        if in_rad && mean > AT_REST && mean <= AT_REST * DEGREES {
             let message = format!(
-                "column {name} of {file} looks like degrees taken for radians: its mean is {}, in degrees it were {}, as a \
-                 gyro at rest has of the Earth's 15.04 °/h",
+                "column {name} of {file} looks like degrees taken for radians: its mean is {}, \
+                 in degrees it would be {}, as a gyro at rest shows of the Earth's 15.04 °/h",
                 shown(mean),
                 shown(mean / DEGREES)
             );

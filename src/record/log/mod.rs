@@ -4,9 +4,9 @@
 //! file ─ layout, names ─▶ columns ─ text | npy ─▶ rows ─ time ─▶ Log ─ cut, check, outliers ─▶ channels ─▶ allan::Angles
 //! ```
 //!
-//! Text is read in blocks, and their lines parsed in parallel: memory is 8 bytes for each sample of a column that was asked for,
-//! besides 16 MiB. Numbers are the standard library's correctly rounded ones. The csv crate is not used here: it takes
-//! one delimiter and one comment sign, no runs of blanks, and does not tell where a cell stands.
+//! Text is read in blocks, and their lines parsed in parallel: memory is 8 bytes for each sample of a column that was
+//! asked for, besides 16 MiB. Numbers are the standard library's correctly rounded ones. The csv crate is not used
+//! here: it takes one delimiter and one comment sign, no runs of blanks, and does not tell where a cell stands.
 
 mod cells;
 mod channel;

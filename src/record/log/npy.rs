@@ -1,6 +1,7 @@
 //! NumPy arrays in .npy files, versions 1 to 3.
 //!
-//! Read by hand: the header is one line of text, and the numbers behind it go to f64 in one pass. The format is that of NEP 1.
+//! Read by hand: the header is one line of text, and the numbers behind it go to f64 in one pass. The format is that
+//! of NEP 1.
 
 use std::io::{self, Read};
 
@@ -223,8 +224,8 @@ impl Array {
 }
 
 fn bad(file: &str, why: &str) -> LogError {
-    let help = "save it as np.save(\"log.npy\", a) with a of one dimension, or two with a row for each sample, of floats or \
-                integers";
+    let help = "save it as np.save(\"log.npy\", a) with a of one dimension, or two with a row for each \
+                sample, of floats or integers";
     LogError::new(format!("{file} cannot be taken as a .npy record: {why}"), "", help, None)
 }
 

@@ -24,10 +24,11 @@ pub struct Outliers {
 }
 
 /// Finds the samples whose distance from the median of themselves and two neighbours on each side is more than
-/// [`OUTLYING`] times the scatter: 1.4826 times the median of all such distances, or their least above 0 where most are 0, as in counts of pulses.
+/// [`OUTLYING`] times the scatter: 1.4826 times the median of all such distances, or their least above 0 where most
+/// are 0, as in counts of pulses.
 ///
-/// Spikes of one or two samples are found whatever the record does slowly; steps are none. NaN is neither an outlier nor
-/// a neighbour. `samples` are rates or increments.
+/// Spikes of one or two samples are found whatever the record does slowly; steps are none. NaN is neither an outlier
+/// nor a neighbour. `samples` are rates or increments.
 pub fn outliers(samples: &[f64]) -> Outliers {
     let scatter = scatter(samples);
     let threshold = OUTLYING * scatter;

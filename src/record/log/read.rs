@@ -50,6 +50,17 @@ const OTHERS: [(&[u8], &str); 8] = [
     (b"#ROSBAG", "a ROS bag"),
 ];
 
+/// [`Timing`] with the column found.
+#[derive(Clone, Copy)]
+enum When {
+    Step(f64),
+    /// `factor`: the size of the stamps' unit in s.
+    Stamps {
+        column: usize,
+        factor: f64,
+    },
+}
+
 /// What the file holds, before any sample is read.
 enum Contents {
     Text(Layout),
@@ -61,12 +72,26 @@ type Bytes = Chain<Cursor<Vec<u8>>, File>;
 impl Log {
     /// Reads what `request` asks for of the log at `path`.
     ///
-    /// Text is CSV, TSV, semicolons or columns with blanks between, with a header or without, comments behind `#`, `%` or `;`; a
-    /// Stable32 .DAT is one. Empty cells and NaN are missing samples, as are those that a step of several sampling steps leaves out; the sampling step is the median, and
-    /// steps are within [`JITTER`] of it.
+    /// Text is CSV, TSV, semicolons or columns with blanks between, with a header or without, comments behind `#`,
+    /// `%` or `;`; a Stable32 .DAT is one. Missing are samples of empty cells and NaN, and those that a step of
+    /// several sampling steps leaves out; the sampling step is the median, and steps are within [`JITTER`] of whole
+    /// multiples of it.
     ///
     /// # Errors
     /// The first fault found, with its place where the file has lines.
+    ///
+    /// # Example
+    /// ```
+    /// # use sagnac::record::log::{Data, Log, Request, Timing};
+    /// # let folder = tempfile::tempdir()?;
+    /// # let path = &folder.path().join("gyro.csv");
+    /// std::fs::write(path, "time [ms],gz [deg/h]\n0,8.1\n10,8.3\n30,8.2\n")?;
+    /// let timing = Timing::Stamps { column: "time".to_owned(), unit: None };
+    /// let request = Request { columns: vec!["gz".to_owned()], timing, data: Data::Rate, unit: None };
+    /// let log = Log::read(path, &request)?;
+    /// assert_eq!((log.step_s, log.samples(), log.channels[0].missing()), (0.01, 4, 1));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn read(path: &Path, request: &Request) -> Result<Log, LogError> {
         let file = path.display().to_string();
         let mut open = File::open(path).map_err(|error| unreadable(&file, &error))?;
@@ -122,14 +147,18 @@ impl Reader<'_> {
     }
 
     fn log(self, request: &Request, bytes: Bytes) -> Result<Log, LogError> {
-        let time = match &request.timing {
-            Timing::Step(_) => None,
-            Timing::Stamps { column, unit } => Some(self.time(column, unit.as_deref())?),
+        let when = match &request.timing {
+            Timing::Step(step_s) => When::Step(*step_s),
+            Timing::Stamps { column, unit } => self.stamps(column, unit.as_deref())?,
         };
-        let wanted = self.wanted(&request.columns, time.map(|(column, _)| column))?;
+        let time = match when {
+            When::Step(_) => None,
+            When::Stamps { column, .. } => Some(column),
+        };
+        let wanted = self.wanted(&request.columns, time)?;
         let mut channels =
             wanted.iter().map(|&column| self.channel(column, request)).collect::<Result<Vec<_>, _>>()?;
-        let all: Vec<usize> = time.iter().map(|(column, _)| *column).chain(wanted).collect();
+        let all: Vec<usize> = time.into_iter().chain(wanted).collect();
         if (1..all.len()).any(|i| all[..i].contains(&all[i])) {
             let message = "a column is asked for twice";
             return Err(LogError::new(
@@ -143,23 +172,22 @@ impl Reader<'_> {
             Contents::Text(layout) => text::read(layout, bytes, &all)?,
             Contents::Npy(array) => array.columns(bytes, &all)?,
         };
-        let step_s = match (time, &request.timing) {
-            (Some((column, factor)), _) => {
+        let step_s = match when {
+            When::Step(step_s) => step_s,
+            When::Stamps { column, factor } => {
                 let stamps = columns.remove(0);
                 let grid = grid(&stamps, MOST_SAMPLES)
                     .map_err(|fault| self.refuse(column, factor, &stamps, fault))?;
                 columns = columns.into_iter().map(|values| grid.spread(values)).collect();
                 grid.step * factor
             }
-            (None, Timing::Step(step_s)) => *step_s,
-            (None, Timing::Stamps { .. }) => 0.0,
         };
         channels.iter_mut().zip(columns).for_each(|(channel, samples)| channel.samples = samples);
         Ok(Log { file: self.file, step_s, data: request.data, start_s: 0.0, channels })
     }
 
     /// The column of the time and the size of its unit.
-    fn time(&self, word: &str, unit: Option<&str>) -> Result<(usize, f64), LogError> {
+    fn stamps(&self, word: &str, unit: Option<&str>) -> Result<When, LogError> {
         let column = self.find(word)?;
         let of_header = self.names().and_then(|names| names[column].unit.as_deref());
         let help = "give its unit as in --time-unit ms; accepted: s, ms, us, ns, min, h";
@@ -168,7 +196,7 @@ impl Reader<'_> {
             return Err(LogError::new(message, "its unit is missing", help, self.place(Some(column))));
         };
         match parse_unit(text, &[Dimension::Time]) {
-            Ok((factor, _)) => Ok((column, factor)),
+            Ok((factor, _)) => Ok(When::Stamps { column, factor }),
             Err(error) => {
                 let message = format!("the unit of the time column `{word}`: {error}");
                 Err(LogError::new(message, "no time", help, self.place(Some(column))))
@@ -252,7 +280,8 @@ impl Reader<'_> {
                     .to_owned(),
             ),
             TimeFault::Jitter { step, median, .. } => (
-                format!("the samples are not evenly spaced: a step of {}, the median is {}", seconds(step), seconds(median)),
+                format!("the samples are not evenly spaced: a step of {}, \
+                     the median is {}", seconds(step), seconds(median)),
                 "not on the grid",
                 format!(
                     "steps within {} % of whole multiples of the median are taken; resample the log, or give --rate \

@@ -173,7 +173,8 @@ fn refusal(layout: &Layout, lines: usize, flaw: Flaw) -> LogError {
             LogError::new(message, label, help, place)
         }
         What::Infinite(at) => {
-            let help = "leave the cell empty or write NaN where a sample is missing";
+            let help = "leave the cell empty \
+                      or write NaN where a sample is missing";
             LogError::new(format!("{} is infinite here", column(at)), "not finite", help, place)
         }
         What::Text(at) => {
@@ -181,7 +182,8 @@ fn refusal(layout: &Layout, lines: usize, flaw: Flaw) -> LogError {
             let help = match (cell.contains(','), layout.delimiter) {
                 (true, Delimiter::Byte(b';' | b'\t') | Delimiter::Blanks) => "write decimals with a point",
                 _ => {
-                    "write numbers with a point for decimals; leave the cell empty or write NaN where a sample is missing"
+                    "write numbers with a point for decimals; leave the cell empty or write NaN where a sample is \
+                     missing"
                 }
             };
             LogError::new(message, "not a number", help, place)

@@ -6,8 +6,8 @@ pub const JITTER: f64 = 0.1;
 /// Steps from which a gap is taken as the nearest whole number of them: nobody's clock is asked for more.
 const LONG_GAP: f64 = 10.0;
 
-/// Most samples, of which so many times those in the file may be missing: more is a slip in a time stamp, and nothing may be
-/// allocated for it.
+/// Most samples, of which so many times those in the file may be missing: more is a slip in a time stamp, and nothing
+/// may be allocated for it.
 const SPARSEST: f64 = 10.0;
 
 /// Steps whose median is taken.
@@ -46,7 +46,8 @@ impl TimeFault {
 
 /// The grid of `stamps`, of which at most `most` samples are made.
 ///
-/// The sampling step is the median one, then made precise by the whole record. Where a step is longer, samples are missing.
+/// The sampling step is the median one, then made precise by the whole record. Where a step is longer, samples are
+/// missing.
 pub(super) fn grid(stamps: &[f64], most: usize) -> Result<Grid, TimeFault> {
     for (row, stamp) in stamps.iter().enumerate() {
         if !stamp.is_finite() {
