@@ -22,7 +22,7 @@ pub struct LogError {
     label: String,
     help: String,
     /// Absent where the fault has no line.
-    place: Option<Place>,
+    place: Option<Box<Place>>,
 }
 
 /// A piece of one line of a text file: all that is kept of it.
@@ -73,7 +73,7 @@ impl LogError {
         help: impl Into<String>,
         place: impl Into<Option<Place>>,
     ) -> LogError {
-        LogError { message: message.into(), label: label.into(), help: help.into(), place: place.into() }
+        LogError { message: message.into(), label: label.into(), help: help.into(), place: place.into().map(Box::new) }
     }
 
     /// The report for people: file, line, caret and help, `width` columns wide; escape codes only if `color`.
@@ -88,7 +88,7 @@ impl Diagnostic for LogError {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.place.as_ref().map(|place| place as &dyn SourceCode)
+        self.place.as_deref().map(|place| place as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
