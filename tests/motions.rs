@@ -18,6 +18,9 @@ const TRIALS: usize = 1 << 18;
 /// Trials of the reference.
 const REFERENCE_TRIALS: usize = 1 << 16;
 
+/// How much the angle's unit may move the 99.73 % level, in parts of the rms.
+const LEVEL_ROUNDING: f64 = 1e-4;
+
 /// Polynomials, also on ticks of their own; of least variance for the motion and for a band; given weights.
 fn fillers(n: i32) -> Vec<Filler> {
     let eight_and_two: Vec<i32> = (-7..=0).chain(n + 1..=n + 2).collect();
@@ -65,11 +68,13 @@ struct Sampled<'a> {
     /// Of the whole gap, or of each of its first ticks.
     weights: Vec<(usize, Vec<f64>)>,
     largest_of_many: bool,
-    q9973: f64,
+    /// The interval of the 99.73 % level, a little widened: errors of whole pulses are at its very edges.
+    q9973: [f64; 2],
     sum: f64,
     second: f64,
     fourth: f64,
-    beyond: f64,
+    /// How many errors are beyond the two ends of that interval.
+    beyond: [f64; 2],
 }
 
 impl<'a> Sampled<'a> {
@@ -85,12 +90,15 @@ impl<'a> Sampled<'a> {
             ticks: if residual { filler.fit_ticks.clone() } else { filler.extrapolation_ticks.clone() },
             weights: lengths.map(weights).collect(),
             largest_of_many: error == "in-gap",
-            q9973: row.number("q9973"),
+            q9973: [
+                row.number("q9973_lo") - LEVEL_ROUNDING * row.number("rms"),
+                row.number("q9973_hi") + LEVEL_ROUNDING * row.number("rms"),
+            ],
             row,
             sum: 0.0,
             second: 0.0,
             fourth: 0.0,
-            beyond: 0.0,
+            beyond: [0.0; 2],
         }
     }
 
@@ -104,7 +112,9 @@ impl<'a> Sampled<'a> {
         self.sum += error;
         self.second += error * error;
         self.fourth += error.powi(4);
-        self.beyond += f64::from(u8::from(error.abs() > self.q9973));
+        for (beyond, level) in self.beyond.iter_mut().zip(self.q9973) {
+            *beyond += f64::from(u8::from(error.abs() > level));
+        }
     }
 
     /// Largest deviation of mean, rms and 99.73 % level from the reference, in standard errors of both.
@@ -117,11 +127,14 @@ impl<'a> Sampled<'a> {
         let variance = second - mean * mean;
         let mean_se = (variance / count + variance / trials).sqrt();
         let beyond_se = (0.0027 / count + 0.0027 / trials).sqrt();
+        let [above_low, above_high] = self.beyond.map(|beyond| beyond / count);
         let deviations = [
             ("rms", row.number("rms"), rms, se.hypot(row.number("rms_se"))),
             ("mean", row.number("mean"), mean, mean_se),
-            ("part beyond q9973", 0.0027, self.beyond / count, beyond_se),
+            ("part beyond q9973_lo", 0.0027, above_low.min(0.0027), beyond_se),
+            ("part beyond q9973_hi", 0.0027, above_high.max(0.0027), beyond_se),
         ];
+        assert!(self.q9973[1] < 1.1 * self.q9973[0], "{name}: a level known to 10 %: {}", row.place());
         let mut largest: f64 = 0.0;
         for (what, found, expected, se) in deviations {
             let z = (found - expected) / se;
@@ -138,7 +151,9 @@ impl<'a> Sampled<'a> {
 
 /// Whether a row has a closed form.
 fn is_closed(gyro: &Gyro, error: &str) -> bool {
-    let drawn = |tone: &Tone| !matches!(tone.amplitude, Draw::Fixed(_) | Draw::Rayleigh(_)) || tone.frequency[0] < tone.frequency[1];
+    let drawn = |tone: &Tone| {
+        !matches!(tone.amplitude, Draw::Fixed(_) | Draw::Rayleigh(_)) || tone.frequency[0] < tone.frequency[1]
+    };
     let readable = !gyro.tones.iter().any(drawn) && !matches!(gyro.beside, Beside::Profile { .. });
     (error != "in-gap" || gyro.n == 1) && (gyro.readout == 0.0 || readable)
 }
@@ -245,7 +260,10 @@ fn an_amplitude_of_rayleigh() {
     let tone = Tone::of_rate(Draw::Rayleigh(8485.0), 20.0, 20.0);
     check_both("Rayleigh amplitude", &of_tones(vec![tone]));
     let angle = Tone { of_angle: true, amplitude: Draw::Rayleigh(40.0), ..tone };
-    check("Rayleigh angle beside a tone", &of_tones(vec![angle, Tone::of_rate(Draw::Fixed(5000.0), 8.0, 8.0)]));
+    check(
+        "Rayleigh angle beside a tone",
+        &of_tones(vec![angle, Tone::of_rate(Draw::Fixed(5000.0), 8.0, 8.0)]),
+    );
 }
 
 #[test]
@@ -301,12 +319,7 @@ fn a_record_at_every_place() {
 
 #[test]
 fn a_rate_an_acceleration_and_the_relock() {
-    let still = Gyro {
-        rate: 36_000.0,
-        acceleration: -90_000.0,
-        relock: vec![20.3, 14.8],
-        ..Gyro::still()
-    };
+    let still = Gyro { rate: 36_000.0, acceleration: -90_000.0, relock: vec![20.3, 14.8], ..Gyro::still() };
     check_both("rate, acceleration and relock", &still);
     let vibrating = Gyro { tones: vec![Tone::of_rate(Draw::Fixed(12000.0), 20.0, 20.0)], ..still };
     check_both("the same under vibration", &vibrating);

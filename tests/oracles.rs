@@ -373,7 +373,9 @@ fn adding_a_filler_whose_sums_are_wide_changes_no_tally() {
     let (first, second) = (with(r#"fillers = ["const"]"#), with(r#"fillers = ["const", "quadratic"]"#));
     let wide = |changes: &[(&str, &str)]| {
         let study = study(changes);
-        let lowered = Lowered::new(&study.points()[0], &study.fillers, &study.errors, study.seed, study.streams).unwrap();
+        let lowered =
+            Lowered::new(&study.points()[0], &study.fillers, &study.errors, study.seed, study.streams)
+                .unwrap();
         lowered.launch(&(0..study.fillers.len()).collect::<Vec<_>>()).shape.wide
     };
     assert_eq!((wide(&first), wide(&second)), (false, true));

@@ -46,15 +46,9 @@ fn motion(kind: usize, phase: Phase) -> Motion {
             tones: vec![tone(9000.0, 7.0), tone(6000.0, 20.0), tone(3000.0, 33.3)],
             ..Motion::default()
         },
-        2 => Motion::of_tone(Tone {
-            amplitude: drawn(Value::Uniform([2000.0, 12000.0])),
-            ..tone(0.0, 20.0)
-        }),
+        2 => Motion::of_tone(Tone { amplitude: drawn(Value::Uniform([2000.0, 12000.0])), ..tone(0.0, 20.0) }),
         // Its phase is random, as lowering takes it and a study asks for.
-        3 => Motion::of_tone(Tone {
-            amplitude: drawn(Value::Rayleigh(6000.0)),
-            ..Tone::of_rate(0.0, 20.0)
-        }),
+        3 => Motion::of_tone(Tone { amplitude: drawn(Value::Rayleigh(6000.0)), ..Tone::of_rate(0.0, 20.0) }),
         // Beside a tone of fixed frequency and one of drawn angle.
         4 => Motion {
             tones: vec![
@@ -74,11 +68,7 @@ fn motion(kind: usize, phase: Phase) -> Motion {
         ))),
         7 => profile(Position::Random),
         8 => profile(Position::Every),
-        9 => Motion {
-            rate: -36_000.0,
-            acceleration: 90_000.0,
-            ..Motion::of_tone(tone(12000.0, 20.0))
-        },
+        9 => Motion { rate: -36_000.0, acceleration: 90_000.0, ..Motion::of_tone(tone(12000.0, 20.0)) },
         10 => Motion::default(),
         _ => panic!("no motion of kind {kind}"),
     }
@@ -87,9 +77,7 @@ fn motion(kind: usize, phase: Phase) -> Motion {
 /// Weights that sum to n, none of them a fraction of a small denominator.
 fn weights(ticks: &[i32], n: u32) -> Vec<f64> {
     let count = ticks.len() as f64;
-    (0..ticks.len())
-        .map(|k| f64::from(n) / count + 0.370_37 * (k as f64 - 0.5 * (count - 1.0)))
-        .collect()
+    (0..ticks.len()).map(|k| f64::from(n) / count + 0.370_37 * (k as f64 - 0.5 * (count - 1.0))).collect()
 }
 
 /// Sets of fillers.
@@ -258,8 +246,9 @@ fn launches(configuration: &Configuration) -> Vec<Launch> {
     // Weights know no error in the gap but the one at its end, and without weights of their own no extrapolation.
     let with_errors = (0..lowered.fillers.len()).filter(|&filler| !lowered.fillers[filler].is_empty());
     for filler in with_errors {
-        let joins =
-            |group: &&mut Vec<usize>| group.len() < lowered.most_fillers(filler) && lowered.alike(group[0], filler);
+        let joins = |group: &&mut Vec<usize>| {
+            group.len() < lowered.most_fillers(filler) && lowered.alike(group[0], filler)
+        };
         match groups.iter_mut().find(joins) {
             Some(group) => group.push(filler),
             None => groups.push(vec![filler]),

@@ -144,9 +144,8 @@ fn every_configuration_is_the_same_on_any_width_threads_and_division() {
 fn every_configuration_is_the_same_on_any_shader_tile_and_division() {
     let mut coverage = Coverage::start();
     let launches = launches();
-    let expected = |trials: u64, histogram: bool, launch: &Launch| {
-        reference(launch, &cover(0..trials, 63), histogram)
-    };
+    let expected =
+        |trials: u64, histogram: bool, launch: &Launch| reference(launch, &cover(0..trials, 63), histogram);
     let references: Vec<Vec<Moments>> =
         launches.iter().map(|(name, launch)| expected(trials(name), true, launch)).collect();
     let without_histogram = expected(TRIALS, false, &launches[0].1);
@@ -179,7 +178,8 @@ fn every_configuration_is_the_same_on_any_shader_tile_and_division() {
             }
         }
     }
-    coverage.end(&format!("{} configurations: shader variants × tiles and divisions", configurations().len()));
+    coverage
+        .end(&format!("{} configurations: shader variants × tiles and divisions", configurations().len()));
 }
 
 /// A launch of the paper's point at its extremum without noise, whose every error is near ±[`LIMIT`]: the truth alone,

@@ -103,8 +103,8 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
         }
         if shape.gaussian {
             let factor = &table[shape.motion_table() + row * shape.gap_ticks..];
-            for i in 0..shape.gap_ticks {
-                angle = angle + self.gaussian[i].mul_wide(W::splat(factor[i]));
+            for (number, &factor) in self.gaussian.iter().zip(&factor[..shape.gap_ticks]) {
+                angle = angle + number.mul_wide(W::splat(factor));
             }
         }
         let angle = angle.high();
@@ -153,10 +153,7 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
         let end = self.start + W::splat(n + k);
         let start = self.start - W::splat(k);
         let one = W::splat(1);
-        [
-            given.profile(start) - given.profile(start - one),
-            given.profile(end + one) - given.profile(end),
-        ]
+        [given.profile(start) - given.profile(start - one), given.profile(end + one) - given.profile(end)]
     }
 
     /// Tone `t` of drawn frequency: its angle over the gap up to `row`, as factors of the sine and cosine at the middle.
@@ -210,8 +207,8 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
     fn gaussian_side(&self, given: &Given, place: usize) -> W::Wide {
         let factor = &given.table[given.shape.gaussian_row(place)..];
         let mut angle = W::Wide::splat(0);
-        for i in 0..place + 1 {
-            angle = angle + self.gaussian[i].mul_wide(W::splat(factor[i]));
+        for (number, &factor) in self.gaussian.iter().zip(&factor[..=place]) {
+            angle = angle + number.mul_wide(W::splat(factor));
         }
         angle
     }

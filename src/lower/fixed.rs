@@ -267,3 +267,32 @@ fn factor(covariance: &[f64], gap_ticks: i32, sides: usize, lsb_arcsec: f64) -> 
 pub(super) fn long_words(x: i64) -> [u32; 2] {
     [x as u32, (x >> 32) as u32]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::theory::minimum_variance::Band;
+
+    #[test]
+    fn the_factor_of_gaussian_motion_times_its_transpose_is_the_covariance() {
+        let lsb = libm::exp2(-16.0);
+        for (band, gap_ticks, sides) in [([18.0, 22.0], 3, 8), ([1.0, 60.0], 2, 4), ([20.0, 20.0], 1, 3)] {
+            let [low_hz, high_hz] = band;
+            let covariance = Band { low_hz, high_hz }.covariance(12_000.0, 0.005, 64);
+            let factor = factor(&covariance, gap_ticks, sides, lsb);
+            let mut ticks: Vec<i32> = (1 - sides as i32..=gap_ticks + sides as i32).collect();
+            ticks.sort_by_key(|&tick| gaussian_place(tick, gap_ticks));
+            assert_eq!(ticks.len(), factor.len());
+            let unit = lsb / SIGMA_UNITS;
+            for (i, j) in (0..ticks.len()).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+                let product: f64 =
+                    factor[i].iter().zip(&factor[j]).map(|(&a, &b)| f64::from(a) * f64::from(b)).sum();
+                let (found, expected) =
+                    (product * unit * unit, covariance[ticks[i].abs_diff(ticks[j]) as usize]);
+                // A tick moved by 2 LSB: pivots below that are left out.
+                let tolerance = 4.0 * lsb * libm::sqrt(covariance[0]);
+                assert!((found - expected).abs() < tolerance, "{band:?}, {i}, {j}: {found}, not {expected}");
+            }
+        }
+    }
+}

@@ -5,7 +5,6 @@ mod header;
 pub mod log;
 mod rows;
 
-use std::path::Path;
 use std::sync::Arc;
 
 use miette::NamedSource;
@@ -53,19 +52,6 @@ pub struct Record {
 }
 
 impl Record {
-    /// Reads the record at `path`.
-    ///
-    /// # Errors
-    /// A file that cannot be read, and those of [`Record::parse`].
-    pub fn read(path: &Path) -> Result<Record, RecordError> {
-        let text = std::fs::read_to_string(path).map_err(|error| {
-            let help =
-                "give the path of a record (CSV, UTF-8) with the columns `time [s]` and `rate [deg/s]`";
-            RecordError(StudyError::unreadable("the record", path, &error, help))
-        })?;
-        Record::parse(&path.display().to_string(), &text)
-    }
-
     /// Reads a record from its `text`; `name` is that of the file, for messages.
     ///
     /// # Errors
@@ -210,17 +196,12 @@ mod tests {
     #[test]
     fn the_record_that_is_shipped_is_read() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/studies/data/base_vibration.csv");
+        let text = std::fs::read_to_string(path).unwrap();
         let record =
-            Record::read(Path::new(path)).unwrap_or_else(|error| panic!("{}", error.render(false, 110)));
+            Record::parse(path, &text).unwrap_or_else(|error| panic!("{}", error.render(false, 110)));
         assert_eq!((record.rates.len(), record.step_s, record.whole_ticks(0.005)), (6000, 0.002, 2399));
         let ticks = record.tick_angles(0.005);
         let rms = libm::sqrt(ticks.iter().map(|angle| angle * angle).sum::<f64>() / ticks.len() as f64);
         assert!((rms - 41.938_86).abs() < 1e-5, "{rms}");
-    }
-
-    #[test]
-    fn a_file_that_is_not_there_is_named() {
-        let shown = Record::read(Path::new("no/such.csv")).unwrap_err().render(false, 110);
-        assert!(shown.contains("cannot read the record no/such.csv") && shown.contains("CSV"), "{shown}");
     }
 }

@@ -14,7 +14,7 @@ use super::place::Places;
 use super::scalar::{self, Scalar};
 use super::units::Dimension;
 use crate::kernel::launch::MAX_TONES;
-use crate::record::{Record, RecordError};
+use crate::record::Record;
 use crate::theory::minimum_variance::Band;
 use crate::theory::psd::Psd;
 
@@ -163,15 +163,6 @@ fn read_amplitude(name: &str, written: &Spanned<Either<AmplitudeTable>>) -> Resu
         }
         Either::Other(AmplitudeTable { uniform: Some(ends), rayleigh: None }) => {
             let [low, high] = pair(name, &AMPLITUDE, ends.get_ref(), ends.span())?;
-            if of(low) != of(high) {
-                let message = format!("{name} mixes a rate and an angle");
-                return Err(Fault::new(
-                    ends.span(),
-                    message,
-                    "two kinds",
-                    "write both as rates, or both as angles",
-                ));
-            }
             Ok(Amplitude { of_angle: of(low), value: Value::Uniform([low.value, high.value]) })
         }
         Either::Other(AmplitudeTable { uniform: None, rayleigh: Some(scale) }) => {
@@ -199,6 +190,10 @@ fn pair(
         return Err(Fault::new(span, message, "not two values", "write the lower end and the upper end"));
     };
     let [low, high] = [key.read_as(name, low)?, key.read_as(name, high)?];
+    if low.dimension != high.dimension {
+        let message = format!("{name} mixes a rate and an angle");
+        return Err(Fault::new(span, message, "two kinds", "write both as rates, or both as angles"));
+    }
     if low.value > high.value {
         let message = format!("{name} runs from {low} down to {high}");
         return Err(Fault::new(span, message, "backwards", "write the lower end first"));
@@ -265,8 +260,15 @@ fn read_psd(rows: &[Spanned<Ends>], span: std::ops::Range<usize>) -> Result<Psd,
         .map_err(|error| Fault::new(span, error.to_string(), "no spectrum", "sort the rows by frequency"))
 }
 
-fn read_profile(written: &Spanned<ProfileTable>, folder: &Path) -> Result<Profile, RecordError> {
+fn read_profile(written: &Spanned<ProfileTable>, folder: &Path) -> Result<Profile, Wrong> {
     let ProfileTable { file, position } = written.get_ref();
-    let record = Record::read(&folder.join(file.get_ref()))?;
+    let path = folder.join(file.get_ref());
+    let text = std::fs::read_to_string(&path).map_err(|error| {
+        let message = format!("cannot read the record {}: {error}", path.display());
+        let help = "give the path, from the folder of the study, of a record (CSV, UTF-8) with the columns \
+                    `time [s]` and `rate [deg/s]`";
+        Fault::new(file.span(), message, "not readable", help)
+    })?;
+    let record = Record::parse(&path.display().to_string(), &text)?;
     Ok(Profile { file: file.get_ref().clone(), record: Arc::new(record), position: *position })
 }

@@ -60,7 +60,13 @@ pub fn total(launch: &Launch, parts: Vec<Vec<Moments>>, histogram: bool) -> Vec<
     total
 }
 
-pub fn on_cpu(width: Width, threads: usize, launch: &Launch, blocks: &[Block], histogram: bool) -> Vec<Moments> {
+pub fn on_cpu(
+    width: Width,
+    threads: usize,
+    launch: &Launch,
+    blocks: &[Block],
+    histogram: bool,
+) -> Vec<Moments> {
     let cpu = Cpu::new(width, threads).unwrap();
     total(launch, cpu.tally(&jobs(launch, blocks), histogram, &|_| {}), histogram)
 }

@@ -50,7 +50,12 @@ pub enum Beside {
     /// Hz and (″/s)²/Hz, straight lines in log–log.
     Psd(Vec<[f64; 2]>),
     /// Rates, ″/s, every so many s, and the name of their file.
-    Profile { file: &'static str, step_s: f64, rates: Vec<f64>, every: bool },
+    Profile {
+        file: &'static str,
+        step_s: f64,
+        rates: Vec<f64>,
+        every: bool,
+    },
 }
 
 #[derive(Debug, Clone)]
@@ -119,16 +124,14 @@ impl Tone {
     fn toml(&self) -> String {
         let unit = if self.of_angle { "arcsec" } else { "arcsec/s" };
         let [low, high] = self.frequency;
-        let frequency = if low == high { format!("\"{low} Hz\"") } else { format!("[\"{low} Hz\", \"{high} Hz\"]") };
+        let frequency =
+            if low == high { format!("\"{low} Hz\"") } else { format!("[\"{low} Hz\", \"{high} Hz\"]") };
         let phase = match self.phase {
             None => "uniform",
             Some(0.0) => "zero-crossing",
             Some(_) => "extremum",
         };
-        format!(
-            "amplitude = {}, frequency = {frequency}, phase = \"{phase}\"",
-            self.amplitude.toml(unit)
-        )
+        format!("amplitude = {}, frequency = {frequency}, phase = \"{phase}\"", self.amplitude.toml(unit))
     }
 }
 
@@ -313,7 +316,8 @@ impl Gyro {
 
     /// The tables `[gyro]` and `[motion]` of a study.
     pub fn toml(&self) -> String {
-        let mut text = format!("[gyro]\ntick = \"5 ms\"\ntick_noise = {{ std = \"{} arcsec\" }}\n", self.sigma);
+        let mut text =
+            format!("[gyro]\ntick = \"5 ms\"\ntick_noise = {{ std = \"{} arcsec\" }}\n", self.sigma);
         if self.readout > 0.0 {
             writeln!(text, "readout_lsb = \"{} arcsec\"", self.readout).unwrap();
         }
@@ -324,9 +328,13 @@ impl Gyro {
         text += "[motion]\n";
         match &self.tones[..] {
             [] => {}
-            [tone] => text += &(tone.toml().replace(", frequency", "\nfrequency").replace(", phase", "\nphase") + "\n"),
+            [tone] => {
+                text +=
+                    &(tone.toml().replace(", frequency", "\nfrequency").replace(", phase", "\nphase") + "\n")
+            }
             tones => {
-                let tones: Vec<String> = tones.iter().map(|tone| format!("  {{ {} }},\n", tone.toml())).collect();
+                let tones: Vec<String> =
+                    tones.iter().map(|tone| format!("  {{ {} }},\n", tone.toml())).collect();
                 writeln!(text, "tones = [\n{}]", tones.concat()).unwrap();
             }
         }
@@ -432,7 +440,7 @@ impl Prepared<'_> {
         if let Beside::Profile { rates, step_s, .. } = &self.gyro.beside {
             let position = position.unwrap_or_else(|| rng.random_range(0..self.positions()));
             for (angle, boundary) in angles.iter_mut().zip(boundaries.clone()) {
-                let tick = (position + MARGIN).strict_add_signed(boundary as isize);
+                let tick = (position + MARGIN).checked_add_signed(boundary as isize).unwrap();
                 *angle += recorded_angle(rates, &self.sums, *step_s, tick as f64 * TICK_S);
             }
         }

@@ -87,8 +87,8 @@ pub fn polynomial(ticks: &[i32], order: i32, length: i32) -> Vec<f64> {
 
 /// [K + noise, 1; 1ᵀ, 0] [w; λ] = [k; length] by elimination with pivots.
 fn minimum_variance(gyro: &Gyro, band: Option<[f64; 2]>, ticks: &[i32], length: i32) -> Vec<f64> {
-    let farthest = ticks.iter().chain(&[1, length]).copied();
-    let lags = (farthest.clone().max().unwrap() - farthest.min().unwrap()) as usize + 1;
+    let places = [ticks, &[1, length]].concat();
+    let lags = (places.iter().max().unwrap() - places.iter().min().unwrap()) as usize + 1;
     let covariance: Vec<f64> = match band {
         None => gyro.covariance(lags),
         // As much motion as the gyro has: for tones of fixed rate amplitude the sum of their squares.

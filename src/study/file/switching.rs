@@ -114,7 +114,7 @@ impl Error {
 #[expect(dead_code, reason = "only its schema is used")]
 enum FillerSchema {
     Name(PolynomialSchema),
-    Table(FillerTable),
+    Table(Box<FillerTable>),
 }
 
 #[derive(JsonSchema)]

@@ -1,0 +1,116 @@
+//! The numbers of the theory, found again by whole studies: fillers of least variance, relock in the fill.
+
+mod studies;
+
+use std::collections::HashMap;
+
+use sagnac::study::Precision;
+use studies::{parsed, rows, run, run_afresh};
+
+/// The paper's gyro under a motion, with fillers of least variance for a band beside the polynomials.
+fn text(motion: &str, n: u32, design: &str, fillers: &[(&str, &str)]) -> String {
+    let table = |(name, ticks): &(&str, &str)| {
+        format!("{{ kind = \"minimum-variance\", name = \"{name}\", fit_ticks = [{ticks}]{design} }}")
+    };
+    let fillers: Vec<String> = fillers.iter().map(table).collect();
+    format!(
+        "title = \"Theory\"\nkind = \"gap-fill\"\ntrials = 1_000_000\n[gyro]\ntick = \"5 ms\"\ntick_noise = {{ three_sigma = \
+         \"1.6 arcsec\" }}\n[motion]\namplitude = \"12000 arcsec/s\"\nfrequency = {motion}\n[switching]\ngap_ticks = \
+         {n}\nfillers = [\"const\", \"quadratic\", {}]\nerrors = [\"residual\"]\n",
+        fillers.join(", ")
+    )
+}
+
+const FOUR: (&str, &str) = ("4", "-1, 0, \"n+1\", \"n+2\"");
+const EIGHT_AND_TWO: (&str, &str) = ("8+2", "\"-7..0\", \"n+1\", \"n+2\"");
+
+/// Runs a study and compares the rms of its fillers, sampled and in closed form, with printed numbers.
+fn check(text: &str, printed: &[(&str, f64, f64)]) {
+    let table = run_afresh(&parsed("study.toml", text));
+    let found: HashMap<String, _> = rows(&table).map(|row| (row.text("filler"), row)).collect();
+    for &(filler, expected, last_digit) in printed {
+        let row = &found[filler];
+        let (rms, se, oracle) = (row.number("rms"), row.number("rms_se"), row.number("oracle_rms"));
+        // Rounding of the printed number, and of weights and angles in fixed point.
+        let rounding = 0.51 * last_digit + 2e-4 * expected;
+        assert!((oracle - expected).abs() < rounding, "{oracle}, not {expected}: {}", row.place());
+        assert!(
+            (rms - expected).abs() < rounding + 5.0 * se,
+            "{rms} ± {se}, not {expected}: {}",
+            row.place()
+        );
+    }
+}
+
+#[test]
+fn fillers_of_least_variance_have_the_errors_of_the_theorys_table() {
+    let motions = [
+        ("\"20 Hz\"", 1, [18.41, 1.14, 0.54, 0.33]),
+        ("\"20 Hz\"", 3, [109.26, 19.09, 2.40, 1.13]),
+        ("[\"18 Hz\", \"22 Hz\"]", 3, [109.48, 19.76, 3.79, 2.16]),
+        ("[\"1 Hz\", \"25 Hz\"]", 3, [75.96, 15.08, 6.71, 2.85]),
+        ("[\"1 Hz\", \"60 Hz\"]", 3, [113.39, 136.99, 111.85, 59.85]),
+    ];
+    for (motion, n, errors) in motions {
+        let names = ["const", "quadratic", "4", "8+2"];
+        let printed: Vec<(&str, f64, f64)> =
+            names.iter().zip(errors).map(|(name, error)| (*name, error, 0.01)).collect();
+        check(&text(motion, n, "", &[FOUR, EIGHT_AND_TWO]), &printed);
+    }
+}
+
+#[test]
+fn more_ticks_after_the_gap_bridge_a_wide_band() {
+    let fillers = [("8+8", "\"-7..0\", \"n+1..n+8\""), ("20+20", "\"-19..0\", \"n+1..n+20\"")];
+    check(&text("[\"1 Hz\", \"60 Hz\"]", 3, "", &fillers), &[("8+8", 15.5, 0.1), ("20+20", 9.3, 0.1)]);
+}
+
+#[test]
+fn fillers_tuned_to_one_frequency_are_fragile() {
+    let at_20 = ", band = [\"20 Hz\", \"20 Hz\"]";
+    check(&text("\"19 Hz\"", 3, at_20, &[FOUR, EIGHT_AND_TWO]), &[("8+2", 21.6, 0.1), ("4", 3.3, 0.1)]);
+}
+
+#[test]
+fn relock_in_the_first_ticks_after_the_gap_biases_the_fill() {
+    let still = text("\"20 Hz\"", 3, "", &[])
+        .replace("tick_noise = { three_sigma = \"1.6 arcsec\" }", "tick_noise = { std = \"0.01 arcsec\" }")
+        .replace("amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"", "rate = \"0 deg/s\"")
+        .replace("[motion]", "relock = [\"20.3 arcsec\", \"14.8 arcsec\"]\n[motion]");
+    let table = run_afresh(&parsed("study.toml", &still));
+    let means: Vec<f64> = rows(&table).map(|row| row.number("mean")).collect();
+    // 26.3 and 35.9 ″ in print.
+    for (mean, expected) in means.iter().zip([0.75 * (20.3 + 14.8), 2.5 * 20.3 - 14.8]) {
+        assert!((mean - expected).abs() < 1e-3, "{mean}, not {expected}");
+    }
+}
+
+/// The paper's point with a stop rule; `trials` is the cap.
+fn stopping(trials: &str, precision: &str) -> String {
+    text("\"20 Hz\"", 3, "", &[EIGHT_AND_TWO])
+        .replace("trials = 1_000_000", &format!("trials = {trials}\nprecision = {precision}"))
+}
+
+#[test]
+fn sampling_stops_at_the_same_trial_wherever_it_is_begun() {
+    let study = parsed("study.toml", &stopping("1_000_000", "\"0.5 %\""));
+    assert_eq!(study.precision, Some(Precision { rms: Some(0.005), q9973: None }));
+    let at_once = run_afresh(&study);
+    for row in rows(&at_once) {
+        let (trials, rms, se) = (row.number("trials"), row.number("rms"), row.number("rms_se"));
+        assert!(trials < 1e6 && 1.96 * se <= 0.005 * rms, "{}", row.place());
+        // Half as many were not enough, or the rule would have stopped there.
+        assert!(1.96 * se * 2.0_f64.sqrt() > 0.004 * rms, "far too many: {}", row.place());
+    }
+    let folder = tempfile::tempdir().unwrap();
+    // Begun with another cap and a coarser rule, then with the one above.
+    run(&parsed("study.toml", &stopping("3_000", "\"20 %\"")), folder.path());
+    assert_eq!(run(&study, folder.path()), at_once);
+}
+
+#[test]
+fn the_cap_ends_what_is_not_precise_enough() {
+    let table =
+        run_afresh(&parsed("study.toml", &stopping("5_000", "{ rms = \"0.01 %\", q9973 = \"1 %\" }")));
+    assert!(rows(&table).all(|row| row.number("trials") == 5000.0));
+}
