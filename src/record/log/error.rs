@@ -73,7 +73,12 @@ impl LogError {
         help: impl Into<String>,
         place: impl Into<Option<Place>>,
     ) -> LogError {
-        LogError { message: message.into(), label: label.into(), help: help.into(), place: place.into().map(Box::new) }
+        LogError {
+            message: message.into(),
+            label: label.into(),
+            help: help.into(),
+            place: place.into().map(Box::new),
+        }
     }
 
     /// The report for people: file, line, caret and help, `width` columns wide; escape codes only if `color`.
