@@ -145,7 +145,7 @@ fn gaps_outliers_and_what_was_done_are_said() {
 #[test]
 fn the_help_has_examples_and_says_what_is_read() {
     let help = done(&desk_with("a", ""), "--help").stdout;
-    for piece in ["Examples:", "--scale", "decade10", "comments behind", "Stable32"] {
+    for piece in ["Examples:", "--scale", "decade10", "Stable32 .DAT", "Stable32"] {
         assert!(help.contains(piece), "{piece} is missing in\n{help}");
     }
 }

@@ -5,8 +5,9 @@
 pub enum Trend {
     /// Nothing: the rate ramp R and the rate random walk K are those of the record.
     None,
-    /// The straight line of least squares. The rate ramp R goes with it, and with it what the slowest rate random walk
-    /// has in common with a line: the curve is too low where τ is above about a tenth of the record, and K with it.
+    /// The straight line of least squares. The rate ramp R goes with it, and with it what the slowest rate random walk has
+    /// in common with a line: of that noise alone the deviation is 8 % too low at a tenth of the record, 21 % at a fifth
+    /// and 84 % at half (400 simulated records), and K with it.
     Linear,
 }
 

@@ -111,7 +111,7 @@ impl Treatment {
             Trend::Linear => format!(
                 "a linear trend was removed: the rate ramp R is gone with it, and above τ = {} s, a tenth of the record, \
                  the curve and with it the rate random walk K come out too low",
-                significant(0.1 * length_s, 3)
+                significant(0.1 * length_s, 6)
             ),
         }
     }

@@ -17,8 +17,9 @@ Examples:
   sagnac allan pulses.npy --data increment --scale \"0.5 arcsec/pulse\" --rate 400Hz --skip \"30 min\"
   sagnac allan PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,hdev --tau decade10
 
-Files are text (CSV, TSV, semicolons or blanks between columns, a header or none, comments behind # % ;), Stable32 .DAT,
-or NumPy .npy. Empty cells, NaN and missing time stamps are gaps: terms that touch one are left out.";
+Files are text (CSV, TSV, semicolons or blanks between columns, a header or none, comments
+behind # % ;), Stable32 .DAT, or NumPy .npy. Empty cells, NaN and missing time stamps are gaps:
+terms that touch one are left out.";
 
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
