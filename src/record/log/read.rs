@@ -12,7 +12,9 @@ use super::measure::expected;
 use super::names::{self, Name, listed};
 use super::npy::{Array, MAGIC};
 use super::text::{self, TEXT_WANTED};
-use super::time::{JITTER, TimeFault, grid};
+#[cfg(doc)]
+use super::time::JITTER;
+use super::time::{TimeFault, grid};
 use super::{Channel, Data, Log, MOST_SAMPLES, Unit, unreadable};
 
 /// Bytes from which the layout of a text is told.
@@ -263,40 +265,8 @@ impl Reader<'_> {
             Contents::Text(layout) => text::place_of_row(layout, self.path, row, column),
             Contents::Npy(_) => None,
         };
-        let where_ = if place.is_some() { String::new() } else { format!("row {}: ", row + 1) };
-        let [shown, before] = [Some(row), row.checked_sub(1)]
-            .map(|row| row.map_or_else(String::new, |row| format!("{}", stamps[row])));
-        let seconds = |stamp: f64| format!("{} s", crate::table::significant(stamp * factor, 6));
-        let (message, label, help) = match fault {
-            TimeFault::Missing { .. } => (
-                "the time is missing".to_owned(),
-                "no number",
-                "remove the row, or give --rate instead of --time".to_owned(),
-            ),
-            TimeFault::NotIncreasing { .. } => (
-                format!("the time does not increase: {shown} after {before}"),
-                "not later than the row before",
-                "sort the rows by time and remove doubles; logs that were appended to each other are several records"
-                    .to_owned(),
-            ),
-            TimeFault::Jitter { step, median, .. } => (
-                format!("the samples are not evenly spaced: a step of {}, \
-                     the median is {}", seconds(step), seconds(median)),
-                "not on the grid",
-                format!(
-                    "steps within {} % of whole multiples of the median are taken; resample the log, or give --rate \
-                     instead of --time if the stamps are only rounded or late",
-                    100.0 * JITTER
-                ),
-            ),
-            TimeFault::Sparse { gap, median, .. } => (
-                format!("most of the record is missing: a gap of {} at steps of {}", seconds(gap), seconds(median)),
-                "after the longest gap",
-                "is a time stamp wrong? correct it, or cut the log there: at most ten times as many samples may be \
-                 missing as there are"
-                    .to_owned(),
-            ),
-        };
-        LogError::new(where_ + &message, label, help, place)
+        let row = if place.is_some() { String::new() } else { format!("row {}: ", row + 1) };
+        let [message, label, help] = fault.words(stamps, factor);
+        LogError::new(row + &message, label, help, place)
     }
 }

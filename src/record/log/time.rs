@@ -1,5 +1,7 @@
 //! From time stamps to evenly spaced samples with gaps.
 
+use crate::table::significant;
+
 /// How far a step may be from a whole number of sampling steps, in sampling steps.
 pub const JITTER: f64 = 0.1;
 
@@ -40,6 +42,44 @@ impl TimeFault {
             | TimeFault::NotIncreasing { row }
             | TimeFault::Jitter { row, .. }
             | TimeFault::Sparse { row, .. } => row,
+        }
+    }
+
+    /// What is wrong, what stands there, and what to do; `factor` is the size of the unit of the `stamps` in s.
+    pub(super) fn words(self, stamps: &[f64], factor: f64) -> [String; 3] {
+        let shown = |row: usize| stamps.get(row).map_or_else(String::new, f64::to_string);
+        let seconds = |stamp: f64| format!("{} s", significant(stamp * factor, 6));
+        match self {
+            TimeFault::Missing { .. } => [
+                "the time is missing".to_owned(),
+                "no number".to_owned(),
+                "remove the row, or give --rate instead of --time".to_owned(),
+            ],
+            TimeFault::NotIncreasing { row } => [
+                format!("the time does not increase: {} after {}", shown(row), shown(row.saturating_sub(1))),
+                "not later than the row before".to_owned(),
+                "sort the rows by time and remove doubles; logs appended to each other are several records".to_owned(),
+            ],
+            TimeFault::Jitter { step, median, .. } => [
+                format!(
+                    "the samples are not evenly spaced: a step of {}, the median is {}",
+                    seconds(step),
+                    seconds(median)
+                ),
+                "not on the grid".to_owned(),
+                format!(
+                    "steps within {} % of whole multiples of the median are taken; resample the log, or give --rate \
+                     instead of --time if the stamps are only rounded or late",
+                    100.0 * JITTER
+                ),
+            ],
+            TimeFault::Sparse { gap, median, .. } => [
+                format!("most of the record is missing: a gap of {} at steps of {}", seconds(gap), seconds(median)),
+                "after the longest gap".to_owned(),
+                "is a time stamp wrong? correct it, or cut the log there: at most ten times as many samples may be \
+                 missing as there are"
+                    .to_owned(),
+            ],
         }
     }
 }
@@ -90,11 +130,11 @@ pub(super) fn grid(stamps: &[f64], most: usize) -> Result<Grid, TimeFault> {
     Ok(Grid { step: (last - first) / total, samples: total as usize + 1, places })
 }
 
-/// Of all steps, or of so many evenly spread over the record.
+/// Of all steps, or of so many evenly spread over the record. Of two in the middle the shorter: longer ones are gaps.
 fn median_step(stamps: &[f64]) -> f64 {
     let stride = (stamps.len() / MOST_STEPS).max(1);
     let mut steps: Vec<f64> = stamps.windows(2).step_by(stride).map(|pair| pair[1] - pair[0]).collect();
-    let middle = steps.len() / 2;
+    let middle = (steps.len() - 1) / 2;
     *steps.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
@@ -160,5 +200,6 @@ mod tests {
         assert_eq!(grid(&[], MOST).unwrap().samples, 0);
         assert_eq!(grid(&[3.0], MOST).unwrap().samples, 1);
         assert_eq!(grid(&[3.0, 5.0], MOST).unwrap(), Grid { step: 2.0, samples: 2, places: None });
+        assert_eq!(grid(&[0.0, 1.0, 3.0], MOST).unwrap().places, Some(vec![0, 1, 3]));
     }
 }
