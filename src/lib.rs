@@ -4,6 +4,7 @@
 //! study.toml ─ study ─▶ points ─ lower ─▶ launches ─ kernel on a backend ─▶ tallies ─ store ─▶ stats ─▶ table ─ chart
 //! ```
 
+pub mod allan;
 pub mod backend;
 pub mod block;
 pub mod chart;

@@ -114,6 +114,7 @@ mod tests {
             colours: grouping(&["const", "linear", "quadratic"]),
             dashes: grouping(&["1", "2"]),
             points: String::new(),
+            bands: "95 % band".to_owned(),
             series,
             laws: vec![],
             limit: None,

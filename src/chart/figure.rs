@@ -19,6 +19,8 @@ pub struct Figure {
     pub dashes: Grouping,
     /// What the points are, for the legend: `Monte Carlo`, `measured`. Empty: not said.
     pub points: String,
+    /// What the bands are, for the legend: `95 % band`.
+    pub bands: String,
     /// The curves; later ones are drawn over earlier ones.
     pub series: Vec<Series>,
     /// Laws beside the curves.

@@ -37,6 +37,7 @@ impl Figure {
             colours: grouping(colours, &rows),
             dashes: grouping(dashes, &rows),
             points: spec.points.clone(),
+            bands: "95 % band".to_owned(),
             series: vec![],
             laws: vec![],
             limit: spec.limit.map(|value| limit(value, y)),

@@ -90,6 +90,7 @@ mod tests {
             colours: Grouping::default(),
             dashes: Grouping::default(),
             points: String::new(),
+            bands: String::new(),
             series: vec![],
             laws: vec![Law { label: String::new(), lines }],
             limit: None,

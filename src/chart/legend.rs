@@ -195,7 +195,7 @@ fn reading_entries(figure: &Figure) -> Vec<Row> {
         rows.push(Row::Entry(Sample { line: Some(line), ..Sample::default() }, "closed form".to_owned()));
     }
     if has_band {
-        rows.push(Row::Entry(Sample { band: Some(MUTED), ..Sample::default() }, "95 % band".to_owned()));
+        rows.push(Row::Entry(Sample { band: Some(MUTED), ..Sample::default() }, figure.bands.clone()));
     }
     rows
 }

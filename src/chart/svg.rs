@@ -28,6 +28,7 @@ impl Figure {
     ///     colours: Grouping::default(),
     ///     dashes: Grouping::default(),
     ///     points: "Monte Carlo".into(),
+    ///     bands: "95 % band".into(),
     ///     series: vec![Series { colour: 0, dash: 0, points: [2.0, 4.0, 8.0].map(point).into(), law: vec![] }],
     ///     laws: vec![],
     ///     limit: Some(Limit { value: 10.0, label: "limit 10 ″".into() }),
@@ -105,6 +106,7 @@ mod tests {
             colours: grouping("filler", &["const = linear", "quadratic"]),
             dashes: grouping("gap ticks", &["1", "3"]),
             points: "Monte Carlo".to_owned(),
+            bands: "95 % band".to_owned(),
             series: vec![series(0, 0, 2.0), series(0, 1, 5.0), series(1, 0, 0.1), series(1, 1, 0.3)],
             laws: vec![Law {
                 label: "x³/6".to_owned(),

@@ -81,6 +81,7 @@ impl Firmware {
             colours: Grouping { title: "filler".to_owned(), entries: entries(names) },
             dashes: Grouping { title: "error".to_owned(), entries: entries(errors) },
             points: String::new(),
+            bands: String::new(),
             series,
             laws,
             limit: None,
