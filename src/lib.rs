@@ -4,10 +4,12 @@
 //! study.toml ─ study ─▶ points ─ lower ─▶ launches ─ kernel on a backend ─▶ tallies ─ store ─▶ stats ─▶ table ─ chart
 //! ```
 
+pub mod allan;
 pub mod backend;
 pub mod block;
 pub mod chart;
 pub mod firmware;
+pub mod fit;
 pub mod id;
 pub mod kernel;
 pub mod lower;

@@ -1,7 +1,11 @@
 //! The table: named columns with units, the only thing that files, charts, reports and JSON read.
 
+mod number;
+
 use std::collections::BTreeSet;
 use std::io;
+
+pub use number::significant;
 
 /// What the numbers of a column are measured in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,7 +74,7 @@ impl From<Option<f64>> for Cell {
 pub struct Column {
     /// Without the unit: `rms`, `motion.frequency`.
     pub name: String,
-    /// For people: `rms error`, `Vibration frequency`.
+    /// For people: `rms error`, `vibration frequency`.
     pub label: String,
     pub unit: Unit,
     pub cells: Vec<Cell>,
@@ -85,6 +89,23 @@ impl Column {
             self.name.clone()
         } else {
             format!("{}_{}", self.name, self.unit.suffix)
+        }
+    }
+
+    /// The label with the unit, as the title of an axis has it: `rms error, ″`.
+    pub fn title(&self) -> String {
+        if self.unit.symbol.is_empty() {
+            self.label.clone()
+        } else {
+            format!("{}, {}", self.label, self.unit.symbol)
+        }
+    }
+
+    /// A value of the column as a sentence has it: `vibration frequency 20 Hz`, `lost ticks n = 3`.
+    pub fn valued(&self, value: &str) -> String {
+        match self.unit.symbol {
+            "" => format!("{} = {value}", self.label),
+            symbol => format!("{} {value} {symbol}", self.label),
         }
     }
 }
@@ -112,7 +133,7 @@ impl Table {
         self.columns.first().map_or(0, |column| column.cells.len())
     }
 
-    /// The column a user means by `name`: its header or its name, each with or without the part before the last dot.
+    /// The column a user means by `name`: its header or its name, each with or without the parts before any of its dots.
     ///
     /// # Errors
     /// No such column, or several.
@@ -144,6 +165,17 @@ impl Table {
         Ok(rows)
     }
 
+    /// What such a filter chooses, as sentences and legends have it: `filler = const`.
+    ///
+    /// # Errors
+    /// A name selects no single column.
+    pub fn chosen<N: AsRef<str>, V: AsRef<str>>(
+        &self,
+        filter: &[(N, V)],
+    ) -> Result<Vec<String>, ColumnError> {
+        filter.iter().map(|(name, value)| Ok(self.column(name.as_ref())?.valued(value.as_ref()))).collect()
+    }
+
     /// Writes the table as CSV: a header, then the rows; blanks stay empty.
     ///
     /// # Errors
@@ -164,7 +196,7 @@ pub(crate) fn find<'c>(columns: &'c [Column], name: &str) -> Result<&'c Column, 
     if let Some(column) = columns.iter().find(exact) {
         return Ok(column);
     }
-    let is_end_of = |whole: &str| whole.rsplit('.').next() == Some(name);
+    let is_end_of = |whole: &str| whole.strip_suffix(name).is_some_and(|before| before.ends_with('.'));
     let bare = |column: &&Column| is_end_of(&column.name) || is_end_of(&column.header());
     let found: Vec<&Column> = columns.iter().filter(bare).collect();
     match found[..] {
@@ -177,25 +209,6 @@ pub(crate) fn find<'c>(columns: &'c [Column], name: &str) -> Result<&'c Column, 
             name: name.to_owned(),
             candidates: found.iter().map(|column| column.header()).collect(),
         }),
-    }
-}
-
-/// `x` with `digits` significant digits, without trailing zeros, in plain or scientific form, whichever is shorter to read.
-pub fn significant(x: f64, digits: usize) -> String {
-    if x == 0.0 {
-        return "0".to_owned();
-    }
-    let scientific = format!("{:.*e}", digits - 1, x);
-    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
-    let exponent: i32 = exponent.parse().unwrap_or(0);
-    let trim = |text: &str| match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text.to_owned(),
-    };
-    if (-5..digits as i32).contains(&exponent) {
-        trim(&format!("{:.*}", (digits as i32 - 1 - exponent).max(0) as usize, x))
-    } else {
-        format!("{}e{exponent}", trim(mantissa))
     }
 }
 
@@ -215,6 +228,11 @@ mod tests {
             assert_eq!(table.column(name).unwrap().header(), "motion.frequency_hz");
         }
         assert_eq!(table.column("rms").unwrap().header(), "rms_arcsec");
+        let table =
+            Table { columns: vec![column("motion.gaussian.rms", Unit::HZ), column("rms", Unit::ARCSEC)] };
+        assert_eq!(table.column("gaussian.rms").unwrap().name, "motion.gaussian.rms");
+        assert_eq!(table.column("rms").unwrap().name, "rms");
+        assert!(table.column("sian.rms").is_err());
     }
 
     #[test]
@@ -259,5 +277,12 @@ mod tests {
         assert_eq!(Cell::Number(12000.0).text(), "12000");
         assert_eq!(Cell::from(Some(f64::NAN)).text(), "");
         assert_eq!(Cell::from(None).text(), "");
+    }
+
+    #[test]
+    fn a_value_is_said_with_label_and_unit() {
+        assert_eq!(column("upper frequency", Unit::HZ).valued("4.36"), "upper frequency 4.36 Hz");
+        assert_eq!(column("lost ticks n", Unit::NONE).valued("3"), "lost ticks n = 3");
+        assert_eq!(column("error", Unit::ARCSEC).title(), "error, ″");
     }
 }

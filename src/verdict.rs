@@ -1,32 +1,34 @@
-//! The answer against a limit: how far along a curve the 99.73 % error stays within it.
+//! The answer against a limit: how far along a curve what it shows stays within it.
 
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use crate::table::{Column, ColumnError, Table, significant};
+use crate::table::{Cell, Column, ColumnError, Table, significant};
 
 /// What is asked of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Question<'a> {
     /// The column along which the curves run.
     pub x: &'a str,
+    /// The column that is judged.
+    pub y: &'a str,
     /// The columns that tell curves apart.
     pub series: Vec<&'a str>,
     /// Only rows with these values: (column, value as files show it).
     pub filter: Vec<(String, String)>,
-    /// In the unit of the 99.73 % error, ″.
+    /// In the unit of y.
     pub limit: f64,
 }
 
 /// The answer for one curve.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Answer {
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer<'t> {
     /// Column and value of what tells the curve apart.
-    pub series: Vec<(String, String)>,
+    pub series: Vec<(&'t Column, &'t Cell)>,
     pub outcome: Outcome,
-    /// Where that is: column with unit, and value.
-    pub at: Vec<(String, f64)>,
+    /// Where that is: column and value, in the order of the table.
+    pub at: Vec<(&'t Column, f64)>,
 }
 
 /// How a curve stands to the limit.
@@ -37,6 +39,9 @@ pub enum Outcome {
     Passes,
     /// It is above the limit from its first point on, which is there.
     AboveFrom,
+    /// It stays within the limit up to the point there and is above at the next one; points that count have none between
+    /// them.
+    LastWithin,
     /// It stays within the limit up to its last point, which is there.
     WithinUpTo,
 }
@@ -45,19 +50,13 @@ pub enum Outcome {
 ///
 /// # Errors
 /// A name selects no single column, or a filter leaves no row.
-pub fn verdict(table: &Table, question: &Question) -> Result<Vec<Answer>, ColumnError> {
-    let x = table.column(question.x)?;
-    let error = table.column("q9973")?;
+pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'t>>, ColumnError> {
+    let (x, y) = (table.column(question.x)?, table.column(question.y)?);
     let series = question.series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
-    // Wherever the curve runs along, the frequency and Δt·ν are told too.
-    let mut coordinates = vec![x];
-    for name in ["motion.frequency", "dt_nu"] {
-        coordinates.extend(table.column(name).ok().filter(|column| column.name != x.name));
-    }
     let mut curves: Vec<Vec<usize>> = Vec::new();
     let mut place = BTreeMap::new();
     for row in table.rows_where(&question.filter)? {
-        if x.cells[row].number().is_some() && error.cells[row].number().is_some() {
+        if x.cells[row].number().is_some() && y.cells[row].number().is_some() {
             let key: Vec<String> = series.iter().map(|column| column.cells[row].text()).collect();
             let next = curves.len();
             let curve = *place.entry(key).or_insert(next);
@@ -67,27 +66,46 @@ pub fn verdict(table: &Table, question: &Question) -> Result<Vec<Answer>, Column
             curves[curve].push(row);
         }
     }
-    let value = |column: &Column, row: usize| column.cells[row].number().unwrap_or(f64::NAN);
-    Ok(curves
-        .into_iter()
-        .map(|mut rows| {
-            rows.sort_by(|&a, &b| value(x, a).total_cmp(&value(x, b)));
-            let first_above = rows.iter().position(|&row| value(error, row) > question.limit);
-            let (outcome, before, after) = match first_above {
-                None => (Outcome::WithinUpTo, rows[rows.len() - 1], rows[rows.len() - 1]),
-                Some(0) => (Outcome::AboveFrom, rows[0], rows[0]),
-                Some(i) => (Outcome::Passes, rows[i - 1], rows[i]),
-            };
-            let part = fraction(value(error, before), value(error, after), question.limit);
-            let at = coordinates
-                .iter()
-                .map(|column| (column.header(), between(value(column, before), value(column, after), part)))
-                .filter(|(_, value)| value.is_finite())
-                .collect();
-            let named = series.iter().map(|column| (column.header(), column.cells[rows[0]].text())).collect();
-            Answer { series: named, outcome, at }
-        })
-        .collect())
+    let answer = |mut rows: Vec<usize>| {
+        rows.sort_by(|&a, &b| value(x, a).total_cmp(&value(x, b)));
+        let last = rows[rows.len() - 1];
+        let (outcome, before, after) = match rows.iter().position(|&row| value(y, row) > question.limit) {
+            None => (Outcome::WithinUpTo, last, last),
+            Some(0) => (Outcome::AboveFrom, rows[0], rows[0]),
+            Some(i) if counts_between(table, rows[i - 1], rows[i]) => {
+                (Outcome::LastWithin, rows[i - 1], rows[i - 1])
+            }
+            Some(i) => (Outcome::Passes, rows[i - 1], rows[i]),
+        };
+        let part = fraction(value(y, before), value(y, after), question.limit);
+        let at = coordinates(table, x, rows[0], last)
+            .map(|column| (column, between(value(column, before), value(column, after), part)))
+            .filter(|(_, value)| value.is_finite())
+            .collect();
+        let named = series.iter().map(|column| (*column, &column.cells[rows[0]])).collect();
+        Answer { series: named, outcome, at }
+    };
+    Ok(curves.into_iter().map(answer).collect())
+}
+
+fn value(column: &Column, row: usize) -> f64 {
+    column.cells[row].number().unwrap_or(f64::NAN)
+}
+
+/// What tells where a curve from row `a` to row `b` is: x, and wherever it runs along, the frequency and Δt·ν.
+fn coordinates<'t>(table: &'t Table, x: &Column, a: usize, b: usize) -> impl Iterator<Item = &'t Column> {
+    let told = move |column: &Column| {
+        ["motion.frequency", "dt_nu"].contains(&column.name.as_str()) && column.cells[a] != column.cells[b]
+    };
+    table.columns.iter().filter(move |column| column.name == x.name || told(column))
+}
+
+/// Whether a count leads from one row to the other, so that nothing is between them. Trials lead nowhere.
+fn counts_between(table: &Table, a: usize, b: usize) -> bool {
+    table.columns.iter().filter(|column| column.name != "trials").any(|column| {
+        let (a, b) = (&column.cells[a], &column.cells[b]);
+        matches!((a, b), (Cell::Integer(_), Cell::Integer(_))) && a != b
+    })
 }
 
 /// How far the limit lies from a to b, on a logarithmic scale where there is one.
@@ -103,16 +121,21 @@ fn between(a: f64, b: f64, part: f64) -> f64 {
     if a > 0.0 && b > 0.0 { a * libm::pow(b / a, part) } else { a + (b - a) * part }
 }
 
-impl Answer {
+impl Answer<'_> {
     /// The answer as a sentence.
     pub fn sentence(&self, limit: &str) -> String {
-        let series: Vec<String> = self.series.iter().map(|(_, value)| value.clone()).collect();
+        let name = |(column, cell): &(&Column, &Cell)| match cell {
+            Cell::Text(text) => text.clone(),
+            cell => column.valued(&cell.text()),
+        };
+        let series: Vec<String> = self.series.iter().map(name).collect();
         let at: Vec<String> =
-            self.at.iter().map(|(column, value)| format!("{column} = {}", significant(*value, 3))).collect();
+            self.at.iter().map(|(column, value)| column.valued(&significant(*value, 3))).collect();
         let (series, at) = (series.join(", "), at.join(", "));
         match self.outcome {
             Outcome::Passes => format!("{series}: passes {limit} at {at}"),
             Outcome::AboveFrom => format!("{series}: above {limit} from the first point on, {at}"),
+            Outcome::LastWithin => format!("{series}: within {limit} up to {at}"),
             Outcome::WithinUpTo => format!("{series}: within {limit} up to the last point, {at}"),
         }
     }
@@ -121,13 +144,13 @@ impl Answer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::{Cell, Unit};
+    use crate::table::Unit;
 
     fn table() -> Table {
-        let column = |name: &str, cells| Column {
+        let column = |name: &str, label: &str, unit, cells| Column {
             name: name.to_owned(),
-            label: name.to_owned(),
-            unit: Unit::NONE,
+            label: label.to_owned(),
+            unit,
             cells,
             band: None,
         };
@@ -135,32 +158,75 @@ mod tests {
         let fillers = ["a", "a", "a", "b", "b", "b"].map(|name| Cell::Text(name.to_owned())).to_vec();
         Table {
             columns: vec![
-                column("motion.frequency", numbers([4.0, 1.0, 2.0, 1.0, 2.0, 4.0])),
-                column("filler", fillers),
-                column("q9973", numbers([40.0, 5.0, 20.0, 0.1, 0.2, 0.3])),
+                column("motion.frequency", "frequency", Unit::HZ, numbers([4.0, 1.0, 2.0, 1.0, 2.0, 4.0])),
+                column("gap_ticks", "n", Unit::NONE, [4, 1, 2, 1, 2, 4].map(Cell::Integer).to_vec()),
+                column("dt_nu", "Δt·ν", Unit::NONE, numbers([0.5; 6])),
+                column("filler", "filler", Unit::NONE, fillers),
+                column("q9973", "level", Unit::ARCSEC, numbers([40.0, 5.0, 20.0, 0.1, 0.2, 0.3])),
+                column("rms", "rms", Unit::ARCSEC, numbers([9.0, 2.0, 8.0, 0.1, 0.2, 0.3])),
             ],
         }
     }
 
-    fn answers(limit: f64) -> Vec<Answer> {
-        let question = Question { x: "frequency", series: vec!["filler"], filter: vec![], limit };
-        verdict(&table(), &question).unwrap()
+    fn asked<'a>(x: &'a str, y: &'a str, limit: f64) -> Question<'a> {
+        Question { x, y, series: vec!["filler"], filter: vec![], limit }
+    }
+
+    /// Over the frequency alone.
+    fn over_frequency() -> Table {
+        let mut table = table();
+        table.columns.remove(1);
+        table
     }
 
     #[test]
     fn the_crossing_is_found_between_sorted_points_on_logarithmic_scales() {
-        let answers = answers(10.0);
+        let table = over_frequency();
+        let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
         assert_eq!((answers[0].outcome, answers[1].outcome), (Outcome::Passes, Outcome::WithinUpTo));
         let (column, at) = &answers[0].at[0];
-        assert_eq!(column, "motion.frequency");
+        assert_eq!(column.header(), "motion.frequency_hz");
         assert!((at - libm::sqrt(2.0)).abs() < 1e-12, "{at}");
         assert_eq!(answers[1].at[0].1, 4.0);
+        assert_eq!(answers[0].sentence("10 ″"), "a: passes 10 ″ at frequency 1.41 Hz");
     }
 
     #[test]
     fn a_curve_above_the_limit_from_the_start_is_said_to_be() {
-        let answers = answers(1.0);
+        let table = over_frequency();
+        let answers = verdict(&table, &asked("frequency", "q9973", 1.0)).unwrap();
         assert_eq!((answers[0].outcome, answers[0].at[0].1), (Outcome::AboveFrom, 1.0));
-        assert_eq!(answers[0].sentence("1 ″"), "a: above 1 ″ from the first point on, motion.frequency = 1");
+        assert_eq!(answers[0].sentence("1 ″"), "a: above 1 ″ from the first point on, frequency 1 Hz");
+    }
+
+    #[test]
+    fn what_is_judged_is_the_column_asked_for() {
+        let table = over_frequency();
+        let answers = verdict(&table, &asked("frequency", "rms", 10.0)).unwrap();
+        assert!(answers.iter().all(|answer| answer.outcome == Outcome::WithinUpTo), "{answers:?}");
+    }
+
+    #[test]
+    fn along_a_count_the_last_value_within_is_told_and_nothing_between() {
+        let mut table = table();
+        table.columns.remove(0);
+        let answers = verdict(&table, &asked("gap_ticks", "q9973", 10.0)).unwrap();
+        assert_eq!(answers[0].sentence("10 ″"), "a: within 10 ″ up to n = 1");
+        assert_eq!(answers[1].sentence("10 ″"), "b: within 10 ″ up to the last point, n = 4");
+        // Over another column that the count moves.
+        table.columns[1].cells = table.columns[0].cells.iter().map(|n| n.number().into()).collect();
+        let answers = verdict(&table, &asked("dt_nu", "q9973", 10.0)).unwrap();
+        assert_eq!(answers[0].sentence("10 ″"), "a: within 10 ″ up to Δt·ν = 1");
+    }
+
+    #[test]
+    fn curves_are_named_by_values_with_label_and_unit() {
+        let table = over_frequency();
+        let question = Question { series: vec!["filler", "frequency"], ..asked("dt_nu", "rms", 10.0) };
+        let answers = verdict(&table, &question).unwrap();
+        assert_eq!(
+            answers[0].sentence("10 ″"),
+            "a, frequency 4 Hz: within 10 ″ up to the last point, Δt·ν = 0.5"
+        );
     }
 }

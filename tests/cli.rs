@@ -127,9 +127,9 @@ fn a_run_writes_the_table_the_chart_and_the_study() {
     let ended = desk.done("run study.toml --device cpu --trials 1000");
     assert!(ended.stdout.starts_with("Residual error of the gap fillers"), "{}", ended.stdout);
     assert!(ended.stderr.contains("results are in results/study"), "{}", ended.stderr);
-    let charts = ["chart-1.png", "chart-1.svg", "chart-2.png", "chart-2.svg"];
-    let files = [&charts[..], &["points.csv", "resolved_study.toml", "tallies.sqlite"]].concat();
-    assert_eq!(desk.names("results/study"), files);
+    let charts = ["chart-1", "chart-2", "chart-3"].map(|stem| [format!("{stem}.png"), format!("{stem}.svg")]);
+    let files = ["points.csv", "resolved_study.toml", "tallies.sqlite"].map(str::to_owned);
+    assert_eq!(desk.names("results/study"), [charts.concat(), files.into()].concat());
     let table = desk.read("results/study/points.csv");
     let laws = "law_taylor_extremum_arcsec,law_taylor_zero_crossing_arcsec";
     let header = format!("motion.frequency_hz,switching.gap_ticks,{HEADER},{laws}");
@@ -233,7 +233,7 @@ fn maps_are_drawn_with_their_limit_and_what_they_show_is_told() {
         ["chart-1.png", "chart-1.svg", "chart-2.png", "chart-2.svg"]
     );
     let heat = desk.read("results/study/chart-1.svg");
-    for piece in ["Vibration amplitude, ″/s", "99.73 % error, ″", "within: 75 % of cells", "filler = const"]
+    for piece in ["vibration amplitude, ″/s", "99.73 % error, ″", "within: 75 % of cells", "filler = const"]
     {
         assert!(heat.contains(piece), "{piece} is missing in\n{heat}");
     }
@@ -303,8 +303,9 @@ fn charts_that_are_no_longer_asked_for_are_removed_and_nothing_else() {
 
 /// Lines of the table on the standard output, split into cells.
 fn cells(stdout: &str) -> Vec<Vec<&str>> {
-    let lines = stdout.lines().skip_while(|line| !line.contains(" by ")).skip(1);
-    lines.take_while(|line| !line.is_empty()).map(|line| line.split_whitespace().collect()).collect()
+    let lines = stdout.lines().skip_while(|line| !line.contains(", by ")).skip(1);
+    let table = lines.take_while(|line| !line.is_empty());
+    table.map(|line| line.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect()).collect()
 }
 
 #[test]
@@ -322,7 +323,7 @@ fn the_printed_table_has_a_line_for_every_value_of_every_sweep() {
     let said = desk.done("run three.toml --device cpu --trials 1000").stdout;
     let lines = cells(&said);
     assert_eq!(lines.len(), 1 + 3 * 2, "{said}");
-    assert_eq!(lines[0][..2], ["motion.frequency_hz", "motion.amplitude_arcsec_per_s"]);
+    assert_eq!(lines[0][..2], ["vibration frequency, Hz", "vibration amplitude, ″/s"], "{said}");
     let points = desk.points("results/three");
     for line in &lines[1..] {
         let wanted: Vec<f64> = points
@@ -351,7 +352,7 @@ fn a_thinned_table_shows_all_values_of_the_faster_sweeps() {
     let study = with(
         "[[sweep]]\nkey = \"motion.frequency\"\nlinear = { from = \"1 Hz\", to = \"50 Hz\", points = 50 }\n\
          [[sweep]]\nkey = \"motion.amplitude\"\nlist = [\"10 arcsec/s\", \"20 arcsec/s\"]\n\
-         [chart]\nx = \"frequency\"\ny = \"rms\"",
+         [chart]\nkind = \"winner-map\"\nx = \"frequency\"\ny = \"amplitude\"\nz = \"rms\"",
     );
     let said = Desk::with(&study).done("run study.toml --device cpu --trials 1").stdout;
     let lines = cells(&said);

@@ -105,7 +105,7 @@ mod tests {
     }
 
     fn figure(series: Vec<Series>) -> Figure {
-        let axis = Axis { label: String::new(), unit: String::new(), scale: Scale::Log };
+        let axis = Axis { label: String::new(), unit: String::new(), scale: Scale::Log, whole: false };
         Figure {
             title: String::new(),
             subtitle: None,
@@ -114,9 +114,11 @@ mod tests {
             colours: grouping(&["const", "linear", "quadratic"]),
             dashes: grouping(&["1", "2"]),
             points: String::new(),
+            bands: "95 % band".to_owned(),
             series,
             laws: vec![],
             limit: None,
+            chosen: vec![],
         }
     }
 

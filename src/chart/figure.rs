@@ -19,12 +19,16 @@ pub struct Figure {
     pub dashes: Grouping,
     /// What the points are, for the legend: `Monte Carlo`, `measured`. Empty: not said.
     pub points: String,
+    /// What the bands are, for the legend: `95 % band`.
+    pub bands: String,
     /// The curves; later ones are drawn over earlier ones.
     pub series: Vec<Series>,
     /// Laws beside the curves.
     pub laws: Vec<Law>,
     /// What the curves are judged by.
     pub limit: Option<Limit>,
+    /// How the rows of the table were chosen, for the legend: `filler = const`.
+    pub chosen: Vec<String>,
 }
 
 /// One axis.
@@ -36,18 +40,15 @@ pub struct Axis {
     pub unit: String,
     /// How it is divided.
     pub scale: Scale,
+    /// Whether it counts: ticks are at whole numbers only.
+    pub whole: bool,
 }
 
 impl Axis {
     /// The axis title: `rms error, ″`.
     pub fn title(&self) -> String {
-        with_unit(&self.label, &self.unit)
+        if self.unit.is_empty() { self.label.clone() } else { format!("{}, {}", self.label, self.unit) }
     }
-}
-
-/// `label, unit`, or the label alone where there is no unit.
-pub(super) fn with_unit(label: &str, unit: &str) -> String {
-    if unit.is_empty() { label.to_owned() } else { format!("{label}, {unit}") }
 }
 
 /// A part of the legend: a heading and what each style stands for.

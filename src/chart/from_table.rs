@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint, with_unit};
+use super::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
+use super::mixed::check_curves;
 use super::scale::Scale;
 use super::spec::{ChartError, Notes, Spec};
 use crate::table::{Cell, Column, Table, Unit, significant};
@@ -12,7 +13,8 @@ impl Figure {
     /// curves that coincide are merged by [`Figure::merge_coincident`].
     ///
     /// # Errors
-    /// A limit or a law where y is no angle, a column that is not there, holds text instead of numbers, or has no row with a value asked for.
+    /// A limit or a law where y is no angle, a column that is not there, holds text instead of numbers, or has no row with a
+    /// value asked for, a curve through rows that belong on several.
     pub fn from_table(table: &Table, spec: &Spec) -> Result<(Figure, Notes), ChartError> {
         let (x, y) = (numbers(table, &spec.x)?, numbers(table, &spec.y)?);
         check_angle(&spec.y, y, [spec.limit.map(|_| "limit"), spec.laws.first().map(|_| "law")])?;
@@ -26,6 +28,7 @@ impl Figure {
             more => return Err(ChartError::TooManySeries { found: more.len() }),
         };
         let rows = table.rows_where(&spec.filter)?;
+        check_curves(table, spec, &rows)?;
         let mut figure = Figure {
             title: spec.title.clone(),
             subtitle: spec.subtitle.clone(),
@@ -34,9 +37,11 @@ impl Figure {
             colours: grouping(colours, &rows),
             dashes: grouping(dashes, &rows),
             points: spec.points.clone(),
+            bands: "95 % band".to_owned(),
             series: vec![],
             laws: vec![],
             limit: spec.limit.map(|value| limit(value, y)),
+            chosen: table.chosen(&spec.filter)?,
         };
         let mut notes = Notes::default();
         let mut lines: BTreeMap<(usize, usize, usize), Vec<(f64, f64)>> = BTreeMap::new();
@@ -64,7 +69,6 @@ impl Figure {
         for series in &mut figure.series {
             series.points.sort_by(|a, b| a.x.total_cmp(&b.x));
             series.law.sort_by(|a, b| a.0.total_cmp(&b.0));
-            notes.repeated += series.points.windows(2).filter(|pair| pair[0].x == pair[1].x).count();
         }
         figure.laws = laws.iter().map(|law| Law { label: law.label.clone(), lines: vec![] }).collect();
         for ((law, colour, _), mut points) in lines {
@@ -104,7 +108,8 @@ pub(super) fn check_angle<const N: usize>(
 }
 
 pub(super) fn axis(column: &Column, scale: Scale) -> Axis {
-    Axis { label: column.label.clone(), unit: column.unit.symbol.to_owned(), scale }
+    let whole = !column.cells.is_empty() && column.cells.iter().all(|cell| matches!(cell, Cell::Integer(_)));
+    Axis { label: column.label.clone(), unit: column.unit.symbol.to_owned(), scale, whole }
 }
 
 pub(super) fn limit(value: f64, y: &Column) -> Limit {
@@ -123,7 +128,7 @@ pub(super) fn grouping(column: Option<&Column>, rows: &[usize]) -> Grouping {
             entries.push(Entry { style: entries.len(), name });
         }
     }
-    Grouping { title: with_unit(&column.label, column.unit.symbol), entries }
+    Grouping { title: column.title(), entries }
 }
 
 /// A value as the legend names it.
@@ -190,6 +195,7 @@ mod tests {
             x_scale: Scale::Linear,
             y_scale: Scale::Log,
             series: vec!["filler".to_owned(), "gap_ticks".to_owned()],
+            apart: vec![],
             filter: vec![],
             limit: Some(10.0),
             laws: vec![],
@@ -226,15 +232,14 @@ mod tests {
     }
 
     #[test]
-    fn values_left_out_blank_or_repeated_are_counted_and_said() {
+    fn values_left_out_or_blank_are_counted_and_said() {
         let mut table = table();
         table.columns[3].cells[0] = Cell::Number(0.0);
         table.columns[3].cells[1] = Cell::Blank;
         let (_, notes) =
             Figure::from_table(&table, &Spec { series: vec!["filler".to_owned()], ..spec() }).unwrap();
-        assert_eq!((notes.left_out, notes.blank, notes.repeated), (1, 1, 8));
+        assert_eq!((notes.left_out, notes.blank), (1, 1));
         let sentence = notes.sentence().unwrap();
-        assert!(sentence.contains("in `series` or `where`"), "{sentence}");
         assert!(sentence.starts_with("1 of the points cannot be shown on these axes"), "{sentence}");
         assert_eq!(Notes::default().sentence(), None);
     }

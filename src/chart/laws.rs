@@ -81,7 +81,7 @@ mod tests {
     }
 
     fn merged(lines: Vec<LawLine>) -> Vec<(Vec<usize>, usize)> {
-        let axis = Axis { label: String::new(), unit: String::new(), scale: Scale::Log };
+        let axis = Axis { label: String::new(), unit: String::new(), scale: Scale::Log, whole: false };
         let mut figure = Figure {
             title: String::new(),
             subtitle: None,
@@ -90,9 +90,11 @@ mod tests {
             colours: Grouping::default(),
             dashes: Grouping::default(),
             points: String::new(),
+            bands: String::new(),
             series: vec![],
             laws: vec![Law { label: String::new(), lines }],
             limit: None,
+            chosen: vec![],
         };
         figure.merge_laws();
         let lines = figure.laws.into_iter().flat_map(|law| law.lines);

@@ -1,7 +1,7 @@
 //! The legend: what colours, dashes and signs stand for, beside the plot.
 
 use super::canvas::{Canvas, Lettering, Stroke};
-use super::figure::{Figure, Grouping};
+use super::figure::{Figure, Grouping, Law, LawLine};
 use super::map::{HATCH, hatching};
 use super::palette::{self, INK, MUTED};
 use super::text;
@@ -61,6 +61,7 @@ impl Legend {
         if !coincident.is_empty() {
             legend.part(Some("the same curve"), coincident.into_iter().map(Row::Remark).collect());
         }
+        legend.shown(&figure.chosen);
         legend
     }
 
@@ -68,6 +69,11 @@ impl Legend {
         let entries =
             grouping.entries.iter().map(|entry| Row::Entry(sample(entry.style), entry.name.clone()));
         self.part(Some(&grouping.title), entries.collect());
+    }
+
+    /// How the rows of the table were chosen.
+    pub fn shown(&mut self, chosen: &[String]) {
+        self.part(Some("shown"), chosen.iter().cloned().map(Row::Remark).collect());
     }
 
     pub fn part(&mut self, heading: Option<&str>, rows: Vec<Row>) {
@@ -150,9 +156,15 @@ fn curve_sample(style: usize, colour: &'static str) -> Sample {
 }
 
 fn law_rows(figure: &Figure) -> Vec<Row> {
-    let sample = |law| Sample { line: Some(law_stroke(law, None)), ..Sample::default() };
+    // The colour of its lines, where they have one.
+    let colour = |law: &Law| {
+        let mut colours = law.lines.iter().map(LawLine::colour);
+        let first = colours.next().flatten();
+        colours.all(|colour| colour == first).then_some(first).flatten()
+    };
+    let sample = |i, law| Sample { line: Some(law_stroke(i, colour(law))), ..Sample::default() };
     let laws = figure.laws.iter().enumerate();
-    laws.flat_map(|(i, law)| wrapped_entry(sample(i), &law.label)).collect()
+    laws.flat_map(|(i, law)| wrapped_entry(sample(i, law), &law.label)).collect()
 }
 
 /// How the lines of a law are drawn: broad and pale, in the colour of the curves it is about if they have one.
@@ -172,10 +184,10 @@ fn reading_entries(figure: &Figure) -> Vec<Row> {
     let has_band = figure.series.iter().flat_map(|series| &series.points).any(|point| point.band.is_some());
     let mut rows = vec![];
     if !figure.points.is_empty() && !figure.series.is_empty() {
-        rows.push(Row::Entry(
-            Sample { marker: Some((0, MUTED)), ..Sample::default() },
-            figure.points.clone(),
-        ));
+        // As they are drawn: joined where there is no closed form.
+        let line = (!figure.has_laws()).then_some(Stroke { colour: MUTED, width: 1.8, dash: "" });
+        let sample = Sample { line, marker: Some((0, MUTED)), ..Sample::default() };
+        rows.push(Row::Entry(sample, figure.points.clone()));
     }
     // Where points are not said to be something else there is nothing to tell them from.
     if figure.has_laws() && !figure.points.is_empty() {
@@ -183,7 +195,7 @@ fn reading_entries(figure: &Figure) -> Vec<Row> {
         rows.push(Row::Entry(Sample { line: Some(line), ..Sample::default() }, "closed form".to_owned()));
     }
     if has_band {
-        rows.push(Row::Entry(Sample { band: Some(MUTED), ..Sample::default() }, "95 % band".to_owned()));
+        rows.push(Row::Entry(Sample { band: Some(MUTED), ..Sample::default() }, figure.bands.clone()));
     }
     rows
 }

@@ -22,6 +22,7 @@ mod laws;
 mod layout;
 mod legend;
 mod map;
+mod mixed;
 mod palette;
 mod plot;
 mod png;
@@ -30,6 +31,7 @@ mod spec;
 mod svg;
 mod text;
 mod ticks;
+mod whole;
 
 pub use figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
 pub use layout::{HEIGHT, WIDTH};

@@ -25,7 +25,7 @@ pub(super) fn x_range(figure: &Figure) -> Range {
         .flat_map(|line| &line.points)
         .filter(|place| figure.shows(**place))
         .map(|place| place.0);
-    Range::around(figure.x.scale, points.chain(laws))
+    figure.x.around(points.chain(laws))
 }
 
 /// The y range of a figure: its points, its limit and, no farther than is good for the points, bands and laws.
@@ -39,7 +39,7 @@ pub(super) fn y_range(figure: &Figure) -> Range {
     let (low, high) = reach(scale, &points);
     let beside = bands.chain(laws).filter(|&value| scale.shows(value)).map(|value| value.clamp(low, high));
     let limit = figure.limit.iter().map(|limit| limit.value);
-    Range::around(scale, points.iter().copied().chain(beside).chain(limit))
+    figure.y.around(points.iter().copied().chain(beside).chain(limit))
 }
 
 /// How far from the points the axis may reach for what stands beside them: one decade, or once their own span.

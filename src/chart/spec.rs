@@ -24,6 +24,9 @@ pub struct Spec {
     pub y_scale: Scale,
     /// At most two columns that split the rows into curves: the first by colour, the second by dash and marker.
     pub series: Vec<String>,
+    /// The columns by which the rows of the table are told apart, such as swept keys: only one of them may vary along a
+    /// curve. Empty: not checked.
+    pub apart: Vec<String>,
     /// Only rows with this value in this column are shown: (column, value as files show it).
     pub filter: Vec<(String, String)>,
     /// A horizontal line, an angle in ″: y must be one.
@@ -41,8 +44,6 @@ pub struct Notes {
     pub left_out: usize,
     /// Rows of the chart without x or without y.
     pub blank: usize,
-    /// Points at an x where their curve has one already: the rows differ in a column that the chart does not name.
-    pub repeated: usize,
     /// Entries that stand for several curves because they coincide: `const = linear`.
     pub merged: Vec<String>,
     /// Single curves that coincide: `const, 1 and linear, 1`.
@@ -60,10 +61,6 @@ impl Notes {
                 "of the points cannot be shown on these axes (not positive or not finite)",
             ),
             counted(self.blank, "of the rows have no value"),
-            counted(
-                self.repeated,
-                "of the points repeat the x of their curve; name what tells them apart in `series` or `where`",
-            ),
             (!equal.is_empty()).then(|| format!("curves that coincide: {}", equal.join("; "))),
         ];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
@@ -97,6 +94,16 @@ pub enum ChartError {
         /// As y names it.
         column: String,
     },
+    /// Rows on one curve that belong on several.
+    #[error("one curve{} runs through rows that differ in {column} ({})", of_curve(curve), values.join(", "))]
+    MixedCurve {
+        /// What tells the curve from the others: `filler = const`; empty for the only one.
+        curve: String,
+        /// The column besides that along which the curve runs.
+        column: String,
+        /// Two of its values there.
+        values: Vec<String>,
+    },
     /// Several rows on one cell of a map.
     #[error("several rows fall on one cell of the map, as at {cell}{}", differing(column.as_deref(), values))]
     SeveralRows {
@@ -121,6 +128,10 @@ pub enum ChartError {
 
 fn differing(column: Option<&str>, values: &[String]) -> String {
     column.map_or(String::new(), |column| format!(": they differ in {column} ({})", values.join(", ")))
+}
+
+fn of_curve(curve: &str) -> String {
+    if curve.is_empty() { String::new() } else { format!(", that of {curve},") }
 }
 
 fn in_unit(unit: &str) -> String {

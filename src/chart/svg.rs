@@ -4,7 +4,7 @@ use super::area::Area;
 use super::axes;
 use super::canvas::Canvas;
 use super::figure::Figure;
-use super::layout::{HEIGHT, MARGIN, MOST_LABELS, Titles, WIDTH, draw_nothing};
+use super::layout::{HEIGHT, MARGIN, Titles, WIDTH, draw_nothing};
 use super::legend::Legend;
 use super::plot::{self, Plot};
 use super::text;
@@ -16,7 +16,9 @@ impl Figure {
     ///
     /// ```
     /// # use sagnac::chart::*;
-    /// let axis = |label: &str, unit: &str| Axis { label: label.into(), unit: unit.into(), scale: Scale::Log };
+    /// let axis = |label: &str, unit: &str| Axis {
+    ///     label: label.into(), unit: unit.into(), scale: Scale::Log, whole: false,
+    /// };
     /// let point = |x: f64| SeriesPoint { x, y: 20.0 * x * x, band: None };
     /// let figure = Figure {
     ///     title: "Residual of the constant filler".into(),
@@ -26,9 +28,11 @@ impl Figure {
     ///     colours: Grouping::default(),
     ///     dashes: Grouping::default(),
     ///     points: "Monte Carlo".into(),
+    ///     bands: "95 % band".into(),
     ///     series: vec![Series { colour: 0, dash: 0, points: [2.0, 4.0, 8.0].map(point).into(), law: vec![] }],
     ///     laws: vec![],
     ///     limit: Some(Limit { value: 10.0, label: "limit 10 ″".into() }),
+    ///     chosen: vec![],
     /// };
     /// let picture = png(&figure.svg(), 2.0)?;
     /// # assert!(picture.len() > 1000);
@@ -36,7 +40,7 @@ impl Figure {
     /// ```
     pub fn svg(&self) -> String {
         let (x, y) = (plot::x_range(self), plot::y_range(self));
-        let (x_ticks, y_ticks) = (x.ticks(MOST_LABELS), y.ticks(MOST_LABELS));
+        let (x_ticks, y_ticks) = (self.x.ticks(x), self.y.ticks(y));
         let legend = Legend::of(self);
         let titles = Titles {
             title: &self.title,
@@ -79,7 +83,7 @@ mod tests {
     }
 
     fn axis(label: &str, unit: &str) -> Axis {
-        Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log }
+        Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log, whole: false }
     }
 
     /// Everything that a figure can have, small.
@@ -102,12 +106,14 @@ mod tests {
             colours: grouping("filler", &["const = linear", "quadratic"]),
             dashes: grouping("gap ticks", &["1", "3"]),
             points: "Monte Carlo".to_owned(),
+            bands: "95 % band".to_owned(),
             series: vec![series(0, 0, 2.0), series(0, 1, 5.0), series(1, 0, 0.1), series(1, 1, 0.3)],
             laws: vec![Law {
                 label: "x³/6".to_owned(),
                 lines: vec![line(vec![1], 0.3), line(vec![0, 1], 1.0)],
             }],
             limit: Some(Limit { value: 10.0, label: "limit 10 ″".to_owned() }),
+            chosen: vec![],
         }
     }
 
@@ -137,6 +143,35 @@ mod tests {
         assert_eq!(elements(&document, "polygon", "const = linear, 3"), 4);
         assert_eq!(elements(&document, "text", "legend"), 2 + 2 + 2 + 1 + 3);
         assert!(!svg.contains(" id=") && !svg.contains("<!--"));
+    }
+
+    /// The strokes of the samples in the legend.
+    fn sample_strokes(figure: &Figure) -> Vec<String> {
+        let svg = figure.svg();
+        let document = Document::parse(&svg).unwrap();
+        let legend =
+            document.descendants().find(|node| node.attribute("aria-label") == Some("legend")).unwrap();
+        legend.descendants().filter_map(|node| node.attribute("stroke")).map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn the_legend_shows_laws_of_one_colour_in_it_and_joined_points_with_their_line() {
+        let mut figure = figure();
+        figure.laws[0].lines.truncate(1);
+        let pale = super::super::palette::pale(1).to_owned();
+        assert!(sample_strokes(&figure).contains(&pale), "{:?}", sample_strokes(&figure));
+        let samples = |figure: &Figure| sample_strokes(figure).len();
+        let before = samples(&figure);
+        figure.series.iter_mut().for_each(|series| series.law.clear());
+        assert_eq!(samples(&figure), before, "the line of the closed form goes, that of the points comes");
+        assert!(!figure.svg().contains("closed form"));
+    }
+
+    #[test]
+    fn the_legend_says_which_rows_were_chosen() {
+        let chosen = vec!["error = extrapolation".to_owned()];
+        let svg = Figure { chosen, ..figure() }.svg();
+        assert!(svg.contains(">shown<") && svg.contains(">error = extrapolation<"), "{svg}");
     }
 
     #[test]

@@ -5,13 +5,13 @@ use std::path::Path;
 
 use sagnac::chart::{self, ChartError, Figure, Map, MapSpec, Scale, Show, Spec};
 use sagnac::study::{self, Chart, Shows, Study, StudyError};
-use sagnac::table::{ColumnError, Table};
+use sagnac::table::{Cell, ColumnError, Table};
 
 use super::Failure;
 use super::output::write;
 
 /// The names of a chart's files, without their endings.
-fn chart_stem(index: usize, charts: usize) -> String {
+pub fn chart_stem(index: usize, charts: usize) -> String {
     if charts == 1 { "chart".to_owned() } else { format!("chart-{}", index + 1) }
 }
 
@@ -107,6 +107,13 @@ fn curves(study: &Study, chart: &Chart) -> Spec {
         x_scale: scale(chart.x_scale),
         y_scale: scale(chart.y_scale),
         series: chart.series().iter().map(|column| column.name.clone()).collect(),
+        apart: study
+            .sweeps
+            .iter()
+            .map(|sweep| sweep.key.name)
+            .chain(["filler", "error"])
+            .map(str::to_owned)
+            .collect(),
         filter: filter(chart),
         limit: chart.limit_arcsec,
         laws: chart.laws().iter().map(|law| law.column().to_owned()).collect(),
@@ -139,6 +146,12 @@ pub fn filter(chart: &Chart) -> Vec<(String, String)> {
     chart.rows.iter().map(|(column, value)| (column.name.clone(), value.text())).collect()
 }
 
+/// The same without the values of swept keys that nobody asked for: a table has a line for each.
+pub fn written(chart: &Chart) -> Vec<(String, String)> {
+    let asked = |row: &&(study::Named, Cell)| !row.0.span.is_empty() || row.0.name == "error";
+    chart.rows.iter().filter(asked).map(|(column, value)| (column.name.clone(), value.text())).collect()
+}
+
 /// A chart's error at the name in the study that caused it.
 pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
     let named = || [&chart.x, &chart.y, chart.estimate()].into_iter().chain(chart.series());
@@ -165,26 +178,39 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
         }
         ChartError::SameAxes { .. } => (chart.y.span.clone(), "name another column as y".to_owned()),
         ChartError::SeveralRows { column, values, .. } => {
-            (chart.estimate().span.clone(), choose_one(study, column.as_deref(), values))
+            let help = column.as_ref().zip(values.first()).map_or_else(
+                || "choose one of the rows in `where`".to_owned(),
+                |(column, value)| choose_one(study, column, value, |name| format!("make {name} an axis")),
+            );
+            (chart.estimate().span.clone(), help)
+        }
+        ChartError::MixedCurve { column, values, .. } => {
+            let otherwise = |name: &str| match chart.series().len() {
+                0 | 1 => format!("name {name} in `series` too"),
+                _ => "make a chart for each".to_owned(),
+            };
+            let written = chart.series().iter().rev().map(|named| &named.span).find(|span| !span.is_empty());
+            let first = values.first().map_or("", String::as_str);
+            (written.unwrap_or(&chart.y.span).clone(), choose_one(study, column, first, otherwise))
         }
         ChartError::TooManySeries { .. } => (0..0, column),
     };
     study.error_at(span, format!("chart: {error}"), help)
 }
 
-/// How to leave one row for each cell of a map, where two differ in `column`.
-fn choose_one(study: &Study, column: Option<&str>, values: &[String]) -> String {
-    let Some((column, value)) = column.zip(values.first()) else {
-        return "choose one of the rows in `where`".to_owned();
-    };
+/// How to leave one of several rows that differ in `column`, and what to do else with its name.
+fn choose_one(study: &Study, column: &str, value: &str, otherwise: impl Fn(&str) -> String) -> String {
     // As studies write it, with the unit that files leave out.
     let swept = study.sweeps.iter().find(|sweep| sweep.key.name == column);
-    let shown = swept.and_then(|sweep| sweep.values.iter().find(|quantity| quantity.cell().text() == *value));
+    let shown = swept.and_then(|sweep| sweep.values.iter().find(|quantity| quantity.cell().text() == value));
     let value = match shown {
         Some(quantity) if quantity.dimension == study::Dimension::Count => quantity.to_string(),
         Some(quantity) => format!("\"{quantity}\""),
         None => format!("\"{value}\""),
     };
-    let name = column.rsplit('.').next().unwrap_or(column);
-    format!("choose one, as in where = {{ {name} = {value} }}, or make {name} an axis")
+    // The last part says enough where no other sweep ends alike; a key with dots stands in quotes.
+    let last = |key: &str| key.rsplit('.').next().map(str::to_owned).unwrap_or_default();
+    let alike = study.sweeps.iter().filter(|sweep| last(sweep.key.name) == last(column)).count();
+    let name = if alike > 1 { format!("\"{column}\"") } else { last(column) };
+    format!("choose one, as in where = {{ {name} = {value} }}, or {}", otherwise(&name))
 }

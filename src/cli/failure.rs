@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use sagnac::backend::SelectError;
 use sagnac::backend::gpu::GpuError;
+use sagnac::record::log::LogError;
 use sagnac::run::RunError;
 use sagnac::store::StoreError;
 use sagnac::study::StudyError;
@@ -17,6 +18,11 @@ pub enum Failure {
     Usage(String),
     #[error(transparent)]
     Study(#[from] StudyError),
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// A log that does not have what it is asked for.
+    #[error("{0}")]
+    Record(String),
     #[error(transparent)]
     Select(#[from] SelectError),
     #[error(transparent)]
@@ -53,6 +59,7 @@ impl Failure {
     pub fn report(&self) -> ExitCode {
         match self {
             Failure::Study(error) => eprintln!("{}", error.render(colored(), 110)),
+            Failure::Log(error) => eprintln!("{}", error.render(colored(), 110)),
             Failure::OutputClosed => {}
             other => eprintln!("error: {other}"),
         }
@@ -63,7 +70,10 @@ impl Failure {
         match self {
             Failure::Gpu(_) | Failure::Interrupted(_) | Failure::Picture(_) => 1,
             Failure::Usage(_) => 2,
-            Failure::Study(_) | Failure::Store(StoreError::OtherStudy { .. }) => 3,
+            Failure::Study(_)
+            | Failure::Log(_)
+            | Failure::Record(_)
+            | Failure::Store(StoreError::OtherStudy { .. }) => 3,
             Failure::Select(error) => {
                 if error.is_usage() {
                     2

@@ -1,5 +1,6 @@
 //! The command line.
 
+mod allan;
 mod bench;
 mod charts;
 mod devices;
@@ -10,6 +11,7 @@ mod output;
 mod progress;
 mod run;
 mod terminal;
+mod verdicts;
 mod verify;
 
 use std::process::ExitCode;
@@ -33,10 +35,11 @@ Examples:
   sagnac run my.toml --trials 100000000 --device gpu
   sagnac filler quadratic --gap-ticks 3
   sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
+  sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz
   sagnac verify
 
 Exit codes:
-  0 done    1 runtime error    2 usage, unknown device    3 invalid study, folder of another study
+  0 done    1 runtime error    2 usage, unknown device    3 invalid study or log, folder of another study
   5 a check failed    6 storage or output (full, read-only, locked)    130, 143 signals";
 
 #[derive(Debug, Subcommand)]
@@ -47,6 +50,8 @@ enum Command {
     Run(Run),
     /// The weights of fillers for firmware: table, response over frequency, C header, test vectors
     Filler(filler::Options),
+    /// Deviations of recorded logs: Allan, modified Allan, time, Hadamard, with intervals and noise types
+    Allan(allan::Options),
     /// List the devices that kernels can run on
     Devices,
     /// Prove that every kernel gives the same bits on every device, here and now
@@ -113,6 +118,7 @@ pub fn main() -> ExitCode {
     let result = match &cli.command {
         Command::Run(options) => run::run(options),
         Command::Filler(options) => filler::filler(options),
+        Command::Allan(options) => allan::allan(options),
         Command::Devices => devices::devices(),
         Command::Verify(options) => verify::verify(options),
         Command::Bench(options) => bench::bench(options),

@@ -128,7 +128,7 @@ pub fn short(number: f64) -> String {
         x if x >= 1e9 => (1e9, " billion"),
         x if x >= 1e6 => (1e6, " million"),
         x if x >= 1e4 => (1e3, " thousand"),
-        _ => (1.0, ""),
+        x => return sagnac::table::significant(x, 4),
     };
     format!("{}{unit}", sagnac::table::significant(number / scale, 3))
 }

@@ -6,17 +6,17 @@ use sagnac::backend::{Device, Selection, select};
 use sagnac::chart::ChartError;
 use sagnac::run::{Done, Plan};
 use sagnac::store::Store;
-use sagnac::study::{Shows, Study};
-use sagnac::table::{Table, significant};
-use sagnac::verdict::{Answer, Question, verdict};
+use sagnac::study::Study;
+use sagnac::table::Table;
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::charts::{draw, filter, picture, refused};
+use super::charts::{draw, picture, refused, written};
 use super::one_point::one_point;
 use super::output::{print, print_json, write};
 use super::progress::{Shown, short};
 use super::terminal::pivot;
+use super::verdicts::{Verdict, verdicts};
 
 /// Runs the studies one after the other. All are read and checked before the first starts.
 pub fn run(options: &super::Run) -> Result<(), Failure> {
@@ -46,9 +46,13 @@ pub fn run(options: &super::Run) -> Result<(), Failure> {
     if !options.quiet {
         eprintln!("device: {}, {reason}", device.name());
     }
-    let run = |(folder, study): &(PathBuf, Study)| run_study(study, folder, &mut device, options);
-    let results = studies.iter().map(run).collect::<Result<Vec<_>, _>>()?;
-    let documents: Vec<Value> = results.into_iter().flatten().collect();
+    let mut documents: Vec<Value> = Vec::new();
+    for (at, (folder, study)) in studies.iter().enumerate() {
+        if at > 0 && !options.json && !options.quiet {
+            print("\n")?;
+        }
+        documents.extend(run_study(study, folder, &mut device, options)?);
+    }
     match &documents[..] {
         [] => Ok(()),
         [document] => print_json(document),
@@ -98,9 +102,9 @@ fn run_study(
     let trials = held.unwrap_or(study.trials);
     write(&folder.join(RESOLVED), study.resolved(trials).as_bytes())?;
     let notes = draw(study, &table, folder)?;
-    let answers = answers(study, &table)?;
+    let verdicts = verdicts(study, &table)?;
     if options.json {
-        return Ok(Some(to_json(study, device, done, &table, &answers)));
+        return Ok(Some(to_json(study, device, done, &table, &verdicts)));
     }
     if options.quiet {
         return Ok(None);
@@ -129,7 +133,7 @@ fn run_study(
             "note: {n} points of earlier runs are kept but not shown: the study no longer asks for them"
         ),
     }
-    print(&summary(study, &table, &answers)?)?;
+    print(&summary(study, &table, &verdicts)?)?;
     let rate = if done.trials > 0 {
         format!("{} trials in {:.1} s", short(done.trials as f64), done.seconds)
     } else {
@@ -139,55 +143,30 @@ fn run_study(
     Ok(None)
 }
 
-/// The verdict of all curves with a limit; a map shows for itself where it is passed.
-fn answers(study: &Study, table: &Table) -> Result<Vec<(f64, Vec<Answer>)>, Failure> {
-    let mut all = Vec::new();
-    for chart in study.charts.iter().filter(|chart| matches!(chart.shows, Shows::Curves { .. })) {
-        if let Some(limit) = chart.limit_arcsec {
-            let question = Question {
-                x: &chart.x.name,
-                series: chart.series().iter().map(|column| column.name.as_str()).collect(),
-                filter: filter(chart),
-                limit,
-            };
-            let found = verdict(table, &question)
-                .map_err(|error| refused(study, chart, &ChartError::Column(error)))?;
-            all.push((limit, found));
-        }
-    }
-    Ok(all)
-}
-
 /// The table of the first chart and all verdicts, for people.
-fn summary(study: &Study, table: &Table, answers: &[(f64, Vec<Answer>)]) -> Result<String, Failure> {
-    let mut text = format!("{}\n{}\n", study.title, study.question);
+fn summary(study: &Study, table: &Table, verdicts: &[Verdict]) -> Result<String, Failure> {
+    let mut text = format!("{}\n", study.title);
+    if !study.question.is_empty() {
+        text += &format!("{}\n", study.question);
+    }
     if let Some(chart) = study.charts.first() {
         let sweeps: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
         let across = if sweeps.is_empty() { vec![chart.x.name.as_str()] } else { sweeps };
         let series: Vec<&str> = chart.series().iter().map(|column| column.name.as_str()).collect();
-        let shown = pivot(table, &across, &chart.estimate().name, &series, &filter(chart))
+        let shown = pivot(table, &across, &chart.estimate().name, &series, &written(chart))
             .map_err(|error| refused(study, chart, &ChartError::Column(error)))?;
         text += &format!("\n{shown}");
     } else if study.sweeps.is_empty() {
         let shown = one_point(table).map_err(|error| Failure::Picture(error.to_string()))?;
         text += &format!("\n{shown}");
     }
-    for (limit, found) in answers {
-        text += "\n99.73 % error against the limit\n";
-        for answer in found {
-            text += &format!("  {}\n", answer.sentence(&format!("{} ″", significant(*limit, 6))));
-        }
+    for verdict in verdicts {
+        text += &format!("\n{}", verdict.text());
     }
     Ok(text)
 }
 
-fn to_json(
-    study: &Study,
-    device: &Device,
-    done: Done,
-    table: &Table,
-    answers: &[(f64, Vec<Answer>)],
-) -> Value {
+fn to_json(study: &Study, device: &Device, done: Done, table: &Table, verdicts: &[Verdict]) -> Value {
     let cell = |cell: &sagnac::table::Cell| match cell {
         sagnac::table::Cell::Blank => json!(null),
         sagnac::table::Cell::Text(text) => json!(text),
@@ -197,8 +176,6 @@ fn to_json(
     let rows: Vec<Value> = (0..table.rows())
         .map(|row| table.columns.iter().map(|column| (column.header(), cell(&column.cells[row]))).collect())
         .collect();
-    let verdicts: Vec<Value> =
-        answers.iter().map(|(limit, found)| json!({ "limit_arcsec": limit, "series": found })).collect();
     json!({
         "title": study.title,
         "question": study.question,
@@ -207,7 +184,7 @@ fn to_json(
         "device": device.name(),
         "sampled_trials": done.trials,
         "seconds": done.seconds,
-        "verdicts": verdicts,
+        "verdicts": verdicts.iter().map(Verdict::json).collect::<Vec<_>>(),
         "points": rows,
     })
 }

@@ -44,14 +44,14 @@ pub fn pivot(
     let step = (least..).find(|&step| step == 1 || inner().all(|n| gcd(step, n) == 1)).unwrap_or(least);
     let mut grid = vec![vec![String::new(); across.len() + columns.len()]; lines.len() + 1];
     for (place, names) in across.iter().enumerate() {
-        grid[0][place] = names.column.header();
+        grid[0][place] = names.column.title();
         for (line, &at) in lines.iter().enumerate() {
             grid[line + 1][place] = names.at(at).to_owned();
         }
     }
     for (place, &at) in columns.iter().enumerate() {
         let words: Vec<&str> = curves.iter().map(|names| names.at(at)).collect();
-        grid[0][across.len() + place] = if words.is_empty() { y.header() } else { words.join(" ") };
+        grid[0][across.len() + place] = if words.is_empty() { y.title() } else { words.join(" ") };
     }
     for (at, &row) in rows.iter().enumerate() {
         let cell = &y.cells[row];
@@ -65,9 +65,9 @@ pub fn pivot(
         .map(|(_, row)| row)
         .collect();
     let note = if step > 1 { format!(" (one line in {step})") } else { String::new() };
-    let names: Vec<&str> = curves.iter().map(|names| names.column.name.as_str()).collect();
-    let by = if names.is_empty() { String::new() } else { format!(" by {}", names.join(", ")) };
-    Ok(format!("{}{by}{note}\n{}", y.header(), aligned(&shown)))
+    let names: Vec<String> = curves.iter().map(|names| names.column.title()).collect();
+    let by = if names.is_empty() { String::new() } else { format!(", by {}", names.join(" and ")) };
+    Ok(format!("{}{by}{note}\n{}", y.title(), aligned(&shown)))
 }
 
 /// The different values of a column in the rows shown.

@@ -64,6 +64,7 @@ impl Firmware {
             label: label.to_owned(),
             unit: unit.to_owned(),
             scale: Scale::Log,
+            whole: false,
         };
         let plural = if self.gap_ticks == 1 { "" } else { "s" };
         let of = self.tick_s.map_or_else(String::new, |t| format!(" of {} ms", significant(1e3 * t, 6)));
@@ -75,14 +76,16 @@ impl Firmware {
         let mut figure = Figure {
             title: format!("Response to vibration of a gap of {} tick{plural}{of}", self.gap_ticks),
             subtitle: Some(self.title.clone()),
-            x: axis("Vibration frequency", frequency_unit),
-            y: axis("Error amplitude per rate amplitude", error_unit),
+            x: axis("vibration frequency", frequency_unit),
+            y: axis("error amplitude per rate amplitude", error_unit),
             colours: Grouping { title: "filler".to_owned(), entries: entries(names) },
             dashes: Grouping { title: "error".to_owned(), entries: entries(errors) },
             points: String::new(),
+            bands: String::new(),
             series,
             laws,
             limit: None,
+            chosen: vec![],
         };
         figure.merge_coincident();
         figure

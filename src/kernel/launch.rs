@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-
 /// Most ticks on one side of the gap.
 pub const MAX_SIDE: usize = 64;
 

@@ -1,6 +1,8 @@
-//! A recorded profile of motion: evenly spaced samples of an angular rate, and the angles of the ticks over it.
+//! Recorded data: a profile of motion, evenly spaced samples of an angular rate with the angles of the ticks over it, and in
+//! [`log`] the logs of sensors.
 
 mod header;
+pub mod log;
 mod rows;
 
 use std::sync::Arc;

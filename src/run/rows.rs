@@ -105,6 +105,7 @@ impl Columns {
             .collect();
         columns.extend([
             column("dt_nu", "Δt·ν", Unit::NONE),
+            column("amplitude_noise", "rate amplitude · T / σ", Unit::NONE),
             column("filler", "filler", Unit::NONE),
             column("error", "error", Unit::NONE),
             column("trials", "trials", Unit::NONE),
@@ -113,10 +114,10 @@ impl Columns {
             column("rms_se", "standard error of the rms", Unit::ARCSEC),
             column("max", "largest error seen", Unit::ARCSEC),
             banded("q9973", "99.73 % error"),
-            column("q9973_lo", "99.73 % error, lower", Unit::ARCSEC),
-            column("q9973_hi", "99.73 % error, upper", Unit::ARCSEC),
-            column("oracle_rms", "rms error, closed form", Unit::ARCSEC),
-            column("oracle_max", "largest error of the motion, closed form", Unit::ARCSEC),
+            column("q9973_lo", "99.73 % error (lower)", Unit::ARCSEC),
+            column("q9973_hi", "99.73 % error (upper)", Unit::ARCSEC),
+            column("oracle_rms", "rms error (closed form)", Unit::ARCSEC),
+            column("oracle_max", "largest error of the motion (closed form)", Unit::ARCSEC),
             column("z", "deviation from the closed form, standard errors", Unit::NONE),
         ]);
         Columns { table: Table { columns } }
@@ -143,6 +144,7 @@ impl Columns {
             .and_then(|((found, se), rms)| z_score(found.rms, rms, se, estimate.oracle.rounding));
         let cells = point.swept.iter().map(|(_, value)| value.cell()).chain([
             Cell::from(point.inputs.dt_nu()),
+            point.inputs.amplitude_noise().into(),
             Cell::Text(filler.to_owned()),
             Cell::Text(estimate.error.name().to_owned()),
             Cell::Integer(trials as i64),

@@ -45,7 +45,8 @@ pub struct Chart {
     /// Of curves the estimate, of a map an axis like x.
     pub y: Named,
     pub shows: Shows,
-    /// Only rows in which each column, a swept key, `filler` or `error`, has the value: one of those it takes.
+    /// Only rows in which each column, a swept key, `filler` or `error`, has the value: one of those it takes. A chart that is
+    /// supplied has those of the keys that it cannot show.
     pub rows: Vec<(Named, Cell)>,
     /// Allowed error, ″, above 0.
     pub limit_arcsec: Option<f64>,
@@ -131,13 +132,13 @@ fn read(mut table: ChartTable, sweeps: &[Sweep], fillers: &[Filler]) -> Result<C
     }
     let chart = Chart {
         title: table.title,
+        x_scale: table.x_scale.unwrap_or_else(|| scale_over(table.x.get_ref(), sweeps)),
+        y_scale: table.y_scale.unwrap_or_else(|| scale_over(table.y.get_ref(), sweeps)),
         x: table.x.into(),
         y: table.y.into(),
         shows,
         rows,
         limit_arcsec: limit,
-        x_scale: table.x_scale,
-        y_scale: table.y_scale,
     };
     // Without a word on errors a curve would jump between the two, and a map show two values at once.
     let told_apart = chosen.iter().any(|column| column == ERROR);
@@ -240,16 +241,27 @@ fn default_for(sweeps: &[Sweep]) -> Option<Chart> {
         None => names.remove(0),
     };
     let series = std::iter::once(FILLER).chain(names.first().copied());
+    // A curve runs along one key: further ones stay at their first value.
+    let first = |name: &&str| sweeps.iter().find(|sweep| sweep.key.name == *name)?.values.first().copied();
+    let fixed = names.iter().skip(1).filter_map(|name| Some((Named::default(name), first(name)?.cell())));
     Some(Chart {
         title: None,
         x: Named::default(x),
         y: Named::default("rms"),
         shows: Shows::Curves { series: series.map(Named::default).collect(), laws: vec![] },
-        rows: only_residuals(),
+        rows: fixed.chain(only_residuals()).collect(),
         limit_arcsec: None,
-        x_scale: Scale::default(),
+        x_scale: scale_over(x, sweeps),
         y_scale: Scale::default(),
     })
+}
+
+/// The scale of an axis over this column where none is written: that of its sweep, of Δt·ν that of the frequency.
+fn scale_over(name: &str, sweeps: &[Sweep]) -> Scale {
+    let column = coordinate(sweeps, name, 0..0, "no axis over").ok();
+    let key = column.as_deref().map(|column| if column == DT_NU { FREQUENCY.name } else { column });
+    let sweep = sweeps.iter().find(|sweep| Some(sweep.key.name) == key);
+    sweep.map_or(Scale::default(), |sweep| sweep.scale)
 }
 
 fn only_residuals() -> Vec<(Named, Cell)> {

@@ -28,7 +28,7 @@ pub(super) struct ChartTable {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "String")]
     pub(super) title: Option<String>,
-    /// Column of the abscissa; of a map a swept key or dt_nu.
+    /// Column of the abscissa; of a map a swept key, dt_nu or amplitude_noise.
     #[schemars(with = "String", extend("examples" = ["dt_nu", "frequency"]))]
     pub(super) x: Spanned<String>,
     /// Column of the ordinate: of curves the estimate, of a map another swept key or dt_nu.
@@ -60,10 +60,14 @@ pub(super) struct ChartTable {
     #[serde(default)]
     #[schemars(with = "String")]
     pub(super) limit: Option<Spanned<Scalar>>,
-    #[serde(default)]
-    pub(super) x_scale: Scale,
-    #[serde(default)]
-    pub(super) y_scale: Scale,
+    /// Linear if absent over a sweep that is linear or not above 0, else "log".
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Scale")]
+    pub(super) x_scale: Option<Scale>,
+    /// As x_scale.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Scale")]
+    pub(super) y_scale: Option<Scale>,
     /// The scale of the colours of a heat map; "log" if absent.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Scale")]

@@ -176,14 +176,17 @@ impl StudyError {
 
     /// The report for people: file, line, caret and help, `width` columns wide; escape codes only if `color`.
     pub fn render(&self, color: bool, width: usize) -> String {
-        let theme = if color { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
-        let handler = GraphicalReportHandler::new_themed(theme).with_links(color).with_width(width);
-        let mut report = String::new();
-        match handler.render_report(&mut report, self) {
-            Ok(()) => report,
-            Err(fmt::Error) => format!("{self}\nhelp: {}\n", self.help),
-        }
+        render(self, color, width).unwrap_or_else(|| format!("{self}\nhelp: {}\n", self.help))
     }
+}
+
+/// The report of any diagnostic for people; `None` where its place is not in its text.
+pub(crate) fn render(diagnostic: &dyn Diagnostic, color: bool, width: usize) -> Option<String> {
+    let theme = if color { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
+    let handler = GraphicalReportHandler::new_themed(theme).with_links(color).with_width(width);
+    let mut report = String::new();
+    handler.render_report(&mut report, diagnostic).ok()?;
+    Some(report)
 }
 
 impl Diagnostic for StudyError {
@@ -202,7 +205,7 @@ impl Diagnostic for StudyError {
 }
 
 /// Help for a wrong name: the nearest of `known` if one is near, and all of them.
-pub(super) fn choices(found: &str, known: &[&str]) -> String {
+pub(crate) fn choices(found: &str, known: &[&str]) -> String {
     let accepted = format!("accepted: {}", known.join(", "));
     match nearest(found, known) {
         Some(name) => format!("did you mean `{name}`? {accepted}"),

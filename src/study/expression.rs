@@ -61,10 +61,11 @@ pub(super) struct Size {
 }
 
 /// Every symbol, its size in base units and the powers (in halves) of ″, s, g, pulse.
-const SYMBOLS: [(&[&str], f64, [i32; 4]); 15] = [
+const SYMBOLS: [(&[&str], f64, [i32; 4]); 16] = [
     (&["s"], 1.0, [0, 2, 0, 0]),
     (&["ms"], 1e-3, [0, 2, 0, 0]),
     (&["us", "µs", "μs"], 1e-6, [0, 2, 0, 0]),
+    (&["ns"], 1e-9, [0, 2, 0, 0]),
     (&["min"], 60.0, [0, 2, 0, 0]),
     (&["h"], 3600.0, [0, 2, 0, 0]),
     (&["Hz"], 1.0, [0, -2, 0, 0]),

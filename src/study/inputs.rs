@@ -50,6 +50,14 @@ impl Inputs {
         let (_, frequency_hz) = self.motion.single_tone()?;
         Some((f64::from(self.gap_ticks) + 1.0) / 2.0 * self.tick_s * frequency_hz)
     }
+
+    /// A_Ω·T/σ, the angle of a tick at the peak of the rate by the standard deviation of its noise; absent where the motion
+    /// is not one tone of fixed frequency and amplitude, or there is no noise.
+    pub fn amplitude_noise(&self) -> Option<f64> {
+        let (rate, _) = self.motion.single_tone()?;
+        let sigma = self.sigma_arcsec();
+        (sigma > 0.0).then(|| rate * self.tick_s / sigma)
+    }
 }
 
 impl Kind {

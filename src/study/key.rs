@@ -21,7 +21,7 @@ pub(super) const LONGEST_GAP: i64 = MAX_SIDE as i64;
 pub struct Key {
     /// As in study files and column names: `motion.frequency`.
     pub name: &'static str,
-    /// For axes and reports: `Vibration frequency`.
+    /// For axes and reports: `vibration frequency`.
     pub label: &'static str,
     accepts: &'static [Dimension],
     /// Lowest and highest value in base units, and the same for people.
@@ -33,7 +33,7 @@ pub struct Key {
 
 pub(super) static TICK: Key = Key {
     name: "gyro.tick",
-    label: "Tick",
+    label: "tick",
     accepts: &[Dimension::Time],
     limits: (1e-6, 1e3, "1 µs to 1000 s"),
     applies: always,
@@ -42,7 +42,7 @@ pub(super) static TICK: Key = Key {
 
 pub(super) static NOISE_STD: Key = Key {
     name: "gyro.tick_noise.std",
-    label: "Tick noise σ",
+    label: "tick noise σ",
     accepts: &[Dimension::Angle],
     limits: (0.0, 1e6, "0 to 1e6 arcsec"),
     applies: always,
@@ -51,7 +51,7 @@ pub(super) static NOISE_STD: Key = Key {
 
 pub(super) static NOISE_THREE_SIGMA: Key = Key {
     name: "gyro.tick_noise.three_sigma",
-    label: "Tick noise 3σ",
+    label: "tick noise 3σ",
     accepts: &[Dimension::Angle],
     limits: (0.0, 3e6, "0 to 3e6 arcsec"),
     applies: always,
@@ -60,7 +60,7 @@ pub(super) static NOISE_THREE_SIGMA: Key = Key {
 
 pub(super) static NOISE_RANDOM_WALK: Key = Key {
     name: "gyro.tick_noise.angle_random_walk",
-    label: "Angle random walk",
+    label: "angle random walk",
     accepts: &[Dimension::AngleRandomWalk],
     limits: (0.0, 1e9, "0 to 1e9 arcsec/sqrt(s)"),
     applies: always,
@@ -69,7 +69,7 @@ pub(super) static NOISE_RANDOM_WALK: Key = Key {
 
 pub(super) static READOUT_LSB: Key = Key {
     name: "gyro.readout_lsb",
-    label: "Readout LSB",
+    label: "pulse weight",
     accepts: &[Dimension::Angle],
     limits: (1e-6, 1e6, "1e-6 to 1e6 arcsec"),
     applies: always,
@@ -78,7 +78,7 @@ pub(super) static READOUT_LSB: Key = Key {
 
 pub(super) static AMPLITUDE: Key = Key {
     name: "motion.amplitude",
-    label: "Vibration amplitude",
+    label: "vibration amplitude",
     accepts: &[Dimension::Rate, Dimension::Angle],
     limits: (0.0, 1e9, "0 to 1e9 arcsec/s, or an angle of 0 to 1e9 arcsec"),
     applies: |inputs| matches!(inputs.motion.tones[..], [tone] if matches!(tone.amplitude.value, Value::Fixed(_))),
@@ -92,7 +92,7 @@ pub(super) static AMPLITUDE: Key = Key {
 
 pub(super) static FREQUENCY: Key = Key {
     name: "motion.frequency",
-    label: "Vibration frequency",
+    label: "vibration frequency",
     accepts: &[Dimension::Frequency],
     limits: (1e-9, 1e7, "1e-9 Hz to 1e7 Hz, and at most 10 times the tick rate"),
     applies: |inputs| matches!(inputs.motion.tones[..], [tone] if matches!(tone.frequency, Frequency::Fixed(_))),
@@ -108,7 +108,7 @@ const BAND: (f64, f64, &str) = (1e-9, 1e7, "1e-9 Hz to 1e7 Hz, and at most half 
 
 static FREQUENCY_LOW: Key = Key {
     name: "motion.frequency.low",
-    label: "Lower end of the band",
+    label: "lower frequency",
     accepts: &[Dimension::Frequency],
     limits: BAND,
     applies: has_frequency_band,
@@ -123,7 +123,7 @@ static FREQUENCY_LOW: Key = Key {
 
 static FREQUENCY_HIGH: Key = Key {
     name: "motion.frequency.high",
-    label: "Upper end of the band",
+    label: "upper frequency",
     accepts: &[Dimension::Frequency],
     limits: BAND,
     applies: has_frequency_band,
@@ -151,7 +151,7 @@ pub(super) static GAUSSIAN_RMS: Key = Key {
 
 static GAUSSIAN_LOW: Key = Key {
     name: "motion.gaussian.low",
-    label: "Lower end of the band",
+    label: "lower frequency",
     accepts: &[Dimension::Frequency],
     limits: BAND,
     applies: has_gaussian_band,
@@ -164,7 +164,7 @@ static GAUSSIAN_LOW: Key = Key {
 
 static GAUSSIAN_HIGH: Key = Key {
     name: "motion.gaussian.high",
-    label: "Upper end of the band",
+    label: "upper frequency",
     accepts: &[Dimension::Frequency],
     limits: BAND,
     applies: has_gaussian_band,
@@ -177,7 +177,7 @@ static GAUSSIAN_HIGH: Key = Key {
 
 pub(super) static RATE: Key = Key {
     name: "motion.rate",
-    label: "Constant rate",
+    label: "constant rate",
     accepts: &[Dimension::Rate],
     limits: (-1e9, 1e9, "-1e9 to 1e9 arcsec/s"),
     applies: always,
@@ -186,7 +186,7 @@ pub(super) static RATE: Key = Key {
 
 pub(super) static ACCELERATION: Key = Key {
     name: "motion.acceleration",
-    label: "Angular acceleration",
+    label: "angular acceleration",
     accepts: &[Dimension::AngularAcceleration],
     limits: (-1e12, 1e12, "-1e12 to 1e12 arcsec/s^2"),
     applies: always,
@@ -207,7 +207,7 @@ fn has_gaussian_band(inputs: &Inputs) -> bool {
 
 pub(super) static GAP_TICKS: Key = Key {
     name: "switching.gap_ticks",
-    label: "Lost ticks n",
+    label: "lost ticks n",
     accepts: &[Dimension::Count],
     limits: (1.0, LONGEST_GAP as f64, "1 to 64"),
     applies: always,

@@ -43,7 +43,7 @@ use toml::Spanned;
 pub use chart::{Chart, Named, Shows};
 pub use chart_file::Scale;
 pub use diagnose::StudyError;
-pub(crate) use diagnose::{Fault, Text};
+pub(crate) use diagnose::{Fault, Text, choices, render};
 pub use file::{Error, Kind, Phase, Position, Streams, schema};
 pub use filler::{Fill, Filler, Method, POLYNOMIALS};
 pub use inputs::{Inputs, TickNoise};

@@ -19,6 +19,9 @@ pub(super) const ERROR: &str = "error";
 /// The column of Δt·ν, which follows from the inputs of a point.
 pub(super) const DT_NU: &str = "dt_nu";
 
+/// The column of A_Ω·T/σ, which does too.
+const AMPLITUDE_NOISE: &str = "amplitude_noise";
+
 /// Most values of a sweep that a message lists.
 const MOST_LISTED: usize = 12;
 
@@ -35,7 +38,8 @@ pub(super) fn chooser(
     input(sweeps, &[FILLER, ERROR], name, span, cannot)
 }
 
-/// The column of numbers known before anything is sampled that `name` at `span` means: a swept key or `dt_nu`.
+/// The column of numbers known before anything is sampled that `name` at `span` means: a swept key, `dt_nu` or
+/// `amplitude_noise`.
 ///
 /// # Errors
 /// As those of [`chooser`].
@@ -45,7 +49,7 @@ pub(super) fn coordinate(
     span: Range<usize>,
     cannot: &str,
 ) -> Result<String, Fault> {
-    input(sweeps, &[DT_NU], name, span, cannot)
+    input(sweeps, &[DT_NU, AMPLITUDE_NOISE], name, span, cannot)
 }
 
 /// The column that `name` means among the swept keys and some `more`.

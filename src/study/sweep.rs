@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use toml::Spanned;
 
+use super::chart_file::Scale;
 use super::diagnose::Fault;
 use super::file::{SpacingTable, SweepTable};
 use super::key::Key;
@@ -22,6 +23,8 @@ pub struct Sweep {
     pub key: &'static Key,
     /// Distinct, of one dimension, in the order written.
     pub values: Vec<Quantity>,
+    /// Of an axis over them: linear where they are evenly spaced, or not all above 0.
+    pub(super) scale: Scale,
     /// Of the values, in the text.
     pub(super) span: Range<usize>,
 }
@@ -68,7 +71,9 @@ fn read(table: &SweepTable) -> Result<Sweep, Fault> {
             return Err(Fault::new(table.key.span(), message, "in this sweep", help));
         }
     };
-    Ok(Sweep { key, values, span })
+    let linear = table.linear.is_some() || values.iter().any(|value| value.value <= 0.0);
+    let scale = if linear { Scale::Linear } else { Scale::Log };
+    Ok(Sweep { key, values, scale, span })
 }
 
 fn listed(key: &Key, list: &Spanned<Vec<Spanned<Scalar>>>) -> Result<Vec<Quantity>, Fault> {

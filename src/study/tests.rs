@@ -71,7 +71,7 @@ fn the_shipped_study_has_72_points_in_the_order_of_its_sweeps() {
         ("switching.gap_ticks", Quantity { value: 2.0, dimension: Dimension::Count })
     );
     assert_eq!(study.charts[0].limit_arcsec, Some(10.0));
-    assert_eq!(&SHIPPED[study.charts[0].y.span.clone()], "\"rms\"");
+    assert_eq!(&SHIPPED[study.charts[0].y.span.clone()], "\"q9973\"");
     assert_eq!(study.charts[0].rows[0].1, Cell::Text("residual".to_owned()));
 }
 
@@ -129,6 +129,11 @@ fn a_chart_is_supplied_where_none_is_written() {
         expected("dt_nu", &["filler", "switching.gap_ticks"])
     );
     assert_eq!(names(&with(gap)), expected("switching.gap_ticks", &["filler"]));
+    let rates = "[[sweep]]\nkey = \"motion.rate\"\nlist = [\"7 arcsec/s\", \"8 arcsec/s\"]\n";
+    let three = with(&format!("{frequency}{gap}{rates}"));
+    assert_eq!(names(&three), expected("dt_nu", &["filler", "switching.gap_ticks"]));
+    let rows = &parsed(&three).charts[0].rows;
+    assert_eq!((rows[0].0.name.as_str(), &rows[0].1), ("motion.rate", &Cell::Number(7.0)), "the first value");
 }
 
 #[test]

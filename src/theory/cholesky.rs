@@ -27,12 +27,22 @@ pub fn semidefinite(count: usize, matrix: impl Fn(usize, usize) -> f64) -> Vec<V
 }
 
 /// Solves L Lᵀ x = b for a factor L of a positive definite matrix.
-pub fn solve(factor: &[Vec<f64>], mut x: Vec<f64>) -> Vec<f64> {
-    let count = x.len();
-    for i in 0..count {
+pub fn solve(factor: &[Vec<f64>], b: Vec<f64>) -> Vec<f64> {
+    solve_transposed(factor, whiten(factor, b))
+}
+
+/// Solves L x = b: of a b with the covariance L Lᵀ, independent numbers of variance 1.
+pub fn whiten(factor: &[Vec<f64>], mut x: Vec<f64>) -> Vec<f64> {
+    for i in 0..x.len() {
         let known: f64 = (0..i).map(|k| factor[i][k] * x[k]).sum();
         x[i] = (x[i] - known) / factor[i][i];
     }
+    x
+}
+
+/// Solves Lᵀ x = b.
+pub fn solve_transposed(factor: &[Vec<f64>], mut x: Vec<f64>) -> Vec<f64> {
+    let count = x.len();
     for i in (0..count).rev() {
         let known: f64 = (i + 1..count).map(|k| factor[k][i] * x[k]).sum();
         x[i] = (x[i] - known) / factor[i][i];

@@ -1,5 +1,6 @@
 //! Closed forms, in f64: what the Monte Carlo is lowered from and compared with.
 
+pub mod allan;
 pub mod autocovariance;
 pub mod cholesky;
 pub mod gap;

@@ -25,7 +25,7 @@ gap_ticks = 3
 fillers = ["const", "quadratic"]
 "#;
 
-pub const HEADER: &str = "dt_nu,filler,error,trials,mean_arcsec,rms_arcsec,rms_se_arcsec,max_arcsec,q9973_arcsec,\
+pub const HEADER: &str = "dt_nu,amplitude_noise,filler,error,trials,mean_arcsec,rms_arcsec,rms_se_arcsec,max_arcsec,q9973_arcsec,\
                       q9973_lo_arcsec,q9973_hi_arcsec,oracle_rms_arcsec,oracle_max_arcsec,z";
 
 /// STUDY with `old` replaced.

@@ -34,7 +34,6 @@ impl Map {
             Show::Values(scale) => (Cells::Values(values(&grid, z, *scale, &mut notes)), *scale),
             Show::Winners(_) => (competition(&grid, z, competing, &mut notes), Scale::Linear),
         };
-        let chosen = spec.filter.iter().map(|(column, value)| Ok(shown(table.column(column)?, value)));
         let map = Map {
             title: spec.title.clone(),
             subtitle: spec.subtitle.clone(),
@@ -43,18 +42,13 @@ impl Map {
             z: axis(z, z_scale),
             cells,
             limit: spec.limit.map(|value| limit(value, z)),
-            chosen: chosen.collect::<Result<_, ChartError>>()?,
+            chosen: table.chosen(&spec.filter)?,
             columns: grid.columns,
             rows: grid.rows,
         };
         notes.within_limit = map.within_limit().map(|within| (within, map.known()));
         Ok((map, notes))
     }
-}
-
-/// A choice of rows as the legend has it: `Lost ticks n = 3`.
-fn shown(column: &Column, value: &str) -> String {
-    format!("{} = {value} {}", column.label, column.unit.symbol).trim_end().to_owned()
 }
 
 /// The value of each cell that the scale can show.

@@ -110,8 +110,7 @@ impl Map {
         if self.known() < self.columns.len() * self.rows.len() {
             legend.part(None, vec![Row::Remark("blank: not known".to_owned())]);
         }
-        let chosen = self.chosen.iter().map(|chosen| Row::Remark(chosen.clone()));
-        legend.part(Some("shown"), chosen.collect());
+        legend.shown(&self.chosen);
         legend
     }
 
@@ -176,11 +175,9 @@ fn range(scale: Scale, values: &[f64]) -> Range {
 fn ticks(axis: &Axis, range: Range, cells: &[f64]) -> Ticks {
     /// Least distance of two labels, in lengths of the axis.
     const APART: f64 = 0.045;
-    let counts =
-        axis.unit.is_empty() && cells.iter().all(|value| value.fract() == 0.0 && (0.0..1e5).contains(value));
     let apart = cells.windows(2).all(|pair| range.fraction(pair[1]) - range.fraction(pair[0]) >= APART);
-    if cells.is_empty() || cells.len() > MOST_LABELS || !counts || !apart {
-        return range.ticks(MOST_LABELS);
+    if cells.is_empty() || cells.len() > MOST_LABELS || !axis.whole || !apart {
+        return axis.ticks(range);
     }
     Ticks { major: cells.iter().map(|value| (*value, format!("{value:.0}"))).collect(), minor: vec![] }
 }
@@ -191,16 +188,15 @@ mod tests {
 
     #[test]
     fn few_counts_have_a_tick_each_and_other_values_those_of_their_scale() {
-        let labels_in = |unit: &str, values: &[f64]| -> Vec<String> {
-            let axis = Axis { label: String::new(), unit: unit.to_owned(), scale: Scale::Linear };
+        let labels_of = |whole: bool, values: &[f64]| -> Vec<String> {
+            let axis = Axis { label: String::new(), unit: String::new(), scale: Scale::Linear, whole };
             let range = range(axis.scale, values);
             ticks(&axis, range, values).major.into_iter().map(|(_, label)| label).collect()
         };
-        let labels = |values: &[f64]| labels_in("", values);
+        let labels = |values: &[f64]| labels_of(true, values);
         assert_eq!(labels(&[1.0, 2.0, 3.0]), ["1", "2", "3"]);
         assert_eq!(labels(&[3.0, 8.0, 13.0, 64.0]), ["3", "8", "13", "64"]);
-        assert_eq!(labels_in("Hz", &[1.0, 2.0, 3.0])[..2], ["0.5", "1.0"]);
+        assert_eq!(labels_of(false, &[1.0, 2.0, 3.0])[..2], ["0.5", "1.0"]);
         assert_eq!(labels(&[1.0, 2.0, 100.0]), ["20", "40", "60", "80", "100", "120", "140"]);
-        assert_eq!(labels(&[1.0, 2.5])[0], "0.5");
     }
 }

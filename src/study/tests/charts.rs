@@ -51,6 +51,27 @@ fn fillers_compete_in_a_winner_map_unless_of_names_something_else() {
 }
 
 #[test]
+fn an_axis_over_a_linear_sweep_is_linear_unless_another_scale_is_named() {
+    let over = |sweep: &str, chart: &str| {
+        let sweep = format!("[[sweep]]\nkey = \"motion.frequency\"\n{sweep}\n");
+        let chart = parsed(&with(&format!("{sweep}{chart}"))).charts.remove(0);
+        (chart.x_scale, chart.y_scale)
+    };
+    let [linear, log] =
+        ["linear", "log"].map(|kind| format!("{kind} = {{ from = \"1 Hz\", to = \"9 Hz\", points = 3 }}"));
+    for x in ["frequency", "motion.frequency_hz", "dt_nu"] {
+        let chart = format!("[chart]\nx = \"{x}\"\ny = \"rms\"");
+        assert_eq!(over(&linear, &chart), (Scale::Linear, Scale::Log), "{x}");
+        assert_eq!(over(&log, &chart), (Scale::Log, Scale::Log), "{x}");
+        assert_eq!(over(&linear, &format!("{chart}\nx_scale = \"log\"")).0, Scale::Log, "{x}");
+    }
+    assert_eq!(over(&linear, "").0, Scale::Linear, "the chart that is supplied");
+    assert_eq!(over(&linear, "[chart]\nx = \"max\"\ny = \"frequency\""), (Scale::Log, Scale::Linear));
+    let rates = "[[sweep]]\nkey = \"motion.rate\"\nlist = [\"0 deg/s\", \"1 deg/s\"]\n[chart]\nx = \"rate\"\ny = \"rms\"";
+    assert_eq!(parsed(&with(rates)).charts[0].x_scale, Scale::Linear, "0 has no place on a logarithmic axis");
+}
+
+#[test]
 fn keys_of_another_kind_are_refused() {
     let heat = format!("kind = \"heat-map\"\n{AXES}z = \"rms\"\n");
     refused(

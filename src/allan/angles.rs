@@ -1,0 +1,176 @@
+//! The angle record that all deviations are taken of, with its gaps.
+
+use std::ops::Range;
+
+use super::trend::{Line, Trend};
+
+/// Angles at evenly spaced times: the integral of a rate, its mean removed.
+///
+/// No deviation changes with the mean rate. It is subtracted before anything is summed, because the running sum of a
+/// rate whose mean is a million times its noise would keep six digits less of the noise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Angles {
+    /// From angle to angle, s.
+    pub step_s: f64,
+    /// NaN where an angle is not known.
+    values: Vec<f64>,
+    /// Stretches of angles, in order, that were measured against each other: between two runs increments are lost.
+    runs: Vec<Range<usize>>,
+    /// What was removed, in the unit of the increments as they came.
+    removed: Line,
+    missing: usize,
+}
+
+impl Angles {
+    /// The sums of `increments`, each times `scale`; NaN stands for one that is missing.
+    ///
+    /// For rates `scale` is `step_s`, times the size of their unit. A missing increment leaves the angle after it
+    /// unknown against the one before: no term reaches across.
+    ///
+    /// ```
+    /// # use sagnac::allan::{Angles, Trend};
+    /// let angles = Angles::from_increments(&[1.0, 2.0, f64::NAN, 4.0, 5.0], 1.0, 0.01, Trend::None);
+    /// assert_eq!((angles.len(), angles.missing()), (6, 1));
+    /// ```
+    pub fn from_increments(increments: &[f64], scale: f64, step_s: f64, trend: Trend) -> Angles {
+        let line = Line::of(trend, increments.len(), |i| increments[i]);
+        let mut values = Vec::with_capacity(increments.len() + 1);
+        let (mut runs, mut start, mut missing, mut angle) = (Vec::new(), 0, 0, 0.0);
+        values.push(0.0);
+        for (i, increment) in increments.iter().enumerate() {
+            if increment.is_finite() {
+                angle += (increment - line.at(i)) * scale;
+            } else {
+                missing += 1;
+                runs.extend(worth_keeping(start..i + 1));
+                start = i + 1;
+            }
+            values.push(angle);
+        }
+        runs.extend(worth_keeping(start..values.len()));
+        Angles { step_s, values, runs, removed: line, missing }
+    }
+
+    /// Measured `angles`, each times `scale`; NaN stands for one that is missing.
+    ///
+    /// Angles on both sides of a missing one are still measured against each other: only terms that need that very
+    /// angle are left out.
+    pub fn from_angles(angles: &[f64], scale: f64, step_s: f64, trend: Trend) -> Angles {
+        let line = Line::of(trend, angles.len().saturating_sub(1), |i| angles[i + 1] - angles[i]);
+        let first = angles.iter().copied().find(|angle| angle.is_finite()).unwrap_or(0.0);
+        let values: Vec<f64> = angles
+            .iter()
+            .enumerate()
+            .map(|(k, angle)| {
+                let value = (angle - first - line.sum(k)) * scale;
+                if value.is_finite() { value } else { f64::NAN }
+            })
+            .collect();
+        let missing = values.iter().filter(|value| value.is_nan()).count();
+        Angles {
+            step_s,
+            runs: worth_keeping(0..values.len()).into_iter().collect(),
+            values,
+            removed: line,
+            missing,
+        }
+    }
+
+    /// The number of angles, missing ones among them.
+    pub fn len(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Whether there is no angle.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// How many increments, or angles, are missing.
+    pub fn missing(&self) -> usize {
+        self.missing
+    }
+
+    /// Mean and slope of the increments that were removed, in their unit as they came.
+    pub fn removed(&self) -> Line {
+        self.removed
+    }
+
+    pub(super) fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// Whether some angles within runs are not known.
+    pub(super) fn has_unknown(&self) -> bool {
+        // Missing increments split runs, and leave no angle unknown.
+        self.runs.len() <= 1 && self.missing > 0 && self.values.iter().any(|value| value.is_nan())
+    }
+
+    /// The stretches within which angles are measured against each other.
+    pub(super) fn runs(&self) -> &[Range<usize>] {
+        &self.runs
+    }
+
+    /// The stretches in which moreover every angle is known.
+    pub(super) fn solid_runs(&self) -> Vec<Range<usize>> {
+        if !self.has_unknown() {
+            return self.runs.clone();
+        }
+        let mut solid = Vec::new();
+        for run in &self.runs {
+            let mut start = run.start;
+            for k in run.clone().filter(|&k| self.values[k].is_nan()) {
+                solid.extend(worth_keeping(start..k));
+                start = k + 1;
+            }
+            solid.extend(worth_keeping(start..run.end));
+        }
+        solid
+    }
+}
+
+/// A single angle has no difference.
+fn worth_keeping(run: Range<usize>) -> Option<Range<usize>> {
+    (run.len() > 1).then_some(run)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GAP: f64 = f64::NAN;
+
+    #[test]
+    fn a_missing_increment_splits_the_record_and_a_missing_angle_does_not() {
+        let increments = Angles::from_increments(&[1.0, GAP, GAP, 2.0, 3.0], 1.0, 1.0, Trend::None);
+        assert_eq!(increments.runs(), [0..2, 3..6]);
+        assert_eq!((increments.missing(), increments.has_unknown()), (2, false));
+        let angles = Angles::from_angles(&[0.0, 1.0, GAP, 2.0, 3.0], 1.0, 1.0, Trend::None);
+        assert_eq!(angles.runs(), std::slice::from_ref(&(0..5)));
+        assert_eq!(angles.solid_runs(), [0..2, 3..5]);
+        assert_eq!((angles.missing(), angles.has_unknown()), (1, true));
+    }
+
+    #[test]
+    fn mean_and_line_are_removed_from_increments_and_from_angles_alike() {
+        let increments: Vec<f64> = (0..9).map(|i| 5.0 + 0.5 * f64::from(i)).collect();
+        let mut angles = vec![100.0];
+        for increment in &increments {
+            angles.push(angles[angles.len() - 1] + increment);
+        }
+        let of_increments = Angles::from_increments(&increments, 2.0, 1.0, Trend::Linear);
+        let of_angles = Angles::from_angles(&angles, 2.0, 1.0, Trend::Linear);
+        for (k, (a, b)) in of_increments.values().iter().zip(of_angles.values()).enumerate() {
+            assert!(a.abs() < 1e-12 && b.abs() < 1e-12, "angle {k}: {a} and {b}");
+        }
+        assert!((of_angles.removed().mean - 7.0).abs() < 1e-14);
+        assert!((of_angles.removed().slope - 0.5).abs() < 1e-14);
+    }
+
+    #[test]
+    fn no_samples_make_no_runs() {
+        let empty = Angles::from_increments(&[], 1.0, 1.0, Trend::Linear);
+        assert!(empty.runs().is_empty() && empty.len() == 1);
+        assert!(Angles::from_angles(&[], 1.0, 1.0, Trend::Linear).is_empty());
+    }
+}

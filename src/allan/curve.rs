@@ -1,0 +1,98 @@
+//! A deviation over averaging times, with intervals.
+
+use rayon::prelude::*;
+
+use super::edf::edf;
+use super::noise::{Noise, noise};
+use super::sums::sums;
+use super::{Angles, Deviation, chi_squared};
+
+/// A deviation at one averaging time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// The averaging factor, τ in samples.
+    pub m: usize,
+    pub tau_s: f64,
+    /// How many differences were averaged; those that touch a gap are not among them.
+    pub terms: u64,
+    /// In the unit of the angle over s, and for [`Deviation::Tdev`] of the angle. Absent without a term.
+    pub value: Option<f64>,
+    /// Absent where the record is too short to tell.
+    pub noise: Option<Noise>,
+    /// Equivalent degrees of freedom of the variance.
+    pub edf: Option<f64>,
+    /// Lower and upper end of the interval.
+    pub interval: Option<(f64, f64)>,
+}
+
+/// A deviation of `angles` at each of the averaging `factors`, with two-sided intervals of this `confidence`, 0 < p <
+/// 1.
+///
+/// # Method
+/// The terms are those of NIST SP 1065 (5.2), all that touch no gap, in order N operations for each factor. The noise
+/// is identified by its lag-1 autocorrelation, and with it the equivalent degrees of freedom are those of Greenhall
+/// and Riley for a record without gaps, times the part of the terms that gaps leave. The interval is that of χ² with
+/// so many degrees.
+///
+/// # Limits
+/// Exact intervals need noise of one power law; where two meet they are as good as the nearer one. Steeper noise than
+/// the deviation converges for counts as the steepest for which it does.
+///
+/// # Example
+/// ```
+/// # use sagnac::allan::*;
+/// let rates: Vec<f64> = (0..1000).map(|i| f64::from(i * 7919 % 1000)).collect();
+/// let angles = Angles::from_increments(&rates, 0.01, 0.01, Trend::None);
+/// let factors = Taus::Octave.factors(angles.len(), angles.step_s, Deviation::Oadev)?;
+/// let points = curve(&angles, Deviation::Oadev, &factors, 0.95);
+/// assert_eq!((points[3].tau_s, points[3].terms), (0.08, 985));
+/// # Ok::<(), TauError>(())
+/// ```
+pub fn curve(angles: &Angles, deviation: Deviation, factors: &[usize], confidence: f64) -> Vec<Point> {
+    let sums = sums(angles, deviation, factors);
+    let points = factors.par_iter().zip(sums).map(|(&m, sum)| {
+        let tau_s = m as f64 * angles.step_s;
+        let variance = sum.squares / (normalisation(deviation) * sum.terms as f64 * tau_s * tau_s);
+        let scale = if deviation.is_of_angle() { tau_s / libm::sqrt(3.0) } else { 1.0 };
+        let value = (sum.terms > 0).then(|| libm::sqrt(variance) * scale);
+        let noise = noise(angles, deviation, m);
+        let left = sum.terms as f64 / deviation.terms(angles.len(), m).max(1) as f64;
+        let edf = noise.and_then(|noise| edf(deviation, noise.alpha, angles.len(), m)).map(|edf| edf * left);
+        let interval = value.zip(edf).and_then(|(value, edf)| interval(value, edf, confidence));
+        Point { m, tau_s, terms: sum.terms, value, noise, edf, interval }
+    });
+    points.collect()
+}
+
+/// The mean square of a difference over twice, or for third differences six times, the variance.
+fn normalisation(deviation: Deviation) -> f64 {
+    if deviation.differences() == 2 { 2.0 } else { 6.0 }
+}
+
+/// The interval of a deviation `value` whose square has `edf` degrees of freedom. None about 0, which says that
+/// nothing was resolved.
+fn interval(value: f64, edf: f64, confidence: f64) -> Option<(f64, f64)> {
+    let end = |probability: f64| {
+        let quantile = chi_squared::quantile(probability, edf)?;
+        Some(value * libm::sqrt(edf / quantile)).filter(|end| end.is_finite())
+    };
+    let tail = 0.5 * (1.0 - confidence);
+    (value > 0.0).then_some(())?;
+    Some((end(1.0 - tail)?, end(tail)?))
+}
+
+/// Where a curve is lowest: what data sheets call in-run bias stability. The bias instability B is another thing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Minimum {
+    pub point: Point,
+    /// Whether the curve ends there, so that the stability may be better than what this record shows.
+    pub at_end: bool,
+}
+
+/// The least of a curve, at the shortest τ of equals; `None` where no point is above 0.
+pub fn minimum(points: &[Point]) -> Option<Minimum> {
+    let known = || points.iter().filter_map(|point| Some((point, point.value.filter(|value| *value > 0.0)?)));
+    let (point, _) = known().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let last = known().next_back()?.0;
+    Some(Minimum { point: *point, at_end: last.m == point.m })
+}

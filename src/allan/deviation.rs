@@ -1,0 +1,154 @@
+//! The six deviations, and what tells them apart.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// A deviation of a record of angles: of what differences, over what averages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Deviation {
+    /// Allan deviation of adjacent groups, in the unit of the rate.
+    Adev,
+    /// Overlapping Allan deviation: the same over groups that start at every sample.
+    Oadev,
+    /// Modified Allan deviation: second differences of angles averaged over τ.
+    Mdev,
+    /// Time deviation, τ/√3 times the modified one: in the unit of the angle.
+    Tdev,
+    /// Hadamard deviation of adjacent groups: third differences, which no linear drift of the rate enters.
+    Hdev,
+    /// Overlapping Hadamard deviation.
+    Ohdev,
+}
+
+impl Deviation {
+    pub const ALL: [Deviation; 6] = [
+        Deviation::Adev,
+        Deviation::Oadev,
+        Deviation::Mdev,
+        Deviation::Tdev,
+        Deviation::Hdev,
+        Deviation::Ohdev,
+    ];
+
+    /// As files and options have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Deviation::Adev => "adev",
+            Deviation::Oadev => "oadev",
+            Deviation::Mdev => "mdev",
+            Deviation::Tdev => "tdev",
+            Deviation::Hdev => "hdev",
+            Deviation::Ohdev => "ohdev",
+        }
+    }
+
+    /// For people.
+    pub fn title(self) -> &'static str {
+        match self {
+            Deviation::Adev => "Allan deviation",
+            Deviation::Oadev => "overlapping Allan deviation",
+            Deviation::Mdev => "modified Allan deviation",
+            Deviation::Tdev => "time deviation",
+            Deviation::Hdev => "Hadamard deviation",
+            Deviation::Ohdev => "overlapping Hadamard deviation",
+        }
+    }
+
+    /// How often angles are differenced: d of Greenhall and Riley.
+    pub fn differences(self) -> usize {
+        match self {
+            Deviation::Adev | Deviation::Oadev | Deviation::Mdev | Deviation::Tdev => 2,
+            Deviation::Hdev | Deviation::Ohdev => 3,
+        }
+    }
+
+    /// Whether the angles are averaged over τ before they are differenced.
+    pub fn is_modified(self) -> bool {
+        matches!(self, Deviation::Mdev | Deviation::Tdev)
+    }
+
+    /// Whether terms start at every sample, and not only where the one before ends its first group.
+    pub fn overlaps(self) -> bool {
+        !matches!(self, Deviation::Adev | Deviation::Hdev)
+    }
+
+    /// Whether it is in the unit of the angle, and not of the rate.
+    pub fn is_of_angle(self) -> bool {
+        self == Deviation::Tdev
+    }
+
+    /// How many angles one term at the averaging factor `m` spans.
+    pub fn span(self, m: usize) -> usize {
+        match self.is_modified() {
+            true => m.saturating_mul(self.differences() + 1),
+            false => m.saturating_mul(self.differences()).saturating_add(1),
+        }
+    }
+
+    /// The largest averaging factor at which `angles` angles give a term; 0 where none does.
+    pub fn largest_factor(self, angles: usize) -> usize {
+        match self.is_modified() {
+            true => angles / (self.differences() + 1),
+            false => angles.saturating_sub(1) / self.differences(),
+        }
+    }
+
+    /// The number of terms at `m` over `angles` angles without a gap.
+    pub fn terms(self, angles: usize, m: usize) -> usize {
+        match (angles + 1).checked_sub(self.span(m)) {
+            None | Some(0) => 0,
+            Some(starts) if self.overlaps() => starts,
+            Some(starts) => (starts - 1) / m + 1,
+        }
+    }
+}
+
+impl fmt::Display for Deviation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Deviation {
+    type Err = UnknownDeviation;
+
+    fn from_str(name: &str) -> Result<Deviation, UnknownDeviation> {
+        let found = Deviation::ALL.into_iter().find(|deviation| deviation.name() == name);
+        found.ok_or_else(|| UnknownDeviation { name: name.to_owned() })
+    }
+}
+
+/// A name that is no deviation's.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("`{name}` is no deviation; there are {}", Deviation::ALL.map(Deviation::name).join(", "))]
+pub struct UnknownDeviation {
+    name: String,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_largest_factor_has_a_term_and_the_next_one_none() {
+        for deviation in Deviation::ALL {
+            for angles in 0..60 {
+                let largest = deviation.largest_factor(angles);
+                let name = deviation.name();
+                assert_eq!(deviation.terms(angles, largest + 1), 0, "{name}, {angles} angles");
+                if largest > 0 {
+                    assert!(deviation.terms(angles, largest) > 0, "{name}, {angles} angles, m = {largest}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn names_are_read_back_and_others_refused_with_the_list() {
+        for deviation in Deviation::ALL {
+            assert_eq!(deviation.name().parse(), Ok(deviation));
+        }
+        let error = "avar".parse::<Deviation>().unwrap_err().to_string();
+        assert!(error.contains("`avar`") && error.contains("oadev"), "{error}");
+    }
+}

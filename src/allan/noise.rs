@@ -1,0 +1,168 @@
+//! Which power law the noise of a record follows at an averaging time.
+//!
+//! W. J. Riley and C. A. Greenhall, "Power law noise identification using the lag 1 autocorrelation", EFTF 2004. The
+//! record is thinned to groups of τ and differenced until it is stationary; its lag-1 autocorrelation r then gives δ
+//! = r/(1 + r), and d differences of the angle and δ make the exponent α = 2 − 2(δ + d).
+
+use std::ops::Range;
+
+use super::{Angles, Deviation};
+
+/// Groups that the identification needs.
+pub const LEAST_GROUPS: usize = 30;
+
+/// Most groups that are looked at, in the middle of the record: of so many α is known to a few hundredths.
+const MOST_GROUPS: usize = 1 << 16;
+
+/// Below this a series counts as stationary.
+const STATIONARY: f64 = 0.25;
+
+/// The exponent of the spectral density of the rate, S(f) ∝ f^α.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Noise {
+    /// 2 … −2 for Allan deviations, 2 … −4 for Hadamard deviations.
+    pub alpha: i32,
+    /// Whether it was found at a shorter τ, because here there are fewer than [`LEAST_GROUPS`] groups.
+    pub carried: bool,
+}
+
+impl Noise {
+    /// For people.
+    pub fn name(self) -> &'static str {
+        match self.alpha {
+            2.. => "quantisation",
+            1 => "flicker of the angle",
+            0 => "angle random walk",
+            -1 => "bias instability",
+            -2 => "rate random walk",
+            -3 => "flicker walk of the rate",
+            _ => "random run of the rate",
+        }
+    }
+}
+
+/// The noise at the averaging factor `m`, or at the largest power of two where there are groups enough.
+///
+/// `None` where there are not enough even at m = 1, and where nothing varies.
+pub(super) fn noise(angles: &Angles, deviation: Deviation, m: usize) -> Option<Noise> {
+    let found = |m: usize| identify(angles, deviation.differences(), m);
+    if let Some(alpha) = found(m) {
+        return Some(Noise { alpha, carried: false });
+    }
+    let mut shorter = 1 << m.min(angles.len() / LEAST_GROUPS).checked_ilog2()?;
+    while shorter > 0 {
+        if let Some(alpha) = found(shorter) {
+            return Some(Noise { alpha, carried: true });
+        }
+        shorter /= 2;
+    }
+    None
+}
+
+fn identify(angles: &Angles, most: usize, m: usize) -> Option<i32> {
+    if angles.len().div_ceil(m) < LEAST_GROUPS {
+        return None;
+    }
+    let groups = middle((angles.len() - 1) / m);
+    let (mut z, mut d) = if angles.missing() == 0 {
+        let known = &angles.values()[groups.start * m..=groups.end * m];
+        (without_polynomial(known.iter().step_by(m).copied().collect(), 2), 0)
+    } else {
+        // The angle after a gap is not known: the averages of the rate are taken, its first differences.
+        (without_polynomial(averages(angles, groups, m), 1), 1)
+    };
+    loop {
+        let (pairs, r) = autocorrelation(&z)?;
+        if pairs + 1 < LEAST_GROUPS - d {
+            return None;
+        }
+        // No series differenced once too often has r below −1/2: that is scatter, and δ would run to infinity.
+        let r = r.max(-0.5);
+        let delta = r / (1.0 + r);
+        if delta < STATIONARY || d >= most {
+            let alpha = 2.0 - 2.0 * d as f64 - libm::round(2.0 * delta);
+            // Beyond these the variance does not converge, and its intervals have no meaning.
+            let least = -2.0 * (most as f64 - 1.0);
+            return Some(alpha.clamp(least, 2.0) as i32);
+        }
+        z = z.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        d += 1;
+    }
+}
+
+/// At most [`MOST_GROUPS`] of `groups`, those in the middle.
+fn middle(groups: usize) -> Range<usize> {
+    let kept = groups.min(MOST_GROUPS);
+    let first = (groups - kept) / 2;
+    first..first + kept
+}
+
+/// Differences of angles m apart, NaN where increments between them are missing.
+fn averages(angles: &Angles, groups: Range<usize>, m: usize) -> Vec<f64> {
+    let (x, runs) = (angles.values(), angles.runs());
+    let average = |group: usize| {
+        let (start, end) = (group * m, (group + 1) * m);
+        let run = runs.get(runs.partition_point(|run| run.end <= start));
+        let unbroken = run.is_some_and(|run| run.contains(&start) && run.contains(&end));
+        if unbroken { x[end] - x[start] } else { f64::NAN }
+    };
+    groups.map(average).collect()
+}
+
+/// `z` less its polynomial of least squares of `degree` 1 or 2; NaN stays NaN.
+///
+/// By polynomials orthogonal over evenly spaced places. With values missing those of degree 2 would no longer be;
+/// callers ask for degree 1 then, where the mean place of the known values makes them so.
+fn without_polynomial(mut z: Vec<f64>, degree: usize) -> Vec<f64> {
+    let known = |z: &[f64]| z.iter().filter(|value| !value.is_nan()).count() as f64;
+    let count = known(&z);
+    if count < 3.0 {
+        return z;
+    }
+    let places = || (0..z.len()).map(|i| i as f64);
+    let middle = places().zip(&z).filter(|(_, value)| !value.is_nan()).map(|(i, _)| i).sum::<f64>() / count;
+    let half = 0.5 * z.len() as f64;
+    // Places in −1 … 1, so that squares of squares stay small.
+    let place = |i: usize| (i as f64 - middle) / half;
+    let mut subtract = |basis: &dyn Fn(usize) -> f64| {
+        let (mut product, mut square) = (0.0, 0.0);
+        for (i, value) in z.iter().enumerate().filter(|(_, value)| !value.is_nan()) {
+            let p = basis(i);
+            product += p * value;
+            square += p * p;
+        }
+        let factor = if square > 0.0 { product / square } else { 0.0 };
+        z.iter_mut().enumerate().for_each(|(i, value)| *value -= factor * basis(i));
+    };
+    subtract(&|_| 1.0);
+    subtract(&|i| place(i));
+    if degree == 2 {
+        let n = count;
+        let mean_square = (n * n - 1.0) / (12.0 * half * half);
+        subtract(&|i| place(i) * place(i) - mean_square);
+    }
+    z
+}
+
+/// The number of pairs of neighbours that are both known, and the lag-1 autocorrelation.
+fn autocorrelation(z: &[f64]) -> Option<(usize, f64)> {
+    let known = || z.iter().copied().filter(|value| !value.is_nan());
+    let (mut count, mut sum) = (0.0, 0.0);
+    known().for_each(|value| {
+        count += 1.0;
+        sum += value;
+    });
+    let mean = sum / count;
+    let (mut pairs, mut product, mut square) = (0, 0.0, 0.0);
+    for pair in z.windows(2) {
+        let lagged = (pair[0] - mean) * (pair[1] - mean);
+        if !lagged.is_nan() {
+            pairs += 1;
+            product += lagged;
+        }
+    }
+    known().for_each(|value| square += (value - mean) * (value - mean));
+    // Where gaps cost pairs, each side is its own mean.
+    let r = (product / pairs as f64) / (square / (count - 1.0));
+    r.is_finite().then_some((pairs, r))
+}

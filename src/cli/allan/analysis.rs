@@ -1,0 +1,198 @@
+//! One log, from its file to its curves.
+
+use std::path::{Path, PathBuf};
+
+use sagnac::allan::{Angles, Deviation, Line, Minimum, Point, TauError, Trend, curve, minimum};
+use sagnac::record::log::{Data, Log, Outliers, Request, outliers};
+use sagnac::table::significant;
+
+use super::super::Failure;
+use super::options::Options;
+
+/// What was found in one file.
+pub struct Analysis {
+    pub path: PathBuf,
+    pub data: Data,
+    pub samples: usize,
+    pub step_s: f64,
+    pub confidence: f64,
+    pub treatment: Treatment,
+    pub columns: Vec<Column>,
+}
+
+/// One column of the file.
+pub struct Column {
+    pub name: String,
+    pub unit: Unit,
+    /// What the header says of the unit, where that is something else.
+    pub overruled: Option<String>,
+    /// Samples missing in the file.
+    pub missing: usize,
+    /// Of the rates or increments as they stand in the file.
+    pub outliers: Outliers,
+    /// In the unit of the curve; absent for plain numbers that are no rates.
+    pub mean_rate: Option<f64>,
+    /// Slope that was removed, in the unit of the curve per s.
+    pub slope: f64,
+    pub curves: Vec<Curve>,
+}
+
+/// A deviation of a column.
+pub struct Curve {
+    pub deviation: Deviation,
+    pub points: Vec<Point>,
+    pub minimum: Option<Minimum>,
+}
+
+/// What curves of a column are in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    /// °/h and ″.
+    Angular,
+    Plain,
+}
+
+impl Unit {
+    /// As files have it: `deg/h`; empty for plain numbers.
+    pub fn in_files(self, deviation: Deviation) -> &'static str {
+        match (self, deviation.is_of_angle()) {
+            (Unit::Angular, false) => "deg/h",
+            (Unit::Angular, true) => "arcsec",
+            (Unit::Plain, _) => "",
+        }
+    }
+
+    /// For people.
+    pub fn symbol(self, deviation: Deviation) -> &'static str {
+        match self.in_files(deviation) {
+            "deg/h" => "°/h",
+            "arcsec" => "″",
+            other => other,
+        }
+    }
+}
+
+/// What was done to a record before its curves were taken.
+pub struct Treatment {
+    pub skip_s: f64,
+    pub until_s: Option<f64>,
+    pub trend: Trend,
+    pub outliers_removed: bool,
+}
+
+impl Treatment {
+    /// What was left out, in a few words.
+    pub fn left_out(&self) -> String {
+        let part = |time_s: f64, words: &str| format!("{words} {} s", significant(time_s, 9));
+        let parts = [
+            (self.skip_s > 0.0).then(|| part(self.skip_s, "from")),
+            self.until_s.map(|until_s| part(until_s, "until")),
+            self.outliers_removed.then(|| "outliers removed".to_owned()),
+        ];
+        parts.into_iter().flatten().map(|part| format!("; {part}")).collect()
+    }
+
+    /// All of it in a few words, for every output.
+    pub fn summary(&self) -> String {
+        let trend = match self.trend {
+            Trend::None => "; no trend removed",
+            Trend::Linear => "; linear trend removed: no R, K too low",
+        };
+        (self.left_out() + trend).trim_start_matches("; ").to_owned()
+    }
+
+    /// What the trend does to the coefficients R and K.
+    pub fn effect(&self, length_s: f64) -> String {
+        match self.trend {
+            Trend::None => {
+                "no trend was removed: a rate ramp R and a rate random walk K show as they were recorded"
+                    .to_owned()
+            }
+            Trend::Linear => format!(
+                "a linear trend was removed: the rate ramp R is gone with it, and above τ = {} s, a tenth of the record, \
+                 the curve and with it the rate random walk K come out too low",
+                significant(0.1 * length_s, 6)
+            ),
+        }
+    }
+}
+
+impl Analysis {
+    /// Reads and analyses the log at `path`.
+    ///
+    /// # Errors
+    /// A log that is refused, or averaging times that it does not have.
+    pub fn of(path: &Path, request: &Request, options: &Options) -> Result<Analysis, Failure> {
+        let mut log = Log::read(path, request)?;
+        if options.skip > 0.0 || options.until.is_some() {
+            log.cut(options.skip, options.until)?;
+        }
+        log.check(options.unit_check())?;
+        let treatment = Treatment {
+            skip_s: log.start_s,
+            until_s: options.until,
+            trend: options.trend(),
+            outliers_removed: options.remove_outliers,
+        };
+        let columns =
+            (0..log.channels.len()).map(|at| column(&mut log, at, options)).collect::<Result<_, _>>()?;
+        Ok(Analysis {
+            path: path.to_owned(),
+            data: log.data,
+            samples: log.samples(),
+            step_s: log.step_s,
+            confidence: options.confidence,
+            treatment,
+            columns,
+        })
+    }
+
+    pub fn length_s(&self) -> f64 {
+        self.samples as f64 * self.step_s
+    }
+
+    /// `95 %`
+    pub fn percent(&self) -> String {
+        format!("{} %", significant(100.0 * self.confidence, 6))
+    }
+}
+
+fn column(log: &mut Log, at: usize, options: &Options) -> Result<Column, Failure> {
+    let (data, step_s) = (log.data, log.step_s);
+    let channel = &mut log.channels[at];
+    let missing = channel.missing();
+    let mean_rate = channel.mean_rate(data, step_s);
+    let outliers = match data {
+        Data::Rate | Data::Increment => outliers(&channel.samples),
+        Data::Angle => outliers(&channel.increments(data)),
+    };
+    let factor = channel.unit.factor;
+    let angles = if options.remove_outliers && !outliers.samples.is_empty() {
+        let mut increments = channel.increments(data);
+        outliers.samples.iter().for_each(|&sample| increments[sample] = f64::NAN);
+        let scale = if data == Data::Rate { factor * step_s } else { factor };
+        Angles::from_increments(&increments, scale, step_s, options.trend())
+    } else {
+        channel.angles(data, step_s, options.trend())
+    };
+    let curves = options.deviation.iter().map(|&deviation| {
+        let factors = options.tau.factors(angles.len(), step_s, deviation).map_err(|error| match error {
+            TauError::NoTime { .. } => Failure::Usage(error.to_string()),
+            _ => Failure::Record(error.to_string()),
+        })?;
+        let points = curve(&angles, deviation, &factors, options.confidence);
+        Ok(Curve { deviation, minimum: minimum(&points), points })
+    });
+    let Line { slope, .. } = angles.removed();
+    let per_sample = if data == Data::Rate { factor } else { factor / step_s };
+    Ok(Column {
+        name: channel.name.clone(),
+        unit: if channel.unit.is_angular { Unit::Angular } else { Unit::Plain },
+        overruled: channel.unit_in_header.clone().filter(|text| *text != channel.unit.text),
+        missing,
+        mean_rate,
+        slope: slope * per_sample / step_s,
+        curves: curves.collect::<Result<_, Failure>>()?,
+        outliers,
+    })
+}

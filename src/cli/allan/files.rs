@@ -1,0 +1,127 @@
+//! The results of `sagnac allan` as a table and as JSON.
+
+use sagnac::allan::{Deviation, Point, Trend};
+use sagnac::table::{Cell, Column, Table, Unit};
+use serde_json::{Value, json};
+
+use super::analysis::{self, Analysis, Curve};
+
+/// All curves, one row for each deviation and τ: `curve.csv`.
+pub fn table(analysis: &Analysis) -> Table {
+    let rows: Vec<(&analysis::Column, &Curve, &Point)> = analysis
+        .columns
+        .iter()
+        .flat_map(|column| column.curves.iter().map(move |curve| (column, curve)))
+        .flat_map(|(column, curve)| curve.points.iter().map(move |point| (column, curve, point)))
+        .collect();
+    let treatment = analysis.treatment.summary();
+    let text = |text: &str| if text.is_empty() { Cell::Blank } else { Cell::Text(text.to_owned()) };
+    let column = |name: &str, unit: Unit, cell: &dyn Fn(&analysis::Column, &Curve, &Point) -> Cell| Column {
+        name: name.to_owned(),
+        label: name.to_owned(),
+        unit,
+        cells: rows.iter().map(|(column, curve, point)| cell(column, curve, point)).collect(),
+        band: None,
+    };
+    let none = Unit::NONE;
+    Table {
+        columns: vec![
+            column("column", none, &|column, _, _| text(&column.name)),
+            column("deviation", none, &|_, curve, _| text(curve.deviation.name())),
+            column("m", none, &|_, _, point| Cell::Integer(point.m as i64)),
+            column("tau", Unit::S, &|_, _, point| Cell::Number(point.tau_s)),
+            column("terms", none, &|_, _, point| Cell::Integer(point.terms as i64)),
+            column("alpha", none, &|_, _, point| {
+                point.noise.map_or(Cell::Blank, |noise| Cell::Integer(noise.alpha.into()))
+            }),
+            column("lower", none, &|_, _, point| Cell::from(point.interval.map(|ends| ends.0))),
+            column("value", none, &|_, _, point| Cell::from(point.value)),
+            column("upper", none, &|_, _, point| Cell::from(point.interval.map(|ends| ends.1))),
+            column("unit", none, &|column, curve, _| text(column.unit.in_files(curve.deviation))),
+            column("alpha_from", none, &|_, _, point| text(alpha_from(point))),
+            column("treatment", none, &|_, _, _| text(&treatment)),
+        ],
+    }
+}
+
+/// Whether the noise was identified at this τ.
+fn alpha_from(point: &Point) -> &'static str {
+    match point.noise {
+        Some(noise) if noise.carried => "carried",
+        Some(_) => "identified",
+        None => "",
+    }
+}
+
+/// Everything, for programs.
+pub fn document(analysis: &Analysis) -> Value {
+    let treatment = &analysis.treatment;
+    let columns: Vec<Value> = analysis.columns.iter().map(|column| of_column(analysis, column)).collect();
+    json!({
+        "file": analysis.path.display().to_string(),
+        "data": analysis.data.name(),
+        "samples": analysis.samples,
+        "step_s": analysis.step_s,
+        "length_s": analysis.length_s(),
+        "confidence": analysis.confidence,
+        "treatment": {
+            "from_s": treatment.skip_s,
+            "until_s": treatment.until_s,
+            "detrend": match treatment.trend { Trend::None => "none", Trend::Linear => "linear" },
+            "effect": treatment.effect(analysis.length_s()),
+            "outliers_removed": treatment.outliers_removed,
+        },
+        "columns": columns,
+    })
+}
+
+fn of_column(analysis: &Analysis, column: &analysis::Column) -> Value {
+    /// Enough to find them; a document with millions helps nobody.
+    const MOST: usize = 100;
+    let outliers = &column.outliers;
+    let times: Vec<f64> = outliers
+        .samples
+        .iter()
+        .take(MOST)
+        .map(|&sample| analysis.treatment.skip_s + sample as f64 * analysis.step_s)
+        .collect();
+    let curves: Vec<Value> = column.curves.iter().map(|curve| of_curve(column, curve)).collect();
+    json!({
+        "column": column.name,
+        "missing": column.missing,
+        "mean_rate": column.mean_rate,
+        "mean_rate_unit": column.unit.in_files(Deviation::Oadev),
+        "removed_slope_per_s": column.slope,
+        "outliers": { "count": outliers.samples.len(), "threshold": outliers.threshold, "first_times_s": times },
+        "curves": curves,
+    })
+}
+
+fn of_curve(column: &analysis::Column, curve: &Curve) -> Value {
+    let points: Vec<Value> = curve.points.iter().map(of_point).collect();
+    let minimum = curve.minimum.filter(|_| !curve.deviation.is_of_angle()).map(|minimum| {
+        let mut point = of_point(&minimum.point);
+        point["at_end"] = json!(minimum.at_end);
+        point
+    });
+    json!({
+        "deviation": curve.deviation.name(),
+        "unit": column.unit.in_files(curve.deviation),
+        "points": points,
+        "in_run_stability": minimum,
+    })
+}
+
+fn of_point(point: &Point) -> Value {
+    json!({
+        "m": point.m,
+        "tau_s": point.tau_s,
+        "terms": point.terms,
+        "alpha": point.noise.map(|noise| noise.alpha),
+        "alpha_carried": point.noise.map(|noise| noise.carried),
+        "edf": point.edf,
+        "lower": point.interval.map(|ends| ends.0),
+        "value": point.value,
+        "upper": point.interval.map(|ends| ends.1),
+    })
+}

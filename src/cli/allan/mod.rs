@@ -1,0 +1,95 @@
+//! `sagnac allan`.
+
+mod analysis;
+mod files;
+mod options;
+mod picture;
+mod report;
+
+use std::path::{Path, PathBuf};
+
+use sagnac::chart;
+use serde_json::Value;
+
+use super::Failure;
+use super::output::{print, print_json, write};
+use analysis::Analysis;
+pub use options::Options;
+
+/// Analyses the logs one after the other.
+pub fn allan(options: &Options) -> Result<(), Failure> {
+    let request = options.request()?;
+    let folders = folders(options)?;
+    let mut documents: Vec<Value> = Vec::new();
+    for (path, folder) in options.files.iter().zip(&folders) {
+        let analysis = Analysis::of(path, &request, options)?;
+        save(&analysis, folder)?;
+        if options.json {
+            documents.push(files::document(&analysis));
+        } else if !options.quiet {
+            report::notes(&analysis).iter().for_each(|note| eprintln!("note: {note}"));
+            print(&report::report(&analysis))?;
+            eprintln!("results are in {}", folder.display());
+        }
+    }
+    match &documents[..] {
+        [] => Ok(()),
+        [document] => print_json(document),
+        several => print_json(&several),
+    }
+}
+
+/// The results folder of each file.
+fn folders(options: &Options) -> Result<Vec<PathBuf>, Failure> {
+    if options.out.is_some() && options.files.len() > 1 {
+        let message =
+            "--out names one folder, but there are several files\ngive them one by one, or leave out --out";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    let mut folders: Vec<PathBuf> = Vec::new();
+    for path in &options.files {
+        let default = || Path::new("results").join(path.file_stem().unwrap_or_default());
+        let folder = options.out.clone().unwrap_or_else(default);
+        if folders.contains(&folder) {
+            let message = format!(
+                "several files would write to {}, the last one {}\ngive them one by one, each with its --out DIR",
+                folder.display(),
+                path.display()
+            );
+            return Err(Failure::Usage(message));
+        }
+        folders.push(folder);
+    }
+    Ok(folders)
+}
+
+/// Writes the table and the charts, and removes charts of an earlier run that are drawn no more.
+fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        move |source| Failure::Write { path, source }
+    };
+    std::fs::create_dir_all(folder).map_err(failed(folder))?;
+    let mut csv = Vec::new();
+    let path = folder.join("curve.csv");
+    files::table(analysis).write_csv(&mut csv).map_err(failed(&path))?;
+    write(&path, &csv)?;
+    for (stem, figure) in picture::figures(analysis) {
+        let [svg_path, png_path] = ["svg", "png"].map(|ending| folder.join(format!("{stem}.{ending}")));
+        match figure {
+            Some(figure) => {
+                let svg = figure.svg();
+                let png = chart::png(&svg, 2.0)
+                    .map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
+                write(&svg_path, svg.as_bytes())?;
+                write(&png_path, &png)?;
+            }
+            None => {
+                for path in [svg_path, png_path].iter().filter(|path| path.exists()) {
+                    std::fs::remove_file(path).map_err(failed(path))?;
+                }
+            }
+        }
+    }
+    Ok(())
+}

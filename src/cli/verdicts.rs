@@ -1,0 +1,103 @@
+//! What the charts with a limit say of their curves.
+
+use sagnac::chart::ChartError;
+use sagnac::study::{Chart, Shows, Study, StudyError};
+use sagnac::table::{Column, Table, significant};
+use sagnac::verdict::{Answer, Question, verdict};
+use serde_json::{Map, Value, json};
+
+use super::charts::{chart_stem, filter, refused};
+
+/// The verdict of one chart, or of several that show the same.
+pub struct Verdict<'t> {
+    /// The names of their files.
+    charts: Vec<String>,
+    /// What is judged.
+    of: &'t Column,
+    limit_arcsec: f64,
+    /// The rows it is about: column, value as files show it.
+    rows: Vec<(&'t Column, String)>,
+    answers: Vec<Answer<'t>>,
+}
+
+/// The verdict of all curves with a limit, equal ones once; a map shows for itself where it is passed.
+///
+/// # Errors
+/// The table does not have what a chart asks for.
+pub fn verdicts<'t>(study: &Study, table: &'t Table) -> Result<Vec<Verdict<'t>>, StudyError> {
+    let mut all: Vec<Verdict> = Vec::new();
+    for (index, chart) in study.charts.iter().enumerate() {
+        let Some(limit) = chart.limit_arcsec.filter(|_| matches!(chart.shows, Shows::Curves { .. })) else {
+            continue;
+        };
+        let name = chart_stem(index, study.charts.len());
+        let found = of_chart(table, chart, name, limit).map_err(|error| refused(study, chart, &error))?;
+        match all.iter_mut().find(|earlier| earlier.says_as_much_as(&found)) {
+            Some(earlier) => earlier.charts.extend(found.charts),
+            None => all.push(found),
+        }
+    }
+    Ok(all)
+}
+
+fn of_chart<'t>(
+    table: &'t Table,
+    chart: &Chart,
+    name: String,
+    limit: f64,
+) -> Result<Verdict<'t>, ChartError> {
+    let rows = filter(chart);
+    let question = Question {
+        x: &chart.x.name,
+        y: &chart.y.name,
+        series: chart.series().iter().map(|column| column.name.as_str()).collect(),
+        filter: rows.clone(),
+        limit,
+    };
+    let rows = rows.into_iter().map(|(column, value)| Ok((table.column(&column)?, value)));
+    Ok(Verdict {
+        charts: vec![name],
+        of: table.column(&chart.y.name)?,
+        limit_arcsec: limit,
+        rows: rows.collect::<Result<_, ChartError>>()?,
+        answers: verdict(table, &question)?,
+    })
+}
+
+impl Verdict<'_> {
+    fn says_as_much_as(&self, other: &Verdict) -> bool {
+        self.of.name == other.of.name
+            && self.rows == other.rows
+            && self.answers == other.answers
+            && self.limit_arcsec == other.limit_arcsec
+    }
+
+    /// A heading that says what is judged, and a sentence for each curve.
+    pub fn text(&self) -> String {
+        let rows = self.rows.iter().map(|(column, value)| format!(", {}", column.valued(value)));
+        let heading = format!("{} against the limit{}", self.of.label, rows.collect::<String>());
+        let limit = format!("{} ″", significant(self.limit_arcsec, 6));
+        let sentences = self.answers.iter().map(|answer| format!("  {}\n", answer.sentence(&limit)));
+        format!("{}: {heading}\n{}", self.charts.join(", "), sentences.collect::<String>())
+    }
+
+    pub fn json(&self) -> Value {
+        let rows = self.rows.iter().map(|(column, value)| (column.header(), json!(value)));
+        let answers = self.answers.iter().map(|answer| {
+            let series = answer.series.iter().map(|(column, cell)| json!([column.header(), cell.text()]));
+            let at = answer.at.iter().map(|(column, value)| json!([column.header(), value]));
+            json!({
+                "series": series.collect::<Vec<_>>(),
+                "outcome": answer.outcome,
+                "at": at.collect::<Vec<_>>(),
+            })
+        });
+        json!({
+            "charts": self.charts,
+            "of": self.of.header(),
+            "where": rows.collect::<Map<_, _>>(),
+            "limit_arcsec": self.limit_arcsec,
+            "series": answers.collect::<Vec<_>>(),
+        })
+    }
+}

@@ -1,0 +1,178 @@
+//! How sure a fit is of each coefficient.
+//!
+//! The covariance of squares and logarithms of shapes is the inverse of JᵀC⁻¹J, J being the derivative of the curve by
+//! them. A term that is not in use is judged as if it entered next, by the estimate that it would have, possibly a
+//! negative one.
+
+use super::coefficient::{Coefficient, Fit, Shape, Verdict};
+use super::growth::Growth;
+use super::interval::{Variance, WITHIN_95};
+use super::nnls::dot;
+use super::search::{Fitted, System};
+use super::{FitError, Term};
+use crate::theory::cholesky;
+
+/// Logarithmic step of the derivative by a shape.
+const STEP: f64 = 1e-4;
+
+/// A best fit, and what there is to judge its terms by.
+pub(super) struct Judge<'a> {
+    system: &'a System<'a>,
+    /// With squares above 0.
+    used: Vec<Fitted>,
+    residual: Vec<f64>,
+    /// How the covariance follows the coefficients; without it it is the same whatever they are.
+    growth: Option<&'a Growth>,
+    /// Terms instead of which others would do nearly as well.
+    replaceable: &'a [Term],
+}
+
+impl<'a> Judge<'a> {
+    pub(super) fn new(
+        system: &'a System,
+        fitted: &[Fitted],
+        growth: Option<&'a Growth>,
+        replaceable: &'a [Term],
+    ) -> Judge<'a> {
+        let used: Vec<Fitted> = fitted.iter().copied().filter(|fitted| fitted.square > 0.0).collect();
+        let residual = system.residual(&used);
+        Judge { system, used, residual, growth, replaceable }
+    }
+
+    /// The fit, with a coefficient for each of `terms`.
+    pub(super) fn fit(&self, terms: &[Term]) -> Result<Fit, FitError> {
+        let parameters: usize = self.used.iter().map(|fitted| fitted.term.parameters()).sum();
+        let points = self.residual.len();
+        let degrees_of_freedom =
+            points.checked_sub(parameters).ok_or(FitError::TooFewPoints { points, parameters })?;
+        let model: Vec<(Term, f64, f64)> =
+            self.used.iter().map(|fitted| (fitted.term, fitted.square, fitted.shape)).collect();
+        Ok(Fit {
+            coefficients: terms.iter().map(|&term| self.coefficient(term)).collect(),
+            process: self.system.curve().process(&model),
+            chi_squared: dot(&self.residual, &self.residual),
+            degrees_of_freedom,
+        })
+    }
+
+    fn coefficient(&self, term: Term) -> Coefficient {
+        let without_value = |below: Option<f64>, verdict| Coefficient {
+            term,
+            value: None,
+            standard_error: None,
+            interval: below.map(|below| [0.0, below]),
+            shape: None,
+            verdict,
+        };
+        let uncertain = |below| without_value(below, Verdict::NotIdentifiable { below });
+        let place = self.used.iter().position(|fitted| fitted.term == term);
+        if term.has_shape() && place.is_none() {
+            return uncertain(None);
+        }
+        let mut columns = derivatives(self.system, &self.used);
+        let before = &self.used[..place.unwrap_or(self.used.len())];
+        let column: usize = before.iter().map(|fitted| fitted.term.parameters()).sum();
+        if place.is_none() {
+            columns.push(self.system.column(term, 1.0));
+        }
+        let Some(inverse) = Inverse::of(&columns) else { return uncertain(None) };
+        let (error, row) = (inverse.error(column), inverse.row(column, &columns));
+        let estimate = place.map_or_else(|| dot(&row, &self.residual), |place| self.used[place].square);
+        let (low, high) = self.variance(term, estimate, error, row).interval(estimate);
+        let below = high.map(libm::sqrt);
+        let is_sure = low > 0.0 && !self.replaceable.contains(&term);
+        match (place, high) {
+            (None, Some(high)) if estimate <= 0.0 => {
+                without_value(below, Verdict::AtBoundary { below: libm::sqrt(high) })
+            }
+            (Some(place), Some(high)) if is_sure => {
+                let shape = self.used[place].shape;
+                if term.has_shape() && is_at_the_end(shape, self.system.shape_range(term)) {
+                    return uncertain(None);
+                }
+                Coefficient {
+                    term,
+                    value: Some(libm::sqrt(estimate)),
+                    standard_error: Some(0.5 * error / libm::sqrt(estimate)),
+                    interval: Some([libm::sqrt(low), libm::sqrt(high)]),
+                    shape: term.has_shape().then(|| Shape::of(shape, inverse.error(column + 1))),
+                    verdict: Verdict::Identified,
+                }
+            }
+            // At another time or frequency the bound would be another one.
+            _ => uncertain(below.filter(|_| !term.has_shape())),
+        }
+    }
+
+    /// Variance of the square of a term, as it would be for other values of it.
+    fn variance(&self, term: Term, estimate: f64, error: f64, row: Vec<f64>) -> Variance {
+        let known = Variance::constant(error * error);
+        let Some(growth) = self.growth else { return known };
+        let squares = |term: Term| {
+            self.used.iter().find(|fitted| fitted.term == term).map_or(0.0, |fitted| fitted.square)
+        };
+        let of_model = growth.variance(term, &self.system.weights(row), squares);
+        let at_estimate = of_model.at(estimate.max(0.0));
+        // The weights may be of a better covariance than that of the model, of which only the growth is taken.
+        let scale = error * error / at_estimate;
+        if scale.is_finite() { Variance(of_model.0.map(|v| scale * v)) } else { known }
+    }
+}
+
+impl Shape {
+    fn of(value: f64, logarithmic_error: f64) -> Shape {
+        let factor = libm::exp(WITHIN_95 * logarithmic_error);
+        Shape { value, standard_error: value * logarithmic_error, interval: [value / factor, value * factor] }
+    }
+}
+
+/// Whether a search ended where it had to, and not at a minimum.
+fn is_at_the_end(shape: f64, [low, high]: [f64; 2]) -> bool {
+    shape < 1.01 * low || shape > high / 1.01
+}
+
+/// Derivative of the curve by the square of each term, followed by that of its logarithm of the shape.
+fn derivatives(system: &System, used: &[Fitted]) -> Vec<Vec<f64>> {
+    let mut columns = Vec::new();
+    for fitted in used {
+        columns.push(system.column(fitted.term, fitted.shape));
+        if fitted.term.has_shape() {
+            let [above, below] =
+                [STEP, -STEP].map(|step| system.column(fitted.term, fitted.shape * libm::exp(step)));
+            let slope = |(a, b): (&f64, &f64)| fitted.square * (a - b) / (2.0 * STEP);
+            columns.push(above.iter().zip(&below).map(slope).collect());
+        }
+    }
+    columns
+}
+
+/// The inverse of JᵀJ.
+struct Inverse {
+    rows: Vec<Vec<f64>>,
+}
+
+impl Inverse {
+    /// `None` where columns depend on each other to working precision.
+    fn of(columns: &[Vec<f64>]) -> Option<Inverse> {
+        let count = columns.len();
+        let lengths: Vec<f64> = columns.iter().map(|column| libm::sqrt(dot(column, column))).collect();
+        let cosine = |i: usize, j: usize| dot(&columns[i], &columns[j]) / (lengths[i] * lengths[j]);
+        let factor = cholesky::definite(count, cosine)?;
+        let row = |i: usize| {
+            let unit = (0..count).map(|j| if i == j { 1.0 / lengths[i] } else { 0.0 }).collect();
+            cholesky::solve(&factor, unit).iter().zip(&lengths).map(|(x, length)| x / length).collect()
+        };
+        Some(Inverse { rows: (0..count).map(row).collect() })
+    }
+
+    fn error(&self, i: usize) -> f64 {
+        libm::sqrt(self.rows[i][i])
+    }
+
+    /// Row i of (JᵀJ)⁻¹Jᵀ: what each point does to a parameter.
+    fn row(&self, i: usize, columns: &[Vec<f64>]) -> Vec<f64> {
+        let points = columns.first().map_or(0, Vec::len);
+        let at = |point: usize| self.rows[i].iter().zip(columns).map(|(x, column)| x * column[point]).sum();
+        (0..points).map(at).collect()
+    }
+}

@@ -1,0 +1,128 @@
+//! The covariance between the estimates of a curve, ready to weigh with.
+
+use super::{Curve, FitError};
+use crate::theory::allan::{Process, gaussian};
+use crate::theory::cholesky;
+
+/// Variance, in parts of its own, that every estimate is given as if of its own: the least of these that makes the
+/// correlations positive definite.
+///
+/// Neighbours of a dense curve are nearly the same number, and what they differ by is known to the precision of the
+/// covariance only. Without this, weights of such differences could grow without bound.
+const OWN: [f64; 3] = [1e-4, 1e-3, 1e-2];
+
+/// A covariance matrix and the factor of its correlations.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Covariance {
+    rows: Vec<Vec<f64>>,
+    deviations: Vec<f64>,
+    factor: Vec<Vec<f64>>,
+}
+
+impl Covariance {
+    /// Of a symmetric matrix, (″/s)⁴, in the order of the curve.
+    ///
+    /// # Errors
+    /// A matrix that is not positive definite even with 1 % more on its diagonal.
+    pub fn new(rows: Vec<Vec<f64>>) -> Result<Covariance, FitError> {
+        let deviations: Vec<f64> = rows.iter().enumerate().map(|(i, row)| libm::sqrt(row[i])).collect();
+        if !deviations.iter().all(|x| x.is_finite() && *x > 0.0) {
+            return Err(FitError::NotDefinite);
+        }
+        let correlation = |i: usize, j: usize| rows[i][j] / (deviations[i] * deviations[j]);
+        let with_own = |own: &f64| {
+            cholesky::definite(rows.len(), |i, j| correlation(i, j) + if i == j { *own } else { 0.0 })
+        };
+        let factor = OWN.iter().find_map(with_own).ok_or(FitError::NotDefinite)?;
+        Ok(Covariance { rows, deviations, factor })
+    }
+
+    /// Of the overlapping estimates of one record of a Gaussian process, by closed form; see [`gaussian::covariance`].
+    ///
+    /// # Errors
+    /// A process without noise.
+    pub fn of_process(process: &Process, curve: &Curve) -> Result<Covariance, FitError> {
+        Covariance::new(gaussian::covariance(process, curve.difference(), curve.samples(), curve.ms()))
+    }
+
+    /// Of independent estimates whose relative variances are 2m/N: a first guess that needs no model.
+    ///
+    /// A last estimate of very few differences can be 1e4 times too low, and must not weigh by that: it counts as no lower
+    /// than the one before it falling with τ⁻², as steep as noise can.
+    pub(super) fn of_independent(curve: &Curve) -> Result<Covariance, FitError> {
+        let mut values = curve.variances().to_vec();
+        for i in 1..values.len() {
+            let step = curve.ms()[i - 1] as f64 / curve.ms()[i] as f64;
+            values[i] = values[i].max(values[i - 1] * step * step);
+        }
+        let own = |i: usize| 2.0 * curve.ms()[i] as f64 / curve.samples() as f64 * values[i] * values[i];
+        let cell = |i: usize, j: usize| if i == j { own(i) } else { 0.0 };
+        let points = curve.ms().len();
+        Covariance::new((0..points).map(|i| (0..points).map(|j| cell(i, j)).collect()).collect())
+    }
+
+    /// Of simulated curves, one a row, drawn towards `model`, the covariance of the same process in closed form.
+    ///
+    /// A covariance of few realisations is singular or nearly so, and its inverse useless. It is replaced by (1 − λ)S +
+    /// λT, where λ, by Ledoit and Wolf (2004), is the part of the squared distance between sample S and model T that is
+    /// scatter of S, both seen with T as measure of length. Many realisations, or a model that is far off, leave S;
+    /// few, or a model that fits, leave T.
+    ///
+    /// # Errors
+    /// Fewer than two rows, rows that are not as long as the model, or no positive definite result.
+    pub fn of_realisations(rows: &[Vec<f64>], model: &Covariance) -> Result<Covariance, FitError> {
+        let points = model.rows.len();
+        if rows.len() < 2 || rows.iter().any(|row| row.len() != points) {
+            return Err(FitError::Realisations { rows: rows.len() });
+        }
+        let count = rows.len() as f64;
+        let mean: Vec<f64> =
+            (0..points).map(|i| rows.iter().map(|row| row[i]).sum::<f64>() / count).collect();
+        let centred: Vec<Vec<f64>> =
+            rows.iter().map(|row| row.iter().zip(&mean).map(|(x, mean)| x - mean).collect()).collect();
+        let white: Vec<Vec<f64>> = centred.iter().map(|row| model.whiten(row)).collect();
+        let of_white = sample_covariance(&white);
+        let norm: f64 = of_white.iter().flatten().map(|s| s * s).sum();
+        let trace: f64 = (0..points).map(|i| of_white[i][i]).sum();
+        let distance = norm - 2.0 * trace + points as f64;
+        let length = |row: &Vec<f64>| row.iter().map(|x| x * x).sum::<f64>();
+        let fourth: f64 = white.iter().map(|row| length(row) * length(row)).sum();
+        let scatter = (fourth / count - norm) / count;
+        let lambda = if distance > 0.0 { (scatter / distance).clamp(0.0, 1.0) } else { 1.0 };
+        let sample = sample_covariance(&centred);
+        let blend = |i: usize, j: usize| (1.0 - lambda) * sample[i][j] + lambda * model.rows[i][j];
+        Covariance::new((0..points).map(|i| (0..points).map(|j| blend(i, j)).collect()).collect())
+    }
+
+    /// The matrix, (″/s)⁴.
+    pub fn rows(&self) -> &[Vec<f64>] {
+        &self.rows
+    }
+
+    /// Numbers with this covariance as independent ones of variance 1.
+    pub fn whiten(&self, values: &[f64]) -> Vec<f64> {
+        let scaled = values.iter().zip(&self.deviations).map(|(x, deviation)| x / deviation).collect();
+        cholesky::whiten(&self.factor, scaled)
+    }
+
+    /// Of a linear function of whitened numbers its coefficients for the numbers themselves.
+    pub(super) fn before_whitening(&self, coefficients: Vec<f64>) -> Vec<f64> {
+        let scaled = cholesky::solve_transposed(&self.factor, coefficients);
+        scaled.iter().zip(&self.deviations).map(|(x, deviation)| x / deviation).collect()
+    }
+}
+
+/// Mean product of every two columns.
+fn sample_covariance(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let points = rows.first().map_or(0, Vec::len);
+    let mut sums = vec![vec![0.0; points]; points];
+    for row in rows {
+        for (sums, a) in sums.iter_mut().zip(row) {
+            for (sum, b) in sums.iter_mut().zip(row) {
+                *sum += a * b;
+            }
+        }
+    }
+    let count = rows.len() as f64;
+    sums.into_iter().map(|row| row.into_iter().map(|sum| sum / count).collect()).collect()
+}

@@ -1,0 +1,53 @@
+//! The fit of noise coefficients to an Allan (or Hadamard) curve, with the uncertainty of each.
+//!
+//! ```
+//! use sagnac::fit::{Curve, Term, Terms, Verdict, fit_record};
+//! use sagnac::theory::allan::{Difference, Estimator, Part, Process};
+//!
+//! // The curve that a record of 36000 s of a gyro with N = 0.03 ″/√s gives on average.
+//! let gyro = Process { sample_s: 1.0, parts: vec![Part::AngleRandomWalk { n: 0.03 }] };
+//! let ms: Vec<u64> = (0..14).map(|octave| 1 << octave).collect();
+//! let at = |&m: &u64| gyro.expected(Estimator::OVERLAPPING, 36_000, m).unwrap();
+//! let variances = ms.iter().map(at).collect();
+//! let curve = Curve::new(1.0, 36_000, Difference::Second, ms, variances)?;
+//!
+//! let fit = fit_record(&curve, &Terms::Auto(Term::MODEL.to_vec()))?;
+//! let n = fit.coefficient(Term::AngleRandomWalk).unwrap();
+//! assert_eq!(n.verdict, Verdict::Identified);
+//! assert!((n.value.unwrap() - 0.03).abs() < 1e-9);
+//! assert_ne!(fit.coefficient(Term::BiasInstability).unwrap().verdict, Verdict::Identified);
+//! # Ok::<(), sagnac::fit::FitError>(())
+//! ```
+//!
+//! **Method.** A curve is a sum of terms, linear in the squares of their coefficients. Each term is the closed form of
+//! the *sampled* noise ([`crate::theory::allan`]), so that short τ bring no bias. The squares are found by least
+//! squares with the full covariance between the estimates, none of them negative (Lawson and Hanson); the correlation
+//! time of Markov noise and the frequency of a sine by a search outside of that (variable projection). Weights come
+//! from the covariance of a model ([`Covariance`]) and not from the estimates themselves, of which the low ones would
+//! then weigh most.
+//!
+//! **What is said of a term.** A value only where the 95 % interval of its square does not contain 0; else a bound, or
+//! that the curve says nothing ([`Verdict`]). Intervals hold for the terms of the fit: those of [`Terms::Auto`] do not
+//! know that others might have been chosen.
+//!
+//! Linear algebra is that of [`crate::theory::cholesky`]: systems have at most nine columns, and loops in fixed order
+//! give the same digits on every machine, which a library that picks its kernels at run time does not.
+
+mod assess;
+mod chi_squared;
+mod choose;
+mod coefficient;
+mod covariance;
+mod curve;
+mod growth;
+mod interval;
+mod nnls;
+mod search;
+mod term;
+
+pub use chi_squared::survival;
+pub use choose::{Errors, PENALTY, PENALTY_OF_SHAPE, RIVAL, Terms, fit, fit_record};
+pub use coefficient::{Coefficient, Fit, Shape, Verdict};
+pub use covariance::Covariance;
+pub use curve::{Curve, FitError};
+pub use term::Term;

@@ -1,0 +1,171 @@
+//! The least squares of a set of terms, and the search for correlation time and frequency.
+//!
+//! For given shapes the squares follow by [`nnls()`]; what is left is χ² as a function of the logarithms of the shapes
+//! alone (variable projection; Golub and Pereyra 1973). It has more than one minimum, so a grid comes first and golden
+//! sections around its best point after.
+
+use super::nnls::{dot, nnls};
+use super::{Covariance, Curve, Term};
+
+/// Points of the grid for each factor of ten. The humps of Markov noise are wide, those of a sine a third of an octave.
+const GRID_OF_TIMES: f64 = 12.0;
+const GRID_OF_FREQUENCIES: f64 = 40.0;
+/// Golden sections of one bracket, down to 1e-8 of it, and rounds over all shapes.
+const SECTIONS: usize = 40;
+const ROUNDS: usize = 3;
+
+/// A term of a fit: the square of its coefficient, and its shape (1 where it has none).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fitted {
+    pub term: Term,
+    pub square: f64,
+    pub shape: f64,
+}
+
+/// The least squares of some terms.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Solution {
+    /// In the order asked for; 0 squares included.
+    pub terms: Vec<Fitted>,
+    pub chi_squared: f64,
+}
+
+/// A curve with the weights of its points.
+pub struct System<'a> {
+    curve: &'a Curve,
+    covariance: &'a Covariance,
+    target: Vec<f64>,
+}
+
+impl<'a> System<'a> {
+    pub fn new(curve: &'a Curve, covariance: &'a Covariance) -> System<'a> {
+        System { curve, covariance, target: covariance.whiten(curve.variances()) }
+    }
+
+    pub fn curve(&self) -> &Curve {
+        self.curve
+    }
+
+    /// A term of unit square, in standard deviations of independent points.
+    pub fn column(&self, term: Term, shape: f64) -> Vec<f64> {
+        self.covariance.whiten(&self.curve.of_term(term, 1.0, shape))
+    }
+
+    /// Of a linear function of such deviations its coefficients for the points of the curve.
+    pub(super) fn weights(&self, coefficients: Vec<f64>) -> Vec<f64> {
+        self.covariance.before_whitening(coefficients)
+    }
+
+    /// What a solution leaves of the curve, in the same.
+    pub fn residual(&self, terms: &[Fitted]) -> Vec<f64> {
+        let mut residual = self.target.clone();
+        for fitted in terms.iter().filter(|fitted| fitted.square > 0.0) {
+            let column = self.column(fitted.term, fitted.shape);
+            residual.iter_mut().zip(&column).for_each(|(left, x)| *left -= fitted.square * x);
+        }
+        residual
+    }
+
+    /// Shortest and longest shape that a curve can tell: times T_c within its τ, frequencies with a hump within them.
+    ///
+    /// Markov noise beyond is a random walk or white to the curve, a slower sine a ramp.
+    pub fn shape_range(&self, term: Term) -> [f64; 2] {
+        let [shortest, longest] = self.curve.tau_range();
+        match term {
+            Term::Sine => [0.2 / longest, 0.5 / shortest],
+            _ => [shortest, longest],
+        }
+    }
+
+    /// The least squares of `terms`, with the best shapes.
+    pub fn best(&self, terms: &[Term]) -> Solution {
+        let places: Vec<usize> = (0..terms.len()).filter(|&i| terms[i].has_shape()).collect();
+        let mut columns: Vec<Vec<f64>> = terms.iter().map(|&term| self.column(term, 1.0)).collect();
+        let grids: Vec<Vec<(f64, Vec<f64>)>> = places.iter().map(|&i| self.grid(terms[i])).collect();
+        let mut best = (f64::INFINITY, vec![0; places.len()]);
+        let points: usize = grids.iter().map(Vec::len).product();
+        for point in 0..points {
+            let mut rest = point;
+            let mut at = Vec::with_capacity(places.len());
+            for (&place, grid) in places.iter().zip(&grids) {
+                at.push(rest % grid.len());
+                columns[place].clone_from(&grid[rest % grid.len()].1);
+                rest /= grid.len();
+            }
+            let chi_squared = self.solve(&columns).1;
+            if chi_squared < best.0 {
+                best = (chi_squared, at);
+            }
+        }
+        let mut shapes = vec![1.0; terms.len()];
+        for ((&place, grid), &at) in places.iter().zip(&grids).zip(&best.1) {
+            shapes[place] = grid[at].0;
+        }
+        self.refine(terms, &places, &mut shapes, &mut columns);
+        self.given(terms, &shapes)
+    }
+
+    /// The least squares of `terms` with these shapes.
+    pub fn given(&self, terms: &[Term], shapes: &[f64]) -> Solution {
+        let columns: Vec<Vec<f64>> =
+            terms.iter().zip(shapes).map(|(&term, &shape)| self.column(term, shape)).collect();
+        let (squares, chi_squared) = self.solve(&columns);
+        let each = terms.iter().zip(squares).zip(shapes);
+        let terms = each.map(|((&term, square), &shape)| Fitted { term, square, shape }).collect();
+        Solution { terms, chi_squared }
+    }
+
+    fn solve(&self, columns: &[Vec<f64>]) -> (Vec<f64>, f64) {
+        let squares = nnls(columns, &self.target);
+        let mut residual = self.target.clone();
+        for (column, square) in columns.iter().zip(&squares).filter(|(_, square)| **square > 0.0) {
+            residual.iter_mut().zip(column).for_each(|(left, x)| *left -= square * x);
+        }
+        (squares, dot(&residual, &residual))
+    }
+
+    /// Shapes evenly spaced in their logarithm, with their columns.
+    fn grid(&self, term: Term) -> Vec<(f64, Vec<f64>)> {
+        let [low, high] = self.shape_range(term);
+        let count = libm::ceil(libm::log10(high / low) * per_decade(term)).max(1.0);
+        let shape = |i: u32| low * libm::pow(high / low, f64::from(i) / count);
+        (0..=count as u32).map(|i| (shape(i), self.column(term, shape(i)))).collect()
+    }
+
+    /// Golden sections of one shape after the other, one step of the grid to either side.
+    fn refine(&self, terms: &[Term], places: &[usize], shapes: &mut [f64], columns: &mut [Vec<f64>]) {
+        let golden = 0.5 * (libm::sqrt(5.0) - 1.0);
+        let mut at = |place: usize, logarithm: f64| {
+            columns[place] = self.column(terms[place], libm::exp(logarithm));
+            self.solve(columns).1
+        };
+        let rounds = if places.len() > 1 { ROUNDS } else { 1 };
+        for _ in 0..rounds {
+            for &place in places {
+                let [least, most] = self.shape_range(terms[place]).map(libm::log);
+                let step = core::f64::consts::LN_10 / per_decade(terms[place]);
+                let start = libm::log(shapes[place]);
+                let (mut low, mut high) = ((start - step).max(least), (start + step).min(most));
+                let mut inner = [high - golden * (high - low), low + golden * (high - low)];
+                let mut values = inner.map(|logarithm| at(place, logarithm));
+                for _ in 0..SECTIONS {
+                    if values[0] <= values[1] {
+                        high = inner[1];
+                        inner = [high - golden * (high - low), inner[0]];
+                        values = [at(place, inner[0]), values[0]];
+                    } else {
+                        low = inner[0];
+                        inner = [inner[1], low + golden * (high - low)];
+                        values = [values[1], at(place, inner[1])];
+                    }
+                }
+                shapes[place] = libm::exp(0.5 * (low + high));
+                at(place, libm::log(shapes[place]));
+            }
+        }
+    }
+}
+
+fn per_decade(term: Term) -> f64 {
+    if term == Term::Sine { GRID_OF_FREQUENCIES } else { GRID_OF_TIMES }
+}

@@ -1,0 +1,81 @@
+//! The terms a curve is taken apart into.
+
+use crate::theory::allan::Part;
+
+/// A term, with the coefficient that is reported for it. Its Allan variance is proportional to the coefficient's square.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Term {
+    /// Q, ″.
+    Quantisation,
+    /// N, ″/√s.
+    AngleRandomWalk,
+    /// B, ″/s.
+    BiasInstability,
+    /// K, ″/s^1.5.
+    RateRandomWalk,
+    /// R, ″/s².
+    RateRamp,
+    /// The rms σ of the exponentially correlated rate, ″/s; its shape is T_c, s. IEEE's q_c is σ√(2/T_c).
+    Markov,
+    /// The amplitude Ω_0 of the rate, ″/s; its shape is f, Hz.
+    Sine,
+}
+
+impl Term {
+    /// The five terms of A(4).
+    pub const MODEL: [Term; 5] = [
+        Term::Quantisation,
+        Term::AngleRandomWalk,
+        Term::BiasInstability,
+        Term::RateRandomWalk,
+        Term::RateRamp,
+    ];
+
+    /// Every term.
+    pub const ALL: [Term; 7] = [
+        Term::Quantisation,
+        Term::AngleRandomWalk,
+        Term::BiasInstability,
+        Term::RateRandomWalk,
+        Term::RateRamp,
+        Term::Markov,
+        Term::Sine,
+    ];
+
+    /// As studies and tables name it.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Term::Quantisation => "Q",
+            Term::AngleRandomWalk => "N",
+            Term::BiasInstability => "B",
+            Term::RateRandomWalk => "K",
+            Term::RateRamp => "R",
+            Term::Markov => "markov",
+            Term::Sine => "sine",
+        }
+    }
+
+    /// Whether it has a time or frequency that is fitted too.
+    pub fn has_shape(self) -> bool {
+        matches!(self, Term::Markov | Term::Sine)
+    }
+
+    /// Parameters that a fit of it takes.
+    pub fn parameters(self) -> usize {
+        1 + usize::from(self.has_shape())
+    }
+
+    /// The part of the angle with the square of the coefficient, its shape, and the octaves for flicker.
+    pub fn part(self, square: f64, shape: f64, octaves: usize) -> Part {
+        let coefficient = libm::sqrt(square);
+        match self {
+            Term::Quantisation => Part::Quantisation { q: coefficient },
+            Term::AngleRandomWalk => Part::AngleRandomWalk { n: coefficient },
+            Term::BiasInstability => Part::BiasInstability { b: coefficient, octaves },
+            Term::RateRandomWalk => Part::RateRandomWalk { k: coefficient },
+            Term::RateRamp => Part::RateRamp { r: coefficient },
+            Term::Markov => Part::Markov { q_c: coefficient * libm::sqrt(2.0 / shape), time_s: shape },
+            Term::Sine => Part::Sine { amplitude: coefficient, frequency_hz: shape },
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! One line of a text log: its cells, and what they say.
+
+use std::ops::Range;
+
+/// What stands between the cells of a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Delimiter {
+    /// A comma, a semicolon or a tab; blanks around cells are no part of them.
+    Byte(u8),
+    /// Any number of blanks and tabs.
+    Blanks,
+}
+
+impl Delimiter {
+    /// What divides a `line` of numbers.
+    pub(super) fn of(line: &[u8]) -> Delimiter {
+        let trimmed = line.trim_ascii();
+        let found = [b'\t', b';', b','].into_iter().find(|byte| trimmed.contains(byte));
+        match found {
+            Some(byte) => Delimiter::Byte(byte),
+            None if trimmed.contains(&b' ') => Delimiter::Blanks,
+            None => Delimiter::Byte(b','),
+        }
+    }
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Delimiter::Byte(b'\t') => "tabs",
+            Delimiter::Byte(b';') => "semicolons",
+            Delimiter::Byte(_) => "commas",
+            Delimiter::Blanks => "blanks",
+        }
+    }
+
+    /// Whether a line is empty or a comment: `#` or `%` before anything else, or `;` where that is no delimiter.
+    pub(super) fn skips(self, line: &[u8]) -> bool {
+        match line.trim_ascii_start().first() {
+            None | Some(b'#' | b'%') => true,
+            Some(b';') => self != Delimiter::Byte(b';'),
+            Some(_) => false,
+        }
+    }
+}
+
+/// The cells of a line, as places in it, without blanks and quotes around them.
+pub(super) struct Cells<'l> {
+    line: &'l [u8],
+    delimiter: Delimiter,
+    /// Where the next cell begins; past the end when there is none.
+    next: usize,
+}
+
+impl<'l> Cells<'l> {
+    pub(super) fn new(line: &'l [u8], delimiter: Delimiter) -> Cells<'l> {
+        let next = match delimiter {
+            Delimiter::Byte(_) => 0,
+            Delimiter::Blanks => skip_blanks(line, 0),
+        };
+        Cells { line, delimiter, next }
+    }
+}
+
+impl Iterator for Cells<'_> {
+    type Item = Range<usize>;
+
+    #[inline]
+    fn next(&mut self) -> Option<Range<usize>> {
+        let (line, start) = (self.line, self.next);
+        match self.delimiter {
+            Delimiter::Byte(byte) => {
+                if start > line.len() {
+                    return None;
+                }
+                let end = end_of(line, start, |b| b == byte);
+                self.next = end + 1;
+                Some(trimmed(line, start..end))
+            }
+            Delimiter::Blanks => {
+                if start >= line.len() {
+                    return None;
+                }
+                let end = end_of(line, start, |b| b.is_ascii_whitespace());
+                self.next = skip_blanks(line, end);
+                Some(trimmed(line, start..end))
+            }
+        }
+    }
+}
+
+fn skip_blanks(line: &[u8], from: usize) -> usize {
+    line[from..].iter().position(|b| !b.is_ascii_whitespace()).map_or(line.len(), |n| from + n)
+}
+
+/// The end of the cell at `start`; between quotes, or within the brackets of a unit, nothing divides.
+#[inline]
+fn end_of(line: &[u8], start: usize, divides: impl Fn(u8) -> bool) -> usize {
+    let (mut quoted, mut depth) = (false, 0_u32);
+    for (i, &byte) in line[start..].iter().enumerate() {
+        match byte {
+            b'"' => quoted = !quoted,
+            b'[' | b'(' => depth += 1,
+            b']' | b')' => depth = depth.saturating_sub(1),
+            _ if divides(byte) && !quoted && depth == 0 => return start + i,
+            _ => {}
+        }
+    }
+    line.len()
+}
+
+#[inline]
+fn trimmed(line: &[u8], cell: Range<usize>) -> Range<usize> {
+    let outer = |byte: &u8| byte.is_ascii_whitespace() || *byte == b'"';
+    let bytes = &line[cell.clone()];
+    let lead = bytes.iter().take_while(|b| outer(b)).count();
+    let trail = bytes[lead..].iter().rev().take_while(|b| outer(b)).count();
+    cell.start + lead..cell.end - trail
+}
+
+/// What a cell says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Value {
+    /// Finite, or NaN for a missing one.
+    Number(f64),
+    Infinite,
+    Text,
+}
+
+/// Reads a cell: a number with the point for decimals; nothing, `NaN`, `NA` and `null` are a missing one.
+#[inline]
+pub(super) fn value(cell: &[u8]) -> Value {
+    let text = std::str::from_utf8(cell).unwrap_or("?");
+    match text.parse::<f64>() {
+        Ok(number) if number.is_infinite() => Value::Infinite,
+        Ok(number) => Value::Number(number),
+        Err(_) if ["", "NA", "N/A", "null", "-"].contains(&text) => Value::Number(f64::NAN),
+        Err(_) => Value::Text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cells(line: &str) -> Vec<&str> {
+        Cells::new(line.as_bytes(), Delimiter::of(line.as_bytes())).map(|cell| &line[cell]).collect()
+    }
+
+    #[test]
+    fn lines_are_divided_by_what_stands_in_them() {
+        let table: [(&str, &[&str]); 9] = [
+            ("1,2,3", &["1", "2", "3"]),
+            ("1, 2 ,\"3\"", &["1", "2", "3"]),
+            ("1;2;", &["1", "2", ""]),
+            ("1\t\t3", &["1", "", "3"]),
+            ("  1   2 3  ", &["1", "2", "3"]),
+            ("42", &["42"]),
+            ("\"a, b\",c", &["a, b", "c"]),
+            ("time [s]  rate (deg / s)", &["time", "[s]", "rate", "(deg / s)"]),
+            (",", &["", ""]),
+        ];
+        for (line, expected) in table {
+            assert_eq!(cells(line), expected, "{line}");
+        }
+    }
+
+    #[test]
+    fn numbers_gaps_and_what_is_neither_are_told_apart() {
+        assert_eq!(value(b"-1.5e-3"), Value::Number(-1.5e-3));
+        for missing in ["", "NaN", "nan", "NA", "null"] {
+            assert!(matches!(value(missing.as_bytes()), Value::Number(x) if x.is_nan()), "{missing}");
+        }
+        for infinite in ["inf", "-Infinity", "1e999"] {
+            assert_eq!(value(infinite.as_bytes()), Value::Infinite, "{infinite}");
+        }
+        for text in ["1,5", "12:00", "0x10", "\u{b0}", "1 2"] {
+            assert_eq!(value(text.as_bytes()), Value::Text, "{text}");
+        }
+    }
+
+    #[test]
+    fn comments_begin_with_a_sign_that_is_no_delimiter() {
+        let comma = Delimiter::Byte(b',');
+        for line in ["# a", "  % b", "; c", "", "   "] {
+            assert!(comma.skips(line.as_bytes()), "{line}");
+        }
+        assert!(!comma.skips(b"1") && !Delimiter::Byte(b';').skips(b";1"));
+    }
+}

@@ -1,0 +1,136 @@
+//! Samples that stand out from their neighbours.
+
+use rayon::prelude::*;
+
+/// How many times the scatter a sample has to be off. One normal sample in 1e15 is.
+pub const OUTLYING: f64 = 8.0;
+
+/// Samples on each side that a sample is compared with.
+const BESIDE: usize = 2;
+
+/// Samples that one thread looks through at a time, and by which the scatter is measured.
+const PART: usize = 1 << 16;
+
+/// The standard deviation of a normal distribution over its median absolute deviation.
+const NORMAL: f64 = 1.4826;
+
+/// The outliers of a record.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outliers {
+    /// Indices of the samples, rising.
+    pub samples: Vec<usize>,
+    /// How far from the median of its neighbourhood a sample may be.
+    pub threshold: f64,
+}
+
+/// Finds the samples whose distance from the median of themselves and two neighbours on each side is more than
+/// [`OUTLYING`] times the scatter: 1.4826 times the median of all such distances, or their least above 0 where most
+/// are 0, as in counts of pulses.
+///
+/// Spikes of one or two samples are found whatever the record does slowly; steps are none. NaN is neither an outlier
+/// nor a neighbour. `samples` are rates or increments.
+pub fn outliers(samples: &[f64]) -> Outliers {
+    let scatter = scatter(samples);
+    let threshold = OUTLYING * scatter;
+    let parts: Vec<Vec<usize>> = (0..samples.len().div_ceil(PART))
+        .into_par_iter()
+        .map(|part| {
+            let places = part * PART..((part + 1) * PART).min(samples.len());
+            places.filter(|&i| !is_near(samples, i, threshold) && distance(samples, i) > threshold).collect()
+        })
+        .collect();
+    let samples = if scatter > 0.0 { parts.concat() } else { vec![] };
+    Outliers { samples, threshold }
+}
+
+/// Of [`PART`] samples evenly spread over the record.
+fn scatter(samples: &[f64]) -> f64 {
+    let stride = (samples.len() / PART).max(1);
+    let mut distances: Vec<f64> = (0..samples.len())
+        .step_by(stride)
+        .map(|i| distance(samples, i))
+        .filter(|distance| !distance.is_nan())
+        .collect();
+    if distances.is_empty() {
+        return 0.0;
+    }
+    let middle = distances.len() / 2;
+    let (_, &mut median, _) = distances.select_nth_unstable_by(middle, f64::total_cmp);
+    if median > 0.0 {
+        return NORMAL * median;
+    }
+    let least = distances.into_iter().filter(|distance| *distance > 0.0).fold(f64::INFINITY, f64::min);
+    if least.is_finite() { least } else { 0.0 }
+}
+
+/// Whether sample `i` is within `threshold` of those before and after it, and so of the median: beyond it are three of
+/// four neighbours.
+#[inline]
+fn is_near(samples: &[f64], i: usize, threshold: f64) -> bool {
+    let Some(&[before, sample, after]) = i.checked_sub(1).and_then(|from| samples.get(from..i + 2)) else {
+        return false;
+    };
+    (sample - before).abs() <= threshold && (sample - after).abs() <= threshold
+}
+
+/// From the median of sample `i` and its neighbours; NaN where it is missing or alone.
+fn distance(samples: &[f64], i: usize) -> f64 {
+    let near = &samples[i.saturating_sub(BESIDE)..(i + BESIDE + 1).min(samples.len())];
+    let mut known = [0.0; 2 * BESIDE + 1];
+    let mut count = 0;
+    for value in near.iter().filter(|value| !value.is_nan()) {
+        // Insertion into what is sorted already: five values need no more.
+        let mut at = count;
+        while at > 0 && known[at - 1] > *value {
+            known[at] = known[at - 1];
+            at -= 1;
+        }
+        known[at] = *value;
+        count += 1;
+    }
+    if count < 3 { f64::NAN } else { (samples[i] - known[count / 2]).abs() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn noise(count: usize) -> Vec<f64> {
+        let mut n: u64 = 1_234_567_890;
+        let mut uniform = || {
+            n = 16807 * n % 2_147_483_647;
+            n as f64 / 2_147_483_647.0
+        };
+        (0..count).map(|_| (0..12).map(|_| uniform()).sum::<f64>() - 6.0).collect()
+    }
+
+    #[test]
+    fn spikes_of_one_and_two_samples_are_found_and_steps_and_drift_are_not() {
+        let mut samples = noise(200_000);
+        for (i, value) in samples.iter_mut().enumerate() {
+            *value += 1e-2 * i as f64 + if i > 100_000 { 1000.0 } else { 0.0 };
+        }
+        for i in [70, 500, 501, 150_000] {
+            samples[i] += 20.0;
+        }
+        samples[80] = f64::NAN;
+        let found = outliers(&samples);
+        assert_eq!(found.samples, [70, 500, 501, 150_000], "threshold {}", found.threshold);
+        assert!((5.0..12.0).contains(&found.threshold), "{}", found.threshold);
+    }
+
+    #[test]
+    fn counts_of_pulses_are_compared_with_one_pulse() {
+        let mut counts: Vec<f64> = (0..1000).map(|i| if i % 9 == 0 { 3.0 } else { 2.0 }).collect();
+        assert_eq!(outliers(&counts).samples, Vec::<usize>::new());
+        counts[400] = 40.0;
+        assert_eq!(outliers(&counts).samples, [400]);
+    }
+
+    #[test]
+    fn nothing_stands_out_of_nothing_or_of_equals() {
+        for samples in [vec![], vec![1.0], vec![f64::NAN; 10], vec![5.0; 100]] {
+            assert!(outliers(&samples).samples.is_empty(), "{samples:?}");
+        }
+    }
+}

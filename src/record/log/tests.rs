@@ -1,0 +1,217 @@
+//! Whole files, as loggers write them.
+
+use std::path::{Path, PathBuf};
+
+use tempfile::TempDir;
+
+use super::*;
+
+const COUNT: usize = 40;
+
+/// The samples that every file below holds.
+fn sample(i: usize) -> f64 {
+    (i * 7 % 16) as f64 - 7.5
+}
+
+fn request(columns: &[&str], timing: Timing) -> Request {
+    let columns = columns.iter().map(|column| (*column).to_owned()).collect();
+    Request { columns, timing, data: Data::Rate, unit: Some(Unit::parse("deg/h", Data::Rate).unwrap()) }
+}
+
+fn stamps(column: &str, unit: Option<&str>) -> Timing {
+    Timing::Stamps { column: column.to_owned(), unit: unit.map(str::to_owned) }
+}
+
+struct Desk(TempDir);
+
+impl Desk {
+    fn new() -> Desk {
+        Desk(TempDir::new().unwrap())
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> PathBuf {
+        let path = self.0.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path
+    }
+}
+
+fn refused(path: &Path, request: &Request) -> String {
+    Log::read(path, request).unwrap_err().render(false, 200)
+}
+
+fn lines(line: impl Fn(usize) -> String) -> String {
+    (0..COUNT).map(|i| line(i) + "\n").collect()
+}
+
+#[test]
+fn text_of_every_layout_gives_the_same_samples() {
+    let desk = Desk::new();
+    let step = Timing::Step(0.01);
+    let files = [
+        (lines(|i| format!("{}", sample(i))), request(&[], step.clone())),
+        (format!("gz\n{}", lines(|i| format!("{}", sample(i)))), request(&["gz"], step.clone())),
+        (format!("# PHASE\n#\n{}", lines(|i| format!("  {:e}", sample(i)))), request(&["1"], step.clone())),
+        (
+            format!("t [ms];gz [rad/s];x\r\n{}", lines(|i| format!("{};{};oh\r", 10 * i, sample(i)))),
+            request(&["gz"], stamps("t", None)),
+        ),
+        (
+            format!("\u{feff}time_us\tgx\tgz\n{}", lines(|i| format!("{}\t1\t{}\t", 10_000 * i, sample(i)))),
+            request(&["3"], stamps("time", None)),
+        ),
+        (
+            format!(
+                "% c\n\n{}",
+                lines(|i| format!(" {:.3}   {}  7\n\n; c", 1e4 + 0.01 * i as f64, sample(i)))
+            ),
+            request(&["2"], stamps("1", Some("s"))),
+        ),
+        (
+            format!("# t gz\n{}", lines(|i| format!("{} {}", 10_000_000 * i, sample(i)))),
+            request(&[], stamps("t", Some("ns"))),
+        ),
+        (lines(|i| format!("\"{}\",\"{}\"", i, sample(i))), request(&["2"], step)),
+    ];
+    for (text, request) in files {
+        let path = desk.write("g.csv", text.as_bytes());
+        let log = Log::read(&path, &request).unwrap_or_else(|e| panic!("{text}\n{}", e.render(false, 100)));
+        let samples: Vec<f64> = (0..COUNT).map(sample).collect();
+        assert_eq!(log.channels[0].samples, samples, "{text}");
+        assert!((log.step_s - 0.01).abs() < 1e-12, "{text}\n{}", log.step_s);
+    }
+}
+
+#[test]
+fn several_columns_come_in_the_order_asked_for_and_gaps_are_nan() {
+    let desk = Desk::new();
+    let row = |i: usize| match i {
+        5 => "5,NaN,1".to_owned(),
+        6 => "6,,1".to_owned(),
+        // Rows 10 to 12 are not written.
+        10.. => format!("{},{},1", i + 3, sample(i)),
+        _ => format!("{i},{},1", sample(i)),
+    };
+    let path = desk.write("g.csv", format!("t [s],gx,gy\n{}", lines(row)).as_bytes());
+    let log = Log::read(&path, &request(&["gy", "gx"], stamps("t", None))).unwrap();
+    assert_eq!((log.channels[0].name.as_str(), log.channels[1].name.as_str()), ("gy", "gx"));
+    assert_eq!((log.samples(), log.channels[0].missing(), log.channels[1].missing()), (COUNT + 3, 3, 5));
+    assert!(log.channels[1].samples[10].is_nan() && log.channels[1].samples[13] == sample(10));
+}
+
+/// A .npy file with this type and shape, holding `numbers` as `bytes` writes them.
+fn npy(descr: &str, fortran: bool, shape: &str, numbers: &[f64], bytes: impl Fn(f64) -> Vec<u8>) -> Vec<u8> {
+    let order = if fortran { "True" } else { "False" };
+    let header = format!("{{'descr': '{descr}', 'fortran_order': {order}, 'shape': ({shape}), }}");
+    let padded = format!("{header:<117}\n");
+    let mut file = b"\x93NUMPY\x01\x00".to_vec();
+    file.extend((padded.len() as u16).to_le_bytes());
+    file.extend(padded.as_bytes());
+    file.extend(numbers.iter().flat_map(|number| bytes(*number)));
+    file
+}
+
+#[test]
+fn arrays_of_every_type_and_order_give_the_same_samples() {
+    let desk = Desk::new();
+    let twice = |i: usize| 2.0 * sample(i);
+    let one: Vec<f64> = (0..COUNT).map(twice).collect();
+    let rows: Vec<f64> = (0..COUNT).flat_map(|i| [i as f64, twice(i), 3.0]).collect();
+    let columns: Vec<f64> = (0..COUNT).map(|i| i as f64).chain(one.clone()).chain([3.0; COUNT]).collect();
+    type Bytes = fn(f64) -> Vec<u8>;
+    let types: [(&str, Bytes); 8] = [
+        ("<f8", |x| x.to_le_bytes().to_vec()),
+        (">f8", |x| x.to_be_bytes().to_vec()),
+        ("<f4", |x| (x as f32).to_le_bytes().to_vec()),
+        ("<i2", |x| (x as i16).to_le_bytes().to_vec()),
+        (">i4", |x| (x as i32).to_be_bytes().to_vec()),
+        ("<i8", |x| (x as i64).to_le_bytes().to_vec()),
+        ("|i1", |x| (x as i8).to_le_bytes().to_vec()),
+        (">i2", |x| (x as i16).to_be_bytes().to_vec()),
+    ];
+    for (descr, bytes) in types {
+        for (fortran, shape, numbers, column) in [
+            (false, format!("{COUNT},"), &one, "1"),
+            (false, format!("{COUNT}, 3"), &rows, "2"),
+            (true, format!("{COUNT}, 3"), &columns, "2"),
+        ] {
+            let path = desk.write("a.npy", &npy(descr, fortran, &shape, numbers, bytes));
+            let log = Log::read(&path, &request(&[column], Timing::Step(1.0)))
+                .unwrap_or_else(|e| panic!("{descr} ({shape}): {}", e.render(false, 100)));
+            assert_eq!(log.channels[0].samples, one, "{descr} ({shape})");
+        }
+    }
+}
+
+#[test]
+fn arrays_that_are_no_records_are_refused_before_anything_is_allocated() {
+    let desk = Desk::new();
+    let le = |x: f64| x.to_le_bytes().to_vec();
+    let table = [
+        (npy("<f8", false, "1000000000000,", &[1.0], le), "promises 8000000000000 bytes"),
+        (npy("<f8", false, "99999999999999999999,", &[1.0], le), "neither one dimension nor two"),
+        (npy("<f8", false, "4000000000000000000, 9", &[1.0], le), "more numbers than can be"),
+        (npy("<c16", false, "4,", &[1.0; 8], le), "of type '<c16'"),
+        (npy("<f8", false, "2, 2, 2", &[1.0; 8], le), "neither one dimension nor two"),
+        (npy("<f8", false, "3,", &[1.0, f64::INFINITY, 1.0], le), "column 1 is infinite at row 2"),
+        (b"\x93NUMPY\x01\x00\xff".to_vec(), "ends too early"),
+        (b"\x93NUMPY\x01\x00\x04\x00{}  ".to_vec(), "no `descr`"),
+    ];
+    for (bytes, piece) in table {
+        let said = refused(&desk.write("a.npy", &bytes), &request(&["1"], Timing::Step(1.0)));
+        assert!(said.contains(piece), "{piece} is missing in\n{said}");
+    }
+}
+
+#[test]
+fn the_first_fault_of_a_long_file_is_told_with_its_line_whatever_part_it_is_in() {
+    let desk = Desk::new();
+    // Some parts of 1 MiB, the fault in one of the last, another after it.
+    let mut text: String = (0..600_000).map(|i| format!("{i},{}\n", sample(i))).collect();
+    text += "600000,1\n600001,oops\n600002\n";
+    let path = desk.write("g.csv", text.as_bytes());
+    let said = refused(&path, &request(&["2"], Timing::Step(1.0)));
+    for piece in ["g.csv:600002:8", "\"oops\", which is no number"] {
+        assert!(said.contains(piece), "{piece} is missing in\n{said}");
+    }
+    let good = text.replace("oops", "5").replace("600002\n", "599000,3\n");
+    let said = refused(&desk.write("g.csv", good.as_bytes()), &request(&["2"], stamps("1", Some("s"))));
+    for piece in ["g.csv:600003:1", "does not increase: 599000 after 600001"] {
+        assert!(said.contains(piece), "{piece} is missing in\n{said}");
+    }
+}
+
+#[test]
+fn a_log_is_cut_from_its_start_and_checked_for_what_says_nothing() {
+    let desk = Desk::new();
+    let path = desk.write("g.csv", lines(|i| format!("{}", sample(i))).as_bytes());
+    let read = || Log::read(&path, &request(&[], Timing::Step(0.5))).unwrap();
+    let mut log = read();
+    log.cut(1.0, Some(10.0)).unwrap();
+    assert_eq!((log.samples(), log.start_s, log.channels[0].samples[0]), (18, 1.0, sample(2)));
+    assert!(log.check(UnitCheck::On).is_ok());
+    log.cut(2.0, None).unwrap();
+    assert!(log.check(UnitCheck::On).unwrap_err().to_string().contains("14 samples, at least 16"));
+    assert!(read().cut(20.0, None).unwrap_err().to_string().contains("it is 20 s long"));
+    let mut log = read();
+    log.channels[0].samples.fill(3.0);
+    assert!(log.check(UnitCheck::On).unwrap_err().to_string().contains("all 40 samples are 3"));
+}
+
+#[test]
+fn a_mean_rate_that_only_degrees_explain_is_refused_in_radians() {
+    let desk = Desk::new();
+    // 12 °/h of the Earth's rate in °/s.
+    let path = desk.write("g.csv", lines(|i| format!("{}", 12.0 / 3600.0 + 1e-5 * sample(i))).as_bytes());
+    let check = |unit: &str, unit_check| {
+        let unit = Some(Unit::parse(unit, Data::Rate).unwrap());
+        let log = Log::read(&path, &Request { unit, ..request(&[], Timing::Step(1.0)) }).unwrap();
+        log.check(unit_check).map_err(|error| error.render(false, 200))
+    };
+    assert_eq!(check("deg/s", UnitCheck::On), Ok(()));
+    let said = check("rad/s", UnitCheck::On).unwrap_err();
+    for piece in ["looks like degrees taken for radians", "12 °/h", "--unit deg/s", "--unit-check off"] {
+        assert!(said.contains(piece), "{piece} is missing in\n{said}");
+    }
+    assert_eq!(check("rad/s", UnitCheck::Off), Ok(()));
+}

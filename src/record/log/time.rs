@@ -1,0 +1,205 @@
+//! From time stamps to evenly spaced samples with gaps.
+
+use crate::table::significant;
+
+/// How far a step may be from a whole number of sampling steps, in sampling steps.
+pub const JITTER: f64 = 0.1;
+
+/// Steps from which a gap is taken as the nearest whole number of them: nobody's clock is asked for more.
+const LONG_GAP: f64 = 10.0;
+
+/// Most samples, of which so many times those in the file may be missing: more is a slip in a time stamp, and nothing
+/// may be allocated for it.
+const SPARSEST: f64 = 10.0;
+
+/// Steps whose median is taken.
+const MOST_STEPS: usize = 1 << 16;
+
+/// Where the rows of a log stand on an even grid.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Grid {
+    /// In the unit of the stamps.
+    pub step: f64,
+    /// From the first row to the last, both among them.
+    pub samples: usize,
+    /// The sample of each row; absent where rows are samples, without a gap.
+    pub places: Option<Vec<u32>>,
+}
+
+/// What is wrong with the stamp of a row, counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum TimeFault {
+    Missing { row: usize },
+    NotIncreasing { row: usize },
+    Jitter { row: usize, step: f64, median: f64 },
+    Sparse { row: usize, gap: f64, median: f64 },
+}
+
+impl TimeFault {
+    pub(super) fn row(self) -> usize {
+        match self {
+            TimeFault::Missing { row }
+            | TimeFault::NotIncreasing { row }
+            | TimeFault::Jitter { row, .. }
+            | TimeFault::Sparse { row, .. } => row,
+        }
+    }
+
+    /// What is wrong, what stands there, and what to do; `factor` is the size of the unit of the `stamps` in s.
+    pub(super) fn words(self, stamps: &[f64], factor: f64) -> [String; 3] {
+        let shown = |row: usize| stamps.get(row).map_or_else(String::new, f64::to_string);
+        let seconds = |stamp: f64| format!("{} s", significant(stamp * factor, 6));
+        match self {
+            TimeFault::Missing { .. } => [
+                "the time is missing".to_owned(),
+                "no number".to_owned(),
+                "remove the row, or give --rate instead of --time".to_owned(),
+            ],
+            TimeFault::NotIncreasing { row } => [
+                format!("the time does not increase: {} after {}", shown(row), shown(row.saturating_sub(1))),
+                "not later than the row before".to_owned(),
+                "sort the rows by time and remove doubles; logs appended to each other are several records".to_owned(),
+            ],
+            TimeFault::Jitter { step, median, .. } => [
+                format!(
+                    "the samples are not evenly spaced: a step of {}, the median is {}",
+                    seconds(step),
+                    seconds(median)
+                ),
+                "not on the grid".to_owned(),
+                format!(
+                    "steps within {} % of whole multiples of the median are taken; resample the log, or give --rate \
+                     instead of --time if the stamps are only rounded or late",
+                    100.0 * JITTER
+                ),
+            ],
+            TimeFault::Sparse { gap, median, .. } => [
+                format!("most of the record is missing: a gap of {} at steps of {}", seconds(gap), seconds(median)),
+                "after the longest gap".to_owned(),
+                "is a time stamp wrong? correct it, or cut the log there: at most ten times as many samples may be \
+                 missing as there are"
+                    .to_owned(),
+            ],
+        }
+    }
+}
+
+/// The grid of `stamps`, of which at most `most` samples are made.
+///
+/// The sampling step is the median one, then made precise by the whole record. Where a step is longer, samples are
+/// missing.
+pub(super) fn grid(stamps: &[f64], most: usize) -> Result<Grid, TimeFault> {
+    for (row, stamp) in stamps.iter().enumerate() {
+        if !stamp.is_finite() {
+            return Err(TimeFault::Missing { row });
+        }
+        if row > 0 && *stamp <= stamps[row - 1] {
+            return Err(TimeFault::NotIncreasing { row });
+        }
+    }
+    let [first, .., last] = *stamps else {
+        return Ok(Grid { step: 1.0, samples: stamps.len(), places: None });
+    };
+    let median = median_step(stamps);
+    let (mut longest, mut gapless, mut total) = ((0, 0.0), true, 0.0);
+    for (before, pair) in stamps.windows(2).enumerate() {
+        let step = pair[1] - pair[0];
+        let steps = libm::round(step / median);
+        let even = steps >= LONG_GAP || (step / median - steps).abs() <= JITTER;
+        if steps < 1.0 || !even {
+            return Err(TimeFault::Jitter { row: before + 1, step, median });
+        }
+        gapless &= steps == 1.0;
+        total += steps;
+        if step > longest.1 {
+            longest = (before + 1, step);
+        }
+    }
+    if total + 1.0 > most as f64 || total > SPARSEST * stamps.len() as f64 {
+        return Err(TimeFault::Sparse { row: longest.0, gap: longest.1, median });
+    }
+    let places = (!gapless).then(|| {
+        let mut place = 0;
+        let steps = stamps.windows(2).map(|pair| libm::round((pair[1] - pair[0]) / median) as u32);
+        let after = steps.map(|steps| {
+            place += steps;
+            place
+        });
+        std::iter::once(0).chain(after).collect()
+    });
+    Ok(Grid { step: (last - first) / total, samples: total as usize + 1, places })
+}
+
+/// Of all steps, or of so many evenly spread over the record. Of two in the middle the shorter: longer ones are gaps.
+fn median_step(stamps: &[f64]) -> f64 {
+    let stride = (stamps.len() / MOST_STEPS).max(1);
+    let mut steps: Vec<f64> = stamps.windows(2).step_by(stride).map(|pair| pair[1] - pair[0]).collect();
+    let middle = (steps.len() - 1) / 2;
+    *steps.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+impl Grid {
+    /// The values of the rows at their samples, NaN at the others.
+    pub(super) fn spread(&self, values: Vec<f64>) -> Vec<f64> {
+        let Some(places) = &self.places else { return values };
+        let mut samples = vec![f64::NAN; self.samples];
+        for (&place, value) in places.iter().zip(values) {
+            samples[place as usize] = value;
+        }
+        samples
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MOST: usize = 1 << 20;
+
+    #[test]
+    fn steps_of_several_samples_are_gaps_and_the_step_is_that_of_the_whole_record() {
+        let stamps: Vec<f64> =
+            (0..100).filter(|i| ![3, 50, 51].contains(i)).map(|i| 7.0 + 0.02 * f64::from(i)).collect();
+        let grid = grid(&stamps, MOST).unwrap();
+        assert_eq!(grid.samples, 100);
+        assert!((grid.step - 0.02).abs() < 1e-15);
+        let samples = grid.spread(vec![1.0; 97]);
+        let missing: Vec<usize> = (0..100).filter(|&i| samples[i].is_nan()).collect();
+        assert_eq!(missing, [3, 50, 51]);
+    }
+
+    #[test]
+    fn stamps_of_the_epoch_in_ns_keep_their_step() {
+        let stamps: Vec<f64> =
+            (0..1000_u64).map(|i| (1_700_000_000_000_000_000 + 2_500_000 * i) as f64).collect();
+        let grid = grid(&stamps, MOST).unwrap();
+        assert_eq!((grid.samples, grid.places), (1000, None));
+        assert!((grid.step / 2.5e6 - 1.0).abs() < 1e-6, "{}", grid.step);
+    }
+
+    #[test]
+    fn stamps_that_are_no_grid_are_refused_at_their_row() {
+        let even = |i: usize| i as f64;
+        let with = |row: usize, stamp: f64| {
+            let mut stamps: Vec<f64> = (0..20).map(even).collect();
+            stamps[row] = stamp;
+            grid(&stamps, MOST).unwrap_err()
+        };
+        assert_eq!(with(5, 4.0), TimeFault::NotIncreasing { row: 5 });
+        assert_eq!(with(5, 3.0), TimeFault::NotIncreasing { row: 5 });
+        assert_eq!(with(5, f64::NAN), TimeFault::Missing { row: 5 });
+        assert!(matches!(with(5, 5.2), TimeFault::Jitter { row: 5, .. }));
+        assert!(matches!(with(5, 4.3), TimeFault::Jitter { row: 5, .. }));
+        // A year at 1 s.
+        assert!(matches!(with(19, 3.2e7), TimeFault::Sparse { row: 19, .. }));
+        assert!(matches!(with(19, 1e300), TimeFault::Sparse { row: 19, .. }));
+    }
+
+    #[test]
+    fn few_rows_are_a_grid_too() {
+        assert_eq!(grid(&[], MOST).unwrap().samples, 0);
+        assert_eq!(grid(&[3.0], MOST).unwrap().samples, 1);
+        assert_eq!(grid(&[3.0, 5.0], MOST).unwrap(), Grid { step: 2.0, samples: 2, places: None });
+        assert_eq!(grid(&[0.0, 1.0, 3.0], MOST).unwrap().places, Some(vec![0, 1, 3]));
+    }
+}

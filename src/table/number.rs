@@ -1,0 +1,35 @@
+//! Numbers as people read them.
+
+/// `x` with `digits` significant digits, without trailing zeros; with an exponent from 10^6 (or what the digits write out)
+/// on, and below 10^-5.
+pub fn significant(x: f64, digits: usize) -> String {
+    if x == 0.0 {
+        return "0".to_owned();
+    }
+    let scientific = format!("{:.*e}", digits - 1, x);
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let trim = |text: &str| match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text.to_owned(),
+    };
+    if (-5..(digits as i32).max(6)).contains(&exponent) {
+        // Digits that are not significant are zeros.
+        let rounded: f64 = scientific.parse().unwrap_or(x);
+        trim(&format!("{:.*}", (digits as i32 - 1 - exponent).max(0) as usize, rounded))
+    } else {
+        format!("{}e{exponent}", trim(mantissa))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_between_a_thousandth_and_a_million_have_no_exponent() {
+        let shown = [4262.0, 2e4, 999_499.0, 0.001, 4.36, -1234.5].map(|x| significant(x, 3));
+        assert_eq!(shown, ["4260", "20000", "999000", "0.001", "4.36", "-1230"]);
+        assert_eq!([999_999.0, 1.5e6, 1.5e-7].map(|x| significant(x, 3)), ["1e6", "1.5e6", "1.5e-7"]);
+    }
+}

@@ -1,0 +1,86 @@
+//! The Allan variance of continuous noise: the model A(4) with Markov noise and a sine, for curves in charts.
+//!
+//! Records are sampled, and at small m their Allan variance is another one: compare them with
+//! [`Process::expected`](super::Process::expected).
+
+use core::f64::consts::PI;
+
+use super::Part;
+use super::exponential::beyond_square;
+use super::part::{FLAT_LEVEL, sine_of_turns};
+
+/// The term of one part at `tau_s`, (″/s)²: 3Q²/τ², N²/τ, (2 ln2/π)B², K²τ/3, R²τ²/2 — A(4) — and for Markov noise
+/// (q_cT_c)²/τ·[1 − (T_c/2τ)(3 − 4e^{−τ/T_c} + e^{−2τ/T_c})], for a sine Ω_0²(sin²πfτ/πfτ)².
+///
+/// `None` of a warm-up, whose Allan variance depends on the length of the record.
+pub fn allan_variance(part: &Part, tau_s: f64) -> Option<f64> {
+    let tau = tau_s;
+    Some(match *part {
+        Part::Quantisation { q } => 3.0 * q * q / (tau * tau),
+        Part::AngleRandomWalk { n } => n * n / tau,
+        Part::BiasInstability { b, .. } => FLAT_LEVEL * b * b,
+        Part::RateRandomWalk { k } => k * k * tau / 3.0,
+        Part::RateRamp { r } => r * r * tau * tau / 2.0,
+        Part::Markov { q_c, time_s } => {
+            let z = tau / time_s;
+            // 2z − 3 + 4e^{−z} − e^{−2z}, whose powers up to z² cancel.
+            let bracket = match z < 0.5 {
+                true => 4.0 * beyond_square(z) - beyond_square(2.0 * z),
+                false => 2.0 * z - 3.0 + 4.0 * libm::exp(-z) - libm::exp(-2.0 * z),
+            };
+            q_c * q_c * time_s * time_s / tau * bracket / (2.0 * z)
+        }
+        Part::Sine { amplitude, frequency_hz } => {
+            let sine = sine_of_turns(0.5 * frequency_hz * tau);
+            let shape = sine * sine / (PI * frequency_hz * tau);
+            amplitude * amplitude * shape * shape
+        }
+        Part::WarmUp { .. } => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::theory::allan::Difference;
+
+    #[test]
+    fn the_papers_gyros_have_the_curves_of_the_reference() {
+        let gyros =
+            [("LGK-400", [0.24, 0.00067 * 60.0, 0.00192]), ("LGV-1", [0.11, 0.00048 * 60.0, 0.00164])];
+        let text = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/allan_model.csv"));
+        assert_eq!(text.lines().count(), 27);
+        for line in text.lines().skip(1) {
+            let cells: Vec<&str> = line.split(',').collect();
+            let (tau, expected): (f64, f64) = (cells[1].parse().unwrap(), cells[2].parse().unwrap());
+            let (_, [q, n, b]) = gyros.iter().find(|(name, _)| *name == cells[0]).unwrap();
+            let parts = [
+                Part::Quantisation { q: *q },
+                Part::AngleRandomWalk { n: *n },
+                Part::BiasInstability { b: *b, octaves: 24 },
+            ];
+            let found = libm::sqrt(parts.iter().filter_map(|part| allan_variance(part, tau)).sum());
+            assert!((found / expected - 1.0).abs() < 1e-11, "{line}: {found}");
+        }
+    }
+
+    #[test]
+    fn finely_sampled_noise_is_the_continuous_one() {
+        let parts = [
+            Part::Quantisation { q: 0.2 },
+            Part::AngleRandomWalk { n: 0.2 },
+            Part::RateRandomWalk { k: 0.2 },
+            Part::Markov { q_c: 0.2, time_s: 3.0 },
+            Part::Sine { amplitude: 0.2, frequency_hz: 0.3 },
+        ];
+        for part in parts {
+            for tau in [0.01, 1.0, 2.5, 41.0] {
+                let m = 100_000;
+                let sampled = part.variance(Difference::Second, tau / m as f64, m) / (2.0 * tau * tau);
+                let found = allan_variance(&part, tau).unwrap();
+                assert!((found / sampled - 1.0).abs() < 1e-8, "{part:?} at {tau}: {found}, not {sampled}");
+            }
+        }
+        assert_eq!(allan_variance(&Part::WarmUp { amplitude: 1.0, time_s: 1.0 }, 1.0), None);
+    }
+}

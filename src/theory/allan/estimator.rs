@@ -1,0 +1,100 @@
+//! What is averaged to estimate a variance at τ: differences of the angle, and how many of them.
+
+/// Differences of angles that are m samples apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Difference {
+    /// θ_{k+2m} − 2θ_{k+m} + θ_k, whose mean square over 2τ² is the Allan variance.
+    Second,
+    /// θ_{k+3m} − 3θ_{k+2m} + 3θ_{k+m} − θ_k, whose mean square over 6τ² is the Hadamard variance. It does not see a
+    /// ramp.
+    Third,
+}
+
+impl Difference {
+    /// Coefficients of θ_k, θ_{k+m}, ….
+    pub fn coefficients(self) -> &'static [f64] {
+        match self {
+            Difference::Second => &[1.0, -2.0, 1.0],
+            Difference::Third => &[-1.0, 3.0, -3.0, 1.0],
+        }
+    }
+
+    /// How many times m samples a difference spans: 2 or 3.
+    pub fn spans(self) -> u64 {
+        match self {
+            Difference::Second => 2,
+            Difference::Third => 3,
+        }
+    }
+
+    /// The factor between the mean square of the differences over τ² and the variance: 2 or 6, Σc².
+    pub fn divisor(self) -> f64 {
+        match self {
+            Difference::Second => 2.0,
+            Difference::Third => 6.0,
+        }
+    }
+}
+
+/// From one difference to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stride {
+    /// Every sample: the overlapping estimators.
+    Sample,
+    /// m samples: the non-overlapping ones.
+    Cluster,
+    /// max(1, ⌊m/parts⌋) samples, which loses next to nothing of the overlapping ones from 64 parts on.
+    Part(u64),
+}
+
+/// An estimator of a variance at τ = m·t0: the mean square of its differences over `divisor`·τ².
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Estimator {
+    pub difference: Difference,
+    pub stride: Stride,
+}
+
+impl Estimator {
+    /// The overlapping Allan variance, A(3).
+    pub const OVERLAPPING: Estimator = Estimator { difference: Difference::Second, stride: Stride::Sample };
+    /// The Allan variance of ⌊N/m⌋ groups side by side.
+    pub const NON_OVERLAPPING: Estimator =
+        Estimator { difference: Difference::Second, stride: Stride::Cluster };
+    /// The overlapping Hadamard variance.
+    pub const HADAMARD: Estimator = Estimator { difference: Difference::Third, stride: Stride::Sample };
+
+    /// Samples from one difference to the next at the averaging factor `m`.
+    pub fn stride(self, m: u64) -> u64 {
+        match self.stride {
+            Stride::Sample => 1,
+            Stride::Cluster => m,
+            Stride::Part(parts) => (m / parts.max(1)).max(1),
+        }
+    }
+
+    /// Differences in a record of `samples` rate samples, that is `samples` + 1 angles; 0 where it is too short.
+    pub fn terms(self, samples: u64, m: u64) -> u64 {
+        match samples.checked_sub(self.difference.spans() * m) {
+            Some(left) if m > 0 => left / self.stride(m) + 1,
+            _ => 0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn terms_are_those_of_the_text_books() {
+        // Overlapping: N − 2m + 1 of N samples; non-overlapping: ⌊N/m⌋ − 1; Hadamard: N − 3m + 1.
+        let terms = |estimator: Estimator, m| estimator.terms(1000, m);
+        assert_eq!([1, 7, 500, 501].map(|m| terms(Estimator::OVERLAPPING, m)), [999, 987, 1, 0]);
+        assert_eq!([1, 7, 500, 501].map(|m| terms(Estimator::NON_OVERLAPPING, m)), [999, 141, 1, 0]);
+        assert_eq!([1, 7, 333, 334].map(|m| terms(Estimator::HADAMARD, m)), [998, 980, 2, 0]);
+        let thinned = Estimator { stride: Stride::Part(64), ..Estimator::OVERLAPPING };
+        assert_eq!([1, 127, 128, 200].map(|m| thinned.stride(m)), [1, 1, 2, 3]);
+        assert_eq!(thinned.terms(1000, 200), 201);
+        assert_eq!(terms(Estimator::OVERLAPPING, 0), 0);
+    }
+}

@@ -1,0 +1,176 @@
+use super::*;
+use crate::theory::allan::holds;
+use crate::theory::allan::part::FLAT_LEVEL;
+
+fn all_parts() -> Process {
+    Process {
+        sample_s: 0.5,
+        parts: vec![
+            Part::Quantisation { q: 0.4 },
+            Part::AngleRandomWalk { n: 0.5 },
+            Part::BiasInstability { b: 0.3, octaves: 24 },
+            Part::RateRandomWalk { k: 0.02 },
+            Part::Markov { q_c: 0.05, time_s: 20.0 },
+            Part::Sine { amplitude: 0.2, frequency_hz: 0.013 },
+            Part::RateRamp { r: 1e-4 },
+        ],
+    }
+}
+
+/// Covariance of the increments of the samples i and j, ″²: of sine and ramp their product.
+fn increments(part: &Part, t0: f64, i: usize, j: usize) -> f64 {
+    let lag = i.abs_diff(j) as f64;
+    t0 * t0
+        * match *part {
+            Part::AngleRandomWalk { n } if i == j => n * n / t0,
+            Part::BiasInstability { b, octaves } => {
+                let hold = |(o, v): (usize, f64)| v * (1.0 - lag / (1_u64 << o) as f64).max(0.0);
+                let variances = holds::variances(octaves).unwrap();
+                FLAT_LEVEL * b * b * variances.into_iter().enumerate().map(hold).sum::<f64>()
+            }
+            Part::RateRandomWalk { k } => k * k * t0 * (i.min(j) + 1) as f64,
+            Part::Markov { q_c, time_s } => 0.5 * q_c * q_c * time_s * libm::exp(-lag * t0 / time_s),
+            Part::Sine { amplitude, frequency_hz } => {
+                let half = PI * frequency_hz * t0;
+                let smoothed = amplitude * libm::sin(half) / half;
+                0.5 * smoothed * smoothed * libm::cos(2.0 * half * lag)
+            }
+            Part::RateRamp { r } => r * r * t0 * t0 * (i as f64 + 0.5) * (j as f64 + 0.5),
+            _ => 0.0,
+        }
+}
+
+/// ΣΣ 2c² + 4cp over all differences, from the covariance of the increments.
+fn by_definition(process: &Process, difference: Difference, samples: usize, a: usize, b: usize) -> f64 {
+    let (t0, spans) = (process.sample_s, difference.spans() as usize);
+    let is_noise = |part: &Part| !matches!(part, Part::Sine { .. } | Part::RateRamp { .. });
+    let (noise, steady): (Vec<Part>, Vec<Part>) = process.parts.iter().partition(|part| is_noise(part));
+    let table = |parts: &[Part]| -> Vec<Vec<f64>> {
+        let cell = |i, j| parts.iter().map(|part| increments(part, t0, i, j)).sum();
+        (0..samples).map(|i| (0..samples).map(|j| cell(i, j)).collect()).collect()
+    };
+    let (noise_table, steady_table) = (table(&noise), table(&steady));
+    // Weights of increments in a difference; of angles for the white errors.
+    let weights = |m: usize| -> Vec<f64> {
+        let c = difference.coefficients();
+        (0..spans * m).map(|i| c[i / m + 1..].iter().sum()).collect()
+    };
+    let (u, v) = (weights(a), weights(b));
+    let product = |table: &[Vec<f64>], k: usize, l: usize| {
+        let row = |i: usize| v.iter().enumerate().map(|(j, v)| v * table[k + i][l + j]).sum::<f64>();
+        u.iter().enumerate().map(|(i, u)| u * row(i)).sum::<f64>()
+    };
+    let white = |k: usize, l: usize| {
+        let c = difference.coefficients();
+        let mut sum = 0.0;
+        for (i, u) in c.iter().enumerate() {
+            for (j, v) in c.iter().enumerate() {
+                sum += if k + i * a == l + j * b { u * v } else { 0.0 };
+            }
+        }
+        let q = |part: &Part| if let Part::Quantisation { q } = part { q * q } else { 0.0 };
+        sum * process.parts.iter().map(q).sum::<f64>()
+    };
+    let mut sum = 0.0;
+    for k in 0..=samples - spans * a {
+        for l in 0..=samples - spans * b {
+            let c = product(&noise_table, k, l) + white(k, l);
+            sum += 2.0 * c * c + 4.0 * c * product(&steady_table, k, l);
+        }
+    }
+    let terms = ((samples - spans * a + 1) * (samples - spans * b + 1)) as f64;
+    let scale = difference.divisor() * t0 * t0;
+    sum / (terms * scale * scale * (a * a * b * b) as f64)
+}
+
+#[test]
+fn the_covariance_is_the_double_sum_over_differences() {
+    let all = all_parts();
+    let alone = all.parts[..5].iter().map(|&part| vec![part]);
+    // What is not noise counts beside noise only.
+    let beside = all.parts[5..].iter().map(|&part| vec![Part::AngleRandomWalk { n: 0.5 }, part]);
+    for parts in alone.chain(beside).chain([all.parts.clone()]) {
+        let process = Process { parts, ..all };
+        for difference in [Difference::Second, Difference::Third] {
+            let ms = [1, 2, 3, 8, 13];
+            let found = covariance(&process, difference, 60, &ms);
+            for (i, &a) in ms.iter().enumerate() {
+                for (j, &b) in ms.iter().enumerate() {
+                    let expected = by_definition(&process, difference, 60, a as usize, b as usize);
+                    let scale = libm::sqrt(found[i][i] * found[j][j]);
+                    assert!(
+                        (found[i][j] - expected).abs() < 2e-3 * scale,
+                        "{:?}, {difference:?}, m = {a}, {b}: {}, not {expected}",
+                        process.parts,
+                        found[i][j]
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn panels_are_the_sum_over_every_lag() {
+    let mut process = all_parts();
+    process.parts.retain(|part| !matches!(part, Part::Quantisation { .. }));
+    let count = process.parts.len();
+    for (a, b) in [(1, 1), (1, 900), (40, 45), (30, 700), (1200, 1200)] {
+        let pair = Pair::new(&process, Difference::Second, 5000, a, b);
+        let mut products = Products { noise: vec![0.0; count], steady: vec![0.0; count] };
+        let mut sum = 0.0;
+        for lag in 1 - pair.terms_a as i64..pair.terms_b as i64 {
+            pair.products(lag as f64, 1.0, 0.0, &mut products);
+            let [c, p] = [&products.noise, &products.steady].map(|each| each.iter().sum::<f64>());
+            sum += pair.pairs_at(lag as f64) * (2.0 * c * c + 4.0 * c * p);
+        }
+        let scale = pair.terms_a * pair.terms_b * 4.0 * 0.0625 * (a * a * b * b) as f64;
+        let total = |pair: Pair| pair.components().iter().sum::<f64>();
+        let own = |m: u64| total(Pair::new(&process, Difference::Second, 5000, m, m));
+        let (expected, norm) = (sum / scale, libm::sqrt(own(a) * own(b)));
+        let found = total(pair);
+        let error = (found - expected) / norm;
+        assert!(error.abs() < 2e-3, "m = {a}, {b}: {found}, not {expected}: {error}");
+    }
+}
+
+#[test]
+fn components_are_a_quadratic_form_of_the_variances() {
+    let process = all_parts();
+    let ms = [1, 5, 16];
+    let components = Components::new(&process, Difference::Second, 100, &ms);
+    let scales = [2.0, 0.5, 1.0, 3.0, 0.0, 1.5, 0.25];
+    let scaled = |(part, scale): (&Part, f64)| {
+        let root = libm::sqrt(scale);
+        match *part {
+            Part::Quantisation { q } => Part::Quantisation { q: root * q },
+            Part::AngleRandomWalk { n } => Part::AngleRandomWalk { n: root * n },
+            Part::BiasInstability { b, octaves } => Part::BiasInstability { b: root * b, octaves },
+            Part::RateRandomWalk { k } => Part::RateRandomWalk { k: root * k },
+            Part::Markov { q_c, time_s } => Part::Markov { q_c: root * q_c, time_s },
+            Part::Sine { amplitude, frequency_hz } => {
+                Part::Sine { amplitude: root * amplitude, frequency_hz }
+            }
+            Part::RateRamp { r } => Part::RateRamp { r: root * r },
+            Part::WarmUp { amplitude, time_s } => Part::WarmUp { amplitude: root * amplitude, time_s },
+        }
+    };
+    let parts = process.parts.iter().zip(scales).map(scaled).collect();
+    let expected = covariance(&Process { parts, ..process }, Difference::Second, 100, &ms);
+    let found = components.covariance(&scales);
+    let weights = [1.0, -2.0, 0.5];
+    let mut variance = 0.0;
+    for i in 0..3 {
+        for j in 0..3 {
+            assert!((found[i][j] / expected[i][j] - 1.0).abs() < 1e-9, "{i}, {j}");
+            variance += weights[i] * weights[j] * expected[i][j];
+        }
+    }
+    let form = components.variance_of(&weights);
+    let found: f64 = form
+        .iter()
+        .zip(scales)
+        .flat_map(|(row, a)| row.iter().zip(scales).map(move |(x, b)| a * b * x))
+        .sum();
+    assert!((found / variance - 1.0).abs() < 1e-9, "{found}, not {variance}");
+}

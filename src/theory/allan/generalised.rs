@@ -1,0 +1,129 @@
+//! The generalised covariance of a sampled angle: what gives any two of its differences their covariance.
+//!
+//! An angle that walks has no covariance, but its differences have: Σ c_i c_j G(k_i − k_j) with G = −V/2, V(n) being
+//! the variance of its increment over n samples, or any function that differs by a parabola, which second differences
+//! do not see. What is needed is the second difference of G over the shorter of two differences, written so that
+//! nothing cancels for lags that are long beside it.
+
+use super::part::FLAT_LEVEL;
+use super::{Part, holds, markov};
+
+/// Second differences of G, `m` apart, of one part of the angle.
+pub(super) struct Kernel {
+    m: f64,
+    form: Form,
+}
+
+/// What G is, with its factor in ″².
+enum Form {
+    /// −|n|/2.
+    Walk(f64),
+    /// (|n|³ − |n|)/12.
+    WalkOfRate(f64),
+    Markov {
+        variance: f64,
+        decay: f64,
+    },
+    Holds(Holds),
+    /// Nothing that reaches from one sample to another, or no noise.
+    None,
+}
+
+impl Kernel {
+    pub(super) fn new(part: &Part, sample_s: f64, m: u64) -> Kernel {
+        let t0 = sample_s;
+        let form = match *part {
+            Part::AngleRandomWalk { n } => Form::Walk(n * n * t0),
+            Part::RateRandomWalk { k } => Form::WalkOfRate(k * k * t0 * t0 * t0),
+            Part::Markov { q_c, time_s } => {
+                Form::Markov { variance: 0.5 * q_c * q_c * time_s * t0 * t0, decay: t0 / time_s }
+            }
+            Part::BiasInstability { b, octaves } => {
+                Form::Holds(Holds::new(FLAT_LEVEL * b * b * t0 * t0, octaves))
+            }
+            Part::Quantisation { .. } | Part::Sine { .. } | Part::RateRamp { .. } | Part::WarmUp { .. } => {
+                Form::None
+            }
+        };
+        Kernel { m: m as f64, form }
+    }
+
+    /// G(n + m) − 2G(n) + G(n − m), ″², at the lag n ≥ 0, less a constant.
+    pub(super) fn at(&self, n: f64) -> f64 {
+        let m = self.m;
+        match &self.form {
+            Form::Walk(scale) => -scale * (m - n).max(0.0),
+            Form::WalkOfRate(scale) => scale * cubic(m, n),
+            Form::Markov { variance, decay } => variance * markov::kernel(*decay, m, n),
+            Form::Holds(holds) => holds.at(m, n),
+            Form::None => 0.0,
+        }
+    }
+}
+
+/// Octave holds. A hold is a random walk of the rate that is taken back after its length.
+struct Holds {
+    /// Variance of the rate of each octave times t0², ″²; of all octaves before it; and the sum of the variances over
+    /// their lengths from it on.
+    octaves: Vec<f64>,
+    before: Vec<f64>,
+    from: Vec<f64>,
+}
+
+impl Holds {
+    fn new(scale: f64, octaves: usize) -> Holds {
+        let variances = holds::variances(octaves).unwrap_or_else(|| vec![f64::NAN]);
+        let octaves: Vec<f64> = variances.iter().map(|variance| scale * variance).collect();
+        let (mut before, mut from) = (vec![0.0; octaves.len() + 1], vec![0.0; octaves.len() + 1]);
+        for o in 0..octaves.len() {
+            before[o + 1] = before[o] + octaves[o];
+        }
+        for o in (0..octaves.len()).rev() {
+            from[o] = from[o + 1] + octaves[o] / length(o);
+        }
+        Holds { octaves, before, from }
+    }
+
+    fn at(&self, m: f64, n: f64) -> f64 {
+        let within = |lag: f64| match lag < 1.0 {
+            true => 0,
+            false => self.octaves.len().min(1 + libm::floor(libm::log2(lag)) as usize),
+        };
+        // Holds that end before all three lags give the same at every lag, and of those that end after them nothing is
+        // taken back.
+        let (short, reached) = (within(n - m), within(n + m));
+        let hold = |o: usize| {
+            let taken_back = one_sided_cubic(m, n - length(o)) + one_sided_cubic(m, -n - length(o));
+            2.0 * self.octaves[o] / length(o) * (cubic(m, n) - taken_back)
+        };
+        self.before[short] * m * m
+            + (short..reached).map(hold).sum::<f64>()
+            + 2.0 * self.from[reached] * cubic(m, n)
+    }
+}
+
+/// Samples of a hold of an octave.
+fn length(octave: usize) -> f64 {
+    (1_u64 << octave) as f64
+}
+
+/// Second difference, m apart, of (|n|³ − |n|)/12, n ≥ 0.
+fn cubic(m: f64, n: f64) -> f64 {
+    match n >= m {
+        true => 0.5 * n * m * m,
+        false => g(n + m) - 2.0 * g(n) + g(m - n),
+    }
+}
+
+/// The same of (u³ − u)/12 for u > 0, else 0.
+fn one_sided_cubic(m: f64, u: f64) -> f64 {
+    match u {
+        u if u >= m => 0.5 * u * m * m,
+        u if u <= -m => 0.0,
+        u => g(u + m) - 2.0 * g(u.max(0.0)),
+    }
+}
+
+fn g(n: f64) -> f64 {
+    (n * n * n - n) / 12.0
+}

@@ -1,0 +1,36 @@
+//! The Allan variance of sampled noise, in closed form: the oracle of the Monte Carlo and the basis of the fit.
+//!
+//! Angles θ_k, in ″, at the times k·t0, k = 0 … N, are a record of N samples; at the averaging factor m and τ = m·t0 an
+//! estimator takes the mean square of differences of angles over 2τ² or 6τ² ([`Difference`], [`Estimator`]). Everything
+//! here is about that sampled record and not about the continuous noise of A(4), from which it differs at small m; see
+//! [`continuous`] for that. Definitions: IEEE Std 952-2020 and 647-2006, two-sided spectra of the rate.
+//!
+//! How each [`Part`] of the angle is sampled, t0 being `sample_s`:
+//!
+//! | part | sampled as |
+//! |---|---|
+//! | quantisation Q | independent errors of rms Q on all N + 1 angles, θ_0 too |
+//! | angle random walk N | independent increments θ_k − θ_{k−1} of variance N²t0 |
+//! | bias instability B | rate held over t0, a sum of [octave holds](holds) |
+//! | rate random walk K | r_k = r_{k−1} + K√t0·g_k with independent normal g_k of variance 1, θ_k = θ_{k−1} + r_k·t0 |
+//! | Markov noise q_c, T_c | r_k = a·r_{k−1} + σ√(1 − a²)·g_k, a = e^{−t0/T_c}, stationary, σ² = q_c²·T_c/2; θ_k = θ_{k−1} + r_k·t0 |
+//! | sine Ω_0, f | rate Ω_0 sin(2πft + φ) of uniform φ, integrated exactly |
+//! | rate ramp R | rate R·t; whether integrated exactly or held over t0 is the same in all differences |
+//! | warm-up A, T | rate A·e^{−t/T} from t = 0, the start of the record, integrated exactly |
+//!
+//! A readout that counts whole pulses is not white: [`quantiser`].
+
+pub mod continuous;
+mod estimator;
+mod exponential;
+pub mod gaussian;
+mod generalised;
+pub mod holds;
+mod markov;
+mod part;
+mod process;
+pub mod quantiser;
+
+pub use estimator::{Difference, Estimator, Stride};
+pub use part::{FLAT_LEVEL, Part, Trend};
+pub use process::Process;
