@@ -5,6 +5,8 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 
+use core::ops::Range;
+
 use rayon::prelude::*;
 
 use super::Job;
@@ -186,15 +188,19 @@ impl Cpu {
         count: usize,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Vec<u128> {
-        let lanes = self.width.lanes();
-        let group = |group: usize| {
-            let done = group * lanes;
-            let count = lanes.min(count - done);
-            let sums = allan::sums(self.width, recipe, first + done as u64, count);
-            progress(count as u64);
+        let lanes = self.width.lanes() as u64;
+        let end = first + count as u64;
+        // A group has one upper half of record numbers.
+        let half = ((first | u64::from(u32::MAX)) + 1).min(end);
+        let starts = |range: Range<u64>| range.step_by(lanes as usize);
+        let groups: Vec<u64> = starts(first..half).chain(starts(half..end)).collect();
+        let group = |&at: &u64| {
+            let count = lanes.min(if at < half { half } else { end } - at);
+            let sums = allan::sums(self.width, recipe, at, count as usize);
+            progress(count);
             sums
         };
-        self.pool.install(|| (0..count.div_ceil(lanes)).into_par_iter().flat_map_iter(group).collect())
+        self.pool.install(|| groups.par_iter().flat_map_iter(group).collect())
     }
 
     fn tally_job(&self, job: &Job, histogram: bool, progress: &(dyn Fn(u64) + Sync)) -> Vec<Moments> {

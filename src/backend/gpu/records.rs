@@ -14,6 +14,14 @@ const MOST_BYTES: u64 = 96 << 20;
 /// Most records of a batch.
 const MOST_RECORDS: usize = 1 << 14;
 
+/// Most rounds of loops in an invocation: lavapipe leaves every loop after 65535 rounds of all of them, and says nothing.
+const MOST_ROUNDS: usize = 60_000;
+
+/// Rounds of loops that a chunk takes at most.
+fn rounds(recipe: &Recipe) -> usize {
+    CHUNK * (recipe.places() + 16) + recipe.places() + 8 * recipe.octaves()
+}
+
 /// Words of the parameters before those of the recipe's lists.
 const FIXED_WORDS: usize = 20;
 
@@ -34,6 +42,10 @@ impl Gpu {
         let budget = MOST_BYTES.min(self.device.limits().max_storage_buffer_binding_size);
         if ring_bytes > budget {
             return Err(GpuError::TooLong { bytes: ring_bytes, most: budget });
+        }
+        if rounds(recipe) > MOST_ROUNDS {
+            let places = recipe.places();
+            return Err(GpuError::Refused(format!("{places} averaging times are more than a device takes")));
         }
         let pipeline = self.pipeline(&source::allan(recipe, self.variant))?;
         let drift = self.upload("drift", bytemuck::cast_slice(&recipe.drift), BufferUsages::STORAGE);
@@ -68,6 +80,7 @@ impl Gpu {
         let sums = self.buffer("sums", sums_size, BufferUsages::STORAGE | BufferUsages::COPY_SRC);
         let read = self.buffer("read", sums_size, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
         let chunks = (recipe.samples as usize / CHUNK + 1) as u32;
+        let most = (MOST_ROUNDS / rounds(recipe)) as u32;
         let (mut from, mut tile) = (0, 1);
         while from < chunks {
             let started = Instant::now();
@@ -101,7 +114,7 @@ impl Gpu {
                 .map_err(|error| GpuError::Lost(error.to_string()))?;
             self.failure()?;
             let factor = (TILE_SECONDS / started.elapsed().as_secs_f64().max(1e-6)).clamp(0.5, 2.0);
-            tile = ((f64::from(tile) * factor) as u32).clamp(1, chunks);
+            tile = ((f64::from(tile) * factor) as u32).clamp(1, most);
             from = to;
         }
         read.map_async(wgpu::MapMode::Read, .., |_| {});
