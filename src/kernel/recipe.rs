@@ -6,7 +6,7 @@ use std::sync::Arc;
 pub const CHUNK: usize = 64;
 
 /// Octaves of flicker noise, the white one included: what `theory::allan::holds` has variances for.
-pub const MAX_OCTAVES: usize = 24;
+pub const MAX_OCTAVES: usize = 30;
 
 /// Streams of holds of most octaves.
 pub const STREAMS: usize = 4;
