@@ -137,7 +137,7 @@ impl<W: Word> Noise<W> {
             let mut words = self.address.draw_beyond(Purpose::Flicker, octave, hold / 4);
             for h in 0..CHUNK >> octave {
                 let number = hold + h + 1;
-                if number % 4 == 0 {
+                if number.is_multiple_of(4) {
                     words = self.address.draw_beyond(Purpose::Flicker, octave, number / 4);
                 }
                 self.go_over(octave, 0, scaled(words[number % 4], recipe.flicker[octave - 1]));
