@@ -149,3 +149,37 @@ fn the_help_has_examples_and_says_what_is_read() {
         assert!(help.contains(piece), "{piece} is missing in\n{help}");
     }
 }
+
+#[test]
+fn the_coefficients_of_white_noise_are_n_alone_in_the_units_of_data_sheets() {
+    let text: String = noise(20_000).map(|y| format!("{y}\n")).collect();
+    let desk = desk_with("rest.csv", text);
+    let ended = done(&desk, "rest.csv --data rate --unit deg/h --rate 1Hz --out out");
+    assert!(ended.stdout.contains("coefficients of the overlapping Allan curve"), "{}", ended.stdout);
+    let text = desk.read("out/coefficients.csv");
+    let rows: Vec<BTreeMap<String, String>> =
+        csv::Reader::from_reader(text.as_bytes()).deserialize().map(Result::unwrap).collect();
+    let row = |name: &str| rows.iter().find(|row| row["coefficient"] == name).unwrap();
+    let number = |name: &str, column: &str| row(name)[column].parse::<f64>().unwrap();
+    // 1/√3 °/h of white rate in samples of 1 s.
+    let n = 1.0 / 3.0_f64.sqrt() / 60.0;
+    assert_eq!((row("N")["unit"].as_str(), row("N")["verdict"].as_str()), ("deg/sqrt(h)", "identified"));
+    assert!(number("N", "lower") < n && n < number("N", "upper"), "{text}");
+    assert!((number("N", "value") / n - 1.0).abs() < 0.03, "{text}");
+    for other in ["Q", "B", "K", "R"] {
+        assert!(row(other)["value"].is_empty() && row(other)["verdict"] != "identified", "{text}");
+    }
+    let curve_rows = curve(&desk, "out");
+    let least = curve_rows.iter().map(|row| row["value"].parse::<f64>().unwrap()).fold(f64::MAX, f64::min);
+    assert_eq!(number("in_run_stability", "value"), least);
+
+    done(&desk, "rest.csv --data rate --unit deg/h --rate 1Hz --out given --fit N,B");
+    assert_eq!(desk.read("given/coefficients.csv").lines().count(), 1 + 2 + 2);
+    done(&desk, "rest.csv --data rate --unit deg/h --rate 1Hz --out none --fit none");
+    assert_eq!(desk.read("none/coefficients.csv").lines().count(), 1 + 2);
+    desk.fails(
+        "allan rest.csv --data rate --unit deg/h --rate 1Hz --fit Q,Z",
+        2,
+        &["`Z` is no term", "auto, none, or some of Q,N,B,K,R,markov,sine"],
+    );
+}

@@ -30,7 +30,6 @@ pub fn run(options: &super::Run) -> Result<(), Failure> {
         let mut study = Study::read(path)?;
         study.trials = options.trials.unwrap_or(study.trials);
         study.seed = options.seed.unwrap_or(study.seed);
-        check(&study)?;
         let folder = folder(options, path);
         if studies.iter().any(|(taken, _)| *taken == folder) {
             let message = format!(
@@ -42,16 +41,17 @@ pub fn run(options: &super::Run) -> Result<(), Failure> {
         }
         studies.push((folder, study));
     }
+    let plans = studies.iter().map(|(_, study)| checked(study)).collect::<Result<Vec<_>, _>>()?;
     let Selection { mut device, reason } = select(&options.device.name)?;
     if !options.quiet {
         eprintln!("device: {}, {reason}", device.name());
     }
     let mut documents: Vec<Value> = Vec::new();
-    for (at, (folder, study)) in studies.iter().enumerate() {
+    for (at, ((folder, study), plan)) in studies.iter().zip(&plans).enumerate() {
         if at > 0 && !options.json && !options.quiet {
             print("\n")?;
         }
-        documents.extend(run_study(study, folder, &mut device, options)?);
+        documents.extend(run_study(study, plan, folder, &mut device, options)?);
     }
     match &documents[..] {
         [] => Ok(()),
@@ -75,22 +75,23 @@ fn folder(options: &super::Run, study: &Path) -> PathBuf {
 }
 
 /// Finds what would otherwise fail after the sampling.
-fn check(study: &Study) -> Result<(), Failure> {
-    let blank = Plan::new(study)?.blank_table();
+fn checked(study: &Study) -> Result<Plan<'_>, Failure> {
+    let plan = Plan::new(study)?;
+    let blank = plan.blank_table();
     for chart in &study.charts {
         picture(study, &blank, chart)?;
     }
-    Ok(())
+    Ok(plan)
 }
 
 /// Runs one study, and returns its results as JSON where the options ask for that.
 fn run_study(
     study: &Study,
+    plan: &Plan,
     folder: &Path,
     device: &mut Device,
     options: &super::Run,
 ) -> Result<Option<Value>, Failure> {
-    let plan = Plan::new(study)?;
     let mut store = Store::open(folder, &plan.identity())?;
     let done = plan.run(&mut store, device, &Shown::new(options.quiet))?;
     let table = plan.table(&store)?;

@@ -1,7 +1,7 @@
 //! The fillers of one point of a study as rules in whole numbers, with what is known of their errors.
 
 use super::rule::Rule;
-use crate::lower::{LowerError, Lowered, Rows};
+use crate::lower::{LowerError, Lowered, Rows, Statistics};
 use crate::run::refused;
 use crate::study::{Error, Fill, Filler, Inputs, Method, Point, Quantity, Study, StudyError};
 use crate::table::significant;
@@ -120,13 +120,14 @@ pub fn rules(
     point: &Point,
     fillers: &[Filler],
 ) -> Result<Vec<(Rule, Option<Rule>)>, StudyError> {
+    let statistics = Statistics::of(&point.inputs);
     let mut rules = Vec::new();
     for filler in fillers {
         let place = study.fillers.iter().position(|own| own.name == filler.name);
         let Some(fill) = place.map(|place| &point.fills[place]) else { continue };
         let rule = |error, ticks: &[i32]| {
-            let rows = match Rows::by_tick(filler, error, ticks, &point.inputs) {
-                Ok(None) => Rows::of(filler, error, ticks, &point.inputs),
+            let rows = match Rows::by_tick(filler, error, ticks, &statistics) {
+                Ok(None) => Rows::of(filler, error, ticks, &statistics),
                 by_tick => by_tick,
             };
             let rows = rows.map_err(|error| refused(study, point, &error))?;

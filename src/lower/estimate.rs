@@ -124,7 +124,8 @@ impl Estimate {
         let tail = response.level.map_or(0.0, |motion| 0.125 * libm::hypot(motion, 3.0 * noise) / unit);
         let bin_base = level(libm::floor((0.25 * rms_with(about)).max(tail)) as u32);
         let lost = oracle.rms.is_some_and(|rms| oracle.rounding > MOST_ROUNDING * rms);
-        if owner.designed && lost {
+        // Without motion nothing is cancelled, and what pulses leave of nothing may be 0.
+        if owner.designed && lost && response.terms > whole.gain() {
             let (filler, sigma_arcsec) = (owner.filler.to_owned(), sigma * fixed.lsb_arcsec);
             return Err(LowerError::SingularCovariance { filler, sigma_arcsec });
         }

@@ -20,7 +20,7 @@ mod weights;
 
 pub use estimate::{Estimate, Oracle};
 pub use refusal::{Lost, LowerError};
-pub use weights::Rows;
+pub use weights::{Rows, Statistics};
 
 use crate::id::Id;
 use crate::kernel::moments::MAX_ESTIMATES;
@@ -66,6 +66,7 @@ impl Lowered {
         let sides = ticks.map(|&tick| reach(tick)).max().unwrap_or(1) as usize;
         let lsb_arcsec = unit::lsb(&physical)?;
         let fixed = Fixed::new(&physical, lsb_arcsec, sides);
+        let statistics = Statistics::of(&point.inputs);
         let estimates = |filler: &Filler, fill: &crate::study::Fill| {
             let definition = definition(filler);
             let mut estimates = Vec::new();
@@ -75,7 +76,7 @@ impl Lowered {
                     Error::Extrapolation | Error::InGap => fill.extrapolation_ticks.as_ref(),
                 };
                 let Some(ticks) = ticks else { continue };
-                let Some(rows) = Rows::of(filler, error, ticks, &point.inputs)? else { continue };
+                let Some(rows) = Rows::of(filler, error, ticks, &statistics)? else { continue };
                 let designed = matches!(filler.method, Method::MinimumVariance(_));
                 let owner =
                     Owner { point: id, key, filler: &filler.name, definition: &definition, designed, error };

@@ -138,10 +138,13 @@ impl FixedTone {
                 });
                 // Bounded by a grid and by how fast the response can change between its points.
                 let peak = self.peak_at(ends[0]).max(self.peak_at(ends[1]));
-                let size = peak * (f.gain() + f.scale as f64 * f64::from(f.gap));
+                let gain = f.gain() + f.scale as f64 * f64::from(f.gap);
+                let size = peak * gain;
                 let steps = 64 * panels as usize;
                 let step = (ends[1] - ends[0]) / steps as f64;
-                let slope = size * (2.0 * PI * (span + 1.0) * 2.0 + PI) / libm::exp2(32.0);
+                // The phases turn by at most `reach`, and neither π·sin(x)/2x nor sin(x) is steeper than 1.
+                let reach = f.ticks.iter().map(|tick| (2 * tick - n - 1).abs()).fold(n - 1, i32::max);
+                let slope = gain * (peak * f64::from(reach) + self.full_peak()) * 2.0 * PI / libm::exp2(32.0);
                 let greatest = (0..=steps)
                     .map(|i| self.at(f, n, ends[0] + step * i as f64))
                     .fold(0.0, |most: f64, [a, b]| most.max(libm::hypot(a, b)));
@@ -166,7 +169,7 @@ impl FixedTone {
 
     /// The peak angle of a tick at that frequency, LSB.
     fn peak_at(&self, word: f64) -> f64 {
-        let ToneMotion::Drawn { peak, of_angle, .. } = self.motion else { return 0.0 };
+        let ToneMotion::Drawn { of_angle, .. } = self.motion else { return 0.0 };
         // πνT.
         let x = 2.0 * PI * word / libm::exp2(32.0);
         let ratio = match (of_angle, x == 0.0) {
@@ -174,7 +177,13 @@ impl FixedTone {
             (false, true) => 0.5 * PI,
             (false, false) => 0.5 * PI * libm::sin(x) / x,
         };
-        f64::from(peak) / 32.0 * ratio
+        self.full_peak() * ratio
+    }
+
+    /// The same where the ratio is 1.
+    fn full_peak(&self) -> f64 {
+        let ToneMotion::Drawn { peak, .. } = self.motion else { return 0.0 };
+        f64::from(peak) / 32.0
     }
 
     /// a sin φ + b cos φ at the phase that is fixed.

@@ -1,8 +1,10 @@
 //! The weights of a filler at a point: exact fractions where there are, else the nearest over a power of two.
 
+use core::cell::OnceCell;
 use core::ops::RangeInclusive;
 
 use super::refusal::LowerError;
+use crate::kernel::launch::MARGIN;
 use crate::study::{Error, Filler, Inputs, Method};
 use crate::theory::gap::{Weights, polynomial_weights};
 use crate::theory::minimum_variance::minimum_variance_weights;
@@ -27,11 +29,11 @@ impl Rows {
         filler: &Filler,
         error: Error,
         ticks: &[i32],
-        inputs: &Inputs,
+        statistics: &Statistics,
     ) -> Result<Option<Rows>, LowerError> {
-        let n = inputs.gap_ticks;
+        let n = statistics.inputs.gap_ticks;
         let lengths = if error == Error::InGap { 1..=n } else { n..=n };
-        Rows::over(lengths, filler, error, ticks, inputs)
+        Rows::over(lengths, filler, error, ticks, statistics)
     }
 
     /// The weights of a filler for each tick of the gap by itself, as firmware needs them: those that interpolate it for the
@@ -44,9 +46,10 @@ impl Rows {
         filler: &Filler,
         error: Error,
         ticks: &[i32],
-        inputs: &Inputs,
+        statistics: &Statistics,
     ) -> Result<Option<Rows>, LowerError> {
-        let Some(mut rows) = Rows::over(1..=inputs.gap_ticks, filler, error, ticks, inputs)? else {
+        let Some(mut rows) = Rows::over(1..=statistics.inputs.gap_ticks, filler, error, ticks, statistics)?
+        else {
             return Ok(None);
         };
         // From the end, so that the row before is still one over a length.
@@ -63,7 +66,7 @@ impl Rows {
         filler: &Filler,
         error: Error,
         ticks: &[i32],
-        inputs: &Inputs,
+        statistics: &Statistics,
     ) -> Result<Option<Rows>, LowerError> {
         match &filler.method {
             Method::Polynomial(order) => {
@@ -73,14 +76,14 @@ impl Rows {
                 Ok(Some(exact(ticks, rows)))
             }
             Method::MinimumVariance(_) => {
-                let design = design(filler, inputs);
+                let design = statistics.design(filler);
                 let rows = lengths
                     .map(|length| {
                         let weights =
                             minimum_variance_weights(ticks, length, &design.covariance, &design.noise);
                         let singular = || LowerError::SingularCovariance {
                             filler: filler.name.clone(),
-                            sigma_arcsec: inputs.sigma_arcsec(),
+                            sigma_arcsec: statistics.inputs.sigma_arcsec(),
                         };
                         let bounded = |w: &Vec<f64>| w.iter().all(|w| w.abs() < LARGEST_WEIGHT);
                         Ok((length, weights.filter(bounded).ok_or_else(singular)?))
@@ -94,7 +97,7 @@ impl Rows {
                     Error::Extrapolation | Error::InGap => extrapolation.as_ref(),
                 };
                 // They say nothing of the first ticks of a gap.
-                let n = inputs.gap_ticks;
+                let n = statistics.inputs.gap_ticks;
                 let weights = weights.filter(|_| *lengths.start() == n);
                 Ok(weights.map(|weights| nearest(ticks, &[(n, weights.clone())])))
             }
@@ -111,27 +114,43 @@ impl Rows {
 /// Weights of a designed filler stay below this, with at least ten bits left for their fractions.
 const LARGEST_WEIGHT: f64 = (1 << 20) as f64;
 
-/// Second-order statistics that a minimum-variance filler is designed from, ″² by lag.
+/// Second-order statistics of a point, which minimum-variance fillers are designed from; those of a long record take their
+/// time, so each is worked out once, when it is first asked for.
+#[derive(Debug)]
+pub struct Statistics<'a> {
+    inputs: &'a Inputs,
+    covariance: OnceCell<Vec<f64>>,
+    rate_rms: OnceCell<f64>,
+}
+
+/// What one filler is designed from, ″² by lag.
 struct Design {
     covariance: Vec<f64>,
     noise: Vec<f64>,
 }
 
-fn design(filler: &Filler, inputs: &Inputs) -> Design {
-    let (tick_s, motion) = (inputs.tick_s, &inputs.motion);
-    let lags = 2 * crate::kernel::launch::MARGIN + inputs.gap_ticks as usize;
-    let covariance = match &filler.method {
-        Method::MinimumVariance(Some(band)) => {
-            // As much motion as the study has, spread over the band.
-            let amplitude = motion.rate_rms(tick_s) * core::f64::consts::SQRT_2;
-            band.covariance(amplitude, tick_s, lags)
-        }
-        _ => motion.covariance(tick_s, lags),
-    };
-    // A reading of whole pulses is wrong by the difference of two fractions, of which neighbours share one.
-    let fraction = inputs.readout_lsb * inputs.readout_lsb / 12.0;
-    let sigma = inputs.sigma_arcsec();
-    Design { covariance, noise: vec![sigma * sigma + 2.0 * fraction, -fraction] }
+impl<'a> Statistics<'a> {
+    /// Those of a point with these inputs.
+    pub fn of(inputs: &'a Inputs) -> Statistics<'a> {
+        Statistics { inputs, covariance: OnceCell::new(), rate_rms: OnceCell::new() }
+    }
+
+    fn design(&self, filler: &Filler) -> Design {
+        let Inputs { tick_s, motion, readout_lsb, .. } = self.inputs;
+        let lags = 2 * MARGIN + self.inputs.gap_ticks as usize;
+        let covariance = match &filler.method {
+            Method::MinimumVariance(Some(band)) => {
+                // As much motion as the study has, spread over the band.
+                let rms = self.rate_rms.get_or_init(|| motion.rate_rms(*tick_s));
+                band.covariance(rms * core::f64::consts::SQRT_2, *tick_s, lags)
+            }
+            _ => self.covariance.get_or_init(|| motion.covariance(*tick_s, lags)).clone(),
+        };
+        // A reading of whole pulses is wrong by the difference of two fractions, of which neighbours share one.
+        let fraction = readout_lsb * readout_lsb / 12.0;
+        let sigma = self.inputs.sigma_arcsec();
+        Design { covariance, noise: vec![sigma * sigma + 2.0 * fraction, -fraction] }
+    }
 }
 
 /// Fractions on one denominator, where they fit in 32 bits, else the nearest that do.

@@ -7,6 +7,7 @@ use sagnac::record::log::{Data, Log, Outliers, Request, outliers};
 use sagnac::table::significant;
 
 use super::super::Failure;
+use super::coefficients::{self, coefficients};
 use super::options::Options;
 
 /// What was found in one file.
@@ -35,6 +36,8 @@ pub struct Column {
     /// Slope that was removed, in the unit of the curve per s.
     pub slope: f64,
     pub curves: Vec<Curve>,
+    /// Coefficients of the noise; empty where none were asked for, else why there are none.
+    pub coefficients: Result<Vec<coefficients::Row>, String>,
 }
 
 /// A deviation of a column.
@@ -183,16 +186,20 @@ fn column(log: &mut Log, at: usize, options: &Options) -> Result<Column, Failure
         let points = curve(&angles, deviation, &factors, options.confidence);
         Ok(Curve { deviation, minimum: minimum(&points), points })
     });
+    let unit = if channel.unit.is_angular { Unit::Angular } else { Unit::Plain };
+    let terms = options.terms();
+    let coefficients = terms.map_or(Ok(vec![]), |terms| coefficients(&angles, step_s, &terms, unit));
     let Line { slope, .. } = angles.removed();
     let per_sample = if data == Data::Rate { factor } else { factor / step_s };
     Ok(Column {
         name: channel.name.clone(),
-        unit: if channel.unit.is_angular { Unit::Angular } else { Unit::Plain },
+        unit,
         overruled: channel.unit_in_header.clone().filter(|text| *text != channel.unit.text),
         missing,
         mean_rate,
         slope: slope * per_sample / step_s,
         curves: curves.collect::<Result<_, Failure>>()?,
         outliers,
+        coefficients,
     })
 }

@@ -5,6 +5,7 @@ use sagnac::table::{Cell, Column, Table, Unit};
 use serde_json::{Value, json};
 
 use super::analysis::{self, Analysis, Curve};
+use super::coefficients;
 
 /// All curves, one row for each deviation and τ: `curve.csv`.
 pub fn table(analysis: &Analysis) -> Table {
@@ -42,6 +43,58 @@ pub fn table(analysis: &Analysis) -> Table {
             column("treatment", none, &|_, _, _| text(&treatment)),
         ],
     }
+}
+
+/// The coefficients of all columns, and of each the minimum of its curve: `coefficients.csv`.
+pub fn coefficients(analysis: &Analysis) -> Table {
+    let rows: Vec<(&str, coefficients::Row)> = analysis
+        .columns
+        .iter()
+        .flat_map(|column| {
+            let found = column.coefficients.iter().flatten().cloned();
+            found.chain(stability(column)).map(|row| (column.name.as_str(), row))
+        })
+        .collect();
+    let text = |text: &str| if text.is_empty() { Cell::Blank } else { Cell::Text(text.to_owned()) };
+    let column = |name: &str, cell: &dyn Fn(&str, &coefficients::Row) -> Cell| Column {
+        name: name.to_owned(),
+        label: name.to_owned(),
+        unit: Unit::NONE,
+        cells: rows.iter().map(|(column, row)| cell(column, row)).collect(),
+        band: None,
+    };
+    Table {
+        columns: vec![
+            column("column", &|column, _| text(column)),
+            column("coefficient", &|_, row| text(row.name)),
+            column("value", &|_, row| row.value.into()),
+            column("lower", &|_, row| row.interval.map(|ends| ends[0]).into()),
+            column("upper", &|_, row| row.interval.map(|ends| ends[1]).into()),
+            column("unit", &|_, row| text(row.unit)),
+            column("verdict", &|_, row| text(row.verdict)),
+        ],
+    }
+}
+
+/// The minimum of the first curve that has one, as a row of its own: the in-run stability of data sheets, not B.
+fn stability(column: &analysis::Column) -> Vec<coefficients::Row> {
+    let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle());
+    let Some((curve, minimum)) = curve.and_then(|curve| Some((curve, curve.minimum?))) else { return vec![] };
+    let (unit, symbol) = (column.unit.in_files(curve.deviation), column.unit.symbol(curve.deviation));
+    let (value, verdict) = (minimum.point.value, if minimum.at_end { "at the end of the curve" } else { "" });
+    let interval = minimum.point.interval.map(|(lower, upper)| [lower, upper]);
+    let tau = Some(minimum.point.tau_s);
+    vec![
+        coefficients::Row { name: "in_run_stability", unit, symbol, value, interval, verdict },
+        coefficients::Row {
+            name: "in_run_stability_tau",
+            unit: "s",
+            symbol: "s",
+            value: tau,
+            interval: None,
+            verdict,
+        },
+    ]
 }
 
 /// Whether the noise was identified at this τ.
@@ -93,6 +146,8 @@ fn of_column(analysis: &Analysis, column: &analysis::Column) -> Value {
         "mean_rate_unit": column.unit.in_files(Deviation::Oadev),
         "removed_slope_per_s": column.slope,
         "outliers": { "count": outliers.samples.len(), "threshold": outliers.threshold, "first_times_s": times },
+        "coefficients": column.coefficients.iter().flatten().map(coefficients::document).collect::<Vec<_>>(),
+        "coefficients_missing": column.coefficients.as_ref().err(),
         "curves": curves,
     })
 }

@@ -1,6 +1,7 @@
 //! `sagnac allan`.
 
 mod analysis;
+mod coefficients;
 mod files;
 mod options;
 mod picture;
@@ -63,7 +64,7 @@ fn folders(options: &Options) -> Result<Vec<PathBuf>, Failure> {
     Ok(folders)
 }
 
-/// Writes the table and the charts, and removes charts of an earlier run that are drawn no more.
+/// Writes the tables and the charts, and removes charts of an earlier run that are drawn no more.
 fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
     let failed = |path: &Path| {
         let path = path.to_owned();
@@ -73,6 +74,10 @@ fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
     let mut csv = Vec::new();
     let path = folder.join("curve.csv");
     files::table(analysis).write_csv(&mut csv).map_err(failed(&path))?;
+    write(&path, &csv)?;
+    let mut csv = Vec::new();
+    let path = folder.join("coefficients.csv");
+    files::coefficients(analysis).write_csv(&mut csv).map_err(failed(&path))?;
     write(&path, &csv)?;
     for (stem, figure) in picture::figures(analysis) {
         let [svg_path, png_path] = ["svg", "png"].map(|ending| folder.join(format!("{stem}.{ending}")));

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use sagnac::allan::{Deviation, Taus, Trend};
+use sagnac::fit::{Term, Terms};
 use sagnac::record::log::{Data, Request, Timing, Unit, UnitCheck};
 use sagnac::study::{Dimension, parse_quantity};
 
@@ -54,6 +55,10 @@ pub struct Options {
     /// Which of adev, oadev, mdev, tdev, hdev, ohdev, with commas between
     #[arg(long, value_name = "NAMES", default_value = "oadev", value_delimiter = ',')]
     pub deviation: Vec<Deviation>,
+    /// Coefficients to fit: auto (those of Q, N, B, K, R that the record supports), none, or a list of Q, N, B, K, R,
+    /// markov, sine
+    #[arg(long, value_name = "TERMS", default_value = "auto", value_parser = fit_terms)]
+    fit: Fitted,
     /// Probability of the intervals
     #[arg(long, value_name = "P", default_value_t = 0.95, value_parser = probability)]
     pub confidence: f64,
@@ -102,7 +107,41 @@ enum Switch {
     Off,
 }
 
+/// What `--fit` asks for.
+#[derive(Debug, Clone, PartialEq)]
+enum Fitted {
+    None,
+    Auto,
+    Given(Vec<Term>),
+}
+
+fn fit_terms(text: &str) -> Result<Fitted, String> {
+    let term = |name: &str| {
+        let found = Term::ALL.into_iter().find(|term| term.symbol().eq_ignore_ascii_case(name.trim()));
+        found.ok_or_else(|| {
+            format!("`{}` is no term; accepted: auto, none, or some of Q,N,B,K,R,markov,sine", name.trim())
+        })
+    };
+    match text {
+        "none" => Ok(Fitted::None),
+        "auto" => Ok(Fitted::Auto),
+        list => list.split(',').map(term).collect::<Result<_, _>>().map(Fitted::Given),
+    }
+}
+
 impl Options {
+    /// The terms to fit, if any. A removed trend has taken the ramp with it.
+    pub fn terms(&self) -> Option<Terms> {
+        match &self.fit {
+            Fitted::None => None,
+            Fitted::Given(terms) => Some(Terms::Given(terms.clone())),
+            Fitted::Auto => {
+                let gone = |term: &Term| self.trend() == Trend::Linear && *term == Term::RateRamp;
+                Some(Terms::Auto(Term::MODEL.into_iter().filter(|term| !gone(term)).collect()))
+            }
+        }
+    }
+
     /// What is to be read of each file.
     ///
     /// # Errors

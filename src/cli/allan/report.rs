@@ -6,6 +6,7 @@ use sagnac::table::significant;
 
 use super::super::terminal::aligned;
 use super::analysis::{Analysis, Column, Curve, Unit};
+use super::coefficients::Row;
 
 /// Lines of a curve that are shown; of longer ones every second, third, … is.
 const MOST_LINES: usize = 48;
@@ -16,6 +17,15 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
     for column in &analysis.columns {
         if let Some(unit) = &column.overruled {
             notes.push(format!("{}: the header says {unit}, --unit or --scale was followed", column.name));
+        }
+        if let Err(why) = &column.coefficients {
+            notes.push(format!("{}: no coefficients: {why}", column.name));
+        }
+        if column.missing > 0 && column.coefficients.as_ref().is_ok_and(|found| !found.is_empty()) {
+            notes.push(format!(
+                "{}: intervals of coefficients are those of a record without gaps",
+                column.name
+            ));
         }
         notes.extend(missing(column, analysis.samples));
         notes.extend(outliers(column, analysis));
@@ -70,6 +80,7 @@ pub fn report(analysis: &Analysis) -> String {
         for curve in &column.curves {
             text += &format!("\n{}\n", of_curve(analysis, column, curve));
         }
+        text += &coefficients(column);
     }
     text
 }
@@ -115,6 +126,34 @@ fn of_curve(analysis: &Analysis, column: &Column, curve: &Curve) -> String {
         text += &format!("  * of fewer than {LEAST_GROUPS} groups: the noise is that of a shorter τ\n");
     }
     text + &stability(curve, column.unit)
+}
+
+/// The coefficients of a column, a line each.
+fn coefficients(column: &Column) -> String {
+    let Ok(found) = &column.coefficients else { return String::new() };
+    if found.is_empty() {
+        return String::new();
+    }
+    let number = |value: Option<f64>| value.map_or_else(String::new, |value| significant(value, 4));
+    let header = ["", "value", "lower", "upper", "", ""].map(str::to_owned);
+    let line = |row: &Row| {
+        let end = |k: usize| number(row.interval.map(|ends| ends[k]));
+        [
+            row.name.to_owned(),
+            number(row.value),
+            end(0),
+            end(1),
+            row.symbol.to_owned(),
+            row.verdict.to_owned(),
+        ]
+        .to_vec()
+    };
+    let rows: Vec<Vec<String>> = std::iter::once(header.to_vec()).chain(found.iter().map(line)).collect();
+    format!(
+        "\n{}: coefficients of the overlapping Allan curve up to an eighth of the record, with 95 % intervals\n{}",
+        column.name,
+        aligned(&rows)
+    )
 }
 
 /// The slope that was removed.

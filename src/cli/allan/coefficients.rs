@@ -1,0 +1,98 @@
+//! Noise coefficients of a column: the fit to its overlapping Allan curve, in the units of data sheets.
+
+use sagnac::allan::{Angles, Deviation, curve};
+use sagnac::fit::{Coefficient, Curve, Fit, Term, Terms, Verdict, fit_record};
+use sagnac::theory::allan::Difference;
+use serde_json::{Value, json};
+
+use super::analysis::Unit;
+
+/// Longest averaging time of the fit, as a part of the record: beyond it intervals of K come out too short.
+const LONGEST: usize = 8;
+
+/// What the record says of one coefficient, in the unit of data sheets.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    pub name: &'static str,
+    /// As files have it.
+    pub unit: &'static str,
+    /// For people.
+    pub symbol: &'static str,
+    pub value: Option<f64>,
+    pub interval: Option<[f64; 2]>,
+    pub verdict: &'static str,
+}
+
+/// The coefficients of a record, or why there are none.
+pub fn coefficients(angles: &Angles, step_s: f64, terms: &Terms, unit: Unit) -> Result<Vec<Row>, String> {
+    let samples = angles.len().saturating_sub(1);
+    let factors: Vec<usize> =
+        (0..usize::BITS).map(|octave| 1 << octave).take_while(|m| LONGEST * m <= samples).collect();
+    let points = curve(angles, Deviation::Oadev, &factors, 0.95);
+    let known: Vec<(u64, f64)> =
+        points.iter().filter_map(|point| Some((point.m as u64, point.value? * point.value?))).collect();
+    let (ms, variances) = known.into_iter().unzip();
+    let fitted = Curve::new(step_s, samples as u64, Difference::Second, ms, variances)
+        .and_then(|curve| fit_record(&curve, terms))
+        .map_err(|error| error.to_string())?;
+    Ok(rows(&fitted, unit))
+}
+
+fn rows(fit: &Fit, unit: Unit) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for coefficient in &fit.coefficients {
+        let (factor, in_files, symbol) = unit_of(coefficient.term, unit);
+        rows.push(Row {
+            name: coefficient.term.symbol(),
+            unit: in_files,
+            symbol,
+            value: coefficient.value.map(|value| factor * value),
+            interval: coefficient.interval.map(|ends| ends.map(|end| factor * end)),
+            verdict: verdict(coefficient),
+        });
+        if let Some(shape) = coefficient.shape {
+            let (name, unit) =
+                if coefficient.term == Term::Sine { ("sine_frequency", "Hz") } else { ("markov_time", "s") };
+            let (value, interval) = (Some(shape.value), Some(shape.interval));
+            rows.push(Row { name, unit, symbol: unit, value, interval, verdict: verdict(coefficient) });
+        }
+    }
+    rows
+}
+
+fn verdict(coefficient: &Coefficient) -> &'static str {
+    match coefficient.verdict {
+        Verdict::Identified => "identified",
+        Verdict::AtBoundary { .. } => "none found, at most the upper end",
+        Verdict::NotIdentifiable { below: Some(_) } => "not identifiable, at most the upper end",
+        Verdict::NotIdentifiable { below: None } => "not identifiable",
+    }
+}
+
+/// From ″ and s to the unit of data sheets: factor, name in files, symbol. Plain numbers keep theirs, times a power of s.
+fn unit_of(term: Term, unit: Unit) -> (f64, &'static str, &'static str) {
+    match (unit, term) {
+        (Unit::Angular, Term::Quantisation) => (1.0, "arcsec", "″"),
+        (Unit::Angular, Term::AngleRandomWalk) => (1.0 / 60.0, "deg/sqrt(h)", "°/√h"),
+        (Unit::Angular, Term::RateRandomWalk) => (60.0, "deg/h/sqrt(h)", "°/h/√h"),
+        (Unit::Angular, Term::RateRamp) => (3600.0, "deg/h/h", "°/h/h"),
+        (Unit::Angular, _) => (1.0, "deg/h", "°/h"),
+        (Unit::Plain, Term::Quantisation) => (1.0, "s", "· s"),
+        (Unit::Plain, Term::AngleRandomWalk) => (1.0, "sqrt(s)", "· √s"),
+        (Unit::Plain, Term::RateRandomWalk) => (1.0, "1/sqrt(s)", "/ √s"),
+        (Unit::Plain, Term::RateRamp) => (1.0, "1/s", "/ s"),
+        (Unit::Plain, _) => (1.0, "", ""),
+    }
+}
+
+/// A coefficient for programs.
+pub fn document(row: &Row) -> Value {
+    json!({
+        "coefficient": row.name,
+        "value": row.value,
+        "lower": row.interval.map(|ends| ends[0]),
+        "upper": row.interval.map(|ends| ends[1]),
+        "unit": row.unit,
+        "verdict": row.verdict,
+    })
+}
