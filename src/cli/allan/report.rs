@@ -150,7 +150,7 @@ fn coefficients(column: &Column) -> String {
     };
     let rows: Vec<Vec<String>> = std::iter::once(header.to_vec()).chain(found.iter().map(line)).collect();
     format!(
-        "\n{}: coefficients of the overlapping Allan curve up to an eighth of the record, with 95 % intervals\n{}",
+        "{}: coefficients of the overlapping Allan curve up to an eighth of the record, with 95 % intervals\n{}",
         column.name,
         aligned(&rows)
     )
