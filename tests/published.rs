@@ -114,3 +114,28 @@ fn the_cap_ends_what_is_not_precise_enough() {
         run_afresh(&parsed("study.toml", &stopping("5_000", "{ rms = \"0.01 %\", q9973 = \"1 %\" }")));
     assert!(rows(&table).all(|row| row.number("trials") == 5000.0));
 }
+
+#[test]
+fn a_record_with_room_for_few_places_is_replayed_at_those_and_nowhere_else() {
+    // 64 ticks on either side of a gap of three: as many whole ticks as samples less one.
+    for places in [1, 2, 3, 4, 64] {
+        let folder = tempfile::tempdir().unwrap();
+        let samples: String =
+            (0..130 + places + 1).map(|i| format!("{}, {}\n", 5 * i, (i * i % 37) - 18)).collect();
+        std::fs::write(folder.path().join("record.csv"), format!("time [ms], rate [deg/s]\n{samples}"))
+            .unwrap();
+        let still = text("\"20 Hz\"", 3, "", &[])
+            .replace("tick_noise = { three_sigma = \"1.6 arcsec\" }", "tick_noise = { std = \"0 arcsec\" }")
+            .replace(
+                "amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"",
+                "profile = { file = \"record.csv\", position = \"every\" }",
+            )
+            .replace("trials = 1_000_000", "trials = 1000");
+        let table = run_afresh(&parsed(&folder.path().join("study.toml").display().to_string(), &still));
+        for row in rows(&table) {
+            let (rms, oracle) = (row.number("rms"), row.number("oracle_rms"));
+            assert!((rms - oracle).abs() < 1e-3, "{places} places: {rms}, not {oracle}: {}", row.place());
+            assert_eq!(row.number("trials") as usize % places as usize, 0);
+        }
+    }
+}
