@@ -1,7 +1,10 @@
 //! Throughput of each kernel on each width of this processor: `cargo bench`.
 
+use std::sync::Arc;
+
 use divan::counter::ItemsCount;
-use sagnac::backend::cpu::Width;
+use sagnac::backend::cpu::{Cpu, Width};
+use sagnac::kernel::recipe::{Level, Recipe};
 use sagnac::kernel::{Form, KERNELS, gap_fill};
 use sagnac::verify::Configuration;
 
@@ -59,4 +62,48 @@ fn gap_fill_with_histogram(bencher: divan::Bencher, name: &str) {
     bencher
         .counter(ItemsCount::new(ITEMS))
         .bench_local(|| gap_fill::tally(width(name), launch, 0, ITEMS, true));
+}
+
+const RECORDS: usize = 1024;
+
+/// Records of 32768 samples on all cores; m and the distance of differences are powers of two.
+fn records(bencher: divan::Bencher, name: &str, overlap: u32) {
+    const SAMPLES: u32 = 32_768;
+    let mut levels: Vec<Level> = Vec::new();
+    for m in (0..14).map(|octave| 1 << octave) {
+        let stride = (m / overlap).max(1);
+        match levels.last_mut() {
+            Some(level) if level.stride == stride => level.spans.push(m / stride),
+            _ => levels.push(Level { stride, spans: vec![m / stride] }),
+        }
+    }
+    let recipe = Recipe {
+        key: [1, 2],
+        samples: SAMPLES,
+        white: 16 * 1000,
+        rate_scale: 1 << 24,
+        walk: 16 * 30,
+        flicker: vec![16 * 3000; 15],
+        markov: None,
+        sine: None,
+        quantisation: 0,
+        pulse: Some(10),
+        drift: Arc::new([]),
+        order: 2,
+        levels,
+    };
+    let cpu = Cpu::new(width(name), 0).expect("threads");
+    bencher
+        .counter(ItemsCount::new(RECORDS as u64 * u64::from(SAMPLES)))
+        .bench_local(|| cpu.sums(&recipe, 0, RECORDS, &|_| {}));
+}
+
+#[divan::bench(args = widths(), sample_count = 8)]
+fn records_with_every_difference(bencher: divan::Bencher, name: &str) {
+    records(bencher, name, u32::MAX);
+}
+
+#[divan::bench(args = widths(), sample_count = 8)]
+fn records_with_differences_a_64th_apart(bencher: divan::Bencher, name: &str) {
+    records(bencher, name, 64);
 }

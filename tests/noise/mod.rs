@@ -1,7 +1,6 @@
 //! Sampled noise in f64, straight from the definition of each part: what closed forms and fits are tried on.
 
-// Each test binary uses its own part of this file.
-#![allow(dead_code)]
+#![allow(dead_code, reason = "each suite uses what it needs")]
 
 use core::f64::consts::{LN_2, PI, TAU};
 
