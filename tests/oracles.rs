@@ -1,10 +1,13 @@
 //! What is sampled is right: against closed forms and an independent sampler, and a row once written stays.
 
+#[path = "reference/polynomial.rs"]
+mod polynomial;
 mod studies;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use polynomial::polynomial;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use sagnac::kernel::normal::REACH;
@@ -60,23 +63,9 @@ fn residual_amplitudes_at_the_papers_point_are_those_of_the_theory() {
     }
 }
 
-/// Weights of the least-squares polynomial by Gram and Schmidt on the ticks: none of the program's arithmetic.
+/// Weights of a polynomial on `ticks`, which are whole numbers.
 fn weights(ticks: &[f64], order: i32, n: i32) -> Vec<f64> {
-    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-    let places: Vec<f64> = ticks.iter().copied().chain((1..=n).map(f64::from)).collect();
-    let fitted = ticks.len();
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    for power in 0..=order {
-        let mut own: Vec<f64> = places.iter().map(|x| x.powi(power)).collect();
-        for other in &basis {
-            let along = dot(&own[..fitted], &other[..fitted]);
-            own.iter_mut().zip(other).for_each(|(own, other)| *own -= along * other);
-        }
-        let length = dot(&own[..fitted], &own[..fitted]).sqrt();
-        own.iter_mut().for_each(|x| *x /= length);
-        basis.push(own);
-    }
-    (0..fitted).map(|k| basis.iter().map(|q| q[k] * q[fitted..].iter().sum::<f64>()).sum()).collect()
+    polynomial(&ticks.iter().map(|&tick| tick as i32).collect::<Vec<_>>(), order, n)
 }
 
 /// A setting of the reference sampler and of the same study.

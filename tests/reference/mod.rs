@@ -8,6 +8,7 @@ use std::fmt::Write as _;
 use rand::RngExt;
 use rand::rngs::StdRng;
 
+pub mod polynomial;
 pub mod weights;
 
 /// T, s.
