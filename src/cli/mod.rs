@@ -9,6 +9,7 @@ mod filler;
 mod one_point;
 mod output;
 mod progress;
+mod reading;
 mod run;
 mod terminal;
 mod verdicts;

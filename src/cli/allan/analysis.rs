@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use sagnac::allan::{Angles, Deviation, Line, Minimum, Point, TauError, Trend, curve, minimum};
-use sagnac::record::log::{Data, Log, Outliers, Request, outliers};
+use sagnac::allan::{Deviation, Line, Minimum, Point, TauError, Trend, curve, minimum};
+use sagnac::record::log::{Data, Log, Outliers, Request};
 use sagnac::table::significant;
 
 use super::super::Failure;
+use super::super::reading::Reading;
 use super::coefficients::{self, coefficients};
 use super::options::Options;
 
@@ -84,6 +85,16 @@ pub struct Treatment {
 }
 
 impl Treatment {
+    /// Of a log that was cut.
+    pub fn of(log: &Log, reading: &Reading) -> Treatment {
+        Treatment {
+            skip_s: log.start_s,
+            until_s: reading.until,
+            trend: reading.trend(),
+            outliers_removed: reading.remove_outliers,
+        }
+    }
+
     /// What was left out, in a few words.
     pub fn left_out(&self) -> String {
         let part = |time_s: f64, words: &str| format!("{words} {} s", significant(time_s, 9));
@@ -126,19 +137,11 @@ impl Analysis {
     /// # Errors
     /// A log that is refused, or averaging times that it does not have.
     pub fn of(path: &Path, request: &Request, options: &Options) -> Result<Analysis, Failure> {
-        let mut log = Log::read(path, request)?;
-        if options.skip > 0.0 || options.until.is_some() {
-            log.cut(options.skip, options.until)?;
-        }
-        log.check(options.unit_check())?;
-        let treatment = Treatment {
-            skip_s: log.start_s,
-            until_s: options.until,
-            trend: options.trend(),
-            outliers_removed: options.remove_outliers,
-        };
+        let reading = &options.reading;
+        let log = reading.log(path, request)?;
+        let treatment = Treatment::of(&log, reading);
         let columns =
-            (0..log.channels.len()).map(|at| column(&mut log, at, options)).collect::<Result<_, _>>()?;
+            (0..log.channels.len()).map(|at| column(&log, at, options)).collect::<Result<_, _>>()?;
         Ok(Analysis {
             path: path.to_owned(),
             data: log.data,
@@ -160,24 +163,13 @@ impl Analysis {
     }
 }
 
-fn column(log: &mut Log, at: usize, options: &Options) -> Result<Column, Failure> {
+fn column(log: &Log, at: usize, options: &Options) -> Result<Column, Failure> {
     let (data, step_s) = (log.data, log.step_s);
-    let channel = &mut log.channels[at];
+    let channel = &log.channels[at];
     let missing = channel.missing();
     let mean_rate = channel.mean_rate(data, step_s);
-    let outliers = match data {
-        Data::Rate | Data::Increment => outliers(&channel.samples),
-        Data::Angle => outliers(&channel.increments(data)),
-    };
     let factor = channel.unit.factor;
-    let angles = if options.remove_outliers && !outliers.samples.is_empty() {
-        let mut increments = channel.increments(data);
-        outliers.samples.iter().for_each(|&sample| increments[sample] = f64::NAN);
-        let scale = if data == Data::Rate { factor * step_s } else { factor };
-        Angles::from_increments(&increments, scale, step_s, options.trend())
-    } else {
-        channel.angles(data, step_s, options.trend())
-    };
+    let (angles, outliers) = options.reading.angles(channel, data, step_s);
     let curves = options.deviation.iter().map(|&deviation| {
         let factors = options.tau.factors(angles.len(), step_s, deviation).map_err(|error| match error {
             TauError::NoTime { .. } => Failure::Usage(error.to_string()),
@@ -187,7 +179,7 @@ fn column(log: &mut Log, at: usize, options: &Options) -> Result<Column, Failure
         Ok(Curve { deviation, minimum: minimum(&points), points })
     });
     let unit = if channel.unit.is_angular { Unit::Angular } else { Unit::Plain };
-    let terms = options.terms();
+    let terms = options.reading.terms();
     let coefficients = terms.map_or(Ok(vec![]), |terms| coefficients(&angles, step_s, &terms, unit));
     let Line { slope, .. } = angles.removed();
     let per_sample = if data == Data::Rate { factor } else { factor / step_s };

@@ -19,7 +19,7 @@ pub use options::Options;
 
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {
-    let request = options.request()?;
+    let request = options.reading.request()?;
     let folders = folders(options)?;
     let mut documents: Vec<Value> = Vec::new();
     for (path, folder) in options.files.iter().zip(&folders) {
