@@ -87,7 +87,7 @@ impl Holds {
     fn at(&self, m: f64, n: f64) -> f64 {
         let within = |lag: f64| match lag < 1.0 {
             true => 0,
-            false => self.octaves.len().min(1 + libm::floor(libm::log2(lag)) as usize),
+            false => self.octaves.len().min(1 + libm::ilogb(lag) as usize),
         };
         // Holds that end before all three lags give the same at every lag, and of those that end after them nothing is
         // taken back.
