@@ -8,6 +8,7 @@ pub mod allan;
 pub mod backend;
 pub mod block;
 pub mod chart;
+pub mod compare;
 pub mod firmware;
 pub mod fit;
 pub mod id;

@@ -5,6 +5,7 @@
 //! negative one.
 
 use super::coefficient::{Coefficient, Fit, Shape, Verdict};
+use super::evidence::Evidence;
 use super::growth::Growth;
 use super::interval::{Variance, WITHIN_95};
 use super::nnls::dot;
@@ -63,6 +64,7 @@ impl<'a> Judge<'a> {
             interval: below.map(|below| [0.0, below]),
             shape: None,
             verdict,
+            evidence: None,
         };
         let uncertain = |below| without_value(below, Verdict::NotIdentifiable { below });
         let place = self.used.iter().position(|fitted| fitted.term == term);
@@ -78,10 +80,11 @@ impl<'a> Judge<'a> {
         let Some(inverse) = Inverse::of(&columns) else { return uncertain(None) };
         let (error, row) = (inverse.error(column), inverse.row(column, &columns));
         let estimate = place.map_or_else(|| dot(&row, &self.residual), |place| self.used[place].square);
-        let (low, high) = self.variance(term, estimate, error, row).interval(estimate);
+        let variance = self.variance(term, estimate, error, row);
+        let (low, high) = variance.interval(estimate);
         let below = high.map(libm::sqrt);
         let is_sure = low > 0.0 && !self.replaceable.contains(&term);
-        match (place, high) {
+        let coefficient = match (place, high) {
             (None, Some(high)) if estimate <= 0.0 => {
                 without_value(below, Verdict::AtBoundary { below: libm::sqrt(high) })
             }
@@ -97,11 +100,13 @@ impl<'a> Judge<'a> {
                     interval: Some([libm::sqrt(low), libm::sqrt(high)]),
                     shape: term.has_shape().then(|| Shape::of(shape, inverse.error(column + 1))),
                     verdict: Verdict::Identified,
+                    evidence: None,
                 }
             }
             // At another time or frequency the bound would be another one.
             _ => uncertain(below.filter(|_| !term.has_shape())),
-        }
+        };
+        Coefficient { evidence: Some(Evidence::new(estimate, variance)), ..coefficient }
     }
 
     /// Variance of the square of a term, as it would be for other values of it.

@@ -1,5 +1,6 @@
 //! What is said of a coefficient and of a fit.
 
+use super::evidence::Evidence;
 use super::{Term, survival};
 use crate::theory::allan::Process;
 
@@ -37,6 +38,8 @@ pub struct Coefficient {
     pub interval: Option<[f64; 2]>,
     pub shape: Option<Shape>,
     pub verdict: Verdict,
+    /// What is behind all of this; absent where the term looks like others together, or has no shape.
+    pub(crate) evidence: Option<Evidence>,
 }
 
 /// A fitted curve.

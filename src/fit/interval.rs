@@ -7,7 +7,7 @@
 //! for the skewness of that χ² (Cornish and Fisher).
 
 /// Standard deviations of a normal distribution within which 95 % lie.
-pub(super) const WITHIN_95: f64 = 1.959_963_984_540_054;
+pub(crate) const WITHIN_95: f64 = 1.959_963_984_540_054;
 /// Halvings of a bracket: down to rounding.
 const HALVINGS: usize = 60;
 /// Skewness of χ² with 4 degrees of freedom, up to which the correction is of use: with fewer there is no upper end.
@@ -17,7 +17,7 @@ const DOUBLINGS: usize = 40;
 
 /// Variance of a fitted square in its true value: `[v_0, v_1, v_2]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Variance(pub [f64; 3]);
+pub(crate) struct Variance(pub [f64; 3]);
 
 impl Variance {
     /// The same at every x.
@@ -25,9 +25,14 @@ impl Variance {
         Variance([variance, 0.0, 0.0])
     }
 
-    pub(super) fn at(&self, x: f64) -> f64 {
+    pub(crate) fn at(&self, x: f64) -> f64 {
         let [v0, v1, v2] = self.0;
         v0 + x * (v1 + x * v2)
+    }
+
+    /// Of the outcomes if x is true: κ_3 of the noise itself is 2v_2²x³.
+    pub(super) fn skewness(&self, x: f64) -> f64 {
+        2.0 * self.0[2] * self.0[2] * libm::pow(x / libm::sqrt(self.at(x)), 3.0)
     }
 
     /// The outcome that is `sigmas` from the middle if x is true.
@@ -37,9 +42,7 @@ impl Variance {
             return x;
         }
         let deviation = libm::sqrt(variance);
-        // κ_3 of the noise itself is 2v_2²x³.
-        let skewness = 2.0 * self.0[2] * self.0[2] * libm::pow(x / deviation, 3.0);
-        x + deviation * (sigmas + (sigmas * sigmas - 1.0) / 6.0 * skewness.min(MOST_SKEWED))
+        x + deviation * (sigmas + (sigmas * sigmas - 1.0) / 6.0 * self.skewness(x).min(MOST_SKEWED))
     }
 
     /// Ends of the interval of the square for an estimate of it, which may be negative: the lower one 0 where nothing is

@@ -39,9 +39,11 @@ mod choose;
 mod coefficient;
 mod covariance;
 mod curve;
+pub(crate) mod evidence;
 mod growth;
-mod interval;
+pub(crate) mod interval;
 mod nnls;
+pub(crate) mod record;
 mod search;
 mod term;
 
@@ -50,4 +52,5 @@ pub use choose::{Errors, PENALTY, PENALTY_OF_SHAPE, RIVAL, Terms, fit, fit_recor
 pub use coefficient::{Coefficient, Fit, Shape, Verdict};
 pub use covariance::Covariance;
 pub use curve::{Curve, FitError};
+pub use record::curve_of;
 pub use term::Term;

@@ -55,6 +55,20 @@ impl Term {
         }
     }
 
+    /// The term that a part of a model is of; a warm-up is of none.
+    pub(crate) fn of(part: &Part) -> Option<Term> {
+        match part {
+            Part::Quantisation { .. } => Some(Term::Quantisation),
+            Part::AngleRandomWalk { .. } => Some(Term::AngleRandomWalk),
+            Part::BiasInstability { .. } => Some(Term::BiasInstability),
+            Part::RateRandomWalk { .. } => Some(Term::RateRandomWalk),
+            Part::RateRamp { .. } => Some(Term::RateRamp),
+            Part::Markov { .. } => Some(Term::Markov),
+            Part::Sine { .. } => Some(Term::Sine),
+            Part::WarmUp { .. } => None,
+        }
+    }
+
     /// Whether it has a time or frequency that is fitted too.
     pub fn has_shape(self) -> bool {
         matches!(self, Term::Markov | Term::Sine)

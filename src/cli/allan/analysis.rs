@@ -180,7 +180,7 @@ fn column(log: &Log, at: usize, options: &Options) -> Result<Column, Failure> {
     });
     let unit = if channel.unit.is_angular { Unit::Angular } else { Unit::Plain };
     let terms = options.reading.terms();
-    let coefficients = terms.map_or(Ok(vec![]), |terms| coefficients(&angles, step_s, &terms, unit));
+    let coefficients = terms.map_or(Ok(vec![]), |terms| coefficients(&angles, &terms, unit));
     let Line { slope, .. } = angles.removed();
     let per_sample = if data == Data::Rate { factor } else { factor / step_s };
     Ok(Column {

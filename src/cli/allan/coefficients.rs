@@ -1,14 +1,10 @@
 //! Noise coefficients of a column: the fit to its overlapping Allan curve, in the units of data sheets.
 
-use sagnac::allan::{Angles, Deviation, curve};
-use sagnac::fit::{Coefficient, Curve, Fit, Term, Terms, Verdict, fit_record};
-use sagnac::theory::allan::Difference;
+use sagnac::allan::Angles;
+use sagnac::fit::{Coefficient, Fit, Term, Terms, Verdict, curve_of, fit_record};
 use serde_json::{Value, json};
 
 use super::analysis::Unit;
-
-/// Longest averaging time of the fit, as a part of the record: beyond it intervals of K come out too short.
-const LONGEST: usize = 8;
 
 /// What the record says of one coefficient, in the unit of data sheets.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,17 +20,9 @@ pub struct Row {
 }
 
 /// The coefficients of a record, or why there are none.
-pub fn coefficients(angles: &Angles, step_s: f64, terms: &Terms, unit: Unit) -> Result<Vec<Row>, String> {
-    let samples = angles.len().saturating_sub(1);
-    let factors: Vec<usize> =
-        (0..usize::BITS).map(|octave| 1 << octave).take_while(|m| LONGEST * m <= samples).collect();
-    let points = curve(angles, Deviation::Oadev, &factors, 0.95);
-    let known: Vec<(u64, f64)> =
-        points.iter().filter_map(|point| Some((point.m as u64, point.value? * point.value?))).collect();
-    let (ms, variances) = known.into_iter().unzip();
-    let fitted = Curve::new(step_s, samples as u64, Difference::Second, ms, variances)
-        .and_then(|curve| fit_record(&curve, terms))
-        .map_err(|error| error.to_string())?;
+pub fn coefficients(angles: &Angles, terms: &Terms, unit: Unit) -> Result<Vec<Row>, String> {
+    let fitted =
+        curve_of(angles).and_then(|curve| fit_record(&curve, terms)).map_err(|error| error.to_string())?;
     Ok(rows(&fitted, unit))
 }
 
@@ -70,7 +58,7 @@ fn verdict(coefficient: &Coefficient) -> &'static str {
 }
 
 /// From ″ and s to the unit of data sheets: factor, name in files, symbol. Plain numbers keep theirs, times a power of s.
-fn unit_of(term: Term, unit: Unit) -> (f64, &'static str, &'static str) {
+pub fn unit_of(term: Term, unit: Unit) -> (f64, &'static str, &'static str) {
     match (unit, term) {
         (Unit::Angular, Term::Quantisation) => (1.0, "arcsec", "″"),
         (Unit::Angular, Term::AngleRandomWalk) => (1.0 / 60.0, "deg/sqrt(h)", "°/√h"),

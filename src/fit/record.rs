@@ -1,0 +1,26 @@
+//! From a record to the curve that coefficients are fitted to.
+
+use super::{Curve, FitError};
+use crate::allan::{Angles, Deviation, curve};
+use crate::theory::allan::Difference;
+
+/// Longest averaging time of the fit, as a part of the record: beyond it intervals of K come out too short.
+const LONGEST: usize = 8;
+
+/// The overlapping Allan variances at the octaves of τ up to an eighth of a record, for [`super::fit_record`].
+///
+/// # Errors
+/// A record whose variance is 0 or that is too long for the flicker model.
+pub fn curve_of(angles: &Angles) -> Result<Curve, FitError> {
+    let samples = angles.len().saturating_sub(1);
+    let points = curve(angles, Deviation::Oadev, &factors(samples), 0.95);
+    let known: Vec<(u64, f64)> =
+        points.iter().filter_map(|point| Some((point.m as u64, point.value? * point.value?))).collect();
+    let (ms, variances) = known.into_iter().unzip();
+    Curve::new(angles.step_s, samples as u64, Difference::Second, ms, variances)
+}
+
+/// The averaging factors of a fit to a record of so many samples.
+pub(crate) fn factors(samples: usize) -> Vec<usize> {
+    (0..usize::BITS).map(|octave| 1 << octave).take_while(|m| LONGEST * m <= samples).collect()
+}
