@@ -3,6 +3,7 @@
 mod allan;
 mod bench;
 mod charts;
+mod compare;
 mod devices;
 mod failure;
 mod filler;
@@ -37,6 +38,7 @@ Examples:
   sagnac filler quadratic --gap-ticks 3
   sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz
+  sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz
   sagnac verify
 
 Exit codes:
@@ -53,6 +55,8 @@ enum Command {
     Filler(filler::Options),
     /// Deviations of recorded logs: Allan, modified Allan, time, Hadamard, with intervals and noise types
     Allan(allan::Options),
+    /// Two recorded logs: is one noisier than the other, in what, how sure is that, and how long must they be to tell
+    Compare(compare::Options),
     /// List the devices that kernels can run on
     Devices,
     /// Prove that every kernel gives the same bits on every device, here and now
@@ -120,6 +124,7 @@ pub fn main() -> ExitCode {
         Command::Run(options) => run::run(options),
         Command::Filler(options) => filler::filler(options),
         Command::Allan(options) => allan::allan(options),
+        Command::Compare(options) => compare::compare(options),
         Command::Devices => devices::devices(),
         Command::Verify(options) => verify::verify(options),
         Command::Bench(options) => bench::bench(options),

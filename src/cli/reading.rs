@@ -108,6 +108,11 @@ impl Reading {
         }
     }
 
+    /// The names of the columns, as they were given.
+    pub fn columns(&self) -> &[String] {
+        &self.column
+    }
+
     /// What is to be read of each file.
     ///
     /// # Errors

@@ -15,6 +15,8 @@ use serde_json::Value;
 use super::Failure;
 use super::output::{print, print_json, write};
 use analysis::Analysis;
+pub use analysis::{Treatment, Unit};
+pub use coefficients::unit_of;
 pub use options::Options;
 
 /// Analyses the logs one after the other.
