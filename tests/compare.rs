@@ -202,7 +202,7 @@ fn gaps_and_outliers_are_said_and_no_fit_leaves_the_curves() {
     let a = lines(&rates).replacen(&format!("{:.6}\n", rates[300]), "nan\n", 1);
     let desk = two(a, lines(&white(2000, 1.0, 2)));
     let ended = done(&desk, &format!("a.csv b.csv {RATE} --fit none --remove-outliers"));
-    for piece in ["a: 1 of 2000 samples are missing", "a: 1 outliers: taken for gaps"] {
+    for piece in ["a: 1 of 2000 samples are missing", "a: 1 outlier: taken for gaps"] {
         assert!(ended.stderr.contains(piece), "{piece} is missing in\n{}", ended.stderr);
     }
     assert!(ended.stdout.contains("the least p of 10 averaging times"), "{}", ended.stdout);

@@ -7,7 +7,7 @@ use sagnac::table::significant;
 use super::super::terminal::aligned;
 use super::analysis::{Analysis, Side};
 use super::rows::Row;
-use super::words::{duration, length, sentences};
+use super::words::{duration, length, sentences, times};
 
 /// What should be known besides the results.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
@@ -49,12 +49,13 @@ fn of_side(side: &Side, analysis: &Analysis) -> Vec<String> {
     }
     let count = side.outliers.samples.len();
     if count > 0 {
-        let what = if side.data == Data::Angle { "outlying increments" } else { "outliers" };
+        let of = if side.data == Data::Angle { " among the increments" } else { "" };
+        let named = if count == 1 { "outlier" } else { "outliers" };
         let fate = match analysis.treatment().outliers_removed {
             true => "taken for gaps",
             false => "kept; --remove-outliers takes them for gaps",
         };
-        notes.push(format!("{}: {count} {what}: {fate}", side.label));
+        notes.push(format!("{}: {count} {named}{of}: {fate}", side.label));
     }
     notes
 }
@@ -89,7 +90,7 @@ fn ratios(analysis: &Analysis) -> String {
     let number =
         |value: Option<f64>, digits: usize| value.map_or_else(String::new, |x| significant(x, digits));
     let line = |ratio: &Ratio| {
-        let end = |k: usize| number(ratio.interval.map(|ends| ends[k]), 4);
+        let end = |k: usize| of_ratio(ratio.interval.map(|ends| ends[k]));
         let value = |k: usize| number(ratio.points[k].value, 5);
         let mark = match ratio.is_above() {
             Some(true) => "higher",
@@ -97,7 +98,7 @@ fn ratios(analysis: &Analysis) -> String {
             None => "",
         };
         let tau = significant(ratio.tau_s(), 7);
-        vec![tau, value(0), value(1), number(ratio.value, 4), end(0), end(1), mark.to_owned()]
+        vec![tau, value(0), value(1), of_ratio(ratio.value), end(0), end(1), mark.to_owned()]
     };
     let all = &analysis.comparison.ratios;
     let lines: Vec<Vec<String>> = std::iter::once(head.to_vec()).chain(all.iter().map(line)).collect();
@@ -108,6 +109,10 @@ fn ratios(analysis: &Analysis) -> String {
         aligned(&lines),
         all.len()
     )
+}
+
+fn of_ratio(ratio: Option<f64>) -> String {
+    ratio.map_or_else(String::new, |ratio| times(ratio, 4))
 }
 
 /// The coefficients, a line each.
@@ -134,9 +139,9 @@ fn coefficients(analysis: &Analysis) -> String {
             row.symbol.to_owned(),
             value(0),
             value(1),
-            number(found.ratio),
-            number(found.ratio_interval[0]),
-            number(found.ratio_interval[1]),
+            of_ratio(found.ratio),
+            of_ratio(found.ratio_interval[0]),
+            of_ratio(found.ratio_interval[1]),
             number(found.difference),
             number(found.interval[0]),
             number(found.interval[1]),

@@ -79,7 +79,7 @@ fn of_row(row: &Row, a: &str, b: &str, shorter_s: f64) -> String {
         (Verdict::Equal, _) => format!("Both have the same {name}: no length of records tells them apart."),
         (Verdict::Higher | Verdict::Lower, Some(ratio)) => format!(
             "{b} has {} times the {name} of {a} ({}, {p}){}.",
-            times(ratio),
+            times(ratio, 3),
             interval(found.ratio_interval),
             of_significant(row.length, shorter_s)
         ),
@@ -89,7 +89,7 @@ fn of_row(row: &Row, a: &str, b: &str, shorter_s: f64) -> String {
         ),
         (Verdict::NotToldApart, Some(ratio)) => format!(
             "The {name} is not told apart: {b} has {} times that of {a} ({}, {p}){}.",
-            times(ratio),
+            times(ratio, 3),
             interval(found.ratio_interval),
             of_open(row.length, ratio)
         ),
@@ -140,14 +140,15 @@ fn at_most(row: &Row, most: Option<f64>) -> String {
     }
 }
 
-/// A ratio with three digits, near 1 with as many as tell it from 1.
-fn times(ratio: f64) -> String {
-    (3..9).map(|digits| significant(ratio, digits)).find(|text| text != "1").unwrap_or_else(|| "1".to_owned())
+/// A ratio with so many digits, near 1 with as many as tell it from 1.
+pub fn times(ratio: f64, digits: usize) -> String {
+    let shown = (digits..digits + 6).map(|digits| significant(ratio, digits));
+    shown.into_iter().find(|text| text != "1").unwrap_or_else(|| "1".to_owned())
 }
 
 /// `0.6 … 1.3`, with words where an end is not known.
 fn interval([low, high]: [Option<f64>; 2]) -> String {
-    let number = |end: f64| significant(end, 3);
+    let number = |end: f64| times(end, 3);
     match (low, high) {
         (Some(low), Some(high)) => format!("{} … {}", number(low), number(high)),
         (Some(low), None) => format!("at least {}", number(low)),
