@@ -22,6 +22,11 @@ impl Unit {
     pub const ARCSEC_PER_S: Unit = Unit { suffix: "arcsec_per_s", symbol: "″/s" };
     pub const ARCSEC_PER_SQRT_S: Unit = Unit { suffix: "arcsec_per_sqrt_s", symbol: "″/√s" };
     pub const ARCSEC_PER_S2: Unit = Unit { suffix: "arcsec_per_s2", symbol: "″/s²" };
+    pub const ARCSEC_PER_S_PER_SQRT_S: Unit =
+        Unit { suffix: "arcsec_per_s_per_sqrt_s", symbol: "″/s/√s" };
+    /// The same number as in ″/s.
+    pub const DEG_PER_H: Unit = Unit { suffix: "deg_per_h", symbol: "°/h" };
+    pub const DEG2_PER_H2: Unit = Unit { suffix: "deg2_per_h2", symbol: "(°/h)²" };
     pub const ARCSEC2_PER_S2_PER_HZ: Unit = Unit { suffix: "arcsec2_per_s2_per_hz", symbol: "(″/s)²/Hz" };
     pub const HZ: Unit = Unit { suffix: "hz", symbol: "Hz" };
     pub const S: Unit = Unit { suffix: "s", symbol: "s" };

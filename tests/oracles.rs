@@ -17,7 +17,9 @@ use sagnac::store::{FILE, Store};
 use sagnac::study::Filler;
 use sagnac::table::Table;
 use sagnac::theory::gap::polynomial_weights;
-use studies::{ALL_FREQUENCIES, AT_20_HZ, Row, papers_point, rows, run, run_afresh, study};
+use studies::{
+    ALL_FREQUENCIES, AT_20_HZ, Row, gap_fill, lowered, papers_point, rows, run, run_afresh, study,
+};
 
 #[test]
 fn every_point_of_the_study_agrees_with_its_closed_form_within_5_standard_errors() {
@@ -36,10 +38,10 @@ fn every_point_of_the_study_agrees_with_its_closed_form_within_5_standard_errors
 
     let plan = Plan::new(&study).unwrap();
     let store = Store::open(folder.path(), &plan.identity()).unwrap();
-    for point in study.points() {
-        let lowered = Lowered::new(point, &study.fillers, &study.errors, study.seed, study.streams).unwrap();
+    for point in &gap_fill(&study).points {
+        let lowered = lowered(&study, point);
         let total = |filler: usize| store.total(&lowered.fillers[filler][0].address).unwrap();
-        assert_eq!(study.fillers[..2], [Filler::polynomial(0), Filler::polynomial(1)]);
+        assert_eq!(gap_fill(&study).fillers[..2], [Filler::polynomial(0), Filler::polynomial(1)]);
         assert_eq!(total(0), total(1), "residuals of const and linear differ at point {}", point.index);
     }
 }
@@ -295,8 +297,8 @@ fn a_gap_centred_on_the_zero_crossing_without_noise_leaves_only_rounding() {
     let table = run_afresh(&study);
     let residuals: Vec<Row> = rows(&table).filter(|row| row.text("error") == "residual").collect();
     assert_eq!(residuals.len(), 9);
-    let bounds = study.points().iter().flat_map(|point| {
-        let lowered = Lowered::new(point, &study.fillers, &study.errors, study.seed, study.streams).unwrap();
+    let bounds = gap_fill(&study).points.iter().flat_map(|point| {
+        let lowered = lowered(&study, point);
         lowered.fillers.into_iter().map(|estimates| estimates[0].oracle.rounding)
     });
     for (row, bound) in residuals.iter().zip(bounds) {
@@ -362,10 +364,8 @@ fn adding_a_filler_whose_sums_are_wide_changes_no_tally() {
     let (first, second) = (with(r#"fillers = ["const"]"#), with(r#"fillers = ["const", "quadratic"]"#));
     let wide = |changes: &[(&str, &str)]| {
         let study = study(changes);
-        let lowered =
-            Lowered::new(&study.points()[0], &study.fillers, &study.errors, study.seed, study.streams)
-                .unwrap();
-        lowered.launch(&(0..study.fillers.len()).collect::<Vec<_>>()).shape.wide
+        let lowered = lowered(&study, &gap_fill(&study).points[0]);
+        lowered.launch(&(0..gap_fill(&study).fillers.len()).collect::<Vec<_>>()).shape.wide
     };
     assert_eq!((wide(&first), wide(&second)), (false, true));
     extend(&first, &second, "a wide filler");

@@ -4,7 +4,8 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 use sagnac::chart::{self, ChartError, Figure, Map, MapSpec, Scale, Show, Spec};
-use sagnac::study::{self, Chart, Shows, Study, StudyError};
+use sagnac::run::Tables;
+use sagnac::study::{self, Chart, Shows, Study, StudyError, Swept};
 use sagnac::table::{Cell, ColumnError, Table};
 
 use super::Failure;
@@ -17,11 +18,11 @@ pub fn chart_stem(index: usize, charts: usize) -> String {
 
 /// Draws every chart as SVG and PNG, removes those of earlier runs that are drawn no more, and returns what is to be
 /// said of them.
-pub fn draw(study: &Study, table: &Table, folder: &Path) -> Result<Vec<String>, Failure> {
+pub fn draw(study: &Study, tables: &Tables, folder: &Path) -> Result<Vec<String>, Failure> {
     let mut notes = Vec::new();
     for (index, chart) in study.charts.iter().enumerate() {
         let stem = chart_stem(index, study.charts.len());
-        let (svg, said) = picture(study, table, chart)?;
+        let (svg, said) = picture(study, tables, chart)?;
         write_pictures(folder, &stem, &svg)?;
         notes.extend(said.map(|sentence| format!("{stem}: {sentence}")));
     }
@@ -66,7 +67,12 @@ fn is_chart_stem(stem: &str) -> bool {
 ///
 /// # Errors
 /// The table does not have what the chart asks for; the error points at the name in the study.
-pub fn picture(study: &Study, table: &Table, chart: &Chart) -> Result<(String, Option<String>), StudyError> {
+pub fn picture(
+    study: &Study,
+    tables: &Tables,
+    chart: &Chart,
+) -> Result<(String, Option<String>), StudyError> {
+    let table = tables.of(chart.source);
     let drawn = match &chart.shows {
         Shows::Curves { .. } => Figure::from_table(table, &curves(study, chart))
             .map(|(figure, notes)| (figure.svg(), notes.sentence())),
@@ -92,7 +98,7 @@ fn map(
         y_scale: scale(chart.y_scale),
         show,
         filter: filter(chart),
-        limit: chart.limit_arcsec,
+        limit: chart.limit.map(|limit| (limit.value, limit.unit)),
     };
     let (map, notes) = Map::from_table(table, &spec)?;
     Ok((map.svg(), notes.sentence()))
@@ -111,11 +117,11 @@ fn curves(study: &Study, chart: &Chart) -> Spec {
             .sweeps
             .iter()
             .map(|sweep| sweep.key.name)
-            .chain(["filler", "error"])
+            .chain(study::text_columns(study, chart.source))
             .map(str::to_owned)
             .collect(),
         filter: filter(chart),
-        limit: chart.limit_arcsec,
+        limit: chart.limit.map(|limit| (limit.value, limit.unit)),
         laws: chart.laws().iter().map(|law| law.column().to_owned()).collect(),
         points: points(&chart.y.name).to_owned(),
     }
@@ -172,8 +178,13 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
             place(Box::new(rows()), column),
             "`where` takes values that the column has in points.csv".to_owned(),
         ),
-        ChartError::NotAngle { column, beside, .. } => {
-            let help = format!("name an error in ″ instead, or leave out the {beside}");
+        ChartError::OtherUnit { column, beside, wanted, .. } => {
+            let instead = if wanted.is_empty() {
+                "a relative column".to_owned()
+            } else {
+                format!("an estimate in {wanted}")
+            };
+            let help = format!("name {instead} instead, or leave out the {beside}");
             (place(Box::new(std::iter::once(chart.estimate())), column), help)
         }
         ChartError::SameAxes { .. } => (chart.y.span.clone(), "name another column as y".to_owned()),
@@ -202,10 +213,12 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
 fn choose_one(study: &Study, column: &str, value: &str, otherwise: impl Fn(&str) -> String) -> String {
     // As studies write it, with the unit that files leave out.
     let swept = study.sweeps.iter().find(|sweep| sweep.key.name == column);
-    let shown = swept.and_then(|sweep| sweep.values.iter().find(|quantity| quantity.cell().text() == value));
+    let shown = swept.and_then(|sweep| sweep.values.iter().find(|swept| swept.cell().text() == value));
     let value = match shown {
-        Some(quantity) if quantity.dimension == study::Dimension::Count => quantity.to_string(),
-        Some(quantity) => format!("\"{quantity}\""),
+        Some(Swept::Quantity(quantity)) if quantity.dimension == study::Dimension::Count => {
+            quantity.to_string()
+        }
+        Some(swept) => format!("\"{swept}\""),
         None => format!("\"{value}\""),
     };
     // The last part says enough where no other sweep ends alike; a key with dots stands in quotes.

@@ -11,6 +11,7 @@ pub mod normal;
 pub(crate) mod normal_table;
 pub mod philox;
 pub mod recipe;
+pub mod rows;
 pub mod sine;
 pub mod word;
 

@@ -17,19 +17,22 @@ pub enum Dimension {
     /// Angle over the root of time; also a rate over the root of frequency, two-sided: 1 °/h/√Hz = 1/60 °/√h.
     AngleRandomWalk,
     AngularAcceleration,
+    /// Rate over the root of time.
+    RateRandomWalk,
     /// Power spectral density of a rate, one-sided.
     RateDensity,
 }
 
 impl Dimension {
     /// All that is written with a unit.
-    const MEASURED: [Dimension; 7] = [
+    const MEASURED: [Dimension; 8] = [
         Dimension::Time,
         Dimension::Frequency,
         Dimension::Angle,
         Dimension::Rate,
         Dimension::AngleRandomWalk,
         Dimension::AngularAcceleration,
+        Dimension::RateRandomWalk,
         Dimension::RateDensity,
     ];
 
@@ -42,6 +45,7 @@ impl Dimension {
             Dimension::Rate => Exponents::angle_time(2, -2),
             Dimension::AngleRandomWalk => Exponents::angle_time(2, -1),
             Dimension::AngularAcceleration => Exponents::angle_time(2, -4),
+            Dimension::RateRandomWalk => Exponents::angle_time(2, -3),
             Dimension::RateDensity => Exponents::angle_time(4, -2),
         }
     }
@@ -56,6 +60,7 @@ impl Dimension {
             Dimension::Rate => "an angular rate",
             Dimension::AngleRandomWalk => "an angle random walk",
             Dimension::AngularAcceleration => "an angular acceleration",
+            Dimension::RateRandomWalk => "a rate random walk",
             Dimension::RateDensity => "a density of the rate",
         }
     }
@@ -76,7 +81,10 @@ impl Dimension {
             Dimension::AngleRandomWalk => {
                 ("deg/sqrt(h), deg/√h, arcsec/sqrt(s), deg/h/sqrt(Hz)", "\"0.003 deg/sqrt(h)\"")
             }
-            Dimension::AngularAcceleration => ("arcsec/s^2, deg/s^2, rad/s^2", "\"100 deg/s^2\""),
+            Dimension::AngularAcceleration => ("arcsec/s^2, deg/s^2, rad/s^2, deg/h/h", "\"100 deg/s^2\""),
+            Dimension::RateRandomWalk => {
+                ("deg/h/sqrt(h), deg/h/√h, arcsec/s/sqrt(s)", "\"0.001 deg/h/sqrt(h)\"")
+            }
             Dimension::RateDensity => ("(arcsec/s)^2/Hz, (deg/s)^2/Hz, (rad/s)^2/Hz", "\"0.1 (deg/s)^2/Hz\""),
         }
     }
@@ -91,6 +99,7 @@ impl Dimension {
             Dimension::Rate => Unit::ARCSEC_PER_S,
             Dimension::AngleRandomWalk => Unit::ARCSEC_PER_SQRT_S,
             Dimension::AngularAcceleration => Unit::ARCSEC_PER_S2,
+            Dimension::RateRandomWalk => Unit::ARCSEC_PER_S_PER_SQRT_S,
             Dimension::RateDensity => Unit::ARCSEC2_PER_S2_PER_HZ,
         }
     }
@@ -315,7 +324,7 @@ mod tests {
             ("5 sqrt(sqrt(h))", "cannot be read"),
             ("5 deg^99999999999", "cannot be read"),
             ("5 deg deg", "cannot be read"),
-            ("3 deg/h/sqrt(h)", "is a quantity in ″·s^-1.5"),
+            ("3 deg/h^3", "is a quantity in ″·s^-3"),
             ("3 g", "is a quantity in g"),
         ];
         for (text, piece) in table {

@@ -1,0 +1,188 @@
+//! Running a study of Allan curves: records for what the store lacks, batch by batch.
+
+mod coefficients;
+mod curves;
+
+use std::time::Instant;
+
+use super::{BATCH_SECONDS, Done, Progress, RunError, Tables};
+use crate::backend::Device;
+use crate::block::{base_log2, cover, missing};
+use crate::fit::{Covariance, Curve};
+use crate::id::Id;
+use crate::kernel::rows::Rows;
+use crate::lower::{LoweredCurve, RecordsError};
+use crate::store::{Provenance, Row, Store, StoreError};
+use crate::study::{Allan, RecordPoint, Study, StudyError};
+use crate::theory::allan::Difference;
+
+/// Longest averaging time of the fit, as a part of the record: beyond it intervals of K come out too short.
+const LONGEST_FITTED: u64 = 8;
+
+/// Samples of the first batch.
+const FIRST_BATCH: u64 = 1 << 22;
+
+/// A study of Allan curves whose every point is proven to fit.
+#[derive(Debug)]
+pub(super) struct Plan<'a> {
+    study: &'a Study,
+    allan: &'a Allan,
+    points: Vec<LoweredCurve>,
+}
+
+impl<'a> Plan<'a> {
+    /// Lowers every point.
+    pub(super) fn new(study: &'a Study, allan: &'a Allan) -> Result<Plan<'a>, StudyError> {
+        let lower = |point: &RecordPoint| {
+            LoweredCurve::new(point, allan.estimator, study.seed, study.streams)
+                .map_err(|error| refused(study, point, &error))
+        };
+        let points = allan.points.iter().map(lower).collect::<Result<_, _>>()?;
+        let plan = Plan { study, allan, points };
+        plan.check_fits()?;
+        Ok(plan)
+    }
+
+    /// Samples what the store lacks, each batch kept as soon as it is done.
+    pub(super) fn run(
+        &self,
+        store: &mut Store,
+        device: &mut Device,
+        progress: &(dyn Progress + Sync),
+    ) -> Result<Done, RunError> {
+        let trials = self.study.trials;
+        let mut lacking = Vec::new();
+        for lowered in &self.points {
+            lacking.push(missing(&store.blocks(&lowered.address)?, trials));
+        }
+        let samples = |lowered: &LoweredCurve| u64::from(lowered.records.recipe().samples);
+        let total: u64 = self.points.iter().map(|lowered| trials * samples(lowered)).sum();
+        let left = self.points.iter().zip(&lacking).map(|(lowered, gaps)| {
+            gaps.iter().map(|gap| gap.end - gap.start).sum::<u64>() * samples(lowered)
+        });
+        progress.start("samples", total.saturating_sub(left.sum()), total);
+        let started = Instant::now();
+        let (mut batch_samples, mut sampled) = (FIRST_BATCH, 0);
+        for (lowered, gaps) in self.points.iter().zip(lacking) {
+            for gap in gaps {
+                let mut first = gap.start;
+                while first < gap.end {
+                    let batch_started = Instant::now();
+                    let base = 1 << base_log2(trials);
+                    let records = (batch_samples / samples(lowered).max(1)).next_multiple_of(base);
+                    let end = gap.end.min((first + records.max(base)) / base * base).max(first + 1);
+                    let advance = |records| progress.advance(records * samples(lowered));
+                    let recipe = lowered.records.recipe();
+                    let sums = device.sums(recipe, first, (end - first) as usize, &advance)?;
+                    let width = recipe.places();
+                    let rows: Vec<Row<Rows>> = cover(first..end, base_log2(trials))
+                        .into_iter()
+                        .map(|block| {
+                            let [from, to] =
+                                [block.first, block.end()].map(|at| (at - first) as usize * width);
+                            let tally = Rows { width, values: sums[from..to].to_vec() };
+                            Row { address: lowered.address, block, tally }
+                        })
+                        .collect();
+                    sampled += end - first;
+                    let seconds = started.elapsed().as_secs_f64();
+                    store.insert(&rows, &Provenance { device: device.name(), trials: sampled, seconds })?;
+                    first = end;
+                    let factor = BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3);
+                    batch_samples = ((batch_samples as f64 * factor.clamp(0.25, 4.0)) as u64).max(1);
+                }
+            }
+        }
+        Ok(Done { trials: sampled, seconds: started.elapsed().as_secs_f64() })
+    }
+
+    /// The tables before anything is sampled.
+    pub(super) fn blank_tables(&self) -> Tables {
+        let nothing = vec![vec![]; self.points.len()];
+        Tables { points: self.curves(&nothing), coefficients: self.coefficients(&nothing) }
+    }
+
+    /// All estimates held.
+    pub(super) fn tables(&self, store: &Store) -> Result<Tables, StoreError> {
+        let mut records = Vec::new();
+        for lowered in &self.points {
+            let rows = store.rows(&lowered.address)?;
+            records.push(rows.rows().map(|sums| lowered.records.variances(sums)).collect());
+        }
+        Ok(Tables { points: self.curves(&records), coefficients: self.coefficients(&records) })
+    }
+
+    /// Records that every point has, where all have the same number.
+    pub(super) fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
+        let mut held = None;
+        for lowered in &self.points {
+            let records = store.rows(&lowered.address)?.trials() as u64;
+            if *held.get_or_insert(records) != records {
+                return Ok(None);
+            }
+        }
+        Ok(held)
+    }
+
+    /// The identities of all points.
+    pub(super) fn ids(&self) -> Vec<Id> {
+        self.points.iter().map(|lowered| lowered.address.point).collect()
+    }
+
+    /// What should be known besides the results.
+    pub(super) fn notes(&self) -> Vec<String> {
+        let shortened =
+            |point: &&RecordPoint| point.ms.iter().any(|&m| !is_fitted(m, point.inputs.samples()));
+        if self.allan.terms.is_some() && self.allan.points.iter().any(|point| shortened(&point)) {
+            return vec![
+                "coefficients are fitted to averaging times up to an eighth of the record".to_owned(),
+            ];
+        }
+        vec![]
+    }
+
+    /// Refuses fits to fewer points than parameters before anything is sampled.
+    fn check_fits(&self) -> Result<(), StudyError> {
+        let Some(terms) = &self.allan.terms else { return Ok(()) };
+        for point in &self.allan.points {
+            let fitted = curve_of(point, self.allan.estimator.difference, |_| 1.0);
+            let parameters = coefficients::fewest_points(terms);
+            let points = fitted.as_ref().map_or(0, |curve| curve.ms().len());
+            if points < parameters {
+                let message = format!(
+                    "the record has {points} averaging times up to an eighth of it, too few for {parameters} parameters"
+                );
+                let help = "lengthen the record, take tau = \"decade10\", or fit fewer terms";
+                return Err(super::refused(self.study, &point.swept, "record.length", &message, help));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether a fit has this averaging factor.
+fn is_fitted(m: u64, samples: u64) -> bool {
+    LONGEST_FITTED * m <= samples
+}
+
+/// The curve that a fit has of a record, `variance` being that at a place of the point's averaging factors.
+fn curve_of(point: &RecordPoint, difference: Difference, variance: impl Fn(usize) -> f64) -> Option<Curve> {
+    let samples = point.inputs.samples();
+    let fitted = point.ms.iter().enumerate().filter(|(_, m)| is_fitted(**m, samples));
+    let (ms, variances) = fitted.map(|(at, &m)| (m, variance(at))).unzip();
+    Curve::new(point.inputs.sample_s, samples, difference, ms, variances).ok()
+}
+
+/// The covariance of the estimates of a point's records, as the records themselves show it beside the closed form of
+/// overlapping ones; `None` of too few records.
+fn covariance(point: &RecordPoint, geometry: &Curve, estimates: &[Vec<f64>]) -> Option<Covariance> {
+    let process = point.inputs.noise.process(point.inputs.sample_s, point.inputs.samples());
+    let model = Covariance::of_process(&process, geometry).ok()?;
+    let rows: Vec<Vec<f64>> = estimates.iter().map(|record| record[..geometry.ms().len()].to_vec()).collect();
+    Covariance::of_realisations(&rows, &model).ok()
+}
+
+/// The error of a point that cannot be sampled, at the key of the study that has to change.
+fn refused(study: &Study, point: &RecordPoint, error: &RecordsError) -> StudyError {
+    super::refused(study, &point.swept, error.key(), &error.to_string(), &error.help())
+}

@@ -1,0 +1,70 @@
+//! Studies of Allan curves: the record, its noise, and what is estimated of it.
+
+mod estimate;
+mod point;
+
+use std::path::Path;
+
+pub use point::{Inputs, Point};
+
+use super::diagnose::{Fault, Wrong};
+use super::file::StudyFile;
+use super::key::Key;
+use super::noise::{self, WrittenNoise};
+use super::place::Places;
+use super::sweep::Sweep;
+use super::{needed, noise::Noise};
+use crate::fit::Terms;
+use crate::theory::allan::Estimator;
+
+/// What a study of Allan curves asks.
+#[derive(Debug, Clone)]
+pub struct Allan {
+    pub estimator: Estimator,
+    /// The terms that are fitted to each record, if any.
+    pub terms: Option<Terms>,
+    /// All points, in order; without a sweep the one that is written.
+    pub points: Vec<Point>,
+}
+
+/// Every key that a sweep may vary.
+pub(super) fn keys() -> Vec<&'static Key> {
+    let record = point::SETTINGS.iter().map(|setting| &setting.key);
+    record.chain(noise::SETTINGS.iter().map(|setting| &setting.key)).chain([&noise::FILE]).collect()
+}
+
+/// Reads what is of this kind in a file, and notes where it stands.
+pub(super) fn read(
+    file: &StudyFile,
+    sweeps: &[Sweep],
+    folder: &Path,
+    places: &mut Places,
+) -> Result<Allan, Wrong> {
+    if let Some(precision) = &file.precision {
+        let message = "precision is no key of a study of kind = \"allan\"";
+        let help = "leave it out: trials says how many records are made";
+        return Err(Fault::new(precision.span(), message, "not of this kind", help).into());
+    }
+    let record = needed(file.record.as_ref(), "record", file)?;
+    let inputs = point::read(record.get_ref(), places)?;
+    let WrittenNoise { noise, written } =
+        noise::read(needed(file.noise.as_ref(), "noise", file)?, folder, places)?;
+    let estimate = estimate::read(file.allan.as_ref(), places)?;
+    let files = sweeps
+        .iter()
+        .filter(|sweep| sweep.key.name == noise::FILE.name)
+        .flat_map(|sweep| &sweep.files)
+        .map(|file| noise::read_file(file, folder))
+        .collect::<Result<Vec<Noise>, Wrong>>()?;
+    let base = point::Base {
+        inputs: Inputs { noise, ..inputs },
+        written,
+        files,
+        places,
+        sweeps,
+        estimate: &estimate,
+    };
+    base.check_sweeps(&file.sweep)?;
+    let points = base.points()?;
+    Ok(Allan { estimator: estimate.estimator, terms: estimate.terms, points })
+}
