@@ -11,7 +11,6 @@ use polynomial::polynomial;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use sagnac::kernel::normal::REACH;
-use sagnac::lower::Lowered;
 use sagnac::run::Plan;
 use sagnac::store::{FILE, Store};
 use sagnac::study::Filler;

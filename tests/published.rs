@@ -5,7 +5,7 @@ mod studies;
 use std::collections::HashMap;
 
 use sagnac::study::Precision;
-use studies::{parsed, rows, run, run_afresh};
+use studies::{gap_fill, parsed, rows, run, run_afresh};
 
 /// The paper's gyro under a motion, with fillers of least variance for a band beside the polynomials.
 fn text(motion: &str, n: u32, design: &str, fillers: &[(&str, &str)]) -> String {

@@ -22,7 +22,7 @@ mod weights;
 
 pub use curve::LoweredCurve;
 pub use estimate::{Estimate, Oracle};
-pub use records::{Records, RecordsError};
+pub use records::{Asked, Records, RecordsError};
 pub use refusal::{Lost, LowerError};
 pub use weights::{Rows, Statistics};
 

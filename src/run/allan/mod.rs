@@ -184,5 +184,5 @@ fn covariance(point: &RecordPoint, geometry: &Curve, estimates: &[Vec<f64>]) -> 
 
 /// The error of a point that cannot be sampled, at the key of the study that has to change.
 fn refused(study: &Study, point: &RecordPoint, error: &RecordsError) -> StudyError {
-    super::refused(study, &point.swept, error.key(), &error.to_string(), &error.help())
+    super::refused(study, &point.swept, error.key(), &error.to_string(), error.help())
 }
