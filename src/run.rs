@@ -33,11 +33,13 @@ enum Work<'a> {
 }
 
 /// What a run did.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Done {
     /// Trials sampled, over all points.
     pub trials: u64,
     pub seconds: f64,
+    /// Why some of it was not done as asked, in a sentence.
+    pub degraded: Option<String>,
 }
 
 /// The results of a study, each a table of its own.

@@ -20,10 +20,9 @@ impl Unit {
     pub const NONE: Unit = Unit { suffix: "", symbol: "" };
     pub const ARCSEC: Unit = Unit { suffix: "arcsec", symbol: "″" };
     pub const ARCSEC_PER_S: Unit = Unit { suffix: "arcsec_per_s", symbol: "″/s" };
-    pub const ARCSEC_PER_SQRT_S: Unit = Unit { suffix: "arcsec_per_sqrt_s", symbol: "″/√s" };
     pub const ARCSEC_PER_S2: Unit = Unit { suffix: "arcsec_per_s2", symbol: "″/s²" };
-    pub const ARCSEC_PER_S_PER_SQRT_S: Unit =
-        Unit { suffix: "arcsec_per_s_per_sqrt_s", symbol: "″/s/√s" };
+    pub const DEG_PER_SQRT_H: Unit = Unit { suffix: "deg_per_sqrt_h", symbol: "°/√h" };
+    pub const DEG_PER_H_PER_SQRT_H: Unit = Unit { suffix: "deg_per_h_per_sqrt_h", symbol: "°/h/√h" };
     /// The same number as in ″/s.
     pub const DEG_PER_H: Unit = Unit { suffix: "deg_per_h", symbol: "°/h" };
     pub const DEG2_PER_H2: Unit = Unit { suffix: "deg2_per_h2", symbol: "(°/h)²" };

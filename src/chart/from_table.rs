@@ -39,7 +39,7 @@ impl Figure {
             colours: grouping(colours, &rows),
             dashes: grouping(dashes, &rows),
             points: spec.points.clone(),
-            bands: "95 % band".to_owned(),
+            bands: spec.bands.clone(),
             series: vec![],
             laws: vec![],
             limit: spec.limit.map(|(value, _)| limit(value, y)),
@@ -202,6 +202,7 @@ mod tests {
             limit: Some((10.0, Unit::ARCSEC)),
             laws: vec![],
             points: "Monte Carlo".to_owned(),
+            bands: "95 % band".to_owned(),
         }
     }
 

@@ -35,6 +35,8 @@ pub struct Spec {
     pub laws: Vec<String>,
     /// What the points are, for the legend: `Monte Carlo`, `measured`. Empty: not said.
     pub points: String,
+    /// What the bands are: `95 % band`.
+    pub bands: String,
 }
 
 /// What the reader of a chart should be told besides.

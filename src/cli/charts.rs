@@ -5,7 +5,7 @@ use std::path::Path;
 
 use sagnac::chart::{self, ChartError, Figure, Map, MapSpec, Scale, Show, Spec};
 use sagnac::run::Tables;
-use sagnac::study::{self, Chart, Shows, Study, StudyError, Swept};
+use sagnac::study::{self, Chart, Kind, Shows, Source, Study, StudyError, Swept};
 use sagnac::table::{Cell, ColumnError, Table};
 
 use super::Failure;
@@ -123,13 +123,26 @@ fn curves(study: &Study, chart: &Chart) -> Spec {
         filter: filter(chart),
         limit: chart.limit.map(|limit| (limit.value, limit.unit)),
         laws: chart.laws().iter().map(|law| law.column().to_owned()).collect(),
-        points: points(&chart.y.name).to_owned(),
+        points: points(study, chart).to_owned(),
+        bands: bands(study).to_owned(),
     }
 }
 
 /// What the points of a chart are: columns of the oracle are not sampled.
-fn points(y: &str) -> &'static str {
-    if y.starts_with("oracle") { "closed form" } else { "Monte Carlo" }
+fn points(study: &Study, chart: &Chart) -> &'static str {
+    match (study.kind(), chart.source) {
+        _ if chart.y.name.starts_with("oracle") => "closed form",
+        (Kind::Allan, Source::Points) => "mean of records",
+        _ => "Monte Carlo",
+    }
+}
+
+/// What the bands are: of the mean of a rms, or where curves of single records lie.
+fn bands(study: &Study) -> &'static str {
+    match study.kind() {
+        Kind::GapFill => "95 % band",
+        Kind::Allan => "95 % of records",
+    }
 }
 
 fn title(study: &Study, chart: &Chart) -> String {

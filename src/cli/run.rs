@@ -104,12 +104,12 @@ fn run_study(
     let notes = draw(study, &tables, folder)?;
     let verdicts = verdicts(study, &tables)?;
     if options.json {
-        return Ok(Some(to_json(study, device, done, &tables, &verdicts)));
+        return Ok(Some(to_json(study, device, &done, &tables, &verdicts)));
     }
     if options.quiet {
         return Ok(None);
     }
-    for note in notes.into_iter().chain(plan.notes(&store)?) {
+    for note in done.degraded.iter().cloned().chain(notes).chain(plan.notes(&store)?) {
         eprintln!("note: {note}");
     }
     print(&summary(study, &tables, &verdicts)?)?;
@@ -156,7 +156,10 @@ fn of_chart(study: &Study, table: &Table, chart: &Chart) -> Result<String, Chart
     let sweeps: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
     let across = match study.kind() {
         Kind::GapFill if !sweeps.is_empty() => sweeps,
-        Kind::Allan => std::iter::once(chart.x.name.as_str()).chain(sweeps).collect(),
+        Kind::Allan => {
+            let x = table.column(&chart.x.name)?.name.as_str();
+            std::iter::once(x).chain(sweeps.into_iter().filter(|sweep| *sweep != x)).collect()
+        }
         Kind::GapFill => vec![chart.x.name.as_str()],
     };
     let series: Vec<&str> = chart.series().iter().map(|column| column.name.as_str()).collect();
@@ -164,8 +167,14 @@ fn of_chart(study: &Study, table: &Table, chart: &Chart) -> Result<String, Chart
     Ok(pivot(table, &across, &chart.estimate().name, &series, &texts, &written(chart))?)
 }
 
+/// Most coefficients that are shown besides the file of them.
+const MOST_COEFFICIENTS: usize = 24;
+
 /// The coefficients of every point, a line each.
 fn coefficients_found(study: &Study, table: &Table) -> String {
+    if table.rows() > MOST_COEFFICIENTS {
+        return format!("coefficients of {} points are in coefficients.csv\n", points_of(study));
+    }
     let swept = study.sweeps.len();
     let shown = |name: &str| !["relative_rmse", "identified", "trials"].contains(&name);
     let columns: Vec<&Column> = table.columns.iter().filter(|column| shown(&column.name)).collect();
@@ -184,7 +193,11 @@ fn coefficients_found(study: &Study, table: &Table) -> String {
     format!("coefficients found in each record\n{}", aligned(&lines))
 }
 
-fn to_json(study: &Study, device: &Device, done: Done, tables: &Tables, verdicts: &[Verdict]) -> Value {
+fn points_of(study: &Study) -> usize {
+    study.sweeps.iter().map(|sweep| sweep.values.len()).product()
+}
+
+fn to_json(study: &Study, device: &Device, done: &Done, tables: &Tables, verdicts: &[Verdict]) -> Value {
     let cell = |cell: &Cell| match cell {
         Cell::Blank => json!(null),
         Cell::Text(text) => json!(text),

@@ -97,7 +97,7 @@ impl Firmware {
         let each = self.at.iter().filter_map(|(key, value)| {
             let value = value.quantity()?;
             let unit = value.dimension.unit().symbol;
-            Some(format!("{key} = {}", format!("{} {unit}", significant(value.value, 6)).trim_end()))
+            Some(format!("{key} = {}", format!("{} {unit}", significant(value.shown(), 6)).trim_end()))
         });
         each.collect::<Vec<_>>().join(", ")
     }

@@ -382,7 +382,7 @@ const PERCENT: &str = "accepted: a part in percent such as \"10 %\", of a relati
 fn read_limit(given: &Spanned<Scalar>, subject: &Subject, source: Source) -> Result<Limit, Fault> {
     let (dimension, unit) = match (subject, source) {
         (Subject::GapFill(_), _) => (Dimension::Angle, Unit::ARCSEC),
-        (Subject::Allan(_), Source::Points) => (Dimension::Rate, Unit::DEG_PER_H),
+        (Subject::Allan(_), Source::Points) => (Dimension::DriftRate, Unit::DEG_PER_H),
         (Subject::Allan(_), Source::Coefficients) => {
             return Ok(Limit { value: percent("chart.limit", given, PERCENT)?, unit: Unit::NONE });
         }

@@ -14,6 +14,8 @@ pub enum Dimension {
     Frequency,
     Angle,
     Rate,
+    /// A rate as small as the noise and drift of a gyro at rest.
+    DriftRate,
     /// Angle over the root of time; also a rate over the root of frequency, two-sided: 1 °/h/√Hz = 1/60 °/√h.
     AngleRandomWalk,
     AngularAcceleration,
@@ -42,7 +44,7 @@ impl Dimension {
             Dimension::Time => Exponents::angle_time(0, 2),
             Dimension::Frequency => Exponents::angle_time(0, -2),
             Dimension::Angle => Exponents::angle_time(2, 0),
-            Dimension::Rate => Exponents::angle_time(2, -2),
+            Dimension::Rate | Dimension::DriftRate => Exponents::angle_time(2, -2),
             Dimension::AngleRandomWalk => Exponents::angle_time(2, -1),
             Dimension::AngularAcceleration => Exponents::angle_time(2, -4),
             Dimension::RateRandomWalk => Exponents::angle_time(2, -3),
@@ -57,7 +59,7 @@ impl Dimension {
             Dimension::Time => "a time",
             Dimension::Frequency => "a frequency",
             Dimension::Angle => "an angle",
-            Dimension::Rate => "an angular rate",
+            Dimension::Rate | Dimension::DriftRate => "an angular rate",
             Dimension::AngleRandomWalk => "an angle random walk",
             Dimension::AngularAcceleration => "an angular acceleration",
             Dimension::RateRandomWalk => "a rate random walk",
@@ -78,6 +80,7 @@ impl Dimension {
             Dimension::Frequency => ("Hz, kHz, 1/s", "\"20 Hz\""),
             Dimension::Angle => ("arcsec (″), arcmin (′), deg (°), rad, mrad, µrad (urad)", "\"1.6 arcsec\""),
             Dimension::Rate => ("arcsec/s, deg/s, deg/h, rad/s", "\"12000 arcsec/s\""),
+            Dimension::DriftRate => ("deg/h, arcsec/s, deg/s, rad/s", "\"0.002 deg/h\""),
             Dimension::AngleRandomWalk => {
                 ("deg/sqrt(h), deg/√h, arcsec/sqrt(s), deg/h/sqrt(Hz)", "\"0.003 deg/sqrt(h)\"")
             }
@@ -89,18 +92,31 @@ impl Dimension {
         }
     }
 
-    /// The unit in which tables show values of this kind.
+    /// The unit in which tables show values of this kind: that of data sheets for noise.
     pub fn unit(self) -> Unit {
         match self {
+            Dimension::DriftRate => Unit::DEG_PER_H,
             Dimension::Count => Unit::NONE,
             Dimension::Time => Unit::S,
             Dimension::Frequency => Unit::HZ,
             Dimension::Angle => Unit::ARCSEC,
             Dimension::Rate => Unit::ARCSEC_PER_S,
-            Dimension::AngleRandomWalk => Unit::ARCSEC_PER_SQRT_S,
+            Dimension::AngleRandomWalk => Unit::DEG_PER_SQRT_H,
             Dimension::AngularAcceleration => Unit::ARCSEC_PER_S2,
-            Dimension::RateRandomWalk => Unit::ARCSEC_PER_S_PER_SQRT_S,
+            Dimension::RateRandomWalk => Unit::DEG_PER_H_PER_SQRT_H,
             Dimension::RateDensity => Unit::ARCSEC2_PER_S2_PER_HZ,
+        }
+    }
+}
+
+impl Dimension {
+    /// One base unit in the unit of tables.
+    fn base_shown(self) -> f64 {
+        match self {
+            // 1 ″/√s is 1/60 °/√h, 1 ″/s^1.5 is 60 °/h/√h; ″/s and °/h are the same.
+            Dimension::AngleRandomWalk => 1.0 / 60.0,
+            Dimension::RateRandomWalk => 60.0,
+            _ => 1.0,
         }
     }
 }
@@ -127,11 +143,16 @@ impl Quantity {
         Quantity { value: round_12(value), dimension }
     }
 
+    /// The value in the unit of tables.
+    pub fn shown(self) -> f64 {
+        self.value * self.dimension.base_shown()
+    }
+
     /// The value as a cell of a table.
     pub fn cell(self) -> Cell {
         match self.dimension {
             Dimension::Count => Cell::Integer(self.value as i64),
-            _ => Cell::Number(self.value),
+            _ => Cell::Number(self.shown()),
         }
     }
 }
@@ -141,7 +162,7 @@ impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let symbol = self.dimension.unit().symbol;
         let space = if symbol.is_empty() { "" } else { " " };
-        write!(f, "{}{space}{symbol}", significant(self.value, 12))
+        write!(f, "{}{space}{symbol}", significant(self.shown(), 12))
     }
 }
 

@@ -15,7 +15,7 @@ const MOST_LISTED: usize = 12;
 /// The point whose swept keys have the values that are asked for, each as `key=value`; where several have them and the
 /// weights are the same at all of these, the first of them.
 ///
-/// A key may lack what stands before its last dot; a value without a unit is in base units.
+/// A key may lack what stands before its last dot; a value without a unit is in the unit of tables.
 ///
 /// # Errors
 /// A key that is not swept, a value that it does not take, points of different weights.
@@ -83,7 +83,7 @@ fn quantities(sweep: &Sweep) -> Vec<Quantity> {
 
 fn shown(value: &Quantity) -> String {
     let unit = value.dimension.unit().symbol;
-    format!("{} {unit}", significant(value.value, 6)).trim_end().to_owned()
+    format!("{} {unit}", significant(value.shown(), 6)).trim_end().to_owned()
 }
 
 /// The sweep that `key=value` means, and its value.
@@ -114,12 +114,12 @@ fn value_of(sweep: &Sweep, text: &str) -> Result<Quantity, String> {
     let asked = match (dimension, text.parse::<f64>()) {
         (_, Ok(number)) => number,
         (Dimension::Count, Err(_)) => return Err(format!("{text} is not a number")),
-        _ => parse_quantity(text, &[dimension]).map_err(|error| error.to_string())?.value,
+        _ => parse_quantity(text, &[dimension]).map_err(|error| error.to_string())?.shown(),
     };
-    let far = |value: &&Quantity| (value.value - asked).abs();
+    let far = |value: &&Quantity| (value.shown() - asked).abs();
     let nearest = known.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
     match nearest {
-        Some(near) if far(&near) <= TOLERANCE * near.value.abs() => Ok(*near),
+        Some(near) if far(&near) <= TOLERANCE * near.shown().abs() => Ok(*near),
         _ => {
             let there = if sweep.values.len() <= MOST_LISTED {
                 format!("there are {}", values(sweep))

@@ -61,17 +61,22 @@ impl Plan<'_> {
     }
 
     /// The fit of each record, in their order; of records that are no curve none.
+    ///
+    /// Of overlapping estimates each record is fitted as if nothing else were known of it. Groups side by side scatter more
+    /// than the closed form says, and the covariance with a shape of its own takes a second for each record: there all
+    /// records are weighed by the covariance that they show together.
     fn fits(&self, point: &RecordPoint, terms: &Terms, estimates: &[Vec<f64>]) -> Vec<Option<Fit>> {
         let difference = self.allan.estimator.difference;
         let Some(geometry) = curve_of(point, difference, |_| 1.0) else { return vec![] };
         let Ok(fitter) = Fitter::new(&geometry, terms) else { return vec![] };
         let fitted = geometry.ms().len();
-        // Groups side by side scatter more than the closed form of overlapping ones says.
-        let own = (self.allan.estimator.stride == Stride::Cluster)
+        let (Terms::Given(all) | Terms::Auto(all)) = terms;
+        let errors = if all.iter().any(|term| term.has_shape()) { Errors::Known } else { Errors::OfModel };
+        let together = (errors == Errors::Known || self.allan.estimator.stride == Stride::Cluster)
             .then(|| super::covariance(point, &geometry, estimates))
             .flatten();
-        let fit = |record: &Vec<f64>| match &own {
-            Some(covariance) => fitter.fit(&record[..fitted], covariance, Errors::OfModel).ok(),
+        let fit = |record: &Vec<f64>| match &together {
+            Some(covariance) => fitter.fit(&record[..fitted], covariance, errors).ok(),
             None => fitter.fit_record(&record[..fitted]).ok(),
         };
         estimates.par_iter().map(fit).collect()

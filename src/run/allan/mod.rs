@@ -3,13 +3,17 @@
 mod coefficients;
 mod curves;
 
+use std::ops::Range;
 use std::time::Instant;
 
 use super::{BATCH_SECONDS, Done, Progress, RunError, Tables};
 use crate::backend::Device;
-use crate::block::{base_log2, cover, missing};
+use crate::backend::cpu::{Cpu, Width};
+use crate::backend::gpu::GpuError;
+use crate::block::{Block, base_log2, cover, missing};
 use crate::fit::{Covariance, Curve};
 use crate::id::Id;
+use crate::kernel::recipe::Recipe;
 use crate::kernel::rows::Rows;
 use crate::lower::{LoweredCurve, RecordsError};
 use crate::store::{Provenance, Row, Store, StoreError};
@@ -53,47 +57,34 @@ impl<'a> Plan<'a> {
         let trials = self.study.trials;
         let mut lacking = Vec::new();
         for lowered in &self.points {
-            lacking.push(missing(&store.blocks(&lowered.address)?, trials));
+            let gaps = missing(&store.blocks(&lowered.address)?, trials);
+            lacking.extend(gaps.into_iter().map(|gap| (lowered, gap)));
         }
-        let samples = |lowered: &LoweredCurve| u64::from(lowered.records.recipe().samples);
         let total: u64 = self.points.iter().map(|lowered| trials * samples(lowered)).sum();
-        let left = self.points.iter().zip(&lacking).map(|(lowered, gaps)| {
-            gaps.iter().map(|gap| gap.end - gap.start).sum::<u64>() * samples(lowered)
-        });
-        progress.start("samples", total.saturating_sub(left.sum()), total);
+        let left = lacking.iter().map(|(lowered, gap)| (gap.end - gap.start) * samples(lowered)).sum();
+        progress.start("samples", total.saturating_sub(left), total);
         let started = Instant::now();
-        let (mut batch_samples, mut sampled) = (FIRST_BATCH, 0);
-        for (lowered, gaps) in self.points.iter().zip(lacking) {
-            for gap in gaps {
-                let mut first = gap.start;
-                while first < gap.end {
-                    let batch_started = Instant::now();
-                    let base = 1 << base_log2(trials);
-                    let records = (batch_samples / samples(lowered).max(1)).next_multiple_of(base);
-                    let end = gap.end.min((first + records.max(base)) / base * base).max(first + 1);
-                    let advance = |records| progress.advance(records * samples(lowered));
-                    let recipe = lowered.records.recipe();
-                    let sums = device.sums(recipe, first, (end - first) as usize, &advance)?;
-                    let width = recipe.places();
-                    let rows: Vec<Row<Rows>> = cover(first..end, base_log2(trials))
-                        .into_iter()
-                        .map(|block| {
-                            let [from, to] =
-                                [block.first, block.end()].map(|at| (at - first) as usize * width);
-                            let tally = Rows { width, values: sums[from..to].to_vec() };
-                            Row { address: lowered.address, block, tally }
-                        })
-                        .collect();
-                    sampled += end - first;
-                    let seconds = started.elapsed().as_secs_f64();
-                    store.insert(&rows, &Provenance { device: device.name(), trials: sampled, seconds })?;
-                    first = end;
-                    let factor = BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3);
-                    batch_samples = ((batch_samples as f64 * factor.clamp(0.25, 4.0)) as u64).max(1);
-                }
+        let largest = base_log2(trials);
+        let mut maker = Maker { device, cpu: None, degraded: None };
+        let (mut batch_samples, mut made) = (FIRST_BATCH, 0);
+        for (lowered, gap) in lacking {
+            let mut first = gap.start;
+            while first < gap.end {
+                let batch_started = Instant::now();
+                let records = (batch_samples / samples(lowered)).max(1);
+                let batch = first..gap.end.min((first + records).next_multiple_of(1 << largest));
+                let advance = |records| progress.advance(records * samples(lowered));
+                let sums = maker.sums(lowered.records.recipe(), batch.clone(), &advance)?;
+                (first, made) = (batch.end, made + batch.end - batch.start);
+                let seconds = started.elapsed().as_secs_f64();
+                let so_far = Provenance { device: maker.name(), trials: made, seconds };
+                store.insert(&rows(lowered, batch, largest, &sums), &so_far)?;
+                let factor = BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3);
+                batch_samples = ((batch_samples as f64 * factor.clamp(0.25, 4.0)) as u64).max(1);
             }
         }
-        Ok(Done { trials: sampled, seconds: started.elapsed().as_secs_f64() })
+        let seconds = started.elapsed().as_secs_f64();
+        Ok(Done { trials: made, seconds, degraded: maker.degraded })
     }
 
     /// The tables before anything is sampled.
@@ -157,6 +148,57 @@ impl<'a> Plan<'a> {
             }
         }
         Ok(())
+    }
+}
+
+/// Samples of a record.
+fn samples(lowered: &LoweredCurve) -> u64 {
+    u64::from(lowered.records.recipe().samples)
+}
+
+/// The rows of consecutive records, from their sums, in blocks of at most 2^`largest`.
+fn rows(lowered: &LoweredCurve, records: Range<u64>, largest: u32, sums: &[u128]) -> Vec<Row<Rows>> {
+    let (first, width) = (records.start, lowered.records.recipe().places());
+    let row = |block: Block| {
+        let [from, to] = [block.first, block.end()].map(|at| (at - first) as usize * width);
+        Row { address: lowered.address, block, tally: Rows { width, values: sums[from..to].to_vec() } }
+    };
+    cover(records, largest).into_iter().map(row).collect()
+}
+
+/// Where records are made: on the device, but such as are too long for it on the processor.
+struct Maker<'a> {
+    device: &'a mut Device,
+    cpu: Option<Cpu>,
+    degraded: Option<String>,
+}
+
+impl Maker<'_> {
+    fn sums(
+        &mut self,
+        recipe: &Recipe,
+        records: Range<u64>,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Vec<u128>, GpuError> {
+        let (first, count) = (records.start, (records.end - records.start) as usize);
+        let why = match self.device.sums(recipe, first, count, progress) {
+            Err(error @ GpuError::TooLong { .. }) => error.to_string(),
+            made => return made,
+        };
+        if self.cpu.is_none() {
+            let threads = Cpu::new(Width::widest(), 0);
+            self.cpu = Some(threads.map_err(|error| GpuError::Refused(error.to_string()))?);
+            self.degraded =
+                Some(format!("records of {} samples were made on the CPU: {why}", recipe.samples));
+        }
+        Ok(self.cpu.as_ref().map_or(vec![], |cpu| cpu.sums(recipe, first, count, progress)))
+    }
+
+    fn name(&self) -> String {
+        match &self.cpu {
+            Some(cpu) => format!("{} and {}", self.device.name(), cpu.name()),
+            None => self.device.name(),
+        }
     }
 }
 

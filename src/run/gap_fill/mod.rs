@@ -103,7 +103,7 @@ impl<'a> Plan<'a> {
                 break;
             }
         }
-        Ok(Done { trials, seconds: started.elapsed().as_secs_f64() })
+        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), degraded: None })
     }
 
     /// Trials of all launches where each point has as many as `trials` says: those of a point with many fillers count more

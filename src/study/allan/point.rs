@@ -80,7 +80,7 @@ static RATE: Setting<Inputs> = Setting {
     key: Key {
         name: "record.rate",
         label: "constant rate",
-        accepts: &[Dimension::Rate],
+        accepts: &[Dimension::DriftRate],
         limits: (-1e9, 1e9, "-1e9 to 1e9 deg/h"),
     },
     applies: |_| true,

@@ -57,7 +57,7 @@ setting!(
     BIAS_INSTABILITY,
     "noise.bias_instability",
     "bias instability B",
-    Rate,
+    DriftRate,
     RATES,
     |_| true,
     |noise, b| {
@@ -86,7 +86,7 @@ setting!(
     MARKOV_AMPLITUDE,
     "noise.markov.amplitude",
     "rms of the Markov noise",
-    Rate,
+    DriftRate,
     RATES,
     |noise| noise.markov.is_some(),
     |noise, rms| noise.markov.get_or_insert_default().amplitude = rms.value
@@ -104,7 +104,7 @@ setting!(
     SINE_AMPLITUDE,
     "noise.sine.amplitude",
     "peak of the sine",
-    Rate,
+    DriftRate,
     RATES,
     |noise| noise.sine.is_some(),
     |noise, peak| noise.sine.get_or_insert_default().amplitude = peak.value
@@ -122,7 +122,7 @@ setting!(
     WARM_UP_AMPLITUDE,
     "noise.warm_up.amplitude",
     "warm-up",
-    Rate,
+    DriftRate,
     SIGNED_RATES,
     |noise| noise.warm_up.is_some(),
     |noise, rate| noise.warm_up.get_or_insert_default().amplitude = rate.value
