@@ -115,8 +115,11 @@ pub(super) fn axis(column: &Column, scale: Scale) -> Axis {
 }
 
 pub(super) fn limit(value: f64, y: &Column) -> Limit {
-    let label = format!("limit {} {}", significant(value, 6), y.unit.symbol);
-    Limit { value, label: label.trim_end().to_owned() }
+    let label = match y.unit.symbol {
+        "" => format!("limit {} %", significant(100.0 * value, 6)),
+        symbol => format!("limit {} {symbol}", significant(value, 6)),
+    };
+    Limit { value, label }
 }
 
 /// The different values of a column, in the order of their first rows.
