@@ -6,7 +6,7 @@ use super::super::{column, swept_columns};
 use super::{Plan, curve_of};
 use crate::fit::{Coefficient, Errors, Fit, Fitter, Term, Terms, Verdict};
 use crate::study::{Noise, RecordPoint};
-use crate::table::{Cell, Table, Unit, significant};
+use crate::table::{Cell, Column, Table, Unit, significant};
 use crate::theory::allan::Stride;
 
 /// Parameters that a fit of these terms has at least.
@@ -29,9 +29,7 @@ struct Found {
 }
 
 impl Plan<'_> {
-    /// The table of the fits to these estimates, where coefficients are fitted.
-    pub(super) fn coefficients(&self, records: &[Vec<Vec<f64>>]) -> Option<Table> {
-        let terms = self.allan.terms.as_ref()?;
+    pub(super) fn coefficient_columns(&self) -> Vec<Column> {
         let mut columns = swept_columns(self.study);
         columns.extend([
             column("coefficient", "coefficient", Unit::NONE),
@@ -46,18 +44,25 @@ impl Plan<'_> {
             column("trials", "records", Unit::NONE),
             column("verdict", "verdict", Unit::NONE),
         ]);
-        let mut table = Table { columns };
-        for (point, estimates) in self.allan.points.iter().zip(records) {
-            let fits = self.fits(point, terms, estimates);
-            for quantity in quantities(terms) {
-                let truth = quantity.truth(&point.inputs.noise);
-                let found = Found::of(&fits, quantity, truth);
-                let cells = point.swept.iter().map(|(_, value)| value.cell());
-                let cells = cells.chain(found.cells(quantity, truth, estimates.len()));
-                table.columns.iter_mut().zip(cells).for_each(|(column, cell)| column.cells.push(cell));
-            }
+        columns
+    }
+
+    /// A row for each coefficient that is fitted to the records of a point.
+    pub(super) fn add_coefficients(
+        &self,
+        table: &mut Table,
+        point: &RecordPoint,
+        terms: &Terms,
+        estimates: &[Vec<f64>],
+    ) {
+        let fits = self.fits(point, terms, estimates);
+        for quantity in quantities(terms) {
+            let truth = quantity.truth(&point.inputs.noise);
+            let found = Found::of(&fits, quantity, truth);
+            let cells = point.swept.iter().map(|(_, value)| value.cell());
+            let cells = cells.chain(found.cells(quantity, truth, estimates.len()));
+            table.columns.iter_mut().zip(cells).for_each(|(column, cell)| column.cells.push(cell));
         }
-        Some(table)
     }
 
     /// The fit of each record, in their order; of records that are no curve none.

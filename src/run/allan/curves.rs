@@ -2,9 +2,10 @@
 
 use super::super::{column, swept_columns};
 use super::Plan;
+use crate::lower::LoweredCurve;
 use crate::lower::records::Oracle;
 use crate::stats::z_score;
-use crate::study::Swept;
+use crate::study::{RecordPoint, Swept};
 use crate::table::{Cell, Column, Table, Unit};
 use crate::theory::allan::Difference;
 
@@ -21,48 +22,47 @@ struct Scatter {
 }
 
 impl Plan<'_> {
-    /// The table of these estimates: of each point, of each record, (″/s)² at each averaging factor.
-    pub(super) fn curves(&self, records: &[Vec<Vec<f64>>]) -> Table {
-        let mut table = Table { columns: self.columns() };
-        for ((point, lowered), estimates) in self.allan.points.iter().zip(&self.points).zip(records) {
-            for (at, (&m, &terms)) in point.ms.iter().zip(lowered.records.terms()).enumerate() {
-                let found = Scatter::of(estimates.iter().map(|record| record[at]).collect());
-                let tau_s = point.inputs.sample_s * m as f64;
-                let Oracle { value, rounding } = lowered.records.oracle(at);
-                let z = found
-                    .mean
-                    .zip(found.error)
-                    .zip(value)
-                    .and_then(|((mean, error), value)| z_score(mean, value, error, rounding));
-                let band = found.band.map(|(low, high)| (libm::sqrt(low), libm::sqrt(high)));
-                let cells = point.swept.iter().map(|(_, value)| Swept::cell(value)).chain([
-                    Cell::Number(tau_s),
-                    Cell::Integer(m as i64),
-                    Cell::Integer(terms as i64),
-                    Cell::Integer(estimates.len() as i64),
-                    found.mean.into(),
-                    found.error.into(),
-                    found.band.map(|band| band.0).into(),
-                    found.band.map(|band| band.1).into(),
-                    value.into(),
-                    z.into(),
-                    found.mean.map(libm::sqrt).into(),
-                    band.map(|band| band.0).into(),
-                    band.map(|band| band.1).into(),
-                    value.map(libm::sqrt).into(),
-                ]);
-                for (column, cell) in table.columns.iter_mut().zip(cells) {
-                    column.cells.push(cell);
-                    if let Some(bands) = &mut column.band {
-                        bands.push(band);
-                    }
+    /// A row for each averaging factor of a point.
+    pub(super) fn add_curve(
+        &self,
+        table: &mut Table,
+        point: &RecordPoint,
+        lowered: &LoweredCurve,
+        estimates: &[Vec<f64>],
+    ) {
+        for (at, (&m, &terms)) in point.ms.iter().zip(lowered.records.terms()).enumerate() {
+            let found = Scatter::of(estimates.iter().map(|record| record[at]).collect());
+            let tau_s = point.inputs.sample_s * m as f64;
+            let Oracle { value, rounding } = lowered.records.oracle(at);
+            let known = found.mean.zip(found.error).zip(value);
+            let z = known.and_then(|((mean, error), value)| z_score(mean, value, error, rounding));
+            let band = found.band.map(|(low, high)| (libm::sqrt(low), libm::sqrt(high)));
+            let cells = point.swept.iter().map(|(_, value)| Swept::cell(value)).chain([
+                Cell::Number(tau_s),
+                Cell::Integer(m as i64),
+                Cell::Integer(terms as i64),
+                Cell::Integer(estimates.len() as i64),
+                found.mean.into(),
+                found.error.into(),
+                found.band.map(|band| band.0).into(),
+                found.band.map(|band| band.1).into(),
+                value.into(),
+                z.into(),
+                found.mean.map(libm::sqrt).into(),
+                band.map(|band| band.0).into(),
+                band.map(|band| band.1).into(),
+                value.map(libm::sqrt).into(),
+            ]);
+            for (column, cell) in table.columns.iter_mut().zip(cells) {
+                column.cells.push(cell);
+                if let Some(bands) = &mut column.band {
+                    bands.push(band);
                 }
             }
         }
-        table
     }
 
-    fn columns(&self) -> Vec<Column> {
+    pub(super) fn curve_columns(&self) -> Vec<Column> {
         let (variance, deviation) = match self.allan.estimator.difference {
             Difference::Second => ("Allan variance", "Allan deviation σ(τ)"),
             Difference::Third => ("Hadamard variance", "Hadamard deviation σ(τ)"),

@@ -10,7 +10,7 @@ use super::{BATCH_SECONDS, Done, Progress, RunError, Tables};
 use crate::backend::Device;
 use crate::backend::cpu::{Cpu, Width};
 use crate::backend::gpu::GpuError;
-use crate::block::{Block, base_log2, cover, missing};
+use crate::block::{Block, base_log2, cover, fold, missing};
 use crate::fit::{Covariance, Curve};
 use crate::id::Id;
 use crate::kernel::recipe::Recipe;
@@ -18,6 +18,7 @@ use crate::kernel::rows::Rows;
 use crate::lower::{LoweredCurve, RecordsError};
 use crate::store::{Provenance, Row, Store, StoreError};
 use crate::study::{Allan, RecordPoint, Study, StudyError};
+use crate::table::Table;
 use crate::theory::allan::Difference;
 
 /// Longest averaging time of the fit, as a part of the record: beyond it intervals of K come out too short.
@@ -89,25 +90,46 @@ impl<'a> Plan<'a> {
 
     /// The tables before anything is sampled.
     pub(super) fn blank_tables(&self) -> Tables {
-        let nothing = vec![vec![]; self.points.len()];
-        Tables { points: self.curves(&nothing), coefficients: self.coefficients(&nothing) }
+        let mut tables = self.empty_tables();
+        for at in 0..self.points.len() {
+            self.add(&mut tables, at, &[]);
+        }
+        tables
     }
 
-    /// All estimates held.
+    /// All estimates held. One point is in memory at a time.
     pub(super) fn tables(&self, store: &Store) -> Result<Tables, StoreError> {
-        let mut records = Vec::new();
-        for lowered in &self.points {
-            let rows = store.rows(&lowered.address)?;
-            records.push(rows.rows().map(|sums| lowered.records.variances(sums)).collect());
+        let mut tables = self.empty_tables();
+        for (at, lowered) in self.points.iter().enumerate() {
+            let estimates: Vec<Vec<f64>> =
+                store.rows(&lowered.address)?.rows().map(|sums| lowered.records.variances(sums)).collect();
+            self.add(&mut tables, at, &estimates);
         }
-        Ok(Tables { points: self.curves(&records), coefficients: self.coefficients(&records) })
+        Ok(tables)
+    }
+
+    fn empty_tables(&self) -> Tables {
+        let coefficients = self.allan.terms.as_ref().map(|_| self.coefficient_columns());
+        Tables {
+            points: Table { columns: self.curve_columns() },
+            coefficients: coefficients.map(|columns| Table { columns }),
+        }
+    }
+
+    /// Adds the rows of a point with these estimates: of each record, (″/s)² at each averaging factor.
+    fn add(&self, tables: &mut Tables, at: usize, estimates: &[Vec<f64>]) {
+        self.add_curve(&mut tables.points, &self.allan.points[at], &self.points[at], estimates);
+        if let (Some(table), Some(terms)) = (&mut tables.coefficients, &self.allan.terms) {
+            self.add_coefficients(table, &self.allan.points[at], terms, estimates);
+        }
     }
 
     /// Records that every point has, where all have the same number.
     pub(super) fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
         let mut held = None;
         for lowered in &self.points {
-            let records = store.rows(&lowered.address)?.trials() as u64;
+            let blocks = store.blocks(&lowered.address)?.into_iter().map(|block| (block, ())).collect();
+            let records = fold(blocks).iter().map(|(block, ())| block.trials()).sum();
             if *held.get_or_insert(records) != records {
                 return Ok(None);
             }

@@ -29,7 +29,8 @@ pub(in crate::study) struct RecordTable {
 #[serde(deny_unknown_fields)]
 pub(in crate::study) struct NoiseTable {
     /// A noise.toml, from the folder of the study; keys beside it replace those in it.
-    #[serde(default)]
+    // Else the schema would give null, which TOML does not have, as the default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "String")]
     pub(in crate::study) file: Option<Spanned<String>>,
     /// Quantisation noise Q, rms error of the angle: "0.11 arcsec".
