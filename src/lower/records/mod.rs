@@ -8,6 +8,7 @@
 //! Words, unit of angle and headroom: `docs/numerics.md`, "Synthetic records".
 
 mod drift;
+mod enough;
 mod fixed;
 mod levels;
 mod model;
@@ -51,6 +52,28 @@ pub struct Asked<'a> {
 ///
 /// The unit of angle and the draws depend on process, readout, rate and length alone: another estimator or other averaging
 /// factors take other differences of the same angles.
+///
+/// ```
+/// use sagnac::backend::cpu::{Cpu, Width};
+/// use sagnac::lower::{Asked, Records};
+/// use sagnac::theory::allan::{Estimator, Part, Process};
+///
+/// let white = Part::AngleRandomWalk { n: 0.04 };
+/// let records = Records::new(&Asked {
+///     process: &Process { sample_s: 1.0, parts: vec![white] },
+///     readout_lsb: 0.0,
+///     mean_rate: 0.0,
+///     samples: 1000,
+///     estimator: Estimator::OVERLAPPING,
+///     ms: &[1, 10, 100],
+///     key: [1, 2],
+/// })?;
+/// let sums = Cpu::new(Width::widest(), 1)?.sums(records.recipe(), 0, 1, &|_| {});
+/// // σ²(1 s) of one record, and of all there could be.
+/// let (found, expected) = (records.variances(&sums)[0], records.oracle(0).value.unwrap());
+/// assert!((found / expected - 1.0).abs() < 0.2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Records {
     recipe: Recipe,

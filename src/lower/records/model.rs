@@ -204,7 +204,7 @@ impl Sine {
     /// As theory has it, t0 = 1; `None` of one that never moves.
     pub(super) fn part(self) -> Option<Part> {
         let rate = 2.0 * PI * self.turns;
-        (rate > 0.0).then(|| Part::Sine { amplitude: self.amplitude * rate, frequency_hz: self.turns })
+        (rate > 0.0).then_some(Part::Sine { amplitude: self.amplitude * rate, frequency_hz: self.turns })
     }
 
     /// Bound of the differences at all averaging factors up to `m`: |2 sin x| is at most 2 and at most 2x.

@@ -1,10 +1,10 @@
 //! What the estimates of records come to, from the words of the kernel.
 //!
 //! Independent parts add in the mean square of a difference: each by its closed form, drift by its table. The kernel
-//! rounds the angle, the sine, quantisation noise and drift to whole LSB. Where the angle moves by a normal number of
-//! one LSB or more from sample to sample its rounding is even, white and independent of everything but for factors
-//! e^{−2π²} and for the first angle, which is 0; elsewhere and for the sine it is bounded by |E(D + d)² − ED²| ≤ 2·rms D·d + d², d the
-//! largest difference that rounding can make.
+//! rounds the angle, the sine and quantisation noise down to whole LSB. Where the angle moves by a normal number of one
+//! LSB or more from sample to sample its rounding is even, white and independent of everything but for factors e^{−2π²}
+//! and for the first angle, which is 0; elsewhere, and for the sine, it is bounded by |E(D + d)² − ED²| ≤ 2·rms D·d + d²,
+//! d the largest difference that rounding can make.
 
 use super::Records;
 use super::drift;
