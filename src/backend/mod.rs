@@ -68,6 +68,15 @@ impl Device {
         }
     }
 
+    /// Records that it makes in the time of one.
+    pub fn records_at_once(&self) -> u64 {
+        match self {
+            Device::Cpu(cpu) => cpu.records_at_once(),
+            // A workgroup; more of them are found out by the time that they take.
+            Device::Gpu(_) => 64,
+        }
+    }
+
     /// The results of a building block for a list of items.
     ///
     /// # Errors

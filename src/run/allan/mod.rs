@@ -72,7 +72,7 @@ impl<'a> Plan<'a> {
             let mut first = gap.start;
             while first < gap.end {
                 let batch_started = Instant::now();
-                let records = (batch_samples / samples(lowered)).max(1);
+                let records = (batch_samples / samples(lowered)).max(maker.device.records_at_once());
                 let batch = first..gap.end.min((first + records).next_multiple_of(1 << largest));
                 let advance = |records| progress.advance(records * samples(lowered));
                 let sums = maker.sums(lowered.records.recipe(), batch.clone(), &advance)?;
