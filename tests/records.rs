@@ -48,7 +48,7 @@ fn recipes() -> Vec<(&'static str, Recipe)> {
     let everything = Recipe {
         walk: 16 * 40,
         flicker: vec![16 * 3000; 9],
-        markov: Some([1 << 22, 16 * 500, 16 * 8000]),
+        markov: Some([1 << 22, 4 * 500, 4 * 8000]),
         sine: Some([0x0123_4567, 4 * 5000]),
         quantisation: 16 * 77,
         pulse: Some(5),
@@ -64,7 +64,7 @@ fn recipes() -> Vec<(&'static str, Recipe)> {
         ("flicker of two octaves", Recipe { flicker: vec![16 * 3000; 1], ..white(300) }),
         ("flicker of short holds", Recipe { flicker: vec![16 * 3000; 5], ..white(700) }),
         ("flicker", Recipe { flicker: (1..=23).map(|o| 16 * (4000 - 100 * o)).collect(), ..white(9000) }),
-        ("Markov", Recipe { markov: Some([1 << 29, 16 * 900, 16 * 1000]), ..white(300) }),
+        ("Markov", Recipe { markov: Some([1 << 29, 4 * 900, 4 * 1000]), ..white(300) }),
         ("sine", Recipe { sine: Some([0xfff0_0000, 4 * 30_000]), ..white(300) }),
         ("quantisation", Recipe { white: 0, quantisation: 16 * 500, ..white(300) }),
         ("pulses", Recipe { pulse: Some(12), ..white(300) }),

@@ -13,12 +13,14 @@ mod fixed;
 mod launch;
 mod physical;
 mod readout;
+pub mod records;
 mod refusal;
 mod response;
 mod unit;
 mod weights;
 
 pub use estimate::{Estimate, Oracle};
+pub use records::{Asked, Records, RecordsError};
 pub use refusal::{Lost, LowerError};
 pub use weights::{Rows, Statistics};
 
