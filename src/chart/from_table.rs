@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
+use super::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Parts, Series, SeriesPoint};
 use super::mixed::check_curves;
 use super::scale::Scale;
 use super::spec::{ChartError, Notes, Spec};
@@ -40,8 +40,10 @@ impl Figure {
             dashes: grouping(dashes, &rows),
             points: spec.points.clone(),
             bands: spec.bands.clone(),
+            lines: "closed form".to_owned(),
             series: vec![],
             laws: vec![],
+            parts: Parts::default(),
             limit: spec.limit.map(|(value, _)| limit(value, y)),
             chosen: table.chosen(&spec.filter)?,
         };

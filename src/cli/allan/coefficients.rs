@@ -23,8 +23,16 @@ pub struct Row {
     pub verdict: &'static str,
 }
 
-/// The coefficients of a record, or why there are none.
-pub fn coefficients(angles: &Angles, step_s: f64, terms: &Terms, unit: Unit) -> Result<Vec<Row>, String> {
+/// The noise of a column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Noise {
+    pub rows: Vec<Row>,
+    /// In ″ and s, or in plain numbers and s.
+    pub fit: Fit,
+}
+
+/// The noise of a record, or why it cannot be told.
+pub fn noise(angles: &Angles, step_s: f64, terms: &Terms, unit: Unit) -> Result<Noise, String> {
     let samples = angles.len().saturating_sub(1);
     let factors: Vec<usize> =
         (0..usize::BITS).map(|octave| 1 << octave).take_while(|m| LONGEST * m <= samples).collect();
@@ -32,10 +40,10 @@ pub fn coefficients(angles: &Angles, step_s: f64, terms: &Terms, unit: Unit) -> 
     let known: Vec<(u64, f64)> =
         points.iter().filter_map(|point| Some((point.m as u64, point.value? * point.value?))).collect();
     let (ms, variances) = known.into_iter().unzip();
-    let fitted = Curve::new(step_s, samples as u64, Difference::Second, ms, variances)
+    let fit = Curve::new(step_s, samples as u64, Difference::Second, ms, variances)
         .and_then(|curve| fit_record(&curve, terms))
         .map_err(|error| error.to_string())?;
-    Ok(rows(&fitted, unit))
+    Ok(Noise { rows: rows(&fit, unit), fit })
 }
 
 fn rows(fit: &Fit, unit: Unit) -> Vec<Row> {
@@ -70,7 +78,7 @@ fn verdict(coefficient: &Coefficient) -> &'static str {
 }
 
 /// From ″ and s to the unit of data sheets: factor, name in files, symbol. Plain numbers keep theirs, times a power of s.
-fn unit_of(term: Term, unit: Unit) -> (f64, &'static str, &'static str) {
+pub fn unit_of(term: Term, unit: Unit) -> (f64, &'static str, &'static str) {
     match (unit, term) {
         (Unit::Angular, Term::Quantisation) => (1.0, "arcsec", "″"),
         (Unit::Angular, Term::AngleRandomWalk) => (1.0 / 60.0, "deg/sqrt(h)", "°/√h"),
