@@ -6,6 +6,7 @@ pub(crate) mod gap_fill;
 use crate::backend::Device;
 use crate::backend::gpu::GpuError;
 use crate::id::Id;
+use crate::lower::RecordsError;
 use crate::store::{Identity, Store, StoreError};
 use crate::study::{Source, Study, StudyError, Subject, Swept};
 use crate::table::{Column, Table, Unit};
@@ -17,6 +18,9 @@ pub enum RunError {
     Store(#[from] StoreError),
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    /// Of a point that was lowered before: not on the same machine.
+    #[error(transparent)]
+    Records(#[from] RecordsError),
 }
 
 /// A study whose every point is proven to fit.
@@ -115,15 +119,17 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// All estimates held.
+    /// All estimates held; `progress` hears of fits.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    pub fn tables(&self, store: &Store) -> Result<Tables, StoreError> {
-        match &self.work {
-            Work::GapFill(plan) => Ok(Tables { points: plan.table(store)?, coefficients: None }),
-            Work::Allan(plan) => plan.tables(store),
-        }
+    pub fn tables(&self, store: &Store, progress: &(dyn Progress + Sync)) -> Result<Tables, RunError> {
+        let tables = match &self.work {
+            Work::GapFill(plan) => Tables { points: plan.table(store)?, coefficients: None },
+            Work::Allan(plan) => plan.tables(store, progress)?,
+        };
+        progress.finish();
+        Ok(tables)
     }
 
     /// Trials that a study has which repeats this one: what all points have, where they have the same number.

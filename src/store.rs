@@ -244,20 +244,16 @@ impl Store {
         Ok(total)
     }
 
-    /// The rows of all trials held, in their order.
+    /// The rows of all trials held, `width` integers each, in their order.
     ///
     /// # Errors
     /// Those of [`Store::total`].
-    pub fn rows(&self, address: &Address) -> Result<Rows, StoreError> {
-        let mut all = Rows::default();
-        for (block, rows) in self.held::<Rows>(address, u64::MAX)? {
-            if all.width != 0 && all.width != rows.width {
-                return Err(self.damaged(address, block, "its rows are of another width"));
-            }
-            all.width = rows.width;
-            all.values.extend(rows.values);
+    pub fn rows(&self, address: &Address, width: usize) -> Result<Vec<Rows>, StoreError> {
+        let held = self.held::<Rows>(address, u64::MAX)?;
+        match held.iter().find(|(_, rows)| rows.width != width) {
+            Some((block, _)) => Err(self.damaged(address, *block, "its rows are of another width")),
+            None => Ok(held.into_iter().map(|(_, rows)| rows).collect()),
         }
-        Ok(all)
     }
 
     /// The tallies that lie within the first `trials` trials, none of them twice.
@@ -375,13 +371,13 @@ fn storage_error(path: &Path, source: rusqlite::Error) -> StoreError {
 }
 
 /// Over the whole row, so that a row moved to another place is found out too.
-fn checksum(address: &Address, block: Block, moments: &[u8]) -> u32 {
+fn checksum(address: &Address, block: Block, sums: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     for part in [&address.point.0[..], &address.estimate.0, &address.digest.0, &block.first.to_le_bytes()] {
         hasher.update(part);
     }
     hasher.update(&block.log2.to_le_bytes());
-    hasher.update(moments);
+    hasher.update(sums);
     hasher.finalize()
 }
 

@@ -2,7 +2,6 @@
 
 mod number;
 
-use std::collections::BTreeSet;
 use std::io;
 
 pub use number::significant;
@@ -156,13 +155,18 @@ impl Table {
         let mut rows: Vec<usize> = (0..self.rows()).collect();
         for (name, value) in filter {
             let (column, value) = (self.column(name.as_ref())?, value.as_ref());
-            let known: BTreeSet<String> = rows.iter().map(|&row| column.cells[row].text()).collect();
+            let mut known: Vec<&Cell> = rows.iter().map(|&row| &column.cells[row]).collect();
             rows.retain(|&row| column.cells[row].shows(value));
             if rows.is_empty() && !known.is_empty() {
+                known.sort_by(|a, b| match (a.number(), b.number()) {
+                    (Some(a), Some(b)) => a.total_cmp(&b),
+                    _ => a.text().cmp(&b.text()),
+                });
+                known.dedup();
                 return Err(ColumnError::NoRow {
                     column: name.as_ref().to_owned(),
                     value: value.to_owned(),
-                    known: known.into_iter().collect(),
+                    known: known.into_iter().map(Cell::text).collect(),
                 });
             }
         }

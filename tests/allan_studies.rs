@@ -30,7 +30,7 @@ fn run_on(device: &mut Device, study: &Study, folder: &Path) -> Tables {
     let plan = Plan::new(study).unwrap_or_else(|error| panic!("{}", error.render(false, 100)));
     let mut store = Store::open(folder, &plan.identity()).unwrap();
     plan.run(&mut store, device, &Silent).unwrap();
-    plan.tables(&store).unwrap()
+    plan.tables(&store, &Silent).unwrap()
 }
 
 fn run(study: &Study) -> Tables {
@@ -229,10 +229,7 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
         (allan("fit = \"all\""), &["names no terms"]),
         (allan("estimator = \"hadamar\""), &["unknown value \"hadamar\"", "hadamard"]),
         (allan("estimator = \"non-overlapping\"\noverlap = \"full\""), &["nothing overlaps"]),
-        (
-            allan("tau = [\"1 s\"]\nfit = [\"Q\", \"N\"]"),
-            &["too few for 2 parameters", "lengthen the record"],
-        ),
+        (allan("tau = [\"1 s\"]\nfit = [\"Q\", \"N\"]"), &["too few for 2 parameters", "a longer record"]),
         (noise("angle_random_walk = \"1 deg/h\""), &["angular rate", "deg/sqrt(h)"]),
         (noise("angle_random_walk = 0.001"), &["its unit is missing"]),
         (noise("quantisation = \"-1 arcsec\""), &["out of range", "negative"]),

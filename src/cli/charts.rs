@@ -181,16 +181,19 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
             .find(|named| named.name == name && !named.span.is_empty())
             .map_or(0..0, |named| named.span.clone())
     };
-    let column = "name a column of points.csv, with or without its unit".to_owned();
+    let file = match chart.source {
+        Source::Points => "points.csv",
+        Source::Coefficients => "coefficients.csv",
+    };
+    let column = format!("name a column of {file}, with or without its unit");
     let (span, help) = match error {
         ChartError::Column(ColumnError::Unknown { name, .. } | ColumnError::Ambiguous { name, .. })
         | ChartError::NotNumbers { column: name, .. } => {
             (place(Box::new(named().chain(rows())), name), column)
         }
-        ChartError::Column(ColumnError::NoRow { column, .. }) => (
-            place(Box::new(rows()), column),
-            "`where` takes values that the column has in points.csv".to_owned(),
-        ),
+        ChartError::Column(ColumnError::NoRow { column, .. }) => {
+            (place(Box::new(rows()), column), format!("`where` takes values that the column has in {file}"))
+        }
         ChartError::OtherUnit { column, beside, wanted, .. } => {
             let instead = if wanted.is_empty() {
                 "a relative column".to_owned()

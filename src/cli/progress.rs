@@ -54,6 +54,8 @@ impl Progress for Shown {
         match self {
             Shown::Nothing => {}
             Shown::Bar(bar) => {
+                // It may have come to an end with another unit.
+                bar.reset();
                 bar.set_message(unit);
                 bar.set_length(total);
                 bar.set_position(done);

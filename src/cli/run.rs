@@ -93,8 +93,9 @@ fn run_study(
     options: &super::Run,
 ) -> Result<Option<Value>, Failure> {
     let mut store = Store::open(folder, &plan.identity())?;
-    let done = plan.run(&mut store, device, &Shown::new(options.quiet))?;
-    let tables = plan.tables(&store)?;
+    let shown = Shown::new(options.quiet);
+    let done = plan.run(&mut store, device, &shown)?;
+    let tables = plan.tables(&store, &shown)?;
     for (name, table) in files(&tables) {
         let (path, mut csv) = (folder.join(name), Vec::new());
         table.write_csv(&mut csv).map_err(|source| Failure::Write { path: path.clone(), source })?;
@@ -103,13 +104,14 @@ fn run_study(
     write(&folder.join(RESOLVED), study.resolved(plan.held(&store)?).as_bytes())?;
     let notes = draw(study, &tables, folder)?;
     let verdicts = verdicts(study, &tables)?;
+    let notes: Vec<String> = done.degraded.iter().cloned().chain(notes).chain(plan.notes(&store)?).collect();
     if options.json {
-        return Ok(Some(to_json(study, device, &done, &tables, &verdicts)));
+        return Ok(Some(to_json(study, device, &done, &tables, &verdicts, &notes)));
     }
     if options.quiet {
         return Ok(None);
     }
-    for note in done.degraded.iter().cloned().chain(notes).chain(plan.notes(&store)?) {
+    for note in notes {
         eprintln!("note: {note}");
     }
     print(&summary(study, &tables, &verdicts)?)?;
@@ -197,7 +199,14 @@ fn points_of(study: &Study) -> usize {
     study.sweeps.iter().map(|sweep| sweep.values.len()).product()
 }
 
-fn to_json(study: &Study, device: &Device, done: &Done, tables: &Tables, verdicts: &[Verdict]) -> Value {
+fn to_json(
+    study: &Study,
+    device: &Device,
+    done: &Done,
+    tables: &Tables,
+    verdicts: &[Verdict],
+    notes: &[String],
+) -> Value {
     let cell = |cell: &Cell| match cell {
         Cell::Blank => json!(null),
         Cell::Text(text) => json!(text),
@@ -218,6 +227,7 @@ fn to_json(study: &Study, device: &Device, done: &Done, tables: &Tables, verdict
         "device": device.name(),
         "sampled_trials": done.trials,
         "seconds": done.seconds,
+        "notes": notes,
         "verdicts": verdicts.iter().map(Verdict::json).collect::<Vec<_>>(),
         "points": rows(&tables.points),
     });

@@ -33,11 +33,24 @@ pub enum Terms {
 }
 
 impl Terms {
+    /// All terms that may enter.
+    pub fn all(&self) -> &[Term] {
+        let (Terms::Given(terms) | Terms::Auto(terms)) = self;
+        terms
+    }
+
+    /// Parameters that a fit has at least.
+    pub fn fewest_parameters(&self) -> usize {
+        match self {
+            Terms::Given(terms) => terms.iter().map(|term| term.parameters()).sum(),
+            Terms::Auto(_) => 1,
+        }
+    }
+
     /// All terms that may enter, each once.
     pub(super) fn candidates(&self) -> Result<Vec<Term>, FitError> {
-        let (Terms::Given(terms) | Terms::Auto(terms)) = self;
         let mut candidates: Vec<Term> = Vec::new();
-        for &term in terms {
+        for &term in self.all() {
             if !candidates.contains(&term) {
                 candidates.push(term);
             }

@@ -4,7 +4,7 @@ use super::records::{Asked, Records, RecordsError};
 use crate::id::Id;
 use crate::store::Address;
 use crate::study::{RecordInputs, RecordPoint, Streams};
-use crate::theory::allan::Estimator;
+use crate::theory::allan::{Difference, Estimator, Stride};
 
 /// Records of one point, and where their sums are kept.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,10 +42,26 @@ impl LoweredCurve {
             key,
         };
         let records = Records::new(&asked)?;
-        let estimate = Id::of(&format!("estimate\nestimator={estimator:?}\nms={:?}\n", point.ms));
+        let [difference, stride] = names(estimator);
+        let estimate =
+            Id::of(&format!("estimate\ndifference={difference}\nstride={stride}\nms={:?}\n", point.ms));
         let address = Address { point: id, estimate, digest: records.digest() };
         Ok(LoweredCurve { records, address })
     }
+}
+
+/// What an estimator is called in identities.
+fn names(estimator: Estimator) -> [String; 2] {
+    let difference = match estimator.difference {
+        Difference::Second => "second",
+        Difference::Third => "third",
+    };
+    let stride = match estimator.stride {
+        Stride::Sample => "1".to_owned(),
+        Stride::Cluster => "m".to_owned(),
+        Stride::Part(parts) => format!("m/{parts}"),
+    };
+    [difference.to_owned(), stride]
 }
 
 /// The identity of what determines the draws.
@@ -55,8 +71,9 @@ fn id(inputs: &RecordInputs, seed: u64, streams: Streams) -> Id {
     let rate = if noise.readout_lsb > 0.0 { *rate } else { 0.0 };
     Id::of(&format!(
         "point\nkind=allan\nseed={seed}\nstreams={}\nsample_s={sample_s:.11e}\nsamples={}\nrate={rate:.11e}\n\
-         noise={noise:?}\n",
+         {}",
         streams.name(),
         inputs.samples(),
+        noise.canonical(),
     ))
 }

@@ -80,7 +80,7 @@ impl fmt::Display for Swept {
 }
 
 /// The keys of a study that no sweep can vary, and what they are.
-const FIXED: [(&str, &str); 24] = [
+const FIXED: [(&str, &str); 25] = [
     ("title", "is text"),
     ("question", "is text"),
     ("kind", "is text"),
@@ -103,6 +103,7 @@ const FIXED: [(&str, &str); 24] = [
     ("noise.warm_up", "is a table"),
     ("allan.tau", "holds for the whole study"),
     ("allan.estimator", "is text"),
+    ("allan.overlap", "is text"),
     ("allan.fit", "holds for the whole study"),
     ("chart", "is a table"),
 ];

@@ -148,7 +148,10 @@ impl Study {
 
     /// What of the inputs is left out, each in a sentence.
     pub fn notes(&self) -> &[String] {
-        self.gap_fill().map_or(&[], |gap_fill| &gap_fill.notes)
+        match &self.subject {
+            Subject::GapFill(gap_fill) => &gap_fill.notes,
+            Subject::Allan(allan) => &allan.notes,
+        }
     }
 
     /// The laws that any chart draws, each once.
@@ -229,6 +232,9 @@ impl Study {
             kind_end: file.kind.span().end,
         };
         let mut places = Places::default();
+        if let Some(trials) = &written.trials {
+            places.add("trials", trials.span());
+        }
         let subject = match kind {
             Kind::GapFill => Subject::GapFill(gap_fill::read(&file, &sweeps, folder, &mut places)?),
             Kind::Allan => Subject::Allan(allan::read(&file, &sweeps, folder, &mut places)?),

@@ -64,7 +64,7 @@ pub fn run(study: &Study, folder: &Path) -> Table {
     let mut store = Store::open(folder, &plan.identity()).unwrap();
     let mut device = Device::Cpu(Cpu::new(Width::widest(), 0).unwrap());
     plan.run(&mut store, &mut device, &Silent).unwrap();
-    plan.tables(&store).unwrap().points
+    plan.tables(&store, &Silent).unwrap().points
 }
 
 /// Runs a study in a folder of its own.

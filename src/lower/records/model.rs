@@ -59,9 +59,9 @@ pub(super) struct WarmUp {
 
 impl Model {
     pub(super) fn new(asked: &Asked) -> Result<Model, RecordsError> {
-        let t0 = at_least("record.rate", "a sample of", asked.process.sample_s, f64::MIN_POSITIVE)?;
+        let t0 = at_least("record.sample", "a sample of", asked.process.sample_s, f64::MIN_POSITIVE)?;
         let readout_lsb = at_least("noise.readout_lsb", "a pulse of", asked.readout_lsb, 0.0)?;
-        let mean_rate = at_least("noise.mean_rate", "a rate of", asked.mean_rate, f64::MIN)?;
+        let mean_rate = at_least("record.rate", "a rate of", asked.mean_rate, f64::MIN)?;
         let mut model = Model {
             samples: asked.samples,
             noise: Noise { quantisation: 0.0, white: 0.0, octaves: vec![], walk: 0.0, markov: None },
@@ -124,7 +124,8 @@ impl Model {
             }
         }
         if flicker > 0.0 {
-            let variances = holds::octaves(asked.samples).and_then(holds::variances).unwrap_or_default();
+            let variances = holds::octaves(asked.samples).and_then(holds::variances);
+            let variances = variances.ok_or(RecordsError::Length { samples: asked.samples })?;
             let sigma = |v: &f64| flicker * libm::sqrt(FLAT_LEVEL * v);
             model.noise.octaves = variances.iter().map(sigma).collect();
         }

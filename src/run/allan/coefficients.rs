@@ -3,19 +3,11 @@
 use rayon::prelude::*;
 
 use super::super::{column, swept_columns};
-use super::{Plan, curve_of};
-use crate::fit::{Coefficient, Errors, Fit, Fitter, Term, Terms, Verdict};
-use crate::study::{Noise, RecordPoint};
+use super::{Estimates, Plan, geometry};
+use crate::fit::{Coefficient, Covariance, Curve, Errors, Fit, Fitter, Term, Terms, Verdict};
+use crate::study::{Noise, RecordInputs, RecordPoint};
 use crate::table::{Cell, Column, Table, Unit, significant};
-use crate::theory::allan::Stride;
-
-/// Parameters that a fit of these terms has at least.
-pub(super) fn fewest_points(terms: &Terms) -> usize {
-    match terms {
-        Terms::Given(terms) => terms.iter().map(|term| term.parameters()).sum(),
-        Terms::Auto(_) => 1,
-    }
-}
+use crate::theory::allan::{Part, Stride};
 
 /// What is found of one coefficient over all records.
 struct Found {
@@ -24,8 +16,9 @@ struct Found {
     /// Records with an interval, and those whose interval holds the truth.
     intervals: usize,
     covered: usize,
-    /// Records that were fitted at all.
+    /// Records that could be fitted, and all of them.
     fitted: usize,
+    records: usize,
 }
 
 impl Plan<'_> {
@@ -47,45 +40,72 @@ impl Plan<'_> {
         columns
     }
 
-    /// A row for each coefficient that is fitted to the records of a point.
+    /// A row for each coefficient that is fitted to the records of a point; `progress` hears of fits as they are done.
     pub(super) fn add_coefficients(
         &self,
         table: &mut Table,
         point: &RecordPoint,
         terms: &Terms,
-        estimates: &[Vec<f64>],
+        estimates: &Estimates,
+        progress: &(dyn Fn(u64) + Sync),
     ) {
-        let fits = self.fits(point, terms, estimates);
+        let fits = self.fits(point, terms, estimates, progress);
         for quantity in quantities(terms) {
             let truth = quantity.truth(&point.inputs.noise);
             let found = Found::of(&fits, quantity, truth);
             let cells = point.swept.iter().map(|(_, value)| value.cell());
-            let cells = cells.chain(found.cells(quantity, truth, estimates.len()));
+            let cells = cells.chain(found.cells(quantity, truth));
             table.columns.iter_mut().zip(cells).for_each(|(column, cell)| column.cells.push(cell));
         }
     }
 
-    /// The fit of each record, in their order; of records that are no curve none.
-    ///
-    /// Of overlapping estimates each record is fitted as if nothing else were known of it. Groups side by side scatter more
-    /// than the closed form says, and the covariance with a shape of its own takes a second for each record: there all
-    /// records are weighed by the covariance that they show together.
-    fn fits(&self, point: &RecordPoint, terms: &Terms, estimates: &[Vec<f64>]) -> Vec<Option<Fit>> {
-        let difference = self.allan.estimator.difference;
-        let Some(geometry) = curve_of(point, difference, |_| 1.0) else { return vec![] };
-        let Ok(fitter) = Fitter::new(&geometry, terms) else { return vec![] };
-        let fitted = geometry.ms().len();
-        let (Terms::Given(all) | Terms::Auto(all)) = terms;
-        let errors = if all.iter().any(|term| term.has_shape()) { Errors::Known } else { Errors::OfModel };
-        let together = (errors == Errors::Known || self.allan.estimator.stride == Stride::Cluster)
-            .then(|| super::covariance(point, &geometry, estimates))
-            .flatten();
-        let fit = |record: &Vec<f64>| match &together {
-            Some(covariance) => fitter.fit(&record[..fitted], covariance, errors).ok(),
-            None => fitter.fit_record(&record[..fitted]).ok(),
-        };
-        estimates.par_iter().map(fit).collect()
+    /// Whether records are weighed by the covariance that they show together. Of overlapping estimates each record is fitted as
+    /// if nothing else were known of it; but groups side by side scatter more than the closed form says, and the closed form for
+    /// a time or frequency of its own takes a second for each record.
+    pub(super) fn are_weighed_together(&self, terms: &Terms) -> bool {
+        self.allan.estimator.stride == Stride::Cluster || terms.all().iter().any(|term| term.has_shape())
     }
+
+    /// The fit of each record, in their order; of records that are no curve none.
+    fn fits(
+        &self,
+        point: &RecordPoint,
+        terms: &Terms,
+        estimates: &Estimates,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Vec<Option<Fit>> {
+        let fitter = geometry(point, self.allan.estimator.difference)
+            .and_then(|geometry| Some((Fitter::new(&geometry, terms).ok()?, geometry)));
+        let Some((fitter, geometry)) = fitter else { return vec![None; estimates.count()] };
+        let fitted = geometry.ms().len();
+        let together = self.are_weighed_together(terms);
+        let covariance = if together { covariance(point, &geometry, estimates) } else { None };
+        let errors =
+            if terms.all().iter().any(|term| term.has_shape()) { Errors::Known } else { Errors::OfModel };
+        let fit = |record: &[f64]| {
+            progress(1);
+            match &covariance {
+                Some(covariance) => fitter.fit(&record[..fitted], covariance, errors).ok(),
+                None if together => None,
+                None => fitter.fit_record(&record[..fitted]).ok(),
+            }
+        };
+        estimates.records().map(fit).collect()
+    }
+}
+
+/// The covariance of the estimates of a point's records, as the records themselves show it beside the closed form of
+/// overlapping ones; `None` of too few records.
+fn covariance(point: &RecordPoint, geometry: &Curve, estimates: &Estimates) -> Option<Covariance> {
+    let RecordInputs { sample_s, noise, .. } = &point.inputs;
+    let mut process = noise.process(*sample_s, point.inputs.samples());
+    if noise.readout_lsb > 0.0 {
+        process.parts.push(Part::Quantisation { q: noise.readout_lsb / libm::sqrt(12.0) });
+    }
+    let model = Covariance::of_process(&process, geometry).ok()?;
+    let fitted = geometry.ms().len();
+    let rows: Vec<Vec<f64>> = estimates.records().map(|record| record[..fitted].to_vec()).collect();
+    Covariance::of_realisations(&rows, &model).ok()
 }
 
 /// A coefficient, or the time or frequency that goes with it.
@@ -96,12 +116,11 @@ struct Quantity {
 }
 
 fn quantities(terms: &Terms) -> impl Iterator<Item = Quantity> {
-    let (Terms::Given(terms) | Terms::Auto(terms)) = terms;
     let of_term = |&term: &Term| {
         let shape = term.has_shape().then_some(Quantity { term, shape: true });
         core::iter::once(Quantity { term, shape: false }).chain(shape)
     };
-    terms.iter().flat_map(of_term)
+    terms.all().iter().flat_map(of_term)
 }
 
 impl Quantity {
@@ -153,7 +172,7 @@ impl Quantity {
 
 impl Found {
     fn of(fits: &[Option<Fit>], quantity: Quantity, truth: Option<f64>) -> Found {
-        let mut found = Found { values: vec![], intervals: 0, covered: 0, fitted: 0 };
+        let mut found = Found { values: vec![], intervals: 0, covered: 0, fitted: 0, records: fits.len() };
         for coefficient in fits.iter().flatten().filter_map(|fit| fit.coefficient(quantity.term)) {
             found.fitted += 1;
             let (value, interval) = quantity.of(coefficient);
@@ -169,7 +188,7 @@ impl Found {
     }
 
     /// From the name of the coefficient on.
-    fn cells(&self, quantity: Quantity, truth: Option<f64>, records: usize) -> [Cell; 11] {
+    fn cells(&self, quantity: Quantity, truth: Option<f64>) -> [Cell; 11] {
         let count = self.values.len() as f64;
         let mean = (count > 0.0).then(|| self.values.iter().sum::<f64>() / count);
         let spread = |about: f64, by: f64| {
@@ -177,7 +196,12 @@ impl Found {
         };
         let sd = mean.filter(|_| count > 1.0).map(|mean| spread(mean, count - 1.0));
         let rmse = truth.filter(|_| count > 0.0).map(|truth| spread(truth, count));
-        let relative = rmse.zip(truth).filter(|(_, truth)| *truth > 0.0).map(|(rmse, truth)| rmse / truth);
+        // Where most records do not show it, those that do are the ones in which it came out too large.
+        let is_mostly_shown = 2 * self.values.len() >= self.records;
+        let relative = rmse
+            .zip(truth)
+            .filter(|(_, truth)| *truth > 0.0 && is_mostly_shown)
+            .map(|(rmse, truth)| rmse / truth);
         let part = |of: usize, all: usize| (all > 0).then(|| of as f64 / all as f64);
         let coverage = truth.and_then(|_| part(self.covered, self.intervals));
         [
@@ -189,22 +213,27 @@ impl Found {
             rmse.into(),
             coverage.into(),
             relative.into(),
-            part(self.values.len(), self.fitted).into(),
-            Cell::Integer(records as i64),
+            part(self.values.len(), self.records).into(),
+            Cell::Integer(self.records as i64),
             Cell::Text(self.verdict(truth)),
         ]
     }
 
     fn verdict(&self, truth: Option<f64>) -> String {
-        if self.fitted == 0 {
+        if self.records == 0 {
             return String::new();
         }
-        let percent = significant(100.0 * self.values.len() as f64 / self.fitted as f64, 3);
-        match (self.values.len(), truth) {
+        let percent = |count: usize| significant(100.0 * count as f64 / self.records as f64, 3);
+        let shown = percent(self.values.len());
+        let verdict = match (self.values.len(), truth) {
             (0, Some(truth)) if truth > 0.0 => "not identifiable from such a record".to_owned(),
             (0, _) => "absent, and found in no record".to_owned(),
-            (_, Some(truth)) if truth > 0.0 => format!("identified in {percent} % of records"),
-            _ => format!("absent, but found in {percent} % of records"),
+            (_, Some(truth)) if truth > 0.0 => format!("identified in {shown} % of records"),
+            _ => format!("absent, but found in {shown} % of records"),
+        };
+        match self.records - self.fitted {
+            0 => verdict,
+            failed => format!("{verdict}; no fit in {} %", percent(failed)),
         }
     }
 }

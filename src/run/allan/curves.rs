@@ -1,7 +1,7 @@
 //! points.csv of a study of Allan curves: a row for each point and averaging time.
 
 use super::super::{column, swept_columns};
-use super::Plan;
+use super::{Estimates, Plan};
 use crate::lower::LoweredCurve;
 use crate::lower::records::Oracle;
 use crate::stats::z_score;
@@ -27,21 +27,24 @@ impl Plan<'_> {
         &self,
         table: &mut Table,
         point: &RecordPoint,
-        lowered: &LoweredCurve,
-        estimates: &[Vec<f64>],
+        lowered: Option<&LoweredCurve>,
+        estimates: &Estimates,
     ) {
-        for (at, (&m, &terms)) in point.ms.iter().zip(lowered.records.terms()).enumerate() {
-            let found = Scatter::of(estimates.iter().map(|record| record[at]).collect());
+        for (at, &m) in point.ms.iter().enumerate() {
+            let found = Scatter::of(estimates.at(at));
             let tau_s = point.inputs.sample_s * m as f64;
-            let Oracle { value, rounding } = lowered.records.oracle(at);
-            let known = found.mean.zip(found.error).zip(value);
+            let terms = self.allan.estimator.terms(point.inputs.samples(), m);
+            let oracle = lowered.map(|lowered| lowered.records.oracle(at));
+            let Oracle { value, rounding } = oracle.unwrap_or(Oracle { value: None, rounding: 0.0 });
+            // The standard error of a few records scatters too much itself.
+            let known = found.mean.zip(found.error).zip(value).filter(|_| found.band.is_some());
             let z = known.and_then(|((mean, error), value)| z_score(mean, value, error, rounding));
             let band = found.band.map(|(low, high)| (libm::sqrt(low), libm::sqrt(high)));
             let cells = point.swept.iter().map(|(_, value)| Swept::cell(value)).chain([
                 Cell::Number(tau_s),
                 Cell::Integer(m as i64),
                 Cell::Integer(terms as i64),
-                Cell::Integer(estimates.len() as i64),
+                Cell::Integer(estimates.count() as i64),
                 found.mean.into(),
                 found.error.into(),
                 found.band.map(|band| band.0).into(),

@@ -2,24 +2,23 @@
 
 mod coefficients;
 mod curves;
+mod estimates;
+mod make;
 
-use std::ops::Range;
 use std::time::Instant;
 
 use super::{BATCH_SECONDS, Done, Progress, RunError, Tables};
 use crate::backend::Device;
-use crate::backend::cpu::{Cpu, Width};
-use crate::backend::gpu::GpuError;
-use crate::block::{Block, base_log2, cover, fold, missing};
-use crate::fit::{Covariance, Curve};
+use crate::block::{base_log2, fold, missing};
+use crate::fit::Curve;
 use crate::id::Id;
-use crate::kernel::recipe::Recipe;
-use crate::kernel::rows::Rows;
 use crate::lower::{LoweredCurve, RecordsError};
-use crate::store::{Provenance, Row, Store, StoreError};
+use crate::store::{Address, Provenance, Store, StoreError};
 use crate::study::{Allan, RecordPoint, Study, StudyError};
 use crate::table::Table;
 use crate::theory::allan::Difference;
+use estimates::Estimates;
+use make::{Maker, rows};
 
 /// Longest averaging time of the fit, as a part of the record: beyond it intervals of K come out too short.
 const LONGEST_FITTED: u64 = 8;
@@ -27,25 +26,55 @@ const LONGEST_FITTED: u64 = 8;
 /// Samples of the first batch.
 const FIRST_BATCH: u64 = 1 << 22;
 
+/// Most records of a point, all of which are in memory when its estimates are taken: 24 bytes each and averaging time.
+const MOST_RECORDS: u64 = 1 << 24;
+
+/// Most bytes of angles that a thread keeps for the records that it makes side by side.
+const MOST_BYTES: usize = 1 << 30;
+
+/// Most lanes of a thread.
+const LANES: usize = 16;
+
 /// A study of Allan curves whose every point is proven to fit.
 #[derive(Debug)]
 pub(super) struct Plan<'a> {
     study: &'a Study,
     allan: &'a Allan,
-    points: Vec<LoweredCurve>,
+    points: Vec<Planned<'a>>,
+}
+
+/// A point that can be lowered. Its words are made anew whenever they are needed: drift takes 4 bytes a sample.
+#[derive(Debug)]
+struct Planned<'a> {
+    point: &'a RecordPoint,
+    address: Address,
+    samples: u64,
+    /// Integers of a record.
+    width: usize,
 }
 
 impl<'a> Plan<'a> {
     /// Lowers every point.
     pub(super) fn new(study: &'a Study, allan: &'a Allan) -> Result<Plan<'a>, StudyError> {
-        let lower = |point: &RecordPoint| {
-            LoweredCurve::new(point, allan.estimator, study.seed, study.streams)
-                .map_err(|error| refused(study, point, &error))
-        };
-        let points = allan.points.iter().map(lower).collect::<Result<_, _>>()?;
-        let plan = Plan { study, allan, points };
-        plan.check_fits()?;
+        if study.trials > MOST_RECORDS {
+            let message = format!("{} records of a point", study.trials);
+            let help = format!("accepted: up to {MOST_RECORDS} trials, which are records here");
+            return Err(study.error_at(study.place_of("trials"), message, help));
+        }
+        let mut plan = Plan { study, allan, points: vec![] };
+        for point in &allan.points {
+            let lowered = plan.lowered(point).map_err(|error| refused(study, point, &error))?;
+            let recipe = lowered.records.recipe();
+            plan.check_memory(point, 4 * LANES * recipe.depth())?;
+            plan.check_fit(point)?;
+            let (samples, width) = (recipe.samples.into(), recipe.places());
+            plan.points.push(Planned { point, address: lowered.address, samples, width });
+        }
         Ok(plan)
+    }
+
+    fn lowered(&self, point: &RecordPoint) -> Result<LoweredCurve, RecordsError> {
+        LoweredCurve::new(point, self.allan.estimator, self.study.seed, self.study.streams)
     }
 
     /// Samples what the store lacks, each batch kept as soon as it is done.
@@ -56,30 +85,38 @@ impl<'a> Plan<'a> {
         progress: &(dyn Progress + Sync),
     ) -> Result<Done, RunError> {
         let trials = self.study.trials;
-        let mut lacking = Vec::new();
-        for lowered in &self.points {
-            let gaps = missing(&store.blocks(&lowered.address)?, trials);
-            lacking.extend(gaps.into_iter().map(|gap| (lowered, gap)));
+        let (mut lacking, mut addresses) = (Vec::new(), Vec::new());
+        // Points that differ in nothing that is drawn are one.
+        for planned in &self.points {
+            if !addresses.contains(&planned.address) {
+                addresses.push(planned.address);
+                let gaps = missing(&store.blocks(&planned.address)?, trials);
+                lacking.extend(gaps.into_iter().map(|gap| (planned, gap)));
+            }
         }
-        let total: u64 = self.points.iter().map(|lowered| trials * samples(lowered)).sum();
-        let left = lacking.iter().map(|(lowered, gap)| (gap.end - gap.start) * samples(lowered)).sum();
-        progress.start("samples", total.saturating_sub(left), total);
+        let left: u64 = lacking.iter().map(|(planned, gap)| (gap.end - gap.start) * planned.samples).sum();
+        let of_address = |address: &Address| self.points.iter().find(|planned| planned.address == *address);
+        let all = addresses.iter().filter_map(of_address).map(|planned| trials * planned.samples);
+        let total = all.sum::<u64>().max(left);
+        progress.start("samples", total - left, total);
         let started = Instant::now();
-        let largest = base_log2(trials);
         let mut maker = Maker { device, cpu: None, degraded: None };
         let (mut batch_samples, mut made) = (FIRST_BATCH, 0);
-        for (lowered, gap) in lacking {
+        for (planned, gap) in lacking {
+            let lowered = self.lowered(planned.point)?;
             let mut first = gap.start;
             while first < gap.end {
                 let batch_started = Instant::now();
-                let records = (batch_samples / samples(lowered)).max(maker.device.records_at_once());
-                let batch = first..gap.end.min((first + records).next_multiple_of(1 << largest));
-                let advance = |records| progress.advance(records * samples(lowered));
+                let records = (batch_samples / planned.samples).max(maker.device.records_at_once());
+                // Whole blocks where a batch holds some, smaller ones of very long records.
+                let align = 1 << base_log2(trials).min(records.ilog2());
+                let batch = first..gap.end.min((first + records).next_multiple_of(align));
+                let advance = |records| progress.advance(records * planned.samples);
                 let sums = maker.sums(lowered.records.recipe(), batch.clone(), &advance)?;
                 (first, made) = (batch.end, made + batch.end - batch.start);
                 let seconds = started.elapsed().as_secs_f64();
                 let so_far = Provenance { device: maker.name(), trials: made, seconds };
-                store.insert(&rows(lowered, batch, largest, &sums), &so_far)?;
+                store.insert(&rows(planned, batch, base_log2(trials), &sums), &so_far)?;
                 let factor = BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3);
                 batch_samples = ((batch_samples as f64 * factor.clamp(0.25, 4.0)) as u64).max(1);
             }
@@ -91,19 +128,22 @@ impl<'a> Plan<'a> {
     /// The tables before anything is sampled.
     pub(super) fn blank_tables(&self) -> Tables {
         let mut tables = self.empty_tables();
-        for at in 0..self.points.len() {
-            self.add(&mut tables, at, &[]);
+        for planned in &self.points {
+            self.add(&mut tables, planned.point, None, &Estimates::default(), &|_| {});
         }
         tables
     }
 
     /// All estimates held. One point is in memory at a time.
-    pub(super) fn tables(&self, store: &Store) -> Result<Tables, StoreError> {
+    pub(super) fn tables(&self, store: &Store, progress: &(dyn Progress + Sync)) -> Result<Tables, RunError> {
         let mut tables = self.empty_tables();
-        for (at, lowered) in self.points.iter().enumerate() {
-            let estimates: Vec<Vec<f64>> =
-                store.rows(&lowered.address)?.rows().map(|sums| lowered.records.variances(sums)).collect();
-            self.add(&mut tables, at, &estimates);
+        let fits = if self.allan.terms.is_some() { self.study.trials * self.points.len() as u64 } else { 0 };
+        progress.start("fits", 0, fits);
+        for planned in &self.points {
+            let lowered = self.lowered(planned.point)?;
+            let rows = store.rows(&planned.address, planned.width)?;
+            let estimates = Estimates::of(rows, |sums| lowered.records.variances(sums));
+            self.add(&mut tables, planned.point, Some(&lowered), &estimates, &|fits| progress.advance(fits));
         }
         Ok(tables)
     }
@@ -116,19 +156,26 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Adds the rows of a point with these estimates: of each record, (″/s)² at each averaging factor.
-    fn add(&self, tables: &mut Tables, at: usize, estimates: &[Vec<f64>]) {
-        self.add_curve(&mut tables.points, &self.allan.points[at], &self.points[at], estimates);
+    /// Adds the rows of a point with these estimates.
+    fn add(
+        &self,
+        tables: &mut Tables,
+        point: &RecordPoint,
+        lowered: Option<&LoweredCurve>,
+        estimates: &Estimates,
+        progress: &(dyn Fn(u64) + Sync),
+    ) {
+        self.add_curve(&mut tables.points, point, lowered, estimates);
         if let (Some(table), Some(terms)) = (&mut tables.coefficients, &self.allan.terms) {
-            self.add_coefficients(table, &self.allan.points[at], terms, estimates);
+            self.add_coefficients(table, point, terms, estimates, progress);
         }
     }
 
     /// Records that every point has, where all have the same number.
     pub(super) fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
         let mut held = None;
-        for lowered in &self.points {
-            let blocks = store.blocks(&lowered.address)?.into_iter().map(|block| (block, ())).collect();
+        for planned in &self.points {
+            let blocks = store.blocks(&planned.address)?.into_iter().map(|block| (block, ())).collect();
             let records = fold(blocks).iter().map(|(block, ())| block.trials()).sum();
             if *held.get_or_insert(records) != records {
                 return Ok(None);
@@ -139,88 +186,51 @@ impl<'a> Plan<'a> {
 
     /// The identities of all points.
     pub(super) fn ids(&self) -> Vec<Id> {
-        self.points.iter().map(|lowered| lowered.address.point).collect()
+        self.points.iter().map(|planned| planned.address.point).collect()
     }
 
     /// What should be known besides the results.
     pub(super) fn notes(&self) -> Vec<String> {
+        let Some(terms) = &self.allan.terms else { return vec![] };
+        let longer = |point: &RecordPoint| point.ms.iter().any(|&m| !is_fitted(m, point.inputs.samples()));
         let shortened =
-            |point: &&RecordPoint| point.ms.iter().any(|&m| !is_fitted(m, point.inputs.samples()));
-        if self.allan.terms.is_some() && self.allan.points.iter().any(|point| shortened(&point)) {
-            return vec![
-                "coefficients are fitted to averaging times up to an eighth of the record".to_owned(),
-            ];
-        }
-        vec![]
+            self.allan.points.iter().any(longer).then(|| {
+                "coefficients are fitted to averaging times up to an eighth of the record".to_owned()
+            });
+        let together = self.are_weighed_together(terms).then(|| {
+            "records are weighed by the covariance that all of them show together, which a single one does not know"
+                .to_owned()
+        });
+        shortened.into_iter().chain(together).collect()
     }
 
-    /// Refuses fits to fewer points than parameters before anything is sampled.
-    fn check_fits(&self) -> Result<(), StudyError> {
+    /// Refuses records that take too much memory side by side.
+    fn check_memory(&self, point: &RecordPoint, bytes: usize) -> Result<(), StudyError> {
+        if bytes <= MOST_BYTES {
+            return Ok(());
+        }
+        let message = format!(
+            "records of {} samples need {} MiB on each thread for the longest averaging times",
+            point.inputs.samples(),
+            bytes >> 20
+        );
+        let help = "take overlap = \"m/64\" and tau = \"octave\" or \"decade10\", shorter averaging times, or a shorter record";
+        Err(super::refused(self.study, &point.swept, "allan", &message, help))
+    }
+
+    /// Refuses a fit to fewer points than parameters.
+    fn check_fit(&self, point: &RecordPoint) -> Result<(), StudyError> {
         let Some(terms) = &self.allan.terms else { return Ok(()) };
-        for point in &self.allan.points {
-            let fitted = curve_of(point, self.allan.estimator.difference, |_| 1.0);
-            let parameters = coefficients::fewest_points(terms);
-            let points = fitted.as_ref().map_or(0, |curve| curve.ms().len());
-            if points < parameters {
-                let message = format!(
-                    "the record has {points} averaging times up to an eighth of it, too few for {parameters} parameters"
-                );
-                let help = "lengthen the record, take tau = \"decade10\", or fit fewer terms";
-                return Err(super::refused(self.study, &point.swept, "record.length", &message, help));
-            }
+        let points = point.ms.iter().filter(|&&m| is_fitted(m, point.inputs.samples())).count();
+        let parameters = terms.fewest_parameters();
+        if points >= parameters {
+            return Ok(());
         }
-        Ok(())
-    }
-}
-
-/// Samples of a record.
-fn samples(lowered: &LoweredCurve) -> u64 {
-    u64::from(lowered.records.recipe().samples)
-}
-
-/// The rows of consecutive records, from their sums, in blocks of at most 2^`largest`.
-fn rows(lowered: &LoweredCurve, records: Range<u64>, largest: u32, sums: &[u128]) -> Vec<Row<Rows>> {
-    let (first, width) = (records.start, lowered.records.recipe().places());
-    let row = |block: Block| {
-        let [from, to] = [block.first, block.end()].map(|at| (at - first) as usize * width);
-        Row { address: lowered.address, block, tally: Rows { width, values: sums[from..to].to_vec() } }
-    };
-    cover(records, largest).into_iter().map(row).collect()
-}
-
-/// Where records are made: on the device, but such as are too long for it on the processor.
-struct Maker<'a> {
-    device: &'a mut Device,
-    cpu: Option<Cpu>,
-    degraded: Option<String>,
-}
-
-impl Maker<'_> {
-    fn sums(
-        &mut self,
-        recipe: &Recipe,
-        records: Range<u64>,
-        progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Vec<u128>, GpuError> {
-        let (first, count) = (records.start, (records.end - records.start) as usize);
-        let why = match self.device.sums(recipe, first, count, progress) {
-            Err(error @ GpuError::TooLong { .. }) => error.to_string(),
-            made => return made,
-        };
-        if self.cpu.is_none() {
-            let threads = Cpu::new(Width::widest(), 0);
-            self.cpu = Some(threads.map_err(|error| GpuError::Refused(error.to_string()))?);
-            self.degraded =
-                Some(format!("records of {} samples were made on the CPU: {why}", recipe.samples));
-        }
-        Ok(self.cpu.as_ref().map_or(vec![], |cpu| cpu.sums(recipe, first, count, progress)))
-    }
-
-    fn name(&self) -> String {
-        match &self.cpu {
-            Some(cpu) => format!("{} and {}", self.device.name(), cpu.name()),
-            None => self.device.name(),
-        }
+        let message = format!(
+            "there are {points} averaging times up to an eighth of the record, too few for {parameters} parameters"
+        );
+        let help = "take more averaging times, as of tau = \"decade10\", a longer record, or fewer terms";
+        Err(super::refused(self.study, &point.swept, "allan.tau", &message, help))
     }
 }
 
@@ -229,21 +239,12 @@ fn is_fitted(m: u64, samples: u64) -> bool {
     LONGEST_FITTED * m <= samples
 }
 
-/// The curve that a fit has of a record, `variance` being that at a place of the point's averaging factors.
-fn curve_of(point: &RecordPoint, difference: Difference, variance: impl Fn(usize) -> f64) -> Option<Curve> {
+/// The averaging factors that a fit has of a point, without estimates.
+fn geometry(point: &RecordPoint, difference: Difference) -> Option<Curve> {
     let samples = point.inputs.samples();
-    let fitted = point.ms.iter().enumerate().filter(|(_, m)| is_fitted(**m, samples));
-    let (ms, variances) = fitted.map(|(at, &m)| (m, variance(at))).unzip();
-    Curve::new(point.inputs.sample_s, samples, difference, ms, variances).ok()
-}
-
-/// The covariance of the estimates of a point's records, as the records themselves show it beside the closed form of
-/// overlapping ones; `None` of too few records.
-fn covariance(point: &RecordPoint, geometry: &Curve, estimates: &[Vec<f64>]) -> Option<Covariance> {
-    let process = point.inputs.noise.process(point.inputs.sample_s, point.inputs.samples());
-    let model = Covariance::of_process(&process, geometry).ok()?;
-    let rows: Vec<Vec<f64>> = estimates.iter().map(|record| record[..geometry.ms().len()].to_vec()).collect();
-    Covariance::of_realisations(&rows, &model).ok()
+    let ms: Vec<u64> = point.ms.iter().copied().filter(|&m| is_fitted(m, samples)).collect();
+    let nothing = vec![1.0; ms.len()];
+    Curve::new(point.inputs.sample_s, samples, difference, ms, nothing).ok()
 }
 
 /// The error of a point that cannot be sampled, at the key of the study that has to change.

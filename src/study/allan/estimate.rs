@@ -12,7 +12,7 @@ use crate::study::file::allan::{AllanTable, EstimatorName, Overlap};
 use crate::study::place::Places;
 use crate::study::scalar::{self, Scalar};
 use crate::study::units::Dimension;
-use crate::theory::allan::{Estimator, Stride};
+use crate::theory::allan::{Difference, Estimator, Stride};
 
 /// What is estimated of each record.
 pub(super) struct Estimate {
@@ -33,11 +33,9 @@ pub(super) fn read(table: Option<&Spanned<AllanTable>>, places: &mut Places) -> 
     if let Some(tau) = &table.tau {
         places.add("allan.tau", tau.span());
     }
-    Ok(Estimate {
-        taus: table.tau.as_ref().map_or(Ok(Taus::Octave), taus)?,
-        estimator: estimator(table)?,
-        terms: table.fit.as_ref().map(terms).transpose()?,
-    })
+    let estimator = estimator(table)?;
+    let terms = table.fit.as_ref().map(|fit| terms(fit, estimator.difference)).transpose()?;
+    Ok(Estimate { taus: table.tau.as_ref().map_or(Ok(Taus::Octave), taus)?, estimator, terms })
 }
 
 fn estimator(table: &AllanTable) -> Result<Estimator, Fault> {
@@ -94,9 +92,13 @@ fn taus(written: &List) -> Result<Taus, Fault> {
     }
 }
 
-fn terms(written: &List) -> Result<Terms, Fault> {
+fn terms(written: &List, difference: Difference) -> Result<Terms, Fault> {
+    // A third difference does not see a ramp.
+    let is_seen = |term: &Term| difference == Difference::Second || *term != Term::RateRamp;
     match written.get_ref() {
-        Either::One(Scalar::Text(name)) if name == "auto" => Ok(Terms::Auto(Term::MODEL.to_vec())),
+        Either::One(Scalar::Text(name)) if name == "auto" => {
+            Ok(Terms::Auto(Term::MODEL.into_iter().filter(is_seen).collect()))
+        }
         Either::One(other) => {
             let message = format!("allan.fit = {other} names no terms");
             Err(Fault::new(written.span(), message, "not auto and not a list", help("")))
@@ -111,6 +113,11 @@ fn terms(written: &List) -> Result<Terms, Fault> {
                 if terms.contains(&term) {
                     let message = format!("allan.fit lists \"{}\" twice", term.symbol());
                     return Err(Fault::new(name.span(), message, "listed before", "leave it out here"));
+                }
+                if !is_seen(&term) {
+                    let message = "allan.fit: the Hadamard variance does not see a rate ramp R";
+                    let help = "leave R out, or take estimator = \"overlapping\"";
+                    return Err(Fault::new(name.span(), message, "not in this variance", help));
                 }
                 terms.push(term);
             }

@@ -4,6 +4,7 @@ use toml::Spanned;
 
 use super::estimate::Estimate;
 use crate::allan::{Deviation, TauError, Taus};
+use crate::lower::records::MOST_SAMPLES;
 use crate::study::diagnose::Fault;
 use crate::study::file::SweepTable;
 use crate::study::file::allan::RecordTable;
@@ -12,14 +13,12 @@ use crate::study::noise::{self, Noise};
 use crate::study::place::Places;
 use crate::study::scalar::Scalar;
 use crate::study::sweep::{self, Sweep};
-use crate::study::units::{Dimension, Quantity};
+use crate::study::units::Dimension;
 use crate::table::significant;
-use crate::theory::allan::Difference;
+use crate::theory::allan::{Difference, Stride};
 
 /// Fewest samples of a record.
-const FEWEST_SAMPLES: f64 = 16.0;
-/// Most samples of a record.
-const MOST_SAMPLES: f64 = 67_108_864.0;
+const FEWEST_SAMPLES: u64 = 16;
 /// By how much of itself a time in a list may miss a whole number of samples, of which decimal fractions have not all.
 const WHOLE: f64 = 1e-9;
 
@@ -70,7 +69,7 @@ static LENGTH: Setting<Inputs> = Setting {
         name: "record.length",
         label: "length of the record",
         accepts: &[Dimension::Time],
-        limits: (1e-6, 1e12, "16 to 67108864 samples"),
+        limits: (1e-6, 1e12, "1 µs to 1e12 s"),
     },
     applies: |_| true,
     set: |inputs, length| inputs.length_s = length.value,
@@ -107,9 +106,7 @@ pub(super) fn read(table: &RecordTable, places: &mut Places) -> Result<Inputs, F
 /// What all points share, with the places to blame.
 pub(super) struct Base<'a> {
     pub(super) inputs: Inputs,
-    /// Keys of the noise that hold beside any file.
-    pub(super) written: Vec<(&'static Setting<Noise>, Quantity)>,
-    /// The noise of each file of a sweep over them.
+    /// The noise of each file of a sweep over them, with the keys beside it.
     pub(super) files: Vec<Noise>,
     pub(super) places: &'a Places,
     pub(super) sweeps: &'a [Sweep],
@@ -117,11 +114,18 @@ pub(super) struct Base<'a> {
 }
 
 impl Base<'_> {
-    /// Refuses sweeps over parts of the noise that there are not.
+    /// Refuses sweeps over parts of the noise that there are not, or over a rate that nothing sees.
     pub(super) fn check_sweeps(&self, tables: &[SweepTable]) -> Result<(), Fault> {
         let noises =
             if self.files.is_empty() { std::slice::from_ref(&self.inputs.noise) } else { &self.files };
+        let pulses = self.sweeps.iter().any(|sweep| sweep.key.name == "noise.readout_lsb")
+            || noises.iter().any(|noise| noise.readout_lsb > 0.0);
         for (sweep, table) in self.sweeps.iter().zip(tables) {
+            if sweep.key.name == RATE.name && !pulses {
+                let message = "record.rate is swept, and only a readout in whole pulses sees a constant rate";
+                let help = "give noise.readout_lsb, or leave the sweep out";
+                return Err(Fault::new(table.key.span(), message, "nothing sees it", help));
+            }
             let Some(setting) = noise::SETTINGS.iter().find(|setting| setting.name == sweep.key.name) else {
                 continue;
             };
@@ -153,13 +157,11 @@ impl Base<'_> {
         Ok(Point { index, swept, inputs, ms })
     }
 
-    /// The noise of the file that a sweep chooses, with the keys beside it.
+    /// The noise of the file that a sweep chooses.
     fn file(&self, swept: &[(&'static str, Swept)]) -> Option<Noise> {
         let (sweep, (_, name)) = self.sweeps.iter().zip(swept).find(|(sweep, _)| sweep.key.is_file())?;
         let place = sweep.values.iter().position(|value| value == name)?;
-        let mut noise = self.files.get(place)?.clone();
-        self.written.iter().for_each(|(setting, quantity)| (setting.set)(&mut noise, *quantity));
-        Some(noise)
+        self.files.get(place).cloned()
     }
 
     /// Limits that need more than one value.
@@ -168,17 +170,14 @@ impl Base<'_> {
             Err(Fault::new(self.places.blame(self.sweeps, names), message, label, help))
         };
         let Inputs { sample_s, length_s, noise, .. } = inputs;
-        let samples = libm::round(length_s / sample_s);
+        let samples = inputs.samples();
         if !(FEWEST_SAMPLES..=MOST_SAMPLES).contains(&samples) {
-            let (label, samples) = match samples < FEWEST_SAMPLES {
-                true => ("too short", significant(samples, 6)),
-                false => ("too long", significant(samples, 6)),
-            };
+            let label = if samples < FEWEST_SAMPLES { "too short" } else { "too long" };
             let message = format!("record.length = {length_s} s is {samples} samples of {sample_s} s");
+            let [shortest, longest] =
+                [FEWEST_SAMPLES, MOST_SAMPLES].map(|samples| significant(samples as f64 * sample_s, 6));
             let help = format!(
-                "accepted: 16 to 67108864 samples, {} s to {} s here",
-                significant(FEWEST_SAMPLES * sample_s, 6),
-                significant(MOST_SAMPLES * sample_s, 6)
+                "accepted: {FEWEST_SAMPLES} to {MOST_SAMPLES} samples, {shortest} s to {longest} s here"
             );
             return refuse(&["record.length", "record.sample"], message, label, &help);
         }
@@ -231,6 +230,13 @@ impl Base<'_> {
             };
             Fault::new(place(), format!("allan.tau: {message}"), "not for this record", help)
         })?;
-        Ok(factors.into_iter().map(|m| m as u64).collect())
+        let mut ms: Vec<u64> = factors.into_iter().map(|m| m as u64).collect();
+        if let (Taus::Decade(_), Stride::Part(parts)) = (taus, estimator.stride) {
+            // Differences are whole strides apart, and a factor without divisors would have strides of one sample.
+            let rounded = |m: &mut u64| *m -= *m % (1 << (*m / parts).max(1).ilog2());
+            ms.iter_mut().for_each(rounded);
+            ms.dedup();
+        }
+        Ok(ms)
     }
 }

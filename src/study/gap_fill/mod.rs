@@ -70,6 +70,11 @@ pub(super) fn read(
     let written_fillers = read_fillers::read(&switching.fillers)?;
     let errors = read_errors(switching.errors.as_ref())?;
     for (sweep, table) in sweeps.iter().zip(&file.sweep) {
+        if file.noise.is_some() && sweep.key.target() == "gyro.tick_noise" {
+            let message = format!("{} is swept beside [noise]", sweep.key.name);
+            let help = "leave one of them out";
+            return Err(Fault::new(table.key.span(), message, "a second noise", help).into());
+        }
         if let Some(setting) = SETTINGS.iter().find(|setting| setting.name == sweep.key.name) {
             setting.check_applies(&inputs, &SETTINGS, "the motion", table.key.span())?;
         }

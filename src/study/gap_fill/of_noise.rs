@@ -43,9 +43,14 @@ pub(super) fn read(
 pub(super) fn set(inputs: &mut Inputs, noise: &Noise) {
     inputs.tick_noise = TickNoise::AngleRandomWalk(noise.angle_random_walk);
     inputs.readout_lsb = match noise.readout_lsb {
-        0.0 => round_12(libm::sqrt(12.0) * noise.quantisation),
+        0.0 => of_quantisation(noise),
         lsb => lsb,
     };
+}
+
+/// The pulse whose error is Q, ″.
+fn of_quantisation(noise: &Noise) -> f64 {
+    round_12(libm::sqrt(12.0) * noise.quantisation)
 }
 
 /// What a gap leaves out: of each part the angle that it could turn through in the longest gap of the study.
@@ -54,18 +59,23 @@ pub(super) fn left_out(noise: &Noise, inputs: &Inputs, sweeps: &[Sweep]) -> Opti
         let values = sweeps.iter().filter(|sweep| sweep.key.name == name).flat_map(|sweep| &sweep.values);
         values.filter_map(|value| Some(value.quantity()?.value)).fold(written, f64::max)
     };
-    let gap_s = longest(TICK.name, inputs.tick_s) * longest(GAP_TICKS.name, f64::from(inputs.gap_ticks));
+    let tick_s = longest(TICK.name, inputs.tick_s);
+    let gap_s = tick_s * longest(GAP_TICKS.name, f64::from(inputs.gap_ticks));
+    // Pulses that are given have an error of their own.
+    let is_read = inputs.readout_lsb != of_quantisation(noise) || longest(READOUT_LSB.name, 0.0) > 0.0;
+    let quantisation = (is_read && noise.quantisation > 0.0).then_some(("quantisation", noise.quantisation));
     let parts: Vec<String> = noise
         .over(gap_s)
         .into_iter()
+        .chain(quantisation)
         .map(|(name, arcsec)| format!("{name} ({} ″)", significant(arcsec, 2)))
         .collect();
     let readout = longest(READOUT_LSB.name, inputs.readout_lsb);
-    let sigma = inputs.sigma_arcsec();
+    let sigma = Inputs { tick_s, ..inputs.clone() }.sigma_arcsec();
     (!parts.is_empty()).then(|| {
         format!(
-            "of [noise] a gap of {} s has angle random walk, {} ″ in a tick, and pulses of {} ″; left out as what the \
-             rate turns through meanwhile: {}",
+            "of [noise] a gap of {} s has angle random walk, {} ″ in a tick, and pulses of {} ″; left out, with the angle \
+             that it makes meanwhile: {}",
             significant(gap_s, 4),
             significant(sigma, 3),
             significant(readout, 3),

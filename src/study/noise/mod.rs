@@ -76,6 +76,32 @@ impl Noise {
         Process { sample_s, parts: parts.into_iter().flatten().collect() }
     }
 
+    /// What determines the draws, key by key in base units; what is absent has no line.
+    pub(crate) fn canonical(&self) -> String {
+        let with = |is: bool, value: f64| if is { value } else { 0.0 };
+        let [markov, sine, warm_up] = [
+            self.markov.map_or([0.0; 2], |m| [m.amplitude, with(m.amplitude != 0.0, m.time_s)]),
+            self.sine.map_or([0.0; 2], |s| [s.amplitude, with(s.amplitude != 0.0, s.frequency_hz)]),
+            self.warm_up.map_or([0.0; 2], |w| [w.amplitude, with(w.amplitude != 0.0, w.time_s)]),
+        ];
+        let all = [
+            ("angle_random_walk", self.angle_random_walk),
+            ("bias_instability", self.bias_instability),
+            ("markov.amplitude", markov[0]),
+            ("markov.time", markov[1]),
+            ("quantisation", self.quantisation),
+            ("rate_ramp", self.rate_ramp),
+            ("rate_random_walk", self.rate_random_walk),
+            ("readout_lsb", self.readout_lsb),
+            ("sine.amplitude", sine[0]),
+            ("sine.frequency", sine[1]),
+            ("warm_up.amplitude", warm_up[0]),
+            ("warm_up.time", warm_up[1]),
+        ];
+        let given = all.into_iter().filter(|(_, value)| *value != 0.0);
+        given.map(|(name, value)| format!("{name}={value:.11e}\n")).collect()
+    }
+
     /// The angle, ″, that each part of the rate but the angle random walk can turn through in a time; rms of noise.
     pub(super) fn over(&self, time_s: f64) -> Vec<(&'static str, f64)> {
         let t = time_s;
