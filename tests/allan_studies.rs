@@ -9,6 +9,7 @@ use devices::{adapters, open};
 use sagnac::backend::Device;
 use sagnac::backend::cpu::{Cpu, Width};
 use sagnac::backend::gpu::source::Variant;
+use sagnac::lower::LoweredCurve;
 use sagnac::run::{Plan, Progress, Tables};
 use sagnac::store::Store;
 use sagnac::study::Study;
@@ -167,6 +168,15 @@ fn a_file_of_noise_is_its_keys_and_keys_beside_it_replace_them() {
     assert_eq!(run(&of_file), run(&parsed("a.toml", &text("", &written, ""))));
 
     let sweep = "[[sweep]]\nkey = \"noise.file\"\nlist = [\"mine.toml\"]";
+    // A part beside the files is there to be swept.
+    let markov = "markov = { amplitude = \"0.01 deg/h\", time = \"30 s\" }";
+    let times = "[[sweep]]\nkey = \"noise.markov.time\"\nlist = [\"10 s\", \"50 s\"]";
+    let beside = parsed(&name, &text("", markov, &format!("{sweep}\n{times}")));
+    let written = parsed("a.toml", &text("", &format!("{LGV_1}\n{markov}"), times));
+    let means =
+        |study: &Study| -> Vec<f64> { rows(&run(study).points).map(|row| row.number("mean_avar")).collect() };
+    assert_eq!(means(&beside), means(&written));
+
     let swept = parsed(&name, &text("", "", sweep));
     assert_eq!(rows(&run(&swept).points).next().unwrap().text("noise.file"), "mine");
     // Found wherever the resolved study is kept.
@@ -271,6 +281,19 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
             &["it is over files"],
         ),
         (
+            text("", LGV_1, "[[sweep]]\nkey = \"record.rate\"\nlist = [\"1 deg/h\"]"),
+            &["record.rate is swept", "only a readout in whole pulses sees"],
+        ),
+        (allan("estimator = \"hadamard\"\nfit = [\"R\"]"), &["does not see a rate ramp R"]),
+        (
+            noise(LGV_1).replace("trials = 200", "trials = 20_000_000"),
+            &["20000000 records", "up to 16777216 trials"],
+        ),
+        (
+            allan("overlap = \"full\"").replace("2000 s", "18000 h"),
+            &["records of 64800000 samples need", "MiB on each thread", "m/64"],
+        ),
+        (
             text("", LGV_1, "[chart]\ntable = \"coefficients\"\nx = \"length\"\ny = \"sd\""),
             &["none are fitted"],
         ),
@@ -283,6 +306,35 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
     for (text, pieces) in table {
         refused(text, pieces);
     }
+}
+
+#[test]
+fn points_keep_their_identities() {
+    let everything = format!(
+        "{LGV_1}\nrate_random_walk = \"0.01 deg/h/sqrt(h)\"\nrate_ramp = \"-0.002 deg/h/h\"\nreadout_lsb = \"1 arcsec\"\n\
+         markov = {{ amplitude = \"0.01 deg/h\", time = \"30 s\" }}\nwarm_up = {{ amplitude = \"0 deg/h\", time = \"5 min\" }}\n\
+         sine = {{ amplitude = \"0.05 deg/h\", frequency = \"0.01 Hz\" }}"
+    );
+    let points = [LGV_1, &everything].map(|noise| {
+        let study = parsed("a.toml", &text("", noise, ""));
+        let allan = study.allan().unwrap();
+        let lowered =
+            LoweredCurve::new(&allan.points[0], allan.estimator, study.seed, study.streams).unwrap();
+        lowered.address.point.to_string()
+    });
+    assert_eq!(points, ["POINT_1", "POINT_2"]);
+}
+
+#[test]
+fn what_the_fit_leaves_out_is_said() {
+    let notes = |noise: &str, fit: &str| {
+        parsed("a.toml", &text("", noise, &format!("[allan]\nfit = {fit}"))).notes().join("\n")
+    };
+    let markov = format!("{LGV_1}\nmarkov = {{ amplitude = \"0.01 deg/h\", time = \"30 s\" }}");
+    let some = notes(&markov, "[\"Q\", \"N\"]");
+    assert!(some.contains("a bias instability, Markov noise, which is not fitted"), "{some}");
+    assert_eq!(notes(&markov, "\"auto\""), "");
+    assert_eq!(notes(LGV_1, "[\"Q\", \"N\", \"B\"]"), "");
 }
 
 #[test]
