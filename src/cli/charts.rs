@@ -195,10 +195,10 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
             (place(Box::new(rows()), column), format!("`where` takes values that the column has in {file}"))
         }
         ChartError::OtherUnit { column, beside, wanted, .. } => {
-            let instead = if wanted.is_empty() {
-                "a relative column".to_owned()
-            } else {
-                format!("an estimate in {wanted}")
+            let instead = match *wanted {
+                "" => "a relative column".to_owned(),
+                "″" => "an error in ″".to_owned(),
+                unit => format!("an estimate in {unit}"),
             };
             let help = format!("name {instead} instead, or leave out the {beside}");
             (place(Box::new(std::iter::once(chart.estimate())), column), help)
