@@ -312,7 +312,7 @@ type TallyRows = BTreeMap<(Vec<u8>, Vec<u8>, i64, i64), (Vec<u8>, Vec<u8>, i64)>
 fn tallies(folder: &Path) -> TallyRows {
     let connection = rusqlite::Connection::open(folder.join(FILE)).unwrap();
     let mut statement = connection
-        .prepare("SELECT point, estimate, first, log2, digest, moments, checksum FROM tally")
+        .prepare("SELECT point, estimate, first, log2, digest, sums, checksum FROM tally")
         .unwrap();
     let rows = statement
         .query_map([], |row| {
