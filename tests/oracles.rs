@@ -311,9 +311,8 @@ type TallyRows = BTreeMap<(Vec<u8>, Vec<u8>, i64, i64), (Vec<u8>, Vec<u8>, i64)>
 /// All rows of the table of tallies, byte for byte.
 fn tallies(folder: &Path) -> TallyRows {
     let connection = rusqlite::Connection::open(folder.join(FILE)).unwrap();
-    let mut statement = connection
-        .prepare("SELECT point, estimate, first, log2, digest, sums, checksum FROM tally")
-        .unwrap();
+    let mut statement =
+        connection.prepare("SELECT point, estimate, first, log2, digest, sums, checksum FROM tally").unwrap();
     let rows = statement
         .query_map([], |row| {
             let key = (row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?);

@@ -4,13 +4,14 @@ use std::ops::Range;
 
 use toml::Spanned;
 
+use super::chart_default::default_for;
 pub use super::chart_file::Source;
 use super::chart_file::{ChartKind, ChartTable, Charts, Scale};
 use super::diagnose::Fault;
 use super::file::Error;
 use super::gap_fill::{FREQUENCY, Law};
 use super::percent::percent;
-use super::rows::{DT_NU, ERROR, FILLER, Known, TAU, chooser, coordinate, row};
+use super::rows::{DT_NU, ERROR, FILLER, Known, chooser, coordinate, row};
 use super::scalar::{self, Scalar};
 use super::sweep::Sweep;
 use super::units::Dimension;
@@ -26,7 +27,7 @@ pub struct Named {
 }
 
 impl Named {
-    fn default(name: &str) -> Named {
+    pub(super) fn default(name: &str) -> Named {
         Named { name: name.to_owned(), span: 0..0 }
     }
 }
@@ -303,76 +304,15 @@ fn laws(table: &ChartTable, sweeps: &[Sweep], known: &Known) -> Result<Vec<Law>,
     Ok(laws)
 }
 
-/// What suits the sweeps; nothing to draw of fillers where nothing is swept.
-fn default_for(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
-    match subject {
-        Subject::GapFill(_) => of_fillers(sweeps, subject),
-        Subject::Allan(_) => Some(of_deviations(sweeps)),
-    }
-}
-
-/// The Allan deviation over τ, a curve for each value of the first two swept keys.
-fn of_deviations(sweeps: &[Sweep]) -> Chart {
-    Chart {
-        title: None,
-        source: Source::Points,
-        x: Named::default(TAU),
-        y: Named::default("adev"),
-        shows: Shows::Curves {
-            series: sweeps.iter().take(2).map(|sweep| Named::default(sweep.key.name)).collect(),
-            laws: vec![],
-        },
-        rows: sweeps.iter().skip(2).filter_map(at_first).collect(),
-        limit: None,
-        x_scale: Scale::Log,
-        y_scale: Scale::Log,
-    }
-}
-
-/// A curve runs along one key: others stay at their first value.
-fn at_first(sweep: &Sweep) -> Option<(Named, Cell)> {
-    Some((Named::default(sweep.key.name), sweep.values.first()?.cell()))
-}
-
-/// Over Δt·ν if the frequency is swept, else over the first swept key.
-fn of_fillers(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
-    let mut names: Vec<&str> = sweeps.iter().map(|sweep| sweep.key.name).collect();
-    let x = match names.iter().position(|name| *name == FREQUENCY.name) {
-        Some(frequency) => {
-            names.remove(frequency);
-            DT_NU
-        }
-        None if names.is_empty() => return None,
-        None => names.remove(0),
-    };
-    let series = std::iter::once(FILLER).chain(names.first().copied());
-    let fixed = names
-        .iter()
-        .skip(1)
-        .filter_map(|name| at_first(sweeps.iter().find(|sweep| sweep.key.name == *name)?));
-    let known = Known::of(subject, Source::Points);
-    Some(Chart {
-        title: None,
-        source: Source::Points,
-        x: Named::default(x),
-        y: Named::default("rms"),
-        shows: Shows::Curves { series: series.map(Named::default).collect(), laws: vec![] },
-        rows: fixed.chain(only_residuals()).collect(),
-        limit: None,
-        x_scale: scale_over(x, sweeps, &known),
-        y_scale: Scale::default(),
-    })
-}
-
 /// The scale of an axis over this column where none is written: that of its sweep, of Δt·ν that of the frequency.
-fn scale_over(name: &str, sweeps: &[Sweep], known: &Known) -> Scale {
+pub(super) fn scale_over(name: &str, sweeps: &[Sweep], known: &Known) -> Scale {
     let column = coordinate(sweeps, known, name, 0..0, "no axis over").ok();
     let key = column.as_deref().map(|column| if column == DT_NU { FREQUENCY.name } else { column });
     let sweep = sweeps.iter().find(|sweep| Some(sweep.key.name) == key);
     sweep.map_or(Scale::default(), |sweep| sweep.scale)
 }
 
-fn only_residuals() -> Vec<(Named, Cell)> {
+pub(super) fn only_residuals() -> Vec<(Named, Cell)> {
     vec![(Named::default(ERROR), Cell::Text(Error::Residual.name().to_owned()))]
 }
 

@@ -8,6 +8,7 @@
 
 mod allan;
 mod chart;
+mod chart_default;
 mod chart_file;
 mod diagnose;
 mod expected;
