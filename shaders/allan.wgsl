@@ -130,7 +130,7 @@ fn flicker_sigma(octave: u32) -> u32 {
 }
 
 fn load_state() {
-    noise = Noise(wide(state[lane], state[p.lanes + lane]), kept(2u), kept(3u), kept(4u), kept(5u), kept(6u));
+    noise = Noise(kept_wide(0u), kept(2u), kept_wide(3u), kept_wide(5u), kept(7u), kept(8u));
     //#if FLICKER_HOLDS
     for (var i = STREAMS; i < OCTAVES * STREAMS; i += 1u) {
         holds[i] = Hold(kept(STATE_WORDS + 3u * i), kept(STATE_WORDS + 3u * i + 1u), kept(STATE_WORDS + 3u * i + 2u));
@@ -139,13 +139,12 @@ fn load_state() {
 }
 
 fn store_state() {
-    keep(0u, low_word(noise.angle));
-    keep(1u, high_word(noise.angle));
+    keep_wide(0u, noise.angle);
     keep(2u, noise.flicker);
-    keep(3u, noise.walk);
-    keep(4u, noise.markov);
-    keep(5u, noise.phase);
-    keep(6u, noise.start);
+    keep_wide(3u, noise.walk);
+    keep_wide(5u, noise.markov);
+    keep(7u, noise.phase);
+    keep(8u, noise.start);
     //#if FLICKER_HOLDS
     for (var i = STREAMS; i < OCTAVES * STREAMS; i += 1u) {
         keep(STATE_WORDS + 3u * i, holds[i].value);
@@ -159,6 +158,15 @@ fn kept(word: u32) -> u32 {
     return state[word * p.lanes + lane];
 }
 
+fn kept_wide(word: u32) -> Wide {
+    return wide(kept(word), kept(word + 1u));
+}
+
 fn keep(word: u32, value: u32) {
     state[word * p.lanes + lane] = value;
+}
+
+fn keep_wide(word: u32, value: Wide) {
+    keep(word, low_word(value));
+    keep(word + 1u, high_word(value));
 }

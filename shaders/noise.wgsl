@@ -12,8 +12,10 @@ struct Hold {
 struct Noise {
     angle: Wide,
     flicker: u32,
-    walk: u32,
-    markov: u32,
+    // In 2^-32 units of the rate: steps that were rounded would add up to a ramp.
+    walk: Wide,
+    // In 2^-30 units of the rate.
+    markov: Wide,
     phase: u32,
     start: u32,
 }
@@ -26,12 +28,12 @@ var<private> angles: array<u32, CHUNK>;
 
 fn begin() {
     let words = draw(address, RECORD_START, 0u);
-    noise = Noise(wide(0u, 0u), 0u, 0u, 0u, words.y, 0u);
+    noise = Noise(wide(0u, 0u), 0u, wide(0u, 0u), wide(0u, 0u), words.y, 0u);
     //#if PULSE
     noise.start = words.x & ((1u << p.pulse) - 1u);
     //#end
     //#if MARKOV_STEPS
-    noise.markov = scaled(words.z, p.markov_start);
+    noise.markov = mul_wide(normal(words.z), p.markov_start);
     //#end
     //#if FLICKER_HOLDS
     for (var octave = 1u; octave < OCTAVES; octave += 1u) {
@@ -81,8 +83,8 @@ fn rates(first: u32) {
     for (var block = 0u; block < CHUNK / 4u; block += 1u) {
         let words = draw(address, WALK, first / 4u + block);
         for (var k = 0u; k < 4u; k += 1u) {
-            noise.walk += scaled(words[k], p.walk);
-            rate[4u * block + k] += noise.walk;
+            noise.walk = add_wide(noise.walk, mul_wide(normal(words[k]), p.walk));
+            rate[4u * block + k] += high_word(noise.walk);
         }
     }
     //#end
@@ -90,9 +92,9 @@ fn rates(first: u32) {
     for (var block = 0u; block < CHUNK / 4u; block += 1u) {
         let words = draw(address, MARKOV, first / 4u + block);
         for (var k = 0u; k < 4u; k += 1u) {
-            let lost = bits_from(mul_wide(noise.markov, p.markov_loss), 30u);
-            noise.markov = noise.markov - lost + scaled(words[k], p.markov_step);
-            rate[4u * block + k] += noise.markov;
+            let lost = mul_wide(bits_from(noise.markov, 30u), p.markov_loss);
+            noise.markov = add_wide(sub_wide(noise.markov, lost), mul_wide(normal(words[k]), p.markov_step));
+            rate[4u * block + k] += bits_from(noise.markov, 30u);
         }
     }
     //#end

@@ -1,17 +1,15 @@
-//! Running a study: what is missing in the store is sampled and added, then all that is held becomes a table.
+//! Running a study: what is missing in the store is sampled and added, then all that is held becomes tables.
 
-mod rows;
-mod stop;
+mod allan;
+pub(crate) mod gap_fill;
 
-use std::time::Instant;
-
+use crate::backend::Device;
 use crate::backend::gpu::GpuError;
-use crate::backend::{Device, Job};
-use crate::block::{Block, base_log2, cover, missing};
-use crate::kernel::launch::Launch;
-use crate::lower::{LowerError, Lowered};
-use crate::store::{Identity, Provenance, Row, Store, StoreError};
-use crate::study::{Error, Point, Study, StudyError};
+use crate::id::Id;
+use crate::lower::RecordsError;
+use crate::store::{Identity, Store, StoreError};
+use crate::study::{Source, Study, StudyError, Subject, Swept};
+use crate::table::{Column, Table, Unit};
 
 /// Why a run ended early. What was computed before is in the store.
 #[derive(Debug, thiserror::Error)]
@@ -20,48 +18,58 @@ pub enum RunError {
     Store(#[from] StoreError),
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    /// Of a point that was lowered before: not on the same machine.
+    #[error(transparent)]
+    Records(#[from] RecordsError),
 }
 
 /// A study whose every point is proven to fit.
 #[derive(Debug)]
 pub struct Plan<'a> {
     study: &'a Study,
-    points: Vec<Lowered>,
+    work: Work<'a>,
 }
 
-/// A launch and the blocks of it that are missing.
-struct Work {
-    point: usize,
-    fillers: Vec<usize>,
-    launch: Launch,
-    blocks: Vec<Block>,
+#[derive(Debug)]
+enum Work<'a> {
+    GapFill(gap_fill::Plan<'a>),
+    Allan(allan::Plan<'a>),
 }
 
 /// What a run did.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Done {
     /// Trials sampled, over all points.
     pub trials: u64,
     pub seconds: f64,
+    /// Why some of it was not done as asked, in a sentence.
+    pub degraded: Option<String>,
+}
+
+/// The results of a study, each a table of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tables {
+    /// points.csv
+    pub points: Table,
+    /// coefficients.csv, where coefficients are fitted.
+    pub coefficients: Option<Table>,
+}
+
+impl Tables {
+    /// The table that a chart is drawn from.
+    pub fn of(&self, source: Source) -> &Table {
+        match (source, &self.coefficients) {
+            (Source::Coefficients, Some(coefficients)) => coefficients,
+            _ => &self.points,
+        }
+    }
 }
 
 /// How long a batch should take: results are on disk this often.
 const BATCH_SECONDS: f64 = 0.3;
 
-/// Most jobs of a batch: their tallies are held in memory together, some 30 KiB each.
-const MOST_JOBS: usize = 1024;
-
 /// Half the width of a 95 % interval in standard errors.
 const NORMAL_95: f64 = 1.959_963_985;
-
-/// Most trials of a record that is replayed: places are taken by the lower half of the trial's number.
-const MOST_REPLAYED: u64 = 1 << 32;
-
-/// log2 of the trials after which the stop rule first decides.
-const FEWEST_LOG2: u32 = 10;
-
-/// Trials of the first batch.
-const FIRST_BATCH: u64 = 1 << 20;
 
 impl<'a> Plan<'a> {
     /// Lowers every point.
@@ -69,34 +77,23 @@ impl<'a> Plan<'a> {
     /// # Errors
     /// A point cannot be represented; the error points at the key to change.
     pub fn new(study: &'a Study) -> Result<Plan<'a>, StudyError> {
-        let lower = |point: &Point| {
-            Lowered::new(point, &study.fillers, &study.errors, study.seed, study.streams)
-                .map_err(|error| refused(study, point, &error))
+        let work = match &study.subject {
+            Subject::GapFill(gap_fill) => Work::GapFill(gap_fill::Plan::new(study, gap_fill)?),
+            Subject::Allan(allan) => Work::Allan(allan::Plan::new(study, allan)?),
         };
-        let points = study.points().iter().map(lower).collect::<Result<_, _>>()?;
-        let plan = Plan { study, points };
-        if plan.replays() && study.trials > MOST_REPLAYED {
-            let message = format!("{} trials of a record that is replayed over every place", study.trials);
-            let help = format!("accepted: up to {MOST_REPLAYED} trials, or position = \"random\"");
-            return Err(study.error_at(study.place_of("motion.profile"), message, help));
-        }
-        Ok(plan)
+        Ok(Plan { study, work })
     }
 
     /// What makes the results those of this study.
     pub fn identity(&self) -> Identity {
         Identity {
-            kind: self.study.kind.name().to_owned(),
+            kind: self.study.kind().name().to_owned(),
             seed: self.study.seed,
             streams: self.study.streams.name().to_owned(),
         }
     }
 
-    /// Samples what the store lacks. `progress` hears how many trials there are in all and, as it comes, what is done.
-    ///
-    /// With a precision, a point stops after 1, 2, 4, … base blocks of trials and 1024 at least, where all errors of all its fillers are known
-    /// as well as is asked: a rule that depends on nothing but the study. Fillers of a point keep the same trials, so
-    /// that they are compared on the same draws.
+    /// Samples what the store lacks. `progress` hears how much there is in all and, as it comes, what is done.
     ///
     /// # Errors
     /// The device or the disk fails.
@@ -106,179 +103,115 @@ impl<'a> Plan<'a> {
         device: &mut Device,
         progress: &(dyn Progress + Sync),
     ) -> Result<Done, RunError> {
-        let mut wanted: Vec<u64> = self
-            .points
-            .iter()
-            .map(|point| point.trials(self.study.trials))
-            .map(|most| match self.study.precision {
-                // Before that many trials a standard error is not known well enough to stop by.
-                Some(_) => most.min(1 << base_log2(most).max(FEWEST_LOG2)),
-                None => most,
-            })
-            .collect();
-        let started = Instant::now();
-        let mut trials = 0;
-        for round in 0.. {
-            let work = self.missing(store, &wanted)?;
-            let total: u64 = work.iter().flat_map(|work| &work.blocks).map(Block::trials).sum();
-            if round == 0 {
-                let held = self.launched_trials(|index, _| wanted[index]).saturating_sub(total);
-                let most = self.launched_trials(|_, point| point.trials(self.study.trials));
-                progress.start(held, most.max(held + total));
-            }
-            self.sample(&work, store, device, progress, started)?;
-            trials += total;
-            if !self.raise(&mut wanted, store)? {
-                break;
-            }
-        }
-        let seconds = started.elapsed().as_secs_f64();
+        let done = match &self.work {
+            Work::GapFill(plan) => plan.run(store, device, progress)?,
+            Work::Allan(plan) => plan.run(store, device, progress)?,
+        };
         progress.finish();
-        Ok(Done { trials, seconds })
+        Ok(done)
     }
 
-    /// Trials of all launches where each point has as many as `trials` says: those of a point with many fillers count more
-    /// than once.
-    fn launched_trials(&self, trials: impl Fn(usize, &Lowered) -> u64) -> u64 {
-        let launches =
-            |point: &Lowered| grouped(point, (0..point.fillers.len()).map(|_| Vec::new())).len() as u64;
-        self.points.iter().enumerate().map(|(index, point)| launches(point) * trials(index, point)).sum()
-    }
-
-    /// Samples all of `work` in batches, each of which is kept as soon as it is done.
-    fn sample(
-        &self,
-        work: &[Work],
-        store: &mut Store,
-        device: &mut Device,
-        progress: &(dyn Progress + Sync),
-        started: Instant,
-    ) -> Result<(), RunError> {
-        let mut rest: Vec<(&Work, Job)> = work
-            .iter()
-            .flat_map(|work| {
-                work.blocks.iter().map(move |&block| (work, Job { launch: &work.launch, block }))
-            })
-            .rev()
-            .collect();
-        let (mut batch_trials, mut sampled) = (FIRST_BATCH, 0);
-        while !rest.is_empty() {
-            let batch_started = Instant::now();
-            let batch = take_batch(&mut rest, batch_trials);
-            let jobs: Vec<Job> = batch.iter().map(|(_, job)| *job).collect();
-            let results = device.tally(&jobs, true, &|trials| progress.advance(trials))?;
-            let rows: Vec<Row> = batch
-                .iter()
-                .zip(results)
-                .flat_map(|((work, job), tallies)| {
-                    let estimates = self.points[work.point].launched(&work.fillers);
-                    estimates.zip(tallies).map(|(estimate, tally)| Row {
-                        address: estimate.address,
-                        block: job.block,
-                        tally,
-                    })
-                })
-                .collect();
-            sampled += batch.iter().map(|(_, job)| job.block.trials()).sum::<u64>();
-            let seconds = started.elapsed().as_secs_f64();
-            store.insert(&rows, &Provenance { device: device.name(), trials: sampled, seconds })?;
-            let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
-            batch_trials = ((batch_trials as f64 * factor) as u64).max(1);
+    /// The tables before anything is sampled: all rows, without estimates.
+    pub fn blank_tables(&self) -> Tables {
+        match &self.work {
+            Work::GapFill(plan) => Tables { points: plan.blank_table(), coefficients: None },
+            Work::Allan(plan) => plan.blank_tables(),
         }
-        Ok(())
     }
 
-    /// Errors that were asked for and that a filler does not have, each in a sentence.
-    pub fn absent(&self) -> Vec<String> {
-        let mut sentences = Vec::new();
-        for (index, filler) in self.study.fillers.iter().enumerate() {
-            let has = |error: Error| {
-                let all =
-                    |point: &Lowered| point.fillers[index].iter().any(|estimate| estimate.error == error);
-                self.points.iter().all(all)
-            };
-            let lacks: Vec<&str> =
-                self.study.errors.iter().filter(|error| !has(**error)).map(|error| error.name()).collect();
-            if !lacks.is_empty() {
-                let name = &filler.name;
-                sentences
-                    .push(format!("the weights of `{name}` do not give its errors: {}", lacks.join(", ")));
-            }
-        }
-        sentences
-    }
-
-    /// What the store lacks.
-    fn missing(&self, store: &Store, wanted: &[u64]) -> Result<Vec<Work>, StoreError> {
-        let mut all = Vec::new();
-        for (index, (point, &trials)) in self.points.iter().zip(wanted).enumerate() {
-            let log2 = base_log2(point.trials(self.study.trials));
-            let mut lacking = Vec::new();
-            for estimates in &point.fillers {
-                let mut blocks = Vec::new();
-                for estimate in estimates {
-                    let held = store.blocks(&estimate.address)?;
-                    blocks.extend(missing(&held, trials).into_iter().flat_map(|gap| cover(gap, log2)));
-                }
-                blocks.sort();
-                blocks.dedup();
-                lacking.push(blocks);
-            }
-            for (blocks, fillers) in grouped(point, lacking).into_iter().filter(|group| !group.0.is_empty()) {
-                all.push(Work { point: index, launch: point.launch(&fillers), fillers, blocks });
-            }
-        }
-        Ok(all)
-    }
-
-    /// Points that the store holds and the study no longer asks for.
+    /// All estimates held; `progress` hears of fits.
     ///
     /// # Errors
-    /// The disk fails.
-    pub fn unasked(&self, store: &Store) -> Result<usize, StoreError> {
-        let points = store.points()?;
-        Ok(points.iter().filter(|id| self.points.iter().all(|point| point.id != **id)).count())
-    }
-}
-
-/// Fillers of a point that lack the same blocks share a launch.
-fn grouped(point: &Lowered, lacking: impl IntoIterator<Item = Vec<Block>>) -> Vec<(Vec<Block>, Vec<usize>)> {
-    let mut groups: Vec<(Vec<Block>, Vec<usize>)> = Vec::new();
-    for (filler, blocks) in lacking.into_iter().enumerate() {
-        let joins = |group: &&mut (Vec<Block>, Vec<usize>)| {
-            group.0 == blocks && group.1.len() < point.most_fillers(filler) && point.alike(group.1[0], filler)
+    /// A row of the store is damaged, or the disk fails.
+    pub fn tables(&self, store: &Store, progress: &(dyn Progress + Sync)) -> Result<Tables, RunError> {
+        let tables = match &self.work {
+            Work::GapFill(plan) => Tables { points: plan.table(store)?, coefficients: None },
+            Work::Allan(plan) => plan.tables(store, progress)?,
         };
-        match groups.iter_mut().find(joins) {
-            Some(group) => group.1.push(filler),
-            None => groups.push((blocks, vec![filler])),
-        }
+        progress.finish();
+        Ok(tables)
     }
-    groups
+
+    /// Trials that a study has which repeats this one: what all points have, where they have the same number.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    pub fn held(&self, store: &Store) -> Result<u64, StoreError> {
+        let held = match &self.work {
+            Work::GapFill(plan) => plan.held(store)?,
+            Work::Allan(plan) => plan.held(store)?,
+        };
+        Ok(held.unwrap_or(self.study.trials))
+    }
+
+    /// What should be known besides the results, each in a sentence.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    pub fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError> {
+        let mut notes = self.study.notes().to_vec();
+        notes.extend(match &self.work {
+            Work::GapFill(plan) => plan.notes(store)?,
+            Work::Allan(plan) => plan.notes(),
+        });
+        let trials = self.held(store)?;
+        if trials > self.study.trials {
+            let why = match &self.work {
+                Work::GapFill(plan) if plan.replays() => "whole replays of the record",
+                _ => "the folder holds them already",
+            };
+            notes.push(format!("{trials} trials a point, not {}: {why}", self.study.trials));
+        }
+        let points = store.points()?;
+        let asked: Vec<Id> = match &self.work {
+            Work::GapFill(plan) => plan.ids(),
+            Work::Allan(plan) => plan.ids(),
+        };
+        match points.iter().filter(|id| !asked.contains(id)).count() {
+            0 => {}
+            1 => notes.push(
+                "1 point of earlier runs is kept but not shown: the study no longer asks for it".to_owned(),
+            ),
+            n => notes.push(format!(
+                "{n} points of earlier runs are kept but not shown: the study no longer asks for them"
+            )),
+        }
+        Ok(notes)
+    }
 }
 
 /// Who hears how a run goes on.
 pub trait Progress {
-    /// `done` of `total` trials are there already.
-    fn start(&self, done: u64, total: u64);
+    /// `done` of `total` of these units are there already: `trials`, or `samples`.
+    fn start(&self, unit: &'static str, done: u64, total: u64);
     /// So many more are done.
-    fn advance(&self, trials: u64);
+    fn advance(&self, more: u64);
     fn finish(&self);
 }
 
-/// The error of a point that cannot be sampled, at the key of the study that has to change.
-pub(crate) fn refused(study: &Study, point: &Point, error: &LowerError) -> StudyError {
-    let at: Vec<String> = point.swept.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+/// The error of a point that cannot be sampled, at the `key` of the study that has to change.
+fn refused(
+    study: &Study,
+    swept: &[(&'static str, Swept)],
+    key: &str,
+    message: &str,
+    help: &str,
+) -> StudyError {
+    let at: Vec<String> = swept.iter().map(|(key, value)| format!("{key} = {value}")).collect();
     let place = if at.is_empty() { String::new() } else { format!(", at {}", at.join(", ")) };
-    study.error_at(study.place_of(error.key()), format!("{error}{place}"), error.help())
+    study.error_at(study.place_of(key), format!("{message}{place}"), help)
 }
 
-fn take_batch<'a, 'b>(rest: &mut Vec<(&'a Work, Job<'b>)>, trials: u64) -> Vec<(&'a Work, Job<'b>)> {
-    let (mut batch, mut taken) = (Vec::new(), 0);
-    while batch.len() < MOST_JOBS
-        && let Some(next) = rest.pop_if(|(_, job)| taken == 0 || taken + job.block.trials() <= trials)
-    {
-        taken += next.1.block.trials();
-        batch.push(next);
-    }
-    batch
+/// An empty column.
+fn column(name: &str, label: &str, unit: Unit) -> Column {
+    Column { name: name.to_owned(), label: label.to_owned(), unit, cells: vec![], band: None }
+}
+
+/// Empty columns of the swept keys.
+fn swept_columns(study: &Study) -> Vec<Column> {
+    let of_sweep = |sweep: &crate::study::Sweep| {
+        let unit = sweep.values.first().map_or(Unit::NONE, Swept::unit);
+        column(sweep.key.name, sweep.key.label, unit)
+    };
+    study.sweeps.iter().map(of_sweep).collect()
 }

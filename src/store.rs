@@ -14,12 +14,13 @@ use rusqlite::{Connection, ErrorCode, OptionalExtension, TransactionBehavior, pa
 use crate::block::{Block, fold};
 use crate::id::Id;
 use crate::kernel::moments::Moments;
+use crate::kernel::rows::Rows;
 
 /// The name of the database in a results folder.
 pub const FILE: &str = "tallies.sqlite";
 
 /// Version of the tables and of the encoding of tallies.
-const SCHEMA_VERSION: i64 = 1;
+const SCHEMA_VERSION: i64 = 2;
 
 /// What went wrong with the results on disk.
 #[derive(Debug, thiserror::Error)]
@@ -73,12 +74,21 @@ pub struct Address {
     pub digest: Id,
 }
 
+/// A tally as the store keeps it.
+pub trait Tally: Sized {
+    /// Compact bytes, the same for the same tally.
+    fn encode(&self) -> Vec<u8>;
+
+    /// The tally of so many trials that the bytes stand for; `None` where they stand for none.
+    fn decode(bytes: &[u8], trials: u64) -> Option<Self>;
+}
+
 /// One row of the store.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Row {
+pub struct Row<T> {
     pub address: Address,
     pub block: Block,
-    pub tally: Moments,
+    pub tally: T,
 }
 
 /// Who computes rows, how many trials and how long it took; no part of any identity.
@@ -125,7 +135,7 @@ impl Store {
                 "CREATE TABLE IF NOT EXISTS study (key TEXT PRIMARY KEY, value TEXT NOT NULL);
                  CREATE TABLE IF NOT EXISTS tally (
                      point BLOB NOT NULL, estimate BLOB NOT NULL, first INTEGER NOT NULL, log2 INTEGER NOT NULL,
-                     digest BLOB NOT NULL, moments BLOB NOT NULL, checksum INTEGER NOT NULL,
+                     digest BLOB NOT NULL, sums BLOB NOT NULL, checksum INTEGER NOT NULL,
                      PRIMARY KEY (point, estimate, first, log2)) WITHOUT ROWID;
                  CREATE TABLE IF NOT EXISTS provenance (
                      finished INTEGER NOT NULL, program TEXT NOT NULL, device TEXT NOT NULL,
@@ -142,14 +152,14 @@ impl Store {
     ///
     /// # Errors
     /// A row is there already with other values, or the disk fails.
-    pub fn insert(&mut self, rows: &[Row], so_far: &Provenance) -> Result<(), StoreError> {
+    pub fn insert<T: Tally>(&mut self, rows: &[Row<T>], so_far: &Provenance) -> Result<(), StoreError> {
         let path = self.path.clone();
         let failed = |source| storage_error(&path, source);
         let transaction = self.connection.transaction().map_err(failed)?;
         {
             let mut present = transaction
                 .prepare_cached(
-                    "SELECT digest, moments FROM tally
+                    "SELECT digest, sums FROM tally
                      WHERE point = ?1 AND estimate = ?2 AND first = ?3 AND log2 = ?4",
                 )
                 .map_err(failed)?;
@@ -157,7 +167,7 @@ impl Store {
                 .prepare_cached("INSERT INTO tally VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")
                 .map_err(failed)?;
             for Row { address, block, tally } in rows {
-                let moments = encoding::encode(tally);
+                let sums = tally.encode();
                 let key = params![address.point.0, address.estimate.0, block.first as i64, block.log2];
                 let held: Option<([u8; 16], Vec<u8>)> = present
                     .query_row(key, |row| Ok((row.get(0)?, row.get(1)?)))
@@ -165,7 +175,7 @@ impl Store {
                     .map_err(failed)?;
                 match held {
                     None => {
-                        let checksum = checksum(address, *block, &moments);
+                        let checksum = checksum(address, *block, &sums);
                         insert
                             .execute(params![
                                 address.point.0,
@@ -173,12 +183,12 @@ impl Store {
                                 block.first as i64,
                                 block.log2,
                                 address.digest.0,
-                                moments,
+                                sums,
                                 checksum
                             ])
                             .map_err(failed)?;
                     }
-                    Some(held) if held == (address.digest.0, moments) => {}
+                    Some(held) if held == (address.digest.0, sums) => {}
                     Some(_) => {
                         let (point, estimate, first) = (address.point, address.estimate, block.first);
                         return Err(StoreError::Disagrees { path, point, estimate, first });
@@ -227,10 +237,31 @@ impl Store {
     /// # Errors
     /// Those of [`Store::total`].
     pub fn total_within(&self, address: &Address, trials: u64) -> Result<Moments, StoreError> {
+        let mut total = Moments::empty(true);
+        for (_, tally) in self.held::<Moments>(address, trials)? {
+            total.merge(&tally);
+        }
+        Ok(total)
+    }
+
+    /// The rows of all trials held, `width` integers each, in their order.
+    ///
+    /// # Errors
+    /// Those of [`Store::total`].
+    pub fn rows(&self, address: &Address, width: usize) -> Result<Vec<Rows>, StoreError> {
+        let held = self.held::<Rows>(address, u64::MAX)?;
+        match held.iter().find(|(_, rows)| rows.width != width) {
+            Some((block, _)) => Err(self.damaged(address, *block, "its rows are of another width")),
+            None => Ok(held.into_iter().map(|(_, rows)| rows).collect()),
+        }
+    }
+
+    /// The tallies that lie within the first `trials` trials, none of them twice.
+    fn held<T: Tally>(&self, address: &Address, trials: u64) -> Result<Vec<(Block, T)>, StoreError> {
         let mut statement = self
             .connection
             .prepare_cached(
-                "SELECT first, log2, digest, moments, checksum FROM tally WHERE point = ?1 AND estimate = ?2",
+                "SELECT first, log2, digest, sums, checksum FROM tally WHERE point = ?1 AND estimate = ?2",
             )
             .map_err(|e| self.failed(e))?;
         let rows = statement
@@ -241,27 +272,23 @@ impl Store {
             .map_err(|e| self.failed(e))?;
         let mut held = Vec::new();
         for row in rows {
-            let (block, digest, moments, sum) = row.map_err(|e| self.failed(e))?;
+            let (block, digest, sums, sum) = row.map_err(|e| self.failed(e))?;
             if digest != address.digest.0 {
                 return Err(self.disagrees(address, block));
             }
-            if sum != checksum(address, block, &moments) {
+            if sum != checksum(address, block, &sums) {
                 return Err(self.damaged(address, block, "its checksum is wrong"));
             }
-            let tally =
-                encoding::decode(&moments).ok_or(self.damaged(address, block, "it cannot be read"))?;
-            if tally.count != block.trials() {
-                return Err(self.damaged(address, block, "its count is not that of its block"));
-            }
+            let tally = T::decode(&sums, block.trials()).ok_or(self.damaged(
+                address,
+                block,
+                "it is no tally of its block",
+            ))?;
             if block.end() <= trials {
                 held.push((block, tally));
             }
         }
-        let mut total = Moments::empty(true);
-        for (_, tally) in fold(held) {
-            total.merge(&tally);
-        }
-        Ok(total)
+        Ok(fold(held))
     }
 
     /// Points that the store holds.
@@ -344,13 +371,13 @@ fn storage_error(path: &Path, source: rusqlite::Error) -> StoreError {
 }
 
 /// Over the whole row, so that a row moved to another place is found out too.
-fn checksum(address: &Address, block: Block, moments: &[u8]) -> u32 {
+fn checksum(address: &Address, block: Block, sums: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     for part in [&address.point.0[..], &address.estimate.0, &address.digest.0, &block.first.to_le_bytes()] {
         hasher.update(part);
     }
     hasher.update(&block.log2.to_le_bytes());
-    hasher.update(moments);
+    hasher.update(sums);
     hasher.finalize()
 }
 

@@ -2,7 +2,6 @@
 
 mod number;
 
-use std::collections::BTreeSet;
 use std::io;
 
 pub use number::significant;
@@ -20,8 +19,12 @@ impl Unit {
     pub const NONE: Unit = Unit { suffix: "", symbol: "" };
     pub const ARCSEC: Unit = Unit { suffix: "arcsec", symbol: "″" };
     pub const ARCSEC_PER_S: Unit = Unit { suffix: "arcsec_per_s", symbol: "″/s" };
-    pub const ARCSEC_PER_SQRT_S: Unit = Unit { suffix: "arcsec_per_sqrt_s", symbol: "″/√s" };
     pub const ARCSEC_PER_S2: Unit = Unit { suffix: "arcsec_per_s2", symbol: "″/s²" };
+    pub const DEG_PER_SQRT_H: Unit = Unit { suffix: "deg_per_sqrt_h", symbol: "°/√h" };
+    pub const DEG_PER_H_PER_SQRT_H: Unit = Unit { suffix: "deg_per_h_per_sqrt_h", symbol: "°/h/√h" };
+    /// The same number as in ″/s.
+    pub const DEG_PER_H: Unit = Unit { suffix: "deg_per_h", symbol: "°/h" };
+    pub const DEG2_PER_H2: Unit = Unit { suffix: "deg2_per_h2", symbol: "(°/h)²" };
     pub const ARCSEC2_PER_S2_PER_HZ: Unit = Unit { suffix: "arcsec2_per_s2_per_hz", symbol: "(″/s)²/Hz" };
     pub const HZ: Unit = Unit { suffix: "hz", symbol: "Hz" };
     pub const S: Unit = Unit { suffix: "s", symbol: "s" };
@@ -152,13 +155,18 @@ impl Table {
         let mut rows: Vec<usize> = (0..self.rows()).collect();
         for (name, value) in filter {
             let (column, value) = (self.column(name.as_ref())?, value.as_ref());
-            let known: BTreeSet<String> = rows.iter().map(|&row| column.cells[row].text()).collect();
+            let mut known: Vec<&Cell> = rows.iter().map(|&row| &column.cells[row]).collect();
             rows.retain(|&row| column.cells[row].shows(value));
             if rows.is_empty() && !known.is_empty() {
+                known.sort_by(|a, b| match (a.number(), b.number()) {
+                    (Some(a), Some(b)) => a.total_cmp(&b),
+                    _ => a.text().cmp(&b.text()),
+                });
+                known.dedup();
                 return Err(ColumnError::NoRow {
                     column: name.as_ref().to_owned(),
                     value: value.to_owned(),
-                    known: known.into_iter().collect(),
+                    known: known.into_iter().map(Cell::text).collect(),
                 });
             }
         }

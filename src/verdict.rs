@@ -42,6 +42,8 @@ pub enum Outcome {
     /// It stays within the limit up to the point there and is above at the next one; points that count have none between
     /// them.
     LastWithin,
+    /// It is above the limit at first, comes below it for the last time there, found between two points, and stays.
+    WithinFrom,
     /// It stays within the limit up to its last point, which is there.
     WithinUpTo,
 }
@@ -71,6 +73,11 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
         let last = rows[rows.len() - 1];
         let (outcome, before, after) = match rows.iter().position(|&row| value(y, row) > question.limit) {
             None => (Outcome::WithinUpTo, last, last),
+            Some(0) if value(y, last) <= question.limit => {
+                // It is above somewhere, and not at its end.
+                let above = rows.iter().rposition(|&row| value(y, row) > question.limit).unwrap_or(0);
+                (Outcome::WithinFrom, rows[above], rows[above + 1])
+            }
             Some(0) => (Outcome::AboveFrom, rows[0], rows[0]),
             Some(i) if counts_between(table, rows[i - 1], rows[i]) => {
                 (Outcome::LastWithin, rows[i - 1], rows[i - 1])
@@ -100,9 +107,12 @@ fn coordinates<'t>(table: &'t Table, x: &Column, a: usize, b: usize) -> impl Ite
     table.columns.iter().filter(move |column| column.name == x.name || told(column))
 }
 
-/// Whether a count leads from one row to the other, so that nothing is between them. Trials lead nowhere.
+/// The counts that follow from a row, and lead nowhere.
+const FOLLOWING: [&str; 3] = ["trials", "m", "terms"];
+
+/// Whether a count leads from one row to the other, so that nothing is between them.
 fn counts_between(table: &Table, a: usize, b: usize) -> bool {
-    table.columns.iter().filter(|column| column.name != "trials").any(|column| {
+    table.columns.iter().filter(|column| !FOLLOWING.contains(&column.name.as_str())).any(|column| {
         let (a, b) = (&column.cells[a], &column.cells[b]);
         matches!((a, b), (Cell::Integer(_), Cell::Integer(_))) && a != b
     })
@@ -132,9 +142,11 @@ impl Answer<'_> {
         let at: Vec<String> =
             self.at.iter().map(|(column, value)| column.valued(&significant(*value, 3))).collect();
         let (series, at) = (series.join(", "), at.join(", "));
+        let series = if series.is_empty() { "it".to_owned() } else { series };
         match self.outcome {
             Outcome::Passes => format!("{series}: passes {limit} at {at}"),
             Outcome::AboveFrom => format!("{series}: above {limit} from the first point on, {at}"),
+            Outcome::WithinFrom => format!("{series}: within {limit} from {at} on"),
             Outcome::LastWithin => format!("{series}: within {limit} up to {at}"),
             Outcome::WithinUpTo => format!("{series}: within {limit} up to the last point, {at}"),
         }

@@ -1,6 +1,7 @@
 //! Identity: the same bits from every width and device, shown on the user's own machine.
 
 mod configurations;
+mod recipes;
 
 use sha2::{Digest, Sha256};
 
@@ -11,9 +12,11 @@ use crate::block::{base_log2, cover};
 use crate::kernel::launch::Launch;
 use crate::kernel::map::Map;
 use crate::kernel::moments::Moments;
+use crate::kernel::recipe::Recipe;
 use crate::kernel::word::Scalar;
-use crate::kernel::{Form, KERNELS, Kernel, philox};
+use crate::kernel::{Form, KERNELS, Kernel, allan, philox};
 pub use configurations::{Configuration, configurations};
+pub use recipes::{NamedRecords, THINNED, lgk_400, named_records};
 
 /// What a check of one kernel found.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,7 +28,7 @@ pub struct Verdict {
     pub differences: Vec<String>,
 }
 
-/// Runs every kernel for `units` trials or items in all on the portable width, on every other width of this machine and
+/// Runs every kernel for `units` trials, samples or items in all on the portable width, on every other width of this machine and
 /// on `devices`, and compares bit for bit; `report` hears each verdict as it is reached.
 ///
 /// # Errors
@@ -88,14 +91,32 @@ fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<
                 reference.iter().for_each(|tally| digest(tally, &mut hasher));
             }
         }
+        Form::Records => {
+            let all = named_records();
+            for named in &all {
+                let records = named.lowered();
+                let count = units.div_ceil(all.len() as u64 * named.samples) as usize;
+                let reference = sums_on_cpu(Width::PORTABLE, records.recipe(), count);
+                for width in Width::available() {
+                    let same = sums_on_cpu(width, records.recipe(), count) == reference;
+                    compare(same, format!("{} ({})", width.name(), named.name));
+                }
+                for device in &mut *devices {
+                    let same = device.sums(records.recipe(), 0, count, &|_| {})? == reference;
+                    compare(same, format!("{} ({})", device.name(), named.name));
+                }
+                reference.iter().for_each(|sum| hasher.update(sum.to_le_bytes()));
+            }
+        }
     }
     let hash = hasher.finalize();
     let digest = hash[..8].iter().fold(0, |digest, &byte| digest << 8 | u64::from(byte));
     Ok(Verdict { kernel: kernel.name, digest, differences })
 }
 
-/// The configurations of the self-test: sums of 32 bits and of 64.
+/// The configurations of the self-test: sums of 32 bits and of 64; and its records.
 const SELF_TEST: [&str; 2] = ["paper", "sparse-fit-ticks"];
+const SELF_TEST_RECORDS: (&str, usize) = ("everything", 40);
 
 /// The first kernel, if any, in which a device differs from the portable CPU on a small load.
 ///
@@ -114,6 +135,16 @@ pub fn self_test(device: &mut Device) -> Result<Option<&'static str>, GpuError> 
                     for launch in &configuration.launches() {
                         same &= tally(device, launch, 5000)? == on_cpu(Width::PORTABLE, launch, 5000);
                     }
+                }
+                same
+            }
+            Form::Records => {
+                let (name, count) = SELF_TEST_RECORDS;
+                let mut same = true;
+                for named in named_records().iter().filter(|named| named.name == name) {
+                    let records = named.lowered();
+                    let reference = sums_on_cpu(Width::PORTABLE, records.recipe(), count);
+                    same &= device.sums(records.recipe(), 0, count, &|_| {})? == reference;
                 }
                 same
             }
@@ -141,6 +172,13 @@ fn on_cpu(width: Width, launch: &Launch, trials: u64) -> Vec<Moments> {
         Ok(cpu) => fold(launch, cpu.tally(&jobs(launch, trials), true, &|_| {})),
         // Without threads the kernel still runs here.
         Err(_) => crate::kernel::gap_fill::tally(width, launch, 0, trials, true),
+    }
+}
+
+fn sums_on_cpu(width: Width, recipe: &Recipe, count: usize) -> Vec<u128> {
+    match Cpu::new(width, 0) {
+        Ok(cpu) => cpu.sums(recipe, 0, count, &|_| {}),
+        Err(_) => allan::sums(width, recipe, 0, count),
     }
 }
 

@@ -6,7 +6,7 @@ mod noise;
 use fitted::{QNB, covers, is_identified, share};
 use rand::SeedableRng;
 use rand::rngs::StdRng;
-use sagnac::fit::{Curve, Fit, Term, Terms, fit_record};
+use sagnac::fit::{Covariance, Curve, Errors, Fit, FitError, Fitter, Term, Terms, fit, fit_record};
 use sagnac::theory::allan::{Difference, Part, Process};
 
 /// Records of each test; three standard errors of a share of 5 %.
@@ -34,7 +34,32 @@ fn curves(parts: &[Part], samples: usize, octaves: u32, seed: u64) -> Vec<Curve>
 }
 
 fn fits(curves: &[Curve], terms: &Terms) -> Vec<Fit> {
-    curves.iter().map(|curve| fit_record(curve, terms).unwrap()).collect()
+    let fitter = Fitter::new(&curves[0], terms).unwrap();
+    curves.iter().map(|curve| fitter.fit_record(curve.variances()).unwrap()).collect()
+}
+
+#[test]
+fn one_fitter_gives_many_curves_the_bits_of_fits_of_their_own() {
+    let parts = [Part::Quantisation { q: 3.0 }, Part::AngleRandomWalk { n: 1.0 }];
+    let curves = &curves(&parts, 4096, 10, 62)[..12];
+    let covariance =
+        Covariance::of_process(&Process { sample_s: 1.0, parts: parts.to_vec() }, &curves[0]).unwrap();
+    let with_shapes = vec![Term::AngleRandomWalk, Term::Markov, Term::Sine];
+    for terms in [Terms::Given(QNB.to_vec()), Terms::Auto(Term::MODEL.to_vec()), Terms::Auto(with_shapes)] {
+        let fitter = Fitter::new(&curves[0], &terms).unwrap();
+        for curve in curves {
+            // Debug text of f64 tells all bits but those of NaN.
+            let text = |fit: Fit| format!("{fit:?}");
+            let alone = fit_record(curve, &terms).unwrap();
+            assert_eq!(text(fitter.fit_record(curve.variances()).unwrap()), text(alone));
+            for errors in [Errors::Known, Errors::OfModel] {
+                let alone = fit(curve, &covariance, &terms, errors).unwrap();
+                assert_eq!(text(fitter.fit(curve.variances(), &covariance, errors).unwrap()), text(alone));
+            }
+        }
+        let wrong = fitter.fit_record(&curves[0].variances()[1..]).unwrap_err();
+        assert_eq!(wrong, FitError::Lengths { ms: 10, variances: 9 });
+    }
 }
 
 #[test]

@@ -10,8 +10,7 @@ use rand::SeedableRng;
 use rand::rngs::StdRng;
 use reference::weights::{Filler, Method};
 use reference::{Beside, Draw, Gyro, Tone};
-use sagnac::lower::Lowered;
-use studies::{Row, parsed, rows, run};
+use studies::{Row, gap_fill, lowered, parsed, rows, run};
 
 const TRIALS: usize = 1 << 18;
 
@@ -198,8 +197,8 @@ fn check(name: &str, gyro: &Gyro) {
         closed.1
     );
 
-    let lowered = Lowered::new(&study.points()[0], &study.fillers, &study.errors, study.seed, study.streams);
-    for (filler, estimates) in fillers.iter().zip(&lowered.unwrap().fillers) {
+    let lowered = lowered(&study, &gap_fill(&study).points[0]);
+    for (filler, estimates) in fillers.iter().zip(&lowered.fillers) {
         for estimate in estimates {
             let residual = estimate.error == sagnac::study::Error::Residual;
             let rows = estimate.rows.values();

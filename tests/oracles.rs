@@ -11,13 +11,14 @@ use polynomial::polynomial;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use sagnac::kernel::normal::REACH;
-use sagnac::lower::Lowered;
 use sagnac::run::Plan;
 use sagnac::store::{FILE, Store};
 use sagnac::study::Filler;
 use sagnac::table::Table;
 use sagnac::theory::gap::polynomial_weights;
-use studies::{ALL_FREQUENCIES, AT_20_HZ, Row, papers_point, rows, run, run_afresh, study};
+use studies::{
+    ALL_FREQUENCIES, AT_20_HZ, Row, gap_fill, lowered, papers_point, rows, run, run_afresh, study,
+};
 
 #[test]
 fn every_point_of_the_study_agrees_with_its_closed_form_within_5_standard_errors() {
@@ -36,10 +37,10 @@ fn every_point_of_the_study_agrees_with_its_closed_form_within_5_standard_errors
 
     let plan = Plan::new(&study).unwrap();
     let store = Store::open(folder.path(), &plan.identity()).unwrap();
-    for point in study.points() {
-        let lowered = Lowered::new(point, &study.fillers, &study.errors, study.seed, study.streams).unwrap();
+    for point in &gap_fill(&study).points {
+        let lowered = lowered(&study, point);
         let total = |filler: usize| store.total(&lowered.fillers[filler][0].address).unwrap();
-        assert_eq!(study.fillers[..2], [Filler::polynomial(0), Filler::polynomial(1)]);
+        assert_eq!(gap_fill(&study).fillers[..2], [Filler::polynomial(0), Filler::polynomial(1)]);
         assert_eq!(total(0), total(1), "residuals of const and linear differ at point {}", point.index);
     }
 }
@@ -295,8 +296,8 @@ fn a_gap_centred_on_the_zero_crossing_without_noise_leaves_only_rounding() {
     let table = run_afresh(&study);
     let residuals: Vec<Row> = rows(&table).filter(|row| row.text("error") == "residual").collect();
     assert_eq!(residuals.len(), 9);
-    let bounds = study.points().iter().flat_map(|point| {
-        let lowered = Lowered::new(point, &study.fillers, &study.errors, study.seed, study.streams).unwrap();
+    let bounds = gap_fill(&study).points.iter().flat_map(|point| {
+        let lowered = lowered(&study, point);
         lowered.fillers.into_iter().map(|estimates| estimates[0].oracle.rounding)
     });
     for (row, bound) in residuals.iter().zip(bounds) {
@@ -310,9 +311,8 @@ type TallyRows = BTreeMap<(Vec<u8>, Vec<u8>, i64, i64), (Vec<u8>, Vec<u8>, i64)>
 /// All rows of the table of tallies, byte for byte.
 fn tallies(folder: &Path) -> TallyRows {
     let connection = rusqlite::Connection::open(folder.join(FILE)).unwrap();
-    let mut statement = connection
-        .prepare("SELECT point, estimate, first, log2, digest, moments, checksum FROM tally")
-        .unwrap();
+    let mut statement =
+        connection.prepare("SELECT point, estimate, first, log2, digest, sums, checksum FROM tally").unwrap();
     let rows = statement
         .query_map([], |row| {
             let key = (row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?);
@@ -362,10 +362,8 @@ fn adding_a_filler_whose_sums_are_wide_changes_no_tally() {
     let (first, second) = (with(r#"fillers = ["const"]"#), with(r#"fillers = ["const", "quadratic"]"#));
     let wide = |changes: &[(&str, &str)]| {
         let study = study(changes);
-        let lowered =
-            Lowered::new(&study.points()[0], &study.fillers, &study.errors, study.seed, study.streams)
-                .unwrap();
-        lowered.launch(&(0..study.fillers.len()).collect::<Vec<_>>()).shape.wide
+        let lowered = lowered(&study, &gap_fill(&study).points[0]);
+        lowered.launch(&(0..gap_fill(&study).fillers.len()).collect::<Vec<_>>()).shape.wide
     };
     assert_eq!((wide(&first), wide(&second)), (false, true));
     extend(&first, &second, "a wide filler");

@@ -80,7 +80,7 @@ fn every_noise_has_the_variance_of_its_closed_form() {
     // A loss of 2^−5 a sample; the stationary variance follows from the step's.
     let (loss, step): (f64, f64) = (1.0 / 32.0, 25_600.0);
     let sigma = step / (1.0 - (1.0 - loss) * (1.0 - loss)).sqrt();
-    let words = [1 << 25, 16 * 25_600, (16.0 * sigma).round() as u32];
+    let words = [1 << 25, 4 * 25_600, (4.0 * sigma).round() as u32];
     let time_s = -1.0 / (1.0 - loss).ln();
     let q_c = sigma * RATE_UNIT * (2.0 / time_s).sqrt();
     check("Markov", &Recipe { markov: Some(words), ..quiet() }, process(Part::Markov { q_c, time_s }));

@@ -9,6 +9,7 @@ use sagnac::backend::cpu::{Cpu, Width};
 use sagnac::backend::gpu::source::Variant;
 use sagnac::kernel::allan;
 use sagnac::kernel::recipe::{Level, Recipe};
+use sagnac::verify::{NamedRecords, THINNED, lgk_400, named_records};
 
 /// Octaves that a record of `samples` has room for; `overlap` differences in an averaging time, or all.
 fn levels(samples: u32, order: u32, overlap: Option<u32>) -> Vec<Level> {
@@ -48,14 +49,15 @@ fn recipes() -> Vec<(&'static str, Recipe)> {
     let everything = Recipe {
         walk: 16 * 40,
         flicker: vec![16 * 3000; 9],
-        markov: Some([1 << 22, 16 * 500, 16 * 8000]),
+        markov: Some([1 << 22, 4 * 500, 4 * 8000]),
         sine: Some([0x0123_4567, 4 * 5000]),
         quantisation: 16 * 77,
         pulse: Some(5),
         drift: drift(1000),
         ..white(1000)
     };
-    vec![
+    let named = named_records().into_iter().map(|named| (named.name, named.lowered().recipe().clone()));
+    let made = vec![
         ("white", white(5000)),
         ("one sample", white(2)),
         ("a whole chunk", white(63)),
@@ -64,7 +66,7 @@ fn recipes() -> Vec<(&'static str, Recipe)> {
         ("flicker of two octaves", Recipe { flicker: vec![16 * 3000; 1], ..white(300) }),
         ("flicker of short holds", Recipe { flicker: vec![16 * 3000; 5], ..white(700) }),
         ("flicker", Recipe { flicker: (1..=23).map(|o| 16 * (4000 - 100 * o)).collect(), ..white(9000) }),
-        ("Markov", Recipe { markov: Some([1 << 29, 16 * 900, 16 * 1000]), ..white(300) }),
+        ("Markov", Recipe { markov: Some([1 << 29, 4 * 900, 4 * 1000]), ..white(300) }),
         ("sine", Recipe { sine: Some([0xfff0_0000, 4 * 30_000]), ..white(300) }),
         ("quantisation", Recipe { white: 0, quantisation: 16 * 500, ..white(300) }),
         ("pulses", Recipe { pulse: Some(12), ..white(300) }),
@@ -88,7 +90,8 @@ fn recipes() -> Vec<(&'static str, Recipe)> {
             "everything, Hadamard, from far on",
             Recipe { order: 3, levels: levels(1000, 3, Some(8)), ..everything },
         ),
-    ]
+    ];
+    made.into_iter().chain(named).collect()
 }
 
 /// Records of each recipe: more than the lanes of any width, and not a multiple of them.
@@ -134,6 +137,25 @@ fn records_are_the_same_in_every_shader() {
                     );
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn a_record_of_many_dispatches_is_the_same() {
+    let (name, samples) = ("lgk-400", 60_000);
+    let named = NamedRecords { name, parts: lgk_400(), readout_lsb: 0.0, samples, estimator: THINNED };
+    let records = named.lowered();
+    let recipe = records.recipe();
+    let reference = Cpu::new(Width::widest(), 0).unwrap().sums(recipe, 5, 3, &|_| {});
+    for adapter in adapters() {
+        for int64 in [true, false] {
+            if int64 && !adapter.has_int64() {
+                continue;
+            }
+            let mut gpu = open(&adapter, Variant { int64, checked: false, workgroup: 64 });
+            let found = gpu.sums(recipe, 5, 3, &|_| {}).unwrap();
+            assert!(found == reference, "{}, 64 bits {int64}", gpu.name());
         }
     }
 }

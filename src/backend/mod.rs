@@ -10,6 +10,7 @@ use crate::block::Block;
 use crate::kernel::launch::Launch;
 use crate::kernel::map::Map;
 use crate::kernel::moments::Moments;
+use crate::kernel::recipe::Recipe;
 
 /// Trials to be tallied: a block of a launch.
 #[derive(Debug, Clone, Copy)]
@@ -46,6 +47,33 @@ impl Device {
         match self {
             Device::Cpu(cpu) => Ok(cpu.tally(jobs, histogram, progress)),
             Device::Gpu(gpu) => gpu.tally(jobs, histogram, progress),
+        }
+    }
+
+    /// Sums of the squared differences of some records: record by record, in each the places of the curve; `progress` hears of
+    /// records as they are done.
+    ///
+    /// # Errors
+    /// A GPU is lost or refuses, or a record is too long for it: [`TooLong`](gpu::GpuError::TooLong), which the CPU takes.
+    pub fn sums(
+        &mut self,
+        recipe: &Recipe,
+        first: u64,
+        count: usize,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Vec<u128>, gpu::GpuError> {
+        match self {
+            Device::Cpu(cpu) => Ok(cpu.sums(recipe, first, count, progress)),
+            Device::Gpu(gpu) => gpu.sums(recipe, first, count, progress),
+        }
+    }
+
+    /// Records that it makes in the time of one.
+    pub fn records_at_once(&self) -> u64 {
+        match self {
+            Device::Cpu(cpu) => cpu.records_at_once(),
+            // A workgroup; more of them are found out by the time that they take.
+            Device::Gpu(_) => 64,
         }
     }
 

@@ -90,7 +90,7 @@ fn same_curve(a: &Series, b: &Series) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Axis, Grouping, Scale, SeriesPoint};
+    use super::super::{Axis, Grouping, Parts, Scale, SeriesPoint};
     use super::*;
 
     fn curve(colour: usize, dash: usize, ys: &[f64]) -> Series {
@@ -115,8 +115,10 @@ mod tests {
             dashes: grouping(&["1", "2"]),
             points: String::new(),
             bands: "95 % band".to_owned(),
+            lines: String::new(),
             series,
             laws: vec![],
+            parts: Parts::default(),
             limit: None,
             chosen: vec![],
         }

@@ -21,10 +21,14 @@ pub struct Figure {
     pub points: String,
     /// What the bands are, for the legend: `95 % band`.
     pub bands: String,
+    /// What the laws of the series are, for the legend: `closed form`.
+    pub lines: String,
     /// The curves; later ones are drawn over earlier ones.
     pub series: Vec<Series>,
     /// Laws beside the curves.
     pub laws: Vec<Law>,
+    /// What a curve is the sum of.
+    pub parts: Parts,
     /// What the curves are judged by.
     pub limit: Option<Limit>,
     /// How the rows of the table were chosen, for the legend: `filler = const`.
@@ -108,6 +112,26 @@ pub struct Law {
 pub struct LawLine {
     /// The [`Entry::style`] among the colours of the curves it is about. Only the line of a single one has its colour.
     pub colours: Vec<usize>,
+    /// By rising x.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// What a curve is the sum of: thin dashed lines, for which the axes do not reach.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Parts {
+    /// Their heading in the legend: `parts of the fit`.
+    pub title: String,
+    /// From top to bottom of the legend.
+    pub lines: Vec<Part>,
+}
+
+/// One part of a sum.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// `N = 0.003 °/√h`
+    pub label: String,
+    /// Index of its colour, as of an [`Entry`].
+    pub colour: usize,
     /// By rising x.
     pub points: Vec<(f64, f64)>,
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
+use super::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Parts, Series, SeriesPoint};
 use super::mixed::check_curves;
 use super::scale::Scale;
 use super::spec::{ChartError, Notes, Spec};
@@ -13,11 +13,13 @@ impl Figure {
     /// curves that coincide are merged by [`Figure::merge_coincident`].
     ///
     /// # Errors
-    /// A limit or a law where y is no angle, a column that is not there, holds text instead of numbers, or has no row with a
+    /// A limit or a law in another unit than that of y, a column that is not there, holds text instead of numbers, or has no row with a
     /// value asked for, a curve through rows that belong on several.
     pub fn from_table(table: &Table, spec: &Spec) -> Result<(Figure, Notes), ChartError> {
         let (x, y) = (numbers(table, &spec.x)?, numbers(table, &spec.y)?);
-        check_angle(&spec.y, y, [spec.limit.map(|_| "limit"), spec.laws.first().map(|_| "law")])?;
+        let beside =
+            [spec.limit.map(|limit| ("limit", limit.1)), spec.laws.first().map(|_| ("law", Unit::ARCSEC))];
+        check_unit(&spec.y, y, beside)?;
         let laws = spec.laws.iter().map(|name| numbers(table, name)).collect::<Result<Vec<_>, _>>()?;
         let oracle = format!("oracle_{}", y.name);
         let oracle = table.columns.iter().find(|column| column.name == oracle);
@@ -37,10 +39,12 @@ impl Figure {
             colours: grouping(colours, &rows),
             dashes: grouping(dashes, &rows),
             points: spec.points.clone(),
-            bands: "95 % band".to_owned(),
+            bands: spec.bands.clone(),
+            lines: "closed form".to_owned(),
             series: vec![],
             laws: vec![],
-            limit: spec.limit.map(|value| limit(value, y)),
+            parts: Parts::default(),
+            limit: spec.limit.map(|(value, _)| limit(value, y)),
             chosen: table.chosen(&spec.filter)?,
         };
         let mut notes = Notes::default();
@@ -92,18 +96,18 @@ pub(super) fn numbers<'t>(table: &'t Table, name: &str) -> Result<&'t Column, Ch
     }
 }
 
-/// Refuses the first thing in ″ `beside` a column of something else.
-pub(super) fn check_angle<const N: usize>(
+/// Refuses the first thing that stands `beside` a column and is in another unit.
+pub(super) fn check_unit<const N: usize>(
     name: &str,
     column: &Column,
-    beside: [Option<&'static str>; N],
+    beside: [Option<(&'static str, Unit)>; N],
 ) -> Result<(), ChartError> {
-    match beside.into_iter().flatten().next() {
-        Some(beside) if column.unit != Unit::ARCSEC => {
+    match beside.into_iter().flatten().find(|(_, wanted)| column.unit != *wanted) {
+        Some((beside, wanted)) => {
             let (column, unit) = (name.to_owned(), column.unit.symbol.to_owned());
-            Err(ChartError::NotAngle { column, unit, beside })
+            Err(ChartError::OtherUnit { column, unit, beside, wanted: wanted.symbol })
         }
-        _ => Ok(()),
+        None => Ok(()),
     }
 }
 
@@ -113,8 +117,11 @@ pub(super) fn axis(column: &Column, scale: Scale) -> Axis {
 }
 
 pub(super) fn limit(value: f64, y: &Column) -> Limit {
-    let label = format!("limit {} {}", significant(value, 6), y.unit.symbol);
-    Limit { value, label: label.trim_end().to_owned() }
+    let label = match y.unit.symbol {
+        "" => format!("limit {} %", significant(100.0 * value, 6)),
+        symbol => format!("limit {} {symbol}", significant(value, 6)),
+    };
+    Limit { value, label }
 }
 
 /// The different values of a column, in the order of their first rows.
@@ -197,9 +204,10 @@ mod tests {
             series: vec!["filler".to_owned(), "gap_ticks".to_owned()],
             apart: vec![],
             filter: vec![],
-            limit: Some(10.0),
+            limit: Some((10.0, Unit::ARCSEC)),
             laws: vec![],
             points: "Monte Carlo".to_owned(),
+            bands: "95 % band".to_owned(),
         }
     }
 

@@ -73,7 +73,7 @@ fn on_line(line: &[(f64, f64)], x: f64) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Axis, Grouping, Law, Scale};
+    use super::super::{Axis, Grouping, Law, Parts, Scale};
     use super::*;
 
     fn line(colour: usize, xs: &[f64], law: fn(f64) -> f64) -> LawLine {
@@ -91,8 +91,10 @@ mod tests {
             dashes: Grouping::default(),
             points: String::new(),
             bands: String::new(),
+            lines: String::new(),
             series: vec![],
             laws: vec![Law { label: String::new(), lines }],
+            parts: Parts::default(),
             limit: None,
             chosen: vec![],
         };

@@ -1,7 +1,7 @@
 //! The legend: what colours, dashes and signs stand for, beside the plot.
 
 use super::canvas::{Canvas, Lettering, Stroke};
-use super::figure::{Figure, Grouping, Law, LawLine};
+use super::figure::{Figure, Grouping, Law, LawLine, Part, Series};
 use super::map::{HATCH, hatching};
 use super::palette::{self, INK, MUTED};
 use super::text;
@@ -43,7 +43,8 @@ pub(super) struct Sample {
 }
 
 impl Legend {
-    /// One part for the colours, one for dashes and markers, one for laws, one on how to read points, lines and bands.
+    /// One part for the colours, one for dashes and markers, one for laws, one on how to read points, lines and bands,
+    /// one for the parts of a sum.
     pub fn of(figure: &Figure) -> Legend {
         let mut legend = Legend::default();
         let own_dashes = !figure.dashes.entries.is_empty();
@@ -52,11 +53,14 @@ impl Legend {
             if own_dashes {
                 return Sample { line: Some(Stroke { colour, width: 3.5, dash: "" }), ..Sample::default() };
             }
-            curve_sample(style, colour)
+            curve_sample(style, colour, has_line(figure, |series| series.colour == style))
         });
-        legend.grouping(&figure.dashes, |style| curve_sample(style, MUTED));
+        legend.grouping(&figure.dashes, |style| {
+            curve_sample(style, MUTED, has_line(figure, |series| series.dash == style))
+        });
         legend.part(None, law_rows(figure));
         legend.part(None, reading_entries(figure));
+        legend.part(Some(&figure.parts.title), part_rows(figure));
         let coincident = figure.coincident();
         if !coincident.is_empty() {
             legend.part(Some("the same curve"), coincident.into_iter().map(Row::Remark).collect());
@@ -150,9 +154,14 @@ impl Legend {
     }
 }
 
-fn curve_sample(style: usize, colour: &'static str) -> Sample {
+fn curve_sample(style: usize, colour: &'static str, has_line: bool) -> Sample {
     let line = Stroke { colour, width: 1.6, dash: palette::dash(style) };
-    Sample { line: Some(line), marker: Some((style, colour)), ..Sample::default() }
+    Sample { line: has_line.then_some(line), marker: Some((style, colour)), ..Sample::default() }
+}
+
+/// Whether a line is drawn for some of the series: beside closed forms, those without one are points alone.
+fn has_line(figure: &Figure, is_meant: impl Fn(&Series) -> bool) -> bool {
+    !figure.has_laws() || figure.series.iter().any(|series| is_meant(series) && !series.law.is_empty())
 }
 
 fn law_rows(figure: &Figure) -> Vec<Row> {
@@ -171,6 +180,17 @@ fn law_rows(figure: &Figure) -> Vec<Row> {
 pub(super) fn law_stroke(law: usize, colour: Option<usize>) -> Stroke {
     let colour = colour.map_or(palette::PALE_MUTED, palette::pale);
     Stroke { colour, width: 4.5, dash: palette::broad_dash(law) }
+}
+
+fn part_rows(figure: &Figure) -> Vec<Row> {
+    let sample = |i, part: &Part| Sample { line: Some(part_stroke(i, part)), ..Sample::default() };
+    let parts = figure.parts.lines.iter().enumerate();
+    parts.flat_map(|(i, part)| wrapped_entry(sample(i, part), &part.label)).collect()
+}
+
+/// How a part of a sum is drawn: dashed, thinner than the sum.
+pub(super) fn part_stroke(index: usize, part: &Part) -> Stroke {
+    Stroke { colour: palette::colour(part.colour), width: 1.2, dash: palette::thin_dash(index) }
 }
 
 /// An entry with all of its text, in as many lines as it takes.
@@ -192,7 +212,7 @@ fn reading_entries(figure: &Figure) -> Vec<Row> {
     // Where points are not said to be something else there is nothing to tell them from.
     if figure.has_laws() && !figure.points.is_empty() {
         let line = Stroke { colour: MUTED, width: 1.4, dash: "" };
-        rows.push(Row::Entry(Sample { line: Some(line), ..Sample::default() }, "closed form".to_owned()));
+        rows.push(Row::Entry(Sample { line: Some(line), ..Sample::default() }, figure.lines.clone()));
     }
     if has_band {
         rows.push(Row::Entry(Sample { band: Some(MUTED), ..Sample::default() }, figure.bands.clone()));

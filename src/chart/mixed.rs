@@ -116,6 +116,7 @@ mod tests {
             limit: None,
             laws: vec![],
             points: String::new(),
+            bands: String::new(),
         };
         let table = table();
         let rows = table.rows_where(filter).unwrap();

@@ -33,7 +33,7 @@ mod text;
 mod ticks;
 mod whole;
 
-pub use figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Series, SeriesPoint};
+pub use figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Part, Parts, Series, SeriesPoint};
 pub use layout::{HEIGHT, WIDTH};
 pub use map::{Cells, Map, MapNotes, MapSpec, Show, Won};
 pub use png::{PngError, png};

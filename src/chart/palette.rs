@@ -14,6 +14,9 @@ const TINTS: [[&str; 8]; 2] = [
 /// Dash patterns, as `stroke-dasharray` has them.
 const DASHES: [&str; 6] = ["", "7 3", "2 2.5", "9 3 2 3", "14 4", "9 3 2 3 2 3"];
 
+/// The same for thin lines, none of them solid.
+const THIN_DASHES: [&str; 7] = ["6 3", "2 2", "8 3 2 3", "12 4", "8 3 2 3 2 3", "4 2", "12 3 4 3"];
+
 /// The same for broad lines.
 const BROAD_DASHES: [&str; 4] = ["", "12 5", "3 4", "12 4 3 4"];
 
@@ -61,6 +64,11 @@ pub(super) fn dash(style: usize) -> &'static str {
 /// The dash pattern of a broad line; they repeat.
 pub(super) fn broad_dash(style: usize) -> &'static str {
     BROAD_DASHES[style % BROAD_DASHES.len()]
+}
+
+/// The dash pattern of a thin line; they repeat.
+pub(super) fn thin_dash(style: usize) -> &'static str {
+    THIN_DASHES[style % THIN_DASHES.len()]
 }
 
 /// The corners of a style's marker; they repeat.

@@ -3,7 +3,7 @@
 use super::area::{Area, Frame};
 use super::canvas::{Canvas, Lettering, Stroke};
 use super::figure::{Figure, Limit, Series, SeriesPoint};
-use super::legend::law_stroke;
+use super::legend::{law_stroke, part_stroke};
 use super::palette::{self, LIMIT};
 use super::scale::{Range, Scale};
 use super::text;
@@ -59,7 +59,7 @@ fn shown_points(figure: &Figure) -> impl Iterator<Item = &SeriesPoint> {
 }
 
 impl Plot<'_> {
-    /// Draws laws, bands, closed forms, limit and points, in this order from below.
+    /// Draws laws, bands, parts, closed forms, limit and points, in this order from below.
     pub fn draw(&self, canvas: &mut Canvas) {
         let Frame { left, top, right, bottom } = self.area.frame;
         canvas.open_window(left, top, right - left, bottom - top);
@@ -71,6 +71,11 @@ impl Plot<'_> {
             });
         }
         self.figure.series.iter().for_each(|series| self.draw_bands(canvas, series));
+        for (i, part) in self.figure.parts.lines.iter().enumerate() {
+            canvas.group(&part.label, |canvas| {
+                self.draw_line(canvas, &part.points, part_stroke(i, part));
+            });
+        }
         self.figure.series.iter().for_each(|series| self.draw_curve(canvas, series));
         let limit = self.figure.limit.as_ref().filter(|limit| self.area.y.scale.shows(limit.value));
         if let Some(limit) = limit {

@@ -3,9 +3,9 @@
 #[cfg(doc)]
 use super::Figure;
 use super::Scale;
-use crate::table::ColumnError;
 #[cfg(doc)]
 use crate::table::Table;
+use crate::table::{ColumnError, Unit};
 
 /// Which columns make a chart, and how. Columns are named as [`Table::column`] understands them.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,12 +29,14 @@ pub struct Spec {
     pub apart: Vec<String>,
     /// Only rows with this value in this column are shown: (column, value as files show it).
     pub filter: Vec<(String, String)>,
-    /// A horizontal line, an angle in ″: y must be one.
-    pub limit: Option<f64>,
+    /// A horizontal line, in a unit that y must have.
+    pub limit: Option<(f64, Unit)>,
     /// Columns with laws to be drawn beside the curves, angles in ″: y must be one. Their labels stand in the legend.
     pub laws: Vec<String>,
     /// What the points are, for the legend: `Monte Carlo`, `measured`. Empty: not said.
     pub points: String,
+    /// What the bands are: `95 % band`.
+    pub bands: String,
 }
 
 /// What the reader of a chart should be told besides.
@@ -114,15 +116,17 @@ pub enum ChartError {
         /// Their values there.
         values: Vec<String>,
     },
-    /// A limit or a law in ″ beside something else.
-    #[error("`{column}` is {}, a {beside} in ″ cannot be drawn on it", in_unit(unit))]
-    NotAngle {
+    /// A limit or a law in one unit beside estimates in another.
+    #[error("`{column}` is {}, a {beside} {} cannot be drawn on it", in_unit(unit), in_words(wanted))]
+    OtherUnit {
         /// The name of the column of the estimates.
         column: String,
         /// The symbol of its unit; empty for a pure number.
         unit: String,
         /// `limit` or `law`.
         beside: &'static str,
+        /// The symbol of its unit; empty for a pure number.
+        wanted: &'static str,
     },
 }
 
@@ -136,4 +140,8 @@ fn of_curve(curve: &str) -> String {
 
 fn in_unit(unit: &str) -> String {
     if unit.is_empty() { "a number without unit".to_owned() } else { format!("in {unit}") }
+}
+
+fn in_words(unit: &str) -> String {
+    if unit.is_empty() { "in percent".to_owned() } else { format!("in {unit}") }
 }

@@ -29,8 +29,10 @@ impl Figure {
     ///     dashes: Grouping::default(),
     ///     points: "Monte Carlo".into(),
     ///     bands: "95 % band".into(),
+    ///     lines: "closed form".into(),
     ///     series: vec![Series { colour: 0, dash: 0, points: [2.0, 4.0, 8.0].map(point).into(), law: vec![] }],
     ///     laws: vec![],
+    ///     parts: Parts::default(),
     ///     limit: Some(Limit { value: 10.0, label: "limit 10 ″".into() }),
     ///     chosen: vec![],
     /// };
@@ -72,7 +74,9 @@ impl Figure {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Axis, Entry, Grouping, Law, LawLine, Limit, Scale, Series, SeriesPoint, png};
+    use super::super::{
+        Axis, Entry, Grouping, Law, LawLine, Limit, Part, Parts, Scale, Series, SeriesPoint, png,
+    };
     use super::*;
     use resvg::tiny_skia::Pixmap;
     use resvg::usvg::roxmltree::Document;
@@ -107,11 +111,13 @@ mod tests {
             dashes: grouping("gap ticks", &["1", "3"]),
             points: "Monte Carlo".to_owned(),
             bands: "95 % band".to_owned(),
+            lines: "closed form".to_owned(),
             series: vec![series(0, 0, 2.0), series(0, 1, 5.0), series(1, 0, 0.1), series(1, 1, 0.3)],
             laws: vec![Law {
                 label: "x³/6".to_owned(),
                 lines: vec![line(vec![1], 0.3), line(vec![0, 1], 1.0)],
             }],
+            parts: Parts::default(),
             limit: Some(Limit { value: 10.0, label: "limit 10 ″".to_owned() }),
             chosen: vec![],
         }
@@ -165,6 +171,24 @@ mod tests {
         figure.series.iter_mut().for_each(|series| series.law.clear());
         assert_eq!(samples(&figure), before, "the line of the closed form goes, that of the points comes");
         assert!(!figure.svg().contains("closed form"));
+    }
+
+    #[test]
+    fn parts_of_a_sum_are_thin_dashed_lines_for_which_the_axes_do_not_reach() {
+        let without = figure().svg();
+        let points = vec![(0.02, 1e-9), (0.05, 1.0), (0.08, 1e9)];
+        let lines = vec![Part { label: "K = 1 °/h/√h".to_owned(), colour: 4, points }];
+        let svg = Figure { parts: Parts { title: "parts".to_owned(), lines }, ..figure() }.svg();
+        let document = Document::parse(&svg).unwrap();
+        assert_eq!(elements(&document, "polyline", "K = 1 °/h/√h"), 1);
+        assert!(svg.contains(">parts<") && svg.contains(">K = 1 °/h/√h<"), "{svg}");
+        let labels = |svg: &str| {
+            let document = Document::parse(svg).unwrap();
+            let axes = document.descendants().find(|node| node.attribute("aria-label") == Some("axes"));
+            let labels = axes.unwrap().descendants().filter(|node| node.has_tag_name("text"));
+            labels.filter_map(|node| node.text().map(str::to_owned)).collect::<Vec<_>>()
+        };
+        assert_eq!(labels(&svg), labels(&without));
     }
 
     #[test]

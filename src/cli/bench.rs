@@ -7,7 +7,9 @@ use sagnac::backend::gpu::GpuError;
 use sagnac::backend::{Device, Job, SelectError, select};
 use sagnac::block::cover;
 use sagnac::kernel::launch::Launch;
-use sagnac::verify::configurations;
+use sagnac::kernel::recipe::Recipe;
+use sagnac::theory::allan::Estimator;
+use sagnac::verify::{NamedRecords, THINNED, configurations, lgk_400};
 use serde::Serialize;
 
 use super::Failure;
@@ -20,10 +22,20 @@ struct Figure {
     kernel: &'static str,
     /// The configuration that is sampled.
     configuration: &'static str,
+    /// Estimates of a trial, averaging times of a record.
     estimates: usize,
     histogram: bool,
     /// Best of the runs.
-    million_trials_per_second: f64,
+    #[serde(flatten)]
+    rate: Rate,
+}
+
+#[derive(Debug, Serialize)]
+enum Rate {
+    #[serde(rename = "million_trials_per_second")]
+    Trials(f64),
+    #[serde(rename = "million_samples_per_second")]
+    Samples(f64),
 }
 
 /// Runs of a measurement; each takes about this long.
@@ -39,7 +51,12 @@ const MEASURED: [(&str, bool); 5] = [
     ("profile", false),
 ];
 
-/// Measures the gap-fill kernel on every width of the CPU and on the device.
+/// Records of nine hours at 1 Hz, with differences a 64th of τ apart and at every sample.
+const MEASURED_RECORDS: [(&str, Estimator); 2] =
+    [("lgk-400, overlap m/64", THINNED), ("lgk-400, full overlap", Estimator::OVERLAPPING)];
+const SAMPLES: u64 = 32_400;
+
+/// Measures the kernels of trials and of records on every width of the CPU and on the device.
 pub fn bench(options: &super::Bench) -> Result<(), Failure> {
     let selection = select(&options.device.name)?;
     eprintln!("device: {}, {}", selection.device.name(), selection.reason);
@@ -51,6 +68,13 @@ pub fn bench(options: &super::Bench) -> Result<(), Failure> {
         devices.push(Device::Cpu(Cpu::new(width, 0).map_err(SelectError::from)?));
     }
     let mut figures = Vec::new();
+    let mut found = |figure: Figure| {
+        if !options.json {
+            print(&figure.line())?;
+        }
+        figures.push(figure);
+        Ok::<_, Failure>(())
+    };
     let all = configurations();
     for device in &mut devices {
         for (name, histogram) in MEASURED {
@@ -59,22 +83,27 @@ pub fn bench(options: &super::Bench) -> Result<(), Failure> {
             else {
                 continue;
             };
-            let figure = Figure {
+            found(Figure {
                 device: device.name(),
                 kernel: "gap_fill",
                 configuration: name,
                 estimates: launch.shape.estimates(),
                 histogram,
-                million_trials_per_second: measure(device, &launch, histogram)? / 1e6,
-            };
-            if !options.json {
-                let with = if histogram { "with histogram" } else { "without histogram" };
-                let Figure { device, kernel, estimates, million_trials_per_second: rate, .. } = &figure;
-                print(&format!(
-                    "{kernel}, {name}, {estimates} estimates, {with:17} {rate:9.1} million trials/s  {device}"
-                ))?;
-            }
-            figures.push(figure);
+                rate: Rate::Trials(trials_per_second(device, &launch, histogram)? / 1e6),
+            })?;
+        }
+        for (name, estimator) in MEASURED_RECORDS {
+            let named =
+                NamedRecords { name, parts: lgk_400(), readout_lsb: 0.0, samples: SAMPLES, estimator };
+            let records = named.lowered();
+            found(Figure {
+                device: device.name(),
+                kernel: "allan",
+                configuration: name,
+                estimates: records.ms().len(),
+                histogram: false,
+                rate: Rate::Samples(samples_per_second(device, records.recipe())? / 1e6),
+            })?;
         }
     }
     if options.json {
@@ -83,20 +112,51 @@ pub fn bench(options: &super::Bench) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Best rate of some runs, trials per second.
-fn measure(device: &mut Device, launch: &Launch, histogram: bool) -> Result<f64, GpuError> {
-    let mut trials = 1_u64 << 20;
+impl Figure {
+    fn line(&self) -> String {
+        let Figure { device, kernel, configuration, estimates, .. } = self;
+        match self.rate {
+            Rate::Trials(rate) => {
+                let with = if self.histogram { "with histogram" } else { "without histogram" };
+                format!(
+                    "{kernel}, {configuration}, {estimates} estimates, {with:17} {rate:9.1} million trials/s  {device}"
+                )
+            }
+            Rate::Samples(rate) => {
+                format!(
+                    "{kernel}, {configuration}, {estimates} averaging times {rate:9.1} million samples/s  {device}"
+                )
+            }
+        }
+    }
+}
+
+/// Best rate of some runs.
+fn trials_per_second(device: &mut Device, launch: &Launch, histogram: bool) -> Result<f64, GpuError> {
+    best(1 << 20, |trials| {
+        let jobs: Vec<Job> = cover(0..trials, 24).into_iter().map(|block| Job { launch, block }).collect();
+        device.tally(&jobs, histogram, &|_| {}).map(drop)
+    })
+}
+
+/// Best rate of some runs.
+fn samples_per_second(device: &mut Device, recipe: &Recipe) -> Result<f64, GpuError> {
+    let records = best(64, |records| device.sums(recipe, 0, records as usize, &|_| {}).map(drop))?;
+    Ok(records * f64::from(recipe.samples))
+}
+
+/// Best rate of some runs, units per second; a run takes as many units, a power of two times `units`, as last long enough.
+fn best(mut units: u64, mut run: impl FnMut(u64) -> Result<(), GpuError>) -> Result<f64, GpuError> {
     let mut best = 0.0_f64;
     let mut runs = 0;
     while runs < RUNS {
-        let jobs: Vec<Job> = cover(0..trials, 24).into_iter().map(|block| Job { launch, block }).collect();
         let started = Instant::now();
-        device.tally(&jobs, histogram, &|_| {})?;
+        run(units)?;
         let seconds = started.elapsed().as_secs_f64();
         if seconds < SECONDS / 2.0 {
-            trials *= 2;
+            units *= 2;
         } else {
-            best = best.max(trials as f64 / seconds);
+            best = best.max(units as f64 / seconds);
             runs += 1;
         }
     }

@@ -4,7 +4,8 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 use sagnac::chart::{self, ChartError, Figure, Map, MapSpec, Scale, Show, Spec};
-use sagnac::study::{self, Chart, Shows, Study, StudyError};
+use sagnac::run::Tables;
+use sagnac::study::{self, Chart, Kind, Shows, Source, Study, StudyError, Swept};
 use sagnac::table::{Cell, ColumnError, Table};
 
 use super::Failure;
@@ -17,11 +18,11 @@ pub fn chart_stem(index: usize, charts: usize) -> String {
 
 /// Draws every chart as SVG and PNG, removes those of earlier runs that are drawn no more, and returns what is to be
 /// said of them.
-pub fn draw(study: &Study, table: &Table, folder: &Path) -> Result<Vec<String>, Failure> {
+pub fn draw(study: &Study, tables: &Tables, folder: &Path) -> Result<Vec<String>, Failure> {
     let mut notes = Vec::new();
     for (index, chart) in study.charts.iter().enumerate() {
         let stem = chart_stem(index, study.charts.len());
-        let (svg, said) = picture(study, table, chart)?;
+        let (svg, said) = picture(study, tables, chart)?;
         write_pictures(folder, &stem, &svg)?;
         notes.extend(said.map(|sentence| format!("{stem}: {sentence}")));
     }
@@ -66,7 +67,12 @@ fn is_chart_stem(stem: &str) -> bool {
 ///
 /// # Errors
 /// The table does not have what the chart asks for; the error points at the name in the study.
-pub fn picture(study: &Study, table: &Table, chart: &Chart) -> Result<(String, Option<String>), StudyError> {
+pub fn picture(
+    study: &Study,
+    tables: &Tables,
+    chart: &Chart,
+) -> Result<(String, Option<String>), StudyError> {
+    let table = tables.of(chart.source);
     let drawn = match &chart.shows {
         Shows::Curves { .. } => Figure::from_table(table, &curves(study, chart))
             .map(|(figure, notes)| (figure.svg(), notes.sentence())),
@@ -92,7 +98,7 @@ fn map(
         y_scale: scale(chart.y_scale),
         show,
         filter: filter(chart),
-        limit: chart.limit_arcsec,
+        limit: chart.limit.map(|limit| (limit.value, limit.unit)),
     };
     let (map, notes) = Map::from_table(table, &spec)?;
     Ok((map.svg(), notes.sentence()))
@@ -111,19 +117,32 @@ fn curves(study: &Study, chart: &Chart) -> Spec {
             .sweeps
             .iter()
             .map(|sweep| sweep.key.name)
-            .chain(["filler", "error"])
+            .chain(study::text_columns(study, chart.source))
             .map(str::to_owned)
             .collect(),
         filter: filter(chart),
-        limit: chart.limit_arcsec,
+        limit: chart.limit.map(|limit| (limit.value, limit.unit)),
         laws: chart.laws().iter().map(|law| law.column().to_owned()).collect(),
-        points: points(&chart.y.name).to_owned(),
+        points: points(study, chart).to_owned(),
+        bands: bands(study).to_owned(),
     }
 }
 
 /// What the points of a chart are: columns of the oracle are not sampled.
-fn points(y: &str) -> &'static str {
-    if y.starts_with("oracle") { "closed form" } else { "Monte Carlo" }
+fn points(study: &Study, chart: &Chart) -> &'static str {
+    match (study.kind(), chart.source) {
+        _ if chart.y.name.starts_with("oracle") => "closed form",
+        (Kind::Allan, Source::Points) => "mean of records",
+        _ => "Monte Carlo",
+    }
+}
+
+/// What the bands are: of the mean of a rms, or where curves of single records lie.
+fn bands(study: &Study) -> &'static str {
+    match study.kind() {
+        Kind::GapFill => "95 % band",
+        Kind::Allan => "95 % of records",
+    }
 }
 
 fn title(study: &Study, chart: &Chart) -> String {
@@ -162,18 +181,26 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
             .find(|named| named.name == name && !named.span.is_empty())
             .map_or(0..0, |named| named.span.clone())
     };
-    let column = "name a column of points.csv, with or without its unit".to_owned();
+    let file = match chart.source {
+        Source::Points => "points.csv",
+        Source::Coefficients => "coefficients.csv",
+    };
+    let column = format!("name a column of {file}, with or without its unit");
     let (span, help) = match error {
         ChartError::Column(ColumnError::Unknown { name, .. } | ColumnError::Ambiguous { name, .. })
         | ChartError::NotNumbers { column: name, .. } => {
             (place(Box::new(named().chain(rows())), name), column)
         }
-        ChartError::Column(ColumnError::NoRow { column, .. }) => (
-            place(Box::new(rows()), column),
-            "`where` takes values that the column has in points.csv".to_owned(),
-        ),
-        ChartError::NotAngle { column, beside, .. } => {
-            let help = format!("name an error in ″ instead, or leave out the {beside}");
+        ChartError::Column(ColumnError::NoRow { column, .. }) => {
+            (place(Box::new(rows()), column), format!("`where` takes values that the column has in {file}"))
+        }
+        ChartError::OtherUnit { column, beside, wanted, .. } => {
+            let instead = match *wanted {
+                "" => "a relative column".to_owned(),
+                "″" => "an error in ″".to_owned(),
+                unit => format!("an estimate in {unit}"),
+            };
+            let help = format!("name {instead} instead, or leave out the {beside}");
             (place(Box::new(std::iter::once(chart.estimate())), column), help)
         }
         ChartError::SameAxes { .. } => (chart.y.span.clone(), "name another column as y".to_owned()),
@@ -202,10 +229,12 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
 fn choose_one(study: &Study, column: &str, value: &str, otherwise: impl Fn(&str) -> String) -> String {
     // As studies write it, with the unit that files leave out.
     let swept = study.sweeps.iter().find(|sweep| sweep.key.name == column);
-    let shown = swept.and_then(|sweep| sweep.values.iter().find(|quantity| quantity.cell().text() == value));
+    let shown = swept.and_then(|sweep| sweep.values.iter().find(|swept| swept.cell().text() == value));
     let value = match shown {
-        Some(quantity) if quantity.dimension == study::Dimension::Count => quantity.to_string(),
-        Some(quantity) => format!("\"{quantity}\""),
+        Some(Swept::Quantity(quantity)) if quantity.dimension == study::Dimension::Count => {
+            quantity.to_string()
+        }
+        Some(swept) => format!("\"{swept}\""),
         None => format!("\"{value}\""),
     };
     // The last part says enough where no other sweep ends alike; a key with dots stands in quotes.

@@ -20,8 +20,15 @@ pub fn filler(options: &Options) -> Result<(), Failure> {
     let source = options.source()?;
     let study = options.study(&source)?;
     let failure = |error| options.failure(&source, error);
-    let fillers = choice::fillers(&study, &options.fillers)?;
-    let point = choice::point(&study, &options.at, &fillers)?;
+    let Some(gap_fill) = study.gap_fill() else {
+        let message = format!(
+            "a study of kind = \"{}\" has no fillers\ngive a study of kind = \"gap-fill\"",
+            study.kind().name()
+        );
+        return Err(Failure::Usage(message));
+    };
+    let fillers = choice::fillers(gap_fill, &options.fillers)?;
+    let point = choice::point(&study, gap_fill, &options.at, &fillers)?;
     let mut firmware = Firmware::new(&study, point, &fillers).map_err(failure)?;
     if !options.has_tick(&source) {
         firmware.tick_s = None;

@@ -96,7 +96,7 @@ struct Verify {
     /// cpu, gpu, or part of an adapter's name: see `sagnac devices` [default: all adapters]
     #[arg(long, value_name = "DEVICE")]
     device: Option<String>,
-    /// Units of work in all for each kernel: trials over its configurations, or numbers
+    /// Units of work in all for each kernel: trials or samples over its configurations, or numbers
     #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
     trials: u64,
 }

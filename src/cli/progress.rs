@@ -28,11 +28,11 @@ impl Shown {
             return Shown::Lines(Lines::default());
         }
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10));
-        let template = "{bar:30} {percent:>3} %  {trials} trials  {rate}  {eta} left";
+        let template = "{bar:30} {percent:>3} %  {done} {msg}  {rate}  {eta} left";
         if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(
                 style
-                    .with_key("trials", |state: &ProgressState, to: &mut dyn std::fmt::Write| {
+                    .with_key("done", |state: &ProgressState, to: &mut dyn std::fmt::Write| {
                         let _ = write!(
                             to,
                             "{} of {}",
@@ -50,25 +50,28 @@ impl Shown {
 }
 
 impl Progress for Shown {
-    fn start(&self, done: u64, total: u64) {
+    fn start(&self, unit: &'static str, done: u64, total: u64) {
         match self {
             Shown::Nothing => {}
             Shown::Bar(bar) => {
+                // It may have come to an end with another unit.
+                bar.reset();
+                bar.set_message(unit);
                 bar.set_length(total);
                 bar.set_position(done);
                 bar.reset_eta();
                 bar.tick();
                 bar.enable_steady_tick(Duration::from_millis(100));
             }
-            Shown::Lines(lines) => lines.start(done, total),
+            Shown::Lines(lines) => lines.start(unit, done, total),
         }
     }
 
-    fn advance(&self, trials: u64) {
+    fn advance(&self, more: u64) {
         match self {
             Shown::Nothing => {}
-            Shown::Bar(bar) => bar.inc(trials),
-            Shown::Lines(lines) => lines.advance(trials),
+            Shown::Bar(bar) => bar.inc(more),
+            Shown::Lines(lines) => lines.advance(more),
         }
     }
 
@@ -87,6 +90,7 @@ pub struct Lines {
 }
 
 struct State {
+    unit: &'static str,
     before: u64,
     total: u64,
     started: Instant,
@@ -94,29 +98,29 @@ struct State {
 }
 
 impl Lines {
-    fn start(&self, before: u64, total: u64) {
+    fn start(&self, unit: &'static str, before: u64, total: u64) {
         self.done.store(before, Ordering::Relaxed);
         if before < total {
-            eprintln!("{} of {} trials done", short(before as f64), short(total as f64));
+            eprintln!("{} of {} {unit} done", short(before as f64), short(total as f64));
         }
         if let Ok(mut state) = self.state.lock() {
             let next = Duration::from_secs(LINE_SECONDS);
-            *state = Some(State { before, total, started: Instant::now(), next });
+            *state = Some(State { unit, before, total, started: Instant::now(), next });
         }
     }
 
-    fn advance(&self, trials: u64) {
-        let done = self.done.fetch_add(trials, Ordering::Relaxed) + trials;
+    fn advance(&self, more: u64) {
+        let done = self.done.fetch_add(more, Ordering::Relaxed) + more;
         // A thread that finds another one printing has nothing to add.
         let Ok(mut state) = self.state.try_lock() else { return };
-        let Some(State { before, total, started, next }) = state.as_mut() else { return };
+        let Some(State { unit, before, total, started, next }) = state.as_mut() else { return };
         let elapsed = started.elapsed();
         if elapsed >= *next && done > *before {
             *next = elapsed + Duration::from_secs(LINE_SECONDS);
             let rate = (done - *before) as f64 / elapsed.as_secs_f64();
             let left = Duration::from_secs_f64((total.saturating_sub(done)) as f64 / rate);
             let percent = 100.0 * done as f64 / (*total).max(1) as f64;
-            eprintln!("{percent:.0} %, {} trials/s, {} left", short(rate), HumanDuration(left));
+            eprintln!("{percent:.0} %, {} {unit}/s, {} left", short(rate), HumanDuration(left));
         }
     }
 }

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use sagnac::backend::{Device, Selection, select};
 use sagnac::chart::ChartError;
-use sagnac::run::{Done, Plan};
+use sagnac::run::{Done, Plan, Tables};
 use sagnac::store::Store;
-use sagnac::study::Study;
-use sagnac::table::Table;
+use sagnac::study::{Chart, Kind, Study, text_columns};
+use sagnac::table::{Cell, Column, Table, significant};
 use serde_json::{Value, json};
 
 use super::Failure;
@@ -15,7 +15,7 @@ use super::charts::{draw, picture, refused, written};
 use super::one_point::one_point;
 use super::output::{print, print_json, write};
 use super::progress::{Shown, short};
-use super::terminal::pivot;
+use super::terminal::{aligned, pivot};
 use super::verdicts::{Verdict, verdicts};
 
 /// Runs the studies one after the other. All are read and checked before the first starts.
@@ -77,7 +77,7 @@ fn folder(options: &super::Run, study: &Path) -> PathBuf {
 /// Finds what would otherwise fail after the sampling.
 fn checked(study: &Study) -> Result<Plan<'_>, Failure> {
     let plan = Plan::new(study)?;
-    let blank = plan.blank_table();
+    let blank = plan.blank_tables();
     for chart in &study.charts {
         picture(study, &blank, chart)?;
     }
@@ -93,48 +93,28 @@ fn run_study(
     options: &super::Run,
 ) -> Result<Option<Value>, Failure> {
     let mut store = Store::open(folder, &plan.identity())?;
-    let done = plan.run(&mut store, device, &Shown::new(options.quiet))?;
-    let table = plan.table(&store)?;
-    let mut csv = Vec::new();
-    table.write_csv(&mut csv).map_err(|source| Failure::Write { path: folder.join("points.csv"), source })?;
-    write(&folder.join("points.csv"), &csv)?;
-    // With a precision `trials` is the most there may be, and so part of the rule.
-    let held = if study.precision.is_none() { plan.held(&store)? } else { None };
-    let trials = held.unwrap_or(study.trials);
-    write(&folder.join(RESOLVED), study.resolved(trials).as_bytes())?;
-    let notes = draw(study, &table, folder)?;
-    let verdicts = verdicts(study, &table)?;
+    let shown = Shown::new(options.quiet);
+    let done = plan.run(&mut store, device, &shown)?;
+    let tables = plan.tables(&store, &shown)?;
+    for (name, table) in files(&tables) {
+        let (path, mut csv) = (folder.join(name), Vec::new());
+        table.write_csv(&mut csv).map_err(|source| Failure::Write { path: path.clone(), source })?;
+        write(&path, &csv)?;
+    }
+    write(&folder.join(RESOLVED), study.resolved(plan.held(&store)?).as_bytes())?;
+    let notes = draw(study, &tables, folder)?;
+    let verdicts = verdicts(study, &tables)?;
+    let notes: Vec<String> = done.degraded.iter().cloned().chain(notes).chain(plan.notes(&store)?).collect();
     if options.json {
-        return Ok(Some(to_json(study, device, done, &table, &verdicts)));
+        return Ok(Some(to_json(study, device, &done, &tables, &verdicts, &notes)));
     }
     if options.quiet {
         return Ok(None);
     }
-    for note in notes.into_iter().chain(plan.absent()) {
+    for note in notes {
         eprintln!("note: {note}");
     }
-    if trials > study.trials {
-        let why =
-            if plan.replays() { "whole replays of the record" } else { "the folder holds them already" };
-        eprintln!("note: {trials} trials a point, not {}: {why}", study.trials);
-    }
-    let (imprecise, fillers) = plan.imprecise(&store)?;
-    if imprecise > 0 {
-        let trials = short(study.trials as f64);
-        eprintln!(
-            "note: {imprecise} of {fillers} fillers at points are not as precise as asked after {trials} trials"
-        );
-    }
-    match plan.unasked(&store)? {
-        0 => {}
-        1 => {
-            eprintln!("note: 1 point of earlier runs is kept but not shown: the study no longer asks for it")
-        }
-        n => eprintln!(
-            "note: {n} points of earlier runs are kept but not shown: the study no longer asks for them"
-        ),
-    }
-    print(&summary(study, &table, &verdicts)?)?;
+    print(&summary(study, &tables, &verdicts)?)?;
     let rate = if done.trials > 0 {
         format!("{} trials in {:.1} s", short(done.trials as f64), done.seconds)
     } else {
@@ -144,22 +124,28 @@ fn run_study(
     Ok(None)
 }
 
-/// The table of the first chart and all verdicts, for people.
-fn summary(study: &Study, table: &Table, verdicts: &[Verdict]) -> Result<String, Failure> {
+/// The tables of a study with the names of their files.
+fn files(tables: &Tables) -> impl Iterator<Item = (&'static str, &Table)> {
+    let coefficients = tables.coefficients.as_ref().map(|table| ("coefficients.csv", table));
+    std::iter::once(("points.csv", &tables.points)).chain(coefficients)
+}
+
+/// The table of the first chart, coefficients, and all verdicts, for people.
+fn summary(study: &Study, tables: &Tables, verdicts: &[Verdict]) -> Result<String, Failure> {
     let mut text = format!("{}\n", study.title);
     if !study.question.is_empty() {
         text += &format!("{}\n", study.question);
     }
     if let Some(chart) = study.charts.first() {
-        let sweeps: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
-        let across = if sweeps.is_empty() { vec![chart.x.name.as_str()] } else { sweeps };
-        let series: Vec<&str> = chart.series().iter().map(|column| column.name.as_str()).collect();
-        let shown = pivot(table, &across, &chart.estimate().name, &series, &written(chart))
-            .map_err(|error| refused(study, chart, &ChartError::Column(error)))?;
+        let shown =
+            of_chart(study, tables.of(chart.source), chart).map_err(|error| refused(study, chart, &error))?;
         text += &format!("\n{shown}");
     } else if study.sweeps.is_empty() {
-        let shown = one_point(table).map_err(|error| Failure::Picture(error.to_string()))?;
+        let shown = one_point(&tables.points).map_err(|error| Failure::Picture(error.to_string()))?;
         text += &format!("\n{shown}");
+    }
+    if let Some(coefficients) = &tables.coefficients {
+        text += &format!("\n{}", coefficients_found(study, coefficients));
     }
     for verdict in verdicts {
         text += &format!("\n{}", verdict.text());
@@ -167,17 +153,73 @@ fn summary(study: &Study, table: &Table, verdicts: &[Verdict]) -> Result<String,
     Ok(text)
 }
 
-fn to_json(study: &Study, device: &Device, done: Done, table: &Table, verdicts: &[Verdict]) -> Value {
-    let cell = |cell: &sagnac::table::Cell| match cell {
-        sagnac::table::Cell::Blank => json!(null),
-        sagnac::table::Cell::Text(text) => json!(text),
-        sagnac::table::Cell::Integer(integer) => json!(integer),
-        sagnac::table::Cell::Number(number) => json!(number),
+/// The rows of a chart as a grid.
+fn of_chart(study: &Study, table: &Table, chart: &Chart) -> Result<String, ChartError> {
+    let sweeps: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
+    let across = match study.kind() {
+        Kind::GapFill if !sweeps.is_empty() => sweeps,
+        Kind::Allan => {
+            let x = table.column(&chart.x.name)?.name.as_str();
+            std::iter::once(x).chain(sweeps.into_iter().filter(|sweep| *sweep != x)).collect()
+        }
+        Kind::GapFill => vec![chart.x.name.as_str()],
     };
-    let rows: Vec<Value> = (0..table.rows())
-        .map(|row| table.columns.iter().map(|column| (column.header(), cell(&column.cells[row]))).collect())
-        .collect();
-    json!({
+    let series: Vec<&str> = chart.series().iter().map(|column| column.name.as_str()).collect();
+    let texts = text_columns(study, chart.source);
+    Ok(pivot(table, &across, &chart.estimate().name, &series, &texts, &written(chart))?)
+}
+
+/// Most coefficients that are shown besides the file of them.
+const MOST_COEFFICIENTS: usize = 24;
+
+/// The coefficients of every point, a line each.
+fn coefficients_found(study: &Study, table: &Table) -> String {
+    if table.rows() > MOST_COEFFICIENTS {
+        return format!("coefficients of {} points are in coefficients.csv\n", points_of(study));
+    }
+    let swept = study.sweeps.len();
+    let shown = |name: &str| !["relative_rmse", "identified", "trials"].contains(&name);
+    let columns: Vec<&Column> = table.columns.iter().filter(|column| shown(&column.name)).collect();
+    let heading = |(at, column): (usize, &&Column)| {
+        if at < swept { column.title() } else { column.name.clone() }
+    };
+    let line = |row: usize| {
+        let cell = |column: &&Column| match &column.cells[row] {
+            Cell::Number(x) => significant(*x, 4),
+            cell => cell.text(),
+        };
+        columns.iter().map(cell).collect::<Vec<String>>()
+    };
+    let mut lines = vec![columns.iter().enumerate().map(heading).collect::<Vec<String>>()];
+    lines.extend((0..table.rows()).map(line));
+    format!("coefficients found in each record\n{}", aligned(&lines))
+}
+
+fn points_of(study: &Study) -> usize {
+    study.sweeps.iter().map(|sweep| sweep.values.len()).product()
+}
+
+fn to_json(
+    study: &Study,
+    device: &Device,
+    done: &Done,
+    tables: &Tables,
+    verdicts: &[Verdict],
+    notes: &[String],
+) -> Value {
+    let cell = |cell: &Cell| match cell {
+        Cell::Blank => json!(null),
+        Cell::Text(text) => json!(text),
+        Cell::Integer(integer) => json!(integer),
+        Cell::Number(number) => json!(number),
+    };
+    let rows = |table: &Table| -> Vec<Value> {
+        let row = |row: usize| {
+            table.columns.iter().map(|column| (column.header(), cell(&column.cells[row]))).collect()
+        };
+        (0..table.rows()).map(row).collect()
+    };
+    let mut document = json!({
         "title": study.title,
         "question": study.question,
         "seed": study.seed,
@@ -185,7 +227,12 @@ fn to_json(study: &Study, device: &Device, done: Done, table: &Table, verdicts: 
         "device": device.name(),
         "sampled_trials": done.trials,
         "seconds": done.seconds,
+        "notes": notes,
         "verdicts": verdicts.iter().map(Verdict::json).collect::<Vec<_>>(),
-        "points": rows,
-    })
+        "points": rows(&tables.points),
+    });
+    if let Some(coefficients) = &tables.coefficients {
+        document["coefficients"] = json!(rows(coefficients));
+    }
+    document
 }

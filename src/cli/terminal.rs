@@ -22,6 +22,7 @@ pub fn pivot(
     sweeps: &[&str],
     y: &str,
     series: &[&str],
+    texts: &[&str],
     filter: &[(String, String)],
 ) -> Result<String, ColumnError> {
     let columns = |names: &[&str]| names.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>();
@@ -30,7 +31,7 @@ pub fn pivot(
     let rows = table.rows_where(filter)?;
     let unnamed = |column: &&Column| series.iter().all(|named| named.name != column.name);
     let mut across: Vec<Names> = sweeps.into_iter().filter(unnamed).map(|c| Names::new(c, &rows)).collect();
-    let others = columns(&["filler", "error"])?.into_iter().filter(unnamed).map(|c| Names::new(c, &rows));
+    let others = columns(texts)?.into_iter().filter(unnamed).map(|c| Names::new(c, &rows));
     let mut curves: Vec<Names> = series.iter().map(|column| Names::new(column, &rows)).collect();
     curves.extend(others.filter(Names::differ));
     // The first sweep stands for the lines even where it has one value.

@@ -1,8 +1,9 @@
 //! What the charts with a limit say of their curves.
 
 use sagnac::chart::ChartError;
-use sagnac::study::{Chart, Shows, Study, StudyError};
-use sagnac::table::{Column, Table, significant};
+use sagnac::run::Tables;
+use sagnac::study::{Chart, Limit, Shows, Study, StudyError};
+use sagnac::table::{Column, Table};
 use sagnac::verdict::{Answer, Question, verdict};
 use serde_json::{Map, Value, json};
 
@@ -14,7 +15,7 @@ pub struct Verdict<'t> {
     charts: Vec<String>,
     /// What is judged.
     of: &'t Column,
-    limit_arcsec: f64,
+    limit: Limit,
     /// The rows it is about: column, value as files show it.
     rows: Vec<(&'t Column, String)>,
     answers: Vec<Answer<'t>>,
@@ -24,14 +25,15 @@ pub struct Verdict<'t> {
 ///
 /// # Errors
 /// The table does not have what a chart asks for.
-pub fn verdicts<'t>(study: &Study, table: &'t Table) -> Result<Vec<Verdict<'t>>, StudyError> {
+pub fn verdicts<'t>(study: &Study, tables: &'t Tables) -> Result<Vec<Verdict<'t>>, StudyError> {
     let mut all: Vec<Verdict> = Vec::new();
     for (index, chart) in study.charts.iter().enumerate() {
-        let Some(limit) = chart.limit_arcsec.filter(|_| matches!(chart.shows, Shows::Curves { .. })) else {
+        let Some(limit) = chart.limit.filter(|_| matches!(chart.shows, Shows::Curves { .. })) else {
             continue;
         };
         let name = chart_stem(index, study.charts.len());
-        let found = of_chart(table, chart, name, limit).map_err(|error| refused(study, chart, &error))?;
+        let found = of_chart(tables.of(chart.source), chart, name, limit)
+            .map_err(|error| refused(study, chart, &error))?;
         match all.iter_mut().find(|earlier| earlier.says_as_much_as(&found)) {
             Some(earlier) => earlier.charts.extend(found.charts),
             None => all.push(found),
@@ -44,7 +46,7 @@ fn of_chart<'t>(
     table: &'t Table,
     chart: &Chart,
     name: String,
-    limit: f64,
+    limit: Limit,
 ) -> Result<Verdict<'t>, ChartError> {
     let rows = filter(chart);
     let question = Question {
@@ -52,13 +54,13 @@ fn of_chart<'t>(
         y: &chart.y.name,
         series: chart.series().iter().map(|column| column.name.as_str()).collect(),
         filter: rows.clone(),
-        limit,
+        limit: limit.value,
     };
     let rows = rows.into_iter().map(|(column, value)| Ok((table.column(&column)?, value)));
     Ok(Verdict {
         charts: vec![name],
         of: table.column(&chart.y.name)?,
-        limit_arcsec: limit,
+        limit,
         rows: rows.collect::<Result<_, ChartError>>()?,
         answers: verdict(table, &question)?,
     })
@@ -69,14 +71,14 @@ impl Verdict<'_> {
         self.of.name == other.of.name
             && self.rows == other.rows
             && self.answers == other.answers
-            && self.limit_arcsec == other.limit_arcsec
+            && self.limit == other.limit
     }
 
     /// A heading that says what is judged, and a sentence for each curve.
     pub fn text(&self) -> String {
         let rows = self.rows.iter().map(|(column, value)| format!(", {}", column.valued(value)));
         let heading = format!("{} against the limit{}", self.of.label, rows.collect::<String>());
-        let limit = format!("{} ″", significant(self.limit_arcsec, 6));
+        let limit = self.limit.text();
         let sentences = self.answers.iter().map(|answer| format!("  {}\n", answer.sentence(&limit)));
         format!("{}: {heading}\n{}", self.charts.join(", "), sentences.collect::<String>())
     }
@@ -92,11 +94,12 @@ impl Verdict<'_> {
                 "at": at.collect::<Vec<_>>(),
             })
         });
+        let limit = format!("limit_{}", self.limit.unit.suffix);
         json!({
             "charts": self.charts,
             "of": self.of.header(),
             "where": rows.collect::<Map<_, _>>(),
-            "limit_arcsec": self.limit_arcsec,
+            (limit.trim_end_matches('_')): self.limit.value,
             "series": answers.collect::<Vec<_>>(),
         })
     }

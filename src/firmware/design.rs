@@ -2,8 +2,8 @@
 
 use super::rule::Rule;
 use crate::lower::{LowerError, Lowered, Rows, Statistics};
-use crate::run::refused;
-use crate::study::{Error, Fill, Filler, Inputs, Method, Point, Quantity, Study, StudyError};
+use crate::run::gap_fill::refused;
+use crate::study::{Error, Fill, Filler, Inputs, Method, Point, Study, StudyError, Swept};
 use crate::table::significant;
 use crate::theory::gap::{Weights, sine_response, tick_amplitude};
 
@@ -12,7 +12,7 @@ use crate::theory::gap::{Weights, sine_response, tick_amplitude};
 pub struct Firmware {
     pub title: String,
     /// Name and value of each swept key.
-    pub at: Vec<(&'static str, Quantity)>,
+    pub at: Vec<(&'static str, Swept)>,
     /// T, s. Where it is not known, times are in ticks and frequencies in cycles per tick.
     pub tick_s: Option<f64>,
     /// n.
@@ -60,7 +60,7 @@ impl Firmware {
     pub fn new(study: &Study, point: &Point, fillers: &[Filler]) -> Result<Firmware, StudyError> {
         let rules = rules(study, point, fillers)?;
         let fill_of = |filler: &Filler| {
-            let place = study.fillers.iter().position(|own| own.name == filler.name);
+            let place = fillers_of(study).iter().position(|own| own.name == filler.name);
             place.map(|place| point.fills[place].clone())
         };
         let fills: Vec<Fill> = fillers.iter().filter_map(fill_of).collect();
@@ -94,9 +94,10 @@ impl Firmware {
 
     /// The point in words, `motion.frequency = 20 Hz, …`; empty without sweeps.
     pub fn place(&self) -> String {
-        let each = self.at.iter().map(|(key, value)| {
+        let each = self.at.iter().filter_map(|(key, value)| {
+            let value = value.quantity()?;
             let unit = value.dimension.unit().symbol;
-            format!("{key} = {}", format!("{} {unit}", significant(value.value, 6)).trim_end())
+            Some(format!("{key} = {}", format!("{} {unit}", significant(value.shown(), 6)).trim_end()))
         });
         each.collect::<Vec<_>>().join(", ")
     }
@@ -123,7 +124,7 @@ pub fn rules(
     let statistics = Statistics::of(&point.inputs);
     let mut rules = Vec::new();
     for filler in fillers {
-        let place = study.fillers.iter().position(|own| own.name == filler.name);
+        let place = fillers_of(study).iter().position(|own| own.name == filler.name);
         let Some(fill) = place.map(|place| &point.fills[place]) else { continue };
         let rule = |error, ticks: &[i32]| {
             let rows = match Rows::by_tick(filler, error, ticks, &statistics) {
@@ -189,4 +190,9 @@ fn too_large(study: &Study, filler: &Filler) -> StudyError {
     let message = format!("switching.fillers: the weights of `{}` need more than 32 bits", filler.name);
     let help = "move its ticks nearer to the gap, or shorten the gap";
     study.error_at(study.place_of("switching.fillers"), message, help)
+}
+
+/// The fillers of a study, in the order of the ticks of its points.
+fn fillers_of(study: &Study) -> &[Filler] {
+    study.gap_fill().map_or(&[], |gap_fill| &gap_fill.fillers)
 }

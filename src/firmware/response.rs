@@ -1,7 +1,7 @@
 //! The response of fillers over frequency, as a chart.
 
 use super::design::{Firmware, response};
-use crate::chart::{Axis, Entry, Figure, Grouping, Law, LawLine, Scale, Series, SeriesPoint};
+use crate::chart::{Axis, Entry, Figure, Grouping, Law, LawLine, Parts, Scale, Series, SeriesPoint};
 use crate::study::Error;
 use crate::table::significant;
 use crate::theory::gap::Weights;
@@ -82,8 +82,10 @@ impl Firmware {
             dashes: Grouping { title: "error".to_owned(), entries: entries(errors) },
             points: String::new(),
             bands: String::new(),
+            lines: "closed form".to_owned(),
             series,
             laws,
+            parts: Parts::default(),
             limit: None,
             chosen: vec![],
         };

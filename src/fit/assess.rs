@@ -4,6 +4,7 @@
 //! them. A term that is not in use is judged as if it entered next, by the estimate that it would have, possibly a
 //! negative one.
 
+use super::basis::shape_range;
 use super::coefficient::{Coefficient, Fit, Shape, Verdict};
 use super::evidence::Evidence;
 use super::growth::Growth;
@@ -90,7 +91,7 @@ impl<'a> Judge<'a> {
             }
             (Some(place), Some(high)) if is_sure => {
                 let shape = self.used[place].shape;
-                if term.has_shape() && is_at_the_end(shape, self.system.shape_range(term)) {
+                if term.has_shape() && is_at_the_end(shape, shape_range(self.system.curve(), term)) {
                     return uncertain(None);
                 }
                 Coefficient {

@@ -1,9 +1,7 @@
-//! Which terms a curve supports, and the fit from a record alone.
+//! Which terms a curve supports.
 
-use super::assess::Judge;
-use super::growth::Growth;
 use super::search::{Solution, System};
-use super::{Covariance, Curve, Fit, FitError, Term};
+use super::{FitError, Term};
 
 /// What a term has to take off χ² to be chosen.
 ///
@@ -35,11 +33,24 @@ pub enum Terms {
 }
 
 impl Terms {
-    /// All terms that may enter, each once.
-    fn candidates(&self) -> Result<Vec<Term>, FitError> {
+    /// All terms that may enter.
+    pub fn all(&self) -> &[Term] {
         let (Terms::Given(terms) | Terms::Auto(terms)) = self;
+        terms
+    }
+
+    /// Parameters that a fit has at least.
+    pub fn fewest_parameters(&self) -> usize {
+        match self {
+            Terms::Given(terms) => terms.iter().map(|term| term.parameters()).sum(),
+            Terms::Auto(_) => 1,
+        }
+    }
+
+    /// All terms that may enter, each once.
+    pub(super) fn candidates(&self) -> Result<Vec<Term>, FitError> {
         let mut candidates: Vec<Term> = Vec::new();
-        for &term in terms {
+        for &term in self.all() {
             if !candidates.contains(&term) {
                 candidates.push(term);
             }
@@ -48,84 +59,10 @@ impl Terms {
     }
 }
 
-/// Where the covariance between the estimates comes from, and with it what errors a coefficient has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Errors {
-    /// It is known, and the same whatever the coefficients are: intervals are ± 1.96 standard errors of the square.
-    Known,
-    /// It is that of one record of the fitted model, so that a coefficient that came out low seems precise: intervals
-    /// hold the values at which the outcome would not be a rare one, with the covariance of a record of that value.
-    OfModel,
-}
-
-/// Fits `terms` to a curve whose estimates have this covariance.
-///
-/// With [`Terms::Auto`] the terms are those of the least χ² + Σ penalty, over all subsets ([`PENALTY`]): all compared
-/// with the same covariance, so that a term gains nothing by making points uncertain.
-///
-/// # Errors
-/// No terms, or fewer points than fitted parameters.
-pub fn fit(curve: &Curve, covariance: &Covariance, terms: &Terms, errors: Errors) -> Result<Fit, FitError> {
-    fit_with(curve, covariance, terms, errors, None)
-}
-
-/// Fits `terms` to the overlapping estimates of one record, of which nothing else is known.
-///
-/// Estimates at m above N/8 are so few differences that a low one of all of them is not rare: with them intervals of K
-/// cover the truth in 86 to 92 % of records instead of 94 to 96 %. Q, N and B of a gyro without K lose nothing by them,
-/// and a ramp is best seen there.
-///
-/// The first weights are those of independent points with relative variances 2m/N. The best fit of all terms gives the
-/// covariance in closed form, that a better fit, and that fit the covariance which counts. To go on from there with
-/// simulated realisations of `Fit::process`: [`Covariance::of_realisations`] and [`fit`].
-///
-/// # Errors
-/// As [`fit`], and a curve that is best explained without any noise.
-pub fn fit_record(curve: &Curve, terms: &Terms) -> Result<Fit, FitError> {
-    let candidates = terms.candidates()?;
-    let mut covariance = Covariance::of_independent(curve)?;
-    let mut growth: Option<Growth> = None;
-    for _ in 0..2 {
-        let best = System::new(curve, &covariance).best(&candidates);
-        let shapes: Vec<(Term, f64)> = best.terms.iter().map(|fitted| (fitted.term, fitted.shape)).collect();
-        let squares: Vec<f64> = best.terms.iter().map(|fitted| fitted.square).collect();
-        let of_these = growth.take().filter(|growth| growth.is_of(&shapes));
-        let of_these = of_these.unwrap_or_else(|| Growth::new(curve, shapes));
-        covariance = of_these.covariance(&squares)?;
-        growth = Some(of_these);
-    }
-    fit_with(curve, &covariance, terms, Errors::OfModel, growth)
-}
-
-fn fit_with(
-    curve: &Curve,
-    covariance: &Covariance,
-    terms: &Terms,
-    errors: Errors,
-    growth: Option<Growth>,
-) -> Result<Fit, FitError> {
-    let candidates = terms.candidates()?;
-    let system = System::new(curve, covariance);
-    let (solution, replaceable) = match terms {
-        Terms::Given(_) => (system.best(&candidates), Vec::new()),
-        Terms::Auto(_) => choose(&system, &candidates),
-    };
-    let shape = |&term: &Term| {
-        let fitted = solution.terms.iter().find(|fitted| fitted.term == term);
-        (term, fitted.map_or(system.shape_range(term)[0], |fitted| fitted.shape))
-    };
-    let growth = (errors == Errors::OfModel).then(|| {
-        let shapes: Vec<(Term, f64)> = candidates.iter().map(shape).collect();
-        let of_these = growth.filter(|growth| growth.is_of(&shapes));
-        of_these.unwrap_or_else(|| Growth::new(curve, shapes))
-    });
-    Judge::new(&system, &solution.terms, growth.as_ref(), &replaceable).fit(&candidates)
-}
-
 /// The subset of `candidates` with the least penalised χ², and those of its terms that others could replace.
 ///
 /// Shapes are searched with all terms beside them, kept while subsets are compared, and searched again with the best.
-fn choose(system: &System, candidates: &[Term]) -> (Solution, Vec<Term>) {
+pub(super) fn choose(system: &System, candidates: &[Term]) -> (Solution, Vec<Term>) {
     let (shaped, plain): (Vec<Term>, Vec<Term>) = candidates.iter().partition(|term| term.has_shape());
     let mut scored: Vec<(f64, Solution)> = Vec::new();
     for shaped in subsets(&shaped) {

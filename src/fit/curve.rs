@@ -56,13 +56,7 @@ impl Curve {
         ms: Vec<u64>,
         variances: Vec<f64>,
     ) -> Result<Curve, FitError> {
-        if ms.len() != variances.len() {
-            return Err(FitError::Lengths { ms: ms.len(), variances: variances.len() });
-        }
-        let is_positive = |x: f64| x.is_finite() && x > 0.0;
-        if let Some((&m, &value)) = ms.iter().zip(&variances).find(|(_, value)| !is_positive(**value)) {
-            return Err(FitError::NotPositive { m, value });
-        }
+        check(&ms, &variances)?;
         if let Some(&m) =
             ms.iter().zip(core::iter::once(&0).chain(&ms)).find(|(m, before)| m <= before).map(|pair| pair.0)
         {
@@ -74,6 +68,15 @@ impl Curve {
         }
         let octaves = holds::octaves(samples).ok_or(FitError::TooManySamples { samples })?;
         Ok(Curve { sample_s, samples, difference, ms, variances, octaves })
+    }
+
+    /// Another curve of the same averaging factors and length.
+    ///
+    /// # Errors
+    /// Another number of values, or some that are not above 0.
+    pub fn with(&self, variances: &[f64]) -> Result<Curve, FitError> {
+        check(&self.ms, variances)?;
+        Ok(Curve { ms: self.ms.clone(), variances: variances.to_vec(), ..*self })
     }
 
     pub fn sample_s(&self) -> f64 {
@@ -116,6 +119,18 @@ impl Curve {
     pub fn process(&self, terms: &[(Term, f64, f64)]) -> Process {
         let part = |&(term, square, shape): &(Term, f64, f64)| term.part(square, shape, self.octaves);
         Process { sample_s: self.sample_s, parts: terms.iter().map(part).collect() }
+    }
+}
+
+/// Whether each averaging factor has a variance.
+fn check(ms: &[u64], variances: &[f64]) -> Result<(), FitError> {
+    if ms.len() != variances.len() {
+        return Err(FitError::Lengths { ms: ms.len(), variances: variances.len() });
+    }
+    let is_positive = |x: f64| x.is_finite() && x > 0.0;
+    match ms.iter().zip(variances).find(|(_, value)| !is_positive(**value)) {
+        Some((&m, &value)) => Err(FitError::NotPositive { m, value }),
+        None => Ok(()),
     }
 }
 

@@ -5,6 +5,7 @@ use super::{Curve, FitError, Term};
 use crate::theory::allan::gaussian::Components;
 
 /// The covariance of the estimates of one record as a function of the squares of some terms.
+#[derive(Debug)]
 pub(super) struct Growth {
     /// With their shapes.
     terms: Vec<(Term, f64)>,

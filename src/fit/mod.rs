@@ -34,12 +34,14 @@
 //! give the same digits on every machine, which a library that picks its kernels at run time does not.
 
 mod assess;
+mod basis;
 mod chi_squared;
 mod choose;
 mod coefficient;
 mod covariance;
 mod curve;
 pub(crate) mod evidence;
+mod fitter;
 mod growth;
 pub(crate) mod interval;
 mod nnls;
@@ -48,9 +50,10 @@ mod search;
 mod term;
 
 pub use chi_squared::survival;
-pub use choose::{Errors, PENALTY, PENALTY_OF_SHAPE, RIVAL, Terms, fit, fit_record};
+pub use choose::{PENALTY, PENALTY_OF_SHAPE, RIVAL, Terms};
 pub use coefficient::{Coefficient, Fit, Shape, Verdict};
 pub use covariance::Covariance;
 pub use curve::{Curve, FitError};
+pub use fitter::{Errors, Fitter, fit, fit_record};
 pub use record::curve_of;
 pub use term::Term;

@@ -4,12 +4,10 @@
 //! alone (variable projection; Golub and Pereyra 1973). It has more than one minimum, so a grid comes first and golden
 //! sections around its best point after.
 
+use super::basis::{Basis, per_decade, shape_range};
 use super::nnls::{dot, nnls};
 use super::{Covariance, Curve, Term};
 
-/// Points of the grid for each factor of ten. The humps of Markov noise are wide, those of a sine a third of an octave.
-const GRID_OF_TIMES: f64 = 12.0;
-const GRID_OF_FREQUENCIES: f64 = 40.0;
 /// Golden sections of one bracket, down to 1e-8 of it, and rounds over all shapes.
 const SECTIONS: usize = 40;
 const ROUNDS: usize = 3;
@@ -35,11 +33,15 @@ pub struct System<'a> {
     curve: &'a Curve,
     covariance: &'a Covariance,
     target: Vec<f64>,
+    /// In standard deviations of independent points.
+    basis: Basis,
 }
 
 impl<'a> System<'a> {
-    pub fn new(curve: &'a Curve, covariance: &'a Covariance) -> System<'a> {
-        System { curve, covariance, target: covariance.whiten(curve.variances()) }
+    /// Of the terms of a basis.
+    pub fn new(curve: &'a Curve, covariance: &'a Covariance, basis: &Basis) -> System<'a> {
+        let basis = basis.map(|column| covariance.whiten(column));
+        System { curve, covariance, target: covariance.whiten(curve.variances()), basis }
     }
 
     pub fn curve(&self) -> &Curve {
@@ -48,7 +50,10 @@ impl<'a> System<'a> {
 
     /// A term of unit square, in standard deviations of independent points.
     pub fn column(&self, term: Term, shape: f64) -> Vec<f64> {
-        self.covariance.whiten(&self.curve.of_term(term, 1.0, shape))
+        match self.basis.of(term) {
+            [(_, column)] if !term.has_shape() => column.clone(),
+            _ => self.covariance.whiten(&self.curve.of_term(term, 1.0, shape)),
+        }
     }
 
     /// Of a linear function of such deviations its coefficients for the points of the curve.
@@ -66,24 +71,13 @@ impl<'a> System<'a> {
         residual
     }
 
-    /// Shortest and longest shape that a curve can tell: times T_c within its τ, frequencies with a hump within them.
-    ///
-    /// Markov noise beyond is a random walk or white to the curve, a slower sine a ramp.
-    pub fn shape_range(&self, term: Term) -> [f64; 2] {
-        let [shortest, longest] = self.curve.tau_range();
-        match term {
-            Term::Sine => [0.2 / longest, 0.5 / shortest],
-            _ => [shortest, longest],
-        }
-    }
-
     /// The least squares of `terms`, with the best shapes.
     pub fn best(&self, terms: &[Term]) -> Solution {
         let places: Vec<usize> = (0..terms.len()).filter(|&i| terms[i].has_shape()).collect();
         let mut columns: Vec<Vec<f64>> = terms.iter().map(|&term| self.column(term, 1.0)).collect();
-        let grids: Vec<Vec<(f64, Vec<f64>)>> = places.iter().map(|&i| self.grid(terms[i])).collect();
+        let grids: Vec<&[(f64, Vec<f64>)]> = places.iter().map(|&i| self.basis.of(terms[i])).collect();
         let mut best = (f64::INFINITY, vec![0; places.len()]);
-        let points: usize = grids.iter().map(Vec::len).product();
+        let points: usize = grids.iter().map(|grid| grid.len()).product();
         for point in 0..points {
             let mut rest = point;
             let mut at = Vec::with_capacity(places.len());
@@ -124,14 +118,6 @@ impl<'a> System<'a> {
         (squares, dot(&residual, &residual))
     }
 
-    /// Shapes evenly spaced in their logarithm, with their columns.
-    fn grid(&self, term: Term) -> Vec<(f64, Vec<f64>)> {
-        let [low, high] = self.shape_range(term);
-        let count = libm::ceil(libm::log10(high / low) * per_decade(term)).max(1.0);
-        let shape = |i: u32| low * libm::pow(high / low, f64::from(i) / count);
-        (0..=count as u32).map(|i| (shape(i), self.column(term, shape(i)))).collect()
-    }
-
     /// Golden sections of one shape after the other, one step of the grid to either side.
     fn refine(&self, terms: &[Term], places: &[usize], shapes: &mut [f64], columns: &mut [Vec<f64>]) {
         let golden = 0.5 * (libm::sqrt(5.0) - 1.0);
@@ -142,7 +128,7 @@ impl<'a> System<'a> {
         let rounds = if places.len() > 1 { ROUNDS } else { 1 };
         for _ in 0..rounds {
             for &place in places {
-                let [least, most] = self.shape_range(terms[place]).map(libm::log);
+                let [least, most] = shape_range(self.curve, terms[place]).map(libm::log);
                 let step = core::f64::consts::LN_10 / per_decade(terms[place]);
                 let start = libm::log(shapes[place]);
                 let (mut low, mut high) = ((start - step).max(least), (start + step).min(most));
@@ -164,8 +150,4 @@ impl<'a> System<'a> {
             }
         }
     }
-}
-
-fn per_decade(term: Term) -> f64 {
-    if term == Term::Sine { GRID_OF_FREQUENCIES } else { GRID_OF_TIMES }
 }

@@ -69,6 +69,17 @@ impl Term {
         }
     }
 
+    /// From ″ and s to the unit of data sheets: the factor, and the unit as files have it.
+    pub fn data_sheet_unit(self) -> (f64, &'static str) {
+        match self {
+            Term::Quantisation => (1.0, "arcsec"),
+            Term::AngleRandomWalk => (1.0 / 60.0, "deg/sqrt(h)"),
+            Term::RateRandomWalk => (60.0, "deg/h/sqrt(h)"),
+            Term::RateRamp => (3600.0, "deg/h/h"),
+            Term::BiasInstability | Term::Markov | Term::Sine => (1.0, "deg/h"),
+        }
+    }
+
     /// Whether it has a time or frequency that is fitted too.
     pub fn has_shape(self) -> bool {
         matches!(self, Term::Markov | Term::Sine)

@@ -11,6 +11,7 @@ pub mod normal;
 pub(crate) mod normal_table;
 pub mod philox;
 pub mod recipe;
+pub mod rows;
 pub mod sine;
 pub mod word;
 
@@ -23,6 +24,8 @@ pub enum Form {
     Map(Map),
     /// Trials of a gap-fill point to moments of its estimates.
     GapFill,
+    /// Synthetic records to the sums of their squared differences.
+    Records,
 }
 
 /// A kernel as the registry has it.
@@ -34,9 +37,10 @@ pub struct Kernel {
 }
 
 /// Every kernel: what `verify`, the self-test of devices and the identity tests go through.
-pub const KERNELS: [Kernel; 4] = [
+pub const KERNELS: [Kernel; 5] = [
     Kernel { name: "philox", form: Form::Map(map::PHILOX) },
     Kernel { name: "normal", form: Form::Map(map::NORMAL) },
     Kernel { name: "sine", form: Form::Map(map::SINE) },
     Kernel { name: "gap_fill", form: Form::GapFill },
+    Kernel { name: "allan", form: Form::Records },
 ];

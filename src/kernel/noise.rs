@@ -20,8 +20,10 @@ pub(super) struct Noise<W: Word> {
     angle: W::Wide,
     /// Sum of all holds.
     flicker: W,
-    walk: W,
-    markov: W,
+    /// In 2^−32 units of the rate: steps that were rounded would add up to a ramp.
+    walk: W::Wide,
+    /// In 2^−30 units of the rate.
+    markov: W::Wide,
     /// Phase of the sine.
     phase: W,
     /// Where the readout stands at the start.
@@ -48,8 +50,8 @@ impl<W: Word> Noise<W> {
             address,
             angle: W::Wide::splat(0),
             flicker: zero,
-            walk: zero,
-            markov: zero,
+            walk: W::Wide::splat(0),
+            markov: W::Wide::splat(0),
             phase: words[1],
             start: zero,
             holds: [[Hold { value: zero, change: zero, grid: zero }; STREAMS]; MAX_OCTAVES],
@@ -59,7 +61,7 @@ impl<W: Word> Noise<W> {
             noise.start = words[0] & W::splat((1 << pulse) - 1);
         }
         if let Some([_, _, start]) = recipe.markov {
-            noise.markov = scaled(words[2], start);
+            noise.markov = normal(words[2]).mul_wide(W::splat(start));
         }
         for octave in 1..recipe.octaves() {
             let grid = address.draw(Purpose::FlickerGrid, octave);
@@ -110,8 +112,8 @@ impl<W: Word> Noise<W> {
             for block in 0..CHUNK / 4 {
                 let words = self.address.draw(Purpose::Walk, first / 4 + block);
                 for (k, word) in words.into_iter().enumerate() {
-                    self.walk = self.walk + scaled(word, recipe.walk);
-                    add(&mut self.rate, 4 * block + k, self.walk);
+                    self.walk = self.walk + normal(word).mul_wide(W::splat(recipe.walk));
+                    add(&mut self.rate, 4 * block + k, self.walk.high());
                 }
             }
         }
@@ -119,9 +121,9 @@ impl<W: Word> Noise<W> {
             for block in 0..CHUNK / 4 {
                 let words = self.address.draw(Purpose::Markov, first / 4 + block);
                 for (k, word) in words.into_iter().enumerate() {
-                    let lost = self.markov.mul_wide(W::splat(loss)).bits_from(30);
-                    self.markov = self.markov - lost + scaled(word, step);
-                    add(&mut self.rate, 4 * block + k, self.markov);
+                    let lost = self.markov.bits_from(30).mul_wide(W::splat(loss));
+                    self.markov = self.markov - lost + normal(word).mul_wide(W::splat(step));
+                    add(&mut self.rate, 4 * block + k, self.markov.bits_from(30));
                 }
             }
         }

@@ -49,8 +49,8 @@ pub struct Recipe {
     /// Standard deviations of the holds of octaves 1, 2, … of flicker noise in each stream, 2^−4 units of the rate. Octave 0
     /// is white and part of it.
     pub flicker: Vec<u32>,
-    /// Markov noise: what it loses in a sample (2^−30), standard deviations of its step and at the start (2^−4 units of
-    /// the rate).
+    /// Markov noise: what it loses in a sample (2^−30, at most 2^30), standard deviations of its step and at the start (2^−2
+    /// units of the rate).
     pub markov: Option<[u32; 3]>,
     /// Sine: phase of a sample (2^−32 turns), amplitude of the angle (2^−2 LSB).
     pub sine: Option<[u32; 2]>,

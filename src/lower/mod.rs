@@ -8,17 +8,21 @@
 //!                                               └─ launch ─▶ Launch
 //! ```
 
+mod curve;
 mod estimate;
 mod fixed;
 mod launch;
 mod physical;
 mod readout;
+pub mod records;
 mod refusal;
 mod response;
 mod unit;
 mod weights;
 
+pub use curve::LoweredCurve;
 pub use estimate::{Estimate, Oracle};
+pub use records::{Asked, Records, RecordsError};
 pub use refusal::{Lost, LowerError};
 pub use weights::{Rows, Statistics};
 

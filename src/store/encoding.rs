@@ -1,9 +1,43 @@
-//! A tally as bytes: numbers of seven bits a byte (LEB128), runs of empty and of filled bins by their lengths.
+//! Tallies as bytes: numbers of seven bits a byte (LEB128); of histograms runs of empty and of filled bins by their lengths.
 
+use super::Tally;
 use crate::kernel::moments::{BINS, Moments};
+use crate::kernel::rows::Rows;
+
+impl Tally for Moments {
+    fn encode(&self) -> Vec<u8> {
+        encode(self)
+    }
+
+    fn decode(bytes: &[u8], trials: u64) -> Option<Moments> {
+        decode(bytes).filter(|tally| tally.count == trials)
+    }
+}
+
+impl Tally for Rows {
+    fn encode(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        put(&mut bytes, self.width as u128);
+        self.values.iter().for_each(|&value| put(&mut bytes, value));
+        bytes
+    }
+
+    fn decode(bytes: &[u8], trials: u64) -> Option<Rows> {
+        let mut rest = bytes;
+        let width = usize::try_from(take(&mut rest)?).ok()?;
+        // A number takes a byte at least, so that no count of a damaged row asks for more memory than there are bytes.
+        let mut values =
+            Vec::with_capacity(rest.len().min(width.checked_mul(usize::try_from(trials).ok()?)?));
+        while !rest.is_empty() {
+            values.push(take(&mut rest)?);
+        }
+        let rows = Rows { width, values };
+        (width as u128 * u128::from(trials) == rows.values.len() as u128).then_some(rows)
+    }
+}
 
 /// The tally as bytes.
-pub fn encode(tally: &Moments) -> Vec<u8> {
+fn encode(tally: &Moments) -> Vec<u8> {
     let mut bytes = Vec::new();
     put(&mut bytes, u128::from(tally.count));
     put(&mut bytes, zigzag(tally.sum));
@@ -22,7 +56,7 @@ pub fn encode(tally: &Moments) -> Vec<u8> {
 }
 
 /// The tally that the bytes stand for; `None` where they stand for none.
-pub fn decode(bytes: &[u8]) -> Option<Moments> {
+fn decode(bytes: &[u8]) -> Option<Moments> {
     let mut rest = bytes;
     let mut tally = Moments {
         count: take(&mut rest)?.try_into().ok()?,
@@ -92,6 +126,19 @@ mod tests {
             (tally.sum, tally.square, tally.least, tally.greatest) = (sum, u128::MAX, i32::MIN, i32::MAX);
             assert_eq!(decode(&encode(&tally)).as_ref(), Some(&tally));
         }
+    }
+
+    #[test]
+    fn rows_survive_their_bytes_and_are_refused_when_cut_or_of_other_trials() {
+        let rows = Rows { width: 3, values: vec![0, 1, u128::MAX, 1 << 90, 127, 128] };
+        let bytes = Tally::encode(&rows);
+        assert_eq!(<Rows as Tally>::decode(&bytes, 2).as_ref(), Some(&rows));
+        for length in 0..bytes.len() {
+            assert_eq!(<Rows as Tally>::decode(&bytes[..length], 2), None, "cut to {length}");
+        }
+        assert_eq!(<Rows as Tally>::decode(&[&bytes[..], &[0]].concat(), 2), None);
+        assert_eq!(<Rows as Tally>::decode(&bytes, 1), None);
+        assert_eq!(<Rows as Tally>::decode(&bytes, u64::MAX), None);
     }
 
     #[test]

@@ -8,7 +8,7 @@ fn address() -> Address {
     Address { point: Id::of("point"), estimate: Id::of("estimate"), digest: Id::of("digest") }
 }
 
-fn row(first: u64, log2: u32) -> Row {
+fn row(first: u64, log2: u32) -> Row<Moments> {
     let mut tally = Moments::empty(true);
     tally.count = 1 << log2;
     tally.sum = i128::from(first);
@@ -83,7 +83,7 @@ fn an_altered_row_is_found_by_its_checksum() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::open(folder.path(), &identity()).unwrap();
     store.insert(&[row(0, 2)], &so_far(8)).unwrap();
-    store.connection.execute("UPDATE tally SET moments = x'0408000201070a'", []).unwrap();
+    store.connection.execute("UPDATE tally SET sums = x'0408000201070a'", []).unwrap();
     assert!(matches!(store.total(&address()), Err(StoreError::Damaged { .. })));
 }
 
@@ -113,7 +113,7 @@ fn a_claim_that_fails_half_way_leaves_nothing_behind() {
 
 #[test]
 fn a_folder_whose_claim_was_interrupted_is_claimed_anew() {
-    for sql in ["", "INSERT INTO study VALUES ('schema', '1')"] {
+    for sql in ["", "INSERT INTO study VALUES ('schema', '2')"] {
         let folder = prepared(sql);
         for _ in 0..2 {
             Store::open(folder.path(), &identity()).unwrap_or_else(|error| panic!("{sql}: {error}"));

@@ -4,17 +4,19 @@ use std::ops::Range;
 
 use toml::Spanned;
 
+use super::chart_default::default_for;
+pub use super::chart_file::Source;
 use super::chart_file::{ChartKind, ChartTable, Charts, Scale};
 use super::diagnose::Fault;
 use super::file::Error;
-use super::filler::Filler;
-use super::key::FREQUENCY;
-use super::law::Law;
-use super::rows::{DT_NU, ERROR, FILLER, chooser, coordinate, row};
+use super::gap_fill::{FREQUENCY, Law};
+use super::percent::percent;
+use super::rows::{DT_NU, ERROR, FILLER, Known, chooser, coordinate, row};
 use super::scalar::{self, Scalar};
 use super::sweep::Sweep;
 use super::units::Dimension;
-use crate::table::Cell;
+use super::{Study, Subject};
+use crate::table::{Cell, Unit, significant};
 
 /// A name of a column, and where it stands in the study, so that an unknown one can be pointed at.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -25,7 +27,7 @@ pub struct Named {
 }
 
 impl Named {
-    fn default(name: &str) -> Named {
+    pub(super) fn default(name: &str) -> Named {
         Named { name: name.to_owned(), span: 0..0 }
     }
 }
@@ -41,6 +43,7 @@ impl From<Spanned<String>> for Named {
 pub struct Chart {
     /// Absent: the study's.
     pub title: Option<String>,
+    pub source: Source,
     pub x: Named,
     /// Of curves the estimate, of a map an axis like x.
     pub y: Named,
@@ -48,10 +51,33 @@ pub struct Chart {
     /// Only rows in which each column, a swept key, `filler` or `error`, has the value: one of those it takes. A chart that is
     /// supplied has those of the keys that it cannot show.
     pub rows: Vec<(Named, Cell)>,
-    /// Allowed error, ″, above 0.
-    pub limit_arcsec: Option<f64>,
+    pub limit: Option<Limit>,
     pub x_scale: Scale,
     pub y_scale: Scale,
+}
+
+/// What is allowed of an estimate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limit {
+    /// Above 0.
+    pub value: f64,
+    /// Of the column that it is about.
+    pub unit: Unit,
+}
+
+impl Limit {
+    /// For sentences: `10 ″`, `5 %`.
+    pub fn text(&self) -> String {
+        match self.unit.symbol {
+            "" => format!("{} %", significant(100.0 * self.value, 6)),
+            symbol => format!("{} {symbol}", significant(self.value, 6)),
+        }
+    }
+}
+
+/// The columns of text of one of a study's tables, by which rows are told apart besides the swept keys.
+pub fn text_columns(study: &Study, source: Source) -> Vec<&'static str> {
+    Known::of(&study.subject, source).text_names()
 }
 
 /// What a chart shows.
@@ -100,24 +126,26 @@ impl Chart {
 ///
 /// # Errors
 /// A key that the kind of chart lacks or does not have, not one or two `series`, an `of` or a `where` that names another
-/// column than a swept key, `filler` and `error`, axes of a map or below a law that are no swept key and not `dt_nu`, a
-/// `limit` that is no angle above 0, a value in `where` that its column does not take.
-pub(super) fn read_all(charts: Charts, sweeps: &[Sweep], fillers: &[Filler]) -> Result<Vec<Chart>, Fault> {
-    let read = |table| read(table, sweeps, fillers);
+/// column than a swept key or one of text, axes of a map or below a law that are not known beforehand, a `limit` of
+/// another dimension or not above 0, a value in `where` that its column does not take.
+pub(super) fn read_all(charts: Charts, sweeps: &[Sweep], subject: &Subject) -> Result<Vec<Chart>, Fault> {
+    let read = |table| read(table, sweeps, subject);
     match charts {
-        Charts::Default => Ok(default_for(sweeps).into_iter().collect()),
+        Charts::Default => Ok(default_for(sweeps, subject).into_iter().collect()),
         Charts::One(table) => Ok(vec![read(*table)?]),
         Charts::Several(tables) => tables.into_iter().map(read).collect(),
     }
 }
 
-fn read(mut table: ChartTable, sweeps: &[Sweep], fillers: &[Filler]) -> Result<Chart, Fault> {
-    let limit = table.limit.as_ref().map(limit).transpose()?;
-    let shows = shows(&mut table, sweeps)?;
+fn read(mut table: ChartTable, sweeps: &[Sweep], subject: &Subject) -> Result<Chart, Fault> {
+    let source = source(&table, subject)?;
+    let known = Known::of(subject, source);
+    let limit = table.limit.as_ref().map(|limit| read_limit(limit, subject, source)).transpose()?;
+    let shows = shows(&mut table, sweeps, &known)?;
     let mut rows = Vec::new();
     let mut chosen: Vec<String> = Vec::new();
     for (name, value) in table.rows.unwrap_or_default() {
-        let (column, cell) = row(&name, &value, sweeps, fillers)?;
+        let (column, cell) = row(&name, &value, sweeps, &known)?;
         if chosen.contains(&column) {
             let message = format!("`where` gives {column} twice");
             return Err(Fault::new(name.span(), message, "one of the two", "leave one of them out"));
@@ -132,24 +160,44 @@ fn read(mut table: ChartTable, sweeps: &[Sweep], fillers: &[Filler]) -> Result<C
     }
     let chart = Chart {
         title: table.title,
-        x_scale: table.x_scale.unwrap_or_else(|| scale_over(table.x.get_ref(), sweeps)),
-        y_scale: table.y_scale.unwrap_or_else(|| scale_over(table.y.get_ref(), sweeps)),
+        x_scale: table.x_scale.unwrap_or_else(|| scale_over(table.x.get_ref(), sweeps, &known)),
+        y_scale: table.y_scale.unwrap_or_else(|| scale_over(table.y.get_ref(), sweeps, &known)),
+        source,
         x: table.x.into(),
         y: table.y.into(),
         shows,
         rows,
-        limit_arcsec: limit,
+        limit,
     };
     // Without a word on errors a curve would jump between the two, and a map show two values at once.
-    let told_apart = chosen.iter().any(|column| column == ERROR);
+    let told_apart = !known.text_names().contains(&ERROR) || chosen.iter().any(|column| column == ERROR);
     if told_apart || chart.series().iter().any(|named| named.name == ERROR) {
         return Ok(chart);
     }
     Ok(Chart { rows: chart.rows.into_iter().chain(only_residuals()).collect(), ..chart })
 }
 
+/// Which of a study's tables is drawn.
+fn source(table: &ChartTable, subject: &Subject) -> Result<Source, Fault> {
+    match (&table.table, subject) {
+        (None, _) => Ok(Source::Points),
+        (Some(written), Subject::GapFill(_)) if *written.get_ref() == Source::Coefficients => {
+            let message = "a gap-fill study has no table of coefficients";
+            Err(Fault::new(written.span(), message, "no such table", "leave chart.table out"))
+        }
+        (Some(written), Subject::Allan(allan))
+            if *written.get_ref() == Source::Coefficients && allan.terms.is_none() =>
+        {
+            let message = "the chart is of coefficients, and none are fitted";
+            let help = "add them as in\n[allan]\nfit = \"auto\"";
+            Err(Fault::new(written.span(), message, "an empty table", help))
+        }
+        (Some(written), _) => Ok(*written.get_ref()),
+    }
+}
+
 /// What a table asks to be shown, by its kind.
-fn shows(table: &mut ChartTable, sweeps: &[Sweep]) -> Result<Shows, Fault> {
+fn shows(table: &mut ChartTable, sweeps: &[Sweep], known: &Known) -> Result<Shows, Fault> {
     let kind = table.kind.as_ref().map_or(ChartKind::Curves, |kind| *kind.get_ref());
     let maps = [ChartKind::HeatMap, ChartKind::WinnerMap];
     only_for(kind, &maps, "z", table.z.as_ref())?;
@@ -158,8 +206,11 @@ fn shows(table: &mut ChartTable, sweeps: &[Sweep]) -> Result<Shows, Fault> {
     only_for(kind, &[ChartKind::Curves], "series", table.series.as_ref())?;
     only_for(kind, &[ChartKind::Curves], "laws", table.laws.as_ref())?;
     if kind == ChartKind::Curves {
-        let laws = laws(table, sweeps)?;
-        return Ok(Shows::Curves { series: series(table.series.take())?, laws });
+        let laws = laws(table, sweeps, known)?;
+        return Ok(Shows::Curves {
+            series: series(table.series.take(), table.x.get_ref(), sweeps, known)?,
+            laws,
+        });
     }
     let Some(z) = table.z.take().map(Named::from) else {
         let span = table.kind.as_ref().map_or(0..0, Spanned::span);
@@ -168,16 +219,21 @@ fn shows(table: &mut ChartTable, sweeps: &[Sweep]) -> Result<Shows, Fault> {
     };
     for (name, axis) in [("x", &table.x), ("y", &table.y)] {
         let cannot = format!("a map cannot have as its {name}");
-        coordinate(sweeps, axis.get_ref(), axis.span(), &cannot)?;
+        coordinate(sweeps, known, axis.get_ref(), axis.span(), &cannot)?;
     }
     if kind == ChartKind::HeatMap {
         let z_scale = table.z_scale.as_ref().map_or(Scale::default(), |scale| *scale.get_ref());
         return Ok(Shows::HeatMap { z, z_scale });
     }
     let of = match table.of.take() {
+        None if known.fillers.is_empty() => {
+            let span = table.kind.as_ref().map_or(0..0, Spanned::span);
+            let message = "a winner map needs of, the swept key whose values compete";
+            return Err(Fault::new(span, message, "the winner of what?", "add it as in\nof = \"length\""));
+        }
         None => Named::default(FILLER),
         Some(of) => {
-            let name = chooser(sweeps, of.get_ref(), of.span(), "a winner map cannot compare by")?;
+            let name = chooser(sweeps, known, of.get_ref(), of.span(), "a winner map cannot compare by")?;
             Named { name, span: of.span() }
         }
     };
@@ -200,9 +256,24 @@ fn only_for<T>(
     Err(Fault::new(written.span(), message, "not of this kind", help))
 }
 
-fn series(written: Option<Spanned<Vec<Spanned<String>>>>) -> Result<Vec<Named>, Fault> {
+/// The columns that tell curves apart. Where none are written, and a table has neither fillers nor coefficients, swept keys
+/// other than x do.
+fn series(
+    written: Option<Spanned<Vec<Spanned<String>>>>,
+    x: &str,
+    sweeps: &[Sweep],
+    known: &Known,
+) -> Result<Vec<Named>, Fault> {
     match written {
-        None => Ok(vec![Named::default(FILLER)]),
+        None => Ok(match known.text_names().first() {
+            Some(name) => vec![Named::default(name)],
+            None => {
+                let across = coordinate(sweeps, known, x, 0..0, "no axis over").ok();
+                let others =
+                    sweeps.iter().map(|sweep| sweep.key.name).filter(|name| Some(*name) != across.as_deref());
+                others.take(2).map(Named::default).collect()
+            }
+        }),
         Some(names) if (1..=2).contains(&names.get_ref().len()) => {
             Ok(names.into_inner().into_iter().map(Named::from).collect())
         }
@@ -214,7 +285,7 @@ fn series(written: Option<Spanned<Vec<Spanned<String>>>>) -> Result<Vec<Named>, 
     }
 }
 
-fn laws(table: &ChartTable, sweeps: &[Sweep]) -> Result<Vec<Law>, Fault> {
+fn laws(table: &ChartTable, sweeps: &[Sweep], known: &Known) -> Result<Vec<Law>, Fault> {
     let mut laws = Vec::new();
     for law in table.laws.iter().flat_map(|laws| laws.get_ref()) {
         if laws.contains(law.get_ref()) {
@@ -223,57 +294,44 @@ fn laws(table: &ChartTable, sweeps: &[Sweep]) -> Result<Vec<Law>, Fault> {
         }
         laws.push(*law.get_ref());
     }
+    if let Some(written) = table.laws.as_ref().filter(|_| known.fillers.is_empty()) {
+        let message = "chart.laws are laws of gap fillers";
+        return Err(Fault::new(written.span(), message, "not of this kind of study", "leave them out"));
+    }
     if !laws.is_empty() {
-        coordinate(sweeps, table.x.get_ref(), table.x.span(), "laws cannot be drawn over")?;
+        coordinate(sweeps, known, table.x.get_ref(), table.x.span(), "laws cannot be drawn over")?;
     }
     Ok(laws)
 }
 
-/// Over Δt·ν if the frequency is swept, else over the first swept key; nothing to draw if none is.
-fn default_for(sweeps: &[Sweep]) -> Option<Chart> {
-    let mut names: Vec<&str> = sweeps.iter().map(|sweep| sweep.key.name).collect();
-    let x = match names.iter().position(|name| *name == FREQUENCY.name) {
-        Some(frequency) => {
-            names.remove(frequency);
-            DT_NU
-        }
-        None if names.is_empty() => return None,
-        None => names.remove(0),
-    };
-    let series = std::iter::once(FILLER).chain(names.first().copied());
-    // A curve runs along one key: further ones stay at their first value.
-    let first = |name: &&str| sweeps.iter().find(|sweep| sweep.key.name == *name)?.values.first().copied();
-    let fixed = names.iter().skip(1).filter_map(|name| Some((Named::default(name), first(name)?.cell())));
-    Some(Chart {
-        title: None,
-        x: Named::default(x),
-        y: Named::default("rms"),
-        shows: Shows::Curves { series: series.map(Named::default).collect(), laws: vec![] },
-        rows: fixed.chain(only_residuals()).collect(),
-        limit_arcsec: None,
-        x_scale: scale_over(x, sweeps),
-        y_scale: Scale::default(),
-    })
-}
-
 /// The scale of an axis over this column where none is written: that of its sweep, of Δt·ν that of the frequency.
-fn scale_over(name: &str, sweeps: &[Sweep]) -> Scale {
-    let column = coordinate(sweeps, name, 0..0, "no axis over").ok();
+pub(super) fn scale_over(name: &str, sweeps: &[Sweep], known: &Known) -> Scale {
+    let column = coordinate(sweeps, known, name, 0..0, "no axis over").ok();
     let key = column.as_deref().map(|column| if column == DT_NU { FREQUENCY.name } else { column });
     let sweep = sweeps.iter().find(|sweep| Some(sweep.key.name) == key);
     sweep.map_or(Scale::default(), |sweep| sweep.scale)
 }
 
-fn only_residuals() -> Vec<(Named, Cell)> {
+pub(super) fn only_residuals() -> Vec<(Named, Cell)> {
     vec![(Named::default(ERROR), Cell::Text(Error::Residual.name().to_owned()))]
 }
 
-/// A limit in ″.
-fn limit(given: &Spanned<Scalar>) -> Result<f64, Fault> {
-    let limit = scalar::quantity("chart.limit", given, &[Dimension::Angle])?;
+const PERCENT: &str = "accepted: a part in percent such as \"10 %\", of a relative column";
+
+/// A limit in the unit of what the table is about.
+fn read_limit(given: &Spanned<Scalar>, subject: &Subject, source: Source) -> Result<Limit, Fault> {
+    let (dimension, unit) = match (subject, source) {
+        (Subject::GapFill(_), _) => (Dimension::Angle, Unit::ARCSEC),
+        (Subject::Allan(_), Source::Points) => (Dimension::DriftRate, Unit::DEG_PER_H),
+        (Subject::Allan(_), Source::Coefficients) => {
+            return Ok(Limit { value: percent("chart.limit", given, PERCENT)?, unit: Unit::NONE });
+        }
+    };
+    let limit = scalar::quantity("chart.limit", given, &[dimension])?;
     if limit.value > 0.0 {
-        return Ok(limit.value);
+        return Ok(Limit { value: limit.value, unit });
     }
     let message = format!("chart.limit = {limit}, and no error stays within that");
-    Err(Fault::new(given.span(), message, "not above 0", "accepted: an angle above 0, or no limit"))
+    let help = format!("accepted: {} above 0, or no limit", dimension.name());
+    Err(Fault::new(given.span(), message, "not above 0", help))
 }

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use super::file::ValueSchema;
-use super::law::Law;
+use super::gap_fill::Law;
 use super::scalar::Scalar;
 
 /// A chart of the estimates: curves, or a map over two columns. Columns are named without prefix and unit: "frequency",
@@ -23,6 +23,10 @@ pub(super) struct ChartTable {
     #[serde(default)]
     #[schemars(with = "ChartKind")]
     pub(super) kind: Option<Spanned<ChartKind>>,
+    /// Which table is drawn; "points" if absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Source")]
+    pub(super) table: Option<Spanned<Source>>,
     /// Above the chart; the study's title if absent.
     // Else the schema would give null, which TOML does not have, as the default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -42,7 +46,8 @@ pub(super) struct ChartTable {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "String")]
     pub(super) of: Option<Spanned<String>>,
-    /// Columns whose values make the curves: first the colour, second the dash; ["filler"] if absent.
+    /// Columns whose values make the curves: first the colour, second the dash. If absent the fillers, the coefficients, or
+    /// the swept keys.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<String>", length(min = 1, max = 2))]
     pub(super) series: Option<Spanned<Vec<Spanned<String>>>>,
@@ -50,13 +55,14 @@ pub(super) struct ChartTable {
     #[serde(default)]
     #[schemars(with = "Vec<Law>", extend("uniqueItems" = true))]
     pub(super) laws: Option<Spanned<Vec<Spanned<Law>>>>,
-    /// Rows to show: a swept key, filler or error = one of its values. With error = "residual" unless series, of or
-    /// this names error.
+    /// Rows to show: a swept key, filler, error, coefficient or tau = one of its values. With error = "residual" unless
+    /// series, of or this names error.
     #[serde(default, rename = "where")]
     #[schemars(with = "BTreeMap<String, ValueSchema>")]
     pub(super) rows: Option<BTreeMap<Spanned<String>, Spanned<Scalar>>>,
-    /// Allowed error, an angle above 0, where the estimate is an error in ″: "10 arcsec". A line of curves, a contour of a
-    /// heat map; a winner map is hatched where even the least is above.
+    /// What is allowed, above 0: an angle where the estimate is an error in ″, "10 arcsec"; a rate where it is a deviation,
+    /// "0.005 deg/h"; a part where it is relative, "10 %". A line of curves, a contour of a heat map; a winner map is hatched
+    /// where even the least is above.
     #[serde(default)]
     #[schemars(with = "String")]
     pub(super) limit: Option<Spanned<Scalar>>,
@@ -84,6 +90,16 @@ pub(super) enum ChartKind {
     HeatMap,
     /// Over x and y, whose z is the least.
     WinnerMap,
+}
+
+/// A table of a study's results.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Source {
+    /// points.csv.
+    Points,
+    /// coefficients.csv, of kind = "allan".
+    Coefficients,
 }
 
 impl ChartKind {

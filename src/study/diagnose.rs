@@ -28,10 +28,10 @@ pub(crate) struct Fault {
     help: String,
 }
 
-/// What is wrong with a study, or with a record that it names.
+/// What is wrong with a study, or with a file that it names.
 pub(super) enum Wrong {
     Study(Fault),
-    Record(RecordError),
+    Elsewhere(StudyError),
 }
 
 impl From<Fault> for Wrong {
@@ -42,16 +42,16 @@ impl From<Fault> for Wrong {
 
 impl From<RecordError> for Wrong {
     fn from(error: RecordError) -> Wrong {
-        Wrong::Record(error)
+        Wrong::Elsewhere(error.into())
     }
 }
 
 impl Wrong {
-    /// With the text of the study; a record has its own.
+    /// With the text of the study; another file has its own.
     pub(super) fn within(self, text: &Text) -> StudyError {
         match self {
             Wrong::Study(fault) => fault.within(text),
-            Wrong::Record(error) => error.into(),
+            Wrong::Elsewhere(error) => error,
         }
     }
 }
@@ -110,6 +110,14 @@ impl Fault {
             expected.map_or(SCHEMA.to_owned(), |expected| format!("add it as in\n{}", expected.example));
         let label = if key == missing { "in this file" } else { "in this table" };
         Fault::new(span, format!("the key `{key}` is missing"), label, help)
+    }
+
+    /// A study of this kind lacks a table.
+    pub(super) fn missing_table(table: &str, kind: &str, kind_span: Range<usize>) -> Fault {
+        let help = Expected::of(table)
+            .map_or(SCHEMA.to_owned(), |expected| format!("add it as in\n{}", expected.example));
+        let message = format!("a study of kind = \"{kind}\" needs the table [{table}]");
+        Fault::new(kind_span, message, "of this kind", help)
     }
 
     /// The value at `span` is a text, a number, a list, … where another of these is needed.

@@ -4,15 +4,18 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 use toml::Spanned;
 
 use super::chart_file::Charts;
 use super::scalar::Scalar;
 
+pub(super) mod allan;
 mod either;
 pub(super) mod motion;
 pub(super) mod switching;
 
+use allan::{AllanTable, NoiseTable, RecordTable};
 pub(super) use either::Either;
 use motion::MotionTable;
 pub use motion::{Phase, Position};
@@ -24,7 +27,7 @@ use switching::SwitchingTable;
 /// Quantities are texts with a unit: "5 ms", "20 Hz", "1.6 arcsec", "12000 arcsec/s", "0.003 deg/sqrt(h)".
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "sagnac study")]
+#[schemars(title = "sagnac study", transform = tables_of_kinds)]
 pub(super) struct StudyFile {
     /// Shown above charts and reports.
     pub(super) title: String,
@@ -37,7 +40,7 @@ pub(super) struct StudyFile {
     #[serde(default)]
     #[schemars(with = "i64", range(min = 0))]
     pub(super) seed: Option<Spanned<Scalar>>,
-    /// Monte Carlo trials at each point; 1 000 000 if absent.
+    /// Monte Carlo trials at each point; 1 000 000 if absent, and 1000 records of kind = "allan".
     #[serde(default)]
     #[schemars(with = "i64", range(min = 1, max = 1_099_511_627_776_i64))]
     pub(super) trials: Option<Spanned<Scalar>>,
@@ -48,10 +51,30 @@ pub(super) struct StudyFile {
     pub(super) precision: Option<Spanned<Either<PrecisionTable>>>,
     #[serde(default)]
     pub(super) streams: Streams,
-    pub(super) gyro: GyroTable,
+    /// Of kind = "gap-fill".
+    #[serde(default)]
+    #[schemars(with = "GyroTable")]
+    pub(super) gyro: Option<Spanned<GyroTable>>,
+    /// Of kind = "gap-fill".
+    #[serde(default)]
     #[schemars(with = "MotionTable")]
-    pub(super) motion: Spanned<MotionTable>,
-    pub(super) switching: SwitchingTable,
+    pub(super) motion: Option<Spanned<MotionTable>>,
+    /// Of kind = "gap-fill".
+    #[serde(default)]
+    #[schemars(with = "SwitchingTable")]
+    pub(super) switching: Option<Spanned<SwitchingTable>>,
+    /// Of kind = "allan".
+    #[serde(default)]
+    #[schemars(with = "RecordTable")]
+    pub(super) record: Option<Spanned<RecordTable>>,
+    /// Of kind = "allan"; of kind = "gap-fill" in place of gyro.tick_noise.
+    #[serde(default)]
+    #[schemars(with = "NoiseTable")]
+    pub(super) noise: Option<Spanned<NoiseTable>>,
+    /// Of kind = "allan".
+    #[serde(default)]
+    #[schemars(with = "AllanTable")]
+    pub(super) allan: Option<Spanned<AllanTable>>,
     /// Each varies one key; several multiply, the first being the slowest to change.
     #[serde(default)]
     #[schemars(with = "Vec<SweepTable>")]
@@ -81,6 +104,18 @@ pub(super) struct PrecisionTable {
 pub enum Kind {
     /// The angle lost or won when the ticks missing at a mode switch are filled in.
     GapFill,
+    /// The Allan curve of a gyro at rest, and the coefficients fitted to it.
+    Allan,
+}
+
+impl Kind {
+    /// As study files call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::GapFill => "gap-fill",
+            Kind::Allan => "allan",
+        }
+    }
 }
 
 /// Whether the points of a study share their random numbers.
@@ -94,6 +129,16 @@ pub enum Streams {
     Common,
 }
 
+impl Streams {
+    /// As study files call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Streams::Independent => "independent",
+            Streams::Common => "common",
+        }
+    }
+}
+
 /// The gyro.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -101,8 +146,10 @@ pub(super) struct GyroTable {
     /// Length of a tick, the time between two readings of the angle: "5 ms".
     #[schemars(with = "String", extend("examples" = ["5 ms"]))]
     pub(super) tick: Spanned<Scalar>,
+    /// Absent where `[noise]` gives it.
+    #[serde(default)]
     #[schemars(with = "TickNoiseTable")]
-    pub(super) tick_noise: Spanned<TickNoiseTable>,
+    pub(super) tick_noise: Option<Spanned<TickNoiseTable>>,
     /// Angle of a pulse, where whole pulses are read: "3.2 arcsec". Not quantised if absent.
     #[serde(default)]
     #[schemars(with = "String")]
@@ -183,6 +230,19 @@ enum TickSchema {
 pub(super) enum ValueSchema {
     Number(f64),
     Text(String),
+}
+
+/// Which tables each kind needs.
+fn tables_of_kinds(schema: &mut schemars::Schema) {
+    let needs = |kind: Kind, tables: &[&str]| {
+        json!({
+            "if": { "properties": { "kind": { "const": kind.name() } } },
+            "then": { "required": tables },
+        })
+    };
+    let kinds =
+        [needs(Kind::GapFill, &["gyro", "motion", "switching"]), needs(Kind::Allan, &["record", "noise"])];
+    schema.insert("allOf".to_owned(), json!(kinds));
 }
 
 /// The JSON schema of study files, for editors and other programs.

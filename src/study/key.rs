@@ -1,241 +1,86 @@
-//! The keys that hold a physical value: what each accepts, within which limits, and what it sets.
-//!
-//! A new key that sweeps may vary is one entry here.
+//! Keys that hold a value: what each accepts, within which limits, and what it sets.
 
-use crate::kernel::launch::MAX_SIDE;
-use std::ops::Range;
+use std::fmt;
+use std::ops::{Deref, Range};
 
 use toml::Spanned;
 
 use super::diagnose::{Fault, choices};
-use super::inputs::{Inputs, TickNoise};
-use super::motion::{Frequency, Gaussian, Value};
 use super::scalar::{self, Scalar};
 use super::units::{Dimension, Quantity};
+use crate::table::{Cell, Unit};
 
-/// Longest gap, ticks.
-pub(super) const LONGEST_GAP: i64 = MAX_SIDE as i64;
-
-/// A key with a physical value.
+/// A key with a value that a sweep may vary.
 #[derive(Debug)]
 pub struct Key {
     /// As in study files and column names: `motion.frequency`.
     pub name: &'static str,
     /// For axes and reports: `vibration frequency`.
     pub label: &'static str,
-    accepts: &'static [Dimension],
+    /// None of a name of a file.
+    pub(super) accepts: &'static [Dimension],
     /// Lowest and highest value in base units, and the same for people.
-    limits: (f64, f64, &'static str),
+    pub(super) limits: (f64, f64, &'static str),
+}
+
+/// A key of a kind of study whose inputs are `I`.
+pub(super) struct Setting<I: 'static> {
+    pub(super) key: Key,
     /// Whether inputs have what the key sets.
-    applies: fn(&Inputs) -> bool,
-    set: fn(&mut Inputs, Quantity),
+    pub(super) applies: fn(&I) -> bool,
+    pub(super) set: fn(&mut I, Quantity),
 }
 
-pub(super) static TICK: Key = Key {
-    name: "gyro.tick",
-    label: "tick",
-    accepts: &[Dimension::Time],
-    limits: (1e-6, 1e3, "1 µs to 1000 s"),
-    applies: always,
-    set: |inputs, tick| inputs.tick_s = tick.value,
-};
+impl<I> Deref for Setting<I> {
+    type Target = Key;
 
-pub(super) static NOISE_STD: Key = Key {
-    name: "gyro.tick_noise.std",
-    label: "tick noise σ",
-    accepts: &[Dimension::Angle],
-    limits: (0.0, 1e6, "0 to 1e6 arcsec"),
-    applies: always,
-    set: |inputs, sigma| inputs.tick_noise = TickNoise::Std(sigma.value),
-};
-
-pub(super) static NOISE_THREE_SIGMA: Key = Key {
-    name: "gyro.tick_noise.three_sigma",
-    label: "tick noise 3σ",
-    accepts: &[Dimension::Angle],
-    limits: (0.0, 3e6, "0 to 3e6 arcsec"),
-    applies: always,
-    set: |inputs, three_sigma| inputs.tick_noise = TickNoise::from_three_sigma(three_sigma.value),
-};
-
-pub(super) static NOISE_RANDOM_WALK: Key = Key {
-    name: "gyro.tick_noise.angle_random_walk",
-    label: "angle random walk",
-    accepts: &[Dimension::AngleRandomWalk],
-    limits: (0.0, 1e9, "0 to 1e9 arcsec/sqrt(s)"),
-    applies: always,
-    set: |inputs, n| inputs.tick_noise = TickNoise::AngleRandomWalk(n.value),
-};
-
-pub(super) static READOUT_LSB: Key = Key {
-    name: "gyro.readout_lsb",
-    label: "pulse weight",
-    accepts: &[Dimension::Angle],
-    limits: (1e-6, 1e6, "1e-6 to 1e6 arcsec"),
-    applies: always,
-    set: |inputs, lsb| inputs.readout_lsb = lsb.value,
-};
-
-pub(super) static AMPLITUDE: Key = Key {
-    name: "motion.amplitude",
-    label: "vibration amplitude",
-    accepts: &[Dimension::Rate, Dimension::Angle],
-    limits: (0.0, 1e9, "0 to 1e9 arcsec/s, or an angle of 0 to 1e9 arcsec"),
-    applies: |inputs| matches!(inputs.motion.tones[..], [tone] if matches!(tone.amplitude.value, Value::Fixed(_))),
-    set: |inputs, amplitude| {
-        if let [tone] = &mut inputs.motion.tones[..] {
-            tone.amplitude.value = Value::Fixed(amplitude.value);
-            tone.amplitude.of_angle = amplitude.dimension == Dimension::Angle;
-        }
-    },
-};
-
-pub(super) static FREQUENCY: Key = Key {
-    name: "motion.frequency",
-    label: "vibration frequency",
-    accepts: &[Dimension::Frequency],
-    limits: (1e-9, 1e7, "1e-9 Hz to 1e7 Hz, and at most 10 times the tick rate"),
-    applies: |inputs| matches!(inputs.motion.tones[..], [tone] if matches!(tone.frequency, Frequency::Fixed(_))),
-    set: |inputs, frequency| {
-        if let [tone] = &mut inputs.motion.tones[..] {
-            tone.frequency = Frequency::Fixed(frequency.value);
-        }
-    },
-};
-
-/// Limits of the ends of a band.
-const BAND: (f64, f64, &str) = (1e-9, 1e7, "1e-9 Hz to 1e7 Hz, and at most half the tick rate");
-
-static FREQUENCY_LOW: Key = Key {
-    name: "motion.frequency.low",
-    label: "lower frequency",
-    accepts: &[Dimension::Frequency],
-    limits: BAND,
-    applies: has_frequency_band,
-    set: |inputs, low| {
-        if let [tone] = &mut inputs.motion.tones[..]
-            && let Frequency::Band(band) = &mut tone.frequency
-        {
-            band.low_hz = low.value;
-        }
-    },
-};
-
-static FREQUENCY_HIGH: Key = Key {
-    name: "motion.frequency.high",
-    label: "upper frequency",
-    accepts: &[Dimension::Frequency],
-    limits: BAND,
-    applies: has_frequency_band,
-    set: |inputs, high| {
-        if let [tone] = &mut inputs.motion.tones[..]
-            && let Frequency::Band(band) = &mut tone.frequency
-        {
-            band.high_hz = high.value;
-        }
-    },
-};
-
-pub(super) static GAUSSIAN_RMS: Key = Key {
-    name: "motion.gaussian.rms",
-    label: "rms rate",
-    accepts: &[Dimension::Rate],
-    limits: (0.0, 1e9, "0 to 1e9 arcsec/s"),
-    applies: has_gaussian_band,
-    set: |inputs, new| {
-        if let Some(Gaussian::Band { rms, .. }) = &mut inputs.motion.gaussian {
-            *rms = new.value;
-        }
-    },
-};
-
-static GAUSSIAN_LOW: Key = Key {
-    name: "motion.gaussian.low",
-    label: "lower frequency",
-    accepts: &[Dimension::Frequency],
-    limits: BAND,
-    applies: has_gaussian_band,
-    set: |inputs, low| {
-        if let Some(Gaussian::Band { band, .. }) = &mut inputs.motion.gaussian {
-            band.low_hz = low.value;
-        }
-    },
-};
-
-static GAUSSIAN_HIGH: Key = Key {
-    name: "motion.gaussian.high",
-    label: "upper frequency",
-    accepts: &[Dimension::Frequency],
-    limits: BAND,
-    applies: has_gaussian_band,
-    set: |inputs, high| {
-        if let Some(Gaussian::Band { band, .. }) = &mut inputs.motion.gaussian {
-            band.high_hz = high.value;
-        }
-    },
-};
-
-pub(super) static RATE: Key = Key {
-    name: "motion.rate",
-    label: "constant rate",
-    accepts: &[Dimension::Rate],
-    limits: (-1e9, 1e9, "-1e9 to 1e9 arcsec/s"),
-    applies: always,
-    set: |inputs, rate| inputs.motion.rate = rate.value,
-};
-
-pub(super) static ACCELERATION: Key = Key {
-    name: "motion.acceleration",
-    label: "angular acceleration",
-    accepts: &[Dimension::AngularAcceleration],
-    limits: (-1e12, 1e12, "-1e12 to 1e12 arcsec/s^2"),
-    applies: always,
-    set: |inputs, acceleration| inputs.motion.acceleration = acceleration.value,
-};
-
-fn always(_: &Inputs) -> bool {
-    true
+    fn deref(&self) -> &Key {
+        &self.key
+    }
 }
 
-fn has_frequency_band(inputs: &Inputs) -> bool {
-    matches!(inputs.motion.tones[..], [tone] if matches!(tone.frequency, Frequency::Band(_)))
+/// A value that a key takes at a point.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Swept {
+    Quantity(Quantity),
+    /// The name of a file without folders and ending.
+    Name(String),
 }
 
-fn has_gaussian_band(inputs: &Inputs) -> bool {
-    matches!(inputs.motion.gaussian, Some(Gaussian::Band { .. }))
+impl Swept {
+    /// The value where it is a quantity.
+    pub fn quantity(&self) -> Option<Quantity> {
+        match self {
+            Swept::Quantity(quantity) => Some(*quantity),
+            Swept::Name(_) => None,
+        }
+    }
+
+    /// The value as a cell of a table.
+    pub fn cell(&self) -> Cell {
+        match self {
+            Swept::Quantity(quantity) => quantity.cell(),
+            Swept::Name(name) => Cell::Text(name.clone()),
+        }
+    }
+
+    /// The unit in which tables show it.
+    pub fn unit(&self) -> Unit {
+        self.quantity().map_or(Unit::NONE, |quantity| quantity.dimension.unit())
+    }
 }
 
-pub(super) static GAP_TICKS: Key = Key {
-    name: "switching.gap_ticks",
-    label: "lost ticks n",
-    accepts: &[Dimension::Count],
-    limits: (1.0, LONGEST_GAP as f64, "1 to 64"),
-    applies: always,
-    // Within its limits a count converts exactly.
-    set: |inputs, n| inputs.gap_ticks = n.value as u32,
-};
-
-/// Every key that a sweep may vary.
-static KEYS: [&Key; 15] = [
-    &TICK,
-    &NOISE_STD,
-    &NOISE_THREE_SIGMA,
-    &NOISE_RANDOM_WALK,
-    &READOUT_LSB,
-    &AMPLITUDE,
-    &FREQUENCY,
-    &FREQUENCY_LOW,
-    &FREQUENCY_HIGH,
-    &GAUSSIAN_RMS,
-    &GAUSSIAN_LOW,
-    &GAUSSIAN_HIGH,
-    &RATE,
-    &ACCELERATION,
-    &GAP_TICKS,
-];
+impl fmt::Display for Swept {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Swept::Quantity(quantity) => quantity.fmt(f),
+            Swept::Name(name) => name.fmt(f),
+        }
+    }
+}
 
 /// The keys of a study that no sweep can vary, and what they are.
-const FIXED: [(&str, &str); 18] = [
+const FIXED: [(&str, &str); 25] = [
     ("title", "is text"),
     ("question", "is text"),
     ("kind", "is text"),
@@ -253,47 +98,67 @@ const FIXED: [(&str, &str); 18] = [
     ("switching.fit_ticks", "is a list"),
     ("switching.extrapolation_ticks", "is a list"),
     ("switching.errors", "is a list"),
+    ("noise.markov", "is a table"),
+    ("noise.sine", "is a table"),
+    ("noise.warm_up", "is a table"),
+    ("allan.tau", "holds for the whole study"),
+    ("allan.estimator", "is text"),
+    ("allan.overlap", "is text"),
+    ("allan.fit", "holds for the whole study"),
     ("chart", "is a table"),
 ];
 
-impl Key {
-    /// The key a sweep names.
-    pub(super) fn find(name: &Spanned<String>) -> Result<&'static Key, Fault> {
-        let wanted = name.get_ref();
-        if let Some(key) = KEYS.into_iter().find(|key| key.name == wanted) {
-            return Ok(key);
-        }
-        let sweepable = KEYS.map(|key| key.name);
-        if let Some((_, what)) = FIXED.iter().find(|(fixed, _)| fixed == wanted) {
-            let message = format!("{wanted} {what} and cannot be swept");
-            let help = format!("sweepable keys are {}", sweepable.join(", "));
-            return Err(Fault::new(name.span(), message, *what, help));
-        }
-        let message = format!("there is no key `{wanted}` to sweep");
-        Err(Fault::new(name.span(), message, "unknown key", choices(wanted, &sweepable)))
+/// The one of some `keys` that a sweep names.
+pub(super) fn find(name: &Spanned<String>, keys: &[&'static Key]) -> Result<&'static Key, Fault> {
+    let wanted = name.get_ref();
+    if let Some(key) = keys.iter().find(|key| key.name == wanted) {
+        return Ok(key);
     }
-
-    /// What the key sets: keys with the same target exclude each other.
-    pub(super) fn target(&self) -> &'static str {
-        // The noise has several forms.
-        if self.name.starts_with("gyro.tick_noise") { "gyro.tick_noise" } else { self.name }
+    let sweepable: Vec<&str> = keys.iter().map(|key| key.name).collect();
+    if let Some((_, what)) = FIXED.iter().find(|(fixed, _)| fixed == wanted) {
+        let message = format!("{wanted} {what} and cannot be swept");
+        let help = format!("sweepable keys are {}", sweepable.join(", "));
+        return Err(Fault::new(name.span(), message, *what, help));
     }
+    let message = format!("there is no key `{wanted}` to sweep");
+    Err(Fault::new(name.span(), message, "unknown key", choices(wanted, &sweepable)))
+}
 
-    /// Refuses a sweep over what the inputs do not have.
-    pub(super) fn check_applies(&self, inputs: &Inputs, sweep: Range<usize>) -> Result<(), Fault> {
+impl<I> Setting<I> {
+    /// Refuses a sweep over what the inputs do not have; `what` lacks it: `the motion`.
+    pub(super) fn check_applies(
+        &self,
+        inputs: &I,
+        settings: &[&Setting<I>],
+        what: &str,
+        sweep: Range<usize>,
+    ) -> Result<(), Fault> {
         if (self.applies)(inputs) {
             return Ok(());
         }
-        let message = format!("{} is swept, but the motion has none", self.name);
-        let applying: Vec<&str> =
-            KEYS.iter().filter(|key| (key.applies)(inputs)).map(|key| key.name).collect();
+        let message = format!("{} is swept, but {what} has none", self.name);
+        let applying = settings.iter().filter(|setting| (setting.applies)(inputs));
+        let applying: Vec<&str> = applying.map(|setting| setting.name).collect();
         let help = format!("this study has {}", applying.join(", "));
         Err(Fault::new(sweep, message, "not in this study", help))
+    }
+}
+
+impl Key {
+    /// What the key sets: keys with the same target exclude each other.
+    pub(super) fn target(&self) -> &'static str {
+        // The noise of ticks has several forms.
+        if self.name.starts_with("gyro.tick_noise") { "gyro.tick_noise" } else { self.name }
     }
 
     /// Whether the key holds whole numbers.
     pub(super) fn is_whole(&self) -> bool {
         self.accepts == [Dimension::Count]
+    }
+
+    /// Whether the key holds the name of a file.
+    pub(super) fn is_file(&self) -> bool {
+        self.accepts.is_empty()
     }
 
     /// The value written for this key.
@@ -319,10 +184,5 @@ impl Key {
         };
         let message = format!("{name} = {quantity} is out of range");
         Err(Fault::new(given.span(), message, label, format!("accepted: {limits}")))
-    }
-
-    /// Puts a value that [`Key::read`] gave, or one between two such, into `inputs`.
-    pub(super) fn set(&self, inputs: &mut Inputs, value: Quantity) {
-        (self.set)(inputs, value);
     }
 }

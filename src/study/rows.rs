@@ -4,17 +4,26 @@ use std::ops::Range;
 
 use toml::Spanned;
 
+use super::Subject;
+use super::chart::Source;
 use super::diagnose::{Fault, choices};
 use super::file::Error;
-use super::filler::Filler;
-use super::scalar::Scalar;
+use super::key::Swept;
+use super::scalar::{self, Scalar};
 use super::sweep::Sweep;
-use super::units::Quantity;
+use super::units::Dimension;
+use crate::fit::Term;
 use crate::table::{self, Cell, Column, ColumnError, Unit};
 
-/// The columns of text that `where` may name besides swept keys.
+/// The columns of text of a gap-fill table.
 pub(super) const FILLER: &str = "filler";
 pub(super) const ERROR: &str = "error";
+
+/// The column of text of a table of coefficients.
+pub(super) const COEFFICIENT: &str = "coefficient";
+
+/// The column of averaging times.
+pub(super) const TAU: &str = "tau";
 
 /// The column of Δt·ν, which follows from the inputs of a point.
 pub(super) const DT_NU: &str = "dt_nu";
@@ -22,34 +31,71 @@ pub(super) const DT_NU: &str = "dt_nu";
 /// The column of A_Ω·T/σ, which does too.
 const AMPLITUDE_NOISE: &str = "amplitude_noise";
 
+/// The columns of a table that are known before anything is sampled, besides swept keys.
+pub(super) struct Known {
+    /// Of text, by which rows are told apart, each with the values that it takes.
+    pub(super) texts: Vec<(&'static str, Vec<&'static str>)>,
+    /// The names of fillers, where there is a column of them.
+    pub(super) fillers: Vec<String>,
+    /// Of numbers.
+    pub(super) numbers: &'static [&'static str],
+}
+
+impl Known {
+    /// Those of one of the tables of a study.
+    pub(super) fn of(subject: &Subject, source: Source) -> Known {
+        match (subject, source) {
+            (Subject::GapFill(gap_fill), _) => Known {
+                texts: vec![(ERROR, Error::ALL.map(Error::name).to_vec())],
+                fillers: gap_fill.fillers.iter().map(|filler| filler.name.clone()).collect(),
+                numbers: &[DT_NU, AMPLITUDE_NOISE],
+            },
+            (Subject::Allan(_), Source::Points) => Known { texts: vec![], fillers: vec![], numbers: &[TAU] },
+            (Subject::Allan(_), Source::Coefficients) => {
+                let names = Term::ALL.map(Term::symbol).into_iter().chain(["markov_time", "sine_frequency"]);
+                Known { texts: vec![(COEFFICIENT, names.collect())], fillers: vec![], numbers: &[] }
+            }
+        }
+    }
+
+    /// The names of the columns of text.
+    pub(super) fn text_names(&self) -> Vec<&'static str> {
+        let fillers = (!self.fillers.is_empty()).then_some(FILLER);
+        fillers.into_iter().chain(self.texts.iter().map(|(name, _)| *name)).collect()
+    }
+}
+
 /// Most values of a sweep that a message lists.
 const MOST_LISTED: usize = 12;
 
-/// The column by which rows are told apart that `name` at `span` means: a swept key, `filler` or `error`.
+/// The column by which rows are told apart that `name` at `span` means: a swept key, a column of text, or τ.
 ///
 /// # Errors
 /// It means no such column, or several; `cannot` begins the message: "`where` cannot choose rows by".
 pub(super) fn chooser(
     sweeps: &[Sweep],
+    known: &Known,
     name: &str,
     span: Range<usize>,
     cannot: &str,
 ) -> Result<String, Fault> {
-    input(sweeps, &[FILLER, ERROR], name, span, cannot)
+    let taus = known.numbers.iter().copied().filter(|name| *name == TAU);
+    input(sweeps, &known.text_names().into_iter().chain(taus).collect::<Vec<_>>(), name, span, cannot)
 }
 
-/// The column of numbers known before anything is sampled that `name` at `span` means: a swept key, `dt_nu` or
-/// `amplitude_noise`.
+/// The column of numbers known before anything is sampled that `name` at `span` means: a swept key, or one that follows
+/// from it.
 ///
 /// # Errors
 /// As those of [`chooser`].
 pub(super) fn coordinate(
     sweeps: &[Sweep],
+    known: &Known,
     name: &str,
     span: Range<usize>,
     cannot: &str,
 ) -> Result<String, Fault> {
-    input(sweeps, &[DT_NU, AMPLITUDE_NOISE], name, span, cannot)
+    input(sweeps, known.numbers, name, span, cannot)
 }
 
 /// The column that `name` means among the swept keys and some `more`.
@@ -60,10 +106,10 @@ fn input(
     span: Range<usize>,
     cannot: &str,
 ) -> Result<String, Fault> {
-    let unit = |sweep: &Sweep| sweep.values.first().map_or(Unit::NONE, |value| value.dimension.unit());
+    let unit = |sweep: &Sweep| sweep.values.first().map_or(Unit::NONE, Swept::unit);
     let swept = sweeps.iter().map(|sweep| (sweep.key.name, unit(sweep)));
     let columns: Vec<Column> = swept
-        .chain(more.iter().map(|name| (*name, Unit::NONE)))
+        .chain(more.iter().map(|name| (*name, if *name == TAU { Unit::S } else { Unit::NONE })))
         .map(|(name, unit)| Column {
             name: name.to_owned(),
             label: name.to_owned(),
@@ -78,7 +124,10 @@ fn input(
         }
         _ => {
             let known: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
-            let label = format!("neither swept nor {}", more.join(" nor "));
+            let label = match more {
+                [] => "not swept".to_owned(),
+                more => format!("neither swept nor {}", more.join(" nor ")),
+            };
             Fault::new(span, format!("{cannot} `{name}`"), label, choices(name, &known))
         }
     })?;
@@ -90,25 +139,33 @@ pub(super) fn row(
     name: &Spanned<String>,
     value: &Spanned<Scalar>,
     sweeps: &[Sweep],
-    fillers: &[Filler],
+    known: &Known,
 ) -> Result<(String, Cell), Fault> {
-    let column = chooser(sweeps, name.get_ref(), name.span(), "`where` cannot choose rows by")?;
-    let cell = match sweeps.iter().find(|sweep| sweep.key.name == column) {
-        Some(sweep) => swept_value(sweep, value)?.cell(),
-        None if column == FILLER => text(FILLER, value, fillers.iter().map(|filler| filler.name.as_str()))?,
-        None => text(ERROR, value, Error::ALL.iter().map(|error| error.name()))?,
+    let column = chooser(sweeps, known, name.get_ref(), name.span(), "`where` cannot choose rows by")?;
+    let of_texts = || known.texts.iter().find(|(text, _)| *text == column);
+    let cell = if let Some(sweep) = sweeps.iter().find(|sweep| sweep.key.name == column) {
+        swept_value(sweep, value)?.cell()
+    } else if column == FILLER {
+        text(FILLER, value, known.fillers.iter().map(String::as_str))?
+    } else if let Some((column, values)) = of_texts() {
+        text(column, value, values.iter().copied())?
+    } else {
+        // Whether the table has that τ shows when the chart is drawn without estimates.
+        scalar::quantity(&column, value, &[Dimension::Time])?.cell()
     };
     Ok((column, cell))
 }
 
 /// The value of a sweep that is meant: the one which tables show like the one given.
-fn swept_value(sweep: &Sweep, given: &Spanned<Scalar>) -> Result<Quantity, Fault> {
-    let wanted = sweep.key.read(given)?;
-    let is_meant = |value: &&Quantity| {
-        value.dimension == wanted.dimension && value.cell().text() == wanted.cell().text()
+fn swept_value<'s>(sweep: &'s Sweep, given: &Spanned<Scalar>) -> Result<&'s Swept, Fault> {
+    let wanted = match given.get_ref() {
+        Scalar::Text(name) if sweep.key.is_file() => Swept::Name(name.clone()),
+        _ => Swept::Quantity(sweep.key.read(given)?),
     };
-    sweep.values.iter().find(is_meant).copied().ok_or_else(|| {
-        let listed: Vec<String> = sweep.values.iter().take(MOST_LISTED).map(Quantity::to_string).collect();
+    let is_meant =
+        |value: &&Swept| value.unit() == wanted.unit() && value.cell().text() == wanted.cell().text();
+    sweep.values.iter().find(is_meant).ok_or_else(|| {
+        let listed: Vec<String> = sweep.values.iter().take(MOST_LISTED).map(Swept::to_string).collect();
         let more = if sweep.values.len() > MOST_LISTED { ", …" } else { "" };
         let message = format!("no point has {} = {wanted}", sweep.key.name);
         let help = format!("accepted: {}{more}", listed.join(", "));

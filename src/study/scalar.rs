@@ -20,7 +20,7 @@ pub(super) enum Scalar {
 
 impl Scalar {
     /// For labels: `a bare number`.
-    fn kind(&self) -> &'static str {
+    pub(super) fn kind(&self) -> &'static str {
         match self {
             Scalar::Text(_) => "a text",
             Scalar::Integer(_) | Scalar::Float(_) => "a bare number",

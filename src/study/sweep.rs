@@ -2,13 +2,14 @@
 
 use std::collections::HashSet;
 use std::ops::Range;
+use std::path::Path;
 
 use toml::Spanned;
 
 use super::chart_file::Scale;
 use super::diagnose::Fault;
 use super::file::{SpacingTable, SweepTable};
-use super::key::Key;
+use super::key::{self, Key, Setting, Swept};
 use super::scalar::{self, Scalar};
 use super::units::Quantity;
 
@@ -22,22 +23,24 @@ const MOST_POINTS: usize = 100_000;
 pub struct Sweep {
     pub key: &'static Key,
     /// Distinct, of one dimension, in the order written.
-    pub values: Vec<Quantity>,
+    pub values: Vec<Swept>,
+    /// Of a key that holds the name of a file, each as it is written.
+    pub(super) files: Vec<Spanned<String>>,
     /// Of an axis over them: linear where they are evenly spaced, or not all above 0.
     pub(super) scale: Scale,
     /// Of the values, in the text.
     pub(super) span: Range<usize>,
 }
 
-/// All sweeps of a study, in the order written.
+/// All sweeps of a study over some of these keys, in the order written.
 ///
 /// # Errors
 /// Besides those of each sweep: one target swept twice, too many points.
-pub(super) fn read_all(tables: &[SweepTable]) -> Result<Vec<Sweep>, Fault> {
+pub(super) fn read_all(tables: &[SweepTable], keys: &[&'static Key]) -> Result<Vec<Sweep>, Fault> {
     let mut sweeps: Vec<Sweep> = Vec::new();
     let mut points = 1_usize;
     for table in tables {
-        let sweep = read(table)?;
+        let sweep = read(table, key::find(&table.key, keys)?)?;
         let target = sweep.key.target();
         if let Some(earlier) = sweeps.iter().find(|earlier| earlier.key.target() == target) {
             let message = format!("{} is swept although {} is already", sweep.key.name, earlier.key.name);
@@ -59,8 +62,37 @@ pub(super) fn read_all(tables: &[SweepTable]) -> Result<Vec<Sweep>, Fault> {
     Ok(sweeps)
 }
 
-fn read(table: &SweepTable) -> Result<Sweep, Fault> {
-    let key = Key::find(&table.key)?;
+/// Points of all sweeps.
+pub(super) fn points(sweeps: &[Sweep]) -> usize {
+    sweeps.iter().map(|sweep| sweep.values.len()).product()
+}
+
+/// The values at a point, the first sweep being the slowest to change: of each the name of the key.
+pub(super) fn values_at(sweeps: &[Sweep], index: usize) -> Vec<(&'static str, Swept)> {
+    let mut swept = Vec::with_capacity(sweeps.len());
+    let mut rest = index;
+    for sweep in sweeps.iter().rev() {
+        swept.push((sweep.key.name, sweep.values[rest % sweep.values.len()].clone()));
+        rest /= sweep.values.len();
+    }
+    swept.reverse();
+    swept
+}
+
+/// Puts the quantities among swept values into `inputs`.
+pub(super) fn set<I>(inputs: &mut I, settings: &[&'static Setting<I>], swept: &[(&'static str, Swept)]) {
+    for (name, value) in swept {
+        let setting = settings.iter().find(|setting| setting.name == *name);
+        if let (Some(setting), Some(quantity)) = (setting, value.quantity()) {
+            (setting.set)(inputs, quantity);
+        }
+    }
+}
+
+fn read(table: &SweepTable, key: &'static Key) -> Result<Sweep, Fault> {
+    if key.is_file() {
+        return of_files(table, key);
+    }
     let (span, values) = match (&table.list, &table.linear, &table.log) {
         (Some(list), None, None) => (list.span(), listed(key, list)?),
         (None, Some(linear), None) => (linear.span(), spaced(key, linear, Spacing::Linear)?),
@@ -73,24 +105,61 @@ fn read(table: &SweepTable) -> Result<Sweep, Fault> {
     };
     let linear = table.linear.is_some() || values.iter().any(|value| value.value <= 0.0);
     let scale = if linear { Scale::Linear } else { Scale::Log };
-    Ok(Sweep { key, values, scale, span })
+    let values = values.into_iter().map(Swept::Quantity).collect();
+    Ok(Sweep { key, values, files: vec![], scale, span })
 }
 
-fn listed(key: &Key, list: &Spanned<Vec<Spanned<Scalar>>>) -> Result<Vec<Quantity>, Fault> {
-    let items = list.get_ref();
+/// A sweep over files, each known by its name without folders and ending.
+fn of_files(table: &SweepTable, key: &'static Key) -> Result<Sweep, Fault> {
+    let (Some(list), None, None) = (&table.list, &table.linear, &table.log) else {
+        let message = format!("the sweep over {} needs list, it is over files", key.name);
+        let help = "write it as in list = [\"lgk-400.toml\", \"lgv-1.toml\"]";
+        return Err(Fault::new(table.key.span(), message, "in this sweep", help));
+    };
+    count(key, list)?;
+    let (mut values, mut files) = (Vec::new(), Vec::new());
+    for item in list.get_ref() {
+        let Scalar::Text(path) = item.get_ref() else {
+            let message = format!("{}: {} is no name of a file", key.name, item.get_ref());
+            return Err(Fault::new(
+                item.span(),
+                message,
+                item.get_ref().kind(),
+                "accepted: a text in quotes",
+            ));
+        };
+        let stem = Path::new(path).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let value = Swept::Name(stem);
+        if values.contains(&value) {
+            let message = format!("the sweep over {} takes the name {value} twice", key.name);
+            let help = "tables tell files apart by their names: give them different ones";
+            return Err(Fault::new(item.span(), message, "listed before", help));
+        }
+        values.push(value);
+        files.push(Spanned::new(item.span(), path.clone()));
+    }
+    Ok(Sweep { key, values, files, scale: Scale::Linear, span: list.span() })
+}
+
+/// One value or more, and not too many.
+fn count(key: &Key, list: &Spanned<Vec<Spanned<Scalar>>>) -> Result<(), Fault> {
     let fault = |message, label| {
         Err(Fault::new(list.span(), message, label, "give one value or more, 10000 at most"))
     };
-    match items.len() {
-        0 => return fault(format!("the sweep over {} is empty", key.name), "no values"),
+    match list.get_ref().len() {
+        0 => fault(format!("the sweep over {} is empty", key.name), "no values"),
         count if count > MOST_VALUES => {
-            return fault(format!("the sweep over {} has {count} values", key.name), "too many values");
+            fault(format!("the sweep over {} has {count} values", key.name), "too many values")
         }
-        _ => {}
+        _ => Ok(()),
     }
+}
+
+fn listed(key: &Key, list: &Spanned<Vec<Spanned<Scalar>>>) -> Result<Vec<Quantity>, Fault> {
+    count(key, list)?;
     let mut seen = HashSet::new();
     let mut values: Vec<Quantity> = Vec::new();
-    for item in items {
+    for item in list.get_ref() {
         let value = key.read(item)?;
         if let Some(first) = values.first() {
             same_dimension(key, *first, value, item)?;

@@ -14,22 +14,27 @@ pub enum Dimension {
     Frequency,
     Angle,
     Rate,
+    /// A rate as small as the noise and drift of a gyro at rest.
+    DriftRate,
     /// Angle over the root of time; also a rate over the root of frequency, two-sided: 1 °/h/√Hz = 1/60 °/√h.
     AngleRandomWalk,
     AngularAcceleration,
+    /// Rate over the root of time.
+    RateRandomWalk,
     /// Power spectral density of a rate, one-sided.
     RateDensity,
 }
 
 impl Dimension {
     /// All that is written with a unit.
-    const MEASURED: [Dimension; 7] = [
+    const MEASURED: [Dimension; 8] = [
         Dimension::Time,
         Dimension::Frequency,
         Dimension::Angle,
         Dimension::Rate,
         Dimension::AngleRandomWalk,
         Dimension::AngularAcceleration,
+        Dimension::RateRandomWalk,
         Dimension::RateDensity,
     ];
 
@@ -39,9 +44,10 @@ impl Dimension {
             Dimension::Time => Exponents::angle_time(0, 2),
             Dimension::Frequency => Exponents::angle_time(0, -2),
             Dimension::Angle => Exponents::angle_time(2, 0),
-            Dimension::Rate => Exponents::angle_time(2, -2),
+            Dimension::Rate | Dimension::DriftRate => Exponents::angle_time(2, -2),
             Dimension::AngleRandomWalk => Exponents::angle_time(2, -1),
             Dimension::AngularAcceleration => Exponents::angle_time(2, -4),
+            Dimension::RateRandomWalk => Exponents::angle_time(2, -3),
             Dimension::RateDensity => Exponents::angle_time(4, -2),
         }
     }
@@ -53,9 +59,10 @@ impl Dimension {
             Dimension::Time => "a time",
             Dimension::Frequency => "a frequency",
             Dimension::Angle => "an angle",
-            Dimension::Rate => "an angular rate",
+            Dimension::Rate | Dimension::DriftRate => "an angular rate",
             Dimension::AngleRandomWalk => "an angle random walk",
             Dimension::AngularAcceleration => "an angular acceleration",
+            Dimension::RateRandomWalk => "a rate random walk",
             Dimension::RateDensity => "a density of the rate",
         }
     }
@@ -73,25 +80,43 @@ impl Dimension {
             Dimension::Frequency => ("Hz, kHz, 1/s", "\"20 Hz\""),
             Dimension::Angle => ("arcsec (″), arcmin (′), deg (°), rad, mrad, µrad (urad)", "\"1.6 arcsec\""),
             Dimension::Rate => ("arcsec/s, deg/s, deg/h, rad/s", "\"12000 arcsec/s\""),
+            Dimension::DriftRate => ("deg/h, arcsec/s, deg/s, rad/s", "\"0.002 deg/h\""),
             Dimension::AngleRandomWalk => {
                 ("deg/sqrt(h), deg/√h, arcsec/sqrt(s), deg/h/sqrt(Hz)", "\"0.003 deg/sqrt(h)\"")
             }
-            Dimension::AngularAcceleration => ("arcsec/s^2, deg/s^2, rad/s^2", "\"100 deg/s^2\""),
+            Dimension::AngularAcceleration => ("arcsec/s^2, deg/s^2, rad/s^2, deg/h/h", "\"100 deg/s^2\""),
+            Dimension::RateRandomWalk => {
+                ("deg/h/sqrt(h), deg/h/√h, arcsec/s/sqrt(s)", "\"0.001 deg/h/sqrt(h)\"")
+            }
             Dimension::RateDensity => ("(arcsec/s)^2/Hz, (deg/s)^2/Hz, (rad/s)^2/Hz", "\"0.1 (deg/s)^2/Hz\""),
         }
     }
 
-    /// The unit in which tables show values of this kind.
+    /// The unit in which tables show values of this kind: that of data sheets for noise.
     pub fn unit(self) -> Unit {
         match self {
+            Dimension::DriftRate => Unit::DEG_PER_H,
             Dimension::Count => Unit::NONE,
             Dimension::Time => Unit::S,
             Dimension::Frequency => Unit::HZ,
             Dimension::Angle => Unit::ARCSEC,
             Dimension::Rate => Unit::ARCSEC_PER_S,
-            Dimension::AngleRandomWalk => Unit::ARCSEC_PER_SQRT_S,
+            Dimension::AngleRandomWalk => Unit::DEG_PER_SQRT_H,
             Dimension::AngularAcceleration => Unit::ARCSEC_PER_S2,
+            Dimension::RateRandomWalk => Unit::DEG_PER_H_PER_SQRT_H,
             Dimension::RateDensity => Unit::ARCSEC2_PER_S2_PER_HZ,
+        }
+    }
+}
+
+impl Dimension {
+    /// One base unit in the unit of tables.
+    fn base_shown(self) -> f64 {
+        match self {
+            // 1 ″/√s is 1/60 °/√h, 1 ″/s^1.5 is 60 °/h/√h; ″/s and °/h are the same.
+            Dimension::AngleRandomWalk => 1.0 / 60.0,
+            Dimension::RateRandomWalk => 60.0,
+            _ => 1.0,
         }
     }
 }
@@ -118,11 +143,16 @@ impl Quantity {
         Quantity { value: round_12(value), dimension }
     }
 
+    /// The value in the unit of tables.
+    pub fn shown(self) -> f64 {
+        self.value * self.dimension.base_shown()
+    }
+
     /// The value as a cell of a table.
     pub fn cell(self) -> Cell {
         match self.dimension {
             Dimension::Count => Cell::Integer(self.value as i64),
-            _ => Cell::Number(self.value),
+            _ => Cell::Number(self.shown()),
         }
     }
 }
@@ -132,7 +162,7 @@ impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let symbol = self.dimension.unit().symbol;
         let space = if symbol.is_empty() { "" } else { " " };
-        write!(f, "{}{space}{symbol}", significant(self.value, 12))
+        write!(f, "{}{space}{symbol}", significant(self.shown(), 12))
     }
 }
 
@@ -315,7 +345,7 @@ mod tests {
             ("5 sqrt(sqrt(h))", "cannot be read"),
             ("5 deg^99999999999", "cannot be read"),
             ("5 deg deg", "cannot be read"),
-            ("3 deg/h/sqrt(h)", "is a quantity in ″·s^-1.5"),
+            ("3 deg/h^3", "is a quantity in ″·s^-3"),
             ("3 g", "is a quantity in g"),
         ];
         for (text, piece) in table {

@@ -5,15 +5,16 @@ use std::path::Path;
 
 use sagnac::backend::Device;
 use sagnac::backend::cpu::{Cpu, Width};
+use sagnac::lower::Lowered;
 use sagnac::run::{Plan, Progress};
 use sagnac::store::Store;
-use sagnac::study::Study;
+use sagnac::study::{GapFill, Point, Study};
 use sagnac::table::{Cell, Table};
 
 struct Silent;
 
 impl Progress for Silent {
-    fn start(&self, _: u64, _: u64) {}
+    fn start(&self, _: &'static str, _: u64, _: u64) {}
     fn advance(&self, _: u64) {}
     fn finish(&self) {}
 }
@@ -21,6 +22,17 @@ impl Progress for Silent {
 /// The study of a text; `name` may hold a folder, where records are then looked for.
 pub fn parsed(name: &str, text: &str) -> Study {
     Study::parse(name, text).unwrap_or_else(|error| panic!("{}", error.render(false, 100)))
+}
+
+/// What a gap-fill study asks.
+pub fn gap_fill(study: &Study) -> &GapFill {
+    study.gap_fill().unwrap()
+}
+
+/// A point of it, ready to be sampled.
+pub fn lowered(study: &Study, point: &Point) -> Lowered {
+    let GapFill { fillers, errors, .. } = gap_fill(study);
+    Lowered::new(point, fillers, errors, study.seed, study.streams).unwrap()
 }
 
 fn committed() -> String {
@@ -52,7 +64,7 @@ pub fn run(study: &Study, folder: &Path) -> Table {
     let mut store = Store::open(folder, &plan.identity()).unwrap();
     let mut device = Device::Cpu(Cpu::new(Width::widest(), 0).unwrap());
     plan.run(&mut store, &mut device, &Silent).unwrap();
-    plan.table(&store).unwrap()
+    plan.tables(&store, &Silent).unwrap().points
 }
 
 /// Runs a study in a folder of its own.

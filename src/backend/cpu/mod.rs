@@ -169,6 +169,11 @@ impl Cpu {
         self.width
     }
 
+    /// Records that it makes in the time of one: a lane of a thread each.
+    pub fn records_at_once(&self) -> u64 {
+        (self.width.lanes() * self.pool.current_num_threads()) as u64
+    }
+
     /// In words: lanes and threads.
     pub fn name(&self) -> String {
         format!("CPU ({}, {} threads)", self.width.name(), self.pool.current_num_threads())

@@ -43,6 +43,11 @@ impl Gpu {
         if ring_bytes > budget {
             return Err(GpuError::TooLong { bytes: ring_bytes, most: budget });
         }
+        let drift_bytes = 4 * recipe.drift.len() as u64;
+        let most = self.device.limits().max_storage_buffer_binding_size;
+        if drift_bytes > most {
+            return Err(GpuError::TooLong { bytes: drift_bytes, most });
+        }
         if rounds(recipe) > MOST_ROUNDS {
             let places = recipe.places();
             return Err(GpuError::Refused(format!("{places} averaging times are more than a device takes")));

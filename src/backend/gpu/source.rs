@@ -102,7 +102,7 @@ pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
 }
 
 /// Words of a record's state before those of its holds.
-pub const STATE_WORDS: usize = 7;
+pub const STATE_WORDS: usize = 9;
 
 /// Vectors of four words for the standard deviations of flicker noise: octave o has place o.
 pub fn flicker_vectors(recipe: &Recipe) -> usize {

@@ -1,6 +1,6 @@
 //! A map from the columns of a table.
 
-use super::super::from_table::{axis, check_angle, grouping, limit, numbers, style};
+use super::super::from_table::{axis, check_unit, grouping, limit, numbers, style};
 use super::super::spec::ChartError;
 use super::super::{Grouping, Scale};
 use super::grid::Grid;
@@ -12,11 +12,11 @@ impl Map {
     /// The map of `table` that `spec` describes, with a cell for each pair of values of x and y.
     ///
     /// # Errors
-    /// Two rows on one cell, or of one series where series compete; a limit where z is no angle; the same column for
+    /// Two rows on one cell, or of one series where series compete; a limit in another unit than that of z; the same column for
     /// both axes; a column that is not there, holds text instead of numbers, or has no row with a value asked for.
     pub fn from_table(table: &Table, spec: &MapSpec) -> Result<(Map, MapNotes), ChartError> {
         let (x, y, z) = (numbers(table, &spec.x)?, numbers(table, &spec.y)?, numbers(table, &spec.z)?);
-        check_angle(&spec.z, z, [spec.limit.map(|_| "limit")])?;
+        check_unit(&spec.z, z, [spec.limit.map(|limit| ("limit", limit.1))])?;
         if x.name == y.name {
             return Err(ChartError::SameAxes { column: spec.y.clone() });
         }
@@ -41,7 +41,7 @@ impl Map {
             y: axis(y, spec.y_scale),
             z: axis(z, z_scale),
             cells,
-            limit: spec.limit.map(|value| limit(value, z)),
+            limit: spec.limit.map(|(value, _)| limit(value, z)),
             chosen: table.chosen(&spec.filter)?,
             columns: grid.columns,
             rows: grid.rows,

@@ -4,6 +4,7 @@
 use crate::table::Table;
 
 use super::super::Scale;
+use crate::table::Unit;
 
 /// Which columns make a map, and how. Columns are named as [`Table::column`] understands them.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +28,7 @@ pub struct MapSpec {
     /// Only rows with this value in this column are shown: (column, value as files show it).
     pub filter: Vec<(String, String)>,
     /// An angle in ″: z must be one.
-    pub limit: Option<f64>,
+    pub limit: Option<(f64, Unit)>,
 }
 
 /// What a map shows of its column z.

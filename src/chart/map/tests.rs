@@ -50,7 +50,7 @@ fn spec(show: Show) -> MapSpec {
         y_scale: Scale::Log,
         show,
         filter: vec![],
-        limit: Some(20.0),
+        limit: Some((20.0, Unit::ARCSEC)),
     }
 }
 

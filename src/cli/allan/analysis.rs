@@ -8,7 +8,7 @@ use sagnac::table::significant;
 
 use super::super::Failure;
 use super::super::reading::Reading;
-use super::coefficients::{self, coefficients};
+use super::coefficients::{Noise, Row, noise};
 use super::options::Options;
 
 /// What was found in one file.
@@ -37,8 +37,20 @@ pub struct Column {
     /// Slope that was removed, in the unit of the curve per s.
     pub slope: f64,
     pub curves: Vec<Curve>,
-    /// Coefficients of the noise; empty where none were asked for, else why there are none.
-    pub coefficients: Result<Vec<coefficients::Row>, String>,
+    /// Absent where it was not asked for; else why it cannot be told.
+    pub noise: Result<Option<Noise>, String>,
+}
+
+impl Column {
+    /// The noise, where there is one.
+    pub fn noise(&self) -> Option<&Noise> {
+        self.noise.as_ref().ok()?.as_ref()
+    }
+
+    /// Its coefficients; none without.
+    pub fn coefficients(&self) -> &[Row] {
+        self.noise().map_or(&[], |noise| &noise.rows)
+    }
 }
 
 /// A deviation of a column.
@@ -179,8 +191,7 @@ fn column(log: &Log, at: usize, options: &Options) -> Result<Column, Failure> {
         Ok(Curve { deviation, minimum: minimum(&points), points })
     });
     let unit = if channel.unit.is_angular { Unit::Angular } else { Unit::Plain };
-    let terms = options.reading.terms();
-    let coefficients = terms.map_or(Ok(vec![]), |terms| coefficients(&angles, &terms, unit));
+    let noise = options.reading.terms().map(|terms| noise(&angles, &terms, unit)).transpose();
     let Line { slope, .. } = angles.removed();
     let per_sample = if data == Data::Rate { factor } else { factor / step_s };
     Ok(Column {
@@ -192,6 +203,6 @@ fn column(log: &Log, at: usize, options: &Options) -> Result<Column, Failure> {
         slope: slope * per_sample / step_s,
         curves: curves.collect::<Result<_, Failure>>()?,
         outliers,
-        coefficients,
+        noise,
     })
 }

@@ -19,11 +19,19 @@ pub struct Row {
     pub verdict: &'static str,
 }
 
-/// The coefficients of a record, or why there are none.
-pub fn coefficients(angles: &Angles, terms: &Terms, unit: Unit) -> Result<Vec<Row>, String> {
-    let fitted =
+/// The noise of a column.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Noise {
+    pub rows: Vec<Row>,
+    /// In ″ and s, or in plain numbers and s.
+    pub fit: Fit,
+}
+
+/// The noise of a record, or why it cannot be told.
+pub fn noise(angles: &Angles, terms: &Terms, unit: Unit) -> Result<Noise, String> {
+    let fit =
         curve_of(angles).and_then(|curve| fit_record(&curve, terms)).map_err(|error| error.to_string())?;
-    Ok(rows(&fitted, unit))
+    Ok(Noise { rows: rows(&fit, unit), fit })
 }
 
 fn rows(fit: &Fit, unit: Unit) -> Vec<Row> {

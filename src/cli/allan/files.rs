@@ -51,7 +51,7 @@ pub fn coefficients(analysis: &Analysis) -> Table {
         .columns
         .iter()
         .flat_map(|column| {
-            let found = column.coefficients.iter().flatten().cloned();
+            let found = column.coefficients().iter().cloned();
             found.chain(stability(column)).map(|row| (column.name.as_str(), row))
         })
         .collect();
@@ -146,8 +146,8 @@ fn of_column(analysis: &Analysis, column: &analysis::Column) -> Value {
         "mean_rate_unit": column.unit.in_files(Deviation::Oadev),
         "removed_slope_per_s": column.slope,
         "outliers": { "count": outliers.samples.len(), "threshold": outliers.threshold, "first_times_s": times },
-        "coefficients": column.coefficients.iter().flatten().map(coefficients::document).collect::<Vec<_>>(),
-        "coefficients_missing": column.coefficients.as_ref().err(),
+        "coefficients": column.coefficients().iter().map(coefficients::document).collect::<Vec<_>>(),
+        "coefficients_missing": column.noise.as_ref().err(),
         "curves": curves,
     })
 }

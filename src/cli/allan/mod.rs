@@ -3,6 +3,8 @@
 mod analysis;
 mod coefficients;
 mod files;
+mod kalibr;
+mod noise_file;
 mod options;
 mod picture;
 mod report;
@@ -22,17 +24,26 @@ pub use options::Options;
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {
     let request = options.reading.request()?;
+    options.check(&request)?;
     let folders = folders(options)?;
     let mut documents: Vec<Value> = Vec::new();
     for (path, folder) in options.files.iter().zip(&folders) {
         let analysis = Analysis::of(path, &request, options)?;
         save(&analysis, folder)?;
+        if let Some(path) = &options.kalibr {
+            write(path, kalibr::text(&analysis)?.as_bytes())?;
+        }
         if options.json {
             documents.push(files::document(&analysis));
         } else if !options.quiet {
-            report::notes(&analysis).iter().for_each(|note| eprintln!("note: {note}"));
+            let about_kalibr = options.kalibr.as_ref().map_or(Ok(vec![]), |_| kalibr::notes(&analysis))?;
+            let notes = report::notes(&analysis).into_iter().chain(about_kalibr);
+            notes.for_each(|note| eprintln!("note: {note}"));
             print(&report::report(&analysis))?;
             eprintln!("results are in {}", folder.display());
+            if let Some(path) = &options.kalibr {
+                eprintln!("what Kalibr reads is in {}", path.display());
+            }
         }
     }
     match &documents[..] {
@@ -66,7 +77,7 @@ fn folders(options: &Options) -> Result<Vec<PathBuf>, Failure> {
     Ok(folders)
 }
 
-/// Writes the tables and the charts, and removes charts of an earlier run that are drawn no more.
+/// Writes tables, noise and charts, and removes what an earlier run left that is there no more.
 fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
     let failed = |path: &Path| {
         let path = path.to_owned();
@@ -81,6 +92,7 @@ fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
     let path = folder.join("coefficients.csv");
     files::coefficients(analysis).write_csv(&mut csv).map_err(failed(&path))?;
     write(&path, &csv)?;
+    noise_file::save(analysis, folder)?;
     for (stem, figure) in picture::figures(analysis) {
         let [svg_path, png_path] = ["svg", "png"].map(|ending| folder.join(format!("{stem}.{ending}")));
         match figure {

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use sagnac::allan::{Deviation, Taus};
+use sagnac::record::log::Request;
 
+use super::super::Failure;
 use super::super::reading::Reading;
 
 /// Examples, after the options.
@@ -39,12 +41,36 @@ pub struct Options {
     /// Results folder [default: results/<name of the file>]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// Also write the gyroscope part of an imu.yaml, as Kalibr reads it: noise density N and random walk K
+    #[arg(long, value_name = "FILE.yaml")]
+    pub kalibr: Option<PathBuf>,
     /// Print the results as JSON: one object, or with several files one array of them
     #[arg(long)]
     pub json: bool,
     /// Print only errors
     #[arg(long, short)]
     pub quiet: bool,
+}
+
+impl Options {
+    /// Whether what is asked for can be done.
+    ///
+    /// # Errors
+    /// A file for Kalibr of what cannot be in one.
+    pub fn check(&self, request: &Request) -> Result<(), Failure> {
+        let wrong = |why: &str| Err(Failure::Usage(format!("--kalibr {why}")));
+        match &self.kalibr {
+            None => Ok(()),
+            Some(_) if self.files.len() > 1 => wrong(
+                "names one file, but there are several logs\ngive them one by one, each with its --kalibr FILE",
+            ),
+            Some(_) if self.reading.terms().is_none() => wrong("needs coefficients\nleave out --fit none"),
+            Some(_) if request.unit.as_ref().is_some_and(|unit| !unit.is_angular) => {
+                wrong("needs rates or angles, not plain numbers\ngive their --unit, as in deg/s")
+            }
+            Some(_) => Ok(()),
+        }
+    }
 }
 
 fn probability(text: &str) -> Result<f64, String> {

@@ -18,10 +18,13 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
         if let Some(unit) = &column.overruled {
             notes.push(format!("{}: the header says {unit}, --unit or --scale was followed", column.name));
         }
-        if let Err(why) = &column.coefficients {
+        if let Err(why) = &column.noise {
             notes.push(format!("{}: no coefficients: {why}", column.name));
         }
-        if column.missing > 0 && column.coefficients.as_ref().is_ok_and(|found| !found.is_empty()) {
+        if column.unit == Unit::Plain && column.noise().is_some() {
+            notes.push(format!("{}: no noise.toml: plain numbers are no noise of a gyro", column.name));
+        }
+        if column.missing > 0 && column.noise().is_some() {
             notes.push(format!(
                 "{}: intervals of coefficients are those of a record without gaps",
                 column.name
@@ -96,6 +99,11 @@ pub fn heading(analysis: &Analysis) -> String {
     )
 }
 
+/// For a comment in a file, which ends where its line does and may have no other control characters either.
+pub fn one_line(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
+}
+
 fn duration(seconds: f64) -> String {
     match seconds {
         ..120.0 => format!("{} s", significant(seconds, 4)),
@@ -130,7 +138,7 @@ fn of_curve(analysis: &Analysis, column: &Column, curve: &Curve) -> String {
 
 /// The coefficients of a column, a line each.
 fn coefficients(column: &Column) -> String {
-    let Ok(found) = &column.coefficients else { return String::new() };
+    let found = column.coefficients();
     if found.is_empty() {
         return String::new();
     }

@@ -1,7 +1,7 @@
 //! The charts of `sagnac compare`.
 
 use sagnac::allan::{Deviation, Point};
-use sagnac::chart::{Axis, Entry, Figure, Grouping, Limit, Scale, Series, SeriesPoint};
+use sagnac::chart::{Axis, Entry, Figure, Grouping, Limit, Parts, Scale, Series, SeriesPoint};
 use sagnac::table::significant;
 
 use super::analysis::Analysis;
@@ -29,8 +29,10 @@ pub fn curves(analysis: &Analysis) -> Figure {
         dashes: Grouping::default(),
         points: String::new(),
         bands: "95 % intervals".to_owned(),
+        lines: String::new(),
         series: [0, 1].map(series).into(),
         laws: vec![],
+        parts: Parts::default(),
         limit: None,
         chosen: vec![],
     }
@@ -55,8 +57,10 @@ pub fn ratio(analysis: &Analysis) -> Figure {
         dashes: Grouping::default(),
         points: String::new(),
         bands: "95 % interval".to_owned(),
+        lines: String::new(),
         series: vec![Series { colour: 0, dash: 0, points: points.collect(), law: vec![] }],
         laws: vec![],
+        parts: Parts::default(),
         limit: Some(Limit { value: 1.0, label: "equal".to_owned() }),
         chosen: vec![],
     }

@@ -1,7 +1,7 @@
 //! Which point of a study, and which of its fillers.
 
 use sagnac::firmware::rules;
-use sagnac::study::{Dimension, Filler, Point, Quantity, Study, Sweep, parse_quantity};
+use sagnac::study::{Dimension, Filler, GapFill, Point, Quantity, Study, Sweep, Swept, parse_quantity};
 use sagnac::table::significant;
 
 use super::Failure;
@@ -15,11 +15,16 @@ const MOST_LISTED: usize = 12;
 /// The point whose swept keys have the values that are asked for, each as `key=value`; where several have them and the
 /// weights are the same at all of these, the first of them.
 ///
-/// A key may lack what stands before its last dot; a value without a unit is in base units.
+/// A key may lack what stands before its last dot; a value without a unit is in the unit of tables.
 ///
 /// # Errors
 /// A key that is not swept, a value that it does not take, points of different weights.
-pub fn point<'s>(study: &'s Study, at: &[String], fillers: &[Filler]) -> Result<&'s Point, Failure> {
+pub fn point<'s>(
+    study: &Study,
+    gap_fill: &'s GapFill,
+    at: &[String],
+    fillers: &[Filler],
+) -> Result<&'s Point, Failure> {
     let mut chosen: Vec<Option<Quantity>> = vec![None; study.sweeps.len()];
     for asked in at {
         let (place, value) =
@@ -28,11 +33,11 @@ pub fn point<'s>(study: &'s Study, at: &[String], fillers: &[Filler]) -> Result<
     }
     let wanted = |point: &&Point| {
         let mut values = point.swept.iter().zip(&chosen);
-        values.all(|((_, own), chosen)| chosen.is_none_or(|chosen| chosen == *own))
+        values.all(|((_, own), chosen)| chosen.is_none_or(|chosen| own.quantity() == Some(chosen)))
     };
-    let points: Vec<&Point> = study.points().iter().filter(wanted).collect();
+    let points: Vec<&Point> = gap_fill.points.iter().filter(wanted).collect();
     // Sweeps multiply, so that every choice of their values is a point.
-    let first = points.first().copied().unwrap_or(&study.points()[0]);
+    let first = points.first().copied().unwrap_or(&gap_fill.points[0]);
     let weights = |point: &Point| Ok::<_, Failure>((point.inputs.tick_s, rules(study, point, fillers)?));
     let own = weights(first)?;
     // Of each key, whether it changes the weights by itself.
@@ -63,7 +68,7 @@ fn ambiguous(study: &Study, chosen: &[Option<Quantity>], matters: &[bool]) -> St
 
 /// The values of a sweep, or the ends of many.
 fn values(sweep: &Sweep) -> String {
-    match &sweep.values[..] {
+    match &quantities(sweep)[..] {
         [first, .., last] if sweep.values.len() > MOST_LISTED => {
             format!("{}, … {} ({} values)", shown(first), shown(last), sweep.values.len())
         }
@@ -71,9 +76,14 @@ fn values(sweep: &Sweep) -> String {
     }
 }
 
+/// The swept keys of fillers hold quantities.
+fn quantities(sweep: &Sweep) -> Vec<Quantity> {
+    sweep.values.iter().filter_map(Swept::quantity).collect()
+}
+
 fn shown(value: &Quantity) -> String {
     let unit = value.dimension.unit().symbol;
-    format!("{} {unit}", significant(value.value, 6)).trim_end().to_owned()
+    format!("{} {unit}", significant(value.shown(), 6)).trim_end().to_owned()
 }
 
 /// The sweep that `key=value` means, and its value.
@@ -97,16 +107,19 @@ fn find(study: &Study, asked: &str) -> Result<(usize, Quantity), String> {
 
 /// The value of a sweep that a text means.
 fn value_of(sweep: &Sweep, text: &str) -> Result<Quantity, String> {
-    let dimension = sweep.values[0].dimension;
+    let known = quantities(sweep);
+    let Some(dimension) = known.first().map(|value| value.dimension) else {
+        return Err("its values are no quantities".to_owned());
+    };
     let asked = match (dimension, text.parse::<f64>()) {
         (_, Ok(number)) => number,
         (Dimension::Count, Err(_)) => return Err(format!("{text} is not a number")),
-        _ => parse_quantity(text, &[dimension]).map_err(|error| error.to_string())?.value,
+        _ => parse_quantity(text, &[dimension]).map_err(|error| error.to_string())?.shown(),
     };
-    let far = |value: &&Quantity| (value.value - asked).abs();
-    let nearest = sweep.values.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+    let far = |value: &&Quantity| (value.shown() - asked).abs();
+    let nearest = known.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
     match nearest {
-        Some(near) if far(&near) <= TOLERANCE * near.value.abs() => Ok(*near),
+        Some(near) if far(&near) <= TOLERANCE * near.shown().abs() => Ok(*near),
         _ => {
             let there = if sweep.values.len() <= MOST_LISTED {
                 format!("there are {}", values(sweep))
@@ -122,14 +135,14 @@ fn value_of(sweep: &Sweep, text: &str) -> Result<Quantity, String> {
 ///
 /// # Errors
 /// A name that no filler has.
-pub fn fillers(study: &Study, names: &[String]) -> Result<Vec<Filler>, Failure> {
-    let unknown = |name: &&String| study.fillers.iter().all(|filler| filler.name != **name);
+pub fn fillers(gap_fill: &GapFill, names: &[String]) -> Result<Vec<Filler>, Failure> {
+    let unknown = |name: &&String| gap_fill.fillers.iter().all(|filler| filler.name != **name);
     if let Some(unknown) = names.iter().find(unknown) {
-        let known: Vec<&str> = study.fillers.iter().map(|filler| filler.name.as_str()).collect();
+        let known: Vec<&str> = gap_fill.fillers.iter().map(|filler| filler.name.as_str()).collect();
         let known = known.join(", ");
         let message = format!("--filler {unknown}: the study has no such filler; it has {known}");
         return Err(Failure::Usage(message));
     }
     let wanted = |filler: &&Filler| names.is_empty() || names.contains(&filler.name);
-    Ok(study.fillers.iter().filter(wanted).cloned().collect())
+    Ok(gap_fill.fillers.iter().filter(wanted).cloned().collect())
 }

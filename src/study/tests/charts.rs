@@ -135,7 +135,7 @@ fn laws_are_read_once_each_and_follow_what_is_swept() {
 #[test]
 fn laws_have_values_for_the_fillers_they_speak_of_only() {
     let study = parsed(super::BASE);
-    let point = &study.points()[0];
+    let point = &super::points(&study)[0];
     let rounded = |law: Law, filler: &Filler| {
         let value = law.arcsec(&point.inputs, filler, Error::Residual, 4);
         value.map(|arcsec| (arcsec * 1000.0).round() / 1000.0)

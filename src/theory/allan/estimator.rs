@@ -43,7 +43,8 @@ pub enum Stride {
     Sample,
     /// m samples: the non-overlapping ones.
     Cluster,
-    /// max(1, ⌊m/parts⌋) samples, which loses next to nothing of the overlapping ones from 64 parts on.
+    /// The largest divisor of m that is at most max(1, m/parts), so that the angles of all differences at m are whole
+    /// strides apart; it loses next to nothing of the overlapping ones from 64 parts on.
     Part(u64),
 }
 
@@ -68,7 +69,10 @@ impl Estimator {
         match self.stride {
             Stride::Sample => 1,
             Stride::Cluster => m,
-            Stride::Part(parts) => (m / parts.max(1)).max(1),
+            Stride::Part(parts) => {
+                let most = (m / parts.max(1)).max(1);
+                (1..=most).rev().find(|&stride| m.is_multiple_of(stride)).unwrap_or(1)
+            }
         }
     }
 
@@ -93,8 +97,8 @@ mod tests {
         assert_eq!([1, 7, 500, 501].map(|m| terms(Estimator::NON_OVERLAPPING, m)), [999, 141, 1, 0]);
         assert_eq!([1, 7, 333, 334].map(|m| terms(Estimator::HADAMARD, m)), [998, 980, 2, 0]);
         let thinned = Estimator { stride: Stride::Part(64), ..Estimator::OVERLAPPING };
-        assert_eq!([1, 127, 128, 200].map(|m| thinned.stride(m)), [1, 1, 2, 3]);
-        assert_eq!(thinned.terms(1000, 200), 201);
+        assert_eq!([1, 127, 128, 200, 1024, 1031, 6400].map(|m| thinned.stride(m)), [1, 1, 2, 2, 16, 1, 100]);
+        assert_eq!(thinned.terms(1000, 200), 301);
         assert_eq!(terms(Estimator::OVERLAPPING, 0), 0);
     }
 }

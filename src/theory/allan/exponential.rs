@@ -13,6 +13,11 @@ pub(super) fn beyond_square(z: f64) -> f64 {
     -z * z * z / 6.0 * inner
 }
 
+/// e^{−z} − 1 + z, z ≥ 0: what a decay is short of its first rate.
+pub(crate) fn settling(z: f64) -> f64 {
+    beyond_square(z) + 0.5 * z * z
+}
+
 /// e^{−x}(sinh x − x), x ≥ 0.
 pub(super) fn sinh_beyond_linear(x: f64) -> f64 {
     if x >= SERIES_BELOW {

@@ -31,6 +31,8 @@ mod part;
 mod process;
 pub mod quantiser;
 
+pub(crate) use exponential::settling;
+
 pub use estimator::{Difference, Estimator, Stride};
 pub use part::{FLAT_LEVEL, Part, Trend};
 pub use process::Process;

@@ -3,9 +3,9 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::file::Error;
 use super::filler::{Filler, Method};
 use super::inputs::Inputs;
+use crate::study::file::Error;
 use crate::theory::published::{
     noise_of_const, noise_of_const_as_published, taylor_extremum_as_published,
     taylor_zero_crossing_as_published,

@@ -1,8 +1,8 @@
 //! The physical inputs of one point, in ″ and s.
 
-use super::file::{Kind, Phase, Streams};
 use super::motion::Motion;
-use super::units::round_12;
+use crate::study::file::Phase;
+use crate::study::units::round_12;
 
 /// All that the motion, the noise and the gap of one point depend on. Every number has 12 significant digits.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,25 +60,6 @@ impl Inputs {
     }
 }
 
-impl Kind {
-    /// As study files call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Kind::GapFill => "gap-fill",
-        }
-    }
-}
-
-impl Streams {
-    /// As study files call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Streams::Independent => "independent",
-            Streams::Common => "common",
-        }
-    }
-}
-
 impl Phase {
     /// As study files call it.
     pub fn name(self) -> &'static str {
@@ -93,7 +74,7 @@ impl Phase {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::motion::Tone;
+    use crate::study::gap_fill::motion::Tone;
 
     #[test]
     fn derived_quantities_follow_the_theory() {

@@ -6,8 +6,8 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use super::diagnose::Fault;
-use super::scalar::Scalar;
+use crate::study::diagnose::Fault;
+use crate::study::scalar::Scalar;
 
 /// Ticks farther than this from the gap are refused: a fit over them says nothing about the gap.
 pub(super) const FARTHEST: i64 = MAX_SIDE as i64;

@@ -2,9 +2,9 @@
 
 use toml::Spanned;
 
-use super::diagnose::Fault;
-use super::file::{Either, PrecisionTable};
-use super::scalar::Scalar;
+use crate::study::diagnose::Fault;
+use crate::study::file::{Either, PrecisionTable};
+use crate::study::percent::percent;
 
 /// Half the 95 % interval of an estimate, as a part of it, that is precise enough; sampling of a filler at a point stops
 /// where all its errors are.
@@ -21,32 +21,15 @@ pub(super) fn read(written: &Spanned<Either<PrecisionTable>>) -> Result<Precisio
     match written.get_ref() {
         Either::One(part) => {
             let part = Spanned::new(written.span(), part.clone());
-            Ok(Precision { rms: Some(percent("precision", &part)?), q9973: None })
+            Ok(Precision { rms: Some(percent("precision", &part, HELP)?), q9973: None })
         }
         Either::Other(PrecisionTable { rms: None, q9973: None }) => {
             Err(Fault::new(written.span(), "precision names no estimate", "empty", HELP))
         }
         Either::Other(PrecisionTable { rms, q9973 }) => {
-            let read = |name, part: &Option<_>| part.as_ref().map(|part| percent(name, part)).transpose();
+            let read =
+                |name, part: &Option<_>| part.as_ref().map(|part| percent(name, part, HELP)).transpose();
             Ok(Precision { rms: read("precision.rms", rms)?, q9973: read("precision.q9973", q9973)? })
         }
-    }
-}
-
-fn percent(name: &str, given: &Spanned<Scalar>) -> Result<f64, Fault> {
-    let part = match given.get_ref() {
-        Scalar::Text(text) => {
-            text.trim().strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok())
-        }
-        _ => None,
-    };
-    let refuse = |message: String, label| Err(Fault::new(given.span(), message, label, HELP));
-    match part {
-        None => refuse(format!("{name}: {} is no part in percent", given.get_ref()), "not a part in percent"),
-        Some(part) if !(1e-4..=50.0).contains(&part) => refuse(
-            format!("{name} = {part} % is out of range, it must lie within 0.0001 % … 50 %"),
-            "out of range",
-        ),
-        Some(part) => Ok(part / 100.0),
     }
 }

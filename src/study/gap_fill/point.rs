@@ -1,16 +1,16 @@
 //! Points: every combination of swept values, each checked as a whole.
 
-use super::diagnose::Fault;
 use super::filler::{Fill, Method};
 use super::inputs::Inputs;
-use super::key::NOISE_RANDOM_WALK;
+use super::keys::{NOISE_RANDOM_WALK, SETTINGS};
 use super::motion::{Frequency, Gaussian, Tone};
-use super::place::Places;
 use super::read_fillers::{Extrapolation, Written};
-use super::sweep::Sweep;
 use super::ticks::TickList;
-use super::units::Quantity;
 use crate::kernel::launch::MAX_SIDE;
+use crate::study::diagnose::Fault;
+use crate::study::key::Swept;
+use crate::study::place::Places;
+use crate::study::sweep::{self, Sweep};
 use crate::table::significant;
 use crate::theory::minimum_variance::Band;
 
@@ -27,7 +27,7 @@ pub struct Point {
     /// Place in the order of points; the first sweep changes slowest.
     pub index: usize,
     /// Name of each swept key, and its value here, in the order of the sweeps.
-    pub swept: Vec<(&'static str, Quantity)>,
+    pub swept: Vec<(&'static str, Swept)>,
     pub inputs: Inputs,
     /// The ticks of each filler, in the order of the fillers.
     pub fills: Vec<Fill>,
@@ -49,21 +49,13 @@ impl Base<'_> {
     /// # Errors
     /// The first point that makes no sense.
     pub(super) fn points(&self) -> Result<Vec<Point>, Fault> {
-        let count = self.sweeps.iter().map(|sweep| sweep.values.len()).product();
-        (0..count).map(|index| self.point(index)).collect()
+        (0..sweep::points(self.sweeps)).map(|index| self.point(index)).collect()
     }
 
     fn point(&self, index: usize) -> Result<Point, Fault> {
         let mut inputs = self.inputs.clone();
-        let mut swept = Vec::with_capacity(self.sweeps.len());
-        let mut rest = index;
-        for sweep in self.sweeps.iter().rev() {
-            let value = sweep.values[rest % sweep.values.len()];
-            rest /= sweep.values.len();
-            sweep.key.set(&mut inputs, value);
-            swept.push((sweep.key.name, value));
-        }
-        swept.reverse();
+        let swept = sweep::values_at(self.sweeps, index);
+        sweep::set(&mut inputs, &SETTINGS, &swept);
         self.check(&inputs)?;
         let fills =
             self.fillers.iter().map(|written| self.fill(written, &inputs)).collect::<Result<_, _>>()?;

@@ -2,13 +2,13 @@
 
 use toml::Spanned;
 
-use super::diagnose::{Fault, choices};
-use super::file::Either;
-use super::file::switching::{FillerKind, FillerTable};
 use super::filler::{Filler, Method, POLYNOMIALS};
 use super::read_motion::band;
-use super::scalar::Scalar;
 use super::ticks::{Purpose, TickList};
+use crate::study::diagnose::{Fault, choices};
+use crate::study::file::Either;
+use crate::study::file::switching::{FillerKind, FillerTable};
+use crate::study::scalar::Scalar;
 
 /// A filler, and lists of ticks of its own.
 pub(super) struct Written {

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use super::file::{Phase, Position};
 use crate::record::Record;
+use crate::study::file::{Phase, Position};
 use crate::theory::autocovariance::autocovariance;
 use crate::theory::minimum_variance::Band;
 use crate::theory::psd::Psd;

@@ -1,5 +1,6 @@
 //! The table of a gap-fill study: a row for each point, filler and error.
 
+use super::super::{column, swept_columns};
 use super::{NORMAL_95, Plan};
 use crate::lower::Estimate;
 use crate::stats::{Estimates, z_score};
@@ -9,7 +10,7 @@ use crate::table::{Cell, Column, Table, Unit};
 
 impl Plan<'_> {
     /// The table before anything is sampled: all rows, without estimates.
-    pub fn blank_table(&self) -> Table {
+    pub(in crate::run) fn blank_table(&self) -> Table {
         let mut columns = Columns::new(self.study);
         self.rows(|point, filler, estimate| columns.push(point, &filler.name, estimate, 0, None));
         self.with_laws(columns.table)
@@ -19,7 +20,7 @@ impl Plan<'_> {
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    pub fn table(&self, store: &Store) -> Result<Table, StoreError> {
+    pub(in crate::run) fn table(&self, store: &Store) -> Result<Table, StoreError> {
         let mut columns = Columns::new(self.study);
         let mut failed = None;
         self.rows(|point, filler, estimate| match store.total(&estimate.address) {
@@ -36,7 +37,11 @@ impl Plan<'_> {
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    pub fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
+    pub(in crate::run) fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
+        // With a precision `trials` is the most there may be, and so part of the rule.
+        if self.gap_fill.precision.is_some() {
+            return Ok(None);
+        }
         let mut held = None;
         for estimate in self.points.iter().flat_map(|point| &point.fillers).flatten() {
             let trials = store.total(&estimate.address)?.count;
@@ -48,7 +53,7 @@ impl Plan<'_> {
     }
 
     /// Whether a record is replayed over all its places, which gives whole replays only.
-    pub fn replays(&self) -> bool {
+    pub(in crate::run) fn replays(&self) -> bool {
         self.points.iter().any(|point| point.trials(1) > 1)
     }
 
@@ -69,8 +74,8 @@ impl Plan<'_> {
 
     /// Every point, filler and error, in the order of the table.
     fn rows(&self, mut row: impl FnMut(&Point, &Filler, &Estimate)) {
-        for (point, lowered) in self.study.points().iter().zip(&self.points) {
-            for (filler, estimates) in self.study.fillers.iter().zip(&lowered.fillers) {
+        for (point, lowered) in self.gap_fill.points.iter().zip(&self.points) {
+            for (filler, estimates) in self.gap_fill.fillers.iter().zip(&lowered.fillers) {
                 for estimate in estimates {
                     row(point, filler, estimate);
                 }
@@ -86,23 +91,9 @@ struct Columns {
 
 impl Columns {
     fn new(study: &Study) -> Columns {
-        let column = |name: &str, label: &str, unit| Column {
-            name: name.to_owned(),
-            label: label.to_owned(),
-            unit,
-            cells: vec![],
-            band: None,
-        };
         let banded =
             |name: &str, label: &str| Column { band: Some(vec![]), ..column(name, label, Unit::ARCSEC) };
-        let mut columns: Vec<Column> = study
-            .sweeps
-            .iter()
-            .map(|sweep| {
-                let unit = sweep.values.first().map_or(Unit::NONE, |value| value.dimension.unit());
-                column(sweep.key.name, sweep.key.label, unit)
-            })
-            .collect();
+        let mut columns = swept_columns(study);
         columns.extend([
             column("dt_nu", "Δt·ν", Unit::NONE),
             column("amplitude_noise", "rate amplitude · T / σ", Unit::NONE),

@@ -5,16 +5,17 @@ use std::sync::Arc;
 
 use toml::Spanned;
 
-use super::diagnose::{Fault, Wrong};
-use super::file::motion::{AmplitudeTable, Ends, GaussianTable, MotionTable, ProfileTable, ToneTable};
-use super::file::{Either, Phase};
-use super::key::{ACCELERATION, AMPLITUDE, FREQUENCY, GAUSSIAN_RMS, Key, RATE};
+use super::keys::{ACCELERATION, AMPLITUDE, FREQUENCY, GAUSSIAN_RMS, RATE};
 use super::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
-use super::place::Places;
-use super::scalar::{self, Scalar};
-use super::units::Dimension;
 use crate::kernel::launch::MAX_TONES;
 use crate::record::Record;
+use crate::study::diagnose::{Fault, Wrong};
+use crate::study::file::motion::{AmplitudeTable, Ends, GaussianTable, MotionTable, ProfileTable, ToneTable};
+use crate::study::file::{Either, Phase};
+use crate::study::key::Key;
+use crate::study::place::Places;
+use crate::study::scalar::{self, Scalar};
+use crate::study::units::Dimension;
 use crate::theory::minimum_variance::Band;
 use crate::theory::psd::Psd;
 
@@ -155,7 +156,7 @@ fn read_tone(
 }
 
 fn read_amplitude(name: &str, written: &Spanned<Either<AmplitudeTable>>) -> Result<Amplitude, Fault> {
-    let of = |quantity: super::Quantity| quantity.dimension == Dimension::Angle;
+    let of = |quantity: crate::study::units::Quantity| quantity.dimension == Dimension::Angle;
     match written.get_ref() {
         Either::One(scalar) => {
             let quantity = AMPLITUDE.read_as(name, &Spanned::new(written.span(), scalar.clone()))?;
@@ -184,7 +185,7 @@ fn pair(
     key: &Key,
     ends: &[Spanned<Scalar>],
     span: std::ops::Range<usize>,
-) -> Result<[super::Quantity; 2], Fault> {
+) -> Result<[crate::study::units::Quantity; 2], Fault> {
     let [low, high] = ends else {
         let message = format!("{name} needs two ends, not {}", ends.len());
         return Err(Fault::new(span, message, "not two values", "write the lower end and the upper end"));

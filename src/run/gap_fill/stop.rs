@@ -9,7 +9,7 @@ use crate::study::Precision;
 impl Plan<'_> {
     /// Doubles the trials of points where a filler is not precise enough yet; whether there are such.
     pub(super) fn raise(&self, wanted: &mut [u64], store: &Store) -> Result<bool, StoreError> {
-        let Some(precision) = &self.study.precision else { return Ok(false) };
+        let Some(precision) = &self.gap_fill.precision else { return Ok(false) };
         let mut raised = false;
         for (point, wanted) in self.points.iter().zip(wanted) {
             let most = point.trials(self.study.trials);
@@ -29,8 +29,8 @@ impl Plan<'_> {
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    pub fn imprecise(&self, store: &Store) -> Result<(usize, usize), StoreError> {
-        let Some(precision) = &self.study.precision else { return Ok((0, 0)) };
+    pub(super) fn imprecise(&self, store: &Store) -> Result<(usize, usize), StoreError> {
+        let Some(precision) = &self.gap_fill.precision else { return Ok((0, 0)) };
         let (mut imprecise, mut all) = (0, 0);
         for estimates in self.points.iter().flat_map(|point| &point.fillers) {
             imprecise += usize::from(!precise(precision, estimates, u64::MAX, store)?);

@@ -1,0 +1,216 @@
+//! A noise model kind by kind, for one sample of the record and not for a second.
+
+use core::f64::consts::PI;
+
+use super::{Asked, RecordsError};
+use crate::theory::allan::{Difference, FLAT_LEVEL, Part, Process, holds};
+
+/// Standard deviations that differences and rates are given room for.
+pub(super) const DEVIATIONS: f64 = 16.0;
+
+/// What is asked, angles in ″ and times in samples.
+pub(super) struct Model {
+    pub(super) samples: u64,
+    pub(super) noise: Noise,
+    pub(super) sine: Option<Sine>,
+    /// Acceleration, ″ per sample².
+    pub(super) ramp: f64,
+    pub(super) warm_ups: Vec<WarmUp>,
+    pub(super) readout_lsb: f64,
+    /// ″ per sample; 0 where no readout sees it.
+    pub(super) mean_rate: f64,
+}
+
+/// The random parts, as standard deviations in some unit of angle.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Noise {
+    /// Of every angle.
+    pub(super) quantisation: f64,
+    /// Of every increment.
+    pub(super) white: f64,
+    /// Of the rate of each octave of holds, from octave 0 on; empty without flicker.
+    pub(super) octaves: Vec<f64>,
+    /// Of the step of the rate.
+    pub(super) walk: f64,
+    pub(super) markov: Option<Markov>,
+}
+
+/// Markov noise of the rate: r_k = e^{−decay}·r_{k−1} + …, of this stationary standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Markov {
+    pub(super) sigma: f64,
+    pub(super) decay: f64,
+}
+
+/// A sine of the angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Sine {
+    pub(super) amplitude: f64,
+    /// Turns of a sample.
+    pub(super) turns: f64,
+}
+
+/// reach·(1 − e^{−decay·k}), ″.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct WarmUp {
+    pub(super) reach: f64,
+    pub(super) decay: f64,
+}
+
+impl Model {
+    pub(super) fn new(asked: &Asked) -> Result<Model, RecordsError> {
+        let t0 = at_least("record.sample", "a sample of", asked.process.sample_s, f64::MIN_POSITIVE)?;
+        let readout_lsb = at_least("noise.readout_lsb", "a pulse of", asked.readout_lsb, 0.0)?;
+        let mean_rate = at_least("record.rate", "a rate of", asked.mean_rate, f64::MIN)?;
+        let mut model = Model {
+            samples: asked.samples,
+            noise: Noise { quantisation: 0.0, white: 0.0, octaves: vec![], walk: 0.0, markov: None },
+            sine: None,
+            ramp: 0.0,
+            warm_ups: vec![],
+            readout_lsb,
+            mean_rate: if readout_lsb > 0.0 { mean_rate * t0 } else { 0.0 },
+        };
+        let mut flicker = 0.0_f64;
+        for part in &asked.process.parts {
+            let noise = &mut model.noise;
+            match *part {
+                Part::Quantisation { q } => {
+                    let q = at_least("noise.quantisation", "a noise of", q, 0.0)?;
+                    noise.quantisation = libm::hypot(noise.quantisation, q);
+                }
+                Part::AngleRandomWalk { n } => {
+                    let n = at_least("noise.angle_random_walk", "a noise of", n, 0.0)?;
+                    noise.white = libm::hypot(noise.white, n * libm::sqrt(t0));
+                }
+                Part::BiasInstability { b, .. } => {
+                    let b = at_least("noise.bias_instability", "a noise of", b, 0.0)?;
+                    flicker = libm::hypot(flicker, b * t0);
+                }
+                Part::RateRandomWalk { k } => {
+                    let k = at_least("noise.rate_random_walk", "a noise of", k, 0.0)?;
+                    noise.walk = libm::hypot(noise.walk, k * t0 * libm::sqrt(t0));
+                }
+                Part::Markov { q_c, time_s } => {
+                    let key = "noise.markov";
+                    let q_c = at_least(key, "a noise of", q_c, 0.0)?;
+                    let time_s = at_least(key, "a correlation time of", time_s, f64::MIN_POSITIVE)?;
+                    let sigma = q_c * libm::sqrt(0.5 * time_s) * t0;
+                    let one = Markov { sigma, decay: t0 / time_s };
+                    if sigma > 0.0 && noise.markov.replace(one).is_some() {
+                        return Err(RecordsError::Several { key });
+                    }
+                }
+                Part::Sine { amplitude, frequency_hz } => {
+                    let key = "noise.sine";
+                    let amplitude = at_least(key, "an amplitude of", amplitude, 0.0)?;
+                    let frequency_hz = at_least(key, "a frequency of", frequency_hz, f64::MIN_POSITIVE)?;
+                    let amplitude = amplitude / (2.0 * PI * frequency_hz);
+                    let one = Sine { amplitude, turns: frequency_hz * t0 };
+                    if amplitude > 0.0 && model.sine.replace(one).is_some() {
+                        return Err(RecordsError::Several { key });
+                    }
+                }
+                Part::RateRamp { r } => {
+                    model.ramp += at_least("noise.rate_ramp", "a ramp of", r, f64::MIN)? * t0 * t0;
+                }
+                Part::WarmUp { amplitude, time_s } => {
+                    let key = "noise.warm_up";
+                    let amplitude = at_least(key, "an amplitude of", amplitude, f64::MIN)?;
+                    let time_s = at_least(key, "a time of", time_s, f64::MIN_POSITIVE)?;
+                    let one = WarmUp { reach: amplitude * time_s, decay: t0 / time_s };
+                    model.warm_ups.extend((amplitude != 0.0).then_some(one));
+                }
+            }
+        }
+        if flicker > 0.0 {
+            let variances = holds::octaves(asked.samples).and_then(holds::variances);
+            let variances = variances.ok_or(RecordsError::Length { samples: asked.samples })?;
+            let sigma = |v: &f64| flicker * libm::sqrt(FLAT_LEVEL * v);
+            model.noise.octaves = variances.iter().map(sigma).collect();
+        }
+        Ok(model)
+    }
+
+    /// The longest averaging factor that a difference can have in the record: 0 if none.
+    pub(super) fn longest(&self, difference: Difference) -> u64 {
+        self.samples / difference.spans()
+    }
+
+    /// Bound of all differences of ramp and warm-up, ″: they grow with m, and fall along the record.
+    pub(super) fn trend(&self, difference: Difference) -> f64 {
+        let m = self.longest(difference) as f64;
+        let power = f64::from(difference.spans() as u32);
+        let ramp = if difference == Difference::Second { libm::fabs(self.ramp) * m * m } else { 0.0 };
+        let warm_up =
+            |one: &WarmUp| libm::fabs(one.reach) * libm::pow(libm::fabs(libm::expm1(-one.decay * m)), power);
+        ramp + self.warm_ups.iter().map(warm_up).sum::<f64>()
+    }
+
+    /// Bound of all differences that the record has, ″.
+    pub(super) fn whole(&self, difference: Difference) -> f64 {
+        let m = self.longest(difference);
+        if m == 0 {
+            return 0.0;
+        }
+        let noise = DEVIATIONS * libm::sqrt(self.noise.variance(difference, m));
+        let sine = self.sine.map_or(0.0, |sine| sine.largest(difference, m));
+        // Of the readings some are too low by up to a pulse.
+        let pulses = self.readout_lsb * libm::exp2(difference.spans() as f64 - 1.0);
+        noise + sine + self.trend(difference) + pulses
+    }
+}
+
+/// A finite number that is not below `least`.
+fn at_least(key: &'static str, what: &'static str, found: f64, least: f64) -> Result<f64, RecordsError> {
+    match found.is_finite() && found >= least {
+        true => Ok(found),
+        false => Err(RecordsError::Impossible { key, what, found }),
+    }
+}
+
+impl Noise {
+    /// The parts of which a closed form knows the distribution of every increment: all but holds and walk.
+    pub(super) fn simple(&self) -> Process {
+        let mut parts =
+            vec![Part::Quantisation { q: self.quantisation }, Part::AngleRandomWalk { n: self.white }];
+        parts.extend(self.markov.map(Markov::part));
+        Process { sample_s: 1.0, parts }
+    }
+
+    /// Variance of a difference at `m`; it grows with m.
+    pub(super) fn variance(&self, difference: Difference, m: u64) -> f64 {
+        let octave = |(o, sigma): (usize, &f64)| sigma * sigma * holds::mean_square(difference, 1 << o, m);
+        self.simple().variance(difference, m)
+            + Part::RateRandomWalk { k: self.walk }.variance(difference, 1.0, m)
+            + self.octaves.iter().enumerate().map(octave).sum::<f64>()
+    }
+
+    /// Standard deviation of the rate at the end of a record, octave 0 left out.
+    pub(super) fn rate(&self, samples: u64) -> f64 {
+        let held: f64 = self.octaves.iter().skip(1).map(|sigma| sigma * sigma).sum();
+        let markov = self.markov.map_or(0.0, |markov| markov.sigma * markov.sigma);
+        libm::sqrt(held + self.walk * self.walk * samples as f64 + markov)
+    }
+}
+
+impl Markov {
+    /// As theory has it, t0 = 1.
+    pub(super) fn part(self) -> Part {
+        Part::Markov { q_c: self.sigma * libm::sqrt(2.0 * self.decay), time_s: 1.0 / self.decay }
+    }
+}
+
+impl Sine {
+    /// As theory has it, t0 = 1; `None` of one that never moves.
+    pub(super) fn part(self) -> Option<Part> {
+        let rate = 2.0 * PI * self.turns;
+        (rate > 0.0).then_some(Part::Sine { amplitude: self.amplitude * rate, frequency_hz: self.turns })
+    }
+
+    /// Bound of the differences at all averaging factors up to `m`: |2 sin x| is at most 2 and at most 2x.
+    pub(super) fn largest(self, difference: Difference, m: u64) -> f64 {
+        let factor = (2.0 * PI * self.turns * m as f64).min(2.0);
+        self.amplitude * libm::pow(factor, difference.spans() as f64)
+    }
+}

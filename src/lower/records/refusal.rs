@@ -1,0 +1,94 @@
+//! Why records cannot be made.
+
+use super::MOST_SAMPLES;
+use crate::table::significant;
+
+/// Why records cannot be made. Each message names the key to change.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RecordsError {
+    #[error("record.length: {samples} samples; a record has 2 to {MOST_SAMPLES}")]
+    Length { samples: u64 },
+    #[error("allan.tau: no averaging time is asked for")]
+    NoAveraging,
+    #[error(
+        "allan.tau: an averaging time of {m} samples has no difference in a record of {samples}, which needs {spans} of \
+         them"
+    )]
+    Averaging { m: u64, samples: u64, spans: u64 },
+    #[error("{key}: {what} {found} is not possible")]
+    Impossible { key: &'static str, what: &'static str, found: f64 },
+    #[error("{key}: a record has at most one of them")]
+    Several { key: &'static str },
+    #[error("noise: all of it is 0, and there is no readout")]
+    Nothing,
+    #[error("{key}: {what} of {} {unit} {lost}", significant(*found, 6))]
+    TooSmall { key: &'static str, what: &'static str, found: f64, unit: &'static str, lost: Lost },
+    #[error(
+        "noise.sine: {} periods a sample are too near a whole number: from sample to sample the phase must turn by more \
+         than 2^-26",
+        significant(*turns, 12)
+    )]
+    SineTooSlow { turns: f64 },
+    #[error(
+        "noise.markov: a correlation time of {} samples is too long for 32-bit arithmetic, which takes 2 * 10^7",
+        significant(*samples, 6)
+    )]
+    MarkovTooSlow { samples: f64 },
+    #[error(
+        "noise.readout_lsb: a pulse of {} ″ is less than 16 units of {} ″ of the 32-bit arithmetic that the angles of the \
+         record leave",
+        significant(*readout_lsb, 6),
+        significant(*unit_arcsec, 3)
+    )]
+    ReadoutTooFine { readout_lsb: f64, unit_arcsec: f64 },
+}
+
+/// What a quantity with too few units is lost beside.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "is lost beside differences of the angle of up to {} ″ over {samples} samples in 32-bit arithmetic",
+    significant(*whole_arcsec, 6)
+)]
+pub struct Lost {
+    pub whole_arcsec: f64,
+    pub samples: u64,
+}
+
+impl RecordsError {
+    /// The key of the study that has to change.
+    pub fn key(&self) -> &'static str {
+        match self {
+            RecordsError::Length { .. } => "record.length",
+            RecordsError::NoAveraging | RecordsError::Averaging { .. } => "allan.tau",
+            RecordsError::Impossible { key, .. }
+            | RecordsError::Several { key }
+            | RecordsError::TooSmall { key, .. } => key,
+            RecordsError::Nothing => "noise",
+            RecordsError::SineTooSlow { .. } => "noise.sine",
+            RecordsError::MarkovTooSlow { .. } => "noise.markov",
+            RecordsError::ReadoutTooFine { .. } => "noise.readout_lsb",
+        }
+    }
+
+    /// What to do about it.
+    pub fn help(&self) -> &'static str {
+        match self {
+            RecordsError::Length { .. } => "take a shorter record, or a longer sample",
+            RecordsError::NoAveraging => "give at least one averaging time",
+            RecordsError::Averaging { .. } => "leave it out, or take a longer record",
+            RecordsError::Impossible { .. } => {
+                "give a finite number that is not negative, and times, frequencies and samples above 0"
+            }
+            RecordsError::Several { .. } => "leave one of them out",
+            RecordsError::Nothing => "give at least one noise that is not 0",
+            RecordsError::TooSmall { .. } => {
+                "make it larger, or 0; or what is large beside it smaller, or the record shorter"
+            }
+            RecordsError::SineTooSlow { .. } => "take another frequency, or a rate ramp in its place",
+            RecordsError::MarkovTooSlow { .. } => "take a rate random walk in its place",
+            RecordsError::ReadoutTooFine { .. } => {
+                "leave readout_lsb out if pulses as fine as this change nothing; or take a shorter record"
+            }
+        }
+    }
+}

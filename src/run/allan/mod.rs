@@ -1,0 +1,253 @@
+//! Running a study of Allan curves: records for what the store lacks, batch by batch.
+
+mod coefficients;
+mod curves;
+mod estimates;
+mod make;
+
+use std::time::Instant;
+
+use super::{BATCH_SECONDS, Done, Progress, RunError, Tables};
+use crate::backend::Device;
+use crate::block::{base_log2, fold, missing};
+use crate::fit::Curve;
+use crate::id::Id;
+use crate::lower::{LoweredCurve, RecordsError};
+use crate::store::{Address, Provenance, Store, StoreError};
+use crate::study::{Allan, RecordPoint, Study, StudyError};
+use crate::table::Table;
+use crate::theory::allan::Difference;
+use estimates::Estimates;
+use make::{Maker, rows};
+
+/// Longest averaging time of the fit, as a part of the record: beyond it intervals of K come out too short.
+const LONGEST_FITTED: u64 = 8;
+
+/// Samples of the first batch.
+const FIRST_BATCH: u64 = 1 << 22;
+
+/// Most records of a point, all of which are in memory when its estimates are taken: 24 bytes each and averaging time.
+const MOST_RECORDS: u64 = 1 << 24;
+
+/// Most bytes of angles that a thread keeps for the records that it makes side by side.
+const MOST_BYTES: usize = 1 << 30;
+
+/// Most lanes of a thread.
+const LANES: usize = 16;
+
+/// A study of Allan curves whose every point is proven to fit.
+#[derive(Debug)]
+pub(super) struct Plan<'a> {
+    study: &'a Study,
+    allan: &'a Allan,
+    points: Vec<Planned<'a>>,
+}
+
+/// A point that can be lowered. Its words are made anew whenever they are needed: drift takes 4 bytes a sample.
+#[derive(Debug)]
+struct Planned<'a> {
+    point: &'a RecordPoint,
+    address: Address,
+    samples: u64,
+    /// Integers of a record.
+    width: usize,
+}
+
+impl<'a> Plan<'a> {
+    /// Lowers every point.
+    pub(super) fn new(study: &'a Study, allan: &'a Allan) -> Result<Plan<'a>, StudyError> {
+        if study.trials > MOST_RECORDS {
+            let message = format!("{} records of a point", study.trials);
+            let help = format!("accepted: up to {MOST_RECORDS} trials, which are records here");
+            return Err(study.error_at(study.place_of("trials"), message, help));
+        }
+        let mut plan = Plan { study, allan, points: vec![] };
+        for point in &allan.points {
+            let lowered = plan.lowered(point).map_err(|error| refused(study, point, &error))?;
+            let recipe = lowered.records.recipe();
+            plan.check_memory(point, 4 * LANES * recipe.depth())?;
+            plan.check_fit(point)?;
+            let (samples, width) = (recipe.samples.into(), recipe.places());
+            plan.points.push(Planned { point, address: lowered.address, samples, width });
+        }
+        Ok(plan)
+    }
+
+    fn lowered(&self, point: &RecordPoint) -> Result<LoweredCurve, RecordsError> {
+        LoweredCurve::new(point, self.allan.estimator, self.study.seed, self.study.streams)
+    }
+
+    /// Samples what the store lacks, each batch kept as soon as it is done.
+    pub(super) fn run(
+        &self,
+        store: &mut Store,
+        device: &mut Device,
+        progress: &(dyn Progress + Sync),
+    ) -> Result<Done, RunError> {
+        let trials = self.study.trials;
+        let (mut lacking, mut addresses) = (Vec::new(), Vec::new());
+        // Points that differ in nothing that is drawn are one.
+        for planned in &self.points {
+            if !addresses.contains(&planned.address) {
+                addresses.push(planned.address);
+                let gaps = missing(&store.blocks(&planned.address)?, trials);
+                lacking.extend(gaps.into_iter().map(|gap| (planned, gap)));
+            }
+        }
+        let left: u64 = lacking.iter().map(|(planned, gap)| (gap.end - gap.start) * planned.samples).sum();
+        let of_address = |address: &Address| self.points.iter().find(|planned| planned.address == *address);
+        let all = addresses.iter().filter_map(of_address).map(|planned| trials * planned.samples);
+        let total = all.sum::<u64>().max(left);
+        progress.start("samples", total - left, total);
+        let started = Instant::now();
+        let mut maker = Maker { device, cpu: None, degraded: None };
+        let (mut batch_samples, mut made) = (FIRST_BATCH, 0);
+        for (planned, gap) in lacking {
+            let lowered = self.lowered(planned.point)?;
+            let mut first = gap.start;
+            while first < gap.end {
+                let batch_started = Instant::now();
+                let records = (batch_samples / planned.samples).max(maker.device.records_at_once());
+                // Whole blocks where a batch holds some, smaller ones of very long records.
+                let align = 1 << base_log2(trials).min(records.ilog2());
+                let batch = first..gap.end.min((first + records).next_multiple_of(align));
+                let advance = |records| progress.advance(records * planned.samples);
+                let sums = maker.sums(lowered.records.recipe(), batch.clone(), &advance)?;
+                (first, made) = (batch.end, made + batch.end - batch.start);
+                let seconds = started.elapsed().as_secs_f64();
+                let so_far = Provenance { device: maker.name(), trials: made, seconds };
+                store.insert(&rows(planned, batch, base_log2(trials), &sums), &so_far)?;
+                let factor = BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3);
+                batch_samples = ((batch_samples as f64 * factor.clamp(0.25, 4.0)) as u64).max(1);
+            }
+        }
+        let seconds = started.elapsed().as_secs_f64();
+        Ok(Done { trials: made, seconds, degraded: maker.degraded })
+    }
+
+    /// The tables before anything is sampled.
+    pub(super) fn blank_tables(&self) -> Tables {
+        let mut tables = self.empty_tables();
+        for planned in &self.points {
+            self.add(&mut tables, planned.point, None, &Estimates::default(), &|_| {});
+        }
+        tables
+    }
+
+    /// All estimates held. One point is in memory at a time.
+    pub(super) fn tables(&self, store: &Store, progress: &(dyn Progress + Sync)) -> Result<Tables, RunError> {
+        let mut tables = self.empty_tables();
+        let fits = if self.allan.terms.is_some() { self.study.trials * self.points.len() as u64 } else { 0 };
+        progress.start("fits", 0, fits);
+        for planned in &self.points {
+            let lowered = self.lowered(planned.point)?;
+            let rows = store.rows(&planned.address, planned.width)?;
+            let estimates = Estimates::of(rows, |sums| lowered.records.variances(sums));
+            self.add(&mut tables, planned.point, Some(&lowered), &estimates, &|fits| progress.advance(fits));
+        }
+        Ok(tables)
+    }
+
+    fn empty_tables(&self) -> Tables {
+        let coefficients = self.allan.terms.as_ref().map(|_| self.coefficient_columns());
+        Tables {
+            points: Table { columns: self.curve_columns() },
+            coefficients: coefficients.map(|columns| Table { columns }),
+        }
+    }
+
+    /// Adds the rows of a point with these estimates.
+    fn add(
+        &self,
+        tables: &mut Tables,
+        point: &RecordPoint,
+        lowered: Option<&LoweredCurve>,
+        estimates: &Estimates,
+        progress: &(dyn Fn(u64) + Sync),
+    ) {
+        self.add_curve(&mut tables.points, point, lowered, estimates);
+        if let (Some(table), Some(terms)) = (&mut tables.coefficients, &self.allan.terms) {
+            self.add_coefficients(table, point, terms, estimates, progress);
+        }
+    }
+
+    /// Records that every point has, where all have the same number.
+    pub(super) fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
+        let mut held = None;
+        for planned in &self.points {
+            let blocks = store.blocks(&planned.address)?.into_iter().map(|block| (block, ())).collect();
+            let records = fold(blocks).iter().map(|(block, ())| block.trials()).sum();
+            if *held.get_or_insert(records) != records {
+                return Ok(None);
+            }
+        }
+        Ok(held)
+    }
+
+    /// The identities of all points.
+    pub(super) fn ids(&self) -> Vec<Id> {
+        self.points.iter().map(|planned| planned.address.point).collect()
+    }
+
+    /// What should be known besides the results.
+    pub(super) fn notes(&self) -> Vec<String> {
+        let Some(terms) = &self.allan.terms else { return vec![] };
+        let longer = |point: &RecordPoint| point.ms.iter().any(|&m| !is_fitted(m, point.inputs.samples()));
+        let shortened =
+            self.allan.points.iter().any(longer).then(|| {
+                "coefficients are fitted to averaging times up to an eighth of the record".to_owned()
+            });
+        let together = self.are_weighed_together(terms).then(|| {
+            "records are weighed by the covariance that all of them show together, which a single one does not know"
+                .to_owned()
+        });
+        shortened.into_iter().chain(together).collect()
+    }
+
+    /// Refuses records that take too much memory side by side.
+    fn check_memory(&self, point: &RecordPoint, bytes: usize) -> Result<(), StudyError> {
+        if bytes <= MOST_BYTES {
+            return Ok(());
+        }
+        let message = format!(
+            "records of {} samples need {} MiB on each thread for the longest averaging times",
+            point.inputs.samples(),
+            bytes >> 20
+        );
+        let help = "take overlap = \"m/64\" and tau = \"octave\" or \"decade10\", shorter averaging times, or a shorter record";
+        Err(super::refused(self.study, &point.swept, "allan", &message, help))
+    }
+
+    /// Refuses a fit to fewer points than parameters.
+    fn check_fit(&self, point: &RecordPoint) -> Result<(), StudyError> {
+        let Some(terms) = &self.allan.terms else { return Ok(()) };
+        let points = point.ms.iter().filter(|&&m| is_fitted(m, point.inputs.samples())).count();
+        let parameters = terms.fewest_parameters();
+        if points >= parameters {
+            return Ok(());
+        }
+        let message = format!(
+            "there are {points} averaging times up to an eighth of the record, too few for {parameters} parameters"
+        );
+        let help = "take more averaging times, as of tau = \"decade10\", a longer record, or fewer terms";
+        Err(super::refused(self.study, &point.swept, "allan.tau", &message, help))
+    }
+}
+
+/// Whether a fit has this averaging factor.
+fn is_fitted(m: u64, samples: u64) -> bool {
+    LONGEST_FITTED * m <= samples
+}
+
+/// The averaging factors that a fit has of a point, without estimates.
+fn geometry(point: &RecordPoint, difference: Difference) -> Option<Curve> {
+    let samples = point.inputs.samples();
+    let ms: Vec<u64> = point.ms.iter().copied().filter(|&m| is_fitted(m, samples)).collect();
+    let nothing = vec![1.0; ms.len()];
+    Curve::new(point.inputs.sample_s, samples, difference, ms, nothing).ok()
+}
+
+/// The error of a point that cannot be sampled, at the key of the study that has to change.
+fn refused(study: &Study, point: &RecordPoint, error: &RecordsError) -> StudyError {
+    super::refused(study, &point.swept, error.key(), &error.to_string(), error.help())
+}

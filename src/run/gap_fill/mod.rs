@@ -1,0 +1,251 @@
+//! Running a gap-fill study: launches for what the store lacks, batch by batch.
+
+mod rows;
+mod stop;
+
+use std::time::Instant;
+
+use super::{BATCH_SECONDS, Done, NORMAL_95, Progress, RunError};
+use crate::backend::{Device, Job};
+use crate::block::{Block, base_log2, cover, missing};
+use crate::id::Id;
+use crate::kernel::launch::Launch;
+use crate::kernel::moments::Moments;
+use crate::lower::{LowerError, Lowered};
+use crate::store::{Provenance, Row, Store, StoreError};
+use crate::study::{Error, GapFill, Point, Study, StudyError};
+
+/// A study whose every point is proven to fit.
+#[derive(Debug)]
+pub(super) struct Plan<'a> {
+    study: &'a Study,
+    gap_fill: &'a GapFill,
+    points: Vec<Lowered>,
+}
+
+/// A launch and the blocks of it that are missing.
+struct Work {
+    point: usize,
+    fillers: Vec<usize>,
+    launch: Launch,
+    blocks: Vec<Block>,
+}
+
+/// Most jobs of a batch: their tallies are held in memory together, some 30 KiB each.
+const MOST_JOBS: usize = 1024;
+
+/// Most trials of a record that is replayed: places are taken by the lower half of the trial's number.
+const MOST_REPLAYED: u64 = 1 << 32;
+
+/// log2 of the trials after which the stop rule first decides.
+const FEWEST_LOG2: u32 = 10;
+
+/// Trials of the first batch.
+const FIRST_BATCH: u64 = 1 << 20;
+
+impl<'a> Plan<'a> {
+    /// Lowers every point.
+    ///
+    /// # Errors
+    /// A point cannot be represented; the error points at the key to change.
+    pub(super) fn new(study: &'a Study, gap_fill: &'a GapFill) -> Result<Plan<'a>, StudyError> {
+        let lower = |point: &Point| {
+            Lowered::new(point, &gap_fill.fillers, &gap_fill.errors, study.seed, study.streams)
+                .map_err(|error| refused(study, point, &error))
+        };
+        let points = gap_fill.points.iter().map(lower).collect::<Result<_, _>>()?;
+        let plan = Plan { study, gap_fill, points };
+        if plan.replays() && study.trials > MOST_REPLAYED {
+            let message = format!("{} trials of a record that is replayed over every place", study.trials);
+            let help = format!("accepted: up to {MOST_REPLAYED} trials, or position = \"random\"");
+            return Err(study.error_at(study.place_of("motion.profile"), message, help));
+        }
+        Ok(plan)
+    }
+
+    /// Samples what the store lacks. `progress` hears how many trials there are in all and, as it comes, what is done.
+    ///
+    /// With a precision, a point stops after 1, 2, 4, … base blocks of trials and 1024 at least, where all errors of all its fillers are known
+    /// as well as is asked: a rule that depends on nothing but the study. Fillers of a point keep the same trials, so
+    /// that they are compared on the same draws.
+    ///
+    /// # Errors
+    /// The device or the disk fails.
+    pub(super) fn run(
+        &self,
+        store: &mut Store,
+        device: &mut Device,
+        progress: &(dyn Progress + Sync),
+    ) -> Result<Done, RunError> {
+        let mut wanted: Vec<u64> = self
+            .points
+            .iter()
+            .map(|point| point.trials(self.study.trials))
+            .map(|most| match self.gap_fill.precision {
+                // Before that many trials a standard error is not known well enough to stop by.
+                Some(_) => most.min(1 << base_log2(most).max(FEWEST_LOG2)),
+                None => most,
+            })
+            .collect();
+        let started = Instant::now();
+        let mut trials = 0;
+        for round in 0.. {
+            let work = self.missing(store, &wanted)?;
+            let total: u64 = work.iter().flat_map(|work| &work.blocks).map(Block::trials).sum();
+            if round == 0 {
+                let held = self.launched_trials(|index, _| wanted[index]).saturating_sub(total);
+                let most = self.launched_trials(|_, point| point.trials(self.study.trials));
+                progress.start("trials", held, most.max(held + total));
+            }
+            self.sample(&work, store, device, progress, started)?;
+            trials += total;
+            if !self.raise(&mut wanted, store)? {
+                break;
+            }
+        }
+        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), degraded: None })
+    }
+
+    /// Trials of all launches where each point has as many as `trials` says: those of a point with many fillers count more
+    /// than once.
+    fn launched_trials(&self, trials: impl Fn(usize, &Lowered) -> u64) -> u64 {
+        let launches =
+            |point: &Lowered| grouped(point, (0..point.fillers.len()).map(|_| Vec::new())).len() as u64;
+        self.points.iter().enumerate().map(|(index, point)| launches(point) * trials(index, point)).sum()
+    }
+
+    /// Samples all of `work` in batches, each of which is kept as soon as it is done.
+    fn sample(
+        &self,
+        work: &[Work],
+        store: &mut Store,
+        device: &mut Device,
+        progress: &(dyn Progress + Sync),
+        started: Instant,
+    ) -> Result<(), RunError> {
+        let mut rest: Vec<(&Work, Job)> = work
+            .iter()
+            .flat_map(|work| {
+                work.blocks.iter().map(move |&block| (work, Job { launch: &work.launch, block }))
+            })
+            .rev()
+            .collect();
+        let (mut batch_trials, mut sampled) = (FIRST_BATCH, 0);
+        while !rest.is_empty() {
+            let batch_started = Instant::now();
+            let batch = take_batch(&mut rest, batch_trials);
+            let jobs: Vec<Job> = batch.iter().map(|(_, job)| *job).collect();
+            let results = device.tally(&jobs, true, &|trials| progress.advance(trials))?;
+            let rows: Vec<Row<Moments>> = batch
+                .iter()
+                .zip(results)
+                .flat_map(|((work, job), tallies)| {
+                    let estimates = self.points[work.point].launched(&work.fillers);
+                    estimates.zip(tallies).map(|(estimate, tally)| Row {
+                        address: estimate.address,
+                        block: job.block,
+                        tally,
+                    })
+                })
+                .collect();
+            sampled += batch.iter().map(|(_, job)| job.block.trials()).sum::<u64>();
+            let seconds = started.elapsed().as_secs_f64();
+            store.insert(&rows, &Provenance { device: device.name(), trials: sampled, seconds })?;
+            let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
+            batch_trials = ((batch_trials as f64 * factor) as u64).max(1);
+        }
+        Ok(())
+    }
+
+    /// What should be known besides the results.
+    pub(super) fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError> {
+        let mut notes = self.absent();
+        let (imprecise, fillers) = self.imprecise(store)?;
+        if imprecise > 0 {
+            let trials = self.study.trials;
+            notes.push(format!(
+                "{imprecise} of {fillers} fillers at points are not as precise as asked after {trials} trials"
+            ));
+        }
+        Ok(notes)
+    }
+
+    /// Errors that were asked for and that a filler does not have, each in a sentence.
+    fn absent(&self) -> Vec<String> {
+        let mut sentences = Vec::new();
+        for (index, filler) in self.gap_fill.fillers.iter().enumerate() {
+            let has = |error: Error| {
+                let all =
+                    |point: &Lowered| point.fillers[index].iter().any(|estimate| estimate.error == error);
+                self.points.iter().all(all)
+            };
+            let lacks: Vec<&str> =
+                self.gap_fill.errors.iter().filter(|error| !has(**error)).map(|error| error.name()).collect();
+            if !lacks.is_empty() {
+                let name = &filler.name;
+                sentences
+                    .push(format!("the weights of `{name}` do not give its errors: {}", lacks.join(", ")));
+            }
+        }
+        sentences
+    }
+
+    /// What the store lacks.
+    fn missing(&self, store: &Store, wanted: &[u64]) -> Result<Vec<Work>, StoreError> {
+        let mut all = Vec::new();
+        for (index, (point, &trials)) in self.points.iter().zip(wanted).enumerate() {
+            let log2 = base_log2(point.trials(self.study.trials));
+            let mut lacking = Vec::new();
+            for estimates in &point.fillers {
+                let mut blocks = Vec::new();
+                for estimate in estimates {
+                    let held = store.blocks(&estimate.address)?;
+                    blocks.extend(missing(&held, trials).into_iter().flat_map(|gap| cover(gap, log2)));
+                }
+                blocks.sort();
+                blocks.dedup();
+                lacking.push(blocks);
+            }
+            for (blocks, fillers) in grouped(point, lacking).into_iter().filter(|group| !group.0.is_empty()) {
+                all.push(Work { point: index, launch: point.launch(&fillers), fillers, blocks });
+            }
+        }
+        Ok(all)
+    }
+
+    /// The identities of all points.
+    pub(super) fn ids(&self) -> Vec<Id> {
+        self.points.iter().map(|point| point.id).collect()
+    }
+}
+
+/// Fillers of a point that lack the same blocks share a launch.
+fn grouped(point: &Lowered, lacking: impl IntoIterator<Item = Vec<Block>>) -> Vec<(Vec<Block>, Vec<usize>)> {
+    let mut groups: Vec<(Vec<Block>, Vec<usize>)> = Vec::new();
+    for (filler, blocks) in lacking.into_iter().enumerate() {
+        let joins = |group: &&mut (Vec<Block>, Vec<usize>)| {
+            group.0 == blocks && group.1.len() < point.most_fillers(filler) && point.alike(group.1[0], filler)
+        };
+        match groups.iter_mut().find(joins) {
+            Some(group) => group.1.push(filler),
+            None => groups.push((blocks, vec![filler])),
+        }
+    }
+    groups
+}
+
+/// The error of a point that cannot be sampled, at the key of the study that has to change.
+pub(crate) fn refused(study: &Study, point: &Point, error: &LowerError) -> StudyError {
+    super::refused(study, &point.swept, error.key(), &error.to_string(), error.help())
+}
+
+fn take_batch<'a, 'b>(rest: &mut Vec<(&'a Work, Job<'b>)>, trials: u64) -> Vec<(&'a Work, Job<'b>)> {
+    let (mut batch, mut taken) = (Vec::new(), 0);
+    while batch.len() < MOST_JOBS
+        && let Some(next) = rest.pop_if(|(_, job)| taken == 0 || taken + job.block.trials() <= trials)
+    {
+        taken += next.1.block.trials();
+        batch.push(next);
+    }
+    batch
+}

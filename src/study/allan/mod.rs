@@ -1,0 +1,102 @@
+//! Studies of Allan curves: the record, its noise, and what is estimated of it.
+
+mod estimate;
+mod point;
+
+use std::path::Path;
+
+pub use point::{Inputs, Point};
+
+use super::diagnose::{Fault, Wrong};
+use super::file::StudyFile;
+use super::key::Key;
+use super::noise::{self, WrittenNoise};
+use super::place::Places;
+use super::sweep::Sweep;
+use super::{needed, noise::Noise};
+use crate::fit::{Term, Terms};
+use crate::theory::allan::Estimator;
+
+/// What a study of Allan curves asks.
+#[derive(Debug, Clone)]
+pub struct Allan {
+    pub estimator: Estimator,
+    /// The terms that are fitted to each record, if any.
+    pub terms: Option<Terms>,
+    /// All points, in order; without a sweep the one that is written.
+    pub points: Vec<Point>,
+    /// What the fit leaves out, in a sentence.
+    pub notes: Vec<String>,
+}
+
+/// Every key that a sweep may vary.
+pub(super) fn keys() -> Vec<&'static Key> {
+    let record = point::SETTINGS.iter().map(|setting| &setting.key);
+    record.chain(noise::SETTINGS.iter().map(|setting| &setting.key)).chain([&noise::FILE]).collect()
+}
+
+/// Reads what is of this kind in a file, and notes where it stands.
+pub(super) fn read(
+    file: &StudyFile,
+    sweeps: &[Sweep],
+    folder: &Path,
+    places: &mut Places,
+) -> Result<Allan, Wrong> {
+    if let Some(precision) = &file.precision {
+        let message = "precision is no key of a study of kind = \"allan\"";
+        let help = "leave it out: trials says how many records are made";
+        return Err(Fault::new(precision.span(), message, "not of this kind", help).into());
+    }
+    let record = needed(file.record.as_ref(), "record", file)?;
+    let inputs = point::read(record.get_ref(), places)?;
+    let WrittenNoise { noise, written } =
+        noise::read(needed(file.noise.as_ref(), "noise", file)?, folder, places)?;
+    if let Some(allan) = &file.allan {
+        places.add("allan", allan.span());
+    }
+    let estimate = estimate::read(file.allan.as_ref(), places)?;
+    let of_file = |file| -> Result<Noise, Wrong> {
+        let mut noise = noise::read_file(file, folder)?;
+        // Keys of the study hold beside any file.
+        written.iter().for_each(|(setting, quantity)| (setting.set)(&mut noise, *quantity));
+        Ok(noise)
+    };
+    let of_files = sweeps.iter().filter(|sweep| sweep.key.name == noise::FILE.name);
+    let files =
+        of_files.flat_map(|sweep| &sweep.files).map(of_file).collect::<Result<Vec<Noise>, Wrong>>()?;
+    let base = point::Base { inputs: Inputs { noise, ..inputs }, files, places, sweeps, estimate: &estimate };
+    base.check_sweeps(&file.sweep)?;
+    let points = base.points()?;
+    let terms = estimate.terms.map(|terms| with_shapes(terms, &points));
+    let notes = terms.iter().filter_map(|terms| unfitted(terms, &points)).collect();
+    Ok(Allan { estimator: estimate.estimator, terms, points, notes })
+}
+
+/// A fit that chooses its terms has Markov noise and a sine to choose from where the noise has them.
+fn with_shapes(terms: Terms, points: &[Point]) -> Terms {
+    let Terms::Auto(mut terms) = terms else { return terms };
+    let noises = || points.iter().map(|point| &point.inputs.noise);
+    terms.extend(noises().any(|noise| noise.markov.is_some()).then_some(Term::Markov));
+    terms.extend(noises().any(|noise| noise.sine.is_some()).then_some(Term::Sine));
+    Terms::Auto(terms)
+}
+
+/// What the noise has and no fitted term covers.
+fn unfitted(terms: &Terms, points: &[Point]) -> Option<String> {
+    let lacks = |term: Term| !terms.all().contains(&term);
+    let any = |has: &dyn Fn(&Noise) -> bool| points.iter().any(|point| has(&point.inputs.noise));
+    let parts = [
+        ("an angle random walk", lacks(Term::AngleRandomWalk) && any(&|n| n.angle_random_walk > 0.0)),
+        ("quantisation", lacks(Term::Quantisation) && any(&|n| n.quantisation + n.readout_lsb > 0.0)),
+        ("a bias instability", lacks(Term::BiasInstability) && any(&|n| n.bias_instability > 0.0)),
+        ("a rate random walk", lacks(Term::RateRandomWalk) && any(&|n| n.rate_random_walk > 0.0)),
+        ("a rate ramp", lacks(Term::RateRamp) && any(&|n| n.rate_ramp != 0.0)),
+        ("Markov noise", lacks(Term::Markov) && any(&|n| n.markov.is_some())),
+        ("a sine", lacks(Term::Sine) && any(&|n| n.sine.is_some())),
+        ("a warm-up", any(&|n| n.warm_up.is_some())),
+    ];
+    let found: Vec<&str> = parts.into_iter().filter(|part| part.1).map(|part| part.0).collect();
+    (!found.is_empty()).then(|| {
+        format!("the noise has {}, which is not fitted: other coefficients take it up", found.join(", "))
+    })
+}

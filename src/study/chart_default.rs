@@ -1,0 +1,70 @@
+//! The chart of a study that asks for none.
+
+use super::Subject;
+use super::chart::{Chart, Named, Shows, Source, only_residuals, scale_over};
+use super::chart_file::Scale;
+use super::gap_fill::FREQUENCY;
+use super::rows::{DT_NU, FILLER, Known, TAU};
+use super::sweep::Sweep;
+use crate::table::Cell;
+
+/// What suits the sweeps; nothing to draw of fillers where nothing is swept.
+pub(super) fn default_for(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
+    match subject {
+        Subject::GapFill(_) => of_fillers(sweeps, subject),
+        Subject::Allan(_) => Some(of_deviations(sweeps)),
+    }
+}
+
+/// The Allan deviation over τ, a curve for each value of the first two swept keys.
+fn of_deviations(sweeps: &[Sweep]) -> Chart {
+    Chart {
+        title: None,
+        source: Source::Points,
+        x: Named::default(TAU),
+        y: Named::default("adev"),
+        shows: Shows::Curves {
+            series: sweeps.iter().take(2).map(|sweep| Named::default(sweep.key.name)).collect(),
+            laws: vec![],
+        },
+        rows: sweeps.iter().skip(2).filter_map(at_first).collect(),
+        limit: None,
+        x_scale: Scale::Log,
+        y_scale: Scale::Log,
+    }
+}
+
+/// A curve runs along one key: others stay at their first value.
+fn at_first(sweep: &Sweep) -> Option<(Named, Cell)> {
+    Some((Named::default(sweep.key.name), sweep.values.first()?.cell()))
+}
+
+/// Over Δt·ν if the frequency is swept, else over the first swept key.
+fn of_fillers(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
+    let mut names: Vec<&str> = sweeps.iter().map(|sweep| sweep.key.name).collect();
+    let x = match names.iter().position(|name| *name == FREQUENCY.name) {
+        Some(frequency) => {
+            names.remove(frequency);
+            DT_NU
+        }
+        None if names.is_empty() => return None,
+        None => names.remove(0),
+    };
+    let series = std::iter::once(FILLER).chain(names.first().copied());
+    let fixed = names
+        .iter()
+        .skip(1)
+        .filter_map(|name| at_first(sweeps.iter().find(|sweep| sweep.key.name == *name)?));
+    let known = Known::of(subject, Source::Points);
+    Some(Chart {
+        title: None,
+        source: Source::Points,
+        x: Named::default(x),
+        y: Named::default("rms"),
+        shows: Shows::Curves { series: series.map(Named::default).collect(), laws: vec![] },
+        rows: fixed.chain(only_residuals()).collect(),
+        limit: None,
+        x_scale: scale_over(x, sweeps, &known),
+        y_scale: Scale::default(),
+    })
+}

@@ -1,0 +1,212 @@
+//! Gap-fill studies: the motion, the mode switch and the fillers to compare.
+
+mod filler;
+mod inputs;
+mod keys;
+mod law;
+mod motion;
+mod of_noise;
+mod point;
+mod precision;
+mod read_fillers;
+mod read_motion;
+mod ticks;
+
+use std::path::Path;
+
+use toml::Spanned;
+
+pub use filler::{Fill, Filler, Method, POLYNOMIALS};
+pub use inputs::{Inputs, TickNoise};
+pub(super) use keys::FREQUENCY;
+pub use law::Law;
+pub use motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
+pub use point::Point;
+pub use precision::Precision;
+
+use super::diagnose::{Fault, Wrong};
+use super::file::{Error, Position, StudyFile, TickNoiseTable};
+use super::key::{Key, Setting};
+use super::needed;
+use super::place::Places;
+use super::scalar::{self, Scalar};
+use super::sweep::Sweep;
+use super::units::Dimension;
+use crate::kernel::launch::MAX_SIDE;
+use keys::SETTINGS;
+use ticks::{Purpose, TickList};
+
+/// What a gap-fill study asks.
+#[derive(Debug, Clone)]
+pub struct GapFill {
+    /// Before any sweep.
+    pub inputs: Inputs,
+    /// One or more, each once.
+    pub fillers: Vec<Filler>,
+    /// Which errors of them are found, each once.
+    pub errors: Vec<Error>,
+    /// Where sampling stops before all trials are done.
+    pub precision: Option<Precision>,
+    /// All points, in order; without a sweep the one that is written.
+    pub points: Vec<Point>,
+    /// What of the noise is left out, each in a sentence.
+    pub notes: Vec<String>,
+}
+
+/// Every key that a sweep may vary.
+pub(super) fn keys() -> Vec<&'static Key> {
+    SETTINGS.iter().map(|setting| &setting.key).collect()
+}
+
+/// Reads what is of this kind in a file, and notes where it stands.
+pub(super) fn read(
+    file: &StudyFile,
+    sweeps: &[Sweep],
+    folder: &Path,
+    places: &mut Places,
+) -> Result<GapFill, Wrong> {
+    let switching = needed(file.switching.as_ref(), "switching", file)?.get_ref();
+    let (inputs, notes) = read_inputs(file, sweeps, folder, places)?;
+    let written_fillers = read_fillers::read(&switching.fillers)?;
+    let errors = read_errors(switching.errors.as_ref())?;
+    for (sweep, table) in sweeps.iter().zip(&file.sweep) {
+        if file.noise.is_some() && sweep.key.target() == "gyro.tick_noise" {
+            let message = format!("{} is swept beside [noise]", sweep.key.name);
+            let help = "leave one of them out";
+            return Err(Fault::new(table.key.span(), message, "a second noise", help).into());
+        }
+        if let Some(setting) = SETTINGS.iter().find(|setting| setting.name == sweep.key.name) {
+            setting.check_applies(&inputs, &SETTINGS, "the motion", table.key.span())?;
+        }
+    }
+    let base = point::Base {
+        inputs: inputs.clone(),
+        places,
+        sweeps,
+        fillers: &written_fillers,
+        fit_ticks: TickList::read(Purpose::Residual, switching.fit_ticks.as_ref())?,
+        extrapolation_ticks: TickList::read(Purpose::Extrapolation, switching.extrapolation_ticks.as_ref())?,
+    };
+    let points = base.points()?;
+    let precision = file.precision.as_ref().map(precision::read).transpose()?;
+    if let (Some(written), Some(Profile { position: Position::Every, .. })) =
+        (&file.precision, &inputs.motion.profile)
+    {
+        let message = "precision stands beside position = \"every\", which is exact in whole replays only";
+        let help = "leave precision out, or take position = \"random\"";
+        return Err(Fault::new(written.span(), message, "cannot stop early", help).into());
+    }
+    let fillers = written_fillers.into_iter().map(|written| written.filler).collect();
+    Ok(GapFill { inputs, fillers, errors, precision, points, notes })
+}
+
+/// The inputs as written and what they leave out.
+fn read_inputs(
+    file: &StudyFile,
+    sweeps: &[Sweep],
+    folder: &Path,
+    places: &mut Places,
+) -> Result<(Inputs, Vec<String>), Wrong> {
+    let gyro = needed(file.gyro.as_ref(), "gyro", file)?.get_ref();
+    let motion = needed(file.motion.as_ref(), "motion", file)?;
+    let switching = needed(file.switching.as_ref(), "switching", file)?.get_ref();
+    let motion = read_motion::read(motion.get_ref(), places, motion.span(), folder)?;
+    // Each number is overwritten by its key.
+    let mut inputs = Inputs {
+        tick_s: 0.0,
+        tick_noise: TickNoise::Std(0.0),
+        readout_lsb: 0.0,
+        relock: read_relock(gyro.relock.as_ref())?,
+        motion,
+        gap_ticks: 0,
+    };
+    let noise = of_noise::read(file, gyro, folder, places)?;
+    if let Some(noise) = &noise {
+        of_noise::set(&mut inputs, noise);
+    }
+    let written = [
+        Some((&keys::TICK, &gyro.tick)),
+        gyro.tick_noise.as_ref().map(noise_form).transpose()?,
+        gyro.readout_lsb.as_ref().map(|lsb| (&keys::READOUT_LSB, lsb)),
+        Some((&keys::GAP_TICKS, &switching.gap_ticks)),
+    ];
+    for (setting, value) in written.into_iter().flatten() {
+        (setting.set)(&mut inputs, setting.read(value)?);
+        places.add(setting.name, value.span());
+    }
+    if let Some(relock) = &gyro.relock {
+        places.add("gyro.relock", relock.span());
+    }
+    places.add("switching.fillers", switching.fillers.span());
+    for (key, list) in [
+        ("switching.fit_ticks", &switching.fit_ticks),
+        ("switching.extrapolation_ticks", &switching.extrapolation_ticks),
+    ] {
+        if let Some(list) = list {
+            places.add(key, list.span());
+        }
+    }
+    let notes = noise.iter().filter_map(|noise| of_noise::left_out(noise, &inputs, sweeps)).collect();
+    Ok((inputs, notes))
+}
+
+type Written<'a> = (&'static Setting<Inputs>, &'a Spanned<Scalar>);
+
+fn noise_form(table: &Spanned<TickNoiseTable>) -> Result<Written<'_>, Fault> {
+    let TickNoiseTable { std, three_sigma, angle_random_walk } = table.get_ref();
+    match (std, three_sigma, angle_random_walk) {
+        (Some(std), None, None) => Ok((&keys::NOISE_STD, std)),
+        (None, Some(three_sigma), None) => Ok((&keys::NOISE_THREE_SIGMA, three_sigma)),
+        (None, None, Some(random_walk)) => Ok((&keys::NOISE_RANDOM_WALK, random_walk)),
+        _ => {
+            let help = "accepted: { std = \"0.53 arcsec\" }, { three_sigma = \"1.6 arcsec\" } or \
+                        { angle_random_walk = \"0.003 deg/sqrt(h)\" }";
+            let message = "gyro.tick_noise needs exactly one of std, three_sigma, angle_random_walk";
+            Err(Fault::new(table.span(), message, "not exactly one", help))
+        }
+    }
+}
+
+/// Angles that the relock adds to ticks.
+fn read_relock(list: Option<&Spanned<Vec<Spanned<Scalar>>>>) -> Result<Vec<f64>, Fault> {
+    let Some(list) = list else { return Ok(vec![]) };
+    if list.get_ref().len() > MAX_SIDE {
+        let message = format!("gyro.relock lists {} ticks", list.get_ref().len());
+        return Err(Fault::new(
+            list.span(),
+            message,
+            "too many",
+            format!("accepted: up to {MAX_SIDE} ticks"),
+        ));
+    }
+    let angle = |item: &Spanned<Scalar>| {
+        let quantity = scalar::quantity("gyro.relock", item, &[Dimension::Angle])?;
+        if quantity.value.abs() <= MOST_RELOCK {
+            return Ok(quantity.value);
+        }
+        let message = format!("gyro.relock = {quantity} is out of range");
+        Err(Fault::new(item.span(), message, "too large", "accepted: -1e6 to 1e6 arcsec"))
+    };
+    list.get_ref().iter().map(angle).collect()
+}
+
+/// Largest angle of the relock in one tick, ″.
+const MOST_RELOCK: f64 = 1e6;
+
+fn read_errors(list: Option<&Spanned<Vec<Spanned<Error>>>>) -> Result<Vec<Error>, Fault> {
+    let Some(list) = list else { return Ok(vec![Error::Residual, Error::Extrapolation]) };
+    let help = "accepted: one or more of \"residual\", \"extrapolation\", \"in-gap\", each once";
+    if list.get_ref().is_empty() {
+        return Err(Fault::new(list.span(), "switching.errors is empty", "no error", help));
+    }
+    let mut errors = Vec::new();
+    for error in list.get_ref() {
+        if errors.contains(error.get_ref()) {
+            let message = format!("switching.errors lists \"{}\" twice", error.get_ref().name());
+            return Err(Fault::new(error.span(), message, "listed before", help));
+        }
+        errors.push(*error.get_ref());
+    }
+    // In the order of the kernel, so that tables do not depend on how they are listed.
+    Ok(Error::ALL.into_iter().filter(|error| errors.contains(error)).collect())
+}

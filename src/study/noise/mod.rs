@@ -1,0 +1,118 @@
+//! The noise of a gyro by its coefficients, as `[noise]` and noise.toml have it.
+
+mod read;
+
+pub(super) use read::{FILE, SETTINGS, WrittenNoise, read, read_file};
+
+use crate::theory::allan::{Part, Process, holds};
+
+/// Coefficients in ″ and s; 0 is absent.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Noise {
+    /// Q, ″.
+    pub quantisation: f64,
+    /// Angle of a pulse where whole pulses are read, ″.
+    pub readout_lsb: f64,
+    /// N, ″/√s.
+    pub angle_random_walk: f64,
+    /// B, ″/s.
+    pub bias_instability: f64,
+    /// K, ″/s^1.5.
+    pub rate_random_walk: f64,
+    /// R, ″/s².
+    pub rate_ramp: f64,
+    pub markov: Option<Markov>,
+    pub sine: Option<Sine>,
+    pub warm_up: Option<WarmUp>,
+}
+
+/// Exponentially correlated noise of the rate.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Markov {
+    /// Its rms, ″/s.
+    pub amplitude: f64,
+    /// T_c, s.
+    pub time_s: f64,
+}
+
+/// A sine of the rate.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Sine {
+    /// Its peak, ″/s.
+    pub amplitude: f64,
+    pub frequency_hz: f64,
+}
+
+/// A decay of the rate from the start of the record on.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct WarmUp {
+    /// The rate at the start, ″/s.
+    pub amplitude: f64,
+    pub time_s: f64,
+}
+
+impl Noise {
+    /// What the records of `samples` rates are made of, each `sample_s` long; but for the readout, which no [`Part`] is.
+    ///
+    /// Records too long for the octaves of flicker have the most there are; they are refused elsewhere.
+    pub fn process(&self, sample_s: f64, samples: u64) -> Process {
+        let octaves = holds::octaves(samples).unwrap_or(holds::MOST_OCTAVES);
+        let some = |value: f64, part: Part| (value != 0.0).then_some(part);
+        let parts = [
+            some(self.quantisation, Part::Quantisation { q: self.quantisation }),
+            some(self.angle_random_walk, Part::AngleRandomWalk { n: self.angle_random_walk }),
+            some(self.bias_instability, Part::BiasInstability { b: self.bias_instability, octaves }),
+            some(self.rate_random_walk, Part::RateRandomWalk { k: self.rate_random_walk }),
+            self.markov.and_then(|Markov { amplitude, time_s }| {
+                some(amplitude, Part::Markov { q_c: amplitude * libm::sqrt(2.0 / time_s), time_s })
+            }),
+            self.sine.and_then(|Sine { amplitude, frequency_hz }| {
+                some(amplitude, Part::Sine { amplitude, frequency_hz })
+            }),
+            some(self.rate_ramp, Part::RateRamp { r: self.rate_ramp }),
+            self.warm_up
+                .and_then(|WarmUp { amplitude, time_s }| some(amplitude, Part::WarmUp { amplitude, time_s })),
+        ];
+        Process { sample_s, parts: parts.into_iter().flatten().collect() }
+    }
+
+    /// What determines the draws, key by key in base units; what is absent has no line.
+    pub(crate) fn canonical(&self) -> String {
+        let with = |is: bool, value: f64| if is { value } else { 0.0 };
+        let [markov, sine, warm_up] = [
+            self.markov.map_or([0.0; 2], |m| [m.amplitude, with(m.amplitude != 0.0, m.time_s)]),
+            self.sine.map_or([0.0; 2], |s| [s.amplitude, with(s.amplitude != 0.0, s.frequency_hz)]),
+            self.warm_up.map_or([0.0; 2], |w| [w.amplitude, with(w.amplitude != 0.0, w.time_s)]),
+        ];
+        let all = [
+            ("angle_random_walk", self.angle_random_walk),
+            ("bias_instability", self.bias_instability),
+            ("markov.amplitude", markov[0]),
+            ("markov.time", markov[1]),
+            ("quantisation", self.quantisation),
+            ("rate_ramp", self.rate_ramp),
+            ("rate_random_walk", self.rate_random_walk),
+            ("readout_lsb", self.readout_lsb),
+            ("sine.amplitude", sine[0]),
+            ("sine.frequency", sine[1]),
+            ("warm_up.amplitude", warm_up[0]),
+            ("warm_up.time", warm_up[1]),
+        ];
+        let given = all.into_iter().filter(|(_, value)| *value != 0.0);
+        given.map(|(name, value)| format!("{name}={value:.11e}\n")).collect()
+    }
+
+    /// The angle, ″, that each part of the rate but the angle random walk can turn through in a time; rms of noise.
+    pub(super) fn over(&self, time_s: f64) -> Vec<(&'static str, f64)> {
+        let t = time_s;
+        let all = [
+            ("bias instability", self.bias_instability * t),
+            ("rate random walk", self.rate_random_walk * t * libm::sqrt(t)),
+            ("rate ramp", 0.5 * self.rate_ramp.abs() * t * t),
+            ("Markov noise", self.markov.map_or(0.0, |markov| markov.amplitude * t)),
+            ("sine", self.sine.map_or(0.0, |sine| sine.amplitude * t)),
+            ("warm-up", self.warm_up.map_or(0.0, |warm_up| warm_up.amplitude.abs() * t)),
+        ];
+        all.into_iter().filter(|(_, angle)| *angle != 0.0).collect()
+    }
+}

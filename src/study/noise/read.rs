@@ -1,0 +1,235 @@
+//! Reading `[noise]` and the files that it names.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use miette::NamedSource;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::Noise;
+use crate::study::diagnose::{Fault, StudyError, Text, Wrong};
+use crate::study::file::allan::NoiseTable;
+use crate::study::key::{Key, Setting};
+use crate::study::place::Places;
+use crate::study::scalar::Scalar;
+use crate::study::units::{Dimension, Quantity};
+
+/// The noise of a table, and what is written in it besides a file.
+pub(in crate::study) struct WrittenNoise {
+    pub(in crate::study) noise: Noise,
+    pub(in crate::study) written: Vec<(&'static Setting<Noise>, Quantity)>,
+}
+
+/// Declares the setting of a coefficient.
+macro_rules! setting {
+    ($name:ident, $key:literal, $label:literal, $dimension:ident, $limits:expr, $applies:expr, $set:expr) => {
+        static $name: Setting<Noise> = Setting {
+            key: Key { name: $key, label: $label, accepts: &[Dimension::$dimension], limits: $limits },
+            applies: $applies,
+            set: $set,
+        };
+    };
+}
+
+/// Limits of angles and of rates, and of times.
+const ANGLES: (f64, f64, &str) = (0.0, 1e6, "0 to 1e6 arcsec");
+const RATES: (f64, f64, &str) = (0.0, 1e6, "0 to 1e6 deg/h");
+const SIGNED_RATES: (f64, f64, &str) = (-1e6, 1e6, "-1e6 to 1e6 deg/h");
+const TIMES: (f64, f64, &str) = (1e-6, 1e9, "1e-6 s to 1e9 s");
+
+setting!(QUANTISATION, "noise.quantisation", "quantisation noise Q", Angle, ANGLES, |_| true, |noise, q| {
+    noise.quantisation = q.value
+});
+setting!(READOUT_LSB, "noise.readout_lsb", "pulse weight", Angle, ANGLES, |_| true, |noise, lsb| noise
+    .readout_lsb =
+    lsb.value);
+setting!(
+    ANGLE_RANDOM_WALK,
+    "noise.angle_random_walk",
+    "angle random walk N",
+    AngleRandomWalk,
+    (0.0, 1e9, "0 to 1e9 arcsec/sqrt(s)"),
+    |_| true,
+    |noise, n| noise.angle_random_walk = n.value
+);
+setting!(
+    BIAS_INSTABILITY,
+    "noise.bias_instability",
+    "bias instability B",
+    DriftRate,
+    RATES,
+    |_| true,
+    |noise, b| {
+        noise.bias_instability = b.value;
+    }
+);
+setting!(
+    RATE_RANDOM_WALK,
+    "noise.rate_random_walk",
+    "rate random walk K",
+    RateRandomWalk,
+    (0.0, 1e9, "0 to 6e10 deg/h/sqrt(h)"),
+    |_| true,
+    |noise, k| noise.rate_random_walk = k.value
+);
+setting!(
+    RATE_RAMP,
+    "noise.rate_ramp",
+    "rate ramp R",
+    AngularAcceleration,
+    (-1e9, 1e9, "-3.6e12 to 3.6e12 deg/h/h"),
+    |_| true,
+    |noise, r| noise.rate_ramp = r.value
+);
+setting!(
+    MARKOV_AMPLITUDE,
+    "noise.markov.amplitude",
+    "rms of the Markov noise",
+    DriftRate,
+    RATES,
+    |noise| noise.markov.is_some(),
+    |noise, rms| noise.markov.get_or_insert_default().amplitude = rms.value
+);
+setting!(
+    MARKOV_TIME,
+    "noise.markov.time",
+    "correlation time",
+    Time,
+    TIMES,
+    |noise| noise.markov.is_some(),
+    |noise, time| noise.markov.get_or_insert_default().time_s = time.value
+);
+setting!(
+    SINE_AMPLITUDE,
+    "noise.sine.amplitude",
+    "peak of the sine",
+    DriftRate,
+    RATES,
+    |noise| noise.sine.is_some(),
+    |noise, peak| noise.sine.get_or_insert_default().amplitude = peak.value
+);
+setting!(
+    SINE_FREQUENCY,
+    "noise.sine.frequency",
+    "frequency of the sine",
+    Frequency,
+    (1e-9, 1e6, "1e-9 Hz to 1e6 Hz, and at most half the sampling rate"),
+    |noise| noise.sine.is_some(),
+    |noise, frequency| noise.sine.get_or_insert_default().frequency_hz = frequency.value
+);
+setting!(
+    WARM_UP_AMPLITUDE,
+    "noise.warm_up.amplitude",
+    "warm-up",
+    DriftRate,
+    SIGNED_RATES,
+    |noise| noise.warm_up.is_some(),
+    |noise, rate| noise.warm_up.get_or_insert_default().amplitude = rate.value
+);
+setting!(
+    WARM_UP_TIME,
+    "noise.warm_up.time",
+    "time of the warm-up",
+    Time,
+    TIMES,
+    |noise| noise.warm_up.is_some(),
+    |noise, time| noise.warm_up.get_or_insert_default().time_s = time.value
+);
+
+/// Every coefficient.
+pub(in crate::study) static SETTINGS: [&Setting<Noise>; 12] = [
+    &QUANTISATION,
+    &READOUT_LSB,
+    &ANGLE_RANDOM_WALK,
+    &BIAS_INSTABILITY,
+    &RATE_RANDOM_WALK,
+    &RATE_RAMP,
+    &MARKOV_AMPLITUDE,
+    &MARKOV_TIME,
+    &SINE_AMPLITUDE,
+    &SINE_FREQUENCY,
+    &WARM_UP_AMPLITUDE,
+    &WARM_UP_TIME,
+];
+
+/// The key of the file itself, which a sweep over gyros varies.
+pub(in crate::study) static FILE: Key =
+    Key { name: "noise.file", label: "noise file", accepts: &[], limits: (0.0, 0.0, "") };
+
+/// The noise of a table, with what the file that it names has besides; `folder` is where that is looked for. Notes the
+/// place of each key.
+pub(in crate::study) fn read(
+    table: &Spanned<NoiseTable>,
+    folder: &Path,
+    places: &mut Places,
+) -> Result<WrittenNoise, Wrong> {
+    places.add("noise", table.span());
+    let mut noise = match &table.get_ref().file {
+        Some(file) => {
+            places.add(FILE.name, file.span());
+            read_file(file, folder)?
+        }
+        None => Noise::default(),
+    };
+    let mut written = Vec::new();
+    for (setting, value) in values(table.get_ref()) {
+        let quantity = setting.read(value)?;
+        places.add(setting.name, value.span());
+        (setting.set)(&mut noise, quantity);
+        written.push((setting, quantity));
+    }
+    Ok(WrittenNoise { noise, written })
+}
+
+/// The noise of a file, which is a `[noise]` by itself; `file` is its name where a study has it.
+pub(in crate::study) fn read_file(file: &Spanned<String>, folder: &Path) -> Result<Noise, Wrong> {
+    let path = folder.join(file.get_ref());
+    let text = std::fs::read_to_string(&path).map_err(|error| {
+        let message = format!("cannot read the noise {}: {error}", path.display());
+        let help = "name a noise.toml, from the folder of the study; `sagnac allan` writes them from records";
+        Fault::new(file.span(), message, "named here", help)
+    })?;
+    let text: Text = Arc::new(NamedSource::new(path.display().to_string(), text));
+    parse(&text).map_err(Wrong::Elsewhere)
+}
+
+fn parse(text: &Text) -> Result<Noise, StudyError> {
+    let of_text = |fault: Fault| fault.within(text);
+    let toml =
+        toml::Deserializer::parse(text.inner()).map_err(|error| of_text(Fault::from_syntax(&error)))?;
+    let table =
+        NoiseTable::deserialize(toml).map_err(|error| of_text(Fault::from_serde(&error, text.inner())))?;
+    if let Some(file) = &table.file {
+        let fault =
+            Fault::new(file.span(), "a file of noise names another one", "here", "copy its keys instead");
+        return Err(of_text(fault));
+    }
+    let mut noise = Noise::default();
+    for (setting, value) in values(&table) {
+        (setting.set)(&mut noise, setting.read(value).map_err(of_text)?);
+    }
+    Ok(noise)
+}
+
+/// What is written in a table.
+fn values(table: &NoiseTable) -> Vec<(&'static Setting<Noise>, &Spanned<Scalar>)> {
+    let markov = table.markov.as_ref().map(Spanned::get_ref);
+    let sine = table.sine.as_ref().map(Spanned::get_ref);
+    let warm_up = table.warm_up.as_ref().map(Spanned::get_ref);
+    let all: [(&'static Setting<Noise>, Option<&Spanned<Scalar>>); 12] = [
+        (&QUANTISATION, table.quantisation.as_ref()),
+        (&READOUT_LSB, table.readout_lsb.as_ref()),
+        (&ANGLE_RANDOM_WALK, table.angle_random_walk.as_ref()),
+        (&BIAS_INSTABILITY, table.bias_instability.as_ref()),
+        (&RATE_RANDOM_WALK, table.rate_random_walk.as_ref()),
+        (&RATE_RAMP, table.rate_ramp.as_ref()),
+        (&MARKOV_AMPLITUDE, markov.map(|markov| &markov.amplitude)),
+        (&MARKOV_TIME, markov.map(|markov| &markov.time)),
+        (&SINE_AMPLITUDE, sine.map(|sine| &sine.amplitude)),
+        (&SINE_FREQUENCY, sine.map(|sine| &sine.frequency)),
+        (&WARM_UP_AMPLITUDE, warm_up.map(|warm_up| &warm_up.amplitude)),
+        (&WARM_UP_TIME, warm_up.map(|warm_up| &warm_up.time)),
+    ];
+    all.into_iter().filter_map(|(setting, value)| Some((setting, value?))).collect()
+}

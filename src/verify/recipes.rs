@@ -1,0 +1,80 @@
+//! Named synthetic records that differ in all that the kernel of records distinguishes.
+
+use crate::lower::{Asked, Records, RecordsError};
+use crate::theory::allan::{Difference, Estimator, Part, Process, Stride};
+
+/// Records of a noise model that identity is checked on.
+#[derive(Debug, Clone)]
+pub struct NamedRecords {
+    pub name: &'static str,
+    pub parts: Vec<Part>,
+    pub readout_lsb: f64,
+    pub samples: u64,
+    pub estimator: Estimator,
+}
+
+/// Every 64th part of τ: the estimator of studies.
+pub const THINNED: Estimator = Estimator { difference: Difference::Second, stride: Stride::Part(64) };
+
+/// Quantisation noise, angle random walk and bias instability of the LGK-400 of the Allan paper's table 2.
+pub fn lgk_400() -> Vec<Part> {
+    vec![
+        Part::Quantisation { q: 0.24 },
+        Part::AngleRandomWalk { n: 0.00067 * 60.0 },
+        Part::BiasInstability { b: 0.00192, octaves: 24 },
+    ]
+}
+
+impl NamedRecords {
+    /// Samples of a second, of the turning earth, at all octaves that fit.
+    ///
+    /// # Errors
+    /// They cannot be represented.
+    pub fn lower(&self) -> Result<Records, RecordsError> {
+        let octaves = (0..63).map(|octave| 1 << octave);
+        let ms: Vec<u64> = octaves.take_while(|&m| self.estimator.terms(self.samples, m) > 0).collect();
+        Records::new(&Asked {
+            process: &Process { sample_s: 1.0, parts: self.parts.clone() },
+            readout_lsb: self.readout_lsb,
+            mean_rate: 15.041,
+            samples: self.samples,
+            estimator: self.estimator,
+            ms: &ms,
+            key: [0x5A67_6E61, 0x6300_0001],
+        })
+    }
+
+    /// The same for records that are known to fit.
+    pub fn lowered(&self) -> Records {
+        self.lower().unwrap_or_else(|error| panic!("{} does not lower: {error}", self.name))
+    }
+}
+
+/// Records that differ in all that the kernel distinguishes.
+pub fn named_records() -> Vec<NamedRecords> {
+    let everything = || {
+        let mut parts = lgk_400();
+        parts.extend([
+            Part::RateRandomWalk { k: 2e-4 },
+            Part::Markov { q_c: 4e-4, time_s: 40.0 },
+            Part::Sine { amplitude: 0.02, frequency_hz: 0.0137 },
+            Part::RateRamp { r: 1e-5 },
+            Part::WarmUp { amplitude: 0.03, time_s: 200.0 },
+        ]);
+        parts
+    };
+    let of = |name, parts, readout_lsb, samples, estimator| NamedRecords {
+        name,
+        parts,
+        readout_lsb,
+        samples,
+        estimator,
+    };
+    let (thinned, apart, hadamard) = (THINNED, Estimator::NON_OVERLAPPING, Estimator::HADAMARD);
+    vec![
+        of("white-noise", vec![Part::AngleRandomWalk { n: 0.04 }], 0.0, 2000, apart),
+        of("lgk-400", lgk_400(), 0.0, 3000, thinned),
+        of("everything", everything(), 0.83, 700, thinned),
+        of("everything-hadamard", everything(), 0.83, 700, hadamard),
+    ]
+}
