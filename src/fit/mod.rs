@@ -44,6 +44,7 @@ mod fitter;
 mod growth;
 mod interval;
 mod nnls;
+mod realisations;
 mod search;
 mod term;
 
@@ -53,4 +54,5 @@ pub use coefficient::{Coefficient, Fit, Shape, Verdict};
 pub use covariance::Covariance;
 pub use curve::{Curve, FitError};
 pub use fitter::{Errors, Fitter, fit, fit_record};
+pub use realisations::{LEAST_REALISATIONS, realisations};
 pub use term::Term;

@@ -10,6 +10,9 @@ use super::super::Failure;
 use super::coefficients::{Noise, Row, noise};
 use super::options::Options;
 
+/// Simulated samples that take long enough for a word of it.
+const LONG: usize = 1_000_000_000;
+
 /// What was found in one file.
 pub struct Analysis {
     pub path: PathBuf,
@@ -199,7 +202,17 @@ fn column(log: &mut Log, at: usize, options: &Options) -> Result<Column, Failure
         Ok(Curve { deviation, minimum: minimum(&points), points })
     });
     let unit = if channel.unit.is_angular { Unit::Angular } else { Unit::Plain };
-    let noise = options.terms().map(|terms| noise(&angles, step_s, &terms, unit)).transpose();
+    let terms = options.terms();
+    let samples = angles.len().saturating_sub(1);
+    let bootstrap = options.bootstrap(samples);
+    if terms.is_some() && samples.saturating_mul(bootstrap) > LONG && !options.is_silent() {
+        eprintln!(
+            "{}: simulating {bootstrap} records of {samples} samples for intervals of coefficients; --bootstrap 0 does \
+             without",
+            channel.name
+        );
+    }
+    let noise = terms.map(|terms| noise(&angles, step_s, &terms, unit, bootstrap)).transpose();
     let Line { slope, .. } = angles.removed();
     let per_sample = if data == Data::Rate { factor } else { factor / step_s };
     Ok(Column {

@@ -1,7 +1,8 @@
 //! Noise coefficients of a column: the fit to its overlapping Allan curve, in the units of data sheets.
 
 use sagnac::allan::{Angles, Deviation, curve};
-use sagnac::fit::{Coefficient, Curve, Fit, Term, Terms, Verdict, fit_record};
+use sagnac::backend::cpu::{Cpu, Width};
+use sagnac::fit::{Coefficient, Curve, Fit, FitError, Fitter, Term, Terms, Verdict, realisations};
 use sagnac::theory::allan::Difference;
 use serde_json::{Value, json};
 
@@ -29,10 +30,52 @@ pub struct Noise {
     pub rows: Vec<Row>,
     /// In ″ and s, or in plain numbers and s.
     pub fit: Fit,
+    pub intervals: Intervals,
 }
 
-/// The noise of a record, or why it cannot be told.
-pub fn noise(angles: &Angles, step_s: f64, terms: &Terms, unit: Unit) -> Result<Noise, String> {
+/// Where the 95 % intervals of coefficients come from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Intervals {
+    /// So many simulated records of the fit.
+    Bootstrap { records: usize },
+    /// And where simulated records were asked for, why there are none.
+    ClosedForm { why: Option<String> },
+}
+
+impl Intervals {
+    /// In files: `bootstrap of 1000`.
+    pub fn name(&self) -> String {
+        match self {
+            Intervals::Bootstrap { records } => format!("bootstrap of {records}"),
+            Intervals::ClosedForm { .. } => "closed form".to_owned(),
+        }
+    }
+
+    /// For people: `from 1000 simulated records of the fit`.
+    pub fn words(&self) -> String {
+        match self {
+            Intervals::Bootstrap { records } => format!("from {records} simulated records of the fit"),
+            Intervals::ClosedForm { .. } => "in closed form".to_owned(),
+        }
+    }
+
+    /// Simulated records: 0 of the closed form.
+    pub fn records(&self) -> usize {
+        match self {
+            Intervals::Bootstrap { records } => *records,
+            Intervals::ClosedForm { .. } => 0,
+        }
+    }
+}
+
+/// The noise of a record, or why it cannot be told; intervals from so many simulated records, or in closed form.
+pub fn noise(
+    angles: &Angles,
+    step_s: f64,
+    terms: &Terms,
+    unit: Unit,
+    bootstrap: usize,
+) -> Result<Noise, String> {
     let samples = angles.len().saturating_sub(1);
     let factors: Vec<usize> =
         (0..usize::BITS).map(|octave| 1 << octave).take_while(|m| LONGEST * m <= samples).collect();
@@ -40,10 +83,24 @@ pub fn noise(angles: &Angles, step_s: f64, terms: &Terms, unit: Unit) -> Result<
     let known: Vec<(u64, f64)> =
         points.iter().filter_map(|point| Some((point.m as u64, point.value? * point.value?))).collect();
     let (ms, variances) = known.into_iter().unzip();
-    let fit = Curve::new(step_s, samples as u64, Difference::Second, ms, variances)
-        .and_then(|curve| fit_record(&curve, terms))
-        .map_err(|error| error.to_string())?;
-    Ok(Noise { rows: rows(&fit, unit), fit })
+    let said = |error: FitError| error.to_string();
+    let curve = Curve::new(step_s, samples as u64, Difference::Second, ms, variances).map_err(said)?;
+    let fitter = Fitter::new(&curve, terms).map_err(said)?;
+    let first = fitter.fit_record(curve.variances()).map_err(said)?;
+    let realised = (bootstrap > 0).then(|| realised(&fitter, &curve, &first, bootstrap)).transpose();
+    let (fit, intervals) = match realised {
+        Ok(None) => (first, Intervals::ClosedForm { why: None }),
+        Ok(Some(fit)) => (fit, Intervals::Bootstrap { records: bootstrap }),
+        Err(why) => (first, Intervals::ClosedForm { why: Some(why) }),
+    };
+    Ok(Noise { rows: rows(&fit, unit), fit, intervals })
+}
+
+/// The fit once more, with intervals from simulated records of the first.
+fn realised(fitter: &Fitter, curve: &Curve, first: &Fit, count: usize) -> Result<Fit, String> {
+    let cpu = Cpu::new(Width::widest(), 0).map_err(|error| error.to_string())?;
+    let rows = realisations(&cpu, curve, first, count, &|_| {}).map_err(|error| error.to_string())?;
+    fitter.fit_realised(curve.variances(), first, &rows).map_err(|error| error.to_string())
 }
 
 fn rows(fit: &Fit, unit: Unit) -> Vec<Row> {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use sagnac::allan::{Deviation, Taus, Trend};
-use sagnac::fit::{Term, Terms};
+use sagnac::fit::{LEAST_REALISATIONS, Term, Terms};
 use sagnac::record::log::{Data, Request, Timing, Unit, UnitCheck};
 use sagnac::study::{Dimension, parse_quantity};
 
@@ -21,6 +21,10 @@ Examples:
 Files are text (CSV, TSV, semicolons or blanks between columns, a header or none, comments
 behind # % ;), Stable32 .DAT, or NumPy .npy. Empty cells, NaN and missing time stamps are gaps:
 terms that touch one are left out.";
+
+/// Simulated records of a fit, unless told or their samples are more than that.
+const USUAL_REALISATIONS: usize = 1000;
+const MOST_SIMULATED: usize = 2_000_000_000;
 
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -59,7 +63,11 @@ pub struct Options {
     /// markov, sine
     #[arg(long, value_name = "TERMS", default_value = "auto", value_parser = fit_terms)]
     fit: Fitted,
-    /// Probability of the intervals
+    /// Simulated records of the fit, from which the intervals of coefficients come; 0 takes them in closed form [default:
+    /// 1000, of more than 2 million samples fewer, at least 200]
+    #[arg(long, value_name = "N", value_parser = simulated)]
+    bootstrap: Option<usize>,
+    /// Probability of the intervals of deviations
     #[arg(long, value_name = "P", default_value_t = 0.95, value_parser = probability)]
     pub confidence: f64,
     /// Leave out the beginning, as in "30 min"
@@ -174,6 +182,19 @@ impl Options {
         Ok(Request { columns: self.column.clone(), timing, data, unit })
     }
 
+    /// How many records of so many samples are simulated for the intervals of coefficients.
+    ///
+    /// Unless told, no more than take some seconds: quantiles of fewer records are worth less, but still more than none.
+    pub fn bootstrap(&self, samples: usize) -> usize {
+        let usual = || (MOST_SIMULATED / samples.max(1)).clamp(LEAST_REALISATIONS, USUAL_REALISATIONS);
+        self.bootstrap.unwrap_or_else(usual)
+    }
+
+    /// Whether people hear nothing but errors.
+    pub fn is_silent(&self) -> bool {
+        self.quiet || self.json
+    }
+
     /// Whether what is asked for can be done.
     ///
     /// # Errors
@@ -234,6 +255,13 @@ fn seconds(text: &str) -> Result<f64, String> {
 fn probability(text: &str) -> Result<f64, String> {
     let inside = |p: &f64| *p > 0.0 && *p < 1.0;
     text.parse().ok().filter(inside).ok_or_else(|| "not between 0 and 1; write as in 0.95".to_owned())
+}
+
+fn simulated(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|&count| count == 0 || count >= LEAST_REALISATIONS);
+    count.ok_or_else(|| {
+        format!("give 0, or at least {LEAST_REALISATIONS}: of fewer, 2.5 % are too few to tell an end by")
+    })
 }
 
 fn taus(text: &str) -> Result<Taus, String> {
