@@ -90,6 +90,29 @@ fn white_records_have_neither_markov_noise_nor_sines() {
 }
 
 #[test]
+fn markov_noise_beside_a_strong_sine_has_its_time() {
+    let (sigma, time_s) = (0.02, 100.0);
+    let parts = [
+        Part::AngleRandomWalk { n: 0.03 },
+        Part::Markov { q_c: sigma * f64::sqrt(2.0 / time_s), time_s },
+        Part::Sine { amplitude: 0.1, frequency_hz: 0.02 },
+    ];
+    let terms = Terms::Given(vec![Term::AngleRandomWalk, Term::Markov, Term::Sine]);
+    let fits = fits(&curves(&parts, 16_384, 12, 63)[..100], &terms);
+    let in_shape = |fit: &Fit, term: Term, truth: f64| {
+        let shape = fit.coefficient(term).unwrap().shape;
+        shape.is_some_and(|shape| shape.interval[0] <= truth && truth <= shape.interval[1])
+    };
+    let shares = [
+        share(&fits, |fit| in_shape(fit, Term::Markov, time_s)),
+        share(&fits, |fit| in_shape(fit, Term::Sine, 0.02)),
+        share(&fits, |fit| fit.p_value().unwrap() > 1e-3),
+    ];
+    println!("T_c and f covered, and the fit good: {shares:?}");
+    assert!(shares.iter().all(|share| *share > 0.85), "{shares:?}");
+}
+
+#[test]
 fn terms_that_a_record_shows_are_found() {
     let (q, n, k) = (3.0, 1.0, 0.01);
     let truths = [(Term::Quantisation, q), (Term::AngleRandomWalk, n), (Term::RateRandomWalk, k)];

@@ -27,6 +27,8 @@ pub(super) struct Judge<'a> {
     growth: Option<&'a Growth>,
     /// Terms instead of which others would do nearly as well.
     replaceable: &'a [Term],
+    /// Simulated curves of the fit, one a row; without them estimates are taken for nearly normal.
+    realisations: &'a [Vec<f64>],
 }
 
 impl<'a> Judge<'a> {
@@ -35,10 +37,11 @@ impl<'a> Judge<'a> {
         fitted: &[Fitted],
         growth: Option<&'a Growth>,
         replaceable: &'a [Term],
+        realisations: &'a [Vec<f64>],
     ) -> Judge<'a> {
         let used: Vec<Fitted> = fitted.iter().copied().filter(|fitted| fitted.square > 0.0).collect();
         let residual = system.residual(&used);
-        Judge { system, used, residual, growth, replaceable }
+        Judge { system, used, residual, growth, replaceable, realisations }
     }
 
     /// The fit, with a coefficient for each of `terms`.
@@ -81,8 +84,10 @@ impl<'a> Judge<'a> {
         let Some(inverse) = Inverse::of(&columns) else { return uncertain(None) };
         let (error, row) = (inverse.error(column), inverse.row(column, &columns));
         let estimate = place.map_or_else(|| dot(&row, &self.residual), |place| self.used[place].square);
-        let variance = self.variance(term, estimate, error, row);
-        let (low, high) = variance.interval(estimate);
+        let weights = self.system.weights(row);
+        let variance = self.variance(term, estimate, error, &weights);
+        let outcomes = self.realisations.iter().map(|row| dot(&weights, row)).collect();
+        let (low, high) = variance.interval(estimate, variance.corrections(outcomes));
         let below = high.map(libm::sqrt);
         let is_sure = low > 0.0 && !self.replaceable.contains(&term);
         let coefficient = match (place, high) {
@@ -111,13 +116,13 @@ impl<'a> Judge<'a> {
     }
 
     /// Variance of the square of a term, as it would be for other values of it.
-    fn variance(&self, term: Term, estimate: f64, error: f64, row: Vec<f64>) -> Variance {
+    fn variance(&self, term: Term, estimate: f64, error: f64, weights: &[f64]) -> Variance {
         let known = Variance::constant(error * error);
         let Some(growth) = self.growth else { return known };
         let squares = |term: Term| {
             self.used.iter().find(|fitted| fitted.term == term).map_or(0.0, |fitted| fitted.square)
         };
-        let of_model = growth.variance(term, &self.system.weights(row), squares);
+        let of_model = growth.variance(term, weights, squares);
         let at_estimate = of_model.at(estimate.max(0.0));
         // The weights may be of a better covariance than that of the model, of which only the growth is taken.
         let scale = error * error / at_estimate;

@@ -90,7 +90,35 @@ impl Fitter {
     /// # Errors
     /// As [`fit`], and variances that are no curve.
     pub fn fit(&self, variances: &[f64], covariance: &Covariance, errors: Errors) -> Result<Fit, FitError> {
-        self.fit_with(&self.geometry.with(variances)?, covariance, errors, None)
+        self.fit_with(&self.geometry.with(variances)?, covariance, errors, None, &[])
+    }
+
+    /// As [`fit_record`], with simulated curves of `first`, a fit of the same variances: [`realisations`].
+    ///
+    /// They give the weights, as [`Covariance::of_realisations`], and to the intervals the quantiles of the outcomes, in
+    /// standard deviations of these, which grow with the coefficient as the closed form says.
+    ///
+    /// # Errors
+    /// As [`fit`], variances that are no curve, and fewer than two realisations or of another geometry.
+    ///
+    /// [`realisations`]: super::realisations
+    pub fn fit_realised(
+        &self,
+        variances: &[f64],
+        first: &Fit,
+        realisations: &[Vec<f64>],
+    ) -> Result<Fit, FitError> {
+        let curve = self.geometry.with(variances)?;
+        let found: Vec<(Term, f64, f64)> = first.process.parts.iter().filter_map(Term::of_part).collect();
+        let of_first = |term: Term| {
+            let absent = (term, 0.0, self.basis.of(term)[0].0);
+            found.iter().find(|(other, ..)| *other == term).copied().unwrap_or(absent)
+        };
+        let terms: Vec<(Term, f64, f64)> = self.candidates.iter().map(|&term| of_first(term)).collect();
+        let growth = self.growth(terms.iter().map(|&(term, _, shape)| (term, shape)).collect(), None);
+        let squares: Vec<f64> = terms.iter().map(|(_, square, _)| *square).collect();
+        let covariance = Covariance::of_realisations(realisations, &growth.covariance(&squares)?)?;
+        self.fit_with(&curve, &covariance, Errors::OfModel, Some(growth), realisations)
     }
 
     /// As [`fit_record`], of the curve with these variances, (″/s)².
@@ -109,7 +137,7 @@ impl Fitter {
             covariance = of_these.covariance(&squares)?;
             growth = Some(of_these);
         }
-        self.fit_with(&curve, &covariance, Errors::OfModel, growth)
+        self.fit_with(&curve, &covariance, Errors::OfModel, growth, &[])
     }
 
     fn fit_with(
@@ -118,6 +146,7 @@ impl Fitter {
         covariance: &Covariance,
         errors: Errors,
         growth: Option<Arc<Growth>>,
+        realisations: &[Vec<f64>],
     ) -> Result<Fit, FitError> {
         let system = System::new(curve, covariance, &self.basis);
         let (solution, replaceable) = match self.terms {
@@ -125,7 +154,8 @@ impl Fitter {
             Terms::Auto(_) => choose(&system, &self.candidates),
         };
         let growth = (errors == Errors::OfModel).then(|| self.growth(self.shapes(&solution), growth));
-        Judge::new(&system, &solution.terms, growth.as_deref(), &replaceable).fit(&self.candidates)
+        Judge::new(&system, &solution.terms, growth.as_deref(), &replaceable, realisations)
+            .fit(&self.candidates)
     }
 
     /// The candidates with the shapes that they have in a solution, or the shortest.

@@ -8,6 +8,8 @@
 
 /// Standard deviations of a normal distribution within which 95 % lie.
 pub(crate) const WITHIN_95: f64 = 1.959_963_984_540_054;
+/// What lies outside of them on one side.
+const OUTSIDE: f64 = 0.025;
 /// Halvings of a bracket: down to rounding.
 const HALVINGS: usize = 60;
 /// Skewness of χ² with 4 degrees of freedom, up to which the correction is of use: with fewer there is no upper end.
@@ -35,28 +37,57 @@ impl Variance {
         2.0 * self.0[2] * self.0[2] * libm::pow(x / libm::sqrt(self.at(x)), 3.0)
     }
 
-    /// The outcome that is `sigmas` from the middle if x is true.
-    fn quantile(&self, x: f64, sigmas: f64) -> f64 {
+    /// Standard deviations between the middle and the outcome that would be at `sigmas` of a normal distribution, if x is
+    /// true.
+    fn skewed(&self, x: f64, sigmas: f64) -> f64 {
+        sigmas + (sigmas * sigmas - 1.0) / 6.0 * self.skewness(x).min(MOST_SKEWED)
+    }
+
+    /// The outcome that is `sigmas` from the middle if x is true, `more` standard deviations added.
+    fn quantile(&self, x: f64, sigmas: f64, more: f64) -> f64 {
         let variance = self.at(x);
         if variance <= 0.0 {
             return x;
         }
-        let deviation = libm::sqrt(variance);
-        x + deviation * (sigmas + (sigmas * sigmas - 1.0) / 6.0 * self.skewness(x).min(MOST_SKEWED))
+        x + libm::sqrt(variance) * (self.skewed(x, sigmas) + more)
+    }
+
+    /// What the lower and the upper quantile need added, in standard deviations, to be those of simulated outcomes,
+    /// whose mean is the true value; 0 without any.
+    pub(super) fn corrections(&self, mut outcomes: Vec<f64>) -> [f64; 2] {
+        outcomes.sort_by(f64::total_cmp);
+        let count = outcomes.len() as f64;
+        let mean = outcomes.iter().sum::<f64>() / count;
+        let truth = mean.max(0.0);
+        let deviation = libm::sqrt(self.at(truth));
+        if outcomes.is_empty() || deviation <= 0.0 {
+            return [0.0; 2];
+        }
+        // Of the places 1 … n the p(n + 1)-th, and between two the line.
+        let quantile = |p: f64| {
+            let place = (p * (count + 1.0) - 1.0).clamp(0.0, count - 1.0);
+            let (below, part) = (libm::floor(place), place - libm::floor(place));
+            let above = libm::fmin(below + 1.0, count - 1.0);
+            outcomes[below as usize] * (1.0 - part) + outcomes[above as usize] * part
+        };
+        let correction = |p: f64, sigmas: f64| (quantile(p) - mean) / deviation - self.skewed(truth, sigmas);
+        [correction(OUTSIDE, -WITHIN_95), correction(1.0 - OUTSIDE, WITHIN_95)]
     }
 
     /// Ends of the interval of the square for an estimate of it, which may be negative: the lower one 0 where nothing is
     /// excluded, the upper one `None` where the estimate scatters so much that nothing is.
     ///
-    /// A negative estimate counts as 0 for the upper end.
-    pub(super) fn interval(&self, estimate: f64) -> (f64, Option<f64>) {
+    /// A negative estimate counts as 0 for the upper end. The `corrections` are those of the quantiles.
+    pub(super) fn interval(&self, estimate: f64, corrections: [f64; 2]) -> (f64, Option<f64>) {
         let found = estimate.max(0.0);
-        let low = match self.quantile(0.0, WITHIN_95) >= estimate {
+        let most = |x: f64| self.quantile(x, WITHIN_95, corrections[1]);
+        let least = |x: f64| self.quantile(x, -WITHIN_95, corrections[0]);
+        let low = match most(0.0) >= estimate {
             true => 0.0,
-            false => bisect(0.0, found, |x| self.quantile(x, WITHIN_95) < found),
+            false => bisect(0.0, found, |x| most(x) < found),
         };
         let step = libm::sqrt(self.at(found).max(0.0)).max(f64::MIN_POSITIVE);
-        let is_excluded = |x: f64| self.quantile(x, -WITHIN_95) > found;
+        let is_excluded = |x: f64| least(x) > found;
         let beyond = (0..DOUBLINGS).map(|k| found + step * (1_u64 << k) as f64).find(|&x| is_excluded(x));
         (low, beyond.map(|beyond| bisect(found, beyond, |x| !is_excluded(x))))
     }
@@ -79,12 +110,14 @@ fn bisect(mut low: f64, mut high: f64, is_below: impl Fn(f64) -> bool) -> f64 {
 mod tests {
     use super::*;
 
+    const NONE: [f64; 2] = [0.0; 2];
+
     #[test]
     fn a_constant_variance_gives_two_standard_errors() {
-        let (low, high) = Variance::constant(0.25).interval(3.0);
+        let (low, high) = Variance::constant(0.25).interval(3.0, NONE);
         assert!((low - (3.0 - 0.5 * WITHIN_95)).abs() < 1e-12, "{low}");
         assert!((high.unwrap() - (3.0 + 0.5 * WITHIN_95)).abs() < 1e-12, "{high:?}");
-        let (low, high) = Variance::constant(0.25).interval(-1.0);
+        let (low, high) = Variance::constant(0.25).interval(-1.0, NONE);
         assert!(low == 0.0 && (high.unwrap() - 0.5 * WITHIN_95).abs() < 1e-12, "{low}, {high:?}");
     }
 
@@ -94,11 +127,37 @@ mod tests {
         let table =
             [(10.0, 0.3246972780236841, 2.048317735029362), (50.0, 0.6471472770837674, 1.4284039173803946)];
         for (degrees, least, most) in table {
-            let (low, high) = Variance([0.0, 0.0, 2.0 / degrees]).interval(1.0);
+            let (low, high) = Variance([0.0, 0.0, 2.0 / degrees]).interval(1.0, NONE);
             assert!((low * most - 1.0).abs() < 0.02, "{degrees}: {low}, not {}", 1.0 / most);
             assert!((high.unwrap() * least - 1.0).abs() < 0.05, "{degrees}: {high:?}, not {}", 1.0 / least);
         }
         // One degree of freedom says nothing of how large it can be.
-        assert_eq!(Variance([0.0, 0.0, 2.0]).interval(1.0).1, None);
+        assert_eq!(Variance([0.0, 0.0, 2.0]).interval(1.0, NONE).1, None);
+    }
+
+    #[test]
+    fn simulated_outcomes_give_the_quantiles_where_they_were_and_the_variance_takes_them_on() {
+        // Exponential outcomes of the true value 3, with its standard deviation of 0.5: skewed as no formula here.
+        let at = |p: f64| 3.0 - 0.5 * (1.0 + libm::log(1.0 - p));
+        let outcomes: Vec<f64> = (1..2000).map(|i| at(f64::from(i) / 2000.0)).collect();
+        let [least, most] = [at(OUTSIDE), at(1.0 - OUTSIDE)];
+        for variance in [Variance::constant(0.25), Variance([0.0, 0.0, 0.25 / 9.0])] {
+            let corrections = variance.corrections(outcomes.clone());
+            for (sigmas, expected, more) in
+                [(-WITHIN_95, least, corrections[0]), (WITHIN_95, most, corrections[1])]
+            {
+                let found = variance.quantile(3.0, sigmas, more);
+                assert!((found - expected).abs() < 2e-3, "{variance:?}: {found}, not {expected}");
+            }
+            // The value is in the interval of an outcome just inside the quantiles, and in none just outside.
+            for (outcome, inside) in [(least, 0.01), (most, -0.01)] {
+                let covers = |outcome| {
+                    let (low, high) = variance.interval(outcome, corrections);
+                    low <= 3.0 && high.is_none_or(|high| 3.0 <= high)
+                };
+                assert!(covers(outcome + inside) && !covers(outcome - inside), "{variance:?}, {outcome}");
+            }
+        }
+        assert_eq!(Variance::constant(0.25).corrections(vec![]), NONE);
     }
 }

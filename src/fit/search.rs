@@ -8,9 +8,12 @@ use super::basis::{Basis, per_decade, shape_range};
 use super::nnls::{dot, nnls};
 use super::{Covariance, Curve, Term};
 
-/// Golden sections of one bracket, down to 1e-8 of it, and rounds over all shapes.
+/// Golden sections of one bracket, down to 1e-8 of it.
 const SECTIONS: usize = 40;
-const ROUNDS: usize = 3;
+/// Rounds over several shapes, at most, and the change of a logarithm that is none. Between the frequencies of the grid a
+/// strong sine fits nowhere, and the best time there can be many steps from the one beside the right frequency.
+const ROUNDS: usize = 40;
+const NEAR: f64 = 1e-6;
 
 /// A term of a fit: the square of its coefficient, and its shape (1 where it has none).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -118,7 +121,7 @@ impl<'a> System<'a> {
         (squares, dot(&residual, &residual))
     }
 
-    /// Golden sections of one shape after the other, one step of the grid to either side.
+    /// Golden sections of one shape after the other, one step of the grid to either side, until none moves.
     fn refine(&self, terms: &[Term], places: &[usize], shapes: &mut [f64], columns: &mut [Vec<f64>]) {
         let golden = 0.5 * (libm::sqrt(5.0) - 1.0);
         let mut at = |place: usize, logarithm: f64| {
@@ -127,6 +130,7 @@ impl<'a> System<'a> {
         };
         let rounds = if places.len() > 1 { ROUNDS } else { 1 };
         for _ in 0..rounds {
+            let before = shapes.to_vec();
             for &place in places {
                 let [least, most] = shape_range(self.curve, terms[place]).map(libm::log);
                 let step = core::f64::consts::LN_10 / per_decade(terms[place]);
@@ -147,6 +151,10 @@ impl<'a> System<'a> {
                 }
                 shapes[place] = libm::exp(0.5 * (low + high));
                 at(place, libm::log(shapes[place]));
+            }
+            let change = |(shape, before): (&f64, &f64)| libm::fabs(libm::log(shape / before));
+            if shapes.iter().zip(&before).map(change).fold(0.0, f64::max) < NEAR {
+                break;
             }
         }
     }

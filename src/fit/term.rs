@@ -103,4 +103,36 @@ impl Term {
             Term::Sine => Part::Sine { amplitude: coefficient, frequency_hz: shape },
         }
     }
+
+    /// Term, square of the coefficient and shape of a part: what [`Term::part`] is given. `None` of a warm-up, which is
+    /// none.
+    pub fn of_part(part: &Part) -> Option<(Term, f64, f64)> {
+        let plain = |term, coefficient: f64| Some((term, coefficient * coefficient, 1.0));
+        match *part {
+            Part::Quantisation { q } => plain(Term::Quantisation, q),
+            Part::AngleRandomWalk { n } => plain(Term::AngleRandomWalk, n),
+            Part::BiasInstability { b, .. } => plain(Term::BiasInstability, b),
+            Part::RateRandomWalk { k } => plain(Term::RateRandomWalk, k),
+            Part::RateRamp { r } => plain(Term::RateRamp, r),
+            Part::Markov { q_c, time_s } => Some((Term::Markov, 0.5 * q_c * q_c * time_s, time_s)),
+            Part::Sine { amplitude, frequency_hz } => Some((Term::Sine, amplitude * amplitude, frequency_hz)),
+            Part::WarmUp { .. } => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_is_taken_back_to_its_term() {
+        for term in Term::ALL {
+            let shape = if term.has_shape() { 0.7 } else { 1.0 };
+            let (found, square, found_shape) = Term::of_part(&term.part(0.3, shape, 24)).unwrap();
+            assert_eq!((found, found_shape), (term, shape));
+            assert!((square / 0.3 - 1.0).abs() < 1e-14, "{term:?}: {square}");
+        }
+        assert_eq!(Term::of_part(&Part::WarmUp { amplitude: 1.0, time_s: 1.0 }), None);
+    }
 }

@@ -8,8 +8,11 @@ use sagnac::table::significant;
 
 use super::super::Failure;
 use super::super::reading::Reading;
-use super::coefficients::{Noise, Row, noise};
+use super::coefficients::{Noise, Row, Simulated, noise};
 use super::options::Options;
+
+/// Simulated samples that take long enough for a word of it.
+const LONG: usize = 1_000_000_000;
 
 /// What was found in one file.
 pub struct Analysis {
@@ -191,7 +194,18 @@ fn column(log: &Log, at: usize, options: &Options) -> Result<Column, Failure> {
         Ok(Curve { deviation, minimum: minimum(&points), points })
     });
     let unit = if channel.unit.is_angular { Unit::Angular } else { Unit::Plain };
-    let noise = options.reading.terms().map(|terms| noise(&angles, &terms, unit)).transpose();
+    let terms = options.reading.terms();
+    let samples = angles.len().saturating_sub(1);
+    let bootstrap = options.bootstrap(samples);
+    if terms.is_some() && samples.saturating_mul(bootstrap) > LONG && !options.is_silent() {
+        eprintln!(
+            "{}: simulating {bootstrap} records of {samples} samples for intervals of coefficients; --bootstrap 0 does \
+             without",
+            channel.name
+        );
+    }
+    let asked = Simulated { records: bootstrap, without: options.without_bootstrap(samples) };
+    let noise = terms.map(|terms| noise(&angles, &terms, unit, asked)).transpose();
     let Line { slope, .. } = angles.removed();
     let per_sample = if data == Data::Rate { factor } else { factor / step_s };
     Ok(Column {

@@ -1,7 +1,8 @@
 //! Noise coefficients of a column: the fit to its overlapping Allan curve, in the units of data sheets.
 
 use sagnac::allan::Angles;
-use sagnac::fit::{Coefficient, Fit, Term, Terms, Verdict, curve_of, fit_record};
+use sagnac::backend::cpu::{Cpu, Width};
+use sagnac::fit::{Coefficient, Curve, Fit, FitError, Fitter, Term, Terms, Verdict, curve_of, realisations};
 use serde_json::{Value, json};
 
 use super::analysis::Unit;
@@ -25,13 +26,73 @@ pub struct Noise {
     pub rows: Vec<Row>,
     /// In ″ and s, or in plain numbers and s.
     pub fit: Fit,
+    pub intervals: Intervals,
+}
+
+/// Where the 95 % intervals of coefficients come from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Intervals {
+    /// So many simulated records of the fit.
+    Bootstrap { records: usize },
+    /// And where simulated records were asked for, why there are none.
+    ClosedForm { why: Option<String> },
+}
+
+impl Intervals {
+    /// In files: `bootstrap of 1000`.
+    pub fn name(&self) -> String {
+        match self {
+            Intervals::Bootstrap { records } => format!("bootstrap of {records}"),
+            Intervals::ClosedForm { .. } => "closed form".to_owned(),
+        }
+    }
+
+    /// For people: `from 1000 simulated records of the fit`.
+    pub fn words(&self) -> String {
+        match self {
+            Intervals::Bootstrap { records } => format!("from {records} simulated records of the fit"),
+            Intervals::ClosedForm { .. } => "in closed form".to_owned(),
+        }
+    }
+
+    /// Simulated records: 0 of the closed form.
+    pub fn records(&self) -> usize {
+        match self {
+            Intervals::Bootstrap { records } => *records,
+            Intervals::ClosedForm { .. } => 0,
+        }
+    }
+}
+
+/// How many simulated records the intervals are to come from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Simulated {
+    pub records: usize,
+    /// Why there are none, where nobody asked for that.
+    pub without: Option<String>,
 }
 
 /// The noise of a record, or why it cannot be told.
-pub fn noise(angles: &Angles, terms: &Terms, unit: Unit) -> Result<Noise, String> {
-    let fit =
-        curve_of(angles).and_then(|curve| fit_record(&curve, terms)).map_err(|error| error.to_string())?;
-    Ok(Noise { rows: rows(&fit, unit), fit })
+pub fn noise(angles: &Angles, terms: &Terms, unit: Unit, simulated: Simulated) -> Result<Noise, String> {
+    let said = |error: FitError| error.to_string();
+    let curve = curve_of(angles).map_err(said)?;
+    let fitter = Fitter::new(&curve, terms).map_err(said)?;
+    let first = fitter.fit_record(curve.variances()).map_err(said)?;
+    let Simulated { records, without } = simulated;
+    let realised = (records > 0).then(|| realised(&fitter, &curve, &first, records)).transpose();
+    let (fit, intervals) = match realised {
+        Ok(None) => (first, Intervals::ClosedForm { why: without }),
+        Ok(Some(fit)) => (fit, Intervals::Bootstrap { records }),
+        Err(why) => (first, Intervals::ClosedForm { why: Some(why) }),
+    };
+    Ok(Noise { rows: rows(&fit, unit), fit, intervals })
+}
+
+/// The fit once more, with intervals from simulated records of the first.
+fn realised(fitter: &Fitter, curve: &Curve, first: &Fit, count: usize) -> Result<Fit, String> {
+    let cpu = Cpu::new(Width::widest(), 0).map_err(|error| error.to_string())?;
+    let rows = realisations(&cpu, curve, first, count, &|_| {}).map_err(|error| error.to_string())?;
+    fitter.fit_realised(curve.variances(), first, &rows).map_err(|error| error.to_string())
 }
 
 fn rows(fit: &Fit, unit: Unit) -> Vec<Row> {

@@ -45,33 +45,46 @@ pub fn table(analysis: &Analysis) -> Table {
     }
 }
 
+/// A row of `coefficients.csv`.
+struct Line<'a> {
+    column: &'a str,
+    row: coefficients::Row,
+    intervals: String,
+}
+
+/// The coefficients of a column and the minimum of its curve.
+fn lines(column: &analysis::Column) -> Vec<Line<'_>> {
+    let line = |row: &coefficients::Row, intervals: &str| Line {
+        column: &column.name,
+        row: row.clone(),
+        intervals: intervals.to_owned(),
+    };
+    let name = column.noise().map_or_else(String::new, |noise| noise.intervals.name());
+    let found = column.coefficients().iter().map(|row| line(row, &name));
+    found.chain(stability(column).iter().map(|row| line(row, "of the curve"))).collect()
+}
+
 /// The coefficients of all columns, and of each the minimum of its curve: `coefficients.csv`.
 pub fn coefficients(analysis: &Analysis) -> Table {
-    let rows: Vec<(&str, coefficients::Row)> = analysis
-        .columns
-        .iter()
-        .flat_map(|column| {
-            let found = column.coefficients().iter().cloned();
-            found.chain(stability(column)).map(|row| (column.name.as_str(), row))
-        })
-        .collect();
+    let lines: Vec<Line> = analysis.columns.iter().flat_map(lines).collect();
     let text = |text: &str| if text.is_empty() { Cell::Blank } else { Cell::Text(text.to_owned()) };
-    let column = |name: &str, cell: &dyn Fn(&str, &coefficients::Row) -> Cell| Column {
+    let column = |name: &str, cell: &dyn Fn(&Line) -> Cell| Column {
         name: name.to_owned(),
         label: name.to_owned(),
         unit: Unit::NONE,
-        cells: rows.iter().map(|(column, row)| cell(column, row)).collect(),
+        cells: lines.iter().map(cell).collect(),
         band: None,
     };
     Table {
         columns: vec![
-            column("column", &|column, _| text(column)),
-            column("coefficient", &|_, row| text(row.name)),
-            column("value", &|_, row| row.value.into()),
-            column("lower", &|_, row| row.interval.map(|ends| ends[0]).into()),
-            column("upper", &|_, row| row.interval.map(|ends| ends[1]).into()),
-            column("unit", &|_, row| text(row.unit)),
-            column("verdict", &|_, row| text(row.verdict)),
+            column("column", &|line| text(line.column)),
+            column("coefficient", &|line| text(line.row.name)),
+            column("value", &|line| line.row.value.into()),
+            column("lower", &|line| line.row.interval.map(|ends| ends[0]).into()),
+            column("upper", &|line| line.row.interval.map(|ends| ends[1]).into()),
+            column("unit", &|line| text(line.row.unit)),
+            column("verdict", &|line| text(line.row.verdict)),
+            column("intervals", &|line| text(&line.intervals)),
         ],
     }
 }
@@ -148,6 +161,10 @@ fn of_column(analysis: &Analysis, column: &analysis::Column) -> Value {
         "outliers": { "count": outliers.samples.len(), "threshold": outliers.threshold, "first_times_s": times },
         "coefficients": column.coefficients().iter().map(coefficients::document).collect::<Vec<_>>(),
         "coefficients_missing": column.noise.as_ref().err(),
+        "coefficient_intervals": column.noise().map(|noise| json!({
+            "from": noise.intervals.name(),
+            "simulated_records": noise.intervals.records(),
+        })),
         "curves": curves,
     })
 }

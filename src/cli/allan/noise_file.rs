@@ -55,6 +55,7 @@ fn text(analysis: &Analysis, column: &Column) -> Option<String> {
     let (samples, step) = (analysis.samples, significant(analysis.step_s, 9));
     let treatment = analysis.treatment.summary();
     let mut text = format!("{START}{name} of {file}: {samples} samples of {step} s{FITTED}; {treatment}.\n");
+    text += &format!("# 95 % intervals {}.\n", noise.intervals.words());
     let coefficients = &noise.fit.coefficients;
     for line in coefficients.iter().flat_map(intervals) {
         text += &format!("# 95 % interval of {line}\n");

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use sagnac::allan::{Deviation, Taus};
+use sagnac::fit::LEAST_REALISATIONS;
 use sagnac::record::log::Request;
 
 use super::super::Failure;
@@ -21,6 +22,10 @@ Files are text (CSV, TSV, semicolons or blanks between columns, a header or none
 behind # % ;), Stable32 .DAT, or NumPy .npy. Empty cells, NaN and missing time stamps are gaps:
 terms that touch one are left out.";
 
+/// Simulated records of a fit, unless told or the record has more samples than that.
+const USUAL_REALISATIONS: usize = 1000;
+const MOST_SAMPLES: usize = 2_000_000;
+
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Options {
@@ -35,7 +40,11 @@ pub struct Options {
     /// Which of adev, oadev, mdev, tdev, hdev, ohdev, with commas between
     #[arg(long, value_name = "NAMES", default_value = "oadev", value_delimiter = ',')]
     pub deviation: Vec<Deviation>,
-    /// Probability of the intervals
+    /// Simulated records of the fit, from which the intervals of coefficients come; 0 takes them in closed form [default:
+    /// 1000, of more than 2 million samples 0]
+    #[arg(long, value_name = "N", value_parser = simulated)]
+    bootstrap: Option<usize>,
+    /// Probability of the intervals of deviations
     #[arg(long, value_name = "P", default_value_t = 0.95, value_parser = probability)]
     pub confidence: f64,
     /// Results folder [default: results/<name of the file>]
@@ -53,6 +62,28 @@ pub struct Options {
 }
 
 impl Options {
+    /// How many records of so many samples are simulated for the intervals of coefficients: unless told, none where that
+    /// would take more than some seconds.
+    pub fn bootstrap(&self, samples: usize) -> usize {
+        let usual = if samples > MOST_SAMPLES { 0 } else { USUAL_REALISATIONS };
+        self.bootstrap.unwrap_or(usual)
+    }
+
+    /// Why none are simulated, where nobody asked for that.
+    pub fn without_bootstrap(&self, samples: usize) -> Option<String> {
+        (self.bootstrap.is_none() && samples > MOST_SAMPLES).then(|| {
+            format!(
+                "simulating {USUAL_REALISATIONS} records of {samples} samples takes long: --bootstrap {USUAL_REALISATIONS} asks \
+                 for it"
+            )
+        })
+    }
+
+    /// Whether people hear nothing but errors.
+    pub fn is_silent(&self) -> bool {
+        self.quiet || self.json
+    }
+
     /// Whether what is asked for can be done.
     ///
     /// # Errors
@@ -76,6 +107,13 @@ impl Options {
 fn probability(text: &str) -> Result<f64, String> {
     let inside = |p: &f64| *p > 0.0 && *p < 1.0;
     text.parse().ok().filter(inside).ok_or_else(|| "not between 0 and 1; write as in 0.95".to_owned())
+}
+
+fn simulated(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|&count| count == 0 || count >= LEAST_REALISATIONS);
+    count.ok_or_else(|| {
+        format!("give 0, or at least {LEAST_REALISATIONS}: of fewer, 2.5 % are too few to tell an end by")
+    })
 }
 
 fn taus(text: &str) -> Result<Taus, String> {

@@ -6,7 +6,7 @@ use sagnac::table::significant;
 
 use super::super::terminal::aligned;
 use super::analysis::{Analysis, Column, Curve, Unit};
-use super::coefficients::Row;
+use super::coefficients::{Intervals, Row};
 
 /// Lines of a curve that are shown; of longer ones every second, third, … is.
 const MOST_LINES: usize = 48;
@@ -23,6 +23,12 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
         }
         if column.unit == Unit::Plain && column.noise().is_some() {
             notes.push(format!("{}: no noise.toml: plain numbers are no noise of a gyro", column.name));
+        }
+        if let Some(Intervals::ClosedForm { why: Some(why) }) = column.noise().map(|noise| &noise.intervals) {
+            notes.push(format!(
+                "{}: intervals of coefficients are in closed form: the fit cannot be simulated: {why}",
+                column.name
+            ));
         }
         if column.missing > 0 && column.noise().is_some() {
             notes.push(format!(
@@ -138,10 +144,7 @@ fn of_curve(analysis: &Analysis, column: &Column, curve: &Curve) -> String {
 
 /// The coefficients of a column, a line each.
 fn coefficients(column: &Column) -> String {
-    let found = column.coefficients();
-    if found.is_empty() {
-        return String::new();
-    }
+    let Some(noise) = column.noise() else { return String::new() };
     let number = |value: Option<f64>| value.map_or_else(String::new, |value| significant(value, 4));
     let header = ["", "value", "lower", "upper", "", ""].map(str::to_owned);
     let line = |row: &Row| {
@@ -156,10 +159,12 @@ fn coefficients(column: &Column) -> String {
         ]
         .to_vec()
     };
-    let rows: Vec<Vec<String>> = std::iter::once(header.to_vec()).chain(found.iter().map(line)).collect();
+    let rows: Vec<Vec<String>> =
+        std::iter::once(header.to_vec()).chain(noise.rows.iter().map(line)).collect();
     format!(
-        "{}: coefficients of the overlapping Allan curve up to an eighth of the record, with 95 % intervals\n{}",
+        "{}: coefficients of the overlapping Allan curve up to an eighth of the record, with 95 % intervals {}\n{}",
         column.name,
+        noise.intervals.words(),
         aligned(&rows)
     )
 }
