@@ -48,6 +48,7 @@ pub use same::{By, Same};
 
 use crate::allan::{Angles, Deviation, Point, Taus, curve};
 use crate::fit::{Curve, FitError, Terms, curve_of};
+use crate::theory::allan::Process;
 use difference::Fits;
 
 /// What two records say of each other; the first is `[0]`.
@@ -66,6 +67,12 @@ pub struct Comparison {
 }
 
 impl Comparison {
+    /// The best fits of both records as noise models.
+    pub fn models(&self) -> Option<[&Process; 2]> {
+        let [a, b] = &self.fits.as_ref()?.fits;
+        Some([&a.process, &b.process])
+    }
+
     /// For each of the differences how long both records must be to tell the values found apart; in a second or two.
     pub fn lengths(&self) -> Vec<Length> {
         let steps = self.ratios.first().map_or([0.0; 2], |ratio| ratio.points.map(|p| p.tau_s / p.m as f64));

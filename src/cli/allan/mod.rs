@@ -17,9 +17,10 @@ use serde_json::Value;
 use super::Failure;
 use super::output::{print, print_json, write};
 use analysis::Analysis;
-pub use analysis::{Treatment, Unit};
+pub use analysis::{Curve, Treatment, Unit};
 pub use coefficients::unit_of;
 pub use options::Options;
+pub use picture::line;
 
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {

@@ -92,7 +92,7 @@ fn series(analysis: &Analysis, column: &Column, curve: &Curve, (colour, dash): (
 }
 
 /// The deviation that a process gives on average, over the times of a curve; none where there is no closed form.
-fn line(process: &Process, curve: &Curve, samples: usize) -> Vec<(f64, f64)> {
+pub fn line(process: &Process, curve: &Curve, samples: usize) -> Vec<(f64, f64)> {
     let Some(estimator) = estimator(curve.deviation) else { return vec![] };
     let shown: Vec<f64> =
         curve.points.iter().filter(|point| point.value.is_some()).map(|point| point.m as f64).collect();
