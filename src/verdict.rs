@@ -29,6 +29,8 @@ pub struct Answer<'t> {
     pub outcome: Outcome,
     /// Where that is: column and value, in the order of the table.
     pub at: Vec<(&'t Column, f64)>,
+    /// Of [`Outcome::WithinBetween`] where it passes the limit again.
+    pub until: Vec<(&'t Column, f64)>,
 }
 
 /// How a curve stands to the limit.
@@ -44,6 +46,8 @@ pub enum Outcome {
     LastWithin,
     /// It is above the limit at first, comes below it for the last time there, found between two points, and stays.
     WithinFrom,
+    /// It is above the limit at first and at last, and within it from there on for a while.
+    WithinBetween,
     /// It stays within the limit up to its last point, which is there.
     WithinUpTo,
 }
@@ -71,26 +75,40 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
     let answer = |mut rows: Vec<usize>| {
         rows.sort_by(|&a, &b| value(x, a).total_cmp(&value(x, b)));
         let last = rows[rows.len() - 1];
-        let (outcome, before, after) = match rows.iter().position(|&row| value(y, row) > question.limit) {
+        let is_above = |row: usize| value(y, row) > question.limit;
+        let mut again = None;
+        let (outcome, before, after) = match rows.iter().position(|&row| is_above(row)) {
             None => (Outcome::WithinUpTo, last, last),
             Some(0) if value(y, last) <= question.limit => {
                 // It is above somewhere, and not at its end.
-                let above = rows.iter().rposition(|&row| value(y, row) > question.limit).unwrap_or(0);
+                let above = rows.iter().rposition(|&row| is_above(row)).unwrap_or(0);
                 (Outcome::WithinFrom, rows[above], rows[above + 1])
             }
-            Some(0) => (Outcome::AboveFrom, rows[0], rows[0]),
+            Some(0) => match rows.iter().position(|&row| !is_above(row)) {
+                None => (Outcome::AboveFrom, rows[0], rows[0]),
+                Some(within) => {
+                    // Its end is above.
+                    let above = within + rows[within..].iter().position(|&row| is_above(row)).unwrap_or(0);
+                    again = Some((rows[above - 1], rows[above]));
+                    (Outcome::WithinBetween, rows[within - 1], rows[within])
+                }
+            },
             Some(i) if counts_between(table, rows[i - 1], rows[i]) => {
                 (Outcome::LastWithin, rows[i - 1], rows[i - 1])
             }
             Some(i) => (Outcome::Passes, rows[i - 1], rows[i]),
         };
-        let part = fraction(value(y, before), value(y, after), question.limit);
-        let at = coordinates(table, x, rows[0], last)
-            .map(|column| (column, between(value(column, before), value(column, after), part)))
-            .filter(|(_, value)| value.is_finite())
-            .collect();
+        let crossing = |before: usize, after: usize| {
+            let part = fraction(value(y, before), value(y, after), question.limit);
+            coordinates(table, x, rows[0], last)
+                .map(|column| (column, between(value(column, before), value(column, after), part)))
+                .filter(|(_, value)| value.is_finite())
+                .collect::<Vec<_>>()
+        };
+        let at = crossing(before, after);
+        let until = again.map_or(vec![], |(before, after)| crossing(before, after));
         let named = series.iter().map(|column| (*column, &column.cells[rows[0]])).collect();
-        Answer { series: named, outcome, at }
+        Answer { series: named, outcome, at, until }
     };
     Ok(curves.into_iter().map(answer).collect())
 }
@@ -139,14 +157,18 @@ impl Answer<'_> {
             cell => column.valued(&cell.text()),
         };
         let series: Vec<String> = self.series.iter().map(name).collect();
-        let at: Vec<String> =
-            self.at.iter().map(|(column, value)| column.valued(&significant(*value, 3))).collect();
-        let (series, at) = (series.join(", "), at.join(", "));
-        let series = if series.is_empty() { "it".to_owned() } else { series };
+        let places = |places: &[(&Column, f64)]| -> String {
+            let each: Vec<String> =
+                places.iter().map(|(column, value)| column.valued(&significant(*value, 3))).collect();
+            each.join(", ")
+        };
+        let (at, until) = (places(&self.at), places(&self.until));
+        let series = if series.is_empty() { "the curve".to_owned() } else { series.join(", ") };
         match self.outcome {
             Outcome::Passes => format!("{series}: passes {limit} at {at}"),
             Outcome::AboveFrom => format!("{series}: above {limit} from the first point on, {at}"),
             Outcome::WithinFrom => format!("{series}: within {limit} from {at} on"),
+            Outcome::WithinBetween => format!("{series}: within {limit} from {at} to {until}"),
             Outcome::LastWithin => format!("{series}: within {limit} up to {at}"),
             Outcome::WithinUpTo => format!("{series}: within {limit} up to the last point, {at}"),
         }
@@ -209,6 +231,27 @@ mod tests {
         let answers = verdict(&table, &asked("frequency", "q9973", 1.0)).unwrap();
         assert_eq!((answers[0].outcome, answers[0].at[0].1), (Outcome::AboveFrom, 1.0));
         assert_eq!(answers[0].sentence("1 ″"), "a: above 1 ″ from the first point on, frequency 1 Hz");
+    }
+
+    #[test]
+    fn a_curve_that_comes_below_the_limit_is_told_from_where_and_until_where() {
+        let of = |levels: [f64; 3]| {
+            let mut table = over_frequency();
+            let all = [levels[2], levels[0], levels[1], 0.1, 0.2, 0.3];
+            table.columns[3].cells = all.map(Cell::Number).to_vec();
+            let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
+            (answers[0].outcome, answers[0].sentence("10 ″"))
+        };
+        assert_eq!(
+            of([40.0, 20.0, 5.0]),
+            (Outcome::WithinFrom, "a: within 10 ″ from frequency 2.83 Hz on".to_owned())
+        );
+        let between = "a: within 10 ″ from frequency 1.41 Hz to frequency 2.83 Hz".to_owned();
+        assert_eq!(of([20.0, 5.0, 20.0]), (Outcome::WithinBetween, between));
+        assert_eq!(of([20.0, 15.0, 20.0]).0, Outcome::AboveFrom);
+        let alone = over_frequency();
+        let question = Question { series: vec![], filter: vec![], ..asked("frequency", "rms", 10.0) };
+        assert!(verdict(&alone, &question).unwrap()[0].sentence("10 ″").starts_with("the curve: "));
     }
 
     #[test]

@@ -87,11 +87,14 @@ impl Verdict<'_> {
         let rows = self.rows.iter().map(|(column, value)| (column.header(), json!(value)));
         let answers = self.answers.iter().map(|answer| {
             let series = answer.series.iter().map(|(column, cell)| json!([column.header(), cell.text()]));
-            let at = answer.at.iter().map(|(column, value)| json!([column.header(), value]));
+            let places = |places: &[(&Column, f64)]| -> Vec<Value> {
+                places.iter().map(|(column, value)| json!([column.header(), value])).collect()
+            };
             json!({
                 "series": series.collect::<Vec<_>>(),
                 "outcome": answer.outcome,
-                "at": at.collect::<Vec<_>>(),
+                "at": places(&answer.at),
+                "until": places(&answer.until),
             })
         });
         let limit = format!("limit_{}", self.limit.unit.suffix);

@@ -68,9 +68,9 @@ impl Fault {
     }
 
     /// An error of the TOML text itself.
-    pub(super) fn from_syntax(error: &toml::de::Error) -> Fault {
+    pub(super) fn from_syntax(what: &str, error: &toml::de::Error) -> Fault {
         let help = "a study is a TOML file; values with units stand in quotes, as in frequency = \"20 Hz\"";
-        let message = format!("the study is not valid TOML: {}", error.message().replace('\n', "; "));
+        let message = format!("{what} is not valid TOML: {}", error.message().replace('\n', "; "));
         Fault::new(error.span().unwrap_or_default(), message, "here", help)
     }
 

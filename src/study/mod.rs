@@ -216,7 +216,8 @@ impl Study {
     }
 
     fn check(text: &Text) -> Result<Study, Wrong> {
-        let toml = toml::Deserializer::parse(text.inner()).map_err(|error| Fault::from_syntax(&error))?;
+        let toml = toml::Deserializer::parse(text.inner())
+            .map_err(|error| Fault::from_syntax("the study", &error))?;
         let file = StudyFile::deserialize(toml).map_err(|error| Fault::from_serde(&error, text.inner()))?;
         let folder = Path::new(text.name()).parent().unwrap_or(Path::new(""));
         let kind = *file.kind.get_ref();

@@ -83,7 +83,9 @@ pub fn noise(angles: &Angles, terms: &Terms, unit: Unit, simulated: Simulated) -
     let (fit, intervals) = match realised {
         Ok(None) => (first, Intervals::ClosedForm { why: without }),
         Ok(Some(fit)) => (fit, Intervals::Bootstrap { records }),
-        Err(why) => (first, Intervals::ClosedForm { why: Some(why) }),
+        Err(why) => {
+            (first, Intervals::ClosedForm { why: Some(format!("the fit cannot be simulated: {why}")) })
+        }
     };
     Ok(Noise { rows: rows(&fit, unit), fit, intervals })
 }

@@ -8,6 +8,10 @@ use super::super::terminal::aligned;
 use super::analysis::{Analysis, Column, Curve, Unit};
 use super::coefficients::{Intervals, Row};
 
+/// Probability of the residuals of a fit below which it does not describe its curve, with room for the scatter of single
+/// records at long τ, which is wider than that of a χ².
+const UNLIKELY: f64 = 1e-9;
+
 /// Lines of a curve that are shown; of longer ones every second, third, … is.
 const MOST_LINES: usize = 48;
 
@@ -25,9 +29,17 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
             notes.push(format!("{}: no noise.toml: plain numbers are no noise of a gyro", column.name));
         }
         if let Some(Intervals::ClosedForm { why: Some(why) }) = column.noise().map(|noise| &noise.intervals) {
+            notes.push(format!("{}: intervals of coefficients are in closed form: {why}", column.name));
+        }
+        if let Some(noise) = column.noise()
+            && noise.fit.p_value().is_some_and(|p| p < UNLIKELY)
+        {
             notes.push(format!(
-                "{}: intervals of coefficients are in closed form: the fit cannot be simulated: {why}",
-                column.name
+                "{}: the fit does not describe the curve, χ² = {} of {} degrees of freedom: other terms are needed (--fit auto), \
+                 and the coefficients mean little",
+                column.name,
+                significant(noise.fit.chi_squared, 3),
+                noise.fit.degrees_of_freedom
             ));
         }
         if column.missing > 0 && column.noise().is_some() {

@@ -14,14 +14,17 @@ use crate::fit::Curve;
 use crate::id::Id;
 use crate::lower::{LoweredCurve, RecordsError};
 use crate::store::{Address, Provenance, Store, StoreError};
-use crate::study::{Allan, RecordPoint, Study, StudyError};
-use crate::table::Table;
-use crate::theory::allan::Difference;
+use crate::study::{Allan, RecordInputs, RecordPoint, Study, StudyError};
+use crate::table::{Table, significant};
+use crate::theory::allan::{Difference, Estimator};
 use estimates::Estimates;
 use make::{Maker, rows};
 
 /// Longest averaging time of the fit, as a part of the record: beyond it intervals of K come out too short.
 const LONGEST_FITTED: u64 = 8;
+
+/// Part of a deviation that needs no word.
+const NEGLIGIBLE: f64 = 1e-4;
 
 /// Samples of the first batch.
 const FIRST_BATCH: u64 = 1 << 22;
@@ -41,6 +44,8 @@ pub(super) struct Plan<'a> {
     study: &'a Study,
     allan: &'a Allan,
     points: Vec<Planned<'a>>,
+    /// By which part the deviation of the records is off most in the kernel's arithmetic, and at which τ, s.
+    off: (f64, f64),
 }
 
 /// A point that can be lowered. Its words are made anew whenever they are needed: drift takes 4 bytes a sample.
@@ -61,12 +66,16 @@ impl<'a> Plan<'a> {
             let help = format!("accepted: up to {MOST_RECORDS} trials, which are records here");
             return Err(study.error_at(study.place_of("trials"), message, help));
         }
-        let mut plan = Plan { study, allan, points: vec![] };
+        let mut plan = Plan { study, allan, points: vec![], off: (0.0, 0.0) };
         for point in &allan.points {
             let lowered = plan.lowered(point).map_err(|error| refused(study, point, &error))?;
             let recipe = lowered.records.recipe();
             plan.check_memory(point, 4 * LANES * recipe.depth())?;
             plan.check_fit(point)?;
+            let off = off(point, &lowered, allan.estimator);
+            if off.0 > plan.off.0 {
+                plan.off = off;
+            }
             let (samples, width) = (recipe.samples.into(), recipe.places());
             plan.points.push(Planned { point, address: lowered.address, samples, width });
         }
@@ -191,7 +200,15 @@ impl<'a> Plan<'a> {
 
     /// What should be known besides the results.
     pub(super) fn notes(&self) -> Vec<String> {
-        let Some(terms) = &self.allan.terms else { return vec![] };
+        let rounded = (self.off.0 > NEGLIGIBLE).then(|| {
+            format!(
+                "in 32-bit arithmetic the curve of the records is off by up to {} %, at τ = {} s: what is small beside the rest \
+                 of so long a record has few units; a coefficient known to better than that is not covered",
+                significant(100.0 * self.off.0, 2),
+                significant(self.off.1, 6)
+            )
+        });
+        let Some(terms) = &self.allan.terms else { return rounded.into_iter().collect() };
         let longer = |point: &RecordPoint| point.ms.iter().any(|&m| !is_fitted(m, point.inputs.samples()));
         let shortened =
             self.allan.points.iter().any(longer).then(|| {
@@ -201,7 +218,7 @@ impl<'a> Plan<'a> {
             "records are weighed by the covariance that all of them show together, which a single one does not know"
                 .to_owned()
         });
-        shortened.into_iter().chain(together).collect()
+        rounded.into_iter().chain(shortened).chain(together).collect()
     }
 
     /// Refuses records that take too much memory side by side.
@@ -232,6 +249,27 @@ impl<'a> Plan<'a> {
         let help = "take more averaging times, as of tau = \"decade10\", a longer record, or fewer terms";
         Err(super::refused(self.study, &point.swept, "allan.tau", &message, help))
     }
+}
+
+/// By which part the deviation of a point's records differs most from that of its noise, and at which τ, s. Readouts in pulses
+/// have no other curve to compare with, and drift is taken as it is rounded.
+fn off(point: &RecordPoint, lowered: &LoweredCurve, estimator: Estimator) -> (f64, f64) {
+    let RecordInputs { sample_s, noise, .. } = &point.inputs;
+    if noise.readout_lsb > 0.0 || !lowered.records.recipe().drift.is_empty() {
+        return (0.0, 0.0);
+    }
+    let samples = point.inputs.samples();
+    let process = noise.process(*sample_s, samples);
+    let at = |(at, &m): (usize, &u64)| {
+        let ratio = lowered.records.oracle(at).value? / process.expected(estimator, samples, m)?;
+        Some(((libm::sqrt(ratio) - 1.0).abs(), sample_s * m as f64))
+    };
+    point
+        .ms
+        .iter()
+        .enumerate()
+        .filter_map(at)
+        .fold((0.0, 0.0), |most, one| if one.0 > most.0 { one } else { most })
 }
 
 /// Whether a fit has this averaging factor.

@@ -153,7 +153,7 @@ impl Base<'_> {
         sweep::set(&mut inputs, &SETTINGS, &swept);
         sweep::set(&mut inputs.noise, &noise::SETTINGS, &swept);
         self.check(&inputs)?;
-        let ms = self.factors(&inputs)?;
+        let ms = self.factors(&inputs, &swept)?;
         Ok(Point { index, swept, inputs, ms })
     }
 
@@ -202,7 +202,7 @@ impl Base<'_> {
     }
 
     /// The averaging factors of the point's records.
-    fn factors(&self, inputs: &Inputs) -> Result<Vec<u64>, Fault> {
+    fn factors(&self, inputs: &Inputs, swept: &[(&'static str, Swept)]) -> Result<Vec<u64>, Fault> {
         let Estimate { taus, estimator, .. } = self.estimate;
         let place = || self.places.blame(&[], &["allan.tau"]);
         if let Taus::Seconds(times) = taus {
@@ -228,7 +228,8 @@ impl Base<'_> {
                 TauError::Long { .. } => "leave it out, lengthen the record, or write tau = \"octave\"",
                 _ => "give multiples of record.sample, or tau = \"octave\"",
             };
-            Fault::new(place(), format!("allan.tau: {message}"), "not for this record", help)
+            let at: String = swept.iter().map(|(key, value)| format!(", at {key} = {value}")).collect();
+            Fault::new(place(), format!("allan.tau: {message}{at}"), "not for this record", help)
         })?;
         let mut ms: Vec<u64> = factors.into_iter().map(|m| m as u64).collect();
         if let (Taus::Decade(_), Stride::Part(parts)) = (taus, estimator.stride) {

@@ -74,11 +74,11 @@ pub(super) fn left_out(noise: &Noise, inputs: &Inputs, sweeps: &[Sweep]) -> Opti
     let sigma = Inputs { tick_s, ..inputs.clone() }.sigma_arcsec();
     (!parts.is_empty()).then(|| {
         format!(
-            "of [noise] a gap of {} s has angle random walk, {} ″ in a tick, and pulses of {} ″; left out, with the angle \
+            "of [noise] a gap of up to {} s has angle random walk, {} ″ in a tick{}; left out, with the angle \
              that it makes meanwhile: {}",
             significant(gap_s, 4),
             significant(sigma, 3),
-            significant(readout, 3),
+            if readout > 0.0 { format!(", and pulses of {} ″", significant(readout, 3)) } else { String::new() },
             parts.join(", ")
         )
     })

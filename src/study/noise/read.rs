@@ -196,8 +196,8 @@ pub(in crate::study) fn read_file(file: &Spanned<String>, folder: &Path) -> Resu
 
 fn parse(text: &Text) -> Result<Noise, StudyError> {
     let of_text = |fault: Fault| fault.within(text);
-    let toml =
-        toml::Deserializer::parse(text.inner()).map_err(|error| of_text(Fault::from_syntax(&error)))?;
+    let toml = toml::Deserializer::parse(text.inner())
+        .map_err(|error| of_text(Fault::from_syntax("the noise", &error)))?;
     let table =
         NoiseTable::deserialize(toml).map_err(|error| of_text(Fault::from_serde(&error, text.inner())))?;
     if let Some(file) = &table.file {
