@@ -69,14 +69,14 @@ impl Term {
         }
     }
 
-    /// From ″ and s to the unit of data sheets: the factor, and the unit as files have it.
-    pub fn data_sheet_unit(self) -> (f64, &'static str) {
+    /// From ″ and s to the unit of data sheets: the factor, the unit as files have it, and its symbol for people.
+    pub fn data_sheet_unit(self) -> (f64, &'static str, &'static str) {
         match self {
-            Term::Quantisation => (1.0, "arcsec"),
-            Term::AngleRandomWalk => (1.0 / 60.0, "deg/sqrt(h)"),
-            Term::RateRandomWalk => (60.0, "deg/h/sqrt(h)"),
-            Term::RateRamp => (3600.0, "deg/h/h"),
-            Term::BiasInstability | Term::Markov | Term::Sine => (1.0, "deg/h"),
+            Term::Quantisation => (1.0, "arcsec", "″"),
+            Term::AngleRandomWalk => (1.0 / 60.0, "deg/sqrt(h)", "°/√h"),
+            Term::RateRandomWalk => (60.0, "deg/h/sqrt(h)", "°/h/√h"),
+            Term::RateRamp => (3600.0, "deg/h/h", "°/h/h"),
+            Term::BiasInstability | Term::Markov | Term::Sine => (1.0, "deg/h", "°/h"),
         }
     }
 

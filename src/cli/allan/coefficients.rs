@@ -131,11 +131,7 @@ fn verdict(coefficient: &Coefficient) -> &'static str {
 /// From ″ and s to the unit of data sheets: factor, name in files, symbol. Plain numbers keep theirs, times a power of s.
 pub fn unit_of(term: Term, unit: Unit) -> (f64, &'static str, &'static str) {
     match (unit, term) {
-        (Unit::Angular, Term::Quantisation) => (1.0, "arcsec", "″"),
-        (Unit::Angular, Term::AngleRandomWalk) => (1.0 / 60.0, "deg/sqrt(h)", "°/√h"),
-        (Unit::Angular, Term::RateRandomWalk) => (60.0, "deg/h/sqrt(h)", "°/h/√h"),
-        (Unit::Angular, Term::RateRamp) => (3600.0, "deg/h/h", "°/h/h"),
-        (Unit::Angular, _) => (1.0, "deg/h", "°/h"),
+        (Unit::Angular, term) => term.data_sheet_unit(),
         (Unit::Plain, Term::Quantisation) => (1.0, "s", "· s"),
         (Unit::Plain, Term::AngleRandomWalk) => (1.0, "sqrt(s)", "· √s"),
         (Unit::Plain, Term::RateRandomWalk) => (1.0, "1/sqrt(s)", "/ √s"),

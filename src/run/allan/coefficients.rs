@@ -137,7 +137,10 @@ impl Quantity {
         match (self.term, self.shape) {
             (Term::Markov, true) => (1.0, "s"),
             (Term::Sine, true) => (1.0, "Hz"),
-            (term, _) => term.data_sheet_unit(),
+            (term, _) => {
+                let (factor, unit, _) = term.data_sheet_unit();
+                (factor, unit)
+            }
         }
     }
 
