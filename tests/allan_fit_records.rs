@@ -157,3 +157,21 @@ fn intervals_of_a_gyros_records_cover_the_truth() {
         assert!(invented < 0.05 + THREE_ERRORS, "{term:?}: {invented}");
     }
 }
+
+#[test]
+fn intervals_of_n_cover_the_truth_where_a_bias_instability_does_not_show() {
+    let (q, n) = (0.11, 0.0288);
+    let parts = [
+        Part::Quantisation { q },
+        Part::AngleRandomWalk { n },
+        Part::BiasInstability { b: 0.005, octaves: 24 },
+    ];
+    let fits = fits(&curves(&parts, 4096, 10, 64), &Terms::Auto(Term::MODEL.to_vec()));
+    let found = share(&fits, |fit| is_identified(fit, Term::BiasInstability));
+    for (term, truth) in [(Term::Quantisation, q), (Term::AngleRandomWalk, n)] {
+        let coverage = share(&fits, |fit| covers(fit, term, truth));
+        println!("B found in {found}, {} covered {coverage}", term.symbol());
+        assert!((coverage - 0.95).abs() < 0.02 + THREE_ERRORS, "{term:?}: {coverage}");
+    }
+    assert!((0.4..0.9).contains(&found), "{found}");
+}

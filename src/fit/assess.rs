@@ -60,6 +60,22 @@ impl<'a> Judge<'a> {
         })
     }
 
+    /// Makes intervals of identified coefficients reach over those that they have in this fit. One that this fit is not
+    /// sure of is not identified.
+    pub(super) fn widen(&self, fit: &mut Fit) {
+        let is_used = |term: Term| self.used.iter().any(|fitted| fitted.term == term);
+        for found in fit.coefficients.iter_mut().filter(|found| is_used(found.term)) {
+            let (Verdict::Identified, Some([low, high])) = (found.verdict, found.interval) else { continue };
+            let [least, most] = self.coefficient(found.term).interval.unwrap_or([low, high]);
+            let [low, high] = [low.min(least), high.max(most)];
+            found.interval = Some([low, high]);
+            if low == 0.0 {
+                let verdict = Verdict::NotIdentifiable { below: Some(high) };
+                *found = Coefficient { value: None, standard_error: None, shape: None, verdict, ..*found };
+            }
+        }
+    }
+
     fn coefficient(&self, term: Term) -> Coefficient {
         let without_value = |below: Option<f64>, verdict| Coefficient {
             term,

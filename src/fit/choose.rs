@@ -23,6 +23,15 @@ pub const PENALTY_OF_SHAPE: f64 = 10.0;
 /// with it.
 pub const RIVAL: f64 = 2.0;
 
+/// By how much χ² with its penalties may be above the least for a choice of terms to be likely too: the interval of a
+/// coefficient reaches over those that it has in all likely choices.
+///
+/// A bias instability that is there but does not show makes N come out larger. Without this, intervals of N cover the
+/// truth in 92 % of records of 9 h of LGV-1, where B is left out of some, and in 85 and 88 % of shorter ones; with it in 93
+/// to 95 %, and most are as wide as before. With all choices that let a term in (4) they would be wider by half for white
+/// noise, and cover its N in 97 %.
+pub const LIKELY: f64 = 3.0;
+
 /// The terms of a fit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Terms {
@@ -59,12 +68,55 @@ impl Terms {
     }
 }
 
-/// The subset of `candidates` with the least penalised χ², and those of its terms that others could replace.
-///
-/// Shapes are searched with all terms beside them, kept while subsets are compared, and searched again with the best.
-pub(super) fn choose(system: &System, candidates: &[Term]) -> (Solution, Vec<Term>) {
+/// What is chosen of the terms.
+pub(super) struct Choice {
+    /// The subset with the least penalised χ².
+    pub best: Solution,
+    /// Terms of it that others could replace.
+    pub replaceable: Vec<Term>,
+    /// Other likely subsets.
+    pub others: Vec<Solution>,
+}
+
+impl Choice {
+    /// All `terms`, whatever they are good for.
+    pub(super) fn given(system: &System, terms: &[Term]) -> Choice {
+        Choice { best: system.best(terms), replaceable: Vec::new(), others: Vec::new() }
+    }
+
+    /// Compares all subsets of `candidates`.
+    ///
+    /// Shapes are searched with all terms beside them, kept while subsets are compared, and searched again with the best.
+    pub(super) fn auto(system: &System, candidates: &[Term]) -> Choice {
+        let scored = scored(system, candidates);
+        let least = scored.iter().map(|(score, _)| *score).fold(f64::INFINITY, f64::min);
+        let chosen = scored
+            .iter()
+            .find(|(score, _)| *score <= least)
+            .map_or(candidates.to_vec(), |(_, solution)| used(solution));
+        let is_rival = |term: Term, (score, solution): &(f64, Solution)| {
+            *score < least + RIVAL && !used(solution).contains(&term)
+        };
+        let replaceable =
+            chosen.iter().copied().filter(|&term| scored.iter().any(|other| is_rival(term, other))).collect();
+        let mut sets = vec![chosen.clone()];
+        let mut others = Vec::new();
+        for (_, solution) in scored.into_iter().filter(|(score, _)| *score < least + LIKELY) {
+            // A subset with a square of 0 is a smaller one.
+            let set = used(&solution);
+            if !sets.contains(&set) {
+                sets.push(set);
+                others.push(solution);
+            }
+        }
+        Choice { best: system.best(&chosen), replaceable, others }
+    }
+}
+
+/// All subsets with their penalised χ².
+fn scored(system: &System, candidates: &[Term]) -> Vec<(f64, Solution)> {
     let (shaped, plain): (Vec<Term>, Vec<Term>) = candidates.iter().partition(|term| term.has_shape());
-    let mut scored: Vec<(f64, Solution)> = Vec::new();
+    let mut scored = Vec::new();
     for shaped in subsets(&shaped) {
         let with = |plain: &[Term]| [plain, &shaped].concat();
         let full = system.best(&with(&plain));
@@ -75,17 +127,7 @@ pub(super) fn choose(system: &System, candidates: &[Term]) -> (Solution, Vec<Ter
             scored.push((score(&solution), solution));
         }
     }
-    let least = scored.iter().map(|(score, _)| *score).fold(f64::INFINITY, f64::min);
-    let chosen = scored
-        .iter()
-        .find(|(score, _)| *score <= least)
-        .map_or(candidates.to_vec(), |(_, solution)| used(solution));
-    let is_rival = |term: Term, (score, solution): &(f64, Solution)| {
-        *score < least + RIVAL && !used(solution).contains(&term)
-    };
-    let replaceable =
-        chosen.iter().copied().filter(|&term| scored.iter().any(|other| is_rival(term, other))).collect();
-    (system.best(&chosen), replaceable)
+    scored
 }
 
 fn used(solution: &Solution) -> Vec<Term> {

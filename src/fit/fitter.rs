@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::assess::Judge;
 use super::basis::Basis;
-use super::choose::choose;
+use super::choose::Choice;
 use super::growth::Growth;
 use super::search::{Solution, System};
 use super::{Covariance, Curve, Fit, FitError, Term, Terms};
@@ -149,13 +149,19 @@ impl Fitter {
         realisations: &[Vec<f64>],
     ) -> Result<Fit, FitError> {
         let system = System::new(curve, covariance, &self.basis);
-        let (solution, replaceable) = match self.terms {
-            Terms::Given(_) => (system.best(&self.candidates), Vec::new()),
-            Terms::Auto(_) => choose(&system, &self.candidates),
+        let Choice { best, replaceable, others } = match self.terms {
+            Terms::Given(_) => Choice::given(&system, &self.candidates),
+            Terms::Auto(_) => Choice::auto(&system, &self.candidates),
         };
-        let growth = (errors == Errors::OfModel).then(|| self.growth(self.shapes(&solution), growth));
-        Judge::new(&system, &solution.terms, growth.as_deref(), &replaceable, realisations)
-            .fit(&self.candidates)
+        let growth = (errors == Errors::OfModel).then(|| self.growth(self.shapes(&best), growth));
+        let judge = |solution: &Solution| {
+            Judge::new(&system, &solution.terms, growth.as_deref(), &replaceable, realisations)
+        };
+        let mut fit = judge(&best).fit(&self.candidates)?;
+        for other in &others {
+            judge(other).widen(&mut fit);
+        }
+        Ok(fit)
     }
 
     /// The candidates with the shapes that they have in a solution, or the shortest.

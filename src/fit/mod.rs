@@ -27,8 +27,8 @@
 //! then weigh most.
 //!
 //! **What is said of a term.** A value only where the 95 % interval of its square does not contain 0; else a bound, or
-//! that the curve says nothing ([`Verdict`]). Intervals hold for the terms of the fit: those of [`Terms::Auto`] do not
-//! know that others might have been chosen.
+//! that the curve says nothing ([`Verdict`]). Intervals hold for the terms of the fit; those of [`Terms::Auto`] reach
+//! over all choices of terms that are [likely](LIKELY).
 //!
 //! Linear algebra is that of [`crate::theory::cholesky`]: systems have at most nine columns, and loops in fixed order
 //! give the same digits on every machine, which a library that picks its kernels at run time does not.
@@ -51,7 +51,7 @@ mod search;
 mod term;
 
 pub use chi_squared::survival;
-pub use choose::{PENALTY, PENALTY_OF_SHAPE, RIVAL, Terms};
+pub use choose::{LIKELY, PENALTY, PENALTY_OF_SHAPE, RIVAL, Terms};
 pub use coefficient::{Coefficient, Fit, Shape, Verdict};
 pub use covariance::Covariance;
 pub use curve::{Curve, FitError};
