@@ -10,6 +10,9 @@ mod noise;
 pub mod normal;
 pub(crate) mod normal_table;
 pub mod philox;
+#[cfg(test)]
+mod polynomial;
+pub mod power;
 pub mod recipe;
 pub mod rows;
 pub mod sine;
@@ -37,10 +40,11 @@ pub struct Kernel {
 }
 
 /// Every kernel: what `verify`, the self-test of devices and the identity tests go through.
-pub const KERNELS: [Kernel; 5] = [
+pub const KERNELS: [Kernel; 6] = [
     Kernel { name: "philox", form: Form::Map(map::PHILOX) },
     Kernel { name: "normal", form: Form::Map(map::NORMAL) },
     Kernel { name: "sine", form: Form::Map(map::SINE) },
+    Kernel { name: "power", form: Form::Map(map::POWER) },
     Kernel { name: "gap_fill", form: Form::GapFill },
     Kernel { name: "allan", form: Form::Records },
 ];

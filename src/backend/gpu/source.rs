@@ -10,6 +10,7 @@ use crate::kernel::launch::{self, MARGIN, Shape};
 use crate::kernel::map::Map;
 use crate::kernel::moments::{BIN_BITS, BINS, FLUSH, LEVEL_OFFSET};
 use crate::kernel::philox::PURPOSES;
+use crate::kernel::power::{EXP2, LOG2};
 use crate::kernel::recipe::{self, Recipe};
 use crate::kernel::sine::SINE;
 
@@ -17,6 +18,7 @@ const WORD: &str = include_str!("../../../shaders/word.wgsl");
 const PHILOX: &str = include_str!("../../../shaders/philox.wgsl");
 const NORMAL: &str = include_str!("../../../shaders/normal.wgsl");
 const SINE_: &str = include_str!("../../../shaders/sine.wgsl");
+const POWER: &str = include_str!("../../../shaders/power.wgsl");
 const MOTION: &str = include_str!("../../../shaders/motion.wgsl");
 const GAP_FILL: &str = include_str!("../../../shaders/gap_fill.wgsl");
 const MOMENTS: &str = include_str!("../../../shaders/moments.wgsl");
@@ -146,7 +148,8 @@ pub fn allan(recipe: &Recipe, variant: Variant) -> String {
 /// The shader of a building block.
 pub fn map(map: &Map, variant: Variant) -> String {
     let constants = [("INPUTS", map.inputs), ("OUTPUTS", map.outputs)];
-    assemble(&[WORD, PHILOX, NORMAL, SINE_, MAP], &constants, &[], variant).replace("// EVALUATE", map.wgsl)
+    assemble(&[WORD, PHILOX, NORMAL, SINE_, POWER, MAP], &constants, &[], variant)
+        .replace("// EVALUATE", map.wgsl)
 }
 
 fn assemble(parts: &[&str], constants: &[(&str, usize)], flags: &[&str], variant: Variant) -> String {
@@ -167,7 +170,8 @@ fn assemble(parts: &[&str], constants: &[(&str, usize)], flags: &[&str], variant
     names.sort();
     let header: String =
         names.iter().map(|(name, value)| format!("const {name}: u32 = {value}u;\n")).collect();
-    let sine = SINE.map(|coefficient| format!("{coefficient}u")).join(", ");
+    let polynomials =
+        [("SINE", &SINE[..]), ("LOG2", &LOG2[..]), ("EXP2", &EXP2[..])].map(polynomial).concat();
     let mut flags = flags.to_vec();
     if variant.int64 {
         flags.push("INT64");
@@ -178,7 +182,13 @@ fn assemble(parts: &[&str], constants: &[(&str, usize)], flags: &[&str], variant
     while at < lines.len() {
         at = expand(&lines, at, &all, &flags, &mut body);
     }
-    format!("{header}const SINE = array<u32, 6>({sine});\n{body}")
+    format!("{header}{polynomials}{body}")
+}
+
+/// The coefficients of a polynomial as a constant of a shader.
+fn polynomial((name, coefficients): (&str, &[u32])) -> String {
+    let list: Vec<String> = coefficients.iter().map(|coefficient| format!("{coefficient}u")).collect();
+    format!("const {name} = array<u32, {}>({});\n", coefficients.len(), list.join(", "))
 }
 
 /// Expands the line `at`, or the directive that starts there, and returns the line behind it.
@@ -309,7 +319,7 @@ mod tests {
                     validate(&gap_fill(shape, histogram, variant));
                 }
             }
-            for block in [map::PHILOX, map::NORMAL, map::SINE] {
+            for block in [map::PHILOX, map::NORMAL, map::SINE, map::POWER] {
                 validate(&super::map(&block, variant));
             }
         }
