@@ -9,6 +9,7 @@ pub(crate) mod motion;
 mod noise;
 pub mod normal;
 pub(crate) mod normal_table;
+mod parameters;
 pub mod philox;
 pub mod recipe;
 pub mod rows;
@@ -22,8 +23,8 @@ use map::Map;
 pub enum Form {
     /// A building block: words to words.
     Map(Map),
-    /// Trials of a gap-fill point to moments of its estimates.
-    GapFill,
+    /// Trials of a point to moments of its estimates.
+    Moments,
     /// Synthetic records to the sums of their squared differences.
     Records,
 }
@@ -41,6 +42,6 @@ pub const KERNELS: [Kernel; 5] = [
     Kernel { name: "philox", form: Form::Map(map::PHILOX) },
     Kernel { name: "normal", form: Form::Map(map::NORMAL) },
     Kernel { name: "sine", form: Form::Map(map::SINE) },
-    Kernel { name: "gap_fill", form: Form::GapFill },
+    Kernel { name: "gap_fill", form: Form::Moments },
     Kernel { name: "allan", form: Form::Records },
 ];

@@ -32,7 +32,7 @@ use super::place::Places;
 use super::scalar::{self, Scalar};
 use super::sweep::Sweep;
 use super::units::Dimension;
-use crate::kernel::launch::MAX_SIDE;
+use crate::kernel::gap_fill::MAX_SIDE;
 use keys::SETTINGS;
 use ticks::{Purpose, TickList};
 
