@@ -9,6 +9,7 @@ pub(crate) mod motion;
 mod noise;
 pub mod normal;
 pub(crate) mod normal_table;
+mod parameters;
 pub mod philox;
 #[cfg(test)]
 mod polynomial;
@@ -25,8 +26,8 @@ use map::Map;
 pub enum Form {
     /// A building block: words to words.
     Map(Map),
-    /// Trials of a gap-fill point to moments of its estimates.
-    GapFill,
+    /// Trials of a point to moments of its estimates.
+    Moments,
     /// Synthetic records to the sums of their squared differences.
     Records,
 }
@@ -45,6 +46,6 @@ pub const KERNELS: [Kernel; 6] = [
     Kernel { name: "normal", form: Form::Map(map::NORMAL) },
     Kernel { name: "sine", form: Form::Map(map::SINE) },
     Kernel { name: "power", form: Form::Map(map::POWER) },
-    Kernel { name: "gap_fill", form: Form::GapFill },
+    Kernel { name: "gap_fill", form: Form::Moments },
     Kernel { name: "allan", form: Form::Records },
 ];

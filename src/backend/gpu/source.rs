@@ -6,7 +6,8 @@
 
 use std::collections::HashMap;
 
-use crate::kernel::launch::{self, MARGIN, Shape};
+use crate::kernel::gap_fill::shape::{self, MARGIN, Shape};
+use crate::kernel::launch::Sampled;
 use crate::kernel::map::Map;
 use crate::kernel::moments::{BIN_BITS, BINS, FLUSH, LEVEL_OFFSET};
 use crate::kernel::philox::PURPOSES;
@@ -46,23 +47,48 @@ pub struct Variant {
     pub workgroup: u32,
 }
 
-/// The shader of the gap-fill kernel for a shape.
-pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
-    let estimates = shape.estimates();
-    let places = launch::wgsl_places(shape);
+/// What is its own in the shader of a kernel that samples.
+struct OfKernel {
+    parts: Vec<&'static str>,
+    constants: Vec<(&'static str, usize)>,
+    flags: Vec<(&'static str, bool)>,
+    /// Places of the parameter words.
+    places: String,
+    words: usize,
+}
+
+/// The shader that samples a launch.
+pub fn moments(sampled: Sampled, histogram: bool, variant: Variant) -> String {
+    let own = match sampled {
+        Sampled::GapFill(shape) => gap_fill(shape),
+    };
+    let estimates = sampled.estimates();
     let staged = STAGED_WORDS * variant.workgroup as usize;
     let shared_words = estimates * if histogram { BINS.max(staged) } else { staged };
-    let words = launch::word_count(shape);
+    let mut constants = vec![
+        ("ESTIMATES", estimates),
+        ("PARAMETER_WORDS", own.words),
+        ("PARAMETER_VECTORS", own.words.div_ceil(4)),
+        ("SHARED_WORDS", shared_words),
+    ];
+    constants.extend(own.constants);
+    let mut flags = vec![("HISTOGRAM", histogram), ("TABLE", sampled.has_table())];
+    flags.extend(own.flags);
+    let flags: Vec<&str> = flags.into_iter().filter(|flag| flag.1).map(|flag| flag.0).collect();
+    let parts: Vec<&str> = [WORD, PHILOX, NORMAL].into_iter().chain(own.parts).chain([MOMENTS]).collect();
+    own.places + &assemble(&parts, &constants, &flags, variant)
+}
+
+fn gap_fill(shape: Shape) -> OfKernel {
     let (residuals, extrapolations) =
         (if shape.residual { shape.fillers } else { 0 }, if shape.extrapolation { shape.fillers } else { 0 });
-    let constants = [
+    let constants = vec![
         ("BEFORE", shape.before),
         ("AFTER", shape.after),
         ("SIDES", shape.sides()),
         ("RESIDUAL_BEFORE", shape.residual_before),
         ("EXTRAPOLATION_BEFORE", shape.extrapolation_before),
         ("FILLERS", shape.fillers),
-        ("ESTIMATES", estimates),
         ("EXTRAPOLATIONS", residuals),
         ("IN_GAPS", residuals + extrapolations),
         ("KEPT", if shape.in_gap { shape.before } else { 1 }),
@@ -75,13 +101,8 @@ pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
         ("GAUSSIAN_SIDES", shape.gaussian_row(shape.gap_ticks)),
         ("MOTION_TABLE", shape.motion_table()),
         ("MARGIN", MARGIN),
-        ("PARAMETER_WORDS", words),
-        ("PARAMETER_VECTORS", words.div_ceil(4)),
-        ("SHARED_WORDS", shared_words),
     ];
-    let parts = [WORD, PHILOX, NORMAL, SINE_, MOTION, GAP_FILL, MOMENTS];
-    let flags: Vec<&str> = [
-        ("HISTOGRAM", histogram),
+    let flags = vec![
         ("WIDE", shape.wide),
         ("RESIDUAL", shape.residual),
         ("EXTRAPOLATION", shape.extrapolation),
@@ -94,13 +115,14 @@ pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
         ("EVERY", shape.every),
         ("CONSTANTS", shape.constants),
         ("READOUT", shape.readout),
-        ("TABLE", shape.has_table()),
-    ]
-    .into_iter()
-    .filter(|flag| flag.1)
-    .map(|flag| flag.0)
-    .collect();
-    places + &assemble(&parts, &constants, &flags, variant)
+    ];
+    OfKernel {
+        parts: vec![SINE_, MOTION, GAP_FILL],
+        constants,
+        flags,
+        places: shape::wgsl_places(shape),
+        words: shape::word_count(shape),
+    }
 }
 
 /// Words of a record's state before those of its holds.
@@ -316,7 +338,7 @@ mod tests {
         for variant in variants() {
             for shape in SHAPES {
                 for histogram in [false, true] {
-                    validate(&gap_fill(shape, histogram, variant));
+                    validate(&moments(Sampled::GapFill(shape), histogram, variant));
                 }
             }
             for block in [map::PHILOX, map::NORMAL, map::SINE, map::POWER] {
@@ -328,13 +350,13 @@ mod tests {
     #[test]
     fn the_layouts_are_those_of_rust() {
         let variant = Variant { int64: false, checked: true, workgroup: 64 };
-        let module = validate(&gap_fill(SHAPES[0], true, variant));
+        let module = validate(&moments(Sampled::GapFill(SHAPES[0]), true, variant));
         let size = |name: &str| {
             let (_, global) =
                 module.global_variables.iter().find(|(_, v)| v.name.as_deref() == Some(name)).unwrap();
             module.types[global.ty].inner.size(module.to_ctx()) as usize
         };
-        assert_eq!(size("parameters"), launch::word_count(SHAPES[0]).div_ceil(4) * 16);
+        assert_eq!(size("parameters"), shape::word_count(SHAPES[0]).div_ceil(4) * 16);
         assert_eq!(size("normal_table"), size_of::<crate::kernel::word::PairTable>());
         assert_eq!(
             size("jobs"),
