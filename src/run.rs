@@ -3,6 +3,7 @@
 mod allan;
 pub(crate) mod gap_fill;
 mod sampling;
+mod switched_run;
 
 use crate::backend::Device;
 use crate::backend::gpu::GpuError;
@@ -35,6 +36,7 @@ pub struct Plan<'a> {
 enum Work<'a> {
     GapFill(gap_fill::Plan<'a>),
     Allan(allan::Plan<'a>),
+    SwitchedRun(switched_run::Plan<'a>),
 }
 
 /// What a run did.
@@ -54,15 +56,24 @@ pub struct Tables {
     pub points: Table,
     /// coefficients.csv, where coefficients are fitted.
     pub coefficients: Option<Table>,
+    /// trajectories.csv, where some are kept.
+    pub trajectories: Option<Table>,
 }
 
 impl Tables {
+    /// Only that of the points.
+    fn of_points(points: Table) -> Tables {
+        Tables { points, coefficients: None, trajectories: None }
+    }
+
     /// The table that a chart is drawn from.
     pub fn of(&self, source: Source) -> &Table {
-        match (source, &self.coefficients) {
-            (Source::Coefficients, Some(coefficients)) => coefficients,
-            _ => &self.points,
-        }
+        let other = match source {
+            Source::Points => None,
+            Source::Coefficients => self.coefficients.as_ref(),
+            Source::Trajectories => self.trajectories.as_ref(),
+        };
+        other.unwrap_or(&self.points)
     }
 }
 
@@ -81,6 +92,7 @@ impl<'a> Plan<'a> {
         let work = match &study.subject {
             Subject::GapFill(gap_fill) => Work::GapFill(gap_fill::Plan::new(study, gap_fill)?),
             Subject::Allan(allan) => Work::Allan(allan::Plan::new(study, allan)?),
+            Subject::SwitchedRun(runs) => Work::SwitchedRun(switched_run::Plan::new(study, runs)?),
         };
         Ok(Plan { study, work })
     }
@@ -107,6 +119,7 @@ impl<'a> Plan<'a> {
         let done = match &self.work {
             Work::GapFill(plan) => plan.run(store, device, progress)?,
             Work::Allan(plan) => plan.run(store, device, progress)?,
+            Work::SwitchedRun(plan) => plan.run(store, device, progress)?,
         };
         progress.finish();
         Ok(done)
@@ -115,8 +128,9 @@ impl<'a> Plan<'a> {
     /// The tables before anything is sampled: all rows, without estimates.
     pub fn blank_tables(&self) -> Tables {
         match &self.work {
-            Work::GapFill(plan) => Tables { points: plan.blank_table(), coefficients: None },
+            Work::GapFill(plan) => Tables::of_points(plan.blank_table()),
             Work::Allan(plan) => plan.blank_tables(),
+            Work::SwitchedRun(plan) => plan.blank_tables(),
         }
     }
 
@@ -126,8 +140,9 @@ impl<'a> Plan<'a> {
     /// A row of the store is damaged, or the disk fails.
     pub fn tables(&self, store: &Store, progress: &(dyn Progress + Sync)) -> Result<Tables, RunError> {
         let tables = match &self.work {
-            Work::GapFill(plan) => Tables { points: plan.table(store)?, coefficients: None },
+            Work::GapFill(plan) => Tables::of_points(plan.table(store)?),
             Work::Allan(plan) => plan.tables(store, progress)?,
+            Work::SwitchedRun(plan) => plan.tables(store)?,
         };
         progress.finish();
         Ok(tables)
@@ -141,6 +156,7 @@ impl<'a> Plan<'a> {
         let held = match &self.work {
             Work::GapFill(plan) => plan.held(store)?,
             Work::Allan(plan) => plan.held(store)?,
+            Work::SwitchedRun(plan) => plan.held(store)?,
         };
         Ok(held.unwrap_or(self.study.trials))
     }
@@ -154,6 +170,7 @@ impl<'a> Plan<'a> {
         notes.extend(match &self.work {
             Work::GapFill(plan) => plan.notes(store)?,
             Work::Allan(plan) => plan.notes(),
+            Work::SwitchedRun(plan) => plan.notes(),
         });
         let trials = self.held(store)?;
         if trials > self.study.trials {
@@ -167,6 +184,7 @@ impl<'a> Plan<'a> {
         let asked: Vec<Id> = match &self.work {
             Work::GapFill(plan) => plan.ids(),
             Work::Allan(plan) => plan.ids(),
+            Work::SwitchedRun(plan) => plan.ids(),
         };
         match points.iter().filter(|id| !asked.contains(id)).count() {
             0 => {}

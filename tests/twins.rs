@@ -192,7 +192,7 @@ fn at_the_limit(sign: i32) -> (Launch, i64) {
     })
     .launches()
     .remove(0);
-    let Sampled::GapFill(shape) = launch.sampled;
+    let Sampled::GapFill(shape) = launch.sampled else { panic!("not of this kernel") };
     let p = Parameters::of(&launch.words, shape);
     // sine(¼ turn) = 2^30.
     let truth = ((i64::from(p.gap_sin[0] as i32) << 30) + (1 << 31)) >> 32;

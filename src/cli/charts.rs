@@ -133,6 +133,7 @@ fn points(study: &Study, chart: &Chart) -> &'static str {
     match (study.kind(), chart.source) {
         _ if chart.y.name.starts_with("oracle") => "closed form",
         (Kind::Allan, Source::Points) => "mean of records",
+        (_, Source::Trajectories) => "single runs",
         _ => "Monte Carlo",
     }
 }
@@ -140,7 +141,7 @@ fn points(study: &Study, chart: &Chart) -> &'static str {
 /// What the bands are: of the mean of a rms, or where curves of single records lie.
 fn bands(study: &Study) -> &'static str {
     match study.kind() {
-        Kind::GapFill => "95 % band",
+        Kind::GapFill | Kind::SwitchedRun => "95 % band",
         Kind::Allan => "95 % of records",
     }
 }
@@ -167,7 +168,7 @@ pub fn filter(chart: &Chart) -> Vec<(String, String)> {
 
 /// The same without the values of swept keys that nobody asked for: a table has a line for each.
 pub fn written(chart: &Chart) -> Vec<(String, String)> {
-    let asked = |row: &&(study::Named, Cell)| !row.0.span.is_empty() || row.0.name == "error";
+    let asked = |row: &&(study::Named, Cell)| !row.0.span.is_empty() || ["error", "angle"].contains(&row.0.name.as_str());
     chart.rows.iter().filter(asked).map(|(column, value)| (column.name.clone(), value.text())).collect()
 }
 
@@ -184,6 +185,7 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
     let file = match chart.source {
         Source::Points => "points.csv",
         Source::Coefficients => "coefficients.csv",
+        Source::Trajectories => "trajectories.csv",
     };
     let column = format!("name a column of {file}, with or without its unit");
     let (span, help) = match error {

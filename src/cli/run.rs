@@ -127,7 +127,8 @@ fn run_study(
 /// The tables of a study with the names of their files.
 fn files(tables: &Tables) -> impl Iterator<Item = (&'static str, &Table)> {
     let coefficients = tables.coefficients.as_ref().map(|table| ("coefficients.csv", table));
-    std::iter::once(("points.csv", &tables.points)).chain(coefficients)
+    let trajectories = tables.trajectories.as_ref().map(|table| ("trajectories.csv", table));
+    std::iter::once(("points.csv", &tables.points)).chain(coefficients).chain(trajectories)
 }
 
 /// The table of the first chart, coefficients, and all verdicts, for people.
@@ -141,7 +142,10 @@ fn summary(study: &Study, tables: &Tables, verdicts: &[Verdict]) -> Result<Strin
             of_chart(study, tables.of(chart.source), chart).map_err(|error| refused(study, chart, &error))?;
         text += &format!("\n{shown}");
     } else if study.sweeps.is_empty() {
-        let shown = one_point(&tables.points).map_err(|error| Failure::Picture(error.to_string()))?;
+        let shown = match study.kind() {
+            Kind::SwitchedRun => angles(&tables.points),
+            _ => one_point(&tables.points).map_err(|error| Failure::Picture(error.to_string()))?,
+        };
         text += &format!("\n{shown}");
     }
     if let Some(coefficients) = &tables.coefficients {
@@ -157,16 +161,28 @@ fn summary(study: &Study, tables: &Tables, verdicts: &[Verdict]) -> Result<Strin
 fn of_chart(study: &Study, table: &Table, chart: &Chart) -> Result<String, ChartError> {
     let sweeps: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
     let across = match study.kind() {
-        Kind::GapFill if !sweeps.is_empty() => sweeps,
+        Kind::GapFill | Kind::SwitchedRun if !sweeps.is_empty() => sweeps,
         Kind::Allan => {
             let x = table.column(&chart.x.name)?.name.as_str();
             std::iter::once(x).chain(sweeps.into_iter().filter(|sweep| *sweep != x)).collect()
         }
-        Kind::GapFill => vec![chart.x.name.as_str()],
+        Kind::GapFill | Kind::SwitchedRun => vec![chart.x.name.as_str()],
     };
     let series: Vec<&str> = chart.series().iter().map(|column| column.name.as_str()).collect();
     let texts = text_columns(study, chart.source);
     Ok(pivot(table, &across, &chart.estimate().name, &series, &texts, &written(chart))?)
+}
+
+/// The angles of the runs of one point, a line each.
+fn angles(table: &Table) -> String {
+    const SHOWN: [&str; 7] =
+        ["filler", "angle", "switches", "mean", "drift_mean", "drift_rms", "drift_q9973"];
+    let is_shown = |column: &&Column| SHOWN.contains(&column.name.as_str());
+    let columns: Vec<&Column> = table.columns.iter().filter(is_shown).collect();
+    let cell = |cell: &Cell| cell.number().map_or_else(|| cell.text(), |x| significant(x, 4));
+    let line = |row: usize| columns.iter().map(|column| cell(&column.cells[row])).collect();
+    let heading: Vec<String> = columns.iter().map(|column| column.title()).collect();
+    aligned(&std::iter::once(heading).chain((0..table.rows()).map(line)).collect::<Vec<_>>())
 }
 
 /// Most coefficients that are shown besides the file of them.

@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
-use super::gap_fill;
 use super::moments::{FLUSH, Moments, Trials};
+use super::{gap_fill, switched_run};
 use crate::backend::cpu::Width;
 
 /// Which kernel samples, and what its launch has: what a shader is specialised for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Sampled {
     GapFill(gap_fill::Shape),
+    SwitchedRun(switched_run::Shape),
 }
 
 impl Sampled {
@@ -17,26 +18,15 @@ impl Sampled {
     pub fn estimates(&self) -> usize {
         match self {
             Sampled::GapFill(shape) => shape.estimates(),
+            Sampled::SwitchedRun(shape) => shape.estimates(),
         }
-    }
-
-    /// Steps of one trial, each some tens of nanoseconds on one lane: what work is divided by.
-    pub fn steps(&self) -> u64 {
-        match self {
-            Sampled::GapFill(_) => 1,
-        }
-    }
-
-    /// Trials that one invocation of the shader adds up at most.
-    pub fn most_rounds(&self) -> u64 {
-        // Some drivers leave an invocation's loops after 65535 rounds.
-        (MOST_STEPS / self.steps()).clamp(1, FLUSH)
     }
 
     /// Whether the kernel reads the table.
     pub fn has_table(&self) -> bool {
         match self {
             Sampled::GapFill(shape) => shape.has_table(),
+            Sampled::SwitchedRun(_) => true,
         }
     }
 }
@@ -55,6 +45,22 @@ pub struct Launch {
 }
 
 impl Launch {
+    /// Steps of one trial, each some tens of nanoseconds on one lane: what work is divided by.
+    pub fn steps(&self) -> u64 {
+        match self.sampled {
+            Sampled::GapFill(_) => 1,
+            Sampled::SwitchedRun(shape) => {
+                u64::from(switched_run::Parameters::of(&self.words, shape).intervals[0])
+            }
+        }
+    }
+
+    /// Trials that one invocation of the shader adds up at most.
+    pub fn most_rounds(&self) -> u64 {
+        // Some drivers leave an invocation's loops after 65535 rounds.
+        (MOST_STEPS / self.steps()).clamp(1, FLUSH)
+    }
+
     /// Tallies of the estimates over some trials.
     pub fn tally(&self, width: Width, trials: Trials) -> Vec<Moments> {
         // What does not fill the lanes is done in one.
@@ -72,6 +78,7 @@ impl Launch {
     fn whole_lanes(&self, width: Width, trials: Trials) -> Vec<Moments> {
         match self.sampled {
             Sampled::GapFill(shape) => width.run(gap_fill::Tally { launch: self, shape, trials }),
+            Sampled::SwitchedRun(shape) => width.run(switched_run::Tally { launch: self, shape, trials }),
         }
     }
 }

@@ -40,13 +40,25 @@ pub enum Purpose {
     Quantisation = 12,
     /// A block for each octave of flicker noise: where the grids of its four streams lie.
     FlickerGrid = 13,
+    /// A whole run: words 0 to 2 how its A, Ω_m0 and Ω_nm deviate, word 3 its first mode.
+    RunDeviation = 20,
+    /// Phases of the tones at the first switch of a run; four to a block.
+    RunPhase = 21,
+    /// A block for each interval of a run: word 0 its random walk, word 1 the normal part of the residual of the switch that
+    /// ends it, words 2 and 3 the phases of the first two tones there.
+    Interval = 22,
+    /// And the one beyond: phases of the third to sixth and of the last two tones at the switch that ends an interval, a block
+    /// each.
+    SwitchPhase = 23,
+    /// Word 0: what the random walk of an interval comes to within it.
+    Bridge = 25,
     /// And beyond, one purpose for each octave: its holds. Octaves 1 and 2 have one stream, four holds to a block; the
     /// others have four streams, a hold of each to a block.
     Flicker = 64,
 }
 
 /// The purposes by the names that the shaders know them by.
-pub const PURPOSES: [(&str, Purpose); 15] = [
+pub const PURPOSES: [(&str, Purpose); 20] = [
     ("NOISE_BEFORE", Purpose::NoiseBefore),
     ("NOISE_AFTER_AND_PHASE", Purpose::NoiseAfterAndPhase),
     ("TONE", Purpose::Tone),
@@ -61,6 +73,11 @@ pub const PURPOSES: [(&str, Purpose); 15] = [
     ("MARKOV", Purpose::Markov),
     ("QUANTISATION", Purpose::Quantisation),
     ("FLICKER_GRID", Purpose::FlickerGrid),
+    ("RUN_DEVIATION", Purpose::RunDeviation),
+    ("RUN_PHASE", Purpose::RunPhase),
+    ("INTERVAL", Purpose::Interval),
+    ("SWITCH_PHASE", Purpose::SwitchPhase),
+    ("BRIDGE", Purpose::Bridge),
     ("FLICKER", Purpose::Flicker),
 ];
 

@@ -16,7 +16,9 @@ mod physical;
 mod readout;
 pub mod records;
 mod refusal;
+mod residual;
 mod response;
+mod run;
 mod unit;
 mod weights;
 
@@ -24,6 +26,8 @@ pub use curve::LoweredCurve;
 pub use estimate::{Estimate, Oracle};
 pub use records::{Asked, Records, RecordsError};
 pub use refusal::{Lost, LowerError};
+pub use residual::{Residual, ResidualTone};
+pub use run::{FilledRun, LoweredRun, RunEstimate, RunOracle};
 pub use weights::{Rows, Statistics};
 
 use crate::id::Id;

@@ -106,7 +106,7 @@ impl Fixed {
 }
 
 impl FixedTone {
-    fn response(&self, f: &Functional, n: i32) -> Response {
+    pub(super) fn response(&self, f: &Functional, n: i32) -> Response {
         match self.motion {
             ToneMotion::Fixed { .. } => {
                 let tick = |tick, i: usize| f64::from(self.tick_words(tick, n)[i]) / ANGLE_UNITS;

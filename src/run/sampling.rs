@@ -82,7 +82,7 @@ pub(super) fn sample(
 
 /// The next blocks, of so many steps together; one at least.
 fn take_batch<'a>(rest: &mut Vec<(&'a Work, Block)>, steps: u64) -> Vec<(&'a Work, Block)> {
-    let of = |(work, block): &(&Work, Block)| block.trials() * work.launch.sampled.steps();
+    let of = |(work, block): &(&Work, Block)| block.trials() * work.launch.steps();
     let (mut batch, mut taken) = (Vec::new(), 0);
     while batch.len() < MOST_JOBS
         && let Some(next) = rest.pop_if(|next| taken == 0 || taken + of(next) <= steps)

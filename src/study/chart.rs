@@ -11,11 +11,11 @@ use super::diagnose::Fault;
 use super::file::Error;
 use super::gap_fill::{FREQUENCY, Law};
 use super::percent::percent;
-use super::rows::{DT_NU, ERROR, FILLER, Known, chooser, coordinate, row};
+use super::rows::{ANGLE, DT_NU, ERROR, FILLER, Known, chooser, coordinate, row};
 use super::scalar::{self, Scalar};
 use super::sweep::Sweep;
 use super::units::Dimension;
-use super::{Study, Subject};
+use super::{RunAngle, Study, Subject};
 use crate::table::{Cell, Unit, significant};
 
 /// A name of a column, and where it stands in the study, so that an unknown one can be pointed at.
@@ -169,28 +169,36 @@ fn read(mut table: ChartTable, sweeps: &[Sweep], subject: &Subject) -> Result<Ch
         rows,
         limit,
     };
-    // Without a word on errors a curve would jump between the two, and a map show two values at once.
-    let told_apart = !known.text_names().contains(&ERROR) || chosen.iter().any(|column| column == ERROR);
-    if told_apart || chart.series().iter().any(|named| named.name == ERROR) {
-        return Ok(chart);
-    }
-    Ok(Chart { rows: chart.rows.into_iter().chain(only_residuals()).collect(), ..chart })
+    // Without a word on them a curve would jump between rows of several errors, and a map show two values at once.
+    let is_named = |column: &str| {
+        chosen.iter().any(|name| name == column) || chart.series().iter().any(|named| named.name == column)
+    };
+    let supplied = usual_rows(&known).into_iter().filter(|(column, _)| !is_named(&column.name));
+    let supplied: Vec<(Named, Cell)> = supplied.collect();
+    Ok(Chart { rows: chart.rows.into_iter().chain(supplied).collect(), ..chart })
 }
 
 /// Which of a study's tables is drawn.
 fn source(table: &ChartTable, subject: &Subject) -> Result<Source, Fault> {
     match (&table.table, subject) {
         (None, _) => Ok(Source::Points),
-        (Some(written), Subject::GapFill(_)) if *written.get_ref() == Source::Coefficients => {
-            let message = "a gap-fill study has no table of coefficients";
-            Err(Fault::new(written.span(), message, "no such table", "leave chart.table out"))
-        }
         (Some(written), Subject::Allan(allan))
             if *written.get_ref() == Source::Coefficients && allan.terms.is_none() =>
         {
             let message = "the chart is of coefficients, and none are fitted";
             let help = "add them as in\n[allan]\nfit = \"auto\"";
             Err(Fault::new(written.span(), message, "an empty table", help))
+        }
+        (Some(written), Subject::SwitchedRun(run))
+            if *written.get_ref() == Source::Trajectories && run.trajectories == 0 =>
+        {
+            let message = "the chart is of trajectories, and none are kept";
+            let help = "add them as in\n[run]\ntrajectories = 20";
+            Err(Fault::new(written.span(), message, "an empty table", help))
+        }
+        (Some(written), subject) if !subject.sources().contains(written.get_ref()) => {
+            let message = "a study of this kind has no such table";
+            Err(Fault::new(written.span(), message, "no such table", "leave chart.table out"))
         }
         (Some(written), _) => Ok(*written.get_ref()),
     }
@@ -312,26 +320,31 @@ pub(super) fn scale_over(name: &str, sweeps: &[Sweep], known: &Known) -> Scale {
     sweep.map_or(Scale::default(), |sweep| sweep.scale)
 }
 
-pub(super) fn only_residuals() -> Vec<(Named, Cell)> {
-    vec![(Named::default(ERROR), Cell::Text(Error::Residual.name().to_owned()))]
+/// The rows that are meant where nothing is said: of errors the residual, of angles that at the end.
+pub(super) fn usual_rows(known: &Known) -> Vec<(Named, Cell)> {
+    let usual = [(ERROR, Error::Residual.name().to_owned()), (ANGLE, RunAngle::End.name())];
+    let has = |column: &str| known.text_names().contains(&column);
+    let rows = usual.into_iter().filter(|(column, _)| has(column));
+    rows.map(|(column, value)| (Named::default(column), Cell::Text(value))).collect()
 }
 
 const PERCENT: &str = "accepted: a part in percent such as \"10 %\", of a relative column";
 
 /// A limit in the unit of what the table is about.
 fn read_limit(given: &Spanned<Scalar>, subject: &Subject, source: Source) -> Result<Limit, Fault> {
-    let (dimension, unit) = match (subject, source) {
-        (Subject::GapFill(_), _) => (Dimension::Angle, Unit::ARCSEC),
-        (Subject::Allan(_), Source::Points) => (Dimension::DriftRate, Unit::DEG_PER_H),
+    let (dimensions, accepted): (&[Dimension], &str) = match (subject, source) {
+        (Subject::GapFill(_), _) => (&[Dimension::Angle], "an angle"),
+        (Subject::SwitchedRun(_), _) => (&[Dimension::DriftRate, Dimension::Angle], "an angle or a rate"),
+        (Subject::Allan(_), Source::Points | Source::Trajectories) => (&[Dimension::DriftRate], "an angular rate"),
         (Subject::Allan(_), Source::Coefficients) => {
             return Ok(Limit { value: percent("chart.limit", given, PERCENT)?, unit: Unit::NONE });
         }
     };
-    let limit = scalar::quantity("chart.limit", given, &[dimension])?;
+    let limit = scalar::quantity("chart.limit", given, dimensions)?;
     if limit.value > 0.0 {
-        return Ok(Limit { value: limit.value, unit });
+        return Ok(Limit { value: limit.value, unit: limit.dimension.unit() });
     }
     let message = format!("chart.limit = {limit}, and no error stays within that");
-    let help = format!("accepted: {} above 0, or no limit", dimension.name());
+    let help = format!("accepted: {accepted} above 0, or no limit");
     Err(Fault::new(given.span(), message, "not above 0", help))
 }

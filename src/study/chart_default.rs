@@ -1,7 +1,7 @@
 //! The chart of a study that asks for none.
 
-use super::Subject;
-use super::chart::{Chart, Named, Shows, Source, only_residuals, scale_over};
+use super::{Subject, SwitchedRun};
+use super::chart::{Chart, Named, Shows, Source, scale_over, usual_rows};
 use super::chart_file::Scale;
 use super::gap_fill::FREQUENCY;
 use super::rows::{DT_NU, FILLER, Known, TAU};
@@ -13,6 +13,7 @@ pub(super) fn default_for(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> 
     match subject {
         Subject::GapFill(_) => of_fillers(sweeps, subject),
         Subject::Allan(_) => Some(of_deviations(sweeps)),
+        Subject::SwitchedRun(run) => of_runs(sweeps, run, subject),
     }
 }
 
@@ -39,6 +40,28 @@ fn at_first(sweep: &Sweep) -> Option<(Named, Cell)> {
     Some((Named::default(sweep.key.name), sweep.values.first()?.cell()))
 }
 
+/// The drift that 99.73 % of runs stay below over the first swept key, a curve for each filler and value of the second.
+fn of_runs(sweeps: &[Sweep], run: &SwitchedRun, subject: &Subject) -> Option<Chart> {
+    let known = Known::of(subject, Source::Points);
+    let (x, others) = sweeps.split_first()?;
+    let filler = (!run.fillers().is_empty()).then(|| Named::default(FILLER));
+    let keys = others.iter().map(|sweep| Named::default(sweep.key.name));
+    let series: Vec<Named> = filler.into_iter().chain(keys).take(2).collect();
+    let fixed = others.iter().filter(|sweep| series.iter().all(|named| named.name != sweep.key.name));
+    let rows = fixed.filter_map(at_first).chain(usual_rows(&known)).collect();
+    Some(Chart {
+        title: None,
+        source: Source::Points,
+        x: Named::default(x.key.name),
+        y: Named::default("drift_q9973"),
+        shows: Shows::Curves { series, laws: vec![] },
+        rows,
+        limit: None,
+        x_scale: scale_over(x.key.name, sweeps, &known),
+        y_scale: Scale::default(),
+    })
+}
+
 /// Over Δt·ν if the frequency is swept, else over the first swept key.
 fn of_fillers(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
     let mut names: Vec<&str> = sweeps.iter().map(|sweep| sweep.key.name).collect();
@@ -62,7 +85,7 @@ fn of_fillers(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
         x: Named::default(x),
         y: Named::default("rms"),
         shows: Shows::Curves { series: series.map(Named::default).collect(), laws: vec![] },
-        rows: fixed.chain(only_residuals()).collect(),
+        rows: fixed.chain(usual_rows(&known)).collect(),
         limit: None,
         x_scale: scale_over(x, sweeps, &known),
         y_scale: Scale::default(),

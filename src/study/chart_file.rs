@@ -100,6 +100,8 @@ pub enum Source {
     Points,
     /// coefficients.csv, of kind = "allan".
     Coefficients,
+    /// trajectories.csv, of kind = "switched-run".
+    Trajectories,
 }
 
 impl ChartKind {

@@ -106,6 +106,8 @@ static KEYS: &[Expected] = &[
     entry("run.trajectories", NUMBER, "trajectories = 20"),
     entry("switching", "a table", "[switching]\ngap_ticks = 3\nfillers = [\"const\", \"quadratic\"]"),
     entry("switching.interval", QUANTITY, "interval = \"40 s\""),
+    entry("switching.first_mode", TEXT, "first_mode = \"positive\""),
+    entry("switching.timing", TEXT, "timing = \"random\""),
     entry("switching.gap_ticks", NUMBER, "gap_ticks = 3"),
     entry("switching.fit_ticks", "a list in brackets", "fit_ticks = [-1, 0, \"n+1\", \"n+2\"]"),
     entry("switching.extrapolation_ticks", "a list in brackets", "extrapolation_ticks = [-3, -2, -1, 0]"),

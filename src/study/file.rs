@@ -118,6 +118,8 @@ pub enum Kind {
     GapFill,
     /// The Allan curve of a gyro at rest, and the coefficients fitted to it.
     Allan,
+    /// The angle that a gyro which switches modes has wrong after a whole run.
+    SwitchedRun,
 }
 
 impl StudyFile {
@@ -138,13 +140,14 @@ impl StudyFile {
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 2] = [Kind::GapFill, Kind::Allan];
+    pub const ALL: [Kind; 3] = [Kind::GapFill, Kind::Allan, Kind::SwitchedRun];
 
     /// The tables that a study of this kind may have.
     pub(super) fn tables(self) -> &'static [&'static str] {
         match self {
             Kind::GapFill => &["gyro", "motion", "switching", "noise"],
             Kind::Allan => &["record", "noise", "allan"],
+            Kind::SwitchedRun => &["gyro", "motion", "switching", "noise", "drift", "run"],
         }
     }
 
@@ -153,6 +156,7 @@ impl Kind {
         match self {
             Kind::GapFill => "gap-fill",
             Kind::Allan => "allan",
+            Kind::SwitchedRun => "switched-run",
         }
     }
 }
@@ -280,7 +284,7 @@ fn tables_of_kinds(schema: &mut schemars::Schema) {
         })
     };
     let kinds =
-        [needs(Kind::GapFill, &["gyro", "motion", "switching"]), needs(Kind::Allan, &["record", "noise"])];
+        [needs(Kind::GapFill, &["gyro", "motion", "switching"]), needs(Kind::Allan, &["record", "noise"]), needs(Kind::SwitchedRun, &["switching", "run"])];
     schema.insert("allOf".to_owned(), json!(kinds));
 }
 

@@ -80,7 +80,7 @@ impl fmt::Display for Swept {
 }
 
 /// The keys of a study that no sweep can vary, and what they are.
-const FIXED: [(&str, &str); 25] = [
+const FIXED: [(&str, &str); 29] = [
     ("title", "is text"),
     ("question", "is text"),
     ("kind", "is text"),
@@ -95,6 +95,10 @@ const FIXED: [(&str, &str); 25] = [
     ("motion.gaussian", "is a table"),
     ("motion.profile", "is a table"),
     ("switching.fillers", "is a list"),
+    ("switching.first_mode", "is text"),
+    ("switching.timing", "is text"),
+    ("run.times", "is a list"),
+    ("run.trajectories", "holds for the whole study"),
     ("switching.fit_ticks", "is a list"),
     ("switching.extrapolation_ticks", "is a list"),
     ("switching.errors", "is a list"),

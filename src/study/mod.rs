@@ -23,6 +23,7 @@ mod place;
 mod rows;
 mod scalar;
 mod sweep;
+mod switched_run;
 mod units;
 
 #[cfg(test)]
@@ -51,6 +52,7 @@ pub use gap_fill::{
 pub use key::{Key, Swept};
 pub use noise::{Markov, Noise, Sine, WarmUp};
 pub use sweep::Sweep;
+pub use switched_run::{Angle as RunAngle, FirstMode, Point as RunPoint, SwitchedRun, Timing};
 pub use units::{Dimension, Quantity, UnitError, parse as parse_quantity};
 pub(crate) use units::{parse_unit, round_12};
 
@@ -85,6 +87,18 @@ pub struct Study {
 pub enum Subject {
     GapFill(GapFill),
     Allan(Allan),
+    SwitchedRun(SwitchedRun),
+}
+
+impl Subject {
+    /// The tables of results that studies of this kind can have.
+    fn sources(&self) -> &'static [Source] {
+        match self {
+            Subject::GapFill(_) => &[Source::Points],
+            Subject::Allan(_) => &[Source::Points, Source::Coefficients],
+            Subject::SwitchedRun(_) => &[Source::Points, Source::Trajectories],
+        }
+    }
 }
 
 /// What [`Study::resolved`] may have to replace in the text.
@@ -130,6 +144,7 @@ impl Study {
         match self.subject {
             Subject::GapFill(_) => Kind::GapFill,
             Subject::Allan(_) => Kind::Allan,
+            Subject::SwitchedRun(_) => Kind::SwitchedRun,
         }
     }
 
@@ -137,7 +152,7 @@ impl Study {
     pub fn gap_fill(&self) -> Option<&GapFill> {
         match &self.subject {
             Subject::GapFill(gap_fill) => Some(gap_fill),
-            Subject::Allan(_) => None,
+            _ => None,
         }
     }
 
@@ -145,7 +160,15 @@ impl Study {
     pub fn allan(&self) -> Option<&Allan> {
         match &self.subject {
             Subject::Allan(allan) => Some(allan),
-            Subject::GapFill(_) => None,
+            _ => None,
+        }
+    }
+
+    /// What a study of whole runs asks; `None` of another kind.
+    pub fn switched_run(&self) -> Option<&SwitchedRun> {
+        match &self.subject {
+            Subject::SwitchedRun(run) => Some(run),
+            _ => None,
         }
     }
 
@@ -154,6 +177,7 @@ impl Study {
         match &self.subject {
             Subject::GapFill(gap_fill) => &gap_fill.notes,
             Subject::Allan(allan) => &allan.notes,
+            Subject::SwitchedRun(run) => &run.notes,
         }
     }
 
@@ -227,6 +251,7 @@ impl Study {
         let keys = match kind {
             Kind::GapFill => gap_fill::keys(),
             Kind::Allan => allan::keys(),
+            Kind::SwitchedRun => switched_run::keys(),
         };
         let sweeps = sweep::read_all(&file.sweep, &keys)?;
         let written = Written {
@@ -242,10 +267,14 @@ impl Study {
         let subject = match kind {
             Kind::GapFill => Subject::GapFill(gap_fill::read(&file, &sweeps, folder, &mut places)?),
             Kind::Allan => Subject::Allan(allan::read(&file, &sweeps, folder, &mut places)?),
+            Kind::SwitchedRun => {
+                Subject::SwitchedRun(switched_run::read(&file, &sweeps, folder, &mut places)?)
+            }
         };
         let default_trials = match kind {
             Kind::GapFill => 1_000_000,
             Kind::Allan => 1000,
+            Kind::SwitchedRun => 100_000,
         };
         let charts = chart::read_all(file.chart, &sweeps, &subject)?;
         Ok(Study {

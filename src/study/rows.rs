@@ -6,6 +6,7 @@ use toml::Spanned;
 
 use super::Subject;
 use super::chart::Source;
+use super::RunAngle;
 use super::diagnose::{Fault, choices};
 use super::file::Error;
 use super::key::Swept;
@@ -18,6 +19,15 @@ use crate::table::{self, Cell, Column, ColumnError, Unit};
 /// The columns of text of a gap-fill table.
 pub(super) const FILLER: &str = "filler";
 pub(super) const ERROR: &str = "error";
+
+/// The column of text of a table of whole runs: which angle.
+pub(super) const ANGLE: &str = "angle";
+
+/// The column of text of a table of trajectories.
+pub(super) const RUN: &str = "run";
+
+/// The column of the time in a run.
+pub(super) const TIME: &str = "time";
 
 /// The column of text of a table of coefficients.
 pub(super) const COEFFICIENT: &str = "coefficient";
@@ -34,7 +44,7 @@ const AMPLITUDE_NOISE: &str = "amplitude_noise";
 /// The columns of a table that are known before anything is sampled, besides swept keys.
 pub(super) struct Known {
     /// Of text, by which rows are told apart, each with the values that it takes.
-    pub(super) texts: Vec<(&'static str, Vec<&'static str>)>,
+    pub(super) texts: Vec<(&'static str, Vec<String>)>,
     /// The names of fillers, where there is a column of them.
     pub(super) fillers: Vec<String>,
     /// Of numbers.
@@ -46,15 +56,25 @@ impl Known {
     pub(super) fn of(subject: &Subject, source: Source) -> Known {
         match (subject, source) {
             (Subject::GapFill(gap_fill), _) => Known {
-                texts: vec![(ERROR, Error::ALL.map(Error::name).to_vec())],
+                texts: vec![(ERROR, Error::ALL.map(|error| error.name().to_owned()).to_vec())],
                 fillers: gap_fill.fillers.iter().map(|filler| filler.name.clone()).collect(),
                 numbers: &[DT_NU, AMPLITUDE_NOISE],
             },
-            (Subject::Allan(_), Source::Points) => Known { texts: vec![], fillers: vec![], numbers: &[TAU] },
+            (Subject::Allan(_), Source::Points | Source::Trajectories) => Known { texts: vec![], fillers: vec![], numbers: &[TAU] },
             (Subject::Allan(_), Source::Coefficients) => {
                 let names = Term::ALL.map(Term::symbol).into_iter().chain(["markov_time", "sine_frequency"]);
-                Known { texts: vec![(COEFFICIENT, names.collect())], fillers: vec![], numbers: &[] }
+                let names = names.map(str::to_owned).collect();
+                Known { texts: vec![(COEFFICIENT, names)], fillers: vec![], numbers: &[] }
             }
+            (Subject::SwitchedRun(run), source) => Known {
+                texts: vec![if source == Source::Trajectories {
+                    (RUN, (1..=run.trajectories).map(|number| number.to_string()).collect())
+                } else {
+                    (ANGLE, run.angles().iter().map(RunAngle::name).collect())
+                }],
+                fillers: run.fillers().iter().map(|filler| filler.name.clone()).collect(),
+                numbers: &[TIME],
+            },
         }
     }
 
@@ -109,7 +129,7 @@ fn input(
     let unit = |sweep: &Sweep| sweep.values.first().map_or(Unit::NONE, Swept::unit);
     let swept = sweeps.iter().map(|sweep| (sweep.key.name, unit(sweep)));
     let columns: Vec<Column> = swept
-        .chain(more.iter().map(|name| (*name, if *name == TAU { Unit::S } else { Unit::NONE })))
+        .chain(more.iter().map(|name| (*name, if [TAU, TIME].contains(name) { Unit::S } else { Unit::NONE })))
         .map(|(name, unit)| Column {
             name: name.to_owned(),
             label: name.to_owned(),
@@ -148,7 +168,7 @@ pub(super) fn row(
     } else if column == FILLER {
         text(FILLER, value, known.fillers.iter().map(String::as_str))?
     } else if let Some((column, values)) = of_texts() {
-        text(column, value, values.iter().copied())?
+        text(column, value, values.iter().map(String::as_str))?
     } else {
         // Whether the table has that τ shows when the chart is drawn without estimates.
         scalar::quantity(&column, value, &[Dimension::Time])?.cell()

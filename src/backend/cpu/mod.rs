@@ -212,7 +212,7 @@ impl Cpu {
         let Job { launch, block } = job;
         let empty = || vec![Moments::empty(histogram); launch.sampled.estimates()];
         // Pieces of an aligned block never straddle a multiple of 2^32, which the kernel asks for.
-        let most = (PIECE_STEPS / launch.sampled.steps().next_power_of_two()).max(64);
+        let most = (PIECE_STEPS / launch.steps().next_power_of_two()).max(64);
         (0..block.trials().div_ceil(most))
             .into_par_iter()
             .map(|piece| {

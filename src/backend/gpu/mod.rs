@@ -182,7 +182,7 @@ impl Gpu {
             let started = Instant::now();
             let parts = rest.take(self.tile);
             let trials: u64 = parts.iter().map(Part::trials).sum();
-            let steps = parts.iter().map(|part| part.trials() * part.launch.sampled.steps()).sum();
+            let steps = parts.iter().map(|part| part.trials() * part.launch.steps()).sum();
             let next =
                 if parts.is_empty() { None } else { Some((self.submit(parts, histogram)?, trials, steps)) };
             if let Some((tile, trials, steps)) = before.take() {
@@ -337,7 +337,7 @@ impl<'a> Rest<'a> {
             let first = block.first + self.done;
             // A piece has one upper half of trial numbers: it ends where the lower half does.
             let to_half = (1 << 32) - (first & u64::from(u32::MAX));
-            let steps = launch.sampled.steps();
+            let steps = launch.steps();
             let count = (room / steps).max(1).min(block.trials() - self.done).min(to_half);
             let piece = Piece { first, count, to: self.job };
             match parts.last_mut() {

@@ -14,6 +14,7 @@ use crate::kernel::philox::PURPOSES;
 use crate::kernel::power::{EXP2, LOG2};
 use crate::kernel::recipe::{self, Recipe};
 use crate::kernel::sine::SINE;
+use crate::kernel::switched_run;
 
 const WORD: &str = include_str!("../../../shaders/word.wgsl");
 const PHILOX: &str = include_str!("../../../shaders/philox.wgsl");
@@ -22,6 +23,7 @@ const SINE_: &str = include_str!("../../../shaders/sine.wgsl");
 const POWER: &str = include_str!("../../../shaders/power.wgsl");
 const MOTION: &str = include_str!("../../../shaders/motion.wgsl");
 const GAP_FILL: &str = include_str!("../../../shaders/gap_fill.wgsl");
+const SWITCHED_RUN: &str = include_str!("../../../shaders/switched_run.wgsl");
 const MOMENTS: &str = include_str!("../../../shaders/moments.wgsl");
 const NOISE: &str = include_str!("../../../shaders/noise.wgsl");
 const ALLAN: &str = include_str!("../../../shaders/allan.wgsl");
@@ -61,6 +63,7 @@ struct OfKernel {
 pub fn moments(sampled: Sampled, histogram: bool, variant: Variant) -> String {
     let own = match sampled {
         Sampled::GapFill(shape) => gap_fill(shape),
+        Sampled::SwitchedRun(shape) => switched_run(shape),
     };
     let estimates = sampled.estimates();
     let staged = STAGED_WORDS * variant.workgroup as usize;
@@ -122,6 +125,33 @@ fn gap_fill(shape: Shape) -> OfKernel {
         flags,
         places: shape::wgsl_places(shape),
         words: shape::word_count(shape),
+    }
+}
+
+fn switched_run(shape: switched_run::Shape) -> OfKernel {
+    OfKernel {
+        parts: vec![SINE_, SWITCHED_RUN],
+        constants: vec![
+            ("TONES", shape.tones),
+            // There is no array without elements.
+            ("TONE_ROOM", shape.tones.max(1)),
+            ("PHASE_BLOCKS", shape.tones.div_ceil(4)),
+            ("TIMES", shape.times),
+            ("FIRST_TIME", shape.first_time()),
+            ("ROW", shape.row()),
+        ],
+        flags: vec![
+            ("ENDS", shape.ends),
+            ("WALK", shape.walk),
+            ("NOISE", shape.noise),
+            ("SPREAD", shape.magnetic || shape.initial || shape.non_magnetic || shape.mode),
+            ("MAGNETIC", shape.magnetic),
+            ("INITIAL", shape.initial),
+            ("NON_MAGNETIC", shape.non_magnetic),
+            ("MODE", shape.mode),
+        ],
+        places: switched_run::shape::wgsl_places(shape),
+        words: switched_run::shape::word_count(shape),
     }
 }
 
@@ -312,6 +342,33 @@ mod tests {
         Shape { profile: true, every: true, in_gap: true, gap_ticks: 2, fillers: 2, ..PLAIN },
     ];
 
+    const RUN: switched_run::Shape = switched_run::Shape {
+        ends: true,
+        times: 0,
+        walk: false,
+        noise: false,
+        tones: 0,
+        magnetic: false,
+        initial: false,
+        non_magnetic: false,
+        mode: false,
+    };
+
+    const RUNS: [switched_run::Shape; 3] = [
+        RUN,
+        switched_run::Shape { ends: false, times: 4, walk: true, noise: true, tones: 1, mode: true, ..RUN },
+        switched_run::Shape {
+            tones: 8,
+            times: 1,
+            walk: true,
+            magnetic: true,
+            initial: true,
+            non_magnetic: true,
+            mode: true,
+            ..RUN
+        },
+    ];
+
     fn variants() -> impl Iterator<Item = Variant> {
         [(false, 32), (false, 64), (true, 64), (true, 128)].into_iter().map(|(int64, workgroup)| Variant {
             int64,
@@ -340,6 +397,9 @@ mod tests {
                 for histogram in [false, true] {
                     validate(&moments(Sampled::GapFill(shape), histogram, variant));
                 }
+            }
+            for shape in RUNS {
+                validate(&moments(Sampled::SwitchedRun(shape), true, variant));
             }
             for block in [map::PHILOX, map::NORMAL, map::SINE, map::POWER] {
                 validate(&super::map(&block, variant));

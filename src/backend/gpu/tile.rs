@@ -34,7 +34,7 @@ impl Part<'_> {
 
     /// Trials of a workgroup.
     fn trials_of_group(&self, workgroup: u32) -> u64 {
-        self.launch.sampled.most_rounds() * u64::from(workgroup)
+        self.launch.most_rounds() * u64::from(workgroup)
     }
 }
 

@@ -162,6 +162,7 @@ impl<'a> Plan<'a> {
         Tables {
             points: Table { columns: self.curve_columns() },
             coefficients: coefficients.map(|columns| Table { columns }),
+            trajectories: None,
         }
     }
 

@@ -36,6 +36,25 @@ pub struct Drift {
     pub residual_max: f64,
 }
 
+impl Drift {
+    /// What determines the draws but for the residual, key by key; what is absent has no line.
+    pub(crate) fn canonical(&self) -> String {
+        let all = [
+            ("magnetic", self.magnetic),
+            ("magnetic_spread", self.magnetic_spread),
+            ("warm_up_time", self.warm_up_s),
+            ("warm_up_time_spread", self.warm_up_spread),
+            ("non_magnetic", self.non_magnetic),
+            ("non_magnetic_spread", self.non_magnetic_spread),
+            ("initial_magnetic", self.initial_magnetic),
+            ("initial_magnetic_spread", self.initial_magnetic_spread),
+            ("angle_random_walk", self.angle_random_walk),
+        ];
+        let given = all.into_iter().filter(|(_, value)| *value != 0.0);
+        given.map(|(name, value)| format!("{name}={value:.11e}\n")).collect()
+    }
+}
+
 /// Declares the setting of a part.
 macro_rules! setting {
     ($name:ident, $key:literal, $label:literal, $dimension:ident, $limits:expr, $field:ident) => {

@@ -1,7 +1,7 @@
 //! `[switching]` as users write it.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use super::motion::Ends;
@@ -16,6 +16,12 @@ pub(in crate::study) struct SwitchingTable {
     #[serde(default)]
     #[schemars(with = "String", extend("examples" = ["40 s"]))]
     pub(in crate::study) interval: Option<Spanned<Scalar>>,
+    /// Of kind = "switched-run".
+    #[serde(default)]
+    pub(in crate::study) first_mode: FirstMode,
+    /// Of kind = "switched-run".
+    #[serde(default)]
+    pub(in crate::study) timing: Timing,
     /// Number n of lost ticks; they are numbered 1 … n.
     #[serde(default)]
     #[schemars(with = "i64", range(min = 1, max = 64))]
@@ -36,6 +42,28 @@ pub(in crate::study) struct SwitchingTable {
     #[serde(default)]
     #[schemars(with = "Vec<Error>", length(min = 1), extend("uniqueItems" = true))]
     pub(in crate::study) errors: Option<Spanned<Vec<Spanned<Error>>>>,
+}
+
+/// Sign of the magnetic drift in the first interval of a run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum FirstMode {
+    #[default]
+    Positive,
+    Negative,
+    /// Another in each run.
+    Random,
+}
+
+/// Where in the motion the switches of a run fall; where the motion has a fixed phase, always there.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Timing {
+    /// At random, each by itself.
+    #[default]
+    Random,
+    /// Exactly an interval apart, so that the phase goes on by as much from switch to switch; that of the first is random.
+    Periodic,
 }
 
 /// A filler with ticks of its own.

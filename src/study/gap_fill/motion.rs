@@ -74,6 +74,14 @@ pub struct Profile {
     pub position: Position,
 }
 
+impl Tone {
+    /// Whether what a filler leaves of it is a sine of its phase, or normal.
+    pub(in crate::study) fn is_plain(&self) -> bool {
+        let drawn = matches!(self.amplitude.value, Value::Uniform(_));
+        matches!(self.frequency, Frequency::Fixed(_)) && !drawn
+    }
+}
+
 impl Motion {
     /// One tone and nothing else.
     pub fn of_tone(tone: Tone) -> Motion {

@@ -1,0 +1,136 @@
+// One run of a gyro that switches modes: the angle that it has wrong at the end, at most, and at chosen times.
+// Twin of src/kernel/switched_run.rs, which gives the shape (TONES, TIMES, …) and the places of the parameters.
+
+@group(0) @binding(1) var<uniform> parameters: array<vec4<u32>, PARAMETER_VECTORS>;
+@group(0) @binding(5) var<storage, read> table: array<u32>;
+
+// The parameters in registers: loaded where they are used, they are loaded anew in every trial.
+var<private> p: array<u32, PARAMETER_WORDS>;
+
+fn load_parameters() {
+    //#for i in 0..PARAMETER_WORDS
+    p[i] = parameters[i / 4u][i % 4u];
+    //#end
+}
+
+fn bin_base(estimate: u32) -> u32 {
+    return p[BIN_BASE + estimate];
+}
+
+// What is drawn once for a run: deviations of A, Ω_m0, Ω_nm in standard deviations, 2^−28; negative where the first mode is the
+// other one; phase of each tone at the next switch; all that is random so far, 2^−32 LSB.
+struct Run {
+    deviation: vec3<u32>,
+    mode: u32,
+    phase: array<u32, TONE_ROOM>,
+    random: Wide,
+}
+
+fn start(address: Address) -> Run {
+    var run: Run;
+    run.random = wide(0u, 0u);
+    //#if SPREAD
+    let words = draw(address, RUN_DEVIATION, 0u);
+    run.deviation = vec3<u32>(normal(words[0]), normal(words[1]), normal(words[2]));
+    run.mode = words[3];
+    //#end
+    //#for block in 0..PHASE_BLOCKS
+    let phases = draw(address, RUN_PHASE, block);
+    for (var t = 4u * block; t < min(TONES, 4u * block + 4u); t++) {
+        run.phase[t] = phases[t % 4u] & p[RUN_SPREAD + t];
+    }
+    //#end
+    return run;
+}
+
+// The angle where a row of the table is, with `more` that is random since the last switch.
+fn angle(run: Run, row: u32, more: Wide) -> u32 {
+    let words = row * ROW;
+    var random = add_wide(add_wide(run.random, more), wide(0x80000000u, 0u));
+    var magnetic = wide(0u, 0u);
+    var at = words + 1u;
+    //#if MODE
+    at++;
+    //#end
+    //#if MAGNETIC
+    magnetic = add_wide(magnetic, mul_wide(run.deviation[0], table[at]));
+    at++;
+    //#end
+    //#if INITIAL
+    magnetic = add_wide(magnetic, mul_wide(run.deviation[1], table[at]));
+    at++;
+    //#end
+    //#if NON_MAGNETIC
+    random = add_wide(random, mul_wide(run.deviation[2], table[at]));
+    //#end
+    //#if MODE
+    let whole = high_word(magnetic) + table[words + 1u];
+    return table[words] + high_word(random) + with_sign(whole, run.mode);
+    //#else
+    return table[words] + high_word(add_wide(random, magnetic));
+    //#end
+}
+
+// The residual of the switch after interval `k`, 2^−32 LSB; `words` are those of the interval.
+fn residual(run: ptr<function, Run>, address: Address, k: u32, words: vec4<u32>) -> Wide {
+    var residual = wide(p[CONSTANT], p[CONSTANT + 1u]);
+    //#if NOISE
+    residual = add_wide(residual, mul_wide(normal(words[1]), p[NOISE]));
+    //#end
+    var more = words;
+    //#for t in 0..TONES
+    {
+        if t >= 2u && t % 4u == 2u {
+            more = draw(address, SWITCH_PHASE + t / 4u, k);
+        }
+        let drawn = more[(t + 2u) % 4u] & p[SWITCH_SPREAD + t];
+        residual = add_wide(residual, mul_wide(sine((*run).phase[t] + drawn), p[AMPLITUDE + t]));
+        (*run).phase[t] += p[PHASE_STEP + t];
+    }
+    //#end
+    return residual;
+}
+
+fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
+    let address = Address(low, high, schedule(vec2<u32>(p[KEY], p[KEY + 1u])));
+    let intervals = p[INTERVALS];
+    var run = start(address);
+    var error: array<u32, ESTIMATES>;
+    let nothing = wide(0u, 0u);
+    for (var k = 0u; k < intervals; k++) {
+        let words = draw(address, INTERVAL, k);
+        let is_last = k + 1u == intervals;
+        //#if WALK
+        let step = normal(words[0]);
+        //#end
+        //#for t in 0..TIMES
+        if p[TIME_INTERVAL + t] == k {
+            var part = nothing;
+            //#if WALK
+            let bridge = normal(draw(address, BRIDGE, k)[0]);
+            part = add_wide(mul_wide(step, p[TIME_WALK + t]), mul_wide(bridge, p[TIME_BRIDGE + t]));
+            //#end
+            error[FIRST_TIME + t] = angle(run, intervals + t, part);
+        }
+        //#end
+        //#if WALK
+        run.random = add_wide(run.random, mul_wide(step, select(p[WALK], p[WALK + 1u], is_last)));
+        //#end
+        let before = angle(run, k, nothing);
+        //#if ENDS
+        error[0] = before;
+        error[1] = largest(error[1], before);
+        //#end
+        if !is_last {
+            run.random = add_wide(run.random, residual(&run, address, k, words));
+            //#if ENDS
+            error[1] = largest(error[1], angle(run, k, nothing));
+            //#end
+        }
+    }
+    return error;
+}
+
+fn largest(most: u32, angle: u32) -> u32 {
+    return bitcast<u32>(max(bitcast<i32>(most), bitcast<i32>(with_sign(angle, angle))));
+}

@@ -1,0 +1,84 @@
+//! What a launch of the switched-run kernel has, its parameter words and its table.
+
+use crate::kernel::parameters::parameters;
+
+/// Most tones of the motion at a switch.
+pub const MAX_TONES: usize = crate::kernel::gap_fill::shape::MAX_TONES;
+
+/// Most switches and so many intervals of a run, but one.
+pub const MOST_INTERVALS: usize = crate::kernel::launch::MOST_STEPS as usize;
+
+/// What a launch has, and how much of it: what a shader is specialised for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Shape {
+    /// Whether the angle at the end and the largest one are estimated: the first two estimates.
+    pub ends: bool,
+    /// Times at which the angle is estimated besides.
+    pub times: usize,
+    /// Whether there is an angle random walk.
+    pub walk: bool,
+    /// Whether residuals of switches have a normal part.
+    pub noise: bool,
+    pub tones: usize,
+    /// Which parts of the drift differ from run to run: A, Ω_m0, Ω_nm.
+    pub magnetic: bool,
+    pub initial: bool,
+    pub non_magnetic: bool,
+    /// Whether the first mode is drawn.
+    pub mode: bool,
+}
+
+impl Shape {
+    /// Number of estimates: at the end, the largest, at each of the times.
+    pub fn estimates(self) -> usize {
+        self.first_time() + self.times
+    }
+
+    /// The first estimate at a time.
+    pub fn first_time(self) -> usize {
+        if self.ends { 2 } else { 0 }
+    }
+
+    /// Words of a row of the table.
+    pub fn row(self) -> usize {
+        let words = [self.mode, self.magnetic, self.initial, self.non_magnetic];
+        1 + words.into_iter().filter(|has| *has).count()
+    }
+}
+
+/// `count` where `wanted`, else none.
+#[inline(always)]
+fn only(wanted: bool, count: usize) -> usize {
+    if wanted { count } else { 0 }
+}
+
+// The table has a row for each interval, about its end, then one for each time: the angle that the drift has come to, LSB, and
+// where the first mode is drawn the magnetic part of it apart; then what a standard deviation of A, of Ω_m0 and of Ω_nm adds,
+// 2^−4 LSB.
+parameters! {
+    /// Key of the random words.
+    key: |_| 2,
+    /// Intervals of the run; there is a switch after each but the last.
+    intervals: |_| 1,
+    /// Standard deviation of the random walk over an interval and over the last one, 2^−4 LSB.
+    walk: |shape: Shape| only(shape.walk, 2),
+    /// Standard deviation of the normal part of a residual, 2^−4 LSB.
+    noise: |shape: Shape| only(shape.noise, 1),
+    /// What every residual has, 2^−32 LSB, two words.
+    constant: |_| 2,
+    /// Residual of a tone at sine 1, 2^−2 LSB.
+    amplitude: |shape: Shape| shape.tones,
+    /// How far the phase goes on from switch to switch, 2^32 to the turn.
+    phase_step: |shape: Shape| shape.tones,
+    /// All bits where the phase is drawn for each switch, else none; and for the whole run.
+    switch_spread: |shape: Shape| shape.tones,
+    run_spread: |shape: Shape| shape.tones,
+    /// The interval that each time is in.
+    time_interval: |shape: Shape| shape.times,
+    /// Standard deviation of what the interval's random walk has come to at the time as a part of the whole, and of the rest,
+    /// 2^−4 LSB.
+    time_walk: |shape: Shape| only(shape.walk, shape.times),
+    time_bridge: |shape: Shape| only(shape.walk, shape.times),
+    /// Where each estimate's histogram starts.
+    bin_base: |shape: Shape| shape.estimates(),
+}

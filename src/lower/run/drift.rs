@@ -1,0 +1,63 @@
+//! The drift of a run in closed form, ″: what is the same in all runs, and how it deviates.
+
+use crate::study::{FirstMode, RunPoint, SwitchedRun};
+use crate::theory::drift::{signed_decay, signed_time, switches};
+
+/// The angle of the drift at a moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Row {
+    pub(super) time_s: f64,
+    /// Switches before it.
+    pub(super) switches: usize,
+    /// What does not change its sign with the mode.
+    pub(super) non_magnetic: f64,
+    pub(super) magnetic: f64,
+    /// What a standard deviation of A, Ω_m0 and Ω_nm adds.
+    pub(super) deviations: [f64; 3],
+}
+
+/// The drift of a point: at the end of each interval, and at each of the study's times.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Drift {
+    pub(super) ends: Vec<Row>,
+    pub(super) times: Vec<Row>,
+}
+
+impl Drift {
+    pub(super) fn of(point: &RunPoint, study: &SwitchedRun) -> Drift {
+        let (interval_s, duration_s) = (point.schedule.interval_s, point.schedule.duration_s);
+        let intervals = point.switches() + 1;
+        let ends = (1..=intervals).map(|k| (k as f64 * interval_s).min(duration_s));
+        // A run of whole intervals ends with the last, whatever its product with their number rounds to.
+        let end = |(k, time_s): (usize, f64)| {
+            let at = if k as u64 + 1 == intervals { duration_s } else { time_s };
+            row(point, study.first_mode, at, k)
+        };
+        let at = |&time_s: &f64| row(point, study.first_mode, time_s, switches(interval_s, time_s) as usize);
+        Drift {
+            ends: ends.enumerate().map(end).collect(),
+            times: study.times.iter().map(at).collect(),
+        }
+    }
+}
+
+fn row(point: &RunPoint, first_mode: FirstMode, time_s: f64, switches: usize) -> Row {
+    let drift = &point.drift;
+    let interval_s = point.schedule.interval_s;
+    let sign = if first_mode == FirstMode::Negative { -1.0 } else { 1.0 };
+    let held = sign * signed_time(interval_s, time_s);
+    // Without warm-up all of A is there from the start.
+    let warmed =
+        if drift.warm_up_s > 0.0 { held - sign * signed_decay(interval_s, drift.warm_up_s, time_s) } else { held };
+    Row {
+        time_s,
+        switches,
+        non_magnetic: drift.non_magnetic * time_s,
+        magnetic: drift.magnetic * warmed + drift.initial_magnetic * held,
+        deviations: [
+            drift.magnetic_spread * warmed,
+            drift.initial_magnetic_spread * held,
+            drift.non_magnetic_spread * time_s,
+        ],
+    }
+}

@@ -1,0 +1,143 @@
+//! Lowering whole runs: the drift of each filler's runs in closed form, row by row, and what is random on top.
+//!
+//! Every part is held to a unit of 2^−29 of the largest angle that a run can reach, or finer.
+
+mod drift;
+mod fixed;
+mod launch;
+mod oracle;
+
+pub use oracle::RunOracle;
+
+use super::{LowerError, Lowered, Residual, definition, words_of};
+use crate::id::Id;
+use crate::kernel::moments::level;
+use crate::kernel::switched_run;
+use crate::store::Address;
+use crate::study::{Error, Filler, RunAngle, RunPoint, Schedule, Streams, SwitchedRun};
+use drift::Drift;
+use fixed::Fixed;
+
+/// A point of a study of whole runs, ready to be sampled.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoweredRun {
+    pub id: Id,
+    /// In the order of the study's fillers; one where it has none.
+    pub fillers: Vec<FilledRun>,
+}
+
+/// The runs of a point with one filler.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FilledRun {
+    key: [u32; 2],
+    fixed: Fixed,
+    /// What a switch leaves.
+    pub residual: Residual,
+    /// In the order of the study's angles.
+    pub estimates: Vec<RunEstimate>,
+    /// Where trajectories are kept.
+    pub trajectory: Address,
+}
+
+/// One angle of the runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunEstimate {
+    pub angle: RunAngle,
+    pub address: Address,
+    /// Absent of the largest, which has no closed form.
+    pub oracle: Option<RunOracle>,
+    /// ″ per unit of the tally.
+    pub unit_arcsec: f64,
+    /// Where its histogram starts.
+    pub bin_base: u32,
+}
+
+impl LoweredRun {
+    /// Lowers a point of a study with this seed.
+    ///
+    /// # Errors
+    /// The switch cannot be represented: see [`LowerError`].
+    pub fn new(
+        point: &RunPoint,
+        study: &SwitchedRun,
+        seed: u64,
+        streams: Streams,
+    ) -> Result<LoweredRun, LowerError> {
+        let residuals = residuals(point, study, seed, streams)?;
+        let id = id(point, study, residuals.id, seed, streams);
+        let key = match streams {
+            Streams::Independent => id.key(),
+            Streams::Common => Id::of(&format!("streams\nkind=switched-run\nseed={seed}\n")).key(),
+        };
+        let drift = Drift::of(point, study);
+        let filled = |(definition, residual): (String, Residual)| {
+            let fixed = Fixed::new(&drift, &residual, point, study);
+            let of = |angle: String, more: Vec<u32>| {
+                let estimate = Id::of(&format!("estimate\nfiller={definition}\nangle={angle}\n"));
+                let words = [switched_run::VERSION, key[0], key[1]].into_iter().chain(fixed.words());
+                Address { point: id, estimate, digest: Id::of_words(words.chain(more)) }
+            };
+            let estimate = |(place, angle): (usize, RunAngle)| {
+                let oracle = fixed.oracle(angle, place);
+                let bin_base = level((0.25 * fixed.expected_rms(oracle)) as u32);
+                let more = fixed.time_words(place).into_iter().chain([bin_base]);
+                RunEstimate {
+                    angle,
+                    address: of(angle.name(), more.chain(words_of(fixed.lsb_arcsec)).collect()),
+                    oracle,
+                    unit_arcsec: fixed.lsb_arcsec,
+                    bin_base,
+                }
+            };
+            let estimates = study.angles().into_iter().enumerate().map(estimate).collect();
+            let trajectory = of("trajectory".to_owned(), words_of(fixed.lsb_arcsec).to_vec());
+            FilledRun { key, estimates, trajectory, fixed, residual }
+        };
+        Ok(LoweredRun { id, fillers: residuals.of_fillers.into_iter().map(filled).collect() })
+    }
+}
+
+/// The residual of each filler by what the filler is, and the identity of the switch.
+struct Residuals {
+    id: String,
+    of_fillers: Vec<(String, Residual)>,
+}
+
+fn residuals(
+    point: &RunPoint,
+    study: &SwitchedRun,
+    seed: u64,
+    streams: Streams,
+) -> Result<Residuals, LowerError> {
+    let Some(fill) = &point.fill else {
+        let amplitude_arcsec = point.drift.residual_max;
+        let tone = super::residual::ResidualTone { amplitude_arcsec, tone: 0 };
+        let tones = if amplitude_arcsec > 0.0 { vec![tone] } else { vec![] };
+        let residual = Residual { tones, ..Residual::default() };
+        let id = format!("residual_max={amplitude_arcsec:.11e}");
+        return Ok(Residuals { id, of_fillers: vec![("none".to_owned(), residual)] });
+    };
+    let lowered = Lowered::new(fill, study.fillers(), &[Error::Residual], seed, streams)?;
+    // Delivered with the ticks, besides what it does to the filler.
+    let relock: f64 = fill.inputs.relock.iter().sum();
+    let of_filler = |(place, filler): (usize, &Filler)| {
+        let mut residual = lowered.residual(place).unwrap_or_default();
+        residual.constant_arcsec += relock;
+        (format!("{} ticks={:?}", definition(filler), fill.fills[place].fit_ticks), residual)
+    };
+    let of_fillers = study.fillers().iter().enumerate().map(of_filler).collect();
+    Ok(Residuals { id: lowered.id.to_string(), of_fillers })
+}
+
+/// The identity of what determines the draws and what they are added to.
+fn id(point: &RunPoint, study: &SwitchedRun, switch: String, seed: u64, streams: Streams) -> Id {
+    let Schedule { interval_s, duration_s } = point.schedule;
+    Id::of(&format!(
+        "point\nkind=switched-run\nseed={seed}\nstreams={}\ninterval_s={interval_s:.11e}\nduration_s={duration_s:.11e}\n\
+         first_mode={:?}\ntiming={:?}\nswitch={switch}\n{}",
+        streams.name(),
+        study.first_mode,
+        study.timing,
+        point.drift.canonical(),
+    ))
+}

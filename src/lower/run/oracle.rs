@@ -1,0 +1,91 @@
+//! What angles of runs come to exactly, for the lowered parameters.
+
+use core::f64::consts::PI;
+
+use super::fixed::{Fixed, FixedRow};
+use crate::lower::fixed::{ANGLE_UNITS, SIGMA_UNITS};
+use crate::study::RunAngle;
+
+/// Mean and standard deviation of an angle, ″.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunOracle {
+    pub mean: f64,
+    pub deviation: f64,
+    /// No sampled mean or rms is farther away than this for rounding in the kernel.
+    pub rounding: f64,
+}
+
+impl RunOracle {
+    pub fn rms(&self) -> f64 {
+        libm::hypot(self.mean, self.deviation)
+    }
+}
+
+impl Fixed {
+    /// Of an angle of the study at its `place`.
+    pub(super) fn oracle(&self, angle: RunAngle, place: usize) -> Option<RunOracle> {
+        match angle {
+            RunAngle::Largest => None,
+            RunAngle::End => {
+                let [whole, last] = self.walk.map(square);
+                let walk = (self.ends.len() - 1) as f64 * whole + last;
+                self.ends.last().map(|row| self.at(row, walk))
+            }
+            RunAngle::At(_) => {
+                let time = place.checked_sub(2).and_then(|time| self.times.get(time))?;
+                let walk = time.row.switches as f64 * square(self.walk[0])
+                    + square(time.walk)
+                    + square(time.bridge);
+                Some(self.at(&time.row, walk))
+            }
+        }
+    }
+
+    /// Where the drift is at `row`, with so much variance of the random walk, LSB².
+    fn at(&self, row: &FixedRow, walk: f64) -> RunOracle {
+        let switches = row.switches as f64;
+        let constant = self.constant as f64 / libm::exp2(32.0);
+        let deviations: f64 = row.deviations.iter().map(|&word| square(word.unsigned_abs())).sum();
+        let mut variance = walk + deviations + switches * square(self.noise);
+        for tone in &self.tones {
+            let amplitude = f64::from(tone.amplitude) / ANGLE_UNITS;
+            let times = if tone.each { switches } else { in_phase(tone.step, row.switches) };
+            variance += 0.5 * amplitude * amplitude * times;
+        }
+        let drawn = f64::from(row.magnetic);
+        RunOracle {
+            mean: (f64::from(row.angle) + switches * constant) * self.lsb_arcsec,
+            deviation: libm::sqrt(variance + drawn * drawn) * self.lsb_arcsec,
+            rounding: 2.0 * self.lsb_arcsec,
+        }
+    }
+
+    /// About the rms of an angle, LSB: where it is not known, the most at the end of any interval.
+    pub(super) fn expected_rms(&self, oracle: Option<RunOracle>) -> f64 {
+        match oracle {
+            Some(oracle) => oracle.rms() / self.lsb_arcsec,
+            None => {
+                let walk = |row: &FixedRow| (row.switches + 1) as f64 * square(self.walk[0]);
+                let rms = |row: &FixedRow| self.at(row, walk(row)).rms() / self.lsb_arcsec;
+                self.ends.iter().map(rms).fold(0.0, f64::max)
+            }
+        }
+    }
+}
+
+/// The square of a standard deviation in 2^−4 LSB, LSB².
+fn square(word: u32) -> f64 {
+    let sigma = f64::from(word) / SIGMA_UNITS;
+    sigma * sigma
+}
+
+/// |Σ_{j<n} e^{2πi·j·step}|².
+fn in_phase(step: u32, n: usize) -> f64 {
+    let half = PI * f64::from(step) / libm::exp2(32.0);
+    let n = n as f64;
+    if step == 0 {
+        return n * n;
+    }
+    let ratio = libm::sin(n * half) / libm::sin(half);
+    ratio * ratio
+}

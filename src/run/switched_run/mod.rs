@@ -1,0 +1,115 @@
+//! Running a study of whole runs: what the store lacks is sampled, trajectories of the first runs besides.
+
+mod rows;
+mod trajectories;
+
+use std::time::Instant;
+
+use super::sampling::{Work, lacking, sample};
+use super::{Done, NORMAL_95, Progress, RunError, Tables};
+use crate::backend::Device;
+use crate::block::base_log2;
+use crate::id::Id;
+use crate::lower::{FilledRun, LowerError, LoweredRun};
+use crate::store::{Store, StoreError};
+use crate::study::{RunPoint, Study, StudyError, SwitchedRun};
+
+/// A study whose every point is proven to fit.
+#[derive(Debug)]
+pub(super) struct Plan<'a> {
+    study: &'a Study,
+    runs: &'a SwitchedRun,
+    points: Vec<LoweredRun>,
+}
+
+impl<'a> Plan<'a> {
+    /// Lowers every point.
+    pub(super) fn new(study: &'a Study, runs: &'a SwitchedRun) -> Result<Plan<'a>, StudyError> {
+        let lower = |point: &RunPoint| {
+            LoweredRun::new(point, runs, study.seed, study.streams)
+                .map_err(|error| refused(study, point, &error))
+        };
+        let points = runs.points.iter().map(lower).collect::<Result<_, _>>()?;
+        Ok(Plan { study, runs, points })
+    }
+
+    /// Samples what the store lacks. `progress` hears how many trials there are in all and, as it comes, what is done.
+    pub(super) fn run(
+        &self,
+        store: &mut Store,
+        device: &mut Device,
+        progress: &(dyn Progress + Sync),
+    ) -> Result<Done, RunError> {
+        let trials = self.study.trials;
+        let started = Instant::now();
+        let work = self.missing(store)?;
+        let left: u64 = work.iter().map(Work::trials).sum();
+        let launches: u64 = self.filled().map(|filled| filled.launches().len() as u64).sum();
+        progress.start("trials", (launches * trials).saturating_sub(left), (launches * trials).max(left));
+        sample(&work, store, device, progress, started)?;
+        trajectories::keep(self, store)?;
+        Ok(Done { trials: left, seconds: started.elapsed().as_secs_f64(), degraded: None })
+    }
+
+    /// What the store lacks.
+    fn missing(&self, store: &Store) -> Result<Vec<Work>, StoreError> {
+        let trials = self.study.trials;
+        let mut all = Vec::new();
+        for filled in self.filled() {
+            for (launch, places) in filled.launches() {
+                let addresses: Vec<_> =
+                    places.iter().map(|&place| filled.estimates[place].address).collect();
+                let blocks = lacking(store, &addresses, trials, base_log2(trials))?;
+                if !blocks.is_empty() {
+                    all.push(Work { launch, addresses, blocks });
+                }
+            }
+        }
+        Ok(all)
+    }
+
+    /// The runs of all points and fillers.
+    fn filled(&self) -> impl Iterator<Item = &FilledRun> {
+        self.points.iter().flat_map(|point| &point.fillers)
+    }
+
+    /// The tables before anything is sampled.
+    pub(super) fn blank_tables(&self) -> Tables {
+        let trajectories = (self.runs.trajectories > 0).then(|| trajectories::blank(self));
+        Tables { trajectories, ..Tables::of_points(self.blank_table()) }
+    }
+
+    /// All that is held.
+    pub(super) fn tables(&self, store: &Store) -> Result<Tables, StoreError> {
+        let trajectories =
+            (self.runs.trajectories > 0).then(|| trajectories::table(self, store)).transpose()?;
+        Ok(Tables { trajectories, ..Tables::of_points(self.table(store)?) })
+    }
+
+    /// Trials that every estimate has, where all have the same number.
+    pub(super) fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
+        let mut held = None;
+        for estimate in self.filled().flat_map(|filled| &filled.estimates) {
+            let trials = store.total(&estimate.address)?.count;
+            if *held.get_or_insert(trials) != trials {
+                return Ok(None);
+            }
+        }
+        Ok(held)
+    }
+
+    /// The identities of all points.
+    pub(super) fn ids(&self) -> Vec<Id> {
+        self.points.iter().map(|point| point.id).collect()
+    }
+
+    /// What should be known besides the results.
+    pub(super) fn notes(&self) -> Vec<String> {
+        trajectories::thinned(self).into_iter().collect()
+    }
+}
+
+/// The error of a point that cannot be sampled, at the key of the study that has to change.
+fn refused(study: &Study, point: &RunPoint, error: &LowerError) -> StudyError {
+    super::refused(study, &point.swept, error.key(), &error.to_string(), error.help())
+}

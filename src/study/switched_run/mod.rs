@@ -1,0 +1,194 @@
+//! Studies of whole runs of a gyro that switches modes.
+
+mod point;
+mod times;
+
+use std::path::Path;
+
+use toml::Spanned;
+
+pub use point::Point;
+
+use super::diagnose::{Fault, Wrong};
+use super::drift::{self, Drift};
+use super::file::StudyFile;
+use super::file::drift::DriftTable;
+use super::file::switching::SwitchingTable;
+use super::gap_fill::{self, Filler, GapFill};
+use super::key::Key;
+use super::place::Places;
+use super::scalar;
+use super::sweep::Sweep;
+use super::{needed, needed_key};
+use crate::table::significant;
+
+pub use super::file::switching::{FirstMode, Timing};
+
+/// What a study of whole runs asks.
+#[derive(Debug, Clone)]
+pub struct SwitchedRun {
+    /// The switch and its fillers; absent where the residual is given by its largest value, or there is none.
+    pub fill: Option<GapFill>,
+    pub first_mode: FirstMode,
+    pub timing: Timing,
+    /// Times at which the angle is wanted besides the end, s, each once.
+    pub times: Vec<f64>,
+    /// Runs of each point and filler that are kept as trajectories.
+    pub trajectories: u64,
+    /// All points, in order; without a sweep the one that is written.
+    pub points: Vec<Point>,
+    /// What is rounded or left out, each in a sentence.
+    pub notes: Vec<String>,
+}
+
+/// Which angle of a run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Angle {
+    /// At the end.
+    End,
+    /// The largest, just before or after a switch or at the end.
+    Largest,
+    /// At a time, s.
+    At(f64),
+}
+
+impl Angle {
+    /// As tables call it.
+    pub fn name(&self) -> String {
+        match self {
+            Angle::End => "end".to_owned(),
+            Angle::Largest => "largest".to_owned(),
+            Angle::At(time_s) => format!("at {} s", significant(*time_s, 12)),
+        }
+    }
+}
+
+impl SwitchedRun {
+    /// The angles that are estimated, in the order of tables.
+    pub fn angles(&self) -> Vec<Angle> {
+        [Angle::End, Angle::Largest].into_iter().chain(self.times.iter().map(|&time| Angle::At(time))).collect()
+    }
+
+    /// The fillers to compare; none where the residual is given by its largest value.
+    pub fn fillers(&self) -> &[Filler] {
+        self.fill.as_ref().map_or(&[], |fill| &fill.fillers)
+    }
+}
+
+/// Most runs that are kept as trajectories.
+const MOST_TRAJECTORIES: i64 = 1000;
+
+/// Every key that a sweep may vary.
+pub(super) fn keys() -> Vec<&'static Key> {
+    let drift = drift::SETTINGS.iter().map(|setting| &setting.key);
+    let schedule = drift::SCHEDULE_SETTINGS.iter().map(|setting| &setting.key);
+    schedule.chain(drift).chain(gap_fill::keys()).collect()
+}
+
+/// Reads what is of this kind in a file, and notes where it stands.
+pub(super) fn read(
+    file: &StudyFile,
+    sweeps: &[Sweep],
+    folder: &Path,
+    places: &mut Places,
+) -> Result<SwitchedRun, Wrong> {
+    let switching = needed(file.switching.as_ref(), "switching", file)?;
+    let run = needed(file.run.as_ref(), "run", file)?;
+    refuse_keys(file, switching.get_ref())?;
+    let interval = needed_key(switching.get_ref().interval.as_ref(), "switching.interval", switching)?;
+    let schedule = drift::read_schedule(Some(interval), &run.get_ref().duration, places)?;
+    let nothing = DriftTable::default();
+    let table = file.drift.as_ref().map_or(&nothing, Spanned::get_ref);
+    let drift = drift::read(table, places)?;
+    if let Some(table) = &file.drift {
+        places.add("drift", table.span());
+    }
+    let fill = read_fill(file, switching, &drift, sweeps, folder, places)?;
+    let times = times::read(run.get_ref().times.as_ref(), places)?;
+    let trajectories = match &run.get_ref().trajectories {
+        Some(given) => scalar::whole("run.trajectories", given, 0..=MOST_TRAJECTORIES)?.cast_unsigned(),
+        None => 0,
+    };
+    let base = point::Base { drift, schedule, fill: fill.as_ref(), times: &times, places, sweeps };
+    let (points, rounded) = base.points()?;
+    let fill_notes = fill.as_ref().map_or(&[][..], |fill| &fill.notes);
+    let notes = rounded.into_iter().chain(fill_notes.iter().cloned()).chain(fill.as_ref().and_then(normal));
+    Ok(SwitchedRun {
+        first_mode: switching.get_ref().first_mode,
+        timing: switching.get_ref().timing,
+        notes: notes.collect(),
+        fill,
+        times,
+        trajectories,
+        points,
+    })
+}
+
+/// Refuses what only studies of one switch have.
+fn refuse_keys(file: &StudyFile, switching: &SwitchingTable) -> Result<(), Fault> {
+    let refuse = |place, key: &str, help: &str| {
+        let message = format!("{key} is no key of a study of kind = \"switched-run\"");
+        Err(Fault::new(place, message, "not of this kind", help))
+    };
+    if let Some(precision) = &file.precision {
+        return refuse(precision.span(), "precision", "leave it out: trials says how many runs are made");
+    }
+    if let Some(errors) = &switching.errors {
+        return refuse(errors.span(), "switching.errors", "leave it out: what adds up are residuals");
+    }
+    Ok(())
+}
+
+/// The switch, where fillers are given.
+fn read_fill(
+    file: &StudyFile,
+    switching: &Spanned<SwitchingTable>,
+    drift: &Drift,
+    sweeps: &[Sweep],
+    folder: &Path,
+    places: &mut Places,
+) -> Result<Option<GapFill>, Wrong> {
+    let SwitchingTable { gap_ticks, fillers, .. } = switching.get_ref();
+    if fillers.is_some() {
+        if drift.residual_max != 0.0 || sweeps.iter().any(|sweep| sweep.key.name == "drift.residual_max") {
+            let place = places.blame(sweeps, &["drift.residual_max"]);
+            let message = "drift.residual_max stands beside switching.fillers, which give the residual";
+            let help = "leave drift.residual_max out, or take [gyro], [motion] and fillers out";
+            return Err(Fault::new(place, message, "a second residual", help).into());
+        }
+        return Ok(Some(gap_fill::read(file, sweeps, folder, places)?));
+    }
+    let of_fill = [
+        ("[gyro]", file.gyro.as_ref().map(Spanned::span)),
+        ("[motion]", file.motion.as_ref().map(Spanned::span)),
+        ("[noise]", file.noise.as_ref().map(Spanned::span)),
+        ("switching.gap_ticks", gap_ticks.as_ref().map(Spanned::span)),
+    ];
+    if let Some((name, Some(place))) = of_fill.into_iter().find(|(_, place)| place.is_some()) {
+        let message = format!("{name} says how residuals come about, but switching.fillers is missing");
+        let help = "add fillers = [\"const\", \"quadratic\"] to [switching], or leave it out and give drift.residual_max";
+        return Err(Fault::new(place, message, "of no use without fillers", help).into());
+    }
+    let of_gap_fill: Vec<&str> = gap_fill::keys().iter().map(|key| key.name).collect();
+    for (sweep, table) in sweeps.iter().zip(&file.sweep) {
+        if of_gap_fill.contains(&sweep.key.name) {
+            let message = format!("{} is swept, but there are no fillers", sweep.key.name);
+            let help = "add [gyro], [motion] and switching.fillers, or sweep a key of [drift], [run] or [switching]";
+            return Err(Fault::new(table.key.span(), message, "not in this study", help).into());
+        }
+    }
+    Ok(None)
+}
+
+/// That the residuals of some motions are taken as normally distributed.
+fn normal(fill: &GapFill) -> Option<String> {
+    let motions = || fill.points.iter().map(|point| &point.inputs.motion);
+    let drawn = motions().any(|motion| motion.tones.iter().any(|tone| !tone.is_plain()));
+    let profile = motions().any(|motion| motion.profile.is_some());
+    let what = match (drawn, profile) {
+        (false, false) => return None,
+        (true, _) => "tones whose amplitude or frequency is drawn",
+        (false, true) => "a recorded profile",
+    };
+    Some(format!("residuals of {what} are taken as normally distributed, with their own mean and variance"))
+}

@@ -1,0 +1,132 @@
+//! Points of a study of whole runs, each checked as a whole.
+
+use crate::kernel::switched_run::shape::MOST_INTERVALS;
+use crate::study::diagnose::Fault;
+use crate::study::drift::{self, Drift, Schedule};
+use crate::study::gap_fill::{self, GapFill};
+use crate::study::key::Swept;
+use crate::study::place::Places;
+use crate::study::sweep::{self, Sweep};
+use crate::study::units::round_12;
+use crate::table::significant;
+use crate::theory::drift::switches;
+
+/// By how much of itself an interval may miss a whole number of ticks, of which decimal fractions have not all.
+const WHOLE: f64 = 1e-9;
+
+/// One combination of swept values, with all that follows from it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Place in the order of points; the first sweep changes slowest.
+    pub index: usize,
+    /// Name of each swept key, and its value here, in the order of the sweeps.
+    pub swept: Vec<(&'static str, Swept)>,
+    pub drift: Drift,
+    /// Of whole ticks.
+    pub schedule: Schedule,
+    /// The switch; absent where the residual is given by its largest value.
+    pub fill: Option<gap_fill::Point>,
+}
+
+impl Point {
+    /// Switches of the run.
+    pub fn switches(&self) -> u64 {
+        switches(self.schedule.interval_s, self.schedule.duration_s) as u64
+    }
+}
+
+/// What all points share, with the places to blame.
+pub(super) struct Base<'a> {
+    pub(super) drift: Drift,
+    pub(super) schedule: Schedule,
+    pub(super) fill: Option<&'a GapFill>,
+    pub(super) times: &'a [f64],
+    pub(super) places: &'a Places,
+    pub(super) sweeps: &'a [Sweep],
+}
+
+impl Base<'_> {
+    /// All points, in order, and how intervals were rounded.
+    pub(super) fn points(&self) -> Result<(Vec<Point>, Option<String>), Fault> {
+        let (mut points, mut rounded) = (Vec::new(), Vec::new());
+        for index in 0..sweep::points(self.sweeps) {
+            let point = self.point(index, &mut rounded)?;
+            points.push(point);
+        }
+        rounded.dedup();
+        let note = rounded.first().map(|first| match rounded.len() - 1 {
+            0 => format!("switching.interval is rounded to whole ticks: {first}"),
+            others => format!("switching.interval is rounded to whole ticks: {first}, and {others} others"),
+        });
+        Ok((points, note))
+    }
+
+    fn point(&self, index: usize, rounded: &mut Vec<String>) -> Result<Point, Fault> {
+        let swept = sweep::values_at(self.sweeps, index);
+        let (mut drift, mut schedule) = (self.drift.clone(), self.schedule);
+        sweep::set(&mut drift, &drift::SETTINGS, &swept);
+        sweep::set(&mut schedule, &drift::SCHEDULE_SETTINGS, &swept);
+        let fill = self.fill.map(|fill| fill.points[index].clone());
+        if let Some(fill) = &fill {
+            schedule.interval_s = self.whole_ticks(schedule.interval_s, fill, rounded)?;
+        }
+        schedule.check(self.places, self.sweeps)?;
+        self.check(&drift, schedule)?;
+        Ok(Point { index, swept, drift, schedule, fill })
+    }
+
+    /// The nearest interval of whole ticks.
+    fn whole_ticks(
+        &self,
+        interval_s: f64,
+        fill: &gap_fill::Point,
+        rounded: &mut Vec<String>,
+    ) -> Result<f64, Fault> {
+        let tick_s = fill.inputs.tick_s;
+        let ticks = libm::round(interval_s / tick_s);
+        let whole_s = round_12(ticks * tick_s);
+        if (whole_s - interval_s).abs() > WHOLE * interval_s {
+            rounded.push(format!("{} s to {} s", significant(interval_s, 9), significant(whole_s, 9)));
+        }
+        let n = fill.inputs.gap_ticks as i32;
+        let ends = fill.fills.iter().flat_map(|fill| &fill.fit_ticks).fold([0, n], |[first, last], &tick| {
+            [first.min(tick), last.max(tick)]
+        });
+        let used = f64::from(ends[1] - ends[0] + 1);
+        if ticks >= used {
+            return Ok(whole_s);
+        }
+        let [interval, least] = [interval_s, used * tick_s].map(|time| significant(time, 6));
+        let message = format!("a switching interval of {interval} s is shorter than the ticks round a switch");
+        let place = self.places.blame(self.sweeps, &["switching.interval", "switching.fit_ticks"]);
+        Err(Fault::new(place, message, "too short", format!("accepted: {least} s and more with these fit ticks")))
+    }
+
+    /// Limits that need more than one value.
+    fn check(&self, drift: &Drift, schedule: Schedule) -> Result<(), Fault> {
+        let refuse = |names: &[&str], message: String, label: &str, help: &str| {
+            Err(Fault::new(self.places.blame(self.sweeps, names), message, label, help))
+        };
+        let Schedule { interval_s, duration_s } = schedule;
+        let [interval, duration] = [interval_s, duration_s].map(|time| significant(time, 6));
+        if switches(interval_s, duration_s) >= MOST_INTERVALS as f64 {
+            let message = format!("a run of {duration} s with a switch every {interval} s has too many switches");
+            let help = format!(
+                "accepted: up to {} switches, so an interval of at least {} s here",
+                MOST_INTERVALS - 1,
+                significant(duration_s / MOST_INTERVALS as f64, 4)
+            );
+            return refuse(&["switching.interval", "run.duration"], message, "too many switches", &help);
+        }
+        if let Some(late) = self.times.iter().find(|&&time| time > duration_s) {
+            let message = format!("run.times lists {} s, after the end of a run of {duration} s", significant(*late, 6));
+            return refuse(&["run.times", "run.duration"], message, "after the end", "leave it out, or lengthen run.duration");
+        }
+        if drift.warm_up_spread > 0.0 && drift.warm_up_s == 0.0 {
+            let message = "drift.warm_up_time_spread without drift.warm_up_time".to_owned();
+            let help = "add warm_up_time = \"3000 s\", or leave the spread out";
+            return refuse(&["drift.warm_up_time_spread"], message, "the spread of nothing", help);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,79 @@
+//! Named runs that differ in all that the kernel distinguishes.
+
+use crate::kernel::launch::Launch;
+use crate::lower::LoweredRun;
+use crate::study::Study;
+
+/// The drift of the paper's gyro, without spreads.
+const DRIFT: &str = "[drift]\nmagnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"\nnon_magnetic = \"0.05 arcsec/s\"\n";
+
+/// The paper's gyro with two fillers; the motion follows.
+const FILLED: &str = "[gyro]\ntick = \"5 ms\"\ntick_noise = { three_sigma = \"1.6 arcsec\" }\n[motion]\n";
+
+/// By name: tables of a study.
+const RUNS: [(&str, &[&str]); 7] = [
+    ("plain", &[DRIFT, "residual_max = \"10 arcsec\"\n[switching]\ninterval = \"40 s\"\n[run]\nduration = \"10 min\"\n"]),
+    ("no residual", &[DRIFT, "[switching]\ninterval = \"7 s\"\n[run]\nduration = \"60 s\"\n"]),
+    (
+        "spreads",
+        &[
+            DRIFT,
+            "magnetic_spread = \"1 arcsec/s\"\nnon_magnetic_spread = \"0.01 arcsec/s\"\ninitial_magnetic = \"0.3 arcsec/s\"\n\
+             initial_magnetic_spread = \"0.1 arcsec/s\"\nangle_random_walk = \"0.003 deg/sqrt(h)\"\n\
+             residual_max = \"10 arcsec\"\n[switching]\ninterval = \"13 s\"\nfirst_mode = \"random\"\n[run]\n\
+             duration = \"5 min\"\ntimes = [\"1 s\", \"13 s\", \"100 s\", \"299 s\", \"300 s\"]\n",
+        ],
+    ),
+    (
+        "fillers",
+        &[
+            DRIFT,
+            "angle_random_walk = \"0.003 deg/sqrt(h)\"\n",
+            FILLED,
+            "amplitude = \"12000 arcsec/s\"\nfrequency = \"20.01 Hz\"\n[switching]\ninterval = \"3 s\"\ntiming = \"periodic\"\n\
+             first_mode = \"negative\"\ngap_ticks = 3\nfillers = [\"const\", \"quadratic\"]\n[run]\nduration = \"100 s\"\n",
+        ],
+    ),
+    (
+        "eight tones",
+        &[
+            FILLED,
+            "tones = [\n{ amplitude = \"12000 arcsec/s\", frequency = \"20 Hz\" },\n\
+             { amplitude = \"6000 arcsec/s\", frequency = \"13 Hz\" },\n{ amplitude = \"4000 arcsec/s\", frequency = \"7 Hz\" },\n\
+             { amplitude = \"3000 arcsec/s\", frequency = \"31 Hz\" },\n{ amplitude = \"2000 arcsec/s\", frequency = \"37 Hz\" },\n\
+             { amplitude = \"2000 arcsec/s\", frequency = \"41 Hz\" },\n{ amplitude = \"1000 arcsec/s\", frequency = \"3 Hz\" },\n\
+             { amplitude = \"1000 arcsec/s\", frequency = \"5 Hz\" },\n]\n[switching]\ninterval = \"2 s\"\ngap_ticks = 2\n\
+             fillers = [\"linear\"]\n[run]\nduration = \"59 s\"\ntimes = [\"30 s\"]\n",
+        ],
+    ),
+    (
+        "constant residual",
+        &[
+            FILLED,
+            "amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"\nphase = \"extremum\"\n[switching]\ninterval = \"2 s\"\n\
+             gap_ticks = 2\nfillers = [\"linear\"]\n[run]\nduration = \"20 s\"\n",
+        ],
+    ),
+    (
+        "many switches",
+        &[DRIFT, "residual_max = \"10 arcsec\"\n[switching]\ninterval = \"10 s\"\n[run]\nduration = \"36000 s\"\n"],
+    ),
+];
+
+/// Every launch of every named run.
+pub fn run_launches() -> Vec<(&'static str, Launch)> {
+    RUNS.iter().flat_map(|(name, tables)| launches(tables).into_iter().map(|launch| (*name, launch))).collect()
+}
+
+fn launches(tables: &[&str]) -> Vec<Launch> {
+    let text = format!("title = \"identity\"\nkind = \"switched-run\"\n{}", tables.concat());
+    let study = match Study::parse("identity", &text) {
+        Ok(study) => study,
+        Err(error) => panic!("{}", error.render(false, 100)),
+    };
+    let Some(runs) = study.switched_run() else { return vec![] };
+    let lowered = LoweredRun::new(&runs.points[0], runs, study.seed, study.streams);
+    let lowered = lowered.unwrap_or_else(|error| panic!("a named run does not lower: {error}"));
+    let of_filled = lowered.fillers.iter().flat_map(|filled| filled.launches());
+    of_filled.map(|(launch, _)| launch).collect()
+}

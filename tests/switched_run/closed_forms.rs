@@ -1,0 +1,177 @@
+//! Runs against the closed forms of their drift and residuals.
+
+use sagnac::kernel::switched_run::trajectory;
+use sagnac::lower::LoweredRun;
+use sagnac::theory::drift::{Magnetic, switches};
+
+use crate::studies::parsed;
+use crate::texts::{DRIFT, numbers, study};
+
+const MAGNETIC: Magnetic = Magnetic { amplitude: 14.0, time_s: 3000.0, initial: 0.0 };
+
+#[test]
+fn runs_without_spreads_and_residuals_are_those_of_the_reference() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/drift_run.csv");
+    for record in csv::Reader::from_path(path).unwrap().records() {
+        let record = record.unwrap();
+        let [t, interval, count, expected] = [0, 1, 2, 3].map(|at| record[at].parse::<f64>().unwrap());
+        let study = study(
+            1,
+            DRIFT,
+            &format!("interval = \"{interval} s\"\n"),
+            &format!("duration = \"{t} s\"\n"),
+            "",
+        );
+        let runs = study.switched_run().unwrap();
+        let lowered = LoweredRun::new(&runs.points[0], runs, 1, study.streams).unwrap();
+        let filled = &lowered.fillers[0];
+        let (launch, shape) = filled.trajectories();
+        let angles = trajectory(&launch, shape, 0);
+        assert_eq!(angles.len(), 2 * count as usize + 1, "{record:?}");
+        let lsb = filled.estimates[0].unit_arcsec;
+        let bound = (count + 1.0) * lsb;
+        let end = f64::from(angles[angles.len() - 1]) * lsb;
+        assert!((end - expected * t).abs() <= bound, "{record:?}: {end} ″, not {} ″", expected * t);
+        for (place, angle) in angles.iter().enumerate() {
+            let at = ((place / 2 + 1) as f64 * interval).min(t);
+            let exact = 0.05 * at + MAGNETIC.signed_integral(interval, at);
+            let angle = f64::from(*angle) * lsb;
+            assert!((angle - exact).abs() <= lsb, "{record:?} at {at} s: {angle} ″, not {exact} ″");
+        }
+    }
+}
+
+/// Largest |z| of means and rms in the rows of a study, with how many there are.
+fn deviations(study: &sagnac::study::Study) -> (f64, usize) {
+    let mut all = Vec::new();
+    for row in numbers(study) {
+        all.extend(["z", "z_mean"].iter().filter_map(|name| row.get(*name)).map(|z| z.abs()));
+    }
+    (all.iter().fold(0.0, |most: f64, z| most.max(*z)), all.len())
+}
+
+#[test]
+fn means_and_rms_agree_with_their_closed_forms_within_5_standard_errors() {
+    let spreads = "magnetic_spread = \"1 arcsec/s\"\ninitial_magnetic = \"0.3 arcsec/s\"\n\
+                   initial_magnetic_spread = \"0.1 arcsec/s\"\nnon_magnetic_spread = \"0.01 arcsec/s\"\n\
+                   angle_random_walk = \"0.03 deg/sqrt(h)\"\n";
+    let residual = "residual_max = \"10 arcsec\"\n";
+    let times = "times = [\"1 s\", \"40 s\", \"100 s\", \"333 s\", \"599 s\", \"600 s\"]\n";
+    let run = "duration = \"600 s\"\n";
+    let interval = "interval = \"40 s\"\n";
+    let cases: [(&str, String, String, String); 8] = [
+        ("residuals", residual.into(), interval.into(), run.into()),
+        ("spreads", spreads.into(), interval.into(), run.into()),
+        ("times", format!("{spreads}{residual}"), interval.into(), format!("{run}{times}")),
+        ("negative", residual.into(), format!("{interval}first_mode = \"negative\"\n"), run.into()),
+        (
+            "random mode",
+            format!("{spreads}{residual}"),
+            format!("{interval}first_mode = \"random\"\n"),
+            format!("{run}{times}"),
+        ),
+        ("in phase", residual.into(), format!("{interval}timing = \"periodic\"\n"), run.into()),
+        ("odd intervals", format!("{spreads}{residual}"), "interval = \"47 s\"\n".into(), run.into()),
+        ("a long run", residual.into(), "interval = \"10 s\"\n".into(), "duration = \"10 h\"\n".into()),
+    ];
+    for (name, drift, switching, run) in cases {
+        let trials = if name == "a long run" { 20_000 } else { 300_000 };
+        let study = study(trials, &format!("{DRIFT}{drift}"), &switching, &run, "");
+        let (largest, count) = deviations(&study);
+        println!("{name}: largest |z| of {count} is {largest:.2}");
+        assert!(count >= 1 && largest < 5.0, "{name}: |z| = {largest}");
+    }
+}
+
+/// The paper's gyro at 20.1 Hz with these keys of its switching.
+fn filled(trials: u64, motion: &str, switching: &str) -> sagnac::study::Study {
+    let text = format!(
+        "title = \"runs\"\nkind = \"switched-run\"\ntrials = {trials}\n[gyro]\ntick = \"5 ms\"\n\
+         tick_noise = {{ three_sigma = \"1.6 arcsec\" }}\n[motion]\n{motion}[switching]\ninterval = \"10 s\"\ngap_ticks = 3\n\
+         fillers = [\"const\", \"quadratic\", {{ kind = \"minimum-variance\", fit_ticks = [\"-7..0\", \"n+1\", \"n+2\"] }}]\n\
+         {switching}[run]\nduration = \"100 s\"\n"
+    );
+    parsed("runs.toml", &text)
+}
+
+#[test]
+fn residuals_of_fillers_add_up_as_their_closed_forms_say() {
+    let tone = "amplitude = \"12000 arcsec/s\"\nfrequency = \"20.013 Hz\"\n";
+    for (name, motion, switching) in [
+        ("at random", tone.to_owned(), ""),
+        ("periodic", tone.to_owned(), "timing = \"periodic\"\n"),
+        ("at the extremum", format!("{tone}phase = \"extremum\"\n"), ""),
+        ("Gaussian", "gaussian = { rms = \"8485 arcsec/s\", band = [\"18 Hz\", \"22 Hz\"] }\n".to_owned(), ""),
+        ("acceleration", format!("{tone}acceleration = \"10 deg/s^2\"\n"), ""),
+    ] {
+        let (largest, count) = deviations(&filled(200_000, &motion, switching));
+        println!("{name}: largest |z| of {count} is {largest:.2}");
+        assert!(count >= 6 && largest < 5.0, "{name}: |z| = {largest}");
+    }
+}
+
+/// One switch alone, without drift: the run's error is the residual that the gap-fill kernel samples.
+#[test]
+fn the_residual_of_one_switch_is_that_of_the_gap_fill_kernel() {
+    let gyro = "[gyro]\ntick = \"5 ms\"\ntick_noise = { three_sigma = \"1.6 arcsec\" }\nreadout_lsb = \"1 arcsec\"\n\
+                relock = [\"2 arcsec\"]\n";
+    let motions = [
+        "amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"\n",
+        "amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"\nphase = \"extremum\"\n",
+        "tones = [{ amplitude = \"9000 arcsec/s\", frequency = \"11 Hz\" }, { amplitude = \"4000 arcsec/s\", frequency = \"31 Hz\" }]\n",
+        "amplitude = { rayleigh = \"8000 arcsec/s\" }\nfrequency = \"20 Hz\"\nacceleration = \"10 deg/s^2\"\n",
+        "amplitude = \"12000 arcsec/s\"\nfrequency = [\"18 Hz\", \"22 Hz\"]\n",
+    ];
+    for motion in motions {
+        let with = |head: &str, switching: &str, run: &str| {
+            let text = format!(
+                "title = \"one switch\"\n{head}trials = 400_000\n{gyro}[motion]\n{motion}[switching]\n\
+                 gap_ticks = 3\nfillers = [\"const\", \"quadratic\"]\n{switching}{run}"
+            );
+            numbers(&parsed("one.toml", &text))
+        };
+        let run = with(
+            "kind = \"switched-run\"\n",
+            "interval = \"10 s\"\n",
+            "[run]\nduration = \"20 s\"\n",
+        );
+        let gap = with("kind = \"gap-fill\"\n", "errors = [\"residual\"]\n", "");
+        let ends = run.iter().filter(|row| row.get("time") == Some(&20.0));
+        for (run, gap) in ends.zip(&gap) {
+            // Delivered with the ticks, the relock is in the angle besides.
+            let relock = 2.0;
+            let (mean, rms) = (run["mean"] - relock, run["rms"]);
+            let about_zero = (rms * rms - run["mean"] * run["mean"]).sqrt();
+            let of_gap = (gap["rms"].powi(2) - gap["mean"].powi(2)).sqrt();
+            let se = run["rms_se"].hypot(gap["rms_se"]) + of_gap * 2e-3;
+            assert!((about_zero - of_gap).abs() < 5.0 * se, "{motion}: {about_zero} ″, not {of_gap} ″");
+            let se = of_gap * (2.0_f64 / 4e5).sqrt();
+            assert!((mean - gap["mean"]).abs() < 5.0 * se + 1e-4, "{motion}: {run:?} {gap:?}");
+        }
+    }
+}
+
+#[test]
+fn the_numbers_of_the_theory_are_found() {
+    // t, MT, true mean drift, standard deviation of theory.md's table, ″/s.
+    for (t, interval, mean, deviation) in [
+        (3600.0, 40.0, -0.0044, 0.0185),
+        (3600.0, 100.0, -0.0859, 0.0116),
+        (36000.0, 60.0, 0.0383, 0.0048),
+        (36000.0, 300.0, -0.0083, 0.0021),
+    ] {
+        let rows = numbers(&study(
+            50_000,
+            &format!("{DRIFT}residual_max = \"10 arcsec\"\n"),
+            &format!("interval = \"{interval} s\"\n"),
+            &format!("duration = \"{t} s\"\n"),
+            "",
+        ));
+        let end = &rows[0];
+        assert_eq!(end["switches"], switches(interval, t));
+        let found = end["drift_mean"];
+        let sd = (end["drift_rms"].powi(2) - found * found).sqrt();
+        assert!((found - mean).abs() < 0.000_3, "{t} s, {interval} s: mean {found}");
+        assert!((sd - deviation).abs() < 0.000_1, "{t} s, {interval} s: deviation {sd}");
+    }
+}
