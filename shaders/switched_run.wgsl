@@ -114,7 +114,7 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
         }
         //#end
         //#if WALK
-        run.random = add_wide(run.random, mul_wide(step, select(p[WALK], p[WALK + 1u], is_last)));
+        run.random = add_wide(run.random, mul_wide(step, select(p[WALK_SIGMA], p[WALK_SIGMA + 1u], is_last)));
         //#end
         let before = angle(run, k, nothing);
         //#if ENDS

@@ -9,6 +9,7 @@ pub mod backend;
 pub mod block;
 pub mod chart;
 pub mod compare;
+pub mod design;
 pub mod firmware;
 pub mod fit;
 pub mod id;

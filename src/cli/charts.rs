@@ -168,7 +168,9 @@ pub fn filter(chart: &Chart) -> Vec<(String, String)> {
 
 /// The same without the values of swept keys that nobody asked for: a table has a line for each.
 pub fn written(chart: &Chart) -> Vec<(String, String)> {
-    let asked = |row: &&(study::Named, Cell)| !row.0.span.is_empty() || ["error", "angle"].contains(&row.0.name.as_str());
+    let asked = |row: &&(study::Named, Cell)| {
+        !row.0.span.is_empty() || ["error", "angle"].contains(&row.0.name.as_str())
+    };
     chart.rows.iter().filter(asked).map(|(column, value)| (column.name.clone(), value.text())).collect()
 }
 

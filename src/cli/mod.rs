@@ -4,6 +4,7 @@ mod allan;
 mod bench;
 mod charts;
 mod compare;
+mod design;
 mod devices;
 mod failure;
 mod filler;
@@ -35,6 +36,7 @@ const EXIT_CODES: &str = "\
 Examples:
   sagnac run studies/error_vs_dtnu.toml
   sagnac run my.toml --trials 100000000 --device gpu
+  sagnac design studies/design_point.toml
   sagnac filler quadratic --gap-ticks 3
   sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz
@@ -51,6 +53,8 @@ enum Command {
     ///
     /// Results go to a folder. Running again resumes; a larger --trials continues.
     Run(Run),
+    /// How often to switch, and with which filler: the recommendation, with evidence
+    Design(design::Options),
     /// The weights of fillers for firmware: table, response over frequency, C header, test vectors
     Filler(filler::Options),
     /// Deviations of recorded logs: Allan, modified Allan, time, Hadamard, with intervals and noise types
@@ -122,6 +126,7 @@ pub fn main() -> ExitCode {
     let cli = Cli::parse();
     let result = match &cli.command {
         Command::Run(options) => run::run(options),
+        Command::Design(options) => design::design(options),
         Command::Filler(options) => filler::filler(options),
         Command::Allan(options) => allan::allan(options),
         Command::Compare(options) => compare::compare(options),

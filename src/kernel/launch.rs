@@ -22,6 +22,14 @@ impl Sampled {
         }
     }
 
+    /// Whether the kernel draws normal numbers, whose table is bound only then.
+    pub fn has_normals(&self) -> bool {
+        match self {
+            Sampled::GapFill(_) => true,
+            Sampled::SwitchedRun(shape) => shape.has_normals(),
+        }
+    }
+
     /// Whether the kernel reads the table.
     pub fn has_table(&self) -> bool {
         match self {

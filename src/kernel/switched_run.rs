@@ -64,13 +64,9 @@ impl<'a> SwitchedRun<'a> {
     fn start<W: Word>(&self, address: &Address<W>) -> Run<W> {
         let SwitchedRun { p, shape, .. } = self;
         let zero = W::splat(0);
-        let mut run = Run {
-            deviation: [zero; 3],
-            mode: zero,
-            phase: [zero; MAX_TONES],
-            random: W::Wide::splat(0),
-        };
-        if shape.magnetic || shape.initial || shape.non_magnetic || shape.mode {
+        let mut run =
+            Run { deviation: [zero; 3], mode: zero, phase: [zero; MAX_TONES], random: W::Wide::splat(0) };
+        if shape.spreads() {
             let words = address.draw(Purpose::RunDeviation, 0);
             run.deviation = [normal(words[0]), normal(words[1]), normal(words[2])];
             run.mode = words[3];
@@ -154,7 +150,7 @@ impl<'a> SwitchedRun<'a> {
                 }
             }
             if shape.walk {
-                let sigma = p.walk[usize::from(is_last)];
+                let sigma = p.walk_sigma[usize::from(is_last)];
                 run.random = run.random + step.mul_wide(W::splat(sigma));
             }
             let before = self.angle(&run, k, nothing);

@@ -46,7 +46,8 @@ impl Lowered {
         let (mut mean, mut variance) = (whole.mean, whole.variance);
         let mut tones = Vec::new();
         for (place, tone) in fixed.tones.iter().enumerate() {
-            let plain = matches!(tone.motion, ToneMotion::Fixed { .. }) && tone.part[1] == 0 && !tone.rayleigh;
+            let plain =
+                matches!(tone.motion, ToneMotion::Fixed { .. }) && tone.part[1] == 0 && !tone.rayleigh;
             if plain && tone.phase_spread != 0 {
                 let part = tone.response(f, fixed.gap_ticks);
                 // What swings evenly has twice the variance as the square of its amplitude.
@@ -63,7 +64,8 @@ impl Lowered {
         let unit = fixed.lsb_arcsec / estimate.rows.denominator as f64;
         // Differences of equal numbers may miss 0.
         let normal = variance.max(0.0) + sigma * sigma + fractions;
-        let tones = tones.into_iter().map(|(tone, size)| ResidualTone { tone, amplitude_arcsec: size * unit });
+        let tones =
+            tones.into_iter().map(|(tone, size)| ResidualTone { tone, amplitude_arcsec: size * unit });
         Some(Residual {
             tones: tones.filter(|tone| tone.amplitude_arcsec > 0.0).collect(),
             constant_arcsec: mean * unit,

@@ -335,7 +335,9 @@ fn read_limit(given: &Spanned<Scalar>, subject: &Subject, source: Source) -> Res
     let (dimensions, accepted): (&[Dimension], &str) = match (subject, source) {
         (Subject::GapFill(_), _) => (&[Dimension::Angle], "an angle"),
         (Subject::SwitchedRun(_), _) => (&[Dimension::DriftRate, Dimension::Angle], "an angle or a rate"),
-        (Subject::Allan(_), Source::Points | Source::Trajectories) => (&[Dimension::DriftRate], "an angular rate"),
+        (Subject::Allan(_), Source::Points | Source::Trajectories) => {
+            (&[Dimension::DriftRate], "an angular rate")
+        }
         (Subject::Allan(_), Source::Coefficients) => {
             return Ok(Limit { value: percent("chart.limit", given, PERCENT)?, unit: Unit::NONE });
         }

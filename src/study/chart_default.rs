@@ -1,11 +1,11 @@
 //! The chart of a study that asks for none.
 
-use super::{Subject, SwitchedRun};
 use super::chart::{Chart, Named, Shows, Source, scale_over, usual_rows};
 use super::chart_file::Scale;
 use super::gap_fill::FREQUENCY;
 use super::rows::{DT_NU, FILLER, Known, TAU};
 use super::sweep::Sweep;
+use super::{Subject, SwitchedRun};
 use crate::table::Cell;
 
 /// What suits the sweeps; nothing to draw of fillers where nothing is swept.

@@ -283,8 +283,11 @@ fn tables_of_kinds(schema: &mut schemars::Schema) {
             "then": { "required": tables },
         })
     };
-    let kinds =
-        [needs(Kind::GapFill, &["gyro", "motion", "switching"]), needs(Kind::Allan, &["record", "noise"]), needs(Kind::SwitchedRun, &["switching", "run"])];
+    let kinds = [
+        needs(Kind::GapFill, &["gyro", "motion", "switching"]),
+        needs(Kind::Allan, &["record", "noise"]),
+        needs(Kind::SwitchedRun, &["switching", "run"]),
+    ];
     schema.insert("allOf".to_owned(), json!(kinds));
 }
 

@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use toml::Spanned;
 
+use super::RunAngle;
 use super::Subject;
 use super::chart::Source;
-use super::RunAngle;
 use super::diagnose::{Fault, choices};
 use super::file::Error;
 use super::key::Swept;
@@ -60,7 +60,9 @@ impl Known {
                 fillers: gap_fill.fillers.iter().map(|filler| filler.name.clone()).collect(),
                 numbers: &[DT_NU, AMPLITUDE_NOISE],
             },
-            (Subject::Allan(_), Source::Points | Source::Trajectories) => Known { texts: vec![], fillers: vec![], numbers: &[TAU] },
+            (Subject::Allan(_), Source::Points | Source::Trajectories) => {
+                Known { texts: vec![], fillers: vec![], numbers: &[TAU] }
+            }
             (Subject::Allan(_), Source::Coefficients) => {
                 let names = Term::ALL.map(Term::symbol).into_iter().chain(["markov_time", "sine_frequency"]);
                 let names = names.map(str::to_owned).collect();

@@ -5,14 +5,21 @@ use crate::lower::LoweredRun;
 use crate::study::Study;
 
 /// The drift of the paper's gyro, without spreads.
-const DRIFT: &str = "[drift]\nmagnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"\nnon_magnetic = \"0.05 arcsec/s\"\n";
+const DRIFT: &str =
+    "[drift]\nmagnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"\nnon_magnetic = \"0.05 arcsec/s\"\n";
 
 /// The paper's gyro with two fillers; the motion follows.
 const FILLED: &str = "[gyro]\ntick = \"5 ms\"\ntick_noise = { three_sigma = \"1.6 arcsec\" }\n[motion]\n";
 
 /// By name: tables of a study.
 const RUNS: [(&str, &[&str]); 7] = [
-    ("plain", &[DRIFT, "residual_max = \"10 arcsec\"\n[switching]\ninterval = \"40 s\"\n[run]\nduration = \"10 min\"\n"]),
+    (
+        "plain",
+        &[
+            DRIFT,
+            "residual_max = \"10 arcsec\"\n[switching]\ninterval = \"40 s\"\n[run]\nduration = \"10 min\"\n",
+        ],
+    ),
     ("no residual", &[DRIFT, "[switching]\ninterval = \"7 s\"\n[run]\nduration = \"60 s\"\n"]),
     (
         "spreads",
@@ -56,13 +63,18 @@ const RUNS: [(&str, &[&str]); 7] = [
     ),
     (
         "many switches",
-        &[DRIFT, "residual_max = \"10 arcsec\"\n[switching]\ninterval = \"10 s\"\n[run]\nduration = \"36000 s\"\n"],
+        &[
+            DRIFT,
+            "residual_max = \"10 arcsec\"\n[switching]\ninterval = \"10 s\"\n[run]\nduration = \"36000 s\"\n",
+        ],
     ),
 ];
 
 /// Every launch of every named run.
 pub fn run_launches() -> Vec<(&'static str, Launch)> {
-    RUNS.iter().flat_map(|(name, tables)| launches(tables).into_iter().map(|launch| (*name, launch))).collect()
+    RUNS.iter()
+        .flat_map(|(name, tables)| launches(tables).into_iter().map(|launch| (*name, launch)))
+        .collect()
 }
 
 fn launches(tables: &[&str]) -> Vec<Launch> {

@@ -101,7 +101,11 @@ fn residuals_of_fillers_add_up_as_their_closed_forms_say() {
         ("at random", tone.to_owned(), ""),
         ("periodic", tone.to_owned(), "timing = \"periodic\"\n"),
         ("at the extremum", format!("{tone}phase = \"extremum\"\n"), ""),
-        ("Gaussian", "gaussian = { rms = \"8485 arcsec/s\", band = [\"18 Hz\", \"22 Hz\"] }\n".to_owned(), ""),
+        (
+            "Gaussian",
+            "gaussian = { rms = \"8485 arcsec/s\", band = [\"18 Hz\", \"22 Hz\"] }\n".to_owned(),
+            "",
+        ),
         ("acceleration", format!("{tone}acceleration = \"10 deg/s^2\"\n"), ""),
     ] {
         let (largest, count) = deviations(&filled(200_000, &motion, switching));
@@ -130,11 +134,7 @@ fn the_residual_of_one_switch_is_that_of_the_gap_fill_kernel() {
             );
             numbers(&parsed("one.toml", &text))
         };
-        let run = with(
-            "kind = \"switched-run\"\n",
-            "interval = \"10 s\"\n",
-            "[run]\nduration = \"20 s\"\n",
-        );
+        let run = with("kind = \"switched-run\"\n", "interval = \"10 s\"\n", "[run]\nduration = \"20 s\"\n");
         let gap = with("kind = \"gap-fill\"\n", "errors = [\"residual\"]\n", "");
         let ends = run.iter().filter(|row| row.get("time") == Some(&20.0));
         for (run, gap) in ends.zip(&gap) {

@@ -37,7 +37,9 @@ fn one_run(rng: &mut StdRng, interval: f64, t: f64, random_mode: bool) -> [f64; 
 #[test]
 fn the_largest_angle_and_the_levels_agree_with_an_independent_sampler() {
     let runs = 200_000;
-    for (interval, t, mode) in [(40.0, 600.0, "positive"), (13.0, 300.0, "random"), (100.0, 777.0, "positive")] {
+    for (interval, t, mode) in
+        [(40.0, 600.0, "positive"), (13.0, 300.0, "random"), (100.0, 777.0, "positive")]
+    {
         let drift = format!(
             "{DRIFT}magnetic_spread = \"1 arcsec/s\"\nnon_magnetic_spread = \"0.01 arcsec/s\"\n\
              angle_random_walk = \"0.03 deg/sqrt(h)\"\nresidual_max = \"10 arcsec\"\n"
@@ -60,9 +62,13 @@ fn the_largest_angle_and_the_levels_agree_with_an_independent_sampler() {
             sample.sort_by(f64::total_cmp);
             // Order statistics five standard errors to either side.
             let spread = 5.0 * (n * 0.9973 * 0.0027).sqrt() * 2.0_f64.sqrt();
-            let [low, high] = [-spread, spread].map(|by| sample[((n * 0.9973 + by) as usize).min(sample.len() - 1)]);
+            let [low, high] =
+                [-spread, spread].map(|by| sample[((n * 0.9973 + by) as usize).min(sample.len() - 1)]);
             let level = row["q9973"];
-            assert!((low * 0.992..=high * 1.008).contains(&level), "{interval} s: {level} ″, not {low} to {high} ″");
+            assert!(
+                (low * 0.992..=high * 1.008).contains(&level),
+                "{interval} s: {level} ″, not {low} to {high} ″"
+            );
         }
     }
 }

@@ -144,7 +144,7 @@ fn switched_run(shape: switched_run::Shape) -> OfKernel {
             ("ENDS", shape.ends),
             ("WALK", shape.walk),
             ("NOISE", shape.noise),
-            ("SPREAD", shape.magnetic || shape.initial || shape.non_magnetic || shape.mode),
+            ("SPREAD", shape.spreads()),
             ("MAGNETIC", shape.magnetic),
             ("INITIAL", shape.initial),
             ("NON_MAGNETIC", shape.non_magnetic),

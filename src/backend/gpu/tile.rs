@@ -149,11 +149,13 @@ impl Gpu {
             wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: work, offset, size })
         };
         let mut resources = vec![
-            (0, self.normal_table.as_entire_binding()),
             (1, parameters.as_entire_binding()),
             (2, jobs.as_entire_binding()),
             (3, range(place.partials, place.histograms)),
         ];
+        if part.launch.sampled.has_normals() {
+            resources.push((0, self.normal_table.as_entire_binding()));
+        }
         if histogram {
             resources.push((4, range(place.histograms, place.end)));
         }

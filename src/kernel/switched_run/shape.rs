@@ -39,6 +39,16 @@ impl Shape {
         if self.ends { 2 } else { 0 }
     }
 
+    /// Whether anything is drawn once for a run but phases.
+    pub fn spreads(self) -> bool {
+        self.magnetic || self.initial || self.non_magnetic || self.mode
+    }
+
+    /// Whether normal numbers are drawn.
+    pub fn has_normals(self) -> bool {
+        self.walk || self.noise || self.spreads()
+    }
+
     /// Words of a row of the table.
     pub fn row(self) -> usize {
         let words = [self.mode, self.magnetic, self.initial, self.non_magnetic];
@@ -61,7 +71,7 @@ parameters! {
     /// Intervals of the run; there is a switch after each but the last.
     intervals: |_| 1,
     /// Standard deviation of the random walk over an interval and over the last one, 2^−4 LSB.
-    walk: |shape: Shape| only(shape.walk, 2),
+    walk_sigma: |shape: Shape| only(shape.walk, 2),
     /// Standard deviation of the normal part of a residual, 2^−4 LSB.
     noise: |shape: Shape| only(shape.noise, 1),
     /// What every residual has, 2^−32 LSB, two words.

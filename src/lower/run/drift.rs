@@ -34,10 +34,7 @@ impl Drift {
             row(point, study.first_mode, at, k)
         };
         let at = |&time_s: &f64| row(point, study.first_mode, time_s, switches(interval_s, time_s) as usize);
-        Drift {
-            ends: ends.enumerate().map(end).collect(),
-            times: study.times.iter().map(at).collect(),
-        }
+        Drift { ends: ends.enumerate().map(end).collect(), times: study.times.iter().map(at).collect() }
     }
 }
 
@@ -47,8 +44,11 @@ fn row(point: &RunPoint, first_mode: FirstMode, time_s: f64, switches: usize) ->
     let sign = if first_mode == FirstMode::Negative { -1.0 } else { 1.0 };
     let held = sign * signed_time(interval_s, time_s);
     // Without warm-up all of A is there from the start.
-    let warmed =
-        if drift.warm_up_s > 0.0 { held - sign * signed_decay(interval_s, drift.warm_up_s, time_s) } else { held };
+    let warmed = if drift.warm_up_s > 0.0 {
+        held - sign * signed_decay(interval_s, drift.warm_up_s, time_s)
+    } else {
+        held
+    };
     Row {
         time_s,
         switches,

@@ -129,8 +129,7 @@ fn fixed_row(row: &Row, mode: bool, lsb_arcsec: f64) -> FixedRow {
     } else {
         (angle(row.non_magnetic + row.magnetic), 0)
     };
-    let deviations =
-        row.deviations.map(|deviation| libm::round(deviation / lsb_arcsec * SIGMA_UNITS) as i32);
+    let deviations = row.deviations.map(|deviation| libm::round(deviation / lsb_arcsec * SIGMA_UNITS) as i32);
     FixedRow { switches: row.switches, angle, magnetic, deviations }
 }
 

@@ -28,14 +28,15 @@ impl FilledRun {
             times.iter().map(|&time| word(&fixed.times[time])).collect()
         };
         let mask = |yes: bool| if yes { u32::MAX } else { 0 };
-        let [amplitude, phase_step]: [Vec<u32>; 2] = [of_tones(|tone| tone.amplitude), of_tones(|tone| tone.step)];
+        let [amplitude, phase_step]: [Vec<u32>; 2] =
+            [of_tones(|tone| tone.amplitude), of_tones(|tone| tone.step)];
         let switch_spread: Vec<u32> = fixed.tones.iter().map(|tone| mask(tone.each)).collect();
         let run_spread: Vec<u32> = fixed.tones.iter().map(|tone| mask(!tone.each)).collect();
         let bin_base: Vec<u32> = places.iter().map(|&place| self.estimates[place].bin_base).collect();
         let words = Parameters {
             key: &self.key,
             intervals: &[fixed.ends.len() as u32],
-            walk: &only(shape.walk, fixed.walk.to_vec()),
+            walk_sigma: &only(shape.walk, fixed.walk.to_vec()),
             noise: &only(shape.noise, vec![fixed.noise]),
             constant: &long_words(fixed.constant),
             amplitude: &amplitude,

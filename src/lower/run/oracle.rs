@@ -33,9 +33,8 @@ impl Fixed {
             }
             RunAngle::At(_) => {
                 let time = place.checked_sub(2).and_then(|time| self.times.get(time))?;
-                let walk = time.row.switches as f64 * square(self.walk[0])
-                    + square(time.walk)
-                    + square(time.bridge);
+                let walk =
+                    time.row.switches as f64 * square(self.walk[0]) + square(time.walk) + square(time.bridge);
                 Some(self.at(&time.row, walk))
             }
         }

@@ -57,8 +57,7 @@ impl<'a> Plan<'a> {
         let mut all = Vec::new();
         for filled in self.filled() {
             for (launch, places) in filled.launches() {
-                let addresses: Vec<_> =
-                    places.iter().map(|&place| filled.estimates[place].address).collect();
+                let addresses: Vec<_> = places.iter().map(|&place| filled.estimates[place].address).collect();
                 let blocks = lacking(store, &addresses, trials, base_log2(trials))?;
                 if !blocks.is_empty() {
                     all.push(Work { launch, addresses, blocks });

@@ -101,9 +101,10 @@ fn push(table: &mut Table, row: &Row, trials: u64, found: Option<Estimates>) {
     let of = |value: fn(&Estimates) -> f64| found.as_ref().map(value);
     let of_q = |value: fn(Quantile) -> Option<f64>| q.and_then(value);
     let rms_se = found.and_then(|found| found.rms_se);
-    let z = found.zip(rms_se).zip(oracle).and_then(|((found, se), oracle)| {
-        z_score(found.rms, oracle.rms(), se, oracle.rounding)
-    });
+    let z = found
+        .zip(rms_se)
+        .zip(oracle)
+        .and_then(|((found, se), oracle)| z_score(found.rms, oracle.rms(), se, oracle.rounding));
     let z_mean = found.zip(oracle).filter(|_| trials > 1).and_then(|(found, oracle)| {
         let se = oracle.deviation / libm::sqrt(trials as f64);
         z_score(found.mean, oracle.mean, se, oracle.rounding)

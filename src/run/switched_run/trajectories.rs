@@ -78,7 +78,9 @@ pub(super) fn table(plan: &Plan, store: &Store) -> Result<Table, StoreError> {
 pub(super) fn thinned(plan: &Plan) -> Option<String> {
     let most = plan.runs.points.iter().map(RunPoint::switches).max()?;
     (plan.runs.trajectories > 0 && most > MOST_SHOWN).then(|| {
-        format!("trajectories of runs with more than {MOST_SHOWN} switches show some of them only, evenly spread")
+        format!(
+            "trajectories of runs with more than {MOST_SHOWN} switches show some of them only, evenly spread"
+        )
     })
 }
 

@@ -66,7 +66,10 @@ impl Angle {
 impl SwitchedRun {
     /// The angles that are estimated, in the order of tables.
     pub fn angles(&self) -> Vec<Angle> {
-        [Angle::End, Angle::Largest].into_iter().chain(self.times.iter().map(|&time| Angle::At(time))).collect()
+        [Angle::End, Angle::Largest]
+            .into_iter()
+            .chain(self.times.iter().map(|&time| Angle::At(time)))
+            .collect()
     }
 
     /// The fillers to compare; none where the residual is given by its largest value.
@@ -173,7 +176,8 @@ fn read_fill(
     for (sweep, table) in sweeps.iter().zip(&file.sweep) {
         if of_gap_fill.contains(&sweep.key.name) {
             let message = format!("{} is swept, but there are no fillers", sweep.key.name);
-            let help = "add [gyro], [motion] and switching.fillers, or sweep a key of [drift], [run] or [switching]";
+            let help =
+                "add [gyro], [motion] and switching.fillers, or sweep a key of [drift], [run] or [switching]";
             return Err(Fault::new(table.key.span(), message, "not in this study", help).into());
         }
     }

@@ -33,6 +33,30 @@ impl Point {
     pub fn switches(&self) -> u64 {
         switches(self.schedule.interval_s, self.schedule.duration_s) as u64
     }
+
+    /// The shortest interval that it can have, s: that of most switches, and no shorter than the ticks round a switch.
+    pub fn shortest_s(&self) -> f64 {
+        let most = self.schedule.duration_s / (MOST_INTERVALS - 1) as f64;
+        self.fill.as_ref().map_or(most, |fill| most.max(ticks_round_a_switch(fill) * fill.inputs.tick_s))
+    }
+
+    /// The same with another interval, rounded up to whole ticks; `None` for one that is too short or longer than the run.
+    pub fn with_interval(&self, interval_s: f64) -> Option<Point> {
+        let tick_s = self.fill.as_ref().map(|fill| fill.inputs.tick_s);
+        let whole_s = tick_s.map_or(interval_s, |tick_s| libm::ceil(interval_s / tick_s - WHOLE) * tick_s);
+        let interval_s = round_12(whole_s);
+        let fits = (self.shortest_s()..=self.schedule.duration_s).contains(&interval_s);
+        let schedule = Schedule { interval_s, ..self.schedule };
+        fits.then(|| Point { schedule, ..self.clone() })
+    }
+}
+
+/// Ticks from the first that a filler reads to the last.
+fn ticks_round_a_switch(fill: &gap_fill::Point) -> f64 {
+    let ends = [0, fill.inputs.gap_ticks as i32];
+    let ticks = fill.fills.iter().flat_map(|fill| &fill.fit_ticks);
+    let [first, last] = ticks.fold(ends, |[first, last], &tick| [first.min(tick), last.max(tick)]);
+    f64::from(last - first + 1)
 }
 
 /// What all points share, with the places to blame.
@@ -88,18 +112,20 @@ impl Base<'_> {
         if (whole_s - interval_s).abs() > WHOLE * interval_s {
             rounded.push(format!("{} s to {} s", significant(interval_s, 9), significant(whole_s, 9)));
         }
-        let n = fill.inputs.gap_ticks as i32;
-        let ends = fill.fills.iter().flat_map(|fill| &fill.fit_ticks).fold([0, n], |[first, last], &tick| {
-            [first.min(tick), last.max(tick)]
-        });
-        let used = f64::from(ends[1] - ends[0] + 1);
+        let used = ticks_round_a_switch(fill);
         if ticks >= used {
             return Ok(whole_s);
         }
         let [interval, least] = [interval_s, used * tick_s].map(|time| significant(time, 6));
-        let message = format!("a switching interval of {interval} s is shorter than the ticks round a switch");
+        let message =
+            format!("a switching interval of {interval} s is shorter than the ticks round a switch");
         let place = self.places.blame(self.sweeps, &["switching.interval", "switching.fit_ticks"]);
-        Err(Fault::new(place, message, "too short", format!("accepted: {least} s and more with these fit ticks")))
+        Err(Fault::new(
+            place,
+            message,
+            "too short",
+            format!("accepted: {least} s and more with these fit ticks"),
+        ))
     }
 
     /// Limits that need more than one value.
@@ -110,7 +136,8 @@ impl Base<'_> {
         let Schedule { interval_s, duration_s } = schedule;
         let [interval, duration] = [interval_s, duration_s].map(|time| significant(time, 6));
         if switches(interval_s, duration_s) >= MOST_INTERVALS as f64 {
-            let message = format!("a run of {duration} s with a switch every {interval} s has too many switches");
+            let message =
+                format!("a run of {duration} s with a switch every {interval} s has too many switches");
             let help = format!(
                 "accepted: up to {} switches, so an interval of at least {} s here",
                 MOST_INTERVALS - 1,
@@ -119,8 +146,16 @@ impl Base<'_> {
             return refuse(&["switching.interval", "run.duration"], message, "too many switches", &help);
         }
         if let Some(late) = self.times.iter().find(|&&time| time > duration_s) {
-            let message = format!("run.times lists {} s, after the end of a run of {duration} s", significant(*late, 6));
-            return refuse(&["run.times", "run.duration"], message, "after the end", "leave it out, or lengthen run.duration");
+            let message = format!(
+                "run.times lists {} s, after the end of a run of {duration} s",
+                significant(*late, 6)
+            );
+            return refuse(
+                &["run.times", "run.duration"],
+                message,
+                "after the end",
+                "leave it out, or lengthen run.duration",
+            );
         }
         if drift.warm_up_spread > 0.0 && drift.warm_up_s == 0.0 {
             let message = "drift.warm_up_time_spread without drift.warm_up_time".to_owned();

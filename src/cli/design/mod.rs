@@ -1,0 +1,147 @@
+//! `sagnac design`.
+
+mod report;
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use sagnac::backend::{Selection, select};
+use sagnac::chart::{Figure, Scale, Spec};
+use sagnac::design::{Design, DesignError, Measure, design as find};
+use sagnac::study::{MOST_TRIALS, Study};
+use sagnac::table::Table;
+
+use super::charts::write_pictures;
+use super::output::{print, print_json, write};
+use super::progress::Shown;
+use super::{DeviceArg, Failure};
+
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Study of kind = "switched-run": its intervals are tried, or without a sweep over them such as suit the run
+    #[arg(value_name = "STUDY")]
+    study: PathBuf,
+    /// What is to be least
+    #[arg(long, value_enum, value_name = "ESTIMATE", default_value = "drift_q9973")]
+    by: By,
+    #[command(flatten)]
+    device: DeviceArg,
+    /// Folder of what is written [default: results/<name of the study file>/design]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Runs of each candidate, in place of the study's; rounded up to 32 times a power of two
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
+    trials: Option<u64>,
+    /// Seed, in place of the study's
+    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    seed: Option<u64>,
+    /// Print the recommendation as JSON
+    #[arg(long)]
+    json: bool,
+    /// Print only errors and the recommendation
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// As options call what is to be least.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+#[value(rename_all = "snake_case")]
+enum By {
+    /// The drift that 99.73 % of runs stay below
+    #[value(name = "drift_q9973")]
+    DriftQ9973,
+    /// The rms drift
+    DriftRms,
+    /// The largest angle over the run time, that 99.73 % of runs stay below
+    #[value(name = "largest_q9973")]
+    LargestQ9973,
+    /// The rms of the largest angle over the run time
+    LargestRms,
+}
+
+impl By {
+    fn measure(self) -> Measure {
+        match self {
+            By::DriftQ9973 => Measure::DriftQ9973,
+            By::DriftRms => Measure::DriftRms,
+            By::LargestQ9973 => Measure::LargestQ9973,
+            By::LargestRms => Measure::LargestRms,
+        }
+    }
+}
+
+/// Finds the best interval and filler, and says so.
+pub fn design(options: &Options) -> Result<(), Failure> {
+    let mut study = Study::read(&options.study)?;
+    study.trials = options.trials.unwrap_or(study.trials);
+    study.seed = options.seed.unwrap_or(study.seed);
+    let Selection { mut device, reason } = select(&options.device.name)?;
+    if !options.quiet {
+        eprintln!("device: {}, {reason}", device.name());
+    }
+    let found = find(&study, options.by.measure(), &mut device, &Shown::new(options.quiet))
+        .map_err(|error| failure(&study, error))?;
+    let stem = options.study.file_stem().unwrap_or_default();
+    let folder = options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join("design"));
+    let table = report::table(&found);
+    write_all(&study, &found, &table, &folder)?;
+    if options.json {
+        return print_json(&report::json(&study, &found));
+    }
+    if !options.quiet {
+        print(&report::summary(&found, &table))?;
+    }
+    print(&report::recommendation(&found))?;
+    if !options.quiet {
+        eprintln!("table and chart are in {}", folder.display());
+    }
+    Ok(())
+}
+
+/// An error of the design at the place in the study that caused it.
+fn failure(study: &Study, error: DesignError) -> Failure {
+    let at =
+        |key: &str, help: &str| Failure::Study(study.error_at(study.place_of(key), error.to_string(), help));
+    match &error {
+        DesignError::Kind { .. } => at("kind", "give a study of kind = \"switched-run\""),
+        DesignError::Swept { key } => at(key, "give one value, or make a study of each"),
+        DesignError::Nothing => at("drift", "give drift.magnetic, and fillers or drift.residual_max"),
+        DesignError::NoCandidate { .. } => {
+            at("run.duration", "lengthen the run, or sweep switching.interval")
+        }
+        DesignError::TooFew { .. } => at("trials", "take more: 100_000 are usual"),
+        DesignError::Lower(lower) => at(lower.key(), lower.help()),
+        DesignError::Gpu(error) => Failure::Gpu(error.clone()),
+    }
+}
+
+fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Result<(), Failure> {
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        move |source| Failure::Write { path, source }
+    };
+    std::fs::create_dir_all(folder).map_err(failed(folder))?;
+    let (path, mut csv) = (folder.join("design.csv"), Vec::new());
+    table.write_csv(&mut csv).map_err(failed(&path))?;
+    write(&path, &csv)?;
+    let json = serde_json::to_vec_pretty(&report::json(study, found));
+    write(&folder.join("design.json"), &json.map_err(|error| Failure::Picture(error.to_string()))?)?;
+    let spec = Spec {
+        title: study.title.clone(),
+        subtitle: Some(report::headline(found)),
+        x: "interval".to_owned(),
+        y: found.measure.name().to_owned(),
+        x_scale: Scale::Log,
+        y_scale: Scale::Log,
+        series: if found.fillers.len() > 1 { vec!["filler".to_owned()] } else { vec![] },
+        apart: vec!["filler".to_owned()],
+        filter: vec![],
+        limit: None,
+        laws: vec![],
+        points: "Monte Carlo".to_owned(),
+        bands: "95 % band".to_owned(),
+    };
+    let (figure, _) =
+        Figure::from_table(table, &spec).map_err(|error| Failure::Picture(error.to_string()))?;
+    write_pictures(folder, "design", &figure.svg())
+}

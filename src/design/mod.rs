@@ -1,0 +1,272 @@
+//! Which switching interval and which filler: whole runs over candidate intervals, all on the same random numbers.
+//!
+//! ```text
+//! study ─ candidates ─▶ runs of each filler and interval ─ jackknife ─▶ best interval with its uncertainty ─▶ recommendation
+//! ```
+//!
+//! The non-magnetic drift is left out: no interval changes it, and an interval whose magnetic drift happens to cancel it would
+//! look better than it is. Where the study does not sweep the interval, candidates are those of which an even number makes the
+//! run, the last being whole: an odd number leaves one interval uncancelled.
+
+mod candidates;
+mod optimum;
+mod paper;
+mod sampling;
+
+pub use optimum::Optimum;
+pub use paper::PapersRule;
+
+use crate::backend::Device;
+use crate::backend::gpu::GpuError;
+use crate::kernel::moments::Moments;
+use crate::lower::LowerError;
+use crate::stats::Estimates;
+use crate::study::{RunAngle, Study, SwitchedRun};
+use candidates::Candidate;
+
+/// What is to be least.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// The drift that 99.73 % of runs stay below.
+    DriftQ9973,
+    /// The rms drift.
+    DriftRms,
+    /// The largest angle of a run over its time, that 99.73 % of runs stay below.
+    LargestQ9973,
+    /// Its rms.
+    LargestRms,
+}
+
+impl Measure {
+    pub const ALL: [Measure; 4] =
+        [Measure::DriftQ9973, Measure::DriftRms, Measure::LargestQ9973, Measure::LargestRms];
+
+    /// As options and tables call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Measure::DriftQ9973 => "drift_q9973",
+            Measure::DriftRms => "drift_rms",
+            Measure::LargestQ9973 => "largest_q9973",
+            Measure::LargestRms => "largest_rms",
+        }
+    }
+
+    /// For axes and sentences.
+    pub fn label(self) -> &'static str {
+        match self {
+            Measure::DriftQ9973 => "99.73 % drift",
+            Measure::DriftRms => "rms drift",
+            Measure::LargestQ9973 => "99.73 % largest angle over the run time",
+            Measure::LargestRms => "rms largest angle over the run time",
+        }
+    }
+
+    /// The angle of a run that it is about.
+    fn angle(self) -> RunAngle {
+        match self {
+            Measure::DriftQ9973 | Measure::DriftRms => RunAngle::End,
+            Measure::LargestQ9973 | Measure::LargestRms => RunAngle::Largest,
+        }
+    }
+}
+
+/// A value with its 95 % interval, where it is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    pub value: f64,
+    pub interval: Option<(f64, f64)>,
+}
+
+/// The runs at one interval with one filler.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tried {
+    pub interval_s: f64,
+    pub switches: u64,
+    /// ″/s.
+    pub drift: Found,
+    /// rms drift in closed form, ″/s; absent of the largest angle.
+    pub closed_form: Option<f64>,
+    /// Without each part of the trials in turn.
+    replicates: Vec<f64>,
+}
+
+/// All that was tried with one filler, in the order of the intervals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Filler {
+    /// Absent where the study gives the residual by its largest value.
+    pub name: Option<String>,
+    pub tried: Vec<Tried>,
+    /// Place of the least drift.
+    pub least: usize,
+    pub optimum: Optimum,
+    /// The interval that the paper's bound would choose, and what comes of it.
+    pub papers_rule: Option<PapersRule>,
+}
+
+impl Filler {
+    /// What was found at the interval of the least drift.
+    pub fn best(&self) -> &Tried {
+        &self.tried[self.least]
+    }
+
+    /// Whether a shorter or longer interval than any that was tried may be better.
+    pub fn is_at_edge(&self) -> bool {
+        self.tried.len() > 1 && (self.least == 0 || self.least + 1 == self.tried.len())
+    }
+}
+
+/// What a design came to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Design {
+    pub measure: Measure,
+    /// Runs of each filler and interval.
+    pub trials: u64,
+    pub duration_s: f64,
+    /// Left out, ″/s.
+    pub non_magnetic: f64,
+    /// In the order of the study.
+    pub fillers: Vec<Filler>,
+    /// Place of the filler with the least drift.
+    pub best: usize,
+}
+
+impl Design {
+    /// The filler with the least drift.
+    pub fn best(&self) -> &Filler {
+        &self.fillers[self.best]
+    }
+
+    /// How many times more drift another filler leaves at its own best interval, with its 95 % interval: both on the same
+    /// random numbers.
+    pub fn worse_by(&self, filler: &Filler) -> Found {
+        let (best, other) = (self.best().best(), filler.best());
+        let ratio = |k: usize| other.replicates[k] / best.replicates[k];
+        let value = other.drift.value / best.drift.value;
+        let se = optimum::jackknife((0..best.replicates.len()).map(ratio).collect());
+        Found { value, interval: Some((value - optimum::T_95 * se, value + optimum::T_95 * se)) }
+    }
+}
+
+/// Why there is no design.
+#[derive(Debug, thiserror::Error)]
+pub enum DesignError {
+    #[error("a study of kind = \"{kind}\" has no switching interval to choose")]
+    Kind { kind: &'static str },
+    #[error("{key} is swept: a design is for one gyro, and chooses the interval and the filler itself")]
+    Swept { key: &'static str },
+    #[error("there is no drift and no residual: every interval is as good as any other")]
+    Nothing,
+    #[error(
+        "no run of {duration_s} s has an even number of intervals that are long enough for the fit ticks"
+    )]
+    NoCandidate { duration_s: f64 },
+    #[error(transparent)]
+    Lower(#[from] LowerError),
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// The runs do not say where 99.73 % of them lie.
+    #[error("{trials} runs are too few for the {}", measure.label())]
+    TooFew { trials: u64, measure: Measure },
+}
+
+/// Runs all candidates; `progress` hears of how many runs there are, then of those that are done.
+///
+/// # Errors
+/// The study is of another kind or sweeps more than the interval, has nothing to choose by, or the device fails.
+pub fn design(
+    study: &Study,
+    measure: Measure,
+    device: &mut Device,
+    progress: &(dyn crate::run::Progress + Sync),
+) -> Result<Design, DesignError> {
+    let Some(runs) = study.switched_run() else {
+        return Err(DesignError::Kind { kind: study.kind().name() });
+    };
+    if let Some(sweep) = study.sweeps.iter().find(|sweep| sweep.key.name != "switching.interval") {
+        return Err(DesignError::Swept { key: sweep.key.name });
+    }
+    // Alone: it needs only what is sampled anyway.
+    let runs = SwitchedRun { times: vec![], ..runs.clone() };
+    let chosen = candidates::choose(study, &runs)?;
+    let trials = sampling::trials(study.trials);
+    // And that of the paper's rule.
+    let total: usize = chosen.iter().map(|filler| filler.candidates.len() + 1).sum();
+    let point = &runs.points[0];
+    progress.start("trials", 0, total as u64 * trials);
+    let mut fillers = Vec::new();
+    for (place, filler) in chosen.into_iter().enumerate() {
+        let mut sampled = |candidate: &Candidate| {
+            let parts = sampling::parts(&candidate.filled, trials, device, progress)?;
+            of_parts(candidate, &parts, measure, point.schedule.duration_s, trials)
+        };
+        let tried = filler.candidates.iter().map(&mut sampled).collect::<Result<Vec<Tried>, _>>()?;
+        let optimum = optimum::of(&tried);
+        let least = (0..tried.len()).min_by(|&a, &b| tried[a].drift.value.total_cmp(&tried[b].drift.value));
+        let name = runs.fillers().get(place).map(|filler| filler.name.clone());
+        let papers_rule = match paper::optimum(point, &filler.candidates[0].filled.residual) {
+            None => None,
+            Some((residual_max, paper::Optimum { interval_s, bound })) => {
+                let candidate = candidates::near(interval_s, study, &runs, place)?;
+                let tried = candidate.as_ref().map(&mut sampled).transpose()?;
+                tried.map(|tried| PapersRule { residual_max, interval_s, bound, tried })
+            }
+        };
+        fillers.push(Filler { name, tried, least: least.unwrap_or(0), optimum, papers_rule });
+    }
+    progress.finish();
+    let of = |place: &usize| fillers[*place].best().drift.value;
+    let best = (0..fillers.len()).min_by(|a, b| of(a).total_cmp(&of(b))).unwrap_or(0);
+    Ok(Design {
+        measure,
+        trials,
+        duration_s: point.schedule.duration_s,
+        non_magnetic: point.drift.non_magnetic,
+        fillers,
+        best,
+    })
+}
+
+/// What some parts of the trials say together, and without each of them.
+fn of_parts(
+    candidate: &Candidate,
+    parts: &[[Moments; 2]],
+    measure: Measure,
+    duration_s: f64,
+    trials: u64,
+) -> Result<Tried, DesignError> {
+    let which = usize::from(measure.angle() == RunAngle::Largest);
+    let estimate = &candidate.filled.estimates[which];
+    let value = |tally: &Moments| -> Option<Found> {
+        let found = Estimates::of(tally, estimate.bin_base, estimate.unit_arcsec / duration_s)?;
+        match measure {
+            Measure::DriftRms | Measure::LargestRms => {
+                let half = found.rms_se.map(|se| 1.959_963_985 * se);
+                Some(Found {
+                    value: found.rms,
+                    interval: half.map(|half| (found.rms - half, found.rms + half)),
+                })
+            }
+            Measure::DriftQ9973 | Measure::LargestQ9973 => {
+                let q = found.q9973?;
+                Some(Found { value: q.value, interval: q.low.zip(q.high) })
+            }
+        }
+    };
+    let too_few = || DesignError::TooFew { trials, measure };
+    let parts: Vec<&Moments> = parts.iter().map(|part| &part[which]).collect();
+    let drift = value(&merged(parts.iter().copied())).ok_or_else(too_few)?;
+    let replicate = |left_out: usize| {
+        let rest = parts.iter().enumerate().filter(|(k, _)| *k != left_out).map(|(_, part)| *part);
+        value(&merged(rest)).map(|found| found.value).ok_or_else(too_few)
+    };
+    let replicates = (0..parts.len()).map(replicate).collect::<Result<_, _>>()?;
+    let closed_form = estimate.oracle.map(|oracle| oracle.rms() / duration_s);
+    let (interval_s, switches) = (candidate.interval_s, candidate.switches);
+    Ok(Tried { interval_s, switches, drift, closed_form, replicates })
+}
+
+fn merged<'a>(parts: impl Iterator<Item = &'a Moments>) -> Moments {
+    let mut total = Moments::empty(true);
+    parts.for_each(|part| total.merge(part));
+    total
+}

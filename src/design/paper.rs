@@ -1,0 +1,39 @@
+//! What the paper's rule would choose: the interval at which the bound Z(7) is least.
+
+use super::Tried;
+use crate::lower::Residual;
+use crate::study::RunPoint;
+pub(super) use crate::theory::drift::Optimum;
+use crate::theory::drift::{Budget, Magnetic};
+
+/// Standard deviations of the normal part that the paper takes as its largest.
+const SIGMAS: f64 = 3.0;
+
+/// The paper's choice.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PapersRule {
+    /// δP_max of the filler, ″.
+    pub residual_max: f64,
+    /// The interval that the bound has its minimum at, s, and the bound there, ″/s.
+    pub interval_s: f64,
+    pub bound: f64,
+    /// What comes of the nearest interval of which an even number makes the run.
+    pub tried: Tried,
+}
+
+/// δP_max of a residual, and the minimum of the bound; none where switching costs nothing.
+pub(super) fn optimum(point: &RunPoint, residual: &Residual) -> Option<(f64, Optimum)> {
+    let amplitudes: f64 = residual.tones.iter().map(|tone| tone.amplitude_arcsec).sum();
+    let residual_max =
+        amplitudes + residual.constant_arcsec.abs() + SIGMAS * libm::sqrt(residual.variance_arcsec2);
+    let drift = &point.drift;
+    // Without warm-up all of A is there from the start.
+    let warms = drift.warm_up_s > 0.0;
+    let magnetic = Magnetic {
+        amplitude: if warms { drift.magnetic } else { 0.0 },
+        time_s: if warms { drift.warm_up_s } else { 1.0 },
+        initial: drift.initial_magnetic + if warms { 0.0 } else { drift.magnetic },
+    };
+    let budget = Budget { magnetic, non_magnetic: drift.non_magnetic, residual_max };
+    Some((residual_max, budget.optimum(point.schedule.duration_s)?))
+}
