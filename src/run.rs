@@ -1,6 +1,7 @@
 //! Running a study: what is missing in the store is sampled and added, then all that is held becomes tables.
 
 mod allan;
+mod exact;
 pub(crate) mod gap_fill;
 mod sampling;
 
@@ -35,6 +36,8 @@ pub struct Plan<'a> {
 enum Work<'a> {
     GapFill(gap_fill::Plan<'a>),
     Allan(allan::Plan<'a>),
+    /// Closed forms: the table is all there is.
+    Exact(Table),
 }
 
 /// What a run did.
@@ -81,8 +84,15 @@ impl<'a> Plan<'a> {
         let work = match &study.subject {
             Subject::GapFill(gap_fill) => Work::GapFill(gap_fill::Plan::new(study, gap_fill)?),
             Subject::Allan(allan) => Work::Allan(allan::Plan::new(study, allan)?),
+            Subject::DriftBudget(budget) => Work::Exact(exact::of_budget(study, budget)),
+            Subject::Suspension(suspension) => Work::Exact(exact::of_suspension(study, suspension)),
         };
         Ok(Plan { study, work })
+    }
+
+    /// Whether there is anything to sample, for which a device is needed.
+    pub fn is_sampled(&self) -> bool {
+        !matches!(self.work, Work::Exact(_))
     }
 
     /// What makes the results those of this study.
@@ -107,6 +117,7 @@ impl<'a> Plan<'a> {
         let done = match &self.work {
             Work::GapFill(plan) => plan.run(store, device, progress)?,
             Work::Allan(plan) => plan.run(store, device, progress)?,
+            Work::Exact(_) => Done { trials: 0, seconds: 0.0, degraded: None },
         };
         progress.finish();
         Ok(done)
@@ -117,6 +128,7 @@ impl<'a> Plan<'a> {
         match &self.work {
             Work::GapFill(plan) => Tables { points: plan.blank_table(), coefficients: None },
             Work::Allan(plan) => plan.blank_tables(),
+            Work::Exact(table) => Tables { points: table.clone(), coefficients: None },
         }
     }
 
@@ -128,6 +140,7 @@ impl<'a> Plan<'a> {
         let tables = match &self.work {
             Work::GapFill(plan) => Tables { points: plan.table(store)?, coefficients: None },
             Work::Allan(plan) => plan.tables(store, progress)?,
+            Work::Exact(table) => Tables { points: table.clone(), coefficients: None },
         };
         progress.finish();
         Ok(tables)
@@ -141,6 +154,7 @@ impl<'a> Plan<'a> {
         let held = match &self.work {
             Work::GapFill(plan) => plan.held(store)?,
             Work::Allan(plan) => plan.held(store)?,
+            Work::Exact(_) => None,
         };
         Ok(held.unwrap_or(self.study.trials))
     }
@@ -154,6 +168,9 @@ impl<'a> Plan<'a> {
         notes.extend(match &self.work {
             Work::GapFill(plan) => plan.notes(store)?,
             Work::Allan(plan) => plan.notes(),
+            Work::Exact(_) => {
+                vec!["all values are closed forms: trials, seed and device have no use here".to_owned()]
+            }
         });
         let trials = self.held(store)?;
         if trials > self.study.trials {
@@ -167,6 +184,7 @@ impl<'a> Plan<'a> {
         let asked: Vec<Id> = match &self.work {
             Work::GapFill(plan) => plan.ids(),
             Work::Allan(plan) => plan.ids(),
+            Work::Exact(_) => vec![],
         };
         match points.iter().filter(|id| !asked.contains(id)).count() {
             0 => {}

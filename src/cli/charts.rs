@@ -133,6 +133,7 @@ fn points(study: &Study, chart: &Chart) -> &'static str {
     match (study.kind(), chart.source) {
         _ if chart.y.name.starts_with("oracle") => "closed form",
         (Kind::Allan, Source::Points) => "mean of records",
+        (kind, _) if kind.is_exact() => "",
         _ => "Monte Carlo",
     }
 }
@@ -142,6 +143,7 @@ fn bands(study: &Study) -> &'static str {
     match study.kind() {
         Kind::GapFill => "95 % band",
         Kind::Allan => "95 % of records",
+        Kind::DriftBudget | Kind::Suspension => "",
     }
 }
 

@@ -181,8 +181,10 @@ fn read(mut table: ChartTable, sweeps: &[Sweep], subject: &Subject) -> Result<Ch
 fn source(table: &ChartTable, subject: &Subject) -> Result<Source, Fault> {
     match (&table.table, subject) {
         (None, _) => Ok(Source::Points),
-        (Some(written), Subject::GapFill(_)) if *written.get_ref() == Source::Coefficients => {
-            let message = "a gap-fill study has no table of coefficients";
+        (Some(written), subject)
+            if *written.get_ref() == Source::Coefficients && !matches!(subject, Subject::Allan(_)) =>
+        {
+            let message = "only a study of kind = \"allan\" has a table of coefficients";
             Err(Fault::new(written.span(), message, "no such table", "leave chart.table out"))
         }
         (Some(written), Subject::Allan(allan))
@@ -320,18 +322,20 @@ const PERCENT: &str = "accepted: a part in percent such as \"10 %\", of a relati
 
 /// A limit in the unit of what the table is about.
 fn read_limit(given: &Spanned<Scalar>, subject: &Subject, source: Source) -> Result<Limit, Fault> {
-    let (dimension, unit) = match (subject, source) {
-        (Subject::GapFill(_), _) => (Dimension::Angle, Unit::ARCSEC),
-        (Subject::Allan(_), Source::Points) => (Dimension::DriftRate, Unit::DEG_PER_H),
+    let dimensions: &[Dimension] = match (subject, source) {
+        (Subject::GapFill(_), _) => &[Dimension::Angle],
+        (Subject::Allan(_), Source::Points) => &[Dimension::DriftRate],
+        (Subject::DriftBudget(_), _) => &[Dimension::Rate, Dimension::Time],
+        (Subject::Suspension(_), _) => &[Dimension::RatePerAcceleration],
         (Subject::Allan(_), Source::Coefficients) => {
             return Ok(Limit { value: percent("chart.limit", given, PERCENT)?, unit: Unit::NONE });
         }
     };
-    let limit = scalar::quantity("chart.limit", given, &[dimension])?;
+    let limit = scalar::quantity("chart.limit", given, dimensions)?;
     if limit.value > 0.0 {
-        return Ok(Limit { value: limit.value, unit });
+        return Ok(Limit { value: limit.value, unit: limit.dimension.unit() });
     }
     let message = format!("chart.limit = {limit}, and no error stays within that");
-    let help = format!("accepted: {} above 0, or no limit", dimension.name());
+    let help = format!("accepted: {} above 0, or no limit", limit.dimension.name());
     Err(Fault::new(given.span(), message, "not above 0", help))
 }

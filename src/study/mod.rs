@@ -12,6 +12,7 @@ mod chart_default;
 mod chart_file;
 mod diagnose;
 mod drift;
+mod drift_budget;
 mod expected;
 mod expression;
 mod file;
@@ -22,6 +23,7 @@ mod percent;
 mod place;
 mod rows;
 mod scalar;
+mod suspension;
 mod sweep;
 mod units;
 
@@ -43,6 +45,7 @@ pub use chart_file::Scale;
 pub use diagnose::StudyError;
 pub(crate) use diagnose::{Fault, Text, choices, render};
 pub use drift::{Drift, Schedule};
+pub use drift_budget::{DriftBudget, Point as BudgetPoint};
 pub use file::{Error, Kind, Phase, Position, Streams, schema};
 pub use gap_fill::{
     Amplitude, Fill, Filler, Frequency, GapFill, Gaussian, Inputs, Law, Method, Motion, POLYNOMIALS, Point,
@@ -50,6 +53,7 @@ pub use gap_fill::{
 };
 pub use key::{Key, Swept};
 pub use noise::{Markov, Noise, Sine, WarmUp};
+pub use suspension::{Point as SuspensionPoint, SuspensionStudy};
 pub use sweep::Sweep;
 pub use units::{Dimension, Quantity, UnitError, parse as parse_quantity};
 pub(crate) use units::{parse_unit, round_12};
@@ -85,6 +89,8 @@ pub struct Study {
 pub enum Subject {
     GapFill(GapFill),
     Allan(Allan),
+    DriftBudget(DriftBudget),
+    Suspension(SuspensionStudy),
 }
 
 /// What [`Study::resolved`] may have to replace in the text.
@@ -130,6 +136,8 @@ impl Study {
         match self.subject {
             Subject::GapFill(_) => Kind::GapFill,
             Subject::Allan(_) => Kind::Allan,
+            Subject::DriftBudget(_) => Kind::DriftBudget,
+            Subject::Suspension(_) => Kind::Suspension,
         }
     }
 
@@ -137,7 +145,7 @@ impl Study {
     pub fn gap_fill(&self) -> Option<&GapFill> {
         match &self.subject {
             Subject::GapFill(gap_fill) => Some(gap_fill),
-            Subject::Allan(_) => None,
+            _ => None,
         }
     }
 
@@ -145,7 +153,7 @@ impl Study {
     pub fn allan(&self) -> Option<&Allan> {
         match &self.subject {
             Subject::Allan(allan) => Some(allan),
-            Subject::GapFill(_) => None,
+            _ => None,
         }
     }
 
@@ -154,6 +162,7 @@ impl Study {
         match &self.subject {
             Subject::GapFill(gap_fill) => &gap_fill.notes,
             Subject::Allan(allan) => &allan.notes,
+            Subject::DriftBudget(_) | Subject::Suspension(_) => &[],
         }
     }
 
@@ -169,7 +178,8 @@ impl Study {
     }
 
     /// The file as it was read, but with the seed of this value, so many trials, and the whole paths of files: a study
-    /// that repeats this one without further options, wherever it is kept. Comments and layout are kept too.
+    /// that repeats this one without further options, wherever it is kept. Comments and layout are kept too. Without seed
+    /// and trials where nothing is sampled.
     pub fn resolved(&self, trials: u64) -> String {
         let Written { seed, trials: written_trials, files, kind_end } = &self.written;
         let mut text = self.text.inner().clone();
@@ -180,6 +190,7 @@ impl Study {
         let mut edits = Vec::new();
         for (key, value, written) in [("trials", trials, written_trials), ("seed", self.seed, seed)] {
             match written {
+                _ if self.kind().is_exact() => {}
                 None => edits.push((after_kind..after_kind, format!("{line_end}{key} = {value}\n"))),
                 Some(written) if *written.get_ref() != value => {
                     edits.push((written.span(), value.to_string()))
@@ -227,6 +238,8 @@ impl Study {
         let keys = match kind {
             Kind::GapFill => gap_fill::keys(),
             Kind::Allan => allan::keys(),
+            Kind::DriftBudget => drift_budget::keys(),
+            Kind::Suspension => suspension::keys(),
         };
         let sweeps = sweep::read_all(&file.sweep, &keys)?;
         let written = Written {
@@ -239,13 +252,18 @@ impl Study {
         if let Some(trials) = &written.trials {
             places.add("trials", trials.span());
         }
+        if kind.is_exact() {
+            check_exact(&file)?;
+        }
         let subject = match kind {
             Kind::GapFill => Subject::GapFill(gap_fill::read(&file, &sweeps, folder, &mut places)?),
             Kind::Allan => Subject::Allan(allan::read(&file, &sweeps, folder, &mut places)?),
+            Kind::DriftBudget => Subject::DriftBudget(drift_budget::read(&file, &sweeps, &mut places)?),
+            Kind::Suspension => Subject::Suspension(suspension::read(&file, &sweeps, &mut places)?),
         };
         let default_trials = match kind {
-            Kind::GapFill => 1_000_000,
             Kind::Allan => 1000,
+            _ => 1_000_000,
         };
         let charts = chart::read_all(file.chart, &sweeps, &subject)?;
         Ok(Study {
@@ -262,6 +280,14 @@ impl Study {
             written,
         })
     }
+}
+
+/// Refuses what means nothing where nothing is sampled.
+fn check_exact(file: &StudyFile) -> Result<(), Fault> {
+    let Some(precision) = &file.precision else { return Ok(()) };
+    let kind = file.kind.get_ref().name();
+    let message = format!("precision is no key of a study of kind = \"{kind}\", which is exact");
+    Err(Fault::new(precision.span(), message, "not of this kind", "leave it out"))
 }
 
 /// The key of a table that a study of this kind needs.
