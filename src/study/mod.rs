@@ -48,8 +48,8 @@ pub use drift::{Drift, Schedule};
 pub use drift_budget::{DriftBudget, Point as BudgetPoint};
 pub use file::{Error, Kind, Phase, Position, Streams, schema};
 pub use gap_fill::{
-    Amplitude, Fill, Filler, Frequency, GapFill, Gaussian, Inputs, Law, Method, Motion, POLYNOMIALS, Point,
-    Precision, Profile, TickNoise, Tone, Value,
+    Acceleration, Amplitude, Fill, Filler, Frequency, GapFill, Gaussian, Inputs, Law, Method, Motion,
+    POLYNOMIALS, Point, Precision, Profile, TickNoise, Tone, Value, Vibration,
 };
 pub use key::{Key, Swept};
 pub use noise::{Markov, Noise, Sine, WarmUp};
