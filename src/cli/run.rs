@@ -11,7 +11,7 @@ use sagnac::table::{Cell, Column, Table, significant};
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::charts::{draw, picture, refused, written};
+use super::charts::{Shown as Curves, draw, picture, refused, shown, written};
 use super::one_point::one_point;
 use super::output::{print, print_json, write};
 use super::progress::{Shown, short};
@@ -103,11 +103,11 @@ fn run_study(
 ) -> Result<Option<Value>, Failure> {
     // Also of closed forms, as a folder is of one study.
     let mut store = Store::open(folder, &plan.identity())?;
-    let shown = Shown::new(options.quiet);
+    let progress = Shown::new(options.quiet);
     let device = device.filter(|_| plan.is_sampled());
     let name = device.as_ref().map(|device| device.name());
-    let done = device.map(|device| plan.run(&mut store, device, &shown)).transpose()?;
-    let tables = plan.tables(&store, &shown)?;
+    let done = device.map(|device| plan.run(&mut store, device, &progress)).transpose()?;
+    let tables = plan.tables(&store, &progress)?;
     for (name, table) in files(&tables) {
         let (path, mut csv) = (folder.join(name), Vec::new());
         table.write_csv(&mut csv).map_err(|source| Failure::Write { path: path.clone(), source })?;
@@ -115,7 +115,8 @@ fn run_study(
     }
     write(&folder.join(RESOLVED), study.resolved(plan.held(&store)?).as_bytes())?;
     let notes = draw(study, &tables, folder)?;
-    let verdicts = verdicts(study, &tables)?;
+    let curves = shown(study, &tables)?;
+    let verdicts = verdicts(study, &curves)?;
     let degraded = done.iter().filter_map(|done| done.degraded.clone());
     let notes: Vec<String> = degraded.chain(notes).chain(plan.notes(&store)?).collect();
     if options.json {
@@ -127,7 +128,7 @@ fn run_study(
     for note in notes {
         eprintln!("note: {note}");
     }
-    print(&summary(study, &tables, &verdicts)?)?;
+    print(&summary(study, &tables, &curves, &verdicts)?)?;
     let rate = match done {
         Some(done) if done.trials > 0 => {
             format!("{} trials in {:.1} s; ", short(done.trials as f64), done.seconds)
@@ -146,14 +147,18 @@ fn files(tables: &Tables) -> impl Iterator<Item = (&'static str, &Table)> {
 }
 
 /// The table of the first chart, coefficients, and all verdicts, for people.
-fn summary(study: &Study, tables: &Tables, verdicts: &[Verdict]) -> Result<String, Failure> {
+fn summary(
+    study: &Study,
+    tables: &Tables,
+    curves: &[Curves],
+    verdicts: &[Verdict],
+) -> Result<String, Failure> {
     let mut text = format!("{}\n", study.title);
     if !study.question.is_empty() {
         text += &format!("{}\n", study.question);
     }
-    if let Some(chart) = study.charts.first() {
-        let shown =
-            of_chart(study, tables.of(chart.source), chart).map_err(|error| refused(study, chart, &error))?;
+    if let Some((chart, shown)) = study.charts.iter().zip(curves).next() {
+        let shown = of_chart(study, shown, chart).map_err(|error| refused(study, chart, &error))?;
         text += &format!("\n{shown}");
     } else if study.kind().is_exact() {
         text += &format!("\n{}", columns(&tables.points));
@@ -180,7 +185,8 @@ fn columns(table: &Table) -> String {
 }
 
 /// The rows of a chart as a grid.
-fn of_chart(study: &Study, table: &Table, chart: &Chart) -> Result<String, ChartError> {
+fn of_chart(study: &Study, shown: &Curves, chart: &Chart) -> Result<String, ChartError> {
+    let table: &Table = &shown.table;
     let sweeps: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
     let across = match study.kind() {
         kind if kind != Kind::Allan && !sweeps.is_empty() => sweeps,
@@ -190,9 +196,9 @@ fn of_chart(study: &Study, table: &Table, chart: &Chart) -> Result<String, Chart
         }
         _ => vec![chart.x.name.as_str()],
     };
-    let series: Vec<&str> = chart.series().iter().map(|column| column.name.as_str()).collect();
+    let series: Vec<&str> = shown.series.iter().map(String::as_str).collect();
     let texts = text_columns(study, chart.source);
-    Ok(pivot(table, &across, &chart.estimate().name, &series, &texts, &written(chart))?)
+    Ok(pivot(table, &across, &shown.estimate, &series, &texts, &written(chart))?)
 }
 
 /// Most coefficients that are shown besides the file of them.

@@ -8,7 +8,7 @@ use super::chart_default::default_for;
 pub use super::chart_file::Source;
 use super::chart_file::{ChartKind, ChartTable, Charts, Scale};
 use super::diagnose::Fault;
-use super::file::Error;
+use super::file::{Either, Error};
 use super::gap_fill::{FREQUENCY, Law};
 use super::percent::percent;
 use super::rows::{DT_NU, ERROR, FILLER, Known, chooser, coordinate, row};
@@ -47,6 +47,8 @@ pub struct Chart {
     pub x: Named,
     /// Of curves the estimate, of a map an axis like x.
     pub y: Named,
+    /// Further columns like y, each a curve of its own colour.
+    pub beside: Vec<Named>,
     pub shows: Shows,
     /// Only rows in which each column, a swept key, `filler` or `error`, has the value: one of those it takes. A chart that is
     /// supplied has those of the keys that it cannot show.
@@ -84,7 +86,8 @@ pub fn text_columns(study: &Study, source: Source) -> Vec<&'static str> {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shows {
     Curves {
-        /// One or two columns whose values make the curves: the first gives the colour, the second the dash.
+        /// At most two columns whose values make the curves: the first gives the colour, the second the dash. At most one, for
+        /// the dash, where several columns are shown.
         series: Vec<Named>,
         /// Each once; with any, x is a swept key or `dt_nu`.
         laws: Vec<Law>,
@@ -102,6 +105,11 @@ impl Chart {
             Shows::Curves { .. } => &self.y,
             Shows::HeatMap { z, .. } | Shows::WinnerMap { z, .. } => z,
         }
+    }
+
+    /// The columns that curves show: y and those beside it.
+    pub fn columns(&self) -> impl Iterator<Item = &Named> {
+        std::iter::once(&self.y).chain(&self.beside)
     }
 
     /// The columns whose values are told apart.
@@ -141,7 +149,8 @@ fn read(mut table: ChartTable, sweeps: &[Sweep], subject: &Subject) -> Result<Ch
     let source = source(&table, subject)?;
     let known = Known::of(subject, source);
     let limit = table.limit.as_ref().map(|limit| read_limit(limit, subject, source)).transpose()?;
-    let shows = shows(&mut table, sweeps, &known)?;
+    let (y, beside) = columns(&table)?;
+    let shows = shows(&mut table, &y, &beside, sweeps, &known)?;
     let mut rows = Vec::new();
     let mut chosen: Vec<String> = Vec::new();
     for (name, value) in table.rows.unwrap_or_default() {
@@ -161,10 +170,11 @@ fn read(mut table: ChartTable, sweeps: &[Sweep], subject: &Subject) -> Result<Ch
     let chart = Chart {
         title: table.title,
         x_scale: table.x_scale.unwrap_or_else(|| scale_over(table.x.get_ref(), sweeps, &known)),
-        y_scale: table.y_scale.unwrap_or_else(|| scale_over(table.y.get_ref(), sweeps, &known)),
+        y_scale: table.y_scale.unwrap_or_else(|| scale_over(&y.name, sweeps, &known)),
         source,
         x: table.x.into(),
-        y: table.y.into(),
+        y,
+        beside,
         shows,
         rows,
         limit,
@@ -198,8 +208,40 @@ fn source(table: &ChartTable, subject: &Subject) -> Result<Source, Fault> {
     }
 }
 
+/// Most columns that are shown at once.
+const MOST_COLUMNS: usize = 8;
+
+/// The column y, and those beside it where it is a list.
+fn columns(table: &ChartTable) -> Result<(Named, Vec<Named>), Fault> {
+    const ACCEPTED: &str =
+        "accepted: the name of a column, or a list of names as in [\"bound\", \"mean_drift\"]";
+    let span = table.y.span();
+    match table.y.get_ref() {
+        Either::One(Scalar::Text(name)) => Ok((Named { name: name.clone(), span }, vec![])),
+        Either::One(other) => {
+            Err(Fault::new(span, format!("chart.y: {other} names no column"), other.kind(), ACCEPTED))
+        }
+        Either::Other(names) if (2..=MOST_COLUMNS).contains(&names.len()) => {
+            let mut names = names.iter().map(|name| Named::from(name.clone()));
+            let y = names.next().unwrap_or(Named::default(""));
+            Ok((y, names.collect()))
+        }
+        Either::Other(names) => {
+            let message = format!("chart.y lists {} columns", names.len());
+            let label = if names.len() < 2 { "too few for a list" } else { "too many columns" };
+            Err(Fault::new(span, message, label, format!("{ACCEPTED}, 2 to {MOST_COLUMNS}")))
+        }
+    }
+}
+
 /// What a table asks to be shown, by its kind.
-fn shows(table: &mut ChartTable, sweeps: &[Sweep], known: &Known) -> Result<Shows, Fault> {
+fn shows(
+    table: &mut ChartTable,
+    y: &Named,
+    beside: &[Named],
+    sweeps: &[Sweep],
+    known: &Known,
+) -> Result<Shows, Fault> {
     let kind = table.kind.as_ref().map_or(ChartKind::Curves, |kind| *kind.get_ref());
     let maps = [ChartKind::HeatMap, ChartKind::WinnerMap];
     only_for(kind, &maps, "z", table.z.as_ref())?;
@@ -209,19 +251,40 @@ fn shows(table: &mut ChartTable, sweeps: &[Sweep], known: &Known) -> Result<Show
     only_for(kind, &[ChartKind::Curves], "laws", table.laws.as_ref())?;
     if kind == ChartKind::Curves {
         let laws = laws(table, sweeps, known)?;
-        return Ok(Shows::Curves {
-            series: series(table.series.take(), table.x.get_ref(), sweeps, known)?,
-            laws,
-        });
+        let written = table.series.as_ref().map(Spanned::span);
+        let mut series = series(table.series.take(), table.x.get_ref(), sweeps, known)?;
+        if !beside.is_empty() {
+            if let Some(span) = written.filter(|_| series.len() > 1) {
+                let message = "series names two columns beside several columns y";
+                let help = "name one column, for the dash: the columns y have the colours";
+                return Err(Fault::new(span, message, "one too many", help));
+            }
+            if let Some(span) = table.laws.as_ref().filter(|_| !laws.is_empty()).map(Spanned::span) {
+                let message = "chart.laws stand beside several columns y";
+                return Err(Fault::new(
+                    span,
+                    message,
+                    "of one column",
+                    "leave them out, or name one column y",
+                ));
+            }
+            series.truncate(1);
+        }
+        return Ok(Shows::Curves { series, laws });
+    }
+    if !beside.is_empty() {
+        let message = format!("a chart of kind = \"{}\" has one column y", kind.name());
+        return Err(Fault::new(table.y.span(), message, "a list", "name one column"));
     }
     let Some(z) = table.z.take().map(Named::from) else {
         let span = table.kind.as_ref().map_or(0..0, Spanned::span);
         let message = format!("a chart of kind = \"{}\" needs z, the column that it shows", kind.name());
         return Err(Fault::new(span, message, "a map of what?", "add it as in\nz = \"q9973\""));
     };
-    for (name, axis) in [("x", &table.x), ("y", &table.y)] {
+    let x = Named::from(table.x.clone());
+    for (name, axis) in [("x", &x), ("y", y)] {
         let cannot = format!("a map cannot have as its {name}");
-        coordinate(sweeps, known, axis.get_ref(), axis.span(), &cannot)?;
+        coordinate(sweeps, known, &axis.name, axis.span.clone(), &cannot)?;
     }
     if kind == ChartKind::HeatMap {
         let z_scale = table.z_scale.as_ref().map_or(Scale::default(), |scale| *scale.get_ref());

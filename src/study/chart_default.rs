@@ -25,6 +25,7 @@ fn of_deviations(sweeps: &[Sweep]) -> Chart {
         source: Source::Points,
         x: Named::default(TAU),
         y: Named::default("adev"),
+        beside: vec![],
         shows: Shows::Curves {
             series: sweeps.iter().take(2).map(|sweep| Named::default(sweep.key.name)).collect(),
             laws: vec![],
@@ -45,6 +46,7 @@ fn of_closed_forms(sweeps: &[Sweep], subject: &Subject, y: &str) -> Option<Chart
         source: Source::Points,
         x: Named::default(x.key.name),
         y: Named::default(y),
+        beside: vec![],
         shows: Shows::Curves {
             series: others.iter().take(2).map(|sweep| Named::default(sweep.key.name)).collect(),
             laws: vec![],
@@ -83,6 +85,7 @@ fn of_fillers(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
         source: Source::Points,
         x: Named::default(x),
         y: Named::default("rms"),
+        beside: vec![],
         shows: Shows::Curves { series: series.map(Named::default).collect(), laws: vec![] },
         rows: fixed.chain(only_residuals()).collect(),
         limit: None,
