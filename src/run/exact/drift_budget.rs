@@ -24,13 +24,13 @@ pub(super) fn columns() -> Vec<Column> {
         drift("rms_drift_in_phase", "rms, all switches in one phase"),
         drift("rms_switching", "rms of what switching leaves, random phases"),
         optimum("optimum", "of the bound, Z(8)"),
-        drift("optimum_bound", "bound at its optimum"),
+        drift("optimum_bound", "bound, Z(7), at its best"),
         optimum("optimum_as_published", "Z(9) as published"),
         optimum("optimum_expanded", "Z(9) put right"),
         optimum("optimum_limit", "limit as published"),
         optimum("optimum_limit_small", "limit put right"),
         optimum("optimum_true", "of the rms drift"),
-        drift("optimum_true_rms", "rms at its optimum"),
+        drift("optimum_true_rms", "rms of what switching leaves, at its best"),
     ]
 }
 
