@@ -4,11 +4,12 @@ use std::ops::Range;
 
 use toml::Spanned;
 
+use super::chart_columns;
 use super::chart_default::default_for;
 pub use super::chart_file::Source;
 use super::chart_file::{ChartKind, ChartTable, Charts, Scale};
 use super::diagnose::Fault;
-use super::file::{Either, Error};
+use super::file::Error;
 use super::gap_fill::{FREQUENCY, Law};
 use super::percent::percent;
 use super::rows::{DT_NU, ERROR, FILLER, Known, chooser, coordinate, row};
@@ -149,7 +150,7 @@ fn read(mut table: ChartTable, sweeps: &[Sweep], subject: &Subject) -> Result<Ch
     let source = source(&table, subject)?;
     let known = Known::of(subject, source);
     let limit = table.limit.as_ref().map(|limit| read_limit(limit, subject, source)).transpose()?;
-    let (y, beside) = columns(&table)?;
+    let (y, beside) = chart_columns::read(&table)?;
     let shows = shows(&mut table, &y, &beside, sweeps, &known)?;
     let mut rows = Vec::new();
     let mut chosen: Vec<String> = Vec::new();
@@ -208,32 +209,6 @@ fn source(table: &ChartTable, subject: &Subject) -> Result<Source, Fault> {
     }
 }
 
-/// Most columns that are shown at once.
-const MOST_COLUMNS: usize = 8;
-
-/// The column y, and those beside it where it is a list.
-fn columns(table: &ChartTable) -> Result<(Named, Vec<Named>), Fault> {
-    const ACCEPTED: &str =
-        "accepted: the name of a column, or a list of names as in [\"bound\", \"mean_drift\"]";
-    let span = table.y.span();
-    match table.y.get_ref() {
-        Either::One(Scalar::Text(name)) => Ok((Named { name: name.clone(), span }, vec![])),
-        Either::One(other) => {
-            Err(Fault::new(span, format!("chart.y: {other} names no column"), other.kind(), ACCEPTED))
-        }
-        Either::Other(names) if (2..=MOST_COLUMNS).contains(&names.len()) => {
-            let mut names = names.iter().map(|name| Named::from(name.clone()));
-            let y = names.next().unwrap_or(Named::default(""));
-            Ok((y, names.collect()))
-        }
-        Either::Other(names) => {
-            let message = format!("chart.y lists {} columns", names.len());
-            let label = if names.len() < 2 { "too few for a list" } else { "too many columns" };
-            Err(Fault::new(span, message, label, format!("{ACCEPTED}, 2 to {MOST_COLUMNS}")))
-        }
-    }
-}
-
 /// What a table asks to be shown, by its kind.
 fn shows(
     table: &mut ChartTable,
@@ -251,23 +226,11 @@ fn shows(
     only_for(kind, &[ChartKind::Curves], "laws", table.laws.as_ref())?;
     if kind == ChartKind::Curves {
         let laws = laws(table, sweeps, known)?;
-        let written = table.series.as_ref().map(Spanned::span);
+        if !beside.is_empty() {
+            chart_columns::check_beside(table, &laws)?;
+        }
         let mut series = series(table.series.take(), table.x.get_ref(), sweeps, known)?;
         if !beside.is_empty() {
-            if let Some(span) = written.filter(|_| series.len() > 1) {
-                let message = "series names two columns beside several columns y";
-                let help = "name one column, for the dash: the columns y have the colours";
-                return Err(Fault::new(span, message, "one too many", help));
-            }
-            if let Some(span) = table.laws.as_ref().filter(|_| !laws.is_empty()).map(Spanned::span) {
-                let message = "chart.laws stand beside several columns y";
-                return Err(Fault::new(
-                    span,
-                    message,
-                    "of one column",
-                    "leave them out, or name one column y",
-                ));
-            }
             series.truncate(1);
         }
         return Ok(Shows::Curves { series, laws });

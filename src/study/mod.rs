@@ -8,6 +8,7 @@
 
 mod allan;
 mod chart;
+mod chart_columns;
 mod chart_default;
 mod chart_file;
 mod diagnose;
@@ -87,7 +88,7 @@ pub struct Study {
 /// What is studied, by its kind.
 #[derive(Debug, Clone)]
 pub enum Subject {
-    GapFill(GapFill),
+    GapFill(Box<GapFill>),
     Allan(Allan),
     DriftBudget(DriftBudget),
     Suspension(SuspensionStudy),
@@ -256,7 +257,7 @@ impl Study {
             check_exact(&file)?;
         }
         let subject = match kind {
-            Kind::GapFill => Subject::GapFill(gap_fill::read(&file, &sweeps, folder, &mut places)?),
+            Kind::GapFill => Subject::GapFill(Box::new(gap_fill::read(&file, &sweeps, folder, &mut places)?)),
             Kind::Allan => Subject::Allan(allan::read(&file, &sweeps, folder, &mut places)?),
             Kind::DriftBudget => Subject::DriftBudget(drift_budget::read(&file, &sweeps, &mut places)?),
             Kind::Suspension => Subject::Suspension(suspension::read(&file, &sweeps, &mut places)?),

@@ -228,8 +228,9 @@ fn power_quantiles(beside: &Beside) -> (f64, Vec<f64>) {
             (rms * rms, (0..=GRID).map(at).collect())
         }
         Beside::Psd(points) | Beside::Vibration { psd: points, .. } if !points.is_empty() => {
+            // Of a vibration by what ticks see of it: most of the rate may be far above their rate.
             let of_rate = |nu: f64| match beside {
-                Beside::Vibration { modes, .. } => square_response(modes, nu),
+                Beside::Vibration { modes, .. } => square_response(modes, nu) * peak(nu) * peak(nu),
                 _ => 1.0,
             };
             let mut cumulative = vec![(points[0][0], 0.0)];
@@ -480,7 +481,11 @@ impl Prepared<'_> {
                 let i = (along as usize).min(self.quantiles.len() - 2);
                 let nu = self.quantiles[i] + (along - i as f64) * (self.quantiles[i + 1] - self.quantiles[i]);
                 let radius = Draw::Rayleigh(scale).draw(rng);
-                add(radius, nu, TAU * rng.random::<f64>());
+                let rate = match self.gyro.beside {
+                    Beside::Vibration { .. } => radius / peak(nu).abs(),
+                    _ => radius,
+                };
+                add(rate, nu, TAU * rng.random::<f64>());
             }
         }
         if let Beside::Vibration { modes, sine: Some([a, nu]), .. } = &self.gyro.beside {

@@ -63,7 +63,8 @@ pub(in crate::study) struct VibrationTable {
     #[schemars(with = "VibrationRandomTable")]
     pub(in crate::study) random: Option<Spanned<VibrationRandomTable>>,
     /// Whether resonances and vibration may lie above half the tick rate, and so show in the ticks at lower frequencies.
-    #[serde(default)]
+    // Else the schema would give null, which TOML does not have, as the default.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "bool")]
     pub(in crate::study) alias: Option<Spanned<bool>>,
 }

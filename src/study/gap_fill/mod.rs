@@ -10,6 +10,7 @@ mod point;
 mod precision;
 mod read_fillers;
 mod read_motion;
+mod read_psd;
 mod ticks;
 mod vibration;
 

@@ -7,6 +7,7 @@ use toml::Spanned;
 
 use super::keys::{ACCELERATION, AMPLITUDE, FREQUENCY, GAUSSIAN_RMS, RATE};
 use super::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
+use super::read_psd::read_psd;
 use super::vibration::{self, Acceleration, Vibration};
 use crate::kernel::gap_fill::shape::MAX_TONES;
 use crate::record::Record;
@@ -16,11 +17,10 @@ use crate::study::file::suspension::VibrationTable;
 use crate::study::file::{Either, Phase};
 use crate::study::key::Key;
 use crate::study::place::Places;
-use crate::study::scalar::{self, Scalar};
+use crate::study::scalar::Scalar;
 use crate::study::sweep::Sweep;
 use crate::study::units::Dimension;
 use crate::theory::minimum_variance::Band;
-use crate::theory::psd::Psd;
 
 /// What a motion may be, for messages.
 const FORMS: &str = "accepted: amplitude and frequency; tones = [{ amplitude = …, frequency = … }, …]; gaussian = { rms \
@@ -242,7 +242,7 @@ fn read_gaussian(written: &Spanned<GaussianTable>) -> Result<Gaussian, Fault> {
             band: band("motion.gaussian.band", ends.get_ref(), ends.span())?,
         }),
         GaussianTable { rms: None, band: None, psd: Some(psd) } => {
-            Ok(Gaussian::Psd(Arc::new(self::psd("motion.gaussian.psd", psd, Dimension::RateDensity)?)))
+            Ok(Gaussian::Psd(Arc::new(read_psd("motion.gaussian.psd", psd, Dimension::RateDensity)?)))
         }
         _ => {
             let message = "motion.gaussian needs rms and band, or psd";
@@ -251,47 +251,6 @@ fn read_gaussian(written: &Spanned<GaussianTable>) -> Result<Gaussian, Fault> {
             Err(Fault::new(written.span(), message, "neither of the two", help))
         }
     }
-}
-
-/// A density, row by row.
-pub(super) fn psd(
-    key: &str,
-    written: &Spanned<Vec<Spanned<Ends>>>,
-    dimension: Dimension,
-) -> Result<Psd, Fault> {
-    let (rows, span) = (written.get_ref(), written.span());
-    let mut points: Vec<[f64; 2]> = Vec::new();
-    for row in rows {
-        let [frequency, density] = &row.get_ref()[..] else {
-            let message = format!("a row of {key} has {} values", row.get_ref().len());
-            return Err(Fault::new(row.span(), message, "not two", "write a frequency and a density"));
-        };
-        let nu = FREQUENCY.read_as(key, frequency)?;
-        let value = scalar::quantity(key, density, &[dimension])?;
-        if value.value <= 0.0 {
-            let message = format!("{key} has a density of {value} at {nu}");
-            let label = if value.value < 0.0 { "negative" } else { "zero" };
-            let help = "accepted: densities above 0; outside the frequencies given there is no motion";
-            return Err(Fault::new(density.span(), message, label, help));
-        }
-        if points.last().is_some_and(|last| last[0] >= nu.value) {
-            let message = format!("{key} does not rise at {nu}");
-            return Err(Fault::new(
-                frequency.span(),
-                message,
-                "not above the one before",
-                "sort the rows by frequency",
-            ));
-        }
-        points.push([nu.value, value.value]);
-    }
-    if points.len() < 2 {
-        let message = format!("{key} has {} rows", points.len());
-        return Err(Fault::new(span, message, "too few", "give two rows or more: the ends of a line each"));
-    }
-    // What its own checks would find has been refused with its place.
-    Psd::new(points)
-        .map_err(|error| Fault::new(span, error.to_string(), "no spectrum", "sort the rows by frequency"))
 }
 
 fn read_profile(written: &Spanned<ProfileTable>, folder: &Path) -> Result<Profile, Wrong> {

@@ -6,7 +6,7 @@ use toml::Spanned;
 
 use super::inputs::Inputs;
 use super::motion::{Gaussian, Motion, Tone};
-use super::read_motion;
+use super::read_psd::read_psd;
 use crate::study::diagnose::Fault;
 use crate::study::file::suspension::VibrationTable;
 use crate::study::key::{Key, Setting};
@@ -104,6 +104,12 @@ pub(super) fn read(
 ) -> Result<Vibration, Fault> {
     let VibrationTable { gyro, modes, sine, random, alias } = table.get_ref();
     let suspension = read_suspension(GYRO.name, gyro, modes, table.span(), sweeps)?;
+    for (key, span) in [
+        (GYRO.name, gyro.as_ref().map(Spanned::span)),
+        ("motion.suspension.modes", modes.as_ref().map(Spanned::span)),
+    ] {
+        span.into_iter().for_each(|span| places.add(key, span));
+    }
     let acceleration = match (sine, random) {
         (Some(sine), None) => {
             let (amplitude, frequency) = (&sine.get_ref().acceleration, &sine.get_ref().frequency);
@@ -118,7 +124,7 @@ pub(super) fn read(
             let (psd, rms) = (&random.get_ref().psd, &random.get_ref().rms);
             places.add("motion.suspension.random.psd", psd.span());
             let key = "motion.suspension.random.psd";
-            let psd = read_motion::psd(key, psd, Dimension::AccelerationDensity)?;
+            let psd = read_psd(key, psd, Dimension::AccelerationDensity)?;
             Acceleration::Random {
                 psd: Arc::new(psd),
                 rms_g: rms.as_ref().map(|rms| RANDOM_RMS.read(rms)).transpose()?.map(|rms| rms.value),
