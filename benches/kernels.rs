@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use divan::counter::ItemsCount;
 use sagnac::backend::cpu::{Cpu, Width};
+use sagnac::kernel::moments::Trials;
 use sagnac::kernel::recipe::{Level, Recipe};
-use sagnac::kernel::{Form, KERNELS, gap_fill};
+use sagnac::kernel::{Form, KERNELS};
 use sagnac::verify::Configuration;
 
 fn main() {
@@ -53,7 +54,7 @@ fn gap_fill_six_estimates(bencher: divan::Bencher, name: &str) {
     let launch = &Configuration::new("paper", |_| {}).launches()[0];
     bencher
         .counter(ItemsCount::new(ITEMS))
-        .bench_local(|| gap_fill::tally(width(name), launch, 0, ITEMS, false));
+        .bench_local(|| launch.tally(width(name), Trials { first: 0, count: ITEMS, histogram: false }));
 }
 
 #[divan::bench(args = widths())]
@@ -61,7 +62,7 @@ fn gap_fill_with_histogram(bencher: divan::Bencher, name: &str) {
     let launch = &Configuration::new("paper", |_| {}).launches()[0];
     bencher
         .counter(ItemsCount::new(ITEMS))
-        .bench_local(|| gap_fill::tally(width(name), launch, 0, ITEMS, true));
+        .bench_local(|| launch.tally(width(name), Trials { first: 0, count: ITEMS, histogram: true }));
 }
 
 const RECORDS: usize = 1024;

@@ -2,6 +2,7 @@
 
 mod allan;
 pub(crate) mod gap_fill;
+mod sampling;
 
 use crate::backend::Device;
 use crate::backend::gpu::GpuError;

@@ -11,7 +11,7 @@ use crate::backend::{Device, Job};
 use crate::block::{base_log2, cover};
 use crate::kernel::launch::Launch;
 use crate::kernel::map::Map;
-use crate::kernel::moments::Moments;
+use crate::kernel::moments::{Moments, Trials};
 use crate::kernel::recipe::Recipe;
 use crate::kernel::word::Scalar;
 use crate::kernel::{Form, KERNELS, Kernel, allan, philox};
@@ -47,6 +47,15 @@ pub fn verify(
     Ok(identical)
 }
 
+/// The launches that a kernel of trials is checked on, by name.
+fn launches(kernel: &Kernel) -> Vec<(&'static str, Launch)> {
+    let of_gap_fill = |c: Configuration| c.launches().into_iter().map(move |launch| (c.name, launch));
+    match kernel.name {
+        "gap_fill" => configurations().into_iter().flat_map(of_gap_fill).collect(),
+        _ => vec![],
+    }
+}
+
 /// Items of a building block that are held at a time.
 const ITEMS: u64 = 1 << 20;
 
@@ -72,11 +81,8 @@ fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<
                 hasher.update(bytemuck::cast_slice::<u32, u8>(&reference));
             }
         }
-        Form::GapFill => {
-            let launches: Vec<(&str, Launch)> = configurations()
-                .iter()
-                .flat_map(|c| c.launches().into_iter().map(|launch| (c.name, launch)))
-                .collect();
+        Form::Moments => {
+            let launches = launches(kernel);
             let trials = units.div_ceil(launches.len() as u64);
             for (name, launch) in launches {
                 let reference = on_cpu(Width::PORTABLE, &launch, trials);
@@ -129,11 +135,11 @@ pub fn self_test(device: &mut Device) -> Result<Option<&'static str>, GpuError> 
                 let items = items(&map, 0..4096);
                 device.map(&map, &items)? == (map.cpu)(Width::PORTABLE, &items)
             }
-            Form::GapFill => {
+            Form::Moments => {
                 let mut same = true;
-                for configuration in configurations().iter().filter(|c| SELF_TEST.contains(&c.name)) {
-                    for launch in &configuration.launches() {
-                        same &= tally(device, launch, 5000)? == on_cpu(Width::PORTABLE, launch, 5000);
+                for (name, launch) in launches(&kernel) {
+                    if SELF_TEST.contains(&name) {
+                        same &= tally(device, &launch, 5000)? == on_cpu(Width::PORTABLE, &launch, 5000);
                     }
                 }
                 same
@@ -171,7 +177,7 @@ fn on_cpu(width: Width, launch: &Launch, trials: u64) -> Vec<Moments> {
     match Cpu::new(width, 0) {
         Ok(cpu) => fold(launch, cpu.tally(&jobs(launch, trials), true, &|_| {})),
         // Without threads the kernel still runs here.
-        Err(_) => crate::kernel::gap_fill::tally(width, launch, 0, trials, true),
+        Err(_) => launch.tally(width, Trials { first: 0, count: trials, histogram: true }),
     }
 }
 
@@ -191,7 +197,7 @@ fn jobs(launch: &Launch, trials: u64) -> Vec<Job<'_>> {
 }
 
 fn fold(launch: &Launch, parts: Vec<Vec<Moments>>) -> Vec<Moments> {
-    let mut total = vec![Moments::empty(true); launch.shape.estimates()];
+    let mut total = vec![Moments::empty(true); launch.sampled.estimates()];
     for part in parts {
         for (total, part) in total.iter_mut().zip(&part) {
             total.merge(part);

@@ -5,7 +5,8 @@ mod studies;
 use sagnac::backend::Job;
 use sagnac::backend::cpu::{Cpu, Width};
 use sagnac::block::cover;
-use sagnac::kernel::launch::{Launch, Parameters};
+use sagnac::kernel::gap_fill::Parameters;
+use sagnac::kernel::launch::{Launch, Sampled};
 use sagnac::kernel::moments::{LIMIT, Moments};
 use sagnac::kernel::normal::normal;
 use sagnac::kernel::philox::{Address, Keys, Purpose, schedule};
@@ -23,7 +24,7 @@ fn keys(key: [u32; 2]) -> Keys {
 
 /// The errors of a trial in 128 bits, from the parameters and the draws, with no step that could wrap.
 fn exact_errors(launch: &Launch, trial: u64) -> Vec<i128> {
-    let shape = launch.shape;
+    let Sampled::GapFill(shape) = launch.sampled;
     let p = Parameters::of(&launch.words, shape);
     let signed = |word: u32| i128::from(word as i32);
     let address =
@@ -110,7 +111,7 @@ fn sums_are_those_of_128_bits_however_large_the_errors() {
     let mut nearest: f64 = 0.0;
     for configuration in demanding() {
         for launch in configuration.launches() {
-            let mut expected = vec![Moments::empty(false); launch.shape.estimates()];
+            let mut expected = vec![Moments::empty(false); launch.sampled.estimates()];
             for trial in 0..TRIALS {
                 for (tally, error) in expected.iter_mut().zip(exact_errors(&launch, trial)) {
                     assert!(

@@ -10,6 +10,7 @@ use std::path::Path;
 use polynomial::polynomial;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
+use sagnac::kernel::launch::Sampled;
 use sagnac::kernel::normal::REACH;
 use sagnac::run::Plan;
 use sagnac::store::{FILE, Store};
@@ -363,7 +364,8 @@ fn adding_a_filler_whose_sums_are_wide_changes_no_tally() {
     let wide = |changes: &[(&str, &str)]| {
         let study = study(changes);
         let lowered = lowered(&study, &gap_fill(&study).points[0]);
-        lowered.launch(&(0..gap_fill(&study).fillers.len()).collect::<Vec<_>>()).shape.wide
+        let launch = lowered.launch(&(0..gap_fill(&study).fillers.len()).collect::<Vec<_>>());
+        matches!(launch.sampled, Sampled::GapFill(shape) if shape.wide)
     };
     assert_eq!((wide(&first), wide(&second)), (false, true));
     extend(&first, &second, "a wide filler");

@@ -9,7 +9,8 @@ use devices::{Coverage, adapters, name, on_cpu, on_gpu, open, reference, variant
 use sagnac::backend::Job;
 use sagnac::backend::cpu::{Cpu, Width};
 use sagnac::block::{Block, cover};
-use sagnac::kernel::launch::{Launch, Parameters};
+use sagnac::kernel::gap_fill::Parameters;
+use sagnac::kernel::launch::{Launch, Sampled};
 use sagnac::kernel::map::{Map, PHILOX};
 use sagnac::kernel::moments::{BINS, LIMIT, Moments};
 use sagnac::kernel::philox::{philox, schedule};
@@ -191,12 +192,13 @@ fn at_the_limit(sign: i32) -> (Launch, i64) {
     })
     .launches()
     .remove(0);
-    let p = Parameters::of(&launch.words, launch.shape);
+    let Sampled::GapFill(shape) = launch.sampled;
+    let p = Parameters::of(&launch.words, shape);
     // sine(¼ turn) = 2^30.
     let truth = ((i64::from(p.gap_sin[0] as i32) << 30) + (1 << 31)) >> 32;
     let scale = ((LIMIT - 1) / truth) as i32 * sign;
     let none = vec![0; p.residual_weight.len().max(p.extrapolation_weight.len())];
-    let scales = vec![scale as u32; launch.shape.fillers];
+    let scales = vec![scale as u32; shape.fillers];
     let words = Parameters {
         residual_weight: &none[..p.residual_weight.len()],
         extrapolation_weight: &none[..p.extrapolation_weight.len()],
@@ -237,7 +239,7 @@ fn sums_of_the_largest_errors_are_exact_in_every_width_and_shader() {
                 })
                 .collect()
         };
-        let expected = vec![expected; launch.shape.estimates()];
+        let expected = vec![expected; launch.sampled.estimates()];
         let blocks = cover(0..TRIALS, 63);
         for width in Width::available() {
             assert_eq!(strip(on_cpu(width, 0, &launch, &blocks, true)), expected, "{}", width.name());

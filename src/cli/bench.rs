@@ -87,7 +87,7 @@ pub fn bench(options: &super::Bench) -> Result<(), Failure> {
                 device: device.name(),
                 kernel: "gap_fill",
                 configuration: name,
-                estimates: launch.shape.estimates(),
+                estimates: launch.sampled.estimates(),
                 histogram,
                 rate: Rate::Trials(trials_per_second(device, &launch, histogram)? / 1e6),
             })?;

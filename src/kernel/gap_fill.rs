@@ -5,13 +5,17 @@
 //! so that D·δP = Σ w P − D Σ_gap true is an exact integer. One that needs more than 32 bits is rounded down to them by
 //! a shift. Source: Z(14)–Z(18).
 
-use super::launch::{Launch, MAX_SIDE, Parameters, Shape};
-use super::moments::{self, MAX_ESTIMATES, Moments, Sampler};
+pub mod shape;
+
+use super::launch::Launch;
+use super::moments::{self, MAX_ESTIMATES, Moments, Sampler, Trials};
 use super::motion::{Given, Motion};
 use super::normal::normal;
 use super::philox::{Address, Keys, Purpose, schedule};
 use super::word::{Scalar, Wide, Word};
-use crate::backend::cpu::{AnyWidth, Width};
+use crate::backend::cpu::AnyWidth;
+
+pub use shape::{MAX_SIDE, Parameters, Shape};
 
 /// Raised when the kernel's results change for the same parameters: part of every digest.
 pub const VERSION: u32 = 2;
@@ -246,11 +250,11 @@ const TEN_TICKS: Shape =
 /// The default ticks with three fillers in a recorded profile.
 const PROFILE: Shape = Shape { tones: 0, profile: true, ..POLYNOMIALS };
 
-struct Tally<'a> {
-    launch: &'a Launch,
-    first: u64,
-    count: u64,
-    histogram: bool,
+/// Tallies of the estimates over some trials that fill the lanes.
+pub(super) struct Tally<'a> {
+    pub(super) launch: &'a Launch,
+    pub(super) shape: Shape,
+    pub(super) trials: Trials,
 }
 
 impl AnyWidth for Tally<'_> {
@@ -258,40 +262,21 @@ impl AnyWidth for Tally<'_> {
 
     #[inline(always)]
     fn run<W: Word>(self) -> Vec<Moments> {
-        let Tally { launch, first, count, histogram } = self;
-        let shape = launch.shape;
+        let Tally { launch, shape, trials } = self;
         // Each of the first comparisons makes the shape a constant of its branch.
         if shape == POLYNOMIALS {
-            moments::tally::<W>(GapFill::<0, 0>::new(launch, POLYNOMIALS), first, count, histogram)
+            moments::tally::<W>(GapFill::<0, 0>::new(launch, POLYNOMIALS), trials)
         } else if W::LANES > 1 && shape == TEN_TICKS {
-            moments::tally::<W>(GapFill::<0, 0>::new(launch, TEN_TICKS), first, count, histogram)
+            moments::tally::<W>(GapFill::<0, 0>::new(launch, TEN_TICKS), trials)
         } else if W::LANES > 1 && shape == PROFILE {
-            moments::tally::<W>(GapFill::<0, 0>::new(launch, PROFILE), first, count, histogram)
+            moments::tally::<W>(GapFill::<0, 0>::new(launch, PROFILE), trials)
         } else if !shape.in_gap && !shape.gaussian {
-            moments::tally::<W>(GapFill::<0, 0>::new(launch, shape), first, count, histogram)
+            moments::tally::<W>(GapFill::<0, 0>::new(launch, shape), trials)
         } else {
-            moments::tally::<W>(
-                GapFill::<MAX_SIDE, MAX_GAUSSIANS>::new(launch, shape),
-                first,
-                count,
-                histogram,
-            )
+            moments::tally::<W>(GapFill::<MAX_SIDE, MAX_GAUSSIANS>::new(launch, shape), trials)
         }
     }
 }
 
 /// Most normal numbers of Gaussian motion: a gap and two sides of [`MAX_SIDE`] ticks.
 pub const MAX_GAUSSIANS: usize = 3 * MAX_SIDE;
-
-/// Tallies of the estimates over the trials `first .. first + count`, which have one upper half.
-pub fn tally(width: Width, launch: &Launch, first: u64, count: u64, histogram: bool) -> Vec<Moments> {
-    // What does not fill the lanes is done in one.
-    let rest = count % width.lanes() as u64;
-    let mut tallies = width.run(Tally { launch, first, count: count - rest, histogram });
-    if rest > 0 {
-        let first = first + count - rest;
-        let last = Width::PORTABLE.run(Tally { launch, first, count: rest, histogram });
-        tallies.iter_mut().zip(&last).for_each(|(tally, last)| tally.merge(last));
-    }
-    tallies
-}

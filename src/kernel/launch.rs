@@ -1,203 +1,77 @@
-//! What a device needs to sample the estimates of one point: the shape, the parameter words and the table.
+//! What a device needs to sample the estimates of one point.
 
 use std::sync::Arc;
 
-/// Most ticks on one side of the gap.
-pub const MAX_SIDE: usize = 64;
+use super::gap_fill;
+use super::moments::{FLUSH, Moments, Trials};
+use crate::backend::cpu::Width;
 
-/// Most tones of a motion.
-pub const MAX_TONES: usize = 8;
-
-/// Ticks of a recorded profile that are kept free on either side of the gap, whatever the fillers read: so another
-/// filler moves no trial to another place.
-pub const MARGIN: usize = MAX_SIDE;
-
-/// What a launch has, and how much of it: what a shader is specialised for.
+/// Which kernel samples, and what its launch has: what a shader is specialised for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Shape {
-    /// Ticks sampled before the gap: the larger of the next two.
-    pub before: usize,
-    /// Ticks sampled after the gap.
-    pub after: usize,
-    /// Ticks before the gap that the residual uses.
-    pub residual_before: usize,
-    /// Ticks before the gap that the extrapolation uses, and the error in the gap.
-    pub extrapolation_before: usize,
-    pub fillers: usize,
-    /// Which errors each filler has.
-    pub residual: bool,
-    pub extrapolation: bool,
-    pub in_gap: bool,
-    /// Whether weighted sums need 64 bits: fillers with large weights do, the usual polynomials do not.
-    pub wide: bool,
-    /// Length of the gap where the shape depends on it, else 0: see [`Shape::rows`].
-    pub gap_ticks: usize,
-    pub tones: usize,
-    /// Whether amplitudes of tones are drawn.
-    pub amplitudes: bool,
-    /// Whether frequencies of tones are drawn.
-    pub frequencies: bool,
-    /// Whether there is stationary Gaussian motion.
-    pub gaussian: bool,
-    /// Whether the motion is a recorded profile.
-    pub profile: bool,
-    /// Whether trials take the places of the profile in turn, and not at random.
-    pub every: bool,
-    /// Whether something is the same in all trials: a constant rate or acceleration, relock.
-    pub constants: bool,
-    /// Whether whole pulses are read.
-    pub readout: bool,
+pub enum Sampled {
+    GapFill(gap_fill::Shape),
 }
 
-impl Shape {
-    /// Ticks on the longer side of the gap.
-    pub fn sides(self) -> usize {
-        self.before.max(self.after)
+impl Sampled {
+    /// Number of estimates.
+    pub fn estimates(&self) -> usize {
+        match self {
+            Sampled::GapFill(shape) => shape.estimates(),
+        }
     }
 
-    /// Number of estimates: all residuals, then all extrapolations, then all errors in the gap.
-    pub fn estimates(self) -> usize {
-        let errors = usize::from(self.residual) + usize::from(self.extrapolation) + usize::from(self.in_gap);
-        self.fillers * errors
+    /// Steps of one trial, each some tens of nanoseconds on one lane: what work is divided by.
+    pub fn steps(&self) -> u64 {
+        match self {
+            Sampled::GapFill(_) => 1,
+        }
     }
 
-    /// True angles that are needed: that over the whole gap, and for errors in the gap also those over its first ticks.
-    pub fn rows(self) -> usize {
-        if self.in_gap { self.gap_ticks } else { 1 }
-    }
-
-    /// Where the weights of the errors in the gap end in the table, and what the motion needs begins.
-    pub fn motion_table(self) -> usize {
-        if self.in_gap { self.fillers * self.gap_ticks * self.extrapolation_before } else { 0 }
-    }
-
-    /// Normal numbers of the Gaussian motion: one for each tick of the gap, then one for each tick on either side.
-    pub fn gaussians(self) -> usize {
-        self.gap_ticks + 2 * self.sides()
-    }
-
-    /// Where the row of a place on the side, counted as in [`Shape::gaussians`], starts in the table.
-    pub fn gaussian_row(self, place: usize) -> usize {
-        let n = self.gap_ticks;
-        // The rows over the gap, then a triangle: row i has i + 1 words.
-        self.motion_table() + self.rows() * n + (place * (place + 1) - n * (n + 1)) / 2
+    /// Trials that one invocation of the shader adds up at most.
+    pub fn most_rounds(&self) -> u64 {
+        // Some drivers leave an invocation's loops after 65535 rounds.
+        (MOST_STEPS / self.steps()).clamp(1, FLUSH)
     }
 
     /// Whether the kernel reads the table.
-    pub fn has_table(self) -> bool {
-        self.in_gap || self.gaussian || self.profile
+    pub fn has_table(&self) -> bool {
+        match self {
+            Sampled::GapFill(shape) => shape.has_table(),
+        }
     }
 }
 
-/// Declares the parameter words once: the fields in order, their lengths for a shape, and their names in the shaders.
-macro_rules! parameters {
-    ($($(#[$doc:meta])* $field:ident: $length:expr),* $(,)?) => {
-        /// The fixed-point image of a point, one field after the other, as the kernel sees it.
-        #[derive(Debug, Clone, Copy)]
-        pub struct Parameters<'a> { $($(#[$doc])* pub $field: &'a [u32]),* }
+/// Most steps of an invocation.
+pub const MOST_STEPS: u64 = 60_000;
 
-        impl<'a> Parameters<'a> {
-            /// The fields of `words`, which are as many as `shape` asks for.
-            #[inline(always)]
-            #[allow(unused_assignments)]
-            pub fn of(words: &'a [u32], shape: Shape) -> Parameters<'a> {
-                let mut from = 0;
-                $(let length = ($length)(shape); let $field = &words[from..from + length]; from += length;)*
-                Parameters { $($field),* }
-            }
-
-            /// The words of the fields.
-            pub fn words(&self) -> Vec<u32> {
-                [$(self.$field),*].concat()
-            }
-        }
-
-        /// The place of each field among the words, as constants of a shader.
-        pub fn wgsl_places(shape: Shape) -> String {
-            let (mut text, mut from) = (String::new(), 0);
-            $(
-                text += &format!("const {}: u32 = {from}u;\n", stringify!($field).to_uppercase());
-                from += ($length)(shape);
-            )*
-            text
-        }
-
-        /// Number of parameter words of a shape.
-        pub fn word_count(shape: Shape) -> usize {
-            0 $(+ ($length)(shape))*
-        }
-    };
-}
-
-/// `count` where `wanted`, else none.
-#[inline(always)]
-fn only(wanted: bool, count: usize) -> usize {
-    if wanted { count } else { 0 }
-}
-
-parameters! {
-    /// Key of the random words.
-    key: |_| 2,
-    /// Phase of each tone at the middle of the gap, 2^32 to the turn, before the random part.
-    phase: |shape: Shape| shape.tones,
-    /// Which bits of the random phase are added: all of them or none.
-    phase_spread: |shape: Shape| shape.tones,
-    /// Standard deviation of the tick noise, in 2^−4 LSB.
-    sigma: |_| 1,
-    /// The angle of each tone over the gap, row by row, at sine 1 of the phase at its middle, in 2^−2 LSB.
-    gap_sin: |shape: Shape| only(!shape.frequencies, shape.rows() * shape.tones),
-    /// The same at cosine 1, which over the whole gap is 0.
-    gap_cos: |shape: Shape| only(!shape.frequencies && shape.in_gap, shape.rows() * shape.tones),
-    /// The angle of the k-th tick on either side, tone by tone: at sine 1 it is the same on both, at cosine 1 it is this
-    /// one after the gap and minus this one before.
-    side_sin: |shape: Shape| only(!shape.frequencies, shape.sides() * shape.tones),
-    side_cos: |shape: Shape| only(!shape.frequencies, shape.sides() * shape.tones),
-    /// Least amplitude of each tone as a part of its largest, and how far it is spread, in 2^−31.
-    amplitude_low: |shape: Shape| only(shape.amplitudes, shape.tones),
-    amplitude_width: |shape: Shape| only(shape.amplitudes, shape.tones),
-    /// All bits where the amplitude is Rayleigh-distributed, else none.
-    rayleigh: |shape: Shape| only(shape.amplitudes, shape.tones),
-    /// Largest angle of a tick at frequency 0, times 2/π, in 2^−5 LSB; of an amplitude that is an angle, twice it.
-    peak: |shape: Shape| only(shape.frequencies, shape.tones),
-    /// Least frequency of each tone in turns per half tick, and how far it is spread, in 2^−32.
-    frequency_low: |shape: Shape| only(shape.frequencies, shape.tones),
-    frequency_width: |shape: Shape| only(shape.frequencies, shape.tones),
-    /// All bits where the amplitude is one of the angle, else none.
-    of_angle: |shape: Shape| only(shape.frequencies, shape.tones),
-    /// n.
-    gap_length: |_| 1,
-    /// What is the same in all trials, in 2^−32 LSB, two words each: over the gap row by row, of the ticks before and after.
-    gap_constant: |shape: Shape| only(shape.constants, 2 * shape.rows()),
-    before_constant: |shape: Shape| only(shape.constants, 2 * shape.before),
-    after_constant: |shape: Shape| only(shape.constants, 2 * shape.after),
-    /// Places that the gap can have in the profile, and 2^32 divided by them.
-    positions: |shape: Shape| only(shape.profile, 1),
-    positions_inverse: |shape: Shape| only(shape.profile, 1),
-    /// The bits of an angle that a whole pulse has.
-    readout_mask: |shape: Shape| only(shape.readout, 1),
-    /// Standard deviation of the noise over the whole gap, in 2^−4 LSB.
-    gap_sigma: |shape: Shape| only(shape.readout, 1),
-    /// Weights of the residual, filler by filler: ticks before, then after, each outward from the gap.
-    residual_weight: |shape: Shape| only(shape.residual, shape.fillers * (shape.residual_before + shape.after)),
-    residual_scale: |shape: Shape| only(shape.residual, shape.fillers),
-    /// Weights of the extrapolation, filler by filler, outward from the gap.
-    extrapolation_weight: |shape: Shape| only(shape.extrapolation, shape.fillers * shape.extrapolation_before),
-    extrapolation_scale: |shape: Shape| only(shape.extrapolation, shape.fillers),
-    /// The scale of the errors in the gap, whose weights are in the table: filler by filler, row by row, outward.
-    in_gap_scale: |shape: Shape| only(shape.in_gap, shape.fillers),
-    /// How far each wide sum is shifted to the right, rounding: in the order of the estimates.
-    shift: |shape: Shape| only(shape.wide, shape.estimates()),
-    /// Where each estimate's histogram starts.
-    bin_base: |shape: Shape| shape.estimates(),
-}
-
-/// All that a device needs to sample the estimates of one point.
+/// Trials of one point: parameters in fixed point.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Launch {
-    pub shape: Shape,
-    /// The [`Parameters`], one after the other.
+    pub sampled: Sampled,
+    /// The parameters of the kernel, one after the other.
     pub words: Vec<u32>,
-    /// Weights of the errors in the gap; then the factor of the Gaussian motion, or the profile as angles since its start
-    /// in LSB at the boundaries of its ticks. Often empty.
+    /// What is too long for them; often empty.
     pub table: Arc<[u32]>,
+}
+
+impl Launch {
+    /// Tallies of the estimates over some trials.
+    pub fn tally(&self, width: Width, trials: Trials) -> Vec<Moments> {
+        // What does not fill the lanes is done in one.
+        let rest = trials.count % width.lanes() as u64;
+        let count = trials.count - rest;
+        let mut tallies = self.whole_lanes(width, Trials { count, ..trials });
+        if rest > 0 {
+            let last = Trials { first: trials.first + count, count: rest, ..trials };
+            let last = self.whole_lanes(Width::PORTABLE, last);
+            tallies.iter_mut().zip(&last).for_each(|(tally, last)| tally.merge(last));
+        }
+        tallies
+    }
+
+    fn whole_lanes(&self, width: Width, trials: Trials) -> Vec<Moments> {
+        match self.sampled {
+            Sampled::GapFill(shape) => width.run(gap_fill::Tally { launch: self, shape, trials }),
+        }
+    }
 }

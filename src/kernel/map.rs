@@ -4,6 +4,7 @@
 
 use super::normal::normal;
 use super::philox::{philox, schedule};
+use super::power::{LARGEST_MINUS, exp2, exp2_minus, log2};
 use super::sine::sine;
 use super::word::Word;
 use crate::backend::cpu::{AnyWidth, Width};
@@ -66,12 +67,29 @@ impl Block for SineBlock {
     }
 }
 
+struct PowerBlock;
+impl Block for PowerBlock {
+    const INPUTS: usize = 1;
+    const OUTPUTS: usize = 3;
+    const WGSL: &'static str = "y[0] = log2_(max(x[0], 1u)); y[1] = exp2_(x[0]); \
+                                y[2] = exp2_minus(min(x[0] >> 1u, LARGEST_MINUS));";
+    #[inline(always)]
+    fn evaluate<W: Word>(x: [W; 6]) -> [W; 4] {
+        // There is no logarithm of 0: it is taken for 1.
+        let some = x[0].add_where_equal(W::splat(1), x[0], W::splat(0));
+        let minus = (x[0] >> 1).min_signed(W::splat(LARGEST_MINUS));
+        [log2(some), exp2(x[0]), exp2_minus(minus), x[0]]
+    }
+}
+
 /// Counter and key to random words.
 pub const PHILOX: Map = map_of::<PhiloxBlock>();
 /// Random word to normal number.
 pub const NORMAL: Map = map_of::<NormalBlock>();
 /// Phase to sine.
 pub const SINE: Map = map_of::<SineBlock>();
+/// Number to logarithm, fraction to power, exponent to power.
+pub const POWER: Map = map_of::<PowerBlock>();
 
 const fn map_of<B: Block>() -> Map {
     Map { inputs: B::INPUTS, outputs: B::OUTPUTS, cpu: evaluate_all::<B>, wgsl: B::WGSL, table: B::TABLE }

@@ -9,7 +9,11 @@ pub(crate) mod motion;
 mod noise;
 pub mod normal;
 pub(crate) mod normal_table;
+mod parameters;
 pub mod philox;
+#[cfg(test)]
+mod polynomial;
+pub mod power;
 pub mod recipe;
 pub mod rows;
 pub mod sine;
@@ -22,8 +26,8 @@ use map::Map;
 pub enum Form {
     /// A building block: words to words.
     Map(Map),
-    /// Trials of a gap-fill point to moments of its estimates.
-    GapFill,
+    /// Trials of a point to moments of its estimates.
+    Moments,
     /// Synthetic records to the sums of their squared differences.
     Records,
 }
@@ -37,10 +41,11 @@ pub struct Kernel {
 }
 
 /// Every kernel: what `verify`, the self-test of devices and the identity tests go through.
-pub const KERNELS: [Kernel; 5] = [
+pub const KERNELS: [Kernel; 6] = [
     Kernel { name: "philox", form: Form::Map(map::PHILOX) },
     Kernel { name: "normal", form: Form::Map(map::NORMAL) },
     Kernel { name: "sine", form: Form::Map(map::SINE) },
-    Kernel { name: "gap_fill", form: Form::GapFill },
+    Kernel { name: "power", form: Form::Map(map::POWER) },
+    Kernel { name: "gap_fill", form: Form::Moments },
     Kernel { name: "allan", form: Form::Records },
 ];

@@ -62,10 +62,19 @@ impl Moments {
     }
 }
 
-/// Tallies of a sampler's estimates over the trials `first .. first + count`, which have one upper half; `count` is a
-/// multiple of the lanes.
+/// Consecutive trials, whose numbers have one upper half.
+#[derive(Debug, Clone, Copy)]
+pub struct Trials {
+    pub first: u64,
+    pub count: u64,
+    /// Whether their histogram is wanted too.
+    pub histogram: bool,
+}
+
+/// Tallies of a sampler's estimates over some trials, a multiple of the lanes.
 #[inline(always)]
-pub fn tally<W: Word>(sampler: impl Sampler, first: u64, count: u64, histogram: bool) -> Vec<Moments> {
+pub fn tally<W: Word>(sampler: impl Sampler, trials: Trials) -> Vec<Moments> {
+    let Trials { first, count, histogram } = trials;
     let mut tallies = vec![Moments::empty(histogram); sampler.estimates()];
     if !histogram {
         accumulate::<W, false>(sampler, first, count, &mut tallies, &mut []);
@@ -213,6 +222,10 @@ mod tests {
     use super::*;
     use crate::kernel::word::Scalar;
 
+    fn trials(count: u64) -> Trials {
+        Trials { first: 0, count, histogram: true }
+    }
+
     #[test]
     fn bins_follow_the_levels() {
         for base in [0, level(5), level(1000), level(123_456_789)] {
@@ -257,7 +270,7 @@ mod tests {
         let largest = LIMIT - 1;
         for error in [largest, -largest] {
             for count in [1, FLUSH - 1, FLUSH, FLUSH + 1, 10 * FLUSH] {
-                let tally = &tally::<Scalar>(Constant(error as i32), 0, count, true)[0];
+                let tally = &tally::<Scalar>(Constant(error as i32), trials(count))[0];
                 assert_eq!(tally.sum, i128::from(error) * i128::from(count));
                 assert_eq!(tally.square, (i128::from(error) * i128::from(error)) as u128 * u128::from(count));
                 assert_eq!((tally.least, tally.greatest), (error as i32, error as i32));
@@ -268,8 +281,8 @@ mod tests {
 
     #[test]
     fn merging_is_adding() {
-        let mut left = tally::<Scalar>(Constant(3), 0, 5, true).remove(0);
-        let right = tally::<Scalar>(Constant(-8), 0, 7, true).remove(0);
+        let mut left = tally::<Scalar>(Constant(3), trials(5)).remove(0);
+        let right = tally::<Scalar>(Constant(-8), trials(7)).remove(0);
         left.merge(&right);
         left.merge(&Moments::empty(true));
         assert_eq!((left.count, left.sum, left.square, left.least, left.greatest), (12, -41, 493, -8, 3));

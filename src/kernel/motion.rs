@@ -7,7 +7,7 @@
 //! No closures here that do more than load: the compiler may set one apart from its caller, and then without the
 //! instructions that its width needs, ten times as slow.
 
-use super::launch::{MARGIN, MAX_TONES, Parameters, Shape};
+use super::gap_fill::shape::{MARGIN, MAX_TONES, Parameters, Shape};
 use super::normal::normal;
 use super::philox::{Address, Purpose};
 use super::sine::{QUARTER_TURN, sine, sine_ratio};

@@ -38,29 +38,13 @@ pub fn sine_ratio<W: Word>(z: W) -> W {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernel::polynomial::through_chebyshev_points;
     use crate::kernel::word::Scalar;
 
-    /// The polynomial in z² through sin(πz/2)/z at six Chebyshev points.
+    /// The polynomial in z² through sin(πz/2)/z.
     fn regenerated() -> [u32; 6] {
-        let x: Vec<f64> = (0..6)
-            .map(|k| 0.5 - 0.5 * libm::cos(f64::from(2 * k + 1) * core::f64::consts::PI / 12.0))
-            .collect();
-        let mut divided: Vec<f64> = x
-            .iter()
-            .map(|&zz| libm::sin(libm::sqrt(zz) * core::f64::consts::FRAC_PI_2) / libm::sqrt(zz))
-            .collect();
-        for order in 1..6 {
-            for i in (order..6).rev() {
-                divided[i] = (divided[i] - divided[i - 1]) / (x[i] - x[i - order]);
-            }
-        }
-        let mut polynomial = [0.0; 6];
-        for i in (0..6).rev() {
-            for k in (1..6).rev() {
-                polynomial[k] = polynomial[k - 1] - polynomial[k] * x[i];
-            }
-            polynomial[0] = divided[i] - polynomial[0] * x[i];
-        }
+        let ratio = |zz: f64| libm::sin(libm::sqrt(zz) * core::f64::consts::FRAC_PI_2) / libm::sqrt(zz);
+        let polynomial = through_chebyshev_points::<6>(ratio);
         core::array::from_fn(|k| libm::round(libm::fabs(polynomial[k]) * libm::exp2(31.0 + k as f64)) as u32)
     }
 

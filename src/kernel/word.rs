@@ -43,6 +43,8 @@ pub trait Word:
     fn sar(self, n: u32) -> Self;
     /// Shift left by each lane's own count below 32.
     fn shift_left(self, n: Self) -> Self;
+    /// Shift right by each lane's own count below 32, shifting in zeros.
+    fn shift_right(self, n: Self) -> Self;
     /// Number of zero bits above the highest one; the argument is not 0.
     fn leading_zeros(self) -> Self;
     /// Upper half of the unsigned product.
@@ -199,6 +201,11 @@ impl Word for Scalar {
     #[inline(always)]
     fn shift_left(self, n: Scalar) -> Scalar {
         Scalar(self.0 << n.0)
+    }
+
+    #[inline(always)]
+    fn shift_right(self, n: Scalar) -> Scalar {
+        Scalar(self.0 >> n.0)
     }
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::physical::{Physical, PhysicalTone, ToneKind};
-use crate::kernel::launch::MARGIN;
+use crate::kernel::gap_fill::shape::MARGIN;
 use crate::kernel::normal::SIGMA;
 use crate::kernel::sine::ONE;
 use crate::study::{Phase, Value};

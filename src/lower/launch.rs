@@ -3,7 +3,8 @@
 use super::Lowered;
 use super::estimate::Estimate;
 use super::fixed::{Fixed, ToneMotion, gaussian_place, long_words};
-use crate::kernel::launch::{Launch, Parameters, Shape};
+use crate::kernel::gap_fill::{Parameters, Shape};
+use crate::kernel::launch::{Launch, Sampled};
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::study::Error;
 
@@ -82,7 +83,7 @@ impl Lowered {
             (Some(profile), true) => profile.angles.clone(),
             _ => [in_gap, motion_table(fixed, shape)].concat().into(),
         };
-        Launch { shape, words, table }
+        Launch { sampled: Sampled::GapFill(shape), words, table }
     }
 
     /// The estimates of a launch in its order.

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use super::refusal::LowerError;
 use crate::id::Id;
-use crate::kernel::launch::MARGIN;
+use crate::kernel::gap_fill::shape::MARGIN;
 use crate::kernel::normal::REACH;
 use crate::study::{Frequency, Gaussian, Inputs, Phase, Position, Streams, Value, round_12};
 use crate::theory::gap::tick_amplitude;

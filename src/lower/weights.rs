@@ -4,7 +4,7 @@ use core::cell::OnceCell;
 use core::ops::RangeInclusive;
 
 use super::refusal::LowerError;
-use crate::kernel::launch::MARGIN;
+use crate::kernel::gap_fill::shape::MARGIN;
 use crate::study::{Error, Filler, Inputs, Method};
 use crate::theory::gap::{Weights, polynomial_weights};
 use crate::theory::minimum_variance::minimum_variance_weights;

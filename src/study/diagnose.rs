@@ -112,6 +112,13 @@ impl Fault {
         Fault::new(span, format!("the key `{key}` is missing"), label, help)
     }
 
+    /// The table at `span` lacks a key that a study of this kind needs.
+    pub(super) fn missing_key(key: &str, span: Range<usize>) -> Fault {
+        let help = Expected::of(key)
+            .map_or(SCHEMA.to_owned(), |expected| format!("add it as in\n{}", expected.example));
+        Fault::new(span, format!("the key `{key}` is missing"), "in this table", help)
+    }
+
     /// A study of this kind lacks a table.
     pub(super) fn missing_table(table: &str, kind: &str, kind_span: Range<usize>) -> Fault {
         let help = Expected::of(table)

@@ -19,6 +19,7 @@ const fn entry(key: &'static str, what: &'static str, example: &'static str) -> 
 const TEXT: &str = "a text in quotes";
 const QUANTITY: &str = "a number with its unit, in quotes";
 const NUMBER: &str = "a whole number";
+const RATIO: &str = "a number, or percent in quotes";
 const END: &str = "a value of the key that is swept";
 const DRAWN_AMPLITUDE: &str = "a number with its unit, in quotes, or a table of uniform or rayleigh";
 const DRAWN_FREQUENCY: &str = "a number with its unit, in quotes, or a list of two";
@@ -88,7 +89,23 @@ static KEYS: &[Expected] = &[
     entry("motion.profile.position", TEXT, "position = \"random\""),
     entry("motion.rate", QUANTITY, "rate = \"10 deg/s\""),
     entry("motion.acceleration", QUANTITY, "acceleration = \"100 deg/s^2\""),
+    entry("drift", "a table", "[drift]\nmagnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\""),
+    entry("drift.magnetic", QUANTITY, "magnetic = \"14 arcsec/s\""),
+    entry("drift.magnetic_spread", QUANTITY, "magnetic_spread = \"1 arcsec/s\""),
+    entry("drift.warm_up_time", QUANTITY, "warm_up_time = \"3000 s\""),
+    entry("drift.warm_up_time_spread", RATIO, "warm_up_time_spread = \"5 %\""),
+    entry("drift.non_magnetic", QUANTITY, "non_magnetic = \"0.05 arcsec/s\""),
+    entry("drift.non_magnetic_spread", QUANTITY, "non_magnetic_spread = \"0.01 arcsec/s\""),
+    entry("drift.initial_magnetic", QUANTITY, "initial_magnetic = \"1 arcsec/s\""),
+    entry("drift.initial_magnetic_spread", QUANTITY, "initial_magnetic_spread = \"0.1 arcsec/s\""),
+    entry("drift.angle_random_walk", QUANTITY, "angle_random_walk = \"0.003 deg/sqrt(h)\""),
+    entry("drift.residual_max", QUANTITY, "residual_max = \"10 arcsec\""),
+    entry("run", "a table", "[run]\nduration = \"1 h\""),
+    entry("run.duration", QUANTITY, "duration = \"1 h\""),
+    entry("run.times", "a list of times in brackets", "times = [\"10 min\", \"30 min\"]"),
+    entry("run.trajectories", NUMBER, "trajectories = 20"),
     entry("switching", "a table", "[switching]\ngap_ticks = 3\nfillers = [\"const\", \"quadratic\"]"),
+    entry("switching.interval", QUANTITY, "interval = \"40 s\""),
     entry("switching.gap_ticks", NUMBER, "gap_ticks = 3"),
     entry("switching.fit_ticks", "a list in brackets", "fit_ticks = [-1, 0, \"n+1\", \"n+2\"]"),
     entry("switching.extrapolation_ticks", "a list in brackets", "extrapolation_ticks = [-3, -2, -1, 0]"),

@@ -2,6 +2,8 @@
 //!
 //! The doc comments here are the descriptions in the schema.
 
+use std::ops::Range;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -11,11 +13,13 @@ use super::chart_file::Charts;
 use super::scalar::Scalar;
 
 pub(super) mod allan;
+pub(super) mod drift;
 mod either;
 pub(super) mod motion;
 pub(super) mod switching;
 
 use allan::{AllanTable, NoiseTable, RecordTable};
+use drift::{DriftTable, RunTable};
 pub(super) use either::Either;
 use motion::MotionTable;
 pub use motion::{Phase, Position};
@@ -63,6 +67,14 @@ pub(super) struct StudyFile {
     #[serde(default)]
     #[schemars(with = "SwitchingTable")]
     pub(super) switching: Option<Spanned<SwitchingTable>>,
+    /// Of kind = "drift-budget" and "switched-run".
+    #[serde(default)]
+    #[schemars(with = "DriftTable")]
+    pub(super) drift: Option<Spanned<DriftTable>>,
+    /// Of kind = "drift-budget" and "switched-run".
+    #[serde(default)]
+    #[schemars(with = "RunTable")]
+    pub(super) run: Option<Spanned<RunTable>>,
     /// Of kind = "allan".
     #[serde(default)]
     #[schemars(with = "RecordTable")]
@@ -108,7 +120,34 @@ pub enum Kind {
     Allan,
 }
 
+impl StudyFile {
+    /// The tables that not every kind has, each with its place where it is written.
+    pub(super) fn tables(&self) -> [(&'static str, Option<Range<usize>>); 8] {
+        [
+            ("gyro", self.gyro.as_ref().map(Spanned::span)),
+            ("motion", self.motion.as_ref().map(Spanned::span)),
+            ("switching", self.switching.as_ref().map(Spanned::span)),
+            ("drift", self.drift.as_ref().map(Spanned::span)),
+            ("run", self.run.as_ref().map(Spanned::span)),
+            ("record", self.record.as_ref().map(Spanned::span)),
+            ("noise", self.noise.as_ref().map(Spanned::span)),
+            ("allan", self.allan.as_ref().map(Spanned::span)),
+        ]
+    }
+}
+
 impl Kind {
+    /// Every kind.
+    pub const ALL: [Kind; 2] = [Kind::GapFill, Kind::Allan];
+
+    /// The tables that a study of this kind may have.
+    pub(super) fn tables(self) -> &'static [&'static str] {
+        match self {
+            Kind::GapFill => &["gyro", "motion", "switching", "noise"],
+            Kind::Allan => &["record", "noise", "allan"],
+        }
+    }
+
     /// As study files call it.
     pub fn name(self) -> &'static str {
         match self {

@@ -173,7 +173,10 @@ impl Key {
             let count = scalar::whole(name, given, low as i64..=high as i64)?;
             return Ok(Quantity::new(count as f64, Dimension::Count));
         }
-        let quantity = scalar::quantity(name, given, self.accepts)?;
+        let quantity = match self.accepts {
+            [Dimension::Ratio] => scalar::ratio(name, given)?,
+            accepts => scalar::quantity(name, given, accepts)?,
+        };
         if (low..=high).contains(&quantity.value) {
             return Ok(quantity);
         }

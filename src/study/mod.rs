@@ -11,6 +11,7 @@ mod chart;
 mod chart_default;
 mod chart_file;
 mod diagnose;
+mod drift;
 mod expected;
 mod expression;
 mod file;
@@ -41,6 +42,7 @@ pub use chart::{Chart, Limit, Named, Shows, Source, text_columns};
 pub use chart_file::Scale;
 pub use diagnose::StudyError;
 pub(crate) use diagnose::{Fault, Text, choices, render};
+pub use drift::{Drift, Schedule};
 pub use file::{Error, Kind, Phase, Position, Streams, schema};
 pub use gap_fill::{
     Amplitude, Fill, Filler, Frequency, GapFill, Gaussian, Inputs, Law, Method, Motion, POLYNOMIALS, Point,
@@ -262,6 +264,15 @@ impl Study {
     }
 }
 
+/// The key of a table that a study of this kind needs.
+fn needed_key<'a, T, U>(
+    value: Option<&'a Spanned<T>>,
+    key: &'static str,
+    table: &Spanned<U>,
+) -> Result<&'a Spanned<T>, Fault> {
+    value.ok_or_else(|| Fault::missing_key(key, table.span()))
+}
+
 /// The table that a study of this kind needs.
 fn needed<'a, T>(
     table: Option<&'a Spanned<T>>,
@@ -273,25 +284,14 @@ fn needed<'a, T>(
 
 /// Refuses tables that belong to other kinds.
 fn check_tables(file: &StudyFile) -> Result<(), Fault> {
-    let of_gap_fill = [
-        ("gyro", file.gyro.as_ref().map(Spanned::span)),
-        ("motion", file.motion.as_ref().map(Spanned::span)),
-        ("switching", file.switching.as_ref().map(Spanned::span)),
-    ];
-    let of_allan = [
-        ("record", file.record.as_ref().map(Spanned::span)),
-        ("allan", file.allan.as_ref().map(Spanned::span)),
-    ];
     let kind = *file.kind.get_ref();
-    let (others, of) = match kind {
-        Kind::GapFill => (&of_allan[..], Kind::Allan),
-        Kind::Allan => (&of_gap_fill[..], Kind::GapFill),
-    };
-    match others.iter().find_map(|(name, place)| Some((name, place.clone()?))) {
+    match file.tables().into_iter().find(|(name, place)| place.is_some() && !kind.tables().contains(name)) {
         Some((name, place)) => {
             let message = format!("[{name}] is no table of a study of kind = \"{}\"", kind.name());
-            let help = format!("leave it out, or write kind = \"{}\"", of.name());
-            Err(Fault::new(place, message, "not of this kind", help))
+            let others = Kind::ALL.into_iter().filter(|other| other.tables().contains(&name));
+            let others: Vec<String> = others.map(|other| format!("kind = \"{}\"", other.name())).collect();
+            let help = format!("leave it out, or write {}", others.join(" or "));
+            Err(Fault::new(place.unwrap_or_default(), message, "not of this kind", help))
         }
         None => Ok(()),
     }

@@ -91,6 +91,31 @@ pub(super) fn quantity(name: &str, given: &Spanned<Scalar>, wanted: &[Dimension]
     }
 }
 
+/// Reads `given`, the value of the key `name`, as a ratio: a number, or a text in percent.
+pub(super) fn ratio(name: &str, given: &Spanned<Scalar>) -> Result<Quantity, Fault> {
+    let value = match given.get_ref() {
+        Scalar::Integer(i) => Some(*i as f64),
+        Scalar::Float(x) => Some(*x),
+        Scalar::Text(text) => {
+            let number = text.trim().strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok());
+            number.map(|percent| percent / 100.0)
+        }
+        Scalar::Bool(_) => None,
+    };
+    match value {
+        Some(value) if value.is_finite() => Ok(Quantity::new(value, Dimension::Ratio)),
+        _ => {
+            let message = format!("{name}: {} is no ratio", given.get_ref());
+            Err(Fault::new(
+                given.span(),
+                message,
+                given.get_ref().kind(),
+                units::accepted(&[Dimension::Ratio]),
+            ))
+        }
+    }
+}
+
 /// Reads `given`, the value of the key `name`, as a whole number within `range`.
 pub(super) fn whole(name: &str, given: &Spanned<Scalar>, range: RangeInclusive<i64>) -> Result<i64, Fault> {
     let (low, high) = (range.start(), range.end());

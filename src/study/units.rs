@@ -10,6 +10,8 @@ use crate::table::{Cell, Unit, significant};
 pub enum Dimension {
     /// A whole number, without unit.
     Count,
+    /// A part of something: a number, or a text in percent.
+    Ratio,
     Time,
     Frequency,
     Angle,
@@ -40,7 +42,7 @@ impl Dimension {
 
     fn exponents(self) -> Exponents {
         match self {
-            Dimension::Count => Exponents::angle_time(0, 0),
+            Dimension::Count | Dimension::Ratio => Exponents::angle_time(0, 0),
             Dimension::Time => Exponents::angle_time(0, 2),
             Dimension::Frequency => Exponents::angle_time(0, -2),
             Dimension::Angle => Exponents::angle_time(2, 0),
@@ -56,6 +58,7 @@ impl Dimension {
     pub(crate) fn name(self) -> &'static str {
         match self {
             Dimension::Count => "a whole number",
+            Dimension::Ratio => "a ratio",
             Dimension::Time => "a time",
             Dimension::Frequency => "a frequency",
             Dimension::Angle => "an angle",
@@ -76,6 +79,7 @@ impl Dimension {
     fn accepted(self) -> (&'static str, &'static str) {
         match self {
             Dimension::Count => ("", "3"),
+            Dimension::Ratio => ("", "0.05 or \"5 %\""),
             Dimension::Time => ("s, ms, µs (us), min, h", "\"5 ms\""),
             Dimension::Frequency => ("Hz, kHz, 1/s", "\"20 Hz\""),
             Dimension::Angle => ("arcsec (″), arcmin (′), deg (°), rad, mrad, µrad (urad)", "\"1.6 arcsec\""),
@@ -96,7 +100,7 @@ impl Dimension {
     pub fn unit(self) -> Unit {
         match self {
             Dimension::DriftRate => Unit::DEG_PER_H,
-            Dimension::Count => Unit::NONE,
+            Dimension::Count | Dimension::Ratio => Unit::NONE,
             Dimension::Time => Unit::S,
             Dimension::Frequency => Unit::HZ,
             Dimension::Angle => Unit::ARCSEC,

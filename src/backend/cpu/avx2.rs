@@ -128,6 +128,11 @@ impl Word for Avx2 {
     }
 
     #[inline(always)]
+    fn shift_right(self, n: Avx2) -> Avx2 {
+        unsafe { Avx2(_mm256_srlv_epi32(self.0, n.0)) }
+    }
+
+    #[inline(always)]
     fn leading_zeros(self) -> Avx2 {
         unsafe {
             // AVX2 has no such instruction: the exponent of the word as a float tells, once the bits that could round

@@ -129,6 +129,11 @@ impl Word for Avx512 {
     }
 
     #[inline(always)]
+    fn shift_right(self, n: Avx512) -> Avx512 {
+        unsafe { Avx512(_mm512_srlv_epi32(self.0, n.0)) }
+    }
+
+    #[inline(always)]
     fn leading_zeros(self) -> Avx512 {
         unsafe { Avx512(_mm512_lzcnt_epi32(self.0)) }
     }

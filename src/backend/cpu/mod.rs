@@ -10,10 +10,10 @@ use core::ops::Range;
 use rayon::prelude::*;
 
 use super::Job;
-use crate::kernel::moments::Moments;
+use crate::kernel::allan;
+use crate::kernel::moments::{Moments, Trials};
 use crate::kernel::recipe::Recipe;
 use crate::kernel::word::{Scalar, Word};
-use crate::kernel::{allan, gap_fill};
 
 /// Implements the operators of a SIMD word, lane by lane.
 #[cfg(target_arch = "x86_64")]
@@ -144,8 +144,8 @@ fn in_avx512<T: AnyWidth>(work: T) -> T::Output {
     work.run::<avx512::Avx512>()
 }
 
-/// Trials that a thread takes at a time: some milliseconds.
-const PIECE: u64 = 1 << 16;
+/// Steps that a thread takes at a time: some milliseconds.
+const PIECE_STEPS: u64 = 1 << 16;
 
 /// The cores of this machine, or some of them.
 #[derive(Debug)]
@@ -210,14 +210,15 @@ impl Cpu {
 
     fn tally_job(&self, job: &Job, histogram: bool, progress: &(dyn Fn(u64) + Sync)) -> Vec<Moments> {
         let Job { launch, block } = job;
-        let empty = || vec![Moments::empty(histogram); launch.shape.estimates()];
+        let empty = || vec![Moments::empty(histogram); launch.sampled.estimates()];
         // Pieces of an aligned block never straddle a multiple of 2^32, which the kernel asks for.
-        (0..block.trials().div_ceil(PIECE))
+        let most = (PIECE_STEPS / launch.sampled.steps().next_power_of_two()).max(64);
+        (0..block.trials().div_ceil(most))
             .into_par_iter()
             .map(|piece| {
-                let first = block.first + piece * PIECE;
-                let count = PIECE.min(block.end() - first);
-                let tallies = gap_fill::tally(self.width, launch, first, count, histogram);
+                let first = block.first + piece * most;
+                let count = most.min(block.end() - first);
+                let tallies = launch.tally(self.width, Trials { first, count, histogram });
                 progress(count);
                 tallies
             })

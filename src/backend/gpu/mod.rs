@@ -13,7 +13,7 @@ use wgpu::BufferUsages;
 use self::source::Variant;
 use self::tile::{Part, Piece};
 use super::Job;
-use crate::kernel::launch::Shape;
+use crate::kernel::launch::Sampled;
 use crate::kernel::map::Map;
 use crate::kernel::moments::Moments;
 use crate::kernel::normal_table::NORMAL_TABLE;
@@ -36,7 +36,7 @@ pub enum GpuError {
 /// A tile should take this long: short enough for watchdogs, long enough to hide its preparation.
 const TILE_SECONDS: f64 = 0.075;
 
-/// Trials of the first tile, and the least and most of any.
+/// Steps of the first tile, and the least and most of any.
 const FIRST_TILE: u64 = 1 << 18;
 const TILES: (u64, u64) = (1 << 14, 1 << 28);
 
@@ -96,9 +96,9 @@ pub struct Gpu {
     normal_table: wgpu::Buffer,
     /// The table of the launch before, with what is in it: neighbours often share one.
     table: Option<(Arc<[u32]>, wgpu::Buffer)>,
-    pipelines: HashMap<(Shape, bool), wgpu::ComputePipeline>,
+    pipelines: HashMap<(Sampled, bool), wgpu::ComputePipeline>,
     failure: Arc<Mutex<Option<String>>>,
-    /// Trials of the next tile.
+    /// Steps of the next tile.
     tile: u64,
 }
 
@@ -158,9 +158,9 @@ impl Gpu {
         &self.name
     }
 
-    /// Makes every tile this many trials long, from now on until timing changes it.
-    pub fn set_tile(&mut self, trials: u64) {
-        self.tile = trials.clamp(1, TILES.1);
+    /// Makes every tile this many steps of trials long, from now on until timing changes it.
+    pub fn set_tile(&mut self, steps: u64) {
+        self.tile = steps.clamp(1, TILES.1);
     }
 
     /// Tallies of each job, in order; `progress` hears of trials as they are done.
@@ -174,19 +174,21 @@ impl Gpu {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Vec<Vec<Moments>>, GpuError> {
         let mut results: Vec<Vec<Moments>> =
-            jobs.iter().map(|job| vec![Moments::empty(histogram); job.launch.shape.estimates()]).collect();
+            jobs.iter().map(|job| vec![Moments::empty(histogram); job.launch.sampled.estimates()]).collect();
         let mut rest = Rest::of(jobs);
         let mut before = None;
         // One tile runs while the next is prepared and the one before is read.
         loop {
             let started = Instant::now();
             let parts = rest.take(self.tile);
-            let trials: u64 = parts.iter().flat_map(|part| &part.pieces).map(|piece| piece.count).sum();
-            let next = if parts.is_empty() { None } else { Some((self.submit(parts, histogram)?, trials)) };
-            if let Some((tile, trials)) = before.take() {
+            let trials: u64 = parts.iter().map(Part::trials).sum();
+            let steps = parts.iter().map(|part| part.trials() * part.launch.sampled.steps()).sum();
+            let next =
+                if parts.is_empty() { None } else { Some((self.submit(parts, histogram)?, trials, steps)) };
+            if let Some((tile, trials, steps)) = before.take() {
                 self.collect(tile, &mut results)?;
                 progress(trials);
-                self.adapt(trials, started.elapsed().as_secs_f64());
+                self.adapt(steps, started.elapsed().as_secs_f64());
             }
             if next.is_none() {
                 return Ok(results);
@@ -196,8 +198,8 @@ impl Gpu {
     }
 
     /// Lengthens or shortens the next tile towards the time wanted.
-    fn adapt(&mut self, trials: u64, seconds: f64) {
-        if trials >= self.tile {
+    fn adapt(&mut self, steps: u64, seconds: f64) {
+        if steps >= self.tile {
             let factor = (TILE_SECONDS / seconds.max(1e-6)).clamp(0.5, 2.0);
             self.tile = ((self.tile as f64 * factor) as u64).clamp(TILES.0, TILES.1);
         }
@@ -249,16 +251,12 @@ impl Gpu {
         buffer
     }
 
-    fn gap_fill_pipeline(
-        &mut self,
-        shape: Shape,
-        histogram: bool,
-    ) -> Result<wgpu::ComputePipeline, GpuError> {
-        if let Some(pipeline) = self.pipelines.get(&(shape, histogram)) {
+    fn pipeline_of(&mut self, sampled: Sampled, histogram: bool) -> Result<wgpu::ComputePipeline, GpuError> {
+        if let Some(pipeline) = self.pipelines.get(&(sampled, histogram)) {
             return Ok(pipeline.clone());
         }
-        let pipeline = self.pipeline(&source::gap_fill(shape, histogram, self.variant))?;
-        self.pipelines.insert((shape, histogram), pipeline.clone());
+        let pipeline = self.pipeline(&source::moments(sampled, histogram, self.variant))?;
+        self.pipelines.insert((sampled, histogram), pipeline.clone());
         Ok(pipeline)
     }
 
@@ -330,23 +328,24 @@ impl<'a> Rest<'a> {
         Rest { jobs, job: 0, done: 0 }
     }
 
-    /// The next parts, of `trials` trials together, or as many as are left.
-    fn take(&mut self, trials: u64) -> Vec<Part<'a>> {
+    /// The next parts, of `steps` steps together, or as many as are left; one trial at least.
+    fn take(&mut self, steps: u64) -> Vec<Part<'a>> {
         let mut parts: Vec<Part<'a>> = Vec::new();
-        let (mut room, mut pieces) = (trials, 0);
+        let (mut room, mut pieces) = (steps, 0);
         while room > 0 && pieces < MOST_PIECES && self.job < self.jobs.len() {
             let Job { launch, block } = self.jobs[self.job];
             let first = block.first + self.done;
             // A piece has one upper half of trial numbers: it ends where the lower half does.
             let to_half = (1 << 32) - (first & u64::from(u32::MAX));
-            let count = room.min(block.trials() - self.done).min(to_half);
+            let steps = launch.sampled.steps();
+            let count = (room / steps).max(1).min(block.trials() - self.done).min(to_half);
             let piece = Piece { first, count, to: self.job };
             match parts.last_mut() {
                 Some(part) if std::ptr::eq(part.launch, launch) => part.pieces.push(piece),
                 _ => parts.push(Part { launch, pieces: vec![piece] }),
             }
             pieces += 1;
-            room -= count;
+            room = room.saturating_sub(count * steps);
             self.done += count;
             if self.done == block.trials() {
                 (self.job, self.done) = (self.job + 1, 0);

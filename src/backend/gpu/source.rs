@@ -6,10 +6,12 @@
 
 use std::collections::HashMap;
 
-use crate::kernel::launch::{self, MARGIN, Shape};
+use crate::kernel::gap_fill::shape::{self, MARGIN, Shape};
+use crate::kernel::launch::Sampled;
 use crate::kernel::map::Map;
 use crate::kernel::moments::{BIN_BITS, BINS, FLUSH, LEVEL_OFFSET};
 use crate::kernel::philox::PURPOSES;
+use crate::kernel::power::{EXP2, LOG2};
 use crate::kernel::recipe::{self, Recipe};
 use crate::kernel::sine::SINE;
 
@@ -17,6 +19,7 @@ const WORD: &str = include_str!("../../../shaders/word.wgsl");
 const PHILOX: &str = include_str!("../../../shaders/philox.wgsl");
 const NORMAL: &str = include_str!("../../../shaders/normal.wgsl");
 const SINE_: &str = include_str!("../../../shaders/sine.wgsl");
+const POWER: &str = include_str!("../../../shaders/power.wgsl");
 const MOTION: &str = include_str!("../../../shaders/motion.wgsl");
 const GAP_FILL: &str = include_str!("../../../shaders/gap_fill.wgsl");
 const MOMENTS: &str = include_str!("../../../shaders/moments.wgsl");
@@ -44,23 +47,48 @@ pub struct Variant {
     pub workgroup: u32,
 }
 
-/// The shader of the gap-fill kernel for a shape.
-pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
-    let estimates = shape.estimates();
-    let places = launch::wgsl_places(shape);
+/// What is its own in the shader of a kernel that samples.
+struct OfKernel {
+    parts: Vec<&'static str>,
+    constants: Vec<(&'static str, usize)>,
+    flags: Vec<(&'static str, bool)>,
+    /// Places of the parameter words.
+    places: String,
+    words: usize,
+}
+
+/// The shader that samples a launch.
+pub fn moments(sampled: Sampled, histogram: bool, variant: Variant) -> String {
+    let own = match sampled {
+        Sampled::GapFill(shape) => gap_fill(shape),
+    };
+    let estimates = sampled.estimates();
     let staged = STAGED_WORDS * variant.workgroup as usize;
     let shared_words = estimates * if histogram { BINS.max(staged) } else { staged };
-    let words = launch::word_count(shape);
+    let mut constants = vec![
+        ("ESTIMATES", estimates),
+        ("PARAMETER_WORDS", own.words),
+        ("PARAMETER_VECTORS", own.words.div_ceil(4)),
+        ("SHARED_WORDS", shared_words),
+    ];
+    constants.extend(own.constants);
+    let mut flags = vec![("HISTOGRAM", histogram), ("TABLE", sampled.has_table())];
+    flags.extend(own.flags);
+    let flags: Vec<&str> = flags.into_iter().filter(|flag| flag.1).map(|flag| flag.0).collect();
+    let parts: Vec<&str> = [WORD, PHILOX, NORMAL].into_iter().chain(own.parts).chain([MOMENTS]).collect();
+    own.places + &assemble(&parts, &constants, &flags, variant)
+}
+
+fn gap_fill(shape: Shape) -> OfKernel {
     let (residuals, extrapolations) =
         (if shape.residual { shape.fillers } else { 0 }, if shape.extrapolation { shape.fillers } else { 0 });
-    let constants = [
+    let constants = vec![
         ("BEFORE", shape.before),
         ("AFTER", shape.after),
         ("SIDES", shape.sides()),
         ("RESIDUAL_BEFORE", shape.residual_before),
         ("EXTRAPOLATION_BEFORE", shape.extrapolation_before),
         ("FILLERS", shape.fillers),
-        ("ESTIMATES", estimates),
         ("EXTRAPOLATIONS", residuals),
         ("IN_GAPS", residuals + extrapolations),
         ("KEPT", if shape.in_gap { shape.before } else { 1 }),
@@ -73,13 +101,8 @@ pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
         ("GAUSSIAN_SIDES", shape.gaussian_row(shape.gap_ticks)),
         ("MOTION_TABLE", shape.motion_table()),
         ("MARGIN", MARGIN),
-        ("PARAMETER_WORDS", words),
-        ("PARAMETER_VECTORS", words.div_ceil(4)),
-        ("SHARED_WORDS", shared_words),
     ];
-    let parts = [WORD, PHILOX, NORMAL, SINE_, MOTION, GAP_FILL, MOMENTS];
-    let flags: Vec<&str> = [
-        ("HISTOGRAM", histogram),
+    let flags = vec![
         ("WIDE", shape.wide),
         ("RESIDUAL", shape.residual),
         ("EXTRAPOLATION", shape.extrapolation),
@@ -92,13 +115,14 @@ pub fn gap_fill(shape: Shape, histogram: bool, variant: Variant) -> String {
         ("EVERY", shape.every),
         ("CONSTANTS", shape.constants),
         ("READOUT", shape.readout),
-        ("TABLE", shape.has_table()),
-    ]
-    .into_iter()
-    .filter(|flag| flag.1)
-    .map(|flag| flag.0)
-    .collect();
-    places + &assemble(&parts, &constants, &flags, variant)
+    ];
+    OfKernel {
+        parts: vec![SINE_, MOTION, GAP_FILL],
+        constants,
+        flags,
+        places: shape::wgsl_places(shape),
+        words: shape::word_count(shape),
+    }
 }
 
 /// Words of a record's state before those of its holds.
@@ -146,7 +170,8 @@ pub fn allan(recipe: &Recipe, variant: Variant) -> String {
 /// The shader of a building block.
 pub fn map(map: &Map, variant: Variant) -> String {
     let constants = [("INPUTS", map.inputs), ("OUTPUTS", map.outputs)];
-    assemble(&[WORD, PHILOX, NORMAL, SINE_, MAP], &constants, &[], variant).replace("// EVALUATE", map.wgsl)
+    assemble(&[WORD, PHILOX, NORMAL, SINE_, POWER, MAP], &constants, &[], variant)
+        .replace("// EVALUATE", map.wgsl)
 }
 
 fn assemble(parts: &[&str], constants: &[(&str, usize)], flags: &[&str], variant: Variant) -> String {
@@ -167,7 +192,8 @@ fn assemble(parts: &[&str], constants: &[(&str, usize)], flags: &[&str], variant
     names.sort();
     let header: String =
         names.iter().map(|(name, value)| format!("const {name}: u32 = {value}u;\n")).collect();
-    let sine = SINE.map(|coefficient| format!("{coefficient}u")).join(", ");
+    let polynomials =
+        [("SINE", &SINE[..]), ("LOG2", &LOG2[..]), ("EXP2", &EXP2[..])].map(polynomial).concat();
     let mut flags = flags.to_vec();
     if variant.int64 {
         flags.push("INT64");
@@ -178,7 +204,13 @@ fn assemble(parts: &[&str], constants: &[(&str, usize)], flags: &[&str], variant
     while at < lines.len() {
         at = expand(&lines, at, &all, &flags, &mut body);
     }
-    format!("{header}const SINE = array<u32, 6>({sine});\n{body}")
+    format!("{header}{polynomials}{body}")
+}
+
+/// The coefficients of a polynomial as a constant of a shader.
+fn polynomial((name, coefficients): (&str, &[u32])) -> String {
+    let list: Vec<String> = coefficients.iter().map(|coefficient| format!("{coefficient}u")).collect();
+    format!("const {name} = array<u32, {}>({});\n", coefficients.len(), list.join(", "))
 }
 
 /// Expands the line `at`, or the directive that starts there, and returns the line behind it.
@@ -306,10 +338,10 @@ mod tests {
         for variant in variants() {
             for shape in SHAPES {
                 for histogram in [false, true] {
-                    validate(&gap_fill(shape, histogram, variant));
+                    validate(&moments(Sampled::GapFill(shape), histogram, variant));
                 }
             }
-            for block in [map::PHILOX, map::NORMAL, map::SINE] {
+            for block in [map::PHILOX, map::NORMAL, map::SINE, map::POWER] {
                 validate(&super::map(&block, variant));
             }
         }
@@ -318,13 +350,13 @@ mod tests {
     #[test]
     fn the_layouts_are_those_of_rust() {
         let variant = Variant { int64: false, checked: true, workgroup: 64 };
-        let module = validate(&gap_fill(SHAPES[0], true, variant));
+        let module = validate(&moments(Sampled::GapFill(SHAPES[0]), true, variant));
         let size = |name: &str| {
             let (_, global) =
                 module.global_variables.iter().find(|(_, v)| v.name.as_deref() == Some(name)).unwrap();
             module.types[global.ty].inner.size(module.to_ctx()) as usize
         };
-        assert_eq!(size("parameters"), launch::word_count(SHAPES[0]).div_ceil(4) * 16);
+        assert_eq!(size("parameters"), shape::word_count(SHAPES[0]).div_ceil(4) * 16);
         assert_eq!(size("normal_table"), size_of::<crate::kernel::word::PairTable>());
         assert_eq!(
             size("jobs"),

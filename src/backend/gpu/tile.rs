@@ -7,7 +7,7 @@ use wgpu::{BufferUsages, util::DeviceExt};
 use super::source::{GROUPS_PER_ROW, PARTIAL_WORDS};
 use super::{Gpu, GpuError};
 use crate::kernel::launch::Launch;
-use crate::kernel::moments::{BINS, FLUSH, Moments};
+use crate::kernel::moments::{BINS, Moments};
 
 /// What one workgroup does, as its shader reads it.
 #[repr(C)]
@@ -26,6 +26,18 @@ pub struct Part<'a> {
     pub pieces: Vec<Piece>,
 }
 
+impl Part<'_> {
+    /// Trials of all pieces.
+    pub(super) fn trials(&self) -> u64 {
+        self.pieces.iter().map(|piece| piece.count).sum()
+    }
+
+    /// Trials of a workgroup.
+    fn trials_of_group(&self, workgroup: u32) -> u64 {
+        self.launch.sampled.most_rounds() * u64::from(workgroup)
+    }
+}
+
 /// A range of trials; its tallies are added to place `to` of the results.
 #[derive(Debug, Clone, Copy)]
 pub struct Piece {
@@ -35,9 +47,9 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// The workgroups that share its trials.
-    fn groups(&self, workgroup: u32) -> u64 {
-        self.count.div_ceil(FLUSH * u64::from(workgroup))
+    /// The workgroups that share its trials, so many each.
+    fn groups(&self, of_group: u64) -> u64 {
+        self.count.div_ceil(of_group)
     }
 }
 
@@ -63,8 +75,9 @@ struct Place {
 
 impl Place {
     fn of(part: &Part, from: u64, histogram: bool, workgroup: u32) -> Place {
-        let estimates = part.launch.shape.estimates() as u64;
-        let groups = part.pieces.iter().map(|piece| piece.groups(workgroup)).sum::<u64>();
+        let of_group = part.trials_of_group(workgroup);
+        let estimates = part.launch.sampled.estimates() as u64;
+        let groups = part.pieces.iter().map(|piece| piece.groups(of_group)).sum::<u64>();
         let histogram_bytes = if histogram { 4 * estimates * (BINS * part.pieces.len()) as u64 } else { 0 };
         let histograms = (from + 4 * estimates * PARTIAL_WORDS as u64 * groups).next_multiple_of(ALIGNMENT);
         let end = (histograms + histogram_bytes).next_multiple_of(ALIGNMENT);
@@ -116,10 +129,10 @@ impl Gpu {
         histogram: bool,
         work: &wgpu::Buffer,
     ) -> Result<(), GpuError> {
-        let step = FLUSH * u64::from(self.variant.workgroup);
+        let step = part.trials_of_group(self.variant.workgroup);
         let mut jobs = Vec::new();
         for (slot, piece) in part.pieces.iter().enumerate() {
-            for group in 0..piece.groups(self.variant.workgroup) {
+            for group in 0..piece.groups(step) {
                 let first = piece.first + group * step;
                 let count = step.min(piece.first + piece.count - first) as u32;
                 jobs.push(Job { low: first as u32, high: (first >> 32) as u32, count, slot: slot as u32 });
@@ -129,8 +142,8 @@ impl Gpu {
         words.resize(words.len().next_multiple_of(4), 0);
         let parameters = self.upload("parameters", bytemuck::cast_slice(&words), BufferUsages::UNIFORM);
         let jobs = self.upload("jobs", bytemuck::cast_slice(&jobs), BufferUsages::STORAGE);
-        let table = part.launch.shape.has_table().then(|| self.table(&part.launch.table));
-        let pipeline = self.gap_fill_pipeline(part.launch.shape, histogram)?;
+        let table = part.launch.sampled.has_table().then(|| self.table(&part.launch.table));
+        let pipeline = self.pipeline_of(part.launch.sampled, histogram)?;
         let range = |offset: u64, end: u64| {
             let size = std::num::NonZeroU64::new(end - offset);
             wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: work, offset, size })
@@ -185,12 +198,13 @@ fn add_results(
     words: &[u32],
     results: &mut [Vec<Moments>],
 ) {
-    let estimates = part.launch.shape.estimates();
+    let estimates = part.launch.sampled.estimates();
+    let of_group = part.trials_of_group(workgroup);
     let mut partials = words[place.partials as usize / 4..].chunks_exact(estimates * PARTIAL_WORDS);
     let mut histograms = words[place.histograms as usize / 4..].chunks_exact(BINS);
     for piece in &part.pieces {
         let tallies = &mut results[piece.to];
-        for group in partials.by_ref().take(piece.groups(workgroup) as usize) {
+        for group in partials.by_ref().take(piece.groups(of_group) as usize) {
             for (tally, sums) in tallies.iter_mut().zip(group.chunks_exact(PARTIAL_WORDS)) {
                 add_partial(tally, sums);
             }

@@ -5,14 +5,13 @@ mod stop;
 
 use std::time::Instant;
 
-use super::{BATCH_SECONDS, Done, NORMAL_95, Progress, RunError};
-use crate::backend::{Device, Job};
-use crate::block::{Block, base_log2, cover, missing};
+use super::sampling::{Work, lacking, sample};
+use super::{Done, NORMAL_95, Progress, RunError};
+use crate::backend::Device;
+use crate::block::{Block, base_log2};
 use crate::id::Id;
-use crate::kernel::launch::Launch;
-use crate::kernel::moments::Moments;
 use crate::lower::{LowerError, Lowered};
-use crate::store::{Provenance, Row, Store, StoreError};
+use crate::store::{Store, StoreError};
 use crate::study::{Error, GapFill, Point, Study, StudyError};
 
 /// A study whose every point is proven to fit.
@@ -23,25 +22,11 @@ pub(super) struct Plan<'a> {
     points: Vec<Lowered>,
 }
 
-/// A launch and the blocks of it that are missing.
-struct Work {
-    point: usize,
-    fillers: Vec<usize>,
-    launch: Launch,
-    blocks: Vec<Block>,
-}
-
-/// Most jobs of a batch: their tallies are held in memory together, some 30 KiB each.
-const MOST_JOBS: usize = 1024;
-
 /// Most trials of a record that is replayed: places are taken by the lower half of the trial's number.
 const MOST_REPLAYED: u64 = 1 << 32;
 
 /// log2 of the trials after which the stop rule first decides.
 const FEWEST_LOG2: u32 = 10;
-
-/// Trials of the first batch.
-const FIRST_BATCH: u64 = 1 << 20;
 
 impl<'a> Plan<'a> {
     /// Lowers every point.
@@ -91,13 +76,13 @@ impl<'a> Plan<'a> {
         let mut trials = 0;
         for round in 0.. {
             let work = self.missing(store, &wanted)?;
-            let total: u64 = work.iter().flat_map(|work| &work.blocks).map(Block::trials).sum();
+            let total: u64 = work.iter().map(Work::trials).sum();
             if round == 0 {
                 let held = self.launched_trials(|index, _| wanted[index]).saturating_sub(total);
                 let most = self.launched_trials(|_, point| point.trials(self.study.trials));
                 progress.start("trials", held, most.max(held + total));
             }
-            self.sample(&work, store, device, progress, started)?;
+            sample(&work, store, device, progress, started)?;
             trials += total;
             if !self.raise(&mut wanted, store)? {
                 break;
@@ -112,49 +97,6 @@ impl<'a> Plan<'a> {
         let launches =
             |point: &Lowered| grouped(point, (0..point.fillers.len()).map(|_| Vec::new())).len() as u64;
         self.points.iter().enumerate().map(|(index, point)| launches(point) * trials(index, point)).sum()
-    }
-
-    /// Samples all of `work` in batches, each of which is kept as soon as it is done.
-    fn sample(
-        &self,
-        work: &[Work],
-        store: &mut Store,
-        device: &mut Device,
-        progress: &(dyn Progress + Sync),
-        started: Instant,
-    ) -> Result<(), RunError> {
-        let mut rest: Vec<(&Work, Job)> = work
-            .iter()
-            .flat_map(|work| {
-                work.blocks.iter().map(move |&block| (work, Job { launch: &work.launch, block }))
-            })
-            .rev()
-            .collect();
-        let (mut batch_trials, mut sampled) = (FIRST_BATCH, 0);
-        while !rest.is_empty() {
-            let batch_started = Instant::now();
-            let batch = take_batch(&mut rest, batch_trials);
-            let jobs: Vec<Job> = batch.iter().map(|(_, job)| *job).collect();
-            let results = device.tally(&jobs, true, &|trials| progress.advance(trials))?;
-            let rows: Vec<Row<Moments>> = batch
-                .iter()
-                .zip(results)
-                .flat_map(|((work, job), tallies)| {
-                    let estimates = self.points[work.point].launched(&work.fillers);
-                    estimates.zip(tallies).map(|(estimate, tally)| Row {
-                        address: estimate.address,
-                        block: job.block,
-                        tally,
-                    })
-                })
-                .collect();
-            sampled += batch.iter().map(|(_, job)| job.block.trials()).sum::<u64>();
-            let seconds = started.elapsed().as_secs_f64();
-            store.insert(&rows, &Provenance { device: device.name(), trials: sampled, seconds })?;
-            let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
-            batch_trials = ((batch_trials as f64 * factor) as u64).max(1);
-        }
-        Ok(())
     }
 
     /// What should be known besides the results.
@@ -193,21 +135,16 @@ impl<'a> Plan<'a> {
     /// What the store lacks.
     fn missing(&self, store: &Store, wanted: &[u64]) -> Result<Vec<Work>, StoreError> {
         let mut all = Vec::new();
-        for (index, (point, &trials)) in self.points.iter().zip(wanted).enumerate() {
+        for (point, &trials) in self.points.iter().zip(wanted) {
             let log2 = base_log2(point.trials(self.study.trials));
-            let mut lacking = Vec::new();
+            let mut lacks = Vec::new();
             for estimates in &point.fillers {
-                let mut blocks = Vec::new();
-                for estimate in estimates {
-                    let held = store.blocks(&estimate.address)?;
-                    blocks.extend(missing(&held, trials).into_iter().flat_map(|gap| cover(gap, log2)));
-                }
-                blocks.sort();
-                blocks.dedup();
-                lacking.push(blocks);
+                let addresses = estimates.iter().map(|estimate| &estimate.address);
+                lacks.push(lacking(store, addresses, trials, log2)?);
             }
-            for (blocks, fillers) in grouped(point, lacking).into_iter().filter(|group| !group.0.is_empty()) {
-                all.push(Work { point: index, launch: point.launch(&fillers), fillers, blocks });
+            for (blocks, fillers) in grouped(point, lacks).into_iter().filter(|group| !group.0.is_empty()) {
+                let addresses = point.launched(&fillers).map(|estimate| estimate.address).collect();
+                all.push(Work { launch: point.launch(&fillers), addresses, blocks });
             }
         }
         Ok(all)
@@ -237,15 +174,4 @@ fn grouped(point: &Lowered, lacking: impl IntoIterator<Item = Vec<Block>>) -> Ve
 /// The error of a point that cannot be sampled, at the key of the study that has to change.
 pub(crate) fn refused(study: &Study, point: &Point, error: &LowerError) -> StudyError {
     super::refused(study, &point.swept, error.key(), &error.to_string(), error.help())
-}
-
-fn take_batch<'a, 'b>(rest: &mut Vec<(&'a Work, Job<'b>)>, trials: u64) -> Vec<(&'a Work, Job<'b>)> {
-    let (mut batch, mut taken) = (Vec::new(), 0);
-    while batch.len() < MOST_JOBS
-        && let Some(next) = rest.pop_if(|(_, job)| taken == 0 || taken + job.block.trials() <= trials)
-    {
-        taken += next.1.block.trials();
-        batch.push(next);
-    }
-    batch
 }

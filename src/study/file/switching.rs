@@ -12,9 +12,14 @@ use crate::study::scalar::Scalar;
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::study) struct SwitchingTable {
+    /// MT, from one switch to the next, of kind = "drift-budget" and "switched-run": "40 s".
+    #[serde(default)]
+    #[schemars(with = "String", extend("examples" = ["40 s"]))]
+    pub(in crate::study) interval: Option<Spanned<Scalar>>,
     /// Number n of lost ticks; they are numbered 1 … n.
+    #[serde(default)]
     #[schemars(with = "i64", range(min = 1, max = 64))]
-    pub(in crate::study) gap_ticks: Spanned<Scalar>,
+    pub(in crate::study) gap_ticks: Option<Spanned<Scalar>>,
     /// Ticks that the residual is fitted to; -1, 0, n+1, n+2 if absent. Numbers, "n+1", ranges "-7..0".
     #[serde(default)]
     #[schemars(with = "Vec<TickSchema>")]
@@ -24,8 +29,9 @@ pub(in crate::study) struct SwitchingTable {
     #[schemars(with = "Vec<TickSchema>")]
     pub(in crate::study) extrapolation_ticks: Option<Spanned<Vec<Spanned<Scalar>>>>,
     /// Fillers to compare, each once: "const", "linear", "quadratic", or tables.
+    #[serde(default)]
     #[schemars(with = "Vec<FillerSchema>", length(min = 1), extend("uniqueItems" = true))]
-    pub(in crate::study) fillers: Spanned<Vec<Spanned<Either<FillerTable>>>>,
+    pub(in crate::study) fillers: Option<Spanned<Vec<Spanned<Either<FillerTable>>>>>,
     /// Errors to find; ["residual", "extrapolation"] if absent.
     #[serde(default)]
     #[schemars(with = "Vec<Error>", length(min = 1), extend("uniqueItems" = true))]

@@ -4,7 +4,7 @@
 
 use super::inputs::{Inputs, TickNoise};
 use super::motion::{Frequency, Gaussian, Value};
-use crate::kernel::launch::MAX_SIDE;
+use crate::kernel::gap_fill::MAX_SIDE;
 use crate::study::key::{Key, Setting};
 use crate::study::units::Dimension;
 

@@ -25,14 +25,14 @@ pub use point::Point;
 pub use precision::Precision;
 
 use super::diagnose::{Fault, Wrong};
-use super::file::{Error, Position, StudyFile, TickNoiseTable};
+use super::file::{Error, Kind, Position, StudyFile, TickNoiseTable};
 use super::key::{Key, Setting};
-use super::needed;
 use super::place::Places;
 use super::scalar::{self, Scalar};
 use super::sweep::Sweep;
 use super::units::Dimension;
-use crate::kernel::launch::MAX_SIDE;
+use super::{needed, needed_key};
+use crate::kernel::gap_fill::MAX_SIDE;
 use keys::SETTINGS;
 use ticks::{Purpose, TickList};
 
@@ -65,9 +65,16 @@ pub(super) fn read(
     folder: &Path,
     places: &mut Places,
 ) -> Result<GapFill, Wrong> {
-    let switching = needed(file.switching.as_ref(), "switching", file)?.get_ref();
+    let table = needed(file.switching.as_ref(), "switching", file)?;
+    let switching = table.get_ref();
+    let fillers = needed_key(switching.fillers.as_ref(), "switching.fillers", table)?;
+    if let (Some(interval), Kind::GapFill) = (&switching.interval, file.kind.get_ref()) {
+        let message =
+            "switching.interval is no key of a study of kind = \"gap-fill\", which is about one switch";
+        return Err(Fault::new(interval.span(), message, "not of this kind", "leave it out").into());
+    }
     let (inputs, notes) = read_inputs(file, sweeps, folder, places)?;
-    let written_fillers = read_fillers::read(&switching.fillers)?;
+    let written_fillers = read_fillers::read(fillers)?;
     let errors = read_errors(switching.errors.as_ref())?;
     for (sweep, table) in sweeps.iter().zip(&file.sweep) {
         if file.noise.is_some() && sweep.key.target() == "gyro.tick_noise" {
@@ -109,7 +116,8 @@ fn read_inputs(
 ) -> Result<(Inputs, Vec<String>), Wrong> {
     let gyro = needed(file.gyro.as_ref(), "gyro", file)?.get_ref();
     let motion = needed(file.motion.as_ref(), "motion", file)?;
-    let switching = needed(file.switching.as_ref(), "switching", file)?.get_ref();
+    let table = needed(file.switching.as_ref(), "switching", file)?;
+    let switching = table.get_ref();
     let motion = read_motion::read(motion.get_ref(), places, motion.span(), folder)?;
     // Each number is overwritten by its key.
     let mut inputs = Inputs {
@@ -128,7 +136,7 @@ fn read_inputs(
         Some((&keys::TICK, &gyro.tick)),
         gyro.tick_noise.as_ref().map(noise_form).transpose()?,
         gyro.readout_lsb.as_ref().map(|lsb| (&keys::READOUT_LSB, lsb)),
-        Some((&keys::GAP_TICKS, &switching.gap_ticks)),
+        Some((&keys::GAP_TICKS, needed_key(switching.gap_ticks.as_ref(), "switching.gap_ticks", table)?)),
     ];
     for (setting, value) in written.into_iter().flatten() {
         (setting.set)(&mut inputs, setting.read(value)?);
@@ -137,7 +145,9 @@ fn read_inputs(
     if let Some(relock) = &gyro.relock {
         places.add("gyro.relock", relock.span());
     }
-    places.add("switching.fillers", switching.fillers.span());
+    if let Some(fillers) = &switching.fillers {
+        places.add("switching.fillers", fillers.span());
+    }
     for (key, list) in [
         ("switching.fit_ticks", &switching.fit_ticks),
         ("switching.extrapolation_ticks", &switching.extrapolation_ticks),

@@ -6,7 +6,7 @@ use super::keys::{NOISE_RANDOM_WALK, SETTINGS};
 use super::motion::{Frequency, Gaussian, Tone};
 use super::read_fillers::{Extrapolation, Written};
 use super::ticks::TickList;
-use crate::kernel::launch::MAX_SIDE;
+use crate::kernel::gap_fill::MAX_SIDE;
 use crate::study::diagnose::Fault;
 use crate::study::key::Swept;
 use crate::study::place::Places;

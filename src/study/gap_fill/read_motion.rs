@@ -7,7 +7,7 @@ use toml::Spanned;
 
 use super::keys::{ACCELERATION, AMPLITUDE, FREQUENCY, GAUSSIAN_RMS, RATE};
 use super::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
-use crate::kernel::launch::MAX_TONES;
+use crate::kernel::gap_fill::shape::MAX_TONES;
 use crate::record::Record;
 use crate::study::diagnose::{Fault, Wrong};
 use crate::study::file::motion::{AmplitudeTable, Ends, GaussianTable, MotionTable, ProfileTable, ToneTable};

@@ -1,6 +1,6 @@
 //! Lists of ticks to fit: numbers, `"n+1"`, ranges `"-7..0"`, where n is the length of the gap.
 
-use crate::kernel::launch::MAX_SIDE;
+use crate::kernel::gap_fill::MAX_SIDE;
 use std::fmt;
 use std::ops::Range;
 

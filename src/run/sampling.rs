@@ -1,0 +1,94 @@
+//! Sampling what the store lacks of some launches, batch by batch.
+
+use std::time::Instant;
+
+use super::{BATCH_SECONDS, Progress, RunError};
+use crate::backend::{Device, Job};
+use crate::block::{Block, cover, missing};
+use crate::kernel::launch::Launch;
+use crate::kernel::moments::Moments;
+use crate::store::{Address, Provenance, Row, Store, StoreError};
+
+/// A launch and the blocks of it that are missing.
+pub(super) struct Work {
+    pub(super) launch: Launch,
+    /// Where the tally of each estimate is kept.
+    pub(super) addresses: Vec<Address>,
+    pub(super) blocks: Vec<Block>,
+}
+
+impl Work {
+    /// Trials that are missing.
+    pub(super) fn trials(&self) -> u64 {
+        self.blocks.iter().map(Block::trials).sum()
+    }
+}
+
+/// Most jobs of a batch: their tallies are held in memory together, some 30 KiB each.
+const MOST_JOBS: usize = 1024;
+
+/// Steps of the first batch.
+const FIRST_BATCH: u64 = 1 << 20;
+
+/// The blocks of 2^`log2` trials and smaller that any of some estimates lacks of its first `trials`.
+pub(super) fn lacking<'a>(
+    store: &Store,
+    addresses: impl IntoIterator<Item = &'a Address>,
+    trials: u64,
+    log2: u32,
+) -> Result<Vec<Block>, StoreError> {
+    let mut blocks = Vec::new();
+    for address in addresses {
+        let held = store.blocks(address)?;
+        blocks.extend(missing(&held, trials).into_iter().flat_map(|gap| cover(gap, log2)));
+    }
+    blocks.sort();
+    blocks.dedup();
+    Ok(blocks)
+}
+
+/// Samples all of `work` in batches, each of which is kept as soon as it is done. `started` is when the run did.
+pub(super) fn sample(
+    work: &[Work],
+    store: &mut Store,
+    device: &mut Device,
+    progress: &(dyn Progress + Sync),
+    started: Instant,
+) -> Result<(), RunError> {
+    let mut rest: Vec<(&Work, Block)> =
+        work.iter().flat_map(|work| work.blocks.iter().map(move |&block| (work, block))).rev().collect();
+    let (mut batch_steps, mut sampled) = (FIRST_BATCH, 0);
+    while !rest.is_empty() {
+        let batch_started = Instant::now();
+        let batch = take_batch(&mut rest, batch_steps);
+        let jobs: Vec<Job> = batch.iter().map(|&(work, block)| Job { launch: &work.launch, block }).collect();
+        let results = device.tally(&jobs, true, &|trials| progress.advance(trials))?;
+        let rows: Vec<Row<Moments>> = batch
+            .iter()
+            .zip(results)
+            .flat_map(|(&(work, block), tallies)| {
+                let addressed = work.addresses.iter().zip(tallies);
+                addressed.map(move |(&address, tally)| Row { address, block, tally })
+            })
+            .collect();
+        sampled += batch.iter().map(|(_, block)| block.trials()).sum::<u64>();
+        let seconds = started.elapsed().as_secs_f64();
+        store.insert(&rows, &Provenance { device: device.name(), trials: sampled, seconds })?;
+        let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
+        batch_steps = ((batch_steps as f64 * factor) as u64).max(1);
+    }
+    Ok(())
+}
+
+/// The next blocks, of so many steps together; one at least.
+fn take_batch<'a>(rest: &mut Vec<(&'a Work, Block)>, steps: u64) -> Vec<(&'a Work, Block)> {
+    let of = |(work, block): &(&Work, Block)| block.trials() * work.launch.sampled.steps();
+    let (mut batch, mut taken) = (Vec::new(), 0);
+    while batch.len() < MOST_JOBS
+        && let Some(next) = rest.pop_if(|next| taken == 0 || taken + of(next) <= steps)
+    {
+        taken += of(&next);
+        batch.push(next);
+    }
+    batch
+}
