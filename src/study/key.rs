@@ -80,7 +80,7 @@ impl fmt::Display for Swept {
 }
 
 /// The keys of a study that no sweep can vary, and what they are.
-const FIXED: [(&str, &str); 25] = [
+const FIXED: [(&str, &str); 26] = [
     ("title", "is text"),
     ("question", "is text"),
     ("kind", "is text"),
@@ -101,6 +101,7 @@ const FIXED: [(&str, &str); 25] = [
     ("noise.markov", "is a table"),
     ("noise.sine", "is a table"),
     ("noise.warm_up", "is a table"),
+    ("noise.switching", "is a table"),
     ("allan.tau", "holds for the whole study"),
     ("allan.estimator", "is text"),
     ("allan.overlap", "is text"),

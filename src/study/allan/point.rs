@@ -17,6 +17,13 @@ use crate::study::units::Dimension;
 use crate::table::significant;
 use crate::theory::allan::{Difference, Stride};
 
+/// The keys of what switches leave in a record.
+const LEFT_BY_SWITCHES: [&str; 4] = [
+    "noise.switching.magnetic",
+    "noise.switching.initial_magnetic",
+    "noise.switching.residual",
+    "noise.switching.residual_noise",
+];
 /// Fewest samples of a record.
 const FEWEST_SAMPLES: u64 = 16;
 /// By how much of itself a time in a list may miss a whole number of samples, of which decimal fractions have not all.
@@ -144,6 +151,22 @@ impl Base<'_> {
         (0..sweep::points(self.sweeps)).map(|index| self.point(index)).collect()
     }
 
+    /// Refuses switches that change nothing at any point.
+    pub(super) fn check_switching(&self) -> Result<(), Fault> {
+        let noises =
+            if self.files.is_empty() { std::slice::from_ref(&self.inputs.noise) } else { &self.files };
+        let is_swept = self.sweeps.iter().any(|sweep| LEFT_BY_SWITCHES.contains(&sweep.key.name));
+        let mut switching = noises.iter().filter_map(|noise| noise.switching);
+        if is_swept || !switching.any(|switching| switching.is_nothing()) {
+            return Ok(());
+        }
+        let place = self.places.blame(&[], &["noise.switching", noise::FILE.name, "noise"]);
+        let message = "[noise.switching] has switches that change nothing";
+        let help = "give magnetic = \"14 arcsec/s\", initial_magnetic, residual = \"10 arcsec\" or residual_noise, not 0; \
+                    or leave the table out";
+        Err(Fault::new(place, message, "nothing alternates, nothing is left", help))
+    }
+
     fn point(&self, index: usize) -> Result<Point, Fault> {
         let mut inputs = self.inputs.clone();
         let swept = sweep::values_at(self.sweeps, index);
@@ -193,7 +216,27 @@ impl Base<'_> {
             let names = ["noise.sine.frequency", "noise.sine", "record.sample"];
             return refuse(&names, message, "too high for the samples", &help);
         }
-        if noise.process(*sample_s, inputs.samples()).parts.is_empty() && noise.readout_lsb == 0.0 {
+        if let Some(switching) = noise.switching
+            && !(1..samples).contains(&switching.interval(*sample_s))
+        {
+            let interval = switching.interval(*sample_s);
+            let interval_s = significant(switching.interval_s, 6);
+            let message = match interval {
+                0 => format!(
+                    "noise.switching.interval = {interval_s} s is less than half a sample of {sample_s} s"
+                ),
+                _ => format!(
+                    "noise.switching.interval = {interval_s} s: no switch comes in a record of {length_s} s"
+                ),
+            };
+            let label = if interval == 0 { "too short" } else { "too long" };
+            let longest = significant((samples - 1) as f64 * sample_s, 6);
+            let help = format!("accepted: {sample_s} s to {longest} s here, or leave [noise.switching] out");
+            let names = ["noise.switching.interval", "noise.file", "record.length", "record.sample"];
+            return refuse(&names, message, label, &help);
+        }
+        let is_silent = noise.process(*sample_s, samples).parts.is_empty() && noise.readout_lsb == 0.0;
+        if is_silent && noise.switched(*sample_s).is_none() {
             let message = "[noise] is empty: all records would be constant".to_owned();
             let help = "add a coefficient as in angle_random_walk = \"0.00048 deg/sqrt(h)\", or file = \"noise.toml\"";
             return refuse(&["noise"], message, "no noise", help);
