@@ -56,9 +56,7 @@ fn switching(points: &[Point]) -> Option<String> {
         format!("fill residuals as an angle random walk of {n} °/√h at averaging times above the interval")
     });
     let drift = switched().any(|(_, switching)| switching.drifts()).then(|| {
-        "the alternating drift as a rate random walk K at averaging times below the interval and as quantisation \
-         Q above it"
-            .to_owned()
+        "the alternating drift, highest at averaging times from half an interval to a whole one, as B and K".to_owned()
     });
     let seen: Vec<String> = residuals.into_iter().chain(drift).collect();
     (!seen.is_empty()).then(|| {

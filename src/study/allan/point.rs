@@ -17,9 +17,11 @@ use crate::study::units::Dimension;
 use crate::table::significant;
 use crate::theory::allan::{Difference, Stride};
 
+const MAGNETIC: &str = "noise.switching.magnetic";
+const WARM_UP_TIME: &str = "noise.switching.warm_up_time";
 /// The keys of what switches leave in a record.
 const LEFT_BY_SWITCHES: [&str; 4] = [
-    "noise.switching.magnetic",
+    MAGNETIC,
     "noise.switching.initial_magnetic",
     "noise.switching.residual",
     "noise.switching.residual_noise",
@@ -123,8 +125,7 @@ pub(super) struct Base<'a> {
 impl Base<'_> {
     /// Refuses sweeps over parts of the noise that there are not, or over a rate that nothing sees.
     pub(super) fn check_sweeps(&self, tables: &[SweepTable]) -> Result<(), Fault> {
-        let noises =
-            if self.files.is_empty() { std::slice::from_ref(&self.inputs.noise) } else { &self.files };
+        let noises = self.noises();
         let pulses = self.sweeps.iter().any(|sweep| sweep.key.name == "noise.readout_lsb")
             || noises.iter().any(|noise| noise.readout_lsb > 0.0);
         for (sweep, table) in self.sweeps.iter().zip(tables) {
@@ -151,20 +152,33 @@ impl Base<'_> {
         (0..sweep::points(self.sweeps)).map(|index| self.point(index)).collect()
     }
 
-    /// Refuses switches that change nothing at any point.
+    /// Refuses switches that change nothing at any point, and a warm-up of a drift that is not there.
     pub(super) fn check_switching(&self) -> Result<(), Fault> {
-        let noises =
-            if self.files.is_empty() { std::slice::from_ref(&self.inputs.noise) } else { &self.files };
-        let is_swept = self.sweeps.iter().any(|sweep| LEFT_BY_SWITCHES.contains(&sweep.key.name));
-        let mut switching = noises.iter().filter_map(|noise| noise.switching);
-        if is_swept || !switching.any(|switching| switching.is_nothing()) {
-            return Ok(());
+        let is_swept = |names: &[&str]| self.sweeps.iter().any(|sweep| names.contains(&sweep.key.name));
+        let refuse = |names: &[&str], message: &str, label: &str, help: &str| {
+            Err(Fault::new(self.places.blame(&[], names), message, label, help))
+        };
+        for switching in self.noises().iter().filter_map(|noise| noise.switching) {
+            if switching.is_nothing() && !is_swept(&LEFT_BY_SWITCHES) {
+                let message = "[noise.switching] has switches that change nothing";
+                let help = "give magnetic = \"14 arcsec/s\", initial_magnetic, residual = \"10 arcsec\" or \
+                            residual_noise, not 0; or leave the table out";
+                let names = ["noise.switching", noise::FILE.name, "noise"];
+                return refuse(&names, message, "nothing alternates, nothing is left", help);
+            }
+            let warms_up = switching.warm_up_s.is_some() || is_swept(&[WARM_UP_TIME]);
+            if warms_up && switching.magnetic == 0.0 && !is_swept(&[MAGNETIC]) {
+                let message = "noise.switching.warm_up_time stands without magnetic";
+                let help = "give magnetic = \"14 arcsec/s\", or leave warm_up_time out: initial_magnetic is there at once";
+                return refuse(&[WARM_UP_TIME, noise::FILE.name, "noise"], message, "nothing warms up", help);
+            }
         }
-        let place = self.places.blame(&[], &["noise.switching", noise::FILE.name, "noise"]);
-        let message = "[noise.switching] has switches that change nothing";
-        let help = "give magnetic = \"14 arcsec/s\", initial_magnetic, residual = \"10 arcsec\" or residual_noise, not 0; \
-                    or leave the table out";
-        Err(Fault::new(place, message, "nothing alternates, nothing is left", help))
+        Ok(())
+    }
+
+    /// The noise that is written, or that of each file of a sweep over them.
+    fn noises(&self) -> &[Noise] {
+        if self.files.is_empty() { std::slice::from_ref(&self.inputs.noise) } else { &self.files }
     }
 
     fn point(&self, index: usize) -> Result<Point, Fault> {
