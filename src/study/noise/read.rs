@@ -230,6 +230,9 @@ pub(in crate::study) fn read(
         }
         None => Noise::default(),
     };
+    if let Some(switching) = &table.get_ref().switching {
+        places.add("noise.switching", switching.span());
+    }
     let mut written = Vec::new();
     for (setting, value) in values(table.get_ref()) {
         let quantity = setting.read(value)?;
