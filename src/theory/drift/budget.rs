@@ -133,7 +133,7 @@ pub(super) mod tests {
     #[test]
     fn the_bound_falls_to_the_non_magnetic_drift_only_in_months_and_at_intervals_of_days() {
         let best = PAPER.optimum(1e6).unwrap();
-        assert!((best.bound - 0.352).abs() < 5e-4 && (best.interval_s - 67.0).abs() < 0.5, "{best:?}");
+        assert!((best.bound - 0.352).abs() < 2e-3 && (best.interval_s - 67.0).abs() < 0.5, "{best:?}");
         // Beyond τ (2A/0.302)²/2 the minimum near √(τt/2) is the lower one, Ω_nm + A√(2τ/t).
         let [before, after] = [1.25e7, 1.35e7].map(|t| PAPER.optimum(t).unwrap().interval_s);
         assert!(before < 68.0 && after > 1e5, "{before} s, {after} s");
