@@ -40,13 +40,15 @@ pub enum Purpose {
     Quantisation = 12,
     /// A block for each octave of flicker noise: where the grids of its four streams lie.
     FlickerGrid = 13,
+    /// A block for each switch of a record, from number 1 on: word 0 the phase of its fill residual, word 1 the noise of it.
+    FillResidual = 14,
     /// And beyond, one purpose for each octave: its holds. Octaves 1 and 2 have one stream, four holds to a block; the
     /// others have four streams, a hold of each to a block.
     Flicker = 64,
 }
 
 /// The purposes by the names that the shaders know them by.
-pub const PURPOSES: [(&str, Purpose); 15] = [
+pub const PURPOSES: [(&str, Purpose); 16] = [
     ("NOISE_BEFORE", Purpose::NoiseBefore),
     ("NOISE_AFTER_AND_PHASE", Purpose::NoiseAfterAndPhase),
     ("TONE", Purpose::Tone),
@@ -61,6 +63,7 @@ pub const PURPOSES: [(&str, Purpose); 15] = [
     ("MARKOV", Purpose::Markov),
     ("QUANTISATION", Purpose::Quantisation),
     ("FLICKER_GRID", Purpose::FlickerGrid),
+    ("FILL_RESIDUAL", Purpose::FillResidual),
     ("FLICKER", Purpose::Flicker),
 ];
 

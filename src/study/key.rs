@@ -107,6 +107,7 @@ const FIXED: &[(&str, &str)] = &[
     ("noise.markov", "is a table"),
     ("noise.sine", "is a table"),
     ("noise.warm_up", "is a table"),
+    ("noise.switching", "is a table"),
     ("allan.tau", "holds for the whole study"),
     ("allan.estimator", "is text"),
     ("allan.overlap", "is text"),
