@@ -1,6 +1,7 @@
 //! Running a study: what is missing in the store is sampled and added, then all that is held becomes tables.
 
 mod allan;
+mod exact;
 pub(crate) mod gap_fill;
 mod sampling;
 mod switched_run;
@@ -37,6 +38,8 @@ enum Work<'a> {
     GapFill(gap_fill::Plan<'a>),
     Allan(allan::Plan<'a>),
     SwitchedRun(switched_run::Plan<'a>),
+    /// Closed forms: the table is all there is.
+    Exact(Table),
 }
 
 /// What a run did.
@@ -93,8 +96,15 @@ impl<'a> Plan<'a> {
             Subject::GapFill(gap_fill) => Work::GapFill(gap_fill::Plan::new(study, gap_fill)?),
             Subject::Allan(allan) => Work::Allan(allan::Plan::new(study, allan)?),
             Subject::SwitchedRun(runs) => Work::SwitchedRun(switched_run::Plan::new(study, runs)?),
+            Subject::DriftBudget(budget) => Work::Exact(exact::of_budget(study, budget)),
+            Subject::Suspension(suspension) => Work::Exact(exact::of_suspension(study, suspension)),
         };
         Ok(Plan { study, work })
+    }
+
+    /// Whether there is anything to sample, for which a device is needed.
+    pub fn is_sampled(&self) -> bool {
+        !matches!(self.work, Work::Exact(_))
     }
 
     /// What makes the results those of this study.
@@ -120,6 +130,7 @@ impl<'a> Plan<'a> {
             Work::GapFill(plan) => plan.run(store, device, progress)?,
             Work::Allan(plan) => plan.run(store, device, progress)?,
             Work::SwitchedRun(plan) => plan.run(store, device, progress)?,
+            Work::Exact(_) => Done { trials: 0, seconds: 0.0, degraded: None },
         };
         progress.finish();
         Ok(done)
@@ -131,6 +142,7 @@ impl<'a> Plan<'a> {
             Work::GapFill(plan) => Tables::of_points(plan.blank_table()),
             Work::Allan(plan) => plan.blank_tables(),
             Work::SwitchedRun(plan) => plan.blank_tables(),
+            Work::Exact(table) => Tables::of_points(table.clone()),
         }
     }
 
@@ -143,6 +155,7 @@ impl<'a> Plan<'a> {
             Work::GapFill(plan) => Tables::of_points(plan.table(store)?),
             Work::Allan(plan) => plan.tables(store, progress)?,
             Work::SwitchedRun(plan) => plan.tables(store)?,
+            Work::Exact(table) => Tables::of_points(table.clone()),
         };
         progress.finish();
         Ok(tables)
@@ -157,6 +170,7 @@ impl<'a> Plan<'a> {
             Work::GapFill(plan) => plan.held(store)?,
             Work::Allan(plan) => plan.held(store)?,
             Work::SwitchedRun(plan) => plan.held(store)?,
+            Work::Exact(_) => None,
         };
         Ok(held.unwrap_or(self.study.trials))
     }
@@ -171,6 +185,9 @@ impl<'a> Plan<'a> {
             Work::GapFill(plan) => plan.notes(store)?,
             Work::Allan(plan) => plan.notes(),
             Work::SwitchedRun(plan) => plan.notes(),
+            Work::Exact(_) => {
+                vec!["all values are closed forms: trials, seed and device have no use here".to_owned()]
+            }
         });
         let trials = self.held(store)?;
         if trials > self.study.trials {
@@ -185,6 +202,7 @@ impl<'a> Plan<'a> {
             Work::GapFill(plan) => plan.ids(),
             Work::Allan(plan) => plan.ids(),
             Work::SwitchedRun(plan) => plan.ids(),
+            Work::Exact(_) => vec![],
         };
         match points.iter().filter(|id| !asked.contains(id)).count() {
             0 => {}

@@ -3,8 +3,8 @@
 use super::Tried;
 use crate::lower::Residual;
 use crate::study::RunPoint;
+use crate::theory::drift::Budget;
 pub(super) use crate::theory::drift::Optimum;
-use crate::theory::drift::{Budget, Magnetic};
 
 /// Standard deviations of the normal part that the paper takes as its largest.
 const SIGMAS: f64 = 3.0;
@@ -27,13 +27,6 @@ pub(super) fn optimum(point: &RunPoint, residual: &Residual) -> Option<(f64, Opt
     let residual_max =
         amplitudes + residual.constant_arcsec.abs() + SIGMAS * libm::sqrt(residual.variance_arcsec2);
     let drift = &point.drift;
-    // Without warm-up all of A is there from the start.
-    let warms = drift.warm_up_s > 0.0;
-    let magnetic = Magnetic {
-        amplitude: if warms { drift.magnetic } else { 0.0 },
-        time_s: if warms { drift.warm_up_s } else { 1.0 },
-        initial: drift.initial_magnetic + if warms { 0.0 } else { drift.magnetic },
-    };
-    let budget = Budget { magnetic, non_magnetic: drift.non_magnetic, residual_max };
+    let budget = Budget { magnetic: drift.magnetic_drift(), non_magnetic: drift.non_magnetic, residual_max };
     Some((residual_max, budget.optimum(point.schedule.duration_s)?))
 }

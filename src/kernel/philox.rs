@@ -52,13 +52,15 @@ pub enum Purpose {
     SwitchPhase = 23,
     /// Word 0: what the random walk of an interval comes to within it.
     Bridge = 25,
+    /// A block for each switch of a record, from number 1 on: word 0 the phase of its fill residual, word 1 the noise of it.
+    FillResidual = 14,
     /// And beyond, one purpose for each octave: its holds. Octaves 1 and 2 have one stream, four holds to a block; the
     /// others have four streams, a hold of each to a block.
     Flicker = 64,
 }
 
 /// The purposes by the names that the shaders know them by.
-pub const PURPOSES: [(&str, Purpose); 20] = [
+pub const PURPOSES: [(&str, Purpose); 21] = [
     ("NOISE_BEFORE", Purpose::NoiseBefore),
     ("NOISE_AFTER_AND_PHASE", Purpose::NoiseAfterAndPhase),
     ("TONE", Purpose::Tone),
@@ -78,6 +80,7 @@ pub const PURPOSES: [(&str, Purpose); 20] = [
     ("INTERVAL", Purpose::Interval),
     ("SWITCH_PHASE", Purpose::SwitchPhase),
     ("BRIDGE", Purpose::Bridge),
+    ("FILL_RESIDUAL", Purpose::FillResidual),
     ("FLICKER", Purpose::Flicker),
 ];
 

@@ -16,6 +16,7 @@ pub(super) mod allan;
 pub(super) mod drift;
 mod either;
 pub(super) mod motion;
+pub(super) mod suspension;
 pub(super) mod switching;
 
 use allan::{AllanTable, NoiseTable, RecordTable};
@@ -23,6 +24,7 @@ use drift::{DriftTable, RunTable};
 pub(super) use either::Either;
 use motion::MotionTable;
 pub use motion::{Phase, Position};
+use suspension::SuspensionTable;
 pub use switching::Error;
 use switching::SwitchingTable;
 
@@ -44,7 +46,8 @@ pub(super) struct StudyFile {
     #[serde(default)]
     #[schemars(with = "i64", range(min = 0))]
     pub(super) seed: Option<Spanned<Scalar>>,
-    /// Monte Carlo trials at each point; 1 000 000 if absent, and 1000 records of kind = "allan".
+    /// Monte Carlo trials at each point; 1 000 000 if absent, and 1000 records of kind = "allan"; unused where all is
+    /// in closed form.
     #[serde(default)]
     #[schemars(with = "i64", range(min = 1, max = 1_099_511_627_776_i64))]
     pub(super) trials: Option<Spanned<Scalar>>,
@@ -75,6 +78,10 @@ pub(super) struct StudyFile {
     #[serde(default)]
     #[schemars(with = "RunTable")]
     pub(super) run: Option<Spanned<RunTable>>,
+    /// Of kind = "suspension".
+    #[serde(default)]
+    #[schemars(with = "SuspensionTable")]
+    pub(super) suspension: Option<Spanned<SuspensionTable>>,
     /// Of kind = "allan".
     #[serde(default)]
     #[schemars(with = "RecordTable")]
@@ -120,17 +127,22 @@ pub enum Kind {
     Allan,
     /// The angle that a gyro which switches modes has wrong after a whole run.
     SwitchedRun,
+    /// The bound of the drift of a gyro that switches modes, and the switching interval at which it is least, in closed form.
+    DriftBudget,
+    /// The rotation of a gyro on its suspension under vibration, in closed form.
+    Suspension,
 }
 
 impl StudyFile {
     /// The tables that not every kind has, each with its place where it is written.
-    pub(super) fn tables(&self) -> [(&'static str, Option<Range<usize>>); 8] {
+    pub(super) fn tables(&self) -> [(&'static str, Option<Range<usize>>); 9] {
         [
             ("gyro", self.gyro.as_ref().map(Spanned::span)),
             ("motion", self.motion.as_ref().map(Spanned::span)),
             ("switching", self.switching.as_ref().map(Spanned::span)),
             ("drift", self.drift.as_ref().map(Spanned::span)),
             ("run", self.run.as_ref().map(Spanned::span)),
+            ("suspension", self.suspension.as_ref().map(Spanned::span)),
             ("record", self.record.as_ref().map(Spanned::span)),
             ("noise", self.noise.as_ref().map(Spanned::span)),
             ("allan", self.allan.as_ref().map(Spanned::span)),
@@ -140,7 +152,8 @@ impl StudyFile {
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 3] = [Kind::GapFill, Kind::Allan, Kind::SwitchedRun];
+    pub const ALL: [Kind; 5] =
+        [Kind::GapFill, Kind::Allan, Kind::DriftBudget, Kind::Suspension, Kind::SwitchedRun];
 
     /// The tables that a study of this kind may have.
     pub(super) fn tables(self) -> &'static [&'static str] {
@@ -148,6 +161,8 @@ impl Kind {
             Kind::GapFill => &["gyro", "motion", "switching", "noise"],
             Kind::Allan => &["record", "noise", "allan"],
             Kind::SwitchedRun => &["gyro", "motion", "switching", "noise", "drift", "run"],
+            Kind::DriftBudget => &["drift", "switching", "run"],
+            Kind::Suspension => &["suspension"],
         }
     }
 
@@ -157,7 +172,14 @@ impl Kind {
             Kind::GapFill => "gap-fill",
             Kind::Allan => "allan",
             Kind::SwitchedRun => "switched-run",
+            Kind::DriftBudget => "drift-budget",
+            Kind::Suspension => "suspension",
         }
+    }
+
+    /// Whether every value is a closed form: nothing is sampled.
+    pub fn is_exact(self) -> bool {
+        matches!(self, Kind::DriftBudget | Kind::Suspension)
     }
 }
 
@@ -287,6 +309,8 @@ fn tables_of_kinds(schema: &mut schemars::Schema) {
         needs(Kind::GapFill, &["gyro", "motion", "switching"]),
         needs(Kind::Allan, &["record", "noise"]),
         needs(Kind::SwitchedRun, &["switching", "run"]),
+        needs(Kind::DriftBudget, &["drift", "switching", "run"]),
+        needs(Kind::Suspension, &["suspension"]),
     ];
     schema.insert("allOf".to_owned(), json!(kinds));
 }

@@ -9,3 +9,4 @@ pub mod minimum_variance;
 pub mod psd;
 pub mod published;
 pub mod quadrature;
+pub mod suspension;
