@@ -17,6 +17,16 @@ fn bin_base(estimate: u32) -> u32 {
     return p[BIN_BASE + estimate];
 }
 
+// The warm-up of a run, whose time constant is drawn: A, 2^−32 LSB in a unit of time; τ as a part of the usual one and what the
+// usual one is of it, 2^−26; τ tanh(MT/2τ); e^{−t/τ} at the last switch, 2^−30.
+struct WarmUp {
+    heated: u32,
+    ratio: u32,
+    inverse: u32,
+    tanh: u32,
+    last: u32,
+}
+
 // What is drawn once for a run: deviations of A, Ω_m0, Ω_nm in standard deviations, 2^−28; negative where the first mode is the
 // other one; phase of each tone at the next switch; all that is random so far, 2^−32 LSB.
 struct Run {
@@ -24,15 +34,20 @@ struct Run {
     mode: u32,
     phase: array<u32, TONE_ROOM>,
     random: Wide,
+    warm_up: WarmUp,
 }
 
 fn start(address: Address) -> Run {
     var run: Run;
     run.random = wide(0u, 0u);
+    run.warm_up.last = 1u << 30u;
     //#if SPREAD
     let words = draw(address, RUN_DEVIATION, 0u);
     run.deviation = vec3<u32>(normal(words[0]), normal(words[1]), normal(words[2]));
     run.mode = words[3];
+    //#end
+    //#if WARM_UP
+    run.warm_up = warm_up(run.deviation[0], normal(draw(address, RUN_DEVIATION, 1u)[0]));
     //#end
     //#for block in 0..PHASE_BLOCKS
     let phases = draw(address, RUN_PHASE, block);
@@ -43,8 +58,46 @@ fn start(address: Address) -> Run {
     return run;
 }
 
-// The angle where a row of the table is, with `more` that is random since the last switch.
-fn angle(run: Run, row: u32, more: Wide) -> u32 {
+//#if WARM_UP
+// The warm-up of a run whose A and ln τ deviate by so much.
+fn warm_up(magnetic: u32, time: u32) -> WarmUp {
+    // No draw makes τ more than 2^5 times longer or shorter.
+    let five = 5u << LOG_BITS;
+    let log = high_word(mul_wide(time, p[WARM_UP_SPREAD]));
+    let ratio = exp2_minus(five - log);
+    let inverse = exp2_minus(five + log);
+    let lost = exp2_minus(halvings(inverse, p[HALVINGS]));
+    let one = 1u << 31u;
+    // log2 of τ (1 − q)/(1 + q), q = e^{−MT/τ}; then 2^x is 2^31 of 2^−(31 − x).
+    let tanh = log + log2_(one - lost) - log2_(one + lost) + ((26u + p[TIME_BITS]) << LOG_BITS);
+    let heated = p[HEATED] + bits_from(mul_wide(magnetic, p[HEATED + 1u]), 28u);
+    return WarmUp(heated, ratio, inverse, exp2_minus(LARGEST_MINUS - tanh), 1u << 30u);
+}
+
+// A number of halvings of the usual τ as that of this τ, 2^−26, at most 31.
+fn halvings(inverse: u32, usual: u32) -> u32 {
+    let bits = p[HALVING_BITS];
+    let product = mul_wide(inverse, usual);
+    let within = sar(high_word(product) - (31u << (bits - 6u)), 31u);
+    return (bits_from(product, bits) & within) + (LARGEST_MINUS & (within ^ 0xffffffffu));
+}
+
+// ∫ s (1 − e^{−t/τ}) dt where a row of the table is, whose last two words are at `words`, in interval `k`; and e^{−t/τ} there.
+fn heating(warm_up: WarmUp, k: u32, words: u32) -> vec2<u32> {
+    let bits = p[TIME_BITS];
+    let now = exp2_minus(halvings(warm_up.inverse, table[words + 1u])) >> 1u;
+    let one = 1u << 30u;
+    let even = k % 2u == 0u;
+    let signed = select(0u - warm_up.last, warm_up.last, even);
+    let pairs = bits_from(mul_wide(warm_up.tanh, one - signed), 30u);
+    let rest = bits_from(mul_wide(warm_up.ratio, warm_up.last - now), 30u - bits);
+    let decayed = select(pairs - rest, pairs + rest, even);
+    return vec2<u32>(table[words] - decayed, now);
+}
+//#end
+
+// The angle where a row of the table is, in interval `k`, with `more` that is random since the last switch.
+fn angle(run: Run, k: u32, row: u32, more: Wide) -> u32 {
     let words = row * ROW;
     var random = add_wide(add_wide(run.random, more), wide(0x80000000u, 0u));
     var magnetic = wide(0u, 0u);
@@ -62,6 +115,10 @@ fn angle(run: Run, row: u32, more: Wide) -> u32 {
     //#end
     //#if NON_MAGNETIC
     random = add_wide(random, mul_wide(run.deviation[2], table[at]));
+    at++;
+    //#end
+    //#if WARM_UP
+    magnetic = add_wide(magnetic, mul_wide(heating(run.warm_up, k, at)[0], run.warm_up.heated));
     //#end
     //#if MODE
     let whole = high_word(magnetic) + table[words + 1u];
@@ -110,13 +167,13 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
             let bridge = normal(draw(address, BRIDGE, k)[0]);
             part = add_wide(mul_wide(step, p[TIME_WALK + t]), mul_wide(bridge, p[TIME_BRIDGE + t]));
             //#end
-            error[FIRST_TIME + t] = angle(run, intervals + t, part);
+            error[FIRST_TIME + t] = angle(run, k, intervals + t, part);
         }
         //#end
         //#if WALK
         run.random = add_wide(run.random, mul_wide(step, select(p[WALK_SIGMA], p[WALK_SIGMA + 1u], is_last)));
         //#end
-        let before = angle(run, k, nothing);
+        let before = angle(run, k, k, nothing);
         //#if ENDS
         error[0] = before;
         error[1] = largest(error[1], before);
@@ -124,7 +181,10 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
         if !is_last {
             run.random = add_wide(run.random, residual(&run, address, k, words));
             //#if ENDS
-            error[1] = largest(error[1], angle(run, k, nothing));
+            error[1] = largest(error[1], angle(run, k, k, nothing));
+            //#end
+            //#if WARM_UP
+            run.warm_up.last = heating(run.warm_up, k, (k + 1u) * ROW - 2u)[1];
             //#end
         }
     }

@@ -2,111 +2,92 @@
 
 use super::DesignError;
 use crate::lower::{FilledRun, LoweredRun};
-use crate::study::{RunPoint, Streams, Study, SwitchedRun};
+use crate::study::{RunPoint, Schedule, Streams, SwitchedRun};
 
 /// Intervals that are tried where the study names none.
-const CANDIDATES: usize = 25;
+const CANDIDATES: usize = 17;
 
 /// They reach as far as the rms drift is at most this many times its least, in closed form.
-const REACH: f64 = 2.5;
+const REACH: f64 = 2.0;
 
-/// Even numbers of intervals that are looked at to find those.
-const LOOKED_AT: usize = 200;
+/// Intervals that are looked at to find those.
+const LOOKED_AT: usize = 150;
 
 /// Runs with one interval and one filler, ready to be sampled.
 pub(super) struct Candidate {
-    pub(super) interval_s: f64,
+    pub(super) schedule: Schedule,
     pub(super) switches: u64,
     pub(super) filled: FilledRun,
 }
 
-/// What is tried with one filler; not empty, in the order of the intervals.
-pub(super) struct OfFiller {
-    pub(super) candidates: Vec<Candidate>,
+/// What makes candidates.
+pub(super) struct Maker<'a> {
+    pub(super) runs: &'a SwitchedRun,
+    pub(super) seed: u64,
+    /// Whether the study sweeps the interval.
+    pub(super) swept: bool,
 }
 
-/// The candidates of each filler.
-pub(super) fn choose(study: &Study, runs: &SwitchedRun) -> Result<Vec<OfFiller>, DesignError> {
-    let fillers = runs.fillers().len().max(1);
-    let lowered = |point: RunPoint| -> Result<(RunPoint, LoweredRun), DesignError> {
-        // On the same random numbers, whatever the interval.
-        let lowered = LoweredRun::new(&point, runs, study.seed, Streams::Common)?;
-        Ok((point, lowered))
-    };
-    let swept = !study.sweeps.is_empty();
-    let points: Vec<RunPoint> = if swept { runs.points.clone() } else { even(&runs.points[0]) };
-    let mut points: Vec<RunPoint> = points.into_iter().map(without_non_magnetic).collect();
-    points.sort_by(|a, b| a.schedule.interval_s.total_cmp(&b.schedule.interval_s));
-    let all = points.into_iter().map(lowered).collect::<Result<Vec<_>, _>>()?;
-    let duration_s = runs.points[0].schedule.duration_s;
-    if all.is_empty() {
-        return Err(DesignError::NoCandidate { duration_s });
+impl Maker<'_> {
+    /// Those of each filler, in the order of the intervals; none is empty.
+    pub(super) fn choose(&self) -> Result<Vec<Vec<Candidate>>, DesignError> {
+        let mut points = if self.swept { self.runs.points.clone() } else { spread(&self.runs.points[0]) };
+        points.sort_by(|a, b| a.schedule.interval_s.total_cmp(&b.schedule.interval_s));
+        let all = points.into_iter().map(|point| self.lowered(point)).collect::<Result<Vec<_>, _>>()?;
+        if all.is_empty() {
+            return Err(DesignError::NoCandidate { duration_s: self.runs.points[0].schedule.duration_s });
+        }
+        (0..self.runs.fillers().len().max(1)).map(|place| self.of_filler(&all, place)).collect()
     }
-    let of_filler = |place: usize| {
-        let rms: Vec<f64> = all
-            .iter()
-            .map(|(_, lowered)| lowered.fillers[place].estimates[0].oracle.map_or(0.0, |oracle| oracle.rms()))
-            .collect();
-        let least = rms.iter().copied().fold(f64::INFINITY, f64::min);
-        if rms.iter().all(|rms| *rms == 0.0) {
+
+    /// The runs of one filler at an interval as near as ticks allow; none where it is too short or too long.
+    pub(super) fn at(&self, interval_s: f64, place: usize) -> Result<Option<Candidate>, DesignError> {
+        let Some(point) = self.runs.points[0].with_interval(interval_s) else { return Ok(None) };
+        self.lowered(point).map(|lowered| Some(candidate(&lowered, place)))
+    }
+
+    fn lowered(&self, mut point: RunPoint) -> Result<(RunPoint, LoweredRun), DesignError> {
+        point.drift.non_magnetic = 0.0;
+        // On the same random numbers, whatever the interval.
+        let lowered = LoweredRun::new(&point, self.runs, self.seed, Streams::Common)?;
+        Ok((point, lowered))
+    }
+
+    fn of_filler(&self, all: &[(RunPoint, LoweredRun)], place: usize) -> Result<Vec<Candidate>, DesignError> {
+        let rms = |(point, lowered): &(RunPoint, LoweredRun)| {
+            let oracle = lowered.fillers[place].estimates[0].oracle;
+            oracle.map_or(0.0, |oracle| oracle.rms()) / point.schedule.duration_s
+        };
+        let least = all.iter().map(rms).fold(f64::INFINITY, f64::min);
+        if all.iter().all(|lowered| rms(lowered) == 0.0) {
             return Err(DesignError::Nothing);
         }
-        let near: Vec<usize> = (0..all.len()).filter(|&k| swept || rms[k] <= REACH * least).collect();
-        let taken = if swept { near } else { thinned(&near, &all) };
-        let candidates = taken.into_iter().map(|k| {
-            let (point, lowered) = &all[k];
-            Candidate {
-                interval_s: point.schedule.interval_s,
-                switches: point.switches(),
-                filled: lowered.fillers[place].clone(),
-            }
-        });
-        Ok(OfFiller { candidates: candidates.collect() })
-    };
-    (0..fillers).map(of_filler).collect()
+        if self.swept {
+            return Ok(all.iter().map(|lowered| candidate(lowered, place)).collect());
+        }
+        let near: Vec<_> = all.iter().filter(|lowered| rms(lowered) <= REACH * least).collect();
+        Ok(thinned(&near).into_iter().map(|lowered| candidate(lowered, place)).collect())
+    }
 }
 
-/// The runs of one filler with an even number of intervals near `interval_s`; none where those are too short.
-pub(super) fn near(
-    interval_s: f64,
-    study: &Study,
-    runs: &SwitchedRun,
-    place: usize,
-) -> Result<Option<Candidate>, DesignError> {
-    let point = without_non_magnetic(runs.points[0].clone());
-    let duration_s = point.schedule.duration_s;
-    let pairs = libm::round(duration_s / (2.0 * interval_s)).max(1.0);
-    let Some(point) = point.with_interval(duration_s / (2.0 * pairs)) else { return Ok(None) };
-    let mut lowered = LoweredRun::new(&point, runs, study.seed, Streams::Common)?;
-    let (interval_s, switches) = (point.schedule.interval_s, point.switches());
-    Ok(Some(Candidate { interval_s, switches, filled: lowered.fillers.swap_remove(place) }))
+fn candidate((point, lowered): &(RunPoint, LoweredRun), place: usize) -> Candidate {
+    let filled = lowered.fillers[place].clone();
+    Candidate { schedule: point.schedule, switches: point.switches(), filled }
 }
 
-/// Points with intervals of which an even number makes the run, evenly spread in their logarithm.
-fn even(point: &RunPoint) -> Vec<RunPoint> {
-    let duration_s = point.schedule.duration_s;
-    let most = (duration_s / point.shortest_s() / 2.0).max(0.0);
-    let pairs = |k: usize| libm::round(libm::exp(libm::log(most) * k as f64 / (LOOKED_AT - 1) as f64)) as u64;
-    let mut pairs: Vec<u64> = (0..LOOKED_AT).map(pairs).filter(|pairs| *pairs as f64 <= most).collect();
-    pairs.dedup();
-    let with = |pairs: u64| point.with_interval(duration_s / (2 * pairs) as f64);
-    pairs.into_iter().filter(|pairs| *pairs > 0).filter_map(with).collect()
+/// Points with intervals that are evenly spread in their logarithm, from the shortest to half the run.
+fn spread(point: &RunPoint) -> Vec<RunPoint> {
+    let [first, last] = [point.shortest_s(), 0.5 * point.schedule.duration_s].map(libm::log);
+    let at = |k: usize| libm::exp(first + (last - first) * k as f64 / (LOOKED_AT - 1) as f64);
+    let mut points: Vec<RunPoint> = (0..LOOKED_AT).filter_map(|k| point.with_interval(at(k))).collect();
+    points.dedup_by(|a, b| a.schedule == b.schedule);
+    points
 }
 
-/// So many of some places, evenly spread in the logarithm of their intervals, the ends among them.
-fn thinned(near: &[usize], all: &[(RunPoint, LoweredRun)]) -> Vec<usize> {
-    let log = |k: usize| libm::log(all[k].0.schedule.interval_s);
-    let (Some(&first), Some(&last)) = (near.first(), near.last()) else { return vec![] };
-    let step = (log(last) - log(first)) / (CANDIDATES - 1) as f64;
-    let nearest =
-        |at: f64| near.iter().copied().min_by(|&a, &b| (log(a) - at).abs().total_cmp(&(log(b) - at).abs()));
-    let mut taken: Vec<usize> =
-        (0..CANDIDATES).filter_map(|i| nearest(log(first) + step * i as f64)).collect();
-    taken.dedup();
-    taken
-}
-
-fn without_non_magnetic(mut point: RunPoint) -> RunPoint {
-    point.drift.non_magnetic = 0.0;
-    point
+/// So many of some points, evenly spread, the ends among them.
+fn thinned<'a, T>(near: &[&'a T]) -> Vec<&'a T> {
+    let last = near.len().saturating_sub(1);
+    let mut places: Vec<usize> = (0..CANDIDATES).map(|i| i * last / (CANDIDATES - 1)).collect();
+    places.dedup();
+    places.into_iter().filter_map(|place| near.get(place).copied()).collect()
 }

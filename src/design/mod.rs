@@ -5,8 +5,9 @@
 //! ```
 //!
 //! The non-magnetic drift is left out: no interval changes it, and an interval whose magnetic drift happens to cancel it would
-//! look better than it is. Where the study does not sweep the interval, candidates are those of which an even number makes the
-//! run, the last being whole: an odd number leaves one interval uncancelled.
+//! look better than it is. Where the study does not sweep the interval, each candidate runs for the nearest time that an even
+//! number of intervals makes: an odd one would be left uncancelled, and where a run ends would count for more than how often
+//! the gyro switches.
 
 mod candidates;
 mod optimum;
@@ -22,7 +23,8 @@ use crate::kernel::moments::Moments;
 use crate::lower::LowerError;
 use crate::stats::Estimates;
 use crate::study::{RunAngle, Study, SwitchedRun};
-use candidates::Candidate;
+use crate::theory::drift::Optimum as Minimum;
+use candidates::{Candidate, Maker};
 
 /// What is to be least.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,22 +98,22 @@ pub struct Filler {
     /// Absent where the study gives the residual by its largest value.
     pub name: Option<String>,
     pub tried: Vec<Tried>,
-    /// Place of the least drift.
-    pub least: usize,
+    /// Place of the interval nearest to the optimum.
+    pub best: usize,
     pub optimum: Optimum,
     /// The interval that the paper's bound would choose, and what comes of it.
     pub papers_rule: Option<PapersRule>,
 }
 
 impl Filler {
-    /// What was found at the interval of the least drift.
+    /// What was found at the best interval.
     pub fn best(&self) -> &Tried {
-        &self.tried[self.least]
+        &self.tried[self.best]
     }
 
     /// Whether a shorter or longer interval than any that was tried may be better.
     pub fn is_at_edge(&self) -> bool {
-        self.tried.len() > 1 && (self.least == 0 || self.least + 1 == self.tried.len())
+        self.tried.len() > 1 && (self.best == 0 || self.best + 1 == self.tried.len())
     }
 }
 
@@ -142,7 +144,7 @@ impl Design {
         let (best, other) = (self.best().best(), filler.best());
         let ratio = |k: usize| other.replicates[k] / best.replicates[k];
         let value = other.drift.value / best.drift.value;
-        let se = optimum::jackknife((0..best.replicates.len()).map(ratio).collect());
+        let se = optimum::jackknife(&(0..best.replicates.len()).map(ratio).collect::<Vec<f64>>());
         Found { value, interval: Some((value - optimum::T_95 * se, value + optimum::T_95 * se)) }
     }
 }
@@ -185,37 +187,46 @@ pub fn design(
     if let Some(sweep) = study.sweeps.iter().find(|sweep| sweep.key.name != "switching.interval") {
         return Err(DesignError::Swept { key: sweep.key.name });
     }
-    // Alone: it needs only what is sampled anyway.
+    // Alone: other times cost runs, and are not asked.
     let runs = SwitchedRun { times: vec![], ..runs.clone() };
-    let chosen = candidates::choose(study, &runs)?;
+    let maker = Maker { runs: &runs, seed: study.seed, swept: !study.sweeps.is_empty() };
+    let chosen = maker.choose()?;
     let trials = sampling::trials(study.trials);
-    // And that of the paper's rule.
-    let total: usize = chosen.iter().map(|filler| filler.candidates.len() + 1).sum();
-    let point = &runs.points[0];
+    // And the optimum of each filler, and what the paper's rule would choose.
+    let total: usize = chosen.iter().map(|candidates| candidates.len() + 2).sum();
     progress.start("trials", 0, total as u64 * trials);
+    let mut sampled = |candidate: &Candidate| {
+        let parts = sampling::parts(&candidate.filled, trials, device, progress)?;
+        of_parts(candidate, &parts, measure, trials)
+    };
     let mut fillers = Vec::new();
-    for (place, filler) in chosen.into_iter().enumerate() {
-        let mut sampled = |candidate: &Candidate| {
-            let parts = sampling::parts(&candidate.filled, trials, device, progress)?;
-            of_parts(candidate, &parts, measure, point.schedule.duration_s, trials)
-        };
-        let tried = filler.candidates.iter().map(&mut sampled).collect::<Result<Vec<Tried>, _>>()?;
+    for (place, candidates) in chosen.iter().enumerate() {
+        let mut tried = candidates.iter().map(&mut sampled).collect::<Result<Vec<Tried>, _>>()?;
         let optimum = optimum::of(&tried);
-        let least = (0..tried.len()).min_by(|&a, &b| tried[a].drift.value.total_cmp(&tried[b].drift.value));
-        let name = runs.fillers().get(place).map(|filler| filler.name.clone());
-        let papers_rule = match paper::optimum(point, &filler.candidates[0].filled.residual) {
+        let least = match maker.at(optimum.interval_s, place)?.filter(|_| !maker.swept) {
+            Some(candidate) => {
+                let at = tried.partition_point(|tried| tried.interval_s < candidate.schedule.interval_s);
+                tried.insert(at, sampled(&candidate)?);
+                at
+            }
+            None => nearest(&tried, optimum.interval_s),
+        };
+        let point = &runs.points[0];
+        let papers_rule = match paper::optimum(point, &candidates[0].filled.residual) {
             None => None,
-            Some((residual_max, paper::Optimum { interval_s, bound })) => {
-                let candidate = candidates::near(interval_s, study, &runs, place)?;
+            Some((residual_max, Minimum { interval_s, bound })) => {
+                let candidate = maker.at(interval_s, place)?;
                 let tried = candidate.as_ref().map(&mut sampled).transpose()?;
                 tried.map(|tried| PapersRule { residual_max, interval_s, bound, tried })
             }
         };
-        fillers.push(Filler { name, tried, least: least.unwrap_or(0), optimum, papers_rule });
+        let name = runs.fillers().get(place).map(|filler| filler.name.clone());
+        fillers.push(Filler { name, tried, best: least, optimum, papers_rule });
     }
     progress.finish();
     let of = |place: &usize| fillers[*place].best().drift.value;
     let best = (0..fillers.len()).min_by(|a, b| of(a).total_cmp(&of(b))).unwrap_or(0);
+    let point = &runs.points[0];
     Ok(Design {
         measure,
         trials,
@@ -226,14 +237,20 @@ pub fn design(
     })
 }
 
+/// The place of the interval nearest to this one.
+fn nearest(tried: &[Tried], interval_s: f64) -> usize {
+    let far = |place: &usize| libm::log(tried[*place].interval_s / interval_s).abs();
+    (0..tried.len()).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(0)
+}
+
 /// What some parts of the trials say together, and without each of them.
 fn of_parts(
     candidate: &Candidate,
     parts: &[[Moments; 2]],
     measure: Measure,
-    duration_s: f64,
     trials: u64,
 ) -> Result<Tried, DesignError> {
+    let duration_s = candidate.schedule.duration_s;
     let which = usize::from(measure.angle() == RunAngle::Largest);
     let estimate = &candidate.filled.estimates[which];
     let value = |tally: &Moments| -> Option<Found> {
@@ -261,7 +278,7 @@ fn of_parts(
     };
     let replicates = (0..parts.len()).map(replicate).collect::<Result<_, _>>()?;
     let closed_form = estimate.oracle.map(|oracle| oracle.rms() / duration_s);
-    let (interval_s, switches) = (candidate.interval_s, candidate.switches);
+    let (interval_s, switches) = (candidate.schedule.interval_s, candidate.switches);
     Ok(Tried { interval_s, switches, drift, closed_form, replicates })
 }
 

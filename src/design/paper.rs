@@ -17,7 +17,7 @@ pub struct PapersRule {
     /// The interval that the bound has its minimum at, s, and the bound there, ″/s.
     pub interval_s: f64,
     pub bound: f64,
-    /// What comes of the nearest interval of which an even number makes the run.
+    /// What comes of it, of an even number of intervals.
     pub tried: Tried,
 }
 

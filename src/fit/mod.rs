@@ -56,6 +56,7 @@ pub use coefficient::{Coefficient, Fit, Shape, Verdict};
 pub use covariance::Covariance;
 pub use curve::{Curve, FitError};
 pub use fitter::{Errors, Fitter, fit, fit_record};
+pub(crate) use nnls::nnls;
 pub use realisations::{LEAST_REALISATIONS, realisations};
 pub use record::curve_of;
 pub use term::Term;

@@ -10,6 +10,7 @@ use super::launch::Launch;
 use super::moments::{self, MAX_ESTIMATES, Moments, Sampler, Trials};
 use super::normal::normal;
 use super::philox::{Address, Keys, Purpose, schedule};
+use super::power::{LARGEST_MINUS, LOG_BITS, exp2_minus, log2};
 use super::sine::sine;
 use super::word::{Scalar, Wide, Word};
 use crate::backend::cpu::AnyWidth;
@@ -50,6 +51,22 @@ struct Run<W: Word> {
     phase: [W; MAX_TONES],
     /// All that is random so far, 2^−32 LSB.
     random: W::Wide,
+    warm_up: WarmUp<W>,
+}
+
+/// The warm-up of a run, whose time constant is drawn. Times are in units of the parameters, ratios in 2^−26, exponentials in
+/// 2^−30.
+#[derive(Clone, Copy)]
+struct WarmUp<W: Word> {
+    /// A, 2^−32 LSB in a unit of time.
+    heated: W,
+    /// τ as a part of the usual one, and what the usual one is of it.
+    ratio: W,
+    inverse: W,
+    /// τ tanh(MT/2τ): what whole pairs of intervals leave of the decay.
+    tanh: W,
+    /// e^{−t/τ} at the last switch.
+    last: W,
 }
 
 impl<'a> SwitchedRun<'a> {
@@ -64,12 +81,20 @@ impl<'a> SwitchedRun<'a> {
     fn start<W: Word>(&self, address: &Address<W>) -> Run<W> {
         let SwitchedRun { p, shape, .. } = self;
         let zero = W::splat(0);
-        let mut run =
-            Run { deviation: [zero; 3], mode: zero, phase: [zero; MAX_TONES], random: W::Wide::splat(0) };
+        let mut run = Run {
+            deviation: [zero; 3],
+            mode: zero,
+            phase: [zero; MAX_TONES],
+            random: W::Wide::splat(0),
+            warm_up: WarmUp { heated: zero, ratio: zero, inverse: zero, tanh: zero, last: W::splat(1 << 30) },
+        };
         if shape.spreads() {
             let words = address.draw(Purpose::RunDeviation, 0);
             run.deviation = [normal(words[0]), normal(words[1]), normal(words[2])];
             run.mode = words[3];
+        }
+        if shape.warm_up {
+            run.warm_up = self.warm_up(run.deviation[0], normal(address.draw(Purpose::RunDeviation, 1)[0]));
         }
         for block in 0..shape.tones.div_ceil(4) {
             let words = address.draw(Purpose::RunPhase, block);
@@ -80,9 +105,53 @@ impl<'a> SwitchedRun<'a> {
         run
     }
 
-    /// The angle where a row of the table is, with `more` that is random since the last switch.
+    /// The warm-up of a run whose A and ln τ deviate by so much.
     #[inline(always)]
-    fn angle<W: Word>(&self, run: &Run<W>, row: usize, more: W::Wide) -> W {
+    fn warm_up<W: Word>(&self, magnetic: W, time: W) -> WarmUp<W> {
+        let p = &self.p;
+        // No draw makes τ more than 2^5 times longer or shorter.
+        let five = W::splat(5 << LOG_BITS);
+        let log = time.mul_wide(W::splat(p.warm_up_spread[0])).high();
+        let (ratio, inverse) = (exp2_minus(five - log), exp2_minus(five + log));
+        let lost = exp2_minus(self.halvings(inverse, p.halvings[0]));
+        let one = W::splat(1 << 31);
+        // log2 of τ (1 − q)/(1 + q), q = e^{−MT/τ}; then 2^x is 2^31 of 2^−(31 − x).
+        let tanh = log + log2(one - lost) - log2(one + lost) + W::splat((26 + p.time_bits[0]) << LOG_BITS);
+        WarmUp {
+            heated: W::splat(p.heated[0]) + magnetic.mul_wide(W::splat(p.heated[1])).bits_from(28),
+            ratio,
+            inverse,
+            tanh: exp2_minus(W::splat(LARGEST_MINUS) - tanh),
+            last: W::splat(1 << 30),
+        }
+    }
+
+    /// A number of halvings of the usual τ as that of this τ, 2^−26, at most 31.
+    #[inline(always)]
+    fn halvings<W: Word>(&self, inverse: W, usual: u32) -> W {
+        let bits = self.p.halving_bits[0];
+        let product = inverse.mul_wide(W::splat(usual));
+        let within = (product.high() - W::splat(31 << (bits - 6))).sar(31);
+        (product.bits_from(bits) & within) + (W::splat(LARGEST_MINUS) & (within ^ W::splat(!0)))
+    }
+
+    /// ∫ s (1 − e^{−t/τ}) dt where a row of the table is, whose last two words are given, in interval `k`; and e^{−t/τ} there.
+    #[inline(always)]
+    fn heating<W: Word>(&self, warm_up: &WarmUp<W>, k: usize, words: &[u32]) -> [W; 2] {
+        let bits = self.p.time_bits[0];
+        let now = exp2_minus(self.halvings(warm_up.inverse, words[1])) >> 1;
+        let one = W::splat(1 << 30);
+        let even = k.is_multiple_of(2);
+        let signed = if even { warm_up.last } else { W::splat(0) - warm_up.last };
+        let pairs = warm_up.tanh.mul_wide(one - signed).bits_from(30);
+        let rest = warm_up.ratio.mul_wide(warm_up.last - now).bits_from(30 - bits);
+        let decayed = if even { pairs + rest } else { pairs - rest };
+        [W::splat(words[0]) - decayed, now]
+    }
+
+    /// The angle where a row of the table is, in interval `k`, with `more` that is random since the last switch.
+    #[inline(always)]
+    fn angle<W: Word>(&self, run: &Run<W>, k: usize, row: usize, more: W::Wide) -> W {
         let shape = self.shape;
         let words = &self.table[row * shape.row()..];
         let mut random = run.random + more + W::Wide::splat(1 << 31);
@@ -98,6 +167,11 @@ impl<'a> SwitchedRun<'a> {
         }
         if shape.non_magnetic {
             random = random + run.deviation[2].mul_wide(W::splat(words[at]));
+            at += 1;
+        }
+        if shape.warm_up {
+            let [heating, _] = self.heating(&run.warm_up, k, &words[at..]);
+            magnetic = magnetic + heating.mul_wide(run.warm_up.heated);
         }
         if shape.mode {
             let whole = magnetic.high() + W::splat(words[1]);
@@ -146,14 +220,14 @@ impl<'a> SwitchedRun<'a> {
                         part = step.mul_wide(W::splat(p.time_walk[t]))
                             + bridge.mul_wide(W::splat(p.time_bridge[t]));
                     }
-                    error[shape.first_time() + t] = self.angle(&run, intervals + t, part);
+                    error[shape.first_time() + t] = self.angle(&run, k, intervals + t, part);
                 }
             }
             if shape.walk {
                 let sigma = p.walk_sigma[usize::from(is_last)];
                 run.random = run.random + step.mul_wide(W::splat(sigma));
             }
-            let before = self.angle(&run, k, nothing);
+            let before = self.angle(&run, k, k, nothing);
             recorder.record(before);
             if shape.ends {
                 error[0] = before;
@@ -162,10 +236,14 @@ impl<'a> SwitchedRun<'a> {
             if !is_last {
                 let residual = self.residual(&mut run, &address, k, &words);
                 run.random = run.random + residual;
-                let after = self.angle(&run, k, nothing);
+                let after = self.angle(&run, k, k, nothing);
                 recorder.record(after);
                 if shape.ends {
                     error[1] = error[1].max_signed(after.with_sign(after));
+                }
+                if shape.warm_up {
+                    let words = &self.table[(k + 1) * shape.row() - 2..];
+                    run.warm_up.last = self.heating(&run.warm_up, k, words)[1];
                 }
             }
         }
@@ -207,6 +285,7 @@ const PLAIN: Shape = Shape {
     initial: false,
     non_magnetic: false,
     mode: false,
+    warm_up: false,
 };
 
 /// The same with a random walk.

@@ -12,7 +12,7 @@ const DRIFT: &str =
 const FILLED: &str = "[gyro]\ntick = \"5 ms\"\ntick_noise = { three_sigma = \"1.6 arcsec\" }\n[motion]\n";
 
 /// By name: tables of a study.
-const RUNS: [(&str, &[&str]); 7] = [
+const RUNS: [(&str, &[&str]); 8] = [
     (
         "plain",
         &[
@@ -29,6 +29,15 @@ const RUNS: [(&str, &[&str]); 7] = [
              initial_magnetic_spread = \"0.1 arcsec/s\"\nangle_random_walk = \"0.003 deg/sqrt(h)\"\n\
              residual_max = \"10 arcsec\"\n[switching]\ninterval = \"13 s\"\nfirst_mode = \"random\"\n[run]\n\
              duration = \"5 min\"\ntimes = [\"1 s\", \"13 s\", \"100 s\", \"299 s\", \"300 s\"]\n",
+        ],
+    ),
+    (
+        "warm-up",
+        &[
+            DRIFT,
+            "magnetic_spread = \"1 arcsec/s\"\nwarm_up_time_spread = \"20 %\"\nresidual_max = \"10 arcsec\"\n\
+             initial_magnetic = \"0.3 arcsec/s\"\n[switching]\ninterval = \"41 s\"\nfirst_mode = \"random\"\n[run]\n\
+             duration = \"600 s\"\ntimes = [\"30 s\", \"100 s\"]\n",
         ],
     ),
     (

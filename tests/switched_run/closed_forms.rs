@@ -59,7 +59,15 @@ fn means_and_rms_agree_with_their_closed_forms_within_5_standard_errors() {
     let times = "times = [\"1 s\", \"40 s\", \"100 s\", \"333 s\", \"599 s\", \"600 s\"]\n";
     let run = "duration = \"600 s\"\n";
     let interval = "interval = \"40 s\"\n";
-    let cases: [(&str, String, String, String); 8] = [
+    let warm_up = "warm_up_time_spread = \"20 %\"\nmagnetic_spread = \"1 arcsec/s\"\n";
+    let cases: [(&str, String, String, String); 10] = [
+        ("warm-up", warm_up.into(), interval.into(), format!("{run}{times}")),
+        (
+            "warm-up and random mode",
+            format!("{warm_up}initial_magnetic = \"0.3 arcsec/s\"\n"),
+            format!("{interval}first_mode = \"random\"\n"),
+            format!("{run}{times}"),
+        ),
         ("residuals", residual.into(), interval.into(), run.into()),
         ("spreads", spreads.into(), interval.into(), run.into()),
         ("times", format!("{spreads}{residual}"), interval.into(), format!("{run}{times}")),

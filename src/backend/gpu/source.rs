@@ -130,7 +130,7 @@ fn gap_fill(shape: Shape) -> OfKernel {
 
 fn switched_run(shape: switched_run::Shape) -> OfKernel {
     OfKernel {
-        parts: vec![SINE_, SWITCHED_RUN],
+        parts: if shape.warm_up { vec![SINE_, POWER, SWITCHED_RUN] } else { vec![SINE_, SWITCHED_RUN] },
         constants: vec![
             ("TONES", shape.tones),
             // There is no array without elements.
@@ -149,6 +149,7 @@ fn switched_run(shape: switched_run::Shape) -> OfKernel {
             ("INITIAL", shape.initial),
             ("NON_MAGNETIC", shape.non_magnetic),
             ("MODE", shape.mode),
+            ("WARM_UP", shape.warm_up),
         ],
         places: switched_run::shape::wgsl_places(shape),
         words: switched_run::shape::word_count(shape),
@@ -353,6 +354,7 @@ mod tests {
         initial: false,
         non_magnetic: false,
         mode: false,
+        warm_up: false,
     };
 
     const RUNS: [switched_run::Shape; 3] = [

@@ -26,6 +26,8 @@ pub struct Shape {
     pub non_magnetic: bool,
     /// Whether the first mode is drawn.
     pub mode: bool,
+    /// Whether the warm-up time differs from run to run: then A is no part of the table, and its spread a parameter.
+    pub warm_up: bool,
 }
 
 impl Shape {
@@ -41,7 +43,7 @@ impl Shape {
 
     /// Whether anything is drawn once for a run but phases.
     pub fn spreads(self) -> bool {
-        self.magnetic || self.initial || self.non_magnetic || self.mode
+        self.magnetic || self.initial || self.non_magnetic || self.mode || self.warm_up
     }
 
     /// Whether normal numbers are drawn.
@@ -51,7 +53,7 @@ impl Shape {
 
     /// Words of a row of the table.
     pub fn row(self) -> usize {
-        let words = [self.mode, self.magnetic, self.initial, self.non_magnetic];
+        let words = [self.mode, self.magnetic, self.initial, self.non_magnetic, self.warm_up, self.warm_up];
         1 + words.into_iter().filter(|has| *has).count()
     }
 }
@@ -64,7 +66,7 @@ fn only(wanted: bool, count: usize) -> usize {
 
 // The table has a row for each interval, about its end, then one for each time: the angle that the drift has come to, LSB, and
 // where the first mode is drawn the magnetic part of it apart; then what a standard deviation of A, of Ω_m0 and of Ω_nm adds,
-// 2^−4 LSB.
+// 2^−4 LSB; and where the warm-up time is drawn the signed time ∫ s dt, and how many halvings e^{−t/τ} is of the usual τ.
 parameters! {
     /// Key of the random words.
     key: |_| 2,
@@ -74,6 +76,14 @@ parameters! {
     walk_sigma: |shape: Shape| only(shape.walk, 2),
     /// Standard deviation of the normal part of a residual, 2^−4 LSB.
     noise: |shape: Shape| only(shape.noise, 1),
+    /// Standard deviation of log2 τ, 2^−30.
+    warm_up_spread: |shape: Shape| only(shape.warm_up, 1),
+    /// Bits of halvings behind the point, those of an interval, and bits that a time has more behind it than a ratio.
+    halving_bits: |shape: Shape| only(shape.warm_up, 1),
+    halvings: |shape: Shape| only(shape.warm_up, 1),
+    time_bits: |shape: Shape| only(shape.warm_up, 1),
+    /// A and its standard deviation, 2^−32 LSB in a unit of time.
+    heated: |shape: Shape| only(shape.warm_up, 2),
     /// What every residual has, 2^−32 LSB, two words.
     constant: |_| 2,
     /// Residual of a tone at sine 1, 2^−2 LSB.

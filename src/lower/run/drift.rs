@@ -11,7 +11,10 @@ pub(super) struct Row {
     pub(super) switches: usize,
     /// What does not change its sign with the mode.
     pub(super) non_magnetic: f64,
+    /// Without what a warm-up does whose time constant is drawn.
     pub(super) magnetic: f64,
+    /// ∫ s dt with s = +1 in the first interval, s.
+    pub(super) held_s: f64,
     /// What a standard deviation of A, Ω_m0 and Ω_nm adds.
     pub(super) deviations: [f64; 3],
 }
@@ -49,13 +52,16 @@ fn row(point: &RunPoint, first_mode: FirstMode, time_s: f64, switches: usize) ->
     } else {
         held
     };
+    let drawn = drift.warm_up_spread > 0.0;
+    let amplitude = if drawn { 0.0 } else { drift.magnetic };
     Row {
         time_s,
         switches,
         non_magnetic: drift.non_magnetic * time_s,
-        magnetic: drift.magnetic * warmed + drift.initial_magnetic * held,
+        magnetic: amplitude * warmed + drift.initial_magnetic * held,
+        held_s: sign * held,
         deviations: [
-            drift.magnetic_spread * warmed,
+            if drawn { 0.0 } else { drift.magnetic_spread * warmed },
             drift.initial_magnetic_spread * held,
             drift.non_magnetic_spread * time_s,
         ],

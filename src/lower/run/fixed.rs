@@ -1,6 +1,7 @@
 //! A run in fixed point: the very words that the kernel sees, before they are put in order.
 
 use super::drift::{Drift, Row};
+use super::warm_up::{INTERVALS, WarmUp};
 use crate::kernel::moments::LIMIT;
 use crate::kernel::normal::REACH;
 use crate::lower::fixed::{ANGLE_UNITS, SIGMA_UNITS, long_words};
@@ -30,6 +31,8 @@ pub(super) struct Fixed {
     pub(super) tones: Vec<FixedTone>,
     /// Whether the first mode is drawn.
     pub(super) mode: bool,
+    /// Where its time constant is drawn.
+    pub(super) warm_up: Option<WarmUp>,
 }
 
 /// The drift at a moment.
@@ -42,6 +45,10 @@ pub(super) struct FixedRow {
     pub(super) magnetic: i32,
     /// 2^−4 LSB.
     pub(super) deviations: [i32; 3],
+    /// ∫ s dt and halvings, for a warm-up whose time constant is drawn; the time, s, and the integral.
+    pub(super) heating: [i32; 2],
+    pub(super) time_s: f64,
+    pub(super) held_s: f64,
 }
 
 /// A time within an interval, with the parts of its random walk.
@@ -69,7 +76,8 @@ impl Fixed {
         let mode = study.first_mode == FirstMode::Random;
         let lsb_arcsec = lsb(drift, residual, point, study.timing);
         let sigma = |arcsec: f64| libm::round(arcsec / lsb_arcsec * SIGMA_UNITS) as u32;
-        let row = |row: &Row| fixed_row(row, mode, lsb_arcsec);
+        let warm_up = WarmUp::of(point, study, lsb_arcsec);
+        let row = |row: &Row| fixed_row(row, mode, lsb_arcsec, warm_up.as_ref());
         let walk = point.drift.angle_random_walk;
         let time = |row_at: &Row| {
             // How much of the interval has gone by.
@@ -98,6 +106,7 @@ impl Fixed {
             constant: libm::round(residual.constant_arcsec / lsb_arcsec * libm::exp2(32.0)) as i64,
             tones: tones.collect(),
             mode,
+            warm_up,
         }
     }
 
@@ -105,24 +114,30 @@ impl Fixed {
     pub(super) fn words(&self) -> Vec<u32> {
         let of_row = |row: &FixedRow| {
             let [a, b, c] = row.deviations;
-            [row.angle, row.magnetic, a, b, c].map(|word| word as u32)
+            let [d, e] = row.heating;
+            [row.angle, row.magnetic, a, b, c, d, e].map(|word| word as u32)
         };
         let tones = self.tones.iter().flat_map(|tone| [tone.amplitude, tone.step, u32::from(tone.each)]);
         let fixed = [self.walk[0], self.walk[1], self.noise, u32::from(self.mode)];
         let words = fixed.into_iter().chain(long_words(self.constant)).chain(tones);
-        words.chain(self.ends.iter().flat_map(of_row)).collect()
+        let warm_up = self.warm_up.iter().flat_map(|warm_up| {
+            let [a, spread] = warm_up.heated().map(|word| word as u32);
+            let bits = [warm_up.halving_bits, warm_up.time_bits];
+            [warm_up.spread_word(), warm_up.interval_halvings(), a, spread, bits[0], bits[1]]
+        });
+        words.chain(warm_up).chain(self.ends.iter().flat_map(of_row)).collect()
     }
 
     /// The words that determine one of the study's angles besides.
     pub(super) fn time_words(&self, place: usize) -> Vec<u32> {
         let Some(time) = place.checked_sub(2).and_then(|time| self.times.get(time)) else { return vec![] };
-        let FixedRow { switches, angle, magnetic, deviations: [a, b, c] } = time.row;
-        let row = [angle, magnetic, a, b, c].map(|word| word as u32);
+        let FixedRow { switches, angle, magnetic, deviations: [a, b, c], heating: [d, e], .. } = time.row;
+        let row = [angle, magnetic, a, b, c, d, e].map(|word| word as u32);
         row.into_iter().chain([switches as u32, time.walk, time.bridge]).collect()
     }
 }
 
-fn fixed_row(row: &Row, mode: bool, lsb_arcsec: f64) -> FixedRow {
+fn fixed_row(row: &Row, mode: bool, lsb_arcsec: f64, warm_up: Option<&WarmUp>) -> FixedRow {
     let angle = |arcsec: f64| libm::round(arcsec / lsb_arcsec) as i32;
     let (angle, magnetic) = if mode {
         (angle(row.non_magnetic), angle(row.magnetic))
@@ -130,7 +145,9 @@ fn fixed_row(row: &Row, mode: bool, lsb_arcsec: f64) -> FixedRow {
         (angle(row.non_magnetic + row.magnetic), 0)
     };
     let deviations = row.deviations.map(|deviation| libm::round(deviation / lsb_arcsec * SIGMA_UNITS) as i32);
-    FixedRow { switches: row.switches, angle, magnetic, deviations }
+    let heating = warm_up.map_or([0, 0], |w| [w.held(row), w.halvings(row.time_s) as i32]);
+    let (switches, time_s, held_s) = (row.switches, row.time_s, row.held_s);
+    FixedRow { switches, angle, magnetic, deviations, heating, time_s, held_s }
 }
 
 /// The unit of angle, ″: a power of two that leaves room for every run.
@@ -139,6 +156,13 @@ fn lsb(drift: &Drift, residual: &Residual, point: &RunPoint, timing: Timing) -> 
     let each = residual.variance_arcsec2 + squares.sum::<f64>();
     let amplitudes: f64 = residual.tones.iter().map(|tone| tone.amplitude_arcsec).sum();
     let walk = point.drift.angle_random_walk;
+    // Its parts are larger than what is left of them.
+    let warm_up = if point.drift.warm_up_spread > 0.0 {
+        let rate = point.drift.magnetic.abs() + REACH * point.drift.magnetic_spread;
+        INTERVALS * point.schedule.interval_s * rate
+    } else {
+        0.0
+    };
     let most = |row: &Row| {
         // With a switch that comes after it.
         let switches = row.switches as f64 + 1.0;
@@ -152,6 +176,7 @@ fn lsb(drift: &Drift, residual: &Residual, point: &RunPoint, timing: Timing) -> 
             + ROOM * added
             + in_phase
             + amplitudes
+            + warm_up
     };
     let bound = drift.ends.iter().map(most).fold(0.0, f64::max);
     // A few units are for rounding.

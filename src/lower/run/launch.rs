@@ -2,6 +2,7 @@
 
 use super::FilledRun;
 use super::fixed::{Fixed, FixedRow};
+use super::warm_up::WarmUp;
 use crate::kernel::launch::{Launch, Sampled};
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::kernel::switched_run::{Parameters, Shape};
@@ -27,6 +28,8 @@ impl FilledRun {
         let of_times = |word: fn(&super::fixed::FixedTime) -> u32| -> Vec<u32> {
             times.iter().map(|&time| word(&fixed.times[time])).collect()
         };
+        let of_warm_up =
+            |words: fn(&WarmUp) -> Vec<u32>| -> Vec<u32> { fixed.warm_up.iter().flat_map(words).collect() };
         let mask = |yes: bool| if yes { u32::MAX } else { 0 };
         let [amplitude, phase_step]: [Vec<u32>; 2] =
             [of_tones(|tone| tone.amplitude), of_tones(|tone| tone.step)];
@@ -38,6 +41,11 @@ impl FilledRun {
             intervals: &[fixed.ends.len() as u32],
             walk_sigma: &only(shape.walk, fixed.walk.to_vec()),
             noise: &only(shape.noise, vec![fixed.noise]),
+            warm_up_spread: &of_warm_up(|warm_up| vec![warm_up.spread_word()]),
+            halving_bits: &of_warm_up(|warm_up| vec![warm_up.halving_bits]),
+            halvings: &of_warm_up(|warm_up| vec![warm_up.interval_halvings()]),
+            time_bits: &of_warm_up(|warm_up| vec![warm_up.time_bits]),
+            heated: &of_warm_up(|warm_up| warm_up.heated().map(|word| word as u32).to_vec()),
             constant: &long_words(fixed.constant),
             amplitude: &amplitude,
             phase_step: &phase_step,
@@ -73,6 +81,7 @@ fn shape(fixed: &Fixed, ends: bool, times: usize) -> Shape {
         initial: deviates(1),
         non_magnetic: deviates(2),
         mode: fixed.mode,
+        warm_up: fixed.warm_up.is_some(),
     }
 }
 
@@ -83,6 +92,8 @@ fn table_row(row: &FixedRow, shape: Shape) -> Vec<u32> {
         (shape.magnetic, row.deviations[0]),
         (shape.initial, row.deviations[1]),
         (shape.non_magnetic, row.deviations[2]),
+        (shape.warm_up, row.heating[0]),
+        (shape.warm_up, row.heating[1]),
     ];
     words.into_iter().filter(|(has, _)| *has).map(|(_, word)| word as u32).collect()
 }

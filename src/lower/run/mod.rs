@@ -6,6 +6,7 @@ mod drift;
 mod fixed;
 mod launch;
 mod oracle;
+mod warm_up;
 
 pub use oracle::RunOracle;
 

@@ -51,11 +51,21 @@ impl Fixed {
             let times = if tone.each { switches } else { in_phase(tone.step, row.switches) };
             variance += 0.5 * amplitude * amplitude * times;
         }
-        let drawn = f64::from(row.magnetic);
+        let [heated, spread, rounding] = match &self.warm_up {
+            Some(warm_up) => {
+                let [mean, variance] = warm_up.moments(row.time_s, row.held_s);
+                let lsb = self.lsb_arcsec;
+                [mean / lsb, variance / (lsb * lsb), warm_up.rounding()]
+            }
+            None => [0.0; 3],
+        };
+        // Where the first mode is drawn, what is magnetic has either sign.
+        let magnetic = f64::from(row.magnetic) + heated;
+        let (mean, drawn) = if self.mode { (0.0, magnetic) } else { (heated, 0.0) };
         RunOracle {
-            mean: (f64::from(row.angle) + switches * constant) * self.lsb_arcsec,
-            deviation: libm::sqrt(variance + drawn * drawn) * self.lsb_arcsec,
-            rounding: 2.0 * self.lsb_arcsec,
+            mean: (f64::from(row.angle) + mean + switches * constant) * self.lsb_arcsec,
+            deviation: libm::sqrt(variance + spread + drawn * drawn) * self.lsb_arcsec,
+            rounding: 2.0 * self.lsb_arcsec + rounding,
         }
     }
 
@@ -65,7 +75,12 @@ impl Fixed {
             Some(oracle) => oracle.rms() / self.lsb_arcsec,
             None => {
                 let walk = |row: &FixedRow| (row.switches + 1) as f64 * square(self.walk[0]);
-                let rms = |row: &FixedRow| self.at(row, walk(row)).rms() / self.lsb_arcsec;
+                let heated = |row: &FixedRow| {
+                    let usual = self.warm_up.as_ref().map(|warm_up| warm_up.usual(row.time_s, row.held_s));
+                    usual.unwrap_or(0.0).abs() / self.lsb_arcsec
+                };
+                let unheated = Fixed { warm_up: None, ends: vec![], times: vec![], ..self.clone() };
+                let rms = |row: &FixedRow| unheated.at(row, walk(row)).rms() / self.lsb_arcsec + heated(row);
                 self.ends.iter().map(rms).fold(0.0, f64::max)
             }
         }

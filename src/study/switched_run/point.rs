@@ -40,14 +40,15 @@ impl Point {
         self.fill.as_ref().map_or(most, |fill| most.max(ticks_round_a_switch(fill) * fill.inputs.tick_s))
     }
 
-    /// The same with another interval, rounded up to whole ticks; `None` for one that is too short or longer than the run.
+    /// The same with another interval, rounded to whole ticks, and with the nearest time that an even number of them makes;
+    /// `None` for one that is too short, or longer than half the run.
     pub fn with_interval(&self, interval_s: f64) -> Option<Point> {
         let tick_s = self.fill.as_ref().map(|fill| fill.inputs.tick_s);
-        let whole_s = tick_s.map_or(interval_s, |tick_s| libm::ceil(interval_s / tick_s - WHOLE) * tick_s);
-        let interval_s = round_12(whole_s);
-        let fits = (self.shortest_s()..=self.schedule.duration_s).contains(&interval_s);
-        let schedule = Schedule { interval_s, ..self.schedule };
-        fits.then(|| Point { schedule, ..self.clone() })
+        let interval_s =
+            round_12(tick_s.map_or(interval_s, |tick_s| libm::round(interval_s / tick_s) * tick_s));
+        let pairs = libm::round(0.5 * self.schedule.duration_s / interval_s);
+        let schedule = Schedule { interval_s, duration_s: round_12(2.0 * pairs * interval_s) };
+        (interval_s >= self.shortest_s() && pairs >= 1.0).then(|| Point { schedule, ..self.clone() })
     }
 }
 
@@ -156,6 +157,16 @@ impl Base<'_> {
                 "after the end",
                 "leave it out, or lengthen run.duration",
             );
+        }
+        let warm_ups = interval_s / drift.warm_up_s;
+        if drift.warm_up_spread > 0.0 && drift.warm_up_s > 0.0 && !(1e-6..=4.0).contains(&warm_ups) {
+            let message = format!(
+                "drift.warm_up_time_spread with an interval of {} warm-up times",
+                significant(warm_ups, 3)
+            );
+            let names = ["drift.warm_up_time_spread", "switching.interval", "drift.warm_up_time"];
+            let help = "accepted with a spread: 1e-6 to 4; leave the spread out";
+            return refuse(&names, message, "out of range", help);
         }
         if drift.warm_up_spread > 0.0 && drift.warm_up_s == 0.0 {
             let message = "drift.warm_up_time_spread without drift.warm_up_time".to_owned();
