@@ -2,6 +2,7 @@
 
 mod allan;
 pub(crate) mod gap_fill;
+mod relock;
 mod sampling;
 
 use crate::backend::Device;
@@ -35,6 +36,7 @@ pub struct Plan<'a> {
 enum Work<'a> {
     GapFill(gap_fill::Plan<'a>),
     Allan(allan::Plan<'a>),
+    Relock(relock::Plan<'a>),
 }
 
 /// What a run did.
@@ -81,6 +83,7 @@ impl<'a> Plan<'a> {
         let work = match &study.subject {
             Subject::GapFill(gap_fill) => Work::GapFill(gap_fill::Plan::new(study, gap_fill)?),
             Subject::Allan(allan) => Work::Allan(allan::Plan::new(study, allan)?),
+            Subject::Relock(relock) => Work::Relock(relock::Plan::new(study, relock)?),
         };
         Ok(Plan { study, work })
     }
@@ -107,6 +110,7 @@ impl<'a> Plan<'a> {
         let done = match &self.work {
             Work::GapFill(plan) => plan.run(store, device, progress)?,
             Work::Allan(plan) => plan.run(store, device, progress)?,
+            Work::Relock(plan) => plan.run(store, device, progress)?,
         };
         progress.finish();
         Ok(done)
@@ -117,6 +121,7 @@ impl<'a> Plan<'a> {
         match &self.work {
             Work::GapFill(plan) => Tables { points: plan.blank_table(), coefficients: None },
             Work::Allan(plan) => plan.blank_tables(),
+            Work::Relock(plan) => Tables { points: plan.blank_table(), coefficients: None },
         }
     }
 
@@ -128,6 +133,7 @@ impl<'a> Plan<'a> {
         let tables = match &self.work {
             Work::GapFill(plan) => Tables { points: plan.table(store)?, coefficients: None },
             Work::Allan(plan) => plan.tables(store, progress)?,
+            Work::Relock(plan) => Tables { points: plan.table(store)?, coefficients: None },
         };
         progress.finish();
         Ok(tables)
@@ -141,6 +147,7 @@ impl<'a> Plan<'a> {
         let held = match &self.work {
             Work::GapFill(plan) => plan.held(store)?,
             Work::Allan(plan) => plan.held(store)?,
+            Work::Relock(plan) => plan.held(store)?,
         };
         Ok(held.unwrap_or(self.study.trials))
     }
@@ -154,6 +161,7 @@ impl<'a> Plan<'a> {
         notes.extend(match &self.work {
             Work::GapFill(plan) => plan.notes(store)?,
             Work::Allan(plan) => plan.notes(),
+            Work::Relock(plan) => plan.notes(),
         });
         let trials = self.held(store)?;
         if trials > self.study.trials {
@@ -167,6 +175,7 @@ impl<'a> Plan<'a> {
         let asked: Vec<Id> = match &self.work {
             Work::GapFill(plan) => plan.ids(),
             Work::Allan(plan) => plan.ids(),
+            Work::Relock(plan) => plan.ids(),
         };
         match points.iter().filter(|id| !asked.contains(id)).count() {
             0 => {}

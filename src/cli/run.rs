@@ -157,12 +157,12 @@ fn summary(study: &Study, tables: &Tables, verdicts: &[Verdict]) -> Result<Strin
 fn of_chart(study: &Study, table: &Table, chart: &Chart) -> Result<String, ChartError> {
     let sweeps: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
     let across = match study.kind() {
-        Kind::GapFill if !sweeps.is_empty() => sweeps,
+        Kind::GapFill | Kind::Relock if !sweeps.is_empty() => sweeps,
         Kind::Allan => {
             let x = table.column(&chart.x.name)?.name.as_str();
             std::iter::once(x).chain(sweeps.into_iter().filter(|sweep| *sweep != x)).collect()
         }
-        Kind::GapFill => vec![chart.x.name.as_str()],
+        Kind::GapFill | Kind::Relock => vec![chart.x.name.as_str()],
     };
     let series: Vec<&str> = chart.series().iter().map(|column| column.name.as_str()).collect();
     let texts = text_columns(study, chart.source);

@@ -16,6 +16,7 @@ pub(super) mod allan;
 pub(super) mod drift;
 mod either;
 pub(super) mod motion;
+pub(super) mod relock;
 pub(super) mod switching;
 
 use allan::{AllanTable, NoiseTable, RecordTable};
@@ -23,6 +24,8 @@ use drift::{DriftTable, RunTable};
 pub(super) use either::Either;
 use motion::MotionTable;
 pub use motion::{Phase, Position};
+pub use relock::FirstHalf;
+use relock::RelockTable;
 pub use switching::Error;
 use switching::SwitchingTable;
 
@@ -55,7 +58,7 @@ pub(super) struct StudyFile {
     pub(super) precision: Option<Spanned<Either<PrecisionTable>>>,
     #[serde(default)]
     pub(super) streams: Streams,
-    /// Of kind = "gap-fill".
+    /// Of kind = "gap-fill" and "relock".
     #[serde(default)]
     #[schemars(with = "GyroTable")]
     pub(super) gyro: Option<Spanned<GyroTable>>,
@@ -75,6 +78,10 @@ pub(super) struct StudyFile {
     #[serde(default)]
     #[schemars(with = "RunTable")]
     pub(super) run: Option<Spanned<RunTable>>,
+    /// Of kind = "relock".
+    #[serde(default)]
+    #[schemars(with = "RelockTable")]
+    pub(super) relock: Option<Spanned<RelockTable>>,
     /// Of kind = "allan".
     #[serde(default)]
     #[schemars(with = "RecordTable")]
@@ -118,17 +125,20 @@ pub enum Kind {
     GapFill,
     /// The Allan curve of a gyro at rest, and the coefficients fitted to it.
     Allan,
+    /// The rotation faked by the perimeter loop after a mode switch, and what compensations leave of it.
+    Relock,
 }
 
 impl StudyFile {
     /// The tables that not every kind has, each with its place where it is written.
-    pub(super) fn tables(&self) -> [(&'static str, Option<Range<usize>>); 8] {
+    pub(super) fn tables(&self) -> [(&'static str, Option<Range<usize>>); 9] {
         [
             ("gyro", self.gyro.as_ref().map(Spanned::span)),
             ("motion", self.motion.as_ref().map(Spanned::span)),
             ("switching", self.switching.as_ref().map(Spanned::span)),
             ("drift", self.drift.as_ref().map(Spanned::span)),
             ("run", self.run.as_ref().map(Spanned::span)),
+            ("relock", self.relock.as_ref().map(Spanned::span)),
             ("record", self.record.as_ref().map(Spanned::span)),
             ("noise", self.noise.as_ref().map(Spanned::span)),
             ("allan", self.allan.as_ref().map(Spanned::span)),
@@ -138,13 +148,14 @@ impl StudyFile {
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 2] = [Kind::GapFill, Kind::Allan];
+    pub const ALL: [Kind; 3] = [Kind::GapFill, Kind::Allan, Kind::Relock];
 
     /// The tables that a study of this kind may have.
     pub(super) fn tables(self) -> &'static [&'static str] {
         match self {
             Kind::GapFill => &["gyro", "motion", "switching", "noise"],
             Kind::Allan => &["record", "noise", "allan"],
+            Kind::Relock => &["gyro", "relock"],
         }
     }
 
@@ -153,6 +164,7 @@ impl Kind {
         match self {
             Kind::GapFill => "gap-fill",
             Kind::Allan => "allan",
+            Kind::Relock => "relock",
         }
     }
 }
@@ -279,8 +291,11 @@ fn tables_of_kinds(schema: &mut schemars::Schema) {
             "then": { "required": tables },
         })
     };
-    let kinds =
-        [needs(Kind::GapFill, &["gyro", "motion", "switching"]), needs(Kind::Allan, &["record", "noise"])];
+    let kinds = [
+        needs(Kind::GapFill, &["gyro", "motion", "switching"]),
+        needs(Kind::Allan, &["record", "noise"]),
+        needs(Kind::Relock, &["gyro", "relock"]),
+    ];
     schema.insert("allOf".to_owned(), json!(kinds));
 }
 

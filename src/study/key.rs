@@ -80,7 +80,7 @@ impl fmt::Display for Swept {
 }
 
 /// The keys of a study that no sweep can vary, and what they are.
-const FIXED: [(&str, &str); 25] = [
+const FIXED: [(&str, &str); 28] = [
     ("title", "is text"),
     ("question", "is text"),
     ("kind", "is text"),
@@ -101,6 +101,9 @@ const FIXED: [(&str, &str); 25] = [
     ("noise.markov", "is a table"),
     ("noise.sine", "is a table"),
     ("noise.warm_up", "is a table"),
+    ("relock.ticks", "holds for the whole study"),
+    ("relock.first_half", "is text"),
+    ("relock.signal_gain", "holds for the whole study"),
     ("allan.tau", "holds for the whole study"),
     ("allan.estimator", "is text"),
     ("allan.overlap", "is text"),

@@ -20,6 +20,7 @@ mod key;
 mod noise;
 mod percent;
 mod place;
+mod relock;
 mod rows;
 mod scalar;
 mod sweep;
@@ -43,13 +44,14 @@ pub use chart_file::Scale;
 pub use diagnose::StudyError;
 pub(crate) use diagnose::{Fault, Text, choices, render};
 pub use drift::{Drift, Schedule};
-pub use file::{Error, Kind, Phase, Position, Streams, schema};
+pub use file::{Error, FirstHalf, Kind, Phase, Position, Streams, schema};
 pub use gap_fill::{
     Amplitude, Fill, Filler, Frequency, GapFill, Gaussian, Inputs, Law, Method, Motion, POLYNOMIALS, Point,
     Precision, Profile, TickNoise, Tone, Value,
 };
 pub use key::{Key, Swept};
 pub use noise::{Markov, Noise, Sine, WarmUp};
+pub use relock::{Compensation, Relock, RelockInputs, RelockPoint, RelockStudy};
 pub use sweep::Sweep;
 pub use units::{Dimension, Quantity, UnitError, parse as parse_quantity};
 pub(crate) use units::{parse_unit, round_12};
@@ -85,6 +87,7 @@ pub struct Study {
 pub enum Subject {
     GapFill(GapFill),
     Allan(Allan),
+    Relock(RelockStudy),
 }
 
 /// What [`Study::resolved`] may have to replace in the text.
@@ -130,6 +133,7 @@ impl Study {
         match self.subject {
             Subject::GapFill(_) => Kind::GapFill,
             Subject::Allan(_) => Kind::Allan,
+            Subject::Relock(_) => Kind::Relock,
         }
     }
 
@@ -137,7 +141,7 @@ impl Study {
     pub fn gap_fill(&self) -> Option<&GapFill> {
         match &self.subject {
             Subject::GapFill(gap_fill) => Some(gap_fill),
-            Subject::Allan(_) => None,
+            _ => None,
         }
     }
 
@@ -145,7 +149,7 @@ impl Study {
     pub fn allan(&self) -> Option<&Allan> {
         match &self.subject {
             Subject::Allan(allan) => Some(allan),
-            Subject::GapFill(_) => None,
+            _ => None,
         }
     }
 
@@ -154,6 +158,7 @@ impl Study {
         match &self.subject {
             Subject::GapFill(gap_fill) => &gap_fill.notes,
             Subject::Allan(allan) => &allan.notes,
+            Subject::Relock(_) => &[],
         }
     }
 
@@ -227,6 +232,7 @@ impl Study {
         let keys = match kind {
             Kind::GapFill => gap_fill::keys(),
             Kind::Allan => allan::keys(),
+            Kind::Relock => relock::keys(),
         };
         let sweeps = sweep::read_all(&file.sweep, &keys)?;
         let written = Written {
@@ -242,9 +248,10 @@ impl Study {
         let subject = match kind {
             Kind::GapFill => Subject::GapFill(gap_fill::read(&file, &sweeps, folder, &mut places)?),
             Kind::Allan => Subject::Allan(allan::read(&file, &sweeps, folder, &mut places)?),
+            Kind::Relock => Subject::Relock(relock::read(&file, &sweeps, &mut places)?),
         };
         let default_trials = match kind {
-            Kind::GapFill => 1_000_000,
+            Kind::GapFill | Kind::Relock => 1_000_000,
             Kind::Allan => 1000,
         };
         let charts = chart::read_all(file.chart, &sweeps, &subject)?;

@@ -8,3 +8,4 @@ pub mod minimum_variance;
 pub mod psd;
 pub mod published;
 pub mod quadrature;
+pub mod relock;
