@@ -49,7 +49,9 @@ impl Figure {
         };
         let mut notes = Notes::default();
         let mut lines: BTreeMap<(usize, usize, usize), Vec<(f64, f64)>> = BTreeMap::new();
-        for row in rows {
+        // Rows that have no place on an axis on which others have one are about something else, as the sum of all ticks.
+        let some = rows.iter().any(|&row| x.cells[row].number().is_some());
+        for row in rows.into_iter().filter(|&row| !some || x.cells[row] != Cell::Blank) {
             let colour = colours.map_or(0, |column| style(&figure.colours, &column.cells[row]));
             let dash = dashes.map_or(0, |column| style(&figure.dashes, &column.cells[row]));
             let series = curve(&mut figure.series, colour, dash);
@@ -112,7 +114,8 @@ pub(super) fn check_unit<const N: usize>(
 }
 
 pub(super) fn axis(column: &Column, scale: Scale) -> Axis {
-    let whole = !column.cells.is_empty() && column.cells.iter().all(|cell| matches!(cell, Cell::Integer(_)));
+    let mut cells = column.cells.iter().filter(|cell| **cell != Cell::Blank).peekable();
+    let whole = cells.peek().is_some() && cells.all(|cell| matches!(cell, Cell::Integer(_)));
     Axis { label: column.label.clone(), unit: column.unit.symbol.to_owned(), scale, whole }
 }
 

@@ -98,6 +98,8 @@ pub struct Given<'a> {
 const HALF: i64 = 1 << 31;
 
 /// Angles of the ticks of a switch in LSB, those of the shape first: the faked rotation less its compensation.
+// The loops of this file read like those of the shader.
+#[expect(clippy::needless_range_loop)]
 #[inline(always)]
 pub fn relock_ticks<W: Word>(given: &Given, address: &Address<W>, switch: usize) -> [W; MAX_TICKS] {
     let Given { p, shape } = given;
@@ -143,6 +145,7 @@ fn relock_scaled<W: Word>(square: W, word: u32) -> W {
 
 /// The beat runs up in the first half of a tick and down in the second; whole periods of both are counted. y_i T is their
 /// number less f0·T as it is taken to be.
+#[expect(clippy::needless_range_loop)]
 #[inline(always)]
 fn less_by_frequency<W: Word>(
     given: &Given,

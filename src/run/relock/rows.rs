@@ -7,7 +7,7 @@ use crate::stats::{Estimates, z_score};
 use crate::store::{Store, StoreError};
 use crate::study::{Compensation, Law, RelockInputs, RelockPoint};
 use crate::table::{Cell, Column, Table, Unit};
-use crate::theory::published::{RELOCK_TABLES, RELOCK_TICK_S};
+use crate::theory::published::{RELOCK_TABLES, RELOCK_TICK_S, RelockRow};
 use crate::theory::relock::{Relock, detuning_signal};
 
 impl Plan<'_> {
@@ -156,10 +156,10 @@ fn push(
 
 /// What the paper measured in a tick, or what its compensation leaves of that, ″, without sign; of ticks as long as its own.
 fn published(inputs: &RelockInputs, compensation: Compensation, tick: Option<u32>) -> Option<f64> {
-    let left = |(measured, by_frequency, by_detuning): (f64, Option<f64>, f64)| match compensation {
-        Compensation::None => measured,
-        Compensation::Frequency => measured - by_frequency.unwrap_or(0.0),
-        Compensation::Detuning => measured - by_detuning,
+    let left = |row: RelockRow| match compensation {
+        Compensation::None => row.measured,
+        Compensation::Frequency => row.measured - row.by_frequency.unwrap_or(0.0),
+        Compensation::Detuning => row.measured - row.by_detuning,
     };
     // 1 °/h is 1 ″/s.
     let angle = match tick {
