@@ -3,6 +3,7 @@
 pub mod allan;
 pub mod autocovariance;
 pub mod cholesky;
+pub mod drift;
 pub mod gap;
 pub mod minimum_variance;
 pub mod psd;
