@@ -256,6 +256,21 @@ mod tests {
     }
 
     #[test]
+    fn rows_without_an_x_are_left_out_where_others_have_one_and_whole_numbers_stay_whole() {
+        let mut table = table();
+        let cells = |x: &mut Cell| *x = Cell::Integer(x.number().unwrap() as i64);
+        table.columns[2].cells.iter_mut().for_each(cells);
+        table.columns[2].cells[0] = Cell::Blank;
+        let spec = Spec { series: vec!["filler".to_owned(), "gap_ticks".to_owned()], ..spec() };
+        let (figure, notes) = Figure::from_table(&table, &spec).unwrap();
+        assert!(figure.x.whole);
+        assert_eq!(notes.blank, 0);
+        table.columns[2].cells.iter_mut().for_each(|x| *x = Cell::Blank);
+        let (_, notes) = Figure::from_table(&table, &spec).unwrap();
+        assert_eq!(notes.blank, table.rows());
+    }
+
+    #[test]
     fn an_empty_table_makes_an_empty_figure() {
         let mut table = table();
         table.columns.iter_mut().for_each(|column| column.cells.clear());

@@ -155,7 +155,7 @@ setting!(ADC_STEP, "relock.adc_step", "step of the ADC", Ratio, DETUNING, adc_st
 setting!(
     COUNT_STEP,
     "relock.count_step",
-    "step of the count, periods",
+    "step of the count",
     Ratio,
     (0.0, 1e6, "0 to 1e6 periods"),
     count_step
