@@ -89,6 +89,7 @@ fn records(bencher: divan::Bencher, name: &str, overlap: u32) {
         sine: None,
         quantisation: 0,
         pulse: Some(10),
+        switching: None,
         drift: Arc::new([]),
         order: 2,
         levels,

@@ -55,6 +55,7 @@ impl Study {
             process: &self.process,
             readout_lsb: 0.0,
             mean_rate: 0.0,
+            switching: None,
             samples: self.curve.samples(),
             estimator: Estimator::OVERLAPPING,
             ms: self.curve.ms(),

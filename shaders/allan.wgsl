@@ -18,6 +18,9 @@ struct Parameters {
     sine_amplitude: u32,
     quantisation: u32,
     pulse: u32,
+    switch_interval: u32,
+    residual_amplitude: u32,
+    residual_noise: u32,
     low: u32,
     high: u32,
     lanes: u32,
@@ -25,6 +28,7 @@ struct Parameters {
     chunk_to: u32,
     unused_0: u32,
     unused_1: u32,
+    unused_2: u32,
     flicker: array<vec4<u32>, FLICKER_VECTORS>,
     // Of each level: stride, where its ring begins, how long it is, and its first place.
     levels: array<vec4<u32>, LEVELS>,
@@ -130,7 +134,7 @@ fn flicker_sigma(octave: u32) -> u32 {
 }
 
 fn load_state() {
-    noise = Noise(kept_wide(0u), kept(2u), kept_wide(3u), kept_wide(5u), kept(7u), kept(8u));
+    noise = Noise(kept_wide(0u), kept(2u), kept_wide(3u), kept_wide(5u), kept(7u), kept_wide(8u), kept(10u));
     //#if FLICKER_HOLDS
     for (var i = STREAMS; i < OCTAVES * STREAMS; i += 1u) {
         holds[i] = Hold(kept(STATE_WORDS + 3u * i), kept(STATE_WORDS + 3u * i + 1u), kept(STATE_WORDS + 3u * i + 2u));
@@ -144,7 +148,8 @@ fn store_state() {
     keep_wide(3u, noise.walk);
     keep_wide(5u, noise.markov);
     keep(7u, noise.phase);
-    keep(8u, noise.start);
+    keep_wide(8u, noise.residuals);
+    keep(10u, noise.start);
     //#if FLICKER_HOLDS
     for (var i = STREAMS; i < OCTAVES * STREAMS; i += 1u) {
         keep(STATE_WORDS + 3u * i, holds[i].value);

@@ -1,4 +1,5 @@
-// Synthetic angles of a gyro at rest, chunk by chunk: white, flicker, walking and Markov rate, sine, drift and readout.
+// Synthetic angles of a gyro at rest, chunk by chunk: white, flicker, walking and Markov rate, sine, drift, fill residuals and
+// readout.
 // Twin of src/kernel/noise.rs, where the method is told.
 
 // One stream of an octave: the newest number, how much it differs from the one before, and when records go over to it.
@@ -17,6 +18,8 @@ struct Noise {
     // In 2^-30 units of the rate.
     markov: Wide,
     phase: u32,
+    // In 2^-32 LSB: rounded, fill residuals would add up to a drift.
+    residuals: Wide,
     start: u32,
 }
 
@@ -28,7 +31,7 @@ var<private> angles: array<u32, CHUNK>;
 
 fn begin() {
     let words = draw(address, RECORD_START, 0u);
-    noise = Noise(wide(0u, 0u), 0u, wide(0u, 0u), wide(0u, 0u), words.y, 0u);
+    noise = Noise(wide(0u, 0u), 0u, wide(0u, 0u), wide(0u, 0u), words.y, wide(0u, 0u), 0u);
     //#if PULSE
     noise.start = words.x & ((1u << p.pulse) - 1u);
     //#end
@@ -153,11 +156,20 @@ fn go_over(octave: u32, stream: u32, value: u32) {
     holds[at].value = value;
 }
 
-// What is read of the angles of a chunk: with drift, sine and quantisation noise, in whole pulses.
+// What is read of the angles of a chunk: with drift, fill residuals, sine and quantisation noise, in whole pulses.
 fn readings(first: u32) {
     //#if DRIFT
     for (var i = 0u; i < CHUNK; i += 1u) {
         angles[i] += drift[min(first + i, p.samples)];
+    }
+    //#end
+    //#if FILL_RESIDUALS
+    for (var i = 0u; i < CHUNK; i += 1u) {
+        angles[i] += high_word(noise.residuals);
+        let sample = first + i;
+        if sample > 0u && sample % p.switch_interval == 0u {
+            jump(sample / p.switch_interval);
+        }
     }
     //#end
     //#if SINE_WAVE
@@ -183,6 +195,15 @@ fn readings(first: u32) {
     }
     //#end
 }
+
+//#if FILL_RESIDUALS
+// The residual of a switch of all records.
+fn jump(number: u32) {
+    let words = draw(address, FILL_RESIDUAL, number);
+    let of_phase = mul_wide(sine(words.x), p.residual_amplitude);
+    noise.residuals = add_wide(noise.residuals, add_wide(of_phase, mul_wide(normal(words.y), p.residual_noise)));
+}
+//#end
 
 // Streams of an octave.
 fn streams(octave: u32) -> u32 {

@@ -1,6 +1,7 @@
 //! Running a study: what is missing in the store is sampled and added, then all that is held becomes tables.
 
 mod allan;
+mod exact;
 pub(crate) mod gap_fill;
 mod relock;
 mod sampling;
@@ -37,6 +38,8 @@ enum Work<'a> {
     GapFill(gap_fill::Plan<'a>),
     Allan(allan::Plan<'a>),
     Relock(relock::Plan<'a>),
+    /// Closed forms: the table is all there is.
+    Exact(Table),
 }
 
 /// What a run did.
@@ -84,8 +87,15 @@ impl<'a> Plan<'a> {
             Subject::GapFill(gap_fill) => Work::GapFill(gap_fill::Plan::new(study, gap_fill)?),
             Subject::Allan(allan) => Work::Allan(allan::Plan::new(study, allan)?),
             Subject::Relock(relock) => Work::Relock(relock::Plan::new(study, relock)?),
+            Subject::DriftBudget(budget) => Work::Exact(exact::of_budget(study, budget)),
+            Subject::Suspension(suspension) => Work::Exact(exact::of_suspension(study, suspension)),
         };
         Ok(Plan { study, work })
+    }
+
+    /// Whether there is anything to sample, for which a device is needed.
+    pub fn is_sampled(&self) -> bool {
+        !matches!(self.work, Work::Exact(_))
     }
 
     /// What makes the results those of this study.
@@ -111,6 +121,7 @@ impl<'a> Plan<'a> {
             Work::GapFill(plan) => plan.run(store, device, progress)?,
             Work::Allan(plan) => plan.run(store, device, progress)?,
             Work::Relock(plan) => plan.run(store, device, progress)?,
+            Work::Exact(_) => Done { trials: 0, seconds: 0.0, degraded: None },
         };
         progress.finish();
         Ok(done)
@@ -122,6 +133,7 @@ impl<'a> Plan<'a> {
             Work::GapFill(plan) => Tables { points: plan.blank_table(), coefficients: None },
             Work::Allan(plan) => plan.blank_tables(),
             Work::Relock(plan) => Tables { points: plan.blank_table(), coefficients: None },
+            Work::Exact(table) => Tables { points: table.clone(), coefficients: None },
         }
     }
 
@@ -134,6 +146,7 @@ impl<'a> Plan<'a> {
             Work::GapFill(plan) => Tables { points: plan.table(store)?, coefficients: None },
             Work::Allan(plan) => plan.tables(store, progress)?,
             Work::Relock(plan) => Tables { points: plan.table(store)?, coefficients: None },
+            Work::Exact(table) => Tables { points: table.clone(), coefficients: None },
         };
         progress.finish();
         Ok(tables)
@@ -148,6 +161,7 @@ impl<'a> Plan<'a> {
             Work::GapFill(plan) => plan.held(store)?,
             Work::Allan(plan) => plan.held(store)?,
             Work::Relock(plan) => plan.held(store)?,
+            Work::Exact(_) => None,
         };
         Ok(held.unwrap_or(self.study.trials))
     }
@@ -162,6 +176,9 @@ impl<'a> Plan<'a> {
             Work::GapFill(plan) => plan.notes(store)?,
             Work::Allan(plan) => plan.notes(),
             Work::Relock(plan) => plan.notes(),
+            Work::Exact(_) => {
+                vec!["all values are closed forms: trials, seed and device have no use here".to_owned()]
+            }
         });
         let trials = self.held(store)?;
         if trials > self.study.trials {
@@ -176,6 +193,7 @@ impl<'a> Plan<'a> {
             Work::GapFill(plan) => plan.ids(),
             Work::Allan(plan) => plan.ids(),
             Work::Relock(plan) => plan.ids(),
+            Work::Exact(_) => vec![],
         };
         match points.iter().filter(|id| !asked.contains(id)).count() {
             0 => {}

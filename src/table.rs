@@ -26,6 +26,10 @@ impl Unit {
     pub const DEG_PER_H: Unit = Unit { suffix: "deg_per_h", symbol: "°/h" };
     pub const DEG2_PER_H2: Unit = Unit { suffix: "deg2_per_h2", symbol: "(°/h)²" };
     pub const ARCSEC2_PER_S2_PER_HZ: Unit = Unit { suffix: "arcsec2_per_s2_per_hz", symbol: "(″/s)²/Hz" };
+    pub const ARCSEC_PER_S_PER_G: Unit = Unit { suffix: "arcsec_per_s_per_g", symbol: "″/s/g" };
+    pub const G: Unit = Unit { suffix: "g", symbol: "g" };
+    pub const G2_PER_HZ: Unit = Unit { suffix: "g2_per_hz", symbol: "g²/Hz" };
+    pub const DEG: Unit = Unit { suffix: "deg", symbol: "°" };
     pub const HZ: Unit = Unit { suffix: "hz", symbol: "Hz" };
     pub const S: Unit = Unit { suffix: "s", symbol: "s" };
 }

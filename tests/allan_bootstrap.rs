@@ -34,6 +34,7 @@ fn curves() -> Vec<Curve> {
         process: &process,
         readout_lsb: 0.0,
         mean_rate: 0.0,
+        switching: None,
         samples: SAMPLES,
         estimator: Estimator::OVERLAPPING,
         ms: &ms,

@@ -58,6 +58,11 @@ fn every_averaging_time_agrees_with_its_closed_form_within_5_standard_errors() {
         format!("{LGV_1}\nsine = {{ amplitude = \"0.05 deg/h\", frequency = \"0.01 Hz\" }}"),
         format!("{LGV_1}\nwarm_up = {{ amplitude = \"-0.05 deg/h\", time = \"5 min\" }}"),
         "readout_lsb = \"0.381 arcsec\"\nangle_random_walk = \"0.01 deg/sqrt(h)\"".to_owned(),
+        format!("{LGV_1}\nswitching = {{ interval = \"300 s\", residual = \"1 arcsec\" }}"),
+        format!(
+            "{LGV_1}\nswitching = {{ interval = \"37 s\", magnetic = \"0.05 deg/h\", warm_up_time = \"10 min\", \
+             initial_magnetic = \"-0.01 deg/h\", residual = \"0.2 arcsec\", residual_noise = \"0.05 arcsec\" }}"
+        ),
     ];
     let mut largest: f64 = 0.0;
     for noise in &noises {
@@ -221,6 +226,7 @@ fn refused(text: &str, pieces: &[&str]) {
 fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
     let allan = |lines: &str| text("", LGV_1, &format!("[allan]\n{lines}"));
     let noise = |lines: &str| text("", lines, "");
+    let switching = |keys: &str| noise(&format!("{LGV_1}\nswitching = {{ {keys} }}"));
     let table: &[(String, &[&str])] = &[
         (
             allan("tau = \"octaves\""),
@@ -248,6 +254,45 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
         (noise("markov = { amplitude = \"1 deg/h\" }"), &["the key `noise.markov.time` is missing"]),
         (noise("sine = { amplitude = \"1 deg/h\", frequency = \"0.6 Hz\" }"), &["Nyquist", "up to 0.5 Hz"]),
         (noise("jitter = \"1 s\""), &["unknown key `jitter`"]),
+        (
+            switching("interval = \"2000 s\", residual = \"1 arcsec\""),
+            &["a.toml:12:26", "no switch comes in a record of 2000 s", "accepted: 1 s to 1999 s"],
+        ),
+        (
+            switching("interval = \"0.2 s\", residual = \"1 arcsec\""),
+            &["0.2 s is less than half a sample of 1 s", "accepted: 1 s to 1999 s"],
+        ),
+        (
+            switching("interval = \"0 s\", residual = \"1 arcsec\""),
+            &["noise.switching.interval", "out of range"],
+        ),
+        (switching("interval = \"-40 s\", residual = \"1 arcsec\""), &["out of range", "negative"]),
+        (switching("interval = \"40 s\", residual = \"-1 arcsec\""), &["out of range", "negative"]),
+        (
+            switching("interval = \"40 s\", residual_noise = \"1 deg/h\""),
+            &["noise.switching.residual_noise", "arcsec"],
+        ),
+        (switching(""), &["the key `noise.switching.interval` is missing"]),
+        (switching("interval = \"40 s\""), &["switches that change nothing", "leave the table out"]),
+        (switching("interval = \"40 s\", residual = \"0 arcsec\""), &["switches that change nothing"]),
+        (
+            switching("interval = \"40 s\", residual = \"1 arcsec\", warm_up_time = \"1 h\""),
+            &["warm_up_time stands without magnetic", "nothing warms up"],
+        ),
+        (switching("interval = \"40 s\", amplitude = \"1 deg/h\""), &["unknown key `amplitude`"]),
+        (
+            text("", LGV_1, "[[sweep]]\nkey = \"noise.switching.interval\"\nlist = [\"40 s\"]"),
+            &["noise.switching.interval is swept, but [noise] has none"],
+        ),
+        (
+            text("", LGV_1, "[[sweep]]\nkey = \"noise.switching\"\nlist = [\"40 s\"]"),
+            &["noise.switching is a table and cannot be swept"],
+        ),
+        (
+            switching("interval = \"40 s\", residual = \"1 arcsec\"")
+                + "[[sweep]]\nkey = \"noise.switching.interval\"\nlist = [\"40 s\", \"1 h\"]\n",
+            &["a.toml:16:8", "no switch comes in a record of 2000 s"],
+        ),
         (noise(LGV_1).replace("2000 s", "10 s"), &["10 samples of 1 s", "16 to 67108864 samples"]),
         (noise(LGV_1).replace("2000 s", "3 a"), &["`a` is not a known unit"]),
         (noise(LGV_1).replace("2000 s", "100000 h"), &["too long", "record.length"]),
@@ -315,14 +360,24 @@ fn points_keep_their_identities() {
          markov = {{ amplitude = \"0.01 deg/h\", time = \"30 s\" }}\nwarm_up = {{ amplitude = \"0 deg/h\", time = \"5 min\" }}\n\
          sine = {{ amplitude = \"0.05 deg/h\", frequency = \"0.01 Hz\" }}"
     );
-    let points = [LGV_1, &everything].map(|noise| {
+    let switched = format!(
+        "{LGV_1}\nswitching = {{ interval = \"40 s\", magnetic = \"1 deg/h\", residual = \"1 arcsec\" }}"
+    );
+    let points = [LGV_1, &everything, &switched].map(|noise| {
         let study = parsed("a.toml", &text("", noise, ""));
         let allan = study.allan().unwrap();
         let lowered =
             LoweredCurve::new(&allan.points[0], allan.estimator, study.seed, study.streams).unwrap();
         lowered.address.point.to_string()
     });
-    assert_eq!(points, ["df4220be1611265062cd00fa19540a0a", "5621f6c3cf55cb249c4de17621383184"]);
+    assert_eq!(
+        points,
+        [
+            "df4220be1611265062cd00fa19540a0a",
+            "5621f6c3cf55cb249c4de17621383184",
+            "7f3454c8a607c6559c3b936bffc9a0e6"
+        ]
+    );
 }
 
 #[test]
@@ -335,6 +390,43 @@ fn what_the_fit_leaves_out_is_said() {
     assert!(some.contains("a bias instability, Markov noise, which is not fitted"), "{some}");
     assert_eq!(notes(&markov, "\"auto\""), "");
     assert_eq!(notes(LGV_1, "[\"Q\", \"N\", \"B\"]"), "");
+}
+
+#[test]
+fn what_becomes_of_switches_is_said() {
+    let notes = |switching: &str, bottom: &str| {
+        let noise = format!("{LGV_1}\nswitching = {{ {switching} }}");
+        parsed("a.toml", &text("", &noise, bottom)).notes().join("\n")
+    };
+    let both = "interval = \"40.3 s\", magnetic = \"1 deg/h\", residual = \"10 arcsec\"";
+    assert_eq!(notes(both, ""), "noise.switching.interval is taken as whole samples: 40.3 s as 40 s");
+    let fitted = notes(both, "[allan]\nfit = \"auto\"");
+    // 10″/√2 at every 40 s.
+    for piece in
+        ["no term of the fit", "an angle random walk of 0.0186 °/√h", "half an interval", "as B and K"]
+    {
+        assert!(fitted.contains(piece), "`{piece}` is missing in {fitted}");
+    }
+    let sweep = "[[sweep]]\nkey = \"noise.switching.interval\"\n\
+                 linear = { from = \"40.2 s\", to = \"160.2 s\", points = 5 }\n[allan]\nfit = \"auto\"";
+    let swept = notes("interval = \"40 s\", residual = \"10 arcsec\"", sweep);
+    for piece in ["40.2 s as 40 s, 70.2 s as 70 s, 100.2 s as 100 s and 2 more", "of 0.00932 to 0.0186 °/√h"]
+    {
+        assert!(swept.contains(piece), "`{piece}` is missing in {swept}");
+    }
+    assert!(!swept.contains("alternating"), "{swept}");
+}
+
+#[test]
+fn switches_that_change_nothing_at_a_point_are_none_there() {
+    let of = |noise: &str, sweep: &str| parsed("a.toml", &text("", &format!("{LGV_1}\n{noise}"), sweep));
+    let sweep = "[[sweep]]\nkey = \"noise.switching.residual\"\nlist = [\"0 arcsec\", \"1 arcsec\"]";
+    let [with, without] = [("switching = { interval = \"40 s\" }", sweep), ("", "")]
+        .map(|(noise, sweep)| run(&of(noise, sweep)).points);
+    let [with, without] =
+        [&with, &without].map(|table| rows(table).map(|row| row.number("mean_avar")).collect::<Vec<_>>());
+    assert_eq!(with[..without.len()], without);
+    assert!(with[without.len()..].iter().zip(&without).all(|(with, without)| with > without));
 }
 
 #[test]

@@ -107,6 +107,72 @@ fn tones_that_make_no_sense_are_refused() {
 }
 
 #[test]
+fn vibration_above_half_the_tick_rate_is_refused_unless_it_may_be_aliased() {
+    let shaken = |lines: &str| with_motion(&format!("suspension = {{ {lines} }}"));
+    let sine = |nu: &str| format!("sine = {{ acceleration = \"1 g\", frequency = \"{nu}\" }}");
+    refused(
+        &shaken(&format!("gyro = \"LGK-400\", {}", sine("50 Hz"))),
+        "7:23",
+        &[
+            "the mode of 380 Hz is above 100 Hz, the Nyquist frequency of ticks of 0.005 s",
+            "add alias = true",
+        ],
+    );
+    let low = "modes = [{ frequency = \"80 Hz\", q = 50, response = \"1 deg/s/g\" }]";
+    refused(
+        &shaken(&format!("{low}, {}", sine("120 Hz"))),
+        "7:126",
+        &["a vibration of 120 Hz is above 100 Hz"],
+    );
+    let random = "random = { psd = [[\"20 Hz\", \"0.01 g^2/Hz\"], [\"2000 Hz\", \"0.01 g^2/Hz\"]] }";
+    refused(&shaken(&format!("{low}, {random}")), "7:100", &["a vibration of 2000 Hz is above 100 Hz"]);
+    refused(
+        &shaken(&format!("{low}, {}, alias = true", sine("2001 Hz"))),
+        "7:126",
+        &["a vibration of 2001 Hz is absurd at a tick rate of 200 Hz", "2000 Hz here"],
+    );
+}
+
+#[test]
+fn vibration_that_makes_no_sense_is_refused() {
+    let shaken =
+        |lines: &str| with_motion(&format!("suspension = {{ gyro = \"LGV-1\", alias = true{lines} }}"));
+    let sine = ", sine = { acceleration = \"1 g\", frequency = \"50 Hz\" }";
+    let random = |first: &str| format!(", random = {{ psd = [{first}, [\"2000 Hz\", \"0.01 g^2/Hz\"]] }}");
+    let good = random("[\"20 Hz\", \"0.01 g^2/Hz\"]");
+    refused(&shaken(""), "7:14", &["motion.suspension needs exactly one of sine, random"]);
+    refused(&shaken(&format!("{sine}{good}")), "7:14", &["exactly one of sine, random"]);
+    refused(
+        &shaken(&sine.replace("1 g", "1 deg/s")),
+        "7:70",
+        &["is an angular rate", "an acceleration in g"],
+    );
+    let density = shaken(&random("[\"20 Hz\", \"0 g^2/Hz\"]"));
+    refused(&density, "7:74", &["motion.suspension.random.psd has a density of 0 g²/Hz at 20 Hz"]);
+    let backwards = shaken(&random("[\"3 kHz\", \"1 g^2/Hz\"]"));
+    refused(&backwards, "7:88", &["motion.suspension.random.psd does not rise at 2000 Hz"]);
+    refused(
+        &shaken(sine).replace("alias = true", "alias = 1"),
+        "7:40",
+        &["`motion.suspension.alias`", "true or false"],
+    );
+    let beside = "\ngaussian = { rms = \"1 deg/s\", band = [\"1 Hz\", \"9 Hz\"] }";
+    let both = with_motion(&format!("suspension = {{ gyro = \"LGV-1\", alias = true{good} }}{beside}"));
+    refused(&both, "7:14", &["motion.suspension.random stands beside motion.gaussian"]);
+    refused(
+        &with("[[sweep]]\nkey = \"motion.suspension.gyro\"\nlist = [\"LGV-1\"]"),
+        "13:7",
+        &["motion.suspension.gyro is swept, but the motion has no suspension"],
+    );
+    let swept = "[[sweep]]\nkey = \"motion.suspension.random.rms\"\nlist = [\"1 g\"]\n";
+    refused(
+        &format!("{}{swept}", shaken(sine)),
+        "12:7",
+        &["motion.suspension.random.rms is swept, but the motion has none"],
+    );
+}
+
+#[test]
 fn fillers_that_make_no_sense_are_refused() {
     let filler = |entry: &str| replaced("\"const\", \"quadratic\"", entry);
     let weights = |weights: &str| filler(&format!("{{ kind = \"weights\", weights = {weights} }}"));

@@ -295,6 +295,24 @@ fn gaussian_motion_of_a_spectrum() {
     check_both("spectrum", &Gyro { beside: Beside::Psd(points), ..Gyro::still() });
 }
 
+/// Resonances at 60 and 380 Hz, the second far above half the tick rate of 200 Hz.
+fn shaken(sine: Option<[f64; 2]>, psd: Vec<[f64; 2]>) -> Gyro {
+    let modes = vec![[60.0, 20.0, 9000.0], [380.0, 30.0, -30_000.0]];
+    Gyro { beside: Beside::Vibration { modes, sine, psd }, ..Gyro::still() }
+}
+
+#[test]
+fn a_sine_through_a_suspension() {
+    check_both("sine at 57 Hz", &shaken(Some([0.8, 57.0]), vec![]));
+    let beside = vec![Tone::of_rate(Draw::Fixed(3000.0), 20.0, 20.0)];
+    check("sine at 383 Hz beside a tone", &Gyro { tones: beside, ..shaken(Some([1.0, 383.0]), vec![]) });
+}
+
+#[test]
+fn random_vibration_through_a_suspension() {
+    check_both("random 20–600 Hz", &shaken(None, vec![[20.0, 0.001], [100.0, 0.02], [600.0, 0.02]]));
+}
+
 /// A record of tones and drift, 4 s long, on 6 decimals.
 fn record(every: bool) -> Gyro {
     let rate = |i: usize| {

@@ -7,6 +7,7 @@ use rand::{RngExt, SeedableRng};
 use sagnac::backend::cpu::{Cpu, Width};
 use sagnac::kernel::recipe::Recipe;
 use sagnac::lower::{Asked, Records, RecordsError};
+use sagnac::theory::allan::switching::Switching;
 use sagnac::theory::allan::{Difference, Estimator, FLAT_LEVEL, Part, Process, holds};
 use sagnac::verify::THINNED;
 
@@ -16,6 +17,7 @@ struct Model {
     process: Process,
     readout_lsb: f64,
     mean_rate: f64,
+    switching: Option<Switching>,
     samples: u64,
     estimator: Estimator,
     ms: Vec<u64>,
@@ -27,6 +29,7 @@ impl Model {
             process: Process { sample_s: 0.01, parts: parts.to_vec() },
             readout_lsb: 0.0,
             mean_rate: 0.0,
+            switching: None,
             samples: 4096,
             estimator: THINNED,
             ms: octaves(4096, 2),
@@ -38,6 +41,7 @@ impl Model {
             process: &self.process,
             readout_lsb: self.readout_lsb,
             mean_rate: self.mean_rate,
+            switching: self.switching,
             samples: self.samples,
             estimator: self.estimator,
             ms: &self.ms,

@@ -24,6 +24,7 @@ fn quiet() -> Recipe {
         sine: None,
         quantisation: 0,
         pulse: None,
+        switching: None,
         drift: Arc::new([]),
         order: 2,
         levels: vec![

@@ -37,6 +37,7 @@ fn white(samples: u32) -> Recipe {
         sine: None,
         quantisation: 0,
         pulse: None,
+        switching: None,
         drift: Arc::new([]),
         order: 2,
         levels: levels(samples, 2, None),
@@ -53,6 +54,7 @@ fn recipes() -> Vec<(&'static str, Recipe)> {
         sine: Some([0x0123_4567, 4 * 5000]),
         quantisation: 16 * 77,
         pulse: Some(5),
+        switching: Some([63, 4 * 30_000, 16 * 900]),
         drift: drift(1000),
         ..white(1000)
     };
@@ -71,6 +73,10 @@ fn recipes() -> Vec<(&'static str, Recipe)> {
         ("quantisation", Recipe { white: 0, quantisation: 16 * 500, ..white(300) }),
         ("pulses", Recipe { pulse: Some(12), ..white(300) }),
         ("drift", Recipe { drift: drift(300), ..white(300) }),
+        ("switches", Recipe { switching: Some([40, 4 * 30_000, 16 * 900]), ..white(300) }),
+        ("a switch after every sample", Recipe { switching: Some([1, 4 * 3000, 0]), ..white(300) }),
+        ("switches with noise alone", Recipe { switching: Some([64, 0, 16 * 900]), ..white(1000) }),
+        ("a switch after the record", Recipe { switching: Some([301, 4 * 3000, 0]), ..white(300) }),
         ("Hadamard", Recipe { order: 3, levels: levels(3000, 3, None), ..white(3000) }),
         ("some of the differences", Recipe { levels: levels(20_000, 2, Some(16)), ..white(20_000) }),
         ("without overlap", Recipe { levels: levels(2000, 2, Some(1)), ..white(2000) }),
@@ -144,7 +150,9 @@ fn records_are_the_same_in_every_shader() {
 #[test]
 fn a_record_of_many_dispatches_is_the_same() {
     let (name, samples) = ("lgk-400", 60_000);
-    let named = NamedRecords { name, parts: lgk_400(), readout_lsb: 0.0, samples, estimator: THINNED };
+    let switching = None;
+    let named =
+        NamedRecords { name, parts: lgk_400(), readout_lsb: 0.0, switching, samples, estimator: THINNED };
     let records = named.lowered();
     let recipe = records.recipe();
     let reference = Cpu::new(Width::widest(), 0).unwrap().sums(recipe, 5, 3, &|_| {});

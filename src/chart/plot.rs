@@ -8,6 +8,12 @@ use super::palette::{self, LIMIT};
 use super::scale::{Range, Scale};
 use super::text;
 
+/// Most points of a line that all have markers.
+const MOST_MARKED: usize = 200;
+
+/// How many have of more points, at the most.
+const MARKED: usize = 40;
+
 /// A figure with its axes laid out.
 #[derive(Debug)]
 pub(super) struct Plot<'a> {
@@ -145,11 +151,16 @@ impl Plot<'_> {
 
     fn draw_markers(&self, canvas: &mut Canvas, series: &Series, size: f64) {
         let points: Vec<_> = self.runs(series).flatten().collect();
+        // Along a line that joins very many, some tell the curves apart.
+        let step = match points.len() {
+            many if many > MOST_MARKED && !self.figure.has_laws() => many.div_ceil(MARKED),
+            _ => 1,
+        };
         // Smaller where many would touch.
-        let radius = (130.0 / points.len() as f64).clamp(1.5, 4.2);
+        let radius = (130.0 * step as f64 / points.len() as f64).clamp(1.5, 4.2);
         let (style, colour) = (self.figure.dash_of(series), palette::colour(series.colour));
         canvas.group(&self.figure.name(series), |canvas| {
-            for point in points {
+            for point in points.into_iter().step_by(step) {
                 canvas.marker(self.area.place((point.x, point.y)), size * radius, style, colour);
             }
         });

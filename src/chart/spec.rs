@@ -90,6 +90,12 @@ pub enum ChartError {
         /// One of its texts.
         example: String,
     },
+    /// A column is two of the curves.
+    #[error("`{column}` stands twice among the columns of y")]
+    Twice {
+        /// As it is named the second time.
+        column: String,
+    },
     /// Both axes of a map show the same.
     #[error("`{column}` is both x and y; a map needs two different columns")]
     SameAxes {

@@ -93,8 +93,14 @@ pub fn bench(options: &super::Bench) -> Result<(), Failure> {
             })?;
         }
         for (name, estimator) in MEASURED_RECORDS {
-            let named =
-                NamedRecords { name, parts: lgk_400(), readout_lsb: 0.0, samples: SAMPLES, estimator };
+            let named = NamedRecords {
+                name,
+                parts: lgk_400(),
+                readout_lsb: 0.0,
+                switching: None,
+                samples: SAMPLES,
+                estimator,
+            };
             let records = named.lowered();
             found(Figure {
                 device: device.name(),

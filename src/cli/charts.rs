@@ -1,9 +1,10 @@
 //! The charts of a study: what it asks for becomes pictures in the results folder.
 
+use std::borrow::Cow;
 use std::ffi::OsStr;
 use std::path::Path;
 
-use sagnac::chart::{self, ChartError, Figure, Map, MapSpec, Scale, Show, Spec};
+use sagnac::chart::{self, CURVE, ChartError, Figure, Map, MapSpec, Scale, Show, Spec};
 use sagnac::run::Tables;
 use sagnac::study::{self, Chart, Kind, Shows, Source, Study, StudyError, Swept};
 use sagnac::table::{Cell, ColumnError, Table};
@@ -63,6 +64,37 @@ fn is_chart_stem(stem: &str) -> bool {
     stem == "chart" || number.is_some_and(|number: usize| number >= 1 && stem == format!("chart-{number}"))
 }
 
+/// What a chart shows: of several columns a table in which they are one.
+#[derive(Debug)]
+pub struct Shown<'t> {
+    pub table: Cow<'t, Table>,
+    /// The column of the estimates.
+    pub estimate: String,
+    /// The columns whose values are told apart.
+    pub series: Vec<String>,
+}
+
+/// What each chart of a study shows.
+///
+/// # Errors
+/// The table does not have what a chart asks for.
+pub fn shown<'t>(study: &Study, tables: &'t Tables) -> Result<Vec<Shown<'t>>, StudyError> {
+    let of = |chart| shown_by(tables, chart).map_err(|error| refused(study, chart, &error));
+    study.charts.iter().map(of).collect()
+}
+
+fn shown_by<'t>(tables: &'t Tables, chart: &Chart) -> Result<Shown<'t>, ChartError> {
+    let table = tables.of(chart.source);
+    let series = chart.series().iter().map(|column| column.name.clone());
+    let estimate = chart.estimate().name.clone();
+    if chart.beside.is_empty() {
+        return Ok(Shown { table: Cow::Borrowed(table), estimate, series: series.collect() });
+    }
+    let names: Vec<&str> = chart.columns().map(|column| column.name.as_str()).collect();
+    let table = Cow::Owned(chart::stacked(table, &names)?);
+    Ok(Shown { table, estimate, series: std::iter::once(CURVE.to_owned()).chain(series).collect() })
+}
+
 /// One chart as SVG, and a sentence on what is to be said of it.
 ///
 /// # Errors
@@ -74,7 +106,8 @@ pub fn picture(
 ) -> Result<(String, Option<String>), StudyError> {
     let table = tables.of(chart.source);
     let drawn = match &chart.shows {
-        Shows::Curves { .. } => Figure::from_table(table, &curves(study, chart))
+        Shows::Curves { .. } => shown_by(tables, chart)
+            .and_then(|shown| Figure::from_table(&shown.table, &curves(study, chart, &shown)))
             .map(|(figure, notes)| (figure.svg(), notes.sentence())),
         Shows::HeatMap { z_scale, .. } => map(study, table, chart, Show::Values(scale(*z_scale))),
         Shows::WinnerMap { of, .. } => map(study, table, chart, Show::Winners(of.name.clone())),
@@ -104,15 +137,15 @@ fn map(
     Ok((map.svg(), notes.sentence()))
 }
 
-fn curves(study: &Study, chart: &Chart) -> Spec {
+fn curves(study: &Study, chart: &Chart, shown: &Shown) -> Spec {
     Spec {
         title: title(study, chart),
         subtitle: subtitle(study),
         x: chart.x.name.clone(),
-        y: chart.y.name.clone(),
+        y: shown.estimate.clone(),
         x_scale: scale(chart.x_scale),
         y_scale: scale(chart.y_scale),
-        series: chart.series().iter().map(|column| column.name.clone()).collect(),
+        series: shown.series.clone(),
         apart: study
             .sweeps
             .iter()
@@ -133,6 +166,7 @@ fn points(study: &Study, chart: &Chart) -> &'static str {
     match (study.kind(), chart.source) {
         _ if chart.y.name.starts_with("oracle") => "closed form",
         (Kind::Allan, Source::Points) => "mean of records",
+        (kind, _) if kind.is_exact() => "",
         _ => "Monte Carlo",
     }
 }
@@ -142,6 +176,7 @@ fn bands(study: &Study) -> &'static str {
     match study.kind() {
         Kind::GapFill | Kind::Relock => "95 % band",
         Kind::Allan => "95 % of records",
+        Kind::DriftBudget | Kind::Suspension => "",
     }
 }
 
@@ -173,7 +208,7 @@ pub fn written(chart: &Chart) -> Vec<(String, String)> {
 
 /// A chart's error at the name in the study that caused it.
 pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
-    let named = || [&chart.x, &chart.y, chart.estimate()].into_iter().chain(chart.series());
+    let named = || [&chart.x, chart.estimate()].into_iter().chain(chart.columns()).chain(chart.series());
     let rows = || chart.rows.iter().map(|row| &row.0);
     let place = |mut names: Box<dyn Iterator<Item = &study::Named> + '_>, name: &str| {
         // A default is written nowhere; another name may be.
@@ -201,7 +236,12 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
                 unit => format!("an estimate in {unit}"),
             };
             let help = format!("name {instead} instead, or leave out the {beside}");
-            (place(Box::new(std::iter::once(chart.estimate())), column), help)
+            (place(Box::new(std::iter::once(chart.estimate()).chain(chart.columns())), column), help)
+        }
+        ChartError::Twice { column } => {
+            // The first one that is called so may be the other.
+            let last = chart.beside.iter().rev().find(|named| named.name == *column);
+            (last.unwrap_or(&chart.y).span.clone(), "leave it out here".to_owned())
         }
         ChartError::SameAxes { .. } => (chart.y.span.clone(), "name another column as y".to_owned()),
         ChartError::SeveralRows { column, values, .. } => {

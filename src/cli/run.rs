@@ -11,7 +11,7 @@ use sagnac::table::{Cell, Column, Table, significant};
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::charts::{draw, picture, refused, written};
+use super::charts::{Shown as Curves, draw, picture, refused, shown, written};
 use super::one_point::one_point;
 use super::output::{print, print_json, write};
 use super::progress::{Shown, short};
@@ -42,22 +42,31 @@ pub fn run(options: &super::Run) -> Result<(), Failure> {
         studies.push((folder, study));
     }
     let plans = studies.iter().map(|(_, study)| checked(study)).collect::<Result<Vec<_>, _>>()?;
-    let Selection { mut device, reason } = select(&options.device.name)?;
-    if !options.quiet {
-        eprintln!("device: {}, {reason}", device.name());
-    }
+    let mut device = device(&plans, options)?;
     let mut documents: Vec<Value> = Vec::new();
     for (at, ((folder, study), plan)) in studies.iter().zip(&plans).enumerate() {
         if at > 0 && !options.json && !options.quiet {
             print("\n")?;
         }
-        documents.extend(run_study(study, plan, folder, &mut device, options)?);
+        documents.extend(run_study(study, plan, folder, device.as_mut(), options)?);
     }
     match &documents[..] {
         [] => Ok(()),
         [document] => print_json(document),
         several => print_json(&several),
     }
+}
+
+/// The device that is asked for, if there is anything to sample.
+fn device(plans: &[Plan], options: &super::Run) -> Result<Option<Device>, Failure> {
+    if !plans.iter().any(Plan::is_sampled) {
+        return Ok(None);
+    }
+    let Selection { device, reason } = select(&options.device.name)?;
+    if !options.quiet {
+        eprintln!("device: {}, {reason}", device.name());
+    }
+    Ok(Some(device))
 }
 
 /// The name of the study that a run writes beside its results.
@@ -89,13 +98,16 @@ fn run_study(
     study: &Study,
     plan: &Plan,
     folder: &Path,
-    device: &mut Device,
+    device: Option<&mut Device>,
     options: &super::Run,
 ) -> Result<Option<Value>, Failure> {
+    // Also of closed forms, as a folder is of one study.
     let mut store = Store::open(folder, &plan.identity())?;
-    let shown = Shown::new(options.quiet);
-    let done = plan.run(&mut store, device, &shown)?;
-    let tables = plan.tables(&store, &shown)?;
+    let progress = Shown::new(options.quiet);
+    let device = device.filter(|_| plan.is_sampled());
+    let name = device.as_ref().map(|device| device.name());
+    let done = device.map(|device| plan.run(&mut store, device, &progress)).transpose()?;
+    let tables = plan.tables(&store, &progress)?;
     for (name, table) in files(&tables) {
         let (path, mut csv) = (folder.join(name), Vec::new());
         table.write_csv(&mut csv).map_err(|source| Failure::Write { path: path.clone(), source })?;
@@ -103,10 +115,12 @@ fn run_study(
     }
     write(&folder.join(RESOLVED), study.resolved(plan.held(&store)?).as_bytes())?;
     let notes = draw(study, &tables, folder)?;
-    let verdicts = verdicts(study, &tables)?;
-    let notes: Vec<String> = done.degraded.iter().cloned().chain(notes).chain(plan.notes(&store)?).collect();
+    let curves = shown(study, &tables)?;
+    let verdicts = verdicts(study, &curves)?;
+    let degraded = done.iter().filter_map(|done| done.degraded.clone());
+    let notes: Vec<String> = degraded.chain(notes).chain(plan.notes(&store)?).collect();
     if options.json {
-        return Ok(Some(to_json(study, device, &done, &tables, &verdicts, &notes)));
+        return Ok(Some(to_json(study, name, done.as_ref(), &tables, &verdicts, &notes)));
     }
     if options.quiet {
         return Ok(None);
@@ -114,13 +128,15 @@ fn run_study(
     for note in notes {
         eprintln!("note: {note}");
     }
-    print(&summary(study, &tables, &verdicts)?)?;
-    let rate = if done.trials > 0 {
-        format!("{} trials in {:.1} s", short(done.trials as f64), done.seconds)
-    } else {
-        "nothing was left to sample".to_owned()
+    print(&summary(study, &tables, &curves, &verdicts)?)?;
+    let rate = match done {
+        Some(done) if done.trials > 0 => {
+            format!("{} trials in {:.1} s; ", short(done.trials as f64), done.seconds)
+        }
+        Some(_) => "nothing was left to sample; ".to_owned(),
+        None => String::new(),
     };
-    eprintln!("{rate}; results are in {}", folder.display());
+    eprintln!("{rate}results are in {}", folder.display());
     Ok(None)
 }
 
@@ -131,15 +147,21 @@ fn files(tables: &Tables) -> impl Iterator<Item = (&'static str, &Table)> {
 }
 
 /// The table of the first chart, coefficients, and all verdicts, for people.
-fn summary(study: &Study, tables: &Tables, verdicts: &[Verdict]) -> Result<String, Failure> {
+fn summary(
+    study: &Study,
+    tables: &Tables,
+    curves: &[Curves],
+    verdicts: &[Verdict],
+) -> Result<String, Failure> {
     let mut text = format!("{}\n", study.title);
     if !study.question.is_empty() {
         text += &format!("{}\n", study.question);
     }
-    if let Some(chart) = study.charts.first() {
-        let shown =
-            of_chart(study, tables.of(chart.source), chart).map_err(|error| refused(study, chart, &error))?;
+    if let Some((chart, shown)) = study.charts.iter().zip(curves).next() {
+        let shown = of_chart(study, shown, chart).map_err(|error| refused(study, chart, &error))?;
         text += &format!("\n{shown}");
+    } else if study.kind().is_exact() {
+        text += &format!("\n{}", columns(&tables.points));
     } else if study.sweeps.is_empty() {
         let shown = one_point(&tables.points).map_err(|error| Failure::Picture(error.to_string()))?;
         text += &format!("\n{shown}");
@@ -153,20 +175,30 @@ fn summary(study: &Study, tables: &Tables, verdicts: &[Verdict]) -> Result<Strin
     Ok(text)
 }
 
+/// Each column of a table in a line of its own, with its values.
+fn columns(table: &Table) -> String {
+    let line = |column: &Column| {
+        let cell = |cell: &Cell| cell.number().map_or_else(|| cell.text(), |x| significant(x, 6));
+        std::iter::once(column.title()).chain(column.cells.iter().map(cell)).collect::<Vec<String>>()
+    };
+    aligned(&table.columns.iter().map(line).collect::<Vec<_>>())
+}
+
 /// The rows of a chart as a grid.
-fn of_chart(study: &Study, table: &Table, chart: &Chart) -> Result<String, ChartError> {
+fn of_chart(study: &Study, shown: &Curves, chart: &Chart) -> Result<String, ChartError> {
+    let table: &Table = &shown.table;
     let sweeps: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
     let across = match study.kind() {
-        Kind::GapFill | Kind::Relock if !sweeps.is_empty() => sweeps,
+        kind if kind != Kind::Allan && !sweeps.is_empty() => sweeps,
         Kind::Allan => {
             let x = table.column(&chart.x.name)?.name.as_str();
             std::iter::once(x).chain(sweeps.into_iter().filter(|sweep| *sweep != x)).collect()
         }
-        Kind::GapFill | Kind::Relock => vec![chart.x.name.as_str()],
+        _ => vec![chart.x.name.as_str()],
     };
-    let series: Vec<&str> = chart.series().iter().map(|column| column.name.as_str()).collect();
+    let series: Vec<&str> = shown.series.iter().map(String::as_str).collect();
     let texts = text_columns(study, chart.source);
-    Ok(pivot(table, &across, &chart.estimate().name, &series, &texts, &written(chart))?)
+    Ok(pivot(table, &across, &shown.estimate, &series, &texts, &written(chart))?)
 }
 
 /// Most coefficients that are shown besides the file of them.
@@ -201,8 +233,8 @@ fn points_of(study: &Study) -> usize {
 
 fn to_json(
     study: &Study,
-    device: &Device,
-    done: &Done,
+    device: Option<String>,
+    done: Option<&Done>,
     tables: &Tables,
     verdicts: &[Verdict],
     notes: &[String],
@@ -222,11 +254,11 @@ fn to_json(
     let mut document = json!({
         "title": study.title,
         "question": study.question,
-        "seed": study.seed,
-        "trials": study.trials,
-        "device": device.name(),
-        "sampled_trials": done.trials,
-        "seconds": done.seconds,
+        "seed": done.map(|_| study.seed),
+        "trials": done.map(|_| study.trials),
+        "device": device,
+        "sampled_trials": done.map(|done| done.trials),
+        "seconds": done.map(|done| done.seconds),
         "notes": notes,
         "verdicts": verdicts.iter().map(Verdict::json).collect::<Vec<_>>(),
         "points": rows(&tables.points),

@@ -1,13 +1,12 @@
 //! What the charts with a limit say of their curves.
 
 use sagnac::chart::ChartError;
-use sagnac::run::Tables;
 use sagnac::study::{Chart, Limit, Shows, Study, StudyError};
 use sagnac::table::{Column, Table};
 use sagnac::verdict::{Answer, Question, verdict};
 use serde_json::{Map, Value, json};
 
-use super::charts::{chart_stem, filter, refused};
+use super::charts::{Shown, chart_stem, filter, refused};
 
 /// The verdict of one chart, or of several that show the same.
 pub struct Verdict<'t> {
@@ -25,15 +24,14 @@ pub struct Verdict<'t> {
 ///
 /// # Errors
 /// The table does not have what a chart asks for.
-pub fn verdicts<'t>(study: &Study, tables: &'t Tables) -> Result<Vec<Verdict<'t>>, StudyError> {
+pub fn verdicts<'t>(study: &Study, shown: &'t [Shown]) -> Result<Vec<Verdict<'t>>, StudyError> {
     let mut all: Vec<Verdict> = Vec::new();
-    for (index, chart) in study.charts.iter().enumerate() {
+    for (index, (chart, shown)) in study.charts.iter().zip(shown).enumerate() {
         let Some(limit) = chart.limit.filter(|_| matches!(chart.shows, Shows::Curves { .. })) else {
             continue;
         };
         let name = chart_stem(index, study.charts.len());
-        let found = of_chart(tables.of(chart.source), chart, name, limit)
-            .map_err(|error| refused(study, chart, &error))?;
+        let found = of_chart(shown, chart, name, limit).map_err(|error| refused(study, chart, &error))?;
         match all.iter_mut().find(|earlier| earlier.says_as_much_as(&found)) {
             Some(earlier) => earlier.charts.extend(found.charts),
             None => all.push(found),
@@ -43,23 +41,24 @@ pub fn verdicts<'t>(study: &Study, tables: &'t Tables) -> Result<Vec<Verdict<'t>
 }
 
 fn of_chart<'t>(
-    table: &'t Table,
+    shown: &'t Shown,
     chart: &Chart,
     name: String,
     limit: Limit,
 ) -> Result<Verdict<'t>, ChartError> {
+    let table: &Table = &shown.table;
     let rows = filter(chart);
     let question = Question {
         x: &chart.x.name,
-        y: &chart.y.name,
-        series: chart.series().iter().map(|column| column.name.as_str()).collect(),
+        y: &shown.estimate,
+        series: shown.series.iter().map(String::as_str).collect(),
         filter: rows.clone(),
         limit: limit.value,
     };
     let rows = rows.into_iter().map(|(column, value)| Ok((table.column(&column)?, value)));
     Ok(Verdict {
         charts: vec![name],
-        of: table.column(&chart.y.name)?,
+        of: table.column(&shown.estimate)?,
         limit,
         rows: rows.collect::<Result<_, ChartError>>()?,
         answers: verdict(table, &question)?,

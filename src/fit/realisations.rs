@@ -37,6 +37,7 @@ pub fn realisations(
         process: &process,
         readout_lsb: 0.0,
         mean_rate: 0.0,
+        switching: None,
         samples: curve.samples(),
         estimator: Estimator { difference: curve.difference(), stride: STRIDE },
         ms: curve.ms(),

@@ -1,4 +1,5 @@
-//! Synthetic angles of a gyro at rest, chunk by chunk: white, flicker, walking and Markov rate, sine, drift and readout.
+//! Synthetic angles of a gyro at rest, chunk by chunk: white, flicker, walking and Markov rate, sine, drift, fill residuals and
+//! readout.
 //!
 //! Twin of `shaders/noise.wgsl`. Flicker noise is a sum of octave holds: octave o keeps a normal number for 2^o samples, on a
 //! grid of its own in each record. New numbers come at the multiples of 2^o, for all records at once, and each record
@@ -26,6 +27,8 @@ pub(super) struct Noise<W: Word> {
     markov: W::Wide,
     /// Phase of the sine.
     phase: W,
+    /// Sum of all fill residuals, 2^−32 LSB: rounded, they would add up to a drift.
+    residuals: W::Wide,
     /// Where the readout stands at the start.
     start: W,
     holds: [[Hold<W>; STREAMS]; MAX_OCTAVES],
@@ -53,6 +56,7 @@ impl<W: Word> Noise<W> {
             walk: W::Wide::splat(0),
             markov: W::Wide::splat(0),
             phase: words[1],
+            residuals: W::Wide::splat(0),
             start: zero,
             holds: [[Hold { value: zero, change: zero, grid: zero }; STREAMS]; MAX_OCTAVES],
             rate: [0; 16 * CHUNK],
@@ -204,13 +208,22 @@ impl<W: Word> Noise<W> {
         hold.value = value;
     }
 
-    /// What is read of the angles of a chunk: with drift, sine and quantisation noise, in whole pulses.
+    /// What is read of the angles of a chunk: with drift, fill residuals, sine and quantisation noise, in whole pulses.
     #[inline(always)]
     fn readings(&mut self, recipe: &Recipe, first: usize, angles: &mut Chunk) {
         if !recipe.drift.is_empty() {
             for i in 0..CHUNK {
                 let drift = recipe.drift[(first + i).min(recipe.samples as usize)];
                 add(angles, i, W::splat(drift));
+            }
+        }
+        if let Some([interval, amplitude, sigma]) = recipe.switching {
+            for i in 0..CHUNK {
+                add(angles, i, self.residuals.high());
+                let sample = (first + i) as u32;
+                if sample > 0 && sample.is_multiple_of(interval) {
+                    self.jump(sample / interval, amplitude, sigma);
+                }
             }
         }
         if let Some([step, amplitude]) = recipe.sine {
@@ -236,6 +249,14 @@ impl<W: Word> Noise<W> {
                 ((W::load(at) + self.start) & whole).store(at);
             }
         }
+    }
+
+    /// The residual of a switch of all records.
+    #[inline(always)]
+    fn jump(&mut self, number: u32, amplitude: u32, sigma: u32) {
+        let words = self.address.draw(Purpose::FillResidual, number as usize);
+        let of_phase = sine(words[0]).mul_wide(W::splat(amplitude));
+        self.residuals = self.residuals + of_phase + normal(words[1]).mul_wide(W::splat(sigma));
     }
 }
 

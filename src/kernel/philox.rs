@@ -40,6 +40,8 @@ pub enum Purpose {
     Quantisation = 12,
     /// A block for each octave of flicker noise: where the grids of its four streams lie.
     FlickerGrid = 13,
+    /// A block for each switch of a record, from number 1 on: word 0 the phase of its fill residual, word 1 the noise of it.
+    FillResidual = 14,
     /// Relock after a mode switch, eight blocks for each switch: block 0 the error of U_λ/2, of the DAC, of the hysteresis
     /// and of f0; word 0 of block 1 where the beat stands; blocks 2 to 5 noise of detunings, that of both halves of two
     /// ticks each.
@@ -50,7 +52,7 @@ pub enum Purpose {
 }
 
 /// The purposes by the names that the shaders know them by.
-pub const PURPOSES: [(&str, Purpose); 16] = [
+pub const PURPOSES: [(&str, Purpose); 17] = [
     ("NOISE_BEFORE", Purpose::NoiseBefore),
     ("NOISE_AFTER_AND_PHASE", Purpose::NoiseAfterAndPhase),
     ("TONE", Purpose::Tone),
@@ -65,6 +67,7 @@ pub const PURPOSES: [(&str, Purpose); 16] = [
     ("MARKOV", Purpose::Markov),
     ("QUANTISATION", Purpose::Quantisation),
     ("FLICKER_GRID", Purpose::FlickerGrid),
+    ("FILL_RESIDUAL", Purpose::FillResidual),
     ("RELOCK_PURPOSE", Purpose::Relock),
     ("FLICKER", Purpose::Flicker),
 ];

@@ -58,7 +58,10 @@ pub struct Recipe {
     pub quantisation: u32,
     /// log2 of the LSB in a pulse, where whole pulses are read.
     pub pulse: Option<u32>,
-    /// The same angles in all records, LSB: ramp and warm-up; N + 1 of them, or none.
+    /// Fill residuals of a gyro that switches modes: samples between switches, amplitude of the part with a random phase
+    /// (2^−2 LSB), standard deviation of the rest (2^−4 LSB).
+    pub switching: Option<[u32; 3]>,
+    /// The same angles in all records, LSB: ramp, warm-up and alternating drift; N + 1 of them, or none.
     pub drift: Arc<[u32]>,
     /// Order of the differences: 2, or 3 for Hadamard's.
     pub order: u32,

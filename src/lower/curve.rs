@@ -36,6 +36,7 @@ impl LoweredCurve {
             process: &process,
             readout_lsb: inputs.noise.readout_lsb,
             mean_rate: inputs.rate,
+            switching: inputs.noise.switched(inputs.sample_s),
             samples,
             estimator,
             ms: &point.ms,

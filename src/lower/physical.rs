@@ -7,7 +7,7 @@ use super::refusal::LowerError;
 use crate::id::Id;
 use crate::kernel::gap_fill::shape::MARGIN;
 use crate::kernel::normal::REACH;
-use crate::study::{Frequency, Gaussian, Inputs, Phase, Position, Streams, Value, round_12};
+use crate::study::{Acceleration, Frequency, Gaussian, Inputs, Phase, Position, Streams, Value, round_12};
 use crate::theory::gap::tick_amplitude;
 
 /// Most ticks of a profile: a place in it is chosen by 32 random bits, which favour no place by more than 1/1000.
@@ -32,6 +32,8 @@ pub(super) struct Physical {
 /// One tone.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PhysicalTone {
+    /// What gives it, for refusals.
+    pub(super) key: &'static str,
     pub(super) kind: ToneKind,
     /// How the amplitude is drawn, as parts of its scale.
     pub(super) value: Value,
@@ -50,6 +52,8 @@ pub(super) enum ToneKind {
 /// Stationary Gaussian motion: the covariance of tick angles by lag, ″², as far as any tick can be from another.
 #[derive(Debug, Clone)]
 pub(super) struct PhysicalGaussian {
+    /// What gives it, for refusals.
+    pub(super) key: &'static str,
     pub(super) covariance: Vec<f64>,
 }
 
@@ -68,10 +72,19 @@ impl Physical {
         let motion = &inputs.motion;
         // Where one frequency is drawn, the kernel draws all of them: a fixed one from a band without width.
         let drawn = motion.tones.iter().any(|tone| matches!(tone.frequency, Frequency::Band(_)));
+        // The tone of a sine through the suspension is the last one.
+        let sine = motion.vibration.iter().filter(|v| matches!(v.acceleration, Acceleration::Sine { .. }));
+        let written = motion.tones.len() - sine.count();
+        let key = |index: usize| match (index < written, written) {
+            (false, _) => "motion.suspension",
+            (true, 1) => "motion.amplitude",
+            (true, _) => "motion.tones",
+        };
         let tones = motion
             .tones
             .iter()
-            .map(|tone| {
+            .enumerate()
+            .map(|(index, tone)| {
                 let scale = tone.amplitude.value.scale();
                 let value = match tone.amplitude.value {
                     Value::Fixed(_) => Value::Fixed(1.0),
@@ -96,17 +109,16 @@ impl Physical {
                         }
                     }
                 };
-                PhysicalTone { kind, value, phase: tone.phase }
+                PhysicalTone { key: key(index), kind, value, phase: tone.phase }
             })
             .collect();
         let lags = 2 * MARGIN + inputs.gap_ticks as usize;
         let gaussian = motion.gaussian.as_ref().map(|gaussian| PhysicalGaussian {
-            covariance: match gaussian {
-                Gaussian::Band { rms, band } => {
-                    band.covariance(rms * core::f64::consts::SQRT_2, tick_s, lags)
-                }
-                Gaussian::Psd(psd) => psd.covariance(tick_s, lags),
+            key: match gaussian {
+                Gaussian::Band { .. } | Gaussian::Psd(_) => "motion.gaussian",
+                Gaussian::Vibration { .. } => "motion.suspension",
             },
+            covariance: gaussian.covariance(tick_s, lags),
         });
         let profile = motion.profile.as_ref().map(|profile| {
             let (file, count) = (profile.file.clone(), profile.record.whole_ticks(tick_s));
@@ -138,17 +150,16 @@ impl Physical {
     pub(super) fn tick_sizes(&self) -> Vec<(&'static str, f64)> {
         let mut sizes = Vec::new();
         for tone in &self.tones {
-            let key = if self.tones.len() > 1 { "motion.tones" } else { "motion.amplitude" };
             let arcsec = match tone.kind {
                 ToneKind::Fixed { tick_arcsec, .. } => tick_arcsec.abs(),
                 ToneKind::Drawn { arcsec, .. } => arcsec,
             };
             // Of two normal numbers.
             let reach = if let Value::Rayleigh(_) = tone.value { 2.0 * REACH } else { 1.0 };
-            sizes.push((key, arcsec * reach));
+            sizes.push((tone.key, arcsec * reach));
         }
         if let Some(gaussian) = &self.gaussian {
-            sizes.push(("motion.gaussian", REACH * libm::sqrt(gaussian.covariance[0])));
+            sizes.push((gaussian.key, REACH * libm::sqrt(gaussian.covariance[0])));
         }
         if let Some(profile) = &self.profile {
             sizes.push(("motion.profile", profile.ticks.iter().fold(0.0, |most, x| most.max(x.abs()))));
@@ -191,6 +202,12 @@ impl Physical {
             Some(Gaussian::Psd(psd)) => {
                 line(format_args!("psd={:?} tick_s={:.11e}", psd.points(), inputs.tick_s))
             }
+            Some(Gaussian::Vibration { suspension, acceleration, scale }) => line(format_args!(
+                "suspension={:?} acceleration={:?} scale={scale:.11e} tick_s={:.11e}",
+                suspension.modes(),
+                acceleration.points(),
+                inputs.tick_s
+            )),
             None => {}
         }
         if let Some(profile) = &self.profile {

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use toml::Spanned;
 
+use super::chart_columns;
 use super::chart_default::default_for;
 pub use super::chart_file::Source;
 use super::chart_file::{ChartKind, ChartTable, Charts, Scale};
@@ -47,6 +48,8 @@ pub struct Chart {
     pub x: Named,
     /// Of curves the estimate, of a map an axis like x.
     pub y: Named,
+    /// Further columns like y, each a curve of its own colour.
+    pub beside: Vec<Named>,
     pub shows: Shows,
     /// Only rows in which each column, a swept key, `filler` or `error`, has the value: one of those it takes. A chart that is
     /// supplied has those of the keys that it cannot show.
@@ -84,7 +87,8 @@ pub fn text_columns(study: &Study, source: Source) -> Vec<&'static str> {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shows {
     Curves {
-        /// One or two columns whose values make the curves: the first gives the colour, the second the dash.
+        /// At most two columns whose values make the curves: the first gives the colour, the second the dash. At most one, for
+        /// the dash, where several columns are shown.
         series: Vec<Named>,
         /// Each once; with any, x is a swept key or `dt_nu`.
         laws: Vec<Law>,
@@ -102,6 +106,11 @@ impl Chart {
             Shows::Curves { .. } => &self.y,
             Shows::HeatMap { z, .. } | Shows::WinnerMap { z, .. } => z,
         }
+    }
+
+    /// The columns that curves show: y and those beside it.
+    pub fn columns(&self) -> impl Iterator<Item = &Named> {
+        std::iter::once(&self.y).chain(&self.beside)
     }
 
     /// The columns whose values are told apart.
@@ -141,7 +150,8 @@ fn read(mut table: ChartTable, sweeps: &[Sweep], subject: &Subject) -> Result<Ch
     let source = source(&table, subject)?;
     let known = Known::of(subject, source);
     let limit = table.limit.as_ref().map(|limit| read_limit(limit, subject, source)).transpose()?;
-    let shows = shows(&mut table, sweeps, &known)?;
+    let (y, beside) = chart_columns::read(&table)?;
+    let shows = shows(&mut table, &y, &beside, sweeps, &known)?;
     let mut rows = Vec::new();
     let mut chosen: Vec<String> = Vec::new();
     for (name, value) in table.rows.unwrap_or_default() {
@@ -161,10 +171,11 @@ fn read(mut table: ChartTable, sweeps: &[Sweep], subject: &Subject) -> Result<Ch
     let chart = Chart {
         title: table.title,
         x_scale: table.x_scale.unwrap_or_else(|| scale_over(table.x.get_ref(), sweeps, &known)),
-        y_scale: table.y_scale.unwrap_or_else(|| scale_over(table.y.get_ref(), sweeps, &known)),
+        y_scale: table.y_scale.unwrap_or_else(|| scale_over(&y.name, sweeps, &known)),
         source,
         x: table.x.into(),
-        y: table.y.into(),
+        y,
+        beside,
         shows,
         rows,
         limit,
@@ -181,8 +192,8 @@ fn read(mut table: ChartTable, sweeps: &[Sweep], subject: &Subject) -> Result<Ch
 fn source(table: &ChartTable, subject: &Subject) -> Result<Source, Fault> {
     match (&table.table, subject) {
         (None, _) => Ok(Source::Points),
-        (Some(written), Subject::GapFill(_) | Subject::Relock(_))
-            if *written.get_ref() == Source::Coefficients =>
+        (Some(written), subject)
+            if *written.get_ref() == Source::Coefficients && !matches!(subject, Subject::Allan(_)) =>
         {
             let message = "only a study of kind = \"allan\" has a table of coefficients";
             Err(Fault::new(written.span(), message, "no such table", "leave chart.table out"))
@@ -199,7 +210,13 @@ fn source(table: &ChartTable, subject: &Subject) -> Result<Source, Fault> {
 }
 
 /// What a table asks to be shown, by its kind.
-fn shows(table: &mut ChartTable, sweeps: &[Sweep], known: &Known) -> Result<Shows, Fault> {
+fn shows(
+    table: &mut ChartTable,
+    y: &Named,
+    beside: &[Named],
+    sweeps: &[Sweep],
+    known: &Known,
+) -> Result<Shows, Fault> {
     let kind = table.kind.as_ref().map_or(ChartKind::Curves, |kind| *kind.get_ref());
     let maps = [ChartKind::HeatMap, ChartKind::WinnerMap];
     only_for(kind, &maps, "z", table.z.as_ref())?;
@@ -209,19 +226,28 @@ fn shows(table: &mut ChartTable, sweeps: &[Sweep], known: &Known) -> Result<Show
     only_for(kind, &[ChartKind::Curves], "laws", table.laws.as_ref())?;
     if kind == ChartKind::Curves {
         let laws = laws(table, sweeps, known)?;
-        return Ok(Shows::Curves {
-            series: series(table.series.take(), table.x.get_ref(), sweeps, known)?,
-            laws,
-        });
+        if !beside.is_empty() {
+            chart_columns::check_beside(table, &laws)?;
+        }
+        let mut series = series(table.series.take(), table.x.get_ref(), sweeps, known)?;
+        if !beside.is_empty() {
+            series.truncate(1);
+        }
+        return Ok(Shows::Curves { series, laws });
+    }
+    if !beside.is_empty() {
+        let message = format!("a chart of kind = \"{}\" has one column y", kind.name());
+        return Err(Fault::new(table.y.span(), message, "a list", "name one column"));
     }
     let Some(z) = table.z.take().map(Named::from) else {
         let span = table.kind.as_ref().map_or(0..0, Spanned::span);
         let message = format!("a chart of kind = \"{}\" needs z, the column that it shows", kind.name());
         return Err(Fault::new(span, message, "a map of what?", "add it as in\nz = \"q9973\""));
     };
-    for (name, axis) in [("x", &table.x), ("y", &table.y)] {
+    let x = Named::from(table.x.clone());
+    for (name, axis) in [("x", &x), ("y", y)] {
         let cannot = format!("a map cannot have as its {name}");
-        coordinate(sweeps, known, axis.get_ref(), axis.span(), &cannot)?;
+        coordinate(sweeps, known, &axis.name, axis.span.clone(), &cannot)?;
     }
     if kind == ChartKind::HeatMap {
         let z_scale = table.z_scale.as_ref().map_or(Scale::default(), |scale| *scale.get_ref());
@@ -328,18 +354,20 @@ const PERCENT: &str = "accepted: a part in percent such as \"10 %\", of a relati
 
 /// A limit in the unit of what the table is about.
 fn read_limit(given: &Spanned<Scalar>, subject: &Subject, source: Source) -> Result<Limit, Fault> {
-    let (dimension, unit) = match (subject, source) {
-        (Subject::GapFill(_) | Subject::Relock(_), _) => (Dimension::Angle, Unit::ARCSEC),
-        (Subject::Allan(_), Source::Points) => (Dimension::DriftRate, Unit::DEG_PER_H),
+    let dimensions: &[Dimension] = match (subject, source) {
+        (Subject::GapFill(_) | Subject::Relock(_), _) => &[Dimension::Angle],
+        (Subject::Allan(_), Source::Points) => &[Dimension::DriftRate],
+        (Subject::DriftBudget(_), _) => &[Dimension::Rate, Dimension::Time],
+        (Subject::Suspension(_), _) => &[Dimension::RatePerAcceleration],
         (Subject::Allan(_), Source::Coefficients) => {
             return Ok(Limit { value: percent("chart.limit", given, PERCENT)?, unit: Unit::NONE });
         }
     };
-    let limit = scalar::quantity("chart.limit", given, &[dimension])?;
+    let limit = scalar::quantity("chart.limit", given, dimensions)?;
     if limit.value > 0.0 {
-        return Ok(Limit { value: limit.value, unit });
+        return Ok(Limit { value: limit.value, unit: limit.dimension.unit() });
     }
     let message = format!("chart.limit = {limit}, and no error stays within that");
-    let help = format!("accepted: {} above 0, or no limit", dimension.name());
+    let help = format!("accepted: {} above 0, or no limit", limit.dimension.name());
     Err(Fault::new(given.span(), message, "not above 0", help))
 }

@@ -14,6 +14,8 @@ pub(super) fn default_for(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> 
         Subject::GapFill(_) => of_fillers(sweeps, subject),
         Subject::Allan(_) => Some(of_deviations(sweeps)),
         Subject::Relock(_) => Some(of_relock(sweeps, subject)),
+        Subject::DriftBudget(_) => of_closed_forms(sweeps, subject, "bound"),
+        Subject::Suspension(_) => of_closed_forms(sweeps, subject, "response"),
     }
 }
 
@@ -24,6 +26,7 @@ fn of_deviations(sweeps: &[Sweep]) -> Chart {
         source: Source::Points,
         x: Named::default(TAU),
         y: Named::default("adev"),
+        beside: vec![],
         shows: Shows::Curves {
             series: sweeps.iter().take(2).map(|sweep| Named::default(sweep.key.name)).collect(),
             laws: vec![],
@@ -46,6 +49,7 @@ fn of_relock(sweeps: &[Sweep], subject: &Subject) -> Chart {
         source: Source::Points,
         x: Named::default(x),
         y: Named::default("rms"),
+        beside: vec![],
         shows: Shows::Curves { series: series.map(Named::default).collect(), laws: vec![] },
         rows: (!sweeps.is_empty()).then_some(all).into_iter().chain(fixed).collect(),
         limit: None,
@@ -56,6 +60,27 @@ fn of_relock(sweeps: &[Sweep], subject: &Subject) -> Chart {
         },
         y_scale: Scale::Log,
     }
+}
+
+/// The column `y` over the first swept key that is no name, a curve for each value of the next two.
+fn of_closed_forms(sweeps: &[Sweep], subject: &Subject, y: &str) -> Option<Chart> {
+    let x = sweeps.iter().find(|sweep| !sweep.key.is_name())?;
+    let others: Vec<&Sweep> = sweeps.iter().filter(|sweep| sweep.key.name != x.key.name).collect();
+    Some(Chart {
+        title: None,
+        source: Source::Points,
+        x: Named::default(x.key.name),
+        y: Named::default(y),
+        beside: vec![],
+        shows: Shows::Curves {
+            series: others.iter().take(2).map(|sweep| Named::default(sweep.key.name)).collect(),
+            laws: vec![],
+        },
+        rows: others.iter().skip(2).filter_map(|sweep| at_first(sweep)).collect(),
+        limit: None,
+        x_scale: scale_over(x.key.name, sweeps, &Known::of(subject, Source::Points)),
+        y_scale: Scale::default(),
+    })
 }
 
 /// A curve runs along one key: others stay at their first value.
@@ -85,6 +110,7 @@ fn of_fillers(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
         source: Source::Points,
         x: Named::default(x),
         y: Named::default("rms"),
+        beside: vec![],
         shows: Shows::Curves { series: series.map(Named::default).collect(), laws: vec![] },
         rows: fixed.chain(only_residuals()).collect(),
         limit: None,

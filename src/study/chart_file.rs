@@ -11,7 +11,7 @@ use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
-use super::file::ValueSchema;
+use super::file::{Either, ValueSchema};
 use super::gap_fill::Law;
 use super::scalar::Scalar;
 
@@ -35,9 +35,10 @@ pub(super) struct ChartTable {
     /// Column of the abscissa; of a map a swept key, dt_nu or amplitude_noise.
     #[schemars(with = "String", extend("examples" = ["dt_nu", "frequency"]))]
     pub(super) x: Spanned<String>,
-    /// Column of the ordinate: of curves the estimate, of a map another swept key or dt_nu.
-    #[schemars(with = "String", extend("examples" = ["rms", "q9973", "max"]))]
-    pub(super) y: Spanned<String>,
+    /// Column of the ordinate: of curves the estimate, or several of one unit, ["bound", "mean_drift"], each a curve of its
+    /// own colour; of a map another swept key or dt_nu.
+    #[schemars(with = "Either<Vec<String>>", extend("examples" = ["rms", "q9973", "max"]))]
+    pub(super) y: Spanned<Either<Vec<Spanned<String>>>>,
     /// Column that a map shows, and only a map: the least wins in a winner map.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "String", extend("examples" = ["rms", "q9973", "max"]))]
@@ -46,8 +47,8 @@ pub(super) struct ChartTable {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "String")]
     pub(super) of: Option<Spanned<String>>,
-    /// Columns whose values make the curves: first the colour, second the dash. If absent the fillers, the coefficients, or
-    /// the swept keys.
+    /// Columns whose values make the curves: first the colour, second the dash; beside several columns y one, the dash. If
+    /// absent the fillers, the coefficients, or the swept keys.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Vec<String>", length(min = 1, max = 2))]
     pub(super) series: Option<Spanned<Vec<Spanned<String>>>>,

@@ -235,7 +235,8 @@ fn nearest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
         let whole = strsim::normalized_damerau_levenshtein(found, name);
         whole.max(strsim::normalized_damerau_levenshtein(found, bare))
     };
-    let best = known.iter().copied().max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;
+    // Of several that are as near the first.
+    let best = known.iter().rev().copied().max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;
     (likeness(best) >= 0.5).then_some(best)
 }
 

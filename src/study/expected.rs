@@ -25,6 +25,9 @@ const DRAWN_AMPLITUDE: &str = "a number with its unit, in quotes, or a table of 
 const DRAWN_FREQUENCY: &str = "a number with its unit, in quotes, or a list of two";
 const SPACING: &str = "a table of from, to and points";
 
+const MODES: &str = "modes = [{ frequency = \"380 Hz\", q = 100, response = \"20000 arcsec/s/g\" }]";
+const VIBRATION: &str = "random = { psd = [[\"20 Hz\", \"0.01 g^2/Hz\"], [\"2000 Hz\", \"0.01 g^2/Hz\"]] }";
+
 /// Every key of a study file.
 static KEYS: &[Expected] = &[
     entry("title", TEXT, "title = \"Error of the gap fillers\""),
@@ -87,6 +90,31 @@ static KEYS: &[Expected] = &[
     entry("motion.profile", "a table of file and position", "profile = { file = \"base.csv\" }"),
     entry("motion.profile.file", TEXT, "file = \"base.csv\""),
     entry("motion.profile.position", TEXT, "position = \"random\""),
+    entry(
+        "motion.suspension",
+        "a table of gyro or modes, and of sine or random",
+        "suspension = { gyro = \"LGK-400\", sine = { acceleration = \"1 g\", frequency = \"700 Hz\" }, alias = true }",
+    ),
+    entry("motion.suspension.gyro", TEXT, "gyro = \"LGK-400\""),
+    entry("motion.suspension.modes", "a list of tables in brackets", MODES),
+    entry("motion.suspension.modes.frequency", QUANTITY, "frequency = \"380 Hz\""),
+    entry("motion.suspension.modes.q", "a number", "q = 100"),
+    entry("motion.suspension.modes.response", QUANTITY, "response = \"20000 arcsec/s/g\""),
+    entry(
+        "motion.suspension.sine",
+        "a table of acceleration and frequency",
+        "sine = { acceleration = \"1 g\", frequency = \"700 Hz\" }",
+    ),
+    entry("motion.suspension.sine.acceleration", QUANTITY, "acceleration = \"1 g\""),
+    entry("motion.suspension.sine.frequency", QUANTITY, "frequency = \"700 Hz\""),
+    entry("motion.suspension.random", "a table of psd and rms", VIBRATION),
+    entry(
+        "motion.suspension.random.psd",
+        "a list of pairs, frequency and density",
+        "psd = [[\"20 Hz\", \"0.01 g^2/Hz\"], [\"2000 Hz\", \"0.01 g^2/Hz\"]]",
+    ),
+    entry("motion.suspension.random.rms", QUANTITY, "rms = \"5 g\""),
+    entry("motion.suspension.alias", "true or false", "alias = true"),
     entry("motion.rate", QUANTITY, "rate = \"10 deg/s\""),
     entry("motion.acceleration", QUANTITY, "acceleration = \"100 deg/s^2\""),
     entry("drift", "a table", "[drift]\nmagnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\""),
@@ -142,6 +170,13 @@ static KEYS: &[Expected] = &[
     entry("relock.ticks", NUMBER, "ticks = 4"),
     entry("relock.first_half", TEXT, "first_half = \"negative\""),
     entry("relock.signal_gain", RATIO, "signal_gain = 20"),
+    entry("suspension", "a table", "[suspension]\ngyro = \"LGK-400\"\nfrequency = \"380 Hz\""),
+    entry("suspension.gyro", TEXT, "gyro = \"LGK-400\""),
+    entry("suspension.modes", "a list of tables in brackets", MODES),
+    entry("suspension.modes.frequency", QUANTITY, "frequency = \"380 Hz\""),
+    entry("suspension.modes.q", "a number", "q = 100"),
+    entry("suspension.modes.response", QUANTITY, "response = \"20000 arcsec/s/g\""),
+    entry("suspension.frequency", QUANTITY, "frequency = \"380 Hz\""),
     entry("record", "a table", "[record]\nsample = \"1 s\"\nlength = \"9 h\""),
     entry("record.sample", QUANTITY, "sample = \"1 s\""),
     entry("record.length", QUANTITY, "length = \"9 h\""),
@@ -175,6 +210,17 @@ static KEYS: &[Expected] = &[
     ),
     entry("noise.warm_up.amplitude", QUANTITY, "amplitude = \"0.1 deg/h\""),
     entry("noise.warm_up.time", QUANTITY, "time = \"20 min\""),
+    entry(
+        "noise.switching",
+        "a table of interval and what switches leave",
+        "switching = { interval = \"40 s\", residual = \"10 arcsec\" }",
+    ),
+    entry("noise.switching.interval", QUANTITY, "interval = \"40 s\""),
+    entry("noise.switching.magnetic", QUANTITY, "magnetic = \"14 arcsec/s\""),
+    entry("noise.switching.warm_up_time", QUANTITY, "warm_up_time = \"50 min\""),
+    entry("noise.switching.initial_magnetic", QUANTITY, "initial_magnetic = \"0.1 deg/h\""),
+    entry("noise.switching.residual", QUANTITY, "residual = \"10 arcsec\""),
+    entry("noise.switching.residual_noise", QUANTITY, "residual_noise = \"2 arcsec\""),
     entry("allan", "a table", "[allan]\ntau = \"octave\"\nfit = [\"Q\", \"N\", \"B\"]"),
     entry("allan.tau", "a text in quotes, or a list of times", "tau = \"octave\""),
     entry("allan.estimator", TEXT, "estimator = \"overlapping\""),

@@ -17,6 +17,7 @@ pub(super) mod drift;
 mod either;
 pub(super) mod motion;
 pub(super) mod relock;
+pub(super) mod suspension;
 pub(super) mod switching;
 
 use allan::{AllanTable, NoiseTable, RecordTable};
@@ -26,6 +27,7 @@ use motion::MotionTable;
 pub use motion::{Phase, Position};
 pub use relock::FirstHalf;
 use relock::RelockTable;
+use suspension::SuspensionTable;
 pub use switching::Error;
 use switching::SwitchingTable;
 
@@ -47,7 +49,8 @@ pub(super) struct StudyFile {
     #[serde(default)]
     #[schemars(with = "i64", range(min = 0))]
     pub(super) seed: Option<Spanned<Scalar>>,
-    /// Monte Carlo trials at each point; 1 000 000 if absent, and 1000 records of kind = "allan".
+    /// Monte Carlo trials at each point; 1 000 000 if absent, and 1000 records of kind = "allan"; unused where all is
+    /// in closed form.
     #[serde(default)]
     #[schemars(with = "i64", range(min = 1, max = 1_099_511_627_776_i64))]
     pub(super) trials: Option<Spanned<Scalar>>,
@@ -82,6 +85,10 @@ pub(super) struct StudyFile {
     #[serde(default)]
     #[schemars(with = "RelockTable")]
     pub(super) relock: Option<Spanned<RelockTable>>,
+    /// Of kind = "suspension".
+    #[serde(default)]
+    #[schemars(with = "SuspensionTable")]
+    pub(super) suspension: Option<Spanned<SuspensionTable>>,
     /// Of kind = "allan".
     #[serde(default)]
     #[schemars(with = "RecordTable")]
@@ -127,11 +134,15 @@ pub enum Kind {
     Allan,
     /// The rotation faked by the perimeter loop after a mode switch, and what compensations leave of it.
     Relock,
+    /// The bound of the drift of a gyro that switches modes, and the switching interval at which it is least, in closed form.
+    DriftBudget,
+    /// The rotation of a gyro on its suspension under vibration, in closed form.
+    Suspension,
 }
 
 impl StudyFile {
     /// The tables that not every kind has, each with its place where it is written.
-    pub(super) fn tables(&self) -> [(&'static str, Option<Range<usize>>); 9] {
+    pub(super) fn tables(&self) -> [(&'static str, Option<Range<usize>>); 10] {
         [
             ("gyro", self.gyro.as_ref().map(Spanned::span)),
             ("motion", self.motion.as_ref().map(Spanned::span)),
@@ -139,6 +150,7 @@ impl StudyFile {
             ("drift", self.drift.as_ref().map(Spanned::span)),
             ("run", self.run.as_ref().map(Spanned::span)),
             ("relock", self.relock.as_ref().map(Spanned::span)),
+            ("suspension", self.suspension.as_ref().map(Spanned::span)),
             ("record", self.record.as_ref().map(Spanned::span)),
             ("noise", self.noise.as_ref().map(Spanned::span)),
             ("allan", self.allan.as_ref().map(Spanned::span)),
@@ -148,7 +160,8 @@ impl StudyFile {
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 3] = [Kind::GapFill, Kind::Allan, Kind::Relock];
+    pub const ALL: [Kind; 5] =
+        [Kind::GapFill, Kind::Allan, Kind::Relock, Kind::DriftBudget, Kind::Suspension];
 
     /// The tables that a study of this kind may have.
     pub(super) fn tables(self) -> &'static [&'static str] {
@@ -156,6 +169,8 @@ impl Kind {
             Kind::GapFill => &["gyro", "motion", "switching", "noise"],
             Kind::Allan => &["record", "noise", "allan"],
             Kind::Relock => &["gyro", "relock"],
+            Kind::DriftBudget => &["drift", "switching", "run"],
+            Kind::Suspension => &["suspension"],
         }
     }
 
@@ -165,7 +180,14 @@ impl Kind {
             Kind::GapFill => "gap-fill",
             Kind::Allan => "allan",
             Kind::Relock => "relock",
+            Kind::DriftBudget => "drift-budget",
+            Kind::Suspension => "suspension",
         }
+    }
+
+    /// Whether every value is a closed form: nothing is sampled.
+    pub fn is_exact(self) -> bool {
+        matches!(self, Kind::DriftBudget | Kind::Suspension)
     }
 }
 
@@ -295,6 +317,8 @@ fn tables_of_kinds(schema: &mut schemars::Schema) {
         needs(Kind::GapFill, &["gyro", "motion", "switching"]),
         needs(Kind::Allan, &["record", "noise"]),
         needs(Kind::Relock, &["gyro", "relock"]),
+        needs(Kind::DriftBudget, &["drift", "switching", "run"]),
+        needs(Kind::Suspension, &["suspension"]),
     ];
     schema.insert("allOf".to_owned(), json!(kinds));
 }

@@ -17,9 +17,9 @@ pub struct Key {
     pub name: &'static str,
     /// For axes and reports: `vibration frequency`.
     pub label: &'static str,
-    /// None of a name of a file.
+    /// None of a name.
     pub(super) accepts: &'static [Dimension],
-    /// Lowest and highest value in base units, and the same for people.
+    /// Lowest and highest value in base units, and the same for people; of a name the ones that there are, none of a file.
     pub(super) limits: (f64, f64, &'static str),
 }
 
@@ -43,7 +43,7 @@ impl<I> Deref for Setting<I> {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Swept {
     Quantity(Quantity),
-    /// The name of a file without folders and ending.
+    /// One of some names, or that of a file without folders and ending.
     Name(String),
 }
 
@@ -80,7 +80,7 @@ impl fmt::Display for Swept {
 }
 
 /// The keys of a study that no sweep can vary, and what they are.
-const FIXED: [(&str, &str); 28] = [
+const FIXED: &[(&str, &str)] = &[
     ("title", "is text"),
     ("question", "is text"),
     ("kind", "is text"),
@@ -94,6 +94,12 @@ const FIXED: [(&str, &str); 28] = [
     ("motion.tones", "is a list"),
     ("motion.gaussian", "is a table"),
     ("motion.profile", "is a table"),
+    ("motion.suspension", "is a table"),
+    ("motion.suspension.modes", "is a list"),
+    ("motion.suspension.sine", "is a table"),
+    ("motion.suspension.random", "is a table"),
+    ("motion.suspension.alias", "holds for the whole study"),
+    ("suspension.modes", "is a list"),
     ("switching.fillers", "is a list"),
     ("switching.fit_ticks", "is a list"),
     ("switching.extrapolation_ticks", "is a list"),
@@ -104,6 +110,7 @@ const FIXED: [(&str, &str); 28] = [
     ("relock.ticks", "holds for the whole study"),
     ("relock.first_half", "is text"),
     ("relock.signal_gain", "holds for the whole study"),
+    ("noise.switching", "is a table"),
     ("allan.tau", "holds for the whole study"),
     ("allan.estimator", "is text"),
     ("allan.overlap", "is text"),
@@ -161,7 +168,17 @@ impl Key {
 
     /// Whether the key holds the name of a file.
     pub(super) fn is_file(&self) -> bool {
+        self.is_name() && self.limits.2.is_empty()
+    }
+
+    /// Whether the key holds a name, of a file or of other things.
+    pub(super) fn is_name(&self) -> bool {
         self.accepts.is_empty()
+    }
+
+    /// The names that the key accepts, where it holds one of some.
+    pub(super) fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.limits.2.split(", ").filter(|_| self.is_name() && !self.is_file())
     }
 
     /// The value written for this key.

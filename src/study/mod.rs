@@ -8,10 +8,12 @@
 
 mod allan;
 mod chart;
+mod chart_columns;
 mod chart_default;
 mod chart_file;
 mod diagnose;
 mod drift;
+mod drift_budget;
 mod expected;
 mod expression;
 mod file;
@@ -23,6 +25,7 @@ mod place;
 mod relock;
 mod rows;
 mod scalar;
+mod suspension;
 mod sweep;
 mod units;
 
@@ -44,14 +47,16 @@ pub use chart_file::Scale;
 pub use diagnose::StudyError;
 pub(crate) use diagnose::{Fault, Text, choices, render};
 pub use drift::{Drift, Schedule};
+pub use drift_budget::{DriftBudget, Point as BudgetPoint};
 pub use file::{Error, FirstHalf, Kind, Phase, Position, Streams, schema};
 pub use gap_fill::{
-    Amplitude, Fill, Filler, Frequency, GapFill, Gaussian, Inputs, Law, Method, Motion, POLYNOMIALS, Point,
-    Precision, Profile, TickNoise, Tone, Value,
+    Acceleration, Amplitude, Fill, Filler, Frequency, GapFill, Gaussian, Inputs, Law, Method, Motion,
+    POLYNOMIALS, Point, Precision, Profile, TickNoise, Tone, Value, Vibration,
 };
 pub use key::{Key, Swept};
 pub use noise::{Markov, Noise, Sine, WarmUp};
 pub use relock::{Compensation, Relock, RelockInputs, RelockPoint, RelockStudy};
+pub use suspension::{Point as SuspensionPoint, SuspensionStudy};
 pub use sweep::Sweep;
 pub use units::{Dimension, Quantity, UnitError, parse as parse_quantity};
 pub(crate) use units::{parse_unit, round_12};
@@ -85,9 +90,11 @@ pub struct Study {
 /// What is studied, by its kind.
 #[derive(Debug, Clone)]
 pub enum Subject {
-    GapFill(GapFill),
+    GapFill(Box<GapFill>),
     Allan(Allan),
     Relock(RelockStudy),
+    DriftBudget(DriftBudget),
+    Suspension(SuspensionStudy),
 }
 
 /// What [`Study::resolved`] may have to replace in the text.
@@ -134,6 +141,8 @@ impl Study {
             Subject::GapFill(_) => Kind::GapFill,
             Subject::Allan(_) => Kind::Allan,
             Subject::Relock(_) => Kind::Relock,
+            Subject::DriftBudget(_) => Kind::DriftBudget,
+            Subject::Suspension(_) => Kind::Suspension,
         }
     }
 
@@ -159,6 +168,7 @@ impl Study {
             Subject::GapFill(gap_fill) => &gap_fill.notes,
             Subject::Allan(allan) => &allan.notes,
             Subject::Relock(_) => &[],
+            Subject::DriftBudget(_) | Subject::Suspension(_) => &[],
         }
     }
 
@@ -174,7 +184,8 @@ impl Study {
     }
 
     /// The file as it was read, but with the seed of this value, so many trials, and the whole paths of files: a study
-    /// that repeats this one without further options, wherever it is kept. Comments and layout are kept too.
+    /// that repeats this one without further options, wherever it is kept. Comments and layout are kept too. Without seed
+    /// and trials where nothing is sampled.
     pub fn resolved(&self, trials: u64) -> String {
         let Written { seed, trials: written_trials, files, kind_end } = &self.written;
         let mut text = self.text.inner().clone();
@@ -185,6 +196,7 @@ impl Study {
         let mut edits = Vec::new();
         for (key, value, written) in [("trials", trials, written_trials), ("seed", self.seed, seed)] {
             match written {
+                _ if self.kind().is_exact() => {}
                 None => edits.push((after_kind..after_kind, format!("{line_end}{key} = {value}\n"))),
                 Some(written) if *written.get_ref() != value => {
                     edits.push((written.span(), value.to_string()))
@@ -233,6 +245,8 @@ impl Study {
             Kind::GapFill => gap_fill::keys(),
             Kind::Allan => allan::keys(),
             Kind::Relock => relock::keys(),
+            Kind::DriftBudget => drift_budget::keys(),
+            Kind::Suspension => suspension::keys(),
         };
         let sweeps = sweep::read_all(&file.sweep, &keys)?;
         let written = Written {
@@ -245,14 +259,19 @@ impl Study {
         if let Some(trials) = &written.trials {
             places.add("trials", trials.span());
         }
+        if kind.is_exact() {
+            check_exact(&file)?;
+        }
         let subject = match kind {
-            Kind::GapFill => Subject::GapFill(gap_fill::read(&file, &sweeps, folder, &mut places)?),
+            Kind::GapFill => Subject::GapFill(Box::new(gap_fill::read(&file, &sweeps, folder, &mut places)?)),
             Kind::Allan => Subject::Allan(allan::read(&file, &sweeps, folder, &mut places)?),
             Kind::Relock => Subject::Relock(relock::read(&file, &sweeps, &mut places)?),
+            Kind::DriftBudget => Subject::DriftBudget(drift_budget::read(&file, &sweeps, &mut places)?),
+            Kind::Suspension => Subject::Suspension(suspension::read(&file, &sweeps, &mut places)?),
         };
         let default_trials = match kind {
-            Kind::GapFill | Kind::Relock => 1_000_000,
             Kind::Allan => 1000,
+            _ => 1_000_000,
         };
         let charts = chart::read_all(file.chart, &sweeps, &subject)?;
         Ok(Study {
@@ -269,6 +288,14 @@ impl Study {
             written,
         })
     }
+}
+
+/// Refuses what means nothing where nothing is sampled.
+fn check_exact(file: &StudyFile) -> Result<(), Fault> {
+    let Some(precision) = &file.precision else { return Ok(()) };
+    let kind = file.kind.get_ref().name();
+    let message = format!("precision is no key of a study of kind = \"{kind}\", which is exact");
+    Err(Fault::new(precision.span(), message, "not of this kind", "leave it out"))
 }
 
 /// The key of a table that a study of this kind needs.

@@ -74,6 +74,9 @@ impl Known {
                 }
             }
             (Subject::Allan(_), Source::Points) => Known { texts: vec![], fillers: vec![], numbers: &[TAU] },
+            (Subject::DriftBudget(_) | Subject::Suspension(_), _) => {
+                Known { texts: vec![], fillers: vec![], numbers: &[] }
+            }
             (Subject::Allan(_), Source::Coefficients) => {
                 let names = Term::ALL.map(Term::symbol).into_iter().chain(["markov_time", "sine_frequency"]);
                 Known { texts: vec![(COEFFICIENT, names.collect())], fillers: vec![], numbers: &[] }
@@ -182,7 +185,7 @@ pub(super) fn row(
 /// The value of a sweep that is meant: the one which tables show like the one given.
 fn swept_value<'s>(sweep: &'s Sweep, given: &Spanned<Scalar>) -> Result<&'s Swept, Fault> {
     let wanted = match given.get_ref() {
-        Scalar::Text(name) if sweep.key.is_file() => Swept::Name(name.clone()),
+        Scalar::Text(name) if sweep.key.is_name() => Swept::Name(name.clone()),
         _ => Swept::Quantity(sweep.key.read(given)?),
     };
     let is_meant =

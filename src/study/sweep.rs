@@ -7,7 +7,7 @@ use std::path::Path;
 use toml::Spanned;
 
 use super::chart_file::Scale;
-use super::diagnose::Fault;
+use super::diagnose::{Fault, choices};
 use super::file::{SpacingTable, SweepTable};
 use super::key::{self, Key, Setting, Swept};
 use super::scalar::{self, Scalar};
@@ -93,6 +93,9 @@ fn read(table: &SweepTable, key: &'static Key) -> Result<Sweep, Fault> {
     if key.is_file() {
         return of_files(table, key);
     }
+    if key.is_name() {
+        return of_names(table, key);
+    }
     let (span, values) = match (&table.list, &table.linear, &table.log) {
         (Some(list), None, None) => (list.span(), listed(key, list)?),
         (None, Some(linear), None) => (linear.span(), spaced(key, linear, Spacing::Linear)?),
@@ -139,6 +142,35 @@ fn of_files(table: &SweepTable, key: &'static Key) -> Result<Sweep, Fault> {
         files.push(Spanned::new(item.span(), path.clone()));
     }
     Ok(Sweep { key, values, files, scale: Scale::Linear, span: list.span() })
+}
+
+/// A sweep over some of the names that a key accepts.
+fn of_names(table: &SweepTable, key: &'static Key) -> Result<Sweep, Fault> {
+    let known: Vec<&str> = key.names().collect();
+    let (Some(list), None, None) = (&table.list, &table.linear, &table.log) else {
+        let message = format!("the sweep over {} needs list, it is over names", key.name);
+        let quoted: Vec<String> = known.iter().map(|name| format!("\"{name}\"")).collect();
+        let help = format!("write it as in list = [{}]", quoted.join(", "));
+        return Err(Fault::new(table.key.span(), message, "in this sweep", help));
+    };
+    count(key, list)?;
+    let mut values = Vec::new();
+    for item in list.get_ref() {
+        let value = match item.get_ref() {
+            Scalar::Text(name) if known.contains(&name.as_str()) => Swept::Name(name.clone()),
+            other => {
+                let found = if let Scalar::Text(name) = other { name } else { "" };
+                let message = format!("{}: there is no {other}", key.name);
+                return Err(Fault::new(item.span(), message, "not one of the names", choices(found, &known)));
+            }
+        };
+        if values.contains(&value) {
+            let message = format!("the sweep over {} takes {value} twice", key.name);
+            return Err(Fault::new(item.span(), message, "listed before", "leave it out here"));
+        }
+        values.push(value);
+    }
+    Ok(Sweep { key, values, files: vec![], scale: Scale::Linear, span: list.span() })
 }
 
 /// One value or more, and not too many.

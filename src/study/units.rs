@@ -25,11 +25,17 @@ pub enum Dimension {
     RateRandomWalk,
     /// Power spectral density of a rate, one-sided.
     RateDensity,
+    /// A linear one, in g.
+    Acceleration,
+    /// Power spectral density of an acceleration, one-sided.
+    AccelerationDensity,
+    /// Rate by acceleration, of a suspension.
+    RatePerAcceleration,
 }
 
 impl Dimension {
     /// All that is written with a unit.
-    const MEASURED: [Dimension; 8] = [
+    const MEASURED: [Dimension; 11] = [
         Dimension::Time,
         Dimension::Frequency,
         Dimension::Angle,
@@ -38,6 +44,9 @@ impl Dimension {
         Dimension::AngularAcceleration,
         Dimension::RateRandomWalk,
         Dimension::RateDensity,
+        Dimension::Acceleration,
+        Dimension::AccelerationDensity,
+        Dimension::RatePerAcceleration,
     ];
 
     fn exponents(self) -> Exponents {
@@ -51,6 +60,9 @@ impl Dimension {
             Dimension::AngularAcceleration => Exponents::angle_time(2, -4),
             Dimension::RateRandomWalk => Exponents::angle_time(2, -3),
             Dimension::RateDensity => Exponents::angle_time(4, -2),
+            Dimension::Acceleration => Exponents([0, 0, 2, 0]),
+            Dimension::AccelerationDensity => Exponents([0, 2, 4, 0]),
+            Dimension::RatePerAcceleration => Exponents([2, -2, -2, 0]),
         }
     }
 
@@ -67,6 +79,9 @@ impl Dimension {
             Dimension::AngularAcceleration => "an angular acceleration",
             Dimension::RateRandomWalk => "a rate random walk",
             Dimension::RateDensity => "a density of the rate",
+            Dimension::Acceleration => "an acceleration",
+            Dimension::AccelerationDensity => "a density of the acceleration",
+            Dimension::RatePerAcceleration => "a rate per acceleration",
         }
     }
 
@@ -92,6 +107,9 @@ impl Dimension {
             Dimension::RateRandomWalk => {
                 ("deg/h/sqrt(h), deg/h/√h, arcsec/s/sqrt(s)", "\"0.001 deg/h/sqrt(h)\"")
             }
+            Dimension::Acceleration => ("g", "\"1 g\""),
+            Dimension::AccelerationDensity => ("g^2/Hz", "\"0.01 g^2/Hz\""),
+            Dimension::RatePerAcceleration => ("arcsec/s/g, deg/s/g, rad/s/g", "\"20000 arcsec/s/g\""),
             Dimension::RateDensity => ("(arcsec/s)^2/Hz, (deg/s)^2/Hz, (rad/s)^2/Hz", "\"0.1 (deg/s)^2/Hz\""),
         }
     }
@@ -109,6 +127,9 @@ impl Dimension {
             Dimension::AngularAcceleration => Unit::ARCSEC_PER_S2,
             Dimension::RateRandomWalk => Unit::DEG_PER_H_PER_SQRT_H,
             Dimension::RateDensity => Unit::ARCSEC2_PER_S2_PER_HZ,
+            Dimension::Acceleration => Unit::G,
+            Dimension::AccelerationDensity => Unit::G2_PER_HZ,
+            Dimension::RatePerAcceleration => Unit::ARCSEC_PER_S_PER_G,
         }
     }
 }
@@ -350,7 +371,8 @@ mod tests {
             ("5 deg^99999999999", "cannot be read"),
             ("5 deg deg", "cannot be read"),
             ("3 deg/h^3", "is a quantity in ″·s^-3"),
-            ("3 g", "is a quantity in g"),
+            ("3 g s", "cannot be read"),
+            ("3 g·s", "is a quantity in s·g"),
         ];
         for (text, piece) in table {
             let error = parse_any(text).unwrap_err().to_string();

@@ -10,3 +10,4 @@ pub mod psd;
 pub mod published;
 pub mod quadrature;
 pub mod relock;
+pub mod suspension;

@@ -8,7 +8,8 @@ use super::quadrature;
 /// Most octaves of density within one panel of the quadrature: 16 points take a power law through 2^8 to rounding.
 const STEEPEST: f64 = 8.0;
 
-/// A one-sided power spectral density of the rate: straight lines in log–log between its points, 0 outside of them.
+/// A one-sided power spectral density of the rate, (″/s)²/Hz, or of another quantity: straight lines in log–log between its
+/// points, 0 outside of them.
 ///
 /// The form of vibration specifications. Two points at the same frequency are a step.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,7 +29,7 @@ pub enum PsdError {
 }
 
 impl Psd {
-    /// A spectrum through `points`: frequency in Hz, density in (″/s)²/Hz.
+    /// A spectrum through `points`: frequency in Hz, and density.
     ///
     /// # Errors
     /// A value that is not positive, which a logarithm cannot show, frequencies that descend, or no width at all.
@@ -46,40 +47,52 @@ impl Psd {
         Ok(Psd { points })
     }
 
-    /// The points: frequency in Hz, ascending, and density in (″/s)²/Hz.
+    /// The points: frequency in Hz, ascending, and density.
     pub fn points(&self) -> &[[f64; 2]] {
         &self.points
     }
 
-    /// Variance of the rate, (″/s)²: the area under the spectrum.
+    /// Variance, of a rate in (″/s)²: the area under the spectrum.
     pub fn variance(&self) -> f64 {
         self.segments().map(|segment| segment.area()).sum()
     }
 
     /// Covariance of the angles of two ticks of `tick_s`, ″², by their distance 0 … `lags` − 1.
     ///
-    /// The integral of S(f) (T sinc fT)² cos 2πf·lag·T, by quadrature in panels of which none holds more than one turn of
-    /// the longest lag, one octave of frequency, or eight of density: right to 1e-12 of the variance. Takes
+    /// The integral of S(f) (T sinc fT)² cos 2πf·lag·T: see [`Psd::integrate`]. Takes
     /// `lags` · (bandwidth · `tick_s` · `lags` + octaves) steps.
     pub fn covariance(&self, tick_s: f64, lags: usize) -> Vec<f64> {
         let mut covariance = vec![0.0; lags];
-        let mut add = |nu: f64, power: f64| {
+        self.integrate(tick_s * (lags as f64 + 1.0), &[], |nu, power| {
             let angle = tick_amplitude(tick_s, nu * tick_s);
             for (lag, sum) in covariance.iter_mut().enumerate() {
                 *sum += power * angle * angle * libm::cos(TAU * nu * tick_s * lag as f64);
             }
-        };
+        });
+        covariance
+    }
+
+    /// Calls `add` with frequencies and the power at each: the sum of power · g(ν) is the integral of S(ν) g(ν).
+    ///
+    /// By quadrature in panels of which none holds more than one turn of 2πν·`longest_s`, one octave of frequency, or eight of
+    /// density, right to 1e-12 of the variance for a g that turns no faster. Panels end at the frequencies of `edges`, ascending,
+    /// where g needs that.
+    pub(super) fn integrate(&self, longest_s: f64, edges: &[f64], mut add: impl FnMut(f64, f64)) {
         for segment in self.segments() {
             for (low, high) in segment.parts() {
-                let panels = 1.0 + libm::ceil((high - low) * tick_s * (lags as f64 + 1.0));
-                for (pair, weight) in quadrature::pairs(low, high, panels) {
-                    for nu in pair {
-                        add(nu, 0.5 * weight * (high - low) / panels * segment.density(nu));
+                let mut from = low;
+                let inner = edges.iter().copied().filter(|edge| low < *edge && *edge < high);
+                for to in inner.chain([high]) {
+                    let panels = 1.0 + libm::ceil((to - from) * longest_s);
+                    for (pair, weight) in quadrature::pairs(from, to, panels) {
+                        for nu in pair {
+                            add(nu, 0.5 * weight * (to - from) / panels * segment.density(nu));
+                        }
                     }
+                    from = to;
                 }
             }
         }
-        covariance
     }
 
     fn segments(&self) -> impl Iterator<Item = Segment> + '_ {

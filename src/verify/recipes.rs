@@ -1,7 +1,9 @@
 //! Named synthetic records that differ in all that the kernel of records distinguishes.
 
 use crate::lower::{Asked, Records, RecordsError};
+use crate::theory::allan::switching::Switching;
 use crate::theory::allan::{Difference, Estimator, Part, Process, Stride};
+use crate::theory::drift::Magnetic;
 
 /// Records of a noise model that identity is checked on.
 #[derive(Debug, Clone)]
@@ -9,6 +11,7 @@ pub struct NamedRecords {
     pub name: &'static str,
     pub parts: Vec<Part>,
     pub readout_lsb: f64,
+    pub switching: Option<Switching>,
     pub samples: u64,
     pub estimator: Estimator,
 }
@@ -37,6 +40,7 @@ impl NamedRecords {
             process: &Process { sample_s: 1.0, parts: self.parts.clone() },
             readout_lsb: self.readout_lsb,
             mean_rate: 15.041,
+            switching: self.switching,
             samples: self.samples,
             estimator: self.estimator,
             ms: &ms,
@@ -67,14 +71,28 @@ pub fn named_records() -> Vec<NamedRecords> {
         name,
         parts,
         readout_lsb,
+        switching: None,
         samples,
         estimator,
     };
     let (thinned, apart, hadamard) = (THINNED, Estimator::NON_OVERLAPPING, Estimator::HADAMARD);
+    // Switches at any places of chunks, and several in one.
+    let switching = |interval| Switching {
+        interval,
+        magnetic: Magnetic { amplitude: 0.7, time_s: 150.0, initial: 0.02 },
+        residual: 10.0,
+        residual_noise: 0.3,
+    };
+    let switched = |name, parts, interval, readout_lsb| NamedRecords {
+        switching: Some(switching(interval)),
+        ..of(name, parts, readout_lsb, 700, thinned)
+    };
     vec![
         of("white-noise", vec![Part::AngleRandomWalk { n: 0.04 }], 0.0, 2000, apart),
         of("lgk-400", lgk_400(), 0.0, 3000, thinned),
         of("everything", everything(), 0.83, 700, thinned),
         of("everything-hadamard", everything(), 0.83, 700, hadamard),
+        switched("lgk-400-switched", lgk_400(), 37, 0.0),
+        switched("everything-switched", everything(), 5, 0.83),
     ]
 }

@@ -50,6 +50,13 @@ pub enum Beside {
     Band(f64, [f64; 2]),
     /// Hz and (″/s)²/Hz, straight lines in log–log.
     Psd(Vec<[f64; 2]>),
+    /// Through a suspension: modes of frequency, Hz, Q factor and response at resonance, ″/s/g; the acceleration is a sine of
+    /// g and Hz, or has a density, g²/Hz.
+    Vibration {
+        modes: Vec<[f64; 3]>,
+        sine: Option<[f64; 2]>,
+        psd: Vec<[f64; 2]>,
+    },
     /// Rates, ″/s, every so many s, and the name of their file.
     Profile {
         file: &'static str,
@@ -172,6 +179,18 @@ fn over_psd(points: &[[f64; 2]], g: impl Fn(f64) -> f64) -> f64 {
     points.windows(2).map(part).sum()
 }
 
+/// |H|² of a suspension: each mode as a driven oscillator, added up in and out of phase.
+fn square_response(modes: &[[f64; 3]], nu: f64) -> f64 {
+    let (mut along, mut across) = (0.0, 0.0);
+    for [natural, q, response] in modes {
+        let (spring, damping) = (natural * natural - nu * nu, nu * natural / q);
+        let scale = response / q * natural * natural / (spring * spring + damping * damping);
+        along += scale * spring;
+        across += scale * damping;
+    }
+    along * along + across * across
+}
+
 /// A normal number.
 pub fn normal(rng: &mut StdRng) -> f64 {
     (-2.0 * (1.0 - rng.random::<f64>()).ln()).sqrt() * (TAU * rng.random::<f64>()).cos()
@@ -208,12 +227,17 @@ fn power_quantiles(beside: &Beside) -> (f64, Vec<f64>) {
             let at = |k: usize| low + (high - low) * k as f64 / GRID as f64;
             (rms * rms, (0..=GRID).map(at).collect())
         }
-        Beside::Psd(points) => {
+        Beside::Psd(points) | Beside::Vibration { psd: points, .. } if !points.is_empty() => {
+            // Of a vibration by what ticks see of it: most of the rate may be far above their rate.
+            let of_rate = |nu: f64| match beside {
+                Beside::Vibration { modes, .. } => square_response(modes, nu) * peak(nu) * peak(nu),
+                _ => 1.0,
+            };
             let mut cumulative = vec![(points[0][0], 0.0)];
             for pair in points.windows(2) {
                 let (from, to) = (pair[0][0].ln(), pair[1][0].ln());
                 let step = (to - from) / STEPS as f64;
-                let power = |x: f64| log_density(pair, x) * x.exp();
+                let power = |x: f64| log_density(pair, x) * x.exp() * of_rate(x.exp());
                 for k in 0..STEPS {
                     let x = from + step * k as f64;
                     let more = 0.5 * step * (power(x) + power(x + step));
@@ -301,6 +325,12 @@ impl Gyro {
             Beside::Psd(points) => {
                 over_psd(points, |nu| peak(nu) * peak(nu) * (TAU * nu * TICK_S * lag as f64).cos())
             }
+            Beside::Vibration { modes, sine, psd } => {
+                let term = |nu: f64| {
+                    square_response(modes, nu) * peak(nu) * peak(nu) * (TAU * nu * TICK_S * lag as f64).cos()
+                };
+                over_psd(psd, term) + sine.map_or(0.0, |[a, nu]| 0.5 * a * a * term(nu))
+            }
             Beside::Profile { .. } => {
                 let pairs = deviations.iter().zip(&deviations[lag..]);
                 pairs.map(|(a, b)| a * b).sum::<f64>() / deviations.len() as f64
@@ -349,6 +379,22 @@ impl Gyro {
                 let row = |[nu, s]: &[f64; 2]| format!("[\"{nu} Hz\", \"{s} (arcsec/s)^2/Hz\"]");
                 let rows: Vec<String> = points.iter().map(row).collect();
                 writeln!(text, "gaussian = {{ psd = [{}] }}", rows.join(", ")).unwrap();
+            }
+            Beside::Vibration { modes, sine, psd } => {
+                let mode = |[nu, q, response]: &[f64; 3]| {
+                    format!("{{ frequency = \"{nu} Hz\", q = {q}, response = \"{response} arcsec/s/g\" }}")
+                };
+                let modes: Vec<String> = modes.iter().map(mode).collect();
+                let row = |[nu, s]: &[f64; 2]| format!("[\"{nu} Hz\", \"{s} g^2/Hz\"]");
+                let rows: Vec<String> = psd.iter().map(row).collect();
+                let acceleration = match sine {
+                    Some([a, nu]) => {
+                        format!("sine = {{ acceleration = \"{a} g\", frequency = \"{nu} Hz\" }}")
+                    }
+                    None => format!("random = {{ psd = [{}] }}", rows.join(", ")),
+                };
+                let modes = modes.join(", ");
+                writeln!(text, "suspension = {{ modes = [{modes}], {acceleration}, alias = true }}").unwrap();
             }
             Beside::Profile { file, every, .. } => {
                 let position = if *every { "every" } else { "random" };
@@ -435,8 +481,15 @@ impl Prepared<'_> {
                 let i = (along as usize).min(self.quantiles.len() - 2);
                 let nu = self.quantiles[i] + (along - i as f64) * (self.quantiles[i + 1] - self.quantiles[i]);
                 let radius = Draw::Rayleigh(scale).draw(rng);
-                add(radius, nu, TAU * rng.random::<f64>());
+                let rate = match self.gyro.beside {
+                    Beside::Vibration { .. } => radius / peak(nu).abs(),
+                    _ => radius,
+                };
+                add(rate, nu, TAU * rng.random::<f64>());
             }
+        }
+        if let Beside::Vibration { modes, sine: Some([a, nu]), .. } = &self.gyro.beside {
+            add(a * square_response(modes, *nu).sqrt(), *nu, TAU * rng.random::<f64>());
         }
         if let Beside::Profile { rates, step_s, .. } = &self.gyro.beside {
             let position = position.unwrap_or_else(|| rng.random_range(0..self.positions()));

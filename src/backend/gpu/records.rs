@@ -19,11 +19,11 @@ const MOST_ROUNDS: usize = 60_000;
 
 /// Rounds of loops that a chunk takes at most.
 fn rounds(recipe: &Recipe) -> usize {
-    CHUNK * (recipe.places() + 16) + recipe.places() + 8 * recipe.octaves()
+    CHUNK * (recipe.places() + 17) + recipe.places() + 8 * recipe.octaves()
 }
 
 /// Words of the parameters before those of the recipe's lists.
-const FIXED_WORDS: usize = 20;
+const FIXED_WORDS: usize = 24;
 
 impl Gpu {
     /// Sums of the squared differences of some records: record by record, in each the places of the curve; `progress` hears of
@@ -141,6 +141,7 @@ impl Gpu {
 fn parameters(recipe: &Recipe, first: u64, lanes: u32, chunks: [u32; 2]) -> Vec<u32> {
     let [loss, step, start] = recipe.markov.unwrap_or_default();
     let [sine_step, amplitude] = recipe.sine.unwrap_or_default();
+    let [interval, residual_amplitude, residual_noise] = recipe.switching.unwrap_or_default();
     let mut words = vec![
         recipe.key[0],
         recipe.key[1],
@@ -155,6 +156,9 @@ fn parameters(recipe: &Recipe, first: u64, lanes: u32, chunks: [u32; 2]) -> Vec<
         amplitude,
         recipe.quantisation,
         recipe.pulse.unwrap_or(0),
+        interval,
+        residual_amplitude,
+        residual_noise,
         first as u32,
         (first >> 32) as u32,
         lanes,

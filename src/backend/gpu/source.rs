@@ -155,7 +155,7 @@ impl OfKernel {
 }
 
 /// Words of a record's state before those of its holds.
-pub const STATE_WORDS: usize = 9;
+pub const STATE_WORDS: usize = 11;
 
 /// Vectors of four words for the standard deviations of flicker noise: octave o has place o.
 pub fn flicker_vectors(recipe: &Recipe) -> usize {
@@ -187,6 +187,7 @@ pub fn allan(recipe: &Recipe, variant: Variant) -> String {
         ("QUANTISATION_NOISE", recipe.quantisation > 0),
         ("PULSE", recipe.pulse.is_some()),
         ("DRIFT", !recipe.drift.is_empty()),
+        ("FILL_RESIDUALS", recipe.switching.is_some()),
         ("THIRD_ORDER", recipe.order == 3),
     ]
     .into_iter()

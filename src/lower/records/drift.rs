@@ -1,4 +1,4 @@
-//! What is the same in all records: constant rate, ramp and warm-up, as angles in LSB; and its differences.
+//! What is the same in all records: constant rate, ramp, warm-up and alternating drift, as angles in LSB; and its differences.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::theory::allan::{Difference, settling};
 /// Of a warm-up that lasts beyond the record its first rate is taken off, which a readout alone sees and
 /// [`Fixed::rate`] has: what is left is not much larger than its differences, and keeps its digits.
 pub(super) fn angles(model: &Model, fixed: &Fixed) -> Arc<[u32]> {
-    if model.ramp == 0.0 && model.warm_ups.is_empty() && fixed.rate == 0 {
+    if !model.is_curved() && fixed.rate == 0 {
         return Arc::new([]);
     }
     let end = model.samples as f64;
@@ -25,6 +25,9 @@ pub(super) fn angles(model: &Model, fixed: &Fixed) -> Arc<[u32]> {
                     true => -settling(passed),
                     false => -libm::expm1(-passed),
                 };
+        }
+        if let Some(switching) = &model.switching {
+            curved += switching.magnetic.signed_integral(switching.interval as f64, k);
         }
         let curved = libm::round(curved / fixed.lsb_arcsec * TURN) as i128 as u64;
         let angle = fixed.rate.wrapping_mul(sample).wrapping_add(curved);

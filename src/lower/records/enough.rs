@@ -7,7 +7,7 @@ use crate::theory::allan::Difference;
 
 /// Fewest units of a standard deviation or an amplitude: it is then rounded by at most 1 %.
 const LEAST_UNITS: f64 = 50.0;
-/// Fewest LSB of the largest difference of a ramp or a warm-up.
+/// Fewest LSB of the largest difference of a ramp or a warm-up, and of the range of an alternating drift.
 const LEAST_TREND: f64 = 128.0;
 /// Fewest units of 2^−32 turns that a sine turns in a sample.
 const LEAST_TURN: f64 = 64.0;
@@ -53,6 +53,13 @@ impl Fixed {
             let part = libm::expm1(-warm_up.decay * m);
             let largest = libm::fabs(warm_up.reach) * part * part / self.lsb_arcsec;
             check("noise.warm_up", "a rate", warm_up.rate(), RATE, largest, LEAST_TREND)?;
+        }
+        if let Some(switching) = model.switching {
+            let (key, what) = ("noise.switching.magnetic", "an alternating angle");
+            check(key, what, model.sawtooth, "″", model.sawtooth / self.lsb_arcsec, LEAST_TREND)?;
+            let [_, amplitude, noise] = self.switching.unwrap_or_default();
+            sigma("noise.switching.residual", "an amplitude", switching.residual, "″", amplitude)?;
+            sigma("noise.switching.residual_noise", "a noise", switching.residual_noise, "″", noise)?;
         }
         Ok(())
     }

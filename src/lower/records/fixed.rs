@@ -1,10 +1,11 @@
 //! The words of a noise model, and the proof that they have room.
 
 use super::RecordsError;
-use super::model::{DEVIATIONS, Markov, Model, Noise, Sine, WarmUp};
+use super::model::{DEVIATIONS, Markov, Model, Noise, Sine, WarmUp, reach};
 use crate::kernel::moments::LIMIT;
 use crate::kernel::recipe::{FOUR_STREAMS, STREAMS};
 use crate::theory::allan::Difference;
+use crate::theory::allan::switching::Jumps;
 
 /// Units of standard deviations, and of those of Markov noise, per LSB or unit of the rate; of a sine's amplitude per LSB.
 pub(super) const SIGMA_UNITS: f64 = 16.0;
@@ -29,6 +30,7 @@ pub(super) struct Fixed {
     pub(super) sine: Option<[u32; 2]>,
     pub(super) quantisation: u32,
     pub(super) pulse: Option<u32>,
+    pub(super) switching: Option<[u32; 3]>,
     /// What a readout sees of a constant rate, 2^−32 LSB per sample; whole turns of the word are left out.
     pub(super) rate: u64,
 }
@@ -97,6 +99,10 @@ impl Fixed {
             let turns = (turns - libm::floor(turns)) * TURN;
             [libm::round(turns) as u64 as u32, libm::round(amplitude / lsb_arcsec * SINE_UNITS) as u32]
         });
+        let switching = model.switching.filter(|switching| switching.jumps().is_some()).map(|switching| {
+            let amplitude = libm::round(switching.residual / lsb_arcsec * SINE_UNITS);
+            [switching.interval as u32, amplitude as u32, word(switching.residual_noise, lsb_arcsec)]
+        });
         let rate = match pulse {
             Some(_) => model.mean_rate + model.unfinished().map(WarmUp::rate).sum::<f64>(),
             None => 0.0,
@@ -111,6 +117,7 @@ impl Fixed {
             sine,
             quantisation: word(noise.quantisation, lsb_arcsec),
             pulse,
+            switching,
             rate: libm::round(rate / lsb_arcsec * TURN) as i128 as u64,
         }
     }
@@ -177,6 +184,14 @@ impl Fixed {
         })
     }
 
+    /// The fill residuals of the words, LSB.
+    pub(super) fn jumps(&self) -> Option<Jumps> {
+        self.switching.map(|[interval, amplitude, sigma]| {
+            let [amplitude, sigma] = [f64::from(amplitude) / SINE_UNITS, f64::from(sigma) / SIGMA_UNITS];
+            Jumps { interval: interval.into(), variance: 0.5 * amplitude * amplitude + sigma * sigma }
+        })
+    }
+
     /// By how much the markov noise at the start is off its stationary variance, as a part of it.
     pub(super) fn start_error(&self) -> f64 {
         self.markov.map_or(0.0, |[loss, step, start]| {
@@ -191,25 +206,27 @@ impl Fixed {
         if m == 0 {
             return 0.0;
         }
-        let coefficients = libm::exp2(difference.spans() as f64);
-        let noise = DEVIATIONS * libm::sqrt(self.noise().variance(difference, m));
+        let jumps = self.jumps().map_or(0.0, |jumps| jumps.largest_variance(difference, m));
+        let noise = DEVIATIONS * libm::sqrt(self.noise().variance(difference, m) + jumps);
         let sine = self.wave().map_or(0.0, |sine| sine.largest(difference, m));
         let trend = model.trend(difference) / self.lsb_arcsec;
         let pulses = 0.5 * self.pulse_lsb().unwrap_or(0.0);
-        // Angle, sine, quantisation noise and drift are rounded, by less than one LSB each.
-        noise + sine + trend + coefficients * (pulses + 4.0)
+        // Angle, sine, quantisation noise, drift and fill residuals are rounded, by less than one LSB each.
+        let rounded = if self.switching.is_some() { 5.0 } else { 4.0 };
+        noise + sine + trend + reach(difference) * (pulses + rounded)
     }
 
     /// The proof: differences fit 2^29, rates 2^31, and factors of products have a sign.
     fn has_room(&self, model: &Model) -> bool {
-        let reach = |difference| self.reach(model, difference) < LIMIT as f64;
+        let fits = |difference| self.reach(model, difference) < LIMIT as f64;
         let rate = DEVIATIONS * self.noise().rate(model.samples) / self.rate_unit() + HOLDS_ROUNDED;
         let mut words = vec![self.white, self.walk, self.quantisation];
         words.extend(&self.flicker);
         words.extend(self.markov.iter().flatten());
         words.extend(self.sine.iter().map(|[_, amplitude]| amplitude));
-        reach(Difference::Second)
-            && reach(Difference::Third)
+        words.extend(self.switching.iter().flatten());
+        fits(Difference::Second)
+            && fits(Difference::Third)
             && rate < RATE_LIMIT
             && words.iter().all(|&word| word < 1 << 31)
     }

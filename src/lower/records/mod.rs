@@ -22,6 +22,7 @@ use super::words_of;
 use crate::id::Id;
 use crate::kernel::allan;
 use crate::kernel::recipe::Recipe;
+use crate::theory::allan::switching::Switching;
 use crate::theory::allan::{Difference, Estimator, Process};
 use fixed::Fixed;
 use levels::Places;
@@ -40,6 +41,8 @@ pub struct Asked<'a> {
     pub readout_lsb: f64,
     /// Constant rate of the gyro, ″/s: only a readout in whole pulses sees it.
     pub mean_rate: f64,
+    /// Of a gyro that switches modes.
+    pub switching: Option<Switching>,
     /// Rate samples N.
     pub samples: u64,
     pub estimator: Estimator,
@@ -50,7 +53,7 @@ pub struct Asked<'a> {
 
 /// Records of a noise model, ready to be made: the words that the kernel sees and what they come to.
 ///
-/// The unit of angle and the draws depend on process, readout, rate and length alone: another estimator or other averaging
+/// The unit of angle and the draws depend on process, readout, rate, switching and length alone: another estimator or other averaging
 /// factors take other differences of the same angles.
 ///
 /// ```
@@ -63,6 +66,7 @@ pub struct Asked<'a> {
 ///     process: &Process { sample_s: 1.0, parts: vec![white] },
 ///     readout_lsb: 0.0,
 ///     mean_rate: 0.0,
+///     switching: None,
 ///     samples: 1000,
 ///     estimator: Estimator::OVERLAPPING,
 ///     ms: &[1, 10, 100],
@@ -80,7 +84,7 @@ pub struct Records {
     estimator: Estimator,
     sample_s: f64,
     fixed: Fixed,
-    /// Whether a ramp or a warm-up is part of it.
+    /// Whether a ramp, a warm-up or an alternating drift is part of it.
     curved: bool,
     ms: Vec<u64>,
     terms: Vec<u64>,
@@ -119,6 +123,7 @@ impl Records {
             sine: fixed.sine,
             quantisation: fixed.quantisation,
             pulse: fixed.pulse,
+            switching: fixed.switching,
             drift: drift::angles(&model, &fixed),
             order: match estimator.difference {
                 Difference::Second => 2,
@@ -131,7 +136,7 @@ impl Records {
             estimator,
             sample_s: asked.process.sample_s,
             fixed,
-            curved: model.ramp != 0.0 || !model.warm_ups.is_empty(),
+            curved: model.is_curved(),
             ms: ms.to_vec(),
             terms,
             places,
@@ -185,6 +190,7 @@ impl Records {
             sine,
             quantisation,
             pulse,
+            switching,
             ref drift,
             order,
             ref levels,
@@ -210,6 +216,8 @@ impl Records {
         }
         words.extend(words_of(self.fixed.lsb_arcsec));
         words.extend(words_of(self.sample_s));
+        // Records without are what they were before there was any.
+        words.extend(switching.iter().flatten());
         Id::of_words(words)
     }
 }

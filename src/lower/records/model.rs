@@ -3,6 +3,7 @@
 use core::f64::consts::PI;
 
 use super::{Asked, RecordsError};
+use crate::theory::allan::switching::Switching;
 use crate::theory::allan::{Difference, FLAT_LEVEL, Part, Process, holds};
 
 /// Standard deviations that differences and rates are given room for.
@@ -16,6 +17,9 @@ pub(super) struct Model {
     /// Acceleration, ″ per sample².
     pub(super) ramp: f64,
     pub(super) warm_ups: Vec<WarmUp>,
+    pub(super) switching: Option<Switching>,
+    /// Largest angle of its alternating drift less its least, ″.
+    pub(super) sawtooth: f64,
     pub(super) readout_lsb: f64,
     /// ″ per sample; 0 where no readout sees it.
     pub(super) mean_rate: f64,
@@ -68,6 +72,8 @@ impl Model {
             sine: None,
             ramp: 0.0,
             warm_ups: vec![],
+            switching: None,
+            sawtooth: 0.0,
             readout_lsb,
             mean_rate: if readout_lsb > 0.0 { mean_rate * t0 } else { 0.0 },
         };
@@ -123,6 +129,11 @@ impl Model {
                 }
             }
         }
+        if let Some(switching) = asked.switching {
+            let switching = checked(switching, asked.samples)?.per_sample(t0);
+            model.sawtooth = switching.sawtooth_range(asked.samples);
+            model.switching = Some(switching);
+        }
         if flicker > 0.0 {
             let variances = holds::octaves(asked.samples).and_then(holds::variances);
             let variances = variances.ok_or(RecordsError::Length { samples: asked.samples })?;
@@ -137,14 +148,21 @@ impl Model {
         self.samples / difference.spans()
     }
 
-    /// Bound of all differences of ramp and warm-up, ″: they grow with m, and fall along the record.
+    /// Whether more than a constant rate is the same in all records.
+    pub(super) fn is_curved(&self) -> bool {
+        self.ramp != 0.0 || !self.warm_ups.is_empty() || self.sawtooth != 0.0
+    }
+
+    /// Bound of all differences of ramp, warm-up and alternating drift, ″: the first two grow with m, and fall along the record.
     pub(super) fn trend(&self, difference: Difference) -> f64 {
         let m = self.longest(difference) as f64;
         let power = f64::from(difference.spans() as u32);
         let ramp = if difference == Difference::Second { libm::fabs(self.ramp) * m * m } else { 0.0 };
         let warm_up =
             |one: &WarmUp| libm::fabs(one.reach) * libm::pow(libm::fabs(libm::expm1(-one.decay * m)), power);
-        ramp + self.warm_ups.iter().map(warm_up).sum::<f64>()
+        // As many angles are added as taken away.
+        let sawtooth = self.sawtooth * 0.5 * reach(difference);
+        ramp + self.warm_ups.iter().map(warm_up).sum::<f64>() + sawtooth
     }
 
     /// Bound of all differences that the record has, ″.
@@ -153,12 +171,33 @@ impl Model {
         if m == 0 {
             return 0.0;
         }
-        let noise = DEVIATIONS * libm::sqrt(self.noise.variance(difference, m));
+        let jumps = self.switching.and_then(|switching| switching.jumps());
+        let jumps = jumps.map_or(0.0, |jumps| jumps.largest_variance(difference, m));
+        let noise = DEVIATIONS * libm::sqrt(self.noise.variance(difference, m) + jumps);
         let sine = self.sine.map_or(0.0, |sine| sine.largest(difference, m));
         // Of the readings some are too low by up to a pulse.
-        let pulses = self.readout_lsb * libm::exp2(difference.spans() as f64 - 1.0);
+        let pulses = 0.5 * self.readout_lsb * reach(difference);
         noise + sine + self.trend(difference) + pulses
     }
+}
+
+/// Σ|c| of a difference.
+pub(super) fn reach(difference: Difference) -> f64 {
+    libm::exp2(difference.spans() as f64)
+}
+
+/// Switching that is possible in a record.
+fn checked(switching: Switching, samples: u64) -> Result<Switching, RecordsError> {
+    let Switching { interval, magnetic, residual, residual_noise } = switching;
+    if !(1..samples).contains(&interval) {
+        return Err(RecordsError::Interval { interval, samples });
+    }
+    at_least("noise.switching.magnetic", "a drift of", magnetic.amplitude, f64::MIN)?;
+    at_least("noise.switching.initial_magnetic", "a drift of", magnetic.initial, f64::MIN)?;
+    at_least("noise.switching.warm_up_time", "a time of", magnetic.time_s, f64::MIN_POSITIVE)?;
+    at_least("noise.switching.residual", "an amplitude of", residual, 0.0)?;
+    at_least("noise.switching.residual_noise", "a noise of", residual_noise, 0.0)?;
+    Ok(switching)
 }
 
 /// A finite number that is not below `least`.

@@ -1,15 +1,15 @@
 //! What the estimates of records come to, from the words of the kernel.
 //!
 //! Independent parts add in the mean square of a difference: each by its closed form, drift by its table. The kernel
-//! rounds the angle, the sine and quantisation noise down to whole LSB. Where the angle moves by a normal number of one
+//! rounds the angle, the sine, fill residuals and quantisation noise down to whole LSB. Where the angle moves by a normal number of one
 //! LSB or more from sample to sample its rounding is even, white and independent of everything but for factors e^{−2π²}
-//! and for the first angle, which is 0; elsewhere, and for the sine, it is bounded by |E(D + d)² − ED²| ≤ 2·rms D·d + d²,
+//! and for the first angle, which is 0; elsewhere, and for the sine and fill residuals, it is bounded by |E(D + d)² − ED²| ≤ 2·rms D·d + d²,
 //! d the largest difference that rounding can make.
 
 use super::Records;
 use super::drift;
 use super::fixed::TURN;
-use super::model::Noise;
+use super::model::{Noise, reach};
 use crate::theory::allan::quantiser;
 
 /// The expected estimate for the lowered words, (″/s)².
@@ -64,7 +64,7 @@ impl Records {
         let [trend, first] = drift::differences(&self.recipe.drift, difference, stride, m as usize, terms);
         let squares: f64 = difference.coefficients().iter().map(|c| c * c).sum();
         // Σ|c|.
-        let reach = libm::exp2(difference.spans() as f64);
+        let reach = reach(difference);
 
         let mut sum = Square { value: trend, error: 0.0 };
         let random = noise.variance(difference, m);
@@ -92,6 +92,11 @@ impl Records {
             let d = changed * (0.25 * reach);
             off(&mut sum, libm::pow(libm::sqrt(variance) + libm::sqrt(trend), 2.0), d);
         }
+        if let Some(jumps) = fixed.jumps() {
+            let variance = jumps.mean_square(self.estimator, self.recipe.samples.into(), m);
+            sum.add(variance, NORMAL_ERROR * variance);
+            off(&mut sum, libm::pow(libm::sqrt(variance) + libm::sqrt(trend), 2.0), 0.5 * reach);
+        }
         let mut wave_error = 0.0;
         if let Some(sine) = fixed.wave() {
             let variance = sine.part().map_or(0.0, |part| part.variance(difference, 1.0, m));
@@ -105,7 +110,8 @@ impl Records {
             let angle = if fixed.has_angle() { 1.0 } else { 0.0 };
             let quantisation = if fixed.quantisation > 0 { 1.0 } else { 0.0 };
             let drift = if self.recipe.drift.is_empty() { 0.0 } else { 1.0 };
-            let between = angle + quantisation + drift + 2.0 * wave_error;
+            let jumps = if fixed.switching.is_some() { 1.0 } else { 0.0 };
+            let between = angle + quantisation + drift + jumps + 2.0 * wave_error;
             let pairs = reach * reach - squares;
             sum.add(readout.value, readout.error + 0.5 * pairs * pulse * between);
         }
@@ -119,7 +125,8 @@ impl Records {
         let white = pulse * pulse / 12.0 * difference.coefficients().iter().map(|c| c * c).sum::<f64>();
         let bound = quantiser::white_error(pulse, &process, difference, m);
         process.parts.extend(fixed.wave().and_then(|sine| sine.part()));
-        let drifts = self.curved || noise.walk > 0.0 || !noise.octaves.is_empty();
+        let switches = fixed.switching.is_some();
+        let drifts = self.curved || switches || noise.walk > 0.0 || !noise.octaves.is_empty();
         // Whole pulses of a sample's rate change no fraction of one.
         let rate = (fixed.rate % (pulse * TURN) as u64) as f64 / TURN;
         match quantiser::mean_square(pulse, rate, &process, difference, m).filter(|_| !drifts) {

@@ -15,6 +15,8 @@ pub enum RecordsError {
          them"
     )]
     Averaging { m: u64, samples: u64, spans: u64 },
+    #[error("noise.switching.interval: switches {interval} samples apart in a record of {samples}")]
+    Interval { interval: u64, samples: u64 },
     #[error("{key}: {what} {found} is not possible")]
     Impossible { key: &'static str, what: &'static str, found: f64 },
     #[error("{key}: a record has at most one of them")]
@@ -60,6 +62,7 @@ impl RecordsError {
         match self {
             RecordsError::Length { .. } => "record.length",
             RecordsError::NoAveraging | RecordsError::Averaging { .. } => "allan.tau",
+            RecordsError::Interval { .. } => "noise.switching.interval",
             RecordsError::Impossible { key, .. }
             | RecordsError::Several { key }
             | RecordsError::TooSmall { key, .. } => key,
@@ -76,6 +79,7 @@ impl RecordsError {
             RecordsError::Length { .. } => "take a shorter record, or a longer sample",
             RecordsError::NoAveraging => "give at least one averaging time",
             RecordsError::Averaging { .. } => "leave it out, or take a longer record",
+            RecordsError::Interval { .. } => "switch at least once in the record, after one sample or more",
             RecordsError::Impossible { .. } => {
                 "give a finite number that is not negative, and times, frequencies and samples above 0"
             }

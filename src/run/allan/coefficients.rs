@@ -102,6 +102,8 @@ fn covariance(point: &RecordPoint, geometry: &Curve, estimates: &Estimates) -> O
     if noise.readout_lsb > 0.0 {
         process.parts.push(Part::Quantisation { q: noise.readout_lsb / libm::sqrt(12.0) });
     }
+    let jumps = noise.switched(*sample_s).and_then(|switching| switching.jumps());
+    process.parts.extend(jumps.map(|jumps| Part::AngleRandomWalk { n: jumps.angle_random_walk(*sample_s) }));
     let model = Covariance::of_process(&process, geometry).ok()?;
     let fitted = geometry.ms().len();
     let rows: Vec<Vec<f64>> = estimates.records().map(|record| record[..fitted].to_vec()).collect();

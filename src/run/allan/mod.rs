@@ -252,10 +252,11 @@ impl<'a> Plan<'a> {
 }
 
 /// By which part the deviation of a point's records differs most from that of its noise, and at which τ, s. Readouts in pulses
-/// have no other curve to compare with, and drift is taken as it is rounded.
+/// have no other curve to compare with, and drift and switches are taken as they are rounded.
 fn off(point: &RecordPoint, lowered: &LoweredCurve, estimator: Estimator) -> (f64, f64) {
     let RecordInputs { sample_s, noise, .. } = &point.inputs;
-    if noise.readout_lsb > 0.0 || !lowered.records.recipe().drift.is_empty() {
+    let switches = noise.switched(*sample_s).is_some();
+    if noise.readout_lsb > 0.0 || switches || !lowered.records.recipe().drift.is_empty() {
         return (0.0, 0.0);
     }
     let samples = point.inputs.samples();

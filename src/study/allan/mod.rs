@@ -1,6 +1,7 @@
 //! Studies of Allan curves: the record, its noise, and what is estimated of it.
 
 mod estimate;
+mod notes;
 mod point;
 
 use std::path::Path;
@@ -25,7 +26,7 @@ pub struct Allan {
     pub terms: Option<Terms>,
     /// All points, in order; without a sweep the one that is written.
     pub points: Vec<Point>,
-    /// What the fit leaves out, in a sentence.
+    /// What is rounded and what the fit leaves out, each in a sentence.
     pub notes: Vec<String>,
 }
 
@@ -66,9 +67,10 @@ pub(super) fn read(
         of_files.flat_map(|sweep| &sweep.files).map(of_file).collect::<Result<Vec<Noise>, Wrong>>()?;
     let base = point::Base { inputs: Inputs { noise, ..inputs }, files, places, sweeps, estimate: &estimate };
     base.check_sweeps(&file.sweep)?;
+    base.check_switching()?;
     let points = base.points()?;
     let terms = estimate.terms.map(|terms| with_shapes(terms, &points));
-    let notes = terms.iter().filter_map(|terms| unfitted(terms, &points)).collect();
+    let notes = notes::of(terms.as_ref(), &points);
     Ok(Allan { estimator: estimate.estimator, terms, points, notes })
 }
 
@@ -79,24 +81,4 @@ fn with_shapes(terms: Terms, points: &[Point]) -> Terms {
     terms.extend(noises().any(|noise| noise.markov.is_some()).then_some(Term::Markov));
     terms.extend(noises().any(|noise| noise.sine.is_some()).then_some(Term::Sine));
     Terms::Auto(terms)
-}
-
-/// What the noise has and no fitted term covers.
-fn unfitted(terms: &Terms, points: &[Point]) -> Option<String> {
-    let lacks = |term: Term| !terms.all().contains(&term);
-    let any = |has: &dyn Fn(&Noise) -> bool| points.iter().any(|point| has(&point.inputs.noise));
-    let parts = [
-        ("an angle random walk", lacks(Term::AngleRandomWalk) && any(&|n| n.angle_random_walk > 0.0)),
-        ("quantisation", lacks(Term::Quantisation) && any(&|n| n.quantisation + n.readout_lsb > 0.0)),
-        ("a bias instability", lacks(Term::BiasInstability) && any(&|n| n.bias_instability > 0.0)),
-        ("a rate random walk", lacks(Term::RateRandomWalk) && any(&|n| n.rate_random_walk > 0.0)),
-        ("a rate ramp", lacks(Term::RateRamp) && any(&|n| n.rate_ramp != 0.0)),
-        ("Markov noise", lacks(Term::Markov) && any(&|n| n.markov.is_some())),
-        ("a sine", lacks(Term::Sine) && any(&|n| n.sine.is_some())),
-        ("a warm-up", any(&|n| n.warm_up.is_some())),
-    ];
-    let found: Vec<&str> = parts.into_iter().filter(|part| part.1).map(|part| part.0).collect();
-    (!found.is_empty()).then(|| {
-        format!("the noise has {}, which is not fitted: other coefficients take it up", found.join(", "))
-    })
 }

@@ -17,6 +17,15 @@ use crate::study::units::Dimension;
 use crate::table::significant;
 use crate::theory::allan::{Difference, Stride};
 
+const MAGNETIC: &str = "noise.switching.magnetic";
+const WARM_UP_TIME: &str = "noise.switching.warm_up_time";
+/// The keys of what switches leave in a record.
+const LEFT_BY_SWITCHES: [&str; 4] = [
+    MAGNETIC,
+    "noise.switching.initial_magnetic",
+    "noise.switching.residual",
+    "noise.switching.residual_noise",
+];
 /// Fewest samples of a record.
 const FEWEST_SAMPLES: u64 = 16;
 /// By how much of itself a time in a list may miss a whole number of samples, of which decimal fractions have not all.
@@ -116,8 +125,7 @@ pub(super) struct Base<'a> {
 impl Base<'_> {
     /// Refuses sweeps over parts of the noise that there are not, or over a rate that nothing sees.
     pub(super) fn check_sweeps(&self, tables: &[SweepTable]) -> Result<(), Fault> {
-        let noises =
-            if self.files.is_empty() { std::slice::from_ref(&self.inputs.noise) } else { &self.files };
+        let noises = self.noises();
         let pulses = self.sweeps.iter().any(|sweep| sweep.key.name == "noise.readout_lsb")
             || noises.iter().any(|noise| noise.readout_lsb > 0.0);
         for (sweep, table) in self.sweeps.iter().zip(tables) {
@@ -142,6 +150,35 @@ impl Base<'_> {
     /// The first point that makes no sense.
     pub(super) fn points(&self) -> Result<Vec<Point>, Fault> {
         (0..sweep::points(self.sweeps)).map(|index| self.point(index)).collect()
+    }
+
+    /// Refuses switches that change nothing at any point, and a warm-up of a drift that is not there.
+    pub(super) fn check_switching(&self) -> Result<(), Fault> {
+        let is_swept = |names: &[&str]| self.sweeps.iter().any(|sweep| names.contains(&sweep.key.name));
+        let refuse = |names: &[&str], message: &str, label: &str, help: &str| {
+            Err(Fault::new(self.places.blame(&[], names), message, label, help))
+        };
+        for switching in self.noises().iter().filter_map(|noise| noise.switching) {
+            if switching.is_nothing() && !is_swept(&LEFT_BY_SWITCHES) {
+                let message = "[noise.switching] has switches that change nothing";
+                let help = "give magnetic = \"14 arcsec/s\", initial_magnetic, residual = \"10 arcsec\" or \
+                            residual_noise, not 0; or leave the table out";
+                let names = ["noise.switching", noise::FILE.name, "noise"];
+                return refuse(&names, message, "nothing alternates, nothing is left", help);
+            }
+            let warms_up = switching.warm_up_s.is_some() || is_swept(&[WARM_UP_TIME]);
+            if warms_up && switching.magnetic == 0.0 && !is_swept(&[MAGNETIC]) {
+                let message = "noise.switching.warm_up_time stands without magnetic";
+                let help = "give magnetic = \"14 arcsec/s\", or leave warm_up_time out: initial_magnetic is there at once";
+                return refuse(&[WARM_UP_TIME, noise::FILE.name, "noise"], message, "nothing warms up", help);
+            }
+        }
+        Ok(())
+    }
+
+    /// The noise that is written, or that of each file of a sweep over them.
+    fn noises(&self) -> &[Noise] {
+        if self.files.is_empty() { std::slice::from_ref(&self.inputs.noise) } else { &self.files }
     }
 
     fn point(&self, index: usize) -> Result<Point, Fault> {
@@ -193,7 +230,27 @@ impl Base<'_> {
             let names = ["noise.sine.frequency", "noise.sine", "record.sample"];
             return refuse(&names, message, "too high for the samples", &help);
         }
-        if noise.process(*sample_s, inputs.samples()).parts.is_empty() && noise.readout_lsb == 0.0 {
+        if let Some(switching) = noise.switching
+            && !(1..samples).contains(&switching.interval(*sample_s))
+        {
+            let interval = switching.interval(*sample_s);
+            let interval_s = significant(switching.interval_s, 6);
+            let message = match interval {
+                0 => format!(
+                    "noise.switching.interval = {interval_s} s is less than half a sample of {sample_s} s"
+                ),
+                _ => format!(
+                    "noise.switching.interval = {interval_s} s: no switch comes in a record of {length_s} s"
+                ),
+            };
+            let label = if interval == 0 { "too short" } else { "too long" };
+            let longest = significant((samples - 1) as f64 * sample_s, 6);
+            let help = format!("accepted: {sample_s} s to {longest} s here, or leave [noise.switching] out");
+            let names = ["noise.switching.interval", "noise.file", "record.length", "record.sample"];
+            return refuse(&names, message, label, &help);
+        }
+        let is_silent = noise.process(*sample_s, samples).parts.is_empty() && noise.readout_lsb == 0.0;
+        if is_silent && noise.switched(*sample_s).is_none() {
             let message = "[noise] is empty: all records would be constant".to_owned();
             let help = "add a coefficient as in angle_random_walk = \"0.00048 deg/sqrt(h)\", or file = \"noise.toml\"";
             return refuse(&["noise"], message, "no noise", help);

@@ -12,6 +12,7 @@ use super::file::drift::DriftTable;
 use super::key::{Key, Setting};
 use super::place::Places;
 use super::units::Dimension;
+use crate::theory::drift::Magnetic;
 
 /// Parts of the drift in ″ and s, each with its standard deviation from run to run; 0 is absent. Every number has 12
 /// significant digits.
@@ -34,6 +35,17 @@ pub struct Drift {
     pub angle_random_walk: f64,
     /// δP_max, ″.
     pub residual_max: f64,
+}
+
+impl Drift {
+    /// Ω_m over time; without a warm-up A is there from the start.
+    pub fn magnetic_drift(&self) -> Magnetic {
+        let (amplitude, initial) = (self.magnetic, self.initial_magnetic);
+        match self.warm_up_s {
+            0.0 => Magnetic { amplitude: 0.0, time_s: 1.0, initial: amplitude + initial },
+            time_s => Magnetic { amplitude, time_s, initial },
+        }
+    }
 }
 
 /// Declares the setting of a part.

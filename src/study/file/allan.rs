@@ -66,6 +66,9 @@ pub(in crate::study) struct NoiseTable {
     #[serde(default)]
     #[schemars(with = "WarmUpTable")]
     pub(in crate::study) warm_up: Option<Spanned<WarmUpTable>>,
+    #[serde(default)]
+    #[schemars(with = "SwitchingNoiseTable")]
+    pub(in crate::study) switching: Option<Spanned<SwitchingNoiseTable>>,
 }
 
 /// Exponentially correlated noise of the rate.
@@ -102,6 +105,35 @@ pub(in crate::study) struct WarmUpTable {
     /// Time constant: "20 min".
     #[schemars(with = "String")]
     pub(in crate::study) time: Spanned<Scalar>,
+}
+
+/// A gyro that switches modes, the first time one interval after the start of the record: what that leaves in its angle.
+#[derive(Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::study) struct SwitchingNoiseTable {
+    /// From one switch to the next: "40 s". Taken as the nearest whole number of samples.
+    #[schemars(with = "String", extend("examples" = ["40 s"]))]
+    pub(in crate::study) interval: Spanned<Scalar>,
+    /// Magnetic drift A of a warm gyro, which turns its sign with every switch: "14 arcsec/s".
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(in crate::study) magnetic: Option<Spanned<Scalar>>,
+    /// Time constant with which A comes in from the start on: "50 min"; it is there at once if absent.
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(in crate::study) warm_up_time: Option<Spanned<Scalar>>,
+    /// Magnetic drift at the start, which A adds to: "0.1 deg/h".
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(in crate::study) initial_magnetic: Option<Spanned<Scalar>>,
+    /// Amplitude D of what the filler leaves at a switch, D sin φ with a random φ at each: "10 arcsec".
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(in crate::study) residual: Option<Spanned<Scalar>>,
+    /// Standard deviation of the noise that it leaves beside that: "2 arcsec".
+    #[serde(default)]
+    #[schemars(with = "String")]
+    pub(in crate::study) residual_noise: Option<Spanned<Scalar>>,
 }
 
 /// What is estimated of each record.

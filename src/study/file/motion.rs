@@ -5,13 +5,14 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use super::Either;
+use super::suspension::VibrationTable;
 use crate::study::scalar::Scalar;
 
 /// Two ends, the lower one first.
 pub(in crate::study) type Ends = Vec<Spanned<Scalar>>;
 
-/// The motion of the base: one tone (amplitude, frequency, phase) or several, Gaussian motion, or a recorded profile; a
-/// constant rate and an angular acceleration on top.
+/// The motion of the base: one tone (amplitude, frequency, phase) or several, Gaussian motion, vibration
+/// through the suspension, or a recorded profile; a constant rate and an angular acceleration on top.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::study) struct MotionTable {
@@ -40,6 +41,10 @@ pub(in crate::study) struct MotionTable {
     #[serde(default)]
     #[schemars(with = "ProfileTable")]
     pub(in crate::study) profile: Option<Spanned<ProfileTable>>,
+    /// Vibration of the base, as the gyro turns under it on its suspension.
+    #[serde(default)]
+    #[schemars(with = "VibrationTable")]
+    pub(in crate::study) suspension: Option<Spanned<VibrationTable>>,
     /// Constant rate on top: "10 deg/s".
     #[serde(default)]
     #[schemars(with = "String")]

@@ -4,6 +4,7 @@
 
 use super::inputs::{Inputs, TickNoise};
 use super::motion::{Frequency, Gaussian, Value};
+use super::vibration::{RANDOM_RMS, SINE_ACCELERATION, SINE_FREQUENCY};
 use crate::kernel::gap_fill::MAX_SIDE;
 use crate::study::key::{Key, Setting};
 use crate::study::units::Dimension;
@@ -226,7 +227,7 @@ pub(super) static GAP_TICKS: Setting<Inputs> = Setting {
 };
 
 /// Every key that a sweep may vary.
-pub(super) static SETTINGS: [&Setting<Inputs>; 15] = [
+pub(super) static SETTINGS: [&Setting<Inputs>; 18] = [
     &TICK,
     &NOISE_STD,
     &NOISE_THREE_SIGMA,
@@ -241,5 +242,8 @@ pub(super) static SETTINGS: [&Setting<Inputs>; 15] = [
     &GAUSSIAN_HIGH,
     &RATE,
     &ACCELERATION,
+    &SINE_ACCELERATION,
+    &SINE_FREQUENCY,
+    &RANDOM_RMS,
     &GAP_TICKS,
 ];

@@ -10,7 +10,9 @@ mod point;
 mod precision;
 mod read_fillers;
 mod read_motion;
+mod read_psd;
 mod ticks;
+mod vibration;
 
 use std::path::Path;
 
@@ -23,6 +25,7 @@ pub use law::Law;
 pub use motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 pub use point::Point;
 pub use precision::Precision;
+pub use vibration::{Acceleration, Vibration};
 
 use super::diagnose::{Fault, Wrong};
 use super::file::{Error, Kind, Position, StudyFile, TickNoiseTable};
@@ -55,7 +58,7 @@ pub struct GapFill {
 
 /// Every key that a sweep may vary.
 pub(super) fn keys() -> Vec<&'static Key> {
-    SETTINGS.iter().map(|setting| &setting.key).collect()
+    SETTINGS.iter().map(|setting| &setting.key).chain([&vibration::GYRO]).collect()
 }
 
 /// Reads what is of this kind in a file, and notes where it stands.
@@ -84,6 +87,11 @@ pub(super) fn read(
         }
         if let Some(setting) = SETTINGS.iter().find(|setting| setting.name == sweep.key.name) {
             setting.check_applies(&inputs, &SETTINGS, "the motion", table.key.span())?;
+        }
+        if sweep.key.name == vibration::GYRO.name && inputs.motion.vibration.is_none() {
+            let message = "motion.suspension.gyro is swept, but the motion has no suspension";
+            let help = "add one as in\n[motion.suspension]\nsine = { acceleration = \"1 g\", frequency = \"700 Hz\" }";
+            return Err(Fault::new(table.key.span(), message, "not in this study", help).into());
         }
     }
     let base = point::Base {
@@ -118,7 +126,7 @@ fn read_inputs(
     let motion = needed(file.motion.as_ref(), "motion", file)?;
     let table = needed(file.switching.as_ref(), "switching", file)?;
     let switching = table.get_ref();
-    let motion = read_motion::read(motion.get_ref(), places, motion.span(), folder)?;
+    let motion = read_motion::read(motion, sweeps, places, folder)?;
     // Each number is overwritten by its key.
     let mut inputs = Inputs {
         tick_s: 0.0,

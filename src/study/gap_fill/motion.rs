@@ -3,11 +3,13 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use super::vibration::Vibration;
 use crate::record::Record;
 use crate::study::file::{Phase, Position};
 use crate::theory::autocovariance::autocovariance;
 use crate::theory::minimum_variance::Band;
 use crate::theory::psd::Psd;
+use crate::theory::suspension::Suspension;
 
 /// Everything that the base does, added up. The rate is meant at the middle of the gap.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -16,6 +18,8 @@ pub struct Motion {
     pub tones: Vec<Tone>,
     pub gaussian: Option<Gaussian>,
     pub profile: Option<Profile>,
+    /// What shakes the base. At a point its tone or Gaussian motion is among the others.
+    pub vibration: Option<Vibration>,
     /// Constant rate, ″/s.
     pub rate: f64,
     /// Angular acceleration, ″/s².
@@ -62,6 +66,8 @@ pub enum Gaussian {
     Band { rms: f64, band: Band },
     /// Of this power spectral density of the rate, one-sided.
     Psd(Arc<Psd>),
+    /// Through a suspension, of a base whose acceleration has `scale` times this density, in g²/Hz.
+    Vibration { suspension: Arc<Suspension>, acceleration: Arc<Psd>, scale: f64 },
 }
 
 /// A recorded motion that is replayed.
@@ -101,11 +107,7 @@ impl Motion {
             let factor = tone.rate_factor(0.5 * (band.low_hz + band.high_hz));
             square += 0.5 * tone.amplitude.value.mean_square() * factor * factor;
         }
-        match &self.gaussian {
-            Some(Gaussian::Band { rms, .. }) => square += rms * rms,
-            Some(Gaussian::Psd(psd)) => square += psd.variance(),
-            None => {}
-        }
+        square += self.gaussian.as_ref().map_or(0.0, Gaussian::variance);
         if let Some(profile) = &self.profile {
             square += autocovariance(&profile.record.tick_angles(tick_s), 1)[0] / (tick_s * tick_s);
         }
@@ -120,18 +122,40 @@ impl Motion {
         for tone in &self.tones {
             add(tone.covariance(tick_s, lags));
         }
-        match &self.gaussian {
-            // A sine of this rms at every frequency of the band.
-            Some(Gaussian::Band { rms, band }) => {
-                add(band.covariance(rms * core::f64::consts::SQRT_2, tick_s, lags));
-            }
-            Some(Gaussian::Psd(psd)) => add(psd.covariance(tick_s, lags)),
-            None => {}
+        if let Some(gaussian) = &self.gaussian {
+            add(gaussian.covariance(tick_s, lags));
         }
         if let Some(profile) = &self.profile {
             add(autocovariance(&profile.record.tick_angles(tick_s), lags));
         }
         sum
+    }
+}
+
+impl Gaussian {
+    /// Variance of the rate, (″/s)².
+    pub fn variance(&self) -> f64 {
+        match self {
+            Gaussian::Band { rms, .. } => rms * rms,
+            Gaussian::Psd(psd) => psd.variance(),
+            Gaussian::Vibration { suspension, acceleration, scale } => {
+                scale * suspension.variance(acceleration)
+            }
+        }
+    }
+
+    /// Covariance of the angles of two ticks, ″², by their distance 0 … `lags` − 1.
+    pub fn covariance(&self, tick_s: f64, lags: usize) -> Vec<f64> {
+        match self {
+            // A sine of this rms at every frequency of the band.
+            Gaussian::Band { rms, band } => band.covariance(rms * core::f64::consts::SQRT_2, tick_s, lags),
+            Gaussian::Psd(psd) => psd.covariance(tick_s, lags),
+            Gaussian::Vibration { suspension, acceleration, scale } => {
+                let mut covariance = suspension.covariance(acceleration, tick_s, lags);
+                covariance.iter_mut().for_each(|value| *value *= scale);
+                covariance
+            }
+        }
     }
 }
 

@@ -6,10 +6,12 @@ use super::keys::{NOISE_RANDOM_WALK, SETTINGS};
 use super::motion::{Frequency, Gaussian, Tone};
 use super::read_fillers::{Extrapolation, Written};
 use super::ticks::TickList;
+use super::vibration::GYRO;
 use crate::kernel::gap_fill::MAX_SIDE;
 use crate::study::diagnose::Fault;
 use crate::study::key::Swept;
 use crate::study::place::Places;
+use crate::study::suspension::named;
 use crate::study::sweep::{self, Sweep};
 use crate::table::significant;
 use crate::theory::minimum_variance::Band;
@@ -56,6 +58,12 @@ impl Base<'_> {
         let mut inputs = self.inputs.clone();
         let swept = sweep::values_at(self.sweeps, index);
         sweep::set(&mut inputs, &SETTINGS, &swept);
+        if let Some(mut vibration) = inputs.motion.vibration.clone() {
+            vibration.suspension = named(&swept, GYRO.name).unwrap_or(vibration.suspension);
+            vibration.check(inputs.tick_s, MOST_TICK_RATES, self.places, self.sweeps)?;
+            vibration.add_to(&mut inputs.motion);
+            inputs.motion.vibration = Some(vibration);
+        }
         self.check(&inputs)?;
         let fills =
             self.fillers.iter().map(|written| self.fill(written, &inputs)).collect::<Result<_, _>>()?;
@@ -144,7 +152,7 @@ impl Base<'_> {
         let rate = tone.amplitude.value.scale() * tone.rate_factor(highest);
         if rate > MOST_RATE {
             let message = format!("motion.amplitude comes to {rate:.3e} arcsec/s at {highest} Hz");
-            let names = ["motion.amplitude", "motion.frequency", "motion.tones"];
+            let names = ["motion.amplitude", "motion.frequency", "motion.tones", "motion.suspension"];
             return refuse(&names, message, "too large", "0 to 1e9 arcsec/s");
         }
         Ok(())

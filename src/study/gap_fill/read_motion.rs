@@ -7,38 +7,47 @@ use toml::Spanned;
 
 use super::keys::{ACCELERATION, AMPLITUDE, FREQUENCY, GAUSSIAN_RMS, RATE};
 use super::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
+use super::read_psd::read_psd;
+use super::vibration::{self, Acceleration, Vibration};
 use crate::kernel::gap_fill::shape::MAX_TONES;
 use crate::record::Record;
 use crate::study::diagnose::{Fault, Wrong};
 use crate::study::file::motion::{AmplitudeTable, Ends, GaussianTable, MotionTable, ProfileTable, ToneTable};
+use crate::study::file::suspension::VibrationTable;
 use crate::study::file::{Either, Phase};
 use crate::study::key::Key;
 use crate::study::place::Places;
-use crate::study::scalar::{self, Scalar};
+use crate::study::scalar::Scalar;
+use crate::study::sweep::Sweep;
 use crate::study::units::Dimension;
 use crate::theory::minimum_variance::Band;
-use crate::theory::psd::Psd;
 
 /// What a motion may be, for messages.
 const FORMS: &str = "accepted: amplitude and frequency; tones = [{ amplitude = …, frequency = … }, …]; gaussian = { rms \
-                     = …, band = […] }; profile = { file = … }; rate or acceleration";
+                     = …, band = […] }; profile = { file = … }; suspension = { gyro = …, sine = … }; rate or acceleration";
 
 /// The motion that is written; `folder` is where a record is looked for. Notes the place of each key.
 pub(super) fn read(
-    table: &MotionTable,
+    written: &Spanned<MotionTable>,
+    sweeps: &[Sweep],
     places: &mut Places,
-    place: std::ops::Range<usize>,
     folder: &Path,
 ) -> Result<Motion, Wrong> {
+    let table = written.get_ref();
     let mut motion = Motion { tones: tones(table, places)?, ..Motion::default() };
     if let Some(gaussian) = &table.gaussian {
         places.add("motion.gaussian", gaussian.span());
         motion.gaussian = Some(read_gaussian(gaussian)?);
     }
+    if let Some(suspension) = &table.suspension {
+        let vibration = vibration::read(suspension, sweeps, places)?;
+        check_beside(&motion, &vibration, suspension)?;
+        motion.vibration = Some(vibration);
+    }
     if let Some(profile) = &table.profile {
         places.add("motion.profile", profile.span());
-        if !motion.tones.is_empty() || motion.gaussian.is_some() {
-            let message = "motion.profile stands beside tones or gaussian, a record is the whole vibration";
+        if !motion.tones.is_empty() || motion.gaussian.is_some() || motion.vibration.is_some() {
+            let message = "motion.profile stands beside other vibration, a record is all of it";
             return Err(Fault::new(
                 profile.span(),
                 message,
@@ -62,9 +71,27 @@ pub(super) fn read(
     if nothing {
         let message = "[motion] is empty, there is no motion to fill in";
         let help = format!("{FORMS}; rate = \"0 deg/s\" for none");
-        return Err(Fault::new(place, message, "nothing here", help).into());
+        return Err(Fault::new(written.span(), message, "nothing here", help).into());
     }
     Ok(motion)
+}
+
+/// Refuses a vibration whose part of the motion is taken.
+fn check_beside(
+    motion: &Motion,
+    vibration: &Vibration,
+    written: &Spanned<VibrationTable>,
+) -> Result<(), Fault> {
+    let message = match vibration.acceleration {
+        Acceleration::Random { .. } if motion.gaussian.is_some() => {
+            "motion.suspension.random stands beside motion.gaussian".to_owned()
+        }
+        Acceleration::Sine { .. } if motion.tones.len() >= MAX_TONES => {
+            format!("motion.suspension.sine is one tone more than the {MAX_TONES} that a motion may have")
+        }
+        _ => return Ok(()),
+    };
+    Err(Fault::new(written.span(), message, "besides another motion", "leave one of them out"))
 }
 
 fn tones(table: &MotionTable, places: &mut Places) -> Result<Vec<Tone>, Fault> {
@@ -215,7 +242,7 @@ fn read_gaussian(written: &Spanned<GaussianTable>) -> Result<Gaussian, Fault> {
             band: band("motion.gaussian.band", ends.get_ref(), ends.span())?,
         }),
         GaussianTable { rms: None, band: None, psd: Some(psd) } => {
-            Ok(Gaussian::Psd(Arc::new(read_psd(psd.get_ref(), psd.span())?)))
+            Ok(Gaussian::Psd(Arc::new(read_psd("motion.gaussian.psd", psd, Dimension::RateDensity)?)))
         }
         _ => {
             let message = "motion.gaussian needs rms and band, or psd";
@@ -224,41 +251,6 @@ fn read_gaussian(written: &Spanned<GaussianTable>) -> Result<Gaussian, Fault> {
             Err(Fault::new(written.span(), message, "neither of the two", help))
         }
     }
-}
-
-fn read_psd(rows: &[Spanned<Ends>], span: std::ops::Range<usize>) -> Result<Psd, Fault> {
-    let mut points: Vec<[f64; 2]> = Vec::new();
-    for row in rows {
-        let [frequency, density] = &row.get_ref()[..] else {
-            let message = format!("a row of motion.gaussian.psd has {} values", row.get_ref().len());
-            return Err(Fault::new(row.span(), message, "not two", "write a frequency and a density"));
-        };
-        let nu = FREQUENCY.read_as("motion.gaussian.psd", frequency)?;
-        let value = scalar::quantity("motion.gaussian.psd", density, &[Dimension::RateDensity])?;
-        if value.value <= 0.0 {
-            let message = format!("motion.gaussian.psd has a density of {value} at {nu}");
-            let label = if value.value < 0.0 { "negative" } else { "zero" };
-            let help = "accepted: densities above 0; outside the frequencies given there is no motion";
-            return Err(Fault::new(density.span(), message, label, help));
-        }
-        if points.last().is_some_and(|last| last[0] >= nu.value) {
-            let message = format!("motion.gaussian.psd does not rise at {nu}");
-            return Err(Fault::new(
-                frequency.span(),
-                message,
-                "not above the one before",
-                "sort the rows by frequency",
-            ));
-        }
-        points.push([nu.value, value.value]);
-    }
-    if points.len() < 2 {
-        let message = format!("motion.gaussian.psd has {} rows", points.len());
-        return Err(Fault::new(span, message, "too few", "give two rows or more: the ends of a line each"));
-    }
-    // What its own checks would find has been refused with its place.
-    Psd::new(points)
-        .map_err(|error| Fault::new(span, error.to_string(), "no spectrum", "sort the rows by frequency"))
 }
 
 fn read_profile(written: &Spanned<ProfileTable>, folder: &Path) -> Result<Profile, Wrong> {

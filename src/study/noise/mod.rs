@@ -4,7 +4,8 @@ mod read;
 
 pub(super) use read::{FILE, SETTINGS, WrittenNoise, read, read_file};
 
-use crate::theory::allan::{Part, Process, holds};
+use crate::theory::allan::{Part, Process, holds, switching};
+use crate::theory::drift::Magnetic;
 
 /// Coefficients in ″ and s; 0 is absent.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -24,6 +25,7 @@ pub struct Noise {
     pub markov: Option<Markov>,
     pub sine: Option<Sine>,
     pub warm_up: Option<WarmUp>,
+    pub switching: Option<Switching>,
 }
 
 /// Exponentially correlated noise of the rate.
@@ -51,8 +53,61 @@ pub struct WarmUp {
     pub time_s: f64,
 }
 
+/// A gyro that switches modes from the start of the record on; 0 is absent.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Switching {
+    /// As it is asked for, s; records switch after the nearest whole number of samples.
+    pub interval_s: f64,
+    /// A, ″/s.
+    pub magnetic: f64,
+    /// τ, s; the magnetic drift is A + Ω_m0 from the start on where there is none.
+    pub warm_up_s: Option<f64>,
+    /// Ω_m0, ″/s.
+    pub initial_magnetic: f64,
+    /// D, ″.
+    pub residual: f64,
+    /// Standard deviation of the part of fill residuals that is noise, ″.
+    pub residual_noise: f64,
+}
+
+impl Switching {
+    /// Whether a switch changes nothing.
+    pub(super) fn is_nothing(&self) -> bool {
+        [self.magnetic, self.initial_magnetic, self.residual, self.residual_noise].iter().all(|x| *x == 0.0)
+    }
+
+    /// From one switch to the next, samples of `sample_s`.
+    pub fn interval(&self, sample_s: f64) -> u64 {
+        libm::round(self.interval_s / sample_s) as u64
+    }
+
+    /// Bound of |Ω_m|, which goes from Ω_m0 to A + Ω_m0, ″/s.
+    fn largest_rate(&self) -> f64 {
+        self.initial_magnetic.abs().max((self.magnetic + self.initial_magnetic).abs())
+    }
+
+    /// A, τ and Ω_m0, without warm-up all of it in Ω_m0.
+    fn drift(&self) -> Magnetic {
+        match self.warm_up_s {
+            Some(time_s) => Magnetic { amplitude: self.magnetic, time_s, initial: self.initial_magnetic },
+            None => Magnetic { amplitude: 0.0, time_s: 1.0, initial: self.magnetic + self.initial_magnetic },
+        }
+    }
+}
+
 impl Noise {
-    /// What the records of `samples` rates are made of, each `sample_s` long; but for the readout, which no [`Part`] is.
+    /// The switches of records of samples of `sample_s`; `None` where they change nothing.
+    pub fn switched(&self, sample_s: f64) -> Option<switching::Switching> {
+        let switching = self.switching.filter(|switching| !switching.is_nothing())?;
+        Some(switching::Switching {
+            interval: switching.interval(sample_s),
+            magnetic: switching.drift(),
+            residual: switching.residual,
+            residual_noise: switching.residual_noise,
+        })
+    }
+
+    /// What the records of `samples` rates are made of, each `sample_s` long; but for readout and switches, which no [`Part`] is.
     ///
     /// Records too long for the octaves of flicker have the most there are; they are refused elsewhere.
     pub fn process(&self, sample_s: f64, samples: u64) -> Process {
@@ -84,6 +139,7 @@ impl Noise {
             self.sine.map_or([0.0; 2], |s| [s.amplitude, with(s.amplitude != 0.0, s.frequency_hz)]),
             self.warm_up.map_or([0.0; 2], |w| [w.amplitude, with(w.amplitude != 0.0, w.time_s)]),
         ];
+        let switching = self.switching.filter(|switching| !switching.is_nothing()).unwrap_or_default();
         let all = [
             ("angle_random_walk", self.angle_random_walk),
             ("bias_instability", self.bias_instability),
@@ -95,6 +151,12 @@ impl Noise {
             ("readout_lsb", self.readout_lsb),
             ("sine.amplitude", sine[0]),
             ("sine.frequency", sine[1]),
+            ("switching.initial_magnetic", switching.initial_magnetic),
+            ("switching.interval", switching.interval_s),
+            ("switching.magnetic", switching.magnetic),
+            ("switching.residual", switching.residual),
+            ("switching.residual_noise", switching.residual_noise),
+            ("switching.warm_up_time", with(switching.magnetic != 0.0, switching.warm_up_s.unwrap_or(0.0))),
             ("warm_up.amplitude", warm_up[0]),
             ("warm_up.time", warm_up[1]),
         ];
@@ -112,6 +174,7 @@ impl Noise {
             ("Markov noise", self.markov.map_or(0.0, |markov| markov.amplitude * t)),
             ("sine", self.sine.map_or(0.0, |sine| sine.amplitude * t)),
             ("warm-up", self.warm_up.map_or(0.0, |warm_up| warm_up.amplitude.abs() * t)),
+            ("alternating drift", self.switching.map_or(0.0, |switching| switching.largest_rate() * t)),
         ];
         all.into_iter().filter(|(_, angle)| *angle != 0.0).collect()
     }

@@ -7,7 +7,7 @@ use miette::NamedSource;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::Noise;
+use super::{Noise, Switching};
 use crate::study::diagnose::{Fault, StudyError, Text, Wrong};
 use crate::study::file::allan::NoiseTable;
 use crate::study::key::{Key, Setting};
@@ -137,8 +137,60 @@ setting!(
     |noise, time| noise.warm_up.get_or_insert_default().time_s = time.value
 );
 
+/// Declares the setting of a key of `[noise.switching]`.
+macro_rules! switching {
+    ($name:ident, $key:literal, $label:literal, $dimension:ident, $limits:expr, $set:expr) => {
+        setting!(
+            $name,
+            $key,
+            $label,
+            $dimension,
+            $limits,
+            |noise| noise.switching.is_some(),
+            |noise, value| {
+                let set: fn(&mut Switching, f64) = $set;
+                set(noise.switching.get_or_insert_default(), value.value);
+            }
+        );
+    };
+}
+
+switching!(INTERVAL, "noise.switching.interval", "interval between switches", Time, TIMES, |all, time| {
+    all.interval_s = time
+});
+switching!(MAGNETIC, "noise.switching.magnetic", "magnetic drift A", DriftRate, SIGNED_RATES, |all, rate| {
+    all.magnetic = rate
+});
+switching!(
+    SWITCHING_WARM_UP,
+    "noise.switching.warm_up_time",
+    "time of the magnetic warm-up",
+    Time,
+    TIMES,
+    |all, time| all.warm_up_s = Some(time)
+);
+switching!(
+    INITIAL_MAGNETIC,
+    "noise.switching.initial_magnetic",
+    "magnetic drift Ω_m0 at the start",
+    DriftRate,
+    SIGNED_RATES,
+    |all, rate| all.initial_magnetic = rate
+);
+switching!(RESIDUAL, "noise.switching.residual", "amplitude of fill residuals D", Angle, ANGLES, |all, d| {
+    all.residual = d
+});
+switching!(
+    RESIDUAL_NOISE,
+    "noise.switching.residual_noise",
+    "noise of fill residuals",
+    Angle,
+    ANGLES,
+    |all, sigma| all.residual_noise = sigma
+);
+
 /// Every coefficient.
-pub(in crate::study) static SETTINGS: [&Setting<Noise>; 12] = [
+pub(in crate::study) static SETTINGS: [&Setting<Noise>; 18] = [
     &QUANTISATION,
     &READOUT_LSB,
     &ANGLE_RANDOM_WALK,
@@ -151,6 +203,12 @@ pub(in crate::study) static SETTINGS: [&Setting<Noise>; 12] = [
     &SINE_FREQUENCY,
     &WARM_UP_AMPLITUDE,
     &WARM_UP_TIME,
+    &INTERVAL,
+    &MAGNETIC,
+    &SWITCHING_WARM_UP,
+    &INITIAL_MAGNETIC,
+    &RESIDUAL,
+    &RESIDUAL_NOISE,
 ];
 
 /// The key of the file itself, which a sweep over gyros varies.
@@ -172,6 +230,9 @@ pub(in crate::study) fn read(
         }
         None => Noise::default(),
     };
+    if let Some(switching) = &table.get_ref().switching {
+        places.add("noise.switching", switching.span());
+    }
     let mut written = Vec::new();
     for (setting, value) in values(table.get_ref()) {
         let quantity = setting.read(value)?;
@@ -217,7 +278,8 @@ fn values(table: &NoiseTable) -> Vec<(&'static Setting<Noise>, &Spanned<Scalar>)
     let markov = table.markov.as_ref().map(Spanned::get_ref);
     let sine = table.sine.as_ref().map(Spanned::get_ref);
     let warm_up = table.warm_up.as_ref().map(Spanned::get_ref);
-    let all: [(&'static Setting<Noise>, Option<&Spanned<Scalar>>); 12] = [
+    let switching = table.switching.as_ref().map(Spanned::get_ref);
+    let all: [(&'static Setting<Noise>, Option<&Spanned<Scalar>>); 18] = [
         (&QUANTISATION, table.quantisation.as_ref()),
         (&READOUT_LSB, table.readout_lsb.as_ref()),
         (&ANGLE_RANDOM_WALK, table.angle_random_walk.as_ref()),
@@ -230,6 +292,12 @@ fn values(table: &NoiseTable) -> Vec<(&'static Setting<Noise>, &Spanned<Scalar>)
         (&SINE_FREQUENCY, sine.map(|sine| &sine.frequency)),
         (&WARM_UP_AMPLITUDE, warm_up.map(|warm_up| &warm_up.amplitude)),
         (&WARM_UP_TIME, warm_up.map(|warm_up| &warm_up.time)),
+        (&INTERVAL, switching.map(|switching| &switching.interval)),
+        (&MAGNETIC, switching.and_then(|switching| switching.magnetic.as_ref())),
+        (&SWITCHING_WARM_UP, switching.and_then(|switching| switching.warm_up_time.as_ref())),
+        (&INITIAL_MAGNETIC, switching.and_then(|switching| switching.initial_magnetic.as_ref())),
+        (&RESIDUAL, switching.and_then(|switching| switching.residual.as_ref())),
+        (&RESIDUAL_NOISE, switching.and_then(|switching| switching.residual_noise.as_ref())),
     ];
     all.into_iter().filter_map(|(setting, value)| Some((setting, value?))).collect()
 }

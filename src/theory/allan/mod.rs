@@ -18,7 +18,8 @@
 //! | rate ramp R | rate R·t; whether integrated exactly or held over t0 is the same in all differences |
 //! | warm-up A, T | rate A·e^{−t/T} from t = 0, the start of the record, integrated exactly |
 //!
-//! A readout that counts whole pulses is not white: [`quantiser`].
+//! A readout that counts whole pulses is not white: [`quantiser`]. A gyro that switches modes has a sawtooth and jumps beside all
+//! that: [`switching`].
 
 pub mod continuous;
 mod estimator;
@@ -30,6 +31,7 @@ mod markov;
 mod part;
 mod process;
 pub mod quantiser;
+pub mod switching;
 
 pub(crate) use exponential::settling;
 

@@ -1,0 +1,88 @@
+//! Studies of a suspension: its response over the frequency of a vibration, in closed form.
+
+mod read;
+
+use std::sync::Arc;
+
+pub(super) use read::{GYROS, read as read_suspension};
+
+use super::diagnose::Wrong;
+use super::file::StudyFile;
+use super::key::{Key, Setting, Swept};
+use super::place::Places;
+use super::sweep::{self, Sweep};
+use super::units::Dimension;
+use super::{needed, needed_key};
+use crate::theory::suspension::Suspension;
+
+/// What a study of a suspension asks.
+#[derive(Debug, Clone)]
+pub struct SuspensionStudy {
+    /// All points, in order; without a sweep the one that is written.
+    pub points: Vec<Point>,
+}
+
+/// One combination of swept values.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Name of each swept key, and its value here, in the order of the sweeps.
+    pub swept: Vec<(&'static str, Swept)>,
+    pub suspension: Arc<Suspension>,
+    /// Of the vibration.
+    pub frequency_hz: f64,
+}
+
+static FREQUENCY: Setting<Point> = Setting {
+    key: Key {
+        name: "suspension.frequency",
+        label: "vibration frequency",
+        accepts: &[Dimension::Frequency],
+        limits: (1e-6, 1e7, "1e-6 Hz to 1e7 Hz"),
+    },
+    applies: |_| true,
+    set: |point, frequency| point.frequency_hz = frequency.value,
+};
+
+static GYRO: Key = Key { name: "suspension.gyro", label: "gyro", accepts: &[], limits: (0.0, 0.0, GYROS) };
+
+/// Every key that a sweep may vary.
+pub(super) fn keys() -> Vec<&'static Key> {
+    vec![&FREQUENCY.key, &GYRO]
+}
+
+/// Reads what is of this kind in a file, and notes where it stands.
+pub(super) fn read(
+    file: &StudyFile,
+    sweeps: &[Sweep],
+    places: &mut Places,
+) -> Result<SuspensionStudy, Wrong> {
+    let table = needed(file.suspension.as_ref(), "suspension", file)?;
+    places.add("suspension", table.span());
+    let written = table.get_ref();
+    let suspension = read_suspension(GYRO.name, &written.gyro, &written.modes, table.span(), sweeps)?;
+    let mut point = Point { swept: vec![], suspension, frequency_hz: 0.0 };
+    let swept = sweeps.iter().any(|sweep| sweep.key.name == FREQUENCY.name);
+    if let Some(frequency) = &written.frequency {
+        (FREQUENCY.set)(&mut point, FREQUENCY.read(frequency)?);
+    } else if !swept {
+        needed_key(written.frequency.as_ref(), FREQUENCY.name, table)?;
+    }
+    let points = (0..sweep::points(sweeps)).map(|index| {
+        let mut point = Point { swept: sweep::values_at(sweeps, index), ..point.clone() };
+        let swept = point.swept.clone();
+        sweep::set(&mut point, &[&FREQUENCY], &swept);
+        if let Some(named) = named(&swept, GYRO.name) {
+            point.suspension = named;
+        }
+        point
+    });
+    Ok(SuspensionStudy { points: points.collect() })
+}
+
+/// The suspension that a sweep over names under this key chooses.
+pub(super) fn named(swept: &[(&'static str, Swept)], key: &str) -> Option<Arc<Suspension>> {
+    swept.iter().find_map(|(name, value)| match value {
+        Swept::Name(gyro) if *name == key => Suspension::named(gyro).map(Arc::new),
+        _ => None,
+    })
+}
