@@ -3,6 +3,7 @@
 mod allan;
 mod exact;
 pub(crate) mod gap_fill;
+mod relock;
 mod sampling;
 
 use crate::backend::Device;
@@ -36,6 +37,7 @@ pub struct Plan<'a> {
 enum Work<'a> {
     GapFill(gap_fill::Plan<'a>),
     Allan(allan::Plan<'a>),
+    Relock(relock::Plan<'a>),
     /// Closed forms: the table is all there is.
     Exact(Table),
 }
@@ -84,6 +86,7 @@ impl<'a> Plan<'a> {
         let work = match &study.subject {
             Subject::GapFill(gap_fill) => Work::GapFill(gap_fill::Plan::new(study, gap_fill)?),
             Subject::Allan(allan) => Work::Allan(allan::Plan::new(study, allan)?),
+            Subject::Relock(relock) => Work::Relock(relock::Plan::new(study, relock)?),
             Subject::DriftBudget(budget) => Work::Exact(exact::of_budget(study, budget)),
             Subject::Suspension(suspension) => Work::Exact(exact::of_suspension(study, suspension)),
         };
@@ -117,6 +120,7 @@ impl<'a> Plan<'a> {
         let done = match &self.work {
             Work::GapFill(plan) => plan.run(store, device, progress)?,
             Work::Allan(plan) => plan.run(store, device, progress)?,
+            Work::Relock(plan) => plan.run(store, device, progress)?,
             Work::Exact(_) => Done { trials: 0, seconds: 0.0, degraded: None },
         };
         progress.finish();
@@ -128,6 +132,7 @@ impl<'a> Plan<'a> {
         match &self.work {
             Work::GapFill(plan) => Tables { points: plan.blank_table(), coefficients: None },
             Work::Allan(plan) => plan.blank_tables(),
+            Work::Relock(plan) => Tables { points: plan.blank_table(), coefficients: None },
             Work::Exact(table) => Tables { points: table.clone(), coefficients: None },
         }
     }
@@ -140,6 +145,7 @@ impl<'a> Plan<'a> {
         let tables = match &self.work {
             Work::GapFill(plan) => Tables { points: plan.table(store)?, coefficients: None },
             Work::Allan(plan) => plan.tables(store, progress)?,
+            Work::Relock(plan) => Tables { points: plan.table(store)?, coefficients: None },
             Work::Exact(table) => Tables { points: table.clone(), coefficients: None },
         };
         progress.finish();
@@ -154,6 +160,7 @@ impl<'a> Plan<'a> {
         let held = match &self.work {
             Work::GapFill(plan) => plan.held(store)?,
             Work::Allan(plan) => plan.held(store)?,
+            Work::Relock(plan) => plan.held(store)?,
             Work::Exact(_) => None,
         };
         Ok(held.unwrap_or(self.study.trials))
@@ -168,6 +175,7 @@ impl<'a> Plan<'a> {
         notes.extend(match &self.work {
             Work::GapFill(plan) => plan.notes(store)?,
             Work::Allan(plan) => plan.notes(),
+            Work::Relock(plan) => plan.notes(),
             Work::Exact(_) => {
                 vec!["all values are closed forms: trials, seed and device have no use here".to_owned()]
             }
@@ -184,6 +192,7 @@ impl<'a> Plan<'a> {
         let asked: Vec<Id> = match &self.work {
             Work::GapFill(plan) => plan.ids(),
             Work::Allan(plan) => plan.ids(),
+            Work::Relock(plan) => plan.ids(),
             Work::Exact(_) => vec![],
         };
         match points.iter().filter(|id| !asked.contains(id)).count() {

@@ -2,6 +2,7 @@
 
 mod configurations;
 mod recipes;
+mod relocks;
 
 use sha2::{Digest, Sha256};
 
@@ -17,6 +18,7 @@ use crate::kernel::word::Scalar;
 use crate::kernel::{Form, KERNELS, Kernel, allan, philox};
 pub use configurations::{Configuration, configurations};
 pub use recipes::{NamedRecords, THINNED, lgk_400, named_records};
+pub use relocks::{launches_of, relock};
 
 /// What a check of one kernel found.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -48,10 +50,11 @@ pub fn verify(
 }
 
 /// The launches that a kernel of trials is checked on, by name.
-fn launches(kernel: &Kernel) -> Vec<(&'static str, Launch)> {
+pub fn launches(kernel: &Kernel) -> Vec<(&'static str, Launch)> {
     let of_gap_fill = |c: Configuration| c.launches().into_iter().map(move |launch| (c.name, launch));
     match kernel.name {
         "gap_fill" => configurations().into_iter().flat_map(of_gap_fill).collect(),
+        "relock" => relocks::launches(),
         _ => vec![],
     }
 }
@@ -121,7 +124,7 @@ fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<
 }
 
 /// The configurations of the self-test: sums of 32 bits and of 64; and its records.
-const SELF_TEST: [&str; 2] = ["paper", "sparse-fit-ticks"];
+const SELF_TEST: [&str; 4] = ["paper", "sparse-fit-ticks", "by-frequency", "by-detuning"];
 const SELF_TEST_RECORDS: (&str, usize) = ("everything", 40);
 
 /// The first kernel, if any, in which a device differs from the portable CPU on a small load.

@@ -174,7 +174,7 @@ fn points(study: &Study, chart: &Chart) -> &'static str {
 /// What the bands are: of the mean of a rms, or where curves of single records lie.
 fn bands(study: &Study) -> &'static str {
     match study.kind() {
-        Kind::GapFill => "95 % band",
+        Kind::GapFill | Kind::Relock => "95 % band",
         Kind::Allan => "95 % of records",
         Kind::DriftBudget | Kind::Suspension => "",
     }

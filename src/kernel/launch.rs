@@ -4,12 +4,14 @@ use std::sync::Arc;
 
 use super::gap_fill;
 use super::moments::{FLUSH, Moments, Trials};
+use super::relock;
 use crate::backend::cpu::Width;
 
 /// Which kernel samples, and what its launch has: what a shader is specialised for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Sampled {
     GapFill(gap_fill::Shape),
+    Relock(relock::Shape),
 }
 
 impl Sampled {
@@ -17,6 +19,7 @@ impl Sampled {
     pub fn estimates(&self) -> usize {
         match self {
             Sampled::GapFill(shape) => shape.estimates(),
+            Sampled::Relock(shape) => shape.estimates,
         }
     }
 
@@ -24,6 +27,7 @@ impl Sampled {
     pub fn steps(&self) -> u64 {
         match self {
             Sampled::GapFill(_) => 1,
+            Sampled::Relock(shape) => shape.ticks.ticks as u64,
         }
     }
 
@@ -37,6 +41,7 @@ impl Sampled {
     pub fn has_table(&self) -> bool {
         match self {
             Sampled::GapFill(shape) => shape.has_table(),
+            Sampled::Relock(_) => false,
         }
     }
 }
@@ -72,6 +77,7 @@ impl Launch {
     fn whole_lanes(&self, width: Width, trials: Trials) -> Vec<Moments> {
         match self.sampled {
             Sampled::GapFill(shape) => width.run(gap_fill::Tally { launch: self, shape, trials }),
+            Sampled::Relock(shape) => width.run(relock::Tally { launch: self, shape, trials }),
         }
     }
 }

@@ -42,13 +42,17 @@ pub enum Purpose {
     FlickerGrid = 13,
     /// A block for each switch of a record, from number 1 on: word 0 the phase of its fill residual, word 1 the noise of it.
     FillResidual = 14,
+    /// Relock after a mode switch, eight blocks for each switch: block 0 the error of U_λ/2, of the DAC, of the hysteresis
+    /// and of f0; word 0 of block 1 where the beat stands; blocks 2 to 5 noise of detunings, that of both halves of two
+    /// ticks each.
+    Relock = 16,
     /// And beyond, one purpose for each octave: its holds. Octaves 1 and 2 have one stream, four holds to a block; the
     /// others have four streams, a hold of each to a block.
     Flicker = 64,
 }
 
 /// The purposes by the names that the shaders know them by.
-pub const PURPOSES: [(&str, Purpose); 16] = [
+pub const PURPOSES: [(&str, Purpose); 17] = [
     ("NOISE_BEFORE", Purpose::NoiseBefore),
     ("NOISE_AFTER_AND_PHASE", Purpose::NoiseAfterAndPhase),
     ("TONE", Purpose::Tone),
@@ -64,6 +68,7 @@ pub const PURPOSES: [(&str, Purpose); 16] = [
     ("QUANTISATION", Purpose::Quantisation),
     ("FLICKER_GRID", Purpose::FlickerGrid),
     ("FILL_RESIDUAL", Purpose::FillResidual),
+    ("RELOCK_PURPOSE", Purpose::Relock),
     ("FLICKER", Purpose::Flicker),
 ];
 

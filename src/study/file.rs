@@ -16,6 +16,7 @@ pub(super) mod allan;
 pub(super) mod drift;
 mod either;
 pub(super) mod motion;
+pub(super) mod relock;
 pub(super) mod suspension;
 pub(super) mod switching;
 
@@ -24,6 +25,8 @@ use drift::{DriftTable, RunTable};
 pub(super) use either::Either;
 use motion::MotionTable;
 pub use motion::{Phase, Position};
+pub use relock::FirstHalf;
+use relock::RelockTable;
 use suspension::SuspensionTable;
 pub use switching::Error;
 use switching::SwitchingTable;
@@ -58,7 +61,7 @@ pub(super) struct StudyFile {
     pub(super) precision: Option<Spanned<Either<PrecisionTable>>>,
     #[serde(default)]
     pub(super) streams: Streams,
-    /// Of kind = "gap-fill".
+    /// Of kind = "gap-fill" and "relock".
     #[serde(default)]
     #[schemars(with = "GyroTable")]
     pub(super) gyro: Option<Spanned<GyroTable>>,
@@ -78,6 +81,10 @@ pub(super) struct StudyFile {
     #[serde(default)]
     #[schemars(with = "RunTable")]
     pub(super) run: Option<Spanned<RunTable>>,
+    /// Of kind = "relock".
+    #[serde(default)]
+    #[schemars(with = "RelockTable")]
+    pub(super) relock: Option<Spanned<RelockTable>>,
     /// Of kind = "suspension".
     #[serde(default)]
     #[schemars(with = "SuspensionTable")]
@@ -125,6 +132,8 @@ pub enum Kind {
     GapFill,
     /// The Allan curve of a gyro at rest, and the coefficients fitted to it.
     Allan,
+    /// The rotation faked by the perimeter loop after a mode switch, and what compensations leave of it.
+    Relock,
     /// The bound of the drift of a gyro that switches modes, and the switching interval at which it is least, in closed form.
     DriftBudget,
     /// The rotation of a gyro on its suspension under vibration, in closed form.
@@ -133,13 +142,14 @@ pub enum Kind {
 
 impl StudyFile {
     /// The tables that not every kind has, each with its place where it is written.
-    pub(super) fn tables(&self) -> [(&'static str, Option<Range<usize>>); 9] {
+    pub(super) fn tables(&self) -> [(&'static str, Option<Range<usize>>); 10] {
         [
             ("gyro", self.gyro.as_ref().map(Spanned::span)),
             ("motion", self.motion.as_ref().map(Spanned::span)),
             ("switching", self.switching.as_ref().map(Spanned::span)),
             ("drift", self.drift.as_ref().map(Spanned::span)),
             ("run", self.run.as_ref().map(Spanned::span)),
+            ("relock", self.relock.as_ref().map(Spanned::span)),
             ("suspension", self.suspension.as_ref().map(Spanned::span)),
             ("record", self.record.as_ref().map(Spanned::span)),
             ("noise", self.noise.as_ref().map(Spanned::span)),
@@ -150,13 +160,15 @@ impl StudyFile {
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 4] = [Kind::GapFill, Kind::Allan, Kind::DriftBudget, Kind::Suspension];
+    pub const ALL: [Kind; 5] =
+        [Kind::GapFill, Kind::Allan, Kind::Relock, Kind::DriftBudget, Kind::Suspension];
 
     /// The tables that a study of this kind may have.
     pub(super) fn tables(self) -> &'static [&'static str] {
         match self {
             Kind::GapFill => &["gyro", "motion", "switching", "noise"],
             Kind::Allan => &["record", "noise", "allan"],
+            Kind::Relock => &["gyro", "relock"],
             Kind::DriftBudget => &["drift", "switching", "run"],
             Kind::Suspension => &["suspension"],
         }
@@ -167,6 +179,7 @@ impl Kind {
         match self {
             Kind::GapFill => "gap-fill",
             Kind::Allan => "allan",
+            Kind::Relock => "relock",
             Kind::DriftBudget => "drift-budget",
             Kind::Suspension => "suspension",
         }
@@ -303,6 +316,7 @@ fn tables_of_kinds(schema: &mut schemars::Schema) {
     let kinds = [
         needs(Kind::GapFill, &["gyro", "motion", "switching"]),
         needs(Kind::Allan, &["record", "noise"]),
+        needs(Kind::Relock, &["gyro", "relock"]),
         needs(Kind::DriftBudget, &["drift", "switching", "run"]),
         needs(Kind::Suspension, &["suspension"]),
     ];

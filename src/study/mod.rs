@@ -22,6 +22,7 @@ mod key;
 mod noise;
 mod percent;
 mod place;
+mod relock;
 mod rows;
 mod scalar;
 mod suspension;
@@ -47,13 +48,14 @@ pub use diagnose::StudyError;
 pub(crate) use diagnose::{Fault, Text, choices, render};
 pub use drift::{Drift, Schedule};
 pub use drift_budget::{DriftBudget, Point as BudgetPoint};
-pub use file::{Error, Kind, Phase, Position, Streams, schema};
+pub use file::{Error, FirstHalf, Kind, Phase, Position, Streams, schema};
 pub use gap_fill::{
     Acceleration, Amplitude, Fill, Filler, Frequency, GapFill, Gaussian, Inputs, Law, Method, Motion,
     POLYNOMIALS, Point, Precision, Profile, TickNoise, Tone, Value, Vibration,
 };
 pub use key::{Key, Swept};
 pub use noise::{Markov, Noise, Sine, WarmUp};
+pub use relock::{Compensation, Relock, RelockInputs, RelockPoint, RelockStudy};
 pub use suspension::{Point as SuspensionPoint, SuspensionStudy};
 pub use sweep::Sweep;
 pub use units::{Dimension, Quantity, UnitError, parse as parse_quantity};
@@ -90,6 +92,7 @@ pub struct Study {
 pub enum Subject {
     GapFill(Box<GapFill>),
     Allan(Allan),
+    Relock(RelockStudy),
     DriftBudget(DriftBudget),
     Suspension(SuspensionStudy),
 }
@@ -137,6 +140,7 @@ impl Study {
         match self.subject {
             Subject::GapFill(_) => Kind::GapFill,
             Subject::Allan(_) => Kind::Allan,
+            Subject::Relock(_) => Kind::Relock,
             Subject::DriftBudget(_) => Kind::DriftBudget,
             Subject::Suspension(_) => Kind::Suspension,
         }
@@ -163,6 +167,7 @@ impl Study {
         match &self.subject {
             Subject::GapFill(gap_fill) => &gap_fill.notes,
             Subject::Allan(allan) => &allan.notes,
+            Subject::Relock(_) => &[],
             Subject::DriftBudget(_) | Subject::Suspension(_) => &[],
         }
     }
@@ -239,6 +244,7 @@ impl Study {
         let keys = match kind {
             Kind::GapFill => gap_fill::keys(),
             Kind::Allan => allan::keys(),
+            Kind::Relock => relock::keys(),
             Kind::DriftBudget => drift_budget::keys(),
             Kind::Suspension => suspension::keys(),
         };
@@ -259,6 +265,7 @@ impl Study {
         let subject = match kind {
             Kind::GapFill => Subject::GapFill(Box::new(gap_fill::read(&file, &sweeps, folder, &mut places)?)),
             Kind::Allan => Subject::Allan(allan::read(&file, &sweeps, folder, &mut places)?),
+            Kind::Relock => Subject::Relock(relock::read(&file, &sweeps, &mut places)?),
             Kind::DriftBudget => Subject::DriftBudget(drift_budget::read(&file, &sweeps, &mut places)?),
             Kind::Suspension => Subject::Suspension(suspension::read(&file, &sweeps, &mut places)?),
         };

@@ -9,6 +9,7 @@ use super::chart::Source;
 use super::diagnose::{Fault, choices};
 use super::file::Error;
 use super::key::Swept;
+use super::relock::Compensation;
 use super::scalar::{self, Scalar};
 use super::sweep::Sweep;
 use super::units::Dimension;
@@ -18,6 +19,19 @@ use crate::table::{self, Cell, Column, ColumnError, Unit};
 /// The columns of text of a gap-fill table.
 pub(super) const FILLER: &str = "filler";
 pub(super) const ERROR: &str = "error";
+
+/// The columns of text of a relock table.
+pub(super) const COMPENSATION: &str = "compensation";
+pub(super) const TICK: &str = "tick";
+
+/// The tick of a relock as a number: blank for all together.
+pub(super) const TICK_NUMBER: &str = "tick_number";
+
+/// What [`TICK`] is for all ticks together.
+pub(super) const ALL_TICKS: &str = "all";
+
+/// What [`TICK`] takes.
+const TICKS: [&str; 9] = ["1", "2", "3", "4", "5", "6", "7", "8", ALL_TICKS];
 
 /// The column of text of a table of coefficients.
 pub(super) const COEFFICIENT: &str = "coefficient";
@@ -50,6 +64,15 @@ impl Known {
                 fillers: gap_fill.fillers.iter().map(|filler| filler.name.clone()).collect(),
                 numbers: &[DT_NU, AMPLITUDE_NOISE],
             },
+            (Subject::Relock(relock), _) => {
+                let ticks = TICKS[..relock.inputs.relock.ticks as usize].iter().chain([&ALL_TICKS]).copied();
+                let compensations = Compensation::ALL.map(Compensation::name).to_vec();
+                Known {
+                    texts: vec![(COMPENSATION, compensations), (TICK, ticks.collect())],
+                    fillers: vec![],
+                    numbers: &[TICK_NUMBER],
+                }
+            }
             (Subject::Allan(_), Source::Points) => Known { texts: vec![], fillers: vec![], numbers: &[TAU] },
             (Subject::DriftBudget(_) | Subject::Suspension(_), _) => {
                 Known { texts: vec![], fillers: vec![], numbers: &[] }
