@@ -30,7 +30,7 @@ pub(super) fn columns() -> Vec<Column> {
         optimum("optimum_limit", "limit as published"),
         optimum("optimum_limit_small", "limit put right"),
         optimum("optimum_true", "of the rms drift"),
-        drift("optimum_true_rms", "left by switching, least"),
+        drift("optimum_true_rms", "least rms left by switching"),
     ]
 }
 
