@@ -3,6 +3,7 @@
 mod allan;
 mod exact;
 pub(crate) mod gap_fill;
+mod relock;
 mod sampling;
 mod switched_run;
 
@@ -38,6 +39,7 @@ enum Work<'a> {
     GapFill(gap_fill::Plan<'a>),
     Allan(allan::Plan<'a>),
     SwitchedRun(switched_run::Plan<'a>),
+    Relock(relock::Plan<'a>),
     /// Closed forms: the table is all there is.
     Exact(Table),
 }
@@ -96,6 +98,7 @@ impl<'a> Plan<'a> {
             Subject::GapFill(gap_fill) => Work::GapFill(gap_fill::Plan::new(study, gap_fill)?),
             Subject::Allan(allan) => Work::Allan(allan::Plan::new(study, allan)?),
             Subject::SwitchedRun(runs) => Work::SwitchedRun(switched_run::Plan::new(study, runs)?),
+            Subject::Relock(relock) => Work::Relock(relock::Plan::new(study, relock)?),
             Subject::DriftBudget(budget) => Work::Exact(exact::of_budget(study, budget)),
             Subject::Suspension(suspension) => Work::Exact(exact::of_suspension(study, suspension)),
         };
@@ -130,6 +133,7 @@ impl<'a> Plan<'a> {
             Work::GapFill(plan) => plan.run(store, device, progress)?,
             Work::Allan(plan) => plan.run(store, device, progress)?,
             Work::SwitchedRun(plan) => plan.run(store, device, progress)?,
+            Work::Relock(plan) => plan.run(store, device, progress)?,
             Work::Exact(_) => Done { trials: 0, seconds: 0.0, degraded: None },
         };
         progress.finish();
@@ -143,6 +147,7 @@ impl<'a> Plan<'a> {
             Work::Allan(plan) => plan.blank_tables(),
             Work::SwitchedRun(plan) => plan.blank_tables(),
             Work::Exact(table) => Tables::of_points(table.clone()),
+            Work::Relock(plan) => Tables::of_points(plan.blank_table()),
         }
     }
 
@@ -156,6 +161,7 @@ impl<'a> Plan<'a> {
             Work::Allan(plan) => plan.tables(store, progress)?,
             Work::SwitchedRun(plan) => plan.tables(store)?,
             Work::Exact(table) => Tables::of_points(table.clone()),
+            Work::Relock(plan) => Tables::of_points(plan.table(store)?),
         };
         progress.finish();
         Ok(tables)
@@ -170,6 +176,7 @@ impl<'a> Plan<'a> {
             Work::GapFill(plan) => plan.held(store)?,
             Work::Allan(plan) => plan.held(store)?,
             Work::SwitchedRun(plan) => plan.held(store)?,
+            Work::Relock(plan) => plan.held(store)?,
             Work::Exact(_) => None,
         };
         Ok(held.unwrap_or(self.study.trials))
@@ -185,6 +192,7 @@ impl<'a> Plan<'a> {
             Work::GapFill(plan) => plan.notes(store)?,
             Work::Allan(plan) => plan.notes(),
             Work::SwitchedRun(plan) => plan.notes(),
+            Work::Relock(plan) => plan.notes(),
             Work::Exact(_) => {
                 vec!["all values are closed forms: trials, seed and device have no use here".to_owned()]
             }
@@ -202,6 +210,7 @@ impl<'a> Plan<'a> {
             Work::GapFill(plan) => plan.ids(),
             Work::Allan(plan) => plan.ids(),
             Work::SwitchedRun(plan) => plan.ids(),
+            Work::Relock(plan) => plan.ids(),
             Work::Exact(_) => vec![],
         };
         match points.iter().filter(|id| !asked.contains(id)).count() {

@@ -2,6 +2,7 @@
 
 mod configurations;
 mod recipes;
+mod relocks;
 mod runs;
 
 use sha2::{Digest, Sha256};
@@ -18,6 +19,7 @@ use crate::kernel::word::Scalar;
 use crate::kernel::{Form, KERNELS, Kernel, allan, philox};
 pub use configurations::{Configuration, configurations};
 pub use recipes::{NamedRecords, THINNED, lgk_400, named_records};
+pub use relocks::{launches_of, relock};
 pub use runs::run_launches;
 
 /// What a check of one kernel found.
@@ -50,11 +52,12 @@ pub fn verify(
 }
 
 /// The launches that a kernel of trials is checked on, by name.
-fn launches(kernel: &Kernel) -> Vec<(&'static str, Launch)> {
+pub fn launches(kernel: &Kernel) -> Vec<(&'static str, Launch)> {
     let of_gap_fill = |c: Configuration| c.launches().into_iter().map(move |launch| (c.name, launch));
     match kernel.name {
         "gap_fill" => configurations().into_iter().flat_map(of_gap_fill).collect(),
         "switched_run" => run_launches(),
+        "relock" => relocks::launches(),
         _ => vec![],
     }
 }
@@ -124,7 +127,8 @@ fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<
 }
 
 /// The configurations of the self-test: sums of 32 bits and of 64; and its records.
-const SELF_TEST: [&str; 4] = ["paper", "sparse-fit-ticks", "spreads", "eight tones"];
+const SELF_TEST: [&str; 6] =
+    ["paper", "sparse-fit-ticks", "by-frequency", "by-detuning", "spreads", "warm-up"];
 const SELF_TEST_RECORDS: (&str, usize) = ("everything", 40);
 
 /// The first kernel, if any, in which a device differs from the portable CPU on a small load.

@@ -157,7 +157,7 @@ fn each_column_of_a_list_is_a_curve_with_a_verdict_of_its_own() {
     for piece in [
         "chart: drift against the limit",
         "bound, Z(7): within 0.5 ″/s from run time",
-        "magnitude of what switching leaves: within 0.5 ″/s up to the last point",
+        "left by switching: within 0.5 ″/s up to the last point",
     ] {
         assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
     }

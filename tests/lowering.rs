@@ -24,7 +24,7 @@ fn keys(key: [u32; 2]) -> Keys {
 
 /// The errors of a trial in 128 bits, from the parameters and the draws, with no step that could wrap.
 fn exact_errors(launch: &Launch, trial: u64) -> Vec<i128> {
-    let Sampled::GapFill(shape) = launch.sampled else { panic!("not of this kernel") };
+    let Sampled::GapFill(shape) = launch.sampled else { unreachable!("of gap filling") };
     let p = Parameters::of(&launch.words, shape);
     let signed = |word: u32| i128::from(word as i32);
     let address =

@@ -49,7 +49,9 @@ impl Figure {
         };
         let mut notes = Notes::default();
         let mut lines: BTreeMap<(usize, usize, usize), Vec<(f64, f64)>> = BTreeMap::new();
-        for row in rows {
+        // Rows that have no place on an axis on which others have one are about something else, as the sum of all ticks.
+        let some = rows.iter().any(|&row| x.cells[row].number().is_some());
+        for row in rows.into_iter().filter(|&row| !some || x.cells[row] != Cell::Blank) {
             let colour = colours.map_or(0, |column| style(&figure.colours, &column.cells[row]));
             let dash = dashes.map_or(0, |column| style(&figure.dashes, &column.cells[row]));
             let series = curve(&mut figure.series, colour, dash);
@@ -112,7 +114,8 @@ pub(super) fn check_unit<const N: usize>(
 }
 
 pub(super) fn axis(column: &Column, scale: Scale) -> Axis {
-    let whole = !column.cells.is_empty() && column.cells.iter().all(|cell| matches!(cell, Cell::Integer(_)));
+    let mut cells = column.cells.iter().filter(|cell| **cell != Cell::Blank).peekable();
+    let whole = cells.peek().is_some() && cells.all(|cell| matches!(cell, Cell::Integer(_)));
     Axis { label: column.label.clone(), unit: column.unit.symbol.to_owned(), scale, whole }
 }
 
@@ -250,6 +253,21 @@ mod tests {
         let sentence = notes.sentence().unwrap();
         assert!(sentence.starts_with("1 of the points cannot be shown on these axes"), "{sentence}");
         assert_eq!(Notes::default().sentence(), None);
+    }
+
+    #[test]
+    fn rows_without_an_x_are_left_out_where_others_have_one_and_whole_numbers_stay_whole() {
+        let mut table = table();
+        let cells = |x: &mut Cell| *x = Cell::Integer(x.number().unwrap() as i64);
+        table.columns[2].cells.iter_mut().for_each(cells);
+        table.columns[2].cells[0] = Cell::Blank;
+        let spec = Spec { series: vec!["filler".to_owned(), "gap_ticks".to_owned()], ..spec() };
+        let (figure, notes) = Figure::from_table(&table, &spec).unwrap();
+        assert!(figure.x.whole);
+        assert_eq!(notes.blank, 0);
+        table.columns[2].cells.iter_mut().for_each(|x| *x = Cell::Blank);
+        let (_, notes) = Figure::from_table(&table, &spec).unwrap();
+        assert_eq!(notes.blank, table.rows());
     }
 
     #[test]

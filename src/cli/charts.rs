@@ -175,7 +175,7 @@ fn points(study: &Study, chart: &Chart) -> &'static str {
 /// What the bands are: of the mean of a rms, or where curves of single records lie.
 fn bands(study: &Study) -> &'static str {
     match study.kind() {
-        Kind::GapFill | Kind::SwitchedRun => "95 % band",
+        Kind::GapFill | Kind::Relock | Kind::SwitchedRun => "95 % band",
         Kind::Allan => "95 % of records",
         Kind::DriftBudget | Kind::Suspension => "",
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::moments::{FLUSH, Moments, Trials};
-use super::{gap_fill, switched_run};
+use super::{gap_fill, relock, switched_run};
 use crate::backend::cpu::Width;
 
 /// Which kernel samples, and what its launch has: what a shader is specialised for.
@@ -11,6 +11,7 @@ use crate::backend::cpu::Width;
 pub enum Sampled {
     GapFill(gap_fill::Shape),
     SwitchedRun(switched_run::Shape),
+    Relock(relock::Shape),
 }
 
 impl Sampled {
@@ -19,13 +20,14 @@ impl Sampled {
         match self {
             Sampled::GapFill(shape) => shape.estimates(),
             Sampled::SwitchedRun(shape) => shape.estimates(),
+            Sampled::Relock(shape) => shape.estimates,
         }
     }
 
     /// Whether the kernel draws normal numbers, whose table is bound only then.
     pub fn has_normals(&self) -> bool {
         match self {
-            Sampled::GapFill(_) => true,
+            Sampled::GapFill(_) | Sampled::Relock(_) => true,
             Sampled::SwitchedRun(shape) => shape.has_normals(),
         }
     }
@@ -35,6 +37,7 @@ impl Sampled {
         match self {
             Sampled::GapFill(shape) => shape.has_table(),
             Sampled::SwitchedRun(_) => true,
+            Sampled::Relock(_) => false,
         }
     }
 }
@@ -57,6 +60,7 @@ impl Launch {
     pub fn steps(&self) -> u64 {
         match self.sampled {
             Sampled::GapFill(_) => 1,
+            Sampled::Relock(shape) => shape.ticks.ticks as u64,
             Sampled::SwitchedRun(shape) => {
                 u64::from(switched_run::Parameters::of(&self.words, shape).intervals[0])
             }
@@ -87,6 +91,7 @@ impl Launch {
         match self.sampled {
             Sampled::GapFill(shape) => width.run(gap_fill::Tally { launch: self, shape, trials }),
             Sampled::SwitchedRun(shape) => width.run(switched_run::Tally { launch: self, shape, trials }),
+            Sampled::Relock(shape) => width.run(relock::Tally { launch: self, shape, trials }),
         }
     }
 }

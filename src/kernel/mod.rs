@@ -15,6 +15,8 @@ pub mod philox;
 mod polynomial;
 pub mod power;
 pub mod recipe;
+pub mod relock;
+pub mod relock_ticks;
 pub mod rows;
 pub mod sine;
 pub mod switched_run;
@@ -42,12 +44,13 @@ pub struct Kernel {
 }
 
 /// Every kernel: what `verify`, the self-test of devices and the identity tests go through.
-pub const KERNELS: [Kernel; 7] = [
+pub const KERNELS: [Kernel; 8] = [
     Kernel { name: "philox", form: Form::Map(map::PHILOX) },
     Kernel { name: "normal", form: Form::Map(map::NORMAL) },
     Kernel { name: "sine", form: Form::Map(map::SINE) },
     Kernel { name: "power", form: Form::Map(map::POWER) },
     Kernel { name: "gap_fill", form: Form::Moments },
     Kernel { name: "switched_run", form: Form::Moments },
+    Kernel { name: "relock", form: Form::Moments },
     Kernel { name: "allan", form: Form::Records },
 ];

@@ -54,13 +54,17 @@ pub enum Purpose {
     Bridge = 25,
     /// A block for each switch of a record, from number 1 on: word 0 the phase of its fill residual, word 1 the noise of it.
     FillResidual = 14,
+    /// Relock after a mode switch, eight blocks for each switch: block 0 the error of U_λ/2, of the DAC, of the hysteresis
+    /// and of f0; word 0 of block 1 where the beat stands; blocks 2 to 5 noise of detunings, that of both halves of two
+    /// ticks each.
+    Relock = 16,
     /// And beyond, one purpose for each octave: its holds. Octaves 1 and 2 have one stream, four holds to a block; the
     /// others have four streams, a hold of each to a block.
     Flicker = 64,
 }
 
 /// The purposes by the names that the shaders know them by.
-pub const PURPOSES: [(&str, Purpose); 21] = [
+pub const PURPOSES: [(&str, Purpose); 22] = [
     ("NOISE_BEFORE", Purpose::NoiseBefore),
     ("NOISE_AFTER_AND_PHASE", Purpose::NoiseAfterAndPhase),
     ("TONE", Purpose::Tone),
@@ -81,6 +85,7 @@ pub const PURPOSES: [(&str, Purpose); 21] = [
     ("SWITCH_PHASE", Purpose::SwitchPhase),
     ("BRIDGE", Purpose::Bridge),
     ("FILL_RESIDUAL", Purpose::FillResidual),
+    ("RELOCK_PURPOSE", Purpose::Relock),
     ("FLICKER", Purpose::Flicker),
 ];
 

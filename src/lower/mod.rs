@@ -16,6 +16,7 @@ mod physical;
 mod readout;
 pub mod records;
 mod refusal;
+pub mod relock;
 mod residual;
 mod response;
 mod run;

@@ -12,7 +12,7 @@ use super::diagnose::Fault;
 use super::file::Error;
 use super::gap_fill::{FREQUENCY, Law};
 use super::percent::percent;
-use super::rows::{ANGLE, DT_NU, ERROR, FILLER, Known, chooser, coordinate, row};
+use super::rows::{ANGLE, COMPENSATION, DT_NU, ERROR, FILLER, Known, chooser, coordinate, row};
 use super::scalar::{self, Scalar};
 use super::sweep::Sweep;
 use super::units::Dimension;
@@ -328,9 +328,15 @@ fn laws(table: &ChartTable, sweeps: &[Sweep], known: &Known) -> Result<Vec<Law>,
         }
         laws.push(*law.get_ref());
     }
-    if let Some(written) = table.laws.as_ref().filter(|_| known.fillers.is_empty()) {
-        let message = "chart.laws are laws of gap fillers";
-        return Err(Fault::new(written.span(), message, "not of this kind of study", "leave them out"));
+    for law in table.laws.iter().flat_map(|laws| laws.get_ref()) {
+        let of_relock = law.get_ref().is_of_relock();
+        let fits =
+            if of_relock { known.text_names().contains(&COMPENSATION) } else { !known.fillers.is_empty() };
+        if !fits {
+            let of = if of_relock { "of relock" } else { "of gap fillers" };
+            let message = format!("chart.laws: \"{}\" is a law {of}", law.get_ref().name());
+            return Err(Fault::new(law.span(), message, "not of this kind of study", "leave it out"));
+        }
     }
     if !laws.is_empty() {
         coordinate(sweeps, known, table.x.get_ref(), table.x.span(), "laws cannot be drawn over")?;
@@ -359,9 +365,9 @@ const PERCENT: &str = "accepted: a part in percent such as \"10 %\", of a relati
 /// A limit in the unit of what the table is about.
 fn read_limit(given: &Spanned<Scalar>, subject: &Subject, source: Source) -> Result<Limit, Fault> {
     let dimensions: &[Dimension] = match (subject, source) {
-        (Subject::GapFill(_), _) => &[Dimension::Angle],
         (Subject::SwitchedRun(_), _) => &[Dimension::DriftRate, Dimension::Angle],
         (Subject::Allan(_), Source::Points | Source::Trajectories) => &[Dimension::DriftRate],
+        (Subject::GapFill(_) | Subject::Relock(_), _) => &[Dimension::Angle],
         (Subject::DriftBudget(_), _) => &[Dimension::Rate, Dimension::Time],
         (Subject::Suspension(_), _) => &[Dimension::RatePerAcceleration],
         (Subject::Allan(_), Source::Coefficients) => {

@@ -3,7 +3,7 @@
 use super::chart::{Chart, Named, Shows, Source, scale_over, usual_rows};
 use super::chart_file::Scale;
 use super::gap_fill::FREQUENCY;
-use super::rows::{DT_NU, FILLER, Known, TAU};
+use super::rows::{ALL_TICKS, COMPENSATION, DT_NU, FILLER, Known, TAU, TICK, TICK_NUMBER};
 use super::sweep::Sweep;
 use super::{Subject, SwitchedRun};
 use crate::table::Cell;
@@ -14,6 +14,7 @@ pub(super) fn default_for(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> 
         Subject::GapFill(_) => of_fillers(sweeps, subject),
         Subject::Allan(_) => Some(of_deviations(sweeps)),
         Subject::SwitchedRun(run) => of_runs(sweeps, run, subject),
+        Subject::Relock(_) => Some(of_relock(sweeps, subject)),
         Subject::DriftBudget(_) => of_closed_forms(sweeps, subject, "bound"),
         Subject::Suspension(_) => of_closed_forms(sweeps, subject, "response"),
     }
@@ -34,6 +35,30 @@ fn of_deviations(sweeps: &[Sweep]) -> Chart {
         rows: sweeps.iter().skip(2).filter_map(at_first).collect(),
         limit: None,
         x_scale: Scale::Log,
+        y_scale: Scale::Log,
+    }
+}
+
+/// What each compensation leaves of all ticks over the first swept key; tick by tick where nothing is swept.
+fn of_relock(sweeps: &[Sweep], subject: &Subject) -> Chart {
+    let x = sweeps.first().map_or(TICK_NUMBER, |sweep| sweep.key.name);
+    let series = std::iter::once(COMPENSATION).chain(sweeps.get(1).map(|sweep| sweep.key.name));
+    let all = (Named::default(TICK), Cell::Text(ALL_TICKS.to_owned()));
+    let fixed = sweeps.iter().skip(2).filter_map(at_first);
+    Chart {
+        title: None,
+        source: Source::Points,
+        x: Named::default(x),
+        y: Named::default("rms"),
+        beside: vec![],
+        shows: Shows::Curves { series: series.map(Named::default).collect(), laws: vec![] },
+        rows: (!sweeps.is_empty()).then_some(all).into_iter().chain(fixed).collect(),
+        limit: None,
+        x_scale: if sweeps.is_empty() {
+            Scale::Linear
+        } else {
+            scale_over(x, sweeps, &Known::of(subject, Source::Points))
+        },
         y_scale: Scale::Log,
     }
 }

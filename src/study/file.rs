@@ -16,6 +16,7 @@ pub(super) mod allan;
 pub(super) mod drift;
 mod either;
 pub(super) mod motion;
+pub(super) mod relock;
 pub(super) mod suspension;
 pub(super) mod switching;
 
@@ -24,6 +25,8 @@ use drift::{DriftTable, RunTable};
 pub(super) use either::Either;
 use motion::MotionTable;
 pub use motion::{Phase, Position};
+pub use relock::FirstHalf;
+use relock::RelockTable;
 use suspension::SuspensionTable;
 pub use switching::Error;
 use switching::SwitchingTable;
@@ -58,7 +61,7 @@ pub(super) struct StudyFile {
     pub(super) precision: Option<Spanned<Either<PrecisionTable>>>,
     #[serde(default)]
     pub(super) streams: Streams,
-    /// Of kind = "gap-fill".
+    /// Of kind = "gap-fill" and "relock".
     #[serde(default)]
     #[schemars(with = "GyroTable")]
     pub(super) gyro: Option<Spanned<GyroTable>>,
@@ -78,6 +81,10 @@ pub(super) struct StudyFile {
     #[serde(default)]
     #[schemars(with = "RunTable")]
     pub(super) run: Option<Spanned<RunTable>>,
+    /// Of kind = "relock".
+    #[serde(default)]
+    #[schemars(with = "RelockTable")]
+    pub(super) relock: Option<Spanned<RelockTable>>,
     /// Of kind = "suspension".
     #[serde(default)]
     #[schemars(with = "SuspensionTable")]
@@ -127,6 +134,8 @@ pub enum Kind {
     Allan,
     /// The angle that a gyro which switches modes has wrong after a whole run.
     SwitchedRun,
+    /// The rotation faked by the perimeter loop after a mode switch, and what compensations leave of it.
+    Relock,
     /// The bound of the drift of a gyro that switches modes, and the switching interval at which it is least, in closed form.
     DriftBudget,
     /// The rotation of a gyro on its suspension under vibration, in closed form.
@@ -135,13 +144,14 @@ pub enum Kind {
 
 impl StudyFile {
     /// The tables that not every kind has, each with its place where it is written.
-    pub(super) fn tables(&self) -> [(&'static str, Option<Range<usize>>); 9] {
+    pub(super) fn tables(&self) -> [(&'static str, Option<Range<usize>>); 10] {
         [
             ("gyro", self.gyro.as_ref().map(Spanned::span)),
             ("motion", self.motion.as_ref().map(Spanned::span)),
             ("switching", self.switching.as_ref().map(Spanned::span)),
             ("drift", self.drift.as_ref().map(Spanned::span)),
             ("run", self.run.as_ref().map(Spanned::span)),
+            ("relock", self.relock.as_ref().map(Spanned::span)),
             ("suspension", self.suspension.as_ref().map(Spanned::span)),
             ("record", self.record.as_ref().map(Spanned::span)),
             ("noise", self.noise.as_ref().map(Spanned::span)),
@@ -152,8 +162,8 @@ impl StudyFile {
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 5] =
-        [Kind::GapFill, Kind::Allan, Kind::DriftBudget, Kind::Suspension, Kind::SwitchedRun];
+    pub const ALL: [Kind; 6] =
+        [Kind::GapFill, Kind::Allan, Kind::Relock, Kind::DriftBudget, Kind::Suspension, Kind::SwitchedRun];
 
     /// The tables that a study of this kind may have.
     pub(super) fn tables(self) -> &'static [&'static str] {
@@ -161,6 +171,7 @@ impl Kind {
             Kind::GapFill => &["gyro", "motion", "switching", "noise"],
             Kind::Allan => &["record", "noise", "allan"],
             Kind::SwitchedRun => &["gyro", "motion", "switching", "noise", "drift", "run"],
+            Kind::Relock => &["gyro", "relock"],
             Kind::DriftBudget => &["drift", "switching", "run"],
             Kind::Suspension => &["suspension"],
         }
@@ -172,6 +183,7 @@ impl Kind {
             Kind::GapFill => "gap-fill",
             Kind::Allan => "allan",
             Kind::SwitchedRun => "switched-run",
+            Kind::Relock => "relock",
             Kind::DriftBudget => "drift-budget",
             Kind::Suspension => "suspension",
         }
@@ -309,6 +321,7 @@ fn tables_of_kinds(schema: &mut schemars::Schema) {
         needs(Kind::GapFill, &["gyro", "motion", "switching"]),
         needs(Kind::Allan, &["record", "noise"]),
         needs(Kind::SwitchedRun, &["switching", "run"]),
+        needs(Kind::Relock, &["gyro", "relock"]),
         needs(Kind::DriftBudget, &["drift", "switching", "run"]),
         needs(Kind::Suspension, &["suspension"]),
     ];

@@ -22,6 +22,7 @@ mod key;
 mod noise;
 mod percent;
 mod place;
+mod relock;
 mod rows;
 mod scalar;
 mod suspension;
@@ -48,13 +49,14 @@ pub use diagnose::StudyError;
 pub(crate) use diagnose::{Fault, Text, choices, render};
 pub use drift::{Drift, Schedule};
 pub use drift_budget::{DriftBudget, Point as BudgetPoint};
-pub use file::{Error, Kind, Phase, Position, Streams, schema};
+pub use file::{Error, FirstHalf, Kind, Phase, Position, Streams, schema};
 pub use gap_fill::{
     Acceleration, Amplitude, Fill, Filler, Frequency, GapFill, Gaussian, Inputs, Law, Method, Motion,
     POLYNOMIALS, Point, Precision, Profile, TickNoise, Tone, Value, Vibration,
 };
 pub use key::{Key, Swept};
 pub use noise::{Markov, Noise, Sine, WarmUp};
+pub use relock::{Compensation, Relock, RelockInputs, RelockPoint, RelockStudy};
 pub use suspension::{Point as SuspensionPoint, SuspensionStudy};
 pub use sweep::Sweep;
 pub use switched_run::{Angle as RunAngle, FirstMode, Point as RunPoint, SwitchedRun, Timing};
@@ -93,6 +95,7 @@ pub enum Subject {
     GapFill(Box<GapFill>),
     Allan(Allan),
     SwitchedRun(Box<SwitchedRun>),
+    Relock(RelockStudy),
     DriftBudget(DriftBudget),
     Suspension(SuspensionStudy),
 }
@@ -104,7 +107,7 @@ impl Subject {
             Subject::GapFill(_) => &[Source::Points],
             Subject::Allan(_) => &[Source::Points, Source::Coefficients],
             Subject::SwitchedRun(_) => &[Source::Points, Source::Trajectories],
-            Subject::DriftBudget(_) | Subject::Suspension(_) => &[Source::Points],
+            Subject::Relock(_) | Subject::DriftBudget(_) | Subject::Suspension(_) => &[Source::Points],
         }
     }
 }
@@ -153,6 +156,7 @@ impl Study {
             Subject::GapFill(_) => Kind::GapFill,
             Subject::Allan(_) => Kind::Allan,
             Subject::SwitchedRun(_) => Kind::SwitchedRun,
+            Subject::Relock(_) => Kind::Relock,
             Subject::DriftBudget(_) => Kind::DriftBudget,
             Subject::Suspension(_) => Kind::Suspension,
         }
@@ -188,6 +192,7 @@ impl Study {
             Subject::GapFill(gap_fill) => &gap_fill.notes,
             Subject::Allan(allan) => &allan.notes,
             Subject::SwitchedRun(run) => &run.notes,
+            Subject::Relock(_) => &[],
             Subject::DriftBudget(_) | Subject::Suspension(_) => &[],
         }
     }
@@ -265,6 +270,7 @@ impl Study {
             Kind::GapFill => gap_fill::keys(),
             Kind::Allan => allan::keys(),
             Kind::SwitchedRun => switched_run::keys(),
+            Kind::Relock => relock::keys(),
             Kind::DriftBudget => drift_budget::keys(),
             Kind::Suspension => suspension::keys(),
         };
@@ -288,6 +294,7 @@ impl Study {
             Kind::SwitchedRun => {
                 Subject::SwitchedRun(Box::new(switched_run::read(&file, &sweeps, folder, &mut places)?))
             }
+            Kind::Relock => Subject::Relock(relock::read(&file, &sweeps, &mut places)?),
             Kind::DriftBudget => Subject::DriftBudget(drift_budget::read(&file, &sweeps, &mut places)?),
             Kind::Suspension => Subject::Suspension(suspension::read(&file, &sweeps, &mut places)?),
         };

@@ -10,6 +10,7 @@ use super::chart::Source;
 use super::diagnose::{Fault, choices};
 use super::file::Error;
 use super::key::Swept;
+use super::relock::Compensation;
 use super::scalar::{self, Scalar};
 use super::sweep::Sweep;
 use super::units::Dimension;
@@ -28,6 +29,18 @@ pub(super) const RUN: &str = "run";
 
 /// The column of the time in a run.
 pub(super) const TIME: &str = "time";
+/// The columns of text of a relock table.
+pub(super) const COMPENSATION: &str = "compensation";
+pub(super) const TICK: &str = "tick";
+
+/// The tick of a relock as a number: blank for all together.
+pub(super) const TICK_NUMBER: &str = "tick_number";
+
+/// What [`TICK`] is for all ticks together.
+pub(super) const ALL_TICKS: &str = "all";
+
+/// What [`TICK`] takes.
+const TICKS: [&str; 9] = ["1", "2", "3", "4", "5", "6", "7", "8", ALL_TICKS];
 
 /// The column of text of a table of coefficients.
 pub(super) const COEFFICIENT: &str = "coefficient";
@@ -62,6 +75,16 @@ impl Known {
             },
             (Subject::Allan(_), Source::Points | Source::Trajectories) => {
                 Known { texts: vec![], fillers: vec![], numbers: &[TAU] }
+            }
+            (Subject::Relock(relock), _) => {
+                let ticks = TICKS[..relock.inputs.relock.ticks as usize].iter().chain([&ALL_TICKS]);
+                let ticks = ticks.map(|tick| (*tick).to_owned());
+                let compensations = Compensation::ALL.map(|kind| kind.name().to_owned()).to_vec();
+                Known {
+                    texts: vec![(COMPENSATION, compensations), (TICK, ticks.collect())],
+                    fillers: vec![],
+                    numbers: &[TICK_NUMBER],
+                }
             }
             (Subject::DriftBudget(_) | Subject::Suspension(_), _) => {
                 Known { texts: vec![], fillers: vec![], numbers: &[] }

@@ -9,4 +9,5 @@ pub mod minimum_variance;
 pub mod psd;
 pub mod published;
 pub mod quadrature;
+pub mod relock;
 pub mod suspension;

@@ -13,6 +13,8 @@ use crate::kernel::moments::{BIN_BITS, BINS, FLUSH, LEVEL_OFFSET};
 use crate::kernel::philox::PURPOSES;
 use crate::kernel::power::{EXP2, LOG2};
 use crate::kernel::recipe::{self, Recipe};
+use crate::kernel::relock::{self, WEIGHT_BITS};
+use crate::kernel::relock_ticks::{self, Method};
 use crate::kernel::sine::SINE;
 use crate::kernel::switched_run;
 
@@ -24,6 +26,8 @@ const POWER: &str = include_str!("../../../shaders/power.wgsl");
 const MOTION: &str = include_str!("../../../shaders/motion.wgsl");
 const GAP_FILL: &str = include_str!("../../../shaders/gap_fill.wgsl");
 const SWITCHED_RUN: &str = include_str!("../../../shaders/switched_run.wgsl");
+const RELOCK_TICKS: &str = include_str!("../../../shaders/relock_ticks.wgsl");
+const RELOCK: &str = include_str!("../../../shaders/relock.wgsl");
 const MOMENTS: &str = include_str!("../../../shaders/moments.wgsl");
 const NOISE: &str = include_str!("../../../shaders/noise.wgsl");
 const ALLAN: &str = include_str!("../../../shaders/allan.wgsl");
@@ -64,6 +68,7 @@ pub fn moments(sampled: Sampled, histogram: bool, variant: Variant) -> String {
     let own = match sampled {
         Sampled::GapFill(shape) => gap_fill(shape),
         Sampled::SwitchedRun(shape) => switched_run(shape),
+        Sampled::Relock(shape) => relock(shape),
     };
     let estimates = sampled.estimates();
     let staged = STAGED_WORDS * variant.workgroup as usize;
@@ -153,6 +158,30 @@ fn switched_run(shape: switched_run::Shape) -> OfKernel {
         ],
         places: switched_run::shape::wgsl_places(shape),
         words: switched_run::shape::word_count(shape),
+    }
+}
+
+fn relock(shape: relock::Shape) -> OfKernel {
+    let mut own = OfKernel {
+        parts: vec![POWER],
+        constants: vec![("WEIGHT_BITS", WEIGHT_BITS as usize)],
+        flags: vec![],
+        places: relock::wgsl_places(shape),
+        words: relock::word_count(shape),
+    };
+    own.include_relock_ticks(shape.ticks);
+    own.parts.push(RELOCK);
+    own
+}
+
+impl OfKernel {
+    /// Adds what relocks at a switch to a kernel that has a field `relock` for its parameters.
+    fn include_relock_ticks(&mut self, shape: relock_ticks::Shape) {
+        self.parts.push(RELOCK_TICKS);
+        self.constants.extend([("RELOCK_TICKS", shape.ticks), ("RELOCK_BLOCKS", relock_ticks::BLOCKS)]);
+        self.flags.push(("RELOCK_BY_FREQUENCY", shape.method == Method::Frequency));
+        self.flags.push(("RELOCK_BY_DETUNING", shape.method == Method::Detuning));
+        self.places += &relock_ticks::places(shape);
     }
 }
 
@@ -403,6 +432,13 @@ mod tests {
             }
             for shape in RUNS {
                 validate(&moments(Sampled::SwitchedRun(shape), true, variant));
+            }
+            for ticks in [1, 4, 8] {
+                for method in [Method::None, Method::Frequency, Method::Detuning] {
+                    let ticks = relock_ticks::Shape { ticks, method };
+                    let shape = relock::Shape { ticks, estimates: 6 };
+                    validate(&moments(Sampled::Relock(shape), true, variant));
+                }
             }
             for block in [map::PHILOX, map::NORMAL, map::SINE, map::POWER] {
                 validate(&super::map(&block, variant));

@@ -23,6 +23,9 @@ pub enum Law {
     NoiseAsPublished,
     /// Noise of const over the gap by Z(18): A_n n / 2 for a fit to four ticks.
     Noise,
+    /// The paper's tables 1 and 2: what was measured after a switch, and what the paper's compensations leave of it. Of
+    /// kind = "relock".
+    ZeemanTables,
 }
 
 /// Ticks that the published noise is about.
@@ -36,7 +39,13 @@ impl Law {
             Law::TaylorZeroCrossing => "taylor-zero-crossing",
             Law::NoiseAsPublished => "noise-as-published",
             Law::Noise => "noise",
+            Law::ZeemanTables => "zeeman-tables",
         }
+    }
+
+    /// Whether it is of relock studies, else of gap fillers.
+    pub(in crate::study) fn is_of_relock(self) -> bool {
+        self == Law::ZeemanTables
     }
 
     /// The name of its column in the table.
@@ -46,6 +55,7 @@ impl Law {
             Law::TaylorZeroCrossing => "law_taylor_zero_crossing",
             Law::NoiseAsPublished => "law_noise_as_published",
             Law::Noise => "law_noise",
+            Law::ZeemanTables => "law_zeeman_tables",
         }
     }
 
@@ -56,6 +66,7 @@ impl Law {
             Law::TaylorZeroCrossing => "Taylor term of one tick at a zero crossing, as published, Z(20)",
             Law::NoiseAsPublished => "3σ noise of const as published, growing as √n",
             Law::Noise => "3σ noise of const by Z(18), growing as n",
+            Law::ZeemanTables => "the paper's tables 1 and 2",
         }
     }
 
@@ -74,6 +85,7 @@ impl Law {
             Law::TaylorZeroCrossing => taylor(taylor_zero_crossing_as_published),
             Law::NoiseAsPublished => (of_const && ticks == PUBLISHED_TICKS)
                 .then(|| noise_of_const_as_published(three_sigma, inputs.gap_ticks)),
+            Law::ZeemanTables => None,
             Law::Noise => of_const.then(|| noise_of_const(three_sigma, inputs.gap_ticks, ticks)),
         }
     }

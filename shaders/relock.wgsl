@@ -1,0 +1,33 @@
+// One trial of a relock: sums of its first ticks, of the faked rotation that a compensation leaves.
+// Twin of src/kernel/relock.rs, which gives WEIGHT_BITS and the places of the parameters.
+
+@group(0) @binding(1) var<uniform> parameters: array<vec4<u32>, PARAMETER_VECTORS>;
+
+// The parameters in registers: loaded where they are used, they are loaded anew in every trial.
+var<private> p: array<u32, PARAMETER_WORDS>;
+
+fn load_parameters() {
+    //#for i in 0..PARAMETER_WORDS
+    p[i] = parameters[i / 4u][i % 4u];
+    //#end
+}
+
+fn bin_base(estimate: u32) -> u32 {
+    return p[BIN_BASE + estimate];
+}
+
+fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
+    let address = Address(low, high, schedule(vec2<u32>(p[KEY], p[KEY + 1u])));
+    let ticks = relock_ticks(address, 0u);
+    var error: array<u32, ESTIMATES>;
+    //#for e in 0..ESTIMATES
+    {
+        var sum = wide(1u << (WEIGHT_BITS - 1u), 0u);
+        //#for i in 0..RELOCK_TICKS
+        sum = add_wide(sum, mul_wide(ticks[i], p[WEIGHT + e * RELOCK_TICKS + i]));
+        //#end
+        error[e] = bits_from(sum, WEIGHT_BITS);
+    }
+    //#end
+    return error;
+}

@@ -1,0 +1,139 @@
+// The first ticks after one mode switch: the rotation that the closing perimeter loop fakes, less what a compensation
+// takes off. Twin of src/kernel/relock_ticks.rs, which gives RELOCK_TICKS and the places RELOCK_… of the parameters; the
+// kernel around it gives RELOCK, where these begin among its own.
+
+fn relock_ticks(address: Address, switch_number: u32) -> array<u32, RELOCK_TICKS> {
+    let words = draw(address, RELOCK_PURPOSE, switch_number * RELOCK_BLOCKS);
+    let miss = relock_miss(words);
+    let square = relock_square(miss);
+    // In 2^-30.
+    let wrong = high_word(mul_wide(normal(words[3]), p[RELOCK + RELOCK_TEMPERATURE]));
+    var left: array<u32, RELOCK_TICKS>;
+    //#for i in 0..RELOCK_TICKS
+    left[i] = relock_scaled(square, p[RELOCK + RELOCK_DRIFT + i]);
+    //#end
+    //#if RELOCK_BY_FREQUENCY
+    return less_by_frequency(address, switch_number, square, wrong, left);
+    //#else
+    //#if RELOCK_BY_DETUNING
+    return less_by_detuning(address, switch_number, miss, wrong, left);
+    //#else
+    return left;
+    //#end
+    //#end
+}
+
+// The miss of the switch, in units.
+fn relock_miss(words: vec4<u32>) -> u32 {
+    var sum = wide(0x80000000u, p[RELOCK + RELOCK_MISS]);
+    sum = add_wide(sum, mul_wide(normal(words[0]), p[RELOCK + RELOCK_HALF_WAVE]));
+    sum = add_wide(sum, mul_wide(words[1] ^ 0x80000000u, p[RELOCK + RELOCK_DAC_STEP]));
+    sum = add_wide(sum, mul_wide(words[2] ^ 0x80000000u, p[RELOCK + RELOCK_HYSTERESIS]));
+    return high_word(sum);
+}
+
+// Its square, shifted: below 2^30.
+fn relock_square(miss: u32) -> u32 {
+    let magnitude = with_sign(miss, miss) << p[RELOCK + RELOCK_SQUARE_SHIFT];
+    return mulhi(magnitude, magnitude);
+}
+
+// A word at a square of 2^32, at this square.
+fn relock_scaled(square: u32, word: u32) -> u32 {
+    return high_word(add_wide(mul_wide(square, word), wide(0x80000000u, 0u)));
+}
+
+//#if RELOCK_BY_FREQUENCY
+// The beat runs up in the first half of a tick and down in the second; whole periods of both are counted.
+fn less_by_frequency(
+    address: Address,
+    switch_number: u32,
+    square: u32,
+    wrong: u32,
+    before: array<u32, RELOCK_TICKS>,
+) -> array<u32, RELOCK_TICKS> {
+    let one = 0x80000000u;
+    let counted = p[RELOCK + RELOCK_COUNTED];
+    let half = p[RELOCK + RELOCK_HALF_BIAS];
+    let bias = half << 1u;
+    let assumed = bias + bits_from(mul_wide(bias, wrong), 30u);
+    var left = before;
+    var phase = draw(address, RELOCK_PURPOSE, switch_number * RELOCK_BLOCKS + 1u)[0] & ~counted;
+    var first = 0u;
+    var first_log = 0u;
+    //#for i in 0..RELOCK_TICKS
+    {
+        let top = phase + half - relock_scaled(square, p[RELOCK + RELOCK_LOST_FIRST + i]);
+        let end = top - half + relock_scaled(square, p[RELOCK + RELOCK_LOST_SECOND + i]);
+        let error = ((top & counted) << 1u) - (phase & counted) - (end & counted) - assumed;
+        phase = end;
+        let log = log2_(at_least(0u - error, 1u));
+        if i == 0u {
+            first = error;
+            first_log = log;
+        } else {
+            let decay = mulhi(at_least(first_log - log, 1u), 0x80000000u / max(i, 1u));
+            let q = exp2_minus(at_least(decay, 1u));
+            let angle = relock_power(log + log2_(one - q) - log2_(one + q) + p[RELOCK + RELOCK_BEAT_LOG], LOG_BITS);
+            let decays = sar(error, 31u) & sar(first - error, 31u);
+            left[i] = left[i] - with_sign(angle & decays, p[RELOCK + RELOCK_SIGN]);
+        }
+    }
+    //#end
+    return left;
+}
+//#end
+
+//#if RELOCK_BY_DETUNING
+// Mean detunings over the halves of a tick, as an ADC shows them.
+fn less_by_detuning(
+    address: Address,
+    switch_number: u32,
+    miss: u32,
+    wrong: u32,
+    before: array<u32, RELOCK_TICKS>,
+) -> array<u32, RELOCK_TICKS> {
+    let one = 0x80000000u;
+    var left = before;
+    var noise: vec4<u32>;
+    //#for i in 0..RELOCK_TICKS
+    {
+        if i % 2u == 0u {
+            noise = draw(address, RELOCK_PURPOSE, switch_number * RELOCK_BLOCKS + 2u + i / 2u);
+        }
+        let plus = relock_shown(miss, p[RELOCK + RELOCK_MEAN_FIRST + i], noise[2u * (i % 2u)]);
+        let minus = relock_shown(miss, p[RELOCK + RELOCK_MEAN_SECOND + i], noise[2u * (i % 2u) + 1u]);
+        let first = with_sign(plus, plus);
+        let second = with_sign(minus, minus);
+        let log = log2_(at_least(first, 1u));
+        let decay = at_least(log - log2_(at_least(second, 1u)), 1u);
+        let half_log = log + (log2_(decay) >> 1u) + log2_(one + exp2_minus(decay)) + p[RELOCK + RELOCK_DETUNING_LOG];
+        let plain = relock_power(half_log, LOG_BITS - 1u);
+        let angle = bits_from(mul_wide(plain, 0x40000000u + wrong), 30u);
+        let decays = sar(second - first, 31u) & sar(0u - second, 31u);
+        let alike = ~sar(plus ^ minus, 31u);
+        left[i] = left[i] - with_sign(angle & decays & alike, p[RELOCK + RELOCK_SIGN]);
+    }
+    //#end
+    return left;
+}
+
+// A mean detuning with noise, rounded to the step of the ADC.
+fn relock_shown(miss: u32, mean: u32, noise: u32) -> u32 {
+    var sum = mul_wide(miss << 1u, mean);
+    sum = add_wide(sum, mul_wide(normal(noise), p[RELOCK + RELOCK_ADC_SIGMA]));
+    sum = add_wide(sum, wide(0x80000000u, 0u));
+    return (high_word(sum) + p[RELOCK + RELOCK_ADC_HALF]) & p[RELOCK + RELOCK_ADC_SHOWN];
+}
+//#end
+
+// 2 to the power of `log`, which has so many `bits` behind the point; of a negative one 1.
+fn relock_power(log: u32, bits: u32) -> u32 {
+    let some = min(at_least(log, 0u), (32u << bits) - 1u);
+    return exp2_(some << (32u - bits)) >> (31u - (some >> bits));
+}
+
+// The larger as signed numbers.
+fn at_least(x: u32, least: u32) -> u32 {
+    return bitcast<u32>(max(bitcast<i32>(x), bitcast<i32>(least)));
+}

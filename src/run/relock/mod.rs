@@ -1,0 +1,127 @@
+//! Running a relock study: launches for what the store lacks.
+
+mod rows;
+
+use std::time::Instant;
+
+use super::sampling::{Work, lacking, sample};
+use super::{Done, NORMAL_95, Progress, RunError};
+use crate::backend::Device;
+use crate::block::base_log2;
+use crate::id::Id;
+use crate::kernel::moments::MAX_ESTIMATES;
+use crate::lower::relock::{LoweredRelock, RelockEstimate};
+use crate::store::{Store, StoreError};
+use crate::study::{Compensation, RelockStudy, Study, StudyError};
+
+/// A study whose every point is proven to fit.
+#[derive(Debug)]
+pub(super) struct Plan<'a> {
+    study: &'a Study,
+    relock: &'a RelockStudy,
+    points: Vec<LoweredRelock>,
+}
+
+impl<'a> Plan<'a> {
+    /// Lowers every point.
+    ///
+    /// # Errors
+    /// A point cannot be represented; the error points at the key to change.
+    pub(super) fn new(study: &'a Study, relock: &'a RelockStudy) -> Result<Plan<'a>, StudyError> {
+        let mut points = Vec::new();
+        for point in &relock.points {
+            let lowered = LoweredRelock::new(point, study.seed, study.streams).map_err(|error| {
+                super::refused(study, &point.swept, error.key(), &error.to_string(), error.help())
+            })?;
+            points.push(lowered);
+        }
+        Ok(Plan { study, relock, points })
+    }
+
+    /// Samples what the store lacks.
+    ///
+    /// # Errors
+    /// The device or the disk fails.
+    pub(super) fn run(
+        &self,
+        store: &mut Store,
+        device: &mut Device,
+        progress: &(dyn Progress + Sync),
+    ) -> Result<Done, RunError> {
+        let started = Instant::now();
+        let work = self.missing(store)?;
+        let trials = work.iter().map(Work::trials).sum();
+        let launches: u64 = self.points.iter().map(|point| launched(point).count() as u64).sum();
+        let all = launches * self.study.trials;
+        progress.start("trials", all.saturating_sub(trials), all.max(trials));
+        sample(&work, store, device, progress, started)?;
+        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), degraded: None })
+    }
+
+    /// What the store lacks.
+    fn missing(&self, store: &Store) -> Result<Vec<Work>, StoreError> {
+        let log2 = base_log2(self.study.trials);
+        let mut all = Vec::new();
+        for point in &self.points {
+            for estimates in launched(point) {
+                let addresses: Vec<_> = estimates.iter().map(|estimate| estimate.address).collect();
+                let blocks = lacking(store, &addresses, self.study.trials, log2)?;
+                if !blocks.is_empty() {
+                    all.push(Work { launch: point.launch(&estimates), addresses, blocks });
+                }
+            }
+        }
+        Ok(all)
+    }
+
+    /// Trials that every estimate has, where all have the same number.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    pub(super) fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
+        let mut held = None;
+        for estimate in self.points.iter().flat_map(|point| &point.estimates) {
+            let trials = store.total(&estimate.address)?.count;
+            if *held.get_or_insert(trials) != trials {
+                return Ok(None);
+            }
+        }
+        Ok(held)
+    }
+
+    /// The identities of all points.
+    pub(super) fn ids(&self) -> Vec<Id> {
+        self.points.iter().map(|point| point.id).collect()
+    }
+
+    /// What should be known besides the results.
+    pub(super) fn notes(&self) -> Vec<String> {
+        let ticks = self.relock.inputs.relock.ticks;
+        let slowest = self
+            .relock
+            .points
+            .iter()
+            .map(|point| &point.inputs)
+            .max_by(|a, b| (a.relock.loop_s / a.tick_s).total_cmp(&(b.relock.loop_s / b.tick_s)));
+        // Of the angle of all ticks ever, q^2m comes after tick m.
+        let late = slowest
+            .map_or(0.0, |inputs| libm::exp(-2.0 * f64::from(ticks) * inputs.tick_s / inputs.relock.loop_s));
+        if late < LATE {
+            return vec![];
+        }
+        let percent = libm::round(100.0 * late);
+        vec![format!("up to {percent} % of the faked angle comes after tick {ticks}, and is not counted")]
+    }
+}
+
+/// The part of the angle after the last tick that is worth a note.
+const LATE: f64 = 0.01;
+
+/// The estimates of each launch: those of a compensation, as many as one can have.
+fn launched(point: &LoweredRelock) -> impl Iterator<Item = Vec<&RelockEstimate>> {
+    Compensation::ALL.into_iter().flat_map(|compensation| {
+        let of = point.estimates.iter().filter(move |estimate| estimate.compensation == compensation);
+        let of: Vec<&RelockEstimate> = of.collect();
+        of.chunks(MAX_ESTIMATES).map(<[_]>::to_vec).collect::<Vec<_>>()
+    })
+}

@@ -1,0 +1,67 @@
+//! Named relocks that differ in all that the kernel distinguishes.
+
+use crate::kernel::launch::Launch;
+use crate::lower::relock::{LoweredRelock, RelockEstimate};
+use crate::study::{Compensation, FirstHalf, Relock, RelockInputs, RelockPoint, Streams};
+
+/// A relock like the paper's, with every error there is.
+pub fn relock() -> RelockInputs {
+    let relock = Relock {
+        miss: 0.05,
+        half_wave_error: 0.005,
+        dac_step: 0.002,
+        hysteresis: 0.004,
+        loop_s: 0.012,
+        bias_frequency_hz: 80_000.0,
+        pulse_weight_arcsec: 2.6,
+        curvature: 40.0,
+        temperature_error: 0.0002,
+        adc_noise: 0.0002,
+        adc_step: 0.0005,
+        count_step: 1.0,
+        ticks: 4,
+        first_half: FirstHalf::Negative,
+        signal_gain: None,
+    };
+    RelockInputs { tick_s: 0.005, relock }
+}
+
+/// What is left of the ticks of a relock by one compensation, as launches.
+pub fn launches_of(inputs: &RelockInputs, compensation: Compensation) -> Vec<Launch> {
+    let point = RelockPoint { swept: vec![], inputs: inputs.clone() };
+    let lowered = LoweredRelock::new(&point, 1, Streams::Independent)
+        .unwrap_or_else(|error| panic!("a relock does not lower: {error}"));
+    let of = lowered.estimates.iter().filter(|estimate| estimate.compensation == compensation);
+    let of: Vec<&RelockEstimate> = of.collect();
+    of.chunks(crate::kernel::moments::MAX_ESTIMATES).map(|some| lowered.launch(some)).collect()
+}
+
+/// Launches that differ in all that the kernel distinguishes.
+pub(super) fn launches() -> Vec<(&'static str, Launch)> {
+    let mut all = Vec::new();
+    let mut add = |name, compensation, change: &dyn Fn(&mut Relock)| {
+        let mut inputs = relock();
+        change(&mut inputs.relock);
+        all.extend(launches_of(&inputs, compensation).into_iter().map(|launch| (name, launch)));
+    };
+    add("uncompensated", Compensation::None, &|_| {});
+    add("by-frequency", Compensation::Frequency, &|_| {});
+    add("by-detuning", Compensation::Detuning, &|_| {});
+    add("positive-half-first", Compensation::Detuning, &|relock| relock.first_half = FirstHalf::Positive);
+    add("one-tick", Compensation::Detuning, &|relock| relock.ticks = 1);
+    add("eight-ticks-by-frequency", Compensation::Frequency, &|relock| relock.ticks = 8);
+    add("eight-ticks-by-detuning", Compensation::Detuning, &|relock| {
+        (relock.ticks, relock.adc_step) = (8, 0.0);
+    });
+    add("without-counts", Compensation::Frequency, &|relock| {
+        (relock.count_step, relock.temperature_error) = (0.0, 0.0);
+    });
+    // So much noise that signs and decays are wrong in many trials.
+    add("lost-in-noise-by-frequency", Compensation::Frequency, &|relock| {
+        (relock.miss, relock.half_wave_error, relock.temperature_error) = (0.0, 0.01, 0.01);
+    });
+    add("lost-in-noise-by-detuning", Compensation::Detuning, &|relock| {
+        (relock.miss, relock.adc_noise, relock.adc_step) = (0.0, 0.01, 0.02);
+    });
+    all
+}
