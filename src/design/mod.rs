@@ -205,8 +205,11 @@ pub fn design(
         let optimum = optimum::of(&tried);
         let least = match maker.at(optimum.interval_s, place)?.filter(|_| !maker.swept) {
             Some(candidate) => {
-                let at = tried.partition_point(|tried| tried.interval_s < candidate.schedule.interval_s);
-                tried.insert(at, sampled(&candidate)?);
+                let interval_s = candidate.schedule.interval_s;
+                let at = tried.partition_point(|tried| tried.interval_s < interval_s);
+                if tried.get(at).is_none_or(|tried| tried.interval_s != interval_s) {
+                    tried.insert(at, sampled(&candidate)?);
+                }
                 at
             }
             None => nearest(&tried, optimum.interval_s),
