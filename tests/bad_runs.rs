@@ -172,7 +172,7 @@ fn what_gives_the_residual_twice_or_not_at_all_is_refused() {
         "leave drift.residual_max out",
     ];
     refused(&replaced(FILLED, "[motion]", "[drift]\nresidual_max = \"10 arcsec\"\n[motion]"), "7:16", &twice);
-    refused(&swept(FILLED, "drift.residual_max", "[\"1 arcsec\", \"2 arcsec\"]"), "16:8", &twice);
+    refused(&swept(FILLED, "drift.residual_max", "[\"1 arcsec\", \"2 arcsec\"]"), "17:8", &twice);
     let of_no_use =
         |name: &str| format!("{name} says how residuals come about, but switching.fillers is missing");
     let without = replaced(FILLED, "fillers = [\"const\", \"quadratic\"]\n", "");
@@ -239,7 +239,7 @@ fn trajectories_out_of_range_and_charts_of_none_are_refused() {
         "16:17",
         &["no row has run = \"3\"", "accepted: 1, 2"],
     );
-    refused(&chart(&with("2"), "laws = [\"noise\"]"), "16:8", &["laws of gap fillers", "leave them out"]);
+    refused(&chart(&with("2"), "laws = [\"noise\"]"), "16:9", &["is a law of gap fillers", "leave it out"]);
     refused(
         &replaced(&chart(&with("2"), ""), "\"error\"", "\"drift_rms\""),
         "15:5",

@@ -23,7 +23,7 @@ duration = "1 h"
 /// Two fillers, ten minutes.
 const FILLED: &str = r#"title = "Two fillers"
 kind = "switched-run"
-trials = 1024
+trials = 8192
 [gyro]
 tick = "5 ms"
 tick_noise = { three_sigma = "1.6 arcsec" }
@@ -149,11 +149,11 @@ fn a_design_says_in_words_what_its_json_says() {
 #[test]
 fn a_design_is_the_same_on_any_number_of_threads_and_any_width() {
     let desk = Desk::with(FILLED);
-    designed(&desk, "--trials 512");
+    designed(&desk, "--trials 1024");
     let [json, table] = ["out/design.json", "out/design.csv"].map(|name| desk.read(name));
-    let command = "design study.toml --device cpu --trials 512 --quiet --out one";
+    let command = "design study.toml --device cpu --trials 1024 --quiet --out one";
     desk.sagnac_with(command, &[("RAYON_NUM_THREADS", "1")]);
-    desk.done("design study.toml --device portable --trials 512 --quiet --out portable");
+    desk.done("design study.toml --device portable --trials 1024 --quiet --out portable");
     for folder in ["one", "portable"] {
         assert_eq!(desk.read(&format!("{folder}/design.json")), json, "{folder}");
         assert_eq!(desk.read(&format!("{folder}/design.csv")), table, "{folder}");
@@ -204,7 +204,7 @@ fn other_kinds_other_sweeps_and_gyros_without_drift_are_refused() {
     let nothing = PAPER
         .replace("magnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"\n", "")
         .replace("residual_max = \"10 arcsec\"\n", "");
-    refused(&nothing, "4:1", &["there is no drift and no residual", "give drift.magnetic"]);
+    refused(&nothing, "5:16", &["there is no drift and no residual", "give drift.magnetic"]);
 }
 
 #[test]
