@@ -20,7 +20,7 @@ pub use paper::PapersRule;
 use crate::backend::Device;
 use crate::backend::gpu::GpuError;
 use crate::kernel::moments::Moments;
-use crate::lower::LowerError;
+use crate::lower::RunLowerError;
 use crate::stats::Estimates;
 use crate::study::{RunAngle, Study, SwitchedRun};
 use crate::theory::drift::Optimum as Minimum;
@@ -163,7 +163,7 @@ pub enum DesignError {
     )]
     NoCandidate { duration_s: f64 },
     #[error(transparent)]
-    Lower(#[from] LowerError),
+    Lower(#[from] RunLowerError),
     #[error(transparent)]
     Gpu(#[from] GpuError),
     /// The runs do not say where 99.73 % of them lie.
