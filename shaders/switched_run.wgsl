@@ -52,9 +52,11 @@ fn start(address: Address) -> Run {
     run.warm_up = warm_up(run.deviation[0], normal(draw(address, RUN_DEVIATION, 1u)[0]));
     //#end
     //#for block in 0..PHASE_BLOCKS
-    let phases = draw(address, RUN_PHASE, block);
-    for (var t = 4u * block; t < min(TONES, 4u * block + 4u); t++) {
-        run.phase[t] = phases[t % 4u] & p[RUN_SPREAD + t];
+    {
+        let phases = draw(address, RUN_PHASE, block);
+        for (var t = 4u * block; t < min(TONES, 4u * block + 4u); t++) {
+            run.phase[t] = phases[t % 4u] & p[RUN_SPREAD + t];
+        }
     }
     //#end
     return run;
