@@ -98,7 +98,7 @@ pub struct Filler {
     /// Absent where the study gives the residual by its largest value.
     pub name: Option<String>,
     pub tried: Vec<Tried>,
-    /// Place of the interval nearest to the optimum.
+    /// Place of the interval to choose.
     pub best: usize,
     pub optimum: Optimum,
     /// The interval that the paper's bound would choose, and what comes of it.
@@ -202,15 +202,12 @@ pub fn design(
     let mut fillers = Vec::new();
     for (place, candidates) in chosen.iter().enumerate() {
         let mut tried = candidates.iter().map(&mut sampled).collect::<Result<Vec<Tried>, _>>()?;
-        let optimum = optimum::of(&tried);
-        let least = match maker.at(optimum.interval_s, place)?.filter(|_| !maker.swept) {
-            Some(candidate) => {
-                let at = tried.partition_point(|tried| tried.interval_s < candidate.schedule.interval_s);
-                tried.insert(at, sampled(&candidate)?);
-                at
-            }
-            None => nearest(&tried, optimum.interval_s),
-        };
+        let fitted = optimum::of(&tried);
+        if let Some(candidate) = maker.at(fitted.interval_s, place)?.filter(|_| !maker.swept) {
+            let at = tried.partition_point(|tried| tried.interval_s < candidate.schedule.interval_s);
+            tried.insert(at, sampled(&candidate)?);
+        }
+        let (best, optimum) = optimum::among(&tried, fitted);
         let point = &runs.points[0];
         let papers_rule = match paper::optimum(point, &candidates[0].filled.residual) {
             None => None,
@@ -221,7 +218,7 @@ pub fn design(
             }
         };
         let name = runs.fillers().get(place).map(|filler| filler.name.clone());
-        fillers.push(Filler { name, tried, best: least, optimum, papers_rule });
+        fillers.push(Filler { name, tried, best, optimum, papers_rule });
     }
     progress.finish();
     let of = |place: &usize| fillers[*place].best().drift.value;
@@ -235,12 +232,6 @@ pub fn design(
         fillers,
         best,
     })
-}
-
-/// The place of the interval nearest to this one.
-fn nearest(tried: &[Tried], interval_s: f64) -> usize {
-    let far = |place: &usize| libm::log(tried[*place].interval_s / interval_s).abs();
-    (0..tried.len()).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(0)
 }
 
 /// What some parts of the trials say together, and without each of them.
