@@ -4,10 +4,12 @@ use std::sync::Arc;
 
 use divan::counter::ItemsCount;
 use sagnac::backend::cpu::{Cpu, Width};
+use sagnac::kernel::launch::Launch;
 use sagnac::kernel::moments::Trials;
 use sagnac::kernel::recipe::{Level, Recipe};
 use sagnac::kernel::{Form, KERNELS};
-use sagnac::verify::Configuration;
+use sagnac::study::Compensation;
+use sagnac::verify::{Configuration, hour_launches, launches_of, relock};
 
 fn main() {
     divan::main();
@@ -49,20 +51,42 @@ fn sine(bencher: divan::Bencher, name: &str) {
     map(bencher, "sine", name);
 }
 
+fn trials(bencher: divan::Bencher, launches: &[Launch], name: &str, count: u64, histogram: bool) {
+    let launch = &launches[0];
+    bencher
+        .counter(ItemsCount::new(count))
+        .bench_local(|| launch.tally(width(name), Trials { first: 0, count, histogram }));
+}
+
 #[divan::bench(args = widths())]
 fn gap_fill_six_estimates(bencher: divan::Bencher, name: &str) {
-    let launch = &Configuration::new("paper", |_| {}).launches()[0];
-    bencher
-        .counter(ItemsCount::new(ITEMS))
-        .bench_local(|| launch.tally(width(name), Trials { first: 0, count: ITEMS, histogram: false }));
+    trials(bencher, &Configuration::new("paper", |_| {}).launches(), name, ITEMS, false);
 }
 
 #[divan::bench(args = widths())]
 fn gap_fill_with_histogram(bencher: divan::Bencher, name: &str) {
-    let launch = &Configuration::new("paper", |_| {}).launches()[0];
-    bencher
-        .counter(ItemsCount::new(ITEMS))
-        .bench_local(|| launch.tally(width(name), Trials { first: 0, count: ITEMS, histogram: true }));
+    trials(bencher, &Configuration::new("paper", |_| {}).launches(), name, ITEMS, true);
+}
+
+/// 89 switches each.
+#[divan::bench(args = widths(), sample_count = 20)]
+fn runs_of_an_hour(bencher: divan::Bencher, name: &str) {
+    trials(bencher, &hour_launches(), name, 1 << 12, true);
+}
+
+#[divan::bench(args = widths())]
+fn relock_uncompensated(bencher: divan::Bencher, name: &str) {
+    trials(bencher, &launches_of(&relock(), Compensation::None), name, ITEMS, false);
+}
+
+#[divan::bench(args = widths())]
+fn relock_from_frequency(bencher: divan::Bencher, name: &str) {
+    trials(bencher, &launches_of(&relock(), Compensation::Frequency), name, ITEMS, false);
+}
+
+#[divan::bench(args = widths())]
+fn relock_from_detuning(bencher: divan::Bencher, name: &str) {
+    trials(bencher, &launches_of(&relock(), Compensation::Detuning), name, ITEMS, false);
 }
 
 const RECORDS: usize = 1024;

@@ -20,7 +20,7 @@ use crate::kernel::{Form, KERNELS, Kernel, allan, philox};
 pub use configurations::{Configuration, configurations};
 pub use recipes::{NamedRecords, THINNED, lgk_400, named_records};
 pub use relocks::{launches_of, relock};
-pub use runs::run_launches;
+pub use runs::{hour_launches, run_launches};
 
 /// What a check of one kernel found.
 #[derive(Debug, Clone, PartialEq, Eq)]

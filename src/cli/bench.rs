@@ -8,8 +8,9 @@ use sagnac::backend::{Device, Job, SelectError, select};
 use sagnac::block::cover;
 use sagnac::kernel::launch::Launch;
 use sagnac::kernel::recipe::Recipe;
+use sagnac::study::Compensation;
 use sagnac::theory::allan::Estimator;
-use sagnac::verify::{NamedRecords, THINNED, configurations, lgk_400};
+use sagnac::verify::{NamedRecords, THINNED, configurations, hour_launches, launches_of, lgk_400, relock};
 use serde::Serialize;
 
 use super::Failure;
@@ -34,6 +35,8 @@ struct Figure {
 enum Rate {
     #[serde(rename = "million_trials_per_second")]
     Trials(f64),
+    #[serde(rename = "million_runs_per_second")]
+    Runs(f64),
     #[serde(rename = "million_samples_per_second")]
     Samples(f64),
 }
@@ -42,7 +45,7 @@ enum Rate {
 const RUNS: usize = 5;
 const SECONDS: f64 = 0.5;
 
-/// What is measured: configurations of `verify`, and whether with the histogram that a run has.
+/// What is measured of gap fillers: configurations of `verify`, and whether with the histogram that a study has.
 const MEASURED: [(&str, bool); 5] = [
     ("paper", false),
     ("paper", true),
@@ -50,6 +53,9 @@ const MEASURED: [(&str, bool); 5] = [
     ("eight-tones", false),
     ("profile", false),
 ];
+
+/// The kernel whose trials are whole runs.
+const RUNS_KERNEL: &str = "switched_run";
 
 /// Records of nine hours at 1 Hz, with differences a 64th of τ apart and at every sample.
 const MEASURED_RECORDS: [(&str, Estimator); 2] =
@@ -75,21 +81,21 @@ pub fn bench(options: &super::Bench) -> Result<(), Failure> {
         figures.push(figure);
         Ok::<_, Failure>(())
     };
-    let all = configurations();
+    let measured = measured();
     for device in &mut devices {
-        for (name, histogram) in MEASURED {
-            let Some(launch) =
-                all.iter().find(|c| c.name == name).and_then(|c| c.launches().into_iter().next())
-            else {
-                continue;
+        for Measured { kernel, configuration, launch, histogram } in &measured {
+            let rate = if *kernel == RUNS_KERNEL {
+                Rate::Runs(trials_per_second(device, launch, *histogram, 1 << 12)? / 1e6)
+            } else {
+                Rate::Trials(trials_per_second(device, launch, *histogram, 1 << 20)? / 1e6)
             };
             found(Figure {
                 device: device.name(),
-                kernel: "gap_fill",
-                configuration: name,
+                kernel,
+                configuration,
                 estimates: launch.sampled.estimates(),
-                histogram,
-                rate: Rate::Trials(trials_per_second(device, &launch, histogram)? / 1e6),
+                histogram: *histogram,
+                rate,
             })?;
         }
         for (name, estimator) in MEASURED_RECORDS {
@@ -118,14 +124,43 @@ pub fn bench(options: &super::Bench) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Trials that are measured.
+struct Measured {
+    kernel: &'static str,
+    configuration: &'static str,
+    launch: Launch,
+    histogram: bool,
+}
+
+/// Of every kernel of trials.
+fn measured() -> Vec<Measured> {
+    let all = configurations();
+    let mut measured = Vec::new();
+    let mut add = |kernel, configuration, launches: Vec<Launch>, histogram| {
+        let first = launches.into_iter().next();
+        measured.extend(first.map(|launch| Measured { kernel, configuration, launch, histogram }));
+    };
+    for (name, histogram) in MEASURED {
+        if let Some(configuration) = all.iter().find(|configuration| configuration.name == name) {
+            add("gap_fill", name, configuration.launches(), histogram);
+        }
+    }
+    add(RUNS_KERNEL, "one hour, MT = 40 s, 89 switches", hour_launches(), true);
+    for compensation in Compensation::ALL {
+        add("relock", compensation.name(), launches_of(&relock(), compensation), false);
+    }
+    measured
+}
+
 impl Figure {
     fn line(&self) -> String {
         let Figure { device, kernel, configuration, estimates, .. } = self;
         match self.rate {
-            Rate::Trials(rate) => {
+            Rate::Trials(rate) | Rate::Runs(rate) => {
                 let with = if self.histogram { "with histogram" } else { "without histogram" };
+                let (what, digits) = if let Rate::Runs(_) = self.rate { ("runs", 3) } else { ("trials", 1) };
                 format!(
-                    "{kernel}, {configuration}, {estimates} estimates, {with:17} {rate:9.1} million trials/s  {device}"
+                    "{kernel}, {configuration}, {estimates} estimates, {with:17} {rate:9.digits$} million {what}/s  {device}"
                 )
             }
             Rate::Samples(rate) => {
@@ -137,9 +172,14 @@ impl Figure {
     }
 }
 
-/// Best rate of some runs.
-fn trials_per_second(device: &mut Device, launch: &Launch, histogram: bool) -> Result<f64, GpuError> {
-    best(1 << 20, |trials| {
+/// Best rate of some runs, which start with so many trials.
+fn trials_per_second(
+    device: &mut Device,
+    launch: &Launch,
+    histogram: bool,
+    first: u64,
+) -> Result<f64, GpuError> {
+    best(first, |trials| {
         let jobs: Vec<Job> = cover(0..trials, 24).into_iter().map(|block| Job { launch, block }).collect();
         device.tally(&jobs, histogram, &|_| {}).map(drop)
     })

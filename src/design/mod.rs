@@ -204,8 +204,11 @@ pub fn design(
         let mut tried = candidates.iter().map(&mut sampled).collect::<Result<Vec<Tried>, _>>()?;
         let fitted = optimum::of(&tried);
         if let Some(candidate) = maker.at(fitted.interval_s, place)?.filter(|_| !maker.swept) {
-            let at = tried.partition_point(|tried| tried.interval_s < candidate.schedule.interval_s);
-            tried.insert(at, sampled(&candidate)?);
+            let interval_s = candidate.schedule.interval_s;
+            let at = tried.partition_point(|tried| tried.interval_s < interval_s);
+            if tried.get(at).is_none_or(|tried| tried.interval_s != interval_s) {
+                tried.insert(at, sampled(&candidate)?);
+            }
         }
         let (best, optimum) = optimum::among(&tried, fitted);
         let point = &runs.points[0];

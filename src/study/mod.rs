@@ -282,6 +282,7 @@ impl Study {
             kind_end: file.kind.span().end,
         };
         let mut places = Places::default();
+        places.add("kind", file.kind.span());
         if let Some(trials) = &written.trials {
             places.add("trials", trials.span());
         }

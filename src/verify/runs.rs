@@ -93,6 +93,12 @@ pub fn run_launches() -> Vec<(&'static str, Launch)> {
         .collect()
 }
 
+/// The paper's gyro over an hour with a switch every 40 s: 89 of them.
+pub fn hour_launches() -> Vec<Launch> {
+    let run = "residual_max = \"10 arcsec\"\n[switching]\ninterval = \"40 s\"\n[run]\nduration = \"1 h\"\n";
+    launches(&[DRIFT, run])
+}
+
 fn launches(tables: &[&str]) -> Vec<Launch> {
     let text = format!("title = \"identity\"\nkind = \"switched-run\"\n{}", tables.concat());
     let study = match Study::parse("identity", &text) {

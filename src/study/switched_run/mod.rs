@@ -156,7 +156,7 @@ fn read_fill(
     folder: &Path,
     places: &mut Places,
 ) -> Result<Option<GapFill>, Wrong> {
-    let SwitchingTable { gap_ticks, fillers, .. } = switching.get_ref();
+    let SwitchingTable { gap_ticks, fit_ticks, extrapolation_ticks, fillers, .. } = switching.get_ref();
     if fillers.is_some() {
         if drift.residual_max != 0.0 || sweeps.iter().any(|sweep| sweep.key.name == "drift.residual_max") {
             let place = places.blame(sweeps, &["drift.residual_max"]);
@@ -171,6 +171,8 @@ fn read_fill(
         ("[motion]", file.motion.as_ref().map(Spanned::span)),
         ("[noise]", file.noise.as_ref().map(Spanned::span)),
         ("switching.gap_ticks", gap_ticks.as_ref().map(Spanned::span)),
+        ("switching.fit_ticks", fit_ticks.as_ref().map(Spanned::span)),
+        ("switching.extrapolation_ticks", extrapolation_ticks.as_ref().map(Spanned::span)),
     ];
     if let Some((name, Some(place))) = of_fill.into_iter().find(|(_, place)| place.is_some()) {
         let message = format!("{name} says how residuals come about, but switching.fillers is missing");
