@@ -119,6 +119,7 @@ pub(super) fn read(
     };
     let base = point::Base { drift, schedule, fill: fill.as_ref(), relock, times: &times, places, sweeps };
     let (points, rounded) = base.points()?;
+    check_size(&points, fill.as_ref(), sweeps)?;
     let fill_notes = fill.as_ref().map_or(&[][..], |fill| &fill.notes);
     let notes = rounded.into_iter().chain(fill_notes.iter().cloned()).chain(fill.as_ref().and_then(normal));
     Ok(SwitchedRun {
@@ -130,6 +131,22 @@ pub(super) fn read(
         trajectories,
         points,
     })
+}
+
+/// Most intervals of all points and fillers together: each has a row in memory.
+const MOST_ROWS: u64 = 20_000_000;
+
+/// Refuses studies whose points have too many intervals together.
+fn check_size(points: &[Point], fill: Option<&GapFill>, sweeps: &[Sweep]) -> Result<(), Fault> {
+    let fillers = fill.map_or(1, |fill| fill.fillers.len() as u64);
+    let rows: u64 = points.iter().map(|point| (point.switches() + 1) * fillers).sum();
+    if rows <= MOST_ROWS {
+        return Ok(());
+    }
+    let message = format!("the runs of all points and fillers have {rows} intervals together");
+    let place = sweeps.first().map_or(0..0, |sweep| sweep.span.clone());
+    let help = format!("accepted: up to {MOST_ROWS}; sweep fewer values, or take longer intervals");
+    Err(Fault::new(place, message, "too many points", help))
 }
 
 /// Refuses what only studies of one switch have.
