@@ -28,12 +28,14 @@ struct WarmUp {
 }
 
 // What is drawn once for a run: deviations of A, Ω_m0, Ω_nm in standard deviations, 2^−28; negative where the first mode is the
-// other one; phase of each tone at the next switch; all that is random so far, 2^−32 LSB.
+// other one; phase of each tone at the next switch; all that is random so far, 2^−32 LSB; what relocking has added so
+// far, LSB.
 struct Run {
     deviation: vec3<u32>,
     mode: u32,
     phase: array<u32, TONE_ROOM>,
     random: Wide,
+    relocked: u32,
     warm_up: WarmUp,
 }
 
@@ -50,9 +52,11 @@ fn start(address: Address) -> Run {
     run.warm_up = warm_up(run.deviation[0], normal(draw(address, RUN_DEVIATION, 1u)[0]));
     //#end
     //#for block in 0..PHASE_BLOCKS
-    let phases = draw(address, RUN_PHASE, block);
-    for (var t = 4u * block; t < min(TONES, 4u * block + 4u); t++) {
-        run.phase[t] = phases[t % 4u] & p[RUN_SPREAD + t];
+    {
+        let phases = draw(address, RUN_PHASE, block);
+        for (var t = 4u * block; t < min(TONES, 4u * block + 4u); t++) {
+            run.phase[t] = phases[t % 4u] & p[RUN_SPREAD + t];
+        }
     }
     //#end
     return run;
@@ -122,9 +126,9 @@ fn angle(run: Run, k: u32, row: u32, more: Wide) -> u32 {
     //#end
     //#if MODE
     let whole = high_word(magnetic) + table[words + 1u];
-    return table[words] + high_word(random) + with_sign(whole, run.mode);
+    return table[words] + run.relocked + high_word(random) + with_sign(whole, run.mode);
     //#else
-    return table[words] + high_word(add_wide(random, magnetic));
+    return table[words] + run.relocked + high_word(add_wide(random, magnetic));
     //#end
 }
 
@@ -147,6 +151,19 @@ fn residual(run: ptr<function, Run>, address: Address, k: u32, words: vec4<u32>)
     //#end
     return residual;
 }
+
+//#if RELOCKING
+// What relocking after the switch that ends interval `k` adds, LSB: the ticks themselves, and what they do to the filler.
+fn relocked(address: Address, k: u32) -> u32 {
+    var left = relock_ticks(address, k);
+    let bits = p[RELOCK_BITS];
+    var sum = wide(1u << (bits - 1u), 0u);
+    //#for i in 0..RELOCK_TICKS
+    sum = add_wide(sum, mul_wide(left[i], p[RELOCK_WEIGHT + i]));
+    //#end
+    return bits_from(sum, bits);
+}
+//#end
 
 fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
     let address = Address(low, high, schedule(vec2<u32>(p[KEY], p[KEY + 1u])));
@@ -180,6 +197,9 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
         //#end
         if !is_last {
             run.random = add_wide(run.random, residual(&run, address, k, words));
+            //#if RELOCKING
+            run.relocked += relocked(address, k);
+            //#end
             //#if ENDS
             error[1] = largest(error[1], angle(run, k, k, nothing));
             //#end

@@ -346,7 +346,10 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
             text("", LGV_1, "[chart]\nx = \"tau\"\ny = \"adev\"\nlimit = \"1 arcsec\""),
             &["chart.limit", "an angular rate"],
         ),
-        (text("", LGV_1, "[chart]\nx = \"tau\"\ny = \"adev\"\nlaws = [\"noise\"]"), &["is a law of gap fillers"]),
+        (
+            text("", LGV_1, "[chart]\nx = \"tau\"\ny = \"adev\"\nlaws = [\"noise\"]"),
+            &["is a law of gap fillers"],
+        ),
     ];
     for (text, pieces) in table {
         refused(text, pieces);

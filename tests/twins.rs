@@ -107,9 +107,14 @@ fn launches() -> Vec<(&'static str, Launch)> {
     kernels.flat_map(sagnac::verify::launches).collect()
 }
 
-/// Trials of a configuration: many for the paper's point, whose every case is gone through.
-fn trials(configuration: &str) -> u64 {
-    if configuration == "paper" { TRIALS } else { 1 << 17 }
+/// Trials of a configuration: many for the paper's point, whose every case is gone through; of long ones as many as their
+/// steps leave.
+fn trials(configuration: &str, launch: &Launch) -> u64 {
+    if configuration == "paper" {
+        TRIALS
+    } else {
+        ((1 << 17) / launch.steps().next_power_of_two()).max(1 << 9)
+    }
 }
 
 #[test]
@@ -118,7 +123,8 @@ fn every_configuration_is_the_same_on_any_width_threads_and_division() {
     for (configuration, launch) in &launches() {
         // The paper's point without the histogram too, and in a number of trials that no width divides.
         let paper = *configuration == "paper";
-        let cases = [(trials(configuration), true), (TRIALS, false), (1_000_003, true), (1_000_003, false)];
+        let cases =
+            [(trials(configuration, launch), true), (TRIALS, false), (1_000_003, true), (1_000_003, false)];
         for &(trials, histogram) in &cases[..if paper { 4 } else { 1 }] {
             let reference = reference(launch, &cover(0..trials, 63), histogram);
             for (w, width) in Width::available().into_iter().enumerate() {
@@ -148,13 +154,13 @@ fn every_configuration_is_the_same_on_any_shader_tile_and_division() {
     let expected =
         |trials: u64, histogram: bool, launch: &Launch| reference(launch, &cover(0..trials, 63), histogram);
     let references: Vec<Vec<Moments>> =
-        launches.iter().map(|(name, launch)| expected(trials(name), true, launch)).collect();
+        launches.iter().map(|(name, launch)| expected(trials(name, launch), true, launch)).collect();
     let without_histogram = expected(TRIALS, false, &launches[0].1);
     for adapter in adapters() {
         for (v, variant) in variants(&adapter).into_iter().enumerate() {
             let mut gpu = open(&adapter, variant);
             for (l, ((configuration, launch), reference)) in launches.iter().zip(&references).enumerate() {
-                let trials = trials(configuration);
+                let trials = trials(configuration, launch);
                 let tiles = [trials / 3 + 1, 40_001, 2 * trials, trials];
                 let cases: Vec<_> = divisions(trials).into_iter().zip(tiles).collect();
                 let paper = *configuration == "paper";

@@ -20,7 +20,7 @@ pub use paper::PapersRule;
 use crate::backend::Device;
 use crate::backend::gpu::GpuError;
 use crate::kernel::moments::Moments;
-use crate::lower::LowerError;
+use crate::lower::RunLowerError;
 use crate::stats::Estimates;
 use crate::study::{RunAngle, Study, SwitchedRun};
 use crate::theory::drift::Optimum as Minimum;
@@ -98,7 +98,7 @@ pub struct Filler {
     /// Absent where the study gives the residual by its largest value.
     pub name: Option<String>,
     pub tried: Vec<Tried>,
-    /// Place of the interval nearest to the optimum.
+    /// Place of the interval to choose.
     pub best: usize,
     pub optimum: Optimum,
     /// The interval that the paper's bound would choose, and what comes of it.
@@ -163,7 +163,7 @@ pub enum DesignError {
     )]
     NoCandidate { duration_s: f64 },
     #[error(transparent)]
-    Lower(#[from] LowerError),
+    Lower(#[from] RunLowerError),
     #[error(transparent)]
     Gpu(#[from] GpuError),
     /// The runs do not say where 99.73 % of them lie.
@@ -202,18 +202,15 @@ pub fn design(
     let mut fillers = Vec::new();
     for (place, candidates) in chosen.iter().enumerate() {
         let mut tried = candidates.iter().map(&mut sampled).collect::<Result<Vec<Tried>, _>>()?;
-        let optimum = optimum::of(&tried);
-        let least = match maker.at(optimum.interval_s, place)?.filter(|_| !maker.swept) {
-            Some(candidate) => {
-                let interval_s = candidate.schedule.interval_s;
-                let at = tried.partition_point(|tried| tried.interval_s < interval_s);
-                if tried.get(at).is_none_or(|tried| tried.interval_s != interval_s) {
-                    tried.insert(at, sampled(&candidate)?);
-                }
-                at
+        let fitted = optimum::of(&tried);
+        if let Some(candidate) = maker.at(fitted.interval_s, place)?.filter(|_| !maker.swept) {
+            let interval_s = candidate.schedule.interval_s;
+            let at = tried.partition_point(|tried| tried.interval_s < interval_s);
+            if tried.get(at).is_none_or(|tried| tried.interval_s != interval_s) {
+                tried.insert(at, sampled(&candidate)?);
             }
-            None => nearest(&tried, optimum.interval_s),
-        };
+        }
+        let (best, optimum) = optimum::among(&tried, fitted);
         let point = &runs.points[0];
         let papers_rule = match paper::optimum(point, &candidates[0].filled.residual) {
             None => None,
@@ -224,7 +221,7 @@ pub fn design(
             }
         };
         let name = runs.fillers().get(place).map(|filler| filler.name.clone());
-        fillers.push(Filler { name, tried, best: least, optimum, papers_rule });
+        fillers.push(Filler { name, tried, best, optimum, papers_rule });
     }
     progress.finish();
     let of = |place: &usize| fillers[*place].best().drift.value;
@@ -238,12 +235,6 @@ pub fn design(
         fillers,
         best,
     })
-}
-
-/// The place of the interval nearest to this one.
-fn nearest(tried: &[Tried], interval_s: f64) -> usize {
-    let far = |place: &usize| libm::log(tried[*place].interval_s / interval_s).abs();
-    (0..tried.len()).min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(0)
 }
 
 /// What some parts of the trials say together, and without each of them.

@@ -50,6 +50,33 @@ pub(super) fn of(tried: &[Tried]) -> Optimum {
     }
 }
 
+/// The place of the interval to choose, and between which intervals the best one lies: the fitted optimum and its interval,
+/// and all that were tried whose drift cannot be told from the least. The law is no more than smooth, so an interval that is
+/// better than what it says stands against it.
+pub(super) fn among(tried: &[Tried], fitted: Optimum) -> (usize, Optimum) {
+    let drift = |place: &usize| tried[*place].drift.value;
+    let least = (0..tried.len()).min_by(|a, b| drift(a).total_cmp(&drift(b))).unwrap_or(0);
+    let is_as_good = |place: &usize| {
+        let pairs = tried[*place].replicates.iter().zip(&tried[least].replicates);
+        let apart: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
+        drift(place) - drift(&least) <= T_95 * jackknife(&apart)
+    };
+    let good: Vec<usize> = (0..tried.len()).filter(|place| *place == least || is_as_good(place)).collect();
+    let far = |place: &usize| libm::log(tried[*place].interval_s / fitted.interval_s).abs();
+    let best = good.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(least);
+    let ends = good.iter().map(|place| tried[*place].interval_s);
+    let at_end = good.first() == Some(&0) || good.last() == Some(&(tried.len() - 1));
+    let bound = |end: Option<f64>, wider: fn(f64, f64) -> f64| {
+        Some(ends.clone().fold(end?, wider)).filter(|_| tried.len() > 1 && !at_end)
+    };
+    let optimum = Optimum {
+        interval_s: tried[best].interval_s,
+        lo_s: bound(fitted.lo_s, f64::min),
+        hi_s: bound(fitted.hi_s, f64::max),
+    };
+    (best, optimum)
+}
+
 /// The standard error that delete-one replicates show.
 pub(super) fn jackknife(replicates: &[f64]) -> f64 {
     let n = replicates.len() as f64;

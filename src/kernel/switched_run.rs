@@ -11,6 +11,7 @@ use super::moments::{self, MAX_ESTIMATES, Moments, Sampler, Trials};
 use super::normal::normal;
 use super::philox::{Address, Keys, Purpose, schedule};
 use super::power::{LARGEST_MINUS, LOG_BITS, exp2_minus, log2};
+use super::relock_ticks::{self, Given, relock_ticks};
 use super::sine::sine;
 use super::word::{Scalar, Wide, Word};
 use crate::backend::cpu::AnyWidth;
@@ -51,6 +52,8 @@ struct Run<W: Word> {
     phase: [W; MAX_TONES],
     /// All that is random so far, 2^−32 LSB.
     random: W::Wide,
+    /// What relocking has added so far, LSB.
+    relocked: W,
     warm_up: WarmUp<W>,
 }
 
@@ -86,6 +89,7 @@ impl<'a> SwitchedRun<'a> {
             mode: zero,
             phase: [zero; MAX_TONES],
             random: W::Wide::splat(0),
+            relocked: zero,
             warm_up: WarmUp { heated: zero, ratio: zero, inverse: zero, tanh: zero, last: W::splat(1 << 30) },
         };
         if shape.spreads() {
@@ -175,9 +179,9 @@ impl<'a> SwitchedRun<'a> {
         }
         if shape.mode {
             let whole = magnetic.high() + W::splat(words[1]);
-            return W::splat(words[0]) + random.high() + whole.with_sign(run.mode);
+            return W::splat(words[0]) + run.relocked + random.high() + whole.with_sign(run.mode);
         }
-        W::splat(words[0]) + (random + magnetic).high()
+        W::splat(words[0]) + run.relocked + (random + magnetic).high()
     }
 
     /// The residual of the switch after interval `k`, 2^−32 LSB; `words` are those of the interval.
@@ -198,6 +202,22 @@ impl<'a> SwitchedRun<'a> {
             run.phase[t] = run.phase[t] + W::splat(p.phase_step[t]);
         }
         residual
+    }
+
+    /// What relocking after the switch that ends interval `k` adds, LSB: the ticks themselves, and what they do to the filler.
+    // The loop reads like that of the shader.
+    #[expect(clippy::needless_range_loop)]
+    #[inline(always)]
+    fn relocked<W: Word>(&self, shape: relock_ticks::Shape, address: &Address<W>, k: usize) -> W {
+        let p = &self.p;
+        let given = Given { p: relock_ticks::Parameters::of(p.relock, shape), shape };
+        let left = relock_ticks(&given, address, k);
+        let bits = p.relock_bits[0];
+        let mut sum = W::Wide::splat(1 << (bits - 1));
+        for i in 0..shape.ticks {
+            sum = sum + left[i].mul_wide(W::splat(p.relock_weight[i]));
+        }
+        sum.bits_from(bits)
     }
 
     #[inline(always)]
@@ -236,6 +256,9 @@ impl<'a> SwitchedRun<'a> {
             if !is_last {
                 let residual = self.residual(&mut run, &address, k, &words);
                 run.random = run.random + residual;
+                if let Some(relock) = shape.relock {
+                    run.relocked = run.relocked + self.relocked(relock, &address, k);
+                }
                 let after = self.angle(&run, k, k, nothing);
                 recorder.record(after);
                 if shape.ends {
@@ -286,6 +309,7 @@ const PLAIN: Shape = Shape {
     non_magnetic: false,
     mode: false,
     warm_up: false,
+    relock: None,
 };
 
 /// The same with a random walk.

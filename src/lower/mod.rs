@@ -28,7 +28,7 @@ pub use estimate::{Estimate, Oracle};
 pub use records::{Asked, Records, RecordsError};
 pub use refusal::{Lost, LowerError};
 pub use residual::{Residual, ResidualTone};
-pub use run::{FilledRun, LoweredRun, RunEstimate, RunOracle};
+pub use run::{FilledRun, LoweredRun, RunEstimate, RunLowerError, RunOracle};
 pub use weights::{Rows, Statistics};
 
 use crate::id::Id;

@@ -3,6 +3,7 @@
 use super::estimate::{Estimate, functionals};
 use super::fixed::ToneMotion;
 use super::{Lowered, readout};
+use crate::kernel::relock_ticks::MAX_TICKS;
 use crate::study::Error;
 
 /// The residual of a switch, ″.
@@ -15,6 +16,8 @@ pub struct Residual {
     /// Of what is normally distributed, or taken as that: noise, Gaussian motion, fractions of a pulse, drawn amplitudes
     /// and frequencies, profiles.
     pub variance_arcsec2: f64,
+    /// Weights of the filler on the ticks n+1, n+2, … as far as a relock can reach.
+    pub after: Vec<f64>,
 }
 
 impl Residual {
@@ -64,12 +67,18 @@ impl Lowered {
         let unit = fixed.lsb_arcsec / estimate.rows.denominator as f64;
         // Differences of equal numbers may miss 0.
         let normal = variance.max(0.0) + sigma * sigma + fractions;
+        let weight = |tick: i32| {
+            let place = f.ticks.iter().position(|&own| own == tick);
+            place.map_or(0.0, |place| f.weights[place] as f64 / f.scale as f64)
+        };
+        let after = (1..=MAX_TICKS as i32).map(|k| weight(fixed.gap_ticks + k));
         let tones =
             tones.into_iter().map(|(tone, size)| ResidualTone { tone, amplitude_arcsec: size * unit });
         Some(Residual {
             tones: tones.filter(|tone| tone.amplitude_arcsec > 0.0).collect(),
             constant_arcsec: mean * unit,
             variance_arcsec2: normal * unit * unit,
+            after: after.collect(),
         })
     }
 }

@@ -157,6 +157,7 @@ static KEYS: &[Expected] = &[
         "a table",
         "[relock]\nmiss = 0.05\nloop_time = \"12 ms\"\nbias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40",
     ),
+    entry("relock.compensation", TEXT, "compensation = \"detuning\""),
     entry("relock.miss", RATIO, "miss = 0.05"),
     entry("relock.half_wave_error", RATIO, "half_wave_error = 0.005"),
     entry("relock.dac_step", RATIO, "dac_step = 0.002"),

@@ -170,7 +170,7 @@ impl Kind {
         match self {
             Kind::GapFill => &["gyro", "motion", "switching", "noise"],
             Kind::Allan => &["record", "noise", "allan"],
-            Kind::SwitchedRun => &["gyro", "motion", "switching", "noise", "drift", "run"],
+            Kind::SwitchedRun => &["gyro", "motion", "switching", "noise", "drift", "relock", "run"],
             Kind::Relock => &["gyro", "relock"],
             Kind::DriftBudget => &["drift", "switching", "run"],
             Kind::Suspension => &["suspension"],

@@ -59,7 +59,7 @@ pub use noise::{Markov, Noise, Sine, WarmUp};
 pub use relock::{Compensation, Relock, RelockInputs, RelockPoint, RelockStudy};
 pub use suspension::{Point as SuspensionPoint, SuspensionStudy};
 pub use sweep::Sweep;
-pub use switched_run::{Angle as RunAngle, FirstMode, Point as RunPoint, SwitchedRun, Timing};
+pub use switched_run::{Angle as RunAngle, FirstMode, Point as RunPoint, Relocking, SwitchedRun, Timing};
 pub use units::{Dimension, Quantity, UnitError, parse as parse_quantity};
 pub(crate) use units::{parse_unit, round_12};
 

@@ -11,8 +11,13 @@ const DRIFT: &str =
 /// The paper's gyro with two fillers; the motion follows.
 const FILLED: &str = "[gyro]\ntick = \"5 ms\"\ntick_noise = { three_sigma = \"1.6 arcsec\" }\n[motion]\n";
 
+/// The rest of a study with relock, whose last table goes on.
+const RELOCKED: &str = "amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"\n[switching]\ninterval = \"3 s\"\ngap_ticks = 3\n\
+    fillers = [\"quadratic\"]\n[run]\nduration = \"60 s\"\n[relock]\nmiss = 0.05\nhalf_wave_error = 0.005\nloop_time = \"12 ms\"\n\
+    bias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40\n";
+
 /// By name: tables of a study.
-const RUNS: [(&str, &[&str]); 8] = [
+const RUNS: [(&str, &[&str]); 10] = [
     (
         "plain",
         &[
@@ -70,6 +75,8 @@ const RUNS: [(&str, &[&str]); 8] = [
              gap_ticks = 2\nfillers = [\"linear\"]\n[run]\nduration = \"20 s\"\n",
         ],
     ),
+    ("relock by frequency", &[FILLED, RELOCKED, "compensation = \"frequency\"\n"]),
+    ("relock by detuning", &[FILLED, RELOCKED, "compensation = \"detuning\"\nadc_noise = 0.0002\n"]),
     (
         "many switches",
         &[

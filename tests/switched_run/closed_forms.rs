@@ -93,13 +93,16 @@ fn means_and_rms_agree_with_their_closed_forms_within_5_standard_errors() {
 
 /// The paper's gyro at 20.1 Hz with these keys of its switching.
 fn filled(trials: u64, motion: &str, switching: &str) -> sagnac::study::Study {
-    let text = format!(
+    parsed("runs.toml", &filled_text(trials, motion, switching))
+}
+
+fn filled_text(trials: u64, motion: &str, switching: &str) -> String {
+    format!(
         "title = \"runs\"\nkind = \"switched-run\"\ntrials = {trials}\n[gyro]\ntick = \"5 ms\"\n\
          tick_noise = {{ three_sigma = \"1.6 arcsec\" }}\n[motion]\n{motion}[switching]\ninterval = \"10 s\"\ngap_ticks = 3\n\
          fillers = [\"const\", \"quadratic\", {{ kind = \"minimum-variance\", fit_ticks = [\"-7..0\", \"n+1\", \"n+2\"] }}]\n\
          {switching}[run]\nduration = \"100 s\"\n"
-    );
-    parsed("runs.toml", &text)
+    )
 }
 
 #[test]
@@ -181,5 +184,56 @@ fn the_numbers_of_the_theory_are_found() {
         let sd = (end["drift_rms"].powi(2) - found * found).sqrt();
         assert!((found - mean).abs() < 0.000_3, "{t} s, {interval} s: mean {found}");
         assert!((sd - deviation).abs() < 0.000_1, "{t} s, {interval} s: deviation {sd}");
+    }
+}
+
+/// A loop like that of the paper, which fakes some 17 ″ in four ticks.
+const RELOCK: &str = "[relock]\nmiss = 0.05\nhalf_wave_error = 0.005\ndac_step = 0.002\nhysteresis = 0.004\nloop_time = \"12 ms\"\n\
+                      bias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40\n";
+
+#[test]
+fn uncompensated_relocks_add_up_as_their_closed_form_says() {
+    let tone = "amplitude = \"12000 arcsec/s\"\nfrequency = \"20.013 Hz\"\n";
+    let text = |more: &str| {
+        let study = filled_text(200_000, tone, "");
+        parsed("runs.toml", &format!("{study}{RELOCK}{more}"))
+    };
+    let (largest, count) = deviations(&text(""));
+    println!("relock: largest |z| of {count} is {largest:.2}");
+    assert!(count >= 6 && largest < 5.0, "|z| = {largest}");
+}
+
+/// What is exact of the detuning takes the relock off again, up to its rounding: runs are as without it.
+#[test]
+fn an_exact_compensation_leaves_runs_as_they_are_without_relock() {
+    let tone = "amplitude = \"12000 arcsec/s\"\nfrequency = \"20.013 Hz\"\n";
+    let study = filled_text(100_000, tone, "");
+    let with = |more: &str| numbers(&parsed("runs.toml", &format!("{study}{more}")));
+    let (without, compensated) = (with(""), with(&format!("{RELOCK}compensation = \"detuning\"\n")));
+    let uncompensated = with(RELOCK);
+    for ((without, compensated), uncompensated) in without.iter().zip(&compensated).zip(&uncompensated) {
+        let off = (compensated["rms"] - without["rms"]).abs();
+        // Other draws, and the relock's own rounding at nine switches.
+        assert!(
+            off < 5.0 * without["rms_se"].hypot(compensated["rms_se"]) + 0.01,
+            "{compensated:?}, not {without:?}"
+        );
+        assert!(uncompensated["rms"] > 10.0 * off, "{uncompensated:?}");
+        assert!(!compensated.contains_key("oracle_rms"), "a compensated relock has no closed form");
+    }
+}
+
+/// A relock that is always the same adds its ticks, 35.1 ″, and what they do to the fillers by theory.md: 26.3 and 35.9 ″.
+#[test]
+fn a_relock_by_list_adds_its_ticks_and_what_they_do_to_the_filler() {
+    let text = "title = \"runs\"\nkind = \"switched-run\"\ntrials = 1000\n[gyro]\ntick = \"5 ms\"\n\
+                tick_noise = { std = \"0.1 arcsec\" }\nrelock = [\"20.3 arcsec\", \"14.8 arcsec\"]\n[motion]\nrate = \"0 deg/s\"\n\
+                [switching]\ninterval = \"10 s\"\ngap_ticks = 3\nfillers = [\"const\", \"quadratic\"]\n[run]\n\
+                duration = \"100 s\"\n";
+    let rows = numbers(&parsed("runs.toml", text));
+    for (row, through) in [(&rows[0], 26.325), (&rows[2], 35.95)] {
+        let expected = 9.0 * (35.1 + through);
+        let se = row["rms_se"];
+        assert!((row["mean"] - expected).abs() < 5.0 * se + 1e-3, "{} ″, not {expected} ″", row["mean"]);
     }
 }

@@ -134,8 +134,8 @@ fn gap_fill(shape: Shape) -> OfKernel {
 }
 
 fn switched_run(shape: switched_run::Shape) -> OfKernel {
-    OfKernel {
-        parts: if shape.warm_up { vec![SINE_, POWER, SWITCHED_RUN] } else { vec![SINE_, SWITCHED_RUN] },
+    let mut own = OfKernel {
+        parts: if shape.warm_up || shape.relock.is_some() { vec![SINE_, POWER] } else { vec![SINE_] },
         constants: vec![
             ("TONES", shape.tones),
             // There is no array without elements.
@@ -155,10 +155,16 @@ fn switched_run(shape: switched_run::Shape) -> OfKernel {
             ("NON_MAGNETIC", shape.non_magnetic),
             ("MODE", shape.mode),
             ("WARM_UP", shape.warm_up),
+            ("RELOCKING", shape.relock.is_some()),
         ],
         places: switched_run::shape::wgsl_places(shape),
         words: switched_run::shape::word_count(shape),
+    };
+    if let Some(ticks) = shape.relock {
+        own.include_relock_ticks(ticks);
     }
+    own.parts.push(SWITCHED_RUN);
+    own
 }
 
 fn relock(shape: relock::Shape) -> OfKernel {
@@ -384,10 +390,16 @@ mod tests {
         non_magnetic: false,
         mode: false,
         warm_up: false,
+        relock: None,
     };
 
-    const RUNS: [switched_run::Shape; 3] = [
+    const RUNS: [switched_run::Shape; 4] = [
         RUN,
+        switched_run::Shape {
+            relock: Some(relock_ticks::Shape { ticks: 4, method: Method::Detuning }),
+            warm_up: true,
+            ..RUN
+        },
         switched_run::Shape { ends: false, times: 4, walk: true, noise: true, tones: 1, mode: true, ..RUN },
         switched_run::Shape {
             tones: 8,

@@ -1,6 +1,7 @@
 //! What a launch of the switched-run kernel has, its parameter words and its table.
 
 use crate::kernel::parameters::parameters;
+use crate::kernel::relock_ticks;
 
 /// Most tones of the motion at a switch.
 pub const MAX_TONES: usize = crate::kernel::gap_fill::shape::MAX_TONES;
@@ -28,6 +29,8 @@ pub struct Shape {
     pub mode: bool,
     /// Whether the warm-up time differs from run to run: then A is no part of the table, and its spread a parameter.
     pub warm_up: bool,
+    /// Whether the perimeter loop relocks after each switch.
+    pub relock: Option<relock_ticks::Shape>,
 }
 
 impl Shape {
@@ -48,7 +51,7 @@ impl Shape {
 
     /// Whether normal numbers are drawn.
     pub fn has_normals(self) -> bool {
-        self.walk || self.noise || self.spreads()
+        self.walk || self.noise || self.spreads() || self.relock.is_some()
     }
 
     /// Words of a row of the table.
@@ -84,6 +87,11 @@ parameters! {
     time_bits: |shape: Shape| only(shape.warm_up, 1),
     /// A and its standard deviation, 2^−32 LSB in a unit of time.
     heated: |shape: Shape| only(shape.warm_up, 2),
+    /// Parameters of the ticks that relock, as they are in `relock_ticks`.
+    relock: |shape: Shape| shape.relock.map_or(0, relock_ticks::word_count),
+    /// What each of those ticks adds, by itself and through the filler, in LSB to its own, and bits of that behind the point.
+    relock_weight: |shape: Shape| shape.relock.map_or(0, |relock| relock.ticks),
+    relock_bits: |shape: Shape| only(shape.relock.is_some(), 1),
     /// What every residual has, 2^−32 LSB, two words.
     constant: |_| 2,
     /// Residual of a tone at sine 1, 2^−2 LSB.

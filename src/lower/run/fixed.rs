@@ -1,6 +1,7 @@
 //! A run in fixed point: the very words that the kernel sees, before they are put in order.
 
 use super::drift::{Drift, Row};
+use super::relocking::Coupled;
 use super::warm_up::{INTERVALS, WarmUp};
 use crate::kernel::moments::LIMIT;
 use crate::kernel::normal::REACH;
@@ -33,6 +34,7 @@ pub(super) struct Fixed {
     pub(super) mode: bool,
     /// Where its time constant is drawn.
     pub(super) warm_up: Option<WarmUp>,
+    pub(super) relock: Option<Coupled>,
 }
 
 /// The drift at a moment.
@@ -72,9 +74,15 @@ pub(super) struct FixedTone {
 }
 
 impl Fixed {
-    pub(super) fn new(drift: &Drift, residual: &Residual, point: &RunPoint, study: &SwitchedRun) -> Fixed {
+    pub(super) fn new(
+        drift: &Drift,
+        residual: &Residual,
+        relock: Option<Coupled>,
+        point: &RunPoint,
+        study: &SwitchedRun,
+    ) -> Fixed {
         let mode = study.first_mode == FirstMode::Random;
-        let lsb_arcsec = lsb(drift, residual, point, study.timing);
+        let lsb_arcsec = lsb(drift, residual, relock.as_ref(), point, study.timing);
         let sigma = |arcsec: f64| libm::round(arcsec / lsb_arcsec * SIGMA_UNITS) as u32;
         let warm_up = WarmUp::of(point, study, lsb_arcsec);
         let row = |row: &Row| fixed_row(row, mode, lsb_arcsec, warm_up.as_ref());
@@ -107,6 +115,7 @@ impl Fixed {
             tones: tones.collect(),
             mode,
             warm_up,
+            relock,
         }
     }
 
@@ -125,7 +134,8 @@ impl Fixed {
             let bits = [warm_up.halving_bits, warm_up.time_bits];
             [warm_up.spread_word(), warm_up.interval_halvings(), a, spread, bits[0], bits[1]]
         });
-        words.chain(warm_up).chain(self.ends.iter().flat_map(of_row)).collect()
+        let relock = self.relock.iter().flat_map(|relock| relock.identity(self.lsb_arcsec));
+        words.chain(warm_up).chain(relock).chain(self.ends.iter().flat_map(of_row)).collect()
     }
 
     /// The words that determine one of the study's angles besides.
@@ -151,7 +161,13 @@ fn fixed_row(row: &Row, mode: bool, lsb_arcsec: f64, warm_up: Option<&WarmUp>) -
 }
 
 /// The unit of angle, ″: a power of two that leaves room for every run.
-fn lsb(drift: &Drift, residual: &Residual, point: &RunPoint, timing: Timing) -> f64 {
+fn lsb(
+    drift: &Drift,
+    residual: &Residual,
+    relock: Option<&Coupled>,
+    point: &RunPoint,
+    timing: Timing,
+) -> f64 {
     let squares = residual.tones.iter().map(|tone| 0.5 * tone.amplitude_arcsec * tone.amplitude_arcsec);
     let each = residual.variance_arcsec2 + squares.sum::<f64>();
     let amplitudes: f64 = residual.tones.iter().map(|tone| tone.amplitude_arcsec).sum();
@@ -177,6 +193,7 @@ fn lsb(drift: &Drift, residual: &Residual, point: &RunPoint, timing: Timing) -> 
             + in_phase
             + amplitudes
             + warm_up
+            + relock.map_or(0.0, |relock| relock.most(switches, ROOM))
     };
     let bound = drift.ends.iter().map(most).fold(0.0, f64::max);
     // A few units are for rounding.

@@ -36,6 +36,9 @@ impl FilledRun {
         let switch_spread: Vec<u32> = fixed.tones.iter().map(|tone| mask(tone.each)).collect();
         let run_spread: Vec<u32> = fixed.tones.iter().map(|tone| mask(!tone.each)).collect();
         let bin_base: Vec<u32> = places.iter().map(|&place| self.estimates[place].bin_base).collect();
+        let (relock_weight, bits) =
+            fixed.relock.as_ref().map(|relock| relock.weights(fixed.lsb_arcsec)).unwrap_or_default();
+        let relock_bits = only(fixed.relock.is_some(), vec![bits]);
         let words = Parameters {
             key: &self.key,
             intervals: &[fixed.ends.len() as u32],
@@ -46,6 +49,9 @@ impl FilledRun {
             halvings: &of_warm_up(|warm_up| vec![warm_up.interval_halvings()]),
             time_bits: &of_warm_up(|warm_up| vec![warm_up.time_bits]),
             heated: &of_warm_up(|warm_up| warm_up.heated().map(|word| word as u32).to_vec()),
+            relock: fixed.relock.as_ref().map_or(&[], |relock| &relock.words),
+            relock_weight: &relock_weight,
+            relock_bits: &relock_bits,
             constant: &long_words(fixed.constant),
             amplitude: &amplitude,
             phase_step: &phase_step,
@@ -82,6 +88,7 @@ fn shape(fixed: &Fixed, ends: bool, times: usize) -> Shape {
         non_magnetic: deviates(2),
         mode: fixed.mode,
         warm_up: fixed.warm_up.is_some(),
+        relock: fixed.relock.as_ref().map(|relock| relock.shape),
     }
 }
 

@@ -6,10 +6,12 @@ mod drift;
 mod fixed;
 mod launch;
 mod oracle;
+mod relocking;
 mod warm_up;
 
 pub use oracle::RunOracle;
 
+use super::relock::RelockError;
 use super::{LowerError, Lowered, Residual, definition, words_of};
 use crate::id::Id;
 use crate::kernel::moments::level;
@@ -18,6 +20,34 @@ use crate::store::Address;
 use crate::study::{Error, Filler, RunAngle, RunPoint, Schedule, Streams, SwitchedRun};
 use drift::Drift;
 use fixed::Fixed;
+use relocking::FixedRelocking;
+
+/// Why a run cannot be represented.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RunLowerError {
+    #[error(transparent)]
+    Switch(#[from] LowerError),
+    #[error(transparent)]
+    Relock(#[from] RelockError),
+}
+
+impl RunLowerError {
+    /// The key of the study that has to change.
+    pub fn key(&self) -> &'static str {
+        match self {
+            RunLowerError::Switch(error) => error.key(),
+            RunLowerError::Relock(error) => error.key(),
+        }
+    }
+
+    /// What to do about it.
+    pub fn help(&self) -> &'static str {
+        match self {
+            RunLowerError::Switch(error) => error.help(),
+            RunLowerError::Relock(error) => error.help(),
+        }
+    }
+}
 
 /// A point of a study of whole runs, ready to be sampled.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,13 +87,13 @@ impl LoweredRun {
     /// Lowers a point of a study with this seed.
     ///
     /// # Errors
-    /// The switch cannot be represented: see [`LowerError`].
+    /// The switch cannot be represented: see [`LowerError`] and [`RelockError`].
     pub fn new(
         point: &RunPoint,
         study: &SwitchedRun,
         seed: u64,
         streams: Streams,
-    ) -> Result<LoweredRun, LowerError> {
+    ) -> Result<LoweredRun, RunLowerError> {
         let residuals = residuals(point, study, seed, streams)?;
         let id = id(point, study, residuals.id, seed, streams);
         let key = match streams {
@@ -71,8 +101,10 @@ impl LoweredRun {
             Streams::Common => Id::of(&format!("streams\nkind=switched-run\nseed={seed}\n")).key(),
         };
         let drift = Drift::of(point, study);
+        let relocking = FixedRelocking::of(point)?;
         let filled = |(definition, residual): (String, Residual)| {
-            let fixed = Fixed::new(&drift, &residual, point, study);
+            let relock = relocking.as_ref().map(|relocking| relocking.with(&residual.after));
+            let fixed = Fixed::new(&drift, &residual, relock, point, study);
             let of = |angle: String, more: Vec<u32>| {
                 let estimate = Id::of(&format!("estimate\nfiller={definition}\nangle={angle}\n"));
                 let words = [switched_run::VERSION, key[0], key[1]].into_iter().chain(fixed.words());
@@ -80,7 +112,7 @@ impl LoweredRun {
             };
             let estimate = |(place, angle): (usize, RunAngle)| {
                 let oracle = fixed.oracle(angle, place);
-                let bin_base = level((0.25 * fixed.expected_rms(oracle)) as u32);
+                let bin_base = level((0.25 * fixed.expected_rms(angle, place)) as u32);
                 let more = fixed.time_words(place).into_iter().chain([bin_base]);
                 RunEstimate {
                     angle,
@@ -135,10 +167,13 @@ fn id(point: &RunPoint, study: &SwitchedRun, switch: String, seed: u64, streams:
     let Schedule { interval_s, duration_s } = point.schedule;
     Id::of(&format!(
         "point\nkind=switched-run\nseed={seed}\nstreams={}\ninterval_s={interval_s:.11e}\nduration_s={duration_s:.11e}\n\
-         first_mode={:?}\ntiming={:?}\nswitch={switch}\n{}",
+         first_mode={:?}\ntiming={:?}\nswitch={switch}\n{}{}",
         streams.name(),
         study.first_mode,
         study.timing,
         point.drift.canonical(),
+        point.relock.as_ref().map_or_else(String::new, |relocking| {
+            format!("compensation={}\n{}", relocking.compensation.name(), relocking.relock.identity())
+        }),
     ))
 }

@@ -22,8 +22,16 @@ impl RunOracle {
 }
 
 impl Fixed {
-    /// Of an angle of the study at its `place`.
+    /// Of an angle of the study at its `place`; none where a compensated relock has no closed form.
     pub(super) fn oracle(&self, angle: RunAngle, place: usize) -> Option<RunOracle> {
+        if self.relock.as_ref().is_some_and(|relock| !relock.exact) {
+            return None;
+        }
+        self.about(angle, place)
+    }
+
+    /// The same, for a compensated relock by its first trials.
+    fn about(&self, angle: RunAngle, place: usize) -> Option<RunOracle> {
         match angle {
             RunAngle::Largest => None,
             RunAngle::End => {
@@ -46,6 +54,15 @@ impl Fixed {
         let constant = self.constant as f64 / libm::exp2(32.0);
         let deviations: f64 = row.deviations.iter().map(|&word| square(word.unsigned_abs())).sum();
         let mut variance = walk + deviations + switches * square(self.noise);
+        let mut relocked = 0.0;
+        let mut rounded = 0.0;
+        if let Some(relock) = &self.relock {
+            let deviation = relock.deviation / self.lsb_arcsec;
+            variance += switches * deviation * deviation;
+            relocked = switches * relock.mean / self.lsb_arcsec;
+            // Each switch is rounded to the LSB once more.
+            rounded = switches * (relock.rounding + 0.5 * self.lsb_arcsec);
+        }
         for tone in &self.tones {
             let amplitude = f64::from(tone.amplitude) / ANGLE_UNITS;
             let times = if tone.each { switches } else { in_phase(tone.step, row.switches) };
@@ -63,15 +80,15 @@ impl Fixed {
         let magnetic = f64::from(row.magnetic) + heated;
         let (mean, drawn) = if self.mode { (0.0, magnetic) } else { (heated, 0.0) };
         RunOracle {
-            mean: (f64::from(row.angle) + mean + switches * constant) * self.lsb_arcsec,
+            mean: (f64::from(row.angle) + mean + relocked + switches * constant) * self.lsb_arcsec,
             deviation: libm::sqrt(variance + spread + drawn * drawn) * self.lsb_arcsec,
-            rounding: 2.0 * self.lsb_arcsec + rounding,
+            rounding: 2.0 * self.lsb_arcsec + rounding + rounded,
         }
     }
 
     /// About the rms of an angle, LSB: where it is not known, the most at the end of any interval.
-    pub(super) fn expected_rms(&self, oracle: Option<RunOracle>) -> f64 {
-        match oracle {
+    pub(super) fn expected_rms(&self, angle: RunAngle, place: usize) -> f64 {
+        match self.about(angle, place) {
             Some(oracle) => oracle.rms() / self.lsb_arcsec,
             None => {
                 let walk = |row: &FixedRow| (row.switches + 1) as f64 * square(self.walk[0]);

@@ -10,7 +10,7 @@ use super::{Done, NORMAL_95, Progress, RunError, Tables};
 use crate::backend::Device;
 use crate::block::base_log2;
 use crate::id::Id;
-use crate::lower::{FilledRun, LowerError, LoweredRun};
+use crate::lower::{FilledRun, LoweredRun, RunLowerError};
 use crate::store::{Store, StoreError};
 use crate::study::{RunPoint, Study, StudyError, SwitchedRun};
 
@@ -109,6 +109,6 @@ impl<'a> Plan<'a> {
 }
 
 /// The error of a point that cannot be sampled, at the key of the study that has to change.
-fn refused(study: &Study, point: &RunPoint, error: &LowerError) -> StudyError {
+fn refused(study: &Study, point: &RunPoint, error: &RunLowerError) -> StudyError {
     super::refused(study, &point.swept, error.key(), &error.to_string(), error.help())
 }

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use super::ValueSchema;
+use crate::study::relock::Compensation;
 use crate::study::scalar::Scalar;
 
 /// The perimeter loop after a mode switch: where it starts, and what is measured while it settles. Detunings are parts of the
@@ -61,6 +62,10 @@ pub(in crate::study) struct RelockTable {
     pub(in crate::study) ticks: Option<Spanned<Scalar>>,
     #[serde(default)]
     pub(in crate::study) first_half: FirstHalf,
+    /// What is taken off the ticks, of kind = "switched-run"; "none" if absent. Kind = "relock" compares all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(with = "Compensation")]
+    pub(in crate::study) compensation: Option<Spanned<Compensation>>,
     /// A_I/Δλ of Z(1), 4·a_I·c/Δν, in any unit; a column of its signal.
     #[serde(default)]
     #[schemars(with = "ValueSchema")]

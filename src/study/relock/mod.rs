@@ -63,10 +63,13 @@ pub(super) fn read(file: &StudyFile, sweeps: &[Sweep], places: &mut Places) -> R
     }
     let gyro = needed(file.gyro.as_ref(), "gyro", file)?.get_ref();
     check_gyro(gyro)?;
-    let mut inputs = RelockInputs {
-        tick_s: 0.0,
-        relock: read_relock(needed(file.relock.as_ref(), "relock", file)?.get_ref(), places)?,
-    };
+    let table = needed(file.relock.as_ref(), "relock", file)?.get_ref();
+    if let Some(compensation) = &table.compensation {
+        let message =
+            "relock.compensation is no key of a study of kind = \"relock\", which compares all of them";
+        return Err(Fault::new(compensation.span(), message, "not of this kind", "leave it out").into());
+    }
+    let mut inputs = RelockInputs { tick_s: 0.0, relock: read_relock(table, places)? };
     (TICK.set)(&mut inputs, TICK.read(&gyro.tick)?);
     places.add(TICK.name, gyro.tick.span());
     let points = (0..sweep::points(sweeps)).map(|index| {

@@ -1,6 +1,7 @@
 //! Studies of whole runs of a gyro that switches modes.
 
 mod point;
+mod relock;
 mod times;
 
 use std::path::Path;
@@ -8,6 +9,7 @@ use std::path::Path;
 use toml::Spanned;
 
 pub use point::Point;
+pub use relock::Relocking;
 
 use super::diagnose::{Fault, Wrong};
 use super::drift::{self, Drift};
@@ -17,6 +19,7 @@ use super::file::switching::SwitchingTable;
 use super::gap_fill::{self, Filler, GapFill};
 use super::key::Key;
 use super::place::Places;
+use super::relock::RELOCK_SETTINGS;
 use super::scalar;
 use super::sweep::Sweep;
 use super::{needed, needed_key};
@@ -85,7 +88,8 @@ const MOST_TRAJECTORIES: i64 = 1000;
 pub(super) fn keys() -> Vec<&'static Key> {
     let drift = drift::SETTINGS.iter().map(|setting| &setting.key);
     let schedule = drift::SCHEDULE_SETTINGS.iter().map(|setting| &setting.key);
-    schedule.chain(drift).chain(gap_fill::keys()).collect()
+    let relock = RELOCK_SETTINGS.iter().map(|setting| &setting.key);
+    schedule.chain(drift).chain(gap_fill::keys()).chain(relock).collect()
 }
 
 /// Reads what is of this kind in a file, and notes where it stands.
@@ -107,13 +111,15 @@ pub(super) fn read(
         places.add("drift", table.span());
     }
     let fill = read_fill(file, switching, &drift, sweeps, folder, places)?;
+    let relock = relock::read(file, fill.as_ref(), sweeps, places)?;
     let times = times::read(run.get_ref().times.as_ref(), places)?;
     let trajectories = match &run.get_ref().trajectories {
         Some(given) => scalar::whole("run.trajectories", given, 0..=MOST_TRAJECTORIES)?.cast_unsigned(),
         None => 0,
     };
-    let base = point::Base { drift, schedule, fill: fill.as_ref(), times: &times, places, sweeps };
+    let base = point::Base { drift, schedule, fill: fill.as_ref(), relock, times: &times, places, sweeps };
     let (points, rounded) = base.points()?;
+    check_size(&points, fill.as_ref(), sweeps)?;
     let fill_notes = fill.as_ref().map_or(&[][..], |fill| &fill.notes);
     let notes = rounded.into_iter().chain(fill_notes.iter().cloned()).chain(fill.as_ref().and_then(normal));
     Ok(SwitchedRun {
@@ -125,6 +131,22 @@ pub(super) fn read(
         trajectories,
         points,
     })
+}
+
+/// Most intervals of all points and fillers together: each has a row in memory.
+const MOST_ROWS: u64 = 20_000_000;
+
+/// Refuses studies whose points have too many intervals together.
+fn check_size(points: &[Point], fill: Option<&GapFill>, sweeps: &[Sweep]) -> Result<(), Fault> {
+    let fillers = fill.map_or(1, |fill| fill.fillers.len() as u64);
+    let rows: u64 = points.iter().map(|point| (point.switches() + 1) * fillers).sum();
+    if rows <= MOST_ROWS {
+        return Ok(());
+    }
+    let message = format!("the runs of all points and fillers have {rows} intervals together");
+    let place = sweeps.first().map_or(0..0, |sweep| sweep.span.clone());
+    let help = format!("accepted: up to {MOST_ROWS}; sweep fewer values, or take longer intervals");
+    Err(Fault::new(place, message, "too many points", help))
 }
 
 /// Refuses what only studies of one switch have.

@@ -1,11 +1,13 @@
 //! Points of a study of whole runs, each checked as a whole.
 
+use super::relock::Relocking;
 use crate::kernel::switched_run::shape::MOST_INTERVALS;
 use crate::study::diagnose::Fault;
 use crate::study::drift::{self, Drift, Schedule};
 use crate::study::gap_fill::{self, GapFill};
 use crate::study::key::Swept;
 use crate::study::place::Places;
+use crate::study::relock::RELOCK_SETTINGS;
 use crate::study::sweep::{self, Sweep};
 use crate::study::units::round_12;
 use crate::table::significant;
@@ -13,6 +15,9 @@ use crate::theory::drift::switches;
 
 /// By how much of itself an interval may miss a whole number of ticks, of which decimal fractions have not all.
 const WHOLE: f64 = 1e-9;
+
+/// Time constants after which a loop is closed: e^−5 of the miss is left, e^−10 of what it fakes.
+const SETTLED: f64 = 5.0;
 
 /// One combination of swept values, with all that follows from it.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +31,8 @@ pub struct Point {
     pub schedule: Schedule,
     /// The switch; absent where the residual is given by its largest value.
     pub fill: Option<gap_fill::Point>,
+    /// The relock after each switch.
+    pub relock: Option<Relocking>,
 }
 
 impl Point {
@@ -65,6 +72,7 @@ pub(super) struct Base<'a> {
     pub(super) drift: Drift,
     pub(super) schedule: Schedule,
     pub(super) fill: Option<&'a GapFill>,
+    pub(super) relock: Option<Relocking>,
     pub(super) times: &'a [f64],
     pub(super) places: &'a Places,
     pub(super) sweeps: &'a [Sweep],
@@ -95,9 +103,14 @@ impl Base<'_> {
         if let Some(fill) = &fill {
             schedule.interval_s = self.whole_ticks(schedule.interval_s, fill, rounded)?;
         }
+        let mut relock = self.relock.clone();
+        if let Some(relocking) = &mut relock {
+            sweep::set(&mut relocking.relock, &RELOCK_SETTINGS, &swept);
+        }
         schedule.check(self.places, self.sweeps)?;
+        self.check_relock(relock.as_ref(), fill.as_ref(), schedule)?;
         self.check(&drift, schedule)?;
-        Ok(Point { index, swept, drift, schedule, fill })
+        Ok(Point { index, swept, drift, schedule, fill, relock })
     }
 
     /// The nearest interval of whole ticks.
@@ -127,6 +140,28 @@ impl Base<'_> {
             "too short",
             format!("accepted: {least} s and more with these fit ticks"),
         ))
+    }
+
+    /// Refuses a loop that does not settle before the next switch.
+    fn check_relock(
+        &self,
+        relock: Option<&Relocking>,
+        fill: Option<&gap_fill::Point>,
+        schedule: Schedule,
+    ) -> Result<(), Fault> {
+        let (Some(Relocking { relock, .. }), Some(fill)) = (relock, fill) else { return Ok(()) };
+        let gap_s = f64::from(fill.inputs.gap_ticks) * fill.inputs.tick_s;
+        let ticks_s = f64::from(relock.ticks) * fill.inputs.tick_s;
+        let least_s = gap_s + ticks_s.max(SETTLED * relock.loop_s);
+        if schedule.interval_s >= least_s {
+            return Ok(());
+        }
+        let [interval, loop_time] = [schedule.interval_s, relock.loop_s].map(|time| significant(time, 6));
+        let message =
+            format!("a loop of {loop_time} s does not settle within a switching interval of {interval} s");
+        let names = ["relock.loop_time", "switching.interval", "relock.ticks"];
+        let help = format!("accepted: an interval of at least {} s here", significant(least_s, 4));
+        Err(Fault::new(self.places.blame(self.sweeps, &names), message, "does not settle", help))
     }
 
     /// Limits that need more than one value.

@@ -1,0 +1,122 @@
+//! The relock after each switch of a run: its ticks as they are delivered, and what they do to the filler.
+
+use std::sync::Arc;
+
+use crate::backend::cpu::Width;
+use crate::kernel::launch::{Launch, Sampled};
+use crate::kernel::moments::Trials;
+use crate::kernel::relock::{self, WEIGHT_BITS};
+use crate::kernel::relock_ticks::{self, Shape};
+use crate::lower::relock::{FixedRelock, RelockError, method};
+use crate::study::{Compensation, Relocking, RunPoint};
+
+/// Trials that say how much a relock leaves where no closed form does.
+const PILOT: u64 = 1024;
+
+/// No sum of the ticks of a relock is larger, in its LSB, whatever is taken off.
+const MOST_LEFT: f64 = 268_435_456.0;
+
+/// The relock of a point, for any filler.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FixedRelocking {
+    fixed: FixedRelock,
+    pub(super) shape: Shape,
+}
+
+impl FixedRelocking {
+    pub(super) fn of(point: &RunPoint) -> Result<Option<FixedRelocking>, RelockError> {
+        let (Some(Relocking { relock, compensation }), Some(fill)) = (&point.relock, &point.fill) else {
+            return Ok(None);
+        };
+        let fixed = FixedRelock::new(relock, fill.inputs.tick_s)?;
+        let shape = Shape { ticks: relock.ticks as usize, method: method(*compensation) };
+        Ok(Some(FixedRelocking { fixed, shape }))
+    }
+
+    /// With a filler whose weights on the ticks after the gap are `after`.
+    pub(super) fn with(&self, after: &[f64]) -> Coupled {
+        let gain = |i: usize| 1.0 + after.get(i).copied().unwrap_or(0.0);
+        let gains: Vec<f64> = (0..self.shape.ticks).map(gain).collect();
+        let lsb = self.fixed.lsb_arcsec;
+        let (faked_mean, faked_rms) = self.fixed.faked(&gains);
+        let exact = self.shape.method == method(Compensation::None);
+        let [mean, rms] =
+            if exact { [faked_mean, faked_rms] } else { self.pilot(&gains).map(|sum| sum * lsb) };
+        let largest = gains.iter().fold(1.0, |most: f64, gain| most.max(gain.abs()));
+        Coupled {
+            words: self.fixed.words(self.shape),
+            shape: self.shape,
+            lsb_arcsec: lsb,
+            rounding: self.fixed.rounding(&gains),
+            gains,
+            exact,
+            mean,
+            deviation: libm::sqrt((rms * rms - mean * mean).max(0.0)),
+            // A compensation that fails leaves about as much as none.
+            most_rms: rms.max(faked_rms),
+            most: MOST_LEFT * lsb * largest,
+        }
+    }
+
+    /// Mean and rms over some first trials of the kernel of relocks, in its LSB.
+    fn pilot(&self, gains: &[f64]) -> [f64; 2] {
+        let weight: Vec<u32> = gains.iter().map(|gain| fixed_point(*gain, WEIGHT_BITS)).collect();
+        let words = relock::Parameters {
+            key: &[0, 0],
+            relock: &self.fixed.words(self.shape),
+            weight: &weight,
+            bin_base: &[0],
+        }
+        .words();
+        let shape = relock::Shape { ticks: self.shape, estimates: 1 };
+        let launch = Launch { sampled: Sampled::Relock(shape), words, table: Arc::new([]) };
+        let tallies = launch.tally(Width::widest(), Trials { first: 0, count: PILOT, histogram: false });
+        let n = PILOT as f64;
+        tallies.first().map_or([0.0; 2], |tally| [tally.sum as f64 / n, libm::sqrt(tally.square as f64 / n)])
+    }
+}
+
+fn fixed_point(x: f64, bits: u32) -> u32 {
+    libm::round(x * libm::exp2(f64::from(bits))) as i32 as u32
+}
+
+/// A relock with a filler, ″.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Coupled {
+    pub(super) words: Vec<u32>,
+    pub(super) shape: Shape,
+    lsb_arcsec: f64,
+    /// What each tick adds by itself and through the filler.
+    gains: Vec<f64>,
+    /// Whether mean and deviation of a switch are closed forms.
+    pub(super) exact: bool,
+    pub(super) mean: f64,
+    pub(super) deviation: f64,
+    /// No sum of a switch is farther from that of exact arithmetic.
+    pub(super) rounding: f64,
+    most_rms: f64,
+    most: f64,
+}
+
+impl Coupled {
+    /// What so many switches can add, with `room` standard deviations.
+    pub(super) fn most(&self, switches: f64, room: f64) -> f64 {
+        switches * self.mean.abs() + room * libm::sqrt(switches) * self.most_rms + self.most
+    }
+
+    /// Weights of the ticks in a run's LSB, and bits of them behind the point.
+    pub(super) fn weights(&self, lsb_arcsec: f64) -> (Vec<u32>, u32) {
+        let in_run = |gain: &f64| gain * self.lsb_arcsec / lsb_arcsec;
+        let largest = self.gains.iter().map(in_run).fold(0.0, |most: f64, x| most.max(x.abs()));
+        let bits = if largest > 0.0 { libm::floor(30.0 - libm::log2(largest)).clamp(1.0, 31.0) } else { 1.0 };
+        let words = self.gains.iter().map(|gain| fixed_point(in_run(gain), bits as u32)).collect();
+        (words, bits as u32)
+    }
+
+    /// The words that determine it in a run.
+    pub(super) fn identity(&self, lsb_arcsec: f64) -> Vec<u32> {
+        let (weights, bits) = self.weights(lsb_arcsec);
+        let shape = [relock_ticks::VERSION, self.shape.method as u32, self.shape.ticks as u32, bits];
+        shape.into_iter().chain(self.words.clone()).chain(weights).collect()
+    }
+}
