@@ -281,6 +281,24 @@ fn what_belongs_to_other_kinds_is_refused() {
         &["switching.interval is no key", "\"gap-fill\", which is about one switch", "leave it out"],
     );
     let without = replaced(&gap_fill, "interval = \"40 s\"\n", "");
+    for (key, value, place) in [("first_mode", "positive", "10:14"), ("timing", "random", "10:10")] {
+        let written = replaced(&without, "gap_ticks", &format!("{key} = \"{value}\"\ngap_ticks"));
+        refused(
+            &written,
+            place,
+            &[
+                &format!("switching.{key} is no key"),
+                "\"gap-fill\", which is about one switch",
+                "leave it out",
+            ],
+        );
+        let budget = replaced(BUDGET, "switched-run", "drift-budget");
+        refused(
+            &replaced(&budget, "[run]", &format!("{key} = \"{value}\"\n[run]")),
+            &place.replace("10:", "9:"),
+            &[&format!("switching.{key} is no key"), "\"drift-budget\"", "leave it out"],
+        );
+    }
     refused(
         &format!("{without}[run]\nduration = \"1 h\"\n"),
         "12:1",
@@ -305,25 +323,114 @@ fn what_belongs_to_other_kinds_is_refused() {
 }
 
 #[test]
+fn runs_in_which_nothing_happens_are_refused() {
+    let still = ["there is no drift and nothing that a switch could leave", "magnetic = \"14 arcsec/s\""];
+    let without = replaced(BUDGET, "residual_max = \"10 arcsec\"\n", "");
+    let nothing = replaced(&without, "magnetic = \"14 arcsec/s\"\n", "");
+    refused(&nothing, "4:16", &still);
+    refused(&replaced(&nothing, "[drift]\nwarm_up_time = \"3000 s\"\n", ""), "2:8", &still);
+    refused(&swept(&without, "drift.magnetic", "[\"0 arcsec/s\"]"), "12:8", &still);
+    let quiet = replaced(FILLED, "three_sigma = \"1.6 arcsec\"", "std = \"0 arcsec\"");
+    let tone = "amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"\n";
+    refused(&replaced(&quiet, tone, "rate = \"0 deg/s\"\n"), "2:8", &still);
+    // One point at which something happens is enough.
+    let desk = Desk::with(&swept(&without, "drift.magnetic", "[\"0 arcsec/s\", \"1 arcsec/s\"]"));
+    desk.done("run study.toml --device cpu --trials 100");
+}
+
+/// FILLED with a random vibration of the base on the suspension of one of two gyros.
+fn shaken() -> String {
+    let tone = "amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"\n";
+    let vibration = "suspension = { random = { psd = [[\"20 Hz\", \"0.01 g^2/Hz\"], [\"80 Hz\", \"0.01 g^2/Hz\"]] }, \
+                     alias = true }\n";
+    swept(&replaced(FILLED, tone, vibration), "motion.suspension.gyro", "[\"LGK-400\", \"LGV-1\"]")
+}
+
+#[test]
+fn a_sweep_over_names_alone_has_a_table_and_no_chart_and_is_no_axis_beside_another() {
+    let gap_fill =
+        replaced(&replaced(&shaken(), "[run]\nduration = \"10 min\"\n", ""), "interval = \"40 s\"\n", "");
+    let gap_fill = replaced(&gap_fill, "switched-run", "gap-fill");
+    for (text, swept_key, values) in [
+        (shaken(), "switching.interval", "[\"20 s\", \"40 s\"]"),
+        (gap_fill, "switching.gap_ticks", "[1, 2]"),
+    ] {
+        let desk = Desk::with(&text);
+        let ended = desk.done("run study.toml --device cpu --trials 200");
+        for piece in ["LGK-400", "LGV-1", "const", "quadratic"] {
+            assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
+        }
+        assert!(!desk.names("results/study").contains(&"chart.svg".to_owned()));
+        desk.write("two.toml", &swept(&text, swept_key, values));
+        desk.done("run two.toml --device cpu --trials 200");
+        let svg = desk.read("results/two/chart.svg");
+        assert!(svg.contains("LGK-400") && svg.contains("LGV-1"), "the gyros are no curves");
+    }
+}
+
+/// The notes of a study.
+fn noted(text: &str) -> String {
+    let desk = Desk::with(text);
+    desk::unwrapped(&desk.done("run study.toml --device cpu --trials 100").stderr)
+}
+
+#[test]
+fn what_is_assumed_of_suspensions_and_residuals_is_said() {
+    let assumed = "Q factors and responses of the suspension of LGK-400 and LGV-1 are assumed";
+    let independent = "independent from switch to switch, whatever switching.timing says";
+    let said = noted(&shaken());
+    assert!(said.contains(assumed) && !said.contains(independent), "{said}");
+    let said = noted(&replaced(&shaken(), "interval", "timing = \"periodic\"\ninterval"));
+    assert!(said.contains(&format!("residuals of Gaussian motion are taken as {independent}")), "{said}");
+    let drawn = noted(&replaced(FILLED, "\"20 Hz\"", "[\"18 Hz\", \"22 Hz\"]"));
+    assert!(drawn.contains("are taken as normally distributed") && drawn.contains(independent), "{drawn}");
+    let said = noted(FILLED);
+    assert!(!said.contains("assumed") && !said.contains(independent), "{said}");
+}
+
+#[test]
+fn switches_in_the_noise_are_left_out_and_that_is_said() {
+    let noise = "[noise]\nangle_random_walk = \"0.003 deg/sqrt(h)\"\nswitching = { interval = \"40 s\", residual = \"10 \
+                 arcsec\" }\n";
+    let filled = replaced(FILLED, "tick_noise = { three_sigma = \"1.6 arcsec\" }\n", "");
+    let said = noted(&format!("{filled}{noise}"));
+    assert!(said.contains("left out") && said.contains("fill residuals (7.1 ″)"), "{said}");
+    let gap_fill = replaced(&replaced(&filled, "switched-run", "gap-fill"), "interval = \"40 s\"\n", "");
+    let said = noted(&format!("{}{noise}", replaced(&gap_fill, "[run]\nduration = \"10 min\"\n", "")));
+    assert!(said.contains("left out") && said.contains("fill residuals (7.1 ″)"), "{said}");
+}
+
+#[test]
 fn a_relock_that_has_no_ticks_or_no_time_to_settle_is_refused() {
     let relocking = format!("{FILLED}{RELOCK}");
     refused(
         &replaced(&relocking, "interval = \"40 s\"", "interval = \"50 ms\""),
         "17:13",
-        &["a loop of 0.012 s does not settle within a switching interval of 0.05 s", "an interval of at least"],
+        &[
+            "a loop of 0.012 s does not settle within a switching interval of 0.05 s",
+            "an interval of at least",
+        ],
     );
     refused(
         &swept(&relocking, "switching.interval", "[\"50 ms\", \"40 s\"]"),
         "23:8",
         &["does not settle within a switching interval of 0.05 s"],
     );
-    refused(&format!("{BUDGET}{RELOCK}"), "11:1", &["[relock] works through fillers", "or leave [relock] out"]);
+    refused(
+        &format!("{BUDGET}{RELOCK}"),
+        "11:1",
+        &["[relock] works through fillers", "or leave [relock] out"],
+    );
     refused(
         &replaced(&relocking, "[motion]", "relock = [\"20.3 arcsec\"]\n[motion]"),
         "6:10",
         &["gyro.relock stands beside [relock]", "leave one of them out"],
     );
-    refused(&format!("{relocking}compensation = \"both\"\n"), "21:16", &["accepted: none, frequency, detuning"]);
+    refused(
+        &format!("{relocking}compensation = \"both\"\n"),
+        "21:16",
+        &["accepted: none, frequency, detuning"],
+    );
     refused(
         &swept(FILLED, "relock.adc_noise", "[0.001, 0.002]"),
         "16:7",

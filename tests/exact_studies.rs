@@ -80,10 +80,13 @@ fn mean_drifts_and_switches_of_runs_are_those_of_the_reference() {
     assert_eq!(table.rows(), expected.len());
     for (row, expected) in rows(&table).zip(&mut expected) {
         let names = ["run.duration", "switching.interval", "switches", "mean_drift"];
-        for (name, expected) in names.iter().zip(expected) {
-            let off = row.number(name) / *expected - 1.0;
+        for (name, expected) in names.iter().zip(expected.iter()) {
+            let off = row.number(name) / expected - 1.0;
             assert!(off.abs() < 1e-9, "{name}: off by {off:e}: {}", row.place());
         }
+        let angle = (expected[3] - 0.05) * expected[0];
+        let off = row.number("magnetic_angle") / angle - 1.0;
+        assert!(off.abs() < 1e-9, "magnetic_angle: off by {off:e}: {}", row.place());
         let both = row.number("mean_drift") + row.number("mean_drift_negative");
         assert!((both - 0.1).abs() < 1e-12, "{}", row.place());
     }
@@ -104,6 +107,24 @@ fn without_a_warm_up_time_the_magnetic_drift_is_there_from_the_start() {
     assert!((row.number("bound_magnetic") - 14.0 * 3599.0 / 3600.0).abs() < 1e-9, "{}", row.place());
     assert_eq!(row.number("bound_quasi_non_magnetic"), 0.0);
     assert!((row.number("mean_drift") - 0.05 - 14.0 * 3598.0 / 3600.0).abs() < 1e-9, "{}", row.place());
+}
+
+#[test]
+fn without_residuals_there_is_no_best_interval_and_its_limits_are_blank() {
+    let table = table(&BUDGET.replace("10 arcsec", "0 arcsec"));
+    let row = rows(&table).next().unwrap();
+    let names =
+        ["optimum", "optimum_as_published", "optimum_expanded", "optimum_limit", "optimum_limit_small"];
+    assert_eq!(names.map(|name| row.maybe(name)), [None; 5]);
+}
+
+#[test]
+fn that_the_response_of_a_known_suspension_is_assumed_is_said() {
+    let note = "Q factors and responses of the suspension of LGK-400 are assumed";
+    let notes = |text: &str| parsed("study.toml", text).notes().join("\n");
+    assert!(notes(SUSPENSION).contains(note), "{}", notes(SUSPENSION));
+    let own = "modes = [{ frequency = \"380 Hz\", q = 50, response = \"1 deg/s/g\" }]";
+    assert_eq!(notes(&SUSPENSION.replace("gyro = \"LGK-400\"", own)), "");
 }
 
 #[test]

@@ -6,8 +6,8 @@ use sagnac::backend::{Device, Selection, select};
 use sagnac::chart::ChartError;
 use sagnac::run::{Done, Plan, Tables};
 use sagnac::store::Store;
-use sagnac::study::{Chart, Kind, Study, text_columns};
-use sagnac::table::{Cell, Column, Table, significant};
+use sagnac::study::{Chart, Kind, Source, Study, text_columns};
+use sagnac::table::{Cell, Column, ColumnError, Table, significant};
 use serde_json::{Value, json};
 
 use super::Failure;
@@ -161,12 +161,12 @@ fn summary(
     if let Some((chart, shown)) = study.charts.iter().zip(curves).next() {
         let shown = of_chart(study, shown, chart).map_err(|error| refused(study, chart, &error))?;
         text += &format!("\n{shown}");
-    } else if study.kind().is_exact() {
-        text += &format!("\n{}", columns(&tables.points));
-    } else if study.sweeps.is_empty() {
+    } else {
+        let failed = |error: ColumnError| Failure::Picture(error.to_string());
         let shown = match study.kind() {
-            Kind::SwitchedRun => angles(&tables.points),
-            _ => one_point(&tables.points).map_err(|error| Failure::Picture(error.to_string()))?,
+            Kind::SwitchedRun if study.sweeps.is_empty() => angles(&tables.points),
+            Kind::GapFill if study.sweeps.is_empty() => one_point(&tables.points).map_err(failed)?,
+            _ => undrawn(study, &tables.points).map_err(failed)?,
         };
         text += &format!("\n{shown}");
     }
@@ -186,6 +186,19 @@ fn columns(table: &Table) -> String {
         std::iter::once(column.title()).chain(column.cells.iter().map(cell)).collect::<Vec<String>>()
     };
     aligned(&table.columns.iter().map(line).collect::<Vec<_>>())
+}
+
+/// The points of a study without a chart as a grid, as after sweeps over names alone.
+fn undrawn(study: &Study, table: &Table) -> Result<String, ColumnError> {
+    let (estimate, rows) = match study.kind() {
+        Kind::GapFill | Kind::Relock => ("rms", vec![]),
+        Kind::SwitchedRun => ("drift_q9973", vec![("angle".to_owned(), "end".to_owned())]),
+        Kind::Allan => ("adev", vec![]),
+        Kind::DriftBudget | Kind::Suspension => return Ok(columns(table)),
+    };
+    let tau = (study.kind() == Kind::Allan).then_some("tau");
+    let across: Vec<&str> = tau.into_iter().chain(study.sweeps.iter().map(|sweep| sweep.key.name)).collect();
+    pivot(table, &across, estimate, &[], &text_columns(study, Source::Points), &rows)
 }
 
 /// The rows of a chart as a grid.

@@ -8,7 +8,7 @@ use super::sweep::Sweep;
 use super::{Subject, SwitchedRun};
 use crate::table::Cell;
 
-/// What suits the sweeps; nothing to draw of fillers where nothing is swept.
+/// What suits the sweeps; nothing to draw where nothing but names is swept, unless tables have an axis of their own.
 pub(super) fn default_for(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
     match subject {
         Subject::GapFill(_) => of_fillers(sweeps, subject),
@@ -89,14 +89,16 @@ fn at_first(sweep: &Sweep) -> Option<(Named, Cell)> {
     Some((Named::default(sweep.key.name), sweep.values.first()?.cell()))
 }
 
-/// The drift that 99.73 % of runs stay below over the first swept key, a curve for each filler and value of the second.
+/// The drift that 99.73 % of runs stay below over the first swept key that is no name, a curve for each filler and value
+/// of the next.
 fn of_runs(sweeps: &[Sweep], run: &SwitchedRun, subject: &Subject) -> Option<Chart> {
     let known = Known::of(subject, Source::Points);
-    let (x, others) = sweeps.split_first()?;
+    let x = sweeps.iter().find(|sweep| !sweep.key.is_name())?;
+    let others = || sweeps.iter().filter(|sweep| sweep.key.name != x.key.name);
     let filler = (!run.fillers().is_empty()).then(|| Named::default(FILLER));
-    let keys = others.iter().map(|sweep| Named::default(sweep.key.name));
+    let keys = others().map(|sweep| Named::default(sweep.key.name));
     let series: Vec<Named> = filler.into_iter().chain(keys).take(2).collect();
-    let fixed = others.iter().filter(|sweep| series.iter().all(|named| named.name != sweep.key.name));
+    let fixed = others().filter(|sweep| series.iter().all(|named| named.name != sweep.key.name));
     let rows = fixed.filter_map(at_first).chain(usual_rows(&known)).collect();
     Some(Chart {
         title: None,
@@ -112,17 +114,13 @@ fn of_runs(sweeps: &[Sweep], run: &SwitchedRun, subject: &Subject) -> Option<Cha
     })
 }
 
-/// Over Δt·ν if the frequency is swept, else over the first swept key.
+/// Over Δt·ν if the frequency is swept, else over the first swept key that is no name.
 fn of_fillers(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
     let mut names: Vec<&str> = sweeps.iter().map(|sweep| sweep.key.name).collect();
-    let x = match names.iter().position(|name| *name == FREQUENCY.name) {
-        Some(frequency) => {
-            names.remove(frequency);
-            DT_NU
-        }
-        None if names.is_empty() => return None,
-        None => names.remove(0),
-    };
+    let frequency = sweeps.iter().position(|sweep| sweep.key.name == FREQUENCY.name);
+    let swept = frequency.or_else(|| sweeps.iter().position(|sweep| !sweep.key.is_name()))?;
+    let name = names.remove(swept);
+    let x = if frequency.is_some() { DT_NU } else { name };
     let series = std::iter::once(FILLER).chain(names.first().copied());
     let fixed = names
         .iter()

@@ -73,6 +73,8 @@ fn check_keys(drift: &DriftTable, switching: &SwitchingTable, run: &RunTable) ->
         ("drift.non_magnetic_spread", drift.non_magnetic_spread.as_ref().map(Spanned::span)),
         ("drift.initial_magnetic_spread", drift.initial_magnetic_spread.as_ref().map(Spanned::span)),
         ("drift.angle_random_walk", drift.angle_random_walk.as_ref().map(Spanned::span)),
+        ("switching.first_mode", switching.first_mode.as_ref().map(Spanned::span)),
+        ("switching.timing", switching.timing.as_ref().map(Spanned::span)),
         ("switching.gap_ticks", switching.gap_ticks.as_ref().map(Spanned::span)),
         ("switching.fit_ticks", switching.fit_ticks.as_ref().map(Spanned::span)),
         ("switching.extrapolation_ticks", switching.extrapolation_ticks.as_ref().map(Spanned::span)),

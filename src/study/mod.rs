@@ -186,14 +186,14 @@ impl Study {
         }
     }
 
-    /// What of the inputs is left out, each in a sentence.
+    /// What of the inputs is left out, rounded or assumed, each in a sentence.
     pub fn notes(&self) -> &[String] {
         match &self.subject {
             Subject::GapFill(gap_fill) => &gap_fill.notes,
             Subject::Allan(allan) => &allan.notes,
             Subject::SwitchedRun(run) => &run.notes,
-            Subject::Relock(_) => &[],
-            Subject::DriftBudget(_) | Subject::Suspension(_) => &[],
+            Subject::Suspension(suspension) => &suspension.notes,
+            Subject::Relock(_) | Subject::DriftBudget(_) => &[],
         }
     }
 

@@ -19,6 +19,7 @@ pub(super) fn columns() -> Vec<Column> {
         column("switches", "switches", Unit::NONE),
         drift("mean_drift", "mean, first mode positive"),
         drift("mean_drift_negative", "mean, first mode negative"),
+        column("magnetic_angle", "angle: magnetic, first mode positive", Unit::ARCSEC),
         drift("switching_drift", "left by switching"),
         drift("rms_drift", "rms, random phases"),
         drift("rms_drift_in_phase", "rms, one phase"),
@@ -51,6 +52,7 @@ pub(super) fn row(point: &BudgetPoint) -> Vec<Cell> {
     let of_run = [
         mean,
         spread.mean(interval_s, t_s, false),
+        magnetic.signed_integral(interval_s, t_s),
         left.abs(),
         libm::hypot(mean, deviation),
         libm::hypot(mean, in_phase),

@@ -55,6 +55,22 @@ impl Drift {
         given.map(|(name, value)| format!("{name}={value:.11e}\n")).collect()
     }
 
+    /// Whether every part that turns the gyro is absent.
+    pub(super) fn is_nothing(&self) -> bool {
+        // The time constant of no drift moves nothing, nor does its spread.
+        let all = [
+            self.magnetic,
+            self.magnetic_spread,
+            self.non_magnetic,
+            self.non_magnetic_spread,
+            self.initial_magnetic,
+            self.initial_magnetic_spread,
+            self.angle_random_walk,
+            self.residual_max,
+        ];
+        all.iter().all(|part| *part == 0.0)
+    }
+
     /// Ω_m over time; without a warm-up A is there from the start.
     pub fn magnetic_drift(&self) -> Magnetic {
         let (amplitude, initial) = (self.magnetic, self.initial_magnetic);

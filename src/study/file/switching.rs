@@ -1,7 +1,7 @@
 //! `[switching]` as users write it.
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use toml::Spanned;
 
 use super::motion::Ends;
@@ -16,12 +16,14 @@ pub(in crate::study) struct SwitchingTable {
     #[serde(default)]
     #[schemars(with = "String", extend("examples" = ["40 s"]))]
     pub(in crate::study) interval: Option<Spanned<Scalar>>,
-    /// Of kind = "switched-run".
+    /// Of kind = "switched-run"; positive if absent.
     #[serde(default)]
-    pub(in crate::study) first_mode: FirstMode,
-    /// Of kind = "switched-run".
+    #[schemars(with = "FirstMode")]
+    pub(in crate::study) first_mode: Option<Spanned<FirstMode>>,
+    /// Of kind = "switched-run"; random if absent.
     #[serde(default)]
-    pub(in crate::study) timing: Timing,
+    #[schemars(with = "Timing")]
+    pub(in crate::study) timing: Option<Spanned<Timing>>,
     /// Number n of lost ticks; they are numbered 1 … n.
     #[serde(default)]
     #[schemars(with = "i64", range(min = 1, max = 64))]
@@ -45,7 +47,7 @@ pub(in crate::study) struct SwitchingTable {
 }
 
 /// Sign of the magnetic drift in the first interval of a run.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FirstMode {
     #[default]
@@ -56,7 +58,7 @@ pub enum FirstMode {
 }
 
 /// Where in the motion the switches of a run fall; where the motion has a fixed phase, always there.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Timing {
     /// At random, each by itself.

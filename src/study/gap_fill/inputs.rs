@@ -44,6 +44,12 @@ impl Inputs {
         }
     }
 
+    /// Whether nothing turns, and nothing is added to the ticks.
+    pub(in crate::study) fn is_nothing(&self) -> bool {
+        let added = self.relock.iter().any(|angle| *angle != 0.0);
+        self.motion == Motion::default() && self.sigma_arcsec() == 0.0 && self.readout_lsb == 0.0 && !added
+    }
+
     /// Δt·ν with Δt = (n+1)T/2, from the middle of the gap to the nearest valid tick (our reading of Z(20)); absent where
     /// the motion is not one tone of fixed frequency.
     pub fn dt_nu(&self) -> Option<f64> {

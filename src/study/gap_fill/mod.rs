@@ -28,10 +28,12 @@ pub use precision::Precision;
 pub use vibration::{Acceleration, Vibration};
 
 use super::diagnose::{Fault, Wrong};
+use super::file::switching::SwitchingTable;
 use super::file::{Error, Kind, Position, StudyFile, TickNoiseTable};
 use super::key::{Key, Setting};
 use super::place::Places;
 use super::scalar::{self, Scalar};
+use super::suspension::assumed;
 use super::sweep::Sweep;
 use super::units::Dimension;
 use super::{needed, needed_key};
@@ -52,7 +54,7 @@ pub struct GapFill {
     pub precision: Option<Precision>,
     /// All points, in order; without a sweep the one that is written.
     pub points: Vec<Point>,
-    /// What of the noise is left out, each in a sentence.
+    /// What of the noise is left out, and what of a suspension is assumed, each in a sentence.
     pub notes: Vec<String>,
 }
 
@@ -71,10 +73,8 @@ pub(super) fn read(
     let table = needed(file.switching.as_ref(), "switching", file)?;
     let switching = table.get_ref();
     let fillers = needed_key(switching.fillers.as_ref(), "switching.fillers", table)?;
-    if let (Some(interval), Kind::GapFill) = (&switching.interval, file.kind.get_ref()) {
-        let message =
-            "switching.interval is no key of a study of kind = \"gap-fill\", which is about one switch";
-        return Err(Fault::new(interval.span(), message, "not of this kind", "leave it out").into());
+    if *file.kind.get_ref() == Kind::GapFill {
+        refuse_keys_of_runs(switching)?;
     }
     let (inputs, notes) = read_inputs(file, sweeps, folder, places)?;
     let written_fillers = read_fillers::read(fillers)?;
@@ -115,7 +115,21 @@ pub(super) fn read(
     Ok(GapFill { inputs, fillers, errors, precision, points, notes })
 }
 
-/// The inputs as written and what they leave out.
+/// Refuses what only runs of many switches have.
+fn refuse_keys_of_runs(switching: &SwitchingTable) -> Result<(), Fault> {
+    let of_runs = [
+        ("switching.interval", switching.interval.as_ref().map(Spanned::span)),
+        ("switching.first_mode", switching.first_mode.as_ref().map(Spanned::span)),
+        ("switching.timing", switching.timing.as_ref().map(Spanned::span)),
+    ];
+    let written = of_runs.into_iter().find_map(|(key, span)| Some((key, span?)));
+    written.map_or(Ok(()), |(key, span)| {
+        let message = format!("{key} is no key of a study of kind = \"gap-fill\", which is about one switch");
+        Err(Fault::new(span, message, "not of this kind", "leave it out"))
+    })
+}
+
+/// The inputs as written, and what they leave out or assume.
 fn read_inputs(
     file: &StudyFile,
     sweeps: &[Sweep],
@@ -124,6 +138,7 @@ fn read_inputs(
 ) -> Result<(Inputs, Vec<String>), Wrong> {
     let gyro = needed(file.gyro.as_ref(), "gyro", file)?.get_ref();
     let motion = needed(file.motion.as_ref(), "motion", file)?;
+    let suspension = motion.get_ref().suspension.as_ref().map(Spanned::get_ref);
     let table = needed(file.switching.as_ref(), "switching", file)?;
     let switching = table.get_ref();
     let motion = read_motion::read(motion, sweeps, places, folder)?;
@@ -164,8 +179,9 @@ fn read_inputs(
             places.add(key, list.span());
         }
     }
-    let notes = noise.iter().filter_map(|noise| of_noise::left_out(noise, &inputs, sweeps)).collect();
-    Ok((inputs, notes))
+    let left_out = noise.and_then(|noise| of_noise::left_out(&noise, &inputs, sweeps));
+    let assumed = suspension.and_then(|table| assumed(vibration::GYRO.name, &table.gyro, sweeps));
+    Ok((inputs, left_out.into_iter().chain(assumed).collect()))
 }
 
 type Written<'a> = (&'static Setting<Inputs>, &'a Spanned<Scalar>);

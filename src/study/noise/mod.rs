@@ -86,6 +86,11 @@ impl Switching {
         self.initial_magnetic.abs().max((self.magnetic + self.initial_magnetic).abs())
     }
 
+    /// Of what a switch leaves, D sin φ and the noise beside it, ″.
+    fn residual_rms(&self) -> f64 {
+        libm::sqrt(0.5 * self.residual * self.residual + self.residual_noise * self.residual_noise)
+    }
+
     /// A, τ and Ω_m0, without warm-up all of it in Ω_m0.
     fn drift(&self) -> Magnetic {
         match self.warm_up_s {
@@ -164,7 +169,8 @@ impl Noise {
         given.map(|(name, value)| format!("{name}={value:.11e}\n")).collect()
     }
 
-    /// The angle, ″, that each part of the rate but the angle random walk can turn through in a time; rms of noise.
+    /// The angle, ″, that each part of the rate but the angle random walk can turn through in a time, with one switch at the
+    /// most; rms of noise and residuals.
     pub(super) fn over(&self, time_s: f64) -> Vec<(&'static str, f64)> {
         let t = time_s;
         let all = [
@@ -175,6 +181,7 @@ impl Noise {
             ("sine", self.sine.map_or(0.0, |sine| sine.amplitude * t)),
             ("warm-up", self.warm_up.map_or(0.0, |warm_up| warm_up.amplitude.abs() * t)),
             ("alternating drift", self.switching.map_or(0.0, |switching| switching.largest_rate() * t)),
+            ("fill residuals", self.switching.map_or(0.0, |switching| switching.residual_rms())),
         ];
         all.into_iter().filter(|(_, angle)| *angle != 0.0).collect()
     }

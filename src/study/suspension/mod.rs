@@ -4,7 +4,7 @@ mod read;
 
 use std::sync::Arc;
 
-pub(super) use read::{GYROS, read as read_suspension};
+pub(super) use read::{GYROS, assumed, read as read_suspension};
 
 use super::diagnose::Wrong;
 use super::file::StudyFile;
@@ -20,6 +20,8 @@ use crate::theory::suspension::Suspension;
 pub struct SuspensionStudy {
     /// All points, in order; without a sweep the one that is written.
     pub points: Vec<Point>,
+    /// What is assumed, each in a sentence.
+    pub notes: Vec<String>,
 }
 
 /// One combination of swept values.
@@ -76,7 +78,8 @@ pub(super) fn read(
         }
         point
     });
-    Ok(SuspensionStudy { points: points.collect() })
+    let notes = assumed(GYRO.name, &written.gyro, sweeps).into_iter().collect();
+    Ok(SuspensionStudy { points: points.collect(), notes })
 }
 
 /// The suspension that a sweep over names under this key chooses.

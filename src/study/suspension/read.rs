@@ -66,6 +66,29 @@ pub(in crate::study) fn read(
     Ok(Arc::new(suspension))
 }
 
+/// That what a suspension has besides its name's frequencies is assumed; `None` where its modes are written.
+pub(in crate::study) fn assumed(
+    gyro_key: &str,
+    gyro: &Option<Spanned<Scalar>>,
+    sweeps: &[Sweep],
+) -> Option<String> {
+    let swept = sweeps.iter().find(|sweep| sweep.key.name == gyro_key);
+    let names: Vec<String> = match (swept, gyro) {
+        (Some(sweep), _) => sweep.values.iter().map(Swept::to_string).collect(),
+        (None, Some(gyro)) => match gyro.get_ref() {
+            Scalar::Text(name) => vec![name.clone()],
+            _ => vec![],
+        },
+        (None, None) => vec![],
+    };
+    (!names.is_empty()).then(|| {
+        format!(
+            "Q factors and responses of the suspension of {} are assumed: only its frequencies are published",
+            names.join(" and ")
+        )
+    })
+}
+
 fn named(key: &str, gyro: &Spanned<Scalar>) -> Result<Suspension, Fault> {
     let name = if let Scalar::Text(name) = gyro.get_ref() { name } else { "" };
     Suspension::named(name).ok_or_else(|| {

@@ -120,11 +120,14 @@ pub(super) fn read(
     let base = point::Base { drift, schedule, fill: fill.as_ref(), relock, times: &times, places, sweeps };
     let (points, rounded) = base.points()?;
     check_size(&points, fill.as_ref(), sweeps)?;
+    check_moves(&points, places, sweeps)?;
     let fill_notes = fill.as_ref().map_or(&[][..], |fill| &fill.notes);
-    let notes = rounded.into_iter().chain(fill_notes.iter().cloned()).chain(fill.as_ref().and_then(normal));
+    let timing = switching.get_ref().timing.as_ref().map(|timing| *timing.get_ref()).unwrap_or_default();
+    let residuals = fill.as_ref().map_or(vec![], |fill| of_residuals(fill, timing));
+    let notes = rounded.into_iter().chain(fill_notes.iter().cloned()).chain(residuals);
     Ok(SwitchedRun {
-        first_mode: switching.get_ref().first_mode,
-        timing: switching.get_ref().timing,
+        first_mode: switching.get_ref().first_mode.as_ref().map(|mode| *mode.get_ref()).unwrap_or_default(),
+        timing,
         notes: notes.collect(),
         fill,
         times,
@@ -147,6 +150,20 @@ fn check_size(points: &[Point], fill: Option<&GapFill>, sweeps: &[Sweep]) -> Res
     let place = sweeps.first().map_or(0..0, |sweep| sweep.span.clone());
     let help = format!("accepted: up to {MOST_ROWS}; sweep fewer values, or take longer intervals");
     Err(Fault::new(place, message, "too many points", help))
+}
+
+/// Refuses runs whose angle stays at 0 at every point.
+fn check_moves(points: &[Point], places: &Places, sweeps: &[Sweep]) -> Result<(), Fault> {
+    let still = |point: &Point| {
+        let filled = point.fill.as_ref().is_some_and(|fill| !fill.inputs.is_nothing());
+        point.drift.is_nothing() && !filled && point.relock.is_none()
+    };
+    if !points.iter().all(still) {
+        return Ok(());
+    }
+    let message = "there is no drift and nothing that a switch could leave: all runs would stay at 0";
+    let help = "add a part of it as in\n[drift]\nmagnetic = \"14 arcsec/s\"\nresidual_max = \"10 arcsec\"";
+    Err(Fault::new(places.blame(sweeps, &["drift", "kind"]), message, "no drift", help))
 }
 
 /// Refuses what only studies of one switch have.
@@ -208,15 +225,25 @@ fn read_fill(
     Ok(None)
 }
 
-/// That the residuals of some motions are taken as normally distributed.
-fn normal(fill: &GapFill) -> Option<String> {
+/// What is taken for granted of the residuals of some motions.
+fn of_residuals(fill: &GapFill, timing: Timing) -> Vec<String> {
     let motions = || fill.points.iter().map(|point| &point.inputs.motion);
     let drawn = motions().any(|motion| motion.tones.iter().any(|tone| !tone.is_plain()));
     let profile = motions().any(|motion| motion.profile.is_some());
-    let what = match (drawn, profile) {
-        (false, false) => return None,
-        (true, _) => "tones whose amplitude or frequency is drawn",
-        (false, true) => "a recorded profile",
+    let gaussian = motions().any(|motion| motion.gaussian.is_some());
+    let independent = "independent from switch to switch, whatever switching.timing says";
+    let normal = |what: &str| {
+        format!(
+            "residuals of {what} are taken as normally distributed, with their own mean and variance, and as {independent}"
+        )
     };
-    Some(format!("residuals of {what} are taken as normally distributed, with their own mean and variance"))
+    [
+        drawn.then(|| normal("tones whose amplitude or frequency is drawn")),
+        profile.then(|| normal("a recorded profile")),
+        (gaussian && timing == Timing::Periodic)
+            .then(|| format!("residuals of Gaussian motion are taken as {independent}")),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }

@@ -26,10 +26,11 @@ fn smaller_root(b: f64, c: f64, d: f64) -> Option<f64> {
 }
 
 /// √(δP_max t/Ω_m), said to be the optimum for small A or large τ. It is that of a magnetic drift which is there from the
-/// start, Ω_m0 ≠ 0, else [`Budget::limit`] is. None without a magnetic drift.
+/// start, Ω_m0 ≠ 0, else [`Budget::limit`] is. None without a magnetic drift, or
+/// without residuals, where no interval is too short.
 pub fn limit_as_published(budget: &Budget, t_s: f64) -> Option<f64> {
     let rate = budget.magnetic.rate(t_s).abs();
-    (rate > 0.0).then(|| libm::sqrt(budget.residual_max * t_s / rate))
+    (rate > 0.0 && budget.residual_max > 0.0).then(|| libm::sqrt(budget.residual_max * t_s / rate))
 }
 
 impl Budget {
@@ -57,11 +58,12 @@ impl Budget {
         )
     }
 
-    /// √(δP_max/(A/2τ + Ω_m/t)), the limit of the optimum for large τ. None without a magnetic drift.
+    /// √(δP_max/(A/2τ + Ω_m/t)), the limit of the optimum for large τ. None without a magnetic drift or
+    /// without residuals.
     pub fn limit(&self, t_s: f64) -> Option<f64> {
         let Magnetic { amplitude, time_s, .. } = self.magnetic;
         let growth = amplitude.abs() / (2.0 * time_s) + self.magnetic.rate(t_s).abs() / t_s;
-        (growth > 0.0).then(|| libm::sqrt(self.residual_max / growth))
+        (growth > 0.0 && self.residual_max > 0.0).then(|| libm::sqrt(self.residual_max / growth))
     }
 }
 
@@ -130,5 +132,17 @@ mod tests {
         let found =
             [still.limit(600.0), limit_as_published(&still, 600.0), still.optimum_as_published(600.0)];
         assert_eq!(found, [None; 3]);
+    }
+
+    #[test]
+    fn without_residuals_no_interval_is_best() {
+        let exact = Budget { residual_max: 0.0, ..PAPER };
+        let found = [
+            exact.limit(600.0),
+            limit_as_published(&exact, 600.0),
+            exact.optimum_as_published(600.0),
+            exact.optimum_expanded(600.0),
+        ];
+        assert_eq!(found, [None; 4]);
     }
 }
