@@ -83,7 +83,7 @@ pub(in crate::study) fn assumed(
     };
     (!names.is_empty()).then(|| {
         format!(
-            "Q factors and responses of the suspension of {} are assumed: only its frequencies are published",
+            "Q factors and responses of the suspension of {} are assumed: only the frequencies are published",
             names.join(" and ")
         )
     })
