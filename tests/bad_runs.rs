@@ -310,20 +310,31 @@ fn a_relock_that_has_no_ticks_or_no_time_to_settle_is_refused() {
     refused(
         &replaced(&relocking, "interval = \"40 s\"", "interval = \"50 ms\""),
         "17:13",
-        &["a loop of 0.012 s does not settle within a switching interval of 0.05 s", "an interval of at least"],
+        &[
+            "a loop of 0.012 s does not settle within a switching interval of 0.05 s",
+            "an interval of at least",
+        ],
     );
     refused(
         &swept(&relocking, "switching.interval", "[\"50 ms\", \"40 s\"]"),
         "23:8",
         &["does not settle within a switching interval of 0.05 s"],
     );
-    refused(&format!("{BUDGET}{RELOCK}"), "11:1", &["[relock] works through fillers", "or leave [relock] out"]);
+    refused(
+        &format!("{BUDGET}{RELOCK}"),
+        "11:1",
+        &["[relock] works through fillers", "or leave [relock] out"],
+    );
     refused(
         &replaced(&relocking, "[motion]", "relock = [\"20.3 arcsec\"]\n[motion]"),
         "6:10",
         &["gyro.relock stands beside [relock]", "leave one of them out"],
     );
-    refused(&format!("{relocking}compensation = \"both\"\n"), "21:16", &["accepted: none, frequency, detuning"]);
+    refused(
+        &format!("{relocking}compensation = \"both\"\n"),
+        "21:16",
+        &["accepted: none, frequency, detuning"],
+    );
     refused(
         &swept(FILLED, "relock.adc_noise", "[0.001, 0.002]"),
         "16:7",
