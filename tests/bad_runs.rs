@@ -34,6 +34,15 @@ fillers = ["const", "quadratic"]
 duration = "10 min"
 "#;
 
+/// Relock after each switch.
+const RELOCK: &str = r#"[relock]
+miss = 0.05
+loop_time = "12 ms"
+bias_frequency = "80 kHz"
+pulse_weight = "2.6 arcsec"
+curvature = 40
+"#;
+
 fn replaced(study: &str, from: &str, to: &str) -> String {
     assert!(study.contains(from), "`{from}` is not in the study");
     study.replacen(from, to, 1)
@@ -293,6 +302,44 @@ fn what_belongs_to_other_kinds_is_refused() {
         &["positive, negative, random"],
     );
     refused(&replaced(BUDGET, "[run]", "timing = \"now\"\n[run]"), "9:10", &["accepted: random, periodic"]);
+}
+
+#[test]
+fn a_relock_that_has_no_ticks_or_no_time_to_settle_is_refused() {
+    let relocking = format!("{FILLED}{RELOCK}");
+    refused(
+        &replaced(&relocking, "interval = \"40 s\"", "interval = \"50 ms\""),
+        "17:13",
+        &[
+            "a loop of 0.012 s does not settle within a switching interval of 0.05 s",
+            "an interval of at least",
+        ],
+    );
+    refused(
+        &swept(&relocking, "switching.interval", "[\"50 ms\", \"40 s\"]"),
+        "23:8",
+        &["does not settle within a switching interval of 0.05 s"],
+    );
+    refused(
+        &format!("{BUDGET}{RELOCK}"),
+        "11:1",
+        &["[relock] works through fillers", "or leave [relock] out"],
+    );
+    refused(
+        &replaced(&relocking, "[motion]", "relock = [\"20.3 arcsec\"]\n[motion]"),
+        "6:10",
+        &["gyro.relock stands beside [relock]", "leave one of them out"],
+    );
+    refused(
+        &format!("{relocking}compensation = \"both\"\n"),
+        "21:16",
+        &["accepted: none, frequency, detuning"],
+    );
+    refused(
+        &swept(FILLED, "relock.adc_noise", "[0.001, 0.002]"),
+        "16:7",
+        &["relock.adc_noise is swept, but there is no [relock]"],
+    );
 }
 
 #[test]
