@@ -60,7 +60,8 @@ impl Point {
             round_12(tick_s.map_or(interval_s, |tick_s| libm::round(interval_s / tick_s) * tick_s));
         let pairs = libm::round(0.5 * self.schedule.duration_s / interval_s);
         let schedule = Schedule { interval_s, duration_s: round_12(2.0 * pairs * interval_s) };
-        (interval_s >= self.shortest_s() && pairs >= 1.0).then(|| Point { schedule, ..self.clone() })
+        let fits = (self.shortest_s()..=0.5 * self.schedule.duration_s).contains(&interval_s);
+        fits.then(|| Point { schedule, ..self.clone() })
     }
 }
 
