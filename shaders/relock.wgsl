@@ -18,7 +18,7 @@ fn bin_base(estimate: u32) -> u32 {
 
 fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
     let address = Address(low, high, schedule(vec2<u32>(p[KEY], p[KEY + 1u])));
-    let ticks = relock_ticks(address, 0u);
+    let ticks = relock_ticks(address, 0u, relock_wrong(address));
     var error: array<u32, ESTIMATES>;
     //#for e in 0..ESTIMATES
     {

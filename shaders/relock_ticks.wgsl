@@ -2,12 +2,9 @@
 // takes off. Twin of src/kernel/relock_ticks.rs, which gives RELOCK_TICKS and the places RELOCK_… of the parameters; the
 // kernel around it gives RELOCK, where these begin among its own.
 
-fn relock_ticks(address: Address, switch_number: u32) -> array<u32, RELOCK_TICKS> {
-    let words = draw(address, RELOCK_PURPOSE, switch_number * RELOCK_BLOCKS);
-    let miss = relock_miss(words);
+fn relock_ticks(address: Address, switch_number: u32, wrong: u32) -> array<u32, RELOCK_TICKS> {
+    let miss = relock_miss(draw(address, RELOCK_PURPOSE, switch_number * RELOCK_BLOCKS));
     let square = relock_square(miss);
-    // In 2^-30.
-    let wrong = high_word(mul_wide(normal(words[3]), p[RELOCK + RELOCK_TEMPERATURE]));
     var left: array<u32, RELOCK_TICKS>;
     //#for i in 0..RELOCK_TICKS
     left[i] = relock_scaled(square, p[RELOCK + RELOCK_DRIFT + i]);
@@ -21,6 +18,12 @@ fn relock_ticks(address: Address, switch_number: u32) -> array<u32, RELOCK_TICKS
     return left;
     //#end
     //#end
+}
+
+// The part by which the temperature curve has f0 wrong, 2^-30: the same at all switches of a trial.
+fn relock_wrong(address: Address) -> u32 {
+    let words = draw(address, RELOCK_PURPOSE, 0u);
+    return high_word(mul_wide(normal(words[3]), p[RELOCK + RELOCK_TEMPERATURE]));
 }
 
 // The miss of the switch, in units.

@@ -29,13 +29,14 @@ struct WarmUp {
 
 // What is drawn once for a run: deviations of A, Ω_m0, Ω_nm in standard deviations, 2^−28; negative where the first mode is the
 // other one; phase of each tone at the next switch; all that is random so far, 2^−32 LSB; what relocking has added so
-// far, LSB.
+// far, LSB; by how much the temperature curve has f0 wrong.
 struct Run {
     deviation: vec3<u32>,
     mode: u32,
     phase: array<u32, TONE_ROOM>,
     random: Wide,
     relocked: u32,
+    wrong: u32,
     warm_up: WarmUp,
 }
 
@@ -50,6 +51,9 @@ fn start(address: Address) -> Run {
     //#end
     //#if WARM_UP
     run.warm_up = warm_up(run.deviation[0], normal(draw(address, RUN_DEVIATION, 1u)[0]));
+    //#end
+    //#if RELOCKING
+    run.wrong = relock_wrong(address);
     //#end
     //#for block in 0..PHASE_BLOCKS
     {
@@ -154,8 +158,8 @@ fn residual(run: ptr<function, Run>, address: Address, k: u32, words: vec4<u32>)
 
 //#if RELOCKING
 // What relocking after the switch that ends interval `k` adds, LSB: the ticks themselves, and what they do to the filler.
-fn relocked(address: Address, k: u32) -> u32 {
-    var left = relock_ticks(address, k);
+fn relocked(run: Run, address: Address, k: u32) -> u32 {
+    var left = relock_ticks(address, k, run.wrong);
     let bits = p[RELOCK_BITS];
     var sum = wide(1u << (bits - 1u), 0u);
     //#for i in 0..RELOCK_TICKS
@@ -198,7 +202,7 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
         if !is_last {
             run.random = add_wide(run.random, residual(&run, address, k, words));
             //#if RELOCKING
-            run.relocked += relocked(address, k);
+            run.relocked += relocked(run, address, k);
             //#end
             //#if ENDS
             error[1] = largest(error[1], angle(run, k, k, nothing));

@@ -492,7 +492,8 @@ fn verify_prints_a_digest_for_each_kernel_and_the_same_ones_again() {
             _ => panic!("{line}"),
         })
         .collect();
-    assert_eq!(kernels, ["philox", "normal", "sine", "gap_fill", "allan"]);
+    let all = ["philox", "normal", "sine", "power", "gap_fill", "switched_run", "relock", "allan"];
+    assert_eq!(kernels, all);
     assert_eq!(desk.done("verify --device cpu --trials 4096").stdout, first);
 }
 

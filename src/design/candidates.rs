@@ -55,8 +55,7 @@ impl Maker<'_> {
 
     fn of_filler(&self, all: &[(RunPoint, LoweredRun)], place: usize) -> Result<Vec<Candidate>, DesignError> {
         let rms = |(point, lowered): &(RunPoint, LoweredRun)| {
-            let oracle = lowered.fillers[place].estimates[0].oracle;
-            oracle.map_or(0.0, |oracle| oracle.rms()) / point.schedule.duration_s
+            lowered.fillers[place].expected_rms(0) / point.schedule.duration_s
         };
         let least = all.iter().map(rms).fold(f64::INFINITY, f64::min);
         if all.iter().all(|lowered| rms(lowered) == 0.0) {

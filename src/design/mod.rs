@@ -141,7 +141,12 @@ impl Design {
     /// How many times more drift another filler leaves at its own best interval, with its 95 % interval: both on the same
     /// random numbers.
     pub fn worse_by(&self, filler: &Filler) -> Found {
-        let (best, other) = (self.best().best(), filler.best());
+        self.times_best(filler.best())
+    }
+
+    /// The same of any runs.
+    pub fn times_best(&self, other: &Tried) -> Found {
+        let best = self.best().best();
         let ratio = |k: usize| other.replicates[k] / best.replicates[k];
         let value = other.drift.value / best.drift.value;
         let se = optimum::jackknife(&(0..best.replicates.len()).map(ratio).collect::<Vec<f64>>());
@@ -204,15 +209,10 @@ pub fn design(
         let mut tried = candidates.iter().map(&mut sampled).collect::<Result<Vec<Tried>, _>>()?;
         let fitted = optimum::of(&tried);
         if let Some(candidate) = maker.at(fitted.interval_s, place)?.filter(|_| !maker.swept) {
-            let interval_s = candidate.schedule.interval_s;
-            let at = tried.partition_point(|tried| tried.interval_s < interval_s);
-            if tried.get(at).is_none_or(|tried| tried.interval_s != interval_s) {
-                tried.insert(at, sampled(&candidate)?);
-            }
+            insert(&mut tried, sampled(&candidate)?);
         }
-        let (best, optimum) = optimum::among(&tried, fitted);
         let point = &runs.points[0];
-        let papers_rule = match paper::optimum(point, &candidates[0].filled.residual) {
+        let papers_rule = match paper::optimum(point, &candidates[0].filled) {
             None => None,
             Some((residual_max, Minimum { interval_s, bound })) => {
                 let candidate = maker.at(interval_s, place)?;
@@ -220,6 +220,10 @@ pub fn design(
                 tried.map(|tried| PapersRule { residual_max, interval_s, bound, tried })
             }
         };
+        if let Some(rule) = papers_rule.as_ref().filter(|_| !maker.swept) {
+            insert(&mut tried, rule.tried.clone());
+        }
+        let (best, optimum) = optimum::among(&tried, fitted);
         let name = runs.fillers().get(place).map(|filler| filler.name.clone());
         fillers.push(Filler { name, tried, best, optimum, papers_rule });
     }
@@ -235,6 +239,14 @@ pub fn design(
         fillers,
         best,
     })
+}
+
+/// Puts what was tried in the order of the intervals, each once.
+fn insert(all: &mut Vec<Tried>, tried: Tried) {
+    let at = all.partition_point(|other| other.interval_s < tried.interval_s);
+    if all.get(at).is_none_or(|other| other.interval_s != tried.interval_s) {
+        all.insert(at, tried);
+    }
 }
 
 /// What some parts of the trials say together, and without each of them.

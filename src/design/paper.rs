@@ -1,13 +1,10 @@
 //! What the paper's rule would choose: the interval at which the bound Z(7) is least.
 
 use super::Tried;
-use crate::lower::Residual;
+use crate::lower::FilledRun;
 use crate::study::RunPoint;
 use crate::theory::drift::Budget;
 pub(super) use crate::theory::drift::Optimum;
-
-/// Standard deviations of the normal part that the paper takes as its largest.
-const SIGMAS: f64 = 3.0;
 
 /// The paper's choice.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,11 +18,9 @@ pub struct PapersRule {
     pub tried: Tried,
 }
 
-/// δP_max of a residual, and the minimum of the bound; none where switching costs nothing.
-pub(super) fn optimum(point: &RunPoint, residual: &Residual) -> Option<(f64, Optimum)> {
-    let amplitudes: f64 = residual.tones.iter().map(|tone| tone.amplitude_arcsec).sum();
-    let residual_max =
-        amplitudes + residual.constant_arcsec.abs() + SIGMAS * libm::sqrt(residual.variance_arcsec2);
+/// δP_max of a filler, and the minimum of the bound; none where switching costs nothing.
+pub(super) fn optimum(point: &RunPoint, filled: &FilledRun) -> Option<(f64, Optimum)> {
+    let residual_max = filled.residual_max();
     let drift = &point.drift;
     let budget = Budget { magnetic: drift.magnetic_drift(), non_magnetic: drift.non_magnetic, residual_max };
     Some((residual_max, budget.optimum(point.schedule.duration_s)?))

@@ -55,7 +55,7 @@ pub enum Purpose {
     /// A block for each switch of a record, from number 1 on: word 0 the phase of its fill residual, word 1 the noise of it.
     FillResidual = 14,
     /// Relock after a mode switch, eight blocks for each switch: block 0 the error of U_λ/2, of the DAC, of the hysteresis
-    /// and of f0; word 0 of block 1 where the beat stands; blocks 2 to 5 noise of detunings, that of both halves of two
+    /// and, of switch 0, that of f0 in the whole trial; word 0 of block 1 where the beat stands; blocks 2 to 5 noise of detunings, that of both halves of two
     /// ticks each.
     Relock = 16,
     /// And beyond, one purpose for each octave: its holds. Octaves 1 and 2 have one stream, four holds to a block; the

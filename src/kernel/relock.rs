@@ -6,7 +6,7 @@ use super::launch::Launch;
 use super::moments::{self, MAX_ESTIMATES, Moments, Sampler, Trials};
 use super::parameters::parameters;
 use super::philox::{Address, Keys, schedule};
-use super::relock_ticks::{self, Given, relock_ticks};
+use super::relock_ticks::{self, Given, relock_ticks, relock_wrong};
 use super::word::{Scalar, Wide, Word};
 use crate::backend::cpu::AnyWidth;
 
@@ -56,7 +56,7 @@ impl Sampler for Relock<'_> {
     #[inline(always)]
     fn trial<W: Word>(&self, low: W, high: u32) -> [W; MAX_ESTIMATES] {
         let address = Address { low, high, keys: self.keys };
-        let ticks = relock_ticks(&self.given, &address, 0);
+        let ticks = relock_ticks(&self.given, &address, 0, relock_wrong(&self.given, &address));
         let mut error = [W::splat(0); MAX_ESTIMATES];
         for e in 0..self.shape.estimates {
             let mut sum = W::Wide::splat(1 << (WEIGHT_BITS - 1));

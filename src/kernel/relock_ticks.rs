@@ -101,13 +101,10 @@ const HALF: i64 = 1 << 31;
 // The loops of this file read like those of the shader.
 #[expect(clippy::needless_range_loop)]
 #[inline(always)]
-pub fn relock_ticks<W: Word>(given: &Given, address: &Address<W>, switch: usize) -> [W; MAX_TICKS] {
+pub fn relock_ticks<W: Word>(given: &Given, address: &Address<W>, switch: usize, wrong: W) -> [W; MAX_TICKS] {
     let Given { p, shape } = given;
-    let words = address.draw(Purpose::Relock, switch * BLOCKS);
-    let miss = relock_miss(p, words);
+    let miss = relock_miss(p, address.draw(Purpose::Relock, switch * BLOCKS));
     let square = relock_square(p, miss);
-    // In 2^−30.
-    let wrong = normal(words[3]).mul_wide(W::splat(p.temperature[0])).high();
     let mut left = [W::splat(0); MAX_TICKS];
     for i in 0..shape.ticks {
         left[i] = relock_scaled(square, p.drift[i]);
@@ -117,6 +114,13 @@ pub fn relock_ticks<W: Word>(given: &Given, address: &Address<W>, switch: usize)
         Method::Frequency => less_by_frequency(given, address, switch, square, wrong, left),
         Method::Detuning => less_by_detuning(given, address, switch, miss, wrong, left),
     }
+}
+
+/// The part by which the temperature curve has f0 wrong, 2^−30: the same at all switches of a trial.
+#[inline(always)]
+pub fn relock_wrong<W: Word>(given: &Given, address: &Address<W>) -> W {
+    let words = address.draw(Purpose::Relock, 0);
+    normal(words[3]).mul_wide(W::splat(given.p.temperature[0])).high()
 }
 
 /// Δλ0 of the switch, in units.

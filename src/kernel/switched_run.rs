@@ -11,7 +11,7 @@ use super::moments::{self, MAX_ESTIMATES, Moments, Sampler, Trials};
 use super::normal::normal;
 use super::philox::{Address, Keys, Purpose, schedule};
 use super::power::{LARGEST_MINUS, LOG_BITS, exp2_minus, log2};
-use super::relock_ticks::{self, Given, relock_ticks};
+use super::relock_ticks::{self, Given, relock_ticks, relock_wrong};
 use super::sine::sine;
 use super::word::{Scalar, Wide, Word};
 use crate::backend::cpu::AnyWidth;
@@ -54,6 +54,8 @@ struct Run<W: Word> {
     random: W::Wide,
     /// What relocking has added so far, LSB.
     relocked: W,
+    /// By how much the temperature curve has f0 wrong.
+    wrong: W,
     warm_up: WarmUp<W>,
 }
 
@@ -90,6 +92,7 @@ impl<'a> SwitchedRun<'a> {
             phase: [zero; MAX_TONES],
             random: W::Wide::splat(0),
             relocked: zero,
+            wrong: zero,
             warm_up: WarmUp { heated: zero, ratio: zero, inverse: zero, tanh: zero, last: W::splat(1 << 30) },
         };
         if shape.spreads() {
@@ -99,6 +102,9 @@ impl<'a> SwitchedRun<'a> {
         }
         if shape.warm_up {
             run.warm_up = self.warm_up(run.deviation[0], normal(address.draw(Purpose::RunDeviation, 1)[0]));
+        }
+        if let Some(relock) = shape.relock {
+            run.wrong = relock_wrong(&self.relock(relock), address);
         }
         for block in 0..shape.tones.div_ceil(4) {
             let words = address.draw(Purpose::RunPhase, block);
@@ -204,14 +210,24 @@ impl<'a> SwitchedRun<'a> {
         residual
     }
 
+    #[inline(always)]
+    fn relock(&self, shape: relock_ticks::Shape) -> Given<'a> {
+        Given { p: relock_ticks::Parameters::of(self.p.relock, shape), shape }
+    }
+
     /// What relocking after the switch that ends interval `k` adds, LSB: the ticks themselves, and what they do to the filler.
     // The loop reads like that of the shader.
     #[expect(clippy::needless_range_loop)]
     #[inline(always)]
-    fn relocked<W: Word>(&self, shape: relock_ticks::Shape, address: &Address<W>, k: usize) -> W {
+    fn relocked<W: Word>(
+        &self,
+        shape: relock_ticks::Shape,
+        run: &Run<W>,
+        address: &Address<W>,
+        k: usize,
+    ) -> W {
         let p = &self.p;
-        let given = Given { p: relock_ticks::Parameters::of(p.relock, shape), shape };
-        let left = relock_ticks(&given, address, k);
+        let left = relock_ticks(&self.relock(shape), address, k, run.wrong);
         let bits = p.relock_bits[0];
         let mut sum = W::Wide::splat(1 << (bits - 1));
         for i in 0..shape.ticks {
@@ -257,7 +273,7 @@ impl<'a> SwitchedRun<'a> {
                 let residual = self.residual(&mut run, &address, k, &words);
                 run.random = run.random + residual;
                 if let Some(relock) = shape.relock {
-                    run.relocked = run.relocked + self.relocked(relock, &address, k);
+                    run.relocked = run.relocked + self.relocked(relock, &run, &address, k);
                 }
                 let after = self.angle(&run, k, k, nothing);
                 recorder.record(after);

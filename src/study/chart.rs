@@ -168,10 +168,15 @@ fn read(mut table: ChartTable, sweeps: &[Sweep], subject: &Subject) -> Result<Ch
         chosen.push(column);
         rows.push((Named::from(name), cell));
     }
+    // Trajectories start at 0, and their angles have both signs.
+    let usual_scale = |name: &str| match source {
+        Source::Trajectories => Scale::Linear,
+        _ => scale_over(name, sweeps, &known),
+    };
     let chart = Chart {
         title: table.title,
-        x_scale: table.x_scale.unwrap_or_else(|| scale_over(table.x.get_ref(), sweeps, &known)),
-        y_scale: table.y_scale.unwrap_or_else(|| scale_over(&y.name, sweeps, &known)),
+        x_scale: table.x_scale.unwrap_or_else(|| usual_scale(table.x.get_ref())),
+        y_scale: table.y_scale.unwrap_or_else(|| usual_scale(&y.name)),
         source,
         x: table.x.into(),
         y,

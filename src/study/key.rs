@@ -111,7 +111,6 @@ const FIXED: &[(&str, &str)] = &[
     ("noise.markov", "is a table"),
     ("noise.sine", "is a table"),
     ("noise.warm_up", "is a table"),
-    ("relock.compensation", "is text"),
     ("relock.ticks", "holds for the whole study"),
     ("relock.first_half", "is text"),
     ("relock.signal_gain", "holds for the whole study"),

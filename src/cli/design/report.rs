@@ -85,7 +85,7 @@ pub fn summary(found: &Design, table: &Table) -> String {
     }
     let tried = table.rows();
     format!(
-        "{tried} candidates, {} runs of {} s each\n{}",
+        "{tried} candidates, {} runs each of about {} s\n{}",
         found.trials,
         significant(found.duration_s, 6),
         aligned(&lines)
@@ -144,15 +144,19 @@ pub fn recommendation(found: &Design) -> String {
         });
     }
     if let Some(PapersRule { interval_s, bound, tried, residual_max }) = &best.papers_rule {
+        let times = found.times_best(tried);
+        let (low, high) = times.interval.unwrap_or((times.value, times.value));
         sentences.push(format!(
             "The paper's bound with δP_max = {} ″ has its minimum at {} s, where it allows {} °/h; switched every {} s the \
-             gyro would drift by {} °/h, {} times as much as at best.",
+             gyro would drift by {} °/h, {} times as much as at best ({} to {}).",
             significant(*residual_max, 3),
             significant(*interval_s, 4),
             significant(*bound, 3),
             significant(tried.interval_s, 4),
             significant(tried.drift.value, 3),
-            significant(tried.drift.value / best.best().drift.value, 3)
+            significant(times.value, 3),
+            significant(low, 3),
+            significant(high, 3)
         ));
     }
     if found.non_magnetic != 0.0 {

@@ -14,7 +14,7 @@ const LEAST_MISS: f64 = 1_048_576.0;
 
 /// Largest rotation that the loop can fake in a tick, LSB, and largest sum of all ticks with their compensation.
 const MOST_FAKED: f64 = 67_108_864.0;
-const MOST_LEFT: f64 = 268_435_456.0;
+pub const MOST_LEFT: f64 = 268_435_456.0;
 
 /// Most units of the beat in a tick, and the fewest in a count: its fraction is where a count falls.
 const MOST_BEAT: f64 = 134_217_728.0;

@@ -3,7 +3,7 @@
 mod fixed;
 mod refusal;
 
-pub use fixed::FixedRelock;
+pub use fixed::{FixedRelock, MOST_LEFT};
 pub use refusal::RelockError;
 
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use crate::store::Address;
 use crate::study::{Compensation, RelockPoint, Streams};
 
 /// Trials that say where histograms start.
-const PILOT: u64 = 1024;
+pub(super) const PILOT: u64 = 1024;
 
 /// What is left of some ticks.
 #[derive(Debug, Clone, PartialEq)]

@@ -13,7 +13,7 @@ use crate::study::{FirstMode, Frequency, RunPoint, SwitchedRun, Timing};
 /// 10^27.
 const ROOM: f64 = 16.0;
 
-/// Finest LSB is 2^−24 ″, coarsest 2^24 ″.
+/// Finest LSB is 2^−24 ″.
 const FINEST: i32 = 24;
 
 /// The runs of a point with one filler, angles in LSB.
@@ -198,7 +198,7 @@ fn lsb(
     let bound = drift.ends.iter().map(most).fold(0.0, f64::max);
     // A few units are for rounding.
     let bits = libm::floor(libm::log2((LIMIT - 16) as f64 / bound));
-    libm::exp2(-bits.clamp(-f64::from(FINEST), f64::from(FINEST)))
+    libm::exp2(-bits.min(f64::from(FINEST)))
 }
 
 /// How far the phase of a tone goes on from switch to switch, 2^−32 turns; a residual without a motion has the same phase at

@@ -83,6 +83,40 @@ pub struct RunEstimate {
     pub bin_base: u32,
 }
 
+impl FilledRun {
+    /// Root mean square over switches of all that a switch adds, ″.
+    pub fn residual_rms(&self) -> f64 {
+        let relock = self.fixed.relock.as_ref();
+        let [mean, deviation] =
+            relock.map_or([0.0; 2], |relock| [relock.mean, libm::hypot(relock.deviation, relock.alike)]);
+        let about_zero = self.residual.rms();
+        libm::sqrt(
+            about_zero * about_zero
+                + 2.0 * mean * self.residual.constant_arcsec
+                + mean * mean
+                + deviation * deviation,
+        )
+    }
+
+    /// About the largest that a switch adds, ″: sines at their peaks and three standard deviations of the rest.
+    pub fn residual_max(&self) -> f64 {
+        let relock = self.fixed.relock.as_ref();
+        let [mean, deviation] =
+            relock.map_or([0.0; 2], |relock| [relock.mean, libm::hypot(relock.deviation, relock.alike)]);
+        let amplitudes: f64 = self.residual.tones.iter().map(|tone| tone.amplitude_arcsec).sum();
+        let normal = libm::sqrt(self.residual.variance_arcsec2 + deviation * deviation);
+        amplitudes + (self.residual.constant_arcsec + mean).abs() + SIGMAS * normal
+    }
+
+    /// About the rms of one of the angles, ″; of a compensated relock by its first trials.
+    pub fn expected_rms(&self, place: usize) -> f64 {
+        self.fixed.expected_rms(self.estimates[place].angle, place) * self.fixed.lsb_arcsec
+    }
+}
+
+/// Standard deviations that the paper takes as the largest error.
+const SIGMAS: f64 = 3.0;
+
 impl LoweredRun {
     /// Lowers a point of a study with this seed.
     ///
@@ -173,7 +207,8 @@ fn id(point: &RunPoint, study: &SwitchedRun, switch: String, seed: u64, streams:
         study.timing,
         point.drift.canonical(),
         point.relock.as_ref().map_or_else(String::new, |relocking| {
-            format!("compensation={}\n{}", relocking.compensation.name(), relocking.relock.identity())
+            let (compensation, ticks) = (relocking.compensation.name(), relocking.relock.ticks);
+            format!("compensation={compensation}\nrelock_ticks={ticks}\n{}", relocking.relock.identity())
         }),
     ))
 }

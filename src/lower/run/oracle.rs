@@ -58,7 +58,8 @@ impl Fixed {
         let mut rounded = 0.0;
         if let Some(relock) = &self.relock {
             let deviation = relock.deviation / self.lsb_arcsec;
-            variance += switches * deviation * deviation;
+            let alike = switches * relock.alike / self.lsb_arcsec;
+            variance += switches * deviation * deviation + alike * alike;
             relocked = switches * relock.mean / self.lsb_arcsec;
             // Each switch is rounded to the LSB once more.
             rounded = switches * (relock.rounding + 0.5 * self.lsb_arcsec);

@@ -5,21 +5,18 @@ use std::sync::Arc;
 use crate::backend::cpu::Width;
 use crate::kernel::launch::{Launch, Sampled};
 use crate::kernel::moments::Trials;
+use crate::kernel::normal::REACH;
 use crate::kernel::relock::{self, WEIGHT_BITS};
 use crate::kernel::relock_ticks::{self, Shape};
-use crate::lower::relock::{FixedRelock, RelockError, method};
-use crate::study::{Compensation, Relocking, RunPoint};
-
-/// Trials that say how much a relock leaves where no closed form does.
-const PILOT: u64 = 1024;
-
-/// No sum of the ticks of a relock is larger, in its LSB, whatever is taken off.
-const MOST_LEFT: f64 = 268_435_456.0;
+use crate::lower::relock::{FixedRelock, MOST_LEFT, PILOT, RelockError, method};
+use crate::study::{Compensation, Relock, Relocking, RunPoint};
 
 /// The relock of a point, for any filler.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FixedRelocking {
     fixed: FixedRelock,
+    /// The same with the right f0.
+    right: FixedRelock,
     pub(super) shape: Shape,
 }
 
@@ -29,8 +26,10 @@ impl FixedRelocking {
             return Ok(None);
         };
         let fixed = FixedRelock::new(relock, fill.inputs.tick_s)?;
+        let right = Relock { temperature_error: 0.0, ..relock.clone() };
+        let right = FixedRelock::new(&right, fill.inputs.tick_s)?;
         let shape = Shape { ticks: relock.ticks as usize, method: method(*compensation) };
-        Ok(Some(FixedRelocking { fixed, shape }))
+        Ok(Some(FixedRelocking { fixed, right, shape }))
     }
 
     /// With a filler whose weights on the ticks after the gap are `after`.
@@ -40,8 +39,7 @@ impl FixedRelocking {
         let lsb = self.fixed.lsb_arcsec;
         let (faked_mean, faked_rms) = self.fixed.faked(&gains);
         let exact = self.shape.method == method(Compensation::None);
-        let [mean, rms] =
-            if exact { [faked_mean, faked_rms] } else { self.pilot(&gains).map(|sum| sum * lsb) };
+        let [mean, rms, alike] = if exact { [faked_mean, faked_rms, 0.0] } else { self.pilot(&gains) };
         let largest = gains.iter().fold(1.0, |most: f64, gain| most.max(gain.abs()));
         Coupled {
             words: self.fixed.words(self.shape),
@@ -51,28 +49,45 @@ impl FixedRelocking {
             gains,
             exact,
             mean,
-            deviation: libm::sqrt((rms * rms - mean * mean).max(0.0)),
+            deviation: libm::sqrt((rms * rms - mean * mean - alike * alike).max(0.0)),
+            alike,
             // A compensation that fails leaves about as much as none.
             most_rms: rms.max(faked_rms),
             most: MOST_LEFT * lsb * largest,
         }
     }
 
-    /// Mean and rms over some first trials of the kernel of relocks, in its LSB.
-    fn pilot(&self, gains: &[f64]) -> [f64; 2] {
+    /// Mean and rms over some first trials of the kernel of relocks, and what of it a wrong f0 makes alike at all switches of a
+    /// run, ″.
+    fn pilot(&self, gains: &[f64]) -> [f64; 3] {
+        let [wrong, right] = [&self.fixed, &self.right].map(|fixed| self.launch(fixed, gains));
+        let one = |launch: &Launch, fixed: &FixedRelock, first: u64| {
+            let tallies = launch.tally(Width::PORTABLE, Trials { first, count: 1, histogram: false });
+            tallies.first().map_or(0.0, |tally| tally.sum as f64) * fixed.lsb_arcsec
+        };
+        let (mut sum, mut squares, mut apart) = (0.0, 0.0, 0.0);
+        for trial in 0..PILOT {
+            let left = one(&wrong, &self.fixed, trial);
+            let by_f0 = left - one(&right, &self.right, trial);
+            sum += left;
+            squares += left * left;
+            apart += by_f0 * by_f0;
+        }
+        let n = PILOT as f64;
+        [sum / n, libm::sqrt(squares / n), libm::sqrt(apart / n)]
+    }
+
+    fn launch(&self, fixed: &FixedRelock, gains: &[f64]) -> Launch {
         let weight: Vec<u32> = gains.iter().map(|gain| fixed_point(*gain, WEIGHT_BITS)).collect();
         let words = relock::Parameters {
             key: &[0, 0],
-            relock: &self.fixed.words(self.shape),
+            relock: &fixed.words(self.shape),
             weight: &weight,
             bin_base: &[0],
         }
         .words();
         let shape = relock::Shape { ticks: self.shape, estimates: 1 };
-        let launch = Launch { sampled: Sampled::Relock(shape), words, table: Arc::new([]) };
-        let tallies = launch.tally(Width::widest(), Trials { first: 0, count: PILOT, histogram: false });
-        let n = PILOT as f64;
-        tallies.first().map_or([0.0; 2], |tally| [tally.sum as f64 / n, libm::sqrt(tally.square as f64 / n)])
+        Launch { sampled: Sampled::Relock(shape), words, table: Arc::new([]) }
     }
 }
 
@@ -92,6 +107,8 @@ pub(super) struct Coupled {
     pub(super) exact: bool,
     pub(super) mean: f64,
     pub(super) deviation: f64,
+    /// Standard deviation of what is alike at all switches of a run.
+    pub(super) alike: f64,
     /// No sum of a switch is farther from that of exact arithmetic.
     pub(super) rounding: f64,
     most_rms: f64,
@@ -101,7 +118,8 @@ pub(super) struct Coupled {
 impl Coupled {
     /// What so many switches can add, with `room` standard deviations.
     pub(super) fn most(&self, switches: f64, room: f64) -> f64 {
-        switches * self.mean.abs() + room * libm::sqrt(switches) * self.most_rms + self.most
+        let alike = REACH * switches * self.alike;
+        switches * self.mean.abs() + room * libm::sqrt(switches) * self.most_rms + alike + self.most
     }
 
     /// Weights of the ticks in a run's LSB, and bits of them behind the point.

@@ -77,7 +77,8 @@ impl WarmUp {
     /// What rounding can change, ″: of exponents, and of times.
     pub(super) fn rounding(&self) -> f64 {
         let rate = self.amplitude.abs() + REACH * self.amplitude_spread;
-        rate * (self.time_s * libm::exp2(-25.0) + 8.0 * self.unit_s)
+        let exponent = libm::exp2(-f64::from(self.halving_bits)) + libm::exp2(-25.0);
+        rate * (self.time_s * exponent + 8.0 * self.unit_s)
     }
 
     /// Mean and variance at the time of a row, ″ and ″², where ∫ s dt is `held_s`.

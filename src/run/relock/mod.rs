@@ -12,7 +12,7 @@ use crate::id::Id;
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::lower::relock::{LoweredRelock, RelockEstimate};
 use crate::store::{Store, StoreError};
-use crate::study::{Compensation, RelockStudy, Study, StudyError};
+use crate::study::{Compensation, Relock, RelockStudy, Study, StudyError};
 
 /// A study whose every point is proven to fit.
 #[derive(Debug)]
@@ -96,24 +96,22 @@ impl<'a> Plan<'a> {
 
     /// What should be known besides the results.
     pub(super) fn notes(&self) -> Vec<String> {
-        let ticks = self.relock.inputs.relock.ticks;
-        let slowest = self
-            .relock
-            .points
-            .iter()
-            .map(|point| &point.inputs)
-            .max_by(|a, b| (a.relock.loop_s / a.tick_s).total_cmp(&(b.relock.loop_s / b.tick_s)));
-        // Of the angle of all ticks ever, q^2m comes after tick m.
-        let late = slowest
-            .map_or(0.0, |inputs| libm::exp(-2.0 * f64::from(ticks) * inputs.tick_s / inputs.relock.loop_s));
-        if late < LATE {
-            return vec![];
-        }
-        let percent = libm::round(100.0 * late);
-        vec![format!("up to {percent} % of the faked angle comes after tick {ticks}, and is not counted")]
+        late(self.relock.points.iter().map(|point| (&point.inputs.relock, point.inputs.tick_s)))
+            .into_iter()
+            .collect()
     }
 }
 
+/// That ticks after the last that is followed would still count, of some relocks with their ticks in s.
+pub(super) fn late<'a>(relocks: impl Iterator<Item = (&'a Relock, f64)>) -> Option<String> {
+    let slow = |(relock, tick_s): &(&Relock, f64)| relock.loop_s / tick_s;
+    let (relock, tick_s) = relocks.max_by(|a, b| slow(a).total_cmp(&slow(b)))?;
+    // Of the angle of all ticks ever, q^2m comes after tick m.
+    let late = libm::exp(-2.0 * f64::from(relock.ticks) * tick_s / relock.loop_s);
+    let (percent, ticks) = (libm::round(100.0 * late), relock.ticks);
+    (late >= LATE)
+        .then(|| format!("up to {percent} % of the faked angle comes after tick {ticks}, and is not counted"))
+}
 /// The part of the angle after the last tick that is worth a note.
 const LATE: f64 = 0.01;
 

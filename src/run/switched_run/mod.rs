@@ -104,7 +104,11 @@ impl<'a> Plan<'a> {
 
     /// What should be known besides the results.
     pub(super) fn notes(&self) -> Vec<String> {
-        trajectories::thinned(self).into_iter().collect()
+        let relocks = self.runs.points.iter().filter_map(|point| {
+            let (relocking, fill) = point.relock.as_ref().zip(point.fill.as_ref())?;
+            Some((&relocking.relock, fill.inputs.tick_s))
+        });
+        super::relock::late(relocks).into_iter().chain(trajectories::thinned(self)).collect()
     }
 }
 

@@ -7,6 +7,7 @@ use crate::stats::{Estimates, Quantile, z_score};
 use crate::store::{Store, StoreError};
 use crate::study::{RunAngle, RunPoint};
 use crate::table::{Cell, Column, Table, Unit};
+use crate::theory::drift::switches;
 
 /// A row of the table before it is filled.
 struct Row<'a> {
@@ -109,7 +110,11 @@ fn push(table: &mut Table, row: &Row, trials: u64, found: Option<Estimates>) {
         let se = oracle.deviation / libm::sqrt(trials as f64);
         z_score(found.mean, oracle.mean, se, oracle.rounding)
     });
-    let residual = &filled.residual;
+    // Before a time, or in all.
+    let before = match estimate.angle {
+        RunAngle::At(time_s) => switches(point.schedule.interval_s, time_s),
+        RunAngle::End | RunAngle::Largest => point.switches() as f64,
+    };
     let rms_band = found.zip(rms_se).map(|(found, se)| {
         let half = NORMAL_95 * se;
         (found.rms - half, found.rms + half)
@@ -123,8 +128,8 @@ fn push(table: &mut Table, row: &Row, trials: u64, found: Option<Estimates>) {
         .chain([
             Cell::Text(estimate.angle.name()),
             time_s.into(),
-            Cell::Integer(point.switches() as i64),
-            Some(residual.rms()).into(),
+            Cell::Integer(before as i64),
+            Some(filled.residual_rms()).into(),
             Cell::Integer(trials as i64),
             of(|found| found.mean).into(),
             of(|found| found.rms).into(),

@@ -19,7 +19,6 @@ use super::file::switching::SwitchingTable;
 use super::gap_fill::{self, Filler, GapFill};
 use super::key::Key;
 use super::place::Places;
-use super::relock::RELOCK_SETTINGS;
 use super::scalar;
 use super::sweep::Sweep;
 use super::{needed, needed_key};
@@ -88,8 +87,7 @@ const MOST_TRAJECTORIES: i64 = 1000;
 pub(super) fn keys() -> Vec<&'static Key> {
     let drift = drift::SETTINGS.iter().map(|setting| &setting.key);
     let schedule = drift::SCHEDULE_SETTINGS.iter().map(|setting| &setting.key);
-    let relock = RELOCK_SETTINGS.iter().map(|setting| &setting.key);
-    schedule.chain(drift).chain(gap_fill::keys()).chain(relock).collect()
+    schedule.chain(drift).chain(gap_fill::keys()).chain(relock::keys()).collect()
 }
 
 /// Reads what is of this kind in a file, and notes where it stands.

@@ -1,6 +1,6 @@
 //! Points of a study of whole runs, each checked as a whole.
 
-use super::relock::Relocking;
+use super::relock::{self, Relocking};
 use crate::kernel::switched_run::shape::MOST_INTERVALS;
 use crate::study::diagnose::Fault;
 use crate::study::drift::{self, Drift, Schedule};
@@ -15,6 +15,9 @@ use crate::theory::drift::switches;
 
 /// By how much of itself an interval may miss a whole number of ticks, of which decimal fractions have not all.
 const WHOLE: f64 = 1e-9;
+
+/// Least product of an interval and a run in warm-up times of which the part that the warm-up leaves is right to 0.2 %.
+const LEAST_LEFT: f64 = 1e-5;
 
 /// Time constants after which a loop is closed: e^−5 of the miss is left, e^−10 of what it fakes.
 const SETTLED: f64 = 5.0;
@@ -44,7 +47,9 @@ impl Point {
     /// The shortest interval that it can have, s: that of most switches, and no shorter than the ticks round a switch.
     pub fn shortest_s(&self) -> f64 {
         let most = self.schedule.duration_s / (MOST_INTERVALS - 1) as f64;
-        self.fill.as_ref().map_or(most, |fill| most.max(ticks_round_a_switch(fill) * fill.inputs.tick_s))
+        let Some(fill) = &self.fill else { return most };
+        let settled = self.relock.as_ref().map_or(0.0, |relocking| settled_s(relocking, fill));
+        most.max(ticks_round_a_switch(fill) * fill.inputs.tick_s).max(settled)
     }
 
     /// The same with another interval, rounded to whole ticks, and with the nearest time that an even number of them makes;
@@ -55,8 +60,16 @@ impl Point {
             round_12(tick_s.map_or(interval_s, |tick_s| libm::round(interval_s / tick_s) * tick_s));
         let pairs = libm::round(0.5 * self.schedule.duration_s / interval_s);
         let schedule = Schedule { interval_s, duration_s: round_12(2.0 * pairs * interval_s) };
-        (interval_s >= self.shortest_s() && pairs >= 1.0).then(|| Point { schedule, ..self.clone() })
+        let fits = (self.shortest_s()..=0.5 * self.schedule.duration_s).contains(&interval_s);
+        fits.then(|| Point { schedule, ..self.clone() })
     }
+}
+
+/// Time from a switch on after which its loop is closed, s.
+fn settled_s(relocking: &Relocking, fill: &gap_fill::Point) -> f64 {
+    let gap_s = f64::from(fill.inputs.gap_ticks) * fill.inputs.tick_s;
+    let ticks_s = f64::from(relocking.relock.ticks) * fill.inputs.tick_s;
+    gap_s + ticks_s.max(SETTLED * relocking.relock.loop_s)
 }
 
 /// Ticks from the first that a filler reads to the last.
@@ -89,6 +102,7 @@ impl Base<'_> {
         rounded.dedup();
         let note = rounded.first().map(|first| match rounded.len() - 1 {
             0 => format!("switching.interval is rounded to whole ticks: {first}"),
+            1 => format!("switching.interval is rounded to whole ticks: {first}, and 1 other"),
             others => format!("switching.interval is rounded to whole ticks: {first}, and {others} others"),
         });
         Ok((points, note))
@@ -106,6 +120,7 @@ impl Base<'_> {
         let mut relock = self.relock.clone();
         if let Some(relocking) = &mut relock {
             sweep::set(&mut relocking.relock, &RELOCK_SETTINGS, &swept);
+            relocking.compensation = relock::swept(&swept).unwrap_or(relocking.compensation);
         }
         schedule.check(self.places, self.sweeps)?;
         self.check_relock(relock.as_ref(), fill.as_ref(), schedule)?;
@@ -149,14 +164,13 @@ impl Base<'_> {
         fill: Option<&gap_fill::Point>,
         schedule: Schedule,
     ) -> Result<(), Fault> {
-        let (Some(Relocking { relock, .. }), Some(fill)) = (relock, fill) else { return Ok(()) };
-        let gap_s = f64::from(fill.inputs.gap_ticks) * fill.inputs.tick_s;
-        let ticks_s = f64::from(relock.ticks) * fill.inputs.tick_s;
-        let least_s = gap_s + ticks_s.max(SETTLED * relock.loop_s);
+        let (Some(relocking), Some(fill)) = (relock, fill) else { return Ok(()) };
+        let least_s = settled_s(relocking, fill);
         if schedule.interval_s >= least_s {
             return Ok(());
         }
-        let [interval, loop_time] = [schedule.interval_s, relock.loop_s].map(|time| significant(time, 6));
+        let [interval, loop_time] =
+            [schedule.interval_s, relocking.relock.loop_s].map(|time| significant(time, 6));
         let message =
             format!("a loop of {loop_time} s does not settle within a switching interval of {interval} s");
         let names = ["relock.loop_time", "switching.interval", "relock.ticks"];
@@ -193,14 +207,18 @@ impl Base<'_> {
                 "leave it out, or lengthen run.duration",
             );
         }
-        let warm_ups = interval_s / drift.warm_up_s;
-        if drift.warm_up_spread > 0.0 && drift.warm_up_s > 0.0 && !(1e-6..=4.0).contains(&warm_ups) {
+        let [warm_ups, run] = [interval_s, duration_s].map(|time| time / drift.warm_up_s);
+        // What is left of the warm-up beside what exponentials are rounded by.
+        let left = warm_ups * run.min(1.0);
+        if drift.warm_up_spread > 0.0 && drift.warm_up_s > 0.0 && (left < LEAST_LEFT || warm_ups > 4.0) {
             let message = format!(
-                "drift.warm_up_time_spread with an interval of {} warm-up times",
-                significant(warm_ups, 3)
+                "drift.warm_up_time_spread with an interval of {} and a run of {} warm-up times",
+                significant(warm_ups, 3),
+                significant(run, 3)
             );
             let names = ["drift.warm_up_time_spread", "switching.interval", "drift.warm_up_time"];
-            let help = "accepted with a spread: 1e-6 to 4; leave the spread out";
+            let help = "accepted with a spread: intervals up to 4 warm-up times, whose product with the run is 1e-5 at least; \
+                        leave the spread out";
             return refuse(&names, message, "out of range", help);
         }
         if drift.warm_up_spread > 0.0 && drift.warm_up_s == 0.0 {

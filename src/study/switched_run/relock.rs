@@ -5,6 +5,7 @@ use toml::Spanned;
 use crate::study::diagnose::Fault;
 use crate::study::file::StudyFile;
 use crate::study::gap_fill::GapFill;
+use crate::study::key::{Key, Swept};
 use crate::study::place::Places;
 use crate::study::relock::{Compensation, RELOCK_SETTINGS, Relock, read_relock};
 use crate::study::sweep::Sweep;
@@ -16,6 +17,28 @@ pub struct Relocking {
     pub compensation: Compensation,
 }
 
+/// Every key of it that a sweep may vary.
+pub(super) fn keys() -> impl Iterator<Item = &'static Key> {
+    RELOCK_SETTINGS.iter().map(|setting| &setting.key).chain([&COMPENSATION])
+}
+
+static COMPENSATION: Key = Key {
+    name: "relock.compensation",
+    label: "compensation",
+    accepts: &[],
+    limits: (0.0, 0.0, "none, frequency, detuning"),
+};
+
+/// The compensation that a sweep chooses.
+pub(super) fn swept(swept: &[(&'static str, Swept)]) -> Option<Compensation> {
+    swept.iter().find_map(|(name, value)| match value {
+        Swept::Name(chosen) if *name == COMPENSATION.name => {
+            Compensation::ALL.into_iter().find(|compensation| compensation.name() == chosen)
+        }
+        _ => None,
+    })
+}
+
 /// The relock that is written, if any.
 pub(super) fn read(
     file: &StudyFile,
@@ -24,7 +47,7 @@ pub(super) fn read(
     places: &mut Places,
 ) -> Result<Option<Relocking>, Fault> {
     let Some(table) = &file.relock else {
-        let of_relock = |key: &str| RELOCK_SETTINGS.iter().any(|setting| setting.name == key);
+        let of_relock = |name: &str| keys().any(|key| key.name == name);
         let swept = sweeps.iter().zip(&file.sweep).find(|(sweep, _)| of_relock(sweep.key.name));
         return swept.map_or(Ok(None), |(sweep, written)| {
             let message = format!("{} is swept, but there is no [relock]", sweep.key.name);
@@ -40,6 +63,10 @@ pub(super) fn read(
     if let Some(list) = file.gyro.as_ref().and_then(|gyro| gyro.get_ref().relock.as_ref()) {
         let message = "gyro.relock stands beside [relock]";
         return Err(Fault::new(list.span(), message, "a second relock", "leave one of them out"));
+    }
+    if let Some(gain) = &table.get_ref().signal_gain {
+        let message = "relock.signal_gain is no key of a study of kind = \"switched-run\"";
+        return Err(Fault::new(gain.span(), message, "not of this kind", "leave it out"));
     }
     let relock = read_relock(table.get_ref(), places)?;
     places.add("relock", table.span());
