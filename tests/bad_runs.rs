@@ -169,7 +169,7 @@ fn a_spread_of_a_warm_up_that_is_not_there_is_refused() {
     refused(
         &replaced(BUDGET, "3000 s\"", "3 s\"\nwarm_up_time_spread = \"10 %\""),
         "6:23",
-        &["warm_up_time_spread with an interval of 13.3 warm-up times", "1e-6 to 4"],
+        &["warm_up_time_spread with an interval of 13.3 and a run of", "intervals up to 4 warm-up times"],
     );
 }
 
