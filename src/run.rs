@@ -86,7 +86,7 @@ impl Tables {
 const BATCH_SECONDS: f64 = 0.3;
 
 /// Half the width of a 95 % interval in standard errors.
-const NORMAL_95: f64 = 1.959_963_985;
+pub(crate) const NORMAL_95: f64 = 1.959_963_985;
 
 impl<'a> Plan<'a> {
     /// Lowers every point.

@@ -21,6 +21,7 @@ use crate::backend::Device;
 use crate::backend::gpu::GpuError;
 use crate::kernel::moments::Moments;
 use crate::lower::RunLowerError;
+use crate::run::NORMAL_95;
 use crate::stats::Estimates;
 use crate::study::{RunAngle, Study, SwitchedRun};
 use crate::theory::drift::Optimum as Minimum;
@@ -263,7 +264,7 @@ fn of_parts(
         let found = Estimates::of(tally, estimate.bin_base, estimate.unit_arcsec / duration_s)?;
         match measure {
             Measure::DriftRms | Measure::LargestRms => {
-                let half = found.rms_se.map(|se| 1.959_963_985 * se);
+                let half = found.rms_se.map(|se| NORMAL_95 * se);
                 Some(Found {
                     value: found.rms,
                     interval: half.map(|half| (found.rms - half, found.rms + half)),

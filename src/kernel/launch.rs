@@ -62,7 +62,9 @@ impl Launch {
             Sampled::GapFill(_) => 1,
             Sampled::Relock(shape) => shape.ticks.ticks as u64,
             Sampled::SwitchedRun(shape) => {
-                u64::from(switched_run::Parameters::of(&self.words, shape).intervals[0])
+                let relock = shape.relock.map_or(0, |relock| relock.ticks as u64);
+                let intervals = switched_run::Parameters::of(&self.words, shape).intervals[0];
+                u64::from(intervals) * (1 + relock)
             }
         }
     }

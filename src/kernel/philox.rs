@@ -50,7 +50,8 @@ pub enum Purpose {
     /// And the one beyond: phases of the third to sixth and of the last two tones at the switch that ends an interval, a block
     /// each.
     SwitchPhase = 23,
-    /// Word 0: what the random walk of an interval comes to within it.
+    /// Word 0: what the random walk of an interval comes to within it, at one time or another: of two times in an interval
+    /// each is right by itself.
     Bridge = 25,
     /// A block for each switch of a record, from number 1 on: word 0 the phase of its fill residual, word 1 the noise of it.
     FillResidual = 14,
