@@ -59,8 +59,8 @@ impl Psd {
 
     /// Covariance of the angles of two ticks of `tick_s`, ″², by their distance 0 … `lags` − 1.
     ///
-    /// The integral of S(f) (T sinc fT)² cos 2πf·lag·T: see [`Psd::integrate`]. Takes
-    /// `lags` · (bandwidth · `tick_s` · `lags` + octaves) steps.
+    /// The integral of S(f) (T sinc fT)² cos 2πf·lag·T by quadrature in panels of at most one turn, one octave and eight of
+    /// density, right to 1e-12 of the variance. Takes `lags` · (bandwidth · `tick_s` · `lags` + octaves) steps.
     pub fn covariance(&self, tick_s: f64, lags: usize) -> Vec<f64> {
         let mut covariance = vec![0.0; lags];
         self.integrate(tick_s * (lags as f64 + 1.0), &[], |nu, power| {

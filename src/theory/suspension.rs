@@ -107,7 +107,7 @@ impl Suspension {
     /// of this density in g²/Hz.
     ///
     /// The integral over the whole band of |H(f)|² S(f) (T sinc fT)² cos 2πf·lag·T: what is above half the tick rate shows
-    /// in the ticks as it does in those of the gyro. See [`Psd::integrate`]; the panels are also narrow enough for the
+    /// in the ticks as it does in those of the gyro. Its panels are those of a density, and also narrow enough for the
     /// resonances: |H|² of a mode has its poles beside f_i at the distance f_i/2Q, and panels grow in proportion to their
     /// own distance from there, so that 16 points take each to rounding at any Q.
     pub fn covariance(&self, acceleration: &Psd, tick_s: f64, lags: usize) -> Vec<f64> {
