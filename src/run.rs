@@ -5,7 +5,7 @@ mod exact;
 pub(crate) mod gap_fill;
 mod relock;
 mod sampling;
-mod switched_run;
+pub(crate) mod switched_run;
 
 use crate::backend::Device;
 use crate::backend::gpu::GpuError;

@@ -22,8 +22,9 @@ use crate::backend::gpu::GpuError;
 use crate::kernel::moments::Moments;
 use crate::lower::RunLowerError;
 use crate::run::NORMAL_95;
+use crate::run::switched_run::late;
 use crate::stats::Estimates;
-use crate::study::{RunAngle, Study, SwitchedRun};
+use crate::study::{RunAngle, Study, SwitchedRun, Timing};
 use crate::theory::drift::Optimum as Minimum;
 use candidates::{Candidate, Maker};
 
@@ -98,6 +99,9 @@ pub struct Tried {
 pub struct Filler {
     /// Absent where the study gives the residual by its largest value.
     pub name: Option<String>,
+    /// Of one switch, rms and about the largest, δP_max, ″.
+    pub residual_rms: f64,
+    pub residual_max: f64,
     pub tried: Vec<Tried>,
     /// Place of the interval to choose.
     pub best: usize,
@@ -127,6 +131,8 @@ pub struct Design {
     pub duration_s: f64,
     /// Left out, ″/s.
     pub non_magnetic: f64,
+    /// What should be known besides, each in a sentence.
+    pub notes: Vec<String>,
     /// In the order of the study.
     pub fillers: Vec<Filler>,
     /// Place of the filler with the least drift.
@@ -226,7 +232,9 @@ pub fn design(
         }
         let (best, optimum) = optimum::among(&tried, fitted);
         let name = runs.fillers().get(place).map(|filler| filler.name.clone());
-        fillers.push(Filler { name, tried, best, optimum, papers_rule });
+        let filled = &candidates[0].filled;
+        let (residual_rms, residual_max) = (filled.residual_rms(), filled.residual_max());
+        fillers.push(Filler { name, residual_rms, residual_max, tried, best, optimum, papers_rule });
     }
     progress.finish();
     let of = |place: &usize| fillers[*place].best().drift.value;
@@ -237,9 +245,22 @@ pub fn design(
         trials,
         duration_s: point.schedule.duration_s,
         non_magnetic: point.drift.non_magnetic,
+        notes: notes(study, &runs),
         fillers,
         best,
     })
+}
+
+/// What holds of the runs, and where the recommendation leans on an exact frequency.
+fn notes(study: &Study, runs: &SwitchedRun) -> Vec<String> {
+    let steady = runs.timing == Timing::Periodic
+        && runs.points[0].fill.as_ref().is_some_and(|fill| !fill.inputs.motion.tones.is_empty());
+    let phases = steady.then(|| {
+        "with timing = \"periodic\" residuals add up or cancel by the phase of the vibration from switch to switch: what is best holds \
+         for exactly this frequency, and may be a coincidence; timing = \"random\" has none"
+            .to_owned()
+    });
+    study.notes().iter().cloned().chain(late(runs)).chain(phases).collect()
 }
 
 /// Puts what was tried in the order of the intervals, each once.

@@ -26,7 +26,7 @@ pub struct Options {
     by: By,
     #[command(flatten)]
     device: DeviceArg,
-    /// Folder of what is written [default: results/<name of the study file>/design]
+    /// Folder of what is written [default: results/<name of the study file>/design; by others than drift_q9973 design_<estimate>]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Runs of each candidate, in place of the study's; rounded up to 32 times a power of two
@@ -60,6 +60,14 @@ enum By {
 }
 
 impl By {
+    /// Where results go: another estimate takes nothing away.
+    fn folder(self) -> String {
+        match self.measure() {
+            Measure::DriftQ9973 => "design".to_owned(),
+            other => format!("design_{}", other.name()),
+        }
+    }
+
     fn measure(self) -> Measure {
         match self {
             By::DriftQ9973 => Measure::DriftQ9973,
@@ -82,13 +90,17 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let found = find(&study, options.by.measure(), &mut device, &Shown::new(options.quiet))
         .map_err(|error| failure(&study, error))?;
     let stem = options.study.file_stem().unwrap_or_default();
-    let folder = options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join("design"));
+    let folder =
+        options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(options.by.folder()));
     let table = report::table(&found);
     write_all(&study, &found, &table, &folder)?;
     if options.json {
         return print_json(&report::json(&study, &found));
     }
     if !options.quiet {
+        for note in &found.notes {
+            eprintln!("note: {note}");
+        }
         print(&report::summary(&found, &table))?;
     }
     print(&report::recommendation(&found))?;

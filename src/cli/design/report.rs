@@ -70,9 +70,11 @@ pub fn summary(found: &Design, table: &Table) -> String {
     ];
     for filler in &found.fillers {
         let best = filler.best();
-        let range = range(filler).map_or("not within what was tried".to_owned(), |(lo, hi)| {
-            format!("{} to {}", significant(lo, 3), significant(hi, 3))
-        });
+        let range = match range(filler) {
+            Some((lo, hi)) => format!("{} to {}", significant(lo, 4), significant(hi, 4)),
+            None if filler.is_at_edge() => "at the end of what was tried".to_owned(),
+            None => "too few were tried near it".to_owned(),
+        };
         let worse = found.worse_by(filler);
         lines.push(vec![
             called(filler).to_owned(),
@@ -116,8 +118,8 @@ pub fn recommendation(found: &Design) -> String {
     match range(best) {
         Some((lo, hi)) => sentences.push(format!(
             "The best interval lies between {} s and {} s (95 %).",
-            significant(lo, 3),
-            significant(hi, 3)
+            significant(lo, 4),
+            significant(hi, 4)
         )),
         None if best.is_at_edge() => sentences.push(
             "It is the shortest or longest that was tried: try others, by a sweep over switching.interval."
@@ -189,6 +191,8 @@ pub fn json(study: &Study, found: &Design) -> Value {
             .collect();
         json!({
             "filler": filler.name,
+            "residual_rms_arcsec": filler.residual_rms,
+            "residual_max_arcsec": filler.residual_max,
             "interval_s": filler.best().interval_s,
             "interval_lo_s": filler.optimum.lo_s,
             "interval_hi_s": filler.optimum.hi_s,
@@ -215,6 +219,7 @@ pub fn json(study: &Study, found: &Design) -> Value {
         "interval_by_paper_rule_s": best.papers_rule.as_ref().map(|rule| rule.interval_s),
         "bound_by_paper_rule": best.papers_rule.as_ref().map(|rule| rule.bound),
         "non_magnetic_left_out": found.non_magnetic,
+        "notes": found.notes,
         "fillers": found.fillers.iter().map(filler).collect::<Vec<_>>(),
     })
 }

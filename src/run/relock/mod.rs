@@ -13,6 +13,7 @@ use crate::kernel::moments::MAX_ESTIMATES;
 use crate::lower::relock::{LoweredRelock, RelockEstimate};
 use crate::store::{Store, StoreError};
 use crate::study::{Compensation, Relock, RelockStudy, Study, StudyError};
+use crate::table::significant;
 
 /// A study whose every point is proven to fit.
 #[derive(Debug)]
@@ -106,12 +107,13 @@ impl<'a> Plan<'a> {
 pub(super) fn late<'a>(relocks: impl Iterator<Item = (&'a Relock, f64)>) -> Option<String> {
     let slow = |(relock, tick_s): &(&Relock, f64)| relock.loop_s / tick_s;
     let (relock, tick_s) = relocks.max_by(|a, b| slow(a).total_cmp(&slow(b)))?;
-    // Of the angle of all ticks ever, q^2m comes after tick m.
-    let late = libm::exp(-2.0 * f64::from(relock.ticks) * tick_s / relock.loop_s);
-    let (percent, ticks) = (libm::round(100.0 * late), relock.ticks);
-    (late >= LATE)
-        .then(|| format!("up to {percent} % of the faked angle comes after tick {ticks}, and is not counted"))
+    let (late, ticks) = (relock.late(tick_s), relock.ticks);
+    let (percent, arcsec) = (libm::round(100.0 * late), significant(late * relock.whole_angle(tick_s), 2));
+    (late >= LATE).then(|| {
+        format!("up to {percent} % of the faked angle, {arcsec} ″ a switch, comes after tick {ticks} and is not counted")
+    })
 }
+
 /// The part of the angle after the last tick that is worth a note.
 const LATE: f64 = 0.01;
 

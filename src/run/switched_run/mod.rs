@@ -104,12 +104,17 @@ impl<'a> Plan<'a> {
 
     /// What should be known besides the results.
     pub(super) fn notes(&self) -> Vec<String> {
-        let relocks = self.runs.points.iter().filter_map(|point| {
-            let (relocking, fill) = point.relock.as_ref().zip(point.fill.as_ref())?;
-            Some((&relocking.relock, fill.inputs.tick_s))
-        });
-        super::relock::late(relocks).into_iter().chain(trajectories::thinned(self)).collect()
+        late(self.runs).into_iter().chain(trajectories::thinned(self)).collect()
     }
+}
+
+/// That ticks of the relock after the last that is followed would still count.
+pub(crate) fn late(runs: &SwitchedRun) -> Option<String> {
+    let relocks = runs.points.iter().filter_map(|point| {
+        let (relocking, fill) = point.relock.as_ref().zip(point.fill.as_ref())?;
+        Some((&relocking.relock, fill.inputs.tick_s))
+    });
+    super::relock::late(relocks)
 }
 
 /// The error of a point that cannot be sampled, at the key of the study that has to change.

@@ -70,6 +70,22 @@ impl Compensation {
 }
 
 impl Relock {
+    /// The part q^2m of the angle of all ticks ever that comes after the last that is followed.
+    pub fn late(&self, tick_s: f64) -> f64 {
+        libm::exp(-2.0 * f64::from(self.ticks) * tick_s / self.loop_s)
+    }
+
+    /// The angle of all ticks ever, ″: χ f0 Δλ0² (τ_L/2)(1 − q)/(1 + q) of the miss as it should be.
+    pub fn whole_angle(&self, tick_s: f64) -> f64 {
+        let bias = self.bias_frequency_hz * self.pulse_weight_arcsec;
+        0.5 * self.curvature
+            * bias
+            * self.miss
+            * self.miss
+            * self.loop_s
+            * libm::tanh(0.5 * tick_s / self.loop_s)
+    }
+
     /// The largest |Δλ0| that is drawn.
     pub fn largest_miss(&self) -> f64 {
         self.miss.abs() + REACH * self.half_wave_error + 0.5 * self.dac_step + self.hysteresis

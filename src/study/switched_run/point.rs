@@ -19,6 +19,9 @@ const WHOLE: f64 = 1e-9;
 /// Least product of an interval and a run in warm-up times of which the part that the warm-up leaves is right to 0.2 %.
 const LEAST_LEFT: f64 = 1e-5;
 
+/// Most of what a relock fakes that may come after the ticks that are followed.
+const MOST_LATE: f64 = 0.2;
+
 /// Time constants after which a loop is closed: e^−5 of the miss is left, e^−10 of what it fakes.
 const SETTLED: f64 = 5.0;
 
@@ -165,6 +168,16 @@ impl Base<'_> {
         schedule: Schedule,
     ) -> Result<(), Fault> {
         let (Some(relocking), Some(fill)) = (relock, fill) else { return Ok(()) };
+        let (ticks, late) = (relocking.relock.ticks, relocking.relock.late(fill.inputs.tick_s));
+        if late > MOST_LATE {
+            let percent = libm::round(100.0 * late);
+            let message = format!(
+                "{percent} % of what the relock fakes comes after tick {ticks}, which runs do not count"
+            );
+            let names = ["relock.ticks", "relock.loop_time", "relock"];
+            let help = "accepted: up to 20 %; follow up to 8 ticks, or take a faster loop";
+            return Err(Fault::new(self.places.blame(self.sweeps, &names), message, "too few ticks", help));
+        }
         let least_s = settled_s(relocking, fill);
         if schedule.interval_s >= least_s {
             return Ok(());
