@@ -416,6 +416,13 @@ fn a_relock_that_has_no_ticks_or_no_time_to_settle_is_refused() {
         "23:8",
         &["does not settle within a switching interval of 0.05 s"],
     );
+    let slow = replaced(&relocking, "loop_time = \"12 ms\"", "loop_time = \"40 ms\"");
+    let desk = Desk::with(&slow);
+    desk.fails(
+        "run study.toml --device cpu",
+        3,
+        &["37 % of what the relock fakes comes after tick 4", "up to 8 ticks"],
+    );
     refused(
         &format!("{BUDGET}{RELOCK}"),
         "11:1",

@@ -220,7 +220,7 @@ fn options_that_make_no_sense_end_with_2() {
 #[test]
 fn a_compensated_relock_has_a_design_too_whose_interval_lets_the_loop_settle() {
     let relock = "[relock]\nmiss = 0.05\nhalf_wave_error = 0.005\nloop_time = \"31 ms\"\nbias_frequency = \"80 kHz\"\n\
-                  pulse_weight = \"2.6 arcsec\"\ncurvature = 40\nadc_noise = 0.0002\ncompensation = \"detuning\"\n";
+                  pulse_weight = \"2.6 arcsec\"\ncurvature = 40\nadc_noise = 0.0002\nticks = 8\ncompensation = \"detuning\"\n";
     let found = designed(&Desk::with(&format!("{FILLED}{relock}")), "");
     assert!(number(&found, "interval_s") > 0.17, "{found:#}");
     assert!(number(&found, "drift") <= number(&found, "drift_by_paper_rule"), "{found:#}");
