@@ -21,6 +21,11 @@ impl Block {
     pub fn end(&self) -> u64 {
         self.first + self.trials()
     }
+
+    /// Whether it is a block at all: in its place, of trials that can be numbered.
+    pub fn is_aligned(&self) -> bool {
+        self.log2 < 63 && self.first.is_multiple_of(1 << self.log2) && self.first < 1 << 63
+    }
 }
 
 /// log2 of the largest block: beyond it a lost block would cost minutes.
@@ -55,20 +60,15 @@ pub fn fold<T>(mut rows: Vec<(Block, T)>) -> Vec<(Block, T)> {
     rows
 }
 
-/// The parts of `0 .. trials` that no held block covers, in order.
-pub fn missing(held: &[Block], trials: u64) -> Vec<Range<u64>> {
+/// The parts of `trials` that no held block covers, in order.
+pub fn missing(held: &[Block], trials: Range<u64>) -> Vec<Range<u64>> {
     let mut gaps = Vec::new();
-    let mut end = 0;
+    let mut end = trials.start;
     for (block, ()) in fold(held.iter().map(|&block| (block, ())).collect()) {
-        if block.first > end {
-            gaps.push(end..block.first.min(trials));
-        }
-        end = block.end();
-        if end >= trials {
-            return gaps;
-        }
+        gaps.push(end..block.first.min(trials.end));
+        end = end.max(block.end());
     }
-    gaps.push(end..trials);
+    gaps.push(end..trials.end);
     gaps.retain(|gap| gap.start < gap.end);
     gaps
 }
@@ -106,11 +106,14 @@ mod tests {
     #[test]
     fn what_is_missing_and_what_is_held_make_up_the_whole() {
         let held = [Block { first: 4, log2: 2 }, Block { first: 4, log2: 1 }, Block { first: 16, log2: 0 }];
-        assert_eq!(missing(&held, 20), [0..4, 8..16, 17..20]);
-        assert_eq!(missing(&held, 6), [Range { start: 0, end: 4 }]);
-        assert_eq!(missing(&[], 3), [Range { start: 0, end: 3 }]);
-        assert_eq!(missing(&cover(0..1000, 5), 1000), []);
-        assert_eq!(missing(&cover(0..2000, 5), 1000), []);
+        assert_eq!(missing(&held, 0..20), [0..4, 8..16, 17..20]);
+        assert_eq!(missing(&held, 0..6), [Range { start: 0, end: 4 }]);
+        assert_eq!(missing(&held, 2..12), [2..4, 8..12]);
+        assert_eq!(missing(&held, 5..8), []);
+        assert_eq!(missing(&held, 20..30), [Range { start: 20, end: 30 }]);
+        assert_eq!(missing(&[], 0..3), [Range { start: 0, end: 3 }]);
+        assert_eq!(missing(&cover(0..1000, 5), 0..1000), []);
+        assert_eq!(missing(&cover(0..2000, 5), 0..1000), []);
     }
 
     #[test]

@@ -17,6 +17,7 @@ pub mod kernel;
 pub mod lower;
 pub mod record;
 pub mod run;
+pub mod share;
 pub mod stats;
 pub mod store;
 pub mod study;

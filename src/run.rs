@@ -10,7 +10,11 @@ pub(crate) mod switched_run;
 use crate::backend::Device;
 use crate::backend::gpu::GpuError;
 use crate::id::Id;
+use crate::kernel::{
+    allan as allan_kernel, gap_fill as gap_fill_kernel, relock_ticks, switched_run as run_kernel,
+};
 use crate::lower::RecordsError;
+use crate::share::Share;
 use crate::store::{Identity, Store, StoreError};
 use crate::study::{Source, Study, StudyError, Subject, Swept};
 use crate::table::{Column, Table, Unit};
@@ -50,6 +54,8 @@ pub struct Done {
     /// Trials sampled, over all points.
     pub trials: u64,
     pub seconds: f64,
+    /// Whether it ended before all was done, as [`Progress::stops`] asked for.
+    pub stopped: bool,
     /// Why some of it was not done as asked, in a sentence.
     pub degraded: Option<String>,
 }
@@ -116,28 +122,57 @@ impl<'a> Plan<'a> {
             kind: self.study.kind().name().to_owned(),
             seed: self.study.seed,
             streams: self.study.streams.name().to_owned(),
+            kernels: self.kernels(),
         }
     }
 
-    /// Samples what the store lacks. `progress` hears how much there is in all and, as it comes, what is done.
+    /// The kernels that sample it, with their versions.
+    fn kernels(&self) -> String {
+        let relock = format!("relock {}", relock_ticks::VERSION);
+        match &self.work {
+            Work::GapFill(_) => format!("gap_fill {}", gap_fill_kernel::VERSION),
+            Work::Allan(_) => format!("allan {}", allan_kernel::VERSION),
+            Work::SwitchedRun(_) => format!("switched_run {}, {relock}", run_kernel::VERSION),
+            Work::Relock(_) => relock,
+            Work::Exact(_) => "none".to_owned(),
+        }
+    }
+
+    /// Samples what the store lacks of a share. `progress` hears how much there is in all and, as it comes, what is done; what
+    /// earlier runs left is done already.
     ///
     /// # Errors
-    /// The device or the disk fails.
+    /// The device or the disk fails; what was sampled before is in the store.
     pub fn run(
         &self,
         store: &mut Store,
         device: &mut Device,
+        share: Share,
         progress: &(dyn Progress + Sync),
     ) -> Result<Done, RunError> {
         let done = match &self.work {
-            Work::GapFill(plan) => plan.run(store, device, progress)?,
-            Work::Allan(plan) => plan.run(store, device, progress)?,
-            Work::SwitchedRun(plan) => plan.run(store, device, progress)?,
-            Work::Relock(plan) => plan.run(store, device, progress)?,
-            Work::Exact(_) => Done { trials: 0, seconds: 0.0, degraded: None },
+            Work::GapFill(plan) => plan.run(store, device, share, progress)?,
+            Work::Allan(plan) => plan.run(store, device, share, progress)?,
+            Work::SwitchedRun(plan) => plan.run(store, device, share, progress)?,
+            Work::Relock(plan) => plan.run(store, device, share, progress)?,
+            Work::Exact(_) => Done { trials: 0, seconds: 0.0, stopped: false, degraded: None },
         };
         progress.finish();
         Ok(done)
+    }
+
+    /// Trials that the store still lacks, over all points.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    pub fn lacks(&self, store: &Store) -> Result<u64, StoreError> {
+        match &self.work {
+            Work::GapFill(plan) => plan.lacks(store),
+            Work::Allan(plan) => plan.lacks(store),
+            Work::SwitchedRun(plan) => plan.lacks(store),
+            Work::Relock(plan) => plan.lacks(store),
+            Work::Exact(_) => Ok(0),
+        }
     }
 
     /// The tables before anything is sampled: all rows, without estimates.
@@ -226,13 +261,17 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// Who hears how a run goes on.
+/// Who hears how a run goes on, and may end it.
 pub trait Progress {
     /// `done` of `total` of these units are there already: `trials`, or `samples`.
     fn start(&self, unit: &'static str, done: u64, total: u64);
     /// So many more are done.
     fn advance(&self, more: u64);
     fn finish(&self);
+    /// Whether to end before all is done, with what was sampled kept. A run asks after every batch, some times a second.
+    fn stops(&self) -> bool {
+        false
+    }
 }
 
 /// The error of a point that cannot be sampled, at the `key` of the study that has to change.

@@ -4,52 +4,36 @@
 //! nothing, a disagreeing one an error, so resuming, asking for more trials and merging are one operation, in any
 //! order, any number of times. Crash safety, locking and full disks are SQLite's work.
 
+mod check;
 mod encoding;
+mod error;
+mod lock;
+mod row;
+mod schema;
+mod source;
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
 
-use rusqlite::{Connection, ErrorCode, OptionalExtension, TransactionBehavior, params};
+use rusqlite::{Connection, OptionalExtension, Transaction, TransactionBehavior, params};
 
 use crate::block::{Block, fold};
 use crate::id::Id;
 use crate::kernel::moments::Moments;
 use crate::kernel::rows::Rows;
+pub use check::Report;
+pub use error::StoreError;
+use lock::Lock;
+pub use lock::{Holder, LOCK};
+use row::{COLUMNS, Raw};
+pub use source::{Merged, Source};
 
 /// The name of the database in a results folder.
 pub const FILE: &str = "tallies.sqlite";
 
 /// Version of the tables and of the encoding of tallies.
-const SCHEMA_VERSION: i64 = 2;
-
-/// What went wrong with the results on disk.
-#[derive(Debug, thiserror::Error)]
-pub enum StoreError {
-    #[error("cannot create the results folder {path}: {source}\nchoose another one with --out DIR")]
-    Folder { path: PathBuf, source: std::io::Error },
-    #[error(
-        "{path} is in use by another program\nwait for it to end, or choose another folder with --out DIR"
-    )]
-    Busy { path: PathBuf },
-    #[error("cannot keep results in {path}: {source}")]
-    Storage { path: PathBuf, source: rusqlite::Error },
-    #[error(
-        "{path} is of schema version {found}, this program writes version {SCHEMA_VERSION}\nuse the program that wrote it, or choose another folder with --out DIR"
-    )]
-    Version { path: PathBuf, found: String },
-    #[error(
-        "{path} holds results of another study (seed {seed}, streams {streams}, kind {kind})\nchoose another folder with --out DIR, or remove this one"
-    )]
-    OtherStudy { path: PathBuf, kind: String, seed: String, streams: String },
-    #[error(
-        "{path}: the row of point {point}, estimate {estimate}, trials from {first} is damaged ({what})\nremove the folder and run again, or restore it from a copy"
-    )]
-    Damaged { path: PathBuf, point: Id, estimate: Id, first: u64, what: &'static str },
-    #[error(
-        "{path}: trials from {first} of point {point}, estimate {estimate} are there already with other values\nthe folder was written by a program or machine that computes differently: run `sagnac verify`"
-    )]
-    Disagrees { path: PathBuf, point: Id, estimate: Id, first: u64 },
-}
+const SCHEMA_VERSION: i32 = 3;
 
 /// What makes two runs the same study: a folder holds one.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -57,6 +41,9 @@ pub struct Identity {
     pub kind: String,
     pub seed: u64,
     pub streams: String,
+    /// The kernels that compute it, with their versions. No part of the study id: rows of others are refused, not taken for
+    /// those of another study.
+    pub kernels: String,
 }
 
 impl Identity {
@@ -79,6 +66,9 @@ pub trait Tally: Sized {
     /// Compact bytes, the same for the same tally.
     fn encode(&self) -> Vec<u8>;
 
+    /// Adds the tally of the trials behind these, of the same estimate.
+    fn append(&mut self, next: Self);
+
     /// The tally of so many trials that the bytes stand for; `None` where they stand for none.
     fn decode(bytes: &[u8], trials: u64) -> Option<Self>;
 }
@@ -100,128 +90,93 @@ pub struct Provenance {
     pub seconds: f64,
 }
 
-/// An open results database; no other program can open it meanwhile.
+/// The open store of a results folder.
+///
+/// What it promises:
+///
+/// - **One writer.** No other program can open the folder meanwhile; one that tries is refused at once and told by whom.
+/// - **Nothing is lost.** A batch of rows is kept as a whole or not at all, whatever ends the program or fills the disk, and what
+///   was kept before stays. (After a power failure the last batches may be missing; they are then sampled again.)
+/// - **Nothing counts twice.** A trial is in one row or in rows that nest, of which the outermost counts, so the same rows
+///   can be inserted or [merged](Store::merge) any number of times and in any order.
+/// - **Nothing wrong is read.** Every row carries a checksum over all of it and the digest of the parameters that it was
+///   computed from; both are checked whenever it is read, as is the structure of the file when it is opened. What is not as it was written is an
+///   error and never a number.
+/// - **One study.** A folder holds the results of one study id, computed by one version of its kernels.
 #[derive(Debug)]
 pub struct Store {
     path: PathBuf,
+    // Closed before the lock is given up.
     connection: Connection,
-    /// The row that tells the provenance of what is inserted, once there is any.
-    session: Option<i64>,
+    _lock: Lock,
+    identity: Identity,
+    /// What its provenance is noted under.
+    session: Id,
 }
+
+/// Sessions of this process.
+static SESSIONS: AtomicU64 = AtomicU64::new(0);
 
 impl Store {
     /// Opens the store of a results folder, which is made where it is missing.
     ///
     /// # Errors
-    /// The folder cannot be written, is in use, or holds another study.
+    /// The folder cannot be written, is in use, holds another study, or is damaged.
     pub fn open(folder: &Path, identity: &Identity) -> Result<Store, StoreError> {
         std::fs::create_dir_all(folder)
             .map_err(|source| StoreError::Folder { path: folder.to_owned(), source })?;
+        let lock = Lock::take(folder)?;
         let path = folder.join(FILE);
-        let failed = |source| storage_error(&path, source);
+        let failed = |source| StoreError::of(&path, source);
         let mut connection = Connection::open(&path).map_err(failed)?;
-        connection
-            .execute_batch(
-                "PRAGMA locking_mode = EXCLUSIVE;
-                 PRAGMA journal_mode = WAL;
-                 PRAGMA synchronous = NORMAL;",
-            )
-            .map_err(failed)?;
+        exclusive(&connection).map_err(failed)?;
+        structure(&connection, &path, "quick_check")?;
         // The tables and whose they are: all or nothing, or a run killed here would leave a folder that is nobody's.
         let transaction =
             connection.transaction_with_behavior(TransactionBehavior::Exclusive).map_err(failed)?;
-        transaction
-            .execute_batch(
-                "CREATE TABLE IF NOT EXISTS study (key TEXT PRIMARY KEY, value TEXT NOT NULL);
-                 CREATE TABLE IF NOT EXISTS tally (
-                     point BLOB NOT NULL, estimate BLOB NOT NULL, first INTEGER NOT NULL, log2 INTEGER NOT NULL,
-                     digest BLOB NOT NULL, sums BLOB NOT NULL, checksum INTEGER NOT NULL,
-                     PRIMARY KEY (point, estimate, first, log2)) WITHOUT ROWID;
-                 CREATE TABLE IF NOT EXISTS provenance (
-                     finished INTEGER NOT NULL, program TEXT NOT NULL, device TEXT NOT NULL,
-                     trials INTEGER NOT NULL, seconds REAL NOT NULL);",
-            )
-            .map_err(failed)?;
-        claim(&transaction, &path, identity)?;
+        schema::claim(&transaction, &path, identity)?;
         transaction.commit().map_err(failed)?;
-        Ok(Store { path, connection, session: None })
+        let session = Id::of(&format!(
+            "{}{}{:?}",
+            lock::own_name(),
+            SESSIONS.fetch_add(1, Ordering::Relaxed),
+            SystemTime::now()
+        ));
+        Ok(Store { path, connection, _lock: lock, identity: identity.clone(), session })
     }
 
-    /// Adds rows, all of them or, on an error, none; and notes in the same step what this session has done so far, so
-    /// that a run which is killed has left both or neither.
+    /// Adds rows, all of them or, on an error, none; and notes in the same step what this session has done so far, if that
+    /// is told, so that a run which is killed has left both or neither.
     ///
     /// # Errors
     /// A row is there already with other values, or the disk fails.
-    pub fn insert<T: Tally>(&mut self, rows: &[Row<T>], so_far: &Provenance) -> Result<(), StoreError> {
-        let path = self.path.clone();
-        let failed = |source| storage_error(&path, source);
+    pub fn insert<T: Tally>(
+        &mut self,
+        rows: &[Row<T>],
+        so_far: Option<&Provenance>,
+    ) -> Result<(), StoreError> {
+        let failed = |source| StoreError::of(&self.path, source);
         let transaction = self.connection.transaction().map_err(failed)?;
-        {
-            let mut present = transaction
-                .prepare_cached(
-                    "SELECT digest, sums FROM tally
-                     WHERE point = ?1 AND estimate = ?2 AND first = ?3 AND log2 = ?4",
-                )
-                .map_err(failed)?;
-            let mut insert = transaction
-                .prepare_cached("INSERT INTO tally VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")
-                .map_err(failed)?;
-            for Row { address, block, tally } in rows {
-                let sums = tally.encode();
-                let key = params![address.point.0, address.estimate.0, block.first as i64, block.log2];
-                let held: Option<([u8; 16], Vec<u8>)> = present
-                    .query_row(key, |row| Ok((row.get(0)?, row.get(1)?)))
-                    .optional()
-                    .map_err(failed)?;
-                match held {
-                    None => {
-                        let checksum = checksum(address, *block, &sums);
-                        insert
-                            .execute(params![
-                                address.point.0,
-                                address.estimate.0,
-                                block.first as i64,
-                                block.log2,
-                                address.digest.0,
-                                sums,
-                                checksum
-                            ])
-                            .map_err(failed)?;
-                    }
-                    Some(held) if held == (address.digest.0, sums) => {}
-                    Some(_) => {
-                        let (point, estimate, first) = (address.point, address.estimate, block.first);
-                        return Err(StoreError::Disagrees { path, point, estimate, first });
-                    }
-                }
-            }
+        for row in rows {
+            put(&transaction, &self.path, &Raw::of(row))?;
         }
-        let session = note(&transaction, self.session, so_far).map_err(failed)?;
-        transaction.commit().map_err(failed)?;
-        self.session = Some(session);
-        Ok(())
+        if let Some(so_far) = so_far {
+            note(&transaction, &self.session, so_far).map_err(failed)?;
+        }
+        transaction.commit().map_err(failed)
     }
 
     /// The blocks held of a tally, as they were written.
     ///
     /// # Errors
-    /// A row was computed from other parameters, or the disk fails.
+    /// A row is damaged or was computed from other parameters, or the disk fails.
     pub fn blocks(&self, address: &Address) -> Result<Vec<Block>, StoreError> {
-        let mut statement = self
-            .connection
-            .prepare_cached("SELECT first, log2, digest FROM tally WHERE point = ?1 AND estimate = ?2")
-            .map_err(|e| self.failed(e))?;
-        let rows = statement
-            .query_map(params![address.point.0, address.estimate.0], |row| {
-                let block = Block { first: row.get::<_, i64>(0)? as u64, log2: row.get(1)? };
-                Ok((block, row.get::<_, [u8; 16]>(2)?))
-            })
-            .map_err(|e| self.failed(e))?;
-        rows.map(|row| {
-            let (block, digest) = row.map_err(|e| self.failed(e))?;
-            if digest == address.digest.0 { Ok(block) } else { Err(self.disagrees(address, block)) }
-        })
-        .collect()
+        let mut blocks = Vec::new();
+        self.each(address, |raw| {
+            blocks.push(raw.block);
+            Ok(())
+        })?;
+        Ok(blocks)
     }
 
     /// The tally over all trials held, folded from its rows.
@@ -251,44 +206,51 @@ impl Store {
     pub fn rows(&self, address: &Address, width: usize) -> Result<Vec<Rows>, StoreError> {
         let held = self.held::<Rows>(address, u64::MAX)?;
         match held.iter().find(|(_, rows)| rows.width != width) {
-            Some((block, _)) => Err(self.damaged(address, *block, "its rows are of another width")),
+            Some((block, _)) => {
+                let Address { point, estimate, .. } = *address;
+                let what = "its rows are of another width";
+                Err(StoreError::DamagedRow {
+                    path: self.path.clone(),
+                    point,
+                    estimate,
+                    first: block.first,
+                    what,
+                })
+            }
             None => Ok(held.into_iter().map(|(_, rows)| rows).collect()),
         }
     }
 
     /// The tallies that lie within the first `trials` trials, none of them twice.
     fn held<T: Tally>(&self, address: &Address, trials: u64) -> Result<Vec<(Block, T)>, StoreError> {
-        let mut statement = self
-            .connection
-            .prepare_cached(
-                "SELECT first, log2, digest, sums, checksum FROM tally WHERE point = ?1 AND estimate = ?2",
-            )
-            .map_err(|e| self.failed(e))?;
-        let rows = statement
-            .query_map(params![address.point.0, address.estimate.0], |row| {
-                let block = Block { first: row.get::<_, i64>(0)? as u64, log2: row.get(1)? };
-                Ok((block, row.get::<_, [u8; 16]>(2)?, row.get::<_, Vec<u8>>(3)?, row.get::<_, u32>(4)?))
-            })
-            .map_err(|e| self.failed(e))?;
         let mut held = Vec::new();
-        for row in rows {
-            let (block, digest, sums, sum) = row.map_err(|e| self.failed(e))?;
-            if digest != address.digest.0 {
-                return Err(self.disagrees(address, block));
+        self.each(address, |raw| {
+            if raw.block.end() <= trials {
+                held.push((raw.block, raw.tally(&self.path)?));
             }
-            if sum != checksum(address, block, &sums) {
-                return Err(self.damaged(address, block, "its checksum is wrong"));
-            }
-            let tally = T::decode(&sums, block.trials()).ok_or(self.damaged(
-                address,
-                block,
-                "it is no tally of its block",
-            ))?;
-            if block.end() <= trials {
-                held.push((block, tally));
-            }
-        }
+            Ok(())
+        })?;
         Ok(fold(held))
+    }
+
+    /// The rows of a tally, each of them sound and of the right parameters.
+    fn each(
+        &self,
+        address: &Address,
+        mut hear: impl FnMut(Raw) -> Result<(), StoreError>,
+    ) -> Result<(), StoreError> {
+        let failed = |source| StoreError::of(&self.path, source);
+        let sql = format!("SELECT {COLUMNS} FROM tally WHERE point = ?1 AND estimate = ?2");
+        let mut statement = self.connection.prepare_cached(&sql).map_err(failed)?;
+        let mut rows = statement.query(params![address.point.0, address.estimate.0]).map_err(failed)?;
+        while let Some(row) = rows.next().map_err(failed)? {
+            let raw = Raw::read(row).map_err(failed)?.sound(&self.path)?;
+            if raw.address.digest != address.digest {
+                return Err(raw.disagrees(&self.path));
+            }
+            hear(raw)?;
+        }
+        Ok(())
     }
 
     /// Points that the store holds.
@@ -303,82 +265,68 @@ impl Store {
     }
 
     fn failed(&self, source: rusqlite::Error) -> StoreError {
-        storage_error(&self.path, source)
-    }
-
-    fn damaged(&self, address: &Address, block: Block, what: &'static str) -> StoreError {
-        let (point, estimate) = (address.point, address.estimate);
-        StoreError::Damaged { path: self.path.clone(), point, estimate, first: block.first, what }
-    }
-
-    fn disagrees(&self, address: &Address, block: Block) -> StoreError {
-        let (point, estimate) = (address.point, address.estimate);
-        StoreError::Disagrees { path: self.path.clone(), point, estimate, first: block.first }
+        StoreError::of(&self.path, source)
     }
 }
 
-/// Writes down whose results these are, or checks it.
-fn claim(connection: &Connection, path: &Path, identity: &Identity) -> Result<(), StoreError> {
-    let failed = |source| storage_error(path, source);
-    let about = |key: &str| -> Result<Option<String>, StoreError> {
-        let sql = "SELECT value FROM study WHERE key = ?1";
-        connection.query_row(sql, [key], |row| row.get(0)).optional().map_err(failed)
-    };
-    let (version, id) = (SCHEMA_VERSION.to_string(), identity.id().to_string());
-    match (about("schema")?, about("id")?) {
-        (Some(found), _) if found != version => Err(StoreError::Version { path: path.to_owned(), found }),
-        (Some(_), Some(found)) if found == id => Ok(()),
-        (Some(_), Some(_)) => {
-            let about = |key| about(key).map(Option::unwrap_or_default);
-            let (kind, seed, streams) = (about("kind")?, about("seed")?, about("streams")?);
-            Err(StoreError::OtherStudy { path: path.to_owned(), kind, seed, streams })
-        }
-        // Without an id it was never claimed, and nothing was ever inserted.
-        _ => {
-            let claims = [
-                ("schema", version),
-                ("id", id),
-                ("kind", identity.kind.clone()),
-                ("seed", identity.seed.to_string()),
-                ("streams", identity.streams.clone()),
-            ];
-            claims.iter().try_for_each(|(key, value)| {
-                let sql = "INSERT OR REPLACE INTO study VALUES (?1, ?2)";
-                connection.execute(sql, params![key, value]).map(drop).map_err(failed)
-            })
-        }
+/// Takes a database for this connection alone, with a journal that outlives a program that is killed. In this order SQLite
+/// needs no memory that programs share, which network file systems do not have.
+fn exclusive(connection: &Connection) -> Result<(), rusqlite::Error> {
+    connection.execute_batch(
+        "PRAGMA locking_mode = EXCLUSIVE;
+         PRAGMA journal_mode = WAL;
+         PRAGMA synchronous = NORMAL;",
+    )
+}
+
+/// Lets SQLite look over its pages: `quick_check` or `integrity_check`.
+fn structure(connection: &Connection, path: &Path, check: &str) -> Result<(), StoreError> {
+    let found = connection.pragma_query_value(None, check, |row| row.get::<_, String>(0));
+    match found.map_err(|error| StoreError::of(path, error))?.as_str() {
+        "ok" => Ok(()),
+        fault => Err(StoreError::Damaged { path: path.to_owned(), what: fault.replace('\n', "; ") }),
     }
 }
 
-/// Writes the provenance of a session, in place of what is there of it, and returns its row.
-fn note(connection: &Connection, session: Option<i64>, so_far: &Provenance) -> Result<i64, rusqlite::Error> {
+/// Adds a row where it is not there yet; whether it was not.
+fn put(transaction: &Transaction, path: &Path, raw: &Raw) -> Result<bool, StoreError> {
+    let failed = |source| StoreError::of(path, source);
+    let Raw { address, block, sums, checksum } = raw;
+    let key = params![address.point.0, address.estimate.0, block.first as i64, block.log2];
+    let sql = format!(
+        "SELECT {COLUMNS} FROM tally WHERE point = ?1 AND estimate = ?2 AND first = ?3 AND log2 = ?4"
+    );
+    let held = transaction
+        .prepare_cached(&sql)
+        .and_then(|mut statement| statement.query_row(key, Raw::read).optional())
+        .map_err(failed)?;
+    match held {
+        Some(held) if held == *raw => return Ok(false),
+        Some(held) => return Err(held.sound(path)?.disagrees(path)),
+        None => {}
+    }
+    let row = params![
+        address.point.0,
+        address.estimate.0,
+        block.first as i64,
+        block.log2,
+        address.digest.0,
+        sums,
+        checksum
+    ];
+    let sql = format!("INSERT INTO tally ({COLUMNS}) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)");
+    transaction.prepare_cached(&sql).and_then(|mut statement| statement.execute(row)).map_err(failed)?;
+    Ok(true)
+}
+
+/// Writes the provenance of a session, in place of what is there of it.
+fn note(connection: &Connection, session: &Id, so_far: &Provenance) -> Result<(), rusqlite::Error> {
     let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).map_or(0, |time| time.as_secs());
-    let program = concat!("sagnac ", env!("CARGO_PKG_VERSION"));
-    // Without a row number SQLite takes the next one.
-    let sql = "INSERT OR REPLACE INTO provenance (rowid, finished, program, device, trials, seconds)
+    let sql = "INSERT OR REPLACE INTO provenance (session, finished, program, device, trials, seconds)
                VALUES (?1, ?2, ?3, ?4, ?5, ?6)";
     let Provenance { device, trials, seconds } = so_far;
-    connection.execute(sql, params![session, now as i64, program, device, *trials as i64, seconds])?;
-    Ok(connection.last_insert_rowid())
-}
-
-fn storage_error(path: &Path, source: rusqlite::Error) -> StoreError {
-    let path = path.to_owned();
-    match source.sqlite_error_code() {
-        Some(ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked) => StoreError::Busy { path },
-        _ => StoreError::Storage { path, source },
-    }
-}
-
-/// Over the whole row, so that a row moved to another place is found out too.
-fn checksum(address: &Address, block: Block, sums: &[u8]) -> u32 {
-    let mut hasher = crc32fast::Hasher::new();
-    for part in [&address.point.0[..], &address.estimate.0, &address.digest.0, &block.first.to_le_bytes()] {
-        hasher.update(part);
-    }
-    hasher.update(&block.log2.to_le_bytes());
-    hasher.update(sums);
-    hasher.finalize()
+    let values = params![session.0, now as i64, schema::PROGRAM, device, *trials as i64, seconds];
+    connection.execute(sql, values).map(drop)
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use sagnac::backend::cpu::{Cpu, Width};
 use sagnac::backend::gpu::source::Variant;
 use sagnac::lower::LoweredCurve;
 use sagnac::run::{Plan, Progress, Tables};
+use sagnac::share::Share;
 use sagnac::store::Store;
 use sagnac::study::Study;
 use studies::{Row, parsed, rows};
@@ -30,7 +31,7 @@ fn cpu() -> Device {
 fn run_on(device: &mut Device, study: &Study, folder: &Path) -> Tables {
     let plan = Plan::new(study).unwrap_or_else(|error| panic!("{}", error.render(false, 100)));
     let mut store = Store::open(folder, &plan.identity()).unwrap();
-    plan.run(&mut store, device, &Silent).unwrap();
+    plan.run(&mut store, device, Share::WHOLE, &Silent).unwrap();
     plan.tables(&store, &Silent).unwrap()
 }
 

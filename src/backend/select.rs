@@ -49,14 +49,15 @@ pub fn every_adapter() -> Result<Vec<Device>, SelectError> {
     Adapter::all().iter().map(open).collect()
 }
 
-/// The device that `wanted` means. `auto` is a real GPU that passes its self-test, else the CPU.
+/// The device that `wanted` means. `auto` is a real GPU that passes its self-test, else the CPU, with this many `threads` or,
+/// for 0, as many as it runs at once.
 ///
 /// # Errors
 /// No such device, or it does not work, or it computes other bits than the CPU.
-pub fn select(wanted: &str) -> Result<Selection, SelectError> {
+pub fn select(wanted: &str, threads: usize) -> Result<Selection, SelectError> {
     match wanted {
-        "cpu" => cpu(Width::widest(), "as asked"),
-        "auto" => auto(),
+        "cpu" => cpu(Width::widest(), threads, "as asked"),
+        "auto" => auto(threads),
         "gpu" => {
             let adapters = Adapter::all();
             let adapter = adapters.iter().find(|adapter| !adapter.is_software()).or(adapters.first());
@@ -65,7 +66,7 @@ pub fn select(wanted: &str) -> Result<Selection, SelectError> {
         part => {
             let is_wanted = |width: &Width| width.name().eq_ignore_ascii_case(part);
             if let Some(width) = Width::available().into_iter().find(is_wanted) {
-                return cpu(width, "as asked");
+                return cpu(width, threads, "as asked");
             }
             let adapters = Adapter::all();
             // Nothing is part of every name, but nobody means the first adapter by it.
@@ -83,25 +84,25 @@ pub fn select(wanted: &str) -> Result<Selection, SelectError> {
     }
 }
 
-fn auto() -> Result<Selection, SelectError> {
+fn auto(threads: usize) -> Result<Selection, SelectError> {
     let adapters = Adapter::all();
     let Some(adapter) = adapters.iter().find(|adapter| !adapter.is_software()) else {
         return match adapters.first() {
-            None => cpu(Width::widest(), "no GPU was found"),
+            None => cpu(Width::widest(), threads, "no GPU was found"),
             Some(software) => {
                 let reason = format!("the only adapter, {}, is a software rasteriser", software.name());
-                cpu(Width::widest(), &reason)
+                cpu(Width::widest(), threads, &reason)
             }
         };
     };
     match open(adapter, "a GPU that passed its self-test") {
-        Err(error) => cpu(Width::widest(), &error.to_string().replace('\n', "; ")),
+        Err(error) => cpu(Width::widest(), threads, &error.to_string().replace('\n', "; ")),
         selected => selected,
     }
 }
 
-fn cpu(width: Width, reason: &str) -> Result<Selection, SelectError> {
-    Ok(Selection { device: Device::Cpu(Cpu::new(width, 0)?), reason: reason.to_owned() })
+fn cpu(width: Width, threads: usize, reason: &str) -> Result<Selection, SelectError> {
+    Ok(Selection { device: Device::Cpu(Cpu::new(width, threads)?), reason: reason.to_owned() })
 }
 
 fn open(adapter: &Adapter, reason: &str) -> Result<Selection, SelectError> {

@@ -11,6 +11,10 @@ use sagnac::run::RunError;
 use sagnac::store::StoreError;
 use sagnac::study::StudyError;
 
+use super::progress::short;
+use super::results::RESOLVED;
+use super::run::Cause;
+
 /// The end of a command that did not do what it was asked for.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
@@ -38,6 +42,20 @@ pub enum Failure {
     Write { path: PathBuf, source: std::io::Error },
     #[error("cannot write to the standard output: {0}\nsend it where there is room and run again")]
     Output(std::io::Error),
+    #[error("cannot listen for signals: {0}")]
+    Signals(std::io::Error),
+    #[error(
+        "stopped by {cause}: {} of {} {} are kept in {folder}\nresumable: run the same command again and it goes on from there",
+        short(reached.0 as f64), short(reached.1 as f64), reached.2
+    )]
+    Stopped { cause: Cause, reached: (u64, u64, &'static str), folder: PathBuf },
+    #[error(
+        "{folder} is incomplete: {} trials are missing\nmerge the shares that have them, or sample them with `sagnac run {folder}/{RESOLVED}`",
+        short(*lacking as f64)
+    )]
+    Incomplete { lacking: u64, folder: PathBuf },
+    #[error("{0} faults were found")]
+    Unsound(usize),
     #[error("a kernel gives different bits: do not trust results of that device")]
     Different,
     /// Whoever read our output went away: there is nobody to tell.
@@ -62,6 +80,8 @@ impl Failure {
             Failure::Study(error) => eprintln!("{}", error.render(colored(), 110)),
             Failure::Log(error) => eprintln!("{}", error.render(colored(), 110)),
             Failure::OutputClosed => {}
+            // No error: as it was asked for.
+            Failure::Stopped { .. } => eprintln!("{self}"),
             other => eprintln!("error: {other}"),
         }
         ExitCode::from(self.code())
@@ -69,8 +89,8 @@ impl Failure {
 
     fn code(&self) -> u8 {
         match self {
-            Failure::Gpu(_) | Failure::Interrupted(_) | Failure::Picture(_) => 1,
-            Failure::Usage(_) => 2,
+            Failure::Gpu(_) | Failure::Interrupted(_) | Failure::Picture(_) | Failure::Signals(_) => 1,
+            Failure::Usage(_) | Failure::Store(StoreError::NoResults { .. }) => 2,
             Failure::Study(_)
             | Failure::Log(_)
             | Failure::Record(_)
@@ -82,7 +102,9 @@ impl Failure {
                     1
                 }
             }
-            Failure::Different => 5,
+            Failure::Stopped { cause, .. } => cause.code(),
+            Failure::Incomplete { .. } => 4,
+            Failure::Different | Failure::Unsound(_) => 5,
             Failure::Store(_) | Failure::Write { .. } | Failure::Output(_) => 6,
             Failure::OutputClosed => 0,
         }

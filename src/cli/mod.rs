@@ -3,15 +3,18 @@
 mod allan;
 mod bench;
 mod charts;
+mod check;
 mod compare;
 mod design;
 mod devices;
 mod failure;
 mod filler;
+mod merge;
 mod one_point;
 mod output;
 mod progress;
 mod reading;
+mod results;
 mod run;
 mod terminal;
 mod verdicts;
@@ -22,7 +25,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 
 use failure::Failure;
-use sagnac::study::{self, MOST_TRIALS};
+use sagnac::study;
 
 /// Monte Carlo studies for laser gyroscopes, with the same bits on every CPU and GPU.
 #[derive(Debug, Parser)]
@@ -36,6 +39,9 @@ const EXIT_CODES: &str = "\
 Examples:
   sagnac run studies/error_vs_dtnu.toml
   sagnac run my.toml --trials 100000000 --device gpu
+  sagnac run my.toml --shard 2/4 --time-limit 8h
+  sagnac merge results/my/shard-* --out results/my
+  sagnac check results/my
   sagnac design studies/design_point.toml
   sagnac filler quadratic --gap-ticks 3
   sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
@@ -45,14 +51,19 @@ Examples:
 
 Exit codes:
   0 done    1 runtime error    2 usage, unknown device    3 invalid study or log, folder of another study
-  5 a check failed    6 storage or output (full, read-only, locked)    130, 143 signals";
+  4 stopped or incomplete, run again to go on    5 a check failed    6 storage or output (full, read-only, locked)
+  130, 143 signals";
 
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Run studies: sample what is missing, write the table and the charts
     ///
     /// Results go to a folder. Running again resumes; a larger --trials continues.
-    Run(Run),
+    Run(run::Options),
+    /// Put results together: shares of a study, runs of several machines; in any order, any number of times
+    Merge(merge::Options),
+    /// Look whether results are sound, complete and what the tables say
+    Check(check::Options),
     /// How often to switch, and with which filler: the recommendation, with evidence
     Design(design::Options),
     /// The weights of fillers for firmware: table, response over frequency, C header, test vectors
@@ -69,30 +80,6 @@ enum Command {
     Bench(Bench),
     /// Print the JSON schema of study files
     Schema,
-}
-
-#[derive(Debug, Args)]
-struct Run {
-    /// Study files
-    #[arg(required = true, value_name = "STUDY")]
-    studies: Vec<std::path::PathBuf>,
-    #[command(flatten)]
-    device: DeviceArg,
-    /// Results folder [default: results/<name of the study file>]
-    #[arg(long, value_name = "DIR")]
-    out: Option<std::path::PathBuf>,
-    /// Trials at each point, in place of the study's
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
-    trials: Option<u64>,
-    /// Seed, in place of the study's
-    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
-    seed: Option<u64>,
-    /// Print the table and the verdict as JSON: one object, or with several studies one array of them
-    #[arg(long)]
-    json: bool,
-    /// Print only errors
-    #[arg(long, short)]
-    quiet: bool,
 }
 
 #[derive(Debug, Args)]
@@ -119,13 +106,27 @@ struct DeviceArg {
     /// auto, cpu, gpu, a width of the CPU such as avx2, or part of an adapter's name: see `sagnac devices`
     #[arg(long = "device", value_name = "DEVICE", default_value = "auto")]
     name: String,
+    /// Threads of the CPU [default: as many as it runs at once]
+    #[arg(long, value_name = "N", value_parser = threads)]
+    threads: Option<usize>,
+}
+
+/// A number of threads.
+fn threads(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|threads| (1..=4096).contains(threads))
+        .ok_or_else(|| "expected 1 to 4096".to_owned())
 }
 
 /// Runs the program.
 pub fn main() -> ExitCode {
+    output::outlive_limits();
     let cli = Cli::parse();
     let result = match &cli.command {
         Command::Run(options) => run::run(options),
+        Command::Merge(options) => merge::merge(options),
+        Command::Check(options) => check::check(options),
         Command::Design(options) => design::design(options),
         Command::Filler(options) => filler::filler(options),
         Command::Allan(options) => allan::allan(options),

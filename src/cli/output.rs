@@ -37,13 +37,29 @@ fn failure(error: io::Error) -> Failure {
     }
 }
 
-/// Writes a file as a whole or not at all.
+/// Writes a file as a whole or not at all: what was there stays until the new one is on disk.
 ///
 /// # Errors
 /// The file cannot be written.
 pub fn write(path: &Path, contents: &[u8]) -> Result<(), Failure> {
     let failed = |source| Failure::Write { path: path.to_owned(), source };
     let partial = path.with_extension("partial");
-    let written = std::fs::File::create(&partial).and_then(|mut file| file.write_all(contents));
-    written.and_then(|()| std::fs::rename(&partial, path)).map_err(failed)
+    let written = std::fs::File::create(&partial)
+        .and_then(|mut file| file.write_all(contents).and_then(|()| file.sync_all()));
+    let written = written.and_then(|()| std::fs::rename(&partial, path));
+    written.map_err(|error| {
+        // Of a full disk half a file is worth less than its room.
+        let _ = std::fs::remove_file(&partial);
+        failed(error)
+    })
+}
+
+/// Makes a limit on the size of files an error like any other; by itself it would end the program.
+pub fn outlive_limits() {
+    #[cfg(unix)]
+    {
+        let unheard = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
+        // Where it cannot be had the program ends as others do.
+        let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, unheard);
+    }
 }

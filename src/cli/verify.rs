@@ -10,7 +10,7 @@ use super::output::print;
 /// Compares every kernel on every width of the CPU and on the device, or on every adapter there is.
 pub fn verify(options: &super::Verify) -> Result<(), Failure> {
     let mut devices = match &options.device {
-        Some(name) => vec![select(name)?.device],
+        Some(name) => vec![select(name, 0)?.device],
         None => every_adapter()?,
     };
     let widths = Width::available().into_iter().map(|width| format!("CPU ({})", width.name()));

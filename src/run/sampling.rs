@@ -1,5 +1,6 @@
 //! Sampling what the store lacks of some launches, batch by batch.
 
+use std::ops::Range;
 use std::time::Instant;
 
 use super::{BATCH_SECONDS, Progress, RunError};
@@ -30,35 +31,46 @@ const MOST_JOBS: usize = 1024;
 /// Steps of the first batch.
 const FIRST_BATCH: u64 = 1 << 20;
 
-/// The blocks of 2^`log2` trials and smaller that any of some estimates lacks of its first `trials`.
+/// Most steps of a block: one that is lost with its batch, or that a signal waits for, takes seconds at most.
+const MOST_STEPS_LOG2: u32 = 30;
+
+/// The blocks of 2^`log2` trials and smaller that any of some estimates lacks of these `trials`.
 pub(super) fn lacking<'a>(
     store: &Store,
     addresses: impl IntoIterator<Item = &'a Address>,
-    trials: u64,
+    trials: Range<u64>,
     log2: u32,
 ) -> Result<Vec<Block>, StoreError> {
     let mut blocks = Vec::new();
     for address in addresses {
         let held = store.blocks(address)?;
-        blocks.extend(missing(&held, trials).into_iter().flat_map(|gap| cover(gap, log2)));
+        blocks.extend(missing(&held, trials.clone()).into_iter().flat_map(|gap| cover(gap, log2)));
     }
     blocks.sort();
     blocks.dedup();
     Ok(blocks)
 }
 
-/// Samples all of `work` in batches, each of which is kept as soon as it is done. `started` is when the run did.
+/// Samples all of `work`, or what there is time for until `progress` stops it, in batches, each of which is kept as soon as it is
+/// done, and returns how many trials that were. `started` is when the run did.
 pub(super) fn sample(
     work: &[Work],
     store: &mut Store,
     device: &mut Device,
     progress: &(dyn Progress + Sync),
     started: Instant,
-) -> Result<(), RunError> {
-    let mut rest: Vec<(&Work, Block)> =
-        work.iter().flat_map(|work| work.blocks.iter().map(move |&block| (work, block))).rev().collect();
+) -> Result<u64, RunError> {
+    let mut rest: Vec<(&Work, Block)> = work
+        .iter()
+        .flat_map(|work| {
+            let log2 = MOST_STEPS_LOG2.saturating_sub(work.launch.steps().ilog2());
+            let blocks = work.blocks.iter().flat_map(move |block| cover(block.first..block.end(), log2));
+            blocks.map(move |block| (work, block))
+        })
+        .collect();
+    rest.reverse();
     let (mut batch_steps, mut sampled) = (FIRST_BATCH, 0);
-    while !rest.is_empty() {
+    while !rest.is_empty() && !progress.stops() {
         let batch_started = Instant::now();
         let batch = take_batch(&mut rest, batch_steps);
         let jobs: Vec<Job> = batch.iter().map(|&(work, block)| Job { launch: &work.launch, block }).collect();
@@ -73,11 +85,11 @@ pub(super) fn sample(
             .collect();
         sampled += batch.iter().map(|(_, block)| block.trials()).sum::<u64>();
         let seconds = started.elapsed().as_secs_f64();
-        store.insert(&rows, &Provenance { device: device.name(), trials: sampled, seconds })?;
+        store.insert(&rows, Some(&Provenance { device: device.name(), trials: sampled, seconds }))?;
         let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
         batch_steps = ((batch_steps as f64 * factor) as u64).max(1);
     }
-    Ok(())
+    Ok(sampled)
 }
 
 /// The next blocks, of so many steps together; one at least.

@@ -9,6 +9,10 @@ impl Tally for Moments {
         encode(self)
     }
 
+    fn append(&mut self, next: Moments) {
+        self.merge(&next);
+    }
+
     fn decode(bytes: &[u8], trials: u64) -> Option<Moments> {
         decode(bytes).filter(|tally| tally.count == trials)
     }
@@ -20,6 +24,10 @@ impl Tally for Rows {
         put(&mut bytes, self.width as u128);
         self.values.iter().for_each(|&value| put(&mut bytes, value));
         bytes
+    }
+
+    fn append(&mut self, next: Rows) {
+        self.values.extend(next.values);
     }
 
     fn decode(bytes: &[u8], trials: u64) -> Option<Rows> {

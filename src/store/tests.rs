@@ -1,7 +1,12 @@
 use super::*;
 
 fn identity() -> Identity {
-    Identity { kind: "gap-fill".to_owned(), seed: 1, streams: "independent".to_owned() }
+    Identity {
+        kind: "gap-fill".to_owned(),
+        seed: 1,
+        streams: "independent".to_owned(),
+        kernels: "gap_fill 2".to_owned(),
+    }
 }
 
 fn address() -> Address {
@@ -26,7 +31,7 @@ fn rows_written_are_there_after_reopening_and_written_twice_count_once() {
     let folder = tempfile::tempdir().unwrap();
     for _ in 0..2 {
         let mut store = Store::open(folder.path(), &identity()).unwrap();
-        store.insert(&[row(0, 2), row(4, 2)], &so_far(8)).unwrap();
+        store.insert(&[row(0, 2), row(4, 2)], Some(&so_far(8))).unwrap();
         let total = store.total(&address()).unwrap();
         assert_eq!((total.count, total.sum), (8, 4));
     }
@@ -39,7 +44,7 @@ fn rows_written_are_there_after_reopening_and_written_twice_count_once() {
 fn a_larger_block_counts_in_place_of_its_parts() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::open(folder.path(), &identity()).unwrap();
-    store.insert(&[row(0, 2), row(0, 3)], &so_far(8)).unwrap();
+    store.insert(&[row(0, 2), row(0, 3)], Some(&so_far(8))).unwrap();
     assert_eq!(store.total(&address()).unwrap().count, 8);
 }
 
@@ -47,11 +52,11 @@ fn a_larger_block_counts_in_place_of_its_parts() {
 fn a_disagreeing_row_is_refused_and_nothing_of_its_batch_is_kept() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::open(folder.path(), &identity()).unwrap();
-    store.insert(&[row(0, 2)], &so_far(8)).unwrap();
+    store.insert(&[row(0, 2)], Some(&so_far(8))).unwrap();
     let mut other = row(0, 2);
     other.tally.sum += 1;
     assert!(matches!(
-        store.insert(&[row(4, 2), other], &so_far(8)),
+        store.insert(&[row(4, 2), other], Some(&so_far(8))),
         Err(StoreError::Disagrees { first: 0, .. })
     ));
     assert_eq!(store.total(&address()).unwrap().count, 4);
@@ -61,7 +66,7 @@ fn a_disagreeing_row_is_refused_and_nothing_of_its_batch_is_kept() {
 fn rows_from_other_parameters_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::open(folder.path(), &identity()).unwrap();
-    store.insert(&[row(0, 2)], &so_far(8)).unwrap();
+    store.insert(&[row(0, 2)], Some(&so_far(8))).unwrap();
     let changed = Address { digest: Id::of("another kernel"), ..address() };
     assert!(matches!(store.blocks(&changed), Err(StoreError::Disagrees { .. })));
     assert!(matches!(store.total(&changed), Err(StoreError::Disagrees { .. })));
@@ -82,45 +87,138 @@ fn a_folder_of_another_study_and_a_folder_in_use_are_refused() {
 fn an_altered_row_is_found_by_its_checksum() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::open(folder.path(), &identity()).unwrap();
-    store.insert(&[row(0, 2)], &so_far(8)).unwrap();
+    store.insert(&[row(0, 2)], Some(&so_far(8))).unwrap();
     store.connection.execute("UPDATE tally SET sums = x'0408000201070a'", []).unwrap();
-    assert!(matches!(store.total(&address()), Err(StoreError::Damaged { .. })));
+    assert!(matches!(store.total(&address()), Err(StoreError::DamagedRow { .. })));
 }
 
-/// A database as a program may leave it, before this one opens it.
+/// A database as another program may leave it.
 fn prepared(sql: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let connection = Connection::open(folder.path().join(FILE)).unwrap();
-    connection.execute_batch("CREATE TABLE study (key TEXT PRIMARY KEY, value TEXT NOT NULL)").unwrap();
     connection.execute_batch(sql).unwrap();
     folder
 }
 
 #[test]
-fn a_claim_that_fails_half_way_leaves_nothing_behind() {
-    let failing = "CREATE TRIGGER failing BEFORE INSERT ON study WHEN NEW.key = 'streams'
-                   BEGIN SELECT RAISE(ABORT, 'full'); END";
-    let folder = prepared(failing);
-    assert!(matches!(Store::open(folder.path(), &identity()), Err(StoreError::Storage { .. })));
+fn databases_of_earlier_versions_and_of_other_programs_are_refused_and_left_alone() {
+    let earlier = "CREATE TABLE study (key TEXT PRIMARY KEY, value TEXT NOT NULL);
+                   INSERT INTO study VALUES ('schema', '2')";
+    let folder = prepared(earlier);
+    let error = Store::open(folder.path(), &identity()).unwrap_err();
+    assert!(matches!(&error, StoreError::Schema { found, .. } if found == "2"), "{error}");
+    let folder = prepared("CREATE TABLE accounts (name TEXT)");
+    assert!(matches!(Store::open(folder.path(), &identity()), Err(StoreError::Foreign { .. })));
+    assert!(matches!(Source::open(folder.path()).unwrap().identity(), Err(StoreError::Foreign { .. })));
     let connection = Connection::open(folder.path().join(FILE)).unwrap();
-    let count = |sql| connection.query_row(sql, [], |row| row.get::<_, i64>(0)).unwrap();
-    assert_eq!(count("SELECT COUNT(*) FROM study"), 0);
-    assert_eq!(count("SELECT COUNT(*) FROM sqlite_master WHERE name = 'tally'"), 0);
-    connection.execute_batch("DROP TRIGGER failing").unwrap();
-    drop(connection);
-    Store::open(folder.path(), &identity()).unwrap();
+    let tables = connection.query_row("SELECT COUNT(*) FROM sqlite_schema", [], |row| row.get::<_, i64>(0));
+    assert_eq!(tables.unwrap(), 1);
 }
 
 #[test]
-fn a_folder_whose_claim_was_interrupted_is_claimed_anew() {
-    for sql in ["", "INSERT INTO study VALUES ('schema', '2')"] {
-        let folder = prepared(sql);
-        for _ in 0..2 {
-            Store::open(folder.path(), &identity()).unwrap_or_else(|error| panic!("{sql}: {error}"));
-        }
-        let other = Identity { seed: 2, ..identity() };
-        assert!(matches!(Store::open(folder.path(), &other), Err(StoreError::OtherStudy { .. })), "{sql}");
+fn a_folder_of_another_kernel_version_is_refused_and_told_which() {
+    let folder = tempfile::tempdir().unwrap();
+    drop(Store::open(folder.path(), &identity()).unwrap());
+    let newer = Identity { kernels: "gap_fill 3".to_owned(), ..identity() };
+    let error = Store::open(folder.path(), &newer).unwrap_err().to_string();
+    for piece in ["by sagnac 0", "kernels gap_fill 2", "this program, gap_fill 3", "--out DIR"] {
+        assert!(error.contains(piece), "{error}");
     }
+}
+
+#[test]
+fn a_claim_that_was_altered_is_damage() {
+    for (key, value) in [("seed", "2"), ("seed", "one"), ("id", "0"), ("kind", "allan")] {
+        let folder = tempfile::tempdir().unwrap();
+        let store = Store::open(folder.path(), &identity()).unwrap();
+        store.connection.execute("UPDATE study SET value = ?1 WHERE key = ?2", [value, key]).unwrap();
+        drop(store);
+        assert!(matches!(Store::open(folder.path(), &identity()), Err(StoreError::Damaged { .. })), "{key}");
+    }
+}
+
+/// A folder with these rows.
+fn folder_of(rows: &[Row<Moments>]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = Store::open(folder.path(), &identity()).unwrap();
+    store.insert(rows, Some(&so_far(rows.len() as u64))).unwrap();
+    folder
+}
+
+#[test]
+fn stores_merge_in_any_order_and_any_number_of_times() {
+    let parts = [folder_of(&[row(0, 2)]), folder_of(&[row(4, 2), row(8, 1)]), folder_of(&[row(4, 2)])];
+    let mut all = Vec::new();
+    for order in [[0, 1, 2], [2, 1, 0], [1, 1, 0]] {
+        let folder = tempfile::tempdir().unwrap();
+        let mut store = Store::open(folder.path(), &identity()).unwrap();
+        for part in order {
+            store.merge(&Source::open(parts[part].path()).unwrap(), false).unwrap();
+        }
+        assert_eq!(store.total(&address()).unwrap().count, 10);
+        all.push(dumped(&store));
+    }
+    assert_eq!(all[0], all[1]);
+    assert_eq!(all[0], all[2]);
+    let again = folder_of(&[]);
+    let mut store = Store::open(again.path(), &identity()).unwrap();
+    let source = Source::open(parts[1].path()).unwrap();
+    assert_eq!(store.merge(&source, false).unwrap(), Merged { added: 2, held: 0, damaged: 0 });
+    assert_eq!(store.merge(&source, false).unwrap(), Merged { added: 0, held: 2, damaged: 0 });
+}
+
+/// All rows, as text.
+fn dumped(store: &Store) -> Vec<String> {
+    let mut statement = store.connection.prepare(&format!("SELECT {COLUMNS} FROM tally")).unwrap();
+    let rows = statement.query_map([], Raw::read).unwrap();
+    rows.map(|row| format!("{:?}", row.unwrap())).collect()
+}
+
+#[test]
+fn a_session_that_went_on_counts_once() {
+    let folder = folder_of(&[row(0, 2)]);
+    let out = tempfile::tempdir().unwrap();
+    let mut store = Store::open(out.path(), &identity()).unwrap();
+    for trials in [8, 4] {
+        let source = Source::open(folder.path()).unwrap();
+        source.connection.execute("UPDATE provenance SET trials = ?1", [trials]).unwrap();
+        store.merge(&source, false).unwrap();
+    }
+    let noted = store.connection.query_row("SELECT COUNT(*), SUM(trials) FROM provenance", [], |row| {
+        Ok((row.get::<_, i64>(0)?, row.get::<_, i64>(1)?))
+    });
+    assert_eq!(noted.unwrap(), (1, 8));
+}
+
+#[test]
+fn damaged_rows_are_refused_by_a_merge_and_left_out_by_a_salvage() {
+    let folder = folder_of(&[row(0, 2), row(4, 2), row(8, 2)]);
+    let source = Source::open(folder.path()).unwrap();
+    source.connection.execute("UPDATE tally SET checksum = checksum + 1 WHERE first = 4", []).unwrap();
+    let out = tempfile::tempdir().unwrap();
+    let mut store = Store::open(out.path(), &identity()).unwrap();
+    assert!(matches!(store.merge(&source, false), Err(StoreError::DamagedRow { first: 4, .. })));
+    assert_eq!(store.merge(&source, true).unwrap(), Merged { added: 2, held: 0, damaged: 1 });
+    assert_eq!(store.total(&address()).unwrap().count, 8);
+    let report = source.check().unwrap();
+    assert_eq!((report.sound, report.points, report.faults.len()), (2, 1, 1));
+}
+
+#[test]
+fn a_check_finds_rows_that_are_not_the_sum_of_those_they_cover() {
+    let mut whole = row(0, 3);
+    whole.tally.sum = 4;
+    let parts = [row(0, 2), row(4, 1), row(6, 1)];
+    // Sums are the first trials: 0 + 4 + 6.
+    for (sum, faults) in [(10, 0), (4, 1)] {
+        whole.tally.sum = sum;
+        let folder = folder_of(&[parts.to_vec(), vec![whole.clone()]].concat());
+        let report = Source::open(folder.path()).unwrap().check().unwrap();
+        assert_eq!((report.sound, report.faults.len()), (4, faults));
+    }
+    // Covered in part only.
+    let folder = folder_of(&[parts[0].clone(), whole]);
+    assert_eq!(Source::open(folder.path()).unwrap().check().unwrap().faults.len(), 0);
 }
 
 #[test]
@@ -128,8 +226,8 @@ fn each_session_has_one_row_of_provenance_from_its_first_batch_on() {
     let folder = tempfile::tempdir().unwrap();
     for _ in 0..2 {
         let mut store = Store::open(folder.path(), &identity()).unwrap();
-        store.insert(&[row(0, 2)], &so_far(4)).unwrap();
-        store.insert(&[row(4, 2)], &so_far(8)).unwrap();
+        store.insert(&[row(0, 2)], Some(&so_far(4))).unwrap();
+        store.insert(&[row(4, 2)], Some(&so_far(8))).unwrap();
     }
     let connection = Connection::open(folder.path().join(FILE)).unwrap();
     let mut statement = connection.prepare("SELECT device, trials FROM provenance").unwrap();

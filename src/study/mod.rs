@@ -186,6 +186,11 @@ impl Study {
         }
     }
 
+    /// Whether points stop at a precision rather than after a number of trials.
+    pub fn has_stop_rule(&self) -> bool {
+        self.gap_fill().is_some_and(|gap_fill| gap_fill.precision.is_some())
+    }
+
     /// What of the inputs is left out, rounded or assumed, each in a sentence.
     pub fn notes(&self) -> &[String] {
         match &self.subject {

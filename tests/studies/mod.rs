@@ -7,6 +7,7 @@ use sagnac::backend::Device;
 use sagnac::backend::cpu::{Cpu, Width};
 use sagnac::lower::Lowered;
 use sagnac::run::{Plan, Progress};
+use sagnac::share::Share;
 use sagnac::store::Store;
 use sagnac::study::{GapFill, Point, Study};
 use sagnac::table::{Cell, Table};
@@ -63,7 +64,7 @@ pub fn run(study: &Study, folder: &Path) -> Table {
     let plan = Plan::new(study).unwrap_or_else(|error| panic!("{}", error.render(false, 100)));
     let mut store = Store::open(folder, &plan.identity()).unwrap();
     let mut device = Device::Cpu(Cpu::new(Width::widest(), 0).unwrap());
-    plan.run(&mut store, &mut device, &Silent).unwrap();
+    plan.run(&mut store, &mut device, Share::WHOLE, &Silent).unwrap();
     plan.tables(&store, &Silent).unwrap().points
 }
 

@@ -83,7 +83,7 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let mut study = Study::read(&options.study)?;
     study.trials = options.trials.unwrap_or(study.trials);
     study.seed = options.seed.unwrap_or(study.seed);
-    let Selection { mut device, reason } = select(&options.device.name)?;
+    let Selection { mut device, reason } = select(&options.device.name, options.device.threads.unwrap_or(0))?;
     if !options.quiet {
         eprintln!("device: {}, {reason}", device.name());
     }

@@ -5,6 +5,7 @@ mod curves;
 mod estimates;
 mod make;
 
+use std::ops::Range;
 use std::time::Instant;
 
 use super::{BATCH_SECONDS, Done, Progress, RunError, Tables};
@@ -13,6 +14,7 @@ use crate::block::{base_log2, fold, missing};
 use crate::fit::Curve;
 use crate::id::Id;
 use crate::lower::{LoweredCurve, RecordsError};
+use crate::share::Share;
 use crate::store::{Address, Provenance, Store, StoreError};
 use crate::study::{Allan, RecordInputs, RecordPoint, Study, StudyError};
 use crate::table::{Table, significant};
@@ -86,35 +88,38 @@ impl<'a> Plan<'a> {
         LoweredCurve::new(point, self.allan.estimator, self.study.seed, self.study.streams)
     }
 
-    /// Samples what the store lacks, each batch kept as soon as it is done.
+    /// Samples what the store lacks of a share, each batch kept as soon as it is done.
     pub(super) fn run(
         &self,
         store: &mut Store,
         device: &mut Device,
+        share: Share,
         progress: &(dyn Progress + Sync),
     ) -> Result<Done, RunError> {
         let trials = self.study.trials;
-        let (mut lacking, mut addresses) = (Vec::new(), Vec::new());
-        // Points that differ in nothing that is drawn are one.
-        for planned in &self.points {
-            if !addresses.contains(&planned.address) {
-                addresses.push(planned.address);
-                let gaps = missing(&store.blocks(&planned.address)?, trials);
-                lacking.extend(gaps.into_iter().map(|gap| (planned, gap)));
-            }
-        }
+        let lacking = self.missing(store, share)?;
         let left: u64 = lacking.iter().map(|(planned, gap)| (gap.end - gap.start) * planned.samples).sum();
-        let of_address = |address: &Address| self.points.iter().find(|planned| planned.address == *address);
-        let all = addresses.iter().filter_map(of_address).map(|planned| trials * planned.samples);
-        let total = all.sum::<u64>().max(left);
+        let of_point = |(turn, planned): (usize, &Planned)| {
+            let trials = share.trials(trials, turn);
+            (trials.end - trials.start) * planned.samples
+        };
+        let total = self.distinct().map(of_point).sum::<u64>().max(left);
         progress.start("samples", total - left, total);
         let started = Instant::now();
         let mut maker = Maker { device, cpu: None, degraded: None };
-        let (mut batch_samples, mut made) = (FIRST_BATCH, 0);
+        let (mut batch_samples, mut made, mut stopped) = (FIRST_BATCH, 0, false);
         for (planned, gap) in lacking {
+            stopped = stopped || progress.stops();
+            if stopped {
+                break;
+            }
             let lowered = self.lowered(planned.point)?;
             let mut first = gap.start;
             while first < gap.end {
+                stopped = progress.stops();
+                if stopped {
+                    break;
+                }
                 let batch_started = Instant::now();
                 let records = (batch_samples / planned.samples).max(maker.device.records_at_once());
                 // Whole blocks where a batch holds some, smaller ones of very long records.
@@ -125,13 +130,36 @@ impl<'a> Plan<'a> {
                 (first, made) = (batch.end, made + batch.end - batch.start);
                 let seconds = started.elapsed().as_secs_f64();
                 let so_far = Provenance { device: maker.name(), trials: made, seconds };
-                store.insert(&rows(planned, batch, base_log2(trials), &sums), &so_far)?;
+                store.insert(&rows(planned, batch, base_log2(trials), &sums), Some(&so_far))?;
                 let factor = BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3);
                 batch_samples = ((batch_samples as f64 * factor.clamp(0.25, 4.0)) as u64).max(1);
             }
         }
         let seconds = started.elapsed().as_secs_f64();
-        Ok(Done { trials: made, seconds, degraded: maker.degraded })
+        Ok(Done { trials: made, seconds, stopped, degraded: maker.degraded })
+    }
+
+    /// Records that the store lacks.
+    pub(super) fn lacks(&self, store: &Store) -> Result<u64, StoreError> {
+        Ok(self.missing(store, Share::WHOLE)?.iter().map(|(_, gap)| gap.end - gap.start).sum())
+    }
+
+    /// The records that the store lacks of a share.
+    fn missing(&self, store: &Store, share: Share) -> Result<Vec<(&Planned<'a>, Range<u64>)>, StoreError> {
+        let mut lacking = Vec::new();
+        for (turn, planned) in self.distinct() {
+            let gaps = missing(&store.blocks(&planned.address)?, share.trials(self.study.trials, turn));
+            lacking.extend(gaps.into_iter().map(|gap| (planned, gap)));
+        }
+        Ok(lacking)
+    }
+
+    /// The points in their order, but such as differ in nothing that is drawn once.
+    fn distinct(&self) -> impl Iterator<Item = (usize, &Planned<'a>)> {
+        let is_first = |(turn, planned): &(usize, &Planned<'a>)| {
+            self.points[..*turn].iter().all(|before| before.address != planned.address)
+        };
+        self.points.iter().enumerate().filter(is_first)
     }
 
     /// The tables before anything is sampled.

@@ -11,6 +11,7 @@ use crate::backend::Device;
 use crate::block::{Block, base_log2};
 use crate::id::Id;
 use crate::lower::{LowerError, Lowered};
+use crate::share::Share;
 use crate::store::{Store, StoreError};
 use crate::study::{Error, GapFill, Point, Study, StudyError};
 
@@ -48,11 +49,11 @@ impl<'a> Plan<'a> {
         Ok(plan)
     }
 
-    /// Samples what the store lacks. `progress` hears how many trials there are in all and, as it comes, what is done.
+    /// Samples what the store lacks of a share. `progress` hears how many trials there are in all and, as it comes, what is done.
     ///
     /// With a precision, a point stops after 1, 2, 4, … base blocks of trials and 1024 at least, where all errors of all its fillers are known
     /// as well as is asked: a rule that depends on nothing but the study. Fillers of a point keep the same trials, so
-    /// that they are compared on the same draws.
+    /// that they are compared on the same draws. A share knows nothing of the others and takes all its trials.
     ///
     /// # Errors
     /// The device or the disk fails.
@@ -60,43 +61,67 @@ impl<'a> Plan<'a> {
         &self,
         store: &mut Store,
         device: &mut Device,
+        share: Share,
         progress: &(dyn Progress + Sync),
     ) -> Result<Done, RunError> {
-        let mut wanted: Vec<u64> = self
-            .points
-            .iter()
-            .map(|point| point.trials(self.study.trials))
-            .map(|most| match self.gap_fill.precision {
-                // Before that many trials a standard error is not known well enough to stop by.
-                Some(_) => most.min(1 << base_log2(most).max(FEWEST_LOG2)),
-                None => most,
-            })
-            .collect();
+        let mut wanted = if share.is_whole() { self.first_wanted() } else { self.most_trials() };
         let started = Instant::now();
-        let mut trials = 0;
+        let (mut trials, mut stopped) = (0, false);
         for round in 0.. {
-            let work = self.missing(store, &wanted)?;
-            let total: u64 = work.iter().map(Work::trials).sum();
+            let work = self.missing(store, &wanted, share)?;
+            let left: u64 = work.iter().map(Work::trials).sum();
             if round == 0 {
-                let held = self.launched_trials(|index, _| wanted[index]).saturating_sub(total);
-                let most = self.launched_trials(|_, point| point.trials(self.study.trials));
-                progress.start("trials", held, most.max(held + total));
+                let held = self.launched_trials(&wanted, share).saturating_sub(left);
+                let most = self.launched_trials(&self.most_trials(), share);
+                progress.start("trials", held, most.max(held + left));
             }
-            sample(&work, store, device, progress, started)?;
-            trials += total;
-            if !self.raise(&mut wanted, store)? {
+            let sampled = sample(&work, store, device, progress, started)?;
+            trials += sampled;
+            stopped = sampled < left;
+            if stopped || !share.is_whole() || !self.raise(&mut wanted, store)? {
                 break;
             }
         }
-        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), degraded: None })
+        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: None })
     }
 
-    /// Trials of all launches where each point has as many as `trials` says: those of a point with many fillers count more
-    /// than once.
-    fn launched_trials(&self, trials: impl Fn(usize, &Lowered) -> u64) -> u64 {
-        let launches =
-            |point: &Lowered| grouped(point, (0..point.fillers.len()).map(|_| Vec::new())).len() as u64;
-        self.points.iter().enumerate().map(|(index, point)| launches(point) * trials(index, point)).sum()
+    /// Trials that the store lacks; with a precision, before it can be told whether more are needed.
+    pub(super) fn lacks(&self, store: &Store) -> Result<u64, StoreError> {
+        let mut wanted = self.first_wanted();
+        loop {
+            let work = self.missing(store, &wanted, Share::WHOLE)?;
+            let left = work.iter().map(Work::trials).sum();
+            if left > 0 || !self.raise(&mut wanted, store)? {
+                return Ok(left);
+            }
+        }
+    }
+
+    /// The trials of each point if no precision ends it.
+    fn most_trials(&self) -> Vec<u64> {
+        self.points.iter().map(|point| point.trials(self.study.trials)).collect()
+    }
+
+    /// The trials of each point after which the stop rule first decides; all where there is none.
+    fn first_wanted(&self) -> Vec<u64> {
+        let mut wanted = self.most_trials();
+        if self.gap_fill.precision.is_some() {
+            // Before that many trials a standard error is not known well enough to stop by.
+            wanted.iter_mut().for_each(|most| *most = (*most).min(1 << base_log2(*most).max(FEWEST_LOG2)));
+        }
+        wanted
+    }
+
+    /// Trials of all launches of a share where each point has as many as `trials` says: those of a point with many fillers
+    /// count more than once.
+    fn launched_trials(&self, trials: &[u64], share: Share) -> u64 {
+        let points = self.points.iter().zip(trials).enumerate();
+        let of_point = |(turn, (point, &trials)): (usize, (&Lowered, &u64))| {
+            let launches = grouped(point, (0..point.fillers.len()).map(|_| Vec::new())).len() as u64;
+            let trials = share.trials(trials, turn);
+            launches * (trials.end - trials.start)
+        };
+        points.map(of_point).sum()
     }
 
     /// What should be known besides the results.
@@ -132,15 +157,16 @@ impl<'a> Plan<'a> {
         sentences
     }
 
-    /// What the store lacks.
-    fn missing(&self, store: &Store, wanted: &[u64]) -> Result<Vec<Work>, StoreError> {
+    /// What the store lacks of a share of the trials that are wanted.
+    fn missing(&self, store: &Store, wanted: &[u64], share: Share) -> Result<Vec<Work>, StoreError> {
         let mut all = Vec::new();
-        for (point, &trials) in self.points.iter().zip(wanted) {
+        for (turn, (point, &trials)) in self.points.iter().zip(wanted).enumerate() {
+            let trials = share.trials(trials, turn);
             let log2 = base_log2(point.trials(self.study.trials));
             let mut lacks = Vec::new();
             for estimates in &point.fillers {
                 let addresses = estimates.iter().map(|estimate| &estimate.address);
-                lacks.push(lacking(store, addresses, trials, log2)?);
+                lacks.push(lacking(store, addresses, trials.clone(), log2)?);
             }
             for (blocks, fillers) in grouped(point, lacks).into_iter().filter(|group| !group.0.is_empty()) {
                 let addresses = point.launched(&fillers).map(|estimate| estimate.address).collect();

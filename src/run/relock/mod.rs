@@ -11,6 +11,7 @@ use crate::block::base_log2;
 use crate::id::Id;
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::lower::relock::{LoweredRelock, RelockEstimate};
+use crate::share::Share;
 use crate::store::{Store, StoreError};
 use crate::study::{Compensation, Relock, RelockStudy, Study, StudyError};
 use crate::table::significant;
@@ -39,7 +40,7 @@ impl<'a> Plan<'a> {
         Ok(Plan { study, relock, points })
     }
 
-    /// Samples what the store lacks.
+    /// Samples what the store lacks of a share.
     ///
     /// # Errors
     /// The device or the disk fails.
@@ -47,26 +48,37 @@ impl<'a> Plan<'a> {
         &self,
         store: &mut Store,
         device: &mut Device,
+        share: Share,
         progress: &(dyn Progress + Sync),
     ) -> Result<Done, RunError> {
         let started = Instant::now();
-        let work = self.missing(store)?;
-        let trials = work.iter().map(Work::trials).sum();
-        let launches: u64 = self.points.iter().map(|point| launched(point).count() as u64).sum();
-        let all = launches * self.study.trials;
-        progress.start("trials", all.saturating_sub(trials), all.max(trials));
-        sample(&work, store, device, progress, started)?;
-        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), degraded: None })
+        let work = self.missing(store, share)?;
+        let left: u64 = work.iter().map(Work::trials).sum();
+        let of_point = |(turn, point)| {
+            let trials = share.trials(self.study.trials, turn);
+            launched(point).count() as u64 * (trials.end - trials.start)
+        };
+        let all: u64 = self.points.iter().enumerate().map(of_point).sum();
+        progress.start("trials", all.saturating_sub(left), all.max(left));
+        let trials = sample(&work, store, device, progress, started)?;
+        let seconds = started.elapsed().as_secs_f64();
+        Ok(Done { trials, seconds, stopped: trials < left, degraded: None })
     }
 
-    /// What the store lacks.
-    fn missing(&self, store: &Store) -> Result<Vec<Work>, StoreError> {
+    /// Trials that the store lacks.
+    pub(super) fn lacks(&self, store: &Store) -> Result<u64, StoreError> {
+        Ok(self.missing(store, Share::WHOLE)?.iter().map(Work::trials).sum())
+    }
+
+    /// What the store lacks of a share.
+    fn missing(&self, store: &Store, share: Share) -> Result<Vec<Work>, StoreError> {
         let log2 = base_log2(self.study.trials);
         let mut all = Vec::new();
-        for point in &self.points {
+        for (turn, point) in self.points.iter().enumerate() {
+            let trials = share.trials(self.study.trials, turn);
             for estimates in launched(point) {
                 let addresses: Vec<_> = estimates.iter().map(|estimate| estimate.address).collect();
-                let blocks = lacking(store, &addresses, self.study.trials, log2)?;
+                let blocks = lacking(store, &addresses, trials.clone(), log2)?;
                 if !blocks.is_empty() {
                     all.push(Work { launch: point.launch(&estimates), addresses, blocks });
                 }

@@ -11,6 +11,7 @@ use crate::backend::Device;
 use crate::block::base_log2;
 use crate::id::Id;
 use crate::lower::{FilledRun, LoweredRun, RunLowerError};
+use crate::share::Share;
 use crate::store::{Store, StoreError};
 use crate::study::{RunPoint, Study, StudyError, SwitchedRun};
 
@@ -33,34 +34,52 @@ impl<'a> Plan<'a> {
         Ok(Plan { study, runs, points })
     }
 
-    /// Samples what the store lacks. `progress` hears how many trials there are in all and, as it comes, what is done.
+    /// Samples what the store lacks of a share. `progress` hears how many trials there are in all and, as it comes, what is done.
     pub(super) fn run(
         &self,
         store: &mut Store,
         device: &mut Device,
+        share: Share,
         progress: &(dyn Progress + Sync),
     ) -> Result<Done, RunError> {
-        let trials = self.study.trials;
         let started = Instant::now();
-        let work = self.missing(store)?;
+        let work = self.missing(store, share)?;
         let left: u64 = work.iter().map(Work::trials).sum();
-        let launches: u64 = self.filled().map(|filled| filled.launches().len() as u64).sum();
-        progress.start("trials", (launches * trials).saturating_sub(left), (launches * trials).max(left));
-        sample(&work, store, device, progress, started)?;
-        trajectories::keep(self, store)?;
-        Ok(Done { trials: left, seconds: started.elapsed().as_secs_f64(), degraded: None })
+        let of_point = |(turn, point): (usize, &LoweredRun)| {
+            let trials = share.trials(self.study.trials, turn);
+            let launches: usize = point.fillers.iter().map(|filled| filled.launches().len()).sum();
+            launches as u64 * (trials.end - trials.start)
+        };
+        let all: u64 = self.points.iter().enumerate().map(of_point).sum();
+        progress.start("trials", all.saturating_sub(left), all.max(left));
+        let trials = sample(&work, store, device, progress, started)?;
+        let stopped = trials < left;
+        // They are few: the first share makes them all.
+        if !stopped && share.number() == 1 {
+            trajectories::keep(self, store)?;
+        }
+        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: None })
     }
 
-    /// What the store lacks.
-    fn missing(&self, store: &Store) -> Result<Vec<Work>, StoreError> {
-        let trials = self.study.trials;
+    /// Trials that the store lacks, trajectories among them.
+    pub(super) fn lacks(&self, store: &Store) -> Result<u64, StoreError> {
+        let sampled: u64 = self.missing(store, Share::WHOLE)?.iter().map(Work::trials).sum();
+        Ok(sampled + trajectories::lacks(self, store)?)
+    }
+
+    /// What the store lacks of a share.
+    fn missing(&self, store: &Store, share: Share) -> Result<Vec<Work>, StoreError> {
         let mut all = Vec::new();
-        for filled in self.filled() {
-            for (launch, places) in filled.launches() {
-                let addresses: Vec<_> = places.iter().map(|&place| filled.estimates[place].address).collect();
-                let blocks = lacking(store, &addresses, trials, base_log2(trials))?;
-                if !blocks.is_empty() {
-                    all.push(Work { launch, addresses, blocks });
+        for (turn, point) in self.points.iter().enumerate() {
+            let trials = share.trials(self.study.trials, turn);
+            for filled in &point.fillers {
+                for (launch, places) in filled.launches() {
+                    let addresses: Vec<_> =
+                        places.iter().map(|&place| filled.estimates[place].address).collect();
+                    let blocks = lacking(store, &addresses, trials.clone(), base_log2(self.study.trials))?;
+                    if !blocks.is_empty() {
+                        all.push(Work { launch, addresses, blocks });
+                    }
                 }
             }
         }

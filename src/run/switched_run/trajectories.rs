@@ -8,7 +8,7 @@ use crate::block::{Block, missing};
 use crate::kernel::rows::Rows;
 use crate::kernel::switched_run::trajectory;
 use crate::lower::FilledRun;
-use crate::store::{Provenance, Row, Store, StoreError};
+use crate::store::{Row, Store, StoreError};
 use crate::study::RunPoint;
 use crate::table::{Cell, Table, Unit};
 
@@ -18,6 +18,17 @@ const MOST_SHOWN: u64 = 500;
 /// Offset of the angles in the store, which holds numbers that are not negative.
 const OFFSET: i64 = 1 << 31;
 
+/// How many the store lacks.
+pub(super) fn lacks(plan: &Plan, store: &Store) -> Result<u64, StoreError> {
+    let wanted = plan.runs.trajectories.min(plan.study.trials);
+    let mut lacking = 0;
+    for (_, filled) in filled(plan) {
+        let gaps = missing(&store.blocks(&filled.trajectory)?, 0..wanted);
+        lacking += gaps.iter().map(|gap| gap.end - gap.start).sum::<u64>();
+    }
+    Ok(lacking)
+}
+
 /// Makes those that the store lacks.
 pub(super) fn keep(plan: &Plan, store: &mut Store) -> Result<(), StoreError> {
     let wanted = plan.runs.trajectories.min(plan.study.trials);
@@ -25,7 +36,7 @@ pub(super) fn keep(plan: &Plan, store: &mut Store) -> Result<(), StoreError> {
         let held = store.blocks(&filled.trajectory)?;
         let (launch, shape) = filled.trajectories();
         let mut rows = Vec::new();
-        for trial in missing(&held, wanted).into_iter().flatten() {
+        for trial in missing(&held, 0..wanted).into_iter().flatten() {
             let angles = trajectory(&launch, shape, trial);
             let shown = shown(point);
             let values: Vec<u128> =
@@ -34,8 +45,7 @@ pub(super) fn keep(plan: &Plan, store: &mut Store) -> Result<(), StoreError> {
             rows.push(Row { address: filled.trajectory, block: Block { first: trial, log2: 0 }, tally });
         }
         if !rows.is_empty() {
-            let made = Provenance { device: "CPU".to_owned(), trials: rows.len() as u64, seconds: 0.0 };
-            store.insert(&rows, &made)?;
+            store.insert(&rows, None)?;
         }
     }
     Ok(())

@@ -1,0 +1,111 @@
+//! `sagnac merge`.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use sagnac::store::{Merged, Source, Store};
+use sagnac::study::Study;
+
+use super::Failure;
+use super::output::print_json;
+use super::results::{Out, RESOLVED, Results};
+use super::run::checked;
+
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Results folders of one study: of its shares, of other machines, or of runs that were cut short
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+    /// Folder of the whole, which may hold results already; theirs and these become its
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Study file whose tables and charts are made [default: the resolved_study.toml that the folders share]
+    #[arg(long, value_name = "STUDY")]
+    study: Option<PathBuf>,
+    /// Leave damaged rows out instead of refusing their folder
+    #[arg(long)]
+    salvage: bool,
+    /// Print the table and the verdict as JSON
+    #[arg(long)]
+    json: bool,
+    /// Print only errors
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// Merges results, and makes tables and charts of the whole.
+pub fn merge(options: &Options) -> Result<(), Failure> {
+    let study = study(options)?;
+    let plan = checked(&study)?;
+    // Before a folder is made: a mistyped name leaves nothing behind.
+    let sources = distinct(options).map(|folder| Ok((folder, Source::open(folder)?)));
+    let sources = sources.collect::<Result<Vec<_>, Failure>>()?;
+    let mut store = Store::open(&options.out, &plan.identity())?;
+    for (folder, source) in &sources {
+        let Merged { added, held, damaged } = store.merge(source, options.salvage)?;
+        if !options.quiet {
+            let known = if held > 0 { format!(", {held} were there already") } else { String::new() };
+            eprintln!("{}: {added} rows added{known}", folder.display());
+        }
+        if damaged > 0 {
+            eprintln!("note: {}: {damaged} damaged rows or pages are left out", folder.display());
+        }
+    }
+    let results = Results { study: &study, plan: &plan, folder: &options.out, done: None };
+    if let Some(document) = results.show(&store, Out { json: options.json, quiet: options.quiet })? {
+        print_json(&document)?;
+    }
+    match plan.lacks(&store)? {
+        0 if options.json || options.quiet => Ok(()),
+        0 => {
+            eprintln!("complete; results are in {}", options.out.display());
+            Ok(())
+        }
+        lacking => Err(Failure::Incomplete { lacking, folder: options.out.clone() }),
+    }
+}
+
+/// The folders to be merged, each once and not the one that they are merged into.
+fn distinct(options: &Options) -> impl Iterator<Item = &PathBuf> {
+    let whole = |folder: &Path| folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    let mut taken = vec![whole(&options.out)];
+    options.folders.iter().filter(move |folder| {
+        let folder = whole(folder);
+        let is_new = !taken.contains(&folder);
+        taken.push(folder);
+        is_new
+    })
+}
+
+/// The study that the folders share.
+fn study(options: &Options) -> Result<Study, Failure> {
+    if let Some(path) = &options.study {
+        return Ok(Study::read(path)?);
+    }
+    let mut found: Option<(PathBuf, String)> = None;
+    for folder in &options.folders {
+        let path = folder.join(RESOLVED);
+        let text = std::fs::read_to_string(&path).map_err(|error| {
+            let why = if folder.is_dir() { error.to_string() } else { "there is no such folder".to_owned() };
+            Failure::Usage(format!(
+                "cannot read {}: {why}\ngive folders of results; the study itself can be given with --study FILE",
+                path.display()
+            ))
+        })?;
+        match &found {
+            Some((_, first)) if *first == text => {}
+            None => found = Some((path, text)),
+            Some((first, _)) => {
+                return Err(Failure::Usage(format!(
+                    "{} and {} are not the same\ngive the study whose tables and charts are to be made with --study FILE",
+                    first.display(),
+                    path.display()
+                )));
+            }
+        }
+    }
+    match found {
+        Some((path, _)) => Ok(Study::read(&path)?),
+        None => Err(Failure::Usage("there is nothing to merge".to_owned())),
+    }
+}

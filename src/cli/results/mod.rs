@@ -1,0 +1,118 @@
+//! The results of a study as files of its folder, as text and as JSON.
+
+mod summary;
+
+use std::path::Path;
+
+use sagnac::run::{Done, Plan, Tables};
+use sagnac::store::Store;
+use sagnac::study::Study;
+use sagnac::table::{Cell, Table};
+use serde_json::{Value, json};
+
+use super::Failure;
+use super::charts::{draw, shown};
+use super::output::{print, write};
+use super::progress::Shown;
+use super::verdicts::{Verdict, verdicts};
+
+/// The name of the study that a run writes beside its results.
+pub const RESOLVED: &str = "resolved_study.toml";
+
+/// The tables of a study with the names of their files.
+pub fn files(tables: &Tables) -> impl Iterator<Item = (&'static str, &Table)> {
+    let coefficients = tables.coefficients.as_ref().map(|table| ("coefficients.csv", table));
+    let trajectories = tables.trajectories.as_ref().map(|table| ("trajectories.csv", table));
+    std::iter::once(("points.csv", &tables.points)).chain(coefficients).chain(trajectories)
+}
+
+/// A table as the bytes of its file.
+///
+/// # Errors
+/// None but of the memory that it is written to.
+pub fn csv(table: &Table, path: &Path) -> Result<Vec<u8>, Failure> {
+    let mut csv = Vec::new();
+    table.write_csv(&mut csv).map_err(|source| Failure::Write { path: path.to_owned(), source })?;
+    Ok(csv)
+}
+
+/// A study whose results are to be shown.
+pub struct Results<'a> {
+    pub study: &'a Study,
+    pub plan: &'a Plan<'a>,
+    pub folder: &'a Path,
+    /// What was sampled, and on which device, where anything can be.
+    pub done: Option<(&'a Done, String)>,
+}
+
+/// Where results go besides their files.
+#[derive(Debug, Clone, Copy)]
+pub struct Out {
+    pub json: bool,
+    pub quiet: bool,
+}
+
+impl Results<'_> {
+    /// Writes the files of all that the store holds, prints what the options ask for, and returns the results as JSON where
+    /// that is wanted.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or a file cannot be written.
+    pub fn show(&self, store: &Store, out: Out) -> Result<Option<Value>, Failure> {
+        let Results { study, plan, folder, done } = self;
+        let tables = plan.tables(store, &Shown::new(out.quiet))?;
+        for (name, table) in files(&tables) {
+            let path = folder.join(name);
+            write(&path, &csv(table, &path)?)?;
+        }
+        write(&folder.join(RESOLVED), study.resolved(plan.held(store)?).as_bytes())?;
+        let notes = draw(study, &tables, folder)?;
+        let curves = shown(study, &tables)?;
+        let verdicts = verdicts(study, &curves)?;
+        let degraded = done.iter().filter_map(|(done, _)| done.degraded.clone());
+        let notes: Vec<String> = degraded.chain(notes).chain(plan.notes(store)?).collect();
+        if out.json {
+            return Ok(Some(self.to_json(&tables, &verdicts, &notes)));
+        }
+        if !out.quiet {
+            for note in notes {
+                eprintln!("note: {note}");
+            }
+            print(&summary::summary(study, &tables, &curves, &verdicts)?)?;
+        }
+        Ok(None)
+    }
+
+    fn to_json(&self, tables: &Tables, verdicts: &[Verdict], notes: &[String]) -> Value {
+        let done = self.done.as_ref().map(|(done, _)| done);
+        let sampled = self.plan.is_sampled().then_some(());
+        let cell = |cell: &Cell| match cell {
+            Cell::Blank => json!(null),
+            Cell::Text(text) => json!(text),
+            Cell::Integer(integer) => json!(integer),
+            Cell::Number(number) => json!(number),
+        };
+        let rows = |table: &Table| -> Vec<Value> {
+            let row = |row: usize| {
+                table.columns.iter().map(|column| (column.header(), cell(&column.cells[row]))).collect()
+            };
+            (0..table.rows()).map(row).collect()
+        };
+        let mut document = json!({
+            "title": self.study.title,
+            "question": self.study.question,
+            "seed": sampled.map(|_| self.study.seed),
+            "trials": sampled.map(|_| self.study.trials),
+            "device": self.done.as_ref().map(|(_, device)| device),
+            "sampled_trials": done.map(|done| done.trials),
+            "seconds": done.map(|done| done.seconds),
+            "notes": notes,
+            "verdicts": verdicts.iter().map(Verdict::json).collect::<Vec<_>>(),
+            "points": rows(&tables.points),
+        });
+        if let Some(coefficients) = &tables.coefficients {
+            document["coefficients"] = json!(rows(coefficients));
+        }
+        document
+    }
+}

@@ -1,0 +1,217 @@
+//! `sagnac run`.
+
+mod share;
+mod stop;
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::Args;
+use sagnac::backend::{Device, Selection, select};
+use sagnac::run::Plan;
+use sagnac::share::Share;
+use sagnac::store::Store;
+use sagnac::study::{Dimension, MOST_TRIALS, Study, parse_quantity};
+use serde_json::Value;
+
+use super::charts::picture;
+use super::output::{print, print_json, write};
+use super::progress::{Shown, short};
+use super::results::{Out, RESOLVED, Results};
+use super::{DeviceArg, Failure};
+use share::Shard;
+pub use stop::Cause;
+use stop::{Stop, Watch};
+
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Study files
+    #[arg(required = true, value_name = "STUDY")]
+    studies: Vec<PathBuf>,
+    #[command(flatten)]
+    device: DeviceArg,
+    /// Results folder [default: results/<name of the study file>, of a share its folder shard-I-of-N in that]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Trials at each point, in place of the study's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
+    trials: Option<u64>,
+    /// Seed, in place of the study's
+    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    seed: Option<u64>,
+    /// Sample share I of N only, for `sagnac merge`; slurm: the share of this task of a job array
+    #[arg(long, value_name = "I/N", value_parser = share::parse)]
+    shard: Option<Shard>,
+    /// Stop in time, "55 min" or "8 h" from now, with exit code 4: run again to go on
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    time_limit: Option<Duration>,
+    /// Print the table and the verdict as JSON: one object, or with several studies one array of them
+    #[arg(long)]
+    json: bool,
+    /// Print only errors
+    #[arg(long, short)]
+    quiet: bool,
+}
+
+/// A time with its unit.
+fn time(text: &str) -> Result<Duration, String> {
+    let quantity = parse_quantity(text, &[Dimension::Time]).map_err(|error| error.to_string())?;
+    Duration::try_from_secs_f64(quantity.value)
+        .map_err(|_| "expected a time from now, such as \"55 min\"".to_owned())
+}
+
+/// What is run of the studies, and what ends it.
+struct Course {
+    share: Share,
+    stop: Stop,
+}
+
+/// Runs the studies one after the other. All are read and checked before the first starts.
+pub fn run(options: &Options) -> Result<(), Failure> {
+    let share = match options.shard {
+        None => Share::WHOLE,
+        Some(shard) => shard.share(|name| std::env::var(name).ok()).map_err(Failure::Usage)?,
+    };
+    let course = Course { share, stop: Stop::listen(options.time_limit).map_err(Failure::Signals)? };
+    let studies = studies(options, share)?;
+    let plans = studies.iter().map(|(_, study)| checked(study)).collect::<Result<Vec<_>, _>>()?;
+    let mut device = device(&plans, options)?;
+    let mut documents: Vec<Value> = Vec::new();
+    for (at, ((folder, study), plan)) in studies.iter().zip(&plans).enumerate() {
+        if at > 0 && !options.json && !options.quiet {
+            print("\n")?;
+        }
+        documents.extend(run_study(study, plan, folder, device.as_mut(), &course, options)?);
+    }
+    match &documents[..] {
+        [] => Ok(()),
+        [document] => print_json(document),
+        several => print_json(&several),
+    }
+}
+
+/// The studies with the folders of their results, which differ.
+fn studies(options: &Options, share: Share) -> Result<Vec<(PathBuf, Study)>, Failure> {
+    if options.out.is_some() && options.studies.len() > 1 {
+        let message =
+            "--out names one folder, but there are several studies\nrun them one by one, or without --out";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    let mut studies = Vec::new();
+    for path in &options.studies {
+        let mut study = Study::read(path)?;
+        study.trials = options.trials.unwrap_or(study.trials);
+        study.seed = options.seed.unwrap_or(study.seed);
+        if !share.is_whole() && options.trials.is_none() && study.has_stop_rule() {
+            return Err(Failure::Study(study.error_at(
+                study.place_of("precision"),
+                "a share cannot stop by itself at a precision: it does not see the others' trials",
+                "fix how many there are with --trials N, or run the study as a whole",
+            )));
+        }
+        let folder = folder(options, path, share);
+        if studies.iter().any(|(taken, _)| *taken == folder) {
+            let message = format!(
+                "several studies would write to {}, the last one {}\nrun them one by one, each with its --out DIR",
+                folder.display(),
+                path.display()
+            );
+            return Err(Failure::Usage(message));
+        }
+        studies.push((folder, study));
+    }
+    Ok(studies)
+}
+
+fn folder(options: &Options, study: &Path, share: Share) -> PathBuf {
+    let whole = match study.parent() {
+        // What repeats a run goes where its results are.
+        Some(results) if study.file_name() == Some(RESOLVED.as_ref()) && results != Path::new("") => {
+            results.to_owned()
+        }
+        _ => Path::new("results").join(study.file_stem().unwrap_or_default()),
+    };
+    let default = || match share.is_whole() {
+        true => whole,
+        false => whole.join(format!("shard-{}-of-{}", share.number(), share.of())),
+    };
+    options.out.clone().unwrap_or_else(default)
+}
+
+/// The device that is asked for, if there is anything to sample.
+fn device(plans: &[Plan], options: &Options) -> Result<Option<Device>, Failure> {
+    if !plans.iter().any(Plan::is_sampled) {
+        return Ok(None);
+    }
+    let Selection { device, reason } = select(&options.device.name, options.device.threads.unwrap_or(0))?;
+    if !options.quiet {
+        eprintln!("device: {}, {reason}", device.name());
+    }
+    Ok(Some(device))
+}
+
+/// Finds what would otherwise fail after the sampling.
+pub fn checked(study: &Study) -> Result<Plan<'_>, Failure> {
+    let plan = Plan::new(study)?;
+    let blank = plan.blank_tables();
+    for chart in &study.charts {
+        picture(study, &blank, chart)?;
+    }
+    Ok(plan)
+}
+
+/// Runs one study, and returns its results as JSON where the options ask for that.
+fn run_study(
+    study: &Study,
+    plan: &Plan,
+    folder: &Path,
+    device: Option<&mut Device>,
+    course: &Course,
+    options: &Options,
+) -> Result<Option<Value>, Failure> {
+    // Also of closed forms, as a folder is of one study.
+    let mut store = Store::open(folder, &plan.identity())?;
+    // From the start on, so that what is left of a run can be merged and repeated.
+    write(&folder.join(RESOLVED), study.resolved(study.trials).as_bytes())?;
+    let shown = Shown::new(options.quiet);
+    let device = device.filter(|_| plan.is_sampled());
+    let name = device.as_ref().map(|device| device.name());
+    let done = device.map(|device| {
+        let watch = Watch::new(&shown, &course.stop);
+        let done = course.stop.sampling(|| plan.run(&mut store, device, course.share, &watch))?;
+        let cause = course.stop.cause().filter(|cause| done.stopped || *cause != Cause::TimeLimit);
+        match cause {
+            Some(cause) => {
+                Err(Failure::Stopped { cause, reached: watch.reached(), folder: folder.to_owned() })
+            }
+            None => Ok(done),
+        }
+    });
+    let done = done.transpose()?;
+    if !course.share.is_whole() {
+        for note in done.iter().filter_map(|done| done.degraded.as_ref()) {
+            eprintln!("note: {note}");
+        }
+        if !options.quiet {
+            let share = course.share;
+            eprintln!(
+                "{share} is done and in {}; put the shares together with `sagnac merge`",
+                folder.display()
+            );
+        }
+        return Ok(None);
+    }
+    let results = Results { study, plan, folder, done: done.as_ref().zip(name) };
+    let document = results.show(&store, Out { json: options.json, quiet: options.quiet })?;
+    if !options.json && !options.quiet {
+        let rate = match &done {
+            Some(done) if done.trials > 0 => {
+                format!("{} trials in {:.1} s; ", short(done.trials as f64), done.seconds)
+            }
+            Some(_) => "nothing was left to sample; ".to_owned(),
+            None => String::new(),
+        };
+        eprintln!("{rate}results are in {}", folder.display());
+    }
+    Ok(document)
+}

@@ -1,0 +1,99 @@
+//! Whether a store is sound: its pages, every row, and rows that cover the same trials.
+
+use std::path::Path;
+
+use super::row::Raw;
+use super::{Source, StoreError, Tally};
+use crate::kernel::moments::Moments;
+use crate::kernel::rows::Rows;
+
+/// What a check of a store found.
+#[derive(Debug, Default)]
+pub struct Report {
+    /// Rows that are as they were written.
+    pub sound: u64,
+    /// Points that they are of.
+    pub points: u64,
+    /// What is wrong.
+    pub faults: Vec<StoreError>,
+}
+
+impl Source {
+    /// Reads everything: the database's own structure, the checksum and the tally of every row; where a row covers the
+    /// trials of others, it has to be their sum.
+    ///
+    /// # Errors
+    /// The store is of another program or version, or the disk fails. Damage is no error but a fault of the report.
+    pub fn check(&self) -> Result<Report, StoreError> {
+        let mut report = Report::default();
+        match self.identity() {
+            Ok(None) => return Ok(report),
+            Err(error) if error.is_damage() => report.faults.push(error),
+            found => drop(found?),
+        }
+        report.faults.extend(super::structure(&self.connection, &self.path, "integrity_check").err());
+        let mut group: Vec<Raw> = Vec::new();
+        let mut point = None;
+        self.each(false, |row| {
+            match row {
+                Ok(raw) => {
+                    report.sound += 1;
+                    report.points += u64::from(point.replace(raw.address.point) != Some(raw.address.point));
+                    if group.first().is_some_and(|first| !same_tally(first, &raw)) {
+                        report.faults.extend(overlaps(&std::mem::take(&mut group), &self.path).err());
+                    }
+                    group.push(raw);
+                }
+                Err(error) if error.is_damage() => report.faults.push(error),
+                Err(error) => return Err(error),
+            }
+            Ok(())
+        })?;
+        report.faults.extend(overlaps(&group, &self.path).err());
+        Ok(report)
+    }
+}
+
+fn same_tally(a: &Raw, b: &Raw) -> bool {
+    (a.address.point, a.address.estimate) == (b.address.point, b.address.estimate)
+}
+
+/// Checks the tallies of an estimate, and that a row which covers others is their sum.
+fn overlaps(group: &[Raw], path: &Path) -> Result<(), StoreError> {
+    let Some(first) = group.first() else { return Ok(()) };
+    // The bytes do not say which form they are of; one of them has to suit all.
+    if first.tally::<Moments>(path).is_ok() {
+        agree::<Moments>(group, path)
+    } else {
+        agree::<Rows>(group, path)
+    }
+}
+
+fn agree<T: Tally>(group: &[Raw], path: &Path) -> Result<(), StoreError> {
+    let mut rows: Vec<&Raw> = group.iter().collect();
+    rows.sort_by_key(|raw| (raw.block.first, core::cmp::Reverse(raw.block.log2)));
+    for (at, outer) in rows.iter().enumerate() {
+        if outer.address.digest != rows[0].address.digest {
+            return Err(outer.disagrees(path));
+        }
+        outer.tally::<T>(path)?;
+        let within = rows[at + 1..].iter().take_while(|inner| inner.block.end() <= outer.block.end());
+        let parts = crate::block::fold(within.map(|inner| (inner.block, *inner)).collect());
+        let covered: u64 = parts.iter().map(|(block, _)| block.trials()).sum();
+        if covered < outer.block.trials() {
+            continue;
+        }
+        let mut sum: Option<T> = None;
+        for (_, part) in parts {
+            let part = part.tally::<T>(path)?;
+            match &mut sum {
+                None => sum = Some(part),
+                Some(sum) => sum.append(part),
+            }
+        }
+        if sum.is_some_and(|sum| sum.encode() != outer.sums) {
+            return Err(outer.disagrees(path));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,124 @@
+//! Who has a results folder: one program at a time, which the next one can name.
+//!
+//! The operating system's lock on a file beside the database, which ends with the program that holds it however that
+//! ends. SQLite's own lock on the database is the second guard, where a file system has none of the first kind.
+
+use std::fmt;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{ErrorKind, Read, Seek, Write};
+use std::path::Path;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use super::StoreError;
+
+/// The name of the file in a results folder.
+pub const LOCK: &str = "tallies.lock";
+
+/// A folder that no other program takes meanwhile.
+#[derive(Debug)]
+pub(super) struct Lock {
+    _held: File,
+}
+
+impl Lock {
+    /// Takes a folder for as long as the lock lives.
+    ///
+    /// # Errors
+    /// Another program has it, or its file cannot be opened.
+    pub(super) fn take(folder: &Path) -> Result<Lock, StoreError> {
+        let path = folder.join(LOCK);
+        let failed = |source: std::io::Error| match source.kind() {
+            ErrorKind::ReadOnlyFilesystem => StoreError::ReadOnly { path: folder.to_owned() },
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded => StoreError::Full { path: folder.to_owned() },
+            _ => StoreError::Folder { path: folder.to_owned(), source },
+        };
+        let options = OpenOptions::new().read(true).write(true).create(true).truncate(false).clone();
+        let mut file = options.open(&path).map_err(failed)?;
+        match file.try_lock() {
+            // A file system without such locks leaves it to SQLite's.
+            Ok(()) | Err(TryLockError::Error(_)) => {}
+            Err(TryLockError::WouldBlock) => {
+                let mut text = String::new();
+                let read = file.read_to_string(&mut text);
+                let holder = read.ok().and_then(|_| Holder::parse(&text)).unwrap_or(Holder::Unknown);
+                return Err(StoreError::Busy { path: folder.to_owned(), holder });
+            }
+        }
+        // The name is for messages: a full disk is found out soon enough by what matters.
+        let _ =
+            file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(own_name().as_bytes()));
+        Ok(Lock { _held: file })
+    }
+}
+
+/// A program that has a results folder.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Holder {
+    Known {
+        process: u32,
+        host: String,
+        /// When it took the folder.
+        since: SystemTime,
+    },
+    /// No program of ours: one that looks into the database.
+    Unknown,
+}
+
+impl Holder {
+    fn parse(text: &str) -> Option<Holder> {
+        let mut lines = text.lines();
+        let (process, host) = (lines.next()?.parse().ok()?, lines.next()?.to_owned());
+        let since = UNIX_EPOCH.checked_add(Duration::from_secs(lines.next()?.parse().ok()?))?;
+        Some(Holder::Known { process, host, since })
+    }
+}
+
+impl fmt::Display for Holder {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Holder::Unknown => write!(f, "another program"),
+            Holder::Known { process, host, since } => {
+                let held = since.elapsed().map_or(0, |time| time.as_secs());
+                let (number, unit) = match held {
+                    0..120 => (held, "s"),
+                    120..7200 => (held / 60, "min"),
+                    _ => (held / 3600, "h"),
+                };
+                write!(f, "process {process} on {host}, for {number} {unit} now")
+            }
+        }
+    }
+}
+
+/// This process, as the next program is to read it.
+pub(super) fn own_name() -> String {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs());
+    format!("{}\n{}\n{since}\n", std::process::id(), gethostname::gethostname().to_string_lossy())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_second_one_is_told_who_is_first() {
+        let folder = tempfile::tempdir().unwrap();
+        let first = Lock::take(folder.path()).unwrap();
+        let refused = Lock::take(folder.path()).unwrap_err().to_string();
+        let host = gethostname::gethostname().to_string_lossy().into_owned();
+        assert!(refused.contains(&format!("process {} on {host}, for 0 s", std::process::id())), "{refused}");
+        drop(first);
+        Lock::take(folder.path()).unwrap();
+    }
+
+    #[test]
+    fn what_is_no_name_is_nobody() {
+        assert_eq!(Holder::parse(""), None);
+        assert_eq!(Holder::parse("12\nhost\nyesterday\n"), None);
+        assert_eq!(Holder::parse("12\nhost\n18446744073709551615\n"), None);
+        assert_eq!(Holder::Unknown.to_string(), "another program");
+        let since = SystemTime::now() - Duration::from_secs(7300);
+        let held = Holder::Known { process: 7, host: "desk".to_owned(), since };
+        assert_eq!(held.to_string(), "process 7 on desk, for 2 h now");
+    }
+}

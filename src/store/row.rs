@@ -1,0 +1,78 @@
+//! Rows as they lie in the database, and what makes one sound.
+
+use std::path::Path;
+
+use super::{Address, Row, StoreError, Tally};
+use crate::block::Block;
+use crate::id::Id;
+
+/// The columns of a row, in the order in which [`Raw`] reads them.
+pub(super) const COLUMNS: &str = "point, estimate, first, log2, digest, sums, checksum";
+
+/// A row with its tally as bytes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Raw {
+    pub(super) address: Address,
+    pub(super) block: Block,
+    pub(super) sums: Vec<u8>,
+    pub(super) checksum: u32,
+}
+
+impl Raw {
+    pub(super) fn of<T: Tally>(row: &Row<T>) -> Raw {
+        let Row { address, block, tally } = row;
+        let sums = tally.encode();
+        Raw { address: *address, block: *block, checksum: checksum(address, *block, &sums), sums }
+    }
+
+    /// As it was read, whatever that is.
+    pub(super) fn read(row: &rusqlite::Row) -> Result<Raw, rusqlite::Error> {
+        let address = Address { point: Id(row.get(0)?), estimate: Id(row.get(1)?), digest: Id(row.get(4)?) };
+        let block = Block { first: row.get::<_, i64>(2)? as u64, log2: row.get(3)? };
+        Ok(Raw { address, block, sums: row.get(5)?, checksum: row.get(6)? })
+    }
+
+    /// The row, if it is as it was written.
+    ///
+    /// # Errors
+    /// It is not.
+    pub(super) fn sound(self, path: &Path) -> Result<Raw, StoreError> {
+        if self.checksum != checksum(&self.address, self.block, &self.sums) {
+            return Err(self.damaged(path, "its checksum is wrong"));
+        }
+        if !self.block.is_aligned() {
+            return Err(self.damaged(path, "it is of no block of trials"));
+        }
+        Ok(self)
+    }
+
+    /// Its tally.
+    ///
+    /// # Errors
+    /// The bytes are no tally of the row's block.
+    pub(super) fn tally<T: Tally>(&self, path: &Path) -> Result<T, StoreError> {
+        T::decode(&self.sums, self.block.trials())
+            .ok_or_else(|| self.damaged(path, "it is no tally of its block"))
+    }
+
+    pub(super) fn damaged(&self, path: &Path, what: &'static str) -> StoreError {
+        let Address { point, estimate, .. } = self.address;
+        StoreError::DamagedRow { path: path.to_owned(), point, estimate, first: self.block.first, what }
+    }
+
+    pub(super) fn disagrees(&self, path: &Path) -> StoreError {
+        let Address { point, estimate, .. } = self.address;
+        StoreError::Disagrees { path: path.to_owned(), point, estimate, first: self.block.first }
+    }
+}
+
+/// Over the whole row, so that a row moved to another place is found out too.
+fn checksum(address: &Address, block: Block, sums: &[u8]) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    for part in [&address.point.0[..], &address.estimate.0, &address.digest.0, &block.first.to_le_bytes()] {
+        hasher.update(part);
+    }
+    hasher.update(&block.log2.to_le_bytes());
+    hasher.update(sums);
+    hasher.finalize()
+}

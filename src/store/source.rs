@@ -1,0 +1,207 @@
+//! The store of another results folder, to be taken over or checked.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use rusqlite::{Connection, OpenFlags, params};
+
+use super::lock::Lock;
+use super::row::{COLUMNS, Raw};
+use super::{FILE, Identity, Store, StoreError, put, schema};
+
+/// A store that is only read; no other program can open it meanwhile, unless its folder is read-only.
+#[derive(Debug)]
+pub struct Source {
+    pub(super) path: PathBuf,
+    pub(super) connection: Connection,
+    _lock: Option<Lock>,
+}
+
+/// What was taken over from another store.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Merged {
+    /// Rows that were not there before.
+    pub added: u64,
+    /// Rows that were there already, the same.
+    pub held: u64,
+    /// Rows or pages that were left out because they are damaged.
+    pub damaged: u64,
+}
+
+/// Most rows, and bytes of them, of a transaction.
+const BATCH: (usize, usize) = (4096, 32 << 20);
+
+impl Source {
+    /// Opens the store of a results folder. What a run that was killed left in its journal is taken over first, as the run
+    /// itself would have done; nothing else in the folder changes.
+    ///
+    /// # Errors
+    /// There is none, it is in use, or cannot be read.
+    pub fn open(folder: &Path) -> Result<Source, StoreError> {
+        let path = folder.join(FILE);
+        if !path.is_file() {
+            return Err(StoreError::NoResults { folder: folder.to_owned() });
+        }
+        let lock = match Lock::take(folder) {
+            Ok(lock) => Some(lock),
+            Err(StoreError::ReadOnly { .. }) => None,
+            // A folder of somebody else.
+            Err(StoreError::Folder { source, .. })
+                if source.kind() == std::io::ErrorKind::PermissionDenied =>
+            {
+                None
+            }
+            Err(error) => return Err(error),
+        };
+        let failed = |source| StoreError::of(&path, source);
+        let connection = if lock.is_some() {
+            let connection =
+                Connection::open_with_flags(&path, OpenFlags::SQLITE_OPEN_READ_WRITE).map_err(failed)?;
+            super::exclusive(&connection).map_err(failed)?;
+            connection
+        } else {
+            let journal = folder.join(format!("{FILE}-wal"));
+            if journal.metadata().is_ok_and(|journal| journal.len() > 0) {
+                return Err(StoreError::Unfinished { path });
+            }
+            let uri = format!("file:{}?immutable=1", escaped(&path));
+            let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI;
+            Connection::open_with_flags(uri, flags).map_err(failed)?
+        };
+        Ok(Source { path, connection, _lock: lock })
+    }
+
+    /// Whose results these are; `None` where nothing was ever kept.
+    ///
+    /// # Errors
+    /// They are of another program or version, or damaged.
+    pub fn identity(&self) -> Result<Option<Identity>, StoreError> {
+        Ok(self.claim()?.map(|claim| claim.identity))
+    }
+
+    fn claim(&self) -> Result<Option<schema::Claim>, StoreError> {
+        let is_empty = schema::is_empty(&self.connection, &self.path)?;
+        (!is_empty).then(|| schema::claimed(&self.connection, &self.path)).transpose()
+    }
+
+    /// All rows, sound or not, from the first on or from the last back; the last thing heard may be that no more can be read.
+    pub(super) fn each(
+        &self,
+        backwards: bool,
+        mut hear: impl FnMut(Result<Raw, StoreError>) -> Result<(), StoreError>,
+    ) -> Result<(), StoreError> {
+        let failed = |source| StoreError::of(&self.path, source);
+        let order = if backwards { "DESC" } else { "ASC" };
+        let keys = ["point", "estimate", "first", "log2"].map(|key| format!("{key} {order}")).join(", ");
+        let sql = format!("SELECT {COLUMNS} FROM tally ORDER BY {keys}");
+        let mut statement = match self.connection.prepare(&sql) {
+            Ok(statement) => statement,
+            Err(error) => return hear(Err(failed(error))),
+        };
+        let mut rows = statement.query([]).map_err(failed)?;
+        loop {
+            match rows.next() {
+                Ok(None) => return Ok(()),
+                Ok(Some(row)) => hear(Raw::read(row).map_err(failed).and_then(|raw| raw.sound(&self.path)))?,
+                Err(error) => return hear(Err(failed(error))),
+            }
+        }
+    }
+}
+
+/// A path as it stands in a URI.
+fn escaped(path: &Path) -> String {
+    path.to_string_lossy().replace('%', "%25").replace('?', "%3f").replace('#', "%23")
+}
+
+impl Store {
+    /// Takes over all rows of another store of the same study. Rows that are there already count once, so any stores can be
+    /// merged in any order and any number of times. With `salvage` what is damaged is left out and counted, else it is an error.
+    ///
+    /// # Errors
+    /// The other store is of another study or kernel, a row disagrees or is damaged, or the disk fails; what was taken over
+    /// before is kept.
+    pub fn merge(&mut self, source: &Source, salvage: bool) -> Result<Merged, StoreError> {
+        match source.claim() {
+            Ok(None) => return Ok(Merged::default()),
+            Ok(Some(theirs)) => schema::is_same(&theirs, &self.identity, &source.path)?,
+            Err(error) if !(salvage && error.is_damage()) => return Err(error),
+            // The rows tell by themselves what they are of.
+            Err(_) => {}
+        }
+        let mut merged = Merged::default();
+        let mut seen = salvage.then(BTreeSet::new);
+        let mut batch: Vec<Raw> = Vec::new();
+        let mut bytes = 0;
+        let mut unreadable = false;
+        for backwards in [false, true] {
+            source.each(backwards, |row| {
+                match (row, &mut seen) {
+                    (Ok(raw), seen) => {
+                        let key = (raw.address.point, raw.address.estimate, raw.block);
+                        if seen.as_mut().is_none_or(|seen| seen.insert(key)) {
+                            bytes += raw.sums.len();
+                            batch.push(raw);
+                        }
+                    }
+                    (Err(error), Some(_)) if error.is_damage() => {
+                        merged.damaged += u64::from(!backwards);
+                        unreadable |= !matches!(error, StoreError::DamagedRow { .. });
+                    }
+                    (Err(error), _) => return Err(error),
+                }
+                if batch.len() >= BATCH.0 || bytes >= BATCH.1 {
+                    bytes = 0;
+                    self.take_over(&std::mem::take(&mut batch), &mut merged)?;
+                }
+                Ok(())
+            })?;
+            // Where reading ended at a damaged page, what lies behind it can be read from the other end.
+            if !unreadable {
+                break;
+            }
+        }
+        self.take_over(&batch, &mut merged)?;
+        match self.take_over_provenance(source) {
+            Err(error) if salvage && error.is_damage() => {}
+            taken => taken?,
+        }
+        Ok(merged)
+    }
+
+    fn take_over(&mut self, batch: &[Raw], merged: &mut Merged) -> Result<(), StoreError> {
+        let failed = |source| StoreError::of(&self.path, source);
+        let transaction = self.connection.transaction().map_err(failed)?;
+        let mut added = 0;
+        for raw in batch {
+            added += u64::from(put(&transaction, &self.path, raw)?);
+        }
+        transaction.commit().map_err(failed)?;
+        merged.added += added;
+        merged.held += batch.len() as u64 - added;
+        Ok(())
+    }
+
+    /// Who computed the rows of another store. A session that went on since it was taken over last is brought up to date.
+    fn take_over_provenance(&mut self, source: &Source) -> Result<(), StoreError> {
+        let theirs = |error| StoreError::of(&source.path, error);
+        let sql = "SELECT session, finished, program, device, trials, seconds FROM provenance";
+        let mut statement = source.connection.prepare(sql).map_err(theirs)?;
+        let mut rows = statement.query([]).map_err(theirs)?;
+        while let Some(row) = rows.next().map_err(theirs)? {
+            let values = params![
+                row.get::<_, Vec<u8>>(0).map_err(theirs)?,
+                row.get::<_, i64>(1).map_err(theirs)?,
+                row.get::<_, String>(2).map_err(theirs)?,
+                row.get::<_, String>(3).map_err(theirs)?,
+                row.get::<_, i64>(4).map_err(theirs)?,
+                row.get::<_, f64>(5).map_err(theirs)?,
+            ];
+            let sql = "INSERT INTO provenance VALUES (?1, ?2, ?3, ?4, ?5, ?6)
+                       ON CONFLICT DO UPDATE SET finished = ?2, device = ?4, trials = ?5, seconds = ?6
+                       WHERE trials < ?5";
+            self.connection.execute(sql, values).map_err(|error| StoreError::of(&self.path, error))?;
+        }
+        Ok(())
+    }
+}
