@@ -108,7 +108,7 @@ pub struct Store {
     path: PathBuf,
     // Closed before the lock is given up.
     connection: Connection,
-    _lock: Lock,
+    _lock: Option<Lock>,
     identity: Identity,
     /// What its provenance is noted under.
     session: Id,
@@ -136,13 +136,13 @@ impl Store {
             connection.transaction_with_behavior(TransactionBehavior::Exclusive).map_err(failed)?;
         schema::claim(&transaction, &path, identity)?;
         transaction.commit().map_err(failed)?;
-        let session = Id::of(&format!(
-            "{}{}{:?}",
-            lock::own_name(),
-            SESSIONS.fetch_add(1, Ordering::Relaxed),
-            SystemTime::now()
-        ));
-        Ok(Store { path, connection, _lock: lock, identity: identity.clone(), session })
+        Ok(Store::of(path, connection, Some(lock), identity))
+    }
+
+    fn of(path: PathBuf, connection: Connection, lock: Option<Lock>, identity: &Identity) -> Store {
+        let count = SESSIONS.fetch_add(1, Ordering::Relaxed);
+        let session = Id::of(&format!("{}{count}{:?}", lock::own_name(), SystemTime::now()));
+        Store { path, connection, _lock: lock, identity: identity.clone(), session }
     }
 
     /// Adds rows, all of them or, on an error, none; and notes in the same step what this session has done so far, if that

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::run::Plan;
-use sagnac::store::{Source, Store};
+use sagnac::store::Source;
 use sagnac::study::Study;
 
 use super::Failure;
@@ -52,7 +52,8 @@ pub fn check(options: &Options) -> Result<(), Failure> {
 }
 
 fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
-    let report = Source::open(folder)?.check()?;
+    let source = Source::open(folder)?;
+    let report = source.check()?;
     let mut faults: Vec<String> = report.faults.iter().map(ToString::to_string).collect();
     let mut lacking = 0;
     let mut about = "no study is beside them".to_owned();
@@ -60,7 +61,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
     if faults.is_empty() && resolved.is_file() {
         let study = Study::read(&resolved)?;
         let plan = Plan::new(&study)?;
-        let store = Store::open(folder, &plan.identity())?;
+        let store = source.into_store(&plan.identity())?;
         lacking = plan.lacks(&store)?;
         about = if lacking == 0 { "complete".to_owned() } else { format!("{lacking} trials are missing") };
         let tables = plan.tables(&store, &Shown::new(quiet))?;

@@ -13,8 +13,9 @@ use super::{FILE, Identity, Store, StoreError, put, schema};
 #[derive(Debug)]
 pub struct Source {
     pub(super) path: PathBuf,
+    // Closed before the lock is given up.
     pub(super) connection: Connection,
-    _lock: Option<Lock>,
+    lock: Option<Lock>,
 }
 
 /// What was taken over from another store.
@@ -68,7 +69,18 @@ impl Source {
             let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI;
             Connection::open_with_flags(uri, flags).map_err(failed)?
         };
-        Ok(Source { path, connection, _lock: lock })
+        Ok(Source { path, connection, lock })
+    }
+
+    /// The same as a store of this study. Where the folder is read-only nothing can be added to it.
+    ///
+    /// # Errors
+    /// It is of another study, program or version, or damaged.
+    pub fn into_store(self, identity: &Identity) -> Result<Store, StoreError> {
+        if let Some(claim) = self.claim()? {
+            schema::is_same(&claim, identity, &self.path)?;
+        }
+        Ok(Store::of(self.path, self.connection, self.lock, identity))
     }
 
     /// Whose results these are; `None` where nothing was ever kept.

@@ -291,6 +291,9 @@ impl Study {
         if let Some(trials) = &written.trials {
             places.add("trials", trials.span());
         }
+        if let Some(precision) = &file.precision {
+            places.add("precision", precision.span());
+        }
         if kind.is_exact() {
             check_exact(&file)?;
         }

@@ -12,7 +12,7 @@ use sagnac::store::Store;
 use sagnac::study::{GapFill, Point, Study};
 use sagnac::table::{Cell, Table};
 
-struct Silent;
+pub struct Silent;
 
 impl Progress for Silent {
     fn start(&self, _: &'static str, _: u64, _: u64) {}
