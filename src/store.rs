@@ -100,8 +100,8 @@ pub struct Provenance {
 /// - **Nothing counts twice.** A trial is in one row or in rows that nest, of which the outermost counts, so the same rows
 ///   can be inserted or [merged](Store::merge) any number of times and in any order.
 /// - **Nothing wrong is read.** Every row carries a checksum over all of it and the digest of the parameters that it was
-///   computed from; both are checked whenever it is read, as is the structure of the file when it is opened. What is not as it was written is an
-///   error and never a number.
+///   computed from, and all rows are checked when the store is opened, as is the structure of the file, and each again
+///   whenever it is read. What is not as it was written is an error and never a number.
 /// - **One study.** A folder holds the results of one study id, computed by one version of its kernels.
 #[derive(Debug)]
 pub struct Store {
@@ -131,6 +131,7 @@ impl Store {
         let mut connection = Connection::open(&path).map_err(failed)?;
         exclusive(&connection).map_err(failed)?;
         structure(&connection, &path, "quick_check")?;
+        all_sound(&connection, &path)?;
         // The tables and whose they are: all or nothing, or a run killed here would leave a folder that is nobody's.
         let transaction =
             connection.transaction_with_behavior(TransactionBehavior::Exclusive).map_err(failed)?;
@@ -286,6 +287,28 @@ fn structure(connection: &Connection, path: &Path, check: &str) -> Result<(), St
         "ok" => Ok(()),
         fault => Err(StoreError::Damaged { path: path.to_owned(), what: fault.replace('\n', "; ") }),
     }
+}
+
+/// Reads every row. A row is looked for by its key, so one with an altered key would hide those behind it; SQLite's quick check
+/// does not see that.
+fn all_sound(connection: &Connection, path: &Path) -> Result<(), StoreError> {
+    if schema::is_empty(connection, path)? {
+        return Ok(());
+    }
+    schema::claimed(connection, path)?;
+    let failed = |source| StoreError::of(path, source);
+    let mut statement = connection.prepare(&format!("SELECT {COLUMNS} FROM tally")).map_err(failed)?;
+    let mut rows = statement.query([]).map_err(failed)?;
+    let mut before = None;
+    while let Some(row) = rows.next().map_err(failed)? {
+        let raw = Raw::read(row).map_err(failed)?.sound(path)?;
+        let key = Some((raw.address.point, raw.address.estimate, raw.block));
+        if key <= before {
+            return Err(raw.damaged(path, "it is out of its place"));
+        }
+        before = key;
+    }
+    Ok(())
 }
 
 /// Adds a row where it is not there yet; whether it was not.

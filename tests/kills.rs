@@ -21,13 +21,20 @@ const POINTS: usize = 100;
 
 fn studies() -> [(&'static str, String); 2] {
     let sweep = |key: &str, unit: &str| {
-        let list: Vec<String> = (1..=POINTS).map(|i| format!("\"{} {unit}\"", 0.01 * i as f64)).collect();
+        let list: Vec<String> = (1..=POINTS).map(|i| format!("\"{i}e-2 {unit}\"")).collect();
         format!("[[sweep]]\nkey = \"{key}\"\nlist = [{}]\n", list.join(", "))
     };
     let swept = |text: &str, sweep: String| text.split("[[sweep]]").next().unwrap().to_owned() + &sweep;
     [
-        ("moments", swept(MOMENTS, sweep("motion.frequency", "Hz")).replace("1000", "400_000")),
-        ("rows", swept(ROWS, sweep("noise.angle_random_walk", "deg/sqrt(h)")).replace("150", "3000")),
+        (
+            "moments",
+            swept(MOMENTS, sweep("motion.frequency", "Hz")).replace("trials = 1000", "trials = 400_000"),
+        ),
+        (
+            "rows",
+            swept(ROWS, sweep("noise.angle_random_walk", "deg/sqrt(h)"))
+                .replace("trials = 150", "trials = 3000"),
+        ),
     ]
 }
 
@@ -57,12 +64,12 @@ fn killed(child: &mut Child, folder: &Path, random: &mut rand::rngs::SmallRng) -
     let journal = folder.join(format!("{FILE}-wal"));
     let size = || journal.metadata().map_or(0, |file| file.len());
     let (started, before) = (Instant::now(), size());
-    // Half of the kills come while the journal grows, half at any time after it began to.
-    while size() <= before.max(1) && child.try_wait().unwrap().is_none() {
+    // Half of the kills come while the journal grows by rows, which is more than whose they are, half at any time after that.
+    while size() <= before + (20 << 10) && child.try_wait().unwrap().is_none() {
         assert!(started.elapsed() < Duration::from_secs(60), "nothing was written");
         std::thread::sleep(Duration::from_micros(100));
     }
-    let wait = if random.random() { random.random_range(0..3_000) } else { random.random_range(0..1_000_000) };
+    let wait = if random.random() { random.random_range(0..300) } else { random.random_range(0..1_000_000) };
     std::thread::sleep(Duration::from_micros(wait));
     child.kill().unwrap();
     child.wait().unwrap().code().is_none()
@@ -73,7 +80,8 @@ fn is_torn(folder: &Path) -> bool {
     let Ok(journal) = std::fs::read(folder.join(format!("{FILE}-wal"))) else { return false };
     let Some((header, frames)) = journal.split_at_checked(32) else { return false };
     let page = u32::from_be_bytes(header[8..12].try_into().unwrap()) as usize;
-    let present = frames.chunks(24 + page).take_while(|frame| frame.len() > 24 && frame[8..16] == header[16..24]);
+    let present =
+        frames.chunks(24 + page).take_while(|frame| frame.len() > 24 && frame[8..16] == header[16..24]);
     present.last().is_some_and(|frame| frame.len() < 24 + page || frame[4..8] == [0; 4])
 }
 

@@ -13,7 +13,7 @@ use sagnac::backend::Device;
 use sagnac::run::Plan;
 use sagnac::share::Share;
 use sagnac::store::{Source, Store};
-use stores::{MOMENTS, ROWS, RUNS, cpu, csv, finished, rows, sample, study};
+use stores::{MOMENTS, ROWS, RUNS, cpu, csv, finished, folder, rows, sample, study};
 use studies::Silent;
 
 /// One, two and three threads of the CPU, and an adapter.
@@ -31,7 +31,7 @@ fn sharded(
     device: impl Fn(u64) -> usize,
     seed: u64,
 ) -> Vec<u8> {
-    let folders: Vec<_> = (0..of).map(|_| tempfile::tempdir().unwrap()).collect();
+    let folders: Vec<_> = (0..of).map(|_| folder()).collect();
     let mut order: Vec<u64> = (0..of).collect();
     let mut random = rand::rngs::SmallRng::seed_from_u64(seed);
     order.shuffle(&mut random);
@@ -40,10 +40,13 @@ fn sharded(
         sample(plan, folders[index as usize].path(), &mut devices[device(index)], share).unwrap();
     }
     order.shuffle(&mut random);
-    let out = tempfile::tempdir().unwrap();
+    let out = folder();
     let mut store = Store::open(out.path(), &plan.identity()).unwrap();
     for (at, &index) in order.iter().enumerate() {
-        assert!(at == 0 || plan.lacks(&store).unwrap() > 0 || of > 32, "share {at} of {of} has nothing to add");
+        assert!(
+            at == 0 || plan.lacks(&store).unwrap() > 0 || of > 32,
+            "share {at} of {of} has nothing to add"
+        );
         store.merge(&Source::open(folders[index as usize].path()).unwrap(), false).unwrap();
     }
     assert_eq!(plan.lacks(&store).unwrap(), 0, "{of} shares are not the whole");
@@ -57,7 +60,7 @@ fn any_split_on_any_devices_merges_to_the_same_tables() {
     for (text, trials) in [(MOMENTS, 5000), (ROWS, 150), (RUNS, 500)] {
         let study = study(text, trials, 1);
         let plan = Plan::new(&study).unwrap();
-        let whole = finished(&plan, tempfile::tempdir().unwrap().path(), &mut devices[0]).unwrap();
+        let whole = finished(&plan, folder().path(), &mut devices[0]).unwrap();
         let all = devices.len() as u64;
         for of in [1, 2, 7, 64] {
             // Each device alone, then all of them mixed.
@@ -77,8 +80,8 @@ fn any_split_on_any_devices_merges_to_the_same_tables() {
 fn shares_of_several_splits_merge_too() {
     let study = study(MOMENTS, 1000, 1);
     let plan = Plan::new(&study).unwrap();
-    let whole = finished(&plan, tempfile::tempdir().unwrap().path(), &mut cpu(1)).unwrap();
-    let out = tempfile::tempdir().unwrap();
+    let whole = finished(&plan, folder().path(), &mut cpu(1)).unwrap();
+    let out = folder();
     // Overlapping, and more than is needed.
     for (number, of) in [(2, 3), (1, 2), (2, 2), (5, 7)] {
         sample(&plan, out.path(), &mut cpu(1), Share::new(number, of).unwrap()).unwrap();
@@ -154,7 +157,11 @@ fn a_task_of_a_job_array_runs_its_share() {
         ("SLURM_ARRAY_TASK_STEP", "1"),
     ];
     let ended = desk.sagnac_with(run, &array);
-    assert!(ended.stderr.contains("share 3 of 4 is done and in results/study/shard-3-of-4"), "{}", ended.stderr);
+    assert!(
+        ended.stderr.contains("share 3 of 4 is done and in results/study/shard-3-of-4"),
+        "{}",
+        ended.stderr
+    );
     desk.fails(run, 2, &["SLURM_ARRAY_TASK_ID is not set", "--array=1-N"]);
 }
 
@@ -195,10 +202,14 @@ fn what_does_not_belong_together_is_not_merged() {
     desk.fails("merge a empty --out c --study study.toml", 2, &["empty has no results", "tallies.sqlite"]);
     desk.fails("check empty", 2, &["empty has no results"]);
     assert_eq!(desk.names("."), ["a", "b", "empty", "study.toml"], "something was left behind");
-    desk.fails("merge a b --out c --study study.toml", 3, &["b/tallies.sqlite holds", "another study (seed 2"]);
+    desk.fails(
+        "merge a b --out c --study study.toml --seed 1",
+        3,
+        &["b/tallies.sqlite holds", "another study (seed 2"],
+    );
     // Studies that differ in what they show alone can be merged under one of them.
     desk.write("more.toml", &with("[chart]\nx = \"dt_nu\"\ny = \"q9973\""));
     desk.done("run more.toml --device cpu --trials 1000 --out d");
-    desk.done("merge a d --out e --study more.toml");
+    desk.done("merge a d --out e --study more.toml --trials 1000");
     assert_eq!(desk.read("e/points.csv"), desk.read("d/points.csv"));
 }

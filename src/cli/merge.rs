@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::store::{Merged, Source, Store};
-use sagnac::study::Study;
+use sagnac::study::{MOST_TRIALS, Study};
 
 use super::Failure;
 use super::output::print_json;
@@ -22,6 +22,12 @@ pub struct Options {
     /// Study file whose tables and charts are made [default: the resolved_study.toml that the folders share]
     #[arg(long, value_name = "STUDY")]
     study: Option<PathBuf>,
+    /// Trials at each point, in place of the study's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
+    trials: Option<u64>,
+    /// Seed, in place of the study's
+    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    seed: Option<u64>,
     /// Leave damaged rows out instead of refusing their folder
     #[arg(long)]
     salvage: bool,
@@ -35,7 +41,9 @@ pub struct Options {
 
 /// Merges results, and makes tables and charts of the whole.
 pub fn merge(options: &Options) -> Result<(), Failure> {
-    let study = study(options)?;
+    let mut study = study(options)?;
+    study.trials = options.trials.unwrap_or(study.trials);
+    study.seed = options.seed.unwrap_or(study.seed);
     let plan = checked(&study)?;
     // Before a folder is made: a mistyped name leaves nothing behind.
     let sources = distinct(options).map(|folder| Ok((folder, Source::open(folder)?)));

@@ -9,6 +9,7 @@ use sagnac::run::{Plan, RunError, Tables};
 use sagnac::share::Share;
 use sagnac::store::{FILE, Store};
 use sagnac::study::Study;
+use tempfile::TempDir;
 
 use super::studies::{Silent, parsed};
 
@@ -61,6 +62,11 @@ duration = "10 min"
 trajectories = 3
 "#;
 
+/// A folder of its own; in memory where that can be had, as a disk that is waited for takes most of the time.
+pub fn folder() -> TempDir {
+    tempfile::tempdir_in("/dev/shm").or_else(|_| tempfile::tempdir()).unwrap()
+}
+
 pub fn study(text: &str, trials: u64, seed: u64) -> Study {
     let mut study = parsed("study.toml", text);
     (study.trials, study.seed) = (trials, seed);
@@ -98,6 +104,10 @@ pub fn finished(plan: &Plan, folder: &Path, device: &mut Device) -> Result<Vec<u
 pub fn rows(folder: &Path) -> Vec<String> {
     let connection = rusqlite::Connection::open(folder.join(FILE)).unwrap();
     let sql = "SELECT hex(point), hex(estimate), first, log2, hex(digest), hex(sums), checksum FROM tally";
+    let has_tables = connection.prepare("SELECT 1 FROM sqlite_schema").unwrap().exists([]).unwrap();
+    if !has_tables {
+        return vec![];
+    }
     let mut statement = connection.prepare(sql).unwrap();
     let text = |row: &rusqlite::Row| -> rusqlite::Result<String> {
         let [point, estimate, digest, sums] = [0, 1, 4, 5].map(|column| row.get::<_, String>(column));
