@@ -92,7 +92,7 @@ impl<'a> Worker<'a> {
         work: impl Fn(&mut Device, &(dyn Fn(u64) + Sync)) -> Result<T, GpuError>,
     ) -> Result<T, GpuError> {
         let told = AtomicU64::new(0);
-        let mut was_lost = false;
+        let (mut was_lost, mut was_short) = (false, false);
         loop {
             let done = AtomicU64::new(0);
             // What a failed attempt had done is not told again.
@@ -111,7 +111,11 @@ impl<'a> Worker<'a> {
             match error {
                 GpuError::OutOfMemory if halve(gpu) => {
                     let name = gpu.name().to_owned();
-                    self.say(format!("{name} is out of memory: it goes on with smaller tiles"));
+                    // Once, though it may take several halvings.
+                    if !was_short {
+                        self.say(format!("{name} is out of memory: it goes on with smaller tiles"));
+                    }
+                    was_short = true;
                 }
                 GpuError::Lost(_) if !was_lost => {
                     was_lost = true;

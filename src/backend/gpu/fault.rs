@@ -138,8 +138,7 @@ impl Gpu {
 
     /// Ends what a failure has left behind, so that nothing of it reaches the next work, and says what it was: wgpu tells of
     /// some losses only when all is done, and before that complains of what follows from them.
-    pub(super) fn settled(&mut self, error: GpuError) -> GpuError {
-        self.table = None;
+    pub(super) fn settled(&self, error: GpuError) -> GpuError {
         if matches!(error, GpuError::Lost(_)) {
             return error;
         }
