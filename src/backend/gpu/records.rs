@@ -43,10 +43,13 @@ impl Gpu {
         made.map_err(|error| self.settled(error))
     }
 
-    /// Halves its batches of records for good, after memory ran out; `false` where the last one was of one record.
+    /// Halves its batches of records for good, after memory ran out; `false` where the last one was the least already.
     pub(crate) fn halve_batches(&mut self) -> bool {
-        self.most_lanes = (self.lanes / 2).max(1);
-        self.lanes > 1
+        let halves = self.lanes > 1;
+        // Also where it ran out before a batch was begun.
+        self.lanes /= 2;
+        self.most_lanes = self.lanes.max(1);
+        halves
     }
 
     fn batches(
