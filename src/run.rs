@@ -6,6 +6,7 @@ pub(crate) mod gap_fill;
 mod relock;
 mod sampling;
 pub(crate) mod switched_run;
+pub(crate) mod worker;
 
 use crate::backend::Device;
 use crate::backend::gpu::GpuError;
@@ -18,6 +19,7 @@ use crate::share::Share;
 use crate::store::{Identity, Store, StoreError};
 use crate::study::{Source, Study, StudyError, Subject, Swept};
 use crate::table::{Column, Table, Unit};
+use worker::Worker;
 
 /// Why a run ended early. What was computed before is in the store.
 #[derive(Debug, thiserror::Error)]
@@ -56,8 +58,8 @@ pub struct Done {
     pub seconds: f64,
     /// Whether it ended before all was done, as [`Progress::stops`] asked for.
     pub stopped: bool,
-    /// Why some of it was not done as asked, in a sentence.
-    pub degraded: Option<String>,
+    /// Why some of it was not done as asked, each in a sentence.
+    pub degraded: Vec<String>,
 }
 
 /// The results of a study, each a table of its own.
@@ -141,8 +143,12 @@ impl<'a> Plan<'a> {
     /// Samples what the store lacks of a share. `progress` hears how much there is in all and, as it comes, what is done; what
     /// earlier runs left is done already.
     ///
+    /// A GPU that fails ends no run: it takes smaller tiles when memory runs out, is opened again when it is lost, and where
+    /// neither helps `device` becomes the CPU. The results are the same bits; [`Done::degraded`] says what happened.
+    ///
     /// # Errors
-    /// The device or the disk fails; what was sampled before is in the store.
+    /// The disk fails, or the device, and there are no threads for the CPU to take its place; what was sampled before is in the
+    /// store.
     pub fn run(
         &self,
         store: &mut Store,
@@ -150,15 +156,16 @@ impl<'a> Plan<'a> {
         share: Share,
         progress: &(dyn Progress + Sync),
     ) -> Result<Done, RunError> {
+        let mut worker = Worker::new(device, progress);
         let done = match &self.work {
-            Work::GapFill(plan) => plan.run(store, device, share, progress)?,
-            Work::Allan(plan) => plan.run(store, device, share, progress)?,
-            Work::SwitchedRun(plan) => plan.run(store, device, share, progress)?,
-            Work::Relock(plan) => plan.run(store, device, share, progress)?,
-            Work::Exact(_) => Done { trials: 0, seconds: 0.0, stopped: false, degraded: None },
+            Work::GapFill(plan) => plan.run(store, &mut worker, share, progress)?,
+            Work::Allan(plan) => plan.run(store, &mut worker, share, progress)?,
+            Work::SwitchedRun(plan) => plan.run(store, &mut worker, share, progress)?,
+            Work::Relock(plan) => plan.run(store, &mut worker, share, progress)?,
+            Work::Exact(_) => Done { trials: 0, seconds: 0.0, stopped: false, degraded: vec![] },
         };
         progress.finish();
-        Ok(done)
+        Ok(Done { degraded: worker.into_notes(), ..done })
     }
 
     /// Trials that the store still lacks, over all points.
@@ -267,6 +274,8 @@ pub trait Progress {
     fn start(&self, unit: &'static str, done: u64, total: u64);
     /// So many more are done.
     fn advance(&self, more: u64);
+    /// Something to be known at once, in a sentence.
+    fn note(&self, sentence: &str);
     fn finish(&self);
     /// Whether to end before all is done, with what was sampled kept. A run asks after every batch, some times a second.
     fn stops(&self) -> bool {

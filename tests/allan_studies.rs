@@ -21,6 +21,7 @@ struct Silent;
 impl Progress for Silent {
     fn start(&self, _: &'static str, _: u64, _: u64) {}
     fn advance(&self, _: u64) {}
+    fn note(&self, _: &str) {}
     fn finish(&self) {}
 }
 

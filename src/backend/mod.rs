@@ -4,7 +4,8 @@ pub mod cpu;
 pub mod gpu;
 mod select;
 
-pub use select::{SelectError, Selection, every_adapter, select};
+pub(crate) use select::reopen;
+pub use select::{SelectError, Selection, every_adapter, select, trusted};
 
 use crate::block::Block;
 use crate::kernel::launch::Launch;
@@ -37,7 +38,7 @@ impl Device {
     /// Tallies of each job, in order; `progress` hears of trials as they are done.
     ///
     /// # Errors
-    /// A GPU is lost or refuses; nothing of the jobs is kept.
+    /// A GPU is lost, refuses or is out of memory; nothing of the jobs is kept.
     pub fn tally(
         &mut self,
         jobs: &[Job],
@@ -54,7 +55,8 @@ impl Device {
     /// records as they are done.
     ///
     /// # Errors
-    /// A GPU is lost or refuses, or a record is too long for it: [`TooLong`](gpu::GpuError::TooLong), which the CPU takes.
+    /// A GPU is lost, refuses or is out of memory, or a record is too long for it: [`TooLong`](gpu::GpuError::TooLong), which
+    /// the CPU takes.
     pub fn sums(
         &mut self,
         recipe: &Recipe,
@@ -80,7 +82,7 @@ impl Device {
     /// The results of a building block for a list of items.
     ///
     /// # Errors
-    /// A GPU is lost or refuses.
+    /// A GPU is lost, refuses or is out of memory.
     pub fn map(&mut self, map: &Map, items: &[u32]) -> Result<Vec<u32>, gpu::GpuError> {
         match self {
             Device::Cpu(cpu) => Ok((map.cpu)(cpu.width(), items)),

@@ -95,7 +95,12 @@ fn auto(threads: usize) -> Result<Selection, SelectError> {
             }
         };
     };
-    match open(adapter, "a GPU that passed its self-test") {
+    or_cpu(open(adapter, "a GPU that passed its self-test"), threads)
+}
+
+/// The CPU in place of a GPU that cannot be used, and why.
+fn or_cpu(opened: Result<Selection, SelectError>, threads: usize) -> Result<Selection, SelectError> {
+    match opened {
         Err(error) => cpu(Width::widest(), threads, &error.to_string().replace('\n', "; ")),
         selected => selected,
     }
@@ -106,11 +111,44 @@ fn cpu(width: Width, threads: usize, reason: &str) -> Result<Selection, SelectEr
 }
 
 fn open(adapter: &Adapter, reason: &str) -> Result<Selection, SelectError> {
-    let name = adapter.name();
-    let failed = |source| SelectError::Gpu { name: name.clone(), source };
-    let mut device = Device::Gpu(Box::new(Gpu::open(adapter, adapter.variant()).map_err(failed)?));
-    match self_test(&mut device).map_err(failed)? {
-        None => Ok(Selection { device, reason: reason.to_owned() }),
-        Some(kernel) => Err(SelectError::Untrusted { name, kernel }),
+    let opened = Gpu::open(adapter, adapter.variant());
+    let gpu = opened.map_err(|source| SelectError::Gpu { name: adapter.name(), source })?;
+    Ok(Selection { device: trusted(gpu)?, reason: reason.to_owned() })
+}
+
+/// A device that was lost, opened again on its adapter.
+///
+/// # Errors
+/// It cannot be opened, or fails its self-test.
+pub(crate) fn reopen(lost: &Gpu) -> Result<Device, SelectError> {
+    let opened = lost.opened_again();
+    trusted(opened.map_err(|source| SelectError::Gpu { name: lost.name().to_owned(), source })?)
+}
+
+/// A GPU that has passed its self-test.
+///
+/// # Errors
+/// It computes other bits than the CPU, or fails.
+pub fn trusted(gpu: Gpu) -> Result<Device, SelectError> {
+    let name = gpu.name().to_owned();
+    let mut device = Device::Gpu(Box::new(gpu));
+    match self_test(&mut device) {
+        Ok(None) => Ok(device),
+        Ok(Some(kernel)) => Err(SelectError::Untrusted { name, kernel }),
+        Err(source) => Err(SelectError::Gpu { name, source }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn auto_takes_the_cpu_for_a_gpu_that_cannot_be_trusted_and_says_why() {
+        let untrusted = SelectError::Untrusted { name: "Some GPU".to_owned(), kernel: "sine" };
+        let Selection { device, reason } = or_cpu(Err(untrusted), 0).unwrap();
+        assert!(matches!(device, Device::Cpu(_)), "{}", device.name());
+        assert!(reason.contains("Some GPU computes other bits than the CPU in sine"), "{reason}");
+        assert!(!reason.contains('\n'), "{reason:?}");
     }
 }

@@ -75,6 +75,14 @@ impl Progress for Shown {
         }
     }
 
+    fn note(&self, sentence: &str) {
+        match self {
+            Shown::Nothing => {}
+            Shown::Bar(bar) => bar.suspend(|| eprintln!("note: {sentence}")),
+            Shown::Lines(_) => eprintln!("note: {sentence}"),
+        }
+    }
+
     fn finish(&self) {
         if let Shown::Bar(bar) = self {
             bar.finish_and_clear();

@@ -23,6 +23,7 @@ use crate::kernel::moments::Moments;
 use crate::lower::RunLowerError;
 use crate::run::NORMAL_95;
 use crate::run::switched_run::late;
+use crate::run::worker::Worker;
 use crate::stats::Estimates;
 use crate::study::{RunAngle, Study, SwitchedRun, Timing};
 use crate::theory::drift::Optimum as Minimum;
@@ -207,8 +208,9 @@ pub fn design(
     // And the optimum of each filler, and what the paper's rule would choose.
     let total: usize = chosen.iter().map(|candidates| candidates.len() + 2).sum();
     progress.start("trials", 0, total as u64 * trials);
+    let mut worker = Worker::new(device, progress);
     let mut sampled = |candidate: &Candidate| {
-        let parts = sampling::parts(&candidate.filled, trials, device, progress)?;
+        let parts = sampling::parts(&candidate.filled, trials, &mut worker, progress)?;
         of_parts(candidate, &parts, measure, trials)
     };
     let mut fillers = Vec::new();
@@ -245,7 +247,7 @@ pub fn design(
         trials,
         duration_s: point.schedule.duration_s,
         non_magnetic: point.drift.non_magnetic,
-        notes: notes(study, &runs),
+        notes: worker.into_notes().into_iter().chain(notes(study, &runs)).collect(),
         fillers,
         best,
     })

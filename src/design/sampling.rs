@@ -1,11 +1,12 @@
 //! Runs of one candidate, in parts.
 
+use crate::backend::Job;
 use crate::backend::gpu::GpuError;
-use crate::backend::{Device, Job};
 use crate::block::Block;
 use crate::kernel::moments::Moments;
 use crate::lower::FilledRun;
 use crate::run::Progress;
+use crate::run::worker::Worker;
 
 /// Parts of the trials, for the jackknife.
 const PARTS: u64 = 32;
@@ -19,7 +20,7 @@ pub(super) fn trials(asked: u64) -> u64 {
 pub(super) fn parts(
     filled: &FilledRun,
     trials: u64,
-    device: &mut Device,
+    worker: &mut Worker,
     progress: &(dyn Progress + Sync),
 ) -> Result<Vec<[Moments; 2]>, GpuError> {
     let of_part = trials / PARTS;
@@ -28,7 +29,7 @@ pub(super) fn parts(
     let Some((launch, _)) = launches.first() else { return Ok(vec![]) };
     let block = |part: u64| Block { first: part * of_part, log2 };
     let jobs: Vec<Job> = (0..PARTS).map(|part| Job { launch, block: block(part) }).collect();
-    let results = device.tally(&jobs, true, &|trials| progress.advance(trials))?;
+    let results = worker.tally(&jobs, &|trials| progress.advance(trials))?;
     Ok(results
         .into_iter()
         .map(|tallies| {

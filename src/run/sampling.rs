@@ -3,8 +3,9 @@
 use std::ops::Range;
 use std::time::Instant;
 
+use super::worker::Worker;
 use super::{BATCH_SECONDS, Progress, RunError};
-use crate::backend::{Device, Job};
+use crate::backend::Job;
 use crate::block::{Block, cover, missing};
 use crate::kernel::launch::Launch;
 use crate::kernel::moments::Moments;
@@ -56,7 +57,7 @@ pub(super) fn lacking<'a>(
 pub(super) fn sample(
     work: &[Work],
     store: &mut Store,
-    device: &mut Device,
+    worker: &mut Worker,
     progress: &(dyn Progress + Sync),
     started: Instant,
 ) -> Result<u64, RunError> {
@@ -74,7 +75,7 @@ pub(super) fn sample(
         let batch_started = Instant::now();
         let batch = take_batch(&mut rest, batch_steps);
         let jobs: Vec<Job> = batch.iter().map(|&(work, block)| Job { launch: &work.launch, block }).collect();
-        let results = device.tally(&jobs, true, &|trials| progress.advance(trials))?;
+        let results = worker.tally(&jobs, &|trials| progress.advance(trials))?;
         let rows: Vec<Row<Moments>> = batch
             .iter()
             .zip(results)
@@ -85,7 +86,7 @@ pub(super) fn sample(
             .collect();
         sampled += batch.iter().map(|(_, block)| block.trials()).sum::<u64>();
         let seconds = started.elapsed().as_secs_f64();
-        store.insert(&rows, Some(&Provenance { device: device.name(), trials: sampled, seconds }))?;
+        store.insert(&rows, Some(&Provenance { device: worker.name(), trials: sampled, seconds }))?;
         let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
         batch_steps = ((batch_steps as f64 * factor) as u64).max(1);
     }

@@ -1,9 +1,8 @@
 //! Tiles: what the device does in one go, in buffers that are used again.
 
-use std::sync::mpsc;
+use wgpu::BufferUsages;
 
-use wgpu::{BufferUsages, util::DeviceExt};
-
+use super::fault::Submission;
 use super::source::{GROUPS_PER_ROW, PARTIAL_WORDS};
 use super::{Gpu, GpuError};
 use crate::kernel::launch::Launch;
@@ -32,6 +31,11 @@ impl Part<'_> {
         self.pieces.iter().map(|piece| piece.count).sum()
     }
 
+    /// Steps of all pieces.
+    pub(super) fn steps(&self) -> u64 {
+        self.trials() * self.launch.steps()
+    }
+
     /// Trials of a workgroup.
     fn trials_of_group(&self, workgroup: u32) -> u64 {
         self.launch.most_rounds() * u64::from(workgroup)
@@ -58,8 +62,7 @@ pub struct InFlight<'a> {
     parts: Vec<Part<'a>>,
     histogram: bool,
     results: wgpu::Buffer,
-    mapped: mpsc::Receiver<Result<(), wgpu::BufferAsyncError>>,
-    submission: wgpu::SubmissionIndex,
+    submission: Submission,
 }
 
 /// Partial sums and histograms of one part lie one after the other, each part at a multiple of this many bytes.
@@ -87,7 +90,7 @@ impl Place {
 
 impl Gpu {
     /// Hands a tile to the device.
-    pub(super) fn submit<'a>(
+    pub(super) fn launch<'a>(
         &mut self,
         parts: Vec<Part<'a>>,
         histogram: bool,
@@ -104,21 +107,17 @@ impl Gpu {
             "work",
             size,
             BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
-        );
-        let results = self.buffer("results", size, BufferUsages::MAP_READ | BufferUsages::COPY_DST);
+        )?;
+        let results = self.buffer("results", size, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         encoder.clear_buffer(&work, 0, None);
         for (part, place) in parts.iter().zip(&places) {
             self.encode(&mut encoder, part, place, histogram, &work)?;
         }
         encoder.copy_buffer_to_buffer(&work, 0, &results, 0, size);
-        let submission = self.queue.submit([encoder.finish()]);
-        let (send, mapped) = mpsc::channel();
-        results.map_async(wgpu::MapMode::Read, .., move |result| {
-            // A tile that nobody waits for any more needs no answer.
-            let _ = send.send(result);
-        });
-        Ok(InFlight { parts, histogram, results, mapped, submission })
+        let submission = self.submit(encoder, parts.iter().map(Part::steps).sum())?;
+        results.map_async(wgpu::MapMode::Read, .., |_| {});
+        Ok(InFlight { parts, histogram, results, submission })
     }
 
     fn encode(
@@ -140,9 +139,10 @@ impl Gpu {
         }
         let mut words = part.launch.words.clone();
         words.resize(words.len().next_multiple_of(4), 0);
-        let parameters = self.upload("parameters", bytemuck::cast_slice(&words), BufferUsages::UNIFORM);
-        let jobs = self.upload("jobs", bytemuck::cast_slice(&jobs), BufferUsages::STORAGE);
-        let table = part.launch.sampled.has_table().then(|| self.table(&part.launch.table));
+        let parameters = self.upload("parameters", bytemuck::cast_slice(&words), BufferUsages::UNIFORM)?;
+        let jobs = self.upload("jobs", bytemuck::cast_slice(&jobs), BufferUsages::STORAGE)?;
+        let has_table = part.launch.sampled.has_table();
+        let table = has_table.then(|| self.table(&part.launch.table)).transpose()?;
         let pipeline = self.pipeline_of(part.launch.sampled, histogram)?;
         let range = |offset: u64, end: u64| {
             let size = std::num::NonZeroU64::new(end - offset);
@@ -172,21 +172,18 @@ impl Gpu {
 
     /// Waits for a tile and adds its tallies to the results.
     pub(super) fn collect(&self, tile: InFlight, results: &mut [Vec<Moments>]) -> Result<(), GpuError> {
-        let wait = wgpu::PollType::Wait { submission_index: Some(tile.submission), timeout: None };
-        self.device.poll(wait).map_err(|error| GpuError::Lost(error.to_string()))?;
-        self.failure()?;
-        match tile.mapped.recv() {
-            Ok(Ok(())) => {}
-            Ok(Err(error)) => return Err(GpuError::Lost(error.to_string())),
-            Err(_) => return Err(GpuError::Lost("the results never came".to_owned())),
-        }
-        let bytes = tile.results.get_mapped_range(..).map_err(|error| GpuError::Lost(error.to_string()))?;
+        self.wait(&tile.submission)?;
+        let bytes = self.mapped(&tile.results)?;
         let words: &[u32] = bytemuck::cast_slice(&bytes);
         let mut from = 0;
         for part in &tile.parts {
             let place = Place::of(part, from, tile.histogram, self.variant.workgroup);
             from = place.end;
             add_results(part, &place, tile.histogram, self.variant.workgroup, words, results);
+        }
+        let first = tile.parts.first().and_then(|part| part.pieces.first());
+        if let Some(piece) = first.filter(|_| tile.submission.wrong) {
+            results[piece.to][0].sum ^= 1;
         }
         Ok(())
     }
@@ -228,16 +225,4 @@ fn add_partial(tally: &mut Moments, sums: &[u32]) {
     tally.square += word96(3);
     tally.least = tally.least.min(sums[6] as i32);
     tally.greatest = tally.greatest.max(sums[7] as i32);
-}
-
-impl Gpu {
-    pub(super) fn buffer(&self, label: &str, size: u64, usage: BufferUsages) -> wgpu::Buffer {
-        let label = Some(label);
-        self.device.create_buffer(&wgpu::BufferDescriptor { label, size, usage, mapped_at_creation: false })
-    }
-
-    pub(super) fn upload(&self, label: &str, contents: &[u8], usage: BufferUsages) -> wgpu::Buffer {
-        let label = Some(label);
-        self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label, contents, usage })
-    }
 }

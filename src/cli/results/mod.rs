@@ -69,7 +69,7 @@ impl Results<'_> {
         let notes = draw(study, &tables, folder)?;
         let curves = shown(study, &tables)?;
         let verdicts = verdicts(study, &curves)?;
-        let degraded = done.iter().filter_map(|(done, _)| done.degraded.clone());
+        let degraded = done.iter().flat_map(|(done, _)| done.degraded.clone());
         let notes: Vec<String> = degraded.chain(notes).chain(plan.notes(store)?).collect();
         if out.json {
             return Ok(Some(self.to_json(&tables, &verdicts, &notes)));

@@ -189,7 +189,7 @@ fn run_study(
     });
     let done = done.transpose()?;
     if !course.share.is_whole() {
-        for note in done.iter().filter_map(|done| done.degraded.as_ref()) {
+        for note in done.iter().flat_map(|done| &done.degraded) {
             eprintln!("note: {note}");
         }
         if !options.quiet {

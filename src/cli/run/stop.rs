@@ -152,6 +152,10 @@ impl Progress for Watch<'_> {
         self.shown.advance(more);
     }
 
+    fn note(&self, sentence: &str) {
+        self.shown.note(sentence);
+    }
+
     fn finish(&self) {
         self.shown.finish();
     }

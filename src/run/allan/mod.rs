@@ -3,13 +3,13 @@
 mod coefficients;
 mod curves;
 mod estimates;
-mod make;
+mod rows;
 
 use std::ops::Range;
 use std::time::Instant;
 
+use super::worker::Worker;
 use super::{BATCH_SECONDS, Done, Progress, RunError, Tables};
-use crate::backend::Device;
 use crate::block::{base_log2, fold, missing};
 use crate::fit::Curve;
 use crate::id::Id;
@@ -20,7 +20,7 @@ use crate::study::{Allan, RecordInputs, RecordPoint, Study, StudyError};
 use crate::table::{Table, significant};
 use crate::theory::allan::{Difference, Estimator};
 use estimates::Estimates;
-use make::{Maker, rows};
+use rows::rows;
 
 /// Longest averaging time of the fit, as a part of the record: beyond it intervals of K come out too short.
 const LONGEST_FITTED: u64 = 8;
@@ -92,7 +92,7 @@ impl<'a> Plan<'a> {
     pub(super) fn run(
         &self,
         store: &mut Store,
-        device: &mut Device,
+        worker: &mut Worker,
         share: Share,
         progress: &(dyn Progress + Sync),
     ) -> Result<Done, RunError> {
@@ -106,7 +106,6 @@ impl<'a> Plan<'a> {
         let total = self.distinct().map(of_point).sum::<u64>().max(left);
         progress.start("samples", total - left, total);
         let started = Instant::now();
-        let mut maker = Maker { device, cpu: None, degraded: None };
         let (mut batch_samples, mut made, mut stopped) = (FIRST_BATCH, 0, false);
         for (planned, gap) in lacking {
             stopped = stopped || progress.stops();
@@ -121,22 +120,22 @@ impl<'a> Plan<'a> {
                     break;
                 }
                 let batch_started = Instant::now();
-                let records = (batch_samples / planned.samples).max(maker.device.records_at_once());
+                let records = (batch_samples / planned.samples).max(worker.records_at_once());
                 // Whole blocks where a batch holds some, smaller ones of very long records.
                 let align = 1 << base_log2(trials).min(records.ilog2());
                 let batch = first..gap.end.min((first + records).next_multiple_of(align));
                 let advance = |records| progress.advance(records * planned.samples);
-                let sums = maker.sums(lowered.records.recipe(), batch.clone(), &advance)?;
+                let sums = worker.sums(lowered.records.recipe(), batch.clone(), &advance)?;
                 (first, made) = (batch.end, made + batch.end - batch.start);
                 let seconds = started.elapsed().as_secs_f64();
-                let so_far = Provenance { device: maker.name(), trials: made, seconds };
+                let so_far = Provenance { device: worker.name(), trials: made, seconds };
                 store.insert(&rows(planned, batch, base_log2(trials), &sums), Some(&so_far))?;
                 let factor = BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3);
                 batch_samples = ((batch_samples as f64 * factor.clamp(0.25, 4.0)) as u64).max(1);
             }
         }
         let seconds = started.elapsed().as_secs_f64();
-        Ok(Done { trials: made, seconds, stopped, degraded: maker.degraded })
+        Ok(Done { trials: made, seconds, stopped, degraded: vec![] })
     }
 
     /// Records that the store lacks.

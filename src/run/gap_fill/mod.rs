@@ -6,8 +6,8 @@ mod stop;
 use std::time::Instant;
 
 use super::sampling::{Work, lacking, sample};
+use super::worker::Worker;
 use super::{Done, NORMAL_95, Progress, RunError};
-use crate::backend::Device;
 use crate::block::{Block, base_log2};
 use crate::id::Id;
 use crate::lower::{LowerError, Lowered};
@@ -60,7 +60,7 @@ impl<'a> Plan<'a> {
     pub(super) fn run(
         &self,
         store: &mut Store,
-        device: &mut Device,
+        worker: &mut Worker,
         share: Share,
         progress: &(dyn Progress + Sync),
     ) -> Result<Done, RunError> {
@@ -75,14 +75,14 @@ impl<'a> Plan<'a> {
                 let most = self.launched_trials(&self.most_trials(), share);
                 progress.start("trials", held, most.max(held + left));
             }
-            let sampled = sample(&work, store, device, progress, started)?;
+            let sampled = sample(&work, store, worker, progress, started)?;
             trials += sampled;
             stopped = sampled < left;
             if stopped || !share.is_whole() || !self.raise(&mut wanted, store)? {
                 break;
             }
         }
-        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: None })
+        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
     }
 
     /// Trials that the store lacks; with a precision, before it can be told whether more are needed.

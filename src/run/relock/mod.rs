@@ -5,8 +5,8 @@ mod rows;
 use std::time::Instant;
 
 use super::sampling::{Work, lacking, sample};
+use super::worker::Worker;
 use super::{Done, NORMAL_95, Progress, RunError};
-use crate::backend::Device;
 use crate::block::base_log2;
 use crate::id::Id;
 use crate::kernel::moments::MAX_ESTIMATES;
@@ -47,7 +47,7 @@ impl<'a> Plan<'a> {
     pub(super) fn run(
         &self,
         store: &mut Store,
-        device: &mut Device,
+        worker: &mut Worker,
         share: Share,
         progress: &(dyn Progress + Sync),
     ) -> Result<Done, RunError> {
@@ -60,9 +60,9 @@ impl<'a> Plan<'a> {
         };
         let all: u64 = self.points.iter().enumerate().map(of_point).sum();
         progress.start("trials", all.saturating_sub(left), all.max(left));
-        let trials = sample(&work, store, device, progress, started)?;
+        let trials = sample(&work, store, worker, progress, started)?;
         let seconds = started.elapsed().as_secs_f64();
-        Ok(Done { trials, seconds, stopped: trials < left, degraded: None })
+        Ok(Done { trials, seconds, stopped: trials < left, degraded: vec![] })
     }
 
     /// Trials that the store lacks.

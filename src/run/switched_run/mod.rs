@@ -6,8 +6,8 @@ mod trajectories;
 use std::time::Instant;
 
 use super::sampling::{Work, lacking, sample};
+use super::worker::Worker;
 use super::{Done, NORMAL_95, Progress, RunError, Tables};
-use crate::backend::Device;
 use crate::block::base_log2;
 use crate::id::Id;
 use crate::lower::{FilledRun, LoweredRun, RunLowerError};
@@ -38,7 +38,7 @@ impl<'a> Plan<'a> {
     pub(super) fn run(
         &self,
         store: &mut Store,
-        device: &mut Device,
+        worker: &mut Worker,
         share: Share,
         progress: &(dyn Progress + Sync),
     ) -> Result<Done, RunError> {
@@ -52,13 +52,13 @@ impl<'a> Plan<'a> {
         };
         let all: u64 = self.points.iter().enumerate().map(of_point).sum();
         progress.start("trials", all.saturating_sub(left), all.max(left));
-        let trials = sample(&work, store, device, progress, started)?;
+        let trials = sample(&work, store, worker, progress, started)?;
         let stopped = trials < left;
         // They are few: the first share makes them all.
         if !stopped && share.number() == 1 {
             trajectories::keep(self, store)?;
         }
-        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: None })
+        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
     }
 
     /// Trials that the store lacks, trajectories among them.
