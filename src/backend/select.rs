@@ -49,8 +49,8 @@ pub fn every_adapter() -> Result<Vec<Device>, SelectError> {
     Adapter::all().iter().map(open).collect()
 }
 
-/// The device that `wanted` means. `auto` is a real GPU that passes its self-test, else the CPU, with this many `threads` or,
-/// for 0, as many as it runs at once.
+/// The device that `wanted` means. `auto` is a real GPU that passes its self-test, else the CPU. The CPU, also where it has to
+/// take the place of a GPU, has this many `threads`, for 0 as many as it runs at once.
 ///
 /// # Errors
 /// No such device, or it does not work, or it computes other bits than the CPU.
@@ -61,7 +61,7 @@ pub fn select(wanted: &str, threads: usize) -> Result<Selection, SelectError> {
         "gpu" => {
             let adapters = Adapter::all();
             let adapter = adapters.iter().find(|adapter| !adapter.is_software()).or(adapters.first());
-            open(adapter.ok_or(SelectError::NoGpu)?, "as asked")
+            open(adapter.ok_or(SelectError::NoGpu)?, threads, "as asked")
         }
         part => {
             let is_wanted = |width: &Width| width.name().eq_ignore_ascii_case(part);
@@ -72,7 +72,7 @@ pub fn select(wanted: &str, threads: usize) -> Result<Selection, SelectError> {
             // Nothing is part of every name, but nobody means the first adapter by it.
             let part_of = |name: &str| !part.trim().is_empty() && name.contains(&part.to_lowercase());
             match adapters.iter().find(|adapter| part_of(&adapter.name().to_lowercase())) {
-                Some(adapter) => open(adapter, "as asked"),
+                Some(adapter) => open(adapter, threads, "as asked"),
                 None => {
                     let widths = Width::available().into_iter().map(Width::name);
                     let known = ["auto", "cpu", "gpu"].into_iter().chain(widths).map(str::to_owned);
@@ -95,7 +95,7 @@ fn auto(threads: usize) -> Result<Selection, SelectError> {
             }
         };
     };
-    or_cpu(open(adapter, "a GPU that passed its self-test"), threads)
+    or_cpu(open(adapter, threads, "a GPU that passed its self-test"), threads)
 }
 
 /// The CPU in place of a GPU that cannot be used, and why.
@@ -110,10 +110,10 @@ fn cpu(width: Width, threads: usize, reason: &str) -> Result<Selection, SelectEr
     Ok(Selection { device: Device::Cpu(Cpu::new(width, threads)?), reason: reason.to_owned() })
 }
 
-fn open(adapter: &Adapter, reason: &str) -> Result<Selection, SelectError> {
+fn open(adapter: &Adapter, threads: usize, reason: &str) -> Result<Selection, SelectError> {
     let opened = Gpu::open(adapter, adapter.variant());
     let gpu = opened.map_err(|source| SelectError::Gpu { name: adapter.name(), source })?;
-    Ok(Selection { device: trusted(gpu)?, reason: reason.to_owned() })
+    Ok(Selection { device: trusted(gpu.with_threads(threads))?, reason: reason.to_owned() })
 }
 
 /// A device that was lost, opened again on its adapter.

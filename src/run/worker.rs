@@ -157,7 +157,11 @@ impl<'a> Worker<'a> {
 
     /// The processor, or what it is needed for where it has no threads.
     fn processor(&mut self, error: &GpuError) -> Result<Cpu, GpuError> {
-        let cpu = Cpu::new(Width::widest(), 0).map_err(|_| error.clone())?;
+        let threads = match &*self.device {
+            Device::Gpu(gpu) => gpu.threads(),
+            Device::Cpu(_) => 0,
+        };
+        let cpu = Cpu::new(Width::widest(), threads).map_err(|_| error.clone())?;
         self.names.push(cpu.name());
         Ok(cpu)
     }

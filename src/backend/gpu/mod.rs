@@ -70,6 +70,8 @@ pub struct Gpu {
     /// Records of the last batch, and the most of any.
     lanes: usize,
     most_lanes: usize,
+    /// Threads of the processor where that has to take its place; 0: as many as it runs at once.
+    threads: usize,
     faults: Option<Faults>,
 }
 
@@ -118,8 +120,19 @@ impl Gpu {
             most_tile: TILES.1,
             lanes: 0,
             most_lanes: MOST_RECORDS,
+            threads: 0,
             faults: None,
         })
+    }
+
+    /// The same, with so many threads of the processor where that has to take its place.
+    pub(super) fn with_threads(self, threads: usize) -> Gpu {
+        Gpu { threads, ..self }
+    }
+
+    /// Threads of the processor where that has to take its place.
+    pub(crate) fn threads(&self) -> usize {
+        self.threads
     }
 
     /// Its adapter opened once more, for tiles as small as were found to fit.
@@ -133,7 +146,8 @@ impl Gpu {
         let gpu = Gpu::open(&self.adapter, self.variant)?;
         let (most_tile, most_lanes) = (self.most_tile, self.most_lanes);
         let tile = gpu.tile.min(most_tile);
-        Ok(Gpu { tile, most_tile, most_lanes, faults: self.faults.clone(), ..gpu })
+        let (threads, faults) = (self.threads, self.faults.clone());
+        Ok(Gpu { tile, most_tile, most_lanes, threads, faults, ..gpu })
     }
 
     /// The name of its adapter.
