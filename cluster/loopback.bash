@@ -114,18 +114,16 @@ slurm_processes() {
   done
 }
 
-# Ends all of it, on whatever path the test ends.
+# Ends all of it, on whatever path the test ends; what waits for a controller that is gone does not heed TERM.
 slurm_stop() {
-  local pids tries
-  scancel --quiet --user="$(id -un)" 2>/dev/null || true
-  for tries in {1..25}; do
-    mapfile -t pids < <(slurm_processes)
-    ((${#pids[@]})) || return 0
-    case $tries in
-    10) kill "${pids[@]}" 2>/dev/null || true ;;
-    25) kill -KILL "${pids[@]}" 2>/dev/null || true ;;
-    *) [[ -n $(squeue --noheader 2>/dev/null) ]] || kill "${pids[@]}" 2>/dev/null || true ;;
-    esac
-    sleep 0.2
+  local signal pids
+  timeout 5 scancel --quiet --user="$(id -un)" 2>/dev/null || true
+  for signal in TERM KILL; do
+    for _ in {1..15}; do
+      mapfile -t pids < <(slurm_processes)
+      ((${#pids[@]})) || return 0
+      kill -"$signal" "${pids[@]}" 2>/dev/null || true
+      sleep 0.2
+    done
   done
 }
