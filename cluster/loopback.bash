@@ -6,7 +6,7 @@ slurm=${slurm:?the folder of it all}
 # Installs what is missing, as root or through sudo. Packages must not start services here: without systemd that may
 # fail, and it is other daemons that are wanted.
 slurm_install() {
-  local missing=() root=() policy=/usr/sbin/policy-rc.d own=
+  local missing=() root=() policy=/usr/sbin/policy-rc.d own='' failed=''
   command -v munged >/dev/null || missing+=(munge)
   command -v slurmctld >/dev/null && command -v slurmd >/dev/null && command -v sbatch >/dev/null || missing+=(slurm-wlm)
   command -v sqlite3 >/dev/null || missing+=(sqlite3)
@@ -18,13 +18,14 @@ slurm_install() {
     printf '#!/bin/sh\nexit 101\n' | "${root[@]}" tee "$policy" >/dev/null
     "${root[@]}" chmod +x "$policy"
   fi
-  "${root[@]}" apt-get update -qq
-  "${root[@]}" env DEBIAN_FRONTEND=noninteractive \
-    apt-get install -y -qq --no-install-recommends "${missing[@]}" >"$slurm/apt.log" 2>&1 || {
+  if ! { "${root[@]}" apt-get update -qq &&
+    "${root[@]}" env DEBIAN_FRONTEND=noninteractive \
+      apt-get install -y -qq --no-install-recommends "${missing[@]}"; } >"$slurm/apt.log" 2>&1; then
     cat "$slurm/apt.log" >&2
-    return 1
-  }
+    failed=yes
+  fi
   [[ -z $own ]] || "${root[@]}" rm "$policy"
+  [[ -z $failed ]]
 }
 
 # Starts one daemon in the foreground of a background job; its process id goes to "$slurm/$1.pid".
@@ -90,6 +91,12 @@ CONF
 # A GPU must be a device file; nothing here opens it.
 NodeName=near,far Name=gpu File=/dev/null
 CONF
+  # No control groups: what the machine has of them, or not, is no matter here. Slurm 22 cannot be told so, but it does not
+  # touch those of version 1 as long as nothing above asks for them.
+  case $(slurmd -V) in
+  *" 2"[0-2].*) echo "CgroupPlugin=cgroup/v1" ;;
+  *) echo "CgroupPlugin=disabled" ;;
+  esac >"$slurm/cgroup.conf"
   daemon munged munged --foreground --force --socket="$slurm/munge.socket" --key-file="$slurm/munge.key" \
     --pid-file="$slurm/state/munged.pid" --seed-file="$slurm/state/munged.seed" --log-file="$slurm/munged.log"
   await 10 "munged" test -S "$slurm/munge.socket"
