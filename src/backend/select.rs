@@ -1,4 +1,4 @@
-//! Choosing a device: `auto`, `cpu`, `gpu`, a width of the CPU, or part of an adapter's name.
+//! Choosing a device: `auto`, `cpu`, `gpu`, a width of the CPU, or part of an adapter's name or its PCI address.
 
 use super::Device;
 use super::cpu::{Cpu, Width};
@@ -69,9 +69,8 @@ pub fn select(wanted: &str, threads: usize) -> Result<Selection, SelectError> {
                 return cpu(width, threads, "as asked");
             }
             let adapters = Adapter::all();
-            // Nothing is part of every name, but nobody means the first adapter by it.
-            let part_of = |name: &str| !part.trim().is_empty() && name.contains(&part.to_lowercase());
-            match adapters.iter().find(|adapter| part_of(&adapter.name().to_lowercase())) {
+            let is_meant = |adapter: &&Adapter| means(part, &adapter.name(), &adapter.pci_address());
+            match adapters.iter().find(is_meant) {
                 Some(adapter) => open(adapter, threads, "as asked"),
                 None => {
                     let widths = Width::available().into_iter().map(Width::name);
@@ -82,6 +81,13 @@ pub fn select(wanted: &str, threads: usize) -> Result<Selection, SelectError> {
             }
         }
     }
+}
+
+/// Whether `wanted` is part of an adapter's name, or its PCI address.
+fn means(wanted: &str, name: &str, pci_address: &str) -> bool {
+    // Nothing is part of every name, and some adapters have no address, but nobody means the first adapter by it.
+    let is_named = name.to_lowercase().contains(&wanted.to_lowercase());
+    !wanted.trim().is_empty() && (is_named || pci_address.eq_ignore_ascii_case(wanted))
 }
 
 fn auto(threads: usize) -> Result<Selection, SelectError> {
@@ -150,5 +156,18 @@ mod tests {
         assert!(matches!(device, Device::Cpu(_)), "{}", device.name());
         assert!(reason.contains("Some GPU computes other bits than the CPU in sine"), "{reason}");
         assert!(!reason.contains('\n'), "{reason:?}");
+    }
+
+    #[test]
+    fn equal_adapters_are_told_apart_by_their_pci_address() {
+        let name = "NVIDIA L4 (Vulkan)";
+        let meant = |wanted: &str| {
+            ["0000:3b:00.0", "0000:af:00.0", ""].map(|pci_address| means(wanted, name, pci_address))
+        };
+        assert_eq!(meant("nvidia l4"), [true, true, true]);
+        assert_eq!(meant("0000:AF:00.0"), [false, true, false], "as nvidia-smi writes it");
+        assert_eq!(meant("00.0"), [false; 3], "a part of an address means none");
+        assert_eq!(meant(" "), [false; 3]);
+        assert_eq!(meant(""), [false; 3]);
     }
 }

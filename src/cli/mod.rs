@@ -84,7 +84,7 @@ enum Command {
 
 #[derive(Debug, Args)]
 struct Verify {
-    /// cpu, gpu, or part of an adapter's name: see `sagnac devices` [default: all adapters]
+    /// cpu, gpu, part of an adapter's name, or its PCI address: see `sagnac devices` [default: all adapters]
     #[arg(long, value_name = "DEVICE")]
     device: Option<String>,
     /// Units of work in all for each kernel: trials or samples over its configurations, or numbers
@@ -103,7 +103,7 @@ struct Bench {
 
 #[derive(Debug, Args)]
 struct DeviceArg {
-    /// auto, cpu, gpu, a width of the CPU such as avx2, or part of an adapter's name: see `sagnac devices`
+    /// auto, cpu, gpu, a width of the CPU such as avx2, part of an adapter's name, or its PCI address: see `sagnac devices`
     #[arg(long = "device", value_name = "DEVICE", default_value = "auto")]
     name: String,
     /// Threads of the CPU [default: as many as it runs at once]

@@ -24,6 +24,11 @@ impl Adapter {
         format!("{} ({})", info.name, info.backend)
     }
 
+    /// Its address on the PCI bus, `0000:3b:00.0`, which tells equal devices apart; empty where the driver does not say.
+    pub fn pci_address(&self) -> String {
+        self.adapter.get_info().device_pci_bus_id
+    }
+
     /// Whether it is a program on the processor and no device of its own.
     pub fn is_software(&self) -> bool {
         self.adapter.get_info().device_type == wgpu::DeviceType::Cpu
@@ -33,7 +38,9 @@ impl Adapter {
     pub fn description(&self) -> String {
         let info = self.adapter.get_info();
         let int64 = if self.has_int64() { "64-bit products" } else { "16-bit products" };
-        format!("{:?}, driver {} {}, {int64}", info.device_type, info.driver, info.driver_info)
+        let pci = if info.device_pci_bus_id.is_empty() { "" } else { ", PCI " };
+        let address = info.device_pci_bus_id;
+        format!("{:?}, driver {} {}, {int64}{pci}{address}", info.device_type, info.driver, info.driver_info)
     }
 
     /// Whether its shaders have 64-bit registers.
