@@ -25,6 +25,7 @@ mod place;
 mod relock;
 mod rows;
 mod scalar;
+mod shown;
 mod suspension;
 mod sweep;
 mod switched_run;

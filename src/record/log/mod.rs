@@ -27,6 +27,7 @@ mod tests;
 pub use channel::{Channel, Log};
 pub use check::{LEAST_SAMPLES, UnitCheck};
 pub use error::LogError;
+pub(crate) use error::Place;
 pub use measure::{Data, Unit, UnitMismatch};
 pub use outliers::{OUTLYING, Outliers, outliers};
 pub use read::{Request, Timing};
