@@ -218,9 +218,13 @@ impl Diagnostic for StudyError {
     }
 }
 
+/// Most names that help lists: more than there are keys, but not more than a file may have columns.
+const MOST_CHOICES: usize = 200;
+
 /// Help for a wrong name: the nearest of `known` if one is near, and all of them.
 pub(crate) fn choices(found: &str, known: &[&str]) -> String {
-    let accepted = format!("accepted: {}", known.join(", "));
+    let more = if known.len() > MOST_CHOICES { ", …" } else { "" };
+    let accepted = format!("accepted: {}{more}", known[..known.len().min(MOST_CHOICES)].join(", "));
     match nearest(found, known) {
         Some(name) => format!("did you mean `{name}`? {accepted}"),
         None => accepted,
@@ -257,6 +261,7 @@ mod tests {
         assert_eq!(nearest("temperature", &known), None);
         assert_eq!(nearest("x", &[]), None);
         assert_eq!(nearest(&"gyro.tick".repeat(1_000_000), &known), None);
+        assert!(choices("gx", &["g"; 1_000_000]).ends_with("g, g, …"));
     }
 
     #[test]

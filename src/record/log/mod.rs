@@ -36,6 +36,9 @@ pub use time::JITTER;
 /// Most samples of a log, 2^28: a week at 400 Hz.
 pub const MOST_SAMPLES: usize = 1 << 28;
 
+/// What to do about other steps than [`STEPS_S`](super::STEPS_S).
+pub(super) const STEPS_HELP: &str = "accepted: 1e-9 s to 1e9 s; is the unit of the time right?";
+
 fn unreadable(file: &str, error: &std::io::Error) -> LogError {
     LogError::new(format!("cannot read {file}: {error}"), "", "give the path of a log", None)
 }

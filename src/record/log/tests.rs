@@ -83,6 +83,22 @@ fn text_of_every_layout_gives_the_same_samples() {
 }
 
 #[test]
+fn steps_that_no_sensor_has_are_refused() {
+    let desk = Desk::new();
+    let read = |second: &str, unit| {
+        let path = desk.write("g.csv", format!("0,1\n{second},2\n").as_bytes());
+        Log::read(&path, &request(&[], stamps("1", Some(unit))))
+    };
+    assert_eq!(read("1", "ns").unwrap().step_s, 1e-9);
+    for (second, unit, piece) in
+        [("5e-324", "ms", "0 s apart"), ("0.9", "ns", "9e-10 s"), ("1e308", "h", "inf s")]
+    {
+        let shown = read(second, unit).unwrap_err().render(false, 100);
+        assert!(shown.contains(piece) && shown.contains("accepted: 1e-9 s to 1e9 s"), "{shown}");
+    }
+}
+
+#[test]
 fn several_columns_come_in_the_order_asked_for_and_gaps_are_nan() {
     let desk = Desk::new();
     let row = |i: usize| match i {
