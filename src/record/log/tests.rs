@@ -165,6 +165,7 @@ fn arrays_that_are_no_records_are_refused_before_anything_is_allocated() {
     let le = |x: f64| x.to_le_bytes().to_vec();
     let table = [
         (npy("<f8", false, "1000000000000,", &[1.0], le), "promises 8000000000000 bytes"),
+        (npy("<f8", true, "0, 4294967296", &[], le), "4294967296 columns, more than"),
         (npy("<f8", false, "99999999999999999999,", &[1.0], le), "neither one dimension nor two"),
         (npy("<f8", false, "4000000000000000000, 9", &[1.0], le), "more numbers than can be"),
         (npy("<c16", false, "4,", &[1.0; 8], le), "of type '<c16'"),
