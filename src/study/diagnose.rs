@@ -261,7 +261,7 @@ mod tests {
         assert_eq!(nearest("temperature", &known), None);
         assert_eq!(nearest("x", &[]), None);
         assert_eq!(nearest(&"gyro.tick".repeat(1_000_000), &known), None);
-        assert!(choices("gx", &["g"; 1_000_000]).ends_with("g, g, …"));
+        assert!(choices("gx", &["g"; 1000]).ends_with("g, g, …"));
     }
 
     #[test]

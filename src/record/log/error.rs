@@ -41,7 +41,10 @@ impl Place {
     /// The bytes `span` of the `line`, counted from 1, that reads `text`.
     pub(crate) fn new(file: &str, line: usize, text: &[u8], span: Range<usize>) -> Place {
         let span = span.start.min(text.len())..span.end.min(text.len());
-        let from = span.start.saturating_sub(SHOWN);
+        // Not from the midst of a character, which would be shown, and counted, as another.
+        let is_midst = |at: &usize| text[*at] & 0xc0 == 0x80;
+        let from =
+            (span.start.saturating_sub(SHOWN)..span.start).find(|at| !is_midst(at)).unwrap_or(span.start);
         let to = text.len().min(span.end.min(span.start + SHOWN) + SHOWN);
         // Lossy text may be longer: each part is made of its own bytes.
         let [head, cell, tail] = [from..span.start, span.start..span.end.min(to), span.end.min(to)..to]
