@@ -7,6 +7,9 @@ use crate::study::{Dimension, Fault, parse_unit};
 const EXAMPLE: &str =
     "name the two columns with their units, a comma between them, as in\ntime [s], rate [deg/s]";
 
+/// Most columns that a message lists.
+const MOST_LISTED: usize = 20;
+
 /// One column that a record needs.
 #[derive(Debug)]
 struct Wanted {
@@ -93,8 +96,10 @@ fn find(header: &Row<'_>, wanted: &Wanted) -> Result<Column, Fault> {
     let Wanted { name, dimension, example } = *wanted;
     let mut named = header.cells.iter().enumerate().filter_map(|(i, cell)| Some((i, unit_in(cell, wanted)?)));
     let Some((index, unit)) = named.next() else {
-        let columns: Vec<String> = header.cells.iter().map(|cell| format!("`{cell}`")).collect();
-        let message = format!("no column is called `{name}`; there are {}", columns.join(", "));
+        let listed = header.cells.iter().take(MOST_LISTED);
+        let columns: Vec<String> = listed.map(|cell| format!("`{cell}`")).collect();
+        let more = if header.cells.len() > MOST_LISTED { ", …" } else { "" };
+        let message = format!("no column is called `{name}`; there are {}{more}", columns.join(", "));
         return Err(Fault::new(header.span.clone(), message, format!("no `{name}` here"), EXAMPLE));
     };
     if let Some((second, _)) = named.next() {

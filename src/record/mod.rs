@@ -5,6 +5,7 @@ mod header;
 pub mod log;
 mod rows;
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use miette::NamedSource;
@@ -36,6 +37,9 @@ impl From<RecordError> for StudyError {
     }
 }
 
+/// Sampling steps that a record or a log may have, s. Beyond it is a slip in a unit, or bytes that are no times.
+pub const STEPS_S: RangeInclusive<f64> = 1e-9..=1e9;
+
 /// An angular rate at evenly spaced times, the first of them time 0; between its samples the rate is a straight line.
 ///
 /// # File
@@ -56,7 +60,8 @@ impl Record {
     ///
     /// # Errors
     /// The first fault found, with its place in the text: no such columns, no unit or a wrong one, a cell that is missing
-    /// or not a finite number, times that do not increase or not evenly, too few samples or too many.
+    /// or not a finite number, times that do not increase or not evenly, steps out of [`STEPS_S`], too few samples or too
+    /// many.
     ///
     /// # Example
     /// ```

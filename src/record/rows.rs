@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use csv::{Reader, ReaderBuilder, StringRecord, Trim};
 
-use super::Record;
 use super::header::{Column, Columns};
+use super::log::STEPS_HELP;
+use super::{Record, STEPS_S};
 use crate::study::{Fault, round_12};
 use crate::table::significant;
 
@@ -20,6 +21,7 @@ pub(super) fn read(text: &str, most: usize) -> Result<Record, Fault> {
         return Err(Fault::new(0..0, "the record is empty", "no header", help));
     };
     let columns = Columns::read(&header)?;
+    let time = columns.time.place(&header);
     let (mut times, mut rates) = (Vec::new(), Vec::new());
     while let Some(row) = rows.advance()? {
         if rates.len() == most {
@@ -48,7 +50,12 @@ pub(super) fn read(text: &str, most: usize) -> Result<Record, Fault> {
     }
     check_steps(text, &columns.time, &times)?;
     let steps = rates.len() - 1;
-    Ok(Record { step_s: round_12((times[steps] - times[0]) / steps as f64), rates })
+    let step_s = round_12((times[steps] - times[0]) / steps as f64);
+    if !STEPS_S.contains(&step_s) {
+        let message = format!("the samples are {} s apart", significant(step_s, 6));
+        return Err(Fault::new(time, message, "of this time", STEPS_HELP));
+    }
+    Ok(Record { step_s, rates })
 }
 
 fn not_increasing(before: f64, time: f64, place: Range<usize>) -> Fault {
@@ -252,6 +259,7 @@ mod tests {
                 "r.csv:5:1",
                 "within 1 %",
             ),
+            (&format!("{head}0,1\n1e-300,2\n"), "1e-300 s apart", "r.csv:1:1", "accepted: 1e-9 s to 1e9 s"),
             (head, "at least 2 samples, this one has 0", "r.csv:", "add rows"),
             (&format!("{head}0,1\n"), "at least 2 samples, this one has 1", "r.csv:", "add rows"),
         ];

@@ -9,6 +9,7 @@ use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, Na
 use crate::record::RecordError;
 
 use super::expected::{Expected, Found, found_at, joined};
+use super::shown::Shown;
 
 /// Help where there is no better.
 const SCHEMA: &str = "`sagnac schema` prints what every key accepts";
@@ -146,9 +147,9 @@ impl Fault {
     /// The fault with the text it is about.
     pub(crate) fn within(self, text: &Text) -> StudyError {
         let end = first_line_end(text.inner(), &self.span);
-        let span = Some(self.span.start..end);
+        let shown = Shown::new(text, self.span.start..end);
         let Fault { message, label, help, .. } = self;
-        StudyError { message, label, help, span, text: Some(text.clone()) }
+        StudyError { message, label, help, shown: Some(shown) }
     }
 }
 
@@ -168,8 +169,7 @@ pub struct StudyError {
     label: String,
     help: String,
     /// Absent where the file could not be read.
-    span: Option<Range<usize>>,
-    text: Option<Text>,
+    shown: Option<Shown>,
 }
 
 impl StudyError {
@@ -184,8 +184,7 @@ impl StudyError {
             message: format!("cannot read {what} {}: {error}", path.display()),
             label: String::new(),
             help: help.to_owned(),
-            span: None,
-            text: None,
+            shown: None,
         }
     }
 
@@ -210,26 +209,36 @@ impl Diagnostic for StudyError {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.text.as_deref().map(|text| text as &dyn SourceCode)
+        self.shown.as_ref().map(|shown| shown as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let span = self.span.clone()?;
+        let span = self.shown.as_ref()?.span();
         Some(Box::new(std::iter::once(LabeledSpan::new_with_span(Some(self.label.clone()), span))))
     }
 }
 
+/// Most names that help lists: more than there are keys, but not more than a file may have columns.
+const MOST_CHOICES: usize = 200;
+
 /// Help for a wrong name: the nearest of `known` if one is near, and all of them.
 pub(crate) fn choices(found: &str, known: &[&str]) -> String {
-    let accepted = format!("accepted: {}", known.join(", "));
+    let more = if known.len() > MOST_CHOICES { ", …" } else { "" };
+    let accepted = format!("accepted: {}{more}", known[..known.len().min(MOST_CHOICES)].join(", "));
     match nearest(found, known) {
         Some(name) => format!("did you mean `{name}`? {accepted}"),
         None => accepted,
     }
 }
 
+/// Longest name of which the nearest is looked for: that takes time and memory by the product of two lengths.
+const LONGEST_SLIP: usize = 100;
+
 /// The name most like `found`, where one is alike: a slip of the fingers, or a name without its prefix.
 fn nearest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
+    if found.len() > LONGEST_SLIP {
+        return None;
+    }
     let likeness = |name: &str| {
         let bare = name.rsplit('.').next().unwrap_or(name);
         let whole = strsim::normalized_damerau_levenshtein(found, name);
@@ -251,6 +260,8 @@ mod tests {
         assert_eq!(nearest("frequency", &known), Some("motion.frequency"));
         assert_eq!(nearest("temperature", &known), None);
         assert_eq!(nearest("x", &[]), None);
+        assert_eq!(nearest(&"gyro.tick".repeat(1_000_000), &known), None);
+        assert!(choices("gx", &["g"; 1000]).ends_with("g, g, …"));
     }
 
     #[test]

@@ -25,9 +25,11 @@ mod place;
 mod relock;
 mod rows;
 mod scalar;
+mod shown;
 mod suspension;
 mod sweep;
 mod switched_run;
+mod text_file;
 mod units;
 
 #[cfg(test)]
@@ -67,6 +69,7 @@ use diagnose::Wrong;
 use file::StudyFile;
 use place::Places;
 use scalar::Scalar;
+use text_file::MOST_TOML;
 
 /// Most trials at one point, 2^40.
 pub const MOST_TRIALS: u64 = 1 << 40;
@@ -129,7 +132,7 @@ impl Study {
     /// # Errors
     /// A file that cannot be read, and those of [`Study::parse`].
     pub fn read(path: &Path) -> Result<Study, StudyError> {
-        let text = std::fs::read_to_string(path).map_err(|error| {
+        let text = text_file::read_text(path, MOST_TOML).map_err(|error| {
             StudyError::unreadable("the study", path, &error, "give the path of a study file (TOML, UTF-8)")
         })?;
         Study::parse(&path.display().to_string(), &text)

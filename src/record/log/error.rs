@@ -27,7 +27,7 @@ pub struct LogError {
 
 /// A piece of one line of a text file: all that is kept of it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Place {
+pub(crate) struct Place {
     file: String,
     /// From 1.
     line: usize,
@@ -39,15 +39,23 @@ pub(super) struct Place {
 
 impl Place {
     /// The bytes `span` of the `line`, counted from 1, that reads `text`.
-    pub(super) fn new(file: &str, line: usize, text: &[u8], span: Range<usize>) -> Place {
+    pub(crate) fn new(file: &str, line: usize, text: &[u8], span: Range<usize>) -> Place {
         let span = span.start.min(text.len())..span.end.min(text.len());
-        let from = span.start.saturating_sub(SHOWN);
+        // Not from the midst of a character, which would be shown, and counted, as another.
+        let is_midst = |at: &usize| text[*at] & 0xc0 == 0x80;
+        let from =
+            (span.start.saturating_sub(SHOWN)..span.start).find(|at| !is_midst(at)).unwrap_or(span.start);
         let to = text.len().min(span.end.min(span.start + SHOWN) + SHOWN);
         // Lossy text may be longer: each part is made of its own bytes.
         let [head, cell, tail] = [from..span.start, span.start..span.end.min(to), span.end.min(to)..to]
             .map(|part| String::from_utf8_lossy(&text[part]).into_owned());
         let span = head.len()..head.len() + cell.len();
         Place { file: file.to_owned(), line, before: from, text: head + &cell + &tail, span }
+    }
+
+    /// The bytes of the piece that it is about.
+    pub(crate) fn span(&self) -> Range<usize> {
+        self.span.clone()
     }
 }
 
@@ -97,7 +105,7 @@ impl Diagnostic for LogError {
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let span = self.place.as_ref()?.span.clone();
+        let span = self.place.as_ref()?.span();
         Some(Box::new(std::iter::once(LabeledSpan::new_with_span(Some(self.label.clone()), span))))
     }
 }

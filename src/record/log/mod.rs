@@ -27,6 +27,7 @@ mod tests;
 pub use channel::{Channel, Log};
 pub use check::{LEAST_SAMPLES, UnitCheck};
 pub use error::LogError;
+pub(crate) use error::Place;
 pub use measure::{Data, Unit, UnitMismatch};
 pub use outliers::{OUTLYING, Outliers, outliers};
 pub use read::{Request, Timing};
@@ -34,6 +35,9 @@ pub use time::JITTER;
 
 /// Most samples of a log, 2^28: a week at 400 Hz.
 pub const MOST_SAMPLES: usize = 1 << 28;
+
+/// What to do about other steps than [`STEPS_S`](super::STEPS_S).
+pub(super) const STEPS_HELP: &str = "accepted: 1e-9 s to 1e9 s; is the unit of the time right?";
 
 fn unreadable(file: &str, error: &std::io::Error) -> LogError {
     LogError::new(format!("cannot read {file}: {error}"), "", "give the path of a log", None)

@@ -2,6 +2,9 @@
 
 use crate::study::{Dimension, choices, parse_unit};
 
+/// Longest unit behind an underscore, in bytes with that.
+const LONGEST_UNIT: usize = 64;
+
 /// A column of the header.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Name {
@@ -27,7 +30,9 @@ impl Name {
                 return with(bare, unit);
             }
         }
-        for (at, _) in whole.match_indices('_').filter(|(at, _)| *at > 0) {
+        // Without a bound a long cell of underscores takes the square of its length.
+        let is_short = |at: usize| whole.len() - at <= LONGEST_UNIT;
+        for (at, _) in whole.match_indices('_').filter(|(at, _)| *at > 0 && is_short(*at)) {
             let unit = whole[at + 1..].replace("_per_", "/");
             if parse_unit(&unit, &[Dimension::Rate, Dimension::Angle, Dimension::Time]).is_ok() {
                 return with(&whole[..at], &unit);
@@ -122,6 +127,7 @@ mod tests {
             ("gyro_z_deg/h", "gyro_z", "deg/h"),
             ("time_ns", "time", "ns"),
             ("gyro_x", "gyro_x", ""),
+            (&"_".repeat(1 << 20), &"_".repeat(1 << 20), ""),
             ("[s]", "[s]", ""),
             ("t []", "t", ""),
             ("", "", ""),

@@ -14,6 +14,9 @@ pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
 /// Longest header that is read.
 const LONGEST: usize = 1 << 16;
 
+/// Most columns. An array without rows may promise any number of them, and so may one from a pipe.
+const MOST_COLUMNS: usize = 1 << 20;
+
 /// Bytes that are read at a time.
 const BLOCK: usize = 8 << 20;
 
@@ -92,6 +95,9 @@ impl Array {
             (None, _) => Err(bad(file, "its header promises more numbers than can be")),
             _ if array.rows > MOST_SAMPLES => {
                 Err(bad(file, &format!("it has {} rows, more than {MOST_SAMPLES}", array.rows)))
+            }
+            _ if array.columns > MOST_COLUMNS => {
+                Err(bad(file, &format!("it has {} columns, more than {MOST_COLUMNS}", array.columns)))
             }
             _ => Ok(array),
         }

@@ -4,7 +4,9 @@ use std::fs::File;
 use std::io::{Chain, Cursor, Read};
 use std::path::Path;
 
+use crate::record::STEPS_S;
 use crate::study::{Dimension, parse_unit};
+use crate::table::significant;
 
 use super::error::{LogError, Place};
 use super::layout::Layout;
@@ -15,7 +17,7 @@ use super::text::{self, TEXT_WANTED};
 #[cfg(doc)]
 use super::time::JITTER;
 use super::time::{TimeFault, grid};
-use super::{Channel, Data, Log, MOST_SAMPLES, Unit, unreadable};
+use super::{Channel, Data, Log, MOST_SAMPLES, STEPS_HELP, Unit, unreadable};
 
 /// Bytes from which the layout of a text is told.
 const HEAD: u64 = 1 << 20;
@@ -184,6 +186,10 @@ impl Reader<'_> {
                 grid.step * factor
             }
         };
+        if !STEPS_S.contains(&step_s) {
+            let message = format!("the samples are {} s apart", significant(step_s, 6));
+            return Err(LogError::new(message, "of this time", STEPS_HELP, self.place(time)));
+        }
         channels.iter_mut().zip(columns).for_each(|(channel, samples)| channel.samples = samples);
         Ok(Log { file: self.file, step_s, data: request.data, start_s: 0.0, channels })
     }

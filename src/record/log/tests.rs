@@ -83,6 +83,22 @@ fn text_of_every_layout_gives_the_same_samples() {
 }
 
 #[test]
+fn steps_that_no_sensor_has_are_refused() {
+    let desk = Desk::new();
+    let read = |second: &str, unit| {
+        let path = desk.write("g.csv", format!("0,1\n{second},2\n").as_bytes());
+        Log::read(&path, &request(&[], stamps("1", Some(unit))))
+    };
+    assert_eq!(read("1", "ns").unwrap().step_s, 1e-9);
+    for (second, unit, piece) in
+        [("5e-324", "ms", "0 s apart"), ("0.9", "ns", "9e-10 s"), ("1e308", "h", "inf s")]
+    {
+        let shown = read(second, unit).unwrap_err().render(false, 100);
+        assert!(shown.contains(piece) && shown.contains("accepted: 1e-9 s to 1e9 s"), "{shown}");
+    }
+}
+
+#[test]
 fn several_columns_come_in_the_order_asked_for_and_gaps_are_nan() {
     let desk = Desk::new();
     let row = |i: usize| match i {
@@ -149,6 +165,7 @@ fn arrays_that_are_no_records_are_refused_before_anything_is_allocated() {
     let le = |x: f64| x.to_le_bytes().to_vec();
     let table = [
         (npy("<f8", false, "1000000000000,", &[1.0], le), "promises 8000000000000 bytes"),
+        (npy("<f8", true, "0, 4294967296", &[], le), "4294967296 columns, more than"),
         (npy("<f8", false, "99999999999999999999,", &[1.0], le), "neither one dimension nor two"),
         (npy("<f8", false, "4000000000000000000, 9", &[1.0], le), "more numbers than can be"),
         (npy("<c16", false, "4,", &[1.0; 8], le), "of type '<c16'"),

@@ -19,6 +19,7 @@ use crate::study::key::Key;
 use crate::study::place::Places;
 use crate::study::scalar::Scalar;
 use crate::study::sweep::Sweep;
+use crate::study::text_file::{MOST_RECORD, read_text};
 use crate::study::units::Dimension;
 use crate::theory::minimum_variance::Band;
 
@@ -256,7 +257,7 @@ fn read_gaussian(written: &Spanned<GaussianTable>) -> Result<Gaussian, Fault> {
 fn read_profile(written: &Spanned<ProfileTable>, folder: &Path) -> Result<Profile, Wrong> {
     let ProfileTable { file, position } = written.get_ref();
     let path = folder.join(file.get_ref());
-    let text = std::fs::read_to_string(&path).map_err(|error| {
+    let text = read_text(&path, MOST_RECORD).map_err(|error| {
         let message = format!("cannot read the record {}: {error}", path.display());
         let help = "give the path, from the folder of the study, of a record (CSV, UTF-8) with the columns \
                     `time [s]` and `rate [deg/s]`";

@@ -13,6 +13,7 @@ use crate::study::file::allan::NoiseTable;
 use crate::study::key::{Key, Setting};
 use crate::study::place::Places;
 use crate::study::scalar::Scalar;
+use crate::study::text_file::{MOST_TOML, read_text};
 use crate::study::units::{Dimension, Quantity};
 
 /// The noise of a table, and what is written in it besides a file.
@@ -246,7 +247,7 @@ pub(in crate::study) fn read(
 /// The noise of a file, which is a `[noise]` by itself; `file` is its name where a study has it.
 pub(in crate::study) fn read_file(file: &Spanned<String>, folder: &Path) -> Result<Noise, Wrong> {
     let path = folder.join(file.get_ref());
-    let text = std::fs::read_to_string(&path).map_err(|error| {
+    let text = read_text(&path, MOST_TOML).map_err(|error| {
         let message = format!("cannot read the noise {}: {error}", path.display());
         let help = "name a noise.toml, from the folder of the study; `sagnac allan` writes them from records";
         Fault::new(file.span(), message, "named here", help)

@@ -1,0 +1,176 @@
+//! Records and logs: whatever a file holds, it is refused in words, or gives samples that are numbers or missing.
+
+mod arrays;
+mod tables;
+
+use std::path::PathBuf;
+
+use proptest::prelude::*;
+use proptest::sample::select;
+use sagnac::allan::Trend;
+use sagnac::record::Record;
+use sagnac::record::log::{Data, Log, LogError, Request, Timing, Unit, UnitCheck, outliers};
+use tempfile::TempDir;
+
+use crate::campaign::{Outcome, Target, fuzz};
+use crate::edits;
+
+const TARGET: Target = Target { name: "records", ending: "log", run };
+
+/// What has a meaning in a table or in the header of an array.
+const TOKENS: &[&str] = &[
+    "\n",
+    "\r\n",
+    "\r",
+    ",",
+    ";",
+    "\t",
+    " ",
+    "\"",
+    "\"\"",
+    "#",
+    "%",
+    "nan",
+    "inf",
+    "-inf",
+    "1e999",
+    "1e308",
+    "-1e308",
+    "5e-324",
+    "-0",
+    "0x1p3",
+    "+",
+    "\0",
+    "\u{feff}",
+    "µ",
+    "″",
+    "[deg/s]",
+    "(ms)",
+    "_deg_per_s",
+    "time",
+    "rate",
+    "_",
+    "a,",
+    "1,5",
+    "1.700000000e18",
+    "{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }",
+    "(18446744073709551615, 2)",
+    "'|V8'",
+    "-1",
+    "True",
+];
+
+#[test]
+fn records() {
+    let corpus: Vec<Vec<u8>> = TARGET.corpus().into_iter().map(|(_, bytes)| bytes).collect();
+    let file = prop_oneof![3 => tables::table(), 2 => arrays::array(), 2 => select(corpus)];
+    let few = prop_oneof![1 => Just(vec![]).boxed(), 2 => edits::edits(4, TOKENS).boxed()];
+    fuzz(
+        &TARGET,
+        (file, few).prop_map(|(mut bytes, edits)| {
+            edits::apply(&mut bytes, &edits);
+            bytes
+        }),
+    );
+}
+
+/// Reads a file as a record, and as a log in several ways.
+fn run(bytes: &[u8]) -> Vec<Outcome> {
+    let folder = Folder::of(bytes);
+    let mut outcomes = vec![record(&String::from_utf8_lossy(bytes))];
+    outcomes.extend(requests().iter().map(|request| log(&folder, request)));
+    outcomes
+}
+
+/// A folder with the file, which is read by its path.
+struct Folder(TempDir);
+
+impl Folder {
+    fn of(bytes: &[u8]) -> Folder {
+        let folder = Folder(TempDir::new().unwrap());
+        std::fs::write(folder.file(), bytes).unwrap();
+        folder
+    }
+
+    fn file(&self) -> PathBuf {
+        self.0.path().join("log")
+    }
+}
+
+fn requests() -> Vec<Request> {
+    let request = |columns: &[&str], timing: Timing, data: Data, unit: Option<&str>| Request {
+        columns: columns.iter().map(|&column| column.to_owned()).collect(),
+        timing,
+        data,
+        unit: unit.map(|unit| Unit::parse(unit, data).unwrap()),
+    };
+    let stamps = |column: &str, unit: Option<&str>| Timing::Stamps {
+        column: column.to_owned(),
+        unit: unit.map(str::to_owned),
+    };
+    vec![
+        request(&[], Timing::Step(0.01), Data::Rate, Some("deg/h")),
+        request(&["1"], Timing::Step(1e-3), Data::Angle, Some("none")),
+        request(&[], stamps("1", Some("ms")), Data::Rate, Some("deg/s")),
+        request(&["2", "1"], stamps("3", Some("ns")), Data::Increment, Some("arcsec")),
+        request(&["gz"], stamps("time", None), Data::Rate, None),
+        request(&["2"], Timing::Step(f64::MIN_POSITIVE), Data::Angle, Some("rad")),
+    ]
+}
+
+fn record(text: &str) -> Outcome {
+    match Record::parse("record.csv", text) {
+        Err(error) => {
+            let report = error.render(false, 110);
+            assert!(report.contains("help"), "no help in\n{report}");
+            Outcome::Refused(format!("{error}"))
+        }
+        Ok(record) => {
+            assert!(record.step_s > 0.0 && record.step_s.is_finite(), "a step of {} s", record.step_s);
+            assert!(
+                record.rates.len() >= 2 && record.rates.iter().all(|rate| rate.is_finite()),
+                "{record:?}"
+            );
+            for ticks in [0.1, 1.0, 3.7] {
+                let tick_s = ticks * record.step_s;
+                assert_eq!(
+                    record.tick_angles(tick_s).len(),
+                    record.whole_ticks(tick_s),
+                    "ticks of {tick_s} s"
+                );
+            }
+            Outcome::Accepted("record".to_owned())
+        }
+    }
+}
+
+fn log(folder: &Folder, request: &Request) -> Outcome {
+    match analysed(folder, request) {
+        Ok(()) => Outcome::Accepted(format!("log of {}s", request.data.name())),
+        Err(error) => {
+            assert!(!error.render(false, 110).trim().is_empty());
+            // The file's name is none of its words.
+            Outcome::Refused(error.to_string().replace(&folder.file().display().to_string(), "the file"))
+        }
+    }
+}
+
+/// Reads a log and does what is done before it is analysed.
+fn analysed(folder: &Folder, request: &Request) -> Result<(), LogError> {
+    let mut log = Log::read(&folder.file(), request)?;
+    assert!(log.step_s > 0.0 && log.step_s.is_finite(), "a step of {} s", log.step_s);
+    for channel in &log.channels {
+        assert_eq!(channel.samples.len(), log.samples(), "channels of one length");
+        assert!(!channel.samples.iter().any(|sample| sample.is_infinite()), "an infinite sample");
+        assert!(channel.missing() <= log.samples());
+    }
+    let length_s = log.length_s();
+    log.cut(0.1 * length_s, Some(0.9 * length_s))?;
+    log.check(UnitCheck::On)?;
+    for channel in &log.channels {
+        let marked = outliers(&channel.increments(log.data));
+        assert!(marked.samples.iter().all(|&sample| sample < log.samples()));
+        channel.angles(log.data, log.step_s, Trend::Linear);
+    }
+    Ok(())
+}

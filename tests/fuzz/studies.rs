@@ -1,0 +1,212 @@
+//! Study files: whatever they hold, they are refused in words, or every point of them is lowered.
+
+mod tree;
+mod words;
+
+use std::path::Path;
+use std::sync::{LazyLock, Mutex, PoisonError};
+
+use proptest::prelude::*;
+use proptest::sample::Index;
+use sagnac::backend::{Device, select};
+use sagnac::run::{Plan, Progress};
+use sagnac::share::Share;
+use sagnac::store::Store;
+use sagnac::study::{Study, StudyError, Subject};
+use toml::{Table, Value};
+
+use crate::campaign::{Outcome, Target, fuzz};
+use crate::edits;
+
+const TARGET: Target = Target { name: "studies", ending: "toml", run };
+
+/// Beside the studies that are shipped, so that the files they name are found.
+const NAME: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/studies/fuzzed.toml");
+
+/// What has a meaning in TOML.
+const TOKENS: &[&str] = &[
+    "\n",
+    "[",
+    "]",
+    "[[",
+    "]]",
+    "{",
+    "}",
+    "=",
+    ",",
+    "\"",
+    "'",
+    "\"\"\"",
+    "\\",
+    "#",
+    ".",
+    "\r",
+    "\0",
+    "\u{feff}",
+    "\u{85}",
+    "é",
+    "𝄞",
+    "[[sweep]]\n",
+    "[chart]\n",
+    "a.b.c = 1\n",
+    "a.",
+    "[a.",
+    "{ a = ",
+    "\"\\u0000\"",
+    "1e999",
+    "nan",
+    "0x",
+    "true",
+    "1979-05-27",
+];
+
+/// Most points that are lowered.
+const MOST_POINTS: usize = 40;
+
+/// Trials that are sampled of a study that is accepted.
+const TRIALS: u64 = 2;
+
+#[test]
+fn studies() {
+    let seeds = seeds();
+    let study = (any::<Index>(), tree::edits()).prop_map({
+        let seeds = seeds.clone();
+        move |(seed, edits)| {
+            let mut study = seed.get(&seeds).clone();
+            tree::apply(&mut study, &edits, &seeds);
+            toml::to_string(&study).unwrap_or_default().into_bytes()
+        }
+    });
+    // Most with their tree edited, some with their text too.
+    let of_text = prop_oneof![4 => Just(vec![]).boxed(), 1 => edits::edits(3, TOKENS).boxed()];
+    fuzz(
+        &TARGET,
+        (study, of_text).prop_map(|(mut text, edits)| {
+            edits::apply(&mut text, &edits);
+            text
+        }),
+    );
+}
+
+/// All studies that are shipped, with fewer points, and those of the corpus that are TOML.
+fn seeds() -> Vec<Table> {
+    let shipped =
+        std::fs::read_dir(Path::new(NAME).parent().unwrap()).unwrap().map(|entry| entry.unwrap().path());
+    let mut shipped: Vec<_> =
+        shipped.filter(|path| path.extension().is_some_and(|ending| ending == "toml")).collect();
+    shipped.sort();
+    let texts = shipped.into_iter().map(|path| std::fs::read_to_string(path).unwrap());
+    let corpus = TARGET.corpus().into_iter().filter_map(|(_, bytes)| String::from_utf8(bytes).ok());
+    texts.chain(corpus).filter_map(|text| text.parse().ok()).map(shortened).collect()
+}
+
+/// The study with two values of each sweep, where none of its charts needs another.
+fn shortened(study: Table) -> Table {
+    let mut short = study.clone();
+    for sweep in short.get_mut("sweep").and_then(Value::as_array_mut).into_iter().flatten() {
+        if let Some(list) = sweep.get_mut("list").and_then(Value::as_array_mut) {
+            list.truncate(2);
+        }
+        for form in ["linear", "log"] {
+            if let Some(points) = sweep.get_mut(form).and_then(|spacing| spacing.get_mut("points")) {
+                *points = Value::Integer(2);
+            }
+        }
+    }
+    let is_study = Study::parse(NAME, &toml::to_string(&short).unwrap_or_default()).is_ok();
+    if is_study { short } else { study }
+}
+
+fn run(bytes: &[u8]) -> Vec<Outcome> {
+    let outcome = match read(bytes) {
+        // The time that it takes goes by the points, and is no surprise.
+        Ok(study) if points(&study) > MOST_POINTS => Ok(format!("{} of many points", study.kind().name())),
+        Ok(study) => planned(&study),
+        Err(error) => Err(error),
+    };
+    vec![match outcome {
+        Ok(kind) => Outcome::Accepted(kind),
+        Err(error) => {
+            let report = error.render(false, 110);
+            assert!(!error.to_string().trim().is_empty() && report.contains("help"), "no help in\n{report}");
+            Outcome::Refused(error.to_string())
+        }
+    }]
+}
+
+/// Points of the study, those that are fitted counted as several.
+fn points(study: &Study) -> usize {
+    match &study.subject {
+        Subject::GapFill(gap_fill) => gap_fill.points.len(),
+        Subject::Relock(relock) => relock.points.len(),
+        Subject::Allan(allan) => allan.points.len() * if allan.terms.is_some() { 8 } else { 2 },
+        Subject::SwitchedRun(runs) => runs.points.len(),
+        Subject::DriftBudget(_) | Subject::Suspension(_) => 1,
+    }
+}
+
+fn read(bytes: &[u8]) -> Result<Study, StudyError> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Study::parse(NAME, text),
+        Err(_) => {
+            let file = tempfile::NamedTempFile::new().unwrap();
+            std::fs::write(file.path(), bytes).unwrap();
+            Err(Study::read(file.path()).expect_err("it is no UTF-8"))
+        }
+    }
+}
+
+/// Lowers all points, and those of the study as it is resolved, which has to be the same one.
+fn planned(study: &Study) -> Result<String, StudyError> {
+    let plan = Plan::new(study)?;
+    let tables = plan.blank_tables();
+    let again = Study::parse("elsewhere/resolved_study.toml", &study.resolved(study.trials))
+        .unwrap_or_else(|error| panic!("as resolved:\n{}", error.render(false, 110)));
+    let same = Plan::new(&again).unwrap_or_else(|error| panic!("as resolved:\n{}", error.render(false, 110)));
+    assert_eq!((same.identity(), again.trials), (plan.identity(), study.trials));
+    // Numbers that are none differ from themselves.
+    assert_eq!(format!("{:?}", same.blank_tables()), format!("{tables:?}"));
+    if is_cheap(study) && tables.points.rows() <= 16 {
+        sample(study);
+    }
+    Ok(study.kind().name().to_owned())
+}
+
+/// Whether a few trials take no time worth naming.
+fn is_cheap(study: &Study) -> bool {
+    match &study.subject {
+        Subject::GapFill(_) | Subject::Relock(_) => true,
+        Subject::Allan(allan) => {
+            allan.points.iter().map(|point| point.inputs.samples()).sum::<u64>() < 50_000
+        }
+        Subject::SwitchedRun(runs) => runs.points.iter().map(|point| point.switches()).sum::<u64>() < 5_000,
+        Subject::DriftBudget(_) | Subject::Suspension(_) => false,
+    }
+}
+
+/// Runs the study with some trials, and makes its tables.
+fn sample(study: &Study) {
+    static DEVICE: LazyLock<Mutex<Device>> = LazyLock::new(|| Mutex::new(select("cpu", 0).unwrap().device));
+    let mut study = study.clone();
+    study.trials = TRIALS;
+    // Another number of trials may be refused, of whole replays of a record.
+    let Ok(plan) = Plan::new(&study) else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = Store::open(folder.path(), &plan.identity()).unwrap();
+    let mut device = DEVICE.lock().unwrap_or_else(PoisonError::into_inner);
+    plan.run(&mut store, &mut device, Share::WHOLE, &Nobody).unwrap();
+    let (rows, blank) =
+        (plan.tables(&store, &Nobody).unwrap().points.rows(), plan.blank_tables().points.rows());
+    assert_eq!(rows, blank, "rows with trials and without");
+    plan.notes(&store).unwrap();
+}
+
+/// Hears of no progress.
+struct Nobody;
+
+impl Progress for Nobody {
+    fn start(&self, _unit: &'static str, _done: u64, _total: u64) {}
+    fn advance(&self, _more: u64) {}
+    fn finish(&self) {}
+    fn note(&self, _sentence: &str) {}
+}
