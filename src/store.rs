@@ -130,8 +130,14 @@ impl Store {
         let failed = |source| StoreError::of(&path, source);
         let mut connection = Connection::open(&path).map_err(failed)?;
         exclusive(&connection).map_err(failed)?;
-        structure(&connection, &path, "quick_check")?;
-        all_sound(&connection, &path)?;
+        if !schema::is_empty(&connection, &path)? {
+            schema::claimed(&connection, &path)?;
+            structure(&connection, &path, "quick_check")?;
+            all_sound(&connection, &path)?;
+        }
+        connection
+            .execute_batch("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;")
+            .map_err(failed)?;
         // The tables and whose they are: all or nothing, or a run killed here would leave a folder that is nobody's.
         let transaction =
             connection.transaction_with_behavior(TransactionBehavior::Exclusive).map_err(failed)?;
@@ -270,14 +276,10 @@ impl Store {
     }
 }
 
-/// Takes a database for this connection alone, with a journal that outlives a program that is killed. In this order SQLite
-/// needs no memory that programs share, which network file systems do not have.
+/// Takes a database for this connection alone. Before anything else is asked of it, so that its journal needs no memory that
+/// programs share, which network file systems do not have.
 fn exclusive(connection: &Connection) -> Result<(), rusqlite::Error> {
-    connection.execute_batch(
-        "PRAGMA locking_mode = EXCLUSIVE;
-         PRAGMA journal_mode = WAL;
-         PRAGMA synchronous = NORMAL;",
-    )
+    connection.execute_batch("PRAGMA locking_mode = EXCLUSIVE;")
 }
 
 /// Lets SQLite look over its pages: `quick_check` or `integrity_check`.
@@ -292,10 +294,6 @@ fn structure(connection: &Connection, path: &Path, check: &str) -> Result<(), St
 /// Reads every row. A row is looked for by its key, so one with an altered key would hide those behind it; SQLite's quick check
 /// does not see that.
 fn all_sound(connection: &Connection, path: &Path) -> Result<(), StoreError> {
-    if schema::is_empty(connection, path)? {
-        return Ok(());
-    }
-    schema::claimed(connection, path)?;
     let failed = |source| StoreError::of(path, source);
     let mut statement = connection.prepare(&format!("SELECT {COLUMNS} FROM tally")).map_err(failed)?;
     let mut rows = statement.query([]).map_err(failed)?;

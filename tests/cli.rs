@@ -69,11 +69,11 @@ fn a_folder_of_another_study_is_left_as_it_is() {
 fn a_folder_that_cannot_be_written_is_a_storage_failure() {
     let desk = Desk::with(STUDY);
     let run = "run study.toml --device cpu --trials 1000 --out";
-    let pieces = ["cannot create the results folder", "--out DIR"];
+    let pieces = ["cannot use the results folder", "--out DIR"];
     desk.fails(&format!("{run} study.toml/results"), 6, &pieces);
     desk.fails(&format!("{run} study.toml"), 6, &pieces);
     if cfg!(target_os = "linux") {
-        desk.fails(&format!("{run} /proc/sagnac"), 6, &["cannot create the results folder /proc/sagnac"]);
+        desk.fails(&format!("{run} /proc/sagnac"), 6, &["cannot use the results folder /proc/sagnac"]);
     }
     assert_eq!(desk.names("."), ["study.toml"]);
 }
@@ -128,7 +128,7 @@ fn a_run_writes_the_table_the_chart_and_the_study() {
     assert!(ended.stdout.starts_with("Residual error of the gap fillers"), "{}", ended.stdout);
     assert!(ended.stderr.contains("results are in results/study"), "{}", ended.stderr);
     let charts = ["chart-1", "chart-2", "chart-3"].map(|stem| [format!("{stem}.png"), format!("{stem}.svg")]);
-    let files = ["points.csv", "resolved_study.toml", "tallies.sqlite"].map(str::to_owned);
+    let files = ["points.csv", "resolved_study.toml", "tallies.lock", "tallies.sqlite"].map(str::to_owned);
     assert_eq!(desk.names("results/study"), [charts.concat(), files.into()].concat());
     let table = desk.read("results/study/points.csv");
     let laws = "law_taylor_extremum_arcsec,law_taylor_zero_crossing_arcsec";
@@ -169,7 +169,10 @@ fn a_study_without_sweeps_has_no_swept_columns_and_no_chart() {
     let desk = Desk::with(STUDY);
     desk.done("run study.toml --device cpu --trials 1000");
     assert_eq!(desk.read("results/study/points.csv").lines().next(), Some(HEADER));
-    assert_eq!(desk.names("results/study"), ["points.csv", "resolved_study.toml", "tallies.sqlite"]);
+    assert_eq!(
+        desk.names("results/study"),
+        ["points.csv", "resolved_study.toml", "tallies.lock", "tallies.sqlite"]
+    );
     let rows = desk.points("results/study");
     let names: Vec<(&str, &str)> =
         rows.iter().map(|row| (row["filler"].as_str(), row["error"].as_str())).collect();
@@ -205,7 +208,8 @@ fn a_sweep_without_a_chart_gets_one_and_several_charts_are_numbered() {
     let sweep = "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"5 Hz\", \"10 Hz\"]\n";
     let desk = Desk::with(&with(sweep));
     desk.done("run study.toml --device cpu --trials 1000");
-    let default = ["chart.png", "chart.svg", "points.csv", "resolved_study.toml", "tallies.sqlite"];
+    let default =
+        ["chart.png", "chart.svg", "points.csv", "resolved_study.toml", "tallies.lock", "tallies.sqlite"];
     assert_eq!(desk.names("results/study"), default);
     let charts = "[[chart]]\nx = \"dt_nu\"\ny = \"rms\"\n[[chart]]\nx = \"frequency\"\ny = \"max\"\n";
     desk.write("two.toml", &with(&format!("{sweep}{charts}")));

@@ -94,7 +94,9 @@ impl Failure {
             Failure::Study(_)
             | Failure::Log(_)
             | Failure::Record(_)
-            | Failure::Store(StoreError::OtherStudy { .. }) => 3,
+            | Failure::Store(
+                StoreError::OtherStudy { .. } | StoreError::Schema { .. } | StoreError::Kernels { .. },
+            ) => 3,
             Failure::Select(error) => {
                 if error.is_usage() {
                     2

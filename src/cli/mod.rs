@@ -50,7 +50,7 @@ Examples:
   sagnac verify
 
 Exit codes:
-  0 done    1 runtime error    2 usage, unknown device    3 invalid study or log, folder of another study
+  0 done    1 runtime error    2 usage, unknown device    3 invalid study or log, folder of another study or version
   4 stopped or incomplete, run again to go on    5 a check failed    6 storage or output (full, read-only, locked)
   130, 143 signals";
 
