@@ -209,7 +209,8 @@ impl<'a> Plan<'a> {
         Ok(tables)
     }
 
-    /// Trials that a study has which repeats this one: what all points have, where they have the same number.
+    /// Trials that a study has which repeats this one: what all points have, where they have the same number and that is more
+    /// than was asked for.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
@@ -221,7 +222,7 @@ impl<'a> Plan<'a> {
             Work::Relock(plan) => plan.held(store)?,
             Work::Exact(_) => None,
         };
-        Ok(held.unwrap_or(self.study.trials))
+        Ok(held.unwrap_or(0).max(self.study.trials))
     }
 
     /// What should be known besides the results, each in a sentence.

@@ -186,6 +186,15 @@ impl Store {
         Ok(blocks)
     }
 
+    /// How many trials are held of a tally, each counted once.
+    ///
+    /// # Errors
+    /// Those of [`Store::blocks`].
+    pub fn trials(&self, address: &Address) -> Result<u64, StoreError> {
+        let blocks = self.blocks(address)?.into_iter().map(|block| (block, ())).collect();
+        Ok(fold(blocks).iter().map(|(block, ())| block.trials()).sum())
+    }
+
     /// The tally over all trials held, folded from its rows.
     ///
     /// # Errors

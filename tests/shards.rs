@@ -112,6 +112,10 @@ fn shards_are_run_merged_and_checked_as_a_user_would() {
     assert_eq!(ended.code, 4, "{}", ended.stderr);
     assert!(ended.stderr.contains("part is incomplete: 1"), "{}", ended.stderr);
     assert_eq!(desk.sagnac("check part").code, 4);
+    // Every point has a half of them; a study that goes on from there still asks for all.
+    desk.done("run study.toml --device cpu --trials 2000 --shard 1/2 --out half");
+    assert_eq!(desk.sagnac("merge half --out halves").code, 4);
+    assert!(desk.read("halves/resolved_study.toml").contains("trials = 2000"));
 
     let ended = desk.done(&format!("merge {folders} {folders} --out results/study"));
     assert!(ended.stderr.contains("complete; results are in results/study"), "{}", ended.stderr);

@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use super::worker::Worker;
 use super::{BATCH_SECONDS, Done, Progress, RunError, Tables};
-use crate::block::{base_log2, fold, missing};
+use crate::block::{base_log2, missing};
 use crate::fit::Curve;
 use crate::id::Id;
 use crate::lower::{LoweredCurve, RecordsError};
@@ -212,8 +212,7 @@ impl<'a> Plan<'a> {
     pub(super) fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
         let mut held = None;
         for planned in &self.points {
-            let blocks = store.blocks(&planned.address)?.into_iter().map(|block| (block, ())).collect();
-            let records = fold(blocks).iter().map(|(block, ())| block.trials()).sum();
+            let records = store.trials(&planned.address)?;
             if *held.get_or_insert(records) != records {
                 return Ok(None);
             }

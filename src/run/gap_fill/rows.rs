@@ -44,7 +44,7 @@ impl Plan<'_> {
         }
         let mut held = None;
         for estimate in self.points.iter().flat_map(|point| &point.fillers).flatten() {
-            let trials = store.total(&estimate.address)?.count;
+            let trials = store.trials(&estimate.address)?;
             if *held.get_or_insert(trials) != trials {
                 return Ok(None);
             }

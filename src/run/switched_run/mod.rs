@@ -108,7 +108,7 @@ impl<'a> Plan<'a> {
     pub(super) fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
         let mut held = None;
         for estimate in self.filled().flat_map(|filled| &filled.estimates) {
-            let trials = store.total(&estimate.address)?.count;
+            let trials = store.trials(&estimate.address)?;
             if *held.get_or_insert(trials) != trials {
                 return Ok(None);
             }
