@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::database::structure;
 use super::row::Raw;
 use super::{Source, StoreError, Tally};
 use crate::kernel::moments::Moments;
@@ -31,7 +32,7 @@ impl Source {
             Err(error) if error.is_damage() => report.faults.push(error),
             found => drop(found?),
         }
-        report.faults.extend(super::structure(&self.connection, &self.path, "integrity_check").err());
+        report.faults.extend(structure(&self.connection, &self.path, "integrity_check").err());
         let mut group: Vec<Raw> = Vec::new();
         let mut point = None;
         self.each(false, |row| {

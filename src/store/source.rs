@@ -5,9 +5,10 @@ use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, OpenFlags, params};
 
+use super::database::{exclusive, put};
 use super::lock::Lock;
 use super::row::{COLUMNS, Raw};
-use super::{FILE, Identity, Store, StoreError, put, schema};
+use super::{FILE, Identity, Store, StoreError, schema};
 
 /// A store that is only read; no other program can open it meanwhile, unless its folder is read-only.
 #[derive(Debug)]
@@ -58,7 +59,7 @@ impl Source {
         let connection = if lock.is_some() {
             let connection =
                 Connection::open_with_flags(&path, OpenFlags::SQLITE_OPEN_READ_WRITE).map_err(failed)?;
-            super::exclusive(&connection).map_err(failed)?;
+            exclusive(&connection).map_err(failed)?;
             connection
         } else {
             let journal = folder.join(format!("{FILE}-wal"));
