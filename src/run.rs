@@ -168,16 +168,16 @@ impl<'a> Plan<'a> {
         Ok(Done { degraded: worker.into_notes(), ..done })
     }
 
-    /// Trials that the store still lacks, over all points.
+    /// Trials that the store still lacks of a share, over all points.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    pub fn lacks(&self, store: &Store) -> Result<u64, StoreError> {
+    pub fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
         match &self.work {
-            Work::GapFill(plan) => plan.lacks(store),
-            Work::Allan(plan) => plan.lacks(store),
-            Work::SwitchedRun(plan) => plan.lacks(store),
-            Work::Relock(plan) => plan.lacks(store),
+            Work::GapFill(plan) => plan.lacks(store, share),
+            Work::Allan(plan) => plan.lacks(store, share),
+            Work::SwitchedRun(plan) => plan.lacks(store, share),
+            Work::Relock(plan) => plan.lacks(store, share),
             Work::Exact(_) => Ok(0),
         }
     }

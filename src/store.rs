@@ -23,8 +23,9 @@ use crate::block::{Block, fold};
 use crate::id::Id;
 use crate::kernel::moments::Moments;
 use crate::kernel::rows::Rows;
+use crate::share::Share;
 pub use check::Report;
-use database::{all_sound, exclusive, note, put, structure};
+use database::{SHARE, all_sound, exclusive, note, put, shares, structure};
 pub use error::StoreError;
 use lock::Lock;
 pub use lock::{Holder, LOCK};
@@ -154,6 +155,26 @@ impl Store {
         Store { path, connection, _lock: lock, identity: identity.clone(), session }
     }
 
+    /// Notes that a share of the study is sampled here, for who looks whether the folder has all that it should.
+    ///
+    /// # Errors
+    /// The disk fails.
+    pub fn note_share(&mut self, share: Share) -> Result<(), StoreError> {
+        let sql = "INSERT OR IGNORE INTO study VALUES (?1, '')";
+        self.connection
+            .execute(sql, [format!("{SHARE}{}/{}", share.number(), share.of())])
+            .map_err(|e| self.failed(e))?;
+        Ok(())
+    }
+
+    /// The shares that were to be sampled here, the whole study as one of them.
+    ///
+    /// # Errors
+    /// The disk fails.
+    pub fn shares(&self) -> Result<Vec<Share>, StoreError> {
+        shares(&self.connection, &self.path)
+    }
+
     /// Adds rows, all of them or, on an error, none; and notes in the same step what this session has done so far, if that
     /// is told, so that a run which is killed has left both or neither.
     ///
@@ -167,7 +188,7 @@ impl Store {
         let failed = |source| StoreError::of(&self.path, source);
         let transaction = self.connection.transaction().map_err(failed)?;
         for row in rows {
-            put(&transaction, &self.path, &Raw::of(row))?;
+            put(&transaction, &self.path, &Raw::of(row), &self.path)?;
         }
         if let Some(so_far) = so_far {
             note(&transaction, &self.session, so_far).map_err(failed)?;
@@ -188,13 +209,15 @@ impl Store {
         Ok(blocks)
     }
 
-    /// How many trials are held of a tally, each counted once.
+    /// How many trials are held of a tally, if they are its first ones.
     ///
     /// # Errors
     /// Those of [`Store::blocks`].
-    pub fn trials(&self, address: &Address) -> Result<u64, StoreError> {
-        let blocks = self.blocks(address)?.into_iter().map(|block| (block, ())).collect();
-        Ok(fold(blocks).iter().map(|(block, ())| block.trials()).sum())
+    pub fn trials(&self, address: &Address) -> Result<Option<u64>, StoreError> {
+        let blocks = fold(self.blocks(address)?.into_iter().map(|block| (block, ())).collect());
+        let end = blocks.last().map_or(0, |(block, ())| block.end());
+        let held: u64 = blocks.iter().map(|(block, ())| block.trials()).sum();
+        Ok((held == end).then_some(end))
     }
 
     /// The tally over all trials held, folded from its rows.

@@ -33,10 +33,25 @@ impl Left {
         sample(&plan, folder.path(), device, Share::new(1, 2).unwrap()).unwrap();
         let mut store = Store::open(folder.path(), &plan.identity()).unwrap();
         plan.run(&mut store, device, Share::new(3, 4).unwrap(), &Silent).unwrap();
-        let read = |end: &str| std::fs::read(folder.path().join(format!("{FILE}{end}"))).unwrap();
-        let left = Left { database: read(""), journal: read("-wal") };
+        let left = Left::read(folder.path());
         assert!(left.database.len() > 10_000 && left.journal.len() > 10_000, "both have rows");
         left
+    }
+
+    /// The same of a folder that has one share alone: its first half in the database, the other in the journal.
+    fn of_share(study: &Study, share: Share, device: &mut Device) -> Left {
+        let folder = stores::folder();
+        let half = stores::study(MOMENTS, study.trials / 2, study.seed);
+        sample(&Plan::new(&half).unwrap(), folder.path(), device, share).unwrap();
+        let plan = Plan::new(study).unwrap();
+        let mut store = Store::open(folder.path(), &plan.identity()).unwrap();
+        plan.run(&mut store, device, share, &Silent).unwrap();
+        Left::read(folder.path())
+    }
+
+    fn read(folder: &Path) -> Left {
+        let read = |end: &str| std::fs::read(folder.join(format!("{FILE}{end}"))).unwrap();
+        Left { database: read(""), journal: read("-wal") }
     }
 
     fn write(&self, folder: &Path) {
@@ -167,6 +182,8 @@ fn empty_missing_and_foreign_files_are_recovered_or_refused() {
     let (case, other) = (Case::of(&study, &mut device), Case::of(&other, &mut device));
     let Left { database, journal } = case.left.clone();
     let rows = Case::of(&stores::study(ROWS, 60, 1), &mut device).left;
+    let shares = [(1, 2), (2, 2)]
+        .map(|(number, of)| Left::of_share(&study, Share::new(number, of).unwrap(), &mut device));
     let mut refused = |database: &[u8], journal: &[u8], what: &str| {
         case.refused(&Left { database: database.to_vec(), journal: journal.to_vec() }, &mut device, what)
     };
@@ -203,7 +220,14 @@ fn empty_missing_and_foreign_files_are_recovered_or_refused() {
         (&database, &rows.journal, "journal of another kind"),
         (&rows.database, &journal, "database of another kind"),
     ] {
-        println!("{what}: {}", refused(database, journal, what).unwrap_or("recovered".to_owned()));
+        let why = refused(database, journal, what).unwrap_or_else(|| panic!("{what} is not found out"));
+        println!("{what}: {why}");
+    }
+    // Of another share of the same study, so that every row is a right one: found out, or the tables are right.
+    for (one, other) in [(0, 1), (1, 0)] {
+        let (database, journal) = (&shares[one].database, &shares[other].journal);
+        let outcome = refused(database, journal, "journal of another share");
+        println!("journal of another share: {}", outcome.unwrap_or("recovered".to_owned()));
     }
     // A journal that some rows of this one have been taken over from already.
     let later = {

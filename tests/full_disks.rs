@@ -71,6 +71,10 @@ fn with_mounts(desk: &Desk, script: &str) -> Option<String> {
             return Some(said(&output));
         }
     }
+    assert!(
+        std::env::var_os("SAGNAC_MOUNTS").is_none_or(|mounts| mounts != "required"),
+        "this machine lets no test mount a file system, and SAGNAC_MOUNTS=required"
+    );
     println!("NOT SHOWN HERE: this machine lets no test mount a file system");
     None
 }

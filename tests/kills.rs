@@ -85,6 +85,16 @@ fn is_torn(folder: &Path) -> bool {
     present.last().is_some_and(|frame| frame.len() < 24 + page || frame[4..8] == [0; 4])
 }
 
+/// How many rows there are, without touching them.
+fn rows_of_copy(folder: &Path) -> usize {
+    let copy = stores::folder();
+    for file in [FILE.to_owned(), format!("{FILE}-wal")] {
+        // A run that was killed early may have left no journal.
+        let _ = std::fs::copy(folder.join(&file), copy.path().join(&file));
+    }
+    rows(copy.path()).len()
+}
+
 #[test]
 fn killed_runs_resume_to_the_bits_of_one_that_was_not() {
     let wanted: usize = std::env::var("SAGNAC_KILLS").map_or(20, |text| text.parse().unwrap());
@@ -107,8 +117,8 @@ fn killed_runs_resume_to_the_bits_of_one_that_was_not() {
                     break;
                 }
                 let torn = is_torn(&path);
-                // Looking takes the journal over, as the next run would.
-                let found = rows(&path).len();
+                // In a copy: looking takes the journal over, which is for the next run to do.
+                let found = rows_of_copy(&path);
                 assert!(found >= held, "rows were lost");
                 if found > held && found < whole.len() {
                     count.kills += 1;

@@ -12,7 +12,7 @@ use rand::seq::SliceRandom;
 use sagnac::backend::Device;
 use sagnac::run::Plan;
 use sagnac::share::Share;
-use sagnac::store::{Source, Store};
+use sagnac::store::{FILE, Source, Store};
 use stores::{MOMENTS, ROWS, RUNS, cpu, csv, finished, folder, rows, sample, study};
 use studies::Silent;
 
@@ -44,12 +44,22 @@ fn sharded(
     let mut store = Store::open(out.path(), &plan.identity()).unwrap();
     for (at, &index) in order.iter().enumerate() {
         assert!(
-            at == 0 || plan.lacks(&store).unwrap() > 0 || of > 32,
+            at == 0 || plan.lacks(&store, Share::WHOLE).unwrap() > 0 || of > 32,
             "share {at} of {of} has nothing to add"
         );
         store.merge(&Source::open(folders[index as usize].path()).unwrap(), false).unwrap();
     }
-    assert_eq!(plan.lacks(&store).unwrap(), 0, "{of} shares are not the whole");
+    assert_eq!(plan.lacks(&store, Share::WHOLE).unwrap(), 0, "{of} shares are not the whole");
+    drop(store);
+    // With itself: a copy of all of it changes nothing.
+    let (once, copy) = (rows(out.path()), folder());
+    std::fs::copy(out.path().join(FILE), copy.path().join(FILE)).unwrap();
+    let mut store = Store::open(out.path(), &plan.identity()).unwrap();
+    let merged = store.merge(&Source::open(copy.path()).unwrap(), false).unwrap();
+    assert_eq!((merged.added, merged.held), (0, once.len() as u64));
+    drop(store);
+    assert!(rows(out.path()) == once, "merging {of} shares with themselves changed rows");
+    let store = Store::open(out.path(), &plan.identity()).unwrap();
     csv(&plan.tables(&store, &Silent).unwrap())
 }
 
@@ -167,6 +177,8 @@ fn a_task_of_a_job_array_runs_its_share() {
         ended.stderr
     );
     desk.fails(run, 2, &["SLURM_ARRAY_TASK_ID is not set", "--array=1-N"]);
+    let ended = desk.done("check results/study/shard-3-of-4");
+    assert!(ended.stdout.contains("share 3 of 4 complete"), "{}", ended.stdout);
 }
 
 #[test]
@@ -181,10 +193,23 @@ fn shares_that_make_no_sense_are_refused() {
         3,
         &["precise.toml:2", "does not see the others' trials", "--trials N"],
     );
-    desk.done("run precise.toml --device cpu --shard 1/2 --trials 3000 --out a");
-    desk.done("run precise.toml --device cpu --shard 2/2 --trials 3000 --out b");
+    // All are sampled then, in any split, though a run as a whole stops earlier.
+    let shard = |shard: &str, out: &str| {
+        desk.done(&format!("run precise.toml --device cpu --shard {shard} --trials 300000 --out {out}"));
+    };
+    shard("1/2", "a");
+    shard("2/2", "b");
+    shard("1/1", "whole");
+    desk.fails("merge b --out part --quiet", 4, &["part is incomplete: 150 thousand"]);
     desk.done("merge a b --out c");
-    assert_eq!(desk.points("c").iter().map(|row| row["trials"].as_str()).collect::<Vec<_>>(), ["3000"; 4]);
+    assert_eq!(desk.read("c/points.csv"), desk.read("whole/points.csv"));
+    assert_eq!(desk.points("c").iter().map(|row| row["trials"].as_str()).collect::<Vec<_>>(), ["300000"; 4]);
+    desk.done("run precise.toml --device cpu --trials 300000 --out stopped");
+    assert_ne!(desk.points("stopped")[0]["trials"], "300000");
+    assert!(desk.read("c/resolved_study.toml").contains("precision = \"none\""));
+    desk.done("check a b c whole stopped");
+    desk.write("table.toml", &format!("{STUDY}[precision]\nrms = \"1 %\"\n"));
+    desk.fails("run table.toml --shard 1/2 --trials 1000", 3, &["table.toml:12", "write it as a value"]);
     for limit in ["soon", "5", "-1 s", "3 Hz"] {
         let output = std::process::Command::new(desk::PROGRAM)
             .current_dir(desk.0.path())
@@ -200,7 +225,11 @@ fn what_does_not_belong_together_is_not_merged() {
     let desk = Desk::with(STUDY);
     desk.done("run study.toml --device cpu --trials 1000 --out a");
     desk.done("run study.toml --device cpu --trials 1000 --seed 2 --out b");
-    desk.fails("merge a b --out c", 2, &["a/resolved_study.toml and b/resolved_study.toml", "--study FILE"]);
+    desk.fails(
+        "merge a b --out c",
+        2,
+        &["a/resolved_study.toml and b/resolved_study.toml are not the same: line 3", "--study FILE"],
+    );
     desk.fails("merge a nowhere --out c", 2, &["nowhere/resolved_study.toml", "no such folder"]);
     std::fs::create_dir(desk.path("empty")).unwrap();
     desk.fails("merge a empty --out c --study study.toml", 2, &["empty has no results", "tallies.sqlite"]);

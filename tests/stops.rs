@@ -138,3 +138,39 @@ fn a_second_program_is_refused_at_once_and_told_who_is_first() {
     assert_eq!(ended(child).0, Some(143));
     assert_eq!(desk.sagnac("check out").code, 4);
 }
+
+#[test]
+fn a_closed_or_full_error_stream_changes_neither_results_nor_exit_codes() {
+    let desk = Desk::with(&long());
+    for (redirection, out) in [("2>/dev/full", "full"), ("2>&-", "closed")] {
+        let script = |words: &str| {
+            let command = format!("{PROGRAM} {words} {redirection}");
+            Command::new("sh").arg("-c").arg(command).current_dir(desk.0.path()).status().unwrap().code()
+        };
+        assert_eq!(script(&format!("run study.toml --device cpu --trials 2000 --out {out}")), Some(0));
+        assert_eq!(script("check nowhere"), Some(2));
+    }
+    assert_eq!(desk.read("full/points.csv"), desk.read("closed/points.csv"));
+    let mut child = Command::new("sh")
+        .args(["-c", &format!("exec {PROGRAM} {RUN} out 2>/dev/full")])
+        .current_dir(desk.0.path())
+        .spawn()
+        .unwrap();
+    begun(&desk.path("out"));
+    send(&child, "TERM");
+    assert_eq!(child.wait().unwrap().code(), Some(143));
+}
+
+#[test]
+fn a_run_that_stops_at_a_precision_goes_on_from_what_it_said_is_kept() {
+    let desk = Desk::with(&long().replace("kind =", "precision = \"0.02 %\"\nkind ="));
+    let run = "run study.toml --device cpu --threads 1 --trials 100000000 --out out --time-limit";
+    let first = desk.sagnac(&format!("{run} 1s"));
+    assert_eq!(first.code, 4, "{}", first.stderr);
+    let line = |text: &str, end: &str| text.lines().find(|line| line.contains(end)).map(str::to_owned);
+    let stopped = line(&first.stderr, "are kept").unwrap_or_else(|| panic!("{}", first.stderr));
+    let second = desk.sagnac(&format!("{run} 100ms"));
+    let begins = line(&second.stderr, "trials done").unwrap_or_else(|| panic!("{}", second.stderr));
+    let reached = begins.strip_suffix(" trials done").unwrap();
+    assert!(!reached.starts_with("0 of") && stopped.contains(reached), "{stopped}\n{begins}");
+}

@@ -65,7 +65,7 @@ const SAMPLES: u64 = 32_400;
 /// Measures the kernels of trials and of records on every width of the CPU and on the device.
 pub fn bench(options: &super::Bench) -> Result<(), Failure> {
     let selection = select(&options.device.name, options.device.threads.unwrap_or(0))?;
-    eprintln!("device: {}, {}", selection.device.name(), selection.reason);
+    say!("device: {}, {}", selection.device.name(), selection.reason);
     let mut devices = Vec::new();
     if let Device::Gpu(_) = selection.device {
         devices.push(selection.device);

@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use sagnac::run::Plan;
-use sagnac::store::Source;
+use sagnac::share::Share;
+use sagnac::store::{Report, Source};
 use sagnac::study::Study;
 
-use super::Failure;
+use super::failure::{self, Failure};
 use super::output::print;
 use super::progress::Shown;
 use super::results::{RESOLVED, csv, files};
@@ -25,8 +26,8 @@ pub struct Options {
 /// How a folder is.
 enum State {
     Sound,
-    /// So many trials are missing.
-    Incomplete(u64),
+    /// Trials are missing.
+    Incomplete,
     /// So many things are wrong.
     Faulty(usize),
 }
@@ -34,19 +35,27 @@ enum State {
 /// Most faults of a folder that are told one by one.
 const MOST_TOLD: usize = 10;
 
-/// Reads everything in the folders and says whether it is sound, complete, and what the tables say.
+/// Reads everything in the folders and says whether it is sound, complete, and what the tables say. All folders are looked at,
+/// whatever the first ones are like.
 pub fn check(options: &Options) -> Result<(), Failure> {
-    let (mut faulty, mut incomplete) = (0, None);
+    let (mut faulty, mut incomplete, mut unread) = (0, vec![], None);
     for folder in &options.folders {
-        match check_folder(folder, options.quiet)? {
-            State::Sound => {}
-            State::Incomplete(lacking) => incomplete = Some((lacking, folder.clone())),
-            State::Faulty(faults) => faulty += faults,
+        match check_folder(folder, options.quiet) {
+            Ok(State::Sound) => {}
+            Ok(State::Incomplete) => incomplete.push(folder.clone()),
+            Ok(State::Faulty(faults)) => faulty += faults,
+            Err(failure @ Failure::OutputClosed) => return Err(failure),
+            Err(failure) => {
+                if let Some(before) = unread.replace(failure) {
+                    before.report();
+                }
+            }
         }
     }
-    match incomplete {
-        _ if faulty > 0 => Err(Failure::Unsound(faulty)),
-        Some((lacking, folder)) => Err(Failure::Incomplete { lacking, folder }),
+    match unread {
+        Some(failure) => Err(failure),
+        None if faulty > 0 => Err(Failure::Unsound(faulty)),
+        None if !incomplete.is_empty() => Err(Failure::Unfinished(incomplete)),
         None => Ok(()),
     }
 }
@@ -62,8 +71,23 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
         let study = Study::read(&resolved)?;
         let plan = Plan::new(&study)?;
         let store = source.into_store(&plan.identity())?;
-        lacking = plan.lacks(&store)?;
-        about = if lacking == 0 { "complete".to_owned() } else { format!("{lacking} trials are missing") };
+        lacking = plan.lacks(&store, Share::WHOLE)?;
+        about = match lacking {
+            0 => "complete".to_owned(),
+            lacking => format!("{lacking} trials are missing"),
+        };
+        let shares = store.shares()?;
+        let has_all = |share: &Share| Ok(plan.lacks(&store, *share)? == 0);
+        if lacking > 0 && !shares.is_empty() && !shares.iter().any(Share::is_whole) {
+            let states: Vec<bool> = shares.iter().map(has_all).collect::<Result<_, Failure>>()?;
+            let named = shares.iter().zip(&states);
+            let named = named
+                .map(|(share, all)| format!("{share} {}", if *all { "complete" } else { "not complete" }));
+            about = named.collect::<Vec<_>>().join(", ");
+            if !states.contains(&false) {
+                return say_sound(folder, &report, &about, quiet).map(|()| State::Sound);
+            }
+        }
         let tables = plan.tables(&store, &Shown::new(quiet))?;
         for (name, table) in files(&tables) {
             let path = folder.join(name);
@@ -82,19 +106,24 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
         }
     }
     for fault in faults.iter().take(MOST_TOLD) {
-        eprintln!("error: {fault}");
+        say!("error: {fault}");
     }
-    if !quiet {
-        let rows =
-            format!("{}: {} rows of {} points are sound", folder.display(), report.sound, report.points);
-        match faults.len() {
-            0 => print(&format!("{rows}; {about}"))?,
-            n => print(&format!("{rows}; {n} faults"))?,
-        }
+    if !faults.is_empty() {
+        about = failure::faults(faults.len());
     }
+    say_sound(folder, &report, &about, quiet)?;
     Ok(match (faults.len(), lacking) {
         (0, 0) => State::Sound,
-        (0, lacking) => State::Incomplete(lacking),
+        (0, _) => State::Incomplete,
         (faults, _) => State::Faulty(faults),
     })
+}
+
+/// Says what is sound, and what else there is to say.
+fn say_sound(folder: &Path, report: &Report, about: &str, quiet: bool) -> Result<(), Failure> {
+    let Report { sound, points, .. } = report;
+    if !quiet {
+        print(&format!("{}: {sound} rows of {points} points are sound; {about}", folder.display()))?;
+    }
+    Ok(())
 }

@@ -15,7 +15,7 @@ pub fn devices() -> Result<(), Failure> {
         print(&format!("gpu: {}\n     {}", adapter.name(), adapter.description()))?;
     }
     if adapters.is_empty() {
-        eprintln!("no GPU and no software rasteriser was found (Vulkan, Metal, DX12)");
+        say!("no GPU and no software rasteriser was found (Vulkan, Metal, DX12)");
     }
     Ok(())
 }

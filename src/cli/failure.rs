@@ -8,6 +8,7 @@ use sagnac::backend::SelectError;
 use sagnac::backend::gpu::GpuError;
 use sagnac::record::log::LogError;
 use sagnac::run::RunError;
+use sagnac::share::Share;
 use sagnac::store::StoreError;
 use sagnac::study::StudyError;
 
@@ -50,17 +51,40 @@ pub enum Failure {
     )]
     Stopped { cause: Cause, reached: (u64, u64, &'static str), folder: PathBuf },
     #[error(
-        "{folder} is incomplete: {} trials are missing\nmerge the shares that have them, or sample them with `sagnac run {folder}/{RESOLVED}`",
-        short(*lacking as f64)
+        "{folder} is incomplete: {} trials are missing{}\nmerge the shares that have them, or sample them with `sagnac run {folder}/{RESOLVED}`",
+        short(*lacking as f64), of_shares(absent)
     )]
-    Incomplete { lacking: u64, folder: PathBuf },
-    #[error("{0} faults were found")]
+    Incomplete { lacking: u64, folder: PathBuf, absent: Vec<Share> },
+    #[error("not complete: {}\nrun each again as it was begun, or merge what there is", named(.0))]
+    Unfinished(Vec<PathBuf>),
+    #[error("{} found", faults(*.0))]
     Unsound(usize),
     #[error("a kernel gives different bits: do not trust results of that device")]
     Different,
     /// Whoever read our output went away: there is nobody to tell.
     #[error("the output was closed")]
     OutputClosed,
+}
+
+/// Which shares are not there.
+fn of_shares(absent: &[Share]) -> String {
+    match absent {
+        [] => String::new(),
+        [share] => format!("; {share} is not there"),
+        [first, ..] => {
+            let numbers: Vec<String> = absent.iter().map(|share| share.number().to_string()).collect();
+            format!("; shares {} of {} are not there", numbers.join(", "), first.of())
+        }
+    }
+}
+
+fn named(folders: &[PathBuf]) -> String {
+    folders.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>().join(", ")
+}
+
+/// So many faults, in words.
+pub fn faults(count: usize) -> String {
+    if count == 1 { "1 fault".to_owned() } else { format!("{count} faults") }
 }
 
 impl From<RunError> for Failure {
@@ -77,12 +101,12 @@ impl Failure {
     /// Says what went wrong on the standard error stream.
     pub fn report(&self) -> ExitCode {
         match self {
-            Failure::Study(error) => eprintln!("{}", error.render(colored(), 110)),
-            Failure::Log(error) => eprintln!("{}", error.render(colored(), 110)),
+            Failure::Study(error) => say!("{}", error.render(colored(), 110)),
+            Failure::Log(error) => say!("{}", error.render(colored(), 110)),
             Failure::OutputClosed => {}
             // No error: as it was asked for.
-            Failure::Stopped { .. } => eprintln!("{self}"),
-            other => eprintln!("error: {other}"),
+            Failure::Stopped { .. } => say!("{self}"),
+            other => say!("error: {other}"),
         }
         ExitCode::from(self.code())
     }
@@ -105,8 +129,8 @@ impl Failure {
                 }
             }
             Failure::Stopped { cause, .. } => cause.code(),
-            Failure::Incomplete { .. } => 4,
-            Failure::Different | Failure::Unsound(_) => 5,
+            Failure::Incomplete { .. } | Failure::Unfinished(_) => 4,
+            Failure::Different | Failure::Unsound(_) | Failure::Store(StoreError::Disagrees { .. }) => 5,
             Failure::Store(_) | Failure::Write { .. } | Failure::Output(_) => 6,
             Failure::OutputClosed => 0,
         }

@@ -40,7 +40,7 @@ pub fn filler(options: &Options) -> Result<(), Failure> {
     }
     print(&text::of(&firmware))?;
     let vectors = if options.test_vectors.is_some() { ", test vectors" } else { "" };
-    eprintln!("weights, response{vectors} and C header are in {}", folder.display());
+    say!("weights, response{vectors} and C header are in {}", folder.display());
     Ok(())
 }
 

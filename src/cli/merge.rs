@@ -1,8 +1,10 @@
 //! `sagnac merge`.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use sagnac::share::Share;
 use sagnac::store::{Merged, Source, Store};
 use sagnac::study::{MOST_TRIALS, Study};
 
@@ -45,31 +47,54 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
     study.trials = options.trials.unwrap_or(study.trials);
     study.seed = options.seed.unwrap_or(study.seed);
     let plan = checked(&study)?;
-    // Before a folder is made: a mistyped name leaves nothing behind.
-    let sources = distinct(options).map(|folder| Ok((folder, Source::open(folder)?)));
-    let sources = sources.collect::<Result<Vec<_>, Failure>>()?;
+    // Before anything is taken over: a mistyped name or another study leaves nothing behind. One is open at a time, as there
+    // may be thousands.
+    let mut shares = BTreeSet::new();
+    for folder in distinct(options) {
+        let source = Source::open(folder)?;
+        if !options.salvage {
+            source.is_of(&plan.identity())?;
+            shares.extend(source.shares()?.iter().map(|share| (share.of(), share.number())));
+        }
+    }
     let mut store = Store::open(&options.out, &plan.identity())?;
-    for (folder, source) in &sources {
-        let Merged { added, held, damaged } = store.merge(source, options.salvage)?;
+    store.note_share(Share::WHOLE)?;
+    for folder in distinct(options) {
+        let source = Source::open(folder)?;
+        let Merged { added, held, damaged } = store.merge(&source, options.salvage)?;
         if !options.quiet {
             let known = if held > 0 { format!(", {held} were there already") } else { String::new() };
-            eprintln!("{}: {added} rows added{known}", folder.display());
+            say!("{}: {added} rows added{known}", folder.display());
         }
         if damaged > 0 {
-            eprintln!("note: {}: {damaged} damaged rows or pages are left out", folder.display());
+            say!("note: {}: {damaged} damaged rows or pages are left out", folder.display());
         }
     }
     let results = Results { study: &study, plan: &plan, folder: &options.out, done: None };
     if let Some(document) = results.show(&store, Out { json: options.json, quiet: options.quiet })? {
         print_json(&document)?;
     }
-    match plan.lacks(&store)? {
+    match plan.lacks(&store, Share::WHOLE)? {
         0 if options.json || options.quiet => Ok(()),
         0 => {
-            eprintln!("complete; results are in {}", options.out.display());
+            say!("complete; results are in {}", options.out.display());
             Ok(())
         }
-        lacking => Err(Failure::Incomplete { lacking, folder: options.out.clone() }),
+        lacking => {
+            let absent = absent(&shares);
+            Err(Failure::Incomplete { lacking, folder: options.out.clone(), absent })
+        }
+    }
+}
+
+/// The shares that were not among the folders, where all are of one split.
+fn absent(shares: &BTreeSet<(u64, u64)>) -> Vec<Share> {
+    match shares.first().zip(shares.last()) {
+        Some((&(first, _), &(of, _))) if first == of => (1..=of)
+            .filter(|&number| !shares.contains(&(of, number)))
+            .filter_map(|i| Share::new(i, of))
+            .collect(),
+        _ => vec![],
     }
 }
 
@@ -103,9 +128,13 @@ fn study(options: &Options) -> Result<Study, Failure> {
         match &found {
             Some((_, first)) if *first == text => {}
             None => found = Some((path, text)),
-            Some((first, _)) => {
+            Some((first, first_text)) => {
+                let lines = first_text.lines().zip(text.lines()).enumerate();
+                let differ = lines.map(|(at, lines)| (at + 1, lines)).find(|(_, (a, b))| a != b);
+                let at = differ.map_or(String::new(), |(at, (a, b))| format!(": line {at}, `{a}` and `{b}`"));
                 return Err(Failure::Usage(format!(
-                    "{} and {} are not the same\ngive the study whose tables and charts are to be made with --study FILE",
+                    "{} and {} are not the same{at}\ngive the study whose tables and charts are to be made with --study FILE, and its --trials; \
+                     paths of records may differ between machines, what is sampled is told by their contents",
                     first.display(),
                     path.display()
                 )));

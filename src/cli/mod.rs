@@ -1,5 +1,14 @@
 //! The command line.
 
+/// A line on the standard error stream. Where that cannot be written, as to a full disk, there is nobody to tell, and what the program
+/// does and its exit code stay the same.
+macro_rules! say {
+    ($($words:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stderr(), $($words)*);
+    }};
+}
+
 mod allan;
 mod bench;
 mod charts;

@@ -78,8 +78,8 @@ impl Progress for Shown {
     fn note(&self, sentence: &str) {
         match self {
             Shown::Nothing => {}
-            Shown::Bar(bar) => bar.suspend(|| eprintln!("note: {sentence}")),
-            Shown::Lines(_) => eprintln!("note: {sentence}"),
+            Shown::Bar(bar) => bar.suspend(|| say!("note: {sentence}")),
+            Shown::Lines(_) => say!("note: {sentence}"),
         }
     }
 
@@ -109,7 +109,7 @@ impl Lines {
     fn start(&self, unit: &'static str, before: u64, total: u64) {
         self.done.store(before, Ordering::Relaxed);
         if before < total {
-            eprintln!("{} of {} {unit} done", short(before as f64), short(total as f64));
+            say!("{} of {} {unit} done", short(before as f64), short(total as f64));
         }
         if let Ok(mut state) = self.state.lock() {
             let next = Duration::from_secs(LINE_SECONDS);
@@ -128,7 +128,7 @@ impl Lines {
             let rate = (done - *before) as f64 / elapsed.as_secs_f64();
             let left = Duration::from_secs_f64((total.saturating_sub(done)) as f64 / rate);
             let percent = 100.0 * done as f64 / (*total).max(1) as f64;
-            eprintln!("{percent:.0} %, {} {unit}/s, {} left", short(rate), HumanDuration(left));
+            say!("{percent:.0} %, {} {unit}/s, {} left", short(rate), HumanDuration(left));
         }
     }
 }

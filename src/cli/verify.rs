@@ -16,9 +16,9 @@ pub fn verify(options: &super::Verify) -> Result<(), Failure> {
     let widths = Width::available().into_iter().map(|width| format!("CPU ({})", width.name()));
     let mut names: Vec<String> = widths.collect();
     names.extend(devices.iter().filter(|device| matches!(device, Device::Gpu(_))).map(Device::name));
-    eprintln!("comparing: {}", names.join(", "));
+    say!("comparing: {}", names.join(", "));
     if !devices.iter().any(|device| matches!(device, Device::Gpu(_))) {
-        eprintln!("no adapter is compared: no shader runs");
+        say!("no adapter is compared: no shader runs");
     }
     let mut printed = Ok(());
     let identical = verify::verify(&mut devices, options.trials, |verdict| {

@@ -52,6 +52,21 @@ pub(super) fn lacking<'a>(
     Ok(blocks)
 }
 
+/// How many first trials all of some estimates have, where that is the same number of each.
+pub(super) fn held_by_all<'a>(
+    store: &Store,
+    addresses: impl IntoIterator<Item = &'a Address>,
+) -> Result<Option<u64>, StoreError> {
+    let mut held = None;
+    for address in addresses {
+        let trials = store.trials(address)?;
+        if trials.is_none() || *held.get_or_insert(trials) != trials {
+            return Ok(None);
+        }
+    }
+    Ok(held.flatten())
+}
+
 /// Samples all of `work`, or what there is time for until `progress` stops it, in batches, each of which is kept as soon as it is
 /// done, and returns how many trials that were. `started` is when the run did.
 pub(super) fn sample(

@@ -10,15 +10,20 @@ use crate::backend::{Device, Job, reopen};
 use crate::kernel::moments::Moments;
 use crate::kernel::recipe::Recipe;
 
+/// How often a device that is lost is opened again: one that is lost in batch after batch is no good.
+const MOST_LOSSES: u32 = 3;
+
 /// A device whose failures end no run.
 ///
 /// Out of memory, it goes on with smaller tiles. Lost, it is opened again, has to pass its self-test and does the batch once
-/// more. Where that does not help, and where it refuses, the processor takes its place for good.
+/// more. Where that does not help, at its fourth loss, and where it refuses, the processor takes its place for good.
 pub(crate) struct Worker<'a> {
     device: &'a mut Device,
     progress: &'a (dyn Progress + Sync),
     /// For records that are too long for the device.
     beside: Option<Cpu>,
+    /// How often the device was lost.
+    losses: u32,
     /// All that have worked.
     names: Vec<String>,
     notes: Vec<String>,
@@ -28,7 +33,7 @@ impl<'a> Worker<'a> {
     /// `progress` hears at once of what goes wrong.
     pub(crate) fn new(device: &'a mut Device, progress: &'a (dyn Progress + Sync)) -> Worker<'a> {
         let names = vec![device.name()];
-        Worker { device, progress, beside: None, names, notes: vec![] }
+        Worker { device, progress, beside: None, losses: 0, names, notes: vec![] }
     }
 
     /// For the provenance of rows.
@@ -117,8 +122,9 @@ impl<'a> Worker<'a> {
                     }
                     was_short = true;
                 }
-                GpuError::Lost(_) if !was_lost => {
+                GpuError::Lost(_) if !was_lost && self.losses < MOST_LOSSES => {
                     was_lost = true;
+                    self.losses += 1;
                     self.open_again(&error)?;
                 }
                 error => self.replace(&error, &error.to_string())?,

@@ -28,7 +28,10 @@ impl Source {
     pub fn check(&self) -> Result<Report, StoreError> {
         let mut report = Report::default();
         match self.identity() {
-            Ok(None) => return Ok(report),
+            Ok(None) => {
+                let folder = self.path.parent().unwrap_or(Path::new("")).to_owned();
+                return Err(StoreError::NoResults { folder });
+            }
             Err(error) if error.is_damage() => report.faults.push(error),
             found => drop(found?),
         }

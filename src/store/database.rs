@@ -8,6 +8,7 @@ use rusqlite::{Connection, OptionalExtension, Transaction, params};
 use super::row::{COLUMNS, Raw};
 use super::{Provenance, StoreError, schema};
 use crate::id::Id;
+use crate::share::Share;
 
 /// Takes a database for this connection alone. Before anything else is asked of it, so that its journal needs no memory that
 /// programs share, which network file systems do not have.
@@ -42,8 +43,16 @@ pub(super) fn all_sound(connection: &Connection, path: &Path) -> Result<(), Stor
     Ok(())
 }
 
-/// Adds a row where it is not there yet; whether it was not.
-pub(super) fn put(transaction: &Transaction, path: &Path, raw: &Raw) -> Result<bool, StoreError> {
+/// Adds a row of the database `from` where it is not there yet; whether it was not.
+///
+/// # Errors
+/// It is there with other values, rows of the same estimate were computed from other parameters, or the disk fails.
+pub(super) fn put(
+    transaction: &Transaction,
+    path: &Path,
+    raw: &Raw,
+    from: &Path,
+) -> Result<bool, StoreError> {
     let failed = |source| StoreError::of(path, source);
     let Raw { address, block, sums, checksum } = raw;
     let key = params![address.point.0, address.estimate.0, block.first as i64, block.log2];
@@ -56,8 +65,19 @@ pub(super) fn put(transaction: &Transaction, path: &Path, raw: &Raw) -> Result<b
         .map_err(failed)?;
     match held {
         Some(held) if held == *raw => return Ok(false),
-        Some(held) => return Err(held.sound(path)?.disagrees(path)),
+        Some(held) => return Err(held.sound(path)?.disagrees(from)),
         None => {}
+    }
+    let sql = "SELECT digest FROM tally WHERE point = ?1 AND estimate = ?2 LIMIT 1";
+    let digest = transaction
+        .prepare_cached(sql)
+        .and_then(|mut statement| {
+            let key = params![address.point.0, address.estimate.0];
+            statement.query_row(key, |row| row.get::<_, [u8; 16]>(0)).optional()
+        })
+        .map_err(failed)?;
+    if digest.is_some_and(|digest| digest != address.digest.0) {
+        return Err(raw.disagrees(from));
     }
     let row = params![
         address.point.0,
@@ -85,4 +105,16 @@ pub(super) fn note(
     let Provenance { device, trials, seconds } = so_far;
     let values = params![session.0, now as i64, schema::PROGRAM, device, *trials as i64, seconds];
     connection.execute(sql, values).map(drop)
+}
+
+/// What stands before a share among the keys of the study.
+pub(super) const SHARE: &str = "share ";
+
+/// The shares that were to be sampled here.
+pub(super) fn shares(connection: &Connection, path: &Path) -> Result<Vec<Share>, StoreError> {
+    let failed = |source| StoreError::of(path, source);
+    let mut statement = connection.prepare("SELECT key FROM study").map_err(failed)?;
+    let keys = statement.query_map([], |row| row.get::<_, String>(0)).map_err(failed)?;
+    let keys: Vec<String> = keys.collect::<Result<_, _>>().map_err(failed)?;
+    Ok(keys.iter().filter_map(|key| key.strip_prefix(SHARE)?.parse().ok()).collect())
 }

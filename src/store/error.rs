@@ -16,9 +16,14 @@ pub enum StoreError {
         "cannot use the results folder {path}: {source}\nmake it writable or choose another one with --out DIR"
     )]
     Folder { path: PathBuf, source: io::Error },
-    #[error("{folder} has no results: there is no {}\ngive the folder of a study that was run", super::FILE)]
+    #[error(
+        "{folder} has no results: its {} is missing or empty\ngive the folder of a study that was run",
+        super::FILE
+    )]
     NoResults { folder: PathBuf },
-    #[error("{path} is in use by {holder}\nwait for it to end, or choose another folder with --out DIR")]
+    #[error(
+        "{path} is in use by {holder}\nwait for it to end; a run can go to another folder with --out DIR"
+    )]
     Busy { path: PathBuf, holder: Holder },
     #[error(
         "no space is left for {path}\nwhat was complete is kept: make room and run again, and it goes on from there"
@@ -38,7 +43,9 @@ pub enum StoreError {
         "cannot keep results in {path}: {source}\nwhat was complete is kept: run again when the disk works"
     )]
     Storage { path: PathBuf, source: rusqlite::Error },
-    #[error("{path} is no database of results ({what})\nchoose another folder with --out DIR")]
+    #[error(
+        "{path} is no database of results ({what})\nit is another program's, or its beginning is damaged: restore it from a copy, or choose another folder with --out DIR"
+    )]
     Foreign { path: PathBuf, what: String },
     #[error(
         "{path} is of schema version {found}, this program writes version {SCHEMA_VERSION}\nuse the program that wrote it, or choose another folder with --out DIR and run again"
@@ -60,7 +67,7 @@ pub enum StoreError {
     #[error("{path} is damaged ({what})\n{SALVAGE}")]
     Damaged { path: PathBuf, what: String },
     #[error(
-        "{path}: trials from {first} of point {point}, estimate {estimate} are there already with other values\nthe folder was written by a program or machine that computes differently: run `sagnac verify`"
+        "{path}: trials from {first} of point {point}, estimate {estimate} have other values than those that are there already\na program or machine computes differently: run `sagnac verify` on each"
     )]
     Disagrees { path: PathBuf, point: Id, estimate: Id, first: u64 },
 }

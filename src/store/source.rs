@@ -1,14 +1,16 @@
 //! The store of another results folder, to be taken over or checked.
 
 use std::collections::BTreeSet;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, OpenFlags, params};
 
-use super::database::{exclusive, put};
+use super::database::{exclusive, put, shares};
 use super::lock::Lock;
 use super::row::{COLUMNS, Raw};
 use super::{FILE, Identity, Store, StoreError, schema};
+use crate::share::Share;
 
 /// A store that is only read; no other program can open it meanwhile, unless its folder is read-only.
 #[derive(Debug)]
@@ -41,18 +43,18 @@ impl Source {
     /// There is none, it is in use, or cannot be read.
     pub fn open(folder: &Path) -> Result<Source, StoreError> {
         let path = folder.join(FILE);
-        if !path.is_file() {
-            return Err(StoreError::NoResults { folder: folder.to_owned() });
+        if let Err(source) = std::fs::File::open(&path) {
+            let folder = folder.to_owned();
+            return Err(match source.kind() {
+                ErrorKind::NotFound => StoreError::NoResults { folder },
+                _ => StoreError::Folder { path, source },
+            });
         }
         let lock = match Lock::take(folder) {
             Ok(lock) => Some(lock),
             Err(StoreError::ReadOnly { .. }) => None,
             // A folder of somebody else.
-            Err(StoreError::Folder { source, .. })
-                if source.kind() == std::io::ErrorKind::PermissionDenied =>
-            {
-                None
-            }
+            Err(StoreError::Folder { source, .. }) if source.kind() == ErrorKind::PermissionDenied => None,
             Err(error) => return Err(error),
         };
         let failed = |source| StoreError::of(&path, source);
@@ -78,9 +80,7 @@ impl Source {
     /// # Errors
     /// It is of another study, program or version, or damaged.
     pub fn into_store(self, identity: &Identity) -> Result<Store, StoreError> {
-        if let Some(claim) = self.claim()? {
-            schema::is_same(&claim, identity, &self.path)?;
-        }
+        self.is_of(identity)?;
         Ok(Store::of(self.path, self.connection, self.lock, identity))
     }
 
@@ -90,6 +90,34 @@ impl Source {
     /// They are of another program or version, or damaged.
     pub fn identity(&self) -> Result<Option<Identity>, StoreError> {
         Ok(self.claim()?.map(|claim| claim.identity))
+    }
+
+    /// Checks that these are results of `identity`, or none.
+    ///
+    /// # Errors
+    /// They are of another study, program or version, or damaged.
+    pub fn is_of(&self, identity: &Identity) -> Result<(), StoreError> {
+        match self.claim()? {
+            Some(theirs) => schema::is_same(&theirs, identity, &self.path),
+            None => Ok(()),
+        }
+    }
+
+    /// The shares that were to be sampled there, the whole study as one of them.
+    ///
+    /// # Errors
+    /// The disk fails, or the store is damaged.
+    pub fn shares(&self) -> Result<Vec<Share>, StoreError> {
+        if schema::is_empty(&self.connection, &self.path)? {
+            return Ok(vec![]);
+        }
+        shares(&self.connection, &self.path)
+    }
+
+    /// Reads what can be read of a damaged store, of a file too that is shorter than it says it is.
+    fn salvage(&self) -> Result<(), StoreError> {
+        let relaxed = self.connection.execute_batch("PRAGMA writable_schema = ON");
+        relaxed.map_err(|error| StoreError::of(&self.path, error))
     }
 
     fn claim(&self) -> Result<Option<schema::Claim>, StoreError> {
@@ -135,12 +163,13 @@ impl Store {
     /// The other store is of another study or kernel, a row disagrees or is damaged, or the disk fails; what was taken over
     /// before is kept.
     pub fn merge(&mut self, source: &Source, salvage: bool) -> Result<Merged, StoreError> {
-        match source.claim() {
-            Ok(None) => return Ok(Merged::default()),
-            Ok(Some(theirs)) => schema::is_same(&theirs, &self.identity, &source.path)?,
-            Err(error) if !(salvage && error.is_damage()) => return Err(error),
+        if salvage {
+            source.salvage()?;
+        }
+        match source.is_of(&self.identity) {
             // The rows tell by themselves what they are of.
-            Err(_) => {}
+            Err(error) if salvage && error.is_damage() => {}
+            found => found?,
         }
         let mut merged = Merged::default();
         let mut seen = salvage.then(BTreeSet::new);
@@ -165,7 +194,7 @@ impl Store {
                 }
                 if batch.len() >= BATCH.0 || bytes >= BATCH.1 {
                     bytes = 0;
-                    self.take_over(&std::mem::take(&mut batch), &mut merged)?;
+                    self.take_over(&std::mem::take(&mut batch), source, &mut merged)?;
                 }
                 Ok(())
             })?;
@@ -174,7 +203,7 @@ impl Store {
                 break;
             }
         }
-        self.take_over(&batch, &mut merged)?;
+        self.take_over(&batch, source, &mut merged)?;
         match self.take_over_provenance(source) {
             Err(error) if salvage && error.is_damage() => {}
             taken => taken?,
@@ -182,12 +211,12 @@ impl Store {
         Ok(merged)
     }
 
-    fn take_over(&mut self, batch: &[Raw], merged: &mut Merged) -> Result<(), StoreError> {
+    fn take_over(&mut self, batch: &[Raw], source: &Source, merged: &mut Merged) -> Result<(), StoreError> {
         let failed = |source| StoreError::of(&self.path, source);
         let transaction = self.connection.transaction().map_err(failed)?;
         let mut added = 0;
         for raw in batch {
-            added += u64::from(put(&transaction, &self.path, raw)?);
+            added += u64::from(put(&transaction, &self.path, raw, &source.path)?);
         }
         transaction.commit().map_err(failed)?;
         merged.added += added;

@@ -124,6 +124,8 @@ struct Written {
     files: Vec<Spanned<String>>,
     /// The end of the value of `kind`, which every study has at its top level.
     kind_end: usize,
+    /// Where the precision is.
+    precision: Option<Range<usize>>,
 }
 
 impl Study {
@@ -194,6 +196,26 @@ impl Study {
         self.gap_fill().is_some_and(|gap_fill| gap_fill.precision.is_some())
     }
 
+    /// Takes all trials at every point, whatever precision the study asks for.
+    ///
+    /// # Errors
+    /// The precision is a table of its own, which cannot be written otherwise in a [resolved](Study::resolved) study.
+    pub fn fix_trials(&mut self) -> Result<(), StudyError> {
+        let Some(span) = self.written.precision.clone() else { return Ok(()) };
+        if !self.text.inner()[span.clone()].starts_with(['"', '\'', '{']) {
+            let message = "this precision cannot be left out for all trials to be taken";
+            return Err(self.error_at(
+                span,
+                message,
+                "write it as a value, precision = { rms = \"0.5 %\" }, or remove it",
+            ));
+        }
+        if let Subject::GapFill(gap_fill) = &mut self.subject {
+            gap_fill.precision = None;
+        }
+        Ok(())
+    }
+
     /// What of the inputs is left out, rounded or assumed, each in a sentence.
     pub fn notes(&self) -> &[String] {
         match &self.subject {
@@ -216,11 +238,11 @@ impl Study {
         laws
     }
 
-    /// The file as it was read, but with the seed of this value, so many trials, and the whole paths of files: a study
-    /// that repeats this one without further options, wherever it is kept. Comments and layout are kept too. Without seed
+    /// The file as it was read, but with the seed of this value, so many trials, the whole paths of files, and without a
+    /// precision that was [left out](Study::fix_trials): a study that repeats this one without further options, wherever it is kept. Comments and layout are kept too. Without seed
     /// and trials where nothing is sampled.
     pub fn resolved(&self, trials: u64) -> String {
-        let Written { seed, trials: written_trials, files, kind_end } = &self.written;
+        let Written { seed, trials: written_trials, files, kind_end, precision } = &self.written;
         let mut text = self.text.inner().clone();
         let next_line = text[*kind_end..].find('\n').map(|length| kind_end + length + 1);
         // A key after the kind stands at the top level, and before any table.
@@ -237,6 +259,9 @@ impl Study {
                 // As it is written, 1_000_000 or 0xff.
                 Some(_) => {}
             }
+        }
+        if let Some(span) = precision.clone().filter(|_| !self.has_stop_rule()) {
+            edits.push((span, format!("\"{}\"", gap_fill::NO_PRECISION)));
         }
         for file in files {
             edits.push((file.span(), toml::Value::String(file.get_ref().clone()).to_string()));
@@ -288,6 +313,7 @@ impl Study {
             trials: read_count("trials", file.trials.as_ref(), 1..=MOST_TRIALS as i64)?,
             files: files(&file, &sweeps).map(|file| located(file, folder)).collect(),
             kind_end: file.kind.span().end,
+            precision: file.precision.as_ref().map(Spanned::span),
         };
         let mut places = Places::default();
         places.add("kind", file.kind.span());

@@ -198,7 +198,7 @@ fn column(log: &Log, at: usize, options: &Options) -> Result<Column, Failure> {
     let samples = angles.len().saturating_sub(1);
     let bootstrap = options.bootstrap(samples);
     if terms.is_some() && samples.saturating_mul(bootstrap) > LONG && !options.is_silent() {
-        eprintln!(
+        say!(
             "{}: simulating {bootstrap} records of {samples} samples for intervals of coefficients; --bootstrap 0 does \
              without",
             channel.name

@@ -39,11 +39,11 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
         } else if !options.quiet {
             let about_kalibr = options.kalibr.as_ref().map_or(Ok(vec![]), |_| kalibr::notes(&analysis))?;
             let notes = report::notes(&analysis).into_iter().chain(about_kalibr);
-            notes.for_each(|note| eprintln!("note: {note}"));
+            notes.for_each(|note| say!("note: {note}"));
             print(&report::report(&analysis))?;
-            eprintln!("results are in {}", folder.display());
+            say!("results are in {}", folder.display());
             if let Some(path) = &options.kalibr {
-                eprintln!("what Kalibr reads is in {}", path.display());
+                say!("what Kalibr reads is in {}", path.display());
             }
         }
     }

@@ -28,9 +28,9 @@ pub fn compare(options: &Options) -> Result<(), Failure> {
     if options.json {
         print_json(&files::document(&analysis))
     } else if !options.quiet {
-        report::notes(&analysis).iter().for_each(|note| eprintln!("note: {note}"));
+        report::notes(&analysis).iter().for_each(|note| say!("note: {note}"));
         print(&report::report(&analysis))?;
-        eprintln!("results are in {}", folder.display());
+        say!("results are in {}", folder.display());
         Ok(())
     } else {
         Ok(())

@@ -85,7 +85,7 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     study.seed = options.seed.unwrap_or(study.seed);
     let Selection { mut device, reason } = select(&options.device.name, options.device.threads.unwrap_or(0))?;
     if !options.quiet {
-        eprintln!("device: {}, {reason}", device.name());
+        say!("device: {}, {reason}", device.name());
     }
     let found = find(&study, options.by.measure(), &mut device, &Shown::new(options.quiet))
         .map_err(|error| failure(&study, error))?;
@@ -99,13 +99,13 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     }
     if !options.quiet {
         for note in &found.notes {
-            eprintln!("note: {note}");
+            say!("note: {note}");
         }
         print(&report::summary(&found, &table))?;
     }
     print(&report::recommendation(&found))?;
     if !options.quiet {
-        eprintln!("table and chart are in {}", folder.display());
+        say!("table and chart are in {}", folder.display());
     }
     Ok(())
 }

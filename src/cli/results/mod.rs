@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use super::Failure;
 use super::charts::{draw, shown};
 use super::output::{print, write};
-use super::progress::Shown;
+use super::progress::{Shown, short};
 use super::verdicts::{Verdict, verdicts};
 
 /// The name of the study that a run writes beside its results.
@@ -70,13 +70,14 @@ impl Results<'_> {
         let curves = shown(study, &tables)?;
         let verdicts = verdicts(study, &curves)?;
         let degraded = done.iter().flat_map(|(done, _)| done.degraded.clone());
-        let notes: Vec<String> = degraded.chain(notes).chain(plan.notes(store)?).collect();
+        let uneven = if study.has_stop_rule() { None } else { uneven(&tables.points) };
+        let notes: Vec<String> = degraded.chain(notes).chain(plan.notes(store)?).chain(uneven).collect();
         if out.json {
             return Ok(Some(self.to_json(&tables, &verdicts, &notes)));
         }
         if !out.quiet {
             for note in notes {
-                eprintln!("note: {note}");
+                say!("note: {note}");
             }
             print(&summary::summary(study, &tables, &curves, &verdicts)?)?;
         }
@@ -115,4 +116,12 @@ impl Results<'_> {
         }
         document
     }
+}
+
+/// That rows are of different numbers of trials.
+fn uneven(table: &Table) -> Option<String> {
+    let column = table.columns.iter().find(|column| column.name == "trials")?;
+    let trials = || column.cells.iter().filter_map(Cell::number);
+    let (least, most) = (trials().reduce(f64::min)?, trials().reduce(f64::max)?);
+    (least < most).then(|| format!("rows are from {} to {} trials", short(least), short(most)))
 }

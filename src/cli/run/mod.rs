@@ -30,7 +30,7 @@ pub struct Options {
     studies: Vec<PathBuf>,
     #[command(flatten)]
     device: DeviceArg,
-    /// Results folder [default: results/<name of the study file>, of a share its folder shard-I-of-N in that]
+    /// Results folder [default: results/<name of the study file>, of a resolved_study.toml its own; of a share shard-I-of-N in that]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Trials at each point, in place of the study's
@@ -46,7 +46,7 @@ pub struct Options {
     #[arg(long, value_name = "TIME", value_parser = time)]
     time_limit: Option<Duration>,
     /// Print the table and the verdict as JSON: one object, or with several studies one array of them
-    #[arg(long)]
+    #[arg(long, conflicts_with = "shard")]
     json: bool,
     /// Print only errors
     #[arg(long, short)]
@@ -77,17 +77,26 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let plans = studies.iter().map(|(_, study)| checked(study)).collect::<Result<Vec<_>, _>>()?;
     let mut device = device(&plans, options)?;
     let mut documents: Vec<Value> = Vec::new();
+    let mut ended = Ok(());
     for (at, ((folder, study), plan)) in studies.iter().zip(&plans).enumerate() {
         if at > 0 && !options.json && !options.quiet {
             print("\n")?;
         }
-        documents.extend(run_study(study, plan, folder, device.as_mut(), &course, options)?);
+        match run_study(study, plan, folder, device.as_mut(), &course, options) {
+            Ok(document) => documents.extend(document),
+            Err(failure) => {
+                ended = Err(failure);
+                break;
+            }
+        }
     }
+    // What is done is shown, whatever ended the next one.
     match &documents[..] {
-        [] => Ok(()),
-        [document] => print_json(document),
-        several => print_json(&several),
+        [] => {}
+        [document] if studies.len() == 1 => print_json(document)?,
+        several => print_json(&several)?,
     }
+    ended
 }
 
 /// The studies with the folders of their results, which differ.
@@ -102,12 +111,15 @@ fn studies(options: &Options, share: Share) -> Result<Vec<(PathBuf, Study)>, Fai
         let mut study = Study::read(path)?;
         study.trials = options.trials.unwrap_or(study.trials);
         study.seed = options.seed.unwrap_or(study.seed);
-        if !share.is_whole() && options.trials.is_none() && study.has_stop_rule() {
-            return Err(Failure::Study(study.error_at(
-                study.place_of("precision"),
-                "a share cannot stop by itself at a precision: it does not see the others' trials",
-                "fix how many there are with --trials N, or run the study as a whole",
-            )));
+        if options.shard.is_some() && study.has_stop_rule() {
+            if options.trials.is_none() {
+                return Err(Failure::Study(study.error_at(
+                    study.place_of("precision"),
+                    "a share cannot stop by itself at a precision: it does not see the others' trials",
+                    "fix how many there are with --trials N, or run the study as a whole",
+                )));
+            }
+            study.fix_trials()?;
         }
         let folder = folder(options, path, share);
         if studies.iter().any(|(taken, _)| *taken == folder) {
@@ -126,9 +138,10 @@ fn studies(options: &Options, share: Share) -> Result<Vec<(PathBuf, Study)>, Fai
 fn folder(options: &Options, study: &Path, share: Share) -> PathBuf {
     let whole = match study.parent() {
         // What repeats a run goes where its results are.
-        Some(results) if study.file_name() == Some(RESOLVED.as_ref()) && results != Path::new("") => {
-            results.to_owned()
+        Some(here) if study.file_name() == Some(RESOLVED.as_ref()) && here == Path::new("") => {
+            PathBuf::from(".")
         }
+        Some(results) if study.file_name() == Some(RESOLVED.as_ref()) => results.to_owned(),
         _ => Path::new("results").join(study.file_stem().unwrap_or_default()),
     };
     let default = || match share.is_whole() {
@@ -145,7 +158,7 @@ fn device(plans: &[Plan], options: &Options) -> Result<Option<Device>, Failure> 
     }
     let Selection { device, reason } = select(&options.device.name, options.device.threads.unwrap_or(0))?;
     if !options.quiet {
-        eprintln!("device: {}, {reason}", device.name());
+        say!("device: {}, {reason}", device.name());
     }
     Ok(Some(device))
 }
@@ -173,6 +186,7 @@ fn run_study(
     let mut store = Store::open(folder, &plan.identity())?;
     // From the start on, so that what is left of a run can be merged and repeated.
     write(&folder.join(RESOLVED), study.resolved(study.trials).as_bytes())?;
+    store.note_share(course.share)?;
     let shown = Shown::new(options.quiet);
     let device = device.filter(|_| plan.is_sampled());
     let name = device.as_ref().map(|device| device.name());
@@ -190,14 +204,11 @@ fn run_study(
     let done = done.transpose()?;
     if !course.share.is_whole() {
         for note in done.iter().flat_map(|done| &done.degraded) {
-            eprintln!("note: {note}");
+            say!("note: {note}");
         }
         if !options.quiet {
             let share = course.share;
-            eprintln!(
-                "{share} is done and in {}; put the shares together with `sagnac merge`",
-                folder.display()
-            );
+            say!("{share} is done and in {}; put the shares together with `sagnac merge`", folder.display());
         }
         return Ok(None);
     }
@@ -211,7 +222,7 @@ fn run_study(
             Some(_) => "nothing was left to sample; ".to_owned(),
             None => String::new(),
         };
-        eprintln!("{rate}results are in {}", folder.display());
+        say!("{rate}results are in {}", folder.display());
     }
     Ok(document)
 }

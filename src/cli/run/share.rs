@@ -48,9 +48,9 @@ fn of_array(variable: impl Fn(&str) -> Option<String>) -> Result<Share, String> 
     let place = task.checked_sub(least).filter(|past| past % step == 0).map(|past| past / step);
     let even =
         (count.saturating_sub(1)).checked_mul(step).and_then(|span| least.checked_add(span)) == Some(most);
-    // Of an array of one task that is not the first one the others were left out: it repeats one of more.
-    let first = count > 1 || task <= 1;
-    place.filter(|_| even && first).and_then(|place| Share::new(place + 1, count)).ok_or_else(|| {
+    // An array that begins later repeats some tasks of a larger one.
+    let whole = even && least <= 1;
+    place.filter(|_| whole).and_then(|place| Share::new(place + 1, count)).ok_or_else(|| {
         format!(
             "--shard slurm: task {task} of an array of {count} from {least} to {most} is no share of the whole\n\
              number the tasks evenly, --array=1-N; to repeat some of them give --shard I/N"
@@ -86,6 +86,7 @@ mod tests {
             ("2", "1", "13", "4", "4", "number the tasks evenly"),
             ("5", "1", "4", "4", "1", "number the tasks evenly"),
             ("17", "17", "17", "1", "1", "to repeat some of them give --shard I/N"),
+            ("2", "2", "3", "2", "1", "to repeat some of them give --shard I/N"),
             ("1", "", "4", "4", "1", "SLURM_ARRAY_TASK_MIN is not set"),
             ("one", "1", "4", "4", "1", "is `one`, no number"),
             ("1", "1", "18446744073709551615", "18446744073709551615", "3", "number the tasks evenly"),

@@ -86,13 +86,13 @@ impl Stop {
         let stop = self.clone();
         std::thread::Builder::new().name("signals".to_owned()).spawn(move || {
             for signal in signals.forever() {
-                let first = stop.signal.swap(signal, Ordering::Relaxed) == 0;
+                let first = stop.signal.swap(signal, Ordering::SeqCst) == 0;
                 let cause = Cause::Signal(signal);
-                if first && stop.sampling.load(Ordering::Relaxed) {
-                    eprintln!("{cause}: stopping after this batch; a second signal leaves at once");
+                if first && stop.sampling.load(Ordering::SeqCst) {
+                    say!("{cause}: stopping after this batch; a second signal leaves at once");
                     continue;
                 }
-                eprintln!("stopped by {cause}; what was sampled is kept, resumable: run again to go on");
+                say!("stopped by {cause}; what was sampled is kept, resumable: run again to go on");
                 signal_hook::low_level::exit(cause.code().into());
             }
         })?;
@@ -101,7 +101,7 @@ impl Stop {
 
     /// Why to stop, if there is a reason.
     pub fn cause(&self) -> Option<Cause> {
-        match self.signal.load(Ordering::Relaxed) {
+        match self.signal.load(Ordering::SeqCst) {
             0 if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) => Some(Cause::TimeLimit),
             0 => None,
             signal => Some(Cause::Signal(signal)),
@@ -110,9 +110,9 @@ impl Stop {
 
     /// Does something that stops by itself.
     pub fn sampling<T>(&self, work: impl FnOnce() -> T) -> T {
-        self.sampling.store(true, Ordering::Relaxed);
+        self.sampling.store(true, Ordering::SeqCst);
         let done = work();
-        self.sampling.store(false, Ordering::Relaxed);
+        self.sampling.store(false, Ordering::SeqCst);
         done
     }
 }

@@ -8,6 +8,7 @@ mod rows;
 use std::ops::Range;
 use std::time::Instant;
 
+use super::sampling::held_by_all;
 use super::worker::Worker;
 use super::{BATCH_SECONDS, Done, Progress, RunError, Tables};
 use crate::block::{base_log2, missing};
@@ -138,9 +139,9 @@ impl<'a> Plan<'a> {
         Ok(Done { trials: made, seconds, stopped, degraded: vec![] })
     }
 
-    /// Records that the store lacks.
-    pub(super) fn lacks(&self, store: &Store) -> Result<u64, StoreError> {
-        Ok(self.missing(store, Share::WHOLE)?.iter().map(|(_, gap)| gap.end - gap.start).sum())
+    /// Records that the store lacks of a share.
+    pub(super) fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
+        Ok(self.missing(store, share)?.iter().map(|(_, gap)| gap.end - gap.start).sum())
     }
 
     /// The records that the store lacks of a share.
@@ -210,14 +211,7 @@ impl<'a> Plan<'a> {
 
     /// Records that every point has, where all have the same number.
     pub(super) fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
-        let mut held = None;
-        for planned in &self.points {
-            let records = store.trials(&planned.address)?;
-            if *held.get_or_insert(records) != records {
-                return Ok(None);
-            }
-        }
-        Ok(held)
+        held_by_all(store, self.points.iter().map(|planned| &planned.address))
     }
 
     /// The identities of all points.

@@ -71,9 +71,11 @@ impl<'a> Plan<'a> {
             let work = self.missing(store, &wanted, share)?;
             let left: u64 = work.iter().map(Work::trials).sum();
             if round == 0 {
-                let held = self.launched_trials(&wanted, share).saturating_sub(left);
-                let most = self.launched_trials(&self.most_trials(), share);
-                progress.start("trials", held, most.max(held + left));
+                // Also of what a precision may leave out: earlier runs may have found that they needed it.
+                let most = self.most_trials();
+                let all = self.launched_trials(&most, share);
+                let lacking: u64 = self.missing(store, &most, share)?.iter().map(Work::trials).sum();
+                progress.start("trials", all.saturating_sub(lacking), all.max(lacking));
             }
             let sampled = sample(&work, store, worker, progress, started)?;
             trials += sampled;
@@ -85,13 +87,13 @@ impl<'a> Plan<'a> {
         Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
     }
 
-    /// Trials that the store lacks; with a precision, before it can be told whether more are needed.
-    pub(super) fn lacks(&self, store: &Store) -> Result<u64, StoreError> {
-        let mut wanted = self.first_wanted();
+    /// Trials that the store lacks of a share; with a precision, before it can be told whether more are needed.
+    pub(super) fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
+        let mut wanted = if share.is_whole() { self.first_wanted() } else { self.most_trials() };
         loop {
-            let work = self.missing(store, &wanted, Share::WHOLE)?;
+            let work = self.missing(store, &wanted, share)?;
             let left = work.iter().map(Work::trials).sum();
-            if left > 0 || !self.raise(&mut wanted, store)? {
+            if left > 0 || !share.is_whole() || !self.raise(&mut wanted, store)? {
                 return Ok(left);
             }
         }

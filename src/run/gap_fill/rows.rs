@@ -1,5 +1,6 @@
 //! The table of a gap-fill study: a row for each point, filler and error.
 
+use super::super::sampling::held_by_all;
 use super::super::{column, swept_columns};
 use super::{NORMAL_95, Plan};
 use crate::lower::Estimate;
@@ -42,14 +43,8 @@ impl Plan<'_> {
         if self.gap_fill.precision.is_some() {
             return Ok(None);
         }
-        let mut held = None;
-        for estimate in self.points.iter().flat_map(|point| &point.fillers).flatten() {
-            let trials = store.trials(&estimate.address)?;
-            if *held.get_or_insert(trials) != trials {
-                return Ok(None);
-            }
-        }
-        Ok(held)
+        let estimates = self.points.iter().flat_map(|point| &point.fillers).flatten();
+        held_by_all(store, estimates.map(|estimate| &estimate.address))
     }
 
     /// Whether a record is replayed over all its places, which gives whole replays only.

@@ -4,7 +4,7 @@ mod rows;
 
 use std::time::Instant;
 
-use super::sampling::{Work, lacking, sample};
+use super::sampling::{Work, held_by_all, lacking, sample};
 use super::worker::Worker;
 use super::{Done, NORMAL_95, Progress, RunError};
 use crate::block::base_log2;
@@ -65,9 +65,9 @@ impl<'a> Plan<'a> {
         Ok(Done { trials, seconds, stopped: trials < left, degraded: vec![] })
     }
 
-    /// Trials that the store lacks.
-    pub(super) fn lacks(&self, store: &Store) -> Result<u64, StoreError> {
-        Ok(self.missing(store, Share::WHOLE)?.iter().map(Work::trials).sum())
+    /// Trials that the store lacks of a share.
+    pub(super) fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
+        Ok(self.missing(store, share)?.iter().map(Work::trials).sum())
     }
 
     /// What the store lacks of a share.
@@ -92,14 +92,8 @@ impl<'a> Plan<'a> {
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
     pub(super) fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
-        let mut held = None;
-        for estimate in self.points.iter().flat_map(|point| &point.estimates) {
-            let trials = store.trials(&estimate.address)?;
-            if *held.get_or_insert(trials) != trials {
-                return Ok(None);
-            }
-        }
-        Ok(held)
+        let estimates = self.points.iter().flat_map(|point| &point.estimates);
+        held_by_all(store, estimates.map(|estimate| &estimate.address))
     }
 
     /// The identities of all points.

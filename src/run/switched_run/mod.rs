@@ -5,7 +5,7 @@ mod trajectories;
 
 use std::time::Instant;
 
-use super::sampling::{Work, lacking, sample};
+use super::sampling::{Work, held_by_all, lacking, sample};
 use super::worker::Worker;
 use super::{Done, NORMAL_95, Progress, RunError, Tables};
 use crate::block::base_log2;
@@ -54,17 +54,17 @@ impl<'a> Plan<'a> {
         progress.start("trials", all.saturating_sub(left), all.max(left));
         let trials = sample(&work, store, worker, progress, started)?;
         let stopped = trials < left;
-        // They are few: the first share makes them all.
-        if !stopped && share.number() == 1 {
+        if !stopped && makes_trajectories(share) {
             trajectories::keep(self, store)?;
         }
         Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
     }
 
-    /// Trials that the store lacks, trajectories among them.
-    pub(super) fn lacks(&self, store: &Store) -> Result<u64, StoreError> {
-        let sampled: u64 = self.missing(store, Share::WHOLE)?.iter().map(Work::trials).sum();
-        Ok(sampled + trajectories::lacks(self, store)?)
+    /// Trials that the store lacks of a share, trajectories among them.
+    pub(super) fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
+        let sampled: u64 = self.missing(store, share)?.iter().map(Work::trials).sum();
+        let kept = if makes_trajectories(share) { trajectories::lacks(self, store)? } else { 0 };
+        Ok(sampled + kept)
     }
 
     /// What the store lacks of a share.
@@ -106,14 +106,8 @@ impl<'a> Plan<'a> {
 
     /// Trials that every estimate has, where all have the same number.
     pub(super) fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
-        let mut held = None;
-        for estimate in self.filled().flat_map(|filled| &filled.estimates) {
-            let trials = store.trials(&estimate.address)?;
-            if *held.get_or_insert(trials) != trials {
-                return Ok(None);
-            }
-        }
-        Ok(held)
+        let estimates = self.filled().flat_map(|filled| &filled.estimates);
+        held_by_all(store, estimates.map(|estimate| &estimate.address))
     }
 
     /// The identities of all points.
@@ -125,6 +119,11 @@ impl<'a> Plan<'a> {
     pub(super) fn notes(&self) -> Vec<String> {
         late(self.runs).into_iter().chain(trajectories::thinned(self)).collect()
     }
+}
+
+/// Whether a share makes the trajectories. They are few: the first one makes them all.
+fn makes_trajectories(share: Share) -> bool {
+    share.number() == 1
 }
 
 /// That ticks of the relock after the last that is followed would still count.

@@ -24,6 +24,7 @@ pub(super) use keys::FREQUENCY;
 pub use law::Law;
 pub use motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 pub use point::Point;
+pub(super) use precision::NONE as NO_PRECISION;
 pub use precision::Precision;
 pub use vibration::{Acceleration, Vibration};
 
@@ -103,9 +104,9 @@ pub(super) fn read(
         extrapolation_ticks: TickList::read(Purpose::Extrapolation, switching.extrapolation_ticks.as_ref())?,
     };
     let points = base.points()?;
-    let precision = file.precision.as_ref().map(precision::read).transpose()?;
+    let precision = file.precision.as_ref().map(precision::read).transpose()?.flatten();
     if let (Some(written), Some(Profile { position: Position::Every, .. })) =
-        (&file.precision, &inputs.motion.profile)
+        (file.precision.as_ref().filter(|_| precision.is_some()), &inputs.motion.profile)
     {
         let message = "precision stands beside position = \"every\", which is exact in whole replays only";
         let help = "leave precision out, or take position = \"random\"";

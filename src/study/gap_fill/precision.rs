@@ -5,6 +5,7 @@ use toml::Spanned;
 use crate::study::diagnose::Fault;
 use crate::study::file::{Either, PrecisionTable};
 use crate::study::percent::percent;
+use crate::study::scalar::Scalar;
 
 /// Half the 95 % interval of an estimate, as a part of it, that is precise enough; sampling of a filler at a point stops
 /// where all its errors are.
@@ -14,22 +15,27 @@ pub struct Precision {
     pub q9973: Option<f64>,
 }
 
-const HELP: &str = "accepted: a part in percent such as \"0.5 %\", of the rms; or { rms = \"0.5 %\", q9973 = \"2 %\" }, one or both";
+const HELP: &str = "accepted: a part in percent such as \"0.5 %\", of the rms; or { rms = \"0.5 %\", q9973 = \"2 %\" }, one or both; or \"none\"";
+
+/// What stands for no precision: all trials are sampled.
+pub(in crate::study) const NONE: &str = "none";
 
 /// A bare part is that of the rms.
-pub(super) fn read(written: &Spanned<Either<PrecisionTable>>) -> Result<Precision, Fault> {
-    match written.get_ref() {
+pub(super) fn read(written: &Spanned<Either<PrecisionTable>>) -> Result<Option<Precision>, Fault> {
+    let precision = match written.get_ref() {
+        Either::One(Scalar::Text(text)) if text == NONE => return Ok(None),
         Either::One(part) => {
             let part = Spanned::new(written.span(), part.clone());
-            Ok(Precision { rms: Some(percent("precision", &part, HELP)?), q9973: None })
+            Precision { rms: Some(percent("precision", &part, HELP)?), q9973: None }
         }
         Either::Other(PrecisionTable { rms: None, q9973: None }) => {
-            Err(Fault::new(written.span(), "precision names no estimate", "empty", HELP))
+            return Err(Fault::new(written.span(), "precision names no estimate", "empty", HELP));
         }
         Either::Other(PrecisionTable { rms, q9973 }) => {
             let read =
                 |name, part: &Option<_>| part.as_ref().map(|part| percent(name, part, HELP)).transpose();
-            Ok(Precision { rms: read("precision.rms", rms)?, q9973: read("precision.q9973", q9973)? })
+            Precision { rms: read("precision.rms", rms)?, q9973: read("precision.q9973", q9973)? }
         }
-    }
+    };
+    Ok(Some(precision))
 }
