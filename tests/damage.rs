@@ -238,3 +238,26 @@ fn empty_missing_and_foreign_files_are_recovered_or_refused() {
     };
     assert_eq!(refused(&later, &journal, "a journal again"), None);
 }
+
+#[test]
+fn a_database_that_is_cut_short_is_saved_up_to_the_cut() {
+    let mut device = cpu(1);
+    let study = study(MOMENTS, 1000, 1);
+    let case = Case::of(&study, &mut device);
+    let folder = folder();
+    assert!(finished(&case.plan, folder.path(), &mut device).unwrap() == case.tables);
+    let whole = std::fs::read(folder.path().join(FILE)).unwrap();
+    for eighths in 1..8 {
+        std::fs::write(folder.path().join(FILE), &whole[..whole.len() * eighths / 8]).unwrap();
+        let out = stores::folder();
+        let mut store = Store::open(out.path(), &case.plan.identity()).unwrap();
+        let saved = store.merge(&Source::open(folder.path()).unwrap(), true).unwrap();
+        println!("{eighths}/8 of the file: {saved:?}");
+        assert!(saved.added > 0 && saved.damaged > 0, "{eighths}/8: {saved:?}");
+        case.plan.run(&mut store, &mut device, Share::WHOLE, &Silent).unwrap();
+        assert!(
+            csv(&case.plan.tables(&store, &Silent).unwrap()) == case.tables,
+            "{eighths}/8: a wrong number"
+        );
+    }
+}

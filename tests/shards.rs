@@ -121,6 +121,7 @@ fn shards_are_run_merged_and_checked_as_a_user_would() {
     let ended = desk.sagnac(&format!("merge {} {} --out part", parts[2], parts[0]));
     assert_eq!(ended.code, 4, "{}", ended.stderr);
     assert!(ended.stderr.contains("part is incomplete: 1"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("share 2 of 3 is not there"), "{}", ended.stderr);
     assert_eq!(desk.sagnac("check part").code, 4);
     // Every point has a half of them; a study that goes on from there still asks for all.
     desk.done("run study.toml --device cpu --trials 2000 --shard 1/2 --out half");
@@ -240,6 +241,7 @@ fn what_does_not_belong_together_is_not_merged() {
         3,
         &["b/tallies.sqlite holds", "another study (seed 2"],
     );
+    assert_eq!(desk.names("."), ["a", "b", "empty", "study.toml"], "a refused merge left something behind");
     // Studies that differ in what they show alone can be merged under one of them.
     desk.write("more.toml", &with("[chart]\nx = \"dt_nu\"\ny = \"q9973\""));
     desk.done("run more.toml --device cpu --trials 1000 --out d");
