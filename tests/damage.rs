@@ -105,8 +105,8 @@ impl Case<'_> {
         }
         // The first words that are always the same.
         let kinds = [
-            "is damaged",
             "no database of results",
+            "is damaged",
             "is of schema",
             "another study",
             "other values",

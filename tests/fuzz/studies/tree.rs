@@ -8,6 +8,9 @@ use toml::{Table, Value};
 
 use super::words::{self, NAMES};
 
+/// Most values of a study that edits make.
+const MOST_PLACES: usize = 200_000;
+
 /// One edit; places are parts of whatever there is.
 #[derive(Debug, Clone)]
 pub enum Edit {
@@ -121,8 +124,10 @@ fn apply_one(root: &mut Value, edit: &Edit, donors: &[Table]) {
             }
         }
         Edit::Repeat(index, times) => {
+            // Repeats of repeats would know no bounds.
+            let times = (*times).min(MOST_PLACES / places.len());
             if let Some(Value::Array(items)) = list_at(root, at(index)) {
-                *items = items.iter().cycle().take(items.len() * times).cloned().collect();
+                *items = items.iter().cycle().take(items.len() * times.max(1)).cloned().collect();
             }
         }
         Edit::Kind(name) => add(root, &[], "kind", Value::String((*name).to_owned())),
