@@ -17,7 +17,15 @@ pub const LOCK: &str = "tallies.lock";
 /// A folder that no other program takes meanwhile.
 #[derive(Debug)]
 pub(super) struct Lock {
-    _held: File,
+    file: File,
+}
+
+impl Drop for Lock {
+    /// By name: a program that another thread is just starting still has a copy of the file, which would keep the lock.
+    fn drop(&mut self) {
+        // What cannot be unlocked is when the last copy is closed.
+        let _ = self.file.unlock();
+    }
 }
 
 impl Lock {
@@ -47,7 +55,7 @@ impl Lock {
         // The name is for messages: a full disk is found out soon enough by what matters.
         let _ =
             file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(own_name().as_bytes()));
-        Ok(Lock { _held: file })
+        Ok(Lock { file })
     }
 }
 
