@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use proptest::sample::Index;
 
 /// Longest input that edits make.
-const LONGEST: usize = 1 << 21;
+pub const LONGEST: usize = 1 << 21;
 
 /// One edit; places are parts of whatever there is.
 #[derive(Debug, Clone)]

@@ -74,7 +74,9 @@ fn studies() {
         move |(seed, edits)| {
             let mut study = seed.get(&seeds).clone();
             tree::apply(&mut study, &edits, &seeds);
-            toml::to_string(&study).unwrap_or_default().into_bytes()
+            let mut text = toml::to_string(&study).unwrap_or_default().into_bytes();
+            text.truncate(edits::LONGEST);
+            text
         }
     });
     // Most with their tree edited, some with their text too.

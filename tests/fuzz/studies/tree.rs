@@ -7,9 +7,7 @@ use sagnac::study::Kind;
 use toml::{Table, Value};
 
 use super::words::{self, NAMES};
-
-/// Most values of a study that edits make.
-const MOST_PLACES: usize = 200_000;
+use crate::edits::LONGEST;
 
 /// One edit; places are parts of whatever there is.
 #[derive(Debug, Clone)]
@@ -124,9 +122,9 @@ fn apply_one(root: &mut Value, edit: &Edit, donors: &[Table]) {
             }
         }
         Edit::Repeat(index, times) => {
-            // Repeats of repeats would know no bounds.
-            let times = (*times).min(MOST_PLACES / places.len());
             if let Some(Value::Array(items)) = list_at(root, at(index)) {
+                // Repeats of repeats would know no bounds.
+                let times = (*times).min(LONGEST / format!("{items:?}").len());
                 *items = items.iter().cycle().take(items.len() * times.max(1)).cloned().collect();
             }
         }
