@@ -74,7 +74,10 @@ impl<'a> Plan<'a> {
                 // Also of what a precision may leave out: earlier runs may have found that they needed it.
                 let most = self.most_trials();
                 let all = self.launched_trials(&most, share);
-                let lacking: u64 = self.missing(store, &most, share)?.iter().map(Work::trials).sum();
+                let lacking: u64 = match wanted == most {
+                    true => left,
+                    false => self.missing(store, &most, share)?.iter().map(Work::trials).sum(),
+                };
                 progress.start("trials", all.saturating_sub(lacking), all.max(lacking));
             }
             let sampled = sample(&work, store, worker, progress, started)?;
