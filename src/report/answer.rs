@@ -10,8 +10,8 @@ use crate::verdict::{Answer as Judged, Outcome};
 pub struct Answer {
     /// One sentence.
     pub headline: String,
-    /// What is judged of each curve, under a heading for each chart.
-    pub verdicts: Vec<(String, Vec<String>)>,
+    /// A sentence for each curve, under a heading for each chart that is answered so: its verdict, or where it is least.
+    pub curves: Vec<(String, Vec<String>)>,
 }
 
 /// The rows with the least value of an estimate, as a sentence: `The least rms error is 2.1 ″ (95 %: 2 to 2.2): quadratic, frequency 4 Hz.`
@@ -64,6 +64,44 @@ pub fn least(
     Ok(Some(format!("{sentence}.")))
 }
 
+/// Where each curve is least, a sentence each, in the order of the table: `600 s: 0.153 °/h at switching interval 37.5 s`.
+///
+/// `filter` chooses rows as [`Table::rows_where`] does, `series` are the columns that tell curves apart. A curve that is least at one of
+/// its ends is said to be.
+///
+/// # Errors
+/// A name selects no single column, or the filter leaves no row.
+pub fn least_of_each(
+    table: &Table,
+    (x, y): (&str, &str),
+    filter: &[(String, String)],
+    series: &[&str],
+) -> Result<Vec<String>, ColumnError> {
+    let (x, y) = (table.column(x)?, table.column(y)?);
+    let series = series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
+    let mut curves: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
+    for row in table.rows_where(filter)? {
+        let Some(place) = x.cells[row].number().zip(y.cells[row].number()) else { continue };
+        let names: Vec<String> =
+            series.iter().filter_map(|column| named(column, &column.cells[row])).collect();
+        let name = names.join(", ");
+        match curves.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, places)) => places.push(place),
+            None => curves.push((name, vec![place])),
+        }
+    }
+    let sentence = |(name, mut places): (String, Vec<(f64, f64)>)| {
+        places.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let ends = [places.first()?.0, places.last()?.0];
+        let least = places.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let at_end = if ends.contains(&least.0) { ", the end of its range" } else { "" };
+        let value = format!("{}{}", significant(least.1, 4), with_unit(y));
+        let name = if name.is_empty() { String::new() } else { format!("{name}: ") };
+        Some(format!("{name}{value} at {}{at_end}", x.valued(&significant(least.0, 4))))
+    };
+    Ok(curves.into_iter().filter_map(sentence).collect())
+}
+
 fn with_unit(column: &Column) -> String {
     if column.unit.symbol.is_empty() { String::new() } else { format!(" {}", column.unit.symbol) }
 }
@@ -112,13 +150,16 @@ pub fn of_map(map: &Map) -> Option<String> {
             shares.retain(|(cells, _)| *cells > 0);
             shares.sort_by_key(|(cells, _)| std::cmp::Reverse(*cells));
             let known = map.known();
-            let share =
-                |(cells, name): &(usize, &str)| format!("{name} in {} of cells", percent(*cells, known));
-            if shares.is_empty() {
-                return None;
-            }
-            let all: Vec<String> = shares.iter().map(share).collect();
-            format!("The least {} has {}", map.z.label, all.join(", "))
+            let ((cells, first), others) = shares.split_first()?;
+            let share = |cells: usize| percent(cells, known);
+            let others = others.iter().map(|(cells, name)| format!(", {name} in {}", share(*cells)));
+            let others: String = others.collect();
+            format!(
+                "{} has the least {} in {} of cells{others}",
+                capitalised(first),
+                map.z.label,
+                share(*cells)
+            )
         }
     };
     Some(std::iter::once(found).chain(within).collect::<Vec<String>>().join("; ") + ".")
@@ -127,8 +168,8 @@ pub fn of_map(map: &Map) -> Option<String> {
 /// A part in percent, never rounded to all or none.
 fn percent(part: usize, all: usize) -> String {
     match 100.0 * part as f64 / all.max(1) as f64 {
-        _ if part == all => "all".to_owned(),
-        0.0 => "none".to_owned(),
+        _ if part == all => "100 %".to_owned(),
+        0.0 => "0 %".to_owned(),
         p if p < 1.0 => "less than 1 %".to_owned(),
         p if p > 99.0 => "more than 99 %".to_owned(),
         p => format!("{p:.0} %"),
@@ -157,10 +198,19 @@ pub fn of_verdict(answers: &[Judged], limit: &str) -> Option<String> {
     let (best, worst) = (answers.iter().max_by(order)?, answers.iter().min_by(order)?);
     let always = answers.iter().filter(|answer| answer.outcome == Outcome::WithinUpTo).count();
     let never = answers.iter().filter(|answer| answer.outcome == Outcome::AboveFrom).count();
+    let stays = |answer: &Judged| match answer.outcome {
+        Outcome::AboveFrom => format!("{}, nowhere", answer.name()),
+        Outcome::WithinUpTo => format!("{}, throughout", answer.name()),
+        Outcome::Passes | Outcome::LastWithin => format!("{}, up to {}", answer.name(), answer.place()),
+        Outcome::WithinFrom | Outcome::WithinBetween => {
+            format!("{}, from {} on", answer.name(), answer.place())
+        }
+    };
+    let (first, last) = if sign > 0.0 { ("Farthest", "least far") } else { ("Soonest", "latest") };
     Some(match answers.len() {
         1 => capitalised(&best.sentence(limit)) + ".",
         all if always == all => format!("All {all} curves stay within {limit}."),
-        all if never == all => format!("None of the {all} curves is within {limit} at its first point."),
-        _ => format!("Best is {}. Worst is {}.", best.sentence(limit), worst.sentence(limit)),
+        all if never == all => format!("None of the {all} curves is within {limit}."),
+        _ => format!("{first} within {limit}: {}; {last}: {}.", stays(best), stays(worst)),
     })
 }

@@ -16,7 +16,7 @@ mod gallery;
 mod page;
 
 pub use agreement::{Agreement, agreements};
-pub use answer::{Answer, least, of_map, of_verdict};
+pub use answer::{Answer, least, least_of_each, of_map, of_verdict};
 pub use gallery::{Card, gallery};
 
 use crate::chart::Picture;

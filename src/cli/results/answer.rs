@@ -1,7 +1,7 @@
 //! The answer of a study to its question.
 
 use sagnac::chart::{ChartError, Picture};
-use sagnac::report::{Answer, Drawn, least, of_map, of_verdict};
+use sagnac::report::{Answer, Drawn, least, least_of_each, of_map, of_verdict};
 use sagnac::run::Tables;
 use sagnac::study::{Chart, Kind, Source, Study, text_columns};
 
@@ -26,8 +26,21 @@ pub(super) fn answer(
             .map_err(|error| Failure::Study(refused(study, chart, &error)))?,
         ([], None) => undrawn(study, tables)?,
     };
-    let verdicts = verdicts.iter().map(|verdict| (verdict.heading(), verdict.sentences())).collect();
-    Ok(Answer { headline: headline.unwrap_or_default(), verdicts })
+    let mut curves: Vec<(String, Vec<String>)> =
+        verdicts.iter().map(|verdict| (verdict.heading(), verdict.sentences())).collect();
+    for ((chart, shown), drawn) in study.charts.iter().zip(shown).zip(charts) {
+        if chart.limit.is_none() && matches!(drawn.picture, Picture::Curves(_)) {
+            let series: Vec<&str> = shown.series.iter().map(String::as_str).collect();
+            let axes = (chart.x.name.as_str(), shown.estimate.as_str());
+            let least = least_of_each(&shown.table, axes, &filter(chart), &series)
+                .map_err(|error| Failure::Study(refused(study, chart, &error.into())))?;
+            curves.push((
+                format!("{}: the least {} of each curve", drawn.stem, drawn.picture.shown().label),
+                least,
+            ));
+        }
+    }
+    Ok(Answer { headline: headline.unwrap_or_default(), curves })
 }
 
 fn of_chart(
