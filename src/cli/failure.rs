@@ -7,13 +7,12 @@ use std::process::ExitCode;
 use sagnac::backend::SelectError;
 use sagnac::backend::gpu::GpuError;
 use sagnac::record::log::LogError;
-use sagnac::run::RunError;
+use sagnac::run::{RESOLVED, RunError};
 use sagnac::share::Share;
 use sagnac::store::StoreError;
 use sagnac::study::StudyError;
 
 use super::progress::short;
-use super::results::RESOLVED;
 use super::run::Cause;
 
 /// The end of a command that did not do what it was asked for.

@@ -45,6 +45,7 @@ mod fitter;
 mod growth;
 pub(crate) mod interval;
 mod nnls;
+mod noise;
 mod realisations;
 pub(crate) mod record;
 mod search;
@@ -57,6 +58,9 @@ pub use covariance::Covariance;
 pub use curve::{Curve, FitError};
 pub use fitter::{Errors, Fitter, fit, fit_record};
 pub(crate) use nnls::nnls;
+pub use noise::{
+    DataSheet, Intervals, MOST_SIMULATED, Row, Simulated, USUAL_REALISATIONS, data_sheet_unit,
+};
 pub use realisations::{LEAST_REALISATIONS, realisations};
 pub use record::curve_of;
 pub use term::Term;

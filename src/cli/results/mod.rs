@@ -4,27 +4,17 @@ mod summary;
 
 use std::path::Path;
 
-use sagnac::run::{Done, Plan, Tables};
+use sagnac::picture::{Verdict, shown, verdicts};
+use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::store::Store;
 use sagnac::study::Study;
 use sagnac::table::{Cell, Table};
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::charts::{draw, shown};
+use super::charts::draw;
 use super::output::{print, write};
 use super::progress::{Shown, short};
-use super::verdicts::{Verdict, verdicts};
-
-/// The name of the study that a run writes beside its results.
-pub const RESOLVED: &str = "resolved_study.toml";
-
-/// The tables of a study with the names of their files.
-pub fn files(tables: &Tables) -> impl Iterator<Item = (&'static str, &Table)> {
-    let coefficients = tables.coefficients.as_ref().map(|table| ("coefficients.csv", table));
-    let trajectories = tables.trajectories.as_ref().map(|table| ("trajectories.csv", table));
-    std::iter::once(("points.csv", &tables.points)).chain(coefficients).chain(trajectories)
-}
 
 /// A table as the bytes of its file.
 ///
@@ -61,7 +51,7 @@ impl Results<'_> {
     pub fn show(&self, store: &Store, out: Out) -> Result<Option<Value>, Failure> {
         let Results { study, plan, folder, done } = self;
         let tables = plan.tables(store, &Shown::new(out.quiet))?;
-        for (name, table) in files(&tables) {
+        for (name, table) in tables.files() {
             let path = folder.join(name);
             write(&path, &csv(table, &path)?)?;
         }
