@@ -58,9 +58,7 @@ pub use covariance::Covariance;
 pub use curve::{Curve, FitError};
 pub use fitter::{Errors, Fitter, fit, fit_record};
 pub(crate) use nnls::nnls;
-pub use noise::{
-    DataSheet, Intervals, MOST_SIMULATED, Row, Simulated, USUAL_REALISATIONS, data_sheet_unit,
-};
+pub use noise::{DataSheet, Intervals, MOST_SIMULATED, Row, Simulated, USUAL_REALISATIONS, data_sheet_unit};
 pub use realisations::{LEAST_REALISATIONS, realisations};
 pub use record::curve_of;
 pub use term::Term;

@@ -126,12 +126,7 @@ impl DataSheet {
     /// assert_eq!((sheet.rows[1].name, sheet.rows[1].verdict), ("N", "identified"));
     /// # Ok::<(), String>(())
     /// ```
-    pub fn of(
-        angles: &Angles,
-        terms: &Terms,
-        unit: Unit,
-        simulated: Simulated,
-    ) -> Result<DataSheet, String> {
+    pub fn of(angles: &Angles, terms: &Terms, unit: Unit, simulated: Simulated) -> Result<DataSheet, String> {
         let said = |error: FitError| error.to_string();
         let curve = curve_of(angles).map_err(said)?;
         let fitter = Fitter::new(&curve, terms).map_err(said)?;

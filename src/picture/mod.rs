@@ -82,11 +82,7 @@ fn shown_by<'t>(tables: &'t Tables, chart: &Chart) -> Result<Shown<'t>, ChartErr
 ///
 /// # Errors
 /// The table does not have what the chart asks for; the error points at the name in the study.
-fn picture(
-    study: &Study,
-    tables: &Tables,
-    chart: &Chart,
-) -> Result<(String, Option<String>), StudyError> {
+fn picture(study: &Study, tables: &Tables, chart: &Chart) -> Result<(String, Option<String>), StudyError> {
     let table = tables.of(chart.source);
     let drawn = match &chart.shows {
         Shows::Curves { .. } => shown_by(tables, chart)

@@ -99,14 +99,7 @@ fn stability(column: &analysis::Column) -> Vec<Row> {
     let tau = Some(minimum.point.tau_s);
     vec![
         Row { name: "in_run_stability", unit, symbol, value, interval, verdict },
-        Row {
-            name: "in_run_stability_tau",
-            unit: "s",
-            symbol: "s",
-            value: tau,
-            interval: None,
-            verdict,
-        },
+        Row { name: "in_run_stability_tau", unit: "s", symbol: "s", value: tau, interval: None, verdict },
     ]
 }
 

@@ -44,13 +44,17 @@ impl Log {
             Fault::TooFew { there } => {
                 let samples = if there == 1 { "sample" } else { "samples" };
                 (
-                    format!("column {name} of {file} has {there} {samples}, at least {LEAST_SAMPLES} are needed"),
-                    "record longer, or skip less; the rows of an array are samples, its columns axes".to_owned(),
+                    format!(
+                        "column {name} of {file} has {there} {samples}, at least {LEAST_SAMPLES} are needed"
+                    ),
+                    "record longer, or skip less; the rows of an array are samples, its columns axes"
+                        .to_owned(),
                 )
             }
             Fault::Constant { there, value } => (
                 format!("column {name} of {file} is constant: all {there} samples are {value}"),
-                "is it the right column, and was the sensor on? a constant has no deviation to show".to_owned(),
+                "is it the right column, and was the sensor on? a constant has no deviation to show"
+                    .to_owned(),
             ),
             Fault::DegreesAsRadians { mean } => {
                 let other = if self.data == Data::Rate { "--unit deg/s" } else { "--unit deg" };
