@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sagnac::run::Plan;
+use sagnac::run::{Plan, RESOLVED};
 use sagnac::share::Share;
 use sagnac::store::{Report, Source};
 use sagnac::study::Study;
@@ -11,7 +11,7 @@ use sagnac::study::Study;
 use super::failure::{self, Failure};
 use super::output::print;
 use super::progress::Shown;
-use super::results::{RESOLVED, csv, files};
+use super::results::csv;
 
 #[derive(Debug, Args)]
 pub struct Options {
@@ -89,7 +89,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
             }
         }
         let tables = plan.tables(&store, &Shown::new(quiet))?;
-        for (name, table) in files(&tables) {
+        for (name, table) in tables.files() {
             let path = folder.join(name);
             match std::fs::read(&path) {
                 Ok(found) if found == csv(table, &path)? => about += &format!(", {name} is what they give"),

@@ -6,14 +6,14 @@ use std::process::ExitCode;
 
 use sagnac::backend::SelectError;
 use sagnac::backend::gpu::GpuError;
+use sagnac::firmware::ChoiceError;
 use sagnac::record::log::LogError;
-use sagnac::run::RunError;
+use sagnac::run::{RESOLVED, RunError};
 use sagnac::share::Share;
 use sagnac::store::StoreError;
 use sagnac::study::StudyError;
 
 use super::progress::short;
-use super::results::RESOLVED;
 use super::run::Cause;
 
 /// The end of a command that did not do what it was asked for.
@@ -85,6 +85,15 @@ fn named(folders: &[PathBuf]) -> String {
 /// So many faults, in words.
 pub fn faults(count: usize) -> String {
     if count == 1 { "1 fault".to_owned() } else { format!("{count} faults") }
+}
+
+impl From<ChoiceError> for Failure {
+    fn from(error: ChoiceError) -> Failure {
+        match error {
+            ChoiceError::Asked(message) => Failure::Usage(message),
+            ChoiceError::Study(error) => Failure::Study(error),
+        }
+    }
 }
 
 impl From<RunError> for Failure {

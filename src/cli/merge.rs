@@ -4,13 +4,14 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use sagnac::run::RESOLVED;
 use sagnac::share::Share;
 use sagnac::store::{Merged, Source, Store};
 use sagnac::study::{MOST_TRIALS, Study};
 
 use super::Failure;
 use super::output::print_json;
-use super::results::{Out, RESOLVED, Results};
+use super::results::{Out, Results};
 use super::run::checked;
 
 #[derive(Debug, Args)]

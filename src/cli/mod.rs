@@ -26,7 +26,6 @@ mod reading;
 mod results;
 mod run;
 mod terminal;
-mod verdicts;
 mod verify;
 
 use std::process::ExitCode;

@@ -1,7 +1,6 @@
 //! `sagnac allan`.
 
 mod analysis;
-mod coefficients;
 mod files;
 mod kalibr;
 mod noise_file;
@@ -17,8 +16,7 @@ use serde_json::Value;
 use super::Failure;
 use super::output::{print, print_json, write};
 use analysis::Analysis;
-pub use analysis::{Curve, Treatment, Unit};
-pub use coefficients::unit_of;
+pub use analysis::{Curve, Treatment};
 pub use options::Options;
 pub use picture::line;
 

@@ -8,16 +8,16 @@ use std::time::Duration;
 
 use clap::Args;
 use sagnac::backend::{Device, Selection, select};
-use sagnac::run::Plan;
+use sagnac::picture::pictures;
+use sagnac::run::{Plan, RESOLVED};
 use sagnac::share::Share;
 use sagnac::store::Store;
 use sagnac::study::{Dimension, MOST_TRIALS, Study, parse_quantity};
 use serde_json::Value;
 
-use super::charts::picture;
 use super::output::{print, print_json, write};
 use super::progress::{Shown, short};
-use super::results::{Out, RESOLVED, Results};
+use super::results::{Out, Results};
 use super::{DeviceArg, Failure};
 use share::Shard;
 pub use stop::Cause;
@@ -166,10 +166,7 @@ fn device(plans: &[Plan], options: &Options) -> Result<Option<Device>, Failure> 
 /// Finds what would otherwise fail after the sampling.
 pub fn checked(study: &Study) -> Result<Plan<'_>, Failure> {
     let plan = Plan::new(study)?;
-    let blank = plan.blank_tables();
-    for chart in &study.charts {
-        picture(study, &blank, chart)?;
-    }
+    pictures(study, &plan.blank_tables())?;
     Ok(plan)
 }
 
