@@ -4,6 +4,8 @@
 //! study.toml ─ study ─▶ points ─ lower ─▶ launches ─ kernel on a backend ─▶ tallies ─ store ─▶ stats ─▶ table ─ chart
 //! ```
 
+#![deny(missing_docs)]
+
 pub mod allan;
 pub mod backend;
 pub mod block;

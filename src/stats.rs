@@ -8,22 +8,27 @@ pub const LEVEL: f64 = 0.9973;
 /// What a tally says about an error, in the unit of its scale. Absent where the trials do not say it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimates {
+    /// Signed.
     pub mean: f64,
+    /// Root mean square, the mean included.
     pub rms: f64,
     /// Standard error of `rms`, √(Var(E²)/n) / (2 rms); 0 where every trial has the same error, absent for one trial and
     /// where the histogram does not tell.
     pub rms_se: Option<f64>,
     /// Largest |error| seen.
     pub max: f64,
+    /// Level that 99.73 % of |error| stay below.
     pub q9973: Option<Quantile>,
 }
 
 /// A quantile of |error| and its 95 % interval from order statistics, widened to the edges of bins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantile {
+    /// In the unit of the scale.
     pub value: f64,
     /// Absent where the trials are too few to bound it.
     pub low: Option<f64>,
+    /// The same.
     pub high: Option<f64>,
 }
 

@@ -41,8 +41,11 @@ const SCHEMA_VERSION: i32 = 3;
 /// What makes two runs the same study: a folder holds one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Identity {
+    /// As a study writes it: `gap-fill`.
     pub kind: String,
+    /// As in the study.
     pub seed: u64,
+    /// `independent` or `common`.
     pub streams: String,
     /// The kernels that compute it, with their versions. No part of the study id: rows of others are refused, not taken for
     /// those of another study.
@@ -59,8 +62,11 @@ impl Identity {
 /// Which tally: of a point, of an estimate, computed from parameters with this digest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Address {
+    /// All that its draws depend on.
     pub point: Id,
+    /// What is made of the draws: filler and error, angle, tick or curve.
     pub estimate: Id,
+    /// Of the words that it was computed from.
     pub digest: Id,
 }
 
@@ -79,17 +85,22 @@ pub trait Tally: Sized {
 /// One row of the store.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Row<T> {
+    /// Which tally.
     pub address: Address,
+    /// Of which trials.
     pub block: Block,
+    /// The exact sums.
     pub tally: T,
 }
 
 /// Who computes rows, how many trials and how long it took; no part of any identity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Provenance {
+    /// As `sagnac devices` calls it.
     pub device: String,
     /// Over all points, since the store was opened.
     pub trials: u64,
+    /// Over all points, since the store was opened.
     pub seconds: f64,
 }
 

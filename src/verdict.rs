@@ -26,6 +26,7 @@ pub struct Question<'a> {
 pub struct Answer<'t> {
     /// Column and value of what tells the curve apart.
     pub series: Vec<(&'t Column, &'t Cell)>,
+    /// What the curve does about the limit.
     pub outcome: Outcome,
     /// Where that is: column and value, in the order of the table.
     pub at: Vec<(&'t Column, f64)>,

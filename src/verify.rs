@@ -25,6 +25,7 @@ pub use runs::{hour_launches, run_launches};
 /// What a check of one kernel found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Verdict {
+    /// Its name, as in the registry.
     pub kernel: &'static str,
     /// The first 64 bits of a SHA-256 over all results of the reference: the same on every machine.
     pub digest: u64,

@@ -43,6 +43,7 @@ pub enum Measure {
 }
 
 impl Measure {
+    /// All of them, as `--by` lists them.
     pub const ALL: [Measure; 4] =
         [Measure::DriftQ9973, Measure::DriftRms, Measure::LargestQ9973, Measure::LargestRms];
 
@@ -78,14 +79,18 @@ impl Measure {
 /// A value with its 95 % interval, where it is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
+    /// In the unit of the measure.
     pub value: f64,
+    /// Its ends; absent of runs too few for them.
     pub interval: Option<(f64, f64)>,
 }
 
 /// The runs at one interval with one filler.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tried {
+    /// MT, s; the nearest to what was asked for that gives an even number of intervals.
     pub interval_s: f64,
+    /// Within a run.
     pub switches: u64,
     /// ″/s.
     pub drift: Found,
@@ -102,10 +107,13 @@ pub struct Filler {
     pub name: Option<String>,
     /// Of one switch, rms and about the largest, δP_max, ″.
     pub residual_rms: f64,
+    /// Sines at their peaks and three standard deviations of the rest.
     pub residual_max: f64,
+    /// Ascending.
     pub tried: Vec<Tried>,
     /// Place of the interval to choose.
     pub best: usize,
+    /// From a law through those near the least.
     pub optimum: Optimum,
     /// The interval that the paper's bound would choose, and what comes of it.
     pub papers_rule: Option<PapersRule>,
@@ -126,9 +134,11 @@ impl Filler {
 /// What a design came to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
+    /// What is made least.
     pub measure: Measure,
     /// Runs of each filler and interval.
     pub trials: u64,
+    /// t, s.
     pub duration_s: f64,
     /// Left out, ″/s.
     pub non_magnetic: f64,
@@ -165,23 +175,43 @@ impl Design {
 /// Why there is no design.
 #[derive(Debug, thiserror::Error)]
 pub enum DesignError {
+    /// Of another kind of study.
     #[error("a study of kind = \"{kind}\" has no switching interval to choose")]
-    Kind { kind: &'static str },
+    Kind {
+        /// The kind that it is.
+        kind: &'static str,
+    },
+    /// A key that makes it more than one gyro.
     #[error("{key} is swept: a design is for one gyro, and chooses the interval and the filler itself")]
-    Swept { key: &'static str },
+    Swept {
+        /// Which one.
+        key: &'static str,
+    },
+    /// Nothing depends on the interval.
     #[error("there is no drift and no residual: every interval is as good as any other")]
     Nothing,
+    /// The run is too short for two intervals.
     #[error(
         "no run of {duration_s} s has an even number of intervals that are long enough for the fit ticks"
     )]
-    NoCandidate { duration_s: f64 },
+    NoCandidate {
+        /// t, s.
+        duration_s: f64,
+    },
+    /// A run at one of the intervals does not fit into fixed point.
     #[error(transparent)]
     Lower(#[from] RunLowerError),
+    /// The device failed.
     #[error(transparent)]
     Gpu(#[from] GpuError),
     /// The runs do not say where 99.73 % of them lie.
     #[error("{trials} runs are too few for the {}", measure.label())]
-    TooFew { trials: u64, measure: Measure },
+    TooFew {
+        /// That there are.
+        trials: u64,
+        /// The one asked for.
+        measure: Measure,
+    },
 }
 
 /// Runs all candidates; `progress` hears of how many runs there are, then of those that are done.

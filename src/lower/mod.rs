@@ -41,6 +41,7 @@ use physical::Physical;
 /// A point, ready to be sampled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lowered {
+    /// Of the point: what its draws and tallies are found by.
     pub id: Id,
     key: [u32; 2],
     fixed: Fixed,

@@ -9,7 +9,9 @@ use core::f64::consts::PI;
 /// Weights of a filler as exact fractions: `numerators[k] / denominator` on the k-th of its ticks.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Weights {
+    /// Their numbers; 0 is the last before the gap, n + 1 the first after it.
     pub ticks: Vec<i32>,
+    /// One for each tick.
     pub numerators: Vec<i64>,
     /// Positive, and without a factor common to all numerators.
     pub denominator: i64,

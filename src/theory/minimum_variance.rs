@@ -13,7 +13,9 @@ use super::quadrature::mean;
 /// A vibration of random phase whose frequency is spread evenly over a band; one of a single frequency has both ends there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
+    /// Lower end, Hz.
     pub low_hz: f64,
+    /// Upper end, Hz.
     pub high_hz: f64,
 }
 

@@ -20,12 +20,21 @@ pub struct Psd {
 /// Why points are no spectrum; `index` is that of the offending point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum PsdError {
+    /// Fewer than two points.
     #[error("a spectrum needs at least two points at different frequencies")]
     NoBand,
+    /// A point that has no logarithm.
     #[error("a point of a spectrum has to be positive and finite in frequency and density")]
-    NotPositive { index: usize },
+    NotPositive {
+        /// From 0.
+        index: usize,
+    },
+    /// A frequency not above the one before it.
     #[error("the frequencies of a spectrum have to ascend")]
-    NotAscending { index: usize },
+    NotAscending {
+        /// From 0.
+        index: usize,
+    },
 }
 
 impl Psd {

@@ -40,6 +40,7 @@ pub fn noise_of_const(three_sigma: f64, gap_ticks: u32, ticks: usize) -> f64 {
 /// Apparent drift of a tick after a mode switch, °/h.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelockRow {
+    /// By the paper, without compensation.
     pub measured: f64,
     /// Computed from the frequency of the bias: not for the first tick.
     pub by_frequency: Option<f64>,

@@ -27,7 +27,9 @@ pub struct Suspension {
 /// The response at a frequency, ″/s per g: in phase with the acceleration, and a quarter of a turn ahead of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
+    /// In phase.
     pub re: f64,
+    /// A quarter of a turn ahead.
     pub im: f64,
 }
 
@@ -81,6 +83,7 @@ impl Suspension {
         Some(Suspension::new(modes.to_vec()))
     }
 
+    /// Each as it was given.
     pub fn modes(&self) -> &[Mode] {
         &self.modes
     }

@@ -20,7 +20,9 @@ const NEVER_AT_REST: f64 = 72_000.0;
 /// Whether rates that look as if in another unit are refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UnitCheck {
+    /// They are, with what to write instead.
     On,
+    /// They are taken as they stand.
     Off,
 }
 
