@@ -234,6 +234,12 @@ fn binomial_interval(n: u64, p: f64) -> (u64, u64) {
 
 /// Deviation of an estimate from its closed form in standard errors: `proven` bounds what rounding adds. `None` where that
 /// bound is so wide that the comparison says nothing.
+/// ```
+/// use sagnac::stats::z_score;
+///
+/// assert_eq!(z_score(1.02, 1.0, 0.01, 0.0), Some(2.0000000000000018));
+/// assert_eq!(z_score(1.02, 1.0, 0.0, 0.0), None);
+/// ```
 pub fn z_score(value: f64, oracle: f64, se: f64, proven: f64) -> Option<f64> {
     let sigma = libm::hypot(se, proven);
     (sigma > 0.0 && (proven <= se || proven <= 0.05 * oracle)).then(|| (value - oracle) / sigma)

@@ -3,6 +3,37 @@
 //! A row is the exact tally of one estimate of one point over one block of trials. Inserting an identical row is
 //! nothing, a disagreeing one an error, so resuming, asking for more trials and merging are one operation, in any
 //! order, any number of times. Crash safety, locking and full disks are SQLite's work.
+//! Two halves of a study, merged twice over, are the whole:
+//!
+//! ```
+//! # use sagnac::{backend, run::{Plan, Progress}, share::Share, study::Study};
+//! use sagnac::store::{FILE, Source, Store};
+//! # struct Silent;
+//! # impl Progress for Silent {
+//! #     fn start(&self, _: &'static str, _: u64, _: u64) {}
+//! #     fn advance(&self, _: u64) {}
+//! #     fn note(&self, _: &str) {}
+//! #     fn finish(&self) {}
+//! # }
+//! # let text = "title = \"Noise\"\nkind = \"gap-fill\"\ntrials = 1000\n[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"1 arcsec\" }\n\
+//! #     [motion]\nrate = \"0 deg/s\"\n[switching]\ngap_ticks = 2\nfillers = [\"const\"]\nerrors = [\"residual\"]\n";
+//! # let study = Study::parse("noise.toml", text)?;
+//! # let plan = Plan::new(&study)?;
+//! # let mut device = backend::select("cpu", 1)?.device;
+//! # let folder = tempfile::tempdir()?;
+//! for number in [1, 2] {
+//!     let mut half = Store::open(&folder.path().join(number.to_string()), &plan.identity())?;
+//!     plan.run(&mut half, &mut device, Share::new(number, 2).unwrap(), &Silent)?;
+//! }
+//! let mut whole = Store::open(&folder.path().join("whole"), &plan.identity())?;
+//! for half in ["1", "2", "1"] {
+//!     whole.merge(&Source::open(&folder.path().join(half))?, false)?;
+//! }
+//! assert_eq!(plan.lacks(&whole, Share::WHOLE)?, 0);
+//! assert_eq!(plan.held(&whole)?, 1000);
+//! assert!(folder.path().join("whole").join(FILE).exists());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod check;
 mod database;

@@ -8,6 +8,41 @@
 //! look better than it is. Where the study does not sweep the interval, each candidate runs for the nearest time that an even
 //! number of intervals makes: an odd one would be left uncancelled, and where a run ends would count for more than how often
 //! the gyro switches.
+//! ```
+//! use sagnac::backend;
+//! use sagnac::design::{Measure, design};
+//! use sagnac::study::Study;
+//! # use sagnac::run::Progress;
+//! # struct Silent;
+//! # impl Progress for Silent {
+//! #     fn start(&self, _: &'static str, _: u64, _: u64) {}
+//! #     fn advance(&self, _: u64) {}
+//! #     fn note(&self, _: &str) {}
+//! #     fn finish(&self) {}
+//! # }
+//!
+//! let study = Study::parse("hour.toml", r#"
+//!     title = "The paper's hour"
+//!     kind = "switched-run"
+//!     trials = 8192
+//!     streams = "common"
+//!     [drift]
+//!     magnetic = "14 arcsec/s"
+//!     warm_up_time = "3000 s"
+//!     residual_max = "10 arcsec"
+//!     [switching]
+//!     interval = "40 s"
+//!     [run]
+//!     duration = "1 h"
+//! "#)?;
+//! let mut device = backend::select("cpu", 2)?.device;
+//! let found = design(&study, Measure::DriftRms, &mut device, &Silent)?;
+//! let best = found.best().best();
+//! // In closed form 15.6 s, and 0.0365 °/h rms.
+//! assert!((14.0..17.5).contains(&best.interval_s), "{} s", best.interval_s);
+//! assert!((best.drift.value - 0.0365).abs() < 0.001, "{} °/h", best.drift.value);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod candidates;
 mod optimum;

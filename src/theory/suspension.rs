@@ -1,4 +1,12 @@
 //! The rotation of a gyro's block on its suspension under a linear vibration: a sum of resonances (A, figure 2).
+//! ```
+//! use sagnac::theory::suspension::{Mode, Suspension};
+//!
+//! let one = Suspension::new(vec![Mode { frequency_hz: 380.0, q: 100.0, response: 1000.0 }]);
+//! assert!((one.response(380.0).amplitude() - 1000.0).abs() < 1e-9);
+//! assert!((one.response(380.0).phase_deg() + 90.0).abs() < 1e-9);
+//! assert_eq!(one.response(0.0).re, 10.0);
+//! ```
 
 use core::f64::consts::TAU;
 
