@@ -74,6 +74,7 @@ pub mod id;
 pub mod kernel;
 pub mod lower;
 pub mod record;
+pub mod report;
 pub mod run;
 pub mod share;
 pub mod stats;

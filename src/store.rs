@@ -336,6 +336,26 @@ impl Store {
         Ok(())
     }
 
+    /// Which devices computed the rows, each once with all its trials and seconds, the one with the most trials first. Rows that
+    /// were merged from other folders count as well; time that several machines worked at once is added up.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub fn provenance(&self) -> Result<Vec<Provenance>, StoreError> {
+        let failed = |source| StoreError::of(&self.path, source);
+        let sql =
+            "SELECT device, SUM(trials), SUM(seconds) FROM provenance GROUP BY device ORDER BY 2 DESC, 1";
+        let mut statement = self.connection.prepare(sql).map_err(failed)?;
+        let rows = statement.query_map([], |row| {
+            Ok(Provenance {
+                device: row.get(0)?,
+                trials: row.get::<_, i64>(1)?.max(0) as u64,
+                seconds: row.get(2)?,
+            })
+        });
+        rows.map_err(failed)?.collect::<Result<_, _>>().map_err(failed)
+    }
+
     /// Points that the store holds.
     ///
     /// # Errors

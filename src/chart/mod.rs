@@ -79,6 +79,7 @@ mod legend;
 mod map;
 mod mixed;
 mod palette;
+mod picture;
 mod plot;
 mod png;
 mod scale;
@@ -91,7 +92,9 @@ mod whole;
 
 pub use figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Part, Parts, Series, SeriesPoint};
 pub use layout::{HEIGHT, WIDTH};
-pub use map::{Cells, Map, MapNotes, MapSpec, Show, Won};
+pub use map::{Cells, Estimate, Layer, Map, MapNotes, MapSpec, Show, Won};
+pub(crate) use palette::{LOOKS, Looks, style_sheet};
+pub use picture::Picture;
 pub use png::{PngError, png};
 pub use scale::Scale;
 pub use spec::{ChartError, Notes, Spec};

@@ -4,7 +4,8 @@ use std::borrow::Cow;
 use std::ffi::OsStr;
 use std::path::Path;
 
-use sagnac::chart::{self, CURVE, ChartError, Figure, Map, MapSpec, Scale, Show, Spec};
+use sagnac::chart::{self, CURVE, ChartError, Figure, Map, MapSpec, Picture, Scale, Show, Spec};
+use sagnac::report::Drawn;
 use sagnac::run::Tables;
 use sagnac::study::{self, Chart, Kind, Shows, Source, Study, StudyError, Swept};
 use sagnac::table::{Cell, ColumnError, Table};
@@ -17,18 +18,25 @@ pub fn chart_stem(index: usize, charts: usize) -> String {
     if charts == 1 { "chart".to_owned() } else { format!("chart-{}", index + 1) }
 }
 
-/// Draws every chart as SVG and PNG, removes those of earlier runs that are drawn no more, and returns what is to be
-/// said of them.
-pub fn draw(study: &Study, tables: &Tables, folder: &Path) -> Result<Vec<String>, Failure> {
-    let mut notes = Vec::new();
-    for (index, chart) in study.charts.iter().enumerate() {
-        let stem = chart_stem(index, study.charts.len());
-        let (svg, said) = picture(study, tables, chart)?;
-        write_pictures(folder, &stem, &svg)?;
-        notes.extend(said.map(|sentence| format!("{stem}: {sentence}")));
-    }
-    remove_undrawn(folder, study.charts.len())?;
-    Ok(notes)
+/// Every chart of a study.
+///
+/// # Errors
+/// The table does not have what a chart asks for.
+pub fn pictures(study: &Study, tables: &Tables) -> Result<Vec<Drawn>, StudyError> {
+    let drawn = |(index, chart)| {
+        let (picture, note) = picture(study, tables, chart)?;
+        Ok(Drawn { stem: chart_stem(index, study.charts.len()), picture, note })
+    };
+    study.charts.iter().enumerate().map(drawn).collect()
+}
+
+/// Writes the charts as SVG and PNG, and removes those of earlier runs that are drawn no more.
+///
+/// # Errors
+/// One cannot be drawn or written.
+pub fn draw(pictures: &[Drawn], folder: &Path) -> Result<(), Failure> {
+    pictures.iter().try_for_each(|drawn| write_pictures(folder, &drawn.stem, &drawn.picture.svg()))?;
+    remove_undrawn(folder, pictures.len())
 }
 
 /// Writes a chart as `<stem>.svg` and `<stem>.png`.
@@ -95,7 +103,7 @@ fn shown_by<'t>(tables: &'t Tables, chart: &Chart) -> Result<Shown<'t>, ChartErr
     Ok(Shown { table, estimate, series: std::iter::once(CURVE.to_owned()).chain(series).collect() })
 }
 
-/// One chart as SVG, and a sentence on what is to be said of it.
+/// One chart, and a sentence on what is to be said of it.
 ///
 /// # Errors
 /// The table does not have what the chart asks for; the error points at the name in the study.
@@ -103,12 +111,12 @@ pub fn picture(
     study: &Study,
     tables: &Tables,
     chart: &Chart,
-) -> Result<(String, Option<String>), StudyError> {
+) -> Result<(Picture, Option<String>), StudyError> {
     let table = tables.of(chart.source);
     let drawn = match &chart.shows {
         Shows::Curves { .. } => shown_by(tables, chart)
             .and_then(|shown| Figure::from_table(&shown.table, &curves(study, chart, &shown)))
-            .map(|(figure, notes)| (figure.svg(), notes.sentence())),
+            .map(|(figure, notes)| (Picture::Curves(figure), notes.sentence())),
         Shows::HeatMap { z_scale, .. } => map(study, table, chart, Show::Values(scale(*z_scale))),
         Shows::WinnerMap { of, .. } => map(study, table, chart, Show::Winners(of.name.clone())),
     };
@@ -120,7 +128,7 @@ fn map(
     table: &Table,
     chart: &Chart,
     show: Show,
-) -> Result<(String, Option<String>), ChartError> {
+) -> Result<(Picture, Option<String>), ChartError> {
     let spec = MapSpec {
         title: title(study, chart),
         subtitle: subtitle(study),
@@ -134,7 +142,7 @@ fn map(
         limit: chart.limit.map(|limit| (limit.value, limit.unit)),
     };
     let (map, notes) = Map::from_table(table, &spec)?;
-    Ok((map.svg(), notes.sentence()))
+    Ok((Picture::Map(map), notes.sentence()))
 }
 
 fn curves(study: &Study, chart: &Chart, shown: &Shown) -> Spec {

@@ -1,20 +1,26 @@
 //! The results of a study as files of its folder, as text and as JSON.
 
+mod answer;
 mod summary;
 
 use std::path::Path;
 
+use sagnac::report::{Drawn, Report, Source};
 use sagnac::run::{Done, Plan, Tables};
 use sagnac::store::Store;
 use sagnac::study::Study;
 use sagnac::table::{Cell, Table};
 use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
 
 use super::Failure;
-use super::charts::{draw, shown};
+use super::charts::{Shown as Curves, draw, pictures, shown};
 use super::output::{print, write};
 use super::progress::{Shown, short};
 use super::verdicts::{Verdict, verdicts};
+
+/// The page of a study in its folder.
+pub const REPORT: &str = "report.html";
 
 /// The name of the study that a run writes beside its results.
 pub const RESOLVED: &str = "resolved_study.toml";
@@ -66,12 +72,19 @@ impl Results<'_> {
             write(&path, &csv(table, &path)?)?;
         }
         write(&folder.join(RESOLVED), study.resolved(plan.held(store)?).as_bytes())?;
-        let notes = draw(study, &tables, folder)?;
+        let charts = pictures(study, &tables)?;
+        draw(&charts, folder)?;
         let curves = shown(study, &tables)?;
         let verdicts = verdicts(study, &curves)?;
         let degraded = done.iter().flat_map(|(done, _)| done.degraded.clone());
         let uneven = if study.has_stop_rule() { None } else { uneven(&tables.points) };
-        let notes: Vec<String> = degraded.chain(notes).chain(plan.notes(store)?).chain(uneven).collect();
+        let known: Vec<String> = degraded.chain(plan.notes(store)?).chain(uneven).collect();
+        write(
+            &folder.join(REPORT),
+            self.page(store, &tables, &charts, &curves, &verdicts, &known)?.as_bytes(),
+        )?;
+        let of_charts = charts.iter().filter_map(Drawn::sentence);
+        let notes: Vec<String> = of_charts.chain(known.iter().cloned()).collect();
         if out.json {
             return Ok(Some(self.to_json(&tables, &verdicts, &notes)));
         }
@@ -82,6 +95,40 @@ impl Results<'_> {
             print(&summary::summary(study, &tables, &curves, &verdicts)?)?;
         }
         Ok(None)
+    }
+
+    /// The report as a page.
+    fn page(
+        &self,
+        store: &Store,
+        tables: &Tables,
+        charts: &[Drawn],
+        shown: &[Curves],
+        verdicts: &[Verdict],
+        notes: &[String],
+    ) -> Result<String, Failure> {
+        let Results { study, plan, folder, .. } = self;
+        let identity = plan.identity();
+        let held = plan.held(store)?;
+        let report = Report {
+            title: &study.title,
+            question: &study.question,
+            answer: answer::answer(study, tables, charts, shown, verdicts)?,
+            notes,
+            charts,
+            tables: files(tables).collect(),
+            source: Source {
+                study: &study.resolved(held),
+                kind: &identity.kind,
+                id: identity.id().to_string(),
+                sampled: plan.is_sampled().then_some((study.seed, held)),
+                points: study.sweeps.iter().map(|sweep| sweep.values.len()).product(),
+                provenance: store.provenance()?,
+                kernels: &identity.kernels,
+                digest: digest(&csv(&tables.points, folder)?),
+            },
+        };
+        Ok(report.html())
     }
 
     fn to_json(&self, tables: &Tables, verdicts: &[Verdict], notes: &[String]) -> Value {
@@ -116,6 +163,11 @@ impl Results<'_> {
         }
         document
     }
+}
+
+/// SHA-256 in hexadecimal figures.
+fn digest(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// That rows are of different numbers of trials.

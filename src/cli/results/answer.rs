@@ -1,0 +1,75 @@
+//! The answer of a study to its question.
+
+use sagnac::chart::{ChartError, Picture};
+use sagnac::report::{Answer, Drawn, least, of_map, of_verdict};
+use sagnac::run::Tables;
+use sagnac::study::{Chart, Kind, Source, Study, text_columns};
+
+use super::super::Failure;
+use super::super::charts::{Shown, filter, refused};
+use super::super::verdicts::Verdict;
+
+/// What the verdicts say, else what the first chart shows, else the best row of the table.
+///
+/// # Errors
+/// The table does not have what a chart asks for.
+pub(super) fn answer(
+    study: &Study,
+    tables: &Tables,
+    charts: &[Drawn],
+    shown: &[Shown],
+    verdicts: &[Verdict],
+) -> Result<Answer, Failure> {
+    let headline = match (verdicts, study.charts.iter().zip(shown).zip(charts).next()) {
+        ([first, ..], _) => of_verdict(first.answers(), &first.limit()),
+        ([], Some(((chart, shown), drawn))) => of_chart(study, chart, shown, &drawn.picture)
+            .map_err(|error| Failure::Study(refused(study, chart, &error)))?,
+        ([], None) => undrawn(study, tables)?,
+    };
+    let verdicts = verdicts.iter().map(|verdict| (verdict.heading(), verdict.sentences())).collect();
+    Ok(Answer { headline: headline.unwrap_or_default(), verdicts })
+}
+
+fn of_chart(
+    study: &Study,
+    chart: &Chart,
+    shown: &Shown,
+    picture: &Picture,
+) -> Result<Option<String>, ChartError> {
+    if let Picture::Map(map) = picture {
+        return Ok(of_map(map));
+    }
+    let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
+    let by = apart(study, chart.source, series.collect());
+    Ok(least(&shown.table, &shown.estimate, &filter(chart), &by)?)
+}
+
+/// The best row of a study without a chart.
+fn undrawn(study: &Study, tables: &Tables) -> Result<Option<String>, Failure> {
+    let row = |column: &str, value: &str| vec![(column.to_owned(), value.to_owned())];
+    let (estimate, rows) = match study.kind() {
+        Kind::GapFill => ("q9973", row("error", "residual")),
+        Kind::Relock => ("rms", vec![]),
+        Kind::SwitchedRun => ("drift_q9973", row("angle", "end")),
+        Kind::Allan => ("adev", vec![]),
+        Kind::DriftBudget => ("optimum", vec![]),
+        Kind::Suspension => ("response", vec![]),
+    };
+    // Errors and angles that the study leaves out have no rows.
+    let has = |rows: &Vec<(String, String)>| tables.points.rows_where(rows).is_ok();
+    let rows = Some(rows).filter(has).unwrap_or_default();
+    let by = apart(study, Source::Points, if study.kind() == Kind::Allan { vec!["tau"] } else { vec![] });
+    least(&tables.points, estimate, &rows, &by).map_err(|error| Failure::Picture(error.to_string()))
+}
+
+/// The columns that tell rows apart, each once, with those of a chart first.
+fn apart<'n>(study: &'n Study, source: Source, mut columns: Vec<&'n str>) -> Vec<&'n str> {
+    let sweeps = study.sweeps.iter().map(|sweep| sweep.key.name);
+    for name in text_columns(study, source).into_iter().chain(sweeps) {
+        // A chart may name a column by its end.
+        if !columns.iter().any(|column| name == *column || name.ends_with(&format!(".{column}"))) {
+            columns.push(name);
+        }
+    }
+    columns
+}
