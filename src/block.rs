@@ -7,7 +7,9 @@ use core::ops::Range;
 /// The trials `first .. first + 2^log2`; `first` is a multiple of 2^log2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Block {
+    /// Number of the first trial.
     pub first: u64,
+    /// Log2 of how many.
     pub log2: u32,
 }
 

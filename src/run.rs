@@ -24,8 +24,10 @@ use worker::Worker;
 /// Why a run ended early. What was computed before is in the store.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
+    /// The results folder failed.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// The device failed, and nothing could take its place.
     #[error(transparent)]
     Gpu(#[from] GpuError),
     /// Of a point that was lowered before: not on the same machine.
@@ -55,6 +57,7 @@ enum Work<'a> {
 pub struct Done {
     /// Trials sampled, over all points.
     pub trials: u64,
+    /// It took, s.
     pub seconds: f64,
     /// Whether it ended before all was done, as [`Progress::stops`] asked for.
     pub stopped: bool,
@@ -287,6 +290,7 @@ pub trait Progress {
     fn advance(&self, more: u64);
     /// Something to be known at once, in a sentence.
     fn note(&self, sentence: &str);
+    /// All is done, or the run has ended early.
     fn finish(&self);
     /// Whether to end before all is done, with what was sampled kept. A run asks after every batch, some times a second.
     fn stops(&self) -> bool {

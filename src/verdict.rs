@@ -1,4 +1,23 @@
 //! The answer against a limit: how far along a curve what it shows stays within it.
+//! ```
+//! use sagnac::table::{Cell, Column, Table, Unit};
+//! use sagnac::verdict::{Outcome, Question, verdict};
+//!
+//! let column = |name: &str, values: [f64; 3]| Column {
+//!     name: name.to_owned(),
+//!     label: name.to_owned(),
+//!     unit: Unit::NONE,
+//!     cells: values.map(Cell::Number).to_vec(),
+//!     band: None,
+//! };
+//! let table = Table { columns: vec![column("x", [1.0, 2.0, 4.0]), column("y", [1.0, 5.0, 20.0])] };
+//! let question = Question { x: "x", y: "y", series: vec![], filter: vec![], limit: 10.0 };
+//! let answers = verdict(&table, &question)?;
+//! assert_eq!(answers[0].outcome, Outcome::Passes);
+//! // Straight in the logarithms of both: 5·(x/2)² is 10 at 2√2.
+//! assert!((answers[0].at[0].1 - 8_f64.sqrt()).abs() < 1e-9);
+//! # Ok::<(), sagnac::table::ColumnError>(())
+//! ```
 
 use std::collections::BTreeMap;
 
@@ -26,6 +45,7 @@ pub struct Question<'a> {
 pub struct Answer<'t> {
     /// Column and value of what tells the curve apart.
     pub series: Vec<(&'t Column, &'t Cell)>,
+    /// What the curve does about the limit.
     pub outcome: Outcome,
     /// Where that is: column and value, in the order of the table.
     pub at: Vec<(&'t Column, f64)>,

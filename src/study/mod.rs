@@ -77,15 +77,21 @@ pub const MOST_TRIALS: u64 = 1 << 40;
 /// A study that makes sense: every value is within its limits at every point.
 #[derive(Debug, Clone)]
 pub struct Study {
+    /// As written; a line for people.
     pub title: String,
     /// Empty if the file asks none.
     pub question: String,
+    /// Of all draws.
     pub seed: u64,
     /// At each point.
     pub trials: u64,
+    /// Whether points have the same random numbers.
     pub streams: Streams,
+    /// In the order written; the first changes slowest.
     pub sweeps: Vec<Sweep>,
+    /// As written, or those that this kind is supplied with.
     pub charts: Vec<Chart>,
+    /// What is studied.
     pub subject: Subject,
     text: Text,
     places: Places,
@@ -95,11 +101,17 @@ pub struct Study {
 /// What is studied, by its kind.
 #[derive(Debug, Clone)]
 pub enum Subject {
+    /// Errors of gap fillers at a switch.
     GapFill(Box<GapFill>),
+    /// Allan curves of simulated records.
     Allan(Allan),
+    /// Angles of whole runs.
     SwitchedRun(Box<SwitchedRun>),
+    /// Ticks after a switch.
     Relock(RelockStudy),
+    /// The bound Z(7), in closed form.
     DriftBudget(DriftBudget),
+    /// Response of a mount, in closed form.
     Suspension(SuspensionStudy),
 }
 
@@ -156,6 +168,7 @@ impl Study {
         Study::check(&text).map_err(|wrong| wrong.within(&text))
     }
 
+    /// Which kind it is, as `kind = …` writes it.
     pub fn kind(&self) -> Kind {
         match self.subject {
             Subject::GapFill(_) => Kind::GapFill,
