@@ -16,6 +16,7 @@ mod area;
 mod axes;
 mod canvas;
 mod coincidence;
+mod console;
 mod figure;
 mod from_table;
 mod laws;
@@ -34,6 +35,7 @@ mod text;
 mod ticks;
 mod whole;
 
+pub use console::Look;
 pub use figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Part, Parts, Series, SeriesPoint};
 pub use layout::{HEIGHT, WIDTH};
 pub use map::{Cells, Map, MapNotes, MapSpec, Show, Won};

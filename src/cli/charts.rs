@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::ffi::OsStr;
 use std::path::Path;
 
-use sagnac::chart::{self, CURVE, ChartError, Figure, Map, MapSpec, Scale, Show, Spec};
+use sagnac::chart::{self, CURVE, ChartError, Figure, Look, Map, MapSpec, Scale, Show, Spec};
 use sagnac::run::Tables;
 use sagnac::study::{self, Chart, Kind, Shows, Source, Study, StudyError, Swept};
 use sagnac::table::{Cell, ColumnError, Table};
@@ -104,11 +104,42 @@ pub fn picture(
     tables: &Tables,
     chart: &Chart,
 ) -> Result<(String, Option<String>), StudyError> {
+    drawn(study, tables, chart).map(|(drawn, said)| (drawn.svg(), said))
+}
+
+/// A chart before it is drawn.
+pub enum Drawn {
+    Curves(Figure),
+    Map(Map),
+}
+
+impl Drawn {
+    fn svg(&self) -> String {
+        match self {
+            Drawn::Curves(figure) => figure.svg(),
+            Drawn::Map(map) => map.svg(),
+        }
+    }
+
+    /// For a terminal.
+    pub fn text(&self, look: Look) -> String {
+        match self {
+            Drawn::Curves(figure) => figure.text(look),
+            Drawn::Map(map) => map.text(look),
+        }
+    }
+}
+
+/// The same before it is drawn.
+///
+/// # Errors
+/// Those of [`picture`].
+pub fn drawn(study: &Study, tables: &Tables, chart: &Chart) -> Result<(Drawn, Option<String>), StudyError> {
     let table = tables.of(chart.source);
     let drawn = match &chart.shows {
         Shows::Curves { .. } => shown_by(tables, chart)
             .and_then(|shown| Figure::from_table(&shown.table, &curves(study, chart, &shown)))
-            .map(|(figure, notes)| (figure.svg(), notes.sentence())),
+            .map(|(figure, notes)| (Drawn::Curves(figure), notes.sentence())),
         Shows::HeatMap { z_scale, .. } => map(study, table, chart, Show::Values(scale(*z_scale))),
         Shows::WinnerMap { of, .. } => map(study, table, chart, Show::Winners(of.name.clone())),
     };
@@ -120,7 +151,7 @@ fn map(
     table: &Table,
     chart: &Chart,
     show: Show,
-) -> Result<(String, Option<String>), ChartError> {
+) -> Result<(Drawn, Option<String>), ChartError> {
     let spec = MapSpec {
         title: title(study, chart),
         subtitle: subtitle(study),
@@ -134,7 +165,7 @@ fn map(
         limit: chart.limit.map(|limit| (limit.value, limit.unit)),
     };
     let (map, notes) = Map::from_table(table, &spec)?;
-    Ok((map.svg(), notes.sentence()))
+    Ok((Drawn::Map(map), notes.sentence()))
 }
 
 fn curves(study: &Study, chart: &Chart, shown: &Shown) -> Spec {

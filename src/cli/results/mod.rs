@@ -11,9 +11,10 @@ use sagnac::table::{Cell, Table};
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::charts::{draw, shown};
+use super::charts::{draw, drawn, shown};
+use super::look;
 use super::output::{print, write};
-use super::progress::{Shown, short};
+use super::progress::{How, Shown, short};
 use super::verdicts::{Verdict, verdicts};
 
 /// The name of the study that a run writes beside its results.
@@ -50,6 +51,9 @@ pub struct Results<'a> {
 pub struct Out {
     pub json: bool,
     pub quiet: bool,
+    /// Whether the first chart is drawn as text too.
+    pub plot: bool,
+    pub progress: How,
 }
 
 impl Results<'_> {
@@ -60,7 +64,7 @@ impl Results<'_> {
     /// A row of the store is damaged, or a file cannot be written.
     pub fn show(&self, store: &Store, out: Out) -> Result<Option<Value>, Failure> {
         let Results { study, plan, folder, done } = self;
-        let tables = plan.tables(store, &Shown::new(out.quiet))?;
+        let tables = plan.tables(store, &Shown::new(out.progress))?;
         for (name, table) in files(&tables) {
             let path = folder.join(name);
             write(&path, &csv(table, &path)?)?;
@@ -78,6 +82,10 @@ impl Results<'_> {
         if !out.quiet {
             for note in notes {
                 say!("note: {note}");
+            }
+            if let Some(chart) = study.charts.first().filter(|_| out.plot) {
+                let (drawn, _) = drawn(study, &tables, chart)?;
+                print(&format!("{}\n", drawn.text(look::of_output())))?;
             }
             print(&summary::summary(study, &tables, &curves, &verdicts)?)?;
         }
