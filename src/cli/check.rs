@@ -10,7 +10,7 @@ use sagnac::study::Study;
 
 use super::failure::{self, Failure};
 use super::output::print;
-use super::progress::Shown;
+use super::progress::{How, Shown};
 use super::results::csv;
 
 #[derive(Debug, Args)]
@@ -88,7 +88,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
                 return say_sound(folder, &report, &about, quiet).map(|()| State::Sound);
             }
         }
-        let tables = plan.tables(&store, &Shown::new(quiet))?;
+        let tables = plan.tables(&store, &Shown::new(if quiet { How::None } else { How::Auto }))?;
         for (name, table) in tables.files() {
             let path = folder.join(name);
             match std::fs::read(&path) {

@@ -1,6 +1,5 @@
 //! What can go wrong, and with which exit code.
 
-use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -13,6 +12,7 @@ use sagnac::share::Share;
 use sagnac::store::StoreError;
 use sagnac::study::StudyError;
 
+use super::look;
 use super::progress::short;
 use super::run::Cause;
 
@@ -110,8 +110,8 @@ impl Failure {
     /// Says what went wrong on the standard error stream.
     pub fn report(&self) -> ExitCode {
         match self {
-            Failure::Study(error) => say!("{}", error.render(colored(), 110)),
-            Failure::Log(error) => say!("{}", error.render(colored(), 110)),
+            Failure::Study(error) => say!("{}", error.render(look::colours_messages(), 110)),
+            Failure::Log(error) => say!("{}", error.render(look::colours_messages(), 110)),
             Failure::OutputClosed => {}
             // No error: as it was asked for.
             Failure::Stopped { .. } => say!("{self}"),
@@ -144,11 +144,6 @@ impl Failure {
             Failure::OutputClosed => 0,
         }
     }
-}
-
-/// Whether messages may be coloured.
-fn colored() -> bool {
-    std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
 #[cfg(test)]

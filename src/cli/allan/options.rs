@@ -52,6 +52,9 @@ pub struct Options {
     /// Print the results as JSON: one object, or with several files one array of them
     #[arg(long)]
     pub json: bool,
+    /// Also draw the chart as text
+    #[arg(long, conflicts_with_all = ["json", "quiet"])]
+    pub plot: bool,
     /// Print only errors
     #[arg(long, short)]
     pub quiet: bool,

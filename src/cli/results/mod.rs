@@ -14,8 +14,9 @@ use serde_json::{Value, json};
 
 use super::Failure;
 use super::charts::draw;
+use super::look;
 use super::output::{print, write};
-use super::progress::{Shown, short};
+use super::progress::{How, Shown, short};
 
 /// The page of a study in its folder.
 pub const REPORT: &str = "report.html";
@@ -44,6 +45,9 @@ pub struct Results<'a> {
 pub struct Out {
     pub json: bool,
     pub quiet: bool,
+    /// Whether the first chart is drawn as text too.
+    pub plot: bool,
+    pub progress: How,
 }
 
 impl Results<'_> {
@@ -54,7 +58,7 @@ impl Results<'_> {
     /// A row of the store is damaged, or a file cannot be written.
     pub fn show(&self, store: &Store, out: Out) -> Result<Option<Value>, Failure> {
         let Results { study, plan, folder, done } = self;
-        let tables = plan.tables(store, &Shown::new(out.quiet))?;
+        let tables = plan.tables(store, &Shown::new(out.progress))?;
         for (name, table) in tables.files() {
             let path = folder.join(name);
             write(&path, &csv(table, &path)?)?;
@@ -85,6 +89,9 @@ impl Results<'_> {
         if !out.quiet {
             for note in notes {
                 say!("note: {note}");
+            }
+            if let Some(first) = charts.first().filter(|_| out.plot) {
+                print(&format!("{}\n", first.picture.text(look::of_output())))?;
             }
             print(&summary::summary(study, &tables, &curves, &verdicts)?)?;
         }
