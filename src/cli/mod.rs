@@ -11,6 +11,7 @@ macro_rules! say {
 
 mod allan;
 mod bench;
+mod chart;
 mod charts;
 mod check;
 mod compare;
@@ -24,6 +25,7 @@ mod one_point;
 mod output;
 mod progress;
 mod reading;
+mod report;
 mod results;
 mod run;
 mod shells;
@@ -76,6 +78,10 @@ enum Command {
     Merge(merge::Options),
     /// Look whether results are sound, complete and what the tables say
     Check(check::Options),
+    /// Make report.html of results again, and of several studies a gallery
+    Report(report::Options),
+    /// Draw results that are there with other axes, estimates or limits
+    Chart(chart::Options),
     /// How often to switch, and with which filler: the recommendation, with evidence
     Design(design::Options),
     /// The weights of fillers for firmware: table, response over frequency, C header, test vectors
@@ -146,6 +152,8 @@ pub fn main() -> ExitCode {
         Command::Run(options) => run::run(options),
         Command::Merge(options) => merge::merge(options),
         Command::Check(options) => check::check(options),
+        Command::Report(options) => report::report(options),
+        Command::Chart(options) => chart::chart(options),
         Command::Design(options) => design::design(options),
         Command::Filler(options) => filler::filler(options),
         Command::Allan(options) => allan::allan(options),
