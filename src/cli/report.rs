@@ -59,7 +59,8 @@ pub fn report(options: &Options) -> Result<(), Failure> {
         .collect();
     write(&path, gallery(&cards).as_bytes())?;
     if !options.quiet {
-        say!("{}", path.display());
+        let here = std::env::current_dir().unwrap_or_default();
+        say!("{}", path.strip_prefix(here).unwrap_or(&path).display());
     }
     Ok(())
 }

@@ -71,16 +71,17 @@ impl Results<'_> {
             let path = folder.join(name);
             write(&path, &csv(table, &path)?)?;
         }
-        write(&folder.join(RESOLVED), study.resolved(plan.held(store)?).as_bytes())?;
+        let held = plan.held(store)?;
+        write(&folder.join(RESOLVED), study.resolved(held).as_bytes())?;
         let charts = pictures(study, &tables)?;
         draw(&charts, folder)?;
         let curves = shown(study, &tables)?;
         let verdicts = verdicts(study, &curves)?;
         let degraded = done.iter().flat_map(|(done, _)| done.degraded.clone());
         let uneven = if study.has_stop_rule() { None } else { uneven(&tables.points) };
-        let known: Vec<String> = degraded.chain(plan.notes(store)?).chain(uneven).collect();
+        let known: Vec<String> = degraded.chain(plan.notes(store, held)?).chain(uneven).collect();
         let answer = answer(study, &tables, &charts, &curves, &verdicts)?;
-        self.write_report(store, &tables, &charts, answer, &known)?;
+        self.write_report(store, held, &tables, &charts, answer, &known)?;
         let of_charts = charts.iter().filter_map(Drawn::sentence);
         let notes: Vec<String> = of_charts.chain(known.iter().cloned()).collect();
         if out.json {
@@ -111,8 +112,9 @@ impl Results<'_> {
         let answer = answer(study, &tables, &charts, &curves, &verdicts)?;
         let headline = answer.headline.clone();
         let uneven = if study.has_stop_rule() { None } else { uneven(&tables.points) };
-        let known: Vec<String> = plan.notes(store)?.into_iter().chain(uneven).collect();
-        self.write_report(store, &tables, &charts, answer, &known)?;
+        let held = plan.held(store)?;
+        let known: Vec<String> = plan.notes(store, held)?.into_iter().chain(uneven).collect();
+        self.write_report(store, held, &tables, &charts, answer, &known)?;
         Ok(Card {
             title: study.title.clone(),
             question: study.question.clone(),
@@ -125,6 +127,7 @@ impl Results<'_> {
     fn write_report(
         &self,
         store: &Store,
+        held: u64,
         tables: &Tables,
         charts: &[Drawn],
         answer: Answer,
@@ -138,7 +141,7 @@ impl Results<'_> {
             notes,
             charts,
             tables: tables.files().collect(),
-            source: Source::of(study, plan, store, tables)?,
+            source: Source::of(study, plan, store, tables, held)?,
         };
         write(&folder.join(REPORT), report.html().as_bytes())
     }
