@@ -73,6 +73,7 @@ pub mod fit;
 pub mod id;
 pub mod kernel;
 pub mod lower;
+pub mod picture;
 pub mod record;
 pub mod report;
 pub mod run;

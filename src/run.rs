@@ -76,7 +76,17 @@ pub struct Tables {
     pub trajectories: Option<Table>,
 }
 
+/// The name of the study that stands beside its results: run it to repeat the run.
+pub const RESOLVED: &str = "resolved_study.toml";
+
 impl Tables {
+    /// The tables with the names of their files.
+    pub fn files(&self) -> impl Iterator<Item = (&'static str, &Table)> {
+        let coefficients = self.coefficients.as_ref().map(|table| ("coefficients.csv", table));
+        let trajectories = self.trajectories.as_ref().map(|table| ("trajectories.csv", table));
+        std::iter::once(("points.csv", &self.points)).chain(coefficients).chain(trajectories)
+    }
+
     /// Only that of the points.
     fn of_points(points: Table) -> Tables {
         Tables { points, coefficients: None, trajectories: None }

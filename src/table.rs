@@ -1,5 +1,6 @@
 //! The table: named columns with units, the only thing that files, charts, reports and JSON read.
 
+pub mod describe;
 mod number;
 
 use std::io;
@@ -46,6 +47,24 @@ impl Unit {
     pub const HZ: Unit = Unit { suffix: "hz", symbol: "Hz" };
     /// Times.
     pub const S: Unit = Unit { suffix: "s", symbol: "s" };
+
+    /// All units that a header may end in.
+    pub const ALL: [Unit; 14] = [
+        Unit::ARCSEC,
+        Unit::ARCSEC_PER_S,
+        Unit::ARCSEC_PER_S2,
+        Unit::DEG_PER_SQRT_H,
+        Unit::DEG_PER_H_PER_SQRT_H,
+        Unit::DEG_PER_H,
+        Unit::DEG2_PER_H2,
+        Unit::ARCSEC2_PER_S2_PER_HZ,
+        Unit::ARCSEC_PER_S_PER_G,
+        Unit::G,
+        Unit::G2_PER_HZ,
+        Unit::DEG,
+        Unit::HZ,
+        Unit::S,
+    ];
 }
 
 /// One cell. What is not known is [`Cell::Blank`], never 0.

@@ -170,20 +170,24 @@ fn between(a: f64, b: f64, part: f64) -> f64 {
 }
 
 impl Answer<'_> {
-    /// The answer as a sentence.
-    pub fn sentence(&self, limit: &str) -> String {
+    /// What tells the curve apart, as a sentence has it: `quadratic, lost ticks n = 1`.
+    pub fn name(&self) -> String {
         let name = |(column, cell): &(&Column, &Cell)| match cell {
             Cell::Text(text) => text.clone(),
             cell => column.valued(&cell.text()),
         };
         let series: Vec<String> = self.series.iter().map(name).collect();
-        let places = |places: &[(&Column, f64)]| -> String {
-            let each: Vec<String> =
-                places.iter().map(|(column, value)| column.valued(&significant(*value, 3))).collect();
-            each.join(", ")
-        };
-        let (at, until) = (places(&self.at), places(&self.until));
-        let series = if series.is_empty() { "the curve".to_owned() } else { series.join(", ") };
+        if series.is_empty() { "the curve".to_owned() } else { series.join(", ") }
+    }
+
+    /// Where its outcome is, as a sentence has it: `vibration frequency 20 Hz, Δt·ν = 0.2`.
+    pub fn place(&self) -> String {
+        places(&self.at)
+    }
+
+    /// The answer as a sentence.
+    pub fn sentence(&self, limit: &str) -> String {
+        let (series, at, until) = (self.name(), self.place(), places(&self.until));
         match self.outcome {
             Outcome::Passes => format!("{series}: passes {limit} at {at}"),
             Outcome::AboveFrom => format!("{series}: above {limit} from the first point on, {at}"),
@@ -193,6 +197,12 @@ impl Answer<'_> {
             Outcome::WithinUpTo => format!("{series}: within {limit} up to the last point, {at}"),
         }
     }
+}
+
+fn places(places: &[(&Column, f64)]) -> String {
+    let each: Vec<String> =
+        places.iter().map(|(column, value)| column.valued(&significant(*value, 3))).collect();
+    each.join(", ")
 }
 
 #[cfg(test)]

@@ -210,7 +210,7 @@ class CellMap {
       ...[group(winners.of.title, element("p", {}, `with the least ${map.z.label}`), ...entries),
         group(null,
           winners.banded
-            ? close > 0 ? sample([block({ class: "cell grey pale" })], `paler: the 95 % bands of the best two overlap: ${share(close)}`) : null
+            ? close > 0 ? sample([block({ class: "cell grey pale" })], `faded: the 95 % bands of the best two overlap: ${share(close)}`) : null
             : element("p", {}, "no 95 % bands are known here: any lead is shown as certain"),
           map.limit ? sample([hatching(id), block({ fill: `url(#${id})`, class: "framed" })], `even the least is over the ${map.limit.label}: ${share(over)}`) : null),
         chosen].filter(Boolean));

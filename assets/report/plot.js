@@ -176,7 +176,8 @@ class Plot {
   release(event) {
     if (!this.from) return;
     const box = this.boxTo(...this.pointer(event));
-    this.leave();
+    this.from = null;
+    this.box.setAttribute("width", 0);
     if (!box) return;
     const { left, top, right, bottom } = this.frame;
     const [u, v] = [(x) => (x - left) / (right - left), (y) => (bottom - y) / (bottom - top)];

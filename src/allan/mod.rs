@@ -19,6 +19,7 @@ mod noise;
 mod sums;
 mod tau;
 mod trend;
+mod unit;
 
 #[cfg(test)]
 mod tests;
@@ -29,3 +30,4 @@ pub use deviation::{Deviation, UnknownDeviation};
 pub use noise::{LEAST_GROUPS, Noise};
 pub use tau::{MOST_FOR_ALL, TauError, Taus};
 pub use trend::{Line, Trend};
+pub use unit::Unit;

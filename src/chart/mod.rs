@@ -71,6 +71,7 @@ mod area;
 mod axes;
 mod canvas;
 mod coincidence;
+mod console;
 mod figure;
 mod from_table;
 mod laws;
@@ -90,6 +91,7 @@ mod text;
 mod ticks;
 mod whole;
 
+pub use console::Look;
 pub use figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Part, Parts, Series, SeriesPoint};
 pub use layout::{HEIGHT, WIDTH};
 pub use map::{Cells, Estimate, Layer, Map, MapNotes, MapSpec, Show, Won};

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Axis, Figure, Map};
+use super::{Axis, Figure, Look, Map};
 
 /// What a chart shows, as a picture or, as JSON, for pages that draw it themselves.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -20,6 +20,14 @@ impl Picture {
         match self {
             Picture::Curves(figure) => figure.svg(),
             Picture::Map(map) => map.svg(),
+        }
+    }
+
+    /// For a terminal.
+    pub fn text(&self, look: Look) -> String {
+        match self {
+            Picture::Curves(figure) => figure.text(look),
+            Picture::Map(map) => map.text(look),
         }
     }
 

@@ -3,15 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sagnac::run::Plan;
+use sagnac::run::{Plan, RESOLVED};
 use sagnac::share::Share;
 use sagnac::store::{Report, Source};
 use sagnac::study::Study;
 
 use super::failure::{self, Failure};
 use super::output::print;
-use super::progress::Shown;
-use super::results::{RESOLVED, csv, files};
+use super::progress::{How, Shown};
+use super::results::csv;
 
 #[derive(Debug, Args)]
 pub struct Options {
@@ -88,8 +88,8 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
                 return say_sound(folder, &report, &about, quiet).map(|()| State::Sound);
             }
         }
-        let tables = plan.tables(&store, &Shown::new(quiet))?;
-        for (name, table) in files(&tables) {
+        let tables = plan.tables(&store, &Shown::new(if quiet { How::None } else { How::Auto }))?;
+        for (name, table) in tables.files() {
             let path = folder.join(name);
             match std::fs::read(&path) {
                 Ok(found) if found == csv(table, &path)? => about += &format!(", {name} is what they give"),

@@ -1,19 +1,19 @@
 //! What can go wrong, and with which exit code.
 
-use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use sagnac::backend::SelectError;
 use sagnac::backend::gpu::GpuError;
+use sagnac::firmware::ChoiceError;
 use sagnac::record::log::LogError;
-use sagnac::run::RunError;
+use sagnac::run::{RESOLVED, RunError};
 use sagnac::share::Share;
 use sagnac::store::StoreError;
 use sagnac::study::StudyError;
 
+use super::look;
 use super::progress::short;
-use super::results::RESOLVED;
 use super::run::Cause;
 
 /// The end of a command that did not do what it was asked for.
@@ -87,6 +87,15 @@ pub fn faults(count: usize) -> String {
     if count == 1 { "1 fault".to_owned() } else { format!("{count} faults") }
 }
 
+impl From<ChoiceError> for Failure {
+    fn from(error: ChoiceError) -> Failure {
+        match error {
+            ChoiceError::Asked(message) => Failure::Usage(message),
+            ChoiceError::Study(error) => Failure::Study(error),
+        }
+    }
+}
+
 impl From<RunError> for Failure {
     fn from(error: RunError) -> Failure {
         match error {
@@ -101,8 +110,8 @@ impl Failure {
     /// Says what went wrong on the standard error stream.
     pub fn report(&self) -> ExitCode {
         match self {
-            Failure::Study(error) => say!("{}", error.render(colored(), 110)),
-            Failure::Log(error) => say!("{}", error.render(colored(), 110)),
+            Failure::Study(error) => say!("{}", error.render(look::colours_messages(), 110)),
+            Failure::Log(error) => say!("{}", error.render(look::colours_messages(), 110)),
             Failure::OutputClosed => {}
             // No error: as it was asked for.
             Failure::Stopped { .. } => say!("{self}"),
@@ -135,11 +144,6 @@ impl Failure {
             Failure::OutputClosed => 0,
         }
     }
-}
-
-/// Whether messages may be coloured.
-fn colored() -> bool {
-    std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
 #[cfg(test)]

@@ -1,13 +1,12 @@
 //! `sagnac filler`.
 
 mod alone;
-mod choice;
 mod options;
 mod text;
 
 use std::path::Path;
 
-use sagnac::firmware::Firmware;
+use sagnac::firmware::{Firmware, choose_fillers, choose_point};
 use serde_json::{Value, json};
 
 use super::Failure;
@@ -27,8 +26,8 @@ pub fn filler(options: &Options) -> Result<(), Failure> {
         );
         return Err(Failure::Usage(message));
     };
-    let fillers = choice::fillers(gap_fill, &options.fillers)?;
-    let point = choice::point(&study, gap_fill, &options.at, &fillers)?;
+    let fillers = choose_fillers(gap_fill, &options.fillers)?;
+    let point = choose_point(&study, gap_fill, &options.at, &fillers)?;
     let mut firmware = Firmware::new(&study, point, &fillers).map_err(failure)?;
     if !options.has_tick(&source) {
         firmware.tick_s = None;

@@ -4,13 +4,15 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use sagnac::run::RESOLVED;
 use sagnac::share::Share;
 use sagnac::store::{Merged, Source, Store};
 use sagnac::study::{MOST_TRIALS, Study};
 
 use super::Failure;
 use super::output::print_json;
-use super::results::{Out, RESOLVED, Results};
+use super::progress;
+use super::results::{Out, Results};
 use super::run::checked;
 
 #[derive(Debug, Args)]
@@ -36,6 +38,11 @@ pub struct Options {
     /// Print the table and the verdict as JSON
     #[arg(long)]
     json: bool,
+    /// Also draw the first chart as text
+    #[arg(long, conflicts_with_all = ["json", "quiet"])]
+    plot: bool,
+    #[command(flatten)]
+    progress: progress::Options,
     /// Print only errors
     #[arg(long, short)]
     quiet: bool,
@@ -71,7 +78,13 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
         }
     }
     let results = Results { study: &study, plan: &plan, folder: &options.out, done: None };
-    if let Some(document) = results.show(&store, Out { json: options.json, quiet: options.quiet })? {
+    let out = Out {
+        json: options.json,
+        quiet: options.quiet,
+        plot: options.plot,
+        progress: options.progress.how(options.quiet),
+    };
+    if let Some(document) = results.show(&store, out)? {
         print_json(&document)?;
     }
     match plan.lacks(&store, Share::WHOLE)? {

@@ -18,6 +18,7 @@ mod design;
 mod devices;
 mod failure;
 mod filler;
+mod look;
 mod merge;
 mod one_point;
 mod output;
@@ -25,13 +26,13 @@ mod progress;
 mod reading;
 mod results;
 mod run;
+mod shells;
 mod terminal;
-mod verdicts;
 mod verify;
 
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use failure::Failure;
 use sagnac::study;
@@ -42,6 +43,8 @@ use sagnac::study;
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    #[command(flatten)]
+    look: look::Options,
 }
 
 const EXIT_CODES: &str = "\
@@ -89,6 +92,10 @@ enum Command {
     Bench(Bench),
     /// Print the JSON schema of study files
     Schema,
+    /// Print a script that completes commands and options in a shell
+    Completions(shells::Completions),
+    /// Write manual pages
+    Man(shells::Man),
 }
 
 #[derive(Debug, Args)]
@@ -131,7 +138,10 @@ fn threads(text: &str) -> Result<usize, String> {
 /// Runs the program.
 pub fn main() -> ExitCode {
     output::outlive_limits();
-    let cli = Cli::parse();
+    let color = look::of_arguments(std::env::args_os());
+    let matches = Cli::command().color(color).get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    look::follow(&cli.look);
     let result = match &cli.command {
         Command::Run(options) => run::run(options),
         Command::Merge(options) => merge::merge(options),
@@ -144,6 +154,8 @@ pub fn main() -> ExitCode {
         Command::Verify(options) => verify::verify(options),
         Command::Bench(options) => bench::bench(options),
         Command::Schema => output::print(&study::schema()),
+        Command::Completions(options) => shells::completions(options, Cli::command()),
+        Command::Man(options) => shells::man(options, Cli::command()),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -5,11 +5,38 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use clap::{Args, ValueEnum};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use sagnac::run::Progress;
 
 /// Seconds between lines where there is no terminal.
 const LINE_SECONDS: u64 = 10;
+
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Progress on the standard error stream: a bar on a terminal, else lines; bar, plain (lines), none
+    #[arg(long, value_enum, value_name = "HOW", default_value = "auto", hide_possible_values = true)]
+    progress: How,
+}
+
+impl Options {
+    /// How it is shown to someone who wants to hear of errors only, or of more.
+    pub fn how(&self, quiet: bool) -> How {
+        match self.progress {
+            How::Auto if quiet => How::None,
+            asked => asked,
+        }
+    }
+}
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum How {
+    Auto,
+    Bar,
+    Plain,
+    None,
+}
 
 /// How progress is shown.
 pub enum Shown {
@@ -19,13 +46,15 @@ pub enum Shown {
 }
 
 impl Shown {
-    /// What suits the standard error stream.
-    pub fn new(quiet: bool) -> Shown {
-        if quiet {
-            return Shown::Nothing;
-        }
-        if !std::io::stderr().is_terminal() {
-            return Shown::Lines(Lines::default());
+    /// As it is asked for. There is no bar without a terminal: control characters are no text.
+    pub fn new(how: How) -> Shown {
+        let bare =
+            !std::io::stderr().is_terminal() || std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+        match how {
+            How::None => return Shown::Nothing,
+            How::Plain => return Shown::Lines(Lines::default()),
+            How::Auto | How::Bar if bare => return Shown::Lines(Lines::default()),
+            How::Auto | How::Bar => {}
         }
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10));
         let template = "{bar:30} {percent:>3} %  {done} {msg}  {rate}  {eta} left";

@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::{Args, ValueEnum};
 use sagnac::allan::{Angles, Trend};
 use sagnac::fit::{Term, Terms};
-use sagnac::record::log::{Channel, Data, Log, Outliers, Request, Timing, Unit, UnitCheck, outliers};
+use sagnac::record::log::{Channel, Data, Log, Outliers, Request, Timing, Unit, UnitCheck};
 use sagnac::study::{Dimension, parse_quantity};
 
 use super::Failure;
@@ -101,10 +101,7 @@ impl Reading {
         match &self.fit {
             Fitted::None => None,
             Fitted::Given(terms) => Some(Terms::Given(terms.clone())),
-            Fitted::Auto => {
-                let gone = |term: &Term| self.trend() == Trend::Linear && *term == Term::RateRamp;
-                Some(Terms::Auto(Term::MODEL.into_iter().filter(|term| !gone(term)).collect()))
-            }
+            Fitted::Auto => Some(Terms::of_model(self.trend())),
         }
     }
 
@@ -168,18 +165,13 @@ impl Reading {
 
     /// The angles of a column, and the outliers among its rates or increments: left out where that is asked for.
     pub fn angles(&self, channel: &Channel, data: Data, step_s: f64) -> (Angles, Outliers) {
-        let outliers = match data {
-            Data::Rate | Data::Increment => outliers(&channel.samples),
-            Data::Angle => outliers(&channel.increments(data)),
+        let samples = channel.view(data, step_s);
+        let outliers = samples.outliers();
+        let angles = match self.remove_outliers {
+            true => samples.angles_without(&outliers, self.trend()),
+            false => samples.angles(self.trend()),
         };
-        if !self.remove_outliers || outliers.samples.is_empty() {
-            return (channel.angles(data, step_s, self.trend()), outliers);
-        }
-        let mut increments = channel.increments(data);
-        outliers.samples.iter().for_each(|&sample| increments[sample] = f64::NAN);
-        let factor = channel.unit.factor;
-        let scale = if data == Data::Rate { factor * step_s } else { factor };
-        (Angles::from_increments(&increments, scale, step_s, self.trend()), outliers)
+        (angles, outliers)
     }
 }
 

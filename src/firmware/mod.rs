@@ -24,6 +24,8 @@
 //! # Ok::<(), sagnac::study::StudyError>(())
 //! ```
 
+mod alone;
+mod choice;
 mod csv;
 mod design;
 mod header;
@@ -31,6 +33,8 @@ mod response;
 mod rule;
 mod vectors;
 
+pub use alone::{Alone, KINDS, MINIMUM_VARIANCE};
+pub use choice::{ChoiceError, choose_fillers, choose_point};
 pub use design::{Closed, Design, Firmware, rules};
 pub use header::identifiers;
 pub use rule::Rule;

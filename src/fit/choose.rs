@@ -2,6 +2,7 @@
 
 use super::search::{Solution, System};
 use super::{FitError, Term};
+use crate::allan::Trend;
 
 /// What a term has to take off χ² to be chosen.
 ///
@@ -42,6 +43,12 @@ pub enum Terms {
 }
 
 impl Terms {
+    /// Those of Q, N, B, K, R that a record supports from which this trend was removed: a line has taken the ramp with it.
+    pub fn of_model(removed: Trend) -> Terms {
+        let gone = |term: &Term| removed == Trend::Linear && *term == Term::RateRamp;
+        Terms::Auto(Term::MODEL.into_iter().filter(|term| !gone(term)).collect())
+    }
+
     /// All terms that may enter.
     pub fn all(&self) -> &[Term] {
         let (Terms::Given(terms) | Terms::Auto(terms)) = self;

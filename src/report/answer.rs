@@ -1,166 +1,96 @@
-//! The answer of a study in a sentence.
+//! The answer of a study to its question.
 
-use super::agreement::capitalised;
-use crate::chart::{Cells, Map};
-use crate::table::{Cell, Column, ColumnError, Table, significant};
-use crate::verdict::{Answer as Judged, Outcome};
+use super::sentences::{least, least_of_each, of_map, of_verdict};
+use crate::chart::{ChartError, Picture};
+use crate::picture::{Drawn, Shown, Verdict, filter, refused};
+use crate::run::Tables;
+use crate::study::{Chart, Kind, Source, Study, StudyError, text_columns};
 
 /// The answer: a sentence, and what stands behind it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Answer {
-    /// One sentence.
+    /// One sentence; empty where there is nothing to say, as of a table without a value.
     pub headline: String,
-    /// What is judged of each curve, under a heading for each chart.
-    pub verdicts: Vec<(String, Vec<String>)>,
+    /// A sentence for each curve, under a heading for each chart that is answered so: its verdict, or where it is least.
+    pub curves: Vec<(String, Vec<String>)>,
 }
 
-/// The rows with the least value of an estimate, as a sentence: `The least rms error is 2.1 ″ (95 %: 2 to 2.2): quadratic, frequency 4 Hz.`
-///
-/// `filter` chooses rows as [`Table::rows_where`] does, `by` are the columns that tell them apart. None where no row has a value. Rows
-/// with the same value to the four digits that are said are counted.
+/// The answer of a study: what the verdicts say, else what the first chart shows, else the best row of the table.
 ///
 /// # Errors
-/// A name selects no single column, or the filter leaves no row.
-pub fn least(
-    table: &Table,
-    estimate: &str,
-    filter: &[(String, String)],
-    by: &[&str],
-) -> Result<Option<String>, ColumnError> {
-    let column = table.column(estimate)?;
-    let by = by.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
-    let rows = table.rows_where(filter)?;
-    let known: Vec<(usize, f64)> =
-        rows.iter().filter_map(|&row| Some((row, column.cells[row].number()?))).collect();
-    let Some(&(row, value)) = known.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else {
-        return Ok(None);
-    };
-    let shown = |value: f64| significant(value, 4);
-    let unit = with_unit(column);
-    let band = column.band.as_ref().and_then(|band| band[row]);
-    let band =
-        band.map_or(String::new(), |(low, high)| format!(" (95 %: {} to {})", shown(low), shown(high)));
-    let places: Vec<String> = by
-        .iter()
-        .filter(|column| rows.iter().any(|&other| column.cells[other] != column.cells[row]))
-        .filter_map(|column| named(column, &column.cells[row]))
-        .collect();
-    let alike = known.iter().filter(|(_, other)| shown(*other) == shown(value)).count();
-    let sentence = match (known.len(), alike) {
-        (1, _) => format!("The {} is {}{unit}{band}", column.label, shown(value)),
-        (all, alike) if alike == all => {
-            format!("The {} is {}{unit} in all {all} rows", column.label, shown(value))
+/// The table does not have what a chart asks for.
+pub fn answer(
+    study: &Study,
+    tables: &Tables,
+    charts: &[Drawn],
+    shown: &[Shown],
+    verdicts: &[Verdict],
+) -> Result<Answer, StudyError> {
+    let headline = match (verdicts, study.charts.iter().zip(shown).zip(charts).next()) {
+        ([first, ..], _) => of_verdict(first.answers(), &first.limit()),
+        ([], Some(((chart, shown), drawn))) => {
+            of_chart(study, chart, shown, &drawn.picture).map_err(|error| refused(study, chart, &error))?
         }
-        (_, 1) => {
-            format!("The least {} is {}{unit}{band}: {}", column.label, shown(value), places.join(", "))
-        }
-        (_, alike) => format!(
-            "The least {} is {}{unit}{band}, in {alike} rows: {}, …",
-            column.label,
-            shown(value),
-            places.join(", ")
-        ),
+        ([], None) => undrawn(study, tables),
     };
-    Ok(Some(format!("{sentence}.")))
-}
-
-fn with_unit(column: &Column) -> String {
-    if column.unit.symbol.is_empty() { String::new() } else { format!(" {}", column.unit.symbol) }
-}
-
-/// A value as a sentence has it; none of a blank.
-fn named(column: &Column, cell: &Cell) -> Option<String> {
-    match cell {
-        Cell::Blank => None,
-        Cell::Text(text) => Some(text.clone()),
-        cell => cell.number().map(|x| column.valued(&significant(x, 4))),
+    let mut curves: Vec<(String, Vec<String>)> =
+        verdicts.iter().map(|verdict| (verdict.heading(), verdict.sentences())).collect();
+    for ((chart, shown), drawn) in study.charts.iter().zip(shown).zip(charts) {
+        if chart.limit.is_none() && matches!(drawn.picture, Picture::Curves(_)) {
+            let series: Vec<&str> = shown.series.iter().map(String::as_str).collect();
+            let axes = (chart.x.name.as_str(), shown.estimate.as_str());
+            let least = least_of_each(&shown.table, axes, &filter(chart), &series)
+                .map_err(|error| refused(study, chart, &error.into()))?;
+            curves.push((
+                format!("{}: the least {} of each curve", drawn.stem, drawn.picture.shown().label),
+                least,
+            ));
+        }
     }
+    Ok(Answer { headline: headline.unwrap_or_default(), curves })
 }
 
-/// What a map shows, as a sentence: of a winner map who wins how many cells, of a heat map its least and greatest value.
-pub fn of_map(map: &Map) -> Option<String> {
-    let within = map.within_limit().zip(map.limit.as_ref()).map(|(within, limit)| {
-        let share = percent(within, map.known());
-        match &map.cells {
-            Cells::Values(_) => format!("{share} of cells are within the {}", limit.label),
-            Cells::Winners { .. } => format!("in {share} of cells the least is within the {}", limit.label),
-        }
-    });
-    let found = match &map.cells {
-        Cells::Values(values) => {
-            let value = |(cell, value): (usize, &Option<f64>)| Some((cell, (*value)?));
-            let known = || values.iter().enumerate().filter_map(value);
-            let end = |(cell, value): (usize, f64)| {
-                let (x, y) = (map.columns[cell % map.columns.len()], map.rows[cell / map.columns.len()]);
-                let place = [(&map.x, x), (&map.y, y)].map(|(axis, at)| {
-                    let equals = if axis.unit.is_empty() { " =" } else { "" };
-                    format!("{}{equals} {} {}", axis.label, significant(at, 4), axis.unit)
-                        .trim_end()
-                        .to_owned()
-                });
-                let value = format!("{} {}", significant(value, 4), map.z.unit);
-                format!("{} at {}", value.trim_end(), place.join(", "))
-            };
-            let low = known().min_by(|a, b| a.1.total_cmp(&b.1))?;
-            let high = known().max_by(|a, b| a.1.total_cmp(&b.1))?;
-            format!("The {} runs from {} to {}", map.z.label, end(low), end(high))
-        }
-        Cells::Winners { of, won, .. } => {
-            let cells = |style: usize| won.iter().flatten().filter(|won| won.style == style).count();
-            let mut shares: Vec<(usize, &str)> =
-                of.entries.iter().map(|entry| (cells(entry.style), entry.name.as_str())).collect();
-            shares.retain(|(cells, _)| *cells > 0);
-            shares.sort_by_key(|(cells, _)| std::cmp::Reverse(*cells));
-            let known = map.known();
-            let share =
-                |(cells, name): &(usize, &str)| format!("{name} in {} of cells", percent(*cells, known));
-            if shares.is_empty() {
-                return None;
-            }
-            let all: Vec<String> = shares.iter().map(share).collect();
-            format!("The least {} has {}", map.z.label, all.join(", "))
-        }
-    };
-    Some(std::iter::once(found).chain(within).collect::<Vec<String>>().join("; ") + ".")
-}
-
-/// A part in percent, never rounded to all or none.
-fn percent(part: usize, all: usize) -> String {
-    match 100.0 * part as f64 / all.max(1) as f64 {
-        _ if part == all => "all".to_owned(),
-        0.0 => "none".to_owned(),
-        p if p < 1.0 => "less than 1 %".to_owned(),
-        p if p > 99.0 => "more than 99 %".to_owned(),
-        p => format!("{p:.0} %"),
+fn of_chart(
+    study: &Study,
+    chart: &Chart,
+    shown: &Shown,
+    picture: &Picture,
+) -> Result<Option<String>, ChartError> {
+    if let Picture::Map(map) = picture {
+        return Ok(of_map(map));
     }
+    let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
+    let by = apart(study, chart.source, series.collect());
+    Ok(least(&shown.table, &shown.estimate, &filter(chart), &by)?)
 }
 
-/// Which curve keeps within its limit best, and which worst, as a sentence; none without curves.
-///
-/// Curves that rise above the limit are judged by how far they stay within it, those that come below it by how early.
-pub fn of_verdict(answers: &[Judged], limit: &str) -> Option<String> {
-    let falls = |outcome| matches!(outcome, Outcome::WithinFrom | Outcome::WithinBetween);
-    let sign = if answers.iter().any(|answer| falls(answer.outcome)) { -1.0 } else { 1.0 };
-    // How good: never within the limit is worst, always is best.
-    let merit = |answer: &Judged| {
-        let at = answer.at.first().map_or(0.0, |at| at.1);
-        match answer.outcome {
-            Outcome::AboveFrom => (0, 0.0),
-            Outcome::WithinUpTo => (2, sign * at),
-            _ => (1, sign * at),
+/// The best row of a study without a chart.
+fn undrawn(study: &Study, tables: &Tables) -> Option<String> {
+    let row = |column: &str, value: &str| vec![(column.to_owned(), value.to_owned())];
+    let (estimate, rows) = match study.kind() {
+        Kind::GapFill => ("q9973", row("error", "residual")),
+        Kind::Relock => ("rms", vec![]),
+        Kind::SwitchedRun => ("drift_q9973", row("angle", "end")),
+        Kind::Allan => ("adev", vec![]),
+        Kind::DriftBudget => ("optimum", vec![]),
+        Kind::Suspension => ("response", vec![]),
+    };
+    // Errors and angles that the study leaves out have no rows.
+    let has = |rows: &Vec<(String, String)>| tables.points.rows_where(rows).is_ok();
+    let rows = Some(rows).filter(has).unwrap_or_default();
+    let by = apart(study, Source::Points, if study.kind() == Kind::Allan { vec!["tau"] } else { vec![] });
+    // Every study of the kind has the columns.
+    least(&tables.points, estimate, &rows, &by).ok().flatten()
+}
+
+/// The columns that tell rows apart, each once, with those of a chart first.
+fn apart<'n>(study: &'n Study, source: Source, mut columns: Vec<&'n str>) -> Vec<&'n str> {
+    let sweeps = study.sweeps.iter().map(|sweep| sweep.key.name);
+    for name in text_columns(study, source).into_iter().chain(sweeps) {
+        // A chart may name a column by its end.
+        if !columns.iter().any(|column| name == *column || name.ends_with(&format!(".{column}"))) {
+            columns.push(name);
         }
-    };
-    let order = |a: &&Judged, b: &&Judged| {
-        let ((a, x), (b, y)) = (merit(a), merit(b));
-        a.cmp(&b).then(x.total_cmp(&y))
-    };
-    let (best, worst) = (answers.iter().max_by(order)?, answers.iter().min_by(order)?);
-    let always = answers.iter().filter(|answer| answer.outcome == Outcome::WithinUpTo).count();
-    let never = answers.iter().filter(|answer| answer.outcome == Outcome::AboveFrom).count();
-    Some(match answers.len() {
-        1 => capitalised(&best.sentence(limit)) + ".",
-        all if always == all => format!("All {all} curves stay within {limit}."),
-        all if never == all => format!("None of the {all} curves is within {limit} at its first point."),
-        _ => format!("Best is {}. Worst is {}.", best.sentence(limit), worst.sentence(limit)),
-    })
+    }
+    columns
 }

@@ -12,6 +12,7 @@ use serde_json::value::RawValue;
 
 use super::Report;
 use crate::chart::{LOOKS, Looks, Picture};
+use crate::table::describe;
 use crate::table::{Cell, Column, Table, significant};
 
 /// Significant digits of what charts show.
@@ -52,6 +53,8 @@ pub(super) struct Listed {
 struct Listing {
     header: String,
     title: String,
+    /// What it means.
+    about: Option<&'static str>,
     /// Whether it holds text.
     text: bool,
     /// Whether it tells rows apart.
@@ -107,6 +110,7 @@ fn listed(file: &'static str, table: &Table, report: &Report) -> Listed {
         Listing {
             header: column.header(),
             title: column.title(),
+            about: describe::column(&column.name),
             text: column.cells.iter().any(|cell| matches!(cell, Cell::Text(_))),
             tells: telling.contains(&column.name.as_str()),
             cells: json(if one { &cells[..1] } else { cells }, TABLE_DIGITS),

@@ -90,7 +90,7 @@ fn answer(report: &Report) -> Markup {
         section #answer {
             h2 { "Answer" }
             @if !report.answer.headline.is_empty() { p.headline { (report.answer.headline) } }
-            @for (heading, sentences) in &report.answer.verdicts {
+            @for (heading, sentences) in &report.answer.curves {
                 @if sentences.len() > 1 {
                     details open[sentences.len() <= 4] {
                         summary { (heading) }

@@ -312,15 +312,7 @@ impl Study {
         let folder = Path::new(text.name()).parent().unwrap_or(Path::new(""));
         let kind = *file.kind.get_ref();
         check_tables(&file)?;
-        let keys = match kind {
-            Kind::GapFill => gap_fill::keys(),
-            Kind::Allan => allan::keys(),
-            Kind::SwitchedRun => switched_run::keys(),
-            Kind::Relock => relock::keys(),
-            Kind::DriftBudget => drift_budget::keys(),
-            Kind::Suspension => suspension::keys(),
-        };
-        let sweeps = sweep::read_all(&file.sweep, &keys)?;
+        let sweeps = sweep::read_all(&file.sweep, &keys(kind))?;
         let written = Written {
             seed: read_count("seed", file.seed.as_ref(), 0..=i64::MAX)?,
             trials: read_count("trials", file.trials.as_ref(), 1..=MOST_TRIALS as i64)?,
@@ -368,6 +360,18 @@ impl Study {
             places,
             written,
         })
+    }
+}
+
+/// The keys that a study of this kind can sweep.
+pub fn keys(kind: Kind) -> Vec<&'static Key> {
+    match kind {
+        Kind::GapFill => gap_fill::keys(),
+        Kind::Allan => allan::keys(),
+        Kind::SwitchedRun => switched_run::keys(),
+        Kind::Relock => relock::keys(),
+        Kind::DriftBudget => drift_budget::keys(),
+        Kind::Suspension => suspension::keys(),
     }
 }
 

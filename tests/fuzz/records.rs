@@ -168,9 +168,9 @@ fn analysed(folder: &Folder, request: &Request) -> Result<(), LogError> {
     log.cut(0.1 * length_s, Some(0.9 * length_s))?;
     log.check(UnitCheck::On)?;
     for channel in &log.channels {
-        let marked = outliers(&channel.increments(log.data));
+        let marked = outliers(&channel.view(log.data, log.step_s).increments());
         assert!(marked.samples.iter().all(|&sample| sample < log.samples()));
-        channel.angles(log.data, log.step_s, Trend::Linear);
+        channel.view(log.data, log.step_s).angles(Trend::Linear);
     }
     Ok(())
 }

@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use sagnac::allan::{Deviation, Line, Minimum, Point, TauError, Trend, curve, minimum};
+use sagnac::allan::{Deviation, Line, Minimum, Point, TauError, Trend, Unit, curve, minimum};
+use sagnac::fit::{DataSheet, Row};
 use sagnac::record::log::{Data, Log, Outliers, Request};
 use sagnac::table::significant;
 
 use super::super::Failure;
 use super::super::reading::Reading;
-use super::coefficients::{Noise, Row, Simulated, noise};
 use super::options::Options;
 
 /// Simulated samples that take long enough for a word of it.
@@ -41,12 +41,12 @@ pub struct Column {
     pub slope: f64,
     pub curves: Vec<Curve>,
     /// Absent where it was not asked for; else why it cannot be told.
-    pub noise: Result<Option<Noise>, String>,
+    pub noise: Result<Option<DataSheet>, String>,
 }
 
 impl Column {
     /// The noise, where there is one.
-    pub fn noise(&self) -> Option<&Noise> {
+    pub fn noise(&self) -> Option<&DataSheet> {
         self.noise.as_ref().ok()?.as_ref()
     }
 
@@ -61,34 +61,6 @@ pub struct Curve {
     pub deviation: Deviation,
     pub points: Vec<Point>,
     pub minimum: Option<Minimum>,
-}
-
-/// What curves of a column are in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unit {
-    /// °/h and ″.
-    Angular,
-    Plain,
-}
-
-impl Unit {
-    /// As files have it: `deg/h`; empty for plain numbers.
-    pub fn in_files(self, deviation: Deviation) -> &'static str {
-        match (self, deviation.is_of_angle()) {
-            (Unit::Angular, false) => "deg/h",
-            (Unit::Angular, true) => "arcsec",
-            (Unit::Plain, _) => "",
-        }
-    }
-
-    /// For people.
-    pub fn symbol(self, deviation: Deviation) -> &'static str {
-        match self.in_files(deviation) {
-            "deg/h" => "°/h",
-            "arcsec" => "″",
-            other => other,
-        }
-    }
 }
 
 /// What was done to a record before its curves were taken.
@@ -182,7 +154,7 @@ fn column(log: &Log, at: usize, options: &Options) -> Result<Column, Failure> {
     let (data, step_s) = (log.data, log.step_s);
     let channel = &log.channels[at];
     let missing = channel.missing();
-    let mean_rate = channel.mean_rate(data, step_s);
+    let mean_rate = channel.view(data, step_s).mean_rate();
     let factor = channel.unit.factor;
     let (angles, outliers) = options.reading.angles(channel, data, step_s);
     let curves = options.deviation.iter().map(|&deviation| {
@@ -196,7 +168,8 @@ fn column(log: &Log, at: usize, options: &Options) -> Result<Column, Failure> {
     let unit = if channel.unit.is_angular { Unit::Angular } else { Unit::Plain };
     let terms = options.reading.terms();
     let samples = angles.len().saturating_sub(1);
-    let bootstrap = options.bootstrap(samples);
+    let asked = options.simulated(samples);
+    let bootstrap = asked.records;
     if terms.is_some() && samples.saturating_mul(bootstrap) > LONG && !options.is_silent() {
         say!(
             "{}: simulating {bootstrap} records of {samples} samples for intervals of coefficients; --bootstrap 0 does \
@@ -204,8 +177,7 @@ fn column(log: &Log, at: usize, options: &Options) -> Result<Column, Failure> {
             channel.name
         );
     }
-    let asked = Simulated { records: bootstrap, without: options.without_bootstrap(samples) };
-    let noise = terms.map(|terms| noise(&angles, &terms, unit, asked)).transpose();
+    let noise = terms.map(|terms| DataSheet::of(&angles, &terms, unit, asked)).transpose();
     let Line { slope, .. } = angles.removed();
     let per_sample = if data == Data::Rate { factor } else { factor / step_s };
     Ok(Column {

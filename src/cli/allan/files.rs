@@ -1,11 +1,11 @@
 //! The results of `sagnac allan` as a table and as JSON.
 
 use sagnac::allan::{Deviation, Point, Trend};
+use sagnac::fit::Row;
 use sagnac::table::{Cell, Column, Table, Unit};
 use serde_json::{Value, json};
 
 use super::analysis::{self, Analysis, Curve};
-use super::coefficients;
 
 /// All curves, one row for each deviation and τ: `curve.csv`.
 pub fn table(analysis: &Analysis) -> Table {
@@ -48,13 +48,13 @@ pub fn table(analysis: &Analysis) -> Table {
 /// A row of `coefficients.csv`.
 struct Line<'a> {
     column: &'a str,
-    row: coefficients::Row,
+    row: Row,
     intervals: String,
 }
 
 /// The coefficients of a column and the minimum of its curve.
 fn lines(column: &analysis::Column) -> Vec<Line<'_>> {
-    let line = |row: &coefficients::Row, intervals: &str| Line {
+    let line = |row: &Row, intervals: &str| Line {
         column: &column.name,
         row: row.clone(),
         intervals: intervals.to_owned(),
@@ -90,7 +90,7 @@ pub fn coefficients(analysis: &Analysis) -> Table {
 }
 
 /// The minimum of the first curve that has one, as a row of its own: the in-run stability of data sheets, not B.
-fn stability(column: &analysis::Column) -> Vec<coefficients::Row> {
+fn stability(column: &analysis::Column) -> Vec<Row> {
     let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle());
     let Some((curve, minimum)) = curve.and_then(|curve| Some((curve, curve.minimum?))) else { return vec![] };
     let (unit, symbol) = (column.unit.in_files(curve.deviation), column.unit.symbol(curve.deviation));
@@ -98,16 +98,21 @@ fn stability(column: &analysis::Column) -> Vec<coefficients::Row> {
     let interval = minimum.point.interval.map(|(lower, upper)| [lower, upper]);
     let tau = Some(minimum.point.tau_s);
     vec![
-        coefficients::Row { name: "in_run_stability", unit, symbol, value, interval, verdict },
-        coefficients::Row {
-            name: "in_run_stability_tau",
-            unit: "s",
-            symbol: "s",
-            value: tau,
-            interval: None,
-            verdict,
-        },
+        Row { name: "in_run_stability", unit, symbol, value, interval, verdict },
+        Row { name: "in_run_stability_tau", unit: "s", symbol: "s", value: tau, interval: None, verdict },
     ]
+}
+
+/// A coefficient for programs.
+fn document_of(row: &Row) -> Value {
+    json!({
+        "coefficient": row.name,
+        "value": row.value,
+        "lower": row.interval.map(|ends| ends[0]),
+        "upper": row.interval.map(|ends| ends[1]),
+        "unit": row.unit,
+        "verdict": row.verdict,
+    })
 }
 
 /// Whether the noise was identified at this τ.
@@ -159,7 +164,7 @@ fn of_column(analysis: &Analysis, column: &analysis::Column) -> Value {
         "mean_rate_unit": column.unit.in_files(Deviation::Oadev),
         "removed_slope_per_s": column.slope,
         "outliers": { "count": outliers.samples.len(), "threshold": outliers.threshold, "first_times_s": times },
-        "coefficients": column.coefficients().iter().map(coefficients::document).collect::<Vec<_>>(),
+        "coefficients": column.coefficients().iter().map(document_of).collect::<Vec<_>>(),
         "coefficients_missing": column.noise.as_ref().err(),
         "coefficient_intervals": column.noise().map(|noise| json!({
             "from": noise.intervals.name(),

@@ -3,11 +3,12 @@
 //! Kalibr's model is a white rate and a bias that walks, both by the root of their two-sided density per Hz: N in rad/√s
 //! and K in rad/s^1.5. It has no other terms.
 
+use sagnac::allan::Unit;
 use sagnac::fit::{Fit, Term};
 use sagnac::table::significant;
 
 use super::super::Failure;
-use super::analysis::{Analysis, Column, Unit};
+use super::analysis::{Analysis, Column};
 use super::report::{heading, one_line};
 
 /// rad of 1 ″.

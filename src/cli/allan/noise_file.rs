@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use sagnac::fit::{Coefficient, Term};
+use sagnac::allan::Unit;
+use sagnac::fit::{Coefficient, Term, data_sheet_unit};
 use sagnac::table::significant;
 
 use super::super::Failure;
 use super::super::output::write;
-use super::analysis::{Analysis, Column, Unit};
-use super::coefficients::unit_of;
+use super::analysis::{Analysis, Column};
 use super::report::one_line;
 
 /// With the end of the first line, what tells files of ours from others.
@@ -70,7 +70,7 @@ fn text(analysis: &Analysis, column: &Column) -> Option<String> {
 
 /// A value with its unit, as studies read it.
 fn quantity(term: Term, value: f64) -> String {
-    let (factor, unit, _) = unit_of(term, Unit::Angular);
+    let (factor, unit, _) = data_sheet_unit(term, Unit::Angular);
     format!("{} {unit}", significant(factor * value, 6))
 }
 
@@ -78,7 +78,7 @@ fn quantity(term: Term, value: f64) -> String {
 fn intervals(coefficient: &Coefficient) -> Vec<String> {
     let (Some(_), Some([low, high])) = (coefficient.value, coefficient.interval) else { return vec![] };
     let (term, symbol) = (coefficient.term, coefficient.term.symbol());
-    let (factor, unit, _) = unit_of(term, Unit::Angular);
+    let (factor, unit, _) = data_sheet_unit(term, Unit::Angular);
     let line = |name: &str, [low, high]: [f64; 2], unit: &str| {
         format!("{name}: {} to {} {unit}", significant(low, 6), significant(high, 6))
     };

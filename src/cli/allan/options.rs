@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use sagnac::allan::{Deviation, Taus};
-use sagnac::fit::LEAST_REALISATIONS;
+use sagnac::fit::{LEAST_REALISATIONS, Simulated};
 use sagnac::record::log::Request;
 
 use super::super::Failure;
@@ -21,10 +21,6 @@ Examples:
 Files are text (CSV, TSV, semicolons or blanks between columns, a header or none, comments
 behind # % ;), Stable32 .DAT, or NumPy .npy. Empty cells, NaN and missing time stamps are gaps:
 terms that touch one are left out.";
-
-/// Simulated records of a fit, unless told or the record has more samples than that.
-const USUAL_REALISATIONS: usize = 1000;
-const MOST_SAMPLES: usize = 2_000_000;
 
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
@@ -56,27 +52,18 @@ pub struct Options {
     /// Print the results as JSON: one object, or with several files one array of them
     #[arg(long)]
     pub json: bool,
+    /// Also draw the chart as text
+    #[arg(long, conflicts_with_all = ["json", "quiet"])]
+    pub plot: bool,
     /// Print only errors
     #[arg(long, short)]
     pub quiet: bool,
 }
 
 impl Options {
-    /// How many records of so many samples are simulated for the intervals of coefficients: unless told, none where that
-    /// would take more than some seconds.
-    pub fn bootstrap(&self, samples: usize) -> usize {
-        let usual = if samples > MOST_SAMPLES { 0 } else { USUAL_REALISATIONS };
-        self.bootstrap.unwrap_or(usual)
-    }
-
-    /// Why none are simulated, where nobody asked for that.
-    pub fn without_bootstrap(&self, samples: usize) -> Option<String> {
-        (self.bootstrap.is_none() && samples > MOST_SAMPLES).then(|| {
-            format!(
-                "simulating {USUAL_REALISATIONS} records of {samples} samples takes long: --bootstrap {USUAL_REALISATIONS} asks \
-                 for it"
-            )
-        })
+    /// How many records of so many samples are simulated for the intervals of coefficients.
+    pub fn simulated(&self, samples: usize) -> Simulated {
+        Simulated::of(self.bootstrap, samples)
     }
 
     /// Whether people hear nothing but errors.

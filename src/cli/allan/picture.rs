@@ -2,12 +2,11 @@
 
 use sagnac::allan::Deviation;
 use sagnac::chart::{Axis, Entry, Figure, Grouping, Part, Parts, Scale, Series, SeriesPoint};
-use sagnac::fit::{Coefficient, Term};
+use sagnac::fit::{Coefficient, Term, data_sheet_unit};
 use sagnac::table::significant;
 use sagnac::theory::allan::{self, Difference, Estimator, Process, Stride, holds};
 
 use super::analysis::{Analysis, Column, Curve};
-use super::coefficients::unit_of;
 use super::report::heading;
 
 /// Places of a line from one octave of τ to the next: of a sine, whose hump has ripples, and of all else.
@@ -140,7 +139,7 @@ fn parts(analysis: &Analysis, column: &Column, deviations: &[Deviation]) -> Part
             points.retain(|(tau_s, _)| shape * tau_s <= MOST_RIPPLES);
         }
         Some(Part {
-            label: label(coefficient, value, unit_of(term, column.unit)),
+            label: label(coefficient, value, data_sheet_unit(term, column.unit)),
             // Those before are the curves'.
             colour: deviations.len() + Term::ALL.iter().position(|other| *other == term)?,
             points,

@@ -1,12 +1,12 @@
 //! What `sagnac allan` says to people.
 
-use sagnac::allan::{LEAST_GROUPS, Minimum, Point, Trend};
+use sagnac::allan::{LEAST_GROUPS, Minimum, Point, Trend, Unit};
+use sagnac::fit::{Intervals, Row};
 use sagnac::record::log::{Data, OUTLYING};
 use sagnac::table::significant;
 
 use super::super::terminal::aligned;
-use super::analysis::{Analysis, Column, Curve, Unit};
-use super::coefficients::{Intervals, Row};
+use super::analysis::{Analysis, Column, Curve};
 
 /// Probability of the residuals of a fit below which it does not describe its curve, with room for the scatter of single
 /// records at long τ, which is wider than that of a χ².

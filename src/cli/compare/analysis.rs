@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use sagnac::allan::Angles;
+use sagnac::allan::{Angles, Unit};
 use sagnac::compare::{Comparison, compare};
 use sagnac::record::log::{Data, Outliers, Request};
 
 use super::super::Failure;
-use super::super::allan::{Treatment, Unit};
+use super::super::allan::Treatment;
 use super::Options;
 use super::rows::{Row, rows};
 

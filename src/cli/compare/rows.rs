@@ -1,9 +1,8 @@
 //! Coefficients of two logs in the units of data sheets.
 
+use sagnac::allan::Unit;
 use sagnac::compare::{Comparison, Difference, Length, Quantity, SIGNIFICANT};
-use sagnac::fit::Term;
-
-use super::super::allan::{Unit, unit_of};
+use sagnac::fit::{Term, data_sheet_unit};
 
 /// What two logs say of one coefficient.
 #[derive(Debug, Clone)]
@@ -66,7 +65,7 @@ pub fn rows(comparison: &Comparison, unit: Unit) -> Result<Vec<Row>, String> {
 
 fn row(found: &Difference, length: Length, unit: Unit) -> Row {
     let (name, (factor, unit, symbol)) = match found.quantity {
-        Quantity::Coefficient(term) => (term.symbol(), unit_of(term, unit)),
+        Quantity::Coefficient(term) => (term.symbol(), data_sheet_unit(term, unit)),
         Quantity::Shape(Term::Sine) => ("sine_frequency", (1.0, "Hz", "Hz")),
         Quantity::Shape(_) => ("markov_time", (1.0, "s", "s")),
     };

@@ -12,8 +12,9 @@ use sagnac::study::{MOST_TRIALS, Study};
 use sagnac::table::Table;
 
 use super::charts::write_pictures;
+use super::look;
 use super::output::{print, print_json, write};
-use super::progress::Shown;
+use super::progress::{self, Shown};
 use super::{DeviceArg, Failure};
 
 #[derive(Debug, Args)]
@@ -38,6 +39,11 @@ pub struct Options {
     /// Print the recommendation as JSON
     #[arg(long)]
     json: bool,
+    /// Also draw the drift over the interval as text
+    #[arg(long, conflicts_with_all = ["json", "quiet"])]
+    plot: bool,
+    #[command(flatten)]
+    progress: progress::Options,
     /// Print only errors and the recommendation
     #[arg(long, short)]
     quiet: bool,
@@ -87,19 +93,23 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     if !options.quiet {
         say!("device: {}, {reason}", device.name());
     }
-    let found = find(&study, options.by.measure(), &mut device, &Shown::new(options.quiet))
-        .map_err(|error| failure(&study, error))?;
+    let found =
+        find(&study, options.by.measure(), &mut device, &Shown::new(options.progress.how(options.quiet)))
+            .map_err(|error| failure(&study, error))?;
     let stem = options.study.file_stem().unwrap_or_default();
     let folder =
         options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(options.by.folder()));
     let table = report::table(&found);
-    write_all(&study, &found, &table, &folder)?;
+    let figure = write_all(&study, &found, &table, &folder)?;
     if options.json {
         return print_json(&report::json(&study, &found));
     }
     if !options.quiet {
         for note in &found.notes {
             say!("note: {note}");
+        }
+        if options.plot {
+            print(&format!("{}\n", figure.text(look::of_output())))?;
         }
         print(&report::summary(&found, &table))?;
     }
@@ -127,7 +137,7 @@ fn failure(study: &Study, error: DesignError) -> Failure {
     }
 }
 
-fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Result<(), Failure> {
+fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Result<Figure, Failure> {
     let failed = |path: &Path| {
         let path = path.to_owned();
         move |source| Failure::Write { path, source }
@@ -155,5 +165,6 @@ fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Res
     };
     let (figure, _) =
         Figure::from_table(table, &spec).map_err(|error| Failure::Picture(error.to_string()))?;
-    write_pictures(folder, "design", &figure.svg())
+    write_pictures(folder, "design", &figure.svg())?;
+    Ok(figure)
 }

@@ -1,17 +1,11 @@
 //! Fillers from options alone: the options, and the study they make.
 
-use std::fmt::Write as _;
-
 use clap::Args;
 use miette::Diagnostic;
-use sagnac::study::{POLYNOMIALS, StudyError};
+use sagnac::firmware::{Alone, MINIMUM_VARIANCE};
+use sagnac::study::StudyError;
 
 use super::Failure;
-
-const MINIMUM_VARIANCE: &str = "minimum-variance";
-
-/// Fillers that need no study.
-pub const KINDS: [&str; 4] = [POLYNOMIALS[0], POLYNOMIALS[1], POLYNOMIALS[2], MINIMUM_VARIANCE];
 
 /// Keys of the study that is made of the options, and the options that stand for them; longer keys first.
 const NAMES: [(&str, &str); 9] = [
@@ -28,7 +22,7 @@ const NAMES: [(&str, &str); 9] = [
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Without a study")]
-pub struct Alone {
+pub struct Given {
     /// Lost ticks n
     #[arg(long, value_name = "N")]
     gap_ticks: Option<u32>,
@@ -52,7 +46,7 @@ pub struct Alone {
     noise: Option<String>,
 }
 
-impl Alone {
+impl Given {
     /// One of the options that is given.
     pub fn given(&self) -> Option<&'static str> {
         let all = [
@@ -75,7 +69,8 @@ impl Alone {
         let missing = |option: &str, example: &str, of: &str| {
             Failure::Usage(format!("{option} is missing: {of}\nadd for example {option} {example}"))
         };
-        let n = self.gap_ticks.ok_or_else(|| missing("--gap-ticks", "3", "how many ticks are lost"))?;
+        let gap_ticks =
+            self.gap_ticks.ok_or_else(|| missing("--gap-ticks", "3", "how many ticks are lost"))?;
         if kinds.iter().any(|kind| kind == MINIMUM_VARIANCE) {
             let of = "a minimum-variance filler is designed for a vibration and the noise beside it";
             let needed = [
@@ -88,39 +83,16 @@ impl Alone {
                 return Err(missing(option, example, of));
             }
         }
-        let plural = if n == 1 { "" } else { "s" };
-        // Without a tick length a tick is the unit of time.
-        let tick = quoted(self.tick.as_deref().unwrap_or("1 s"));
-        let noise = quoted(self.noise.as_deref().unwrap_or("0 arcsec"));
-        let mut text = format!(
-            "title = \"{} over {n} lost tick{plural}\"\nkind = \"gap-fill\"\n\
-             [gyro]\ntick = {tick}\ntick_noise = {{ std = {noise} }}\n[motion]\n",
-            kinds.join(", ")
-        );
-        let band = self.band.as_deref().filter(|band| band.contains(',')).map(list);
-        // Writing to a String cannot fail.
-        let _ = match (&self.amplitude, &self.band) {
-            (Some(amplitude), Some(alone)) => {
-                let frequency = band.clone().unwrap_or_else(|| quoted(alone));
-                writeln!(text, "amplitude = {}\nfrequency = {frequency}", quoted(amplitude))
-            }
-            _ => writeln!(text, "rate = \"0 arcsec/s\""),
+        let alone = Alone {
+            gap_ticks,
+            tick: self.tick.clone(),
+            fit_ticks: self.fit_ticks.clone(),
+            extrapolation_ticks: self.extrapolation_ticks.clone(),
+            band: self.band.clone(),
+            amplitude: self.amplitude.clone(),
+            noise: self.noise.clone(),
         };
-        let fillers = kinds.iter().map(|kind| {
-            let mut table = format!("kind = \"{kind}\"");
-            let ticks = [("fit_ticks", &self.fit_ticks), ("extrapolation_ticks", &self.extrapolation_ticks)];
-            for (key, written) in ticks {
-                table +=
-                    &written.as_ref().map_or_else(String::new, |ticks| format!(", {key} = {}", list(ticks)));
-            }
-            if let Some(band) = band.as_ref().filter(|_| kind == MINIMUM_VARIANCE) {
-                table += &format!(", band = {band}");
-            }
-            format!("{{ {table} }}")
-        });
-        let fillers = fillers.collect::<Vec<_>>().join(", ");
-        let _ = writeln!(text, "[switching]\ngap_ticks = {n}\nfillers = [{fillers}]");
-        Ok(text)
+        Ok(alone.study(kinds))
     }
 
     /// A fault of that study, in terms of the options.
@@ -129,15 +101,4 @@ impl Alone {
         let said = NAMES.iter().fold(format!("{error}{help}"), |said, (key, name)| said.replace(key, name));
         Failure::Usage(said)
     }
-}
-
-/// A text as TOML writes it.
-fn quoted(text: &str) -> String {
-    toml::Value::from(text.trim()).to_string()
-}
-
-/// Texts between commas as a list.
-fn list(texts: &str) -> String {
-    let each: Vec<String> = texts.split(',').map(quoted).collect();
-    format!("[{}]", each.join(", "))
 }

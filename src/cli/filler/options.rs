@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use sagnac::firmware::KINDS;
 use sagnac::study::{Study, StudyError};
 
 use super::Failure;
-use super::alone::{Alone, KINDS};
+use super::alone::Given;
 
 /// Most test vectors.
 const MOST_VECTORS: i64 = 1_000_000;
@@ -33,7 +34,7 @@ pub struct Options {
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
-    alone: Alone,
+    alone: Given,
 }
 
 /// Where the fillers come from.

@@ -1,36 +1,25 @@
 //! The results of a study as files of its folder, as text and as JSON.
 
-mod answer;
 mod summary;
 
 use std::path::Path;
 
-use sagnac::report::{Drawn, Report, Source};
-use sagnac::run::{Done, Plan, Tables};
+use sagnac::picture::{Drawn, Verdict, pictures, shown, verdicts};
+use sagnac::report::{Report, Source, answer};
+use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::store::Store;
 use sagnac::study::Study;
 use sagnac::table::{Cell, Table};
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
 
 use super::Failure;
-use super::charts::{Shown as Curves, draw, pictures, shown};
+use super::charts::draw;
+use super::look;
 use super::output::{print, write};
-use super::progress::{Shown, short};
-use super::verdicts::{Verdict, verdicts};
+use super::progress::{How, Shown, short};
 
 /// The page of a study in its folder.
 pub const REPORT: &str = "report.html";
-
-/// The name of the study that a run writes beside its results.
-pub const RESOLVED: &str = "resolved_study.toml";
-
-/// The tables of a study with the names of their files.
-pub fn files(tables: &Tables) -> impl Iterator<Item = (&'static str, &Table)> {
-    let coefficients = tables.coefficients.as_ref().map(|table| ("coefficients.csv", table));
-    let trajectories = tables.trajectories.as_ref().map(|table| ("trajectories.csv", table));
-    std::iter::once(("points.csv", &tables.points)).chain(coefficients).chain(trajectories)
-}
 
 /// A table as the bytes of its file.
 ///
@@ -56,6 +45,9 @@ pub struct Results<'a> {
 pub struct Out {
     pub json: bool,
     pub quiet: bool,
+    /// Whether the first chart is drawn as text too.
+    pub plot: bool,
+    pub progress: How,
 }
 
 impl Results<'_> {
@@ -66,8 +58,8 @@ impl Results<'_> {
     /// A row of the store is damaged, or a file cannot be written.
     pub fn show(&self, store: &Store, out: Out) -> Result<Option<Value>, Failure> {
         let Results { study, plan, folder, done } = self;
-        let tables = plan.tables(store, &Shown::new(out.quiet))?;
-        for (name, table) in files(&tables) {
+        let tables = plan.tables(store, &Shown::new(out.progress))?;
+        for (name, table) in tables.files() {
             let path = folder.join(name);
             write(&path, &csv(table, &path)?)?;
         }
@@ -79,10 +71,16 @@ impl Results<'_> {
         let degraded = done.iter().flat_map(|(done, _)| done.degraded.clone());
         let uneven = if study.has_stop_rule() { None } else { uneven(&tables.points) };
         let known: Vec<String> = degraded.chain(plan.notes(store)?).chain(uneven).collect();
-        write(
-            &folder.join(REPORT),
-            self.page(store, &tables, &charts, &curves, &verdicts, &known)?.as_bytes(),
-        )?;
+        let report = Report {
+            title: &study.title,
+            question: &study.question,
+            answer: answer(study, &tables, &charts, &curves, &verdicts)?,
+            notes: &known,
+            charts: &charts,
+            tables: tables.files().collect(),
+            source: Source::of(study, plan, store, &tables)?,
+        };
+        write(&folder.join(REPORT), report.html().as_bytes())?;
         let of_charts = charts.iter().filter_map(Drawn::sentence);
         let notes: Vec<String> = of_charts.chain(known.iter().cloned()).collect();
         if out.json {
@@ -92,43 +90,12 @@ impl Results<'_> {
             for note in notes {
                 say!("note: {note}");
             }
+            if let Some(first) = charts.first().filter(|_| out.plot) {
+                print(&format!("{}\n", first.picture.text(look::of_output())))?;
+            }
             print(&summary::summary(study, &tables, &curves, &verdicts)?)?;
         }
         Ok(None)
-    }
-
-    /// The report as a page.
-    fn page(
-        &self,
-        store: &Store,
-        tables: &Tables,
-        charts: &[Drawn],
-        shown: &[Curves],
-        verdicts: &[Verdict],
-        notes: &[String],
-    ) -> Result<String, Failure> {
-        let Results { study, plan, folder, .. } = self;
-        let identity = plan.identity();
-        let held = plan.held(store)?;
-        let report = Report {
-            title: &study.title,
-            question: &study.question,
-            answer: answer::answer(study, tables, charts, shown, verdicts)?,
-            notes,
-            charts,
-            tables: files(tables).collect(),
-            source: Source {
-                study: &study.resolved(held),
-                kind: &identity.kind,
-                id: identity.id().to_string(),
-                sampled: plan.is_sampled().then_some((study.seed, held)),
-                points: study.sweeps.iter().map(|sweep| sweep.values.len()).product(),
-                provenance: store.provenance()?,
-                kernels: &identity.kernels,
-                digest: digest(&csv(&tables.points, folder)?),
-            },
-        };
-        Ok(report.html())
     }
 
     fn to_json(&self, tables: &Tables, verdicts: &[Verdict], notes: &[String]) -> Value {
@@ -163,11 +130,6 @@ impl Results<'_> {
         }
         document
     }
-}
-
-/// SHA-256 in hexadecimal figures.
-fn digest(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// That rows are of different numbers of trials.

@@ -1,15 +1,14 @@
 //! The results of a study in a terminal.
 
 use sagnac::chart::ChartError;
+use sagnac::picture::{Shown as Curves, Verdict, refused, written};
 use sagnac::run::Tables;
 use sagnac::study::{Chart, Kind, Source, Study, text_columns};
 use sagnac::table::{Cell, Column, ColumnError, Table, significant};
 
 use super::super::Failure;
-use super::super::charts::{Shown as Curves, refused, written};
 use super::super::one_point::one_point;
 use super::super::terminal::{aligned, pivot};
-use super::super::verdicts::Verdict;
 
 /// The table of the first chart, coefficients, and all verdicts, for people.
 pub(super) fn summary(

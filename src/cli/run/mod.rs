@@ -8,16 +8,16 @@ use std::time::Duration;
 
 use clap::Args;
 use sagnac::backend::{Device, Selection, select};
-use sagnac::run::Plan;
+use sagnac::picture::pictures;
+use sagnac::run::{Plan, RESOLVED};
 use sagnac::share::Share;
 use sagnac::store::Store;
 use sagnac::study::{Dimension, MOST_TRIALS, Study, parse_quantity};
 use serde_json::Value;
 
-use super::charts::picture;
 use super::output::{print, print_json, write};
-use super::progress::{Shown, short};
-use super::results::{Out, RESOLVED, Results};
+use super::progress::{self, Shown, short};
+use super::results::{Out, Results};
 use super::{DeviceArg, Failure};
 use share::Shard;
 pub use stop::Cause;
@@ -48,6 +48,11 @@ pub struct Options {
     /// Print the table and the verdict as JSON: one object, or with several studies one array of them
     #[arg(long, conflicts_with = "shard")]
     json: bool,
+    /// Also draw the first chart as text
+    #[arg(long, conflicts_with_all = ["json", "quiet", "shard"])]
+    plot: bool,
+    #[command(flatten)]
+    progress: progress::Options,
     /// Print only errors
     #[arg(long, short)]
     quiet: bool,
@@ -166,10 +171,7 @@ fn device(plans: &[Plan], options: &Options) -> Result<Option<Device>, Failure> 
 /// Finds what would otherwise fail after the sampling.
 pub fn checked(study: &Study) -> Result<Plan<'_>, Failure> {
     let plan = Plan::new(study)?;
-    let blank = plan.blank_tables();
-    for chart in &study.charts {
-        picture(study, &blank, chart)?;
-    }
+    pictures(study, &plan.blank_tables())?;
     Ok(plan)
 }
 
@@ -187,7 +189,8 @@ fn run_study(
     // From the start on, so that what is left of a run can be merged and repeated.
     write(&folder.join(RESOLVED), study.resolved(study.trials).as_bytes())?;
     store.note_share(course.share)?;
-    let shown = Shown::new(options.quiet);
+    let progress = options.progress.how(options.quiet);
+    let shown = Shown::new(progress);
     let device = device.filter(|_| plan.is_sampled());
     let name = device.as_ref().map(|device| device.name());
     let done = device.map(|device| {
@@ -213,7 +216,8 @@ fn run_study(
         return Ok(None);
     }
     let results = Results { study, plan, folder, done: done.as_ref().zip(name) };
-    let document = results.show(&store, Out { json: options.json, quiet: options.quiet })?;
+    let document = results
+        .show(&store, Out { json: options.json, quiet: options.quiet, plot: options.plot, progress })?;
     if !options.json && !options.quiet {
         let rate = match &done {
             Some(done) if done.trials > 0 => {

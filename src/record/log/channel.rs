@@ -1,10 +1,9 @@
 //! A log in memory, and what is done to it before it is analysed.
 
-use crate::allan::{Angles, Trend};
 use crate::table::significant;
 
 use super::error::{LogError, Place};
-use super::{Data, Unit};
+use super::{Data, Samples, Unit};
 
 /// A log: one or several columns of evenly spaced samples.
 #[derive(Debug, Clone)]
@@ -68,42 +67,13 @@ impl Log {
 }
 
 impl Channel {
+    /// Its samples with what they measure, in a log of such `data`.
+    pub fn view(&self, data: Data, step_s: f64) -> Samples<'_> {
+        Samples { data, unit: &self.unit, step_s, values: &self.samples }
+    }
+
     /// How many samples are missing.
     pub fn missing(&self) -> usize {
         self.samples.iter().filter(|sample| sample.is_nan()).count()
-    }
-
-    /// The samples as rates or increments; those of angles are their differences.
-    pub fn increments(&self, data: Data) -> Vec<f64> {
-        match data {
-            Data::Rate | Data::Increment => self.samples.clone(),
-            Data::Angle => self.samples.windows(2).map(|pair| pair[1] - pair[0]).collect(),
-        }
-    }
-
-    /// The angles, in ″, of samples `step_s` apart; of plain numbers in their unit, rates times s.
-    pub fn angles(&self, data: Data, step_s: f64, trend: Trend) -> Angles {
-        let factor = self.unit.factor;
-        match data {
-            Data::Rate => Angles::from_increments(&self.samples, factor * step_s, step_s, trend),
-            Data::Increment => Angles::from_increments(&self.samples, factor, step_s, trend),
-            Data::Angle => Angles::from_angles(&self.samples, factor, step_s, trend),
-        }
-    }
-
-    /// The mean rate, in ″/s or for plain numbers in their unit over s where they are no rates.
-    pub fn mean_rate(&self, data: Data, step_s: f64) -> Option<f64> {
-        let known = || self.samples.iter().copied().enumerate().filter(|(_, sample)| sample.is_finite());
-        let mean = match data {
-            Data::Rate | Data::Increment => {
-                let (count, sum) = known().fold((0.0, 0.0), |(count, sum), (_, y)| (count + 1.0, sum + y));
-                if data == Data::Rate { sum / count } else { sum / count / step_s }
-            }
-            Data::Angle => {
-                let (first, last) = (known().next()?, known().next_back()?);
-                (last.1 - first.1) / ((last.0 - first.0) as f64 * step_s)
-            }
-        };
-        mean.is_finite().then_some(mean * self.unit.factor)
     }
 }

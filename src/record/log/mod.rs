@@ -18,6 +18,7 @@ mod names;
 mod npy;
 mod outliers;
 mod read;
+mod samples;
 mod text;
 mod time;
 
@@ -31,6 +32,7 @@ pub(crate) use error::Place;
 pub use measure::{Data, Unit, UnitMismatch};
 pub use outliers::{OUTLYING, Outliers, outliers};
 pub use read::{Request, Timing};
+pub use samples::{Fault, Samples};
 pub use time::JITTER;
 
 /// Most samples of a log, 2^28: a week at 400 Hz.

@@ -1,12 +1,12 @@
 //! What the charts with a limit say of their curves.
 
-use sagnac::chart::ChartError;
-use sagnac::study::{Chart, Limit, Shows, Study, StudyError};
-use sagnac::table::{Column, Table};
-use sagnac::verdict::{Answer, Question, verdict};
 use serde_json::{Map, Value, json};
 
-use super::charts::{Shown, chart_stem, filter, refused};
+use super::{Shown, chart_stem, filter, refused};
+use crate::chart::ChartError;
+use crate::study::{Chart, Limit, Shows, Study, StudyError};
+use crate::table::{Column, Table};
+use crate::verdict::{Answer, Question, verdict};
 
 /// The verdict of one chart, or of several that show the same.
 pub struct Verdict<'t> {
@@ -101,6 +101,7 @@ impl Verdict<'_> {
         self.limit.text()
     }
 
+    /// What is judged, where, against which limit, and for each curve its outcome and places: an object for programs.
     pub fn json(&self) -> Value {
         let rows = self.rows.iter().map(|(column, value)| (column.header(), json!(value)));
         let answers = self.answers.iter().map(|answer| {

@@ -1,10 +1,21 @@
 //! Which point of a study, and which of its fillers.
 
-use sagnac::firmware::rules;
-use sagnac::study::{Dimension, Filler, GapFill, Point, Quantity, Study, Sweep, Swept, parse_quantity};
-use sagnac::table::significant;
+use super::rules;
+use crate::study::{
+    Dimension, Filler, GapFill, Point, Quantity, Study, StudyError, Sweep, Swept, parse_quantity,
+};
+use crate::table::significant;
 
-use super::Failure;
+/// Why nothing is chosen.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum ChoiceError {
+    /// What is asked for is not there, or is not enough; what there is to choose from.
+    #[error("{0}")]
+    Asked(String),
+    /// The fillers have no weights at a point.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+}
 
 /// Most difference between a value asked for and a swept one, which reports show to six digits.
 const TOLERANCE: f64 = 1e-5;
@@ -19,16 +30,16 @@ const MOST_LISTED: usize = 12;
 ///
 /// # Errors
 /// A key that is not swept, a value that it does not take, points of different weights.
-pub fn point<'s>(
+pub fn choose_point<'s>(
     study: &Study,
     gap_fill: &'s GapFill,
     at: &[String],
     fillers: &[Filler],
-) -> Result<&'s Point, Failure> {
+) -> Result<&'s Point, ChoiceError> {
     let mut chosen: Vec<Option<Quantity>> = vec![None; study.sweeps.len()];
     for asked in at {
         let (place, value) =
-            find(study, asked).map_err(|message| Failure::Usage(format!("--at {asked}: {message}")))?;
+            find(study, asked).map_err(|message| ChoiceError::Asked(format!("--at {asked}: {message}")))?;
         chosen[place] = Some(value);
     }
     let wanted = |point: &&Point| {
@@ -38,7 +49,7 @@ pub fn point<'s>(
     let points: Vec<&Point> = gap_fill.points.iter().filter(wanted).collect();
     // Sweeps multiply, so that every choice of their values is a point.
     let first = points.first().copied().unwrap_or(&gap_fill.points[0]);
-    let weights = |point: &Point| Ok::<_, Failure>((point.inputs.tick_s, rules(study, point, fillers)?));
+    let weights = |point: &Point| Ok::<_, ChoiceError>((point.inputs.tick_s, rules(study, point, fillers)?));
     let own = weights(first)?;
     // Of each key, whether it changes the weights by itself.
     let mut matters = vec![false; study.sweeps.len()];
@@ -53,7 +64,7 @@ pub fn point<'s>(
             }
         }
     }
-    if differ { Err(Failure::Usage(ambiguous(study, &chosen, &matters))) } else { Ok(first) }
+    if differ { Err(ChoiceError::Asked(ambiguous(study, &chosen, &matters))) } else { Ok(first) }
 }
 
 /// What there is to choose from: the keys that matter, or all that are open where none does by itself.
@@ -135,13 +146,13 @@ fn value_of(sweep: &Sweep, text: &str) -> Result<Quantity, String> {
 ///
 /// # Errors
 /// A name that no filler has.
-pub fn fillers(gap_fill: &GapFill, names: &[String]) -> Result<Vec<Filler>, Failure> {
+pub fn choose_fillers(gap_fill: &GapFill, names: &[String]) -> Result<Vec<Filler>, ChoiceError> {
     let unknown = |name: &&String| gap_fill.fillers.iter().all(|filler| filler.name != **name);
     if let Some(unknown) = names.iter().find(unknown) {
         let known: Vec<&str> = gap_fill.fillers.iter().map(|filler| filler.name.as_str()).collect();
         let known = known.join(", ");
         let message = format!("--filler {unknown}: the study has no such filler; it has {known}");
-        return Err(Failure::Usage(message));
+        return Err(ChoiceError::Asked(message));
     }
     let wanted = |filler: &&Filler| names.is_empty() || names.contains(&filler.name);
     Ok(gap_fill.fillers.iter().filter(wanted).cloned().collect())

@@ -1,31 +1,40 @@
-//! Noise coefficients of a column: the fit to its overlapping Allan curve, in the units of data sheets.
+//! Noise coefficients of a record as a data sheet has them: the fit to its overlapping Allan curve, with intervals from
+//! simulated records.
 
-use sagnac::allan::Angles;
-use sagnac::backend::cpu::{Cpu, Width};
-use sagnac::fit::{Coefficient, Curve, Fit, FitError, Fitter, Term, Terms, Verdict, curve_of, realisations};
-use serde_json::{Value, json};
+use super::{Coefficient, Curve, Fit, FitError, Fitter, Term, Terms, Verdict, curve_of, realisations};
+use crate::allan::{Angles, Unit};
+use crate::backend::cpu::{Cpu, Width};
 
-use super::analysis::Unit;
+/// Simulated records of a fit, unless told or the record has more than [`MOST_SIMULATED`] samples.
+pub const USUAL_REALISATIONS: usize = 1000;
+/// Samples of a record above which simulating it so often takes more than some seconds.
+pub const MOST_SIMULATED: usize = 2_000_000;
 
 /// What the record says of one coefficient, in the unit of data sheets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
+    /// Q, N, B, K, R, `markov`, `markov_time`, `sine` or `sine_frequency`.
     pub name: &'static str,
     /// As files have it.
     pub unit: &'static str,
     /// For people.
     pub symbol: &'static str,
+    /// Absent where it is not identified.
     pub value: Option<f64>,
+    /// 95 %.
     pub interval: Option<[f64; 2]>,
+    /// `identified`, or what else is known.
     pub verdict: &'static str,
 }
 
-/// The noise of a column.
+/// The noise of a record.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Noise {
+pub struct DataSheet {
+    /// A line for each coefficient and shape.
     pub rows: Vec<Row>,
     /// In ″ and s, or in plain numbers and s.
     pub fit: Fit,
+    /// Where the intervals come from.
     pub intervals: Intervals,
 }
 
@@ -33,9 +42,15 @@ pub struct Noise {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Intervals {
     /// So many simulated records of the fit.
-    Bootstrap { records: usize },
+    Bootstrap {
+        /// How many.
+        records: usize,
+    },
     /// And where simulated records were asked for, why there are none.
-    ClosedForm { why: Option<String> },
+    ClosedForm {
+        /// In a sentence.
+        why: Option<String>,
+    },
 }
 
 impl Intervals {
@@ -67,27 +82,66 @@ impl Intervals {
 /// How many simulated records the intervals are to come from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Simulated {
+    /// 0: intervals in closed form.
     pub records: usize,
     /// Why there are none, where nobody asked for that.
     pub without: Option<String>,
 }
 
-/// The noise of a record, or why it cannot be told.
-pub fn noise(angles: &Angles, terms: &Terms, unit: Unit, simulated: Simulated) -> Result<Noise, String> {
-    let said = |error: FitError| error.to_string();
-    let curve = curve_of(angles).map_err(said)?;
-    let fitter = Fitter::new(&curve, terms).map_err(said)?;
-    let first = fitter.fit_record(curve.variances()).map_err(said)?;
-    let Simulated { records, without } = simulated;
-    let realised = (records > 0).then(|| realised(&fitter, &curve, &first, records)).transpose();
-    let (fit, intervals) = match realised {
-        Ok(None) => (first, Intervals::ClosedForm { why: without }),
-        Ok(Some(fit)) => (fit, Intervals::Bootstrap { records }),
-        Err(why) => {
-            (first, Intervals::ClosedForm { why: Some(format!("the fit cannot be simulated: {why}")) })
+impl Simulated {
+    /// How many for a record of so many samples: those that are asked for, else none where that would take more than some
+    /// seconds.
+    pub fn of(asked: Option<usize>, samples: usize) -> Simulated {
+        match asked {
+            Some(records) => Simulated { records, without: None },
+            None if samples <= MOST_SIMULATED => Simulated { records: USUAL_REALISATIONS, without: None },
+            None => Simulated {
+                records: 0,
+                without: Some(format!(
+                    "simulating {USUAL_REALISATIONS} records of {samples} samples takes long: --bootstrap {USUAL_REALISATIONS} \
+                     asks for it"
+                )),
+            },
         }
-    };
-    Ok(Noise { rows: rows(&fit, unit), fit, intervals })
+    }
+}
+
+impl DataSheet {
+    /// The noise of a record whose curves are in `unit`: the fit of [`Terms`] to its overlapping Allan variances at the
+    /// octaves of τ up to an eighth of the record, with the intervals of [`Fitter::fit_realised`] where records are simulated.
+    /// The same record gives the same bits for any number of threads.
+    ///
+    /// # Errors
+    /// In words: why the noise of this record cannot be told.
+    ///
+    /// # Example
+    /// ```
+    /// use sagnac::allan::{Angles, Trend, Unit};
+    /// use sagnac::fit::{DataSheet, Simulated, Terms};
+    ///
+    /// let rates: Vec<f64> = (0_u64..4096).map(|i| (i * i * 48_271 % 65_537) as f64 / 65_537.0).collect();
+    /// let angles = Angles::from_increments(&rates, 0.01, 0.01, Trend::None);
+    /// let without = Simulated { records: 0, without: None };
+    /// let sheet = DataSheet::of(&angles, &Terms::of_model(Trend::None), Unit::Angular, without)?;
+    /// assert_eq!((sheet.rows[1].name, sheet.rows[1].verdict), ("N", "identified"));
+    /// # Ok::<(), String>(())
+    /// ```
+    pub fn of(angles: &Angles, terms: &Terms, unit: Unit, simulated: Simulated) -> Result<DataSheet, String> {
+        let said = |error: FitError| error.to_string();
+        let curve = curve_of(angles).map_err(said)?;
+        let fitter = Fitter::new(&curve, terms).map_err(said)?;
+        let first = fitter.fit_record(curve.variances()).map_err(said)?;
+        let Simulated { records, without } = simulated;
+        let realised = (records > 0).then(|| realised(&fitter, &curve, &first, records)).transpose();
+        let (fit, intervals) = match realised {
+            Ok(None) => (first, Intervals::ClosedForm { why: without }),
+            Ok(Some(fit)) => (fit, Intervals::Bootstrap { records }),
+            Err(why) => {
+                (first, Intervals::ClosedForm { why: Some(format!("the fit cannot be simulated: {why}")) })
+            }
+        };
+        Ok(DataSheet { rows: rows(&fit, unit), fit, intervals })
+    }
 }
 
 /// The fit once more, with intervals from simulated records of the first.
@@ -100,7 +154,7 @@ fn realised(fitter: &Fitter, curve: &Curve, first: &Fit, count: usize) -> Result
 fn rows(fit: &Fit, unit: Unit) -> Vec<Row> {
     let mut rows = Vec::new();
     for coefficient in &fit.coefficients {
-        let (factor, in_files, symbol) = unit_of(coefficient.term, unit);
+        let (factor, in_files, symbol) = data_sheet_unit(coefficient.term, unit);
         rows.push(Row {
             name: coefficient.term.symbol(),
             unit: in_files,
@@ -129,7 +183,7 @@ fn verdict(coefficient: &Coefficient) -> &'static str {
 }
 
 /// From ″ and s to the unit of data sheets: factor, name in files, symbol. Plain numbers keep theirs, times a power of s.
-pub fn unit_of(term: Term, unit: Unit) -> (f64, &'static str, &'static str) {
+pub fn data_sheet_unit(term: Term, unit: Unit) -> (f64, &'static str, &'static str) {
     match (unit, term) {
         (Unit::Angular, term) => term.data_sheet_unit(),
         (Unit::Plain, Term::Quantisation) => (1.0, "s", "· s"),
@@ -138,16 +192,4 @@ pub fn unit_of(term: Term, unit: Unit) -> (f64, &'static str, &'static str) {
         (Unit::Plain, Term::RateRamp) => (1.0, "1/s", "/ s"),
         (Unit::Plain, _) => (1.0, "", ""),
     }
-}
-
-/// A coefficient for programs.
-pub fn document(row: &Row) -> Value {
-    json!({
-        "coefficient": row.name,
-        "value": row.value,
-        "lower": row.interval.map(|ends| ends[0]),
-        "upper": row.interval.map(|ends| ends[1]),
-        "unit": row.unit,
-        "verdict": row.verdict,
-    })
 }

@@ -1,0 +1,150 @@
+//! Samples in memory, wherever they come from: what they measure, and what is made of them before they are analysed.
+
+use std::borrow::Cow;
+
+use super::{Data, LEAST_SAMPLES, Outliers, Unit, UnitCheck, outliers};
+use crate::allan::{Angles, Trend};
+
+/// The most that a good gyro at rest shows, ″/s (°/h): the Earth's rotation on its axis, and 1 °/h of bias.
+const AT_REST: f64 = 16.041_067;
+
+/// One rad in °.
+pub(super) const DEGREES: f64 = 57.295_779_513_082_32;
+
+/// Above this, ″/s, no gyro is at rest: 20 °/s is the bias of the worst.
+const NEVER_AT_REST: f64 = 72_000.0;
+
+/// Evenly spaced samples of one axis. Nothing is copied until angles are made of them.
+///
+/// ```
+/// use sagnac::allan::Trend;
+/// use sagnac::record::log::{Data, Samples, Unit, UnitCheck};
+///
+/// let rates: Vec<f64> = (0..100).map(|i| f64::from(i * 37 % 100)).collect();
+/// let unit = Unit::parse("deg/h", Data::Rate)?;
+/// let samples = Samples { data: Data::Rate, unit: &unit, step_s: 0.01, values: &rates };
+/// assert_eq!((samples.fault(UnitCheck::On), samples.mean_rate()), (None, Some(49.5)));
+/// assert_eq!(samples.angles(Trend::None).len(), 101);
+/// # Ok::<(), sagnac::record::log::UnitMismatch>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct Samples<'a> {
+    /// What each of them is.
+    pub data: Data,
+    /// What they are measured in.
+    pub unit: &'a Unit,
+    /// From sample to sample, s.
+    pub step_s: f64,
+    /// Finite; NaN where one is missing.
+    pub values: &'a [f64],
+}
+
+/// Why samples say nothing of a gyro, or hardly what they should.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Fault {
+    /// There are only so many, fewer than [`LEAST_SAMPLES`].
+    TooFew {
+        /// Those that are not missing.
+        there: usize,
+    },
+    /// All of them are equal.
+    Constant {
+        /// Those that are not missing.
+        there: usize,
+        /// What they all are.
+        value: f64,
+    },
+    /// Rates in rad whose mean is above the Earth's rotation and 1 °/h of bias, and in degrees would not be.
+    DegreesAsRadians {
+        /// |mean rate|, ″/s.
+        mean: f64,
+    },
+    /// The mean rate is above 20 °/s, which that of no gyro at rest is.
+    NeverAtRest {
+        /// |mean rate|, ″/s.
+        mean: f64,
+    },
+}
+
+impl<'a> Samples<'a> {
+    /// How many samples are missing.
+    pub fn missing(&self) -> usize {
+        self.values.iter().filter(|sample| sample.is_nan()).count()
+    }
+
+    /// The samples as rates or increments; those of angles are their differences.
+    pub fn increments(&self) -> Cow<'a, [f64]> {
+        match self.data {
+            Data::Rate | Data::Increment => Cow::Borrowed(self.values),
+            Data::Angle => self.values.windows(2).map(|pair| pair[1] - pair[0]).collect(),
+        }
+    }
+
+    /// The angles, in ″; of plain numbers in their unit, rates times s.
+    pub fn angles(&self, trend: Trend) -> Angles {
+        match self.data {
+            Data::Angle => Angles::from_angles(self.values, self.scale(), self.step_s, trend),
+            _ => Angles::from_increments(self.values, self.scale(), self.step_s, trend),
+        }
+    }
+
+    /// The same with outliers taken for missing increments.
+    pub fn angles_without(&self, outliers: &Outliers, trend: Trend) -> Angles {
+        if outliers.samples.is_empty() {
+            return self.angles(trend);
+        }
+        let mut increments = self.increments().into_owned();
+        outliers.samples.iter().for_each(|&sample| increments[sample] = f64::NAN);
+        Angles::from_increments(&increments, self.scale(), self.step_s, trend)
+    }
+
+    /// From a sample, or the difference of two angles, to ″.
+    fn scale(&self) -> f64 {
+        if self.data == Data::Rate { self.unit.factor * self.step_s } else { self.unit.factor }
+    }
+
+    /// The samples that stand out among the rates or increments.
+    pub fn outliers(&self) -> Outliers {
+        outliers(&self.increments())
+    }
+
+    /// The mean rate, in ″/s or for plain numbers in their unit over s where they are no rates.
+    pub fn mean_rate(&self) -> Option<f64> {
+        let known = || self.values.iter().copied().enumerate().filter(|(_, sample)| sample.is_finite());
+        let mean = match self.data {
+            Data::Rate | Data::Increment => {
+                let (count, sum) = known().fold((0.0, 0.0), |(count, sum), (_, y)| (count + 1.0, sum + y));
+                if self.data == Data::Rate { sum / count } else { sum / count / self.step_s }
+            }
+            Data::Angle => {
+                let (first, last) = (known().next()?, known().next_back()?);
+                (last.1 - first.1) / ((last.0 - first.0) as f64 * self.step_s)
+            }
+        };
+        mean.is_finite().then_some(mean * self.unit.factor)
+    }
+
+    /// Why these samples are refused, if they are: too few, all equal, or with [`UnitCheck::On`] of a mean rate that no
+    /// gyro at rest has in this unit. Only the mean is looked at there, which no deviation depends on.
+    pub fn fault(&self, unit: UnitCheck) -> Option<Fault> {
+        let mut known = self.values.iter().copied().filter(|sample| !sample.is_nan());
+        let there = known.clone().count();
+        if there < LEAST_SAMPLES {
+            return Some(Fault::TooFew { there });
+        }
+        let value = known.next().unwrap_or(0.0);
+        if known.all(|sample| sample == value) {
+            return Some(Fault::Constant { there, value });
+        }
+        if unit == UnitCheck::Off || !self.unit.is_angular {
+            return None;
+        }
+        match self.mean_rate()?.abs() {
+            mean if self.unit.text.contains("rad") && mean > AT_REST && mean <= AT_REST * DEGREES => {
+                Some(Fault::DegreesAsRadians { mean })
+            }
+            mean if mean > NEVER_AT_REST => Some(Fault::NeverAtRest { mean }),
+            _ => None,
+        }
+    }
+}
