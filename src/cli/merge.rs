@@ -76,7 +76,8 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
             say!("note: {}: {damaged} damaged rows or pages are left out", folder.display());
         }
     }
-    let results = Results { study: &study, plan: &plan, folder: &options.out, done: None };
+    let lacking = plan.lacks(&store, Share::WHOLE)?;
+    let results = Results { study: &study, plan: &plan, folder: &options.out, done: None, lacking };
     let out = Out {
         json: options.json,
         quiet: options.quiet,
@@ -86,7 +87,7 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
     if let Some(document) = results.show(&store, out)? {
         print_json(&document)?;
     }
-    match plan.lacks(&store, Share::WHOLE)? {
+    match lacking {
         0 if options.json || options.quiet => Ok(()),
         0 => {
             say!("complete; results are in {}", options.out.display());

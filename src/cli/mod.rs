@@ -16,16 +16,19 @@ mod check;
 mod compare;
 mod design;
 mod devices;
+mod explain;
 mod failure;
 mod filler;
 mod look;
 mod merge;
+mod new;
 mod one_point;
 mod output;
 mod progress;
 mod reading;
 mod results;
 mod run;
+mod schemas;
 mod shells;
 mod terminal;
 mod verdicts;
@@ -35,12 +38,11 @@ use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use failure::Failure;
-use sagnac::study;
+use failure::{EXIT_CODES, Failure};
 
 /// Monte Carlo studies for laser gyroscopes, with the same bits on every CPU and GPU.
 #[derive(Debug, Parser)]
-#[command(name = "sagnac", version, max_term_width = 110, after_help = EXIT_CODES)]
+#[command(name = "sagnac", version, max_term_width = 110, after_help = after_help())]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -48,7 +50,7 @@ struct Cli {
     look: look::Options,
 }
 
-const EXIT_CODES: &str = "\
+const EXAMPLES: &str = "\
 Examples:
   sagnac run studies/error_vs_dtnu.toml
   sagnac run my.toml --trials 100000000 --device gpu
@@ -60,12 +62,13 @@ Examples:
   sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz
   sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz
-  sagnac verify
+  sagnac verify";
 
-Exit codes:
-  0 done    1 runtime error    2 usage, unknown device    3 invalid study or log, folder of another study or version
-  4 stopped or incomplete, run again to go on    5 a check failed    6 storage or output (full, read-only, locked)
-  130, 143 signals";
+/// Examples and exit codes.
+fn after_help() -> String {
+    let codes = EXIT_CODES.iter().map(|(code, meaning)| format!("\n  {code:8}  {meaning}"));
+    format!("{EXAMPLES}\n\nExit codes:{}", codes.collect::<String>())
+}
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -91,8 +94,12 @@ enum Command {
     Verify(Verify),
     /// Measure the throughput of the kernels
     Bench(Bench),
-    /// Print the JSON schema of study files
-    Schema,
+    /// Print the JSON schema of study files, or of what a command prints with --json
+    Schema(schemas::Options),
+    /// Write a commented study to begin with
+    New(new::Options),
+    /// What a key of a study, a column of results or an exit code means
+    Explain(explain::Options),
     /// Print a script that completes commands and options in a shell
     Completions(shells::Completions),
     /// Write manual pages
@@ -154,7 +161,9 @@ pub fn main() -> ExitCode {
         Command::Devices => devices::devices(),
         Command::Verify(options) => verify::verify(options),
         Command::Bench(options) => bench::bench(options),
-        Command::Schema => output::print(&study::schema()),
+        Command::Schema(options) => schemas::schema(options),
+        Command::New(options) => new::new(options),
+        Command::Explain(options) => explain::explain(options),
         Command::Completions(options) => shells::completions(options, Cli::command()),
         Command::Man(options) => shells::man(options, Cli::command()),
     };

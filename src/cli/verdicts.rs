@@ -7,6 +7,7 @@ use sagnac::verdict::{Answer, Question, verdict};
 use serde_json::{Map, Value, json};
 
 use super::charts::{Shown, chart_stem, filter, refused};
+use super::progress::short;
 
 /// The verdict of one chart, or of several that show the same.
 pub struct Verdict<'t> {
@@ -73,10 +74,16 @@ impl Verdict<'_> {
             && self.limit == other.limit
     }
 
-    /// A heading that says what is judged, and a sentence for each curve.
-    pub fn text(&self) -> String {
+    /// A heading that says what is judged, and how much is missing of it, and a sentence for each curve.
+    pub fn text(&self, lacking: u64) -> String {
         let rows = self.rows.iter().map(|(column, value)| format!(", {}", column.valued(value)));
         let heading = format!("{} against the limit{}", self.of.label, rows.collect::<String>());
+        let heading = match lacking {
+            0 => heading,
+            lacking => {
+                format!("{heading}, of an incomplete run ({} trials are missing)", short(lacking as f64))
+            }
+        };
         let limit = self.limit.text();
         let sentences = self.answers.iter().map(|answer| format!("  {}\n", answer.sentence(&limit)));
         format!("{}: {heading}\n{}", self.charts.join(", "), sentences.collect::<String>())

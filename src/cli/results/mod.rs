@@ -44,6 +44,8 @@ pub struct Results<'a> {
     pub folder: &'a Path,
     /// What was sampled, and on which device, where anything can be.
     pub done: Option<(&'a Done, String)>,
+    /// Trials that are missing of the whole.
+    pub lacking: u64,
 }
 
 /// Where results go besides their files.
@@ -63,7 +65,7 @@ impl Results<'_> {
     /// # Errors
     /// A row of the store is damaged, or a file cannot be written.
     pub fn show(&self, store: &Store, out: Out) -> Result<Option<Value>, Failure> {
-        let Results { study, plan, folder, done } = self;
+        let Results { study, plan, folder, done, .. } = self;
         let tables = plan.tables(store, &Shown::new(out.progress))?;
         for (name, table) in files(&tables) {
             let path = folder.join(name);
@@ -87,7 +89,7 @@ impl Results<'_> {
                 let (drawn, _) = drawn(study, &tables, chart)?;
                 print(&format!("{}\n", drawn.text(look::of_output())))?;
             }
-            print(&summary::summary(study, &tables, &curves, &verdicts)?)?;
+            print(&summary::summary(study, &tables, &curves, &verdicts, self.lacking)?)?;
         }
         Ok(None)
     }
@@ -119,6 +121,9 @@ impl Results<'_> {
             "verdicts": verdicts.iter().map(Verdict::json).collect::<Vec<_>>(),
             "points": rows(&tables.points),
         });
+        if self.lacking > 0 {
+            document["missing_trials"] = json!(self.lacking);
+        }
         if let Some(coefficients) = &tables.coefficients {
             document["coefficients"] = json!(rows(coefficients));
         }

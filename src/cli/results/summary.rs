@@ -17,6 +17,7 @@ pub(super) fn summary(
     tables: &Tables,
     curves: &[Curves],
     verdicts: &[Verdict],
+    lacking: u64,
 ) -> Result<String, Failure> {
     let mut text = format!("{}\n", study.title);
     if !study.question.is_empty() {
@@ -38,7 +39,7 @@ pub(super) fn summary(
         text += &format!("\n{}", coefficients_found(study, coefficients));
     }
     for verdict in verdicts {
-        text += &format!("\n{}", verdict.text());
+        text += &format!("\n{}", verdict.text(lacking));
     }
     Ok(text)
 }
