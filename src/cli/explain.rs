@@ -17,7 +17,7 @@ Examples:
   sagnac explain 4";
 
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// Key of a study file, column of a file of results, or exit code; without it all of these are listed
     #[arg(value_name = "WHAT")]
@@ -101,7 +101,8 @@ fn subjects() -> String {
     for (at, key) in explained_keys().enumerate() {
         let (table, rest) = key.split_once('.').map_or(("", key), |(table, rest)| (table, rest));
         let is_table = explained_keys().any(|other| other.starts_with(&format!("{key}.")));
-        if is_table && table.is_empty() {
+        let is_value_too = || explain_key(key).is_some_and(|key| key.holds.contains("or a table"));
+        if is_table && table.is_empty() && !is_value_too() {
             continue;
         }
         let place = tables.iter().find(|(_, (known, _))| *known == table).map_or(at, |(place, _)| *place);

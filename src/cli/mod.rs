@@ -23,6 +23,7 @@ mod look;
 mod merge;
 mod new;
 mod one_point;
+mod optima;
 mod output;
 mod progress;
 mod reading;
@@ -42,7 +43,7 @@ use failure::{EXIT_CODES, Failure};
 
 /// Monte Carlo studies for laser gyroscopes, with the same bits on every CPU and GPU.
 #[derive(Debug, Parser)]
-#[command(name = "sagnac", version, max_term_width = 110, after_help = after_help())]
+#[command(name = "sagnac", version, max_term_width = 110, after_long_help = after_help())]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -62,6 +63,8 @@ Examples:
   sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz
   sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz
+  sagnac new gap-fill first.toml
+  sagnac explain motion.amplitude
   sagnac verify";
 
 /// Examples and exit codes.
@@ -89,6 +92,7 @@ enum Command {
     /// Two recorded logs: is one noisier than the other, in what, how sure is that, and how long must they be to tell
     Compare(compare::Options),
     /// List the devices that kernels can run on
+    #[command(after_long_help = "Examples:\n  sagnac devices")]
     Devices,
     /// Prove that every kernel gives the same bits on every device, here and now
     Verify(Verify),
@@ -106,7 +110,13 @@ enum Command {
     Man(shells::Man),
 }
 
+const VERIFY_EXAMPLES: &str = "\
+Examples:
+  sagnac verify
+  sagnac verify --device cpu --trials 100000";
+
 #[derive(Debug, Args)]
+#[command(after_long_help = VERIFY_EXAMPLES)]
 struct Verify {
     /// cpu, gpu, part of an adapter's name, or its PCI address: see `sagnac devices` [default: all adapters]
     #[arg(long, value_name = "DEVICE")]
@@ -116,7 +126,13 @@ struct Verify {
     trials: u64,
 }
 
+const BENCH_EXAMPLES: &str = "\
+Examples:
+  sagnac bench
+  sagnac bench --device cpu --json";
+
 #[derive(Debug, Args)]
+#[command(after_long_help = BENCH_EXAMPLES)]
 struct Bench {
     #[command(flatten)]
     device: DeviceArg,
@@ -128,10 +144,10 @@ struct Bench {
 #[derive(Debug, Args)]
 struct DeviceArg {
     /// auto, cpu, gpu, a width of the CPU such as avx2, part of an adapter's name, or its PCI address: see `sagnac devices`
-    #[arg(long = "device", value_name = "DEVICE", default_value = "auto")]
+    #[arg(help_heading = "Device", long = "device", value_name = "DEVICE", default_value = "auto")]
     name: String,
     /// Threads of the CPU [default: as many as it runs at once]
-    #[arg(long, value_name = "N", value_parser = threads)]
+    #[arg(help_heading = "Device", long, value_name = "N", value_parser = threads)]
     threads: Option<usize>,
 }
 

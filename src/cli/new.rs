@@ -15,7 +15,7 @@ Examples:
   sagnac new switched-run my_run.toml";
 
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// What is to be studied
     #[arg(value_name = "KIND", value_enum)]

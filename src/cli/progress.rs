@@ -18,7 +18,14 @@ const LINE_SECONDS: u64 = 10;
 #[derive(Debug, Args)]
 pub struct Options {
     /// Progress on the standard error stream: a bar on a terminal, else lines; bar, plain (lines), none
-    #[arg(long, value_enum, value_name = "HOW", default_value = "auto", hide_possible_values = true)]
+    #[arg(
+        help_heading = "Output",
+        long,
+        value_enum,
+        value_name = "HOW",
+        default_value = "auto",
+        hide_possible_values = true
+    )]
     progress: How,
 }
 

@@ -6,7 +6,13 @@ use sagnac::study;
 use super::Failure;
 use super::output::print;
 
+const EXAMPLES: &str = "\
+Examples:
+  sagnac schema > study.schema.json
+  sagnac schema run";
+
 #[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// Of which documents: study files, or what a command prints with --json
     #[arg(value_name = "OF", value_enum, default_value = "study")]

@@ -8,6 +8,7 @@ use sagnac::table::{Cell, Column, ColumnError, Table, significant};
 use super::super::Failure;
 use super::super::charts::{Shown as Curves, refused, written};
 use super::super::one_point::one_point;
+use super::super::optima::optima;
 use super::super::terminal::{aligned, pivot};
 use super::super::verdicts::Verdict;
 
@@ -37,6 +38,10 @@ pub(super) fn summary(
     }
     if let Some(coefficients) = &tables.coefficients {
         text += &format!("\n{}", coefficients_found(study, coefficients));
+    }
+    if study.kind() == Kind::DriftBudget {
+        let failed = |error: ColumnError| Failure::Picture(error.to_string());
+        text += &format!("\n{}", optima(study, &tables.points).map_err(failed)?);
     }
     for verdict in verdicts {
         text += &format!("\n{}", verdict.text(lacking));

@@ -23,7 +23,17 @@ use share::Shard;
 pub use stop::Cause;
 use stop::{Stop, Watch};
 
+const EXAMPLES: &str = "\
+Examples:
+  sagnac run studies/error_vs_dtnu.toml --plot
+  sagnac run my.toml --trials 1000000 --device cpu --progress plain
+  sagnac run my.toml --shard 2/4 --time-limit 8:00:00
+  sagnac run studies/smoke.toml --json --out results/smoke
+
+Results go to a folder; running again resumes, and a larger --trials continues. A run that is stopped keeps what it sampled.";
+
 #[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// Study files
     #[arg(required = true, value_name = "STUDY")]
@@ -31,30 +41,30 @@ pub struct Options {
     #[command(flatten)]
     device: DeviceArg,
     /// Results folder [default: results/<name of the study file>, of a resolved_study.toml its own; of a share shard-I-of-N in that]
-    #[arg(long, value_name = "DIR")]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Trials at each point, in place of the study's
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
     trials: Option<u64>,
     /// Seed, in place of the study's
-    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
     seed: Option<u64>,
     /// Sample share I of N only, for `sagnac merge`; slurm: the share of this task of a job array
-    #[arg(long, value_name = "I/N", value_parser = share::parse)]
+    #[arg(help_heading = "Sampling", long, value_name = "I/N", value_parser = share::parse)]
     shard: Option<Shard>,
     /// Stop in time, "55 min" or 8:00:00 from now, with exit code 4: run again to go on
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    #[arg(help_heading = "Sampling", long, value_name = "TIME", value_parser = time)]
     time_limit: Option<Duration>,
     /// Print the table and the verdict as JSON: one object, or with several studies one array of them
-    #[arg(long, conflicts_with = "shard")]
+    #[arg(help_heading = "Output", long, conflicts_with = "shard")]
     json: bool,
     /// Also draw the first chart as text
-    #[arg(long, conflicts_with_all = ["json", "quiet", "shard"])]
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet", "shard"])]
     plot: bool,
     #[command(flatten)]
     progress: progress::Options,
     /// Print only errors
-    #[arg(long, short)]
+    #[arg(help_heading = "Output", long, short)]
     quiet: bool,
 }
 
