@@ -290,6 +290,8 @@ pub trait Progress {
     fn start(&self, unit: &'static str, done: u64, total: u64);
     /// So many more are done.
     fn advance(&self, more: u64);
+    /// How much is done of the work since the start, by what it costs: units may differ in that.
+    fn cost(&self, _done: f64, _total: f64) {}
     /// Something to be known at once, in a sentence.
     fn note(&self, sentence: &str);
     /// All is done, or the run has ended early.

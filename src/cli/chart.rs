@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use sagnac::picture::{pictures, shown, verdicts};
 use sagnac::run::RESOLVED;
+use sagnac::share::Share;
 use sagnac::study::Study;
 use toml::{Table, Value};
 
@@ -138,7 +139,13 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
     }
     let curves = shown(&study, &tables)?;
     let verdicts = verdicts(&study, &curves)?;
-    let results = Results { study: &study, plan: &plan, folder: &options.folder, done: None };
+    let results = Results {
+        study: &study,
+        plan: &plan,
+        folder: &options.folder,
+        done: None,
+        lacking: plan.lacks(&store, Share::WHOLE)?,
+    };
     print(&results.summary(&tables, &curves, &verdicts)?)?;
     say!("{}.svg and .png are in {}", options.name, options.folder.display());
     Ok(())

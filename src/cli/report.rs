@@ -5,6 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use clap::Args;
 use sagnac::report::{Card, gallery};
 use sagnac::run::RESOLVED;
+use sagnac::share::Share;
 use sagnac::study::Study;
 
 use super::Failure;
@@ -69,7 +70,13 @@ fn of_folder(folder: &Path, options: &Options) -> Result<Card, Failure> {
     let study = Study::read(&folder.join(RESOLVED))?;
     let plan = checked(&study)?;
     let store = held(folder, &plan)?;
-    let results = Results { study: &study, plan: &plan, folder, done: None };
+    let results = Results {
+        study: &study,
+        plan: &plan,
+        folder,
+        done: None,
+        lacking: plan.lacks(&store, Share::WHOLE)?,
+    };
     results.report(&store, options.progress.how(options.quiet))
 }
 

@@ -46,6 +46,8 @@ pub struct Results<'a> {
     pub folder: &'a Path,
     /// What was sampled, and on which device, where anything can be.
     pub done: Option<(&'a Done, String)>,
+    /// Trials that are missing of the whole.
+    pub lacking: u64,
 }
 
 /// Where results go besides their files.
@@ -65,7 +67,7 @@ impl Results<'_> {
     /// # Errors
     /// A row of the store is damaged, or a file cannot be written.
     pub fn show(&self, store: &Store, out: Out) -> Result<Option<Value>, Failure> {
-        let Results { study, plan, folder, done } = self;
+        let Results { study, plan, folder, .. } = self;
         let tables = plan.tables(store, &Shown::new(out.progress))?;
         for (name, table) in tables.files() {
             let path = folder.join(name);
@@ -77,9 +79,7 @@ impl Results<'_> {
         draw(&charts, folder)?;
         let curves = shown(study, &tables)?;
         let verdicts = verdicts(study, &curves)?;
-        let degraded = done.iter().flat_map(|(done, _)| done.degraded.clone());
-        let uneven = if study.has_stop_rule() { None } else { uneven(&tables.points) };
-        let known: Vec<String> = degraded.chain(plan.notes(store, held)?).chain(uneven).collect();
+        let known = self.known(store, held, &tables)?;
         let answer = answer(study, &tables, &charts, &curves, &verdicts)?;
         self.write_report(store, held, &tables, &charts, answer, &known)?;
         let of_charts = charts.iter().filter_map(Drawn::sentence);
@@ -111,9 +111,8 @@ impl Results<'_> {
         let verdicts = verdicts(study, &curves)?;
         let answer = answer(study, &tables, &charts, &curves, &verdicts)?;
         let headline = answer.headline.clone();
-        let uneven = if study.has_stop_rule() { None } else { uneven(&tables.points) };
         let held = plan.held(store)?;
-        let known: Vec<String> = plan.notes(store, held)?.into_iter().chain(uneven).collect();
+        let known = self.known(store, held, &tables)?;
         self.write_report(store, held, &tables, &charts, answer, &known)?;
         Ok(Card {
             title: study.title.clone(),
@@ -122,6 +121,16 @@ impl Results<'_> {
             svg: charts.first().map(|drawn| drawn.picture.svg()),
             report: REPORT.to_owned(),
         })
+    }
+
+    /// What should be known besides the results, but of charts.
+    fn known(&self, store: &Store, held: u64, tables: &Tables) -> Result<Vec<String>, Failure> {
+        let Results { study, plan, done, lacking, .. } = self;
+        let incomplete = (*lacking > 0)
+            .then(|| format!("the run is incomplete: {} trials are missing", short(*lacking as f64)));
+        let degraded = done.iter().flat_map(|(done, _)| done.degraded.clone());
+        let uneven = if study.has_stop_rule() { None } else { uneven(&tables.points) };
+        Ok(incomplete.into_iter().chain(degraded).chain(plan.notes(store, held)?).chain(uneven).collect())
     }
 
     fn write_report(
@@ -156,7 +165,7 @@ impl Results<'_> {
         curves: &[Curves],
         verdicts: &[Verdict],
     ) -> Result<String, Failure> {
-        summary::summary(self.study, tables, curves, verdicts)
+        summary::summary(self.study, tables, curves, verdicts, self.lacking)
     }
 
     fn to_json(&self, tables: &Tables, verdicts: &[Verdict], notes: &[String]) -> Value {
@@ -186,6 +195,9 @@ impl Results<'_> {
             "verdicts": verdicts.iter().map(Verdict::json).collect::<Vec<_>>(),
             "points": rows(&tables.points),
         });
+        if self.lacking > 0 {
+            document["missing_trials"] = json!(self.lacking);
+        }
         if let Some(coefficients) = &tables.coefficients {
             document["coefficients"] = json!(rows(coefficients));
         }
