@@ -122,12 +122,12 @@ mod tests {
     }
 
     #[test]
-    fn a_study_has_32_to_63_base_blocks() {
-        for trials in [32, 1000, 1_000_000, 1_000_000_000] {
+    fn a_study_of_many_trials_has_32_to_63_base_blocks_and_none_has_small_ones() {
+        for trials in [1 << 15, 100_000, 1_000_000, 1_000_000_000] {
             let blocks = trials >> base_log2(trials);
             assert!((32..64).contains(&blocks), "{trials} trials: {blocks}");
         }
-        assert_eq!(base_log2(1), 0);
+        assert_eq!([1, 1000, (1 << 15) - 1].map(base_log2), [SMALLEST; 3]);
         assert_eq!(base_log2(1 << 40), LARGEST);
     }
 }

@@ -15,11 +15,8 @@ use crate::chart::{LOOKS, Looks, Picture};
 use crate::table::describe;
 use crate::table::{Cell, Column, Table, significant};
 
-/// Significant digits of what charts show.
-const CHART_DIGITS: usize = 6;
-
-/// Those of tables: as many as files have.
-const TABLE_DIGITS: usize = 9;
+/// Significant digits: as many as files have.
+const DIGITS: usize = 9;
 
 /// Most cells of all tables of a page, so that it stays below 1.5 MB.
 const MOST_CELLS: usize = 120_000;
@@ -86,14 +83,12 @@ impl Listed {
 
 /// The data of a report, and what of its tables is among them.
 pub(super) fn data(report: &Report) -> (String, Vec<Listed>) {
-    let charts = report
-        .charts
-        .iter()
-        .map(|drawn| Chart { stem: drawn.stem.clone(), picture: json(&drawn.picture, CHART_DIGITS) });
+    let charts =
+        report.charts.iter().map(|drawn| Chart { stem: drawn.stem.clone(), picture: json(&drawn.picture) });
     let mut tables: Vec<Listed> =
         report.tables.iter().map(|(file, table)| listed(file, table, report)).collect();
     let data = Data { looks: LOOKS, charts: charts.collect(), tables };
-    let packed = packed(json(&data, TABLE_DIGITS).get().as_bytes());
+    let packed = packed(json(&data).get().as_bytes());
     tables = data.tables;
     (packed, tables)
 }
@@ -113,7 +108,7 @@ fn listed(file: &'static str, table: &Table, report: &Report) -> Listed {
             about: describe::column(&column.name),
             text: column.cells.iter().any(|cell| matches!(cell, Cell::Text(_))),
             tells: telling.contains(&column.name.as_str()),
-            cells: json(if one { &cells[..1] } else { cells }, TABLE_DIGITS),
+            cells: json(if one { &cells[..1] } else { cells }),
         }
     };
     Listed {
@@ -163,21 +158,19 @@ impl Serialize for Cell {
     }
 }
 
-/// Numbers with as many significant digits as are wanted.
-struct Rounded {
-    digits: usize,
-}
+/// Numbers as files show them.
+struct Rounded;
 
 impl Formatter for Rounded {
     fn write_f64<W: ?Sized + Write>(&mut self, writer: &mut W, value: f64) -> io::Result<()> {
-        writer.write_all(significant(value, self.digits).as_bytes())
+        writer.write_all(significant(value, DIGITS).as_bytes())
     }
 }
 
 /// A value as JSON. Numbers that are not finite become null.
-fn json(value: &(impl Serialize + ?Sized), digits: usize) -> Box<RawValue> {
+fn json(value: &(impl Serialize + ?Sized)) -> Box<RawValue> {
     let mut text = Vec::new();
-    let mut serializer = serde_json::Serializer::with_formatter(&mut text, Rounded { digits });
+    let mut serializer = serde_json::Serializer::with_formatter(&mut text, Rounded);
     // Writing to memory cannot fail, nor do names that are no text occur.
     let written = value.serialize(&mut serializer).ok();
     let text =

@@ -1,0 +1,134 @@
+//! Reports of what is little, nothing or very much.
+
+use sagnac::chart::{Figure, Picture, Scale, Spec};
+use sagnac::picture::Drawn;
+use sagnac::report::{Answer, Report, Source};
+use sagnac::table::{Cell, Column, Table, Unit};
+use serde_json::json;
+use tempfile::TempDir;
+
+use super::browser::Browser;
+use super::{PICTURE, is_silent, point_at, tip};
+
+/// So many points of three fillers, whose errors are `error(point, filler)`.
+fn table(points: usize, error: impl Fn(usize, usize) -> Option<f64>) -> Table {
+    let rows = || (0..points).flat_map(|point| (0..3).map(move |filler| (point, filler)));
+    let column = |name: &str, unit, cells| Column {
+        name: name.to_owned(),
+        label: name.to_owned(),
+        unit,
+        cells,
+        band: None,
+    };
+    let numbers = |of: &dyn Fn(usize, usize) -> Option<f64>| {
+        rows().map(|(point, filler)| Cell::from(of(point, filler))).collect()
+    };
+    let fillers =
+        rows().map(|(_, filler)| Cell::Text(["const", "linear", "quadratic"][filler].to_owned())).collect();
+    let mut rms = column("rms", Unit::ARCSEC, numbers(&error));
+    rms.band = Some(
+        rows().map(|(point, filler)| error(point, filler).map(|rms| (0.99 * rms, 1.01 * rms))).collect(),
+    );
+    Table {
+        columns: vec![
+            column("motion.frequency", Unit::HZ, numbers(&|point, _| Some(1.0 + 0.01 * point as f64))),
+            column("filler", Unit::NONE, fillers),
+            column("trials", Unit::NONE, rows().map(|_| Cell::Integer(1000)).collect()),
+            rms,
+        ],
+    }
+}
+
+fn page(table: &Table) -> String {
+    let spec = Spec {
+        title: "Edges".to_owned(),
+        subtitle: None,
+        x: "frequency".to_owned(),
+        y: "rms".to_owned(),
+        x_scale: Scale::Log,
+        y_scale: Scale::Log,
+        series: vec!["filler".to_owned()],
+        apart: vec![],
+        filter: vec![],
+        limit: Some((10.0, Unit::ARCSEC)),
+        laws: vec![],
+        points: "Monte Carlo".to_owned(),
+        bands: "95 % band".to_owned(),
+    };
+    let (figure, notes) = Figure::from_table(table, &spec).unwrap();
+    let drawn = Drawn { stem: "chart".to_owned(), picture: Picture::Curves(figure), note: notes.sentence() };
+    let source = Source {
+        study: "kind = \"gap-fill\"\n".to_owned(),
+        kind: "gap-fill".to_owned(),
+        id: "0".to_owned(),
+        sampled: Some((1, 1000)),
+        points: 1,
+        provenance: vec![],
+        kernels: "gap_fill 2".to_owned(),
+        digest: "0".to_owned(),
+    };
+    let report = Report {
+        title: "Edges",
+        question: "",
+        answer: Answer::default(),
+        notes: &[],
+        charts: &[drawn],
+        tables: vec![("points.csv", table)],
+        source,
+    };
+    report.html()
+}
+
+/// Opens a page of a table; the folder holds it.
+fn opened(browser: &Browser, table: &Table) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("report.html");
+    std::fs::write(&path, page(table)).unwrap();
+    println!("{} rows: open after {} ms", table.rows(), browser.open(&path).as_millis());
+    folder
+}
+
+#[test]
+fn ten_thousand_points_make_a_page_that_can_be_sent() {
+    let many = table(10_000, |point, filler| Some(1.0 + filler as f64 + libm::sin(point as f64)));
+    let html = page(&many);
+    assert!(html.len() < 1_500_000, "{} bytes", html.len());
+    let Some(browser) = Browser::start() else { return };
+    let _folder = opened(&browser, &many);
+    point_at(&browser, PICTURE, (0.5, 0.5));
+    assert_eq!(tip(&browser).unwrap().1.len(), 3);
+    is_silent(&browser);
+}
+
+#[test]
+fn one_point_is_drawn_with_its_interval() {
+    let Some(browser) = Browser::start() else { return };
+    let _folder = opened(&browser, &table(1, |_, filler| Some(3.0 + filler as f64)));
+    point_at(&browser, PICTURE, (0.5, 0.5));
+    let (at, lines) = tip(&browser).unwrap();
+    assert_eq!(at, ["motion.frequency 1 Hz"]);
+    assert_eq!(lines.len(), 3);
+    assert!(lines.contains(&("linear".to_owned(), "4 ″ 95 % band: 3.96 … 4.04".to_owned())), "{lines:?}");
+    is_silent(&browser);
+}
+
+#[test]
+fn zeros_are_shown_on_a_linear_axis_and_points_that_failed_not_at_all() {
+    let Some(browser) = Browser::start() else { return };
+    let _folder = opened(&browser, &table(5, |_, _| Some(0.0)));
+    point_at(&browser, PICTURE, (0.5, 0.5));
+    let (_, lines) = tip(&browser).unwrap();
+    assert!(lines.iter().all(|(_, said)| said.starts_with("0 ″")), "{lines:?}");
+
+    // The third of five points has no value: nothing to be read off, and empty cells.
+    let _folder = opened(&browser, &table(5, |point, _| (point != 2).then_some(2.0 + point as f64)));
+    point_at(&browser, PICTURE, (0.5, 0.5));
+    let (at, _) = tip(&browser).unwrap();
+    assert_ne!(at, ["motion.frequency 1.02 Hz"]);
+    let cells = browser.ask("return [...document.querySelectorAll('.listing tbody tr')].slice(6, 9).map((r) => r.cells[3].textContent)", json!(null));
+    assert_eq!(cells, json!(["", "", ""]));
+    let _folder = opened(&browser, &table(3, |_, _| None));
+    let said = browser.text(&format!("return document.querySelector(\"{PICTURE} .nothing\").textContent"));
+    assert_eq!(said, "no value has a place on these axes");
+    is_silent(&browser);
+}
