@@ -43,6 +43,7 @@ mod lock;
 mod row;
 mod schema;
 mod source;
+mod whole;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -62,6 +63,7 @@ use lock::Lock;
 pub use lock::{Holder, LOCK};
 use row::{COLUMNS, Raw};
 pub use source::{Merged, Source};
+pub use whole::write_whole;
 
 /// The name of the database in a results folder.
 pub const FILE: &str = "tallies.sqlite";

@@ -1,5 +1,11 @@
 // Charts of curves y(x): bands, closed forms, laws and limit, a legend that switches them, and what is read off.
 
+/** An axis as it is, or linear where a logarithmic one has a place for none of its values. */
+function placed(axis, values) {
+  const hidden = axis.scale === "log" && values.length > 0 && !values.some((value) => value > 0);
+  return hidden ? { ...axis, scale: "linear" } : axis;
+}
+
 /** Most points of a line that all have markers, and how many have of more. */
 const MOST_MARKED = 200;
 const MARKED = 40;
@@ -12,8 +18,9 @@ const styled = (list, style) => list[style % list.length];
 class Curves {
   constructor(figure) {
     this.figure = figure;
-    this.x = figure.x;
-    this.y = figure.y;
+    const points = figure.series.flatMap((series) => series.points);
+    this.x = placed(figure.x, points.map((point) => point.x));
+    this.y = placed(figure.y, points.map((point) => point.y));
     this.off = new Set();
     this.hasLaws = figure.series.some((series) => series.law.length > 0);
     this.ownDashes = figure.dashes.entries.length > 0;

@@ -1,1 +1,25 @@
-//! The native part of the Python package `sagnac`.
+//! The native part of the Python package `sagnac`: arguments to library calls, and what they return as arrays and plain
+//! objects. What users call, with its documentation, is written in Python, in `python/sagnac`.
+
+mod compute;
+mod failure;
+mod filler;
+mod progress;
+mod record;
+mod run;
+mod table;
+mod theory;
+
+use pyo3::prelude::*;
+
+/// What the package is made of.
+#[pymodule]
+fn _sagnac(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("version", env!("CARGO_PKG_VERSION"))?;
+    module.add_function(wrap_pyfunction!(run::run, module)?)?;
+    module.add_function(wrap_pyfunction!(record::curves, module)?)?;
+    module.add_function(wrap_pyfunction!(record::fit, module)?)?;
+    module.add_function(wrap_pyfunction!(filler::of_kinds, module)?)?;
+    module.add_function(wrap_pyfunction!(filler::of_study, module)?)?;
+    theory::add_to(module)
+}

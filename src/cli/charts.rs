@@ -46,7 +46,7 @@ fn remove_undrawn(folder: &Path, charts: usize) -> Result<(), Failure> {
 }
 
 /// Whether [`chart_stem`] gives this name to some chart.
-fn is_chart_stem(stem: &str) -> bool {
+pub fn is_chart_stem(stem: &str) -> bool {
     let number = stem.strip_prefix("chart-").and_then(|number| number.parse().ok());
     stem == "chart" || number.is_some_and(|number: usize| number >= 1 && stem == format!("chart-{number}"))
 }

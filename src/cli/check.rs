@@ -13,13 +13,19 @@ use super::output::print;
 use super::progress::{How, Shown};
 use super::results::csv;
 
+const EXAMPLES: &str = "\
+Examples:
+  sagnac check results/my
+  sagnac check results/my results/copy --quiet";
+
 #[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// Results folders
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
     /// Print only errors
-    #[arg(long, short)]
+    #[arg(help_heading = "Output", long, short)]
     quiet: bool,
 }
 

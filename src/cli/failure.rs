@@ -16,6 +16,18 @@ use super::look;
 use super::progress::short;
 use super::run::Cause;
 
+/// What the program returns, and what that means.
+pub const EXIT_CODES: [(&str, &str); 8] = [
+    ("0", "done"),
+    ("1", "runtime error"),
+    ("2", "usage, unknown device"),
+    ("3", "invalid study or log, folder of another study or version"),
+    ("4", "stopped or incomplete, run again to go on"),
+    ("5", "a check failed"),
+    ("6", "storage or output (full, read-only, locked)"),
+    ("130, 143", "signals: Ctrl-C (SIGINT), SIGTERM; what was sampled is kept, run again to go on"),
+];
+
 /// The end of a command that did not do what it was asked for.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {

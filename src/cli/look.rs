@@ -14,6 +14,7 @@ const USUAL_WIDTH: usize = 80;
 pub struct Options {
     /// Colour messages and plots: on a terminal, unless NO_COLOR is set or TERM is dumb; always; never
     #[arg(
+        help_heading = "Output",
         long,
         global = true,
         value_enum,
@@ -69,10 +70,14 @@ pub fn of_output() -> Look {
 
 /// Columns of the standard output: those of its terminal, else 80.
 pub fn width() -> usize {
-    let terminal = std::io::stdout().is_terminal();
-    let size =
-        if terminal { terminal_size::terminal_size().map(|(width, _)| usize::from(width.0)) } else { None };
-    size.filter(|&width| width > 0).unwrap_or(USUAL_WIDTH)
+    columns().unwrap_or(USUAL_WIDTH)
+}
+
+/// The same where there is a terminal, or where COLUMNS says how wide the reader's is.
+pub fn columns() -> Option<usize> {
+    let told = || var_os("COLUMNS")?.to_str()?.parse().ok();
+    let asked = || std::io::stdout().is_terminal().then(terminal_size::terminal_size).flatten();
+    asked().map(|(width, _)| usize::from(width.0)).or_else(told).filter(|&width| width > 0)
 }
 
 fn colours(terminal: bool) -> bool {

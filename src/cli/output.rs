@@ -3,6 +3,7 @@
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 
+use sagnac::store::write_whole;
 use serde::Serialize;
 
 use super::Failure;
@@ -42,16 +43,7 @@ fn failure(error: io::Error) -> Failure {
 /// # Errors
 /// The file cannot be written.
 pub fn write(path: &Path, contents: &[u8]) -> Result<(), Failure> {
-    let failed = |source| Failure::Write { path: path.to_owned(), source };
-    let partial = path.with_extension("partial");
-    let written = std::fs::File::create(&partial)
-        .and_then(|mut file| file.write_all(contents).and_then(|()| file.sync_all()));
-    let written = written.and_then(|()| std::fs::rename(&partial, path));
-    written.map_err(|error| {
-        // Of a full disk half a file is worth less than its room.
-        let _ = std::fs::remove_file(&partial);
-        failed(error)
-    })
+    write_whole(path, contents).map_err(|source| Failure::Write { path: path.to_owned(), source })
 }
 
 /// Makes a limit on the size of files an error like any other; by itself it would end the program.

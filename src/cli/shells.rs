@@ -8,14 +8,25 @@ use clap_complete::{Shell, generate};
 use super::Failure;
 use super::output::{print, write};
 
+const EXAMPLES: &str = "\
+Examples:
+  sagnac completions bash > ~/.local/share/bash-completion/completions/sagnac
+  sagnac completions fish > ~/.config/fish/completions/sagnac.fish";
+
 #[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Completions {
     /// Which shell
     #[arg(value_name = "SHELL", value_enum)]
     shell: Shell,
 }
 
+const MAN_EXAMPLES: &str = "\
+Examples:
+  sagnac man ~/.local/share/man/man1";
+
 #[derive(Debug, Args)]
+#[command(after_long_help = MAN_EXAMPLES)]
 pub struct Man {
     /// Folder of the pages, such as ~/.local/share/man/man1
     #[arg(value_name = "DIR")]

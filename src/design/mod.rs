@@ -275,8 +275,19 @@ pub fn design(
     let total: usize = chosen.iter().map(|candidates| candidates.len() + 2).sum();
     progress.start("trials", 0, total as u64 * trials);
     let mut worker = Worker::new(device, progress);
+    let steps = |candidate: &Candidate| {
+        candidate.filled.launches().first().map_or(0.0, |(launch, _)| launch.steps() as f64)
+    };
+    // The two that are not known yet are near the middle of the others.
+    let of_filler = |candidates: &Vec<Candidate>| {
+        let known: f64 = candidates.iter().map(steps).sum();
+        known * (1.0 + 2.0 / candidates.len().max(1) as f64)
+    };
+    let (mut cost, all) = (0.0, chosen.iter().map(of_filler).sum());
     let mut sampled = |candidate: &Candidate| {
         let parts = sampling::parts(&candidate.filled, trials, &mut worker, progress)?;
+        cost += steps(candidate);
+        progress.cost(cost, all);
         of_parts(candidate, &parts, measure, trials)
     };
     let mut fillers = Vec::new();

@@ -73,10 +73,20 @@ impl Verdict<'_> {
             && self.limit == other.limit
     }
 
-    /// A heading that says what is judged, and a sentence for each curve.
-    pub fn text(&self) -> String {
-        let sentences = self.sentences().into_iter().map(|sentence| format!("  {sentence}\n"));
-        format!("{}\n{}", self.heading(), sentences.collect::<String>())
+    /// A heading that says what is judged, and `besides` it what is to be known of that, and a sentence for each curve.
+    pub fn text(&self, besides: &str) -> String {
+        let sentences = self.sentences().into_iter().map(|sentence| {
+            format!(
+                "  {sentence}
+"
+            )
+        });
+        format!(
+            "{}{besides}
+{}",
+            self.heading(),
+            sentences.collect::<String>()
+        )
     }
 
     /// What is judged, and where it is drawn.

@@ -1,10 +1,11 @@
 //! The answer of a study to its question.
 
-use super::sentences::{least, least_of_each, of_map, of_verdict};
+use super::sentences::{best, least_of_each, less_is_better, of_map, of_verdict};
 use crate::chart::{ChartError, Picture};
 use crate::picture::{Drawn, Shown, Verdict, filter, refused};
 use crate::run::Tables;
 use crate::study::{Chart, Kind, Source, Study, StudyError, text_columns};
+use crate::table::ColumnError;
 
 /// The answer: a sentence, and what stands behind it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -36,15 +37,15 @@ pub fn answer(
     let mut curves: Vec<(String, Vec<String>)> =
         verdicts.iter().map(|verdict| (verdict.heading(), verdict.sentences())).collect();
     for ((chart, shown), drawn) in study.charts.iter().zip(shown).zip(charts) {
-        if chart.limit.is_none() && matches!(drawn.picture, Picture::Curves(_)) {
-            let series: Vec<&str> = shown.series.iter().map(String::as_str).collect();
-            let axes = (chart.x.name.as_str(), shown.estimate.as_str());
-            let least = least_of_each(&shown.table, axes, &filter(chart), &series)
-                .map_err(|error| refused(study, chart, &error.into()))?;
-            curves.push((
-                format!("{}: the least {} of each curve", drawn.stem, drawn.picture.shown().label),
-                least,
-            ));
+        let each = match &drawn.picture {
+            Picture::Curves(_) if chart.limit.is_none() => {
+                of_each(chart, shown).map_err(|error| refused(study, chart, &error.into()))?
+            }
+            _ => vec![],
+        };
+        if !each.is_empty() {
+            let heading = format!("{}: the least {} of each curve", drawn.stem, drawn.picture.shown().label);
+            curves.push((heading, each));
         }
     }
     Ok(Answer { headline: headline.unwrap_or_default(), curves })
@@ -61,7 +62,17 @@ fn of_chart(
     }
     let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
     let by = apart(study, chart.source, series.collect());
-    Ok(least(&shown.table, &shown.estimate, &filter(chart), &by)?)
+    Ok(best(&shown.table, &shown.estimate, &filter(chart), &by)?)
+}
+
+/// Where each curve of a chart is least; nothing where that is not asked for.
+fn of_each(chart: &Chart, shown: &Shown) -> Result<Vec<String>, ColumnError> {
+    let (rows, estimate) = (filter(chart), shown.estimate.as_str());
+    if !less_is_better(&shown.table, estimate, &rows)? {
+        return Ok(vec![]);
+    }
+    let series: Vec<&str> = shown.series.iter().map(String::as_str).collect();
+    least_of_each(&shown.table, (&chart.x.name, estimate), &rows, &series)
 }
 
 /// The best row of a study without a chart.
@@ -80,7 +91,7 @@ fn undrawn(study: &Study, tables: &Tables) -> Option<String> {
     let rows = Some(rows).filter(has).unwrap_or_default();
     let by = apart(study, Source::Points, if study.kind() == Kind::Allan { vec!["tau"] } else { vec![] });
     // Every study of the kind has the columns.
-    least(&tables.points, estimate, &rows, &by).ok().flatten()
+    best(&tables.points, estimate, &rows, &by).ok().flatten()
 }
 
 /// The columns that tell rows apart, each once, with those of a chart first.

@@ -5,14 +5,15 @@ use crate::chart::{Cells, Map};
 use crate::table::{Cell, Column, ColumnError, Table, significant};
 use crate::verdict::{Answer as Judged, Outcome};
 
-/// The row with the least value of an estimate, as a sentence: `The least rms error is 2.1 ″ (95 %: 2 to 2.2): quadratic, frequency 4 Hz.`
+/// The rows that answer about an estimate, as a sentence: where it is least, `The least rms error is 2.1 ″ (95 %: 2 to 2.2): quadratic,
+/// frequency 4 Hz.`, or of one that is not the better the less it is, from where to where it runs.
 ///
 /// `filter` chooses rows as [`Table::rows_where`] does, `by` are the columns that tell them apart. None where no row has a value. Rows
 /// with the same value to the four digits that are said are counted.
 ///
 /// # Errors
 /// A name selects no single column, or the filter leaves no row.
-pub(super) fn least(
+pub(super) fn best(
     table: &Table,
     estimate: &str,
     filter: &[(String, String)],
@@ -23,36 +24,61 @@ pub(super) fn least(
     let rows = table.rows_where(filter)?;
     let known: Vec<(usize, f64)> =
         rows.iter().filter_map(|&row| Some((row, column.cells[row].number()?))).collect();
-    let Some(&(row, value)) = known.iter().min_by(|a, b| a.1.total_cmp(&b.1)) else {
+    let order = |a: &&(usize, f64), b: &&(usize, f64)| a.1.total_cmp(&b.1);
+    let Some((least, most)) = known.iter().min_by(order).zip(known.iter().max_by(order)) else {
         return Ok(None);
     };
-    let shown = |value: f64| significant(value, 4);
-    let unit = with_unit(column);
-    let band = column.band.as_ref().and_then(|band| band[row]);
-    let band =
-        band.map_or(String::new(), |(low, high)| format!(" (95 %: {} to {})", shown(low), shown(high)));
-    let places: Vec<String> = by
-        .iter()
-        .filter(|column| rows.iter().any(|&other| column.cells[other] != column.cells[row]))
-        .filter_map(|column| named(column, &column.cells[row]))
-        .collect();
-    let alike = known.iter().filter(|(_, other)| shown(*other) == shown(value)).count();
-    let sentence = match (known.len(), alike) {
-        (1, _) => format!("The {} is {}{unit}{band}", column.label, shown(value)),
-        (all, alike) if alike == all => {
-            format!("The {} is {}{unit} in all {all} rows", column.label, shown(value))
+    let place = |row: usize| {
+        let mut places: Vec<String> = Vec::new();
+        for column in by.iter().filter(|column| rows.iter().any(|&at| column.cells[at] != column.cells[row]))
+        {
+            // A count may have a column for its name too.
+            let said = |name: &String| places.iter().any(|place| place.ends_with(&format!("= {name}")));
+            places.extend(named(column, &column.cells[row]).filter(|name| !said(name)));
         }
-        (_, 1) => {
-            format!("The least {} is {}{unit}{band}: {}", column.label, shown(value), places.join(", "))
-        }
-        (_, alike) => format!(
-            "The least {} is {}{unit}{band}, in {alike} rows: {}, …",
-            column.label,
-            shown(value),
-            places.join(", ")
-        ),
+        places.join(", ")
     };
-    Ok(Some(format!("{sentence}.")))
+    let shown = |value: f64| format!("{}{}", significant(value, 4), with_unit(column));
+    let label = &column.label;
+    let alike = known.iter().filter(|(_, other)| shown(*other) == shown(least.1)).count();
+    let band = column.band.as_ref().and_then(|band| band[least.0]);
+    let band = band.map_or(String::new(), |(low, high)| {
+        format!(" (95 %: {} to {})", significant(low, 4), significant(high, 4))
+    });
+    Ok(Some(match (known.len(), alike) {
+        (1, _) => format!("The {label} is {}{band}.", shown(least.1)),
+        (all, alike) if alike == all => format!("The {label} is {} in all {all} rows.", shown(least.1)),
+        _ if !less_is_better(table, estimate, filter)? => format!(
+            "The {label} runs from {} ({}) to {} ({}).",
+            shown(least.1),
+            place(least.0),
+            shown(most.1),
+            place(most.0)
+        ),
+        (_, 1) => format!("The least {label} is {}{band}: {}.", shown(least.1), place(least.0)),
+        (_, alike) => {
+            format!("The least {label} is {}{band}, in {alike} rows: {}, …", shown(least.1), place(least.0))
+        }
+    }))
+}
+
+/// Whether an estimate is the better the less it is: errors and drifts are, but not intervals that are best, responses and what has both
+/// signs.
+///
+/// # Errors
+/// Those of [`best`].
+pub(super) fn less_is_better(
+    table: &Table,
+    estimate: &str,
+    filter: &[(String, String)],
+) -> Result<bool, ColumnError> {
+    let column = table.column(estimate)?;
+    let is_other =
+        ["optimum", "response", "normalised", "phase"].iter().any(|name| column.name.starts_with(name));
+    let is_bound = ["optimum_bound", "optimum_true_rms"].contains(&column.name.as_str());
+    let rows = table.rows_where(filter)?;
+    let signed = rows.iter().filter_map(|&row| column.cells[row].number()).any(|value| value < 0.0);
+    Ok((!is_other || is_bound) && !signed)
 }
 
 /// Where each curve is least, a sentence each, in the order of the table: `600 s: 0.153 °/h at switching interval 37.5 s`.
@@ -85,9 +111,12 @@ pub(super) fn least_of_each(
         places.sort_by(|a, b| a.0.total_cmp(&b.0));
         let ends = [places.first()?.0, places.last()?.0];
         let least = places.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let at_end = if ends.contains(&least.0) { ", the end of its range" } else { "" };
-        let value = format!("{}{}", significant(least.1, 4), with_unit(y));
         let name = if name.is_empty() { String::new() } else { format!("{name}: ") };
+        let value = format!("{}{}", significant(least.1, 4), with_unit(y));
+        if places.len() > 1 && places.iter().all(|place| place.1 == least.1) {
+            return Some(format!("{name}{value} everywhere"));
+        }
+        let at_end = if ends.contains(&least.0) { ", the end of its range" } else { "" };
         Some(format!("{name}{value} at {}{at_end}", x.valued(&significant(least.0, 4))))
     };
     Ok(curves.into_iter().filter_map(sentence).collect())

@@ -28,13 +28,18 @@ pub struct Source {
 }
 
 impl Source {
-    /// Of what a store holds of a study; `tables` are those of the same store.
+    /// Of what a store holds of a study; `tables` are those of the same store, `held` the trials that [`Plan::held`] says.
     ///
     /// # Errors
     /// The store cannot be read, or a row of it is damaged.
-    pub fn of(study: &Study, plan: &Plan, store: &Store, tables: &Tables) -> Result<Source, StoreError> {
+    pub fn of(
+        study: &Study,
+        plan: &Plan,
+        store: &Store,
+        tables: &Tables,
+        held: u64,
+    ) -> Result<Source, StoreError> {
         let identity = plan.identity();
-        let held = plan.held(store)?;
         let mut points = Vec::new();
         // Memory takes whatever is written to it.
         let _ = tables.points.write_csv(&mut points);

@@ -17,7 +17,13 @@ use super::output::{print, print_json, write};
 use super::progress::{self, Shown};
 use super::{DeviceArg, Failure};
 
+const EXAMPLES: &str = "\
+Examples:
+  sagnac design studies/design_point.toml
+  sagnac design studies/design_point.toml --by drift_rms --trials 10000 --plot";
+
 #[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// Study of kind = "switched-run": its intervals are tried, or without a sweep over them such as suit the run
     #[arg(value_name = "STUDY")]
@@ -28,24 +34,24 @@ pub struct Options {
     #[command(flatten)]
     device: DeviceArg,
     /// Folder of what is written [default: results/<name of the study file>/design; by others than drift_q9973 design_<estimate>]
-    #[arg(long, value_name = "DIR")]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Runs of each candidate, in place of the study's; rounded up to 32 times a power of two
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
     trials: Option<u64>,
     /// Seed, in place of the study's
-    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
     seed: Option<u64>,
     /// Print the recommendation as JSON
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     json: bool,
     /// Also draw the drift over the interval as text
-    #[arg(long, conflicts_with_all = ["json", "quiet"])]
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
     plot: bool,
     #[command(flatten)]
     progress: progress::Options,
     /// Print only errors and the recommendation
-    #[arg(long, short)]
+    #[arg(help_heading = "Output", long, short)]
     quiet: bool,
 }
 

@@ -4,10 +4,10 @@ mod summary;
 
 use std::path::Path;
 
-use sagnac::picture::{Drawn, Verdict, pictures, shown, verdicts};
-use sagnac::report::{Report, Source, answer};
+use sagnac::picture::{Drawn, Shown as Curves, Verdict, pictures, shown, verdicts};
+use sagnac::report::{Answer, Card, Report, Source, answer};
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
-use sagnac::store::Store;
+use sagnac::store::{self, Store};
 use sagnac::study::Study;
 use sagnac::table::{Cell, Table};
 use serde_json::{Value, json};
@@ -31,6 +31,14 @@ pub fn csv(table: &Table, path: &Path) -> Result<Vec<u8>, Failure> {
     Ok(csv)
 }
 
+/// The store of results that are there; of closed forms an empty one.
+///
+/// # Errors
+/// The folder is in use, of another study or kernel, or damaged.
+pub fn held(folder: &Path, plan: &Plan) -> Result<Store, Failure> {
+    Ok(store::Source::open(folder)?.into_store(&plan.identity())?)
+}
+
 /// A study whose results are to be shown.
 pub struct Results<'a> {
     pub study: &'a Study,
@@ -38,6 +46,8 @@ pub struct Results<'a> {
     pub folder: &'a Path,
     /// What was sampled, and on which device, where anything can be.
     pub done: Option<(&'a Done, String)>,
+    /// Trials that are missing of the whole.
+    pub lacking: u64,
 }
 
 /// Where results go besides their files.
@@ -57,30 +67,21 @@ impl Results<'_> {
     /// # Errors
     /// A row of the store is damaged, or a file cannot be written.
     pub fn show(&self, store: &Store, out: Out) -> Result<Option<Value>, Failure> {
-        let Results { study, plan, folder, done } = self;
+        let Results { study, plan, folder, .. } = self;
         let tables = plan.tables(store, &Shown::new(out.progress))?;
         for (name, table) in tables.files() {
             let path = folder.join(name);
             write(&path, &csv(table, &path)?)?;
         }
-        write(&folder.join(RESOLVED), study.resolved(plan.held(store)?).as_bytes())?;
+        let held = plan.held(store)?;
+        write(&folder.join(RESOLVED), study.resolved(held).as_bytes())?;
         let charts = pictures(study, &tables)?;
         draw(&charts, folder)?;
         let curves = shown(study, &tables)?;
         let verdicts = verdicts(study, &curves)?;
-        let degraded = done.iter().flat_map(|(done, _)| done.degraded.clone());
-        let uneven = if study.has_stop_rule() { None } else { uneven(&tables.points) };
-        let known: Vec<String> = degraded.chain(plan.notes(store)?).chain(uneven).collect();
-        let report = Report {
-            title: &study.title,
-            question: &study.question,
-            answer: answer(study, &tables, &charts, &curves, &verdicts)?,
-            notes: &known,
-            charts: &charts,
-            tables: tables.files().collect(),
-            source: Source::of(study, plan, store, &tables)?,
-        };
-        write(&folder.join(REPORT), report.html().as_bytes())?;
+        let known = self.known(store, held, &tables)?;
+        let answer = answer(study, &tables, &charts, &curves, &verdicts)?;
+        self.write_report(store, held, &tables, &charts, answer, &known)?;
         let of_charts = charts.iter().filter_map(Drawn::sentence);
         let notes: Vec<String> = of_charts.chain(known.iter().cloned()).collect();
         if out.json {
@@ -93,9 +94,78 @@ impl Results<'_> {
             if let Some(first) = charts.first().filter(|_| out.plot) {
                 print(&format!("{}\n", first.picture.text(look::of_output())))?;
             }
-            print(&summary::summary(study, &tables, &curves, &verdicts)?)?;
+            print(&self.summary(&tables, &curves, &verdicts)?)?;
         }
         Ok(None)
+    }
+
+    /// Makes the report anew, and returns what a gallery shows of it, without the way to it.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the file cannot be written.
+    pub fn report(&self, store: &Store, progress: How) -> Result<Card, Failure> {
+        let Results { study, plan, .. } = self;
+        let tables = plan.tables(store, &Shown::new(progress))?;
+        let charts = pictures(study, &tables)?;
+        let curves = shown(study, &tables)?;
+        let verdicts = verdicts(study, &curves)?;
+        let answer = answer(study, &tables, &charts, &curves, &verdicts)?;
+        let headline = answer.headline.clone();
+        let held = plan.held(store)?;
+        let known = self.known(store, held, &tables)?;
+        self.write_report(store, held, &tables, &charts, answer, &known)?;
+        Ok(Card {
+            title: study.title.clone(),
+            question: study.question.clone(),
+            headline,
+            svg: charts.first().map(|drawn| drawn.picture.svg()),
+            report: REPORT.to_owned(),
+        })
+    }
+
+    /// What should be known besides the results, but of charts.
+    fn known(&self, store: &Store, held: u64, tables: &Tables) -> Result<Vec<String>, Failure> {
+        let Results { study, plan, done, lacking, .. } = self;
+        let incomplete = (*lacking > 0)
+            .then(|| format!("the run is incomplete: {} trials are missing", short(*lacking as f64)));
+        let degraded = done.iter().flat_map(|(done, _)| done.degraded.clone());
+        let uneven = if study.has_stop_rule() { None } else { uneven(&tables.points) };
+        Ok(incomplete.into_iter().chain(degraded).chain(plan.notes(store, held)?).chain(uneven).collect())
+    }
+
+    fn write_report(
+        &self,
+        store: &Store,
+        held: u64,
+        tables: &Tables,
+        charts: &[Drawn],
+        answer: Answer,
+        notes: &[String],
+    ) -> Result<(), Failure> {
+        let Results { study, plan, folder, .. } = self;
+        let report = Report {
+            title: &study.title,
+            question: &study.question,
+            answer,
+            notes,
+            charts,
+            tables: tables.files().collect(),
+            source: Source::of(study, plan, store, tables, held)?,
+        };
+        write(&folder.join(REPORT), report.html().as_bytes())
+    }
+
+    /// The table of the first chart, coefficients, and all verdicts, for people.
+    ///
+    /// # Errors
+    /// The table does not have what a chart asks for.
+    pub fn summary(
+        &self,
+        tables: &Tables,
+        curves: &[Curves],
+        verdicts: &[Verdict],
+    ) -> Result<String, Failure> {
+        summary::summary(self.study, tables, curves, verdicts, self.lacking)
     }
 
     fn to_json(&self, tables: &Tables, verdicts: &[Verdict], notes: &[String]) -> Value {
@@ -125,6 +195,9 @@ impl Results<'_> {
             "verdicts": verdicts.iter().map(Verdict::json).collect::<Vec<_>>(),
             "points": rows(&tables.points),
         });
+        if self.lacking > 0 {
+            document["missing_trials"] = json!(self.lacking);
+        }
         if let Some(coefficients) = &tables.coefficients {
             document["coefficients"] = json!(rows(coefficients));
         }

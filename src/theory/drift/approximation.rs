@@ -18,7 +18,9 @@ fn smaller_root(b: f64, c: f64, d: f64) -> Option<f64> {
     }
     loop {
         let middle = 0.5 * (below + above);
-        if middle <= below || middle >= above {
+        // Also of what is no number.
+        let is_between = below < middle && middle < above;
+        if !is_between {
             return Some(middle);
         }
         *if left(middle) < 0.0 { &mut below } else { &mut above } = middle;
@@ -124,6 +126,14 @@ mod tests {
         for none in [(0.0, 1.0, 1.0), (-1.0, 0.0, 1.0), (1.0, 1.0, 0.0), (1.0, 1.0, 0.15)] {
             assert_eq!(smaller_root(none.0, none.1, none.2), None, "{none:?}");
         }
+    }
+
+    #[test]
+    fn the_search_ends_for_what_is_no_number() {
+        let strange = Budget { residual_max: f64::NAN, ..PAPER };
+        assert!(strange.optimum_as_published(600.0).is_some_and(f64::is_nan));
+        assert!(strange.optimum(600.0).is_some_and(|best| best.bound.is_nan()));
+        assert!(PAPER.optimum(f64::NAN).is_some_and(|best| best.bound.is_nan()));
     }
 
     #[test]

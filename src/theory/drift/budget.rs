@@ -93,7 +93,9 @@ impl Budget {
         }
         loop {
             let middle = 0.5 * (below + above);
-            if middle <= below || middle >= above {
+            // Also of what is no number.
+            let is_between = below < middle && middle < above;
+            if !is_between {
                 return Some(Optimum { interval_s: middle, bound: bound(middle) });
             }
             *if self.slope(middle, t_s) < 0.0 { &mut below } else { &mut above } = middle;

@@ -1,0 +1,63 @@
+"""Monte Carlo studies for laser gyroscopes, and what belongs to them, with NumPy in and out.
+
+- :func:`run` runs a study: the tables, charts and verdicts of the program ``sagnac``, bit for bit.
+- :func:`allan` takes deviations of a record: Allan, modified Allan, time, Hadamard, with intervals and noise types.
+- :func:`fit` fits the noise coefficients Q, N, B, K, R to a record.
+- :func:`filler` gives the weights that fill the gap at a mode switch, as exact fractions.
+- :mod:`sagnac.theory` has the closed forms behind all of that, over arrays.
+
+Angles are in ″ (arcsec), rates in °/h, which is the same number in ″/s, times in s; where something else is meant the name
+or the ``unit`` says so. What is not known is NaN in an array and None elsewhere, never 0.
+
+Errors are those of :mod:`sagnac.errors`, all of them a :class:`SagnacError`.
+
+>>> import numpy as np, sagnac
+>>> rates = np.random.default_rng(1).normal(0.0, 0.03, 36_000)      # deg/h, at 100 Hz
+>>> found = sagnac.fit(rates, 100.0, unit="deg/h")
+>>> found["N"].verdict, round(found["N"].value, 7)                  # deg/sqrt(h): 0.03/60/sqrt(100)
+('identified', 4.99e-05)
+"""
+
+from . import errors, theory
+from ._sagnac import version as __version__
+from .errors import (
+    DeviceError,
+    InternalError,
+    RecordError,
+    SagnacError,
+    StorageError,
+    StudyError,
+    UsageError,
+)
+from .fillers import Filler, Fillers, Rule, filler
+from .records import Allan, Coefficient, Curve, Fit, Minimum, allan, fit
+from .results import Results, Table, Verdict
+from .studies import run
+
+__all__ = [
+    "Allan",
+    "Coefficient",
+    "Curve",
+    "DeviceError",
+    "Filler",
+    "Fillers",
+    "Fit",
+    "InternalError",
+    "Minimum",
+    "RecordError",
+    "Results",
+    "Rule",
+    "SagnacError",
+    "StorageError",
+    "StudyError",
+    "Table",
+    "UsageError",
+    "Verdict",
+    "__version__",
+    "allan",
+    "errors",
+    "filler",
+    "fit",
+    "run",
+    "theory",
+]

@@ -1,0 +1,366 @@
+"""Deviations and noise coefficients of recorded data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _sagnac
+from .errors import RecordError, UsageError
+from .studies import MOST_THREADS, _whole
+
+if TYPE_CHECKING:
+    import pandas
+
+Kind = Literal["rate", "increment", "angle"]
+Deviation = Literal["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"]
+Numbers = NDArray[np.float64]
+Counts = NDArray[np.int64]
+
+#: Fewest simulated records whose 2.5 % ends are worth anything.
+LEAST_REALISATIONS = 200
+
+
+@dataclass(frozen=True)
+class _Reading:
+    kind: str
+    unit: str
+    step_s: float
+    detrend: bool
+    remove_outliers: bool
+    unit_check: bool
+    threads: int
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """Where a curve is lowest: what data sheets call in-run bias stability. The bias instability B is another thing."""
+
+    tau: float
+    value: float
+    lower: float | None
+    upper: float | None
+    at_end: bool
+    """Whether the curve ends there, so that a longer record may show less."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A deviation over averaging times. All arrays have one value for each."""
+
+    deviation: str
+    unit: str
+    """``deg/h``, of a time deviation ``arcsec``; empty for plain numbers."""
+    m: Counts
+    """Averaging factors: τ in samples."""
+    tau: Numbers
+    """s."""
+    terms: Counts
+    """How many differences were averaged; those that touch a gap are not among them."""
+    value: Numbers
+    """NaN where there is no term."""
+    lower: Numbers
+    upper: Numbers
+    """Ends of the interval; NaN where it cannot be told."""
+    alpha: Numbers
+    """The noise, S(f) ∝ f^α: 2 quantisation, 0 angle random walk, −1 bias instability, −2 rate random walk; NaN where the
+    record is too short to tell."""
+    alpha_carried: NDArray[np.bool_]
+    """Whether α was found at a shorter τ, because here there are too few groups."""
+    edf: Numbers
+    """Equivalent degrees of freedom of the variance."""
+    minimum: Minimum | None
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The arrays as the columns of a pandas DataFrame; pandas has to be installed."""
+        import pandas
+
+        names = ["m", "tau", "terms", "value", "lower", "upper", "alpha", "alpha_carried", "edf"]
+        return pandas.DataFrame({name: getattr(self, name) for name in names})
+
+
+@dataclass(frozen=True)
+class Allan(Mapping[str, Curve]):
+    """The curves of a record by the names of their deviations: ``found["oadev"].tau``."""
+
+    curves: dict[str, Curve]
+    missing: int
+    """Samples that are NaN."""
+    mean_rate: float | None
+    """°/h, or for plain numbers in their unit over s where they are no rates."""
+    removed_slope_per_s: float
+    """Slope of the rate that ``detrend`` removed, in the unit of the curve per s."""
+    outliers: Counts
+    """Which samples, or for angles which increments, stand out from their neighbours; they are in the curves unless
+    ``remove_outliers`` is given."""
+    outlier_threshold: float
+
+    def __getitem__(self, deviation: str) -> Curve:
+        return self.curves[deviation]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.curves)
+
+    def __len__(self) -> int:
+        return len(self.curves)
+
+
+@dataclass(frozen=True)
+class Coefficient:
+    """What a record says of one coefficient."""
+
+    name: str
+    unit: str
+    """That of data sheets: Q ``arcsec``, N ``deg/sqrt(h)``, B ``deg/h``, K ``deg/h/sqrt(h)``, R ``deg/h/h``."""
+    value: float | None
+    """None where it is not identified."""
+    lower: float | None
+    upper: float | None
+    """Ends of the 95 % interval; where there is no value, ``upper`` is the most that it is."""
+    verdict: str
+    """``identified``, or what else is known."""
+
+    @property
+    def is_identified(self) -> bool:
+        """Whether the interval of its square does not contain 0, and no other term would do as well."""
+        return self.verdict == "identified"
+
+
+@dataclass(frozen=True)
+class Fit(Mapping[str, Coefficient]):
+    """The coefficients of a record by their names: ``found["N"].value``."""
+
+    coefficients: dict[str, Coefficient]
+    """Q, N, B, K, R; ``markov``, ``markov_time``, ``sine``, ``sine_frequency`` where they are asked for."""
+    intervals: str
+    """Where the intervals come from, ``bootstrap of 1000`` or ``closed form``."""
+    without_bootstrap: str | None
+    """Why no records were simulated, where nobody asked for that."""
+    chi_squared: float
+    """Residuals in the measure of the covariance between the points of the curve."""
+    degrees_of_freedom: int
+    p_value: float | None
+    """Probability of residuals as large if the fit is right: below 1e-9 other terms are needed."""
+    tau: Numbers
+    """Averaging times of the curve that is fitted, up to an eighth of the record, s."""
+    deviation: Numbers
+    """The overlapping Allan deviation there, °/h."""
+    fitted: Numbers
+    """That of the best fit, as it shows in samples of this rate, also of terms that are not identified."""
+    missing: int
+    mean_rate: float | None
+    removed_slope_per_s: float
+    outliers: Counts
+    """As in :class:`Allan`."""
+
+    def __getitem__(self, name: str) -> Coefficient:
+        return self.coefficients[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.coefficients)
+
+    def __len__(self) -> int:
+        return len(self.coefficients)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The coefficients as a pandas DataFrame, a row for each; pandas has to be installed."""
+        import pandas
+
+        return pandas.DataFrame([vars(coefficient) for coefficient in self.coefficients.values()])
+
+
+def allan(
+    data: ArrayLike,
+    rate: float,
+    *,
+    unit: str,
+    kind: Kind = "rate",
+    deviation: Deviation | Sequence[Deviation] = ("oadev",),
+    taus: str | ArrayLike = "octave",
+    confidence: float = 0.95,
+    detrend: bool = False,
+    remove_outliers: bool = False,
+    unit_check: bool = True,
+    threads: int | None = None,
+) -> Allan:
+    """Deviations of a record with intervals and noise types, as ``sagnac allan`` gives them.
+
+    Parameters
+    ----------
+    data
+        One axis: evenly spaced samples in one dimension, NaN for those that are missing. An array of float64 whose numbers lie
+        side by side is not copied; the angles made of it take as much memory again. Do not write to it meanwhile.
+    rate
+        Samples per second.
+    unit
+        ``deg/h``, ``deg/s``, ``rad/s``, ``arcsec``, … as ``kind`` has it; pulses by their size, ``0.5 arcsec/pulse``; ``none`` for
+        plain numbers.
+    kind
+        ``rate``: the mean angular rate over each sample; ``increment``: the angle turned in it; ``angle``: the angle, or phase,
+        since some start.
+    deviation
+        One or several of ``adev``, ``oadev``, ``mdev``, ``tdev``, ``hdev``, ``ohdev``.
+    taus
+        ``octave``, ``decade10``, ``decade20``, ``all`` (of at most 200,000 samples), or seconds, each taken at the nearest whole
+        number of samples.
+    confidence
+        Probability of the intervals.
+    detrend
+        Removes a straight line from the rate.
+    remove_outliers
+        Takes samples more than 8 standard deviations from the median of their neighbours for missing.
+    unit_check
+        Refuses rates that look as if in another unit: degrees taken for radians, means above 20 °/s.
+    threads
+        By default as many as the processor runs at once. The curves are the same bits for any number.
+
+    Notes
+    -----
+    Definitions are those of NIST SP 1065 and IEEE Std 952; a rate in °/h is one in ″/s. The noise is identified by its
+    lag-1 autocorrelation; intervals are those of χ² with the degrees of freedom of Greenhall and Riley. Terms that touch a
+    gap are left out.
+
+    Raises
+    ------
+    RecordError
+        Fewer than 16 samples, all of them equal, infinite ones, another unit than said.
+    UsageError
+        An argument that is none of those accepted, averaging times that the record does not have.
+
+    Examples
+    --------
+    >>> rates = np.random.default_rng(1).normal(0.0, 1.0, 10_000)
+    >>> curve = allan(rates, 100.0, unit="deg/h")["oadev"]
+    >>> curve.tau[:3], np.round(curve.value[:3], 2), curve.alpha[0]
+    (array([0.01, 0.02, 0.04]), array([0.99, 0.7 , 0.5 ]), np.float64(0.0))
+    """
+    values, reading = _reading(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
+    names = [deviation] if isinstance(deviation, str) else list(deviation)
+    if not 0.0 < confidence < 1.0:
+        raise UsageError(f"confidence={confidence}\naccepted: between 0 and 1, as in 0.95")
+    times = taus if isinstance(taus, str) else [float(tau) for tau in np.atleast_1d(np.asarray(taus))]
+    found = _sagnac.curves(values, reading, names, times, confidence)
+    curves = {}
+    for raw in found["curves"]:
+        least = raw["minimum"]
+        curves[raw["deviation"]] = Curve(
+            deviation=raw["deviation"],
+            unit=raw["unit"],
+            m=raw["m"],
+            tau=raw["tau"],
+            terms=raw["terms"],
+            value=raw["value"],
+            lower=raw["lower"],
+            upper=raw["upper"],
+            alpha=raw["alpha"],
+            alpha_carried=raw["alpha_carried"],
+            edf=raw["edf"],
+            minimum=None if least is None else Minimum(*least),
+        )
+    return Allan(
+        curves=curves,
+        missing=found["missing"],
+        mean_rate=found["mean_rate"],
+        removed_slope_per_s=found["removed_slope_per_s"],
+        outliers=found["outliers"],
+        outlier_threshold=found["outlier_threshold"],
+    )
+
+
+def fit(
+    data: ArrayLike,
+    rate: float,
+    *,
+    unit: str,
+    kind: Kind = "rate",
+    terms: Literal["auto"] | Sequence[str] = "auto",
+    bootstrap: int | None = None,
+    detrend: bool = False,
+    remove_outliers: bool = False,
+    unit_check: bool = True,
+    threads: int | None = None,
+) -> Fit:
+    """Noise coefficients of a record with 95 % intervals and a verdict for each, as ``sagnac allan`` gives them.
+
+    Parameters
+    ----------
+    data, rate, unit, kind, detrend, remove_outliers, unit_check, threads
+        As of :func:`allan`. With ``detrend`` the rate ramp R is gone and K comes out too low.
+    terms
+        ``auto``, those of Q, N, B, K, R that the record supports, or a list of Q, N, B, K, R, ``markov``, ``sine``.
+    bootstrap
+        Simulated records of the fit, from which the intervals come by test inversion: at least 200, or 0 for intervals in
+        closed form. By default 1000, of more than 2 million samples 0, which :attr:`Fit.without_bootstrap` then says.
+
+    Notes
+    -----
+    Least squares on the overlapping Allan variances at the octaves of τ up to an eighth of the record, with the
+    covariance between them, each term as it shows in samples. A value is given only where it is identified, else a bound.
+    Intervals are those of a record without gaps.
+
+    Ctrl-C is heard when the fit is done, some seconds at the most without a ``bootstrap`` of long records.
+
+    Raises
+    ------
+    RecordError, UsageError
+        As of :func:`allan`; and a record whose noise cannot be told.
+
+    Examples
+    --------
+    >>> rates = np.random.default_rng(1).normal(0.0, 1.0, 10_000)       # white: N = 1/sqrt(100) arcsec/sqrt(s)
+    >>> found = fit(rates, 100.0, unit="deg/h", bootstrap=0)
+    >>> [name for name, coefficient in found.items() if coefficient.is_identified]
+    ['N']
+    >>> found["N"].unit, found["N"].lower < 0.1 / 60 < found["N"].upper
+    ('deg/sqrt(h)', True)
+    >>> found["B"].value is None, found["B"].verdict
+    (True, 'none found, at most the upper end')
+    """
+    values, reading = _reading(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
+    if bootstrap is not None and bootstrap != 0:
+        bootstrap = _whole("bootstrap", bootstrap, LEAST_REALISATIONS, 1 << 20)
+    if isinstance(terms, str) and terms != "auto":
+        raise UsageError(f'terms="{terms}"\naccepted: "auto", or a list such as ["Q", "N", "B"]')
+    found = _sagnac.fit(values, reading, None if terms == "auto" else list(terms), bootstrap)
+    return Fit(
+        coefficients={row[0]: Coefficient(*row) for row in found["rows"]},
+        intervals=found["intervals"],
+        without_bootstrap=found["without_bootstrap"],
+        chi_squared=found["chi_squared"],
+        degrees_of_freedom=found["degrees_of_freedom"],
+        p_value=found["p_value"],
+        tau=found["tau"],
+        deviation=found["deviation"],
+        fitted=found["fitted"],
+        missing=found["missing"],
+        mean_rate=found["mean_rate"],
+        removed_slope_per_s=found["removed_slope_per_s"],
+        outliers=found["outliers"],
+    )
+
+
+def _reading(
+    data: ArrayLike,
+    rate: float,
+    kind: str,
+    unit: str,
+    detrend: bool,
+    remove_outliers: bool,
+    unit_check: bool,
+    threads: int | None,
+) -> tuple[Numbers, _Reading]:
+    try:
+        values = np.ascontiguousarray(data, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise RecordError(f"the data are no array of numbers: {error}") from error
+    if np.ndim(data) != 1:
+        raise RecordError(f"the array has {np.ndim(data)} dimensions\ngive one axis, as in data[:, 0]")
+    step = 1.0 / rate if rate > 0.0 else 0.0
+    if not 1e-9 <= step <= 1e9:
+        raise UsageError(f"rate={rate}\naccepted: samples per second from 1e-9 to 1e9")
+    count = 0 if threads is None else _whole("threads", threads, 1, MOST_THREADS)
+    return values, _Reading(kind, unit, step, detrend, remove_outliers, unit_check, count)

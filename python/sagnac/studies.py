@@ -1,0 +1,144 @@
+"""Running studies."""
+
+from __future__ import annotations
+
+import json
+import operator
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from . import _sagnac
+from .errors import StorageError, UsageError
+from .results import Results, Table, Verdict
+
+#: Most trials at a point.
+MOST_TRIALS = 1 << 40
+
+#: Most threads of the processor.
+MOST_THREADS = 4096
+
+
+def run(
+    study: str | os.PathLike[str],
+    *,
+    trials: int | None = None,
+    seed: int | None = None,
+    device: str = "auto",
+    threads: int | None = None,
+    out: str | os.PathLike[str] | None = None,
+    progress: Callable[[int, int, str], object] | None = None,
+) -> Results:
+    """Runs a study: samples what its results folder lacks, and returns all tables, charts and verdicts.
+
+    The numbers are those of ``sagnac run``, to the last bit, on every device and with any number of threads.
+
+    Parameters
+    ----------
+    study
+        The path of a study file, or its text, which is told by its line ends. Files that a text names are looked for
+        in the working directory.
+    trials, seed
+        In place of those of the study: 1 to 2**40 trials at each point, a seed below 2**63.
+    device
+        ``auto``, ``cpu``, ``gpu``, a width of the processor such as ``avx2``, part of an adapter's name or its PCI address.
+        ``auto`` is a GPU that passes its self-test, else the processor.
+    threads
+        Of the processor; by default as many as it runs at once.
+    out
+        The results folder: the exact tallies, from which a later run, also one of the program, goes on, the tables as
+        CSV and the study as it was run. ``sagnac run`` on that study adds the charts. Without it nothing is kept.
+    progress
+        Called as ``progress(done, total, unit)`` some times a second, ``unit`` being ``trials``, ``samples`` or ``fits``.
+        What it raises ends the run and is raised here.
+
+    Notes
+    -----
+    Other threads of Python go on meanwhile. Ctrl-C ends the run within a batch, a third of a second, with a
+    KeyboardInterrupt; with ``out`` what was sampled is kept, and the same call goes on from there.
+
+    Raises
+    ------
+    StudyError
+        The study makes no sense; the message shows where.
+    StorageError, DeviceError, UsageError
+        The folder or the device cannot be used, or an argument is none of those accepted.
+
+    Examples
+    --------
+    >>> results = run('''
+    ... title = "A gap of three ticks"
+    ... kind = "gap-fill"
+    ... trials = 1000
+    ... [gyro]
+    ... tick = "5 ms"
+    ... tick_noise = { std = "0.5 arcsec" }
+    ... [motion]
+    ... amplitude = "12000 arcsec/s"
+    ... frequency = "20 Hz"
+    ... [switching]
+    ... gap_ticks = 3
+    ... fillers = ["const", "quadratic"]
+    ... ''')
+    >>> [f"{filler}: {rms:.3g}" for filler, rms in zip(results.points["filler"], results.points["oracle_rms_arcsec"])]
+    ['const: 109', 'quadratic: 19.1']
+    """
+    path, text = _source(study)
+    if trials is not None:
+        trials = _whole("trials", trials, 1, MOST_TRIALS)
+    if seed is not None:
+        seed = _whole("seed", seed, 0, (1 << 63) - 1)
+    threads = 0 if threads is None else _whole("threads", threads, 1, MOST_THREADS)
+
+    def within(folder: Path) -> Results:
+        kept = out is not None
+        found = _sagnac.run(path, text, trials, seed, device, threads, folder, kept, progress)
+        return _results(found, folder if kept else None)
+
+    if out is not None:
+        return within(Path(out))
+    try:
+        folder = tempfile.TemporaryDirectory(prefix="sagnac-")
+    except OSError as error:
+        raise StorageError(f"cannot make a folder for the tallies: {error}\nmake room, or give one with out=") from error
+    with folder:
+        return within(Path(folder.name))
+
+
+def _source(study: str | os.PathLike[str]) -> tuple[Path | None, str]:
+    if isinstance(study, str) and "\n" in study:
+        return None, study
+    return Path(study), ""
+
+
+def _whole(name: str, value: int, least: int, most: int) -> int:
+    """A whole number between these, of any type that is one."""
+    try:
+        whole = operator.index(value)
+    except TypeError:
+        raise UsageError(f"{name}={value!r} is no whole number\naccepted: {least} to {most}") from None
+    if not least <= whole <= most:
+        raise UsageError(f"{name}={whole}\naccepted: {least} to {most}")
+    return whole
+
+
+def _results(found: _sagnac.RawResults, folder: Path | None) -> Results:
+    coefficients, trajectories = found["coefficients"], found["trajectories"]
+    return Results(
+        title=found["title"],
+        question=found["question"],
+        kind=found["kind"],
+        points=Table(found["points"]),
+        coefficients=None if coefficients is None else Table(coefficients),
+        trajectories=None if trajectories is None else Table(trajectories),
+        verdicts=tuple(Verdict(text, json.loads(data)) for text, data in found["verdicts"]),
+        notes=tuple(found["notes"]),
+        charts=dict(found["charts"]),
+        seed=found["seed"],
+        trials=found["trials"],
+        device=found["device"],
+        sampled_trials=found["sampled_trials"],
+        seconds=found["seconds"],
+        folder=folder,
+    )

@@ -1,0 +1,28 @@
+//! Work without Python's lock.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use pyo3::prelude::*;
+
+use super::failure::Failure;
+
+/// Does `work` while other threads of Python go on. A fault of the program itself is an error like any other.
+pub fn compute<T: Send>(py: Python, work: impl FnOnce() -> Result<T, Failure> + Send) -> PyResult<T> {
+    let done = py.detach(|| catch_unwind(AssertUnwindSafe(work)).unwrap_or(Err(Failure::Panic)));
+    done.map_err(PyErr::from)
+}
+
+/// The same on so many threads, for 0 as many as the machine runs at once.
+///
+/// They are started for this work alone: a process that is forked later has none of them, and would wait for ever for
+/// those of a pool that outlives the call.
+pub fn compute_on<T: Send>(
+    py: Python,
+    threads: usize,
+    work: impl FnOnce() -> Result<T, Failure> + Send,
+) -> PyResult<T> {
+    compute(py, || {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.map_err(|error| Failure::Threads(error.to_string()))?.install(work)
+    })
+}

@@ -1,0 +1,122 @@
+//! What can go wrong, as exceptions of `sagnac.errors`.
+
+use pyo3::import_exception;
+use pyo3::prelude::*;
+use sagnac::allan::TauError;
+use sagnac::backend::SelectError;
+use sagnac::firmware::ChoiceError;
+use sagnac::run::RunError;
+use sagnac::store::StoreError;
+use sagnac::study::StudyError as Refused;
+
+import_exception!(sagnac.errors, DeviceError);
+import_exception!(sagnac.errors, InternalError);
+import_exception!(sagnac.errors, RecordError);
+import_exception!(sagnac.errors, StorageError);
+import_exception!(sagnac.errors, StudyError);
+import_exception!(sagnac.errors, UsageError);
+
+/// Columns of a study's report.
+const WIDTH: usize = 100;
+
+/// Why a call did not do what it was asked for.
+#[derive(Debug)]
+pub enum Failure {
+    Study(Refused),
+    /// An argument.
+    Usage(String),
+    /// Samples.
+    Record(String),
+    Store(StoreError),
+    Select(SelectError),
+    Run(RunError),
+    Write(String),
+    Threads(String),
+    /// What a function of the caller raised, or an interruption.
+    Python(PyErr),
+    /// The panic itself is told by Rust on the standard error stream.
+    Panic,
+}
+
+impl From<Failure> for PyErr {
+    fn from(failure: Failure) -> PyErr {
+        match failure {
+            Failure::Study(error) => StudyError::new_err(error.render(false, WIDTH).trim_end().to_owned()),
+            Failure::Usage(message) => UsageError::new_err(message),
+            Failure::Record(message) => RecordError::new_err(message),
+            Failure::Store(error) => StorageError::new_err(in_python(&error.to_string())),
+            Failure::Select(error) if error.is_usage() => UsageError::new_err(in_python(&error.to_string())),
+            Failure::Select(error) => DeviceError::new_err(in_python(&error.to_string())),
+            Failure::Run(RunError::Store(error)) => StorageError::new_err(in_python(&error.to_string())),
+            Failure::Run(RunError::Gpu(error)) => DeviceError::new_err(format!(
+                "{error}\nwhat was computed is kept where out= is given: run again to go on, or use device=\"cpu\""
+            )),
+            Failure::Run(RunError::Records(error)) => RecordError::new_err(error.to_string()),
+            Failure::Write(message) => StorageError::new_err(message),
+            Failure::Threads(message) => DeviceError::new_err(format!("cannot start threads: {message}")),
+            Failure::Python(error) => error,
+            Failure::Panic => InternalError::new_err(
+                "the program came into a state that it should not: this is a fault of sagnac, and nothing is wrong with \
+                 what it was given\nplease report it with the message above",
+            ),
+        }
+    }
+}
+
+impl From<Refused> for Failure {
+    fn from(error: Refused) -> Failure {
+        Failure::Study(error)
+    }
+}
+
+impl From<StoreError> for Failure {
+    fn from(error: StoreError) -> Failure {
+        Failure::Store(error)
+    }
+}
+
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Failure {
+        Failure::Run(error)
+    }
+}
+
+impl From<SelectError> for Failure {
+    fn from(error: SelectError) -> Failure {
+        Failure::Select(error)
+    }
+}
+
+impl From<TauError> for Failure {
+    fn from(error: TauError) -> Failure {
+        Failure::Usage(in_python(&error.to_string()))
+    }
+}
+
+impl From<ChoiceError> for Failure {
+    fn from(error: ChoiceError) -> Failure {
+        match error {
+            ChoiceError::Asked(message) => Failure::Usage(in_python(&message)),
+            ChoiceError::Study(error) => Failure::Study(error),
+        }
+    }
+}
+
+/// Options of the program and the arguments that stand for them.
+const NAMES: [(&str, &str); 6] = [
+    ("--device ", "device="),
+    ("--out ", "out="),
+    ("--tau ", "taus="),
+    ("--at ", "at="),
+    ("--filler ", "fillers="),
+    ("--bootstrap ", "bootstrap="),
+];
+
+/// A message of the library in terms of arguments; commands in backticks are those of a shell.
+pub fn in_python(message: &str) -> String {
+    let part = |(place, part): (usize, &str)| match place % 2 {
+        0 => NAMES.iter().fold(part.to_owned(), |said, (option, argument)| said.replace(option, argument)),
+        _ => part.to_owned(),
+    };
+    message.split('`').enumerate().map(part).collect::<Vec<_>>().join("`")
+}

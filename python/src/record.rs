@@ -1,0 +1,294 @@
+//! Deviations and fits of an array.
+
+use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use sagnac::allan::{Angles, Deviation, Line, Point, Taus, Trend, curve, minimum};
+use sagnac::fit::{DataSheet, FitError, Simulated, Term, Terms, curve_of};
+use sagnac::record::log::{Data, Fault, LEAST_SAMPLES, MOST_SAMPLES, Outliers, Samples, Unit, UnitCheck};
+use sagnac::table::significant;
+use sagnac::theory::allan::Estimator;
+
+use super::compute::compute_on;
+use super::failure::Failure;
+
+/// What the samples are and what is done to them.
+#[derive(FromPyObject)]
+pub struct Reading {
+    kind: String,
+    unit: String,
+    step_s: f64,
+    detrend: bool,
+    remove_outliers: bool,
+    unit_check: bool,
+    threads: usize,
+}
+
+/// A point of a curve that was fitted: τ, the deviation, that of the fit.
+type Fitted = (f64, f64, Option<f64>);
+
+/// An array as it is analysed.
+struct Record {
+    angles: Angles,
+    outliers: Outliers,
+    missing: usize,
+    mean_rate: Option<f64>,
+    /// In the unit of the curve per s.
+    slope: f64,
+    unit: sagnac::allan::Unit,
+}
+
+/// Averaging times: a name, or seconds.
+#[derive(FromPyObject)]
+pub enum Times {
+    Named(String),
+    Seconds(Vec<f64>),
+}
+
+impl Times {
+    fn taus(self) -> Result<Taus, Failure> {
+        match self {
+            Times::Seconds(seconds) => Ok(Taus::Seconds(seconds)),
+            Times::Named(name) => match name.as_str() {
+                "octave" => Ok(Taus::Octave),
+                "decade10" => Ok(Taus::Decade(10)),
+                "decade20" => Ok(Taus::Decade(20)),
+                "all" => Ok(Taus::All),
+                other => Err(Failure::Usage(format!(
+                    "taus=\"{other}\" is none\naccepted: \"octave\", \"decade10\", \"decade20\", \"all\", or seconds as in \
+                     [1, 10, 100]"
+                ))),
+            },
+        }
+    }
+}
+
+impl Reading {
+    fn trend(&self) -> Trend {
+        if self.detrend { Trend::Linear } else { Trend::None }
+    }
+
+    fn record(&self, values: &[f64]) -> Result<Record, Failure> {
+        let data = match self.kind.as_str() {
+            "rate" => Data::Rate,
+            "increment" => Data::Increment,
+            "angle" => Data::Angle,
+            other => {
+                let accepted =
+                    "accepted: \"rate\", \"increment\" (the angle turned in each sample), \"angle\"";
+                return Err(Failure::Usage(format!("kind=\"{other}\" is none\n{accepted}")));
+            }
+        };
+        let unit = Unit::parse(&self.unit, data).or_else(|wrong| match self.unit.contains('/') {
+            true => Unit::parse_scale(&self.unit, data).map_err(|_| wrong),
+            false => Err(wrong),
+        });
+        let unit = unit.map_err(|wrong| Failure::Usage(told(&wrong.message, &wrong.help)))?;
+        if values.len() > MOST_SAMPLES {
+            let found = format!("the array has {} samples, more than {MOST_SAMPLES}", values.len());
+            return Err(Failure::Record(format!("{found}\nanalyse a part of it, or average neighbours")));
+        }
+        if let Some(place) = values.iter().position(|value| value.is_infinite()) {
+            let help = "give NaN for samples that are missing";
+            return Err(Failure::Record(format!("sample {place} of the array is infinite\n{help}")));
+        }
+        let samples = Samples { data, unit: &unit, step_s: self.step_s, values };
+        let check = if self.unit_check { UnitCheck::On } else { UnitCheck::Off };
+        if let Some(fault) = samples.fault(check) {
+            return Err(Failure::Record(in_words(fault, &unit)));
+        }
+        let outliers = samples.outliers();
+        let angles = match self.remove_outliers {
+            true => samples.angles_without(&outliers, self.trend()),
+            false => samples.angles(self.trend()),
+        };
+        let Line { slope, .. } = angles.removed();
+        let per_sample = if data == Data::Rate { unit.factor } else { unit.factor / self.step_s };
+        Ok(Record {
+            outliers,
+            missing: samples.missing(),
+            mean_rate: samples.mean_rate(),
+            slope: slope * per_sample / self.step_s,
+            unit: match unit.is_angular {
+                true => sagnac::allan::Unit::Angular,
+                false => sagnac::allan::Unit::Plain,
+            },
+            angles,
+        })
+    }
+}
+
+/// A message about units in terms of arguments.
+fn told(message: &str, help: &str) -> String {
+    let names =
+        [("--data ", "kind="), ("--unit none", "unit=\"none\""), ("--unit ", "unit="), ("--scale ", "unit=")];
+    names.iter().fold(format!("{message}\n{help}"), |said, (option, argument)| said.replace(option, argument))
+}
+
+/// Why samples are refused.
+fn in_words(fault: Fault, unit: &Unit) -> String {
+    let off = "if the unit is right, give unit_check=False";
+    let rate = |mean: f64| format!("{} deg/h", significant(mean, 3));
+    match fault {
+        Fault::TooFew { there } => format!(
+            "the array has {there} samples, at least {LEAST_SAMPLES} are needed\nrecord longer, or cut less of it"
+        ),
+        Fault::Constant { there, value } => format!(
+            "the array is constant: all {there} samples are {value}\nis it the right column, and was the sensor on? a \
+             constant has no deviation to show"
+        ),
+        Fault::DegreesAsRadians { mean } => format!(
+            "the array looks like degrees taken for radians: its mean is {}\ngive the unit in deg; {off}",
+            rate(mean)
+        ),
+        Fault::NeverAtRest { mean } => format!(
+            "the array has a mean rate of {}: no gyro at rest has\nis {} its unit? is kind= right? {off}",
+            rate(mean),
+            unit.text
+        ),
+    }
+}
+
+/// The samples of an array that lie side by side: nothing is copied.
+fn side_by_side<'a>(data: &'a PyReadonlyArray1<'_, f64>) -> PyResult<&'a [f64]> {
+    data.as_slice().map_err(|error| Failure::Usage(error.to_string()).into())
+}
+
+/// What both functions say of a record.
+fn document<'py>(py: Python<'py>, record: &Record) -> PyResult<Bound<'py, PyDict>> {
+    let document = PyDict::new(py);
+    let outliers: Vec<i64> = record.outliers.samples.iter().map(|&sample| sample as i64).collect();
+    document.set_item("missing", record.missing)?;
+    document.set_item("mean_rate", record.mean_rate)?;
+    document.set_item("removed_slope_per_s", record.slope)?;
+    document.set_item("outliers", PyArray1::from_vec(py, outliers))?;
+    document.set_item("outlier_threshold", record.outliers.threshold)?;
+    document.set_item("unit", record.unit.in_files(Deviation::Oadev))?;
+    Ok(document)
+}
+
+/// Deviations of an array, each as a tuple of its name, its unit, its columns and its minimum.
+#[pyfunction]
+pub fn curves<'py>(
+    py: Python<'py>,
+    data: PyReadonlyArray1<'py, f64>,
+    reading: Reading,
+    deviations: Vec<String>,
+    taus: Times,
+    confidence: f64,
+) -> PyResult<Bound<'py, PyDict>> {
+    let values = side_by_side(&data)?;
+    let (record, curves) = compute_on(py, reading.threads, || {
+        let taus = taus.taus()?;
+        let record = reading.record(values)?;
+        let of = |name: &String| {
+            let deviation: Deviation = name.parse().map_err(|error| Failure::Usage(format!("{error}")))?;
+            let factors = taus.factors(record.angles.len(), reading.step_s, deviation)?;
+            Ok((deviation, curve(&record.angles, deviation, &factors, confidence)))
+        };
+        let curves = deviations.iter().map(of).collect::<Result<Vec<_>, Failure>>()?;
+        Ok((record, curves))
+    })?;
+    let document = document(py, &record)?;
+    let curves = curves.iter().map(|(deviation, points)| of_curve(py, *deviation, points, record.unit));
+    document.set_item("curves", curves.collect::<PyResult<Vec<_>>>()?)?;
+    Ok(document)
+}
+
+fn of_curve<'py>(
+    py: Python<'py>,
+    deviation: Deviation,
+    points: &[Point],
+    unit: sagnac::allan::Unit,
+) -> PyResult<Bound<'py, PyDict>> {
+    let document = PyDict::new(py);
+    let numbers = |of: &dyn Fn(&Point) -> Option<f64>| {
+        PyArray1::from_vec(py, points.iter().map(|point| of(point).unwrap_or(f64::NAN)).collect())
+    };
+    let counts = |of: &dyn Fn(&Point) -> u64| {
+        PyArray1::from_vec(py, points.iter().map(|point| of(point) as i64).collect())
+    };
+    document.set_item("deviation", deviation.name())?;
+    document.set_item("unit", unit.in_files(deviation))?;
+    document.set_item("m", counts(&|point| point.m as u64))?;
+    document.set_item("tau", numbers(&|point| Some(point.tau_s)))?;
+    document.set_item("terms", counts(&|point| point.terms))?;
+    document.set_item("value", numbers(&|point| point.value))?;
+    document.set_item("lower", numbers(&|point| point.interval.map(|ends| ends.0)))?;
+    document.set_item("upper", numbers(&|point| point.interval.map(|ends| ends.1)))?;
+    document.set_item("alpha", numbers(&|point| point.noise.map(|noise| noise.alpha.into())))?;
+    let carried: Vec<bool> = points.iter().map(|p| p.noise.is_some_and(|noise| noise.carried)).collect();
+    document.set_item("alpha_carried", PyArray1::from_vec(py, carried))?;
+    document.set_item("edf", numbers(&|point| point.edf))?;
+    // A time deviation rises with τ: its minimum is no stability.
+    let least = minimum(points).filter(|_| !deviation.is_of_angle()).map(|least| {
+        let ends = least.point.interval.unzip();
+        (least.point.tau_s, least.point.value, ends.0, ends.1, least.at_end)
+    });
+    document.set_item("minimum", least)?;
+    Ok(document)
+}
+
+/// The coefficients of an array, each as a tuple, with the curve that they are fitted to.
+#[pyfunction]
+pub fn fit<'py>(
+    py: Python<'py>,
+    data: PyReadonlyArray1<'py, f64>,
+    reading: Reading,
+    terms: Option<Vec<String>>,
+    bootstrap: Option<usize>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let values = side_by_side(&data)?;
+    let (record, sheet, fitted) = compute_on(py, reading.threads, || {
+        let terms = match &terms {
+            None => Terms::of_model(reading.trend()),
+            Some(names) => Terms::Given(names.iter().map(|name| term(name)).collect::<Result<_, _>>()?),
+        };
+        let record = reading.record(values)?;
+        let simulated = Simulated::of(bootstrap, record.angles.len().saturating_sub(1));
+        let sheet = DataSheet::of(&record.angles, &terms, record.unit, simulated)
+            .map_err(|why| Failure::Record(format!("no coefficients: {why}")))?;
+        let curve = curve_of(&record.angles)
+            .map_err(|error: FitError| Failure::Record(format!("no coefficients: {error}")))?;
+        let fitted: Vec<Fitted> = curve
+            .ms()
+            .iter()
+            .zip(curve.variances())
+            .map(|(&m, variance)| {
+                let model = sheet.fit.process.expected(Estimator::OVERLAPPING, curve.samples(), m);
+                (m as f64 * curve.sample_s(), variance.sqrt(), model.map(f64::sqrt))
+            })
+            .collect();
+        Ok((record, sheet, fitted))
+    })?;
+    let document = document(py, &record)?;
+    let rows = sheet.rows.iter().map(|row| {
+        let [lower, upper] = row.interval.map_or([None; 2], |ends| ends.map(Some));
+        (row.name, row.unit, row.value, lower, upper, row.verdict)
+    });
+    document.set_item("rows", rows.collect::<Vec<_>>())?;
+    document.set_item("intervals", sheet.intervals.name())?;
+    let why = match &sheet.intervals {
+        sagnac::fit::Intervals::ClosedForm { why } => why.as_deref().map(super::failure::in_python),
+        sagnac::fit::Intervals::Bootstrap { .. } => None,
+    };
+    document.set_item("without_bootstrap", why)?;
+    document.set_item("chi_squared", sheet.fit.chi_squared)?;
+    document.set_item("degrees_of_freedom", sheet.fit.degrees_of_freedom)?;
+    document.set_item("p_value", sheet.fit.p_value())?;
+    let column = |of: &dyn Fn(&Fitted) -> f64| {
+        PyArray1::from_vec(py, fitted.iter().map(of).collect())
+    };
+    document.set_item("tau", column(&|(tau, ..)| *tau))?;
+    document.set_item("deviation", column(&|(_, deviation, _)| *deviation))?;
+    document.set_item("fitted", column(&|(.., fitted)| fitted.unwrap_or(f64::NAN)))?;
+    Ok(document)
+}
+
+fn term(name: &str) -> Result<Term, Failure> {
+    let found = Term::ALL.into_iter().find(|term| term.symbol().eq_ignore_ascii_case(name));
+    found.ok_or_else(|| {
+        let known = Term::ALL.map(Term::symbol).join(", ");
+        Failure::Usage(format!("terms: `{name}` is none\naccepted: \"auto\", or some of {known}"))
+    })
+}

@@ -1,0 +1,143 @@
+//! Running a study.
+
+use std::path::{Path, PathBuf};
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use sagnac::backend::{Selection, select};
+use sagnac::picture::{Picture, Verdict, pictures, shown, verdicts};
+use sagnac::run::{Done, Plan, RESOLVED, Tables};
+use sagnac::share::Share;
+use sagnac::store::{Store, write_whole};
+use sagnac::study::Study;
+
+use super::compute::compute;
+use super::failure::Failure;
+use super::progress::Listener;
+use super::table::columns;
+
+/// What is asked for.
+struct Asked {
+    /// A file, or else the text.
+    path: Option<PathBuf>,
+    text: String,
+    trials: Option<u64>,
+    seed: Option<u64>,
+    device: String,
+    threads: usize,
+    /// The results folder, and whether tables are written to it.
+    folder: PathBuf,
+    is_kept: bool,
+}
+
+/// A study that was run.
+struct Ran {
+    study: Study,
+    is_sampled: bool,
+    tables: Tables,
+    pictures: Vec<Picture>,
+    /// Each as text and as JSON.
+    verdicts: Vec<(String, String)>,
+    notes: Vec<String>,
+    done: Option<(Done, String)>,
+}
+
+/// Runs a study from a file, or from its text where there is no `path`, and returns its tables and what is said of them.
+#[pyfunction]
+#[pyo3(signature = (path, text, trials, seed, device, threads, folder, is_kept, progress))]
+#[expect(clippy::too_many_arguments, reason = "each is one of the function in Python")]
+pub fn run<'py>(
+    py: Python<'py>,
+    path: Option<PathBuf>,
+    text: String,
+    trials: Option<u64>,
+    seed: Option<u64>,
+    device: String,
+    threads: usize,
+    folder: PathBuf,
+    is_kept: bool,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let asked = Asked { path, text, trials, seed, device, threads, folder, is_kept };
+    let listener = Listener::new(progress);
+    let ran = compute(py, || asked.run(&listener))?;
+    let document = PyDict::new(py);
+    let sampled = ran.is_sampled.then_some(());
+    let done = ran.done.as_ref().map(|(done, _)| done);
+    document.set_item("title", &ran.study.title)?;
+    document.set_item("question", &ran.study.question)?;
+    document.set_item("kind", ran.study.kind().name())?;
+    document.set_item("seed", sampled.map(|()| ran.study.seed))?;
+    document.set_item("trials", sampled.map(|()| ran.study.trials))?;
+    document.set_item("device", ran.done.as_ref().map(|(_, device)| device))?;
+    document.set_item("sampled_trials", done.map(|done| done.trials))?;
+    document.set_item("seconds", done.map(|done| done.seconds))?;
+    document.set_item("notes", &ran.notes)?;
+    document.set_item("verdicts", &ran.verdicts)?;
+    document.set_item("charts", ran.pictures.iter().map(|p| (&p.stem, &p.svg)).collect::<Vec<_>>())?;
+    let optional = |table: &Option<_>| table.as_ref().map(|table| columns(py, table)).transpose();
+    document.set_item("points", columns(py, &ran.tables.points)?)?;
+    document.set_item("coefficients", optional(&ran.tables.coefficients)?)?;
+    document.set_item("trajectories", optional(&ran.tables.trajectories)?)?;
+    Ok(document)
+}
+
+impl Asked {
+    fn run(&self, listener: &Listener) -> Result<Ran, Failure> {
+        let mut study = match &self.path {
+            Some(path) => Study::read(path)?,
+            None => Study::parse("study", &self.text)?,
+        };
+        study.trials = self.trials.unwrap_or(study.trials);
+        study.seed = self.seed.unwrap_or(study.seed);
+        let plan = Plan::new(&study)?;
+        // What would otherwise fail after the sampling.
+        pictures(&study, &plan.blank_tables())?;
+        let mut store = Store::open(&self.folder, &plan.identity())?;
+        if self.is_kept {
+            // From the start on, so that what is left of a run can be merged and repeated.
+            self.write(RESOLVED, study.resolved(study.trials).as_bytes())?;
+            store.note_share(Share::WHOLE)?;
+        }
+        let mut done = None;
+        if plan.is_sampled() {
+            let Selection { mut device, .. } = select(&self.device, self.threads)?;
+            let name = device.name();
+            done = Some((plan.run(&mut store, &mut device, Share::WHOLE, listener)?, name));
+        }
+        let raised = || listener.raised().map_or(Ok(()), |error| Err(Failure::Python(error)));
+        raised()?;
+        let tables = plan.tables(&store, listener)?;
+        raised()?;
+        if self.is_kept {
+            for (name, table) in tables.files() {
+                let mut csv = Vec::new();
+                table.write_csv(&mut csv).map_err(|error| self.unwritten(name, &error))?;
+                self.write(name, &csv)?;
+            }
+            self.write(RESOLVED, study.resolved(plan.held(&store)?).as_bytes())?;
+        }
+        let pictures = pictures(&study, &tables)?;
+        let curves = shown(&study, &tables)?;
+        let said = |verdict: &Verdict| (verdict.text().trim_end().to_owned(), verdict.json().to_string());
+        let verdicts = verdicts(&study, &curves)?.iter().map(said).collect();
+        let degraded = done.iter().flat_map(|(done, _)| done.degraded.clone());
+        let of_charts = pictures.iter().filter_map(|picture| picture.note.clone());
+        let notes = degraded.chain(of_charts).chain(plan.notes(&store)?).collect();
+        let is_sampled = plan.is_sampled();
+        drop(curves);
+        Ok(Ran { is_sampled, tables, pictures, verdicts, notes, done, study })
+    }
+
+    fn write(&self, name: &str, contents: &[u8]) -> Result<(), Failure> {
+        write_whole(&self.folder.join(name), contents).map_err(|error| self.unwritten(name, &error))
+    }
+
+    fn unwritten(&self, name: &str, error: &std::io::Error) -> Failure {
+        let path: &Path = &self.folder.join(name);
+        Failure::Write(format!(
+            "cannot write {}: {error}\nmake room, or choose another folder with out=",
+            path.display()
+        ))
+    }
+}

@@ -1,0 +1,141 @@
+"""What goes wrong is an exception of its class that says what to do."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sagnac
+
+RATES = np.random.default_rng(1).normal(0.0, 1.0, 1000)
+
+
+def test_a_study_is_refused_with_file_line_and_caret(tmp_path: Path) -> None:
+    study = tmp_path / "mine.toml"
+    study.write_text('title = "Mine"\nkind = "gap-fill"\n[gyro]\ntick = "5 mm"\n', encoding="utf-8")
+    with pytest.raises(sagnac.StudyError) as refused:
+        sagnac.run(study)
+    said = str(refused.value)
+    assert "mine.toml:4" in said and "5 mm" in said and "─" in said and "ms" in said, said
+    assert "\x1b" not in said
+    with pytest.raises(sagnac.StudyError, match="cannot read the study"):
+        sagnac.run(tmp_path / "other.toml")
+    with pytest.raises(sagnac.StudyError, match="study:1"):
+        sagnac.run("title = 5 ms\n")
+    # As others would catch them.
+    assert isinstance(refused.value, ValueError) and isinstance(refused.value, sagnac.SagnacError)
+
+
+def test_what_shows_in_charts_only_is_found_before_anything_is_sampled(studies: Path, tmp_path: Path) -> None:
+    text = (studies / "smoke.toml").read_text(encoding="utf-8") + '\n[[chart]]\nx = "dt_nu"\ny = "rsm"\n'
+    with pytest.raises(sagnac.StudyError, match="rsm"):
+        sagnac.run(text, out=tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    "arguments, piece",
+    [
+        ({"trials": 0}, "trials=0"),
+        ({"trials": 1 << 41}, "accepted: 1 to"),
+        ({"trials": 10.5}, "no whole number"),
+        ({"seed": -1}, "seed=-1"),
+        ({"seed": 1 << 63}, "accepted: 0 to"),
+        ({"threads": 0}, "threads=0"),
+        ({"device": "abacus"}, "no device is called `abacus`"),
+    ],
+)
+def test_arguments_of_runs_are_refused_with_what_is_accepted(arguments: Any, piece: str, studies: Path) -> None:
+    with pytest.raises(sagnac.UsageError, match=piece):
+        sagnac.run(studies / "smoke.toml", **arguments)
+
+
+def test_a_folder_that_cannot_be_used_is_an_error_of_storage(studies: Path, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("", encoding="utf-8")
+    with pytest.raises(sagnac.StorageError, match="results folder"):
+        sagnac.run(studies / "smoke.toml", trials=100, device="cpu", out=tmp_path / "file")
+    sagnac.run(studies / "smoke.toml", trials=100, seed=1, device="cpu", out=tmp_path / "out")
+    with pytest.raises(sagnac.StorageError, match="another study") as refused:
+        sagnac.run(studies / "smoke.toml", trials=100, seed=2, device="cpu", out=tmp_path / "out")
+    assert "out=DIR" in str(refused.value) and "--out" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "data, arguments, error, piece",
+    [
+        (RATES[:15], {}, sagnac.RecordError, "15 samples, at least 16"),
+        (np.ones(100), {}, sagnac.RecordError, "constant"),
+        (np.full(100, np.nan), {}, sagnac.RecordError, "0 samples"),
+        (np.append(RATES, np.inf), {}, sagnac.RecordError, "sample 1000 of the array is infinite"),
+        (RATES.reshape(10, 100), {}, sagnac.RecordError, "2 dimensions"),
+        (np.float64(3.0), {}, sagnac.RecordError, "0 dimensions"),
+        (["a", "b"], {}, sagnac.RecordError, "no array of numbers"),
+        (RATES + 0.015 * 57, {"unit": "rad/h"}, sagnac.UsageError, "rad/h"),
+        (RATES * 1e-6 + 0.0042, {"unit": "rad/s"}, sagnac.RecordError, "degrees taken for radians"),
+        (RATES + 30.0, {"unit": "deg/s"}, sagnac.RecordError, "no gyro at rest"),
+        (RATES, {"unit": "deg"}, sagnac.UsageError, "an angle"),
+        (RATES, {"unit": "dps"}, sagnac.UsageError, "unit=deg/h"),
+        (RATES, {"unit": "0 arcsec/pulse", "kind": "angle"}, sagnac.UsageError, "unit"),
+        (RATES, {"kind": "phase"}, sagnac.UsageError, "kind=\"phase\""),
+        (RATES, {"rate": 0.0}, sagnac.UsageError, "rate=0.0"),
+        (RATES, {"rate": float("nan")}, sagnac.UsageError, "rate=nan"),
+        (RATES, {"threads": -1}, sagnac.UsageError, "threads=-1"),
+    ],
+)
+def test_records_are_refused_by_deviations_and_fits_alike(
+    data: Any, arguments: Any, error: type[Exception], piece: str
+) -> None:
+    given = {"rate": 100.0, "unit": "deg/h"} | arguments
+    for function in [sagnac.allan, sagnac.fit]:
+        with pytest.raises(error) as refused:
+            function(data, **given)
+        assert piece in str(refused.value) and "--" not in str(refused.value), str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "arguments, piece",
+    [
+        ({"deviation": "avar"}, "`avar` is no deviation"),
+        ({"taus": "octaves"}, "accepted: \"octave\""),
+        ({"taus": [1e-9]}, "shorter than the sampling step"),
+        ({"taus": [-1.0]}, "is no time"),
+        ({"taus": [1e9]}, "too long for a record of 10 s"),
+        ({"confidence": 1.0}, "confidence=1.0"),
+    ],
+)
+def test_arguments_of_deviations_are_refused_with_what_is_accepted(arguments: Any, piece: str) -> None:
+    with pytest.raises(sagnac.UsageError) as refused:
+        sagnac.allan(RATES, 100.0, unit="deg/h", **arguments)
+    assert piece in str(refused.value) and "--" not in str(refused.value), str(refused.value)
+    with pytest.raises(sagnac.UsageError, match="decade20"):
+        sagnac.allan(np.arange(200_001.0) % 3, 1.0, unit="none", taus="all")
+
+
+@pytest.mark.parametrize(
+    "arguments, piece",
+    [
+        ({"terms": "QNB"}, "accepted: \"auto\""),
+        ({"terms": ["Z"]}, "`Z` is none"),
+        ({"terms": []}, "no coefficients"),
+        ({"bootstrap": 10}, "accepted: 200 to"),
+    ],
+)
+def test_arguments_of_fits_are_refused_with_what_is_accepted(arguments: Any, piece: str) -> None:
+    with pytest.raises(sagnac.SagnacError) as refused:
+        sagnac.fit(RATES, 100.0, unit="deg/h", **arguments)
+    assert piece in str(refused.value), str(refused.value)
+
+
+def test_a_unit_that_is_right_can_be_kept() -> None:
+    assert sagnac.allan(RATES + 30.0, 100.0, unit="deg/s", unit_check=False)["oadev"].value[0] > 1000.0
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root writes everywhere")
+def test_a_folder_that_is_read_only_is_an_error_of_storage(studies: Path, tmp_path: Path) -> None:
+    tmp_path.chmod(0o555)
+    with pytest.raises(sagnac.StorageError, match="writable"):
+        sagnac.run(studies / "smoke.toml", trials=100, device="cpu", out=tmp_path / "out")

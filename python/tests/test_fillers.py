@@ -1,0 +1,104 @@
+"""Fillers are those of the program, and their fractions exact."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import sagnac
+from conftest import Program
+
+
+def check(found: sagnac.Fillers, expected: Any) -> None:
+    assert (found.title, found.at, found.tick) == (expected["title"], expected["at"], expected["tick_s"])
+    assert (found.gap_ticks, found.no_rms_because) == (expected["gap_ticks"], expected["no_rms_because"])
+    assert list(found) == [filler["name"] for filler in expected["fillers"]]
+    for theirs in expected["fillers"]:
+        filler = found[theirs["name"]]
+        assert filler.method == theirs["method"]
+        rules = [filler.interpolation, *([filler.extrapolation] if filler.extrapolation else [])]
+        assert [rule.error for rule in rules] == [entry["error"] for entry in theirs["errors"]]
+        for rule, entry in zip(rules, theirs["errors"]):
+            denominator = entry["denominator"]
+            assert (list(rule.ticks), rule.denominator, rule.exact) == (entry["ticks"], denominator, entry["exact"])
+            assert list(rule.fractions) == [Fraction(top, denominator) for top in entry["numerators"]]
+            assert list(rule.weights) == entry["weights"]
+            if entry["by_tick"] is not None:
+                rows = [[Fraction(top, denominator) for top in row] for row in entry["by_tick"]]
+                assert [list(row) for row in rule.rows] == rows
+            for key in ["noise_gain", "largest_gain", "largest_input"]:
+                assert getattr(rule, key) == entry[key], key
+            assert (rule.amplitude, rule.rms) == (entry["amplitude_arcsec"], entry["rms_arcsec"])
+            assert sum(rule.fractions) == found.gap_ticks
+
+
+def test_polynomials_and_designs_are_those_of_the_program(program: Program) -> None:
+    kinds = ["const", "linear", "quadratic"]
+    for n in [1, 3, 7]:
+        check(sagnac.filler(kinds, n), program("filler", *kinds, "--gap-ticks", n))
+    expected = program(
+        "filler", "minimum-variance", "--gap-ticks", 3, "--tick", "5 ms", "--fit-ticks=-7..0,n+1,n+2", "--band",
+        "18 Hz,22 Hz", "--amplitude", "12000 arcsec/s", "--noise", "0.5 arcsec",
+    )  # fmt: skip
+    found = sagnac.filler(
+        "minimum-variance", 3, tick="5 ms", fit_ticks="-7..0,n+1,n+2", band="18 Hz,22 Hz",
+        amplitude="12000 arcsec/s", noise="0.5 arcsec",
+    )  # fmt: skip
+    check(found, expected)
+    assert "#define" in found.header
+
+
+def test_fillers_of_a_study_are_those_of_the_program(program: Program, studies: Path) -> None:
+    study = studies / "which_filler.toml"
+    check(sagnac.filler(study), program("filler", study))
+    study = studies / "error_vs_dtnu.toml"
+    expected = program("filler", study, "--at", "gap_ticks=3", "--at", "frequency=20 Hz", "--filler", "quadratic")
+    check(sagnac.filler(str(study), at={"gap_ticks": 3, "frequency": "20 Hz"}, fillers=["quadratic"]), expected)
+
+
+def test_the_response_is_the_amplitude_that_the_program_tells(program: Program) -> None:
+    options = ["--gap-ticks", 3, "--tick", "5 ms", "--band", "20 Hz", "--amplitude", "12000 arcsec/s"]
+    expected = program("filler", "quadratic", *options)["fillers"][0]["errors"]
+    found = sagnac.filler("quadratic", 3, tick="5 ms", band="20 Hz", amplitude="12000 arcsec/s")["quadratic"]
+    assert found.extrapolation is not None
+    for rule, theirs in zip([found.interpolation, found.extrapolation], expected):
+        assert 12000.0 * rule.response(20.0) == theirs["amplitude_arcsec"]
+        assert rule.response([0.0, 20.0]).shape == (2,)
+
+
+@pytest.mark.parametrize(
+    "arguments, piece",
+    [
+        ({"what": "cubic", "gap_ticks": 3}, "`cubic` is no filler"),
+        ({"what": "const"}, "gap_ticks is missing"),
+        ({"what": "const", "gap_ticks": 0}, "accepted: 1 to"),
+        ({"what": "const", "gap_ticks": 100_000}, "gap_ticks"),
+        ({"what": "minimum-variance", "gap_ticks": 3}, "tick is missing"),
+        ({"what": "quadratic", "gap_ticks": 3, "fit_ticks": "0,4"}, "fit_ticks"),
+        ({"what": "const", "gap_ticks": 3, "at": {"n": 1}}, "choose from a study"),
+        ({"what": "const", "gap_ticks": 3, "band": "20 Hz"}, "belong together"),
+    ],
+)
+def test_fillers_that_cannot_be_are_refused_in_terms_of_the_arguments(arguments: Any, piece: str) -> None:
+    with pytest.raises(sagnac.UsageError) as refused:
+        sagnac.filler(**arguments)
+    said = str(refused.value)
+    assert piece in said and "--" not in said and "switching." not in said, said
+
+
+def test_of_a_study_of_several_points_one_has_to_be_chosen(studies: Path) -> None:
+    with pytest.raises(sagnac.UsageError, match="choose one with at=KEY=VALUE"):
+        sagnac.filler(studies / "error_vs_dtnu.toml")
+    with pytest.raises(sagnac.UsageError, match="has no fillers"):
+        sagnac.filler(studies / "suspension.toml")
+    with pytest.raises(sagnac.UsageError, match="leave it out"):
+        sagnac.filler(studies / "which_filler.toml", 3)
+
+
+def test_weights_are_numbers_too() -> None:
+    weights = sagnac.filler("quadratic", 3)["quadratic"].interpolation.weights
+    assert weights.dtype == np.float64 and list(weights) == [-1.0, 2.5, 2.5, -1.0]

@@ -1,0 +1,153 @@
+"""Deviations and fits of arrays are those of the program for a file of the same data, to the last bit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import sagnac
+from conftest import Program
+
+ALL = ["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"]
+
+
+def record(samples: int = 20_000) -> NDArray[np.float64]:
+    """White noise and a random walk, a gap of single samples and of a stretch, and two spikes."""
+    random = np.random.default_rng(5)
+    rates = random.normal(0.01, 0.1, samples) + np.cumsum(random.normal(0.0, 2e-4, samples))
+    rates[[70, 71, 4000]] = np.nan
+    rates[7000:7100] = np.nan
+    rates[[500, 9000]] += 5.0
+    return rates
+
+
+def analysed(program: Program, tmp_path: Path, data: NDArray[Any], *options: object) -> Any:
+    """The only column of a file of the data."""
+    np.save(tmp_path / "record.npy", data)
+    found = program("allan", tmp_path / "record.npy", "--rate", "100Hz", "--out", tmp_path / "out", *options)
+    (column,) = found["columns"]
+    return column
+
+
+def check_curves(found: sagnac.Allan, column: Any) -> None:
+    assert list(found) == [curve["deviation"] for curve in column["curves"]]
+    for expected in column["curves"]:
+        curve = found[expected["deviation"]]
+        assert curve.unit == expected["unit"]
+        pairs = {
+            "m": curve.m,
+            "tau_s": curve.tau,
+            "terms": curve.terms,
+            "value": curve.value,
+            "lower": curve.lower,
+            "upper": curve.upper,
+            "alpha": curve.alpha,
+            "edf": curve.edf,
+        }
+        for key, ours in pairs.items():
+            theirs = np.array([point[key] for point in expected["points"]], dtype=ours.dtype)
+            assert np.array_equal(ours, theirs, equal_nan=ours.dtype.kind == "f"), f"{curve.deviation}, {key}"
+        for point, carried in zip(expected["points"], curve.alpha_carried):
+            assert bool(point["alpha_carried"]) == carried
+        least = expected["in_run_stability"]
+        if least is None:
+            assert curve.minimum is None
+        else:
+            assert curve.minimum is not None
+            assert (curve.minimum.tau, curve.minimum.value) == (least["tau_s"], least["value"])
+            assert (curve.minimum.lower, curve.minimum.upper) == (least["lower"], least["upper"])
+            assert curve.minimum.at_end == least["at_end"]
+    assert found.missing == column["missing"]
+    assert found.mean_rate == column["mean_rate"]
+    assert found.removed_slope_per_s == column["removed_slope_per_s"]
+    assert len(found.outliers) == column["outliers"]["count"]
+    assert found.outlier_threshold == column["outliers"]["threshold"]
+
+
+@pytest.mark.parametrize("kind, unit", [("rate", "deg/h"), ("increment", "arcsec"), ("angle", "urad")])
+def test_deviations_of_rates_increments_and_angles_are_those_of_the_program(
+    kind: Any, unit: str, program: Program, tmp_path: Path
+) -> None:
+    data = record() if kind != "angle" else np.cumsum(np.nan_to_num(record()))
+    expected = analysed(
+        program, tmp_path, data, "--data", kind, "--unit", unit, "--deviation", ",".join(ALL), "--bootstrap", 0
+    )
+    check_curves(sagnac.allan(data, 100.0, kind=kind, unit=unit, deviation=ALL), expected)
+
+
+def test_trends_outliers_pulses_and_times_are_those_of_the_program(program: Program, tmp_path: Path) -> None:
+    counts = np.floor(record() * 1000.0)
+    expected = analysed(
+        program, tmp_path, counts, "--data", "increment", "--scale", "0.5 arcsec/pulse", "--detrend", "linear",
+        "--remove-outliers", "--tau", "0.01,0.5,3", "--confidence", 0.9, "--bootstrap", 0,
+    )  # fmt: skip
+    found = sagnac.allan(
+        counts, 100.0, kind="increment", unit="0.5 arcsec/pulse", detrend=True, remove_outliers=True,
+        taus=[0.01, 0.5, 3.0], confidence=0.9,
+    )  # fmt: skip
+    check_curves(found, expected)
+    assert list(found.outliers) == [500, 9000]
+    for taus in ["decade10", "decade20"]:
+        expected = analysed(
+            program, tmp_path, counts, "--data", "rate", "--unit", "none", "--tau", taus, "--fit", "none"
+        )
+        check_curves(sagnac.allan(counts, 100.0, unit="none", taus=taus), expected)
+
+
+def check_fit(found: sagnac.Fit, column: Any) -> None:
+    assert list(found) == [row["coefficient"] for row in column["coefficients"]]
+    for expected in column["coefficients"]:
+        row = found[expected["coefficient"]]
+        assert (row.value, row.lower, row.upper) == (expected["value"], expected["lower"], expected["upper"])
+        assert (row.unit, row.verdict) == (expected["unit"], expected["verdict"])
+    assert found.intervals == column["coefficient_intervals"]["from"]
+
+
+def test_coefficients_are_those_of_the_program_with_and_without_bootstrap(program: Program, tmp_path: Path) -> None:
+    data = record()
+    for bootstrap in [None, 0, 300]:
+        options = [] if bootstrap is None else ["--bootstrap", bootstrap]
+        expected = analysed(program, tmp_path, data, "--data", "rate", "--unit", "deg/h", *options)
+        found = sagnac.fit(data, 100.0, unit="deg/h", bootstrap=bootstrap)
+        check_fit(found, expected)
+        assert found["N"].is_identified and found["N"].value is not None
+    assert np.allclose(found.fitted, found.deviation, rtol=0.2)
+    assert len(found.to_pandas()) == 5
+
+
+def test_terms_that_are_asked_for_are_fitted_and_a_trend_takes_the_ramp(program: Program, tmp_path: Path) -> None:
+    data = record()
+    expected = analysed(
+        program, tmp_path, data, "--data", "rate", "--unit", "deg/s", "--fit", "N,K,markov", "--bootstrap", 0
+    )
+    check_fit(sagnac.fit(data, 100.0, unit="deg/s", terms=["N", "K", "markov"], bootstrap=0), expected)
+    expected = analysed(
+        program, tmp_path, data, "--data", "rate", "--unit", "deg/h", "--detrend", "linear", "--bootstrap", 0
+    )
+    found = sagnac.fit(data, 100.0, unit="deg/h", detrend=True, bootstrap=0)
+    check_fit(found, expected)
+    assert "R" not in found
+
+
+def test_of_long_records_no_bootstrap_is_made_unless_it_is_asked_for() -> None:
+    data = np.random.default_rng(1).normal(0.0, 1.0, 2_000_001)
+    found = sagnac.fit(data, 100.0, unit="deg/h")
+    assert found.intervals == "closed form"
+    assert found.without_bootstrap is not None and "bootstrap=1000" in found.without_bootstrap
+
+
+def test_lists_integers_and_strided_arrays_are_taken_as_arrays_of_float64() -> None:
+    data = record()[:1000]
+    expected = sagnac.allan(data, 10.0, unit="deg/h")["oadev"].value
+    wide = np.zeros((1000, 3))
+    wide[:, 1] = data
+    for other in [list(data), wide[:, 1], data[::-1][::-1], data.astype(">f8")]:
+        assert np.array_equal(sagnac.allan(other, 10.0, unit="deg/h")["oadev"].value, expected)
+    counts = np.arange(1000) % 7
+    assert np.isfinite(sagnac.allan(counts, 10.0, unit="none")["oadev"].value).all()
+    data.setflags(write=False)
+    assert np.array_equal(sagnac.allan(data, 10.0, unit="deg/h", deviation="oadev")["oadev"].value, expected)
