@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use clap::Args;
 use sagnac::picture::{pictures, shown, verdicts};
 use sagnac::run::RESOLVED;
-use sagnac::share::Share;
 use sagnac::study::Study;
 use toml::{Table, Value};
 
@@ -14,7 +13,7 @@ use super::charts::{is_chart_stem, write_pictures};
 use super::look;
 use super::output::print;
 use super::progress::{self, Shown};
-use super::results::{Results, held};
+use super::results::{Results, held, lacking};
 use super::run::checked;
 
 #[derive(Debug, Args)]
@@ -144,7 +143,7 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
         plan: &plan,
         folder: &options.folder,
         done: None,
-        lacking: plan.lacks(&store, Share::WHOLE)?,
+        lacking: lacking(&study, &plan, &store, &tables)?,
     };
     print(&results.summary(&tables, &curves, &verdicts)?)?;
     say!("{}.svg and .png are in {}", options.name, options.folder.display());

@@ -5,13 +5,12 @@ use std::path::{Component, Path, PathBuf};
 use clap::Args;
 use sagnac::report::{Card, gallery};
 use sagnac::run::RESOLVED;
-use sagnac::share::Share;
 use sagnac::study::Study;
 
 use super::Failure;
 use super::output::write;
 use super::progress;
-use super::results::{REPORT, Results, held};
+use super::results::{self, REPORT, held};
 use super::run::checked;
 
 /// The page of several studies.
@@ -70,14 +69,7 @@ fn of_folder(folder: &Path, options: &Options) -> Result<Card, Failure> {
     let study = Study::read(&folder.join(RESOLVED))?;
     let plan = checked(&study)?;
     let store = held(folder, &plan)?;
-    let results = Results {
-        study: &study,
-        plan: &plan,
-        folder,
-        done: None,
-        lacking: plan.lacks(&store, Share::WHOLE)?,
-    };
-    results.report(&store, options.progress.how(options.quiet))
+    results::report(&study, &plan, folder, &store, options.progress.how(options.quiet))
 }
 
 /// The folders of studies: those named, and in others those that they hold.

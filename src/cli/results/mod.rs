@@ -7,6 +7,7 @@ use std::path::Path;
 use sagnac::picture::{Drawn, Shown as Curves, Verdict, pictures, shown, verdicts};
 use sagnac::report::{Answer, Card, Report, Source, answer};
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
+use sagnac::share::Share;
 use sagnac::store::{self, Store};
 use sagnac::study::Study;
 use sagnac::table::{Cell, Table};
@@ -39,6 +40,20 @@ pub fn held(folder: &Path, plan: &Plan) -> Result<Store, Failure> {
     Ok(store::Source::open(folder)?.into_store(&plan.identity())?)
 }
 
+/// Trials that results which are there lack of the whole. Rows of all that is asked for tell that nothing is missing without another look
+/// into the store.
+///
+/// # Errors
+/// A row of the store is damaged, or the disk fails.
+pub fn lacking(study: &Study, plan: &Plan, store: &Store, tables: &Tables) -> Result<u64, Failure> {
+    let trials = tables.points.columns.iter().find(|column| column.name == "trials");
+    let has_all = |cell: &Cell| cell.number().is_some_and(|trials| trials >= study.trials as f64);
+    match trials {
+        Some(trials) if !study.has_stop_rule() && trials.cells.iter().all(has_all) => Ok(0),
+        _ => Ok(plan.lacks(store, Share::WHOLE)?),
+    }
+}
+
 /// A study whose results are to be shown.
 pub struct Results<'a> {
     pub study: &'a Study,
@@ -58,6 +73,37 @@ pub struct Out {
     /// Whether the first chart is drawn as text too.
     pub plot: bool,
     pub progress: How,
+}
+
+/// Makes the report of results that are there anew, and returns what a gallery shows of it, without the way to it.
+///
+/// # Errors
+/// A row of the store is damaged, or the file cannot be written.
+pub fn report(
+    study: &Study,
+    plan: &Plan,
+    folder: &Path,
+    store: &Store,
+    progress: How,
+) -> Result<Card, Failure> {
+    let tables = plan.tables(store, &Shown::new(progress))?;
+    let lacking = lacking(study, plan, store, &tables)?;
+    let results = Results { study, plan, folder, done: None, lacking };
+    let charts = pictures(study, &tables)?;
+    let curves = shown(study, &tables)?;
+    let verdicts = verdicts(study, &curves)?;
+    let answer = answer(study, &tables, &charts, &curves, &verdicts)?;
+    let headline = answer.headline.clone();
+    let held = plan.held(store)?;
+    let known = results.known(store, held, &tables)?;
+    results.write_report(store, held, &tables, &charts, answer, &known)?;
+    Ok(Card {
+        title: study.title.clone(),
+        question: study.question.clone(),
+        headline,
+        svg: charts.first().map(|drawn| drawn.picture.svg()),
+        report: REPORT.to_owned(),
+    })
 }
 
 impl Results<'_> {
@@ -97,30 +143,6 @@ impl Results<'_> {
             print(&self.summary(&tables, &curves, &verdicts)?)?;
         }
         Ok(None)
-    }
-
-    /// Makes the report anew, and returns what a gallery shows of it, without the way to it.
-    ///
-    /// # Errors
-    /// A row of the store is damaged, or the file cannot be written.
-    pub fn report(&self, store: &Store, progress: How) -> Result<Card, Failure> {
-        let Results { study, plan, .. } = self;
-        let tables = plan.tables(store, &Shown::new(progress))?;
-        let charts = pictures(study, &tables)?;
-        let curves = shown(study, &tables)?;
-        let verdicts = verdicts(study, &curves)?;
-        let answer = answer(study, &tables, &charts, &curves, &verdicts)?;
-        let headline = answer.headline.clone();
-        let held = plan.held(store)?;
-        let known = self.known(store, held, &tables)?;
-        self.write_report(store, held, &tables, &charts, answer, &known)?;
-        Ok(Card {
-            title: study.title.clone(),
-            question: study.question.clone(),
-            headline,
-            svg: charts.first().map(|drawn| drawn.picture.svg()),
-            report: REPORT.to_owned(),
-        })
     }
 
     /// What should be known besides the results, but of charts.
