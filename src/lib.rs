@@ -3,6 +3,7 @@
 //! ```text
 //! study.toml ─ study ─▶ points ─ lower ─▶ launches ─ kernel on a backend ─▶ tallies ─ store ─▶ stats ─▶ table ─ chart
 //! ```
+//!
 //! What the program `sagnac` does is here as a library; this is `sagnac run` without its files:
 //!
 //! ```
@@ -55,7 +56,8 @@
 //! | [`run::Plan`] | a study run into a [`store::Store`], and its tables |
 //! | [`lower::Lowered`], [`lower::Records`] | one point in fixed point, with closed forms |
 //! | [`backend::select`], [`verify::verify`] | the device that samples, and whether its bits are the right ones |
-//! | [`chart::Figure`], [`chart::Map`] | pictures of a table |
+//! | [`chart::Figure`], [`chart::Map`], [`report::Report`] | pictures of a table, and the page that has all of them |
+//! | [`table::describe`] | what the columns mean |
 //! | [`record::log::Log`], [`allan`], [`fit`], [`compare`] | recorded data |
 //! | [`firmware::Firmware`], [`design::design`] | fillers for firmware, and how often to switch |
 //! | [`theory`] | the closed forms by themselves |

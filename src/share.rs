@@ -1,4 +1,5 @@
 //! Shares: equal parts of a study, for machines that know nothing of each other.
+//!
 //! ```
 //! use sagnac::share::Share;
 //!

@@ -234,6 +234,7 @@ fn binomial_interval(n: u64, p: f64) -> (u64, u64) {
 
 /// Deviation of an estimate from its closed form in standard errors: `proven` bounds what rounding adds. `None` where that
 /// bound is so wide that the comparison says nothing.
+///
 /// ```
 /// use sagnac::stats::z_score;
 ///

@@ -1,4 +1,5 @@
 //! The answer against a limit: how far along a curve what it shows stays within it.
+//!
 //! ```
 //! use sagnac::table::{Cell, Column, Table, Unit};
 //! use sagnac::verdict::{Outcome, Question, verdict};

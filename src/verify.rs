@@ -1,4 +1,5 @@
 //! Identity: the same bits from every width and device, shown on the user's own machine.
+//!
 //! ```
 //! let mut kernels = Vec::new();
 //! let identical = sagnac::verify::verify(&mut [], 1000, |verdict| kernels.push(verdict.kernel))?;

@@ -11,6 +11,7 @@
 //!
 //! The drawing is our own. kuva 0.6, whose source was read for it, takes no explicit ticks, writes 0.01 as `1e-2`,
 //! shows line *or* marker in a legend, never both, and takes logarithms from the platform.
+//!
 //! ```
 //! use sagnac::chart::{Figure, Map, MapSpec, Scale, Show, Spec};
 //! use sagnac::table::{Cell, Column, Table, Unit};

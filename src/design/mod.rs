@@ -8,6 +8,7 @@
 //! look better than it is. Where the study does not sweep the interval, each candidate runs for the nearest time that an even
 //! number of intervals makes: an odd one would be left uncancelled, and where a run ends would count for more than how often
 //! the gyro switches.
+//!
 //! ```
 //! use sagnac::backend;
 //! use sagnac::design::{Measure, design};

@@ -7,6 +7,7 @@
 //! Inputs ─ physical ─▶ Physical ─ unit ─▶ Fixed ─┬─ weights, response, readout ─▶ Estimates
 //!                                               └─ launch ─▶ Launch
 //! ```
+//!
 //! One point of a sweep, with its closed forms and no trial:
 //!
 //! ```

@@ -3,6 +3,7 @@
 //! Its weights solve `[K + σ²I, 1; 1ᵀ, 0] [w; λ] = [k; n]`, K the covariance of the motion between the ticks it reads, k
 //! that of each tick with the sum over the gap; the constraint Σw = n keeps a constant rate exact. Everything is done
 //! in a fixed order through `libm`, so that the weights are the same on every machine.
+//!
 //! ```
 //! use sagnac::theory::minimum_variance::{Band, error_variance, minimum_variance_weights};
 //!

@@ -1,4 +1,5 @@
 //! Random motion with a Gaussian spectrum: its variance, and the covariance of its ticks.
+//!
 //! ```
 //! use sagnac::theory::psd::Psd;
 //!

@@ -2,6 +2,7 @@
 //!
 //! None of them is the error that is simulated: they are drawn beside it, to show how near they come. Source: the text
 //! around Z(18)–Z(20). The paper's Δt is read as (n + 1)T/2, from the middle of the gap to the nearest valid tick.
+//!
 //! ```
 //! use sagnac::theory::published::{noise_of_const, noise_of_const_as_published, taylor_extremum_as_published};
 //!

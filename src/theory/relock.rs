@@ -3,6 +3,7 @@
 //! Detunings Δλ are parts of the wavelength; rates are in the unit of f0, ″/s where that is Hz × pulse weight. Tick i = 1 is
 //! the first after the loop closes; its first half has the larger detuning. Signs are those of the negative half-period
 //! first. Put right are χ in Z(11) and the exponents of Z(12) for i > 1: see docs/physics.md.
+//!
 //! ```
 //! use sagnac::theory::relock::{Relock, drift_from_detuning, drift_from_frequency};
 //!

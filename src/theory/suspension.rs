@@ -1,4 +1,5 @@
 //! The rotation of a gyro's block on its suspension under a linear vibration: a sum of resonances (A, figure 2).
+//!
 //! ```
 //! use sagnac::theory::suspension::{Mode, Suspension};
 //!

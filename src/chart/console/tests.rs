@@ -86,6 +86,7 @@ fn the_shades_of_a_map_end_at_its_limit() {
         cells: Cells::Values(vec![Some(1.0), Some(9.9), Some(10.1), None]),
         limit: Some(Limit { value: 10.0, label: "limit 10 ″".to_owned() }),
         chosen: vec![],
+        layers: vec![],
     };
     let text = map.text(PLAIN);
     let rows: Vec<&str> = text.lines().filter(|line| line.contains(['|', '+'])).collect();

@@ -50,10 +50,10 @@ pub(in crate::study) struct SwitchingTable {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FirstMode {
-    /// The first interval adds A.
+    /// Its own: a magnetic drift above 0 adds to the angle.
     #[default]
     Positive,
-    /// The first interval takes A off.
+    /// The opposite.
     Negative,
     /// Another in each run.
     Random,
