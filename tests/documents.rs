@@ -92,7 +92,7 @@ fn design_filler_allan_and_compare_print_what_their_schemas_say() {
         "--bootstrap 0",
         "--fit none --bootstrap 0",
         &format!("{deviations} --bootstrap 0"),
-        "--bootstrap 100",
+        "--bootstrap 200",
     ] {
         check(&allan, &desk.done(&format!("allan {log} {read} {more}")).stdout, more);
     }

@@ -102,7 +102,9 @@ fn commands() -> Vec<String> {
 fn examples(help: &str) -> Vec<String> {
     let lines =
         help.lines().skip_while(|line| *line != "Examples:").skip(1).take_while(|line| !line.is_empty());
-    lines.map(|line| line.trim().to_owned()).collect()
+    let lines: Vec<&str> = lines.map(str::trim).collect();
+    // A line that goes on below ends as shells have it.
+    lines.join("\n").replace("\\\n", "").lines().map(str::to_owned).collect()
 }
 
 /// The example with few trials, on the processor.

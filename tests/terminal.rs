@@ -192,12 +192,13 @@ fn every_command_has_a_manual_page_that_renders() {
         .skip_while(|line| !line.starts_with("Commands:"))
         .skip(1)
         .take_while(|line| !line.is_empty());
+    let commands = commands.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
     for command in commands.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help") {
         let page = desk.read(&format!("pages/sagnac-{command}.1"));
         assert!(page.contains(".SH SYNOPSIS"), "{page}");
     }
     let groff = Command::new("groff")
-        .args(["-man", "-Tascii", "-ww", "pages/sagnac.1"])
+        .args(["-man", "-Tascii", "-P-cbou", "-ww", "pages/sagnac.1"])
         .current_dir(desk.path("."))
         .output();
     match groff {

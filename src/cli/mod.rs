@@ -62,7 +62,7 @@ Examples:
   sagnac design studies/design_point.toml
   sagnac filler quadratic --gap-ticks 3
   sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
-  sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz
+  sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
   sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz
   sagnac new gap-fill first.toml
   sagnac explain motion.amplitude

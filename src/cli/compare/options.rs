@@ -9,7 +9,8 @@ use super::super::reading::Reading;
 const EXAMPLES: &str = "\
 Examples:
   sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz
-  sagnac compare gyro1.csv gyro2.csv --data rate --unit rad/s --time stamp --column gz
+  sagnac compare gyro1.csv gyro2.csv --data rate --unit rad/s --time stamp --time-unit ns \\
+    --column gz
   sagnac compare log.csv log.csv --data rate --unit deg/s --rate 100Hz --column gx,gy
 
 Both logs are read with the same options, as `sagnac allan` reads them. Of two columns the first
