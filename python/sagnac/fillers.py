@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _sagnac
+from ._raw import RawFillers, RawRule
 from .errors import UsageError
 from .studies import _whole
 from .theory import Values, _broadcast
@@ -209,8 +210,8 @@ def _check_design(tick: str | None, band: str | None, amplitude: str | None, noi
             )
 
 
-def _fillers(found: _sagnac.RawFillers) -> Fillers:
-    def rule(raw: _sagnac.RawRule) -> Rule:
+def _fillers(found: RawFillers) -> Fillers:
+    def rule(raw: RawRule) -> Rule:
         denominator = raw["denominator"]
         return Rule(
             error=raw["error"],

@@ -10,9 +10,9 @@ import pytest
 from numpy.typing import NDArray
 
 import sagnac
-from conftest import Program
+from program import Program
 
-ALL = ["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"]
+ALL: list[Any] = ["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"]
 
 
 def record(samples: int = 20_000) -> NDArray[np.float64]:
@@ -145,7 +145,8 @@ def test_lists_integers_and_strided_arrays_are_taken_as_arrays_of_float64() -> N
     expected = sagnac.allan(data, 10.0, unit="deg/h")["oadev"].value
     wide = np.zeros((1000, 3))
     wide[:, 1] = data
-    for other in [list(data), wide[:, 1], data[::-1][::-1], data.astype(">f8")]:
+    others: list[Any] = [list(data), wide[:, 1], data[::-1][::-1], data.astype(">f8")]
+    for other in others:
         assert np.array_equal(sagnac.allan(other, 10.0, unit="deg/h")["oadev"].value, expected)
     counts = np.arange(1000) % 7
     assert np.isfinite(sagnac.allan(counts, 10.0, unit="none")["oadev"].value).all()
