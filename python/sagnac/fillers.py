@@ -154,8 +154,8 @@ def filler(
     >>> rule = filler("quadratic", 3)["quadratic"].interpolation
     >>> rule.ticks, [str(weight) for weight in rule.fractions], round(rule.noise_gain, 3)
     ((-1, 0, 4, 5), ['-1', '5/2', '5/2', '-1'], 3.808)
-    >>> 12000 * rule.response(20.0, tick=0.005)                         # arcsec, for 12000 arcsec/s at 20 Hz
-    26.847...
+    >>> round(12000 * rule.response(20.0, tick=0.005), 3)               # arcsec, for 12000 arcsec/s at 20 Hz
+    26.848
     """
     path = _path(what)
     made = {"tick": tick, "fit_ticks": fit_ticks, "extrapolation_ticks": extrapolation_ticks}
