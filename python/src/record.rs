@@ -276,9 +276,7 @@ pub fn fit<'py>(
     document.set_item("chi_squared", sheet.fit.chi_squared)?;
     document.set_item("degrees_of_freedom", sheet.fit.degrees_of_freedom)?;
     document.set_item("p_value", sheet.fit.p_value())?;
-    let column = |of: &dyn Fn(&Fitted) -> f64| {
-        PyArray1::from_vec(py, fitted.iter().map(of).collect())
-    };
+    let column = |of: &dyn Fn(&Fitted) -> f64| PyArray1::from_vec(py, fitted.iter().map(of).collect());
     document.set_item("tau", column(&|(tau, ..)| *tau))?;
     document.set_item("deviation", column(&|(_, deviation, _)| *deviation))?;
     document.set_item("fitted", column(&|(.., fitted)| fitted.unwrap_or(f64::NAN)))?;
