@@ -7,7 +7,9 @@ use core::ops::Range;
 /// The trials `first .. first + 2^log2`; `first` is a multiple of 2^log2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Block {
+    /// Number of the first trial.
     pub first: u64,
+    /// Log2 of how many.
     pub log2: u32,
 }
 
@@ -31,9 +33,12 @@ impl Block {
 /// log2 of the largest block: beyond it a lost block would cost minutes.
 const LARGEST: u32 = 26;
 
-/// log2 of a study's base block: 32 to 63 blocks in all its trials, so that a jackknife over them has enough parts.
+/// log2 of the smallest base block: to keep and read smaller ones costs more than to sample them.
+const SMALLEST: u32 = 10;
+
+/// log2 of a study's base block: of 2^15 trials and more, 32 to 63 blocks in all.
 pub fn base_log2(trials: u64) -> u32 {
-    (trials / 32).max(1).ilog2().min(LARGEST)
+    (trials / 32).max(1).ilog2().clamp(SMALLEST, LARGEST)
 }
 
 /// The fewest blocks of at most 2^`largest` trials that make up `range`, in order.

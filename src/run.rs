@@ -8,6 +8,8 @@ mod sampling;
 pub(crate) mod switched_run;
 pub(crate) mod worker;
 
+use std::collections::HashSet;
+
 use crate::backend::Device;
 use crate::backend::gpu::GpuError;
 use crate::id::Id;
@@ -24,8 +26,10 @@ use worker::Worker;
 /// Why a run ended early. What was computed before is in the store.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
+    /// The results folder failed.
     #[error(transparent)]
     Store(#[from] StoreError),
+    /// The device failed, and nothing could take its place.
     #[error(transparent)]
     Gpu(#[from] GpuError),
     /// Of a point that was lowered before: not on the same machine.
@@ -55,6 +59,7 @@ enum Work<'a> {
 pub struct Done {
     /// Trials sampled, over all points.
     pub trials: u64,
+    /// It took, s.
     pub seconds: f64,
     /// Whether it ended before all was done, as [`Progress::stops`] asked for.
     pub stopped: bool,
@@ -235,11 +240,11 @@ impl<'a> Plan<'a> {
         Ok(held.unwrap_or(0).max(self.study.trials))
     }
 
-    /// What should be known besides the results, each in a sentence.
+    /// What should be known besides the results, each in a sentence, of a store with so many trials as [`Plan::held`] says.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    pub fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError> {
+    pub fn notes(&self, store: &Store, held: u64) -> Result<Vec<String>, StoreError> {
         let mut notes = self.study.notes().to_vec();
         notes.extend(match &self.work {
             Work::GapFill(plan) => plan.notes(store)?,
@@ -250,22 +255,22 @@ impl<'a> Plan<'a> {
                 vec!["all values are closed forms: trials, seed and device have no use here".to_owned()]
             }
         });
-        let trials = self.held(store)?;
-        if trials > self.study.trials {
+        if held > self.study.trials {
             let why = match &self.work {
                 Work::GapFill(plan) if plan.replays() => "whole replays of the record",
                 _ => "the folder holds them already",
             };
-            notes.push(format!("{trials} trials a point, not {}: {why}", self.study.trials));
+            notes.push(format!("{held} trials a point, not {}: {why}", self.study.trials));
         }
         let points = store.points()?;
-        let asked: Vec<Id> = match &self.work {
+        let asked = match &self.work {
             Work::GapFill(plan) => plan.ids(),
             Work::Allan(plan) => plan.ids(),
             Work::SwitchedRun(plan) => plan.ids(),
             Work::Relock(plan) => plan.ids(),
             Work::Exact(_) => vec![],
         };
+        let asked: HashSet<Id> = asked.into_iter().collect();
         match points.iter().filter(|id| !asked.contains(id)).count() {
             0 => {}
             1 => notes.push(
@@ -285,8 +290,11 @@ pub trait Progress {
     fn start(&self, unit: &'static str, done: u64, total: u64);
     /// So many more are done.
     fn advance(&self, more: u64);
+    /// How much is done of the work since the start, by what it costs: units may differ in that.
+    fn cost(&self, _done: f64, _total: f64) {}
     /// Something to be known at once, in a sentence.
     fn note(&self, sentence: &str);
+    /// All is done, or the run has ended early.
     fn finish(&self);
     /// Whether to end before all is done, with what was sampled kept. A run asks after every batch, some times a second.
     fn stops(&self) -> bool {

@@ -1,4 +1,12 @@
 //! Shares: equal parts of a study, for machines that know nothing of each other.
+//! ```
+//! use sagnac::share::Share;
+//!
+//! let shares = [1, 2, 3].map(|number| Share::new(number, 3).unwrap().trials(1_000_000, 0));
+//! assert!(shares[0].end == shares[1].start && shares[1].end == shares[2].start && shares[2].end == 1_000_000);
+//! assert_eq!("2/3".parse::<Share>()?, Share::new(2, 3).unwrap());
+//! # Ok::<(), sagnac::share::ShareError>(())
+//! ```
 
 use core::fmt;
 use core::ops::Range;

@@ -8,22 +8,27 @@ pub const LEVEL: f64 = 0.9973;
 /// What a tally says about an error, in the unit of its scale. Absent where the trials do not say it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimates {
+    /// Signed.
     pub mean: f64,
+    /// Root mean square, the mean included.
     pub rms: f64,
     /// Standard error of `rms`, √(Var(E²)/n) / (2 rms); 0 where every trial has the same error, absent for one trial and
     /// where the histogram does not tell.
     pub rms_se: Option<f64>,
     /// Largest |error| seen.
     pub max: f64,
+    /// Level that 99.73 % of |error| stay below.
     pub q9973: Option<Quantile>,
 }
 
 /// A quantile of |error| and its 95 % interval from order statistics, widened to the edges of bins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantile {
+    /// In the unit of the scale.
     pub value: f64,
     /// Absent where the trials are too few to bound it.
     pub low: Option<f64>,
+    /// The same.
     pub high: Option<f64>,
 }
 
@@ -229,6 +234,12 @@ fn binomial_interval(n: u64, p: f64) -> (u64, u64) {
 
 /// Deviation of an estimate from its closed form in standard errors: `proven` bounds what rounding adds. `None` where that
 /// bound is so wide that the comparison says nothing.
+/// ```
+/// use sagnac::stats::z_score;
+///
+/// assert_eq!(z_score(1.02, 1.0, 0.01, 0.0), Some(2.0000000000000018));
+/// assert_eq!(z_score(1.02, 1.0, 0.0, 0.0), None);
+/// ```
 pub fn z_score(value: f64, oracle: f64, se: f64, proven: f64) -> Option<f64> {
     let sigma = libm::hypot(se, proven);
     (sigma > 0.0 && (proven <= se || proven <= 0.05 * oracle)).then(|| (value - oracle) / sigma)

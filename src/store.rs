@@ -3,6 +3,37 @@
 //! A row is the exact tally of one estimate of one point over one block of trials. Inserting an identical row is
 //! nothing, a disagreeing one an error, so resuming, asking for more trials and merging are one operation, in any
 //! order, any number of times. Crash safety, locking and full disks are SQLite's work.
+//! Two halves of a study, merged twice over, are the whole:
+//!
+//! ```
+//! # use sagnac::{backend, run::{Plan, Progress}, share::Share, study::Study};
+//! use sagnac::store::{FILE, Source, Store};
+//! # struct Silent;
+//! # impl Progress for Silent {
+//! #     fn start(&self, _: &'static str, _: u64, _: u64) {}
+//! #     fn advance(&self, _: u64) {}
+//! #     fn note(&self, _: &str) {}
+//! #     fn finish(&self) {}
+//! # }
+//! # let text = "title = \"Noise\"\nkind = \"gap-fill\"\ntrials = 1000\n[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"1 arcsec\" }\n\
+//! #     [motion]\nrate = \"0 deg/s\"\n[switching]\ngap_ticks = 2\nfillers = [\"const\"]\nerrors = [\"residual\"]\n";
+//! # let study = Study::parse("noise.toml", text)?;
+//! # let plan = Plan::new(&study)?;
+//! # let mut device = backend::select("cpu", 1)?.device;
+//! # let folder = tempfile::tempdir()?;
+//! for number in [1, 2] {
+//!     let mut half = Store::open(&folder.path().join(number.to_string()), &plan.identity())?;
+//!     plan.run(&mut half, &mut device, Share::new(number, 2).unwrap(), &Silent)?;
+//! }
+//! let mut whole = Store::open(&folder.path().join("whole"), &plan.identity())?;
+//! for half in ["1", "2", "1"] {
+//!     whole.merge(&Source::open(&folder.path().join(half))?, false)?;
+//! }
+//! assert_eq!(plan.lacks(&whole, Share::WHOLE)?, 0);
+//! assert_eq!(plan.held(&whole)?, 1000);
+//! assert!(folder.path().join("whole").join(FILE).exists());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod check;
 mod database;
@@ -43,8 +74,11 @@ const SCHEMA_VERSION: i32 = 3;
 /// What makes two runs the same study: a folder holds one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Identity {
+    /// As a study writes it: `gap-fill`.
     pub kind: String,
+    /// As in the study.
     pub seed: u64,
+    /// `independent` or `common`.
     pub streams: String,
     /// The kernels that compute it, with their versions. No part of the study id: rows of others are refused, not taken for
     /// those of another study.
@@ -61,8 +95,11 @@ impl Identity {
 /// Which tally: of a point, of an estimate, computed from parameters with this digest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Address {
+    /// All that its draws depend on.
     pub point: Id,
+    /// What is made of the draws: filler and error, angle, tick or curve.
     pub estimate: Id,
+    /// Of the words that it was computed from.
     pub digest: Id,
 }
 
@@ -81,17 +118,22 @@ pub trait Tally: Sized {
 /// One row of the store.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Row<T> {
+    /// Which tally.
     pub address: Address,
+    /// Of which trials.
     pub block: Block,
+    /// The exact sums.
     pub tally: T,
 }
 
 /// Who computes rows, how many trials and how long it took; no part of any identity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Provenance {
+    /// As `sagnac devices` calls it.
     pub device: String,
     /// Over all points, since the store was opened.
     pub trials: u64,
+    /// Over all points, since the store was opened.
     pub seconds: f64,
 }
 
@@ -294,6 +336,26 @@ impl Store {
             hear(raw)?;
         }
         Ok(())
+    }
+
+    /// Which devices computed the rows, each once with all its trials and seconds, the one with the most trials first. Rows that
+    /// were merged from other folders count as well; time that several machines worked at once is added up.
+    ///
+    /// # Errors
+    /// The database cannot be read.
+    pub fn provenance(&self) -> Result<Vec<Provenance>, StoreError> {
+        let failed = |source| StoreError::of(&self.path, source);
+        let sql =
+            "SELECT device, SUM(trials), SUM(seconds) FROM provenance GROUP BY device ORDER BY 2 DESC, 1";
+        let mut statement = self.connection.prepare(sql).map_err(failed)?;
+        let rows = statement.query_map([], |row| {
+            Ok(Provenance {
+                device: row.get(0)?,
+                trials: row.get::<_, i64>(1)?.max(0) as u64,
+                seconds: row.get(2)?,
+            })
+        });
+        rows.map_err(failed)?.collect::<Result<_, _>>().map_err(failed)
     }
 
     /// Points that the store holds.

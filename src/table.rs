@@ -1,5 +1,6 @@
 //! The table: named columns with units, the only thing that files, charts, reports and JSON read.
 
+pub mod describe;
 mod number;
 
 use std::io;
@@ -16,30 +17,66 @@ pub struct Unit {
 }
 
 impl Unit {
+    /// Counts, parts and names.
     pub const NONE: Unit = Unit { suffix: "", symbol: "" };
+    /// Angles.
     pub const ARCSEC: Unit = Unit { suffix: "arcsec", symbol: "″" };
+    /// Rates.
     pub const ARCSEC_PER_S: Unit = Unit { suffix: "arcsec_per_s", symbol: "″/s" };
+    /// Angular accelerations; rate ramps.
     pub const ARCSEC_PER_S2: Unit = Unit { suffix: "arcsec_per_s2", symbol: "″/s²" };
+    /// Angle random walk N.
     pub const DEG_PER_SQRT_H: Unit = Unit { suffix: "deg_per_sqrt_h", symbol: "°/√h" };
+    /// Rate random walk K.
     pub const DEG_PER_H_PER_SQRT_H: Unit = Unit { suffix: "deg_per_h_per_sqrt_h", symbol: "°/h/√h" };
     /// The same number as in ″/s.
     pub const DEG_PER_H: Unit = Unit { suffix: "deg_per_h", symbol: "°/h" };
+    /// Allan variances.
     pub const DEG2_PER_H2: Unit = Unit { suffix: "deg2_per_h2", symbol: "(°/h)²" };
+    /// Densities of rate, one-sided.
     pub const ARCSEC2_PER_S2_PER_HZ: Unit = Unit { suffix: "arcsec2_per_s2_per_hz", symbol: "(″/s)²/Hz" };
+    /// Response of a suspension.
     pub const ARCSEC_PER_S_PER_G: Unit = Unit { suffix: "arcsec_per_s_per_g", symbol: "″/s/g" };
+    /// Accelerations.
     pub const G: Unit = Unit { suffix: "g", symbol: "g" };
+    /// Densities of acceleration, one-sided.
     pub const G2_PER_HZ: Unit = Unit { suffix: "g2_per_hz", symbol: "g²/Hz" };
+    /// Phases.
     pub const DEG: Unit = Unit { suffix: "deg", symbol: "°" };
+    /// Frequencies.
     pub const HZ: Unit = Unit { suffix: "hz", symbol: "Hz" };
+    /// Times.
     pub const S: Unit = Unit { suffix: "s", symbol: "s" };
+
+    /// All units that a header may end in.
+    pub const ALL: [Unit; 14] = [
+        Unit::ARCSEC,
+        Unit::ARCSEC_PER_S,
+        Unit::ARCSEC_PER_S2,
+        Unit::DEG_PER_SQRT_H,
+        Unit::DEG_PER_H_PER_SQRT_H,
+        Unit::DEG_PER_H,
+        Unit::DEG2_PER_H2,
+        Unit::ARCSEC2_PER_S2_PER_HZ,
+        Unit::ARCSEC_PER_S_PER_G,
+        Unit::G,
+        Unit::G2_PER_HZ,
+        Unit::DEG,
+        Unit::HZ,
+        Unit::S,
+    ];
 }
 
 /// One cell. What is not known is [`Cell::Blank`], never 0.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {
+    /// Not known, or of no meaning in this row.
     Blank,
+    /// A name.
     Text(String),
+    /// A count.
     Integer(i64),
+    /// A value in the unit of its column.
     Number(f64),
 }
 
@@ -83,7 +120,9 @@ pub struct Column {
     pub name: String,
     /// For people: `rms error`, `vibration frequency`.
     pub label: String,
+    /// Of all cells.
     pub unit: Unit,
+    /// One for each row.
     pub cells: Vec<Cell>,
     /// Lower and upper ends of the uncertainty of each cell (95 %), where there is one.
     pub band: Option<Vec<Option<(f64, f64)>>>,
@@ -120,17 +159,38 @@ impl Column {
 /// Why what the user named selects no single column, or no row.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ColumnError {
+    /// No column is called so.
     #[error("no column is called `{name}`; there are {}", known.join(", "))]
-    Unknown { name: String, known: Vec<String> },
+    Unknown {
+        /// As it was asked for.
+        name: String,
+        /// The columns that there are.
+        known: Vec<String>,
+    },
+    /// Several columns end so.
     #[error("`{name}` may mean {}; write the whole name", candidates.join(" or "))]
-    Ambiguous { name: String, candidates: Vec<String> },
+    Ambiguous {
+        /// As it was asked for.
+        name: String,
+        /// Those columns.
+        candidates: Vec<String>,
+    },
+    /// No row has the value.
     #[error("no row has {column} = `{value}`; there are {}", known.join(", "))]
-    NoRow { column: String, value: String, known: Vec<String> },
+    NoRow {
+        /// That was asked for.
+        column: String,
+        /// That was asked for.
+        value: String,
+        /// Values that the column has.
+        known: Vec<String>,
+    },
 }
 
 /// Columns of equal length.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Table {
+    /// Each of as many cells.
     pub columns: Vec<Column>,
 }
 

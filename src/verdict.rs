@@ -1,4 +1,23 @@
 //! The answer against a limit: how far along a curve what it shows stays within it.
+//! ```
+//! use sagnac::table::{Cell, Column, Table, Unit};
+//! use sagnac::verdict::{Outcome, Question, verdict};
+//!
+//! let column = |name: &str, values: [f64; 3]| Column {
+//!     name: name.to_owned(),
+//!     label: name.to_owned(),
+//!     unit: Unit::NONE,
+//!     cells: values.map(Cell::Number).to_vec(),
+//!     band: None,
+//! };
+//! let table = Table { columns: vec![column("x", [1.0, 2.0, 4.0]), column("y", [1.0, 5.0, 20.0])] };
+//! let question = Question { x: "x", y: "y", series: vec![], filter: vec![], limit: 10.0 };
+//! let answers = verdict(&table, &question)?;
+//! assert_eq!(answers[0].outcome, Outcome::Passes);
+//! // Straight in the logarithms of both: 5·(x/2)² is 10 at 2√2.
+//! assert!((answers[0].at[0].1 - 8_f64.sqrt()).abs() < 1e-9);
+//! # Ok::<(), sagnac::table::ColumnError>(())
+//! ```
 
 use std::collections::BTreeMap;
 
@@ -26,6 +45,7 @@ pub struct Question<'a> {
 pub struct Answer<'t> {
     /// Column and value of what tells the curve apart.
     pub series: Vec<(&'t Column, &'t Cell)>,
+    /// What the curve does about the limit.
     pub outcome: Outcome,
     /// Where that is: column and value, in the order of the table.
     pub at: Vec<(&'t Column, f64)>,
@@ -150,20 +170,24 @@ fn between(a: f64, b: f64, part: f64) -> f64 {
 }
 
 impl Answer<'_> {
-    /// The answer as a sentence.
-    pub fn sentence(&self, limit: &str) -> String {
+    /// What tells the curve apart, as a sentence has it: `quadratic, lost ticks n = 1`.
+    pub fn name(&self) -> String {
         let name = |(column, cell): &(&Column, &Cell)| match cell {
             Cell::Text(text) => text.clone(),
             cell => column.valued(&cell.text()),
         };
         let series: Vec<String> = self.series.iter().map(name).collect();
-        let places = |places: &[(&Column, f64)]| -> String {
-            let each: Vec<String> =
-                places.iter().map(|(column, value)| column.valued(&significant(*value, 3))).collect();
-            each.join(", ")
-        };
-        let (at, until) = (places(&self.at), places(&self.until));
-        let series = if series.is_empty() { "the curve".to_owned() } else { series.join(", ") };
+        if series.is_empty() { "the curve".to_owned() } else { series.join(", ") }
+    }
+
+    /// Where its outcome is, as a sentence has it: `vibration frequency 20 Hz, Δt·ν = 0.2`.
+    pub fn place(&self) -> String {
+        places(&self.at)
+    }
+
+    /// The answer as a sentence.
+    pub fn sentence(&self, limit: &str) -> String {
+        let (series, at, until) = (self.name(), self.place(), places(&self.until));
         match self.outcome {
             Outcome::Passes => format!("{series}: passes {limit} at {at}"),
             Outcome::AboveFrom => format!("{series}: above {limit} from the first point on, {at}"),
@@ -173,6 +197,12 @@ impl Answer<'_> {
             Outcome::WithinUpTo => format!("{series}: within {limit} up to the last point, {at}"),
         }
     }
+}
+
+fn places(places: &[(&Column, f64)]) -> String {
+    let each: Vec<String> =
+        places.iter().map(|(column, value)| column.valued(&significant(*value, 3))).collect();
+    each.join(", ")
 }
 
 #[cfg(test)]

@@ -1,4 +1,10 @@
 //! Identity: the same bits from every width and device, shown on the user's own machine.
+//! ```
+//! let mut kernels = Vec::new();
+//! let identical = sagnac::verify::verify(&mut [], 1000, |verdict| kernels.push(verdict.kernel))?;
+//! assert!(identical && kernels.contains(&"gap_fill"));
+//! # Ok::<(), sagnac::backend::gpu::GpuError>(())
+//! ```
 
 mod configurations;
 mod recipes;
@@ -25,6 +31,7 @@ pub use runs::{hour_launches, run_launches};
 /// What a check of one kernel found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Verdict {
+    /// Its name, as in the registry.
     pub kernel: &'static str,
     /// The first 64 bits of a SHA-256 over all results of the reference: the same on every machine.
     pub digest: u64,

@@ -12,6 +12,7 @@ use super::{Angles, Deviation, chi_squared};
 pub struct Point {
     /// The averaging factor, τ in samples.
     pub m: usize,
+    /// The averaging time τ, s.
     pub tau_s: f64,
     /// How many differences were averaged; those that touch a gap are not among them.
     pub terms: u64,
@@ -84,6 +85,7 @@ fn interval(value: f64, edf: f64, confidence: f64) -> Option<(f64, f64)> {
 /// Where a curve is lowest: what data sheets call in-run bias stability. The bias instability B is another thing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Minimum {
+    /// The lowest point; of equals the shortest τ.
     pub point: Point,
     /// Whether the curve ends there, so that the stability may be better than what this record shows.
     pub at_end: bool,

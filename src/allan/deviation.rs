@@ -21,6 +21,7 @@ pub enum Deviation {
 }
 
 impl Deviation {
+    /// All of them, as `--deviation` lists them.
     pub const ALL: [Deviation; 6] = [
         Deviation::Adev,
         Deviation::Oadev,

@@ -23,12 +23,20 @@ pub const MOST_FOR_ALL: usize = 200_000;
 pub enum TauError {
     /// Not a positive number.
     #[error("τ = {tau_s} s is no time\ngive positive numbers of seconds, as in --tau 1,10,100")]
-    NoTime { tau_s: f64 },
+    NoTime {
+        /// What was asked for, s.
+        tau_s: f64,
+    },
     /// No whole sample.
     #[error(
         "τ = {tau_s} s is shorter than the sampling step of {step_s} s\ngive multiples of the step, or --tau octave"
     )]
-    Short { tau_s: f64, step_s: f64 },
+    Short {
+        /// What was asked for, s.
+        tau_s: f64,
+        /// From sample to sample, s.
+        step_s: f64,
+    },
     /// Without a term.
     #[error(
         "τ = {tau_s} s is too long for a record of {length_s} s: {deviation} needs a record of {} τ, \
@@ -36,13 +44,25 @@ pub enum TauError {
          leave it out, record longer, or give --tau octave",
         deviation.largest_factor_of_length()
     )]
-    Long { tau_s: f64, length_s: f64, longest_s: f64, deviation: Deviation },
+    Long {
+        /// What was asked for, s.
+        tau_s: f64,
+        /// Of the record, s.
+        length_s: f64,
+        /// The longest τ that has a term, s.
+        longest_s: f64,
+        /// The one that has no term.
+        deviation: Deviation,
+    },
     /// Too much work.
     #[error(
         "--tau all is for at most {MOST_FOR_ALL} samples, the record has {samples}: its work grows with their square\n\
          give --tau decade20, whose points are as good as all of them on a chart"
     )]
-    TooMany { samples: usize },
+    TooMany {
+        /// Of the record.
+        samples: usize,
+    },
 }
 
 impl Deviation {

@@ -16,13 +16,17 @@ use crate::kernel::recipe::Recipe;
 /// Trials to be tallied: a block of a launch.
 #[derive(Debug, Clone, Copy)]
 pub struct Job<'a> {
+    /// What is sampled, in fixed point.
     pub launch: &'a Launch,
+    /// Which trials of it.
     pub block: Block,
 }
 
 /// A device that runs the kernels.
 pub enum Device {
+    /// In lanes, on threads.
     Cpu(cpu::Cpu),
+    /// As a shader.
     Gpu(Box<gpu::Gpu>),
 }
 

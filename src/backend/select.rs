@@ -8,18 +8,38 @@ use crate::verify::self_test;
 /// Why no device is there as asked for.
 #[derive(Debug, thiserror::Error)]
 pub enum SelectError {
+    /// A GPU was asked for, and no adapter is a real one.
     #[error(
         "no GPU was found\nuse --device cpu, or install a Vulkan driver; `sagnac devices` lists what is there"
     )]
     NoGpu,
+    /// No width and no adapter has the name.
     #[error("no device is called `{name}`; there are {}", known.join(", "))]
-    Unknown { name: String, known: Vec<String> },
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// The names that there are.
+        known: Vec<String>,
+    },
+    /// The adapter that was asked for does not open or run.
     #[error("{name} cannot be used: {source}")]
-    Gpu { name: String, source: GpuError },
+    Gpu {
+        /// Of the adapter.
+        name: String,
+        /// What it says.
+        source: GpuError,
+    },
+    /// The adapter failed its self-test: it computes other bits than the CPU.
     #[error(
         "{name} computes other bits than the CPU in {kernel}: it is not used\nupdate its driver, or use --device cpu"
     )]
-    Untrusted { name: String, kernel: &'static str },
+    Untrusted {
+        /// Of the adapter.
+        name: String,
+        /// The first kernel that differs.
+        kernel: &'static str,
+    },
+    /// The threads that were asked for cannot be started.
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
@@ -33,7 +53,9 @@ impl SelectError {
 
 /// A device and why it was taken, in one line.
 pub struct Selection {
+    /// Ready to run.
     pub device: Device,
+    /// Why it and no other, for people.
     pub reason: String,
 }
 

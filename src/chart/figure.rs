@@ -1,9 +1,11 @@
 //! What a chart shows, independent of how it is drawn.
 
+use serde::Serialize;
+
 use super::Scale;
 
 /// A chart of curves y(x).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Figure {
     /// What it answers, in bold.
     pub title: String,
@@ -36,7 +38,7 @@ pub struct Figure {
 }
 
 /// One axis.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Axis {
     /// `rms error`
     pub label: String,
@@ -56,7 +58,7 @@ impl Axis {
 }
 
 /// A part of the legend: a heading and what each style stands for.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Grouping {
     /// What is told apart: `gap ticks`.
     pub title: String,
@@ -65,7 +67,7 @@ pub struct Grouping {
 }
 
 /// What one style stands for.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Entry {
     /// Index of the colour, or of the dash with its marker. The palettes repeat.
     pub style: usize,
@@ -74,7 +76,7 @@ pub struct Entry {
 }
 
 /// One curve.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Series {
     /// [`Entry::style`] among the colours.
     pub colour: usize,
@@ -88,7 +90,7 @@ pub struct Series {
 }
 
 /// One point of a curve.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SeriesPoint {
     /// In the unit of the x axis.
     pub x: f64,
@@ -99,7 +101,7 @@ pub struct SeriesPoint {
 }
 
 /// A law that is not the closed form of the curves, such as one that was published: broad pale lines under them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Law {
     /// Its name in the legend.
     pub label: String,
@@ -108,7 +110,7 @@ pub struct Law {
 }
 
 /// One line of a law.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LawLine {
     /// The [`Entry::style`] among the colours of the curves it is about. Only the line of a single one has its colour.
     pub colours: Vec<usize>,
@@ -117,7 +119,7 @@ pub struct LawLine {
 }
 
 /// What a curve is the sum of: thin dashed lines, for which the axes do not reach.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Parts {
     /// Their heading in the legend: `parts of the fit`.
     pub title: String,
@@ -126,7 +128,7 @@ pub struct Parts {
 }
 
 /// One part of a sum.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Part {
     /// `N = 0.003 °/√h`
     pub label: String,
@@ -137,7 +139,7 @@ pub struct Part {
 }
 
 /// A horizontal line that the curves are judged by. An axis that cannot show its value leaves it out.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Limit {
     /// In the unit of the y axis.
     pub value: f64,

@@ -11,11 +11,67 @@
 //!
 //! The drawing is our own. kuva 0.6, whose source was read for it, takes no explicit ticks, writes 0.01 as `1e-2`,
 //! shows line *or* marker in a legend, never both, and takes logarithms from the platform.
+//! ```
+//! use sagnac::chart::{Figure, Map, MapSpec, Scale, Show, Spec};
+//! use sagnac::table::{Cell, Column, Table, Unit};
+//!
+//! let column = |name: &str, unit, values: &[f64]| Column {
+//!     name: name.to_owned(),
+//!     label: name.to_owned(),
+//!     unit,
+//!     cells: values.iter().map(|x| Cell::Number(*x)).collect(),
+//!     band: None,
+//! };
+//! let table = Table {
+//!     columns: vec![
+//!         column("frequency", Unit::HZ, &[2.0, 2.0, 20.0, 20.0]),
+//!         column("amplitude", Unit::ARCSEC_PER_S, &[100.0, 1000.0, 100.0, 1000.0]),
+//!         column("rms", Unit::ARCSEC, &[0.02, 0.2, 2.0, 20.0]),
+//!     ],
+//! };
+//!
+//! let curves = Spec {
+//!     title: "Error".to_owned(),
+//!     subtitle: None,
+//!     x: "frequency".to_owned(),
+//!     y: "rms".to_owned(),
+//!     x_scale: Scale::Log,
+//!     y_scale: Scale::Log,
+//!     series: vec!["amplitude".to_owned()],
+//!     apart: vec![],
+//!     filter: vec![],
+//!     limit: Some((10.0, Unit::ARCSEC)),
+//!     laws: vec![],
+//!     points: String::new(),
+//!     bands: String::new(),
+//! };
+//! let (figure, notes) = Figure::from_table(&table, &curves)?;
+//! assert_eq!((figure.series.len(), notes.left_out), (2, 0));
+//! assert!(figure.svg().starts_with("<svg"));
+//!
+//! let cells = MapSpec {
+//!     title: "Error".to_owned(),
+//!     subtitle: None,
+//!     x: "frequency".to_owned(),
+//!     y: "amplitude".to_owned(),
+//!     z: "rms".to_owned(),
+//!     x_scale: Scale::Log,
+//!     y_scale: Scale::Log,
+//!     show: Show::Values(Scale::Log),
+//!     filter: vec![],
+//!     limit: Some((10.0, Unit::ARCSEC)),
+//! };
+//! let (map, _) = Map::from_table(&table, &cells)?;
+//! assert_eq!((map.known(), map.within_limit()), (4, Some(3)));
+//! assert!(map.svg().contains("Error"));
+//! # Ok::<(), sagnac::chart::ChartError>(())
+//! ```
 
 mod area;
 mod axes;
 mod canvas;
 mod coincidence;
+mod console;
 mod figure;
 mod from_table;
 mod laws;
@@ -24,6 +80,7 @@ mod legend;
 mod map;
 mod mixed;
 mod palette;
+mod picture;
 mod plot;
 mod png;
 mod scale;
@@ -34,9 +91,12 @@ mod text;
 mod ticks;
 mod whole;
 
+pub use console::Look;
 pub use figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Part, Parts, Series, SeriesPoint};
 pub use layout::{HEIGHT, WIDTH};
-pub use map::{Cells, Map, MapNotes, MapSpec, Show, Won};
+pub use map::{Cells, Estimate, Layer, Map, MapNotes, MapSpec, Show, Won};
+pub(crate) use palette::{LOOKS, Looks, style_sheet};
+pub use picture::Picture;
 pub use png::{PngError, png};
 pub use scale::Scale;
 pub use spec::{ChartError, Notes, Spec};

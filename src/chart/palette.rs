@@ -1,9 +1,17 @@
 //! The looks that tell curves apart.
 
+use serde::Serialize;
+
+use super::map::VIRIDIS;
+
 /// Colours that differ for colour-blind readers and, in the first three, by lightness in greyscale (L* 29, 48, 69).
 /// After Paul Tol's schemes and Okabe and Ito.
 const COLOURS: [&str; 8] =
     ["#004488", "#c24a00", "#4fb9a8", "#aa3377", "#e0a100", "#5aaae0", "#444444", "#999933"];
+
+/// The same for dark paper: lighter, in the same hues.
+const ON_DARK: [&str; 8] =
+    ["#6fa8ff", "#ff9457", "#63d3c2", "#e58cc4", "#f2c14a", "#a3dcff", "#bdbdbd", "#cfcf6b"];
 
 /// The colours with 28 % and with 62 % of white in them: for areas, and for what stands behind.
 const TINTS: [[&str; 8]; 2] = [
@@ -40,6 +48,30 @@ pub(super) const PALE_MUTED: &str = "#c1c1c1";
 pub(super) const GRID: [&str; 2] = ["#d9dde1", "#eff1f3"];
 /// The limit line.
 pub(super) const LIMIT: &str = "#b3001b";
+
+/// What pages need to draw as pictures do.
+#[derive(Debug, Serialize)]
+pub(crate) struct Looks {
+    dashes: &'static [&'static str],
+    thin_dashes: &'static [&'static str],
+    broad_dashes: &'static [&'static str],
+    markers: &'static [&'static [(f64, f64)]],
+    viridis: &'static [[u8; 3]],
+}
+
+pub(crate) const LOOKS: Looks = Looks {
+    dashes: &DASHES,
+    thin_dashes: &THIN_DASHES,
+    broad_dashes: &BROAD_DASHES,
+    markers: &MARKERS,
+    viridis: &VIRIDIS,
+};
+
+/// A style sheet with the colours of styles on light and on dark paper, of the class `c0` and so on.
+pub(crate) fn style_sheet() -> String {
+    let colours = COLOURS.iter().zip(ON_DARK).enumerate();
+    colours.map(|(style, (light, dark))| format!(".c{style}{{--c:light-dark({light},{dark})}}\n")).collect()
+}
 
 /// The colour of a style; they repeat.
 pub(super) fn colour(style: usize) -> &'static str {

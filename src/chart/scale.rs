@@ -1,10 +1,13 @@
 //! From numbers to places on an axis.
 
+use serde::Serialize;
+
 /// Numbers below are as good as zero.
 const TINY: f64 = 1e-250;
 
 /// How an axis is divided.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Scale {
     /// By powers of ten.
     Log,

@@ -4,23 +4,18 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 use sagnac::chart;
-use sagnac::picture::{chart_stem, pictures};
-use sagnac::run::Tables;
-use sagnac::study::Study;
+use sagnac::picture::{Drawn, chart_stem};
 
 use super::Failure;
 use super::output::write;
 
-/// Draws every chart as SVG and PNG, removes those of earlier runs that are drawn no more, and returns what is to be
-/// said of them.
-pub fn draw(study: &Study, tables: &Tables, folder: &Path) -> Result<Vec<String>, Failure> {
-    let mut notes = Vec::new();
-    for picture in pictures(study, tables)? {
-        write_pictures(folder, &picture.stem, &picture.svg)?;
-        notes.extend(picture.note);
-    }
-    remove_undrawn(folder, study.charts.len())?;
-    Ok(notes)
+/// Writes the charts as SVG and PNG, and removes those of earlier runs that are drawn no more.
+///
+/// # Errors
+/// One cannot be drawn or written.
+pub fn draw(pictures: &[Drawn], folder: &Path) -> Result<(), Failure> {
+    pictures.iter().try_for_each(|drawn| write_pictures(folder, &drawn.stem, &drawn.picture.svg()))?;
+    remove_undrawn(folder, pictures.len())
 }
 
 /// Writes a chart as `<stem>.svg` and `<stem>.png`.
@@ -51,7 +46,7 @@ fn remove_undrawn(folder: &Path, charts: usize) -> Result<(), Failure> {
 }
 
 /// Whether [`chart_stem`] gives this name to some chart.
-fn is_chart_stem(stem: &str) -> bool {
+pub fn is_chart_stem(stem: &str) -> bool {
     let number = stem.strip_prefix("chart-").and_then(|number| number.parse().ok());
     stem == "chart" || number.is_some_and(|number: usize| number >= 1 && stem == format!("chart-{number}"))
 }

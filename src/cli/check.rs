@@ -10,16 +10,22 @@ use sagnac::study::Study;
 
 use super::failure::{self, Failure};
 use super::output::print;
-use super::progress::Shown;
+use super::progress::{How, Shown};
 use super::results::csv;
 
+const EXAMPLES: &str = "\
+Examples:
+  sagnac check results/my
+  sagnac check results/my results/copy --quiet";
+
 #[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// Results folders
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
     /// Print only errors
-    #[arg(long, short)]
+    #[arg(help_heading = "Output", long, short)]
     quiet: bool,
 }
 
@@ -88,7 +94,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
                 return say_sound(folder, &report, &about, quiet).map(|()| State::Sound);
             }
         }
-        let tables = plan.tables(&store, &Shown::new(quiet))?;
+        let tables = plan.tables(&store, &Shown::new(if quiet { How::None } else { How::Auto }))?;
         for (name, table) in tables.files() {
             let path = folder.join(name);
             match std::fs::read(&path) {

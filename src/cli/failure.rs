@@ -1,6 +1,5 @@
 //! What can go wrong, and with which exit code.
 
-use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -13,8 +12,21 @@ use sagnac::share::Share;
 use sagnac::store::StoreError;
 use sagnac::study::StudyError;
 
+use super::look;
 use super::progress::short;
 use super::run::Cause;
+
+/// What the program returns, and what that means.
+pub const EXIT_CODES: [(&str, &str); 8] = [
+    ("0", "done"),
+    ("1", "runtime error"),
+    ("2", "usage, unknown device"),
+    ("3", "invalid study or log, folder of another study or version"),
+    ("4", "stopped or incomplete, run again to go on"),
+    ("5", "a check failed"),
+    ("6", "storage or output (full, read-only, locked)"),
+    ("130, 143", "signals: Ctrl-C (SIGINT), SIGTERM; what was sampled is kept, run again to go on"),
+];
 
 /// The end of a command that did not do what it was asked for.
 #[derive(Debug, thiserror::Error)]
@@ -110,8 +122,8 @@ impl Failure {
     /// Says what went wrong on the standard error stream.
     pub fn report(&self) -> ExitCode {
         match self {
-            Failure::Study(error) => say!("{}", error.render(colored(), 110)),
-            Failure::Log(error) => say!("{}", error.render(colored(), 110)),
+            Failure::Study(error) => say!("{}", error.render(look::colours_messages(), 110)),
+            Failure::Log(error) => say!("{}", error.render(look::colours_messages(), 110)),
             Failure::OutputClosed => {}
             // No error: as it was asked for.
             Failure::Stopped { .. } => say!("{self}"),
@@ -144,11 +156,6 @@ impl Failure {
             Failure::OutputClosed => 0,
         }
     }
-}
-
-/// Whether messages may be coloured.
-fn colored() -> bool {
-    std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
 #[cfg(test)]

@@ -11,34 +11,47 @@ use sagnac::study::{MOST_TRIALS, Study};
 
 use super::Failure;
 use super::output::print_json;
+use super::progress;
 use super::results::{Out, Results};
 use super::run::checked;
 
+const EXAMPLES: &str = "\
+Examples:
+  sagnac merge results/my/shard-* --out results/my
+  sagnac merge results/my --out results/copy --study my.toml
+  sagnac merge --salvage results/my --out results/rescued";
+
 #[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// Results folders of one study: of its shares, of other machines, or of runs that were cut short
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
     /// Folder of the whole, which may hold results already; theirs and these become its
-    #[arg(long, value_name = "DIR")]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: PathBuf,
     /// Study file whose tables and charts are made [default: the resolved_study.toml that the folders share]
     #[arg(long, value_name = "STUDY")]
     study: Option<PathBuf>,
     /// Trials at each point, in place of the study's
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
     trials: Option<u64>,
     /// Seed, in place of the study's
-    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
     seed: Option<u64>,
     /// Leave damaged rows out instead of refusing their folder
     #[arg(long)]
     salvage: bool,
     /// Print the table and the verdict as JSON
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     json: bool,
+    /// Also draw the first chart as text
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
+    plot: bool,
+    #[command(flatten)]
+    progress: progress::Options,
     /// Print only errors
-    #[arg(long, short)]
+    #[arg(help_heading = "Output", long, short)]
     quiet: bool,
 }
 
@@ -71,11 +84,18 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
             say!("note: {}: {damaged} damaged rows or pages are left out", folder.display());
         }
     }
-    let results = Results { study: &study, plan: &plan, folder: &options.out, done: None };
-    if let Some(document) = results.show(&store, Out { json: options.json, quiet: options.quiet })? {
+    let lacking = plan.lacks(&store, Share::WHOLE)?;
+    let results = Results { study: &study, plan: &plan, folder: &options.out, done: None, lacking };
+    let out = Out {
+        json: options.json,
+        quiet: options.quiet,
+        plot: options.plot,
+        progress: options.progress.how(options.quiet),
+    };
+    if let Some(document) = results.show(&store, out)? {
         print_json(&document)?;
     }
-    match plan.lacks(&store, Share::WHOLE)? {
+    match lacking {
         0 if options.json || options.quiet => Ok(()),
         0 => {
             say!("complete; results are in {}", options.out.display());

@@ -11,39 +11,48 @@ macro_rules! say {
 
 mod allan;
 mod bench;
+mod chart;
 mod charts;
 mod check;
 mod compare;
 mod design;
 mod devices;
+mod explain;
 mod failure;
 mod filler;
+mod look;
 mod merge;
+mod new;
 mod one_point;
+mod optima;
 mod output;
 mod progress;
 mod reading;
+mod report;
 mod results;
 mod run;
+mod schemas;
+mod shells;
 mod terminal;
 mod verify;
 
 use std::process::ExitCode;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use failure::Failure;
-use sagnac::study;
+use failure::{EXIT_CODES, Failure};
 
 /// Monte Carlo studies for laser gyroscopes, with the same bits on every CPU and GPU.
 #[derive(Debug, Parser)]
-#[command(name = "sagnac", version, max_term_width = 110, after_help = EXIT_CODES)]
+#[command(name = "sagnac", version, max_term_width = 110, after_long_help = after_help())]
 struct Cli {
     #[command(subcommand)]
     command: Command,
+    #[command(flatten)]
+    look: look::Options,
 }
 
-const EXIT_CODES: &str = "\
+const EXAMPLES: &str = "\
 Examples:
   sagnac run studies/error_vs_dtnu.toml
   sagnac run my.toml --trials 100000000 --device gpu
@@ -55,12 +64,15 @@ Examples:
   sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz
   sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz
-  sagnac verify
+  sagnac new gap-fill first.toml
+  sagnac explain motion.amplitude
+  sagnac verify";
 
-Exit codes:
-  0 done    1 runtime error    2 usage, unknown device    3 invalid study or log, folder of another study or version
-  4 stopped or incomplete, run again to go on    5 a check failed    6 storage or output (full, read-only, locked)
-  130, 143 signals";
+/// Examples and exit codes.
+fn after_help() -> String {
+    let codes = EXIT_CODES.iter().map(|(code, meaning)| format!("\n  {code:8}  {meaning}"));
+    format!("{EXAMPLES}\n\nExit codes:{}", codes.collect::<String>())
+}
 
 #[derive(Debug, Subcommand)]
 enum Command {
@@ -72,6 +84,10 @@ enum Command {
     Merge(merge::Options),
     /// Look whether results are sound, complete and what the tables say
     Check(check::Options),
+    /// Make report.html of results again, and of several studies a gallery
+    Report(report::Options),
+    /// Draw results that are there with other axes, estimates or limits
+    Chart(chart::Options),
     /// How often to switch, and with which filler: the recommendation, with evidence
     Design(design::Options),
     /// The weights of fillers for firmware: table, response over frequency, C header, test vectors
@@ -81,16 +97,31 @@ enum Command {
     /// Two recorded logs: is one noisier than the other, in what, how sure is that, and how long must they be to tell
     Compare(compare::Options),
     /// List the devices that kernels can run on
+    #[command(after_long_help = "Examples:\n  sagnac devices")]
     Devices,
     /// Prove that every kernel gives the same bits on every device, here and now
     Verify(Verify),
     /// Measure the throughput of the kernels
     Bench(Bench),
-    /// Print the JSON schema of study files
-    Schema,
+    /// Print the JSON schema of study files, or of what a command prints with --json
+    Schema(schemas::Options),
+    /// Write a commented study to begin with
+    New(new::Options),
+    /// What a key of a study, a column of results or an exit code means
+    Explain(explain::Options),
+    /// Print a script that completes commands and options in a shell
+    Completions(shells::Completions),
+    /// Write manual pages
+    Man(shells::Man),
 }
 
+const VERIFY_EXAMPLES: &str = "\
+Examples:
+  sagnac verify
+  sagnac verify --device cpu --trials 100000";
+
 #[derive(Debug, Args)]
+#[command(after_long_help = VERIFY_EXAMPLES)]
 struct Verify {
     /// cpu, gpu, part of an adapter's name, or its PCI address: see `sagnac devices` [default: all adapters]
     #[arg(long, value_name = "DEVICE")]
@@ -100,7 +131,13 @@ struct Verify {
     trials: u64,
 }
 
+const BENCH_EXAMPLES: &str = "\
+Examples:
+  sagnac bench
+  sagnac bench --device cpu --json";
+
 #[derive(Debug, Args)]
+#[command(after_long_help = BENCH_EXAMPLES)]
 struct Bench {
     #[command(flatten)]
     device: DeviceArg,
@@ -112,10 +149,10 @@ struct Bench {
 #[derive(Debug, Args)]
 struct DeviceArg {
     /// auto, cpu, gpu, a width of the CPU such as avx2, part of an adapter's name, or its PCI address: see `sagnac devices`
-    #[arg(long = "device", value_name = "DEVICE", default_value = "auto")]
+    #[arg(help_heading = "Device", long = "device", value_name = "DEVICE", default_value = "auto")]
     name: String,
     /// Threads of the CPU [default: as many as it runs at once]
-    #[arg(long, value_name = "N", value_parser = threads)]
+    #[arg(help_heading = "Device", long, value_name = "N", value_parser = threads)]
     threads: Option<usize>,
 }
 
@@ -130,11 +167,16 @@ fn threads(text: &str) -> Result<usize, String> {
 /// Runs the program.
 pub fn main() -> ExitCode {
     output::outlive_limits();
-    let cli = Cli::parse();
+    let color = look::of_arguments(std::env::args_os());
+    let matches = Cli::command().color(color).get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    look::follow(&cli.look);
     let result = match &cli.command {
         Command::Run(options) => run::run(options),
         Command::Merge(options) => merge::merge(options),
         Command::Check(options) => check::check(options),
+        Command::Report(options) => report::report(options),
+        Command::Chart(options) => chart::chart(options),
         Command::Design(options) => design::design(options),
         Command::Filler(options) => filler::filler(options),
         Command::Allan(options) => allan::allan(options),
@@ -142,7 +184,11 @@ pub fn main() -> ExitCode {
         Command::Devices => devices::devices(),
         Command::Verify(options) => verify::verify(options),
         Command::Bench(options) => bench::bench(options),
-        Command::Schema => output::print(&study::schema()),
+        Command::Schema(options) => schemas::schema(options),
+        Command::New(options) => new::new(options),
+        Command::Explain(options) => explain::explain(options),
+        Command::Completions(options) => shells::completions(options, Cli::command()),
+        Command::Man(options) => shells::man(options, Cli::command()),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,35 +1,76 @@
 //! Progress on the standard error stream: a bar on a terminal, now and then a line elsewhere.
 
-use std::io::IsTerminal;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+mod pace;
 
+use std::io::IsTerminal;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use clap::{Args, ValueEnum};
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use pace::Pace;
 use sagnac::run::Progress;
 
 /// Seconds between lines where there is no terminal.
 const LINE_SECONDS: u64 = 10;
 
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Progress on the standard error stream: a bar on a terminal, else lines; bar, plain (lines), none
+    #[arg(
+        help_heading = "Output",
+        long,
+        value_enum,
+        value_name = "HOW",
+        default_value = "auto",
+        hide_possible_values = true
+    )]
+    progress: How,
+}
+
+impl Options {
+    /// How it is shown to someone who wants to hear of errors only, or of more.
+    pub fn how(&self, quiet: bool) -> How {
+        match self.progress {
+            How::Auto if quiet => How::None,
+            asked => asked,
+        }
+    }
+}
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum How {
+    Auto,
+    Bar,
+    Plain,
+    None,
+}
+
 /// How progress is shown.
 pub enum Shown {
     Nothing,
-    Bar(ProgressBar),
+    Bar(ProgressBar, Arc<Mutex<Pace>>),
     Lines(Lines),
 }
 
 impl Shown {
-    /// What suits the standard error stream.
-    pub fn new(quiet: bool) -> Shown {
-        if quiet {
-            return Shown::Nothing;
+    /// As it is asked for. There is no bar without a terminal: control characters are no text.
+    pub fn new(how: How) -> Shown {
+        let bare =
+            !std::io::stderr().is_terminal() || std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+        match how {
+            How::None => return Shown::Nothing,
+            How::Plain => return Shown::Lines(Lines::default()),
+            How::Auto | How::Bar if bare => return Shown::Lines(Lines::default()),
+            How::Auto | How::Bar => {}
         }
-        if !std::io::stderr().is_terminal() {
-            return Shown::Lines(Lines::default());
-        }
+        let pace = Arc::new(Mutex::new(Pace::new(0, 0)));
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10));
-        let template = "{bar:30} {percent:>3} %  {done} {msg}  {rate}  {eta} left";
+        let template = "{bar:30} {percent:>3} %  {done} {msg}  {rate}  {left}";
         if let Ok(style) = ProgressStyle::with_template(template) {
+            let read = pace.clone();
             bar.set_style(
                 style
                     .with_key("done", |state: &ProgressState, to: &mut dyn std::fmt::Write| {
@@ -42,10 +83,14 @@ impl Shown {
                     })
                     .with_key("rate", |state: &ProgressState, to: &mut dyn std::fmt::Write| {
                         let _ = write!(to, "{}/s", short(state.per_sec()));
+                    })
+                    .with_key("left", move |state: &ProgressState, to: &mut dyn std::fmt::Write| {
+                        let left = read.lock().ok().and_then(|pace| pace.left(state.pos()));
+                        let _ = left.map_or(Ok(()), |left| write!(to, "{} left", HumanDuration(left)));
                     }),
             );
         }
-        Shown::Bar(bar)
+        Shown::Bar(bar, pace)
     }
 }
 
@@ -53,7 +98,10 @@ impl Progress for Shown {
     fn start(&self, unit: &'static str, done: u64, total: u64) {
         match self {
             Shown::Nothing => {}
-            Shown::Bar(bar) => {
+            Shown::Bar(bar, pace) => {
+                if let Ok(mut pace) = pace.lock() {
+                    *pace = Pace::new(done, total);
+                }
                 // It may have come to an end with another unit.
                 bar.reset();
                 bar.set_message(unit);
@@ -70,21 +118,33 @@ impl Progress for Shown {
     fn advance(&self, more: u64) {
         match self {
             Shown::Nothing => {}
-            Shown::Bar(bar) => bar.inc(more),
+            Shown::Bar(bar, _) => bar.inc(more),
             Shown::Lines(lines) => lines.advance(more),
+        }
+    }
+
+    fn cost(&self, done: f64, total: f64) {
+        match self {
+            Shown::Nothing => {}
+            Shown::Bar(_, pace) => {
+                if let Ok(mut pace) = pace.lock() {
+                    pace.cost(done, total);
+                }
+            }
+            Shown::Lines(lines) => lines.cost(done, total),
         }
     }
 
     fn note(&self, sentence: &str) {
         match self {
             Shown::Nothing => {}
-            Shown::Bar(bar) => bar.suspend(|| say!("note: {sentence}")),
+            Shown::Bar(bar, _) => bar.suspend(|| say!("note: {sentence}")),
             Shown::Lines(_) => say!("note: {sentence}"),
         }
     }
 
     fn finish(&self) {
-        if let Shown::Bar(bar) = self {
+        if let Shown::Bar(bar, _) = self {
             bar.finish_and_clear();
         }
     }
@@ -99,9 +159,8 @@ pub struct Lines {
 
 struct State {
     unit: &'static str,
-    before: u64,
     total: u64,
-    started: Instant,
+    pace: Pace,
     next: Duration,
 }
 
@@ -113,7 +172,7 @@ impl Lines {
         }
         if let Ok(mut state) = self.state.lock() {
             let next = Duration::from_secs(LINE_SECONDS);
-            *state = Some(State { unit, before, total, started: Instant::now(), next });
+            *state = Some(State { unit, total, pace: Pace::new(before, total), next });
         }
     }
 
@@ -121,14 +180,22 @@ impl Lines {
         let done = self.done.fetch_add(more, Ordering::Relaxed) + more;
         // A thread that finds another one printing has nothing to add.
         let Ok(mut state) = self.state.try_lock() else { return };
-        let Some(State { unit, before, total, started, next }) = state.as_mut() else { return };
-        let elapsed = started.elapsed();
-        if elapsed >= *next && done > *before {
+        let Some(State { unit, total, pace, next }) = state.as_mut() else { return };
+        let elapsed = pace.elapsed();
+        if elapsed >= *next
+            && let Some(left) = pace.left(done)
+        {
             *next = elapsed + Duration::from_secs(LINE_SECONDS);
-            let rate = (done - *before) as f64 / elapsed.as_secs_f64();
-            let left = Duration::from_secs_f64((total.saturating_sub(done)) as f64 / rate);
             let percent = 100.0 * done as f64 / (*total).max(1) as f64;
-            say!("{percent:.0} %, {} {unit}/s, {} left", short(rate), HumanDuration(left));
+            say!("{percent:.0} %, {} {unit}/s, {} left", short(pace.rate(done)), HumanDuration(left));
+        }
+    }
+
+    fn cost(&self, done: f64, total: f64) {
+        if let Ok(mut state) = self.state.lock()
+            && let Some(state) = state.as_mut()
+        {
+            state.pace.cost(done, total);
         }
     }
 }

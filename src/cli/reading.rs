@@ -13,25 +13,25 @@ use super::Failure;
 #[derive(Debug, Args)]
 pub struct Reading {
     /// What the numbers are: angular rate, angle turned in each sample, or angle (phase) since the start
-    #[arg(long, value_name = "KIND")]
+    #[arg(help_heading = "Reading the log", long, value_name = "KIND")]
     data: Kind,
     /// Unit of the numbers, as in deg/h, deg/s, rad/s, arcsec; none for plain ones [default: that of the header]
-    #[arg(long, value_name = "UNIT", conflicts_with = "scale")]
+    #[arg(help_heading = "Reading the log", long, value_name = "UNIT", conflicts_with = "scale")]
     unit: Option<String>,
     /// Size of a pulse, where the numbers count pulses
-    #[arg(long, value_name = "SIZE/pulse")]
+    #[arg(help_heading = "Reading the log", long, value_name = "SIZE/pulse")]
     scale: Option<String>,
     /// Sampling rate, as in 100Hz
-    #[arg(long, value_name = "RATE", conflicts_with = "time")]
+    #[arg(help_heading = "Reading the log", long, value_name = "RATE", conflicts_with = "time")]
     rate: Option<String>,
     /// Column of time stamps, by name or number, in place of a rate
-    #[arg(long, value_name = "COLUMN")]
+    #[arg(help_heading = "Reading the log", long, value_name = "COLUMN")]
     time: Option<String>,
     /// Unit of the time stamps: s, ms, us, ns [default: that of the header]
-    #[arg(long, value_name = "UNIT", requires = "time")]
+    #[arg(help_heading = "Reading the log", long, value_name = "UNIT", requires = "time")]
     time_unit: Option<String>,
     /// Columns by name or number from 1, with commas between [default: the only one]
-    #[arg(long, value_name = "COLUMNS", value_delimiter = ',')]
+    #[arg(help_heading = "Reading the log", long, value_name = "COLUMNS", value_delimiter = ',')]
     column: Vec<String>,
     /// Leave out the beginning, as in "30 min"
     #[arg(long, value_name = "TIME", default_value = "0 s", value_parser = seconds)]
@@ -40,17 +40,17 @@ pub struct Reading {
     #[arg(long, value_name = "TIME", value_parser = seconds)]
     pub until: Option<f64>,
     /// Remove a straight line from the rate: with it goes the rate ramp R, and K comes out too low
-    #[arg(long, value_name = "TREND", default_value = "none")]
+    #[arg(help_heading = "Reading the log", long, value_name = "TREND", default_value = "none")]
     detrend: Detrend,
     /// Take outliers for gaps: samples more than 8 standard deviations from the median of their neighbours
     #[arg(long)]
     pub remove_outliers: bool,
     /// Refuse rates that look as if in another unit: see the README
-    #[arg(long, value_name = "SWITCH", default_value = "on")]
+    #[arg(help_heading = "Reading the log", long, value_name = "SWITCH", default_value = "on")]
     unit_check: Switch,
     /// Coefficients to fit: auto (those of Q, N, B, K, R that the record supports), none, or a list of Q, N, B, K, R,
     /// markov, sine
-    #[arg(long, value_name = "TERMS", default_value = "auto", value_parser = fit_terms)]
+    #[arg(help_heading = "Reading the log", long, value_name = "TERMS", default_value = "auto", value_parser = fit_terms)]
     fit: Fitted,
 }
 

@@ -4,6 +4,8 @@ use std::collections::HashMap;
 
 use sagnac::table::{Column, ColumnError, Table, significant};
 
+use super::look;
+
 /// Rows of a table that are shown; of longer ones every second, third, … is.
 const MOST_ROWS: usize = 48;
 
@@ -68,7 +70,7 @@ pub fn pivot(
     let note = if step > 1 { format!(" (one line in {step})") } else { String::new() };
     let names: Vec<String> = curves.iter().map(|names| names.column.title()).collect();
     let by = if names.is_empty() { String::new() } else { format!(", by {}", names.join(" and ")) };
-    Ok(format!("{}{by}{note}\n{}", y.title(), aligned(&shown)))
+    Ok(format!("{}{by}{note}\n{}", y.title(), fitted(&shown, across.len(), look::columns())))
 }
 
 /// The different values of a column in the rows shown.
@@ -128,18 +130,134 @@ fn gcd(a: usize, b: usize) -> usize {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// Rows of cells with every column as wide as its widest cell, flush right.
+/// Rows of cells with every column as wide as its widest cell, flush right; where a terminal is narrower, as [`fitted`].
 pub(super) fn aligned(rows: &[Vec<String>]) -> String {
+    fitted(rows, 1, look::columns())
+}
+
+/// The same within so many columns, if there is a limit: headings are broken into lines, and what is still too wide goes on below,
+/// the first `keys` columns standing in each part.
+fn fitted(rows: &[Vec<String>], keys: usize, limit: Option<usize>) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |column: usize| {
+    let widest = |rows: &[Vec<String>], column: usize| {
         rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
     };
-    let widths: Vec<usize> = (0..columns).map(width).collect();
-    rows.iter()
-        .map(|row| {
-            let cells: Vec<String> =
-                row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:>width$}")).collect();
-            format!("  {}\n", cells.join("  "))
-        })
-        .collect()
+    let widths: Vec<usize> = (0..columns).map(|column| widest(rows, column)).collect();
+    let all: Vec<usize> = (0..columns).collect();
+    let (Some(limit), Some((heading, body))) = (limit, rows.split_first()) else {
+        return part(rows, &all, &widths);
+    };
+    if width_of(&widths, &all) <= limit {
+        return part(rows, &all, &widths);
+    }
+    let word = |cell: &String| cell.split(' ').map(|word| word.chars().count()).max().unwrap_or(0);
+    let narrow: Vec<usize> =
+        all.iter().map(|&column| widest(body, column).max(heading.get(column).map_or(0, word))).collect();
+    let mut lines = heading_lines(heading, &narrow);
+    lines.extend(body.iter().cloned());
+    let keys: Vec<usize> = all.iter().copied().take(keys).collect();
+    let mut parts: Vec<Vec<usize>> = Vec::new();
+    let mut shown = keys.clone();
+    for &column in &all[keys.len()..] {
+        shown.push(column);
+        if width_of(&narrow, &shown) > limit && shown.len() > keys.len() + 1 {
+            shown.pop();
+            parts.push(std::mem::replace(&mut shown, [&keys[..], &[column]].concat()));
+        }
+    }
+    parts.push(shown);
+    parts.iter().map(|shown| part(&lines, shown, &narrow)).collect::<Vec<_>>().join("\n")
+}
+
+/// Columns of the terminal that some columns of a table take.
+fn width_of(widths: &[usize], shown: &[usize]) -> usize {
+    shown.iter().map(|&column| widths[column] + 2).sum()
+}
+
+/// A heading in as many lines as its longest cell needs, the last words of each cell in the last one.
+fn heading_lines(heading: &[String], widths: &[usize]) -> Vec<Vec<String>> {
+    let broken: Vec<Vec<String>> =
+        heading.iter().zip(widths).map(|(cell, &width)| broken(cell, width)).collect();
+    let height = broken.iter().map(Vec::len).max().unwrap_or(0);
+    let line = |at: usize| {
+        let of = |cell: &Vec<String>| {
+            (at + cell.len()).checked_sub(height).map_or_else(String::new, |at| cell[at].clone())
+        };
+        broken.iter().map(of).collect()
+    };
+    (0..height).map(line).collect()
+}
+
+/// A text in lines of at most `width`, but for longer words.
+fn broken(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
+                *line += &format!(" {word}")
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+fn part(rows: &[Vec<String>], shown: &[usize], widths: &[usize]) -> String {
+    let line = |row: &Vec<String>| {
+        let cells = shown.iter().filter_map(|&column| Some((row.get(column)?, widths[column])));
+        let cells: Vec<String> = cells.map(|(cell, width)| format!("{cell:>width$}")).collect();
+        format!("  {}\n", cells.join("  "))
+    };
+    rows.iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table() -> Vec<Vec<String>> {
+        let row = |cells: &str| cells.split('|').map(str::to_owned).collect::<Vec<String>>();
+        vec![
+            row("vibration frequency, Hz|const 1|linear 1|least of all"),
+            row("2|0.9672|0.967|1"),
+            row("40|104|96.7|23.5"),
+        ]
+    }
+
+    #[test]
+    fn a_table_that_fits_or_has_no_limit_stays_in_one_piece_with_headings_in_a_line() {
+        let heading = "  vibration frequency, Hz  const 1  linear 1  least of all\n";
+        assert!(fitted(&table(), 1, None).starts_with(heading), "{}", fitted(&table(), 1, None));
+        assert_eq!(fitted(&table(), 1, Some(heading.len() - 1)), fitted(&table(), 1, None));
+    }
+
+    #[test]
+    fn headings_are_broken_where_the_terminal_is_narrow() {
+        let text = fitted(&table(), 1, Some(57));
+        assert_eq!(text.lines().count(), 5, "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= 57), "{text}");
+        assert!(
+            text.lines().nth(2).is_some_and(|line| line.contains("Hz") && line.contains("all")),
+            "{text}"
+        );
+        for word in ["vibration", "frequency,", "const", "linear"] {
+            assert!(text.contains(word), "{word} is missing in\n{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_still_too_wide_goes_on_below_beside_its_keys() {
+        let text = fitted(&table(), 1, Some(28));
+        assert!(text.lines().all(|line| line.chars().count() <= 28), "{text}");
+        let parts: Vec<&str> = text.split("\n\n").collect();
+        assert_eq!(parts.len(), 2, "{text}");
+        assert!(parts.iter().all(|part| part.contains("frequency,") && part.contains("40")), "{text}");
+        assert!(parts[0].contains("104") && parts[1].contains("23.5") && !parts[1].contains("104"), "{text}");
+    }
+
+    #[test]
+    fn a_terminal_too_narrow_for_anything_has_a_column_at_a_time() {
+        assert_eq!(fitted(&table(), 1, Some(1)).split("\n\n").count(), 3);
+        assert_eq!(fitted(&[], 1, Some(1)), "");
+    }
 }

@@ -23,6 +23,7 @@ pub enum Quantity {
 /// A coefficient of both records.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Difference {
+    /// Which coefficient, with its unit.
     pub quantity: Quantity,
     /// Absent where the record does not show it.
     pub values: [Option<f64>; 2],

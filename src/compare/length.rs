@@ -20,9 +20,15 @@ const STEPS: u32 = 32;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Length {
     /// So many s, to 2 %.
-    Needed { length_s: f64 },
+    Needed {
+        /// Of each record, s.
+        length_s: f64,
+    },
     /// More than the longest that was tried, s.
-    Beyond { length_s: f64 },
+    Beyond {
+        /// The longest that was tried, s.
+        length_s: f64,
+    },
     /// The values found are equal, or one is not known and the difference not significant.
     Unknown,
 }

@@ -56,6 +56,7 @@ use difference::Fits;
 pub struct Comparison {
     /// Overlapping Allan deviations at the octaves of each record.
     pub curves: [Vec<Point>; 2],
+    /// The averaging times that both have, and the differences to take there.
     pub common: Common,
     /// One for each common time.
     pub ratios: Vec<Ratio>,

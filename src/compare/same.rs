@@ -17,6 +17,7 @@ pub struct Same {
     pub times: usize,
     /// The longest of them, s.
     pub longest_s: f64,
+    /// Which test it is: that of all times together needs a fit.
     pub by: By,
 }
 
@@ -24,7 +25,10 @@ pub struct Same {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum By {
     /// χ² of the logarithms of all ratios, with the covariance between them.
-    ChiSquared { value: f64 },
+    ChiSquared {
+        /// χ², of as many degrees of freedom as there are times.
+        value: f64,
+    },
     /// The least p of a single ratio times the number of them (Bonferroni): where there is no fit.
     LeastP,
 }

@@ -8,6 +8,41 @@
 //! look better than it is. Where the study does not sweep the interval, each candidate runs for the nearest time that an even
 //! number of intervals makes: an odd one would be left uncancelled, and where a run ends would count for more than how often
 //! the gyro switches.
+//! ```
+//! use sagnac::backend;
+//! use sagnac::design::{Measure, design};
+//! use sagnac::study::Study;
+//! # use sagnac::run::Progress;
+//! # struct Silent;
+//! # impl Progress for Silent {
+//! #     fn start(&self, _: &'static str, _: u64, _: u64) {}
+//! #     fn advance(&self, _: u64) {}
+//! #     fn note(&self, _: &str) {}
+//! #     fn finish(&self) {}
+//! # }
+//!
+//! let study = Study::parse("hour.toml", r#"
+//!     title = "The paper's hour"
+//!     kind = "switched-run"
+//!     trials = 8192
+//!     streams = "common"
+//!     [drift]
+//!     magnetic = "14 arcsec/s"
+//!     warm_up_time = "3000 s"
+//!     residual_max = "10 arcsec"
+//!     [switching]
+//!     interval = "40 s"
+//!     [run]
+//!     duration = "1 h"
+//! "#)?;
+//! let mut device = backend::select("cpu", 2)?.device;
+//! let found = design(&study, Measure::DriftRms, &mut device, &Silent)?;
+//! let best = found.best().best();
+//! // In closed form 15.6 s, and 0.0365 °/h rms.
+//! assert!((14.0..17.5).contains(&best.interval_s), "{} s", best.interval_s);
+//! assert!((best.drift.value - 0.0365).abs() < 0.001, "{} °/h", best.drift.value);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod candidates;
 mod optimum;
@@ -43,6 +78,7 @@ pub enum Measure {
 }
 
 impl Measure {
+    /// All of them, as `--by` lists them.
     pub const ALL: [Measure; 4] =
         [Measure::DriftQ9973, Measure::DriftRms, Measure::LargestQ9973, Measure::LargestRms];
 
@@ -78,14 +114,18 @@ impl Measure {
 /// A value with its 95 % interval, where it is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
+    /// In the unit of the measure.
     pub value: f64,
+    /// Its ends; absent of runs too few for them.
     pub interval: Option<(f64, f64)>,
 }
 
 /// The runs at one interval with one filler.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tried {
+    /// MT, s; the nearest to what was asked for that gives an even number of intervals.
     pub interval_s: f64,
+    /// Within a run.
     pub switches: u64,
     /// ″/s.
     pub drift: Found,
@@ -102,10 +142,13 @@ pub struct Filler {
     pub name: Option<String>,
     /// Of one switch, rms and about the largest, δP_max, ″.
     pub residual_rms: f64,
+    /// Sines at their peaks and three standard deviations of the rest.
     pub residual_max: f64,
+    /// Ascending.
     pub tried: Vec<Tried>,
     /// Place of the interval to choose.
     pub best: usize,
+    /// From a law through those near the least.
     pub optimum: Optimum,
     /// The interval that the paper's bound would choose, and what comes of it.
     pub papers_rule: Option<PapersRule>,
@@ -126,9 +169,11 @@ impl Filler {
 /// What a design came to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
+    /// What is made least.
     pub measure: Measure,
     /// Runs of each filler and interval.
     pub trials: u64,
+    /// t, s.
     pub duration_s: f64,
     /// Left out, ″/s.
     pub non_magnetic: f64,
@@ -165,23 +210,43 @@ impl Design {
 /// Why there is no design.
 #[derive(Debug, thiserror::Error)]
 pub enum DesignError {
+    /// Of another kind of study.
     #[error("a study of kind = \"{kind}\" has no switching interval to choose")]
-    Kind { kind: &'static str },
+    Kind {
+        /// The kind that it is.
+        kind: &'static str,
+    },
+    /// A key that makes it more than one gyro.
     #[error("{key} is swept: a design is for one gyro, and chooses the interval and the filler itself")]
-    Swept { key: &'static str },
+    Swept {
+        /// Which one.
+        key: &'static str,
+    },
+    /// Nothing depends on the interval.
     #[error("there is no drift and no residual: every interval is as good as any other")]
     Nothing,
+    /// The run is too short for two intervals.
     #[error(
         "no run of {duration_s} s has an even number of intervals that are long enough for the fit ticks"
     )]
-    NoCandidate { duration_s: f64 },
+    NoCandidate {
+        /// t, s.
+        duration_s: f64,
+    },
+    /// A run at one of the intervals does not fit into fixed point.
     #[error(transparent)]
     Lower(#[from] RunLowerError),
+    /// The device failed.
     #[error(transparent)]
     Gpu(#[from] GpuError),
     /// The runs do not say where 99.73 % of them lie.
     #[error("{trials} runs are too few for the {}", measure.label())]
-    TooFew { trials: u64, measure: Measure },
+    TooFew {
+        /// That there are.
+        trials: u64,
+        /// The one asked for.
+        measure: Measure,
+    },
 }
 
 /// Runs all candidates; `progress` hears of how many runs there are, then of those that are done.
@@ -209,8 +274,19 @@ pub fn design(
     let total: usize = chosen.iter().map(|candidates| candidates.len() + 2).sum();
     progress.start("trials", 0, total as u64 * trials);
     let mut worker = Worker::new(device, progress);
+    let steps = |candidate: &Candidate| {
+        candidate.filled.launches().first().map_or(0.0, |(launch, _)| launch.steps() as f64)
+    };
+    // The two that are not known yet are near the middle of the others.
+    let of_filler = |candidates: &Vec<Candidate>| {
+        let known: f64 = candidates.iter().map(steps).sum();
+        known * (1.0 + 2.0 / candidates.len().max(1) as f64)
+    };
+    let (mut cost, all) = (0.0, chosen.iter().map(of_filler).sum());
     let mut sampled = |candidate: &Candidate| {
         let parts = sampling::parts(&candidate.filled, trials, &mut worker, progress)?;
+        cost += steps(candidate);
+        progress.cost(cost, all);
         of_parts(candidate, &parts, measure, trials)
     };
     let mut fillers = Vec::new();

@@ -15,8 +15,11 @@ const FEWEST: usize = 6;
 /// The interval of least drift, s, with its 95 % interval. Without that where the least lies at an end of what was tried.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Optimum {
+    /// MT, s.
     pub interval_s: f64,
+    /// Lower end, s.
     pub lo_s: Option<f64>,
+    /// Upper end, s.
     pub hi_s: Option<f64>,
 }
 

@@ -13,6 +13,7 @@ pub struct PapersRule {
     pub residual_max: f64,
     /// The interval that the bound has its minimum at, s, and the bound there, ″/s.
     pub interval_s: f64,
+    /// Z(7) at that interval, ″/s.
     pub bound: f64,
     /// What comes of it, of an even number of intervals.
     pub tried: Tried,

@@ -10,6 +10,7 @@ use crate::theory::gap::{Weights, sine_response, tick_amplitude};
 /// The fillers of one point of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Firmware {
+    /// Of the study.
     pub title: String,
     /// Name and value of each swept key.
     pub at: Vec<(&'static str, Swept)>,
@@ -19,6 +20,7 @@ pub struct Firmware {
     pub gap_ticks: u32,
     /// Rate amplitude, ″/s, and frequency, Hz, where the motion is a single tone.
     pub tone: Option<(f64, f64)>,
+    /// In the order of the study, or as they were asked for.
     pub designs: Vec<Design>,
     /// Why there is no rms, where the point cannot be sampled.
     pub unsampled: Option<String>,
@@ -29,6 +31,7 @@ pub struct Firmware {
 /// A filler.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
+    /// As the study calls it; the C functions are named after it.
     pub name: String,
     /// What it is: `polynomial of order 2`.
     pub method: String,

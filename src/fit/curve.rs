@@ -17,30 +17,68 @@ pub struct Curve {
 /// Why a curve cannot be fitted.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FitError {
+    /// Two lists that do not belong together.
     #[error("{ms} averaging factors for {variances} variances: a curve needs as many of both")]
-    Lengths { ms: usize, variances: usize },
+    Lengths {
+        /// Averaging factors given.
+        ms: usize,
+        /// Variances given.
+        variances: usize,
+    },
+    /// A variance that has no logarithm.
     #[error(
         "the variance at m = {m} is {value}: a fit needs finite values above 0; a constant record has none"
     )]
-    NotPositive { m: u64, value: f64 },
+    NotPositive {
+        /// Its averaging factor.
+        m: u64,
+        /// What it is.
+        value: f64,
+    },
+    /// Averaging factors out of order, or 0.
     #[error("averaging factors have to ascend from 1; m = {m} does not")]
-    NotAscending { m: u64 },
+    NotAscending {
+        /// The first that does not ascend.
+        m: u64,
+    },
+    /// No difference of that length is in the record.
     #[error("m = {m} is too long for a record of {samples} samples")]
-    TooLong { m: u64, samples: u64 },
+    TooLong {
+        /// The averaging factor.
+        m: u64,
+        /// Of the record.
+        samples: u64,
+    },
+    /// More unknowns than points.
     #[error(
         "{points} points cannot hold {parameters} parameters: leave out terms or take more averaging factors"
     )]
-    TooFewPoints { points: usize, parameters: usize },
+    TooFewPoints {
+        /// Variances given.
+        points: usize,
+        /// Of the terms asked for.
+        parameters: usize,
+    },
+    /// An empty list of terms.
     #[error("no terms to fit")]
     NoTerms,
+    /// More samples than the flicker of the covariance is modelled for.
     #[error("flicker is modelled up to 2^27 samples, and the record has {samples}")]
-    TooManySamples { samples: u64 },
+    TooManySamples {
+        /// Of the record.
+        samples: u64,
+    },
+    /// Rounding has spoilt the covariance; points too close to each other do that.
     #[error("the covariance of the estimates is not positive definite")]
     NotDefinite,
+    /// Simulated records from which no covariance can be taken.
     #[error(
         "{rows} realisations give no covariance: at least two with one estimate for every averaging factor"
     )]
-    Realisations { rows: usize },
+    Realisations {
+        /// That were given.
+        rows: usize,
+    },
 }
 
 impl Curve {
@@ -79,6 +117,7 @@ impl Curve {
         Ok(Curve { ms: self.ms.clone(), variances: variances.to_vec(), ..*self })
     }
 
+    /// From one sample to the next, s.
     pub fn sample_s(&self) -> f64 {
         self.sample_s
     }
@@ -88,6 +127,7 @@ impl Curve {
         self.samples
     }
 
+    /// What the variances are of: second differences, or third ones of Hadamard.
     pub fn difference(&self) -> Difference {
         self.difference
     }

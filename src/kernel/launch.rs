@@ -9,8 +9,11 @@ use crate::backend::cpu::Width;
 /// Which kernel samples, and what its launch has: what a shader is specialised for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Sampled {
+    /// Errors of gap fillers.
     GapFill(gap_fill::Shape),
+    /// Angles of whole runs.
     SwitchedRun(switched_run::Shape),
+    /// What is left of the ticks after a switch.
     Relock(relock::Shape),
 }
 
@@ -48,6 +51,7 @@ pub const MOST_STEPS: u64 = 60_000;
 /// Trials of one point: parameters in fixed point.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Launch {
+    /// Which kernel.
     pub sampled: Sampled,
     /// The parameters of the kernel, one after the other.
     pub words: Vec<u32>,

@@ -14,6 +14,7 @@ use crate::backend::cpu::{AnyWidth, Width};
 pub struct Map {
     /// Words of an item in and out.
     pub inputs: usize,
+    /// Words that each item gives.
     pub outputs: usize,
     /// Evaluates all items of the list.
     pub cpu: fn(Width, &[u32]) -> Vec<u32>,

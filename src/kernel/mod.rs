@@ -40,6 +40,7 @@ pub enum Form {
 pub struct Kernel {
     /// The stem of its file here and in `shaders/`.
     pub name: &'static str,
+    /// How it is called and what it gives.
     pub form: Form,
 }
 

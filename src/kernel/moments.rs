@@ -33,10 +33,15 @@ pub trait Sampler: Copy {
 /// The exact tally of one estimate over a range of trials; `merge` makes it a commutative monoid.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Moments {
+    /// Trials.
     pub count: u64,
+    /// Σ E, in units of the estimate.
     pub sum: i128,
+    /// Σ E².
     pub square: u128,
+    /// Smallest E, signed; the largest `i32` of no trials.
     pub least: i32,
+    /// Largest E, signed; the smallest `i32` of no trials.
     pub greatest: i32,
     /// Trials in each bin of |error|; empty where no histogram was asked for.
     pub bins: Vec<u64>,
@@ -65,7 +70,9 @@ impl Moments {
 /// Consecutive trials, whose numbers have one upper half.
 #[derive(Debug, Clone, Copy)]
 pub struct Trials {
+    /// Number of the first.
     pub first: u64,
+    /// How many, at most what is left below the next multiple of 2^32.
     pub count: u64,
     /// Whether their histogram is wanted too.
     pub histogram: bool,

@@ -93,8 +93,11 @@ pub const PURPOSES: [(&str, Purpose); 22] = [
 /// Where the draws of a trial are found: its number in two halves, and the keys of its point.
 #[derive(Debug, Clone, Copy)]
 pub struct Address<W> {
+    /// Lower halves of the trial numbers, one in each lane.
     pub low: W,
+    /// Their upper half, which lanes share.
     pub high: u32,
+    /// Round keys of the point.
     pub keys: Keys,
 }
 

@@ -20,6 +20,7 @@ pub const LONG_HOLDS: usize = 6;
 /// Angles at every `stride`-th sample, for the differences over some spans.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Level {
+    /// In samples.
     pub stride: u32,
     /// Averaging factors in strides: m = span · stride.
     pub spans: Vec<u32>,
@@ -37,6 +38,7 @@ impl Level {
 /// 2^−32·`rate_scale` LSB.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Recipe {
+    /// Of the point: the key of Philox.
     pub key: [u32; 2],
     /// Samples N; there are N + 1 angles.
     pub samples: u32,
@@ -65,6 +67,7 @@ pub struct Recipe {
     pub drift: Arc<[u32]>,
     /// Order of the differences: 2, or 3 for Hadamard's.
     pub order: u32,
+    /// Which angles are kept, for which differences.
     pub levels: Vec<Level>,
 }
 

@@ -16,7 +16,9 @@ pub const WEIGHT_BITS: u32 = 24;
 /// What a launch has: what a shader is specialised for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Shape {
+    /// The ticks and what is taken off them.
     pub ticks: relock_ticks::Shape,
+    /// How many of the ticks, and their sum, are tallied.
     pub estimates: usize,
 }
 
@@ -71,8 +73,11 @@ impl Sampler for Relock<'_> {
 
 /// The tallies of some trials of a launch.
 pub struct Tally<'a> {
+    /// The parameters in fixed point.
     pub launch: &'a Launch,
+    /// What the parameters are of.
     pub shape: Shape,
+    /// Which trials.
     pub trials: Trials,
 }
 

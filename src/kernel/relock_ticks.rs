@@ -24,6 +24,7 @@ pub const VERSION: u32 = 1;
 /// What is taken off the ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Method {
+    /// Nothing: the ticks as the loop fakes them.
     None,
     /// From the measured frequency of the bias, from the second tick on: Z(11).
     Frequency,
@@ -36,6 +37,7 @@ pub enum Method {
 pub struct Shape {
     /// Ticks, at most [`MAX_TICKS`].
     pub ticks: usize,
+    /// What is taken off them.
     pub method: Method,
 }
 
@@ -52,8 +54,9 @@ parameters! {
     miss: |_| 1,
     /// Standard deviation of the error of U_λ/2, in 2^−4 units.
     half_wave: |_| 1,
-    /// A step of the DAC, and the whole width of the hysteresis, in units.
+    /// A step of the DAC, in units.
     dac_step: |_| 1,
+    /// The whole width of the hysteresis, in units.
     hysteresis: |_| 1,
     /// How far the miss is shifted to the left before it is squared.
     square_shift: |_| 1,
@@ -63,20 +66,25 @@ parameters! {
     temperature: |_| 1,
     /// The sign of the faked rotation in its highest bit.
     sign: |_| 1,
-    /// Half of f0·T, and what each half of each tick lacks of it at a square of 2^32, in units of the beat.
+    /// Half of f0·T, in units of the beat.
     half_bias: |shape: Shape| shape.only(Method::Frequency, 1),
+    /// What the first half of each tick lacks of it at a square of 2^32.
     lost_first: |shape: Shape| shape.only(Method::Frequency, shape.ticks),
+    /// What its second half lacks.
     lost_second: |shape: Shape| shape.only(Method::Frequency, shape.ticks),
     /// The bits of a phase that are counted: those of whole periods.
     counted: |shape: Shape| shape.only(Method::Frequency, 1),
     /// Logarithm of a unit of the beat in LSB, 2^−26.
     beat_log: |shape: Shape| shape.only(Method::Frequency, 1),
-    /// Mean detunings over the halves of each tick by Δλ0, in 2^−31.
+    /// Mean detunings over the first half of each tick by Δλ0, in 2^−31.
     mean_first: |shape: Shape| shape.only(Method::Detuning, shape.ticks),
+    /// The same over the second half.
     mean_second: |shape: Shape| shape.only(Method::Detuning, shape.ticks),
-    /// Standard deviation of their noise in 2^−4 units; half a step of the ADC, and the bits that it shows.
+    /// Standard deviation of their noise, in 2^−4 units.
     adc_sigma: |shape: Shape| shape.only(Method::Detuning, 1),
+    /// Half a step of the ADC, in units.
     adc_half: |shape: Shape| shape.only(Method::Detuning, 1),
+    /// The bits that the ADC shows.
     adc_shown: |shape: Shape| shape.only(Method::Detuning, 1),
     /// Half the logarithm of χ f0 T/4 in units and LSB, 2^−26.
     detuning_log: |shape: Shape| shape.only(Method::Detuning, 1),
@@ -90,7 +98,9 @@ pub fn places(shape: Shape) -> String {
 /// The parameters by name.
 #[derive(Debug, Clone, Copy)]
 pub struct Given<'a> {
+    /// The words.
     pub p: Parameters<'a>,
+    /// What they are of.
     pub shape: Shape,
 }
 

@@ -9,7 +9,9 @@ use crate::theory::allan::{Difference, Estimator, Stride};
 /// Records of one point, and where their sums are kept.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoweredCurve {
+    /// The noise in fixed point, with its closed forms.
     pub records: Records,
+    /// Where the sums of its records are kept.
     pub address: Address,
 }
 

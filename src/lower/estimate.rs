@@ -30,13 +30,17 @@ pub struct Oracle {
 /// One estimate of a point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
+    /// Which error of the filler it is.
     pub error: Error,
+    /// Where its tallies are kept.
     pub address: Address,
+    /// Its closed form for the lowered words.
     pub oracle: Oracle,
     /// ″ per unit of the tally.
     pub unit_arcsec: f64,
     /// Where its histogram starts.
     pub bin_base: u32,
+    /// The weights in whole numbers.
     pub rows: Rows,
     /// Bits that its sum is rounded by.
     pub(super) shift: u32,

@@ -32,6 +32,7 @@ impl Residual {
 /// What is left of a tone of random phase.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResidualTone {
+    /// Of the angle that is left, ″.
     pub amplitude_arcsec: f64,
     /// Its place among the tones of the motion.
     pub tone: usize,

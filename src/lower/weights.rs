@@ -13,8 +13,11 @@ use crate::theory::minimum_variance::minimum_variance_weights;
 /// the gap one for each of its lengths from its first tick on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rows {
+    /// Their numbers; 0 is the last before the gap.
     pub ticks: Vec<i32>,
+    /// One for each row and tick.
     pub numerators: Vec<Vec<i64>>,
+    /// Positive, D.
     pub denominator: i64,
     /// Whether the fractions are the weights themselves, not the nearest over a power of two.
     pub exact: bool,

@@ -1,7 +1,7 @@
 //! The charts of a study: the pictures that it asks for, and what they say against their limits.
 //!
 //! ```text
-//! Study, Tables ─┬─ pictures ─▶ SVG texts
+//! Study, Tables ─┬─ pictures ─▶ what is drawn
 //!                └─ shown ─ verdicts ─▶ Verdicts
 //! ```
 
@@ -9,7 +9,7 @@ mod verdict;
 
 use std::borrow::Cow;
 
-use crate::chart::{self, CURVE, ChartError, Figure, Map, MapSpec, Scale, Show, Spec};
+use crate::chart::{self, CURVE, ChartError, Figure, Map, MapSpec, Picture, Scale, Show, Spec};
 use crate::run::Tables;
 use crate::study::{self, Chart, Kind, Shows, Source, Study, StudyError, Swept};
 use crate::table::{Cell, ColumnError, Table};
@@ -21,15 +21,22 @@ pub fn chart_stem(index: usize, charts: usize) -> String {
     if charts == 1 { "chart".to_owned() } else { format!("chart-{}", index + 1) }
 }
 
-/// A chart as it is drawn.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Picture {
-    /// The name of its files, without their endings.
+/// A chart with what belongs to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawn {
+    /// The name of its files, without their endings: `chart-1`.
     pub stem: String,
-    /// The chart as the text of an SVG file.
-    pub svg: String,
-    /// What is to be said of it, in a sentence that names it.
+    /// What it shows.
+    pub picture: Picture,
+    /// A sentence on what is to be said of it.
     pub note: Option<String>,
+}
+
+impl Drawn {
+    /// What is to be said of it, with its name.
+    pub fn sentence(&self) -> Option<String> {
+        self.note.as_ref().map(|note| format!("{}: {note}", self.stem))
+    }
 }
 
 /// All charts of a study, in its order.
@@ -37,11 +44,10 @@ pub struct Picture {
 /// # Errors
 /// The table does not have what a chart asks for; the error points at the name in the study. Those of
 /// [`Plan::blank_tables`](crate::run::Plan::blank_tables) show that before anything is sampled.
-pub fn pictures(study: &Study, tables: &Tables) -> Result<Vec<Picture>, StudyError> {
+pub fn pictures(study: &Study, tables: &Tables) -> Result<Vec<Drawn>, StudyError> {
     let of = |(index, chart): (usize, &Chart)| {
-        let stem = chart_stem(index, study.charts.len());
-        let (svg, said) = picture(study, tables, chart)?;
-        Ok(Picture { note: said.map(|sentence| format!("{stem}: {sentence}")), stem, svg })
+        let (picture, note) = picture(study, tables, chart)?;
+        Ok(Drawn { stem: chart_stem(index, study.charts.len()), picture, note })
     };
     study.charts.iter().enumerate().map(of).collect()
 }
@@ -78,16 +84,16 @@ fn shown_by<'t>(tables: &'t Tables, chart: &Chart) -> Result<Shown<'t>, ChartErr
     Ok(Shown { table, estimate, series: std::iter::once(CURVE.to_owned()).chain(series).collect() })
 }
 
-/// One chart as SVG, and a sentence on what is to be said of it.
+/// One chart, and a sentence on what is to be said of it.
 ///
 /// # Errors
 /// The table does not have what the chart asks for; the error points at the name in the study.
-fn picture(study: &Study, tables: &Tables, chart: &Chart) -> Result<(String, Option<String>), StudyError> {
+fn picture(study: &Study, tables: &Tables, chart: &Chart) -> Result<(Picture, Option<String>), StudyError> {
     let table = tables.of(chart.source);
     let drawn = match &chart.shows {
         Shows::Curves { .. } => shown_by(tables, chart)
             .and_then(|shown| Figure::from_table(&shown.table, &curves(study, chart, &shown)))
-            .map(|(figure, notes)| (figure.svg(), notes.sentence())),
+            .map(|(figure, notes)| (Picture::Curves(figure), notes.sentence())),
         Shows::HeatMap { z_scale, .. } => map(study, table, chart, Show::Values(scale(*z_scale))),
         Shows::WinnerMap { of, .. } => map(study, table, chart, Show::Winners(of.name.clone())),
     };
@@ -99,7 +105,7 @@ fn map(
     table: &Table,
     chart: &Chart,
     show: Show,
-) -> Result<(String, Option<String>), ChartError> {
+) -> Result<(Picture, Option<String>), ChartError> {
     let spec = MapSpec {
         title: title(study, chart),
         subtitle: subtitle(study),
@@ -113,7 +119,7 @@ fn map(
         limit: chart.limit.map(|limit| (limit.value, limit.unit)),
     };
     let (map, notes) = Map::from_table(table, &spec)?;
-    Ok((map.svg(), notes.sentence()))
+    Ok((Picture::Map(map), notes.sentence()))
 }
 
 fn curves(study: &Study, chart: &Chart, shown: &Shown) -> Spec {

@@ -73,13 +73,42 @@ impl Verdict<'_> {
             && self.limit == other.limit
     }
 
-    /// A heading that says what is judged, and a sentence for each curve.
-    pub fn text(&self) -> String {
+    /// A heading that says what is judged, and `besides` it what is to be known of that, and a sentence for each curve.
+    pub fn text(&self, besides: &str) -> String {
+        let sentences = self.sentences().into_iter().map(|sentence| {
+            format!(
+                "  {sentence}
+"
+            )
+        });
+        format!(
+            "{}{besides}
+{}",
+            self.heading(),
+            sentences.collect::<String>()
+        )
+    }
+
+    /// What is judged, and where it is drawn.
+    pub fn heading(&self) -> String {
         let rows = self.rows.iter().map(|(column, value)| format!(", {}", column.valued(value)));
-        let heading = format!("{} against the limit{}", self.of.label, rows.collect::<String>());
-        let limit = self.limit.text();
-        let sentences = self.answers.iter().map(|answer| format!("  {}\n", answer.sentence(&limit)));
-        format!("{}: {heading}\n{}", self.charts.join(", "), sentences.collect::<String>())
+        format!("{}: {} against the limit{}", self.charts.join(", "), self.of.label, rows.collect::<String>())
+    }
+
+    /// A sentence for each curve.
+    pub fn sentences(&self) -> Vec<String> {
+        let limit = self.limit();
+        self.answers.iter().map(|answer| answer.sentence(&limit)).collect()
+    }
+
+    /// How each curve stands to the limit.
+    pub fn answers(&self) -> &[Answer<'_>] {
+        &self.answers
+    }
+
+    /// The limit with its unit.
+    pub fn limit(&self) -> String {
+        self.limit.text()
     }
 
     /// What is judged, where, against which limit, and for each curve its outcome and places: an object for programs.

@@ -84,6 +84,9 @@ pub(super) fn sample(
             blocks.map(move |block| (work, block))
         })
         .collect();
+    let cost = |(work, block): &(&Work, Block)| (block.trials() * work.launch.steps()) as f64;
+    let (mut done, total) = (0.0, rest.iter().map(cost).sum());
+    interleave(&mut rest);
     rest.reverse();
     let (mut batch_steps, mut sampled) = (FIRST_BATCH, 0);
     while !rest.is_empty() && !progress.stops() {
@@ -100,12 +103,27 @@ pub(super) fn sample(
             })
             .collect();
         sampled += batch.iter().map(|(_, block)| block.trials()).sum::<u64>();
+        done += batch.iter().map(cost).sum::<f64>();
+        progress.cost(done, total);
         let seconds = started.elapsed().as_secs_f64();
         store.insert(&rows, Some(&Provenance { device: worker.name(), trials: sampled, seconds }))?;
         let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
         batch_steps = ((batch_steps as f64 * factor) as u64).max(1);
     }
     Ok(sampled)
+}
+
+/// Brings the blocks of all work forward together, each work in its order: what is done is then like what is left, also where
+/// points differ in what a trial takes, and a run that ends early has some trials of every point.
+fn interleave(rest: &mut Vec<(&Work, Block)>) {
+    let same = |a: &(&Work, Block), b: &(&Work, Block)| std::ptr::eq(a.0, b.0);
+    let mut placed: Vec<(f64, (&Work, Block))> = Vec::with_capacity(rest.len());
+    for group in rest.chunk_by(same) {
+        let place = |at: usize| (at as f64 + 0.5) / group.len() as f64;
+        placed.extend(group.iter().enumerate().map(|(at, block)| (place(at), *block)));
+    }
+    placed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    *rest = placed.into_iter().map(|(_, block)| block).collect();
 }
 
 /// The next blocks, of so many steps together; one at least.

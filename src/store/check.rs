@@ -54,8 +54,23 @@ impl Source {
             Ok(())
         })?;
         report.faults.extend(overlaps(&group, &self.path).err());
+        tell_once(&mut report.faults);
         Ok(report)
     }
+}
+
+/// Of a file that is damaged as a whole every reading says so; the one that says most is enough.
+fn tell_once(faults: &mut Vec<StoreError>) {
+    let told = |fault: &StoreError| match fault {
+        StoreError::Damaged { what, .. } => what.len(),
+        _ => 0,
+    };
+    let most = faults.iter().map(told).max().unwrap_or(0);
+    let mut first = true;
+    faults.retain(|fault| match fault {
+        StoreError::Damaged { .. } => told(fault) == most && std::mem::take(&mut first),
+        _ => true,
+    });
 }
 
 fn same_tally(a: &Raw, b: &Raw) -> bool {

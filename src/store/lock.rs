@@ -62,8 +62,11 @@ impl Lock {
 /// A program that has a results folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Holder {
+    /// It has said who it is.
     Known {
+        /// Its number on that machine.
         process: u32,
+        /// Name of the machine.
         host: String,
         /// When it took the folder.
         since: SystemTime,

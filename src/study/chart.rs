@@ -22,6 +22,7 @@ use crate::table::{Cell, Unit, significant};
 /// A name of a column, and where it stands in the study, so that an unknown one can be pointed at.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Named {
+    /// As written: `q9973`, `motion.frequency`.
     pub name: String,
     /// Bytes of the text; empty at 0 for a name that is not written but a default.
     pub span: Range<usize>,
@@ -44,18 +45,24 @@ impl From<Spanned<String>> for Named {
 pub struct Chart {
     /// Absent: the study's.
     pub title: Option<String>,
+    /// The table that it draws.
     pub source: Source,
+    /// The abscissa.
     pub x: Named,
     /// Of curves the estimate, of a map an axis like x.
     pub y: Named,
     /// Further columns like y, each a curve of its own colour.
     pub beside: Vec<Named>,
+    /// Curves or a map.
     pub shows: Shows,
     /// Only rows in which each column, a swept key, `filler` or `error`, has the value: one of those it takes. A chart that is
     /// supplied has those of the keys that it cannot show.
     pub rows: Vec<(Named, Cell)>,
+    /// A line, and what the verdict is about.
     pub limit: Option<Limit>,
+    /// Of the abscissa.
     pub x_scale: Scale,
+    /// Of the ordinate.
     pub y_scale: Scale,
 }
 
@@ -86,6 +93,7 @@ pub fn text_columns(study: &Study, source: Source) -> Vec<&'static str> {
 /// What a chart shows.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shows {
+    /// y over x.
     Curves {
         /// At most two columns whose values make the curves: the first gives the colour, the second the dash. At most one, for
         /// the dash, where several columns are shown.
@@ -94,9 +102,19 @@ pub enum Shows {
         laws: Vec<Law>,
     },
     /// z by colour, over x and y.
-    HeatMap { z: Named, z_scale: Scale },
+    HeatMap {
+        /// The column by colour.
+        z: Named,
+        /// Of the colours.
+        z_scale: Scale,
+    },
     /// Over x and y, which value of the column `of`, a swept key, `filler` or `error`, has the least z.
-    WinnerMap { z: Named, of: Named },
+    WinnerMap {
+        /// The column that competes, the least wins.
+        z: Named,
+        /// Who competes.
+        of: Named,
+    },
 }
 
 impl Chart {

@@ -122,8 +122,8 @@ impl Fault {
 
     /// A study of this kind lacks a table.
     pub(super) fn missing_table(table: &str, kind: &str, kind_span: Range<usize>) -> Fault {
-        let help = Expected::of(table)
-            .map_or(SCHEMA.to_owned(), |expected| format!("add it as in\n{}", expected.example));
+        let example = Expected::of_table(table, kind);
+        let help = example.map_or(SCHEMA.to_owned(), |example| format!("add it as in\n{example}"));
         let message = format!("a study of kind = \"{kind}\" needs the table [{table}]");
         Fault::new(kind_span, message, "of this kind", help)
     }

@@ -24,7 +24,9 @@ pub struct DriftBudget {
 pub struct Point {
     /// Name of each swept key, and its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
+    /// The parts of the drift.
     pub drift: Drift,
+    /// Interval and duration.
     pub schedule: Schedule,
 }
 

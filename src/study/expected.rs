@@ -29,7 +29,7 @@ const MODES: &str = "modes = [{ frequency = \"380 Hz\", q = 100, response = \"20
 const VIBRATION: &str = "random = { psd = [[\"20 Hz\", \"0.01 g^2/Hz\"], [\"2000 Hz\", \"0.01 g^2/Hz\"]] }";
 
 /// Every key of a study file.
-static KEYS: &[Expected] = &[
+pub(super) static KEYS: &[Expected] = &[
     entry("title", TEXT, "title = \"Error of the gap fillers\""),
     entry("question", TEXT, "question = \"Which filler is good enough?\""),
     entry("kind", TEXT, "kind = \"gap-fill\""),
@@ -263,6 +263,15 @@ static KEYS: &[Expected] = &[
 ];
 
 impl Expected {
+    /// How a table may be written in a study of this kind.
+    pub(super) fn of_table(table: &str, kind: &str) -> Option<&'static str> {
+        match (table, kind) {
+            ("switching", "drift-budget" | "switched-run") => Some("[switching]\ninterval = \"40 s\""),
+            ("gyro", "relock") => Some("[gyro]\ntick = \"5 ms\""),
+            _ => Expected::of(table).map(|expected| expected.example),
+        }
+    }
+
     pub(super) fn of(key: &str) -> Option<&'static Expected> {
         let any_in = |pattern: &str| pattern.strip_suffix('*').is_some_and(|table| key.starts_with(table));
         KEYS.iter().find(|expected| expected.key == key || any_in(expected.key))

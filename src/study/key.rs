@@ -42,6 +42,7 @@ impl<I> Deref for Setting<I> {
 /// A value that a key takes at a point.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Swept {
+    /// With its dimension.
     Quantity(Quantity),
     /// One of some names, or that of a file without folders and ending.
     Name(String),

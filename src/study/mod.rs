@@ -15,6 +15,7 @@ mod diagnose;
 mod drift;
 mod drift_budget;
 mod expected;
+mod explained;
 mod expression;
 mod file;
 mod gap_fill;
@@ -51,6 +52,7 @@ pub use diagnose::StudyError;
 pub(crate) use diagnose::{Fault, Text, choices, render};
 pub use drift::{Drift, Schedule};
 pub use drift_budget::{DriftBudget, Point as BudgetPoint};
+pub use explained::{Explained, Swept as SweptKey, explain_key, explained_keys};
 pub use file::{Error, FirstHalf, Kind, Phase, Position, Streams, schema};
 pub use gap_fill::{
     Acceleration, Amplitude, Fill, Filler, Frequency, GapFill, Gaussian, Inputs, Law, Method, Motion,
@@ -77,15 +79,21 @@ pub const MOST_TRIALS: u64 = 1 << 40;
 /// A study that makes sense: every value is within its limits at every point.
 #[derive(Debug, Clone)]
 pub struct Study {
+    /// As written; a line for people.
     pub title: String,
     /// Empty if the file asks none.
     pub question: String,
+    /// Of all draws.
     pub seed: u64,
     /// At each point.
     pub trials: u64,
+    /// Whether points have the same random numbers.
     pub streams: Streams,
+    /// In the order written; the first changes slowest.
     pub sweeps: Vec<Sweep>,
+    /// As written, or those that this kind is supplied with.
     pub charts: Vec<Chart>,
+    /// What is studied.
     pub subject: Subject,
     text: Text,
     places: Places,
@@ -95,11 +103,17 @@ pub struct Study {
 /// What is studied, by its kind.
 #[derive(Debug, Clone)]
 pub enum Subject {
+    /// Errors of gap fillers at a switch.
     GapFill(Box<GapFill>),
+    /// Allan curves of simulated records.
     Allan(Allan),
+    /// Angles of whole runs.
     SwitchedRun(Box<SwitchedRun>),
+    /// Ticks after a switch.
     Relock(RelockStudy),
+    /// The bound Z(7), in closed form.
     DriftBudget(DriftBudget),
+    /// Response of a mount, in closed form.
     Suspension(SuspensionStudy),
 }
 
@@ -156,6 +170,7 @@ impl Study {
         Study::check(&text).map_err(|wrong| wrong.within(&text))
     }
 
+    /// Which kind it is, as `kind = …` writes it.
     pub fn kind(&self) -> Kind {
         match self.subject {
             Subject::GapFill(_) => Kind::GapFill,
@@ -299,15 +314,7 @@ impl Study {
         let folder = Path::new(text.name()).parent().unwrap_or(Path::new(""));
         let kind = *file.kind.get_ref();
         check_tables(&file)?;
-        let keys = match kind {
-            Kind::GapFill => gap_fill::keys(),
-            Kind::Allan => allan::keys(),
-            Kind::SwitchedRun => switched_run::keys(),
-            Kind::Relock => relock::keys(),
-            Kind::DriftBudget => drift_budget::keys(),
-            Kind::Suspension => suspension::keys(),
-        };
-        let sweeps = sweep::read_all(&file.sweep, &keys)?;
+        let sweeps = sweep::read_all(&file.sweep, &keys(kind))?;
         let written = Written {
             seed: read_count("seed", file.seed.as_ref(), 0..=i64::MAX)?,
             trials: read_count("trials", file.trials.as_ref(), 1..=MOST_TRIALS as i64)?,
@@ -355,6 +362,18 @@ impl Study {
             places,
             written,
         })
+    }
+}
+
+/// The keys that a study of this kind can sweep.
+pub fn keys(kind: Kind) -> Vec<&'static Key> {
+    match kind {
+        Kind::GapFill => gap_fill::keys(),
+        Kind::Allan => allan::keys(),
+        Kind::SwitchedRun => switched_run::keys(),
+        Kind::Relock => relock::keys(),
+        Kind::DriftBudget => drift_budget::keys(),
+        Kind::Suspension => suspension::keys(),
     }
 }
 

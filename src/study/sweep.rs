@@ -21,6 +21,7 @@ const MOST_POINTS: usize = 100_000;
 /// One key and the values it takes.
 #[derive(Debug, Clone)]
 pub struct Sweep {
+    /// Which number of the study it is.
     pub key: &'static Key,
     /// Distinct, of one dimension, in the order written.
     pub values: Vec<Swept>,

@@ -12,14 +12,19 @@ pub enum Dimension {
     Count,
     /// A part of something: a number, or a text in percent.
     Ratio,
+    /// In s.
     Time,
+    /// In Hz.
     Frequency,
+    /// In ″.
     Angle,
+    /// In ″/s.
     Rate,
     /// A rate as small as the noise and drift of a gyro at rest.
     DriftRate,
     /// Angle over the root of time; also a rate over the root of frequency, two-sided: 1 °/h/√Hz = 1/60 °/√h.
     AngleRandomWalk,
+    /// In ″/s².
     AngularAcceleration,
     /// Rate over the root of time.
     RateRandomWalk,
@@ -160,6 +165,7 @@ pub(super) fn accepted(dimensions: &[Dimension]) -> String {
 pub struct Quantity {
     /// Rounded to 12 significant digits, so that values which share an identity are the same bits.
     pub value: f64,
+    /// What it measures, and so its base unit.
     pub dimension: Dimension,
 }
 
@@ -199,18 +205,44 @@ pub(crate) fn round_12(x: f64) -> f64 {
 /// Why a text is not the quantity it should be.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum UnitError {
+    /// A number alone: `"5"`.
     #[error("\"{text}\" is a bare number, its unit is missing")]
-    BareNumber { text: String },
+    BareNumber {
+        /// As written.
+        text: String,
+    },
+    /// No number to begin with: `"fast"`.
     #[error("\"{text}\" does not begin with a number")]
-    NoNumber { text: String },
+    NoNumber {
+        /// As written.
+        text: String,
+    },
+    /// Too large a number, or none.
     #[error("\"{text}\" is not a finite number")]
-    NotFinite { text: String },
+    NotFinite {
+        /// As written.
+        text: String,
+    },
+    /// A word that is no unit: `"5 lightyear"`.
     #[error("`{unit}` is not a known unit")]
-    Unknown { unit: String },
+    Unknown {
+        /// The word.
+        unit: String,
+    },
+    /// Signs out of place: `"5 deg//h"`.
     #[error("`{unit}` cannot be read as a unit")]
-    Malformed { unit: String },
+    Malformed {
+        /// As written.
+        unit: String,
+    },
+    /// A quantity of another dimension than the key takes.
     #[error("\"{text}\" is {found}")]
-    Dimension { text: String, found: String },
+    Dimension {
+        /// As written.
+        text: String,
+        /// What it is, as in "an angle".
+        found: String,
+    },
 }
 
 impl UnitError {
@@ -231,6 +263,17 @@ impl UnitError {
 ///
 /// # Errors
 /// No number, no unit, an unknown unit, another dimension, or a value that is not finite.
+/// # Example
+/// ```
+/// use sagnac::study::{Dimension, parse_quantity};
+///
+/// assert_eq!(parse_quantity("5 ms", &[Dimension::Time])?.value, 0.005);
+/// // Rates are in ″/s, and 1 °/h is 1 ″/s; an angle random walk of 1 °/√h is 60 ″/√s.
+/// assert_eq!(parse_quantity("15.041 deg/h", &[Dimension::DriftRate])?.value, 15.041);
+/// assert_eq!(parse_quantity("0.003 deg/sqrt(h)", &[Dimension::AngleRandomWalk])?.value, 0.18);
+/// assert!(parse_quantity("5", &[Dimension::Time]).is_err());
+/// # Ok::<(), sagnac::study::UnitError>(())
+/// ```
 pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
     let text = text.trim();
     let owned = || text.to_owned();

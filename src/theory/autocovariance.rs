@@ -6,6 +6,10 @@
 /// This biased estimate shrinks the covariance at lag l of N ticks by the factor 1 − l/N, and by the variance of their
 /// mean. In return the matrix of the covariances is positive semidefinite, as a minimum-variance filler needs, which that
 /// of the unbiased estimate need not be. Lags from N on are 0, as all are without ticks. Takes N · `lags` steps.
+/// ```
+/// # use sagnac::theory::autocovariance::autocovariance;
+/// assert_eq!(autocovariance(&[1.0, 2.0, 3.0, 4.0], 2), [1.25, 0.3125]);
+/// ```
 pub fn autocovariance(ticks: &[f64], lags: usize) -> Vec<f64> {
     let count = ticks.len().max(1) as f64;
     let mean = ticks.iter().sum::<f64>() / count;

@@ -1,4 +1,13 @@
 //! Random motion with a Gaussian spectrum: its variance, and the covariance of its ticks.
+//! ```
+//! use sagnac::theory::psd::Psd;
+//!
+//! // 3 dB per octave from 1 to 10 Hz, flat to 100 Hz: 10·ln 10 and 90.
+//! let psd = Psd::new(vec![[1.0, 10.0], [10.0, 1.0], [100.0, 1.0]])?;
+//! assert!((psd.variance() - (10.0 * 10_f64.ln() + 90.0)).abs() < 1e-9);
+//! assert!(psd.covariance(0.001, 2)[1] < psd.covariance(0.001, 2)[0]);
+//! # Ok::<(), sagnac::theory::psd::PsdError>(())
+//! ```
 
 use core::f64::consts::TAU;
 
@@ -20,12 +29,21 @@ pub struct Psd {
 /// Why points are no spectrum; `index` is that of the offending point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum PsdError {
+    /// Fewer than two points.
     #[error("a spectrum needs at least two points at different frequencies")]
     NoBand,
+    /// A point that has no logarithm.
     #[error("a point of a spectrum has to be positive and finite in frequency and density")]
-    NotPositive { index: usize },
+    NotPositive {
+        /// From 0.
+        index: usize,
+    },
+    /// A frequency not above the one before it.
     #[error("the frequencies of a spectrum have to ascend")]
-    NotAscending { index: usize },
+    NotAscending {
+        /// From 0.
+        index: usize,
+    },
 }
 
 impl Psd {

@@ -2,6 +2,14 @@
 //!
 //! None of them is the error that is simulated: they are drawn beside it, to show how near they come. Source: the text
 //! around Z(18)–Z(20). The paper's Δt is read as (n + 1)T/2, from the middle of the gap to the nearest valid tick.
+//! ```
+//! use sagnac::theory::published::{noise_of_const, noise_of_const_as_published, taylor_extremum_as_published};
+//!
+//! // 1.6 ″ (3σ) of noise a tick, n = 4: A_n √n/2 as printed, A_n n/2 as it is.
+//! assert_eq!((noise_of_const_as_published(1.6, 4), noise_of_const(1.6, 4, 4)), (1.6, 3.2));
+//! // Z(20) at Δt·ν = 0.1, times A_Ω T = 60 ″.
+//! assert!((60.0 * taylor_extremum_as_published(1, 0.1).unwrap() - 11.84).abs() < 0.005);
+//! ```
 
 use core::f64::consts::TAU;
 
@@ -40,6 +48,7 @@ pub fn noise_of_const(three_sigma: f64, gap_ticks: u32, ticks: usize) -> f64 {
 /// Apparent drift of a tick after a mode switch, °/h.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelockRow {
+    /// By the paper, without compensation.
     pub measured: f64,
     /// Computed from the frequency of the bias: not for the first tick.
     pub by_frequency: Option<f64>,

@@ -2,7 +2,18 @@
 //!
 //! Detunings Δλ are parts of the wavelength; rates are in the unit of f0, ″/s where that is Hz × pulse weight. Tick i = 1 is
 //! the first after the loop closes; its first half has the larger detuning. Signs are those of the negative half-period
-//! first. With them are the errata of theory.md: χ in Z(11), and the exponents of Z(12) for i > 1.
+//! first. Put right are χ in Z(11) and the exponents of Z(12) for i > 1: see docs/physics.md.
+//! ```
+//! use sagnac::theory::relock::{Relock, drift_from_detuning, drift_from_frequency};
+//!
+//! // 80 kHz at 2.6 ″ a period, χ = 40, a miss of 0.059 λ, a loop of 12 ms.
+//! let relock = Relock { tick_s: 0.005, loop_s: 0.012, bias: 208_000.0, curvature: 40.0, miss: 0.059 };
+//! let drift = relock.apparent_drift(2);
+//! assert!((relock.apparent_drift(1) * 0.005 - 20.2).abs() < 0.1);
+//! let by_detuning = drift_from_detuning(relock.bias, relock.curvature, relock.detuning_means(2));
+//! let by_frequency = drift_from_frequency(relock.bias_error(1), relock.bias_error(2), 2);
+//! assert!([by_detuning, by_frequency].iter().all(|found| (found.unwrap() / drift - 1.0).abs() < 1e-9));
+//! ```
 
 /// A relock of one exponential.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,4 +1,12 @@
 //! The rotation of a gyro's block on its suspension under a linear vibration: a sum of resonances (A, figure 2).
+//! ```
+//! use sagnac::theory::suspension::{Mode, Suspension};
+//!
+//! let one = Suspension::new(vec![Mode { frequency_hz: 380.0, q: 100.0, response: 1000.0 }]);
+//! assert!((one.response(380.0).amplitude() - 1000.0).abs() < 1e-9);
+//! assert!((one.response(380.0).phase_deg() + 90.0).abs() < 1e-9);
+//! assert_eq!(one.response(0.0).re, 10.0);
+//! ```
 
 use core::f64::consts::TAU;
 
@@ -27,7 +35,9 @@ pub struct Suspension {
 /// The response at a frequency, ″/s per g: in phase with the acceleration, and a quarter of a turn ahead of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
+    /// In phase.
     pub re: f64,
+    /// A quarter of a turn ahead.
     pub im: f64,
 }
 
@@ -81,6 +91,7 @@ impl Suspension {
         Some(Suspension::new(modes.to_vec()))
     }
 
+    /// Each as it was given.
     pub fn modes(&self) -> &[Mode] {
         &self.modes
     }

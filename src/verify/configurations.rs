@@ -14,11 +14,17 @@ use crate::theory::minimum_variance::Band;
 /// A gap-fill point that identity is checked on.
 #[derive(Debug, Clone)]
 pub struct Configuration {
+    /// As a report names it.
     pub name: &'static str,
+    /// Motion, noise and gap.
     pub inputs: Inputs,
+    /// What fills it.
     pub fillers: Vec<Filler>,
+    /// Of each filler.
     pub errors: Vec<Error>,
+    /// Of the residual.
     pub fit_ticks: Vec<i32>,
+    /// Of the extrapolation.
     pub extrapolation_ticks: Vec<i32>,
 }
 

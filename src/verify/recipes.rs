@@ -8,11 +8,17 @@ use crate::theory::drift::Magnetic;
 /// Records of a noise model that identity is checked on.
 #[derive(Debug, Clone)]
 pub struct NamedRecords {
+    /// As a report names it.
     pub name: &'static str,
+    /// Of the noise.
     pub parts: Vec<Part>,
+    /// Angle of a pulse, ″; 0 where the readout is not quantised.
     pub readout_lsb: f64,
+    /// Of a gyro that switches modes.
     pub switching: Option<Switching>,
+    /// Of a record.
     pub samples: u64,
+    /// Which differences, and how many of them.
     pub estimator: Estimator,
 }
 

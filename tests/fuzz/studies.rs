@@ -200,7 +200,7 @@ fn sample(study: &Study) {
     let (rows, blank) =
         (plan.tables(&store, &Nobody).unwrap().points.rows(), plan.blank_tables().points.rows());
     assert_eq!(rows, blank, "rows with trials and without");
-    plan.notes(&store).unwrap();
+    plan.notes(&store, plan.held(&store).unwrap()).unwrap();
 }
 
 /// Hears of no progress.

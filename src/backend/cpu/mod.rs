@@ -64,7 +64,9 @@ enum Lanes {
 
 /// Work that can be done in any width.
 pub trait AnyWidth {
+    /// What the work gives, the same in every width.
     type Output;
+    /// Does the work in lanes of the width of `W`.
     fn run<W: Word>(self) -> Self::Output;
 }
 

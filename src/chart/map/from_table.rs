@@ -2,10 +2,10 @@
 
 use super::super::from_table::{axis, check_unit, grouping, limit, numbers, style};
 use super::super::spec::ChartError;
-use super::super::{Grouping, Scale};
+use super::super::{Entry, Grouping, Scale};
 use super::grid::Grid;
 use super::winners::winners;
-use super::{Cells, Map, MapNotes, MapSpec, Show};
+use super::{Cells, Estimate, Layer, Map, MapNotes, MapSpec, Show};
 use crate::table::{Column, Table};
 
 impl Map {
@@ -30,9 +30,10 @@ impl Map {
         let series = competing.entries.len().max(1);
         let grid = Grid::new(table, &rows, (x, spec.x_scale), (y, spec.y_scale), series, series_of)?;
         let mut notes = MapNotes { off_axes: grid.off_axes, ..MapNotes::default() };
-        let (cells, z_scale) = match &spec.show {
-            Show::Values(scale) => (Cells::Values(values(&grid, z, *scale, &mut notes)), *scale),
-            Show::Winners(_) => (competition(&grid, z, competing, &mut notes), Scale::Linear),
+        let estimates = estimates(&grid, z, series);
+        let ((cells, layers), z_scale) = match &spec.show {
+            Show::Values(scale) => (heat(&grid, z, *scale, estimates, &mut notes), *scale),
+            Show::Winners(_) => (competition(&grid, z, competing, estimates, &mut notes), Scale::Linear),
         };
         let map = Map {
             title: spec.title.clone(),
@@ -41,6 +42,7 @@ impl Map {
             y: axis(y, spec.y_scale),
             z: axis(z, z_scale),
             cells,
+            layers,
             limit: spec.limit.map(|(value, _)| limit(value, z)),
             chosen: table.chosen(&spec.filter)?,
             columns: grid.columns,
@@ -51,8 +53,21 @@ impl Map {
     }
 }
 
+/// What is known of each cell, for each of so many series.
+fn estimates(grid: &Grid, z: &Column, series: usize) -> Vec<Vec<Option<Estimate>>> {
+    let band = |row: usize| z.band.as_ref().and_then(|band| band.get(row).copied().flatten());
+    let estimate = |row: &Option<usize>| row.and_then(|row| Some((z.cells[row].number()?, band(row))));
+    grid.found.iter().take(series).map(|found| found.iter().map(estimate).collect()).collect()
+}
+
 /// The value of each cell that the scale can show.
-fn values(grid: &Grid, z: &Column, scale: Scale, notes: &mut MapNotes) -> Vec<Option<f64>> {
+fn heat(
+    grid: &Grid,
+    z: &Column,
+    scale: Scale,
+    estimates: Vec<Vec<Option<Estimate>>>,
+    notes: &mut MapNotes,
+) -> (Cells, Vec<Layer>) {
     let mut value = |row: &Option<usize>| {
         let Some(row) = row else {
             notes.no_row += 1;
@@ -67,28 +82,34 @@ fn values(grid: &Grid, z: &Column, scale: Scale, notes: &mut MapNotes) -> Vec<Op
         }
         Some(value).filter(|value| scale.shows(*value))
     };
-    grid.found.iter().flatten().map(&mut value).collect()
+    let cells = grid.found.iter().flatten().map(&mut value).collect();
+    let layers = estimates.into_iter().map(|values| Layer { style: 0, name: String::new(), values });
+    (Cells::Values(cells), layers.collect())
 }
 
 /// The winner of each cell in which the value of everyone who competes is known.
-fn competition(grid: &Grid, z: &Column, mut of: Grouping, notes: &mut MapNotes) -> Cells {
-    let cells = grid.columns.len() * grid.rows.len();
-    let mut values = vec![vec![None; cells]; of.entries.len()];
-    for cell in 0..cells {
-        let rows: Vec<Option<usize>> = grid.found.iter().map(|found| found[cell]).collect();
-        let known: Vec<Option<f64>> =
-            rows.iter().map(|row| row.and_then(|row| z.cells[row].number())).collect();
-        if rows.contains(&None) {
+fn competition(
+    grid: &Grid,
+    z: &Column,
+    mut of: Grouping,
+    mut estimates: Vec<Vec<Option<Estimate>>>,
+    notes: &mut MapNotes,
+) -> (Cells, Vec<Layer>) {
+    for cell in 0..grid.columns.len() * grid.rows.len() {
+        if grid.found.iter().any(|found| found[cell].is_none()) {
             notes.no_row += 1;
-        } else if known.contains(&None) {
+        } else if estimates.iter().any(|values| values[cell].is_none()) {
             notes.blank += 1;
         }
-        let band = |row: usize| z.band.as_ref().and_then(|band| band.get(row).copied().flatten());
-        for (series, (row, value)) in rows.iter().zip(known).enumerate() {
-            values[series][cell] = value.map(|value| (value, row.and_then(band)));
-        }
     }
-    let (won, merged) = winners(&mut of.entries, &values);
+    estimates.truncate(of.entries.len());
+    let (won, merged) = winners(&mut of.entries, &estimates);
     notes.merged = merged;
-    Cells::Winners { of, won, banded: z.band.is_some() }
+    // Not those that stand for others, nor those of ties, which come last.
+    let layer = |entry: &Entry| {
+        let values = estimates.get_mut(entry.style).map(std::mem::take)?;
+        Some(Layer { style: entry.style, name: entry.name.clone(), values })
+    };
+    let layers = of.entries.iter().filter_map(layer).collect();
+    (Cells::Winners { of, won, banded: z.band.is_some() }, layers)
 }

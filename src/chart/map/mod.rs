@@ -15,13 +15,16 @@ mod svg;
 mod tests;
 mod winners;
 
+pub(super) use colour_scale::VIRIDIS;
 pub(super) use draw::{HATCH, hatching};
 pub use spec::{MapNotes, MapSpec, Show};
+
+use serde::Serialize;
 
 use super::figure::{Axis, Grouping, Limit};
 
 /// A map.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Map {
     /// What it answers, in bold.
     pub title: String,
@@ -39,6 +42,8 @@ pub struct Map {
     pub rows: Vec<f64>,
     /// The cells.
     pub cells: Cells,
+    /// What they are made of: of a heat map its values, of a winner map those of everyone who competes.
+    pub layers: Vec<Layer>,
     /// What z is judged by.
     pub limit: Option<Limit>,
     /// How the rows of the table were chosen, for the legend: `filler = const`.
@@ -47,7 +52,8 @@ pub struct Map {
 
 /// The cells of a map row by row, from the least y: that of a column and a row is at row · columns + column. Cells of
 /// which nothing is known stay blank.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Cells {
     /// Values that the scale of z can show, by colour.
     Values(Vec<Option<f64>>),
@@ -62,8 +68,22 @@ pub enum Cells {
     },
 }
 
+/// The values of all cells, in the order of [`Cells`], with their uncertainties.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Layer {
+    /// [`Entry::style`](super::Entry::style) of who competes; 0 of a heat map.
+    pub style: usize,
+    /// Who that is; empty of a heat map.
+    pub name: String,
+    /// In the unit of z. None of which nothing is known.
+    pub values: Vec<Option<Estimate>>,
+}
+
+/// A value, and the lower and upper ends of its uncertainty (95 %).
+pub type Estimate = (f64, Option<(f64, f64)>);
+
 /// The winner of a cell.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Won {
     /// [`Entry::style`](super::Entry::style) of the winner.
     pub style: usize,

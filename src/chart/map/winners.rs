@@ -1,10 +1,7 @@
 //! Who has the least value in each cell.
 
-use super::Won;
+use super::{Estimate, Won};
 use crate::chart::Entry;
-
-/// A value, and the lower and upper ends of its uncertainty.
-pub(super) type Estimate = (f64, Option<(f64, f64)>);
 
 /// The winner of each cell in which every entry has a value: the one with the least.
 ///

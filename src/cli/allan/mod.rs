@@ -14,6 +14,7 @@ use sagnac::chart;
 use serde_json::Value;
 
 use super::Failure;
+use super::look;
 use super::output::{print, print_json, write};
 use analysis::Analysis;
 pub use analysis::{Curve, Treatment};
@@ -38,6 +39,9 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
             let about_kalibr = options.kalibr.as_ref().map_or(Ok(vec![]), |_| kalibr::notes(&analysis))?;
             let notes = report::notes(&analysis).into_iter().chain(about_kalibr);
             notes.for_each(|note| say!("note: {note}"));
+            if let Some((_, Some(figure))) = picture::figures(&analysis).first().filter(|_| options.plot) {
+                print(&format!("{}\n", figure.text(look::of_output())))?;
+            }
             print(&report::report(&analysis))?;
             say!("results are in {}", folder.display());
             if let Some(path) = &options.kalibr {

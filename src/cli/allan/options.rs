@@ -23,7 +23,7 @@ behind # % ;), Stable32 .DAT, or NumPy .npy. Empty cells, NaN and missing time s
 terms that touch one are left out.";
 
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// Logs
     #[arg(required = true, value_name = "FILE")]
@@ -44,16 +44,19 @@ pub struct Options {
     #[arg(long, value_name = "P", default_value_t = 0.95, value_parser = probability)]
     pub confidence: f64,
     /// Results folder [default: results/<name of the file>]
-    #[arg(long, value_name = "DIR")]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Also write the gyroscope part of an imu.yaml, as Kalibr reads it: noise density N and random walk K
-    #[arg(long, value_name = "FILE.yaml")]
+    #[arg(help_heading = "Output", long, value_name = "FILE.yaml")]
     pub kalibr: Option<PathBuf>,
     /// Print the results as JSON: one object, or with several files one array of them
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     pub json: bool,
+    /// Also draw the chart as text
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
+    pub plot: bool,
     /// Print only errors
-    #[arg(long, short)]
+    #[arg(help_heading = "Output", long, short)]
     pub quiet: bool,
 }
 

@@ -17,7 +17,7 @@ is that of A, the second that of B. Where time stamps give them, sampling rates 
 are compared at the averaging times that both have.";
 
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// The log that the other one is held against
     #[arg(value_name = "A")]
@@ -28,12 +28,12 @@ pub struct Options {
     #[command(flatten)]
     pub reading: Reading,
     /// Results folder [default: results/<A>_vs_<B>]
-    #[arg(long, value_name = "DIR")]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print the results as JSON
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     pub json: bool,
     /// Print only errors
-    #[arg(long, short)]
+    #[arg(help_heading = "Output", long, short)]
     pub quiet: bool,
 }

@@ -12,11 +12,18 @@ use sagnac::study::{MOST_TRIALS, Study};
 use sagnac::table::Table;
 
 use super::charts::write_pictures;
+use super::look;
 use super::output::{print, print_json, write};
-use super::progress::Shown;
+use super::progress::{self, Shown};
 use super::{DeviceArg, Failure};
 
+const EXAMPLES: &str = "\
+Examples:
+  sagnac design studies/design_point.toml
+  sagnac design studies/design_point.toml --by drift_rms --trials 10000 --plot";
+
 #[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// Study of kind = "switched-run": its intervals are tried, or without a sweep over them such as suit the run
     #[arg(value_name = "STUDY")]
@@ -27,19 +34,24 @@ pub struct Options {
     #[command(flatten)]
     device: DeviceArg,
     /// Folder of what is written [default: results/<name of the study file>/design; by others than drift_q9973 design_<estimate>]
-    #[arg(long, value_name = "DIR")]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Runs of each candidate, in place of the study's; rounded up to 32 times a power of two
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
     trials: Option<u64>,
     /// Seed, in place of the study's
-    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
     seed: Option<u64>,
     /// Print the recommendation as JSON
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     json: bool,
+    /// Also draw the drift over the interval as text
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
+    plot: bool,
+    #[command(flatten)]
+    progress: progress::Options,
     /// Print only errors and the recommendation
-    #[arg(long, short)]
+    #[arg(help_heading = "Output", long, short)]
     quiet: bool,
 }
 
@@ -87,19 +99,23 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     if !options.quiet {
         say!("device: {}, {reason}", device.name());
     }
-    let found = find(&study, options.by.measure(), &mut device, &Shown::new(options.quiet))
-        .map_err(|error| failure(&study, error))?;
+    let found =
+        find(&study, options.by.measure(), &mut device, &Shown::new(options.progress.how(options.quiet)))
+            .map_err(|error| failure(&study, error))?;
     let stem = options.study.file_stem().unwrap_or_default();
     let folder =
         options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(options.by.folder()));
     let table = report::table(&found);
-    write_all(&study, &found, &table, &folder)?;
+    let figure = write_all(&study, &found, &table, &folder)?;
     if options.json {
         return print_json(&report::json(&study, &found));
     }
     if !options.quiet {
         for note in &found.notes {
             say!("note: {note}");
+        }
+        if options.plot {
+            print(&format!("{}\n", figure.text(look::of_output())))?;
         }
         print(&report::summary(&found, &table))?;
     }
@@ -127,7 +143,7 @@ fn failure(study: &Study, error: DesignError) -> Failure {
     }
 }
 
-fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Result<(), Failure> {
+fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Result<Figure, Failure> {
     let failed = |path: &Path| {
         let path = path.to_owned();
         move |source| Failure::Write { path, source }
@@ -155,5 +171,6 @@ fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Res
     };
     let (figure, _) =
         Figure::from_table(table, &spec).map_err(|error| Failure::Picture(error.to_string()))?;
-    write_pictures(folder, "design", &figure.svg())
+    write_pictures(folder, "design", &figure.svg())?;
+    Ok(figure)
 }

@@ -12,7 +12,14 @@ use super::alone::Given;
 /// Most test vectors.
 const MOST_VECTORS: i64 = 1_000_000;
 
+const EXAMPLES: &str = "\
+Examples:
+  sagnac filler quadratic --gap-ticks 3
+  sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
+  sagnac filler minimum-variance --gap-ticks 3 --tick \"5 ms\" --fit-ticks=\"-7..0,n+1,n+2\" --band \"18 Hz,22 Hz\" --amplitude \"12000 arcsec/s\" --noise \"0.5 arcsec\"";
+
 #[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// Study file; or without one const, linear, quadratic, minimum-variance: one or more of these
     #[arg(required = true, value_name = "STUDY|FILLER")]
@@ -24,14 +31,14 @@ pub struct Options {
     #[arg(long = "filler", value_name = "NAME")]
     pub fillers: Vec<String>,
     /// Folder of what is written [default: results/<name of the study file, or of the filler>/filler]
-    #[arg(long, value_name = "DIR")]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Also write test_vectors.csv with this many inputs for each filler, and what it makes of them
-    #[arg(long, value_name = "N", num_args = 0..=1, default_missing_value = "1000",
+    #[arg(help_heading = "Output", long, value_name = "N", num_args = 0..=1, default_missing_value = "1000",
           value_parser = clap::value_parser!(u32).range(1..=MOST_VECTORS))]
     pub test_vectors: Option<u32>,
     /// Print the weights as JSON
-    #[arg(long)]
+    #[arg(help_heading = "Output", long)]
     pub json: bool,
     #[command(flatten)]
     alone: Given,

@@ -4,17 +4,23 @@ mod summary;
 
 use std::path::Path;
 
-use sagnac::picture::{Verdict, shown, verdicts};
+use sagnac::picture::{Drawn, Shown as Curves, Verdict, pictures, shown, verdicts};
+use sagnac::report::{Answer, Card, Report, Source, answer};
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
-use sagnac::store::Store;
+use sagnac::share::Share;
+use sagnac::store::{self, Store};
 use sagnac::study::Study;
 use sagnac::table::{Cell, Table};
 use serde_json::{Value, json};
 
 use super::Failure;
 use super::charts::draw;
+use super::look;
 use super::output::{print, write};
-use super::progress::{Shown, short};
+use super::progress::{How, Shown, short};
+
+/// The page of a study in its folder.
+pub const REPORT: &str = "report.html";
 
 /// A table as the bytes of its file.
 ///
@@ -26,6 +32,28 @@ pub fn csv(table: &Table, path: &Path) -> Result<Vec<u8>, Failure> {
     Ok(csv)
 }
 
+/// The store of results that are there; of closed forms an empty one.
+///
+/// # Errors
+/// The folder is in use, of another study or kernel, or damaged.
+pub fn held(folder: &Path, plan: &Plan) -> Result<Store, Failure> {
+    Ok(store::Source::open(folder)?.into_store(&plan.identity())?)
+}
+
+/// Trials that results which are there lack of the whole. Rows of all that is asked for tell that nothing is missing without another look
+/// into the store.
+///
+/// # Errors
+/// A row of the store is damaged, or the disk fails.
+pub fn lacking(study: &Study, plan: &Plan, store: &Store, tables: &Tables) -> Result<u64, Failure> {
+    let trials = tables.points.columns.iter().find(|column| column.name == "trials");
+    let has_all = |cell: &Cell| cell.number().is_some_and(|trials| trials >= study.trials as f64);
+    match trials {
+        Some(trials) if !study.has_stop_rule() && trials.cells.iter().all(has_all) => Ok(0),
+        _ => Ok(plan.lacks(store, Share::WHOLE)?),
+    }
+}
+
 /// A study whose results are to be shown.
 pub struct Results<'a> {
     pub study: &'a Study,
@@ -33,6 +61,8 @@ pub struct Results<'a> {
     pub folder: &'a Path,
     /// What was sampled, and on which device, where anything can be.
     pub done: Option<(&'a Done, String)>,
+    /// Trials that are missing of the whole.
+    pub lacking: u64,
 }
 
 /// Where results go besides their files.
@@ -40,6 +70,40 @@ pub struct Results<'a> {
 pub struct Out {
     pub json: bool,
     pub quiet: bool,
+    /// Whether the first chart is drawn as text too.
+    pub plot: bool,
+    pub progress: How,
+}
+
+/// Makes the report of results that are there anew, and returns what a gallery shows of it, without the way to it.
+///
+/// # Errors
+/// A row of the store is damaged, or the file cannot be written.
+pub fn report(
+    study: &Study,
+    plan: &Plan,
+    folder: &Path,
+    store: &Store,
+    progress: How,
+) -> Result<Card, Failure> {
+    let tables = plan.tables(store, &Shown::new(progress))?;
+    let lacking = lacking(study, plan, store, &tables)?;
+    let results = Results { study, plan, folder, done: None, lacking };
+    let charts = pictures(study, &tables)?;
+    let curves = shown(study, &tables)?;
+    let verdicts = verdicts(study, &curves)?;
+    let answer = answer(study, &tables, &charts, &curves, &verdicts)?;
+    let headline = answer.headline.clone();
+    let held = plan.held(store)?;
+    let known = results.known(store, held, &tables)?;
+    results.write_report(store, held, &tables, &charts, answer, &known)?;
+    Ok(Card {
+        title: study.title.clone(),
+        question: study.question.clone(),
+        headline,
+        svg: charts.first().map(|drawn| drawn.picture.svg()),
+        report: REPORT.to_owned(),
+    })
 }
 
 impl Results<'_> {
@@ -49,19 +113,23 @@ impl Results<'_> {
     /// # Errors
     /// A row of the store is damaged, or a file cannot be written.
     pub fn show(&self, store: &Store, out: Out) -> Result<Option<Value>, Failure> {
-        let Results { study, plan, folder, done } = self;
-        let tables = plan.tables(store, &Shown::new(out.quiet))?;
+        let Results { study, plan, folder, .. } = self;
+        let tables = plan.tables(store, &Shown::new(out.progress))?;
         for (name, table) in tables.files() {
             let path = folder.join(name);
             write(&path, &csv(table, &path)?)?;
         }
-        write(&folder.join(RESOLVED), study.resolved(plan.held(store)?).as_bytes())?;
-        let notes = draw(study, &tables, folder)?;
+        let held = plan.held(store)?;
+        write(&folder.join(RESOLVED), study.resolved(held).as_bytes())?;
+        let charts = pictures(study, &tables)?;
+        draw(&charts, folder)?;
         let curves = shown(study, &tables)?;
         let verdicts = verdicts(study, &curves)?;
-        let degraded = done.iter().flat_map(|(done, _)| done.degraded.clone());
-        let uneven = if study.has_stop_rule() { None } else { uneven(&tables.points) };
-        let notes: Vec<String> = degraded.chain(notes).chain(plan.notes(store)?).chain(uneven).collect();
+        let known = self.known(store, held, &tables)?;
+        let answer = answer(study, &tables, &charts, &curves, &verdicts)?;
+        self.write_report(store, held, &tables, &charts, answer, &known)?;
+        let of_charts = charts.iter().filter_map(Drawn::sentence);
+        let notes: Vec<String> = of_charts.chain(known.iter().cloned()).collect();
         if out.json {
             return Ok(Some(self.to_json(&tables, &verdicts, &notes)));
         }
@@ -69,9 +137,57 @@ impl Results<'_> {
             for note in notes {
                 say!("note: {note}");
             }
-            print(&summary::summary(study, &tables, &curves, &verdicts)?)?;
+            if let Some(first) = charts.first().filter(|_| out.plot) {
+                print(&format!("{}\n", first.picture.text(look::of_output())))?;
+            }
+            print(&self.summary(&tables, &curves, &verdicts)?)?;
         }
         Ok(None)
+    }
+
+    /// What should be known besides the results, but of charts.
+    fn known(&self, store: &Store, held: u64, tables: &Tables) -> Result<Vec<String>, Failure> {
+        let Results { study, plan, done, lacking, .. } = self;
+        let incomplete = (*lacking > 0)
+            .then(|| format!("the run is incomplete: {} trials are missing", short(*lacking as f64)));
+        let degraded = done.iter().flat_map(|(done, _)| done.degraded.clone());
+        let uneven = if study.has_stop_rule() { None } else { uneven(&tables.points) };
+        Ok(incomplete.into_iter().chain(degraded).chain(plan.notes(store, held)?).chain(uneven).collect())
+    }
+
+    fn write_report(
+        &self,
+        store: &Store,
+        held: u64,
+        tables: &Tables,
+        charts: &[Drawn],
+        answer: Answer,
+        notes: &[String],
+    ) -> Result<(), Failure> {
+        let Results { study, plan, folder, .. } = self;
+        let report = Report {
+            title: &study.title,
+            question: &study.question,
+            answer,
+            notes,
+            charts,
+            tables: tables.files().collect(),
+            source: Source::of(study, plan, store, tables, held)?,
+        };
+        write(&folder.join(REPORT), report.html().as_bytes())
+    }
+
+    /// The table of the first chart, coefficients, and all verdicts, for people.
+    ///
+    /// # Errors
+    /// The table does not have what a chart asks for.
+    pub fn summary(
+        &self,
+        tables: &Tables,
+        curves: &[Curves],
+        verdicts: &[Verdict],
+    ) -> Result<String, Failure> {
+        summary::summary(self.study, tables, curves, verdicts, self.lacking)
     }
 
     fn to_json(&self, tables: &Tables, verdicts: &[Verdict], notes: &[String]) -> Value {
@@ -101,6 +217,9 @@ impl Results<'_> {
             "verdicts": verdicts.iter().map(Verdict::json).collect::<Vec<_>>(),
             "points": rows(&tables.points),
         });
+        if self.lacking > 0 {
+            document["missing_trials"] = json!(self.lacking);
+        }
         if let Some(coefficients) = &tables.coefficients {
             document["coefficients"] = json!(rows(coefficients));
         }

@@ -8,6 +8,8 @@ use sagnac::table::{Cell, Column, ColumnError, Table, significant};
 
 use super::super::Failure;
 use super::super::one_point::one_point;
+use super::super::optima::optima;
+use super::super::progress::short;
 use super::super::terminal::{aligned, pivot};
 
 /// The table of the first chart, coefficients, and all verdicts, for people.
@@ -16,6 +18,7 @@ pub(super) fn summary(
     tables: &Tables,
     curves: &[Curves],
     verdicts: &[Verdict],
+    lacking: u64,
 ) -> Result<String, Failure> {
     let mut text = format!("{}\n", study.title);
     if !study.question.is_empty() {
@@ -36,8 +39,16 @@ pub(super) fn summary(
     if let Some(coefficients) = &tables.coefficients {
         text += &format!("\n{}", coefficients_found(study, coefficients));
     }
+    if study.kind() == Kind::DriftBudget {
+        let failed = |error: ColumnError| Failure::Picture(error.to_string());
+        text += &format!("\n{}", optima(study, &tables.points).map_err(failed)?);
+    }
+    let incomplete = match lacking {
+        0 => String::new(),
+        lacking => format!(", of an incomplete run ({} trials are missing)", short(lacking as f64)),
+    };
     for verdict in verdicts {
-        text += &format!("\n{}", verdict.text());
+        text += &format!("\n{}", verdict.text(&incomplete));
     }
     Ok(text)
 }

@@ -16,14 +16,24 @@ use sagnac::study::{Dimension, MOST_TRIALS, Study, parse_quantity};
 use serde_json::Value;
 
 use super::output::{print, print_json, write};
-use super::progress::{Shown, short};
+use super::progress::{self, Shown, short};
 use super::results::{Out, Results};
 use super::{DeviceArg, Failure};
 use share::Shard;
 pub use stop::Cause;
 use stop::{Stop, Watch};
 
+const EXAMPLES: &str = "\
+Examples:
+  sagnac run studies/error_vs_dtnu.toml --plot
+  sagnac run my.toml --trials 1000000 --device cpu --progress plain
+  sagnac run my.toml --shard 2/4 --time-limit 8:00:00
+  sagnac run studies/smoke.toml --json --out results/smoke
+
+Results go to a folder; running again resumes, and a larger --trials continues. A run that is stopped keeps what it sampled.";
+
 #[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// Study files
     #[arg(required = true, value_name = "STUDY")]
@@ -31,33 +41,55 @@ pub struct Options {
     #[command(flatten)]
     device: DeviceArg,
     /// Results folder [default: results/<name of the study file>, of a resolved_study.toml its own; of a share shard-I-of-N in that]
-    #[arg(long, value_name = "DIR")]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Trials at each point, in place of the study's
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
     trials: Option<u64>,
     /// Seed, in place of the study's
-    #[arg(long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
     seed: Option<u64>,
     /// Sample share I of N only, for `sagnac merge`; slurm: the share of this task of a job array
-    #[arg(long, value_name = "I/N", value_parser = share::parse)]
+    #[arg(help_heading = "Sampling", long, value_name = "I/N", value_parser = share::parse)]
     shard: Option<Shard>,
-    /// Stop in time, "55 min" or "8 h" from now, with exit code 4: run again to go on
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    /// Stop in time, "55 min" or 8:00:00 from now, with exit code 4: run again to go on
+    #[arg(help_heading = "Sampling", long, value_name = "TIME", value_parser = time)]
     time_limit: Option<Duration>,
     /// Print the table and the verdict as JSON: one object, or with several studies one array of them
-    #[arg(long, conflicts_with = "shard")]
+    #[arg(help_heading = "Output", long, conflicts_with = "shard")]
     json: bool,
+    /// Also draw the first chart as text
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet", "shard"])]
+    plot: bool,
+    #[command(flatten)]
+    progress: progress::Options,
     /// Print only errors
-    #[arg(long, short)]
+    #[arg(help_heading = "Output", long, short)]
     quiet: bool,
 }
 
-/// A time with its unit.
+/// A time with its unit, or as schedulers write it.
 fn time(text: &str) -> Result<Duration, String> {
+    if text.contains(':') {
+        return clock(text).ok_or_else(|| {
+            "expected hours:minutes:seconds as in 8:00:00, or days before that, 1-08:00:00".to_owned()
+        });
+    }
     let quantity = parse_quantity(text, &[Dimension::Time]).map_err(|error| error.to_string())?;
     Duration::try_from_secs_f64(quantity.value)
         .map_err(|_| "expected a time from now, such as \"55 min\"".to_owned())
+}
+
+/// `8:00:00` or `1-08:00:00`. Two parts would be minutes to one scheduler and hours to another.
+fn clock(text: &str) -> Option<Duration> {
+    let (days, text) = text.split_once('-').unwrap_or(("0", text));
+    let number =
+        |text: &str| text.parse::<u64>().ok().filter(|_| text.bytes().all(|byte| byte.is_ascii_digit()));
+    let parts = text.split(':').map(number).collect::<Option<Vec<u64>>>()?;
+    let [hours, minutes, seconds] = parts[..] else { return None };
+    let whole = number(days)?.checked_mul(24)?.checked_add(hours)?.checked_mul(60)?;
+    (minutes < 60 && seconds < 60).then_some(())?;
+    whole.checked_add(minutes)?.checked_mul(60)?.checked_add(seconds).map(Duration::from_secs)
 }
 
 /// What is run of the studies, and what ends it.
@@ -184,7 +216,8 @@ fn run_study(
     // From the start on, so that what is left of a run can be merged and repeated.
     write(&folder.join(RESOLVED), study.resolved(study.trials).as_bytes())?;
     store.note_share(course.share)?;
-    let shown = Shown::new(options.quiet);
+    let progress = options.progress.how(options.quiet);
+    let shown = Shown::new(progress);
     let device = device.filter(|_| plan.is_sampled());
     let name = device.as_ref().map(|device| device.name());
     let done = device.map(|device| {
@@ -209,8 +242,9 @@ fn run_study(
         }
         return Ok(None);
     }
-    let results = Results { study, plan, folder, done: done.as_ref().zip(name) };
-    let document = results.show(&store, Out { json: options.json, quiet: options.quiet })?;
+    let results = Results { study, plan, folder, done: done.as_ref().zip(name), lacking: 0 };
+    let document = results
+        .show(&store, Out { json: options.json, quiet: options.quiet, plot: options.plot, progress })?;
     if !options.json && !options.quiet {
         let rate = match &done {
             Some(done) if done.trials > 0 => {
@@ -222,4 +256,30 @@ fn run_study(
         say!("{rate}results are in {}", folder.display());
     }
     Ok(document)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_time_limit_is_read_as_studies_and_as_schedulers_write_it() {
+        let seconds = |text: &str| time(text).map(|limit| limit.as_secs());
+        assert_eq!(seconds("55 min"), Ok(3300));
+        assert_eq!(seconds("1:00:00"), Ok(3600));
+        assert_eq!(seconds("00:55:00"), Ok(3300));
+        assert_eq!(seconds("1-08:00:30"), Ok(115_230));
+        for wrong in [
+            "55:00",
+            "1:60:00",
+            "1:00:60",
+            ":00:00",
+            "1:-1:00",
+            "1:00:00:00",
+            "x-1:00:00",
+            "99999999999999999999:00:00",
+        ] {
+            assert!(seconds(wrong).is_err_and(|why| why.contains("8:00:00")), "{wrong}");
+        }
+    }
 }

@@ -152,6 +152,10 @@ impl Progress for Watch<'_> {
         self.shown.advance(more);
     }
 
+    fn cost(&self, done: f64, total: f64) {
+        self.shown.cost(done, total);
+    }
+
     fn note(&self, sentence: &str) {
         self.shown.note(sentence);
     }

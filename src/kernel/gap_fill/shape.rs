@@ -26,15 +26,19 @@ pub struct Shape {
     pub residual_before: usize,
     /// Ticks before the gap that the extrapolation uses, and the error in the gap.
     pub extrapolation_before: usize,
+    /// Fillers; a launch has at most [`MAX_ESTIMATES`](crate::kernel::moments::MAX_ESTIMATES) errors of them.
     pub fillers: usize,
     /// Which errors each filler has.
     pub residual: bool,
+    /// At the end of the gap, before it is closed.
     pub extrapolation: bool,
+    /// The largest while it is open.
     pub in_gap: bool,
     /// Whether weighted sums need 64 bits: fillers with large weights do, the usual polynomials do not.
     pub wide: bool,
     /// Length of the gap where the shape depends on it, else 0: see [`Shape::rows`].
     pub gap_ticks: usize,
+    /// Sines of the motion, at most 8.
     pub tones: usize,
     /// Whether amplitudes of tones are drawn.
     pub amplitudes: bool,
@@ -111,30 +115,35 @@ parameters! {
     gap_sin: |shape: Shape| only(!shape.frequencies, shape.rows() * shape.tones),
     /// The same at cosine 1, which over the whole gap is 0.
     gap_cos: |shape: Shape| only(!shape.frequencies && shape.in_gap, shape.rows() * shape.tones),
-    /// The angle of the k-th tick on either side, tone by tone: at sine 1 it is the same on both, at cosine 1 it is this
-    /// one after the gap and minus this one before.
+    /// The angle of the k-th tick on either side at sine 1, tone by tone, which is the same on both.
     side_sin: |shape: Shape| only(!shape.frequencies, shape.sides() * shape.tones),
+    /// The same at cosine 1: it is this one after the gap and minus this one before.
     side_cos: |shape: Shape| only(!shape.frequencies, shape.sides() * shape.tones),
-    /// Least amplitude of each tone as a part of its largest, and how far it is spread, in 2^−31.
+    /// Least amplitude of each tone as a part of its largest, in 2^−31.
     amplitude_low: |shape: Shape| only(shape.amplitudes, shape.tones),
+    /// How far it is spread.
     amplitude_width: |shape: Shape| only(shape.amplitudes, shape.tones),
     /// All bits where the amplitude is Rayleigh-distributed, else none.
     rayleigh: |shape: Shape| only(shape.amplitudes, shape.tones),
     /// Largest angle of a tick at frequency 0, times 2/π, in 2^−5 LSB; of an amplitude that is an angle, twice it.
     peak: |shape: Shape| only(shape.frequencies, shape.tones),
-    /// Least frequency of each tone in turns per half tick, and how far it is spread, in 2^−32.
+    /// Least frequency of each tone in turns per half tick, in 2^−32.
     frequency_low: |shape: Shape| only(shape.frequencies, shape.tones),
+    /// How far it is spread.
     frequency_width: |shape: Shape| only(shape.frequencies, shape.tones),
     /// All bits where the amplitude is one of the angle, else none.
     of_angle: |shape: Shape| only(shape.frequencies, shape.tones),
     /// n.
     gap_length: |_| 1,
-    /// What is the same in all trials, in 2^−32 LSB, two words each: over the gap row by row, of the ticks before and after.
+    /// What is the same in all trials over the gap, row by row, in 2^−32 LSB, two words each.
     gap_constant: |shape: Shape| only(shape.constants, 2 * shape.rows()),
+    /// The same of the ticks before, outward.
     before_constant: |shape: Shape| only(shape.constants, 2 * shape.before),
+    /// The same of the ticks after, outward.
     after_constant: |shape: Shape| only(shape.constants, 2 * shape.after),
-    /// Places that the gap can have in the profile, and 2^32 divided by them.
+    /// Places that the gap can have in the profile.
     positions: |shape: Shape| only(shape.profile, 1),
+    /// 2^32 divided by them.
     positions_inverse: |shape: Shape| only(shape.profile, 1),
     /// The bits of an angle that a whole pulse has.
     readout_mask: |shape: Shape| only(shape.readout, 1),
@@ -142,9 +151,11 @@ parameters! {
     gap_sigma: |shape: Shape| only(shape.readout, 1),
     /// Weights of the residual, filler by filler: ticks before, then after, each outward from the gap.
     residual_weight: |shape: Shape| only(shape.residual, shape.fillers * (shape.residual_before + shape.after)),
+    /// D of each filler: what the angle over the gap is multiplied by.
     residual_scale: |shape: Shape| only(shape.residual, shape.fillers),
     /// Weights of the extrapolation, filler by filler, outward from the gap.
     extrapolation_weight: |shape: Shape| only(shape.extrapolation, shape.fillers * shape.extrapolation_before),
+    /// The same of the extrapolation.
     extrapolation_scale: |shape: Shape| only(shape.extrapolation, shape.fillers),
     /// The scale of the errors in the gap, whose weights are in the table: filler by filler, row by row, outward.
     in_gap_scale: |shape: Shape| only(shape.in_gap, shape.fillers),

@@ -20,10 +20,13 @@ pub struct Shape {
     pub walk: bool,
     /// Whether residuals of switches have a normal part.
     pub noise: bool,
+    /// Tones that each switch leaves a sine of, at most 8.
     pub tones: usize,
     /// Which parts of the drift differ from run to run: A, Ω_m0, Ω_nm.
     pub magnetic: bool,
+    /// That of Ω_m0.
     pub initial: bool,
+    /// That of Ω_nm.
     pub non_magnetic: bool,
     /// Whether the first mode is drawn.
     pub mode: bool,
@@ -81,16 +84,19 @@ parameters! {
     noise: |shape: Shape| only(shape.noise, 1),
     /// Standard deviation of log2 τ, 2^−30.
     warm_up_spread: |shape: Shape| only(shape.warm_up, 1),
-    /// Bits of halvings behind the point, those of an interval, and bits that a time has more behind it than a ratio.
+    /// Bits of halvings behind the point.
     halving_bits: |shape: Shape| only(shape.warm_up, 1),
+    /// Halvings of an interval.
     halvings: |shape: Shape| only(shape.warm_up, 1),
+    /// Bits that a time has more behind the point than a ratio.
     time_bits: |shape: Shape| only(shape.warm_up, 1),
     /// A and its standard deviation, 2^−32 LSB in a unit of time.
     heated: |shape: Shape| only(shape.warm_up, 2),
     /// Parameters of the ticks that relock, as they are in `relock_ticks`.
     relock: |shape: Shape| shape.relock.map_or(0, relock_ticks::word_count),
-    /// What each of those ticks adds, by itself and through the filler, in LSB to its own, and bits of that behind the point.
+    /// What each of those ticks adds, by itself and through the filler, in LSB to its own.
     relock_weight: |shape: Shape| shape.relock.map_or(0, |relock| relock.ticks),
+    /// Bits of that behind the point.
     relock_bits: |shape: Shape| only(shape.relock.is_some(), 1),
     /// What every residual has, 2^−32 LSB, two words.
     constant: |_| 2,
@@ -98,14 +104,15 @@ parameters! {
     amplitude: |shape: Shape| shape.tones,
     /// How far the phase goes on from switch to switch, 2^32 to the turn.
     phase_step: |shape: Shape| shape.tones,
-    /// All bits where the phase is drawn for each switch, else none; and for the whole run.
+    /// All bits where the phase is drawn for each switch, else none.
     switch_spread: |shape: Shape| shape.tones,
+    /// All bits where it is drawn once for the whole run, else none.
     run_spread: |shape: Shape| shape.tones,
     /// The interval that each time is in.
     time_interval: |shape: Shape| shape.times,
-    /// Standard deviation of what the interval's random walk has come to at the time as a part of the whole, and of the rest,
-    /// 2^−4 LSB.
+    /// What the interval's random walk has come to at the time as a part of the whole: its standard deviation, 2^−4 LSB.
     time_walk: |shape: Shape| only(shape.walk, shape.times),
+    /// Standard deviation of the rest, 2^−4 LSB.
     time_bridge: |shape: Shape| only(shape.walk, shape.times),
     /// Where each estimate's histogram starts.
     bin_base: |shape: Shape| shape.estimates(),

@@ -45,9 +45,11 @@ pub struct Asked<'a> {
     pub switching: Option<Switching>,
     /// Rate samples N.
     pub samples: u64,
+    /// Which differences, and how many of them.
     pub estimator: Estimator,
     /// Averaging factors, ascending.
     pub ms: &'a [u64],
+    /// Of the point: the key of Philox.
     pub key: [u32; 2],
 }
 

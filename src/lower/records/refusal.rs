@@ -6,43 +6,101 @@ use crate::table::significant;
 /// Why records cannot be made. Each message names the key to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RecordsError {
+    /// A record of one sample, or longer than 2^26.
     #[error("record.length: {samples} samples; a record has 2 to {MOST_SAMPLES}")]
-    Length { samples: u64 },
+    Length {
+        /// That it would have.
+        samples: u64,
+    },
+    /// An empty list of averaging times.
     #[error("allan.tau: no averaging time is asked for")]
     NoAveraging,
+    /// An averaging time that no record of this length has.
     #[error(
         "allan.tau: an averaging time of {m} samples has no difference in a record of {samples}, which needs {spans} of \
          them"
     )]
-    Averaging { m: u64, samples: u64, spans: u64 },
+    Averaging {
+        /// In samples.
+        m: u64,
+        /// Of the record.
+        samples: u64,
+        /// Averaging times in a difference: 2, or 3 of Hadamard.
+        spans: u64,
+    },
+    /// No switch falls into the record, or more than one into a sample.
     #[error("noise.switching.interval: switches {interval} samples apart in a record of {samples}")]
-    Interval { interval: u64, samples: u64 },
+    Interval {
+        /// Samples between switches.
+        interval: u64,
+        /// Of the record.
+        samples: u64,
+    },
+    /// A value that has no meaning: negative, or not finite.
     #[error("{key}: {what} {found} is not possible")]
-    Impossible { key: &'static str, what: &'static str, found: f64 },
+    Impossible {
+        /// To change.
+        key: &'static str,
+        /// What it is.
+        what: &'static str,
+        /// Its value.
+        found: f64,
+    },
+    /// More than one Markov noise or sine.
     #[error("{key}: a record has at most one of them")]
-    Several { key: &'static str },
+    Several {
+        /// To change.
+        key: &'static str,
+    },
+    /// There is nothing to sample.
     #[error("noise: all of it is 0, and there is no readout")]
     Nothing,
+    /// A part has too few units beside the rest.
     #[error("{key}: {what} of {} {unit} {lost}", significant(*found, 6))]
-    TooSmall { key: &'static str, what: &'static str, found: f64, unit: &'static str, lost: Lost },
+    TooSmall {
+        /// To change.
+        key: &'static str,
+        /// What it is.
+        what: &'static str,
+        /// Its value, in `unit`.
+        found: f64,
+        /// As in the message.
+        unit: &'static str,
+        /// Beside what.
+        lost: Lost,
+    },
+    /// A sine whose phase stands still from sample to sample.
     #[error(
         "noise.sine: {} periods a sample are too near a whole number: from sample to sample the phase must turn by more \
          than 2^-26",
         significant(*turns, 12)
     )]
-    SineTooSlow { turns: f64 },
+    SineTooSlow {
+        /// Periods in a sample.
+        turns: f64,
+    },
+    /// Markov noise that loses less in a sample than a unit.
     #[error(
         "noise.markov: a correlation time of {} samples is too long for 32-bit arithmetic, which takes 2 * 10^7",
         significant(*samples, 6)
     )]
-    MarkovTooSlow { samples: f64 },
+    MarkovTooSlow {
+        /// Correlation time.
+        samples: f64,
+    },
+    /// A pulse that has too few units.
     #[error(
         "noise.readout_lsb: a pulse of {} ″ is less than 16 units of {} ″ of the 32-bit arithmetic that the angles of the \
          record leave",
         significant(*readout_lsb, 6),
         significant(*unit_arcsec, 3)
     )]
-    ReadoutTooFine { readout_lsb: f64, unit_arcsec: f64 },
+    ReadoutTooFine {
+        /// Angle of a pulse, ″.
+        readout_lsb: f64,
+        /// The finest unit that there is room for, ″.
+        unit_arcsec: f64,
+    },
 }
 
 /// What a quantity with too few units is lost beside.
@@ -52,7 +110,9 @@ pub enum RecordsError {
     significant(*whole_arcsec, 6)
 )]
 pub struct Lost {
+    /// The largest angle that the unit has to hold, ″.
     pub whole_arcsec: f64,
+    /// Of the record.
     pub samples: u64,
 }
 

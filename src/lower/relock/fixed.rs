@@ -12,8 +12,9 @@ const MOST_DETUNING: f64 = 536_870_912.0;
 /// Fewest units of the largest miss.
 const LEAST_MISS: f64 = 1_048_576.0;
 
-/// Largest rotation that the loop can fake in a tick, LSB, and largest sum of all ticks with their compensation.
+/// Largest rotation that the loop can fake in a tick, LSB.
 const MOST_FAKED: f64 = 67_108_864.0;
+/// Largest sum of all ticks with their compensation, LSB.
 pub const MOST_LEFT: f64 = 268_435_456.0;
 
 /// Most units of the beat in a tick, and the fewest in a count: its fraction is where a count falls.

@@ -24,9 +24,11 @@ pub(super) const PILOT: u64 = 1024;
 /// What is left of some ticks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RelockEstimate {
+    /// What was taken off.
     pub compensation: Compensation,
     /// Absent for all ticks together.
     pub tick: Option<u32>,
+    /// Where its tallies are kept.
     pub address: Address,
     /// Mean and rms in closed form for the words, ″; absent where there is none.
     pub oracle: Option<(f64, f64)>,
@@ -40,8 +42,10 @@ pub struct RelockEstimate {
 /// A point of a relock study, ready to be sampled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoweredRelock {
+    /// Of the point: what its draws and tallies are found by.
     pub id: Id,
     key: [u32; 2],
+    /// Its parameters in fixed point.
     pub fixed: FixedRelock,
     ticks: usize,
     /// By compensation, then by tick, then all ticks.

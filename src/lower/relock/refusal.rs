@@ -5,28 +5,63 @@ use crate::table::significant;
 /// Why a relock cannot be sampled. Each message names the key to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RelockError {
+    /// No detuning to relock from.
     #[error("relock.miss is 0, and so are its errors: there is nothing to relock")]
     NoMiss,
+    /// So large a miss that f = f0 (1 − χΔλ²) is 0 or less.
     #[error(
         "relock.curvature: a miss of up to {} leaves no bias, χ·Δλ² = {}",
         significant(*largest, 4),
         significant(*part, 4)
     )]
-    NoBias { largest: f64, part: f64 },
+    NoBias {
+        /// Δλ0 with its errors, part of the wavelength.
+        largest: f64,
+        /// χΔλ² of it.
+        part: f64,
+    },
+    /// A loop that hardly moves while it is looked at.
     #[error(
         "relock.loop_time = {} s does not settle in the ticks that it is followed for, of {} s",
         significant(*loop_s, 6),
         significant(*tick_s, 6)
     )]
-    LoopTooSlow { loop_s: f64, tick_s: f64 },
+    LoopTooSlow {
+        /// τ_L, s.
+        loop_s: f64,
+        /// T, s.
+        tick_s: f64,
+    },
+    /// A loop that is done before the second tick.
     #[error("relock.loop_time = {} s is over within the first tick, of {} s", significant(*loop_s, 6), significant(*tick_s, 6))]
-    LoopTooFast { loop_s: f64, tick_s: f64 },
+    LoopTooFast {
+        /// τ_L, s.
+        loop_s: f64,
+        /// T, s.
+        tick_s: f64,
+    },
+    /// Too few periods to measure a frequency by.
     #[error("relock.bias_frequency: {} counts in half a tick, less than one", significant(*counts, 6))]
-    BiasTooSlow { counts: f64 },
+    BiasTooSlow {
+        /// In half a tick.
+        counts: f64,
+    },
+    /// More periods than the phase of the beat has bits for.
     #[error("relock.bias_frequency: {} counts in a tick are too many for 32-bit arithmetic", significant(*counts, 6))]
-    BiasTooFast { counts: f64 },
+    BiasTooFast {
+        /// In a tick.
+        counts: f64,
+    },
+    /// An error that has too few units beside the miss.
     #[error("{key}: {} is lost beside detunings of up to {} in 32-bit arithmetic", significant(*found, 6), significant(*largest, 6))]
-    TooSmall { key: &'static str, found: f64, largest: f64 },
+    TooSmall {
+        /// To change.
+        key: &'static str,
+        /// Its value, part of the wavelength.
+        found: f64,
+        /// Δλ0 with its errors.
+        largest: f64,
+    },
 }
 
 impl RelockError {

@@ -25,8 +25,10 @@ use relocking::FixedRelocking;
 /// Why a run cannot be represented.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RunLowerError {
+    /// One of its switches cannot be.
     #[error(transparent)]
     Switch(#[from] LowerError),
+    /// One of its relocks cannot be.
     #[error(transparent)]
     Relock(#[from] RelockError),
 }
@@ -52,6 +54,7 @@ impl RunLowerError {
 /// A point of a study of whole runs, ready to be sampled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoweredRun {
+    /// Of the point: what its draws and tallies are found by.
     pub id: Id,
     /// In the order of the study's fillers; one where it has none.
     pub fillers: Vec<FilledRun>,
@@ -73,7 +76,9 @@ pub struct FilledRun {
 /// One angle of the runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunEstimate {
+    /// At the end, the largest or at one of the times.
     pub angle: RunAngle,
+    /// Where its tallies are kept.
     pub address: Address,
     /// Absent of the largest, which has no closed form.
     pub oracle: Option<RunOracle>,

@@ -9,13 +9,16 @@ use crate::study::RunAngle;
 /// Mean and standard deviation of an angle, ″.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunOracle {
+    /// Over runs, signed.
     pub mean: f64,
+    /// From run to run.
     pub deviation: f64,
     /// No sampled mean or rms is farther away than this for rounding in the kernel.
     pub rounding: f64,
 }
 
 impl RunOracle {
+    /// √(mean² + deviation²), ″.
     pub fn rms(&self) -> f64 {
         libm::hypot(self.mean, self.deviation)
     }

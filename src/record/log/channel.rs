@@ -11,9 +11,11 @@ pub struct Log {
     pub(super) file: String,
     /// From sample to sample, s.
     pub step_s: f64,
+    /// What the samples are.
     pub data: Data,
     /// Where the samples begin, from the start of the file, s.
     pub start_s: f64,
+    /// One for each column that was asked for.
     pub channels: Vec<Channel>,
 }
 

@@ -12,7 +12,9 @@ pub const LEAST_SAMPLES: usize = 16;
 /// Whether rates that look as if in another unit are refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UnitCheck {
+    /// They are, with what to write instead.
     On,
+    /// They are taken as they stand.
     Off,
 }
 

@@ -49,6 +49,7 @@ const PULSES: [&str; 6] = ["pulse", "pulses", "count", "counts", "LSB", "lsb"];
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct UnitMismatch {
+    /// What does not fit, for people.
     pub message: String,
     /// What to write instead.
     pub help: String,

@@ -27,7 +27,9 @@ const HEAD: u64 = 1 << 20;
 pub struct Request {
     /// Names or numbers from 1. Without any the file must have only one besides that of the time.
     pub columns: Vec<String>,
+    /// How far apart the samples are.
     pub timing: Timing,
+    /// Rates, increments or angles.
     pub data: Data,
     /// Absent: that of each column's header.
     pub unit: Option<Unit>,
@@ -39,7 +41,12 @@ pub enum Timing {
     /// One after the other, in s.
     Step(f64),
     /// As a column says: its name or number, and its unit where the header gives none, as in `ms`.
-    Stamps { column: String, unit: Option<String> },
+    Stamps {
+        /// Name, or number from 1.
+        column: String,
+        /// Absent: that of the header.
+        unit: Option<String>,
+    },
 }
 
 /// Starts of files that are often given and not read, and what they are.

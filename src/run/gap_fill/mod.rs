@@ -8,6 +8,8 @@ use std::time::Instant;
 use super::sampling::{Work, lacking, sample};
 use super::worker::Worker;
 use super::{Done, NORMAL_95, Progress, RunError};
+use rayon::prelude::*;
+
 use crate::block::{Block, base_log2};
 use crate::id::Id;
 use crate::lower::{LowerError, Lowered};
@@ -39,7 +41,9 @@ impl<'a> Plan<'a> {
             Lowered::new(point, &gap_fill.fillers, &gap_fill.errors, study.seed, study.streams)
                 .map_err(|error| refused(study, point, &error))
         };
-        let points = gap_fill.points.iter().map(lower).collect::<Result<_, _>>()?;
+        // The first error is told, whichever thread found it.
+        let points: Vec<Result<Lowered, StudyError>> = gap_fill.points.par_iter().map(lower).collect();
+        let points = points.into_iter().collect::<Result<_, _>>()?;
         let plan = Plan { study, gap_fill, points };
         if plan.replays() && study.trials > MOST_REPLAYED {
             let message = format!("{} trials of a record that is replayed over every place", study.trials);

@@ -21,6 +21,7 @@ use crate::theory::allan::Estimator;
 /// What a study of Allan curves asks.
 #[derive(Debug, Clone)]
 pub struct Allan {
+    /// Which differences, and how many of them.
     pub estimator: Estimator,
     /// The terms that are fitted to each record, if any.
     pub terms: Option<Terms>,

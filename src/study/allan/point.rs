@@ -40,6 +40,7 @@ pub struct Inputs {
     pub length_s: f64,
     /// Constant rate, ″/s, which a readout in whole pulses sees.
     pub rate: f64,
+    /// Its coefficients.
     pub noise: Noise,
 }
 
@@ -57,6 +58,7 @@ pub struct Point {
     pub index: usize,
     /// Name of each swept key, and its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
+    /// All that the draws depend on.
     pub inputs: Inputs,
     /// Averaging factors, ascending.
     pub ms: Vec<u64>,

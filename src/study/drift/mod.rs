@@ -20,6 +20,7 @@ use crate::theory::drift::Magnetic;
 pub struct Drift {
     /// A, ″/s.
     pub magnetic: f64,
+    /// Of A, ″/s.
     pub magnetic_spread: f64,
     /// τ, s; 0 where there is no warm-up, and A is there from the start.
     pub warm_up_s: f64,
@@ -27,9 +28,11 @@ pub struct Drift {
     pub warm_up_spread: f64,
     /// Ω_nm, ″/s.
     pub non_magnetic: f64,
+    /// Of Ω_nm, ″/s.
     pub non_magnetic_spread: f64,
     /// Ω_m0, ″/s.
     pub initial_magnetic: f64,
+    /// Of Ω_m0, ″/s.
     pub initial_magnetic_spread: f64,
     /// N, ″/√s.
     pub angle_random_walk: f64,

@@ -50,8 +50,10 @@ pub(in crate::study) struct SwitchingTable {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FirstMode {
+    /// The first interval adds A.
     #[default]
     Positive,
+    /// The first interval takes A off.
     Negative,
     /// Another in each run.
     Random,

@@ -7,6 +7,7 @@ use crate::theory::minimum_variance::Band;
 pub struct Filler {
     /// As tables and charts call it; unique in a study.
     pub name: String,
+    /// Where its weights come from.
     pub method: Method,
 }
 
@@ -18,7 +19,12 @@ pub enum Method {
     /// The least variance for motion of a band, or for the study's own motion where none is given, and its noise.
     MinimumVariance(Option<Band>),
     /// Weights as given, in the order of the ticks; those of the extrapolation may be absent.
-    Weights { residual: Vec<f64>, extrapolation: Option<Vec<f64>> },
+    Weights {
+        /// For the gap as a whole, after it.
+        residual: Vec<f64>,
+        /// The same before it is closed.
+        extrapolation: Option<Vec<f64>>,
+    },
 }
 
 /// The ticks that a filler reads at a point, ascending.

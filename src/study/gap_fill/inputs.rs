@@ -9,11 +9,13 @@ use crate::study::units::round_12;
 pub struct Inputs {
     /// T, s.
     pub tick_s: f64,
+    /// White, from tick to tick.
     pub tick_noise: TickNoise,
     /// Angle of a pulse, ″; 0 where the readout is not quantised.
     pub readout_lsb: f64,
     /// What the relock adds to the ticks n+1, n+2, …, ″.
     pub relock: Vec<f64>,
+    /// What the base does.
     pub motion: Motion,
     /// n.
     pub gap_ticks: u32,

@@ -16,7 +16,9 @@ use crate::theory::suspension::Suspension;
 pub struct Motion {
     /// At most 8.
     pub tones: Vec<Tone>,
+    /// At most one beside the tones.
     pub gaussian: Option<Gaussian>,
+    /// A record, which stands without tones and Gaussian motion.
     pub profile: Option<Profile>,
     /// What shakes the base. At a point its tone or Gaussian motion is among the others.
     pub vibration: Option<Vibration>,
@@ -29,21 +31,27 @@ pub struct Motion {
 /// One sinusoidal rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tone {
+    /// Peak of the sine.
     pub amplitude: Amplitude,
+    /// Fixed or drawn.
     pub frequency: Frequency,
+    /// At the middle of the gap.
     pub phase: Phase,
 }
 
 /// Amplitude of a tone: of its rate, ″/s, or of its angle, ″.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Amplitude {
+    /// Whether it is of the angle, ″, not of the rate, ″/s.
     pub of_angle: bool,
+    /// Fixed or drawn.
     pub value: Value,
 }
 
 /// A value that is fixed or drawn for each trial.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Value {
+    /// The same in all trials.
     Fixed(f64),
     /// Evenly between two ends.
     Uniform([f64; 2]),
@@ -54,6 +62,7 @@ pub enum Value {
 /// Frequency of a tone, Hz.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Frequency {
+    /// The same in all trials.
     Fixed(f64),
     /// Drawn evenly from a band for each trial.
     Band(Band),
@@ -63,11 +72,23 @@ pub enum Frequency {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Gaussian {
     /// Of this standard deviation of the rate, ″/s, spread evenly over a band.
-    Band { rms: f64, band: Band },
+    Band {
+        /// Standard deviation of the rate, ″/s.
+        rms: f64,
+        /// Where it is, Hz.
+        band: Band,
+    },
     /// Of this power spectral density of the rate, one-sided.
     Psd(Arc<Psd>),
     /// Through a suspension, of a base whose acceleration has `scale` times this density, in g²/Hz.
-    Vibration { suspension: Arc<Suspension>, acceleration: Arc<Psd>, scale: f64 },
+    Vibration {
+        /// What turns acceleration into rotation.
+        suspension: Arc<Suspension>,
+        /// One-sided, g²/Hz.
+        acceleration: Arc<Psd>,
+        /// Factor to that density.
+        scale: f64,
+    },
 }
 
 /// A recorded motion that is replayed.
@@ -75,6 +96,7 @@ pub enum Gaussian {
 pub struct Profile {
     /// As the study names it.
     pub file: String,
+    /// Its samples.
     pub record: Arc<Record>,
     /// Where the gap falls.
     pub position: Position,
@@ -205,6 +227,7 @@ impl Tone {
 }
 
 impl Value {
+    /// The mean of its square over trials.
     pub fn mean_square(self) -> f64 {
         match self {
             Value::Fixed(x) => x * x,

@@ -30,6 +30,7 @@ pub struct Point {
     pub index: usize,
     /// Name of each swept key, and its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
+    /// All that the draws depend on.
     pub inputs: Inputs,
     /// The ticks of each filler, in the order of the fillers.
     pub fills: Vec<Fill>,

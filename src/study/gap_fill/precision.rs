@@ -11,7 +11,9 @@ use crate::study::scalar::Scalar;
 /// where all its errors are.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Precision {
+    /// Of the rms.
     pub rms: Option<f64>,
+    /// Of the 99.73 % level.
     pub q9973: Option<f64>,
 }
 

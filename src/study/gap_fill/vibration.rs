@@ -21,7 +21,9 @@ use crate::theory::suspension::Suspension;
 /// A linear vibration, in g, of a base on which the gyro stands by its suspension.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Vibration {
+    /// The modes of the mount.
     pub suspension: Arc<Suspension>,
+    /// A sine or a spectrum.
     pub acceleration: Acceleration,
     /// Whether what is above half the tick rate may show at lower frequencies.
     pub alias: bool,
@@ -31,9 +33,19 @@ pub struct Vibration {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Acceleration {
     /// A sine of random phase.
-    Sine { amplitude_g: f64, frequency_hz: f64 },
+    Sine {
+        /// Peak, g.
+        amplitude_g: f64,
+        /// Hz.
+        frequency_hz: f64,
+    },
     /// Stationary and Gaussian, of this density in g²/Hz, scaled to a standard deviation where there is one.
-    Random { psd: Arc<Psd>, rms_g: Option<f64> },
+    Random {
+        /// One-sided, g²/Hz.
+        psd: Arc<Psd>,
+        /// Standard deviation to scale it to, g.
+        rms_g: Option<f64>,
+    },
 }
 
 pub(super) static GYRO: Key =

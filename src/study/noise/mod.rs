@@ -22,9 +22,13 @@ pub struct Noise {
     pub rate_random_walk: f64,
     /// R, ″/s².
     pub rate_ramp: f64,
+    /// Exponentially correlated.
     pub markov: Option<Markov>,
+    /// Of a random phase.
     pub sine: Option<Sine>,
+    /// The same in all records.
     pub warm_up: Option<WarmUp>,
+    /// Of a gyro that switches modes.
     pub switching: Option<Switching>,
 }
 
@@ -42,6 +46,7 @@ pub struct Markov {
 pub struct Sine {
     /// Its peak, ″/s.
     pub amplitude: f64,
+    /// Hz.
     pub frequency_hz: f64,
 }
 
@@ -50,6 +55,7 @@ pub struct Sine {
 pub struct WarmUp {
     /// The rate at the start, ″/s.
     pub amplitude: f64,
+    /// In which it falls to 1/e, s.
     pub time_s: f64,
 }
 

@@ -19,6 +19,7 @@ pub struct Relock {
     pub miss: f64,
     /// Standard deviation.
     pub half_wave_error: f64,
+    /// A whole step; the miss is off by up to half of it to either side.
     pub dac_step: f64,
     /// To either side.
     pub hysteresis: f64,
@@ -34,11 +35,13 @@ pub struct Relock {
     pub temperature_error: f64,
     /// Standard deviation.
     pub adc_noise: f64,
+    /// A whole step; 0 is exact.
     pub adc_step: f64,
     /// Periods.
     pub count_step: f64,
     /// From the closing of the loop on.
     pub ticks: u32,
+    /// Which half of the bias comes first: it gives the sign of what is faked.
     pub first_half: FirstHalf,
     /// A_I/Δλ.
     pub signal_gain: Option<f64>,
@@ -48,6 +51,7 @@ pub struct Relock {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Compensation {
+    /// Nothing.
     #[default]
     None,
     /// From the frequency of the bias, from the second tick on: Z(11).
@@ -57,6 +61,7 @@ pub enum Compensation {
 }
 
 impl Compensation {
+    /// All of them, as tables list them.
     pub const ALL: [Compensation; 3] = [Compensation::None, Compensation::Frequency, Compensation::Detuning];
 
     /// As study files and tables call it.

@@ -27,6 +27,7 @@ pub struct RelockStudy {
 pub struct RelockInputs {
     /// T, s.
     pub tick_s: f64,
+    /// What the loop does and how it is measured.
     pub relock: Relock,
 }
 
@@ -35,6 +36,7 @@ pub struct RelockInputs {
 pub struct RelockPoint {
     /// Name of each swept key, and its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
+    /// All that the draws depend on.
     pub inputs: RelockInputs,
 }
 

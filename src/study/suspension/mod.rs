@@ -29,6 +29,7 @@ pub struct SuspensionStudy {
 pub struct Point {
     /// Name of each swept key, and its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
+    /// Its modes.
     pub suspension: Arc<Suspension>,
     /// Of the vibration.
     pub frequency_hz: f64,

@@ -31,7 +31,9 @@ pub use super::file::switching::{FirstMode, Timing};
 pub struct SwitchedRun {
     /// The switch and its fillers; absent where the residual is given by its largest value, or there is none.
     pub fill: Option<GapFill>,
+    /// The sign that the magnetic drift starts with.
     pub first_mode: FirstMode,
+    /// How phases go on from switch to switch.
     pub timing: Timing,
     /// Times at which the angle is wanted besides the end, s, each once.
     pub times: Vec<f64>,

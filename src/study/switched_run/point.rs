@@ -32,6 +32,7 @@ pub struct Point {
     pub index: usize,
     /// Name of each swept key, and its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
+    /// The parts of the drift, with their spreads.
     pub drift: Drift,
     /// Of whole ticks.
     pub schedule: Schedule,

@@ -13,7 +13,9 @@ use crate::study::sweep::Sweep;
 /// Relock after each switch, and what is taken off its ticks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Relocking {
+    /// What the loop does after each switch.
     pub relock: Relock,
+    /// What is taken off before the filler sees the ticks.
     pub compensation: Compensation,
 }
 

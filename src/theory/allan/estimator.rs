@@ -51,7 +51,9 @@ pub enum Stride {
 /// An estimator of a variance at τ = m·t0: the mean square of its differences over `divisor`·τ².
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Estimator {
+    /// Second, or third differences.
     pub difference: Difference,
+    /// From where to where one goes to the next.
     pub stride: Stride,
 }
 

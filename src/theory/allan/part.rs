@@ -8,27 +8,60 @@ use super::{Difference, holds, markov};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Part {
     /// White error of the angles: rms Q, ″.
-    Quantisation { q: f64 },
+    Quantisation {
+        /// Q, ″.
+        q: f64,
+    },
     /// N, ″/√s.
-    AngleRandomWalk { n: f64 },
+    AngleRandomWalk {
+        /// N, ″/√s.
+        n: f64,
+    },
     /// Flicker of the rate: B, ″/s, whose Allan variance is flat at (2 ln2/π)B², of so many octave holds. Octaves for
     /// which there are no [variances](holds::variances) make it NaN.
-    BiasInstability { b: f64, octaves: usize },
+    BiasInstability {
+        /// B, ″/s.
+        b: f64,
+        /// Of holds: 1, 2, 4, … samples.
+        octaves: usize,
+    },
     /// K, ″/s^1.5.
-    RateRandomWalk { k: f64 },
+    RateRandomWalk {
+        /// K, ″/s^1.5.
+        k: f64,
+    },
     /// Exponentially correlated rate: IEEE's q_c, ″/s^1.5, and T_c, s. Its variance is q_c²T_c/2.
-    Markov { q_c: f64, time_s: f64 },
+    Markov {
+        /// q_c, ″/s^1.5.
+        q_c: f64,
+        /// T_c, s.
+        time_s: f64,
+    },
     /// Sine of the rate with a random phase: Ω_0, ″/s, and f, Hz.
-    Sine { amplitude: f64, frequency_hz: f64 },
+    Sine {
+        /// Ω_0, ″/s.
+        amplitude: f64,
+        /// f, Hz.
+        frequency_hz: f64,
+    },
     /// R, ″/s².
-    RateRamp { r: f64 },
+    RateRamp {
+        /// R, ″/s².
+        r: f64,
+    },
     /// Decay of the rate after the start of the record: A, ″/s, and T, s.
-    WarmUp { amplitude: f64, time_s: f64 },
+    WarmUp {
+        /// A, ″/s.
+        amplitude: f64,
+        /// T, s.
+        time_s: f64,
+    },
 }
 
 /// Deterministic difference k of a record: `first`·e^{−`decay`·k}, ″.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trend {
+    /// Of the difference at the start, ″.
     pub first: f64,
     /// For each sample.
     pub decay: f64,

@@ -7,7 +7,9 @@ use super::{Difference, Estimator, Part};
 /// Independent parts of an angle sampled every `sample_s`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Process {
+    /// From one sample to the next, t0, s.
     pub sample_s: f64,
+    /// Any, each as often as wanted.
     pub parts: Vec<Part>,
 }
 

@@ -5,6 +5,7 @@ use super::Magnetic;
 /// What bounds the drift of a switched gyro.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Budget {
+    /// What changes its sign with the mode.
     pub magnetic: Magnetic,
     /// Ω_nm, ″/s.
     pub non_magnetic: f64,
@@ -15,6 +16,7 @@ pub struct Budget {
 /// The parts of the bound, ″/s, none of them negative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
+    /// Ω_nm, ″/s.
     pub non_magnetic: f64,
     /// What warming up leaves of two opposite intervals — Z(4), Z(6).
     pub quasi_non_magnetic: f64,
@@ -34,7 +36,9 @@ impl Bound {
 /// The interval at which a bound is least, s, and the bound there, ″/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Optimum {
+    /// MT, s.
     pub interval_s: f64,
+    /// Z(7) there, ″/s.
     pub bound: f64,
 }
 

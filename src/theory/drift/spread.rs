@@ -5,6 +5,7 @@ use super::{Magnetic, switches};
 /// A run whose drift is known but for its switches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
+    /// What changes its sign with the mode.
     pub magnetic: Magnetic,
     /// Ω_nm, ″/s.
     pub non_magnetic: f64,

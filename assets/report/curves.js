@@ -1,0 +1,307 @@
+// Charts of curves y(x): bands, closed forms, laws and limit, a legend that switches them, and what is read off.
+
+/** An axis as it is, or linear where a logarithmic one has a place for none of its values. */
+function placed(axis, values) {
+  const hidden = axis.scale === "log" && values.length > 0 && !values.some((value) => value > 0);
+  return hidden ? { ...axis, scale: "linear" } : axis;
+}
+
+/** Most points of a line that all have markers, and how many have of more. */
+const MOST_MARKED = 200;
+const MARKED = 40;
+
+/** Dashes, markers and colours by style; the page gives them. */
+let looks;
+
+const styled = (list, style) => list[style % list.length];
+
+class Curves {
+  constructor(figure) {
+    this.figure = figure;
+    const points = figure.series.flatMap((series) => series.points);
+    this.x = placed(figure.x, points.map((point) => point.x));
+    this.y = placed(figure.y, points.map((point) => point.y));
+    this.off = new Set();
+    this.hasLaws = figure.series.some((series) => series.law.length > 0);
+    this.ownDashes = figure.dashes.entries.length > 0;
+  }
+
+  /** Whether something is switched on: `colour 2`, `bands`. */
+  on(key) {
+    return !this.off.has(key);
+  }
+
+  series() {
+    return this.figure.series.filter((series) => this.on(`colour ${series.colour}`) && this.on(`dash ${series.dash}`));
+  }
+
+  name(series) {
+    const of = ({ entries }, style) => entries.find((entry) => entry.style === style)?.name;
+    const { colours, dashes } = this.figure;
+    return [of(colours, series.colour), of(dashes, series.dash)].filter((name) => name !== undefined).join(", ");
+  }
+
+  dashOf(series) {
+    return this.ownDashes ? series.dash : series.colour;
+  }
+
+  laws() {
+    return this.figure.laws.flatMap((law, at) => (this.on(`law ${at}`) ? law.lines.map((line) => ({ line, at })) : []));
+  }
+
+  // As wide as points and laws, as high as the points and, within reason, what stands beside them.
+  ranges(xLog, yLog) {
+    const { figure } = this;
+    const shows = (x, y) => Range.shows(xLog, x) && Range.shows(yLog, y);
+    const points = this.series().flatMap((series) => series.points).filter(({ x, y }) => shows(x, y));
+    const lines = this.laws().flatMap(({ line }) => line.points).filter(([x, y]) => shows(x, y));
+    const x = Range.around(xLog, [...points.map((point) => point.x), ...lines.map((place) => place[0])]);
+    let [low, high] = [Infinity, -Infinity];
+    for (const point of points) [low, high] = [Math.min(low, point.y), Math.max(high, point.y)];
+    const room = Math.max(high - low, 0.5 * Math.max(Math.abs(low), Math.abs(high)));
+    const [from, to] = points.length === 0 ? [-Infinity, Infinity]
+      : yLog ? [low / 10, high * 10] : [low - room, high + room];
+    const beside = [...lines.map((place) => place[1])];
+    if (this.on("bands")) beside.push(...points.flatMap((point) => point.band ?? []));
+    if (this.on("lines")) beside.push(...this.series().flatMap((series) => series.law.map((place) => place[1])));
+    const near = beside.filter((value) => Range.shows(yLog, value)).map((value) => Math.min(Math.max(value, from), to));
+    const limit = figure.limit && this.on("limit") ? [figure.limit.value] : [];
+    const whole = function* () {
+      for (const point of points) yield point.y;
+      yield* near;
+      yield* limit;
+    };
+    return { x, y: Range.around(yLog, whole()) };
+  }
+
+  draw(plot, under, over) {
+    const { figure } = this;
+    for (const { line, at } of this.laws()) {
+      const colour = line.colours.length === 1 ? `c${line.colours[0] % 8}` : "grey";
+      this.line(plot, under, line.points, { class: `law ${colour}`, "stroke-dasharray": styled(looks.broad_dashes, at) });
+    }
+    const series = this.series();
+    if (this.on("bands")) series.forEach((each) => this.bands(plot, under, each));
+    figure.parts.lines.forEach((part, at) => {
+      const look = { class: `part c${part.colour % 8}`, "stroke-dasharray": styled(looks.thin_dashes, at) };
+      if (this.on(`part ${at}`)) this.line(plot, under, part.points, look);
+    });
+    for (const each of series) {
+      const look = { class: `curve c${each.colour % 8}`, "stroke-dasharray": styled(looks.dashes, this.dashOf(each)) };
+      const joined = figure.joined ?? !this.hasLaws;
+      const points = joined ? each.points.map(({ x, y }) => [x, y]) : each.law;
+      if (joined ? this.on("points") : this.on("lines")) this.line(plot, under, points, look);
+    }
+    if (figure.limit && this.on("limit")) this.limit(plot, under, over);
+    if (this.on("points")) series.forEach((each) => this.markers(plot, over, each));
+    if (!series.some((each) => each.points.some(({ x, y }) => plot.shows(x, y)))) {
+      const { left, right, top, bottom } = plot.frame;
+      const why = series.length === 0 ? "all curves are switched off" : "no value has a place on these axes";
+      over.append(shape("text", { class: "nothing", x: (left + right) / 2, y: (top + bottom) / 2, "text-anchor": "middle" }, why));
+    }
+  }
+
+  /** A line, interrupted where the axes cannot show it. */
+  line(plot, group, points, look) {
+    let [path, drawing] = ["", false];
+    for (const [x, y] of points) {
+      const shown = plot.shows(x, y);
+      if (shown) path += `${drawing ? "L" : "M"}${plot.across(x)},${plot.down(y)}`;
+      drawing = shown;
+    }
+    if (path) group.append(shape("path", { fill: "none", d: path, ...look }));
+  }
+
+  bands(plot, group, series) {
+    const colour = `c${series.colour % 8}`;
+    let [areas, bars] = ["", ""];
+    const flush = (run) => {
+      const place = (x, y) => `${plot.across(x)},${plot.down(y)}`;
+      if (run.length === 1) {
+        const { x, band: [low, high] } = run[0];
+        const [at, lower, upper] = [plot.across(x), plot.down(low), plot.down(high)];
+        bars += `M${at},${lower}V${upper}M${at - 5},${lower}h10M${at - 5},${upper}h10`;
+      } else if (run.length > 1) {
+        const lower = run.map(({ x, band }) => place(x, band[0]));
+        const upper = run.map(({ x, band }) => place(x, band[1])).reverse();
+        areas += `M${[...lower, ...upper].join("L")}Z`;
+      }
+    };
+    let run = [];
+    for (const point of series.points) {
+      if (point.band && plot.shows(point.x, point.y)) run.push(point);
+      else {
+        flush(run);
+        run = [];
+      }
+    }
+    flush(run);
+    if (areas) group.append(shape("path", { class: `band ${colour}`, d: areas }));
+    if (bars) group.append(shape("path", { class: `bar ${colour}`, d: bars }));
+  }
+
+  limit(plot, under, over) {
+    const { value, label } = this.figure.limit;
+    if (!Range.shows(plot.log.y, value)) return;
+    const { left, right } = plot.frame;
+    const y = plot.down(value);
+    under.append(shape("path", { class: "limit", d: `M${left},${y}H${right}` }));
+    if (!plot.inFrame([left, y])) return;
+    // Over the line, at the end where it covers fewer points.
+    const width = textWidth(label, 13);
+    const covered = (start) => this.series().flatMap((series) => series.points).filter((point) => {
+      const [dx, dy] = [plot.across(point.x) - start, plot.down(point.y) - y];
+      return dx > -20 && dx < width + 20 && dy > -34 && dy < 8;
+    }).length;
+    const [first, last] = [left + 10, right - width - 10];
+    const start = covered(first) <= covered(last) ? first : last;
+    over.append(shape("text", { class: "limit-label", x: start, y: y - 7 }, label));
+  }
+
+  markers(plot, group, series) {
+    const points = series.points.filter(({ x, y }) => plot.shows(x, y));
+    const inside = points.map(({ x, y }) => [plot.across(x), plot.down(y)]).filter((place) => plot.inFrame(place));
+    const step = inside.length > MOST_MARKED && !this.hasLaws ? Math.ceil(inside.length / MARKED) : 1;
+    const radius = Math.min(Math.max(((130 * step) / inside.length) * (plot.width / 700), 1.5), 4.2);
+    let path = "";
+    for (let at = 0; at < inside.length; at += step) path += markerPath(this.dashOf(series), radius, inside[at]);
+    if (path) group.append(shape("path", { class: `marker c${series.colour % 8}`, d: path }));
+  }
+
+  // Reading values.
+
+  /** The point nearest to a place. */
+  near(plot, x, y) {
+    let [best, distance] = [null, Infinity];
+    for (const series of this.series()) {
+      series.points.forEach((point, at) => {
+        if (!plot.shows(point.x, point.y)) return;
+        const place = [plot.across(point.x), plot.down(point.y)];
+        const apart = Math.hypot(place[0] - x, 0.6 * (place[1] - y));
+        if (apart < distance && plot.inFrame(place)) [best, distance] = [{ series, at }, apart];
+      });
+    }
+    return best && this.told(plot, best);
+  }
+
+  /** Along a curve, or to the next one. */
+  step(plot, way) {
+    const all = this.series().filter((series) => series.points.some(({ x, y }) => plot.shows(x, y)));
+    if (all.length === 0) return null;
+    const now = plot.told?.found ?? { series: all[0], at: -1 };
+    const places = (series) => series.points.map((_, at) => at).filter((at) => plot.shows(series.points[at].x, series.points[at].y));
+    if (way === "Left" || way === "Right") {
+      const order = places(now.series);
+      const next = order[order.indexOf(now.at) + (way === "Right" ? 1 : -1)];
+      return this.told(plot, { series: now.series, at: next ?? (now.at < 0 ? order[0] : now.at) });
+    }
+    const series = all[(all.indexOf(now.series) + (way === "Down" ? 1 : all.length - 1)) % all.length];
+    const x = now.at < 0 ? plot.ranges.x.low : now.series.points[now.at].x;
+    const apart = (at) => Math.abs(plot.across(series.points[at].x) - plot.across(x));
+    return this.told(plot, { series, at: places(series).reduce((a, b) => (apart(b) < apart(a) ? b : a)) });
+  }
+
+  told(plot, found) {
+    const { x, y } = found.series.points[found.at];
+    const place = [plot.across(x), plot.down(y)];
+    const { top, bottom } = plot.frame;
+    const marks = [
+      shape("path", { class: "cross", d: `M${place[0]},${top}V${bottom}` }),
+      shape("circle", { class: `ring c${found.series.colour % 8}`, cx: place[0], cy: place[1], r: 7 }),
+    ];
+    return { found, place, marks, text: () => this.text(found), again: (anew) => this.told(anew, found) };
+  }
+
+  /** All curves at the x that is read off, the one pointed at first. */
+  text(found) {
+    const { x } = found.series.points[found.at];
+    const rows = this.series().map((series) => ({ series, point: series.points.find((point) => point.x === x) }))
+      .filter(({ point }) => point && Number.isFinite(point.y));
+    const first = (a, b) => (b.series === found.series) - (a.series === found.series);
+    const shown = rows.sort(first).slice(0, 9);
+    const unit = this.y.unit;
+    const lines = shown.map(({ series, point }) => {
+      const law = series.law.find((place) => place[0] === x);
+      const value = element("b", {}, measured(point.y, unit));
+      const band = point.band ? ` ${this.figure.bands || "interval"}: ${significant(point.band[0])} … ${significant(point.band[1])}` : "";
+      return element("tr", { class: series === found.series ? "first" : null },
+        element("td", {}, element("i", { class: `swatch c${series.colour % 8}` })),
+        element("td", {}, this.name(series) || this.y.label),
+        element("td", {}, value, element("small", {}, band, law ? ` ${this.figure.lines || "closed form"}: ${significant(law[1])}` : "")));
+    });
+    const more = rows.length > shown.length ? element("p", {}, `and ${rows.length - shown.length} more`) : null;
+    return [element("p", { class: "at" }, axisValue(this.x, x)), element("table", {}, ...lines), more].filter(Boolean);
+  }
+
+  // The legend.
+
+  legend(plot) {
+    const { figure } = this;
+    const group = (title, entries) => (entries.length === 0 ? null
+      : element("div", { class: "group" }, title ? element("h4", {}, title) : null, ...entries));
+    const entry = (key, sample, name) => this.entry(plot, key, sample, name);
+    const curve = (look, style) => [sampleLine({ ...look, "stroke-dasharray": styled(looks.dashes, style) }), sampleMarker(look.class, style)];
+    const colours = figure.colours.entries.map(({ style, name }) => entry(`colour ${style}`,
+      this.ownDashes ? [sampleLine({ class: `thick c${style % 8}` })] : curve({ class: `curve c${style % 8}` }, style), name));
+    const dashes = figure.dashes.entries.map(({ style, name }) => entry(`dash ${style}`, curve({ class: "curve grey" }, style), name));
+    const laws = figure.laws.map((law, at) => {
+      const one = law.lines.length > 0 && law.lines.every((line) => line.colours.length === 1 && line.colours[0] === law.lines[0].colours[0]);
+      const colour = one ? `c${law.lines[0].colours[0] % 8}` : "grey";
+      return entry(`law ${at}`, [sampleLine({ class: `law ${colour}`, "stroke-dasharray": styled(looks.broad_dashes, at) })], law.label);
+    });
+    const parts = figure.parts.lines.map((part, at) => entry(`part ${at}`,
+      [sampleLine({ class: `part c${part.colour % 8}`, "stroke-dasharray": styled(looks.thin_dashes, at) })], part.label));
+    const reading = [];
+    if (figure.points) reading.push(entry("points", [sampleMarker("curve grey", 0)], figure.points));
+    if (this.hasLaws) reading.push(entry("lines", [sampleLine({ class: "curve grey" })], figure.lines));
+    if (figure.series.some((series) => series.points.some((point) => point.band))) {
+      reading.push(entry("bands", [shape("rect", { class: "band grey", x: 0, y: 4, width: 36, height: 10 })], figure.bands || "interval"));
+    }
+    if (figure.limit) reading.push(entry("limit", [sampleLine({ class: "limit" })], figure.limit.label));
+    const chosen = figure.chosen.map((text) => element("p", {}, text));
+    return element("div", { class: "legend" }, group(figure.colours.title, colours), group(figure.dashes.title, dashes), group(null, laws),
+      group(null, reading), group(figure.parts.title, parts), group("shown", chosen));
+  }
+
+  entry(plot, key, sample, name) {
+    const [kind] = key.split(" ");
+    const siblings = () => [...made.parentElement.querySelectorAll("button")];
+    const made = button("", "Switch off or on; double click for this one alone", () => {
+      if (this.on(key)) this.off.add(key);
+      else this.off.delete(key);
+      update();
+    }, true);
+    const update = () => {
+      for (const each of siblings()) each.setAttribute("aria-pressed", this.on(each.dataset.key));
+      plot.tell(null);
+      plot.render();
+    };
+    made.addEventListener("dblclick", () => {
+      if (!["colour", "dash", "law", "part"].includes(kind)) return;
+      const others = siblings().map((each) => each.dataset.key).filter((other) => other !== key);
+      const alone = others.every((other) => !this.on(other));
+      for (const other of others) alone ? this.off.delete(other) : this.off.add(other);
+      this.off.delete(key);
+      update();
+    });
+    made.dataset.key = key;
+    made.append(shape("svg", { class: "sample", viewBox: "0 0 36 18", "aria-hidden": "true" }, ...sample), element("span", {}, name));
+    return made;
+  }
+}
+
+function sampleLine(look) {
+  return shape("path", { fill: "none", d: "M0,9H36", ...look });
+}
+
+function sampleMarker(look, style) {
+  return shape("path", { class: look.replace("curve", "marker"), d: markerPath(style, 4.2, [18, 9]) });
+}
+
+/** A marker as a path: a circle where its style has no corners. */
+function markerPath(style, radius, [x, y]) {
+  const corners = styled(looks.markers, style);
+  if (corners.length === 0) return `M${x - radius},${y}a${radius},${radius} 0 1 0 ${2 * radius},0a${radius},${radius} 0 1 0 ${-2 * radius},0Z`;
+  const place = ([dx, dy]) => `${Math.round(100 * (x + radius * dx)) / 100},${Math.round(100 * (y + radius * dy)) / 100}`;
+  return `M${corners.map(place).join("L")}Z`;
+}

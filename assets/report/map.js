@@ -1,0 +1,247 @@
+// Maps: a cell for each pair of values of x and y, by colour or by who has the least, with slices through the cell pointed at.
+
+class CellMap {
+  constructor(map, slices) {
+    this.map = map;
+    this.x = map.x;
+    this.y = map.y;
+    this.slices = slices;
+    this.winners = map.cells.winners ?? null;
+    this.zLog = map.z.scale === "log";
+  }
+
+  height(width) {
+    return Math.min(Math.max(0.66 * width, 300), 540);
+  }
+
+  /** Columns or rows that the scale can show, with the edges of their cells. */
+  along(values, log) {
+    const shown = values.map((value, at) => ({ value, at })).filter(({ value }) => Range.shows(log, value));
+    if (shown.length < 2) {
+      const { low, high } = Range.around(log, shown.map(({ value }) => value));
+      return { shown, edges: [low, high] };
+    }
+    const scale = new Range(log, shown[0].value, shown[shown.length - 1].value);
+    const at = shown.map(({ value }) => scale.coordinate(value));
+    const middles = at.slice(1).map((here, i) => (here + at[i]) / 2);
+    const last = at.length - 1;
+    const ends = [1.5 * at[0] - 0.5 * at[1], ...middles, 1.5 * at[last] - 0.5 * at[last - 1]];
+    return { shown, edges: ends.map((end) => (log ? 10 ** end : end)) };
+  }
+
+  ranges(xLog, yLog) {
+    const of = (values, log) => {
+      const { edges } = this.along(values, log);
+      return new Range(log, edges[0], edges[edges.length - 1]);
+    };
+    return { x: of(this.map.columns, xLog), y: of(this.map.rows, yLog) };
+  }
+
+  /** The value of a cell: that of the winner, or the one shown; null if it is not known. */
+  value(cell) {
+    if (this.winners) return this.winners.won[cell]?.value ?? null;
+    const estimate = this.map.layers[0]?.values[cell];
+    return estimate && Range.shows(this.zLog, estimate[0]) ? estimate[0] : null;
+  }
+
+  colours() {
+    let [low, high] = [Infinity, -Infinity];
+    for (let cell = 0; cell < this.map.columns.length * this.map.rows.length; cell++) {
+      const value = this.value(cell);
+      if (value !== null) [low, high] = [Math.min(low, value), Math.max(high, value)];
+    }
+    return low < high ? new Range(this.zLog, low, high) : Range.around(this.zLog, low === high ? [low] : []);
+  }
+
+  draw(plot, under, over) {
+    const { map, winners } = this;
+    const [across, up] = [this.along(map.columns, plot.log.x), this.along(map.rows, plot.log.y)];
+    const [xs, ys] = [across.edges.map((edge) => plot.across(edge)), up.edges.map((edge) => plot.down(edge))];
+    Object.assign(this, { across, up, xs, ys });
+    const colours = this.colours();
+    const paths = new Map();
+    let hatched = "";
+    this.each((cell, rectangle) => {
+      const value = this.value(cell);
+      if (value === null) return;
+      const won = winners?.won[cell];
+      const look = won ? `cell c${won.style % 8}${won.certain ? "" : " pale"}` : viridis(colours.fraction(value));
+      paths.set(look, (paths.get(look) ?? "") + rectangle);
+      if (won && map.limit && value > map.limit.value) hatched += rectangle;
+    });
+    const cells = shape("g", { class: "cells" });
+    for (const [look, d] of paths) cells.append(shape("path", look.startsWith("#") ? { fill: look, d } : { class: look, d }));
+    under.append(cells);
+    if (hatched) under.append(hatching(`${plot.id}-hatch`), shape("path", { fill: `url(#${plot.id}-hatch)`, d: hatched }));
+    if (winners) under.append(shape("path", { class: "boundary", d: this.boundaries() }));
+    else if (map.limit && Range.shows(this.zLog, map.limit.value)) this.limit(plot, under, colours);
+    if (paths.size === 0) {
+      const { left, right, top, bottom } = plot.frame;
+      over.append(shape("text", { class: "nothing", x: (left + right) / 2, y: (top + bottom) / 2, "text-anchor": "middle" },
+        "no value has a place on these axes"));
+    }
+    this.bar?.replaceChildren(...this.colourBar());
+  }
+
+  /** Every cell with its rectangle in px, as a path. */
+  each(act) {
+    const { across, up, xs, ys } = this;
+    up.shown.forEach((row, j) => across.shown.forEach((column, i) => {
+      const path = `M${xs[i]},${ys[j]}H${xs[i + 1]}V${ys[j + 1]}H${xs[i]}Z`;
+      act(row.at * this.map.columns.length + column.at, path);
+    }));
+  }
+
+  /** The line along which the values reach the limit, between the middles of the cells. */
+  limit(plot, under, colours) {
+    const { across, up, map } = this;
+    const xs = across.shown.map(({ value }) => plot.across(value));
+    const ys = up.shown.map(({ value }) => plot.down(value));
+    const level = (column, row) => {
+      const value = this.value(up.shown[row].at * map.columns.length + across.shown[column].at);
+      return value === null ? null : colours.coordinate(value);
+    };
+    const d = contourPath(xs, ys, level, colours.coordinate(map.limit.value));
+    if (d) under.append(shape("path", { class: "limit halo", d }), shape("path", { class: "limit solid", d }));
+  }
+
+  /** Lines between cells of different winners. */
+  boundaries() {
+    const { across, up, xs, ys } = this;
+    const style = (i, j) => this.winners.won[up.shown[j].at * this.map.columns.length + across.shown[i].at]?.style;
+    const differ = (a, b) => a !== undefined && b !== undefined && a !== b;
+    let path = "";
+    for (let j = 0; j < up.shown.length; j++) {
+      for (let i = 0; i < across.shown.length; i++) {
+        if (i > 0 && differ(style(i, j), style(i - 1, j))) path += `M${xs[i]},${ys[j]}V${ys[j + 1]}`;
+        if (j > 0 && differ(style(i, j), style(i, j - 1))) path += `M${xs[i]},${ys[j]}H${xs[i + 1]}`;
+      }
+    }
+    return path;
+  }
+
+  // Reading values.
+
+  near(plot, x, y) {
+    const within = (edges, at) => edges.findIndex((edge, i) => i > 0 && (at - edge) * (at - edges[i - 1]) <= 0) - 1;
+    return this.told(plot, within(this.xs, x), within(this.ys, y));
+  }
+
+  step(plot, way) {
+    const { i, j } = plot.told?.found ?? { i: -1, j: 0 };
+    const [right, up] = [(way === "Right") - (way === "Left"), (way === "Up") - (way === "Down")];
+    const clamped = (at, count) => Math.min(Math.max(at, 0), count - 1);
+    return this.told(plot, clamped(i + right, this.across.shown.length), clamped(j + up, this.up.shown.length));
+  }
+
+  told(plot, i, j) {
+    const { across, up, xs, ys, map } = this;
+    if (!across.shown[i] || !up.shown[j]) return null;
+    const found = { i, j, column: across.shown[i].at, row: up.shown[j].at };
+    const place = [(xs[i] + xs[i + 1]) / 2, (ys[j] + ys[j + 1]) / 2];
+    const marks = [shape("path", { class: "chosen", d: `M${xs[i]},${ys[j]}H${xs[i + 1]}V${ys[j + 1]}H${xs[i]}Z` })];
+    return { found, place, marks, text: () => this.text(found.row * map.columns.length + found.column, found) };
+  }
+
+  text(cell, { column, row }) {
+    const { map, winners } = this;
+    const lines = map.layers.map((layer) => ({ layer, estimate: layer.values[cell] }))
+      .sort((a, b) => (a.estimate?.[0] ?? Infinity) - (b.estimate?.[0] ?? Infinity))
+      .map(({ layer, estimate }, at) => element("tr", { class: at === 0 ? "first" : null },
+        winners ? element("td", {}, element("i", { class: `swatch c${layer.style % 8}` })) : null,
+        element("td", {}, layer.name || map.z.label),
+        element("td", {}, ...(estimate ? [element("b", {}, measured(estimate[0], map.z.unit)),
+          element("small", {}, estimate[1] ? ` 95 %: ${significant(estimate[1][0])} … ${significant(estimate[1][1])}` : "")] : ["not known"]))));
+    const close = winners?.won[cell] && !winners.won[cell].certain ? element("p", {}, "the 95 % bands of the best two overlap") : null;
+    return [element("p", { class: "at" }, axisValue(map.x, map.columns[column])), element("p", { class: "at" }, axisValue(map.y, map.rows[row])),
+      element("table", {}, ...lines), close].filter(Boolean);
+  }
+
+  /** Draws the slices through a cell. */
+  choose({ found: { column, row } }) {
+    this.slices?.(this.slice("x", column, row), this.slice("y", column, row));
+  }
+
+  /** The values along one axis through a cell, as a chart of curves. */
+  slice(name, column, row) {
+    const { map } = this;
+    const along = name === "x" ? map.columns : map.rows;
+    const cell = (at) => (name === "x" ? row * map.columns.length + at : at * map.columns.length + column);
+    const series = map.layers.map((layer) => ({
+      colour: layer.style, dash: 0, law: [],
+      points: along.map((x, at) => ({ x, estimate: layer.values[cell(at)] })).filter(({ estimate }) => estimate)
+        .map(({ x, estimate: [y, band] }) => ({ x, y, band })),
+    }));
+    const at = name === "x" ? axisValue(map.y, map.rows[row]) : axisValue(map.x, map.columns[column]);
+    return {
+      title: at,
+      figure: {
+        x: map[name], y: { ...map.z, scale: this.zLog ? "log" : "linear" },
+        colours: { title: "", entries: map.layers.filter((layer) => layer.name).map(({ style, name: text }) => ({ style, name: text })) },
+        dashes: { title: "", entries: [] }, series, laws: [], parts: { title: "", lines: [] }, limit: map.limit, chosen: [],
+        points: "", bands: "95 %", lines: "",
+      },
+    };
+  }
+
+  // The legend.
+
+  legend() {
+    const { map, winners } = this;
+    const group = (title, ...entries) => element("div", { class: "group" }, title ? element("h4", {}, title) : null, ...entries.filter(Boolean));
+    const sample = (look, name) => element("p", { class: "entry" },
+      shape("svg", { class: "sample", viewBox: "0 0 36 18", "aria-hidden": "true" }, ...look), element("span", {}, name));
+    const block = (look) => shape("rect", { x: 2, y: 2, width: 32, height: 14, ...look });
+    const chosen = map.chosen.length ? group("shown", ...map.chosen.map((text) => element("p", {}, text))) : null;
+    if (!winners) {
+      this.bar = shape("svg", { class: "colour-bar", viewBox: "0 0 120 260" });
+      this.bar.append(...this.colourBar());
+      const limit = map.limit ? group(null, sample([sampleLine({ class: "limit solid" })], map.limit.label)) : null;
+      return element("div", { class: "legend" }, ...[group(axisTitle(map.z), this.bar), limit, chosen].filter(Boolean));
+    }
+    const count = (style) => winners.won.filter((won) => won?.style === style).length;
+    const all = winners.won.filter(Boolean).length;
+    const share = (part) => `${part} of ${all} cells`;
+    const entries = winners.of.entries.map(({ style, name }) => sample([block({ class: `cell c${style % 8}` })], `${name}: ${share(count(style))}`));
+    const close = winners.won.filter((won) => won && !won.certain).length;
+    const over = map.limit ? winners.won.filter((won) => won && won.value > map.limit.value).length : 0;
+    const id = `hatch-${++plots}`;
+    return element("div", { class: "legend" },
+      ...[group(winners.of.title, element("p", {}, `with the least ${map.z.label}`), ...entries),
+        group(null,
+          winners.banded
+            ? close > 0 ? sample([block({ class: "cell grey pale" })], `faded: the 95 % bands of the best two overlap: ${share(close)}`) : null
+            : element("p", {}, "no 95 % bands are known here: any lead is shown as certain"),
+          map.limit ? sample([hatching(id), block({ fill: `url(#${id})`, class: "framed" })], `even the least is over the ${map.limit.label}: ${share(over)}`) : null),
+        chosen].filter(Boolean));
+  }
+
+  colourBar() {
+    const colours = this.colours();
+    const place = (value) => 250 - 240 * colours.fraction(value);
+    const made = [];
+    for (let step = 0; step < 48; step++) {
+      made.push(shape("rect", { x: 4, y: 245 - 5 * step, width: 22, height: 5.5, fill: viridis((step + 0.5) / 48) }));
+    }
+    for (const { value, label } of colours.ticks(7, false).major) {
+      made.push(shape("path", { class: "tick", d: `M26,${place(value)}h5` }), shape("text", { x: 35, y: place(value) + 4.5 }, label));
+    }
+    const limit = this.map.limit?.value;
+    if (limit >= colours.low && limit <= colours.high) made.push(shape("path", { class: "limit solid", d: `M0,${place(limit)}h30` }));
+    return made;
+  }
+}
+
+/** The colour at a fraction of the scale. */
+function viridis(fraction) {
+  const last = looks.viridis.length - 1;
+  const at = Math.min(Math.max(fraction, 0), 1) * last;
+  const lower = Math.min(Math.floor(at), last - 1);
+  const mixed = looks.viridis[lower].map((part, i) => Math.round(part + (looks.viridis[lower + 1][i] - part) * (at - lower)));
+  return `#${mixed.map((part) => part.toString(16).padStart(2, "0")).join("")}`;
+}
+
+function hatching(id) {
+  return shape("pattern", { id, width: 6.4, height: 6.4, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" },
+    shape("path", { class: "hatch", d: "M0,0V6.4" }));
+}

@@ -1,0 +1,257 @@
+// A frame with two axes: its layout, its scales, the part that is enlarged, and where the reader points.
+
+let plots = 0;
+
+class Plot {
+  /**
+   * `subject` is what is shown: `x` and `y`, its axes; `ranges(xLog, yLog)`, the whole of it; `draw(plot, under, over)`, which fills
+   * two groups, of which the first is cut at the frame; `near(plot, x, y)`, what stands near a place, or null, as `{ place, tell }`;
+   * `step(plot, key)`, what an arrow key leads to; `height(width)`.
+   */
+  constructor(host, subject, name) {
+    this.subject = subject;
+    this.name = name;
+    this.log = { x: subject.x.scale === "log", y: subject.y.scale === "log" };
+    this.part = null;
+    this.id = `plot-${++plots}`;
+    this.picture = shape("svg", {
+      tabindex: 0, role: "img", "aria-label": `${name}. Arrow keys read values, plus and minus enlarge, 0 shows all.`,
+      pointermove: (event) => this.move(event), pointerdown: (event) => this.press(event),
+      pointerup: (event) => this.release(event), pointerleave: () => this.leave(), pointercancel: () => this.leave(),
+      dblclick: () => this.whole(), keydown: (event) => this.key(event), blur: () => this.tell(null),
+    });
+    host.append(this.picture);
+    this.host = host;
+    new ResizeObserver(() => {
+      if (this.width !== this.room()) this.render();
+    }).observe(host);
+    this.render();
+  }
+
+  room() {
+    return Math.max(Math.round(this.host.clientWidth), 240);
+  }
+
+  render() {
+    const { subject, picture } = this;
+    this.width = this.room();
+    this.height = subject.height ? subject.height(this.width) : Math.min(Math.max(0.62 * this.width, 300), 520);
+    const all = subject.ranges(this.log.x, this.log.y);
+    this.ranges = this.part ?? all;
+    const small = this.width < 480;
+    const size = small ? 11 : 13;
+    const yTicks = this.ranges.y.ticks(small ? 6 : 8, subject.y.whole);
+    const labels = Math.max(...yTicks.major.map((tick) => textWidth(tick.label, size)), 12);
+    const top = 12;
+    this.frame = { left: labels + size + 24, top, right: this.width - 14, bottom: this.height - 3.4 * size };
+    const { left, right, bottom } = this.frame;
+    const xTicks = this.ranges.x.ticks(Math.max(Math.floor((right - left) / (small ? 52 : 70)), 2), subject.x.whole);
+    picture.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
+    picture.style.setProperty("--size", `${size}px`);
+    const under = shape("g", { "clip-path": `url(#${this.id})` });
+    const over = shape("g");
+    const clip = shape("clipPath", { id: this.id }, shape("rect", { x: left, y: top, width: right - left, height: bottom - top }));
+    this.mark = shape("g", { class: "mark" });
+    this.box = shape("rect", { class: "box", width: 0, height: 0 });
+    picture.replaceChildren(clip, this.grid(xTicks, yTicks), under, this.axes(xTicks, yTicks, size), over, this.mark, this.box);
+    subject.draw(this, under, over);
+  }
+
+  grid(xTicks, yTicks) {
+    const { left, top, right, bottom } = this.frame;
+    const across = (value) => `M${left},${this.down(value)}H${right}`;
+    const down = (value) => `M${this.across(value)},${top}V${bottom}`;
+    const path = (xs, ys) => xs.map(down).join("") + ys.map(across).join("");
+    const values = (ticks) => ticks.major.map((tick) => tick.value);
+    return shape("g", { class: "grid" },
+      shape("path", { class: "minor", d: path(xTicks.minor, yTicks.minor) }),
+      shape("path", { d: path(values(xTicks), values(yTicks)) }));
+  }
+
+  axes(xTicks, yTicks, size) {
+    const { left, top, right, bottom } = this.frame;
+    const group = shape("g", { class: "axes" });
+    group.append(shape("path", { d: `M${left},${top}V${bottom}H${right}` }));
+    let end = -Infinity;
+    for (const { value, label } of xTicks.major) {
+      const [at, width] = [this.across(value), textWidth(label, size)];
+      group.append(shape("path", { d: `M${at},${bottom}v5` }));
+      if (at - width / 2 < end + 6) continue;
+      group.append(shape("text", { x: at, y: bottom + size + 8, "text-anchor": "middle" }, label));
+      end = at + width / 2;
+    }
+    for (const { value, label } of yTicks.major) {
+      const at = this.down(value);
+      group.append(shape("path", { d: `M${left},${at}h-5` }));
+      group.append(shape("text", { x: left - 9, y: at + 0.36 * size, "text-anchor": "end" }, label));
+    }
+    const middle = (left + right) / 2;
+    group.append(shape("text", { class: "title", x: middle, y: this.height - 0.5 * size, "text-anchor": "middle" },
+      axisTitle(this.subject.x)));
+    group.append(shape("text", {
+      class: "title", transform: `translate(${size} ${(top + bottom) / 2}) rotate(-90)`, "text-anchor": "middle",
+    }, axisTitle(this.subject.y)));
+    return group;
+  }
+
+  /** The place of a value of x in the picture, and of one of y, to a hundredth of a px. */
+  across(x) {
+    const { left, right } = this.frame;
+    return Math.round(100 * (left + this.ranges.x.fraction(x) * (right - left))) / 100;
+  }
+
+  down(y) {
+    const { top, bottom } = this.frame;
+    return Math.round(100 * (bottom - this.ranges.y.fraction(y) * (bottom - top))) / 100;
+  }
+
+  shows(x, y) {
+    return Range.shows(this.log.x, x) && Range.shows(this.log.y, y);
+  }
+
+  inFrame([x, y]) {
+    const { left, top, right, bottom } = this.frame;
+    return x >= left - 0.5 && x <= right + 0.5 && y >= top - 0.5 && y <= bottom + 0.5;
+  }
+
+  /** Switches the scale of an axis. */
+  setLog(axis, log) {
+    this.log[axis] = log;
+    this.part = null;
+    this.tell(null);
+    this.render();
+  }
+
+  whole() {
+    this.show(null);
+  }
+
+  /** Enlarges about what is read off, or the middle; below 1 it shows more. */
+  enlarge(factor) {
+    const { left, top, right, bottom } = this.frame;
+    const [x, y] = this.told ? this.told.place : [(left + right) / 2, (top + bottom) / 2];
+    const [u, v] = [(x - left) / (right - left), (bottom - y) / (bottom - top)];
+    const ends = (at) => [at - at / factor, at + (1 - at) / factor];
+    this.show({ x: this.ranges.x.part(...ends(u)), y: this.ranges.y.part(...ends(v)) });
+  }
+
+  show(part) {
+    const told = this.told;
+    this.part = part;
+    this.tell(null);
+    this.render();
+    if (told?.again) this.tell(told.again(this));
+  }
+
+  // Where the reader points.
+
+  pointer(event) {
+    const bounds = this.picture.getBoundingClientRect();
+    const scale = this.width / bounds.width;
+    return [(event.clientX - bounds.left) * scale, (event.clientY - bounds.top) * scale];
+  }
+
+  press(event) {
+    if (event.button !== 0) return;
+    const place = this.pointer(event);
+    if (event.pointerType === "mouse" && this.inFrame(place)) {
+      this.from = place;
+      this.picture.setPointerCapture(event.pointerId);
+    }
+    this.tell(this.subject.near(this, ...place));
+    if (this.subject.choose && this.told) this.subject.choose(this.told);
+  }
+
+  move(event) {
+    const [x, y] = this.pointer(event);
+    if (!this.from) {
+      this.tell(this.inFrame([x, y]) ? this.subject.near(this, x, y) : null);
+      return;
+    }
+    const box = this.boxTo(x, y);
+    if (box) this.tell(null);
+    for (const [name, value] of Object.entries(box ?? { width: 0 })) this.box.setAttribute(name, value);
+  }
+
+  release(event) {
+    if (!this.from) return;
+    const box = this.boxTo(...this.pointer(event));
+    this.from = null;
+    this.box.setAttribute("width", 0);
+    if (!box) return;
+    const { left, top, right, bottom } = this.frame;
+    const [u, v] = [(x) => (x - left) / (right - left), (y) => (bottom - y) / (bottom - top)];
+    this.show({
+      x: this.ranges.x.part(u(box.x), u(box.x + box.width)),
+      y: this.ranges.y.part(v(box.y + box.height), v(box.y)),
+    });
+  }
+
+  /** The part of the frame from where the pointer went down; none if it hardly moved. */
+  boxTo(x, y) {
+    const { left, top, right, bottom } = this.frame;
+    const [x1, y1] = [Math.min(Math.max(x, left), right), Math.min(Math.max(y, top), bottom)];
+    const [x0, y0] = this.from;
+    const [width, height] = [Math.abs(x1 - x0), Math.abs(y1 - y0)];
+    return width > 6 && height > 6 ? { x: Math.min(x0, x1), y: Math.min(y0, y1), width, height } : null;
+  }
+
+  leave() {
+    this.from = null;
+    this.box.setAttribute("width", 0);
+    this.tell(null);
+  }
+
+  key(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const acts = {
+      "+": () => this.enlarge(1.5), "=": () => this.enlarge(1.5), "-": () => this.enlarge(1 / 1.5), 0: () => this.whole(),
+      Escape: () => this.tell(null),
+    };
+    if (event.key.startsWith("Arrow")) {
+      this.tell(this.subject.step(this, event.key.slice(5)));
+      if (this.subject.choose && this.told) this.subject.choose(this.told);
+    } else if (acts[event.key]) acts[event.key]();
+    else return;
+    event.preventDefault();
+  }
+
+  /** Shows what is read off, or nothing. */
+  tell(told) {
+    this.told = told;
+    this.mark.replaceChildren(...(told ? told.marks : []));
+    tip(this.picture, told && told.text(), told && told.place, this.width);
+  }
+}
+
+/** The switches and buttons of a plot. */
+function tools(plot, file, more = []) {
+  const scale = (axis) => button(`${axis} log`, `Logarithmic or linear ${axis}`, (event) => {
+    plot.setLog(axis, !plot.log[axis]);
+    event.currentTarget.setAttribute("aria-pressed", plot.log[axis]);
+  }, plot.log[axis]);
+  return element("div", { class: "tools" }, scale("x"), scale("y"), ...more,
+    button("+", "Enlarge", () => plot.enlarge(1.5)), button("−", "Show more", () => plot.enlarge(1 / 1.5)),
+    button("All", "Show all again", () => plot.whole()),
+    button("Save SVG", "Save what is shown as a picture", () => savePicture(`${file}.svg`, plot.picture)));
+}
+
+/** Shows what is read off beside its place in a picture. */
+function tip(picture, content, place, width) {
+  const box = document.getElementById("tip");
+  if (!content) {
+    if (box.dataset.of === picture.dataset.tip) box.className = "";
+    return;
+  }
+  picture.dataset.tip ??= String(++plots);
+  box.dataset.of = picture.dataset.tip;
+  box.replaceChildren(...content);
+  box.className = "shown";
+  const bounds = picture.getBoundingClientRect();
+  const scale = bounds.width / width;
+  const [x, y] = [bounds.left + place[0] * scale, bounds.top + place[1] * scale];
+  const [w, h] = [box.offsetWidth, box.offsetHeight];
+  const left = x + 16 + w < innerWidth ? x + 16 : Math.max(x - 16 - w, 4);
+  box.style.left = `${left}px`;
+  box.style.top = `${Math.min(Math.max(y - h / 2, 4), Math.max(innerHeight - h - 4, 4))}px`;
+}

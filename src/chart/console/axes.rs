@@ -1,0 +1,103 @@
+//! The frame of a chart in text.
+
+use super::super::figure::Axis;
+use super::super::scale::Range;
+use super::Look;
+use super::page::Page;
+
+/// Rows of the inner part of a chart.
+const ROWS: usize = 20;
+
+/// What two axes cover, with their labels.
+pub(super) struct Frame<'a> {
+    x: (&'a Axis, Range),
+    y: (&'a Axis, Range),
+    look: Look,
+    /// Of each row of cells, where it has one.
+    labels: Vec<Option<String>>,
+    margin: usize,
+}
+
+impl<'a> Frame<'a> {
+    pub(super) fn new(x: (&'a Axis, Range), y: (&'a Axis, Range), look: Look) -> Frame<'a> {
+        let mut labels = vec![None; ROWS];
+        for (value, label) in y.0.ticks(y.1).major {
+            let row = ((1.0 - y.1.fraction(value)) * ROWS as f64) as usize;
+            // Of two labels in a row the first is as good as the other.
+            labels[row.min(ROWS - 1)].get_or_insert(look.spelled(&label));
+        }
+        let margin = labels.iter().flatten().map(|label| label.chars().count()).max().unwrap_or(0);
+        Frame { x, y, look, labels, margin }
+    }
+
+    /// Cells for what the axes are about.
+    pub(super) fn page(&self) -> Page {
+        Page::new(self.look.wide().saturating_sub(self.margin + 3).max(1), ROWS, self.look.unicode)
+    }
+
+    /// Where a place of the data is, as parts of the lengths of the axes.
+    pub(super) fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        (self.x.1.fraction(x), self.y.1.fraction(y))
+    }
+
+    /// The page with its axes: the title of y, the rows, the labels and the title of x.
+    pub(super) fn drawn(&self, page: &Page) -> String {
+        let Frame { look, margin, .. } = *self;
+        let [side, tick, corner, base, mark] =
+            if look.unicode { ['│', '┤', '└', '─', '┬'] } else { ['|', '+', '+', '-', '+'] };
+        let mut text = format!("{}\n", look.spelled(&self.y.0.title()));
+        for (row, label) in self.labels.iter().enumerate() {
+            let (label, side) = label.as_ref().map_or(("", side), |label| (label.as_str(), tick));
+            let cells = page.row(row, look.color);
+            text += &format!("{}\n", format!(" {label:>margin$} {side}{cells}").trim_end());
+        }
+        let mut line = vec![base; page.columns];
+        // A label may reach beyond the last cell.
+        let mut labels = vec![' '; margin + 3 + page.columns];
+        let mut free = 0;
+        for (value, label) in self.x.0.ticks(self.x.1).major {
+            let label = look.spelled(&label);
+            let at = ((self.x.1.fraction(value) * page.columns as f64) as usize).min(page.columns - 1);
+            let length = label.chars().count();
+            let start = (margin + 3 + at).saturating_sub(length / 2);
+            if start < free || start + length > labels.len() {
+                continue;
+            }
+            line[at] = mark;
+            labels[start..start + length].iter_mut().zip(label.chars()).for_each(|(cell, sign)| *cell = sign);
+            free = start + length + 1;
+        }
+        let line: String = line.into_iter().collect();
+        let labels: String = labels.into_iter().collect();
+        text += &format!(" {:margin$} {corner}{line}\n{}\n", "", labels.trim_end());
+        let title = look.spelled(&self.x.0.title());
+        let indent = (margin + 3 + page.columns / 2).saturating_sub(title.chars().count() / 2);
+        text + &format!("{:indent$}{title}\n", "")
+    }
+}
+
+/// Entries of a legend in lines as wide as the terminal; `width` is of signs as they are seen.
+pub(super) fn legend(entries: &[String], look: Look) -> String {
+    let (mut text, mut used) = (String::new(), 0);
+    for entry in entries {
+        let length = seen(entry);
+        if used > 0 && used + 3 + length > look.wide() {
+            text.push('\n');
+            used = 0;
+        }
+        text += &format!("{}{entry}", if used > 0 { "   " } else { "  " });
+        used += length + if used > 0 { 3 } else { 2 };
+    }
+    if used > 0 { text + "\n" } else { text }
+}
+
+/// How many signs of a text are seen: escape codes are not.
+fn seen(text: &str) -> usize {
+    let mut hidden = false;
+    let shown = text.chars().filter(|&sign| {
+        let counts = !hidden && sign != '\u{1b}';
+        hidden = sign == '\u{1b}' || (hidden && sign != 'm');
+        counts
+    });
+    shown.count()
+}

@@ -1,0 +1,164 @@
+//! `sagnac explain`: what a key, a column or an exit code means.
+
+use std::collections::BTreeMap;
+
+use clap::Args;
+use sagnac::study::{Explained, explain_key, explained_keys};
+use sagnac::table::describe::{File, meanings};
+
+use super::failure::{EXIT_CODES, Failure};
+use super::look;
+use super::output::print;
+
+const EXAMPLES: &str = "\
+Examples:
+  sagnac explain motion.amplitude
+  sagnac explain q9973_arcsec
+  sagnac explain 4";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Options {
+    /// Key of a study file, column of a file of results, or exit code; without it all of these are listed
+    #[arg(value_name = "WHAT")]
+    what: Option<String>,
+}
+
+/// Names that are offered for one that is not known.
+const OFFERED: usize = 3;
+
+/// Prints what is known of the word.
+pub fn explain(options: &Options) -> Result<(), Failure> {
+    match &options.what {
+        None => print(&subjects()),
+        Some(what) => print(&of(what)?),
+    }
+}
+
+fn of(what: &str) -> Result<String, Failure> {
+    if what.parse::<u8>().is_ok() {
+        let found = EXIT_CODES.iter().find(|(codes, _)| codes.split(", ").any(|code| code == what));
+        return found.map(|(_, meaning)| format!("exit code {what}: {meaning}")).ok_or_else(|| {
+            let codes: Vec<&str> = EXIT_CODES.iter().map(|(codes, _)| *codes).collect();
+            Failure::Usage(format!("there is no exit code {what}\nthere are {}", codes.join(", ")))
+        });
+    }
+    let ends_alike = |key: &&str| key.strip_suffix(what).is_some_and(|table| table.ends_with('.'));
+    let keys: Vec<Explained> = match explain_key(what) {
+        Some(key) => vec![key],
+        None => explained_keys().filter(ends_alike).filter_map(explain_key).collect(),
+    };
+    let texts: Vec<String> = keys.iter().map(of_key).chain(of_column(what)).collect();
+    if texts.is_empty() { Err(Failure::Usage(unknown(what))) } else { Ok(texts.join("\n")) }
+}
+
+/// A key of a study file.
+fn of_key(key: &Explained) -> String {
+    let mut text = format!("{} (key of a study file)\n", key.key);
+    let mut line = |words: &str| text += &filled(words);
+    line(&key.meaning);
+    line(&format!("Holds {}.", key.holds));
+    for (word, meaning) in &key.choices {
+        line(&format!("\"{word}\" {meaning}"));
+    }
+    if let Some(swept) = &key.swept {
+        let accepted = swept.accepted.strip_prefix("accepted: ").unwrap_or(&swept.accepted);
+        if !accepted.is_empty() {
+            line(&format!("Accepted: {accepted}."));
+        }
+        if !swept.range.is_empty() {
+            line(&format!("Range: {}.", swept.range));
+        }
+        line(&format!("Can be swept as key = \"{}\": {}.", key.key, swept.label));
+    }
+    let kinds: Vec<&str> = key.kinds.iter().map(|kind| kind.name()).collect();
+    line(&format!("In studies of kind {}.", kinds.join(", ")));
+    let example: String = key.example.lines().map(|line| format!("    {line}\n")).collect();
+    text + "  Example:\n" + &example
+}
+
+/// A column, by the files that have one called so; of a key that can be swept only where it is none itself.
+fn of_column(name: &str) -> Option<String> {
+    let found = meanings(name);
+    let is_key = explain_key(name).is_some()
+        && found.iter().all(|(_, files)| {
+            files.iter().all(|file| !file.columns().iter().any(|(known, _)| *known == name))
+        });
+    if found.is_empty() || is_key {
+        return None;
+    }
+    let mut text = format!("{name} (column)\n");
+    for (meaning, files) in found {
+        let files: Vec<String> = files.iter().map(|file| file.title()).collect();
+        text += &filled(&format!("{meaning} In {}.", files.join(", ")));
+    }
+    Some(text)
+}
+
+/// All that can be asked for.
+fn subjects() -> String {
+    let mut tables: BTreeMap<usize, (&str, Vec<&str>)> = BTreeMap::new();
+    for (at, key) in explained_keys().enumerate() {
+        let (table, rest) = key.split_once('.').map_or(("", key), |(table, rest)| (table, rest));
+        let is_table = explained_keys().any(|other| other.starts_with(&format!("{key}.")));
+        let is_value_too = || explain_key(key).is_some_and(|key| key.holds.contains("or a table"));
+        if is_table && table.is_empty() && !is_value_too() {
+            continue;
+        }
+        let place = tables.iter().find(|(_, (known, _))| *known == table).map_or(at, |(place, _)| *place);
+        tables.entry(place).or_insert((table, vec![])).1.push(rest);
+    }
+    let mut text = "Keys of study files, as in `sagnac explain motion.amplitude`\n".to_owned();
+    for (table, keys) in tables.values() {
+        let table = if table.is_empty() { "at the top".to_owned() } else { format!("[{table}]") };
+        text += &filled(&format!("{table}: {}", keys.join(", ")));
+    }
+    text += "\nColumns of results, as in `sagnac explain rms`\n";
+    for file in File::ALL {
+        let columns: Vec<&str> = file.columns().iter().map(|(name, _)| *name).collect();
+        text += &filled(&format!("{}: {}", file.title(), columns.join(", ")));
+    }
+    text += "\nExit codes, as in `sagnac explain 4`\n";
+    for (codes, meaning) in EXIT_CODES {
+        text += &filled(&format!("{codes}: {meaning}"));
+    }
+    text
+}
+
+/// A name that is not known, with those that are most like it.
+fn unknown(what: &str) -> String {
+    let columns = File::ALL.into_iter().flat_map(|file| file.columns().iter().map(|(name, _)| *name));
+    let mut known: Vec<&str> = explained_keys().chain(columns).collect();
+    known.sort_unstable();
+    known.dedup();
+    let likeness = |name: &str| {
+        let bare = name.rsplit('.').next().unwrap_or(name);
+        let whole = strsim::normalized_damerau_levenshtein(what, name);
+        whole.max(strsim::normalized_damerau_levenshtein(what, bare))
+    };
+    known.sort_by(|a, b| likeness(b).total_cmp(&likeness(a)));
+    let near: Vec<String> = known
+        .iter()
+        .take(OFFERED)
+        .filter(|name| likeness(name) >= 0.5)
+        .map(|name| format!("`{name}`"))
+        .collect();
+    let offer = if near.is_empty() { String::new() } else { format!("did you mean {}? ", near.join(", ")) };
+    format!("`{what}` is no key, column or exit code\n{offer}`sagnac explain` lists all")
+}
+
+/// Words in indented lines no wider than the terminal.
+fn filled(words: &str) -> String {
+    let width = look::width().clamp(40, 110);
+    let (mut text, mut used) = (String::from(" "), 1);
+    for word in words.split_whitespace() {
+        let length = word.chars().count();
+        if used > 4 && used + 1 + length > width {
+            text += "\n   ";
+            used = 3;
+        }
+        text += &format!(" {word}");
+        used += 1 + length;
+    }
+    text + "\n"
+}

@@ -1,0 +1,130 @@
+//! How long the rest takes.
+
+use std::time::{Duration, Instant};
+
+/// The pace of some work since it was begun.
+///
+/// The rest is taken to go on as all did so far: by cost, where that is told, as units may differ in what they take; between two
+/// such tellings by the time that has passed since, and without any by units.
+#[derive(Debug, Clone)]
+pub struct Pace {
+    started: Instant,
+    /// Units that earlier runs had done, and all.
+    before: u64,
+    total: u64,
+    /// Part of the cost that was done, and after what time.
+    told: Option<(f64, Duration)>,
+}
+
+impl Pace {
+    /// From now on, with so many units done before.
+    pub fn new(before: u64, total: u64) -> Pace {
+        Pace { started: Instant::now(), before, total, told: None }
+    }
+
+    /// So much is done by its cost.
+    pub fn cost(&mut self, done: f64, total: f64) {
+        let elapsed = self.elapsed();
+        self.cost_after(elapsed, done, total);
+    }
+
+    fn cost_after(&mut self, elapsed: Duration, done: f64, total: f64) {
+        self.told = (done > 0.0 && total >= done).then(|| (done / total, elapsed));
+    }
+
+    pub fn elapsed(&self) -> Duration {
+        self.started.elapsed()
+    }
+
+    /// Units a second.
+    pub fn rate(&self, done: u64) -> f64 {
+        done.saturating_sub(self.before) as f64 / self.elapsed().as_secs_f64().max(1e-9)
+    }
+
+    /// The time that is left, where anything is known of it.
+    pub fn left(&self, done: u64) -> Option<Duration> {
+        self.left_after(self.elapsed(), done)
+    }
+
+    fn left_after(&self, elapsed: Duration, done: u64) -> Option<Duration> {
+        let by_units = || {
+            let all = self.total.saturating_sub(self.before);
+            (all > 0).then(|| (done.saturating_sub(self.before) as f64 / all as f64, elapsed))
+        };
+        let (part, at) = self.told.or_else(by_units).filter(|(part, _)| *part > 0.0)?;
+        let whole = at.as_secs_f64() / part;
+        Duration::try_from_secs_f64((whole - elapsed.as_secs_f64()).max(0.0)).ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Batches of some work: units, cost as it is told, seconds that they took.
+    type Timeline = Vec<(u64, f64, f64)>;
+
+    /// How far the time left is off at worst, as a part of it, from the first tenth of the time to the last.
+    fn worst(timeline: &Timeline, is_told: bool) -> f64 {
+        let [units, cost] = [
+            timeline.iter().map(|batch| batch.0 as f64).sum::<f64>(),
+            timeline.iter().map(|batch| batch.1).sum(),
+        ];
+        let whole: f64 = timeline.iter().map(|batch| batch.2).sum();
+        let mut pace = Pace::new(7, 7 + units as u64);
+        let (mut done, mut paid, mut elapsed, mut worst) = (7, 0.0, 0.0, 0.0_f64);
+        for (more, price, seconds) in timeline {
+            (done, paid, elapsed) = (done + more, paid + price, elapsed + seconds);
+            if is_told {
+                pace.cost_after(Duration::from_secs_f64(elapsed), paid, cost);
+            }
+            if (0.1 * whole..0.9 * whole).contains(&elapsed) {
+                let left = pace.left_after(Duration::from_secs_f64(elapsed), done).unwrap().as_secs_f64();
+                worst = worst.max((left / (whole - elapsed) - 1.0).abs());
+            }
+        }
+        worst
+    }
+
+    /// A sweep of the switching interval: the first points have thirty times the switches of the last ones, and a slow first batch.
+    fn sweep() -> Timeline {
+        let points = [360_u64, 240, 160, 107, 71, 47, 32, 21, 14, 12];
+        let batch = |(at, switches): (usize, &u64)| {
+            let slow = if at == 0 { 1.3 } else { 1.0 };
+            (20_000, (20_000 * switches) as f64, 1e-3 * slow * *switches as f64)
+        };
+        points.iter().flat_map(|switches| [switches; 40]).enumerate().map(batch).collect()
+    }
+
+    #[test]
+    fn the_time_left_is_right_within_a_fifth_after_a_tenth_where_points_differ_in_cost() {
+        assert!(worst(&sweep(), true) < 0.2, "off by {}", worst(&sweep(), true));
+        assert!(worst(&sweep(), false) > 0.5, "trials alone would do, and the test shows nothing");
+    }
+
+    #[test]
+    fn points_that_go_forward_together_need_no_cost() {
+        let mut together: Timeline = Vec::new();
+        for _ in 0..40 {
+            together.extend([360_u64, 160, 71, 32, 12].map(|ms| (20_000, 0.0, 1e-3 * ms as f64)));
+        }
+        assert!(worst(&together, false) < 0.2, "off by {}", worst(&together, false));
+    }
+
+    #[test]
+    fn what_earlier_runs_did_took_no_time_and_nothing_is_said_before_anything_is_done() {
+        let pace = Pace::new(900, 1000);
+        assert_eq!(pace.left_after(Duration::from_secs(10), 900), None);
+        assert_eq!(pace.left_after(Duration::from_secs(10), 950), Some(Duration::from_secs(10)));
+        assert_eq!(Pace::new(5, 5).left_after(Duration::from_secs(1), 5), None);
+    }
+
+    #[test]
+    fn time_goes_on_between_two_batches() {
+        let mut pace = Pace::new(0, 100);
+        pace.cost_after(Duration::from_secs(10), 1.0, 4.0);
+        assert_eq!(pace.left_after(Duration::from_secs(10), 3), Some(Duration::from_secs(30)));
+        assert_eq!(pace.left_after(Duration::from_secs(15), 3), Some(Duration::from_secs(25)));
+        assert_eq!(pace.left_after(Duration::from_secs(50), 3), Some(Duration::ZERO));
+    }
+}

@@ -1,0 +1,107 @@
+//! The answer of a study to its question.
+
+use super::sentences::{best, least_of_each, less_is_better, of_map, of_verdict};
+use crate::chart::{ChartError, Picture};
+use crate::picture::{Drawn, Shown, Verdict, filter, refused};
+use crate::run::Tables;
+use crate::study::{Chart, Kind, Source, Study, StudyError, text_columns};
+use crate::table::ColumnError;
+
+/// The answer: a sentence, and what stands behind it.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Answer {
+    /// One sentence; empty where there is nothing to say, as of a table without a value.
+    pub headline: String,
+    /// A sentence for each curve, under a heading for each chart that is answered so: its verdict, or where it is least.
+    pub curves: Vec<(String, Vec<String>)>,
+}
+
+/// The answer of a study: what the verdicts say, else what the first chart shows, else the best row of the table.
+///
+/// # Errors
+/// The table does not have what a chart asks for.
+pub fn answer(
+    study: &Study,
+    tables: &Tables,
+    charts: &[Drawn],
+    shown: &[Shown],
+    verdicts: &[Verdict],
+) -> Result<Answer, StudyError> {
+    let headline = match (verdicts, study.charts.iter().zip(shown).zip(charts).next()) {
+        ([first, ..], _) => of_verdict(first.answers(), &first.limit()),
+        ([], Some(((chart, shown), drawn))) => {
+            of_chart(study, chart, shown, &drawn.picture).map_err(|error| refused(study, chart, &error))?
+        }
+        ([], None) => undrawn(study, tables),
+    };
+    let mut curves: Vec<(String, Vec<String>)> =
+        verdicts.iter().map(|verdict| (verdict.heading(), verdict.sentences())).collect();
+    for ((chart, shown), drawn) in study.charts.iter().zip(shown).zip(charts) {
+        let each = match &drawn.picture {
+            Picture::Curves(_) if chart.limit.is_none() => {
+                of_each(chart, shown).map_err(|error| refused(study, chart, &error.into()))?
+            }
+            _ => vec![],
+        };
+        if !each.is_empty() {
+            let heading = format!("{}: the least {} of each curve", drawn.stem, drawn.picture.shown().label);
+            curves.push((heading, each));
+        }
+    }
+    Ok(Answer { headline: headline.unwrap_or_default(), curves })
+}
+
+fn of_chart(
+    study: &Study,
+    chart: &Chart,
+    shown: &Shown,
+    picture: &Picture,
+) -> Result<Option<String>, ChartError> {
+    if let Picture::Map(map) = picture {
+        return Ok(of_map(map));
+    }
+    let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
+    let by = apart(study, chart.source, series.collect());
+    Ok(best(&shown.table, &shown.estimate, &filter(chart), &by)?)
+}
+
+/// Where each curve of a chart is least; nothing where that is not asked for.
+fn of_each(chart: &Chart, shown: &Shown) -> Result<Vec<String>, ColumnError> {
+    let (rows, estimate) = (filter(chart), shown.estimate.as_str());
+    if !less_is_better(&shown.table, estimate, &rows)? {
+        return Ok(vec![]);
+    }
+    let series: Vec<&str> = shown.series.iter().map(String::as_str).collect();
+    least_of_each(&shown.table, (&chart.x.name, estimate), &rows, &series)
+}
+
+/// The best row of a study without a chart.
+fn undrawn(study: &Study, tables: &Tables) -> Option<String> {
+    let row = |column: &str, value: &str| vec![(column.to_owned(), value.to_owned())];
+    let (estimate, rows) = match study.kind() {
+        Kind::GapFill => ("q9973", row("error", "residual")),
+        Kind::Relock => ("rms", vec![]),
+        Kind::SwitchedRun => ("drift_q9973", row("angle", "end")),
+        Kind::Allan => ("adev", vec![]),
+        Kind::DriftBudget => ("optimum", vec![]),
+        Kind::Suspension => ("response", vec![]),
+    };
+    // Errors and angles that the study leaves out have no rows.
+    let has = |rows: &Vec<(String, String)>| tables.points.rows_where(rows).is_ok();
+    let rows = Some(rows).filter(has).unwrap_or_default();
+    let by = apart(study, Source::Points, if study.kind() == Kind::Allan { vec!["tau"] } else { vec![] });
+    // Every study of the kind has the columns.
+    best(&tables.points, estimate, &rows, &by).ok().flatten()
+}
+
+/// The columns that tell rows apart, each once, with those of a chart first.
+fn apart<'n>(study: &'n Study, source: Source, mut columns: Vec<&'n str>) -> Vec<&'n str> {
+    let sweeps = study.sweeps.iter().map(|sweep| sweep.key.name);
+    for name in text_columns(study, source).into_iter().chain(sweeps) {
+        // A chart may name a column by its end.
+        if !columns.iter().any(|column| name == *column || name.ends_with(&format!(".{column}"))) {
+            columns.push(name);
+        }
+    }
+    columns
+}

@@ -1,0 +1,193 @@
+//! The data of a page: what its script draws and lists, as compressed JSON.
+
+use std::io::{self, Write};
+
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use serde::Serialize;
+use serde_json::ser::Formatter;
+use serde_json::value::RawValue;
+
+use super::Report;
+use crate::chart::{LOOKS, Looks, Picture};
+use crate::table::describe;
+use crate::table::{Cell, Column, Table, significant};
+
+/// Significant digits of what charts show.
+const CHART_DIGITS: usize = 6;
+
+/// Those of tables: as many as files have.
+const TABLE_DIGITS: usize = 9;
+
+/// Most cells of all tables of a page, so that it stays below 1.5 MB.
+const MOST_CELLS: usize = 120_000;
+
+#[derive(Serialize)]
+struct Data {
+    looks: Looks,
+    charts: Vec<Chart>,
+    tables: Vec<Listed>,
+}
+
+#[derive(Serialize)]
+struct Chart {
+    stem: String,
+    picture: Box<RawValue>,
+}
+
+/// The part of a table that a page has.
+#[derive(Serialize)]
+pub(super) struct Listed {
+    file: &'static str,
+    /// Of the whole table.
+    pub(super) rows: usize,
+    pub(super) all_columns: usize,
+    /// How many rows the page has.
+    shown: usize,
+    columns: Vec<Listing>,
+}
+
+#[derive(Serialize)]
+struct Listing {
+    header: String,
+    title: String,
+    /// What it means.
+    about: Option<&'static str>,
+    /// Whether it holds text.
+    text: bool,
+    /// Whether it tells rows apart.
+    tells: bool,
+    /// Its cells; one if all are the same.
+    cells: Box<RawValue>,
+}
+
+impl Listed {
+    pub(super) fn file(&self) -> &'static str {
+        self.file
+    }
+
+    /// What the page leaves out, if anything.
+    pub(super) fn left_out(&self) -> Option<String> {
+        let (rows, columns) = (self.shown, self.columns.len());
+        let part = match (rows < self.rows, columns < self.all_columns) {
+            (false, false) => return None,
+            (true, false) => format!("the first {rows} of {} rows", self.rows),
+            (false, true) => format!("the {columns} columns that charts show, of {}", self.all_columns),
+            (true, true) => format!(
+                "the first {rows} of {} rows and the {columns} columns that charts show, of {}",
+                self.rows, self.all_columns
+            ),
+        };
+        Some(format!("The page has {part}; all are in {}.", self.file))
+    }
+}
+
+/// The data of a report, and what of its tables is among them.
+pub(super) fn data(report: &Report) -> (String, Vec<Listed>) {
+    let charts = report
+        .charts
+        .iter()
+        .map(|drawn| Chart { stem: drawn.stem.clone(), picture: json(&drawn.picture, CHART_DIGITS) });
+    let mut tables: Vec<Listed> =
+        report.tables.iter().map(|(file, table)| listed(file, table, report)).collect();
+    let data = Data { looks: LOOKS, charts: charts.collect(), tables };
+    let packed = packed(json(&data, TABLE_DIGITS).get().as_bytes());
+    tables = data.tables;
+    (packed, tables)
+}
+
+fn listed(file: &'static str, table: &Table, report: &Report) -> Listed {
+    let small = table.rows() * table.columns.len() <= MOST_CELLS;
+    let columns: Vec<&Column> =
+        table.columns.iter().filter(|column| small || is_charted(column, table, report)).collect();
+    let rows = table.rows().min(MOST_CELLS / columns.len().max(1));
+    let telling = telling(table);
+    let listing = |column: &&Column| {
+        let cells = &column.cells[..rows];
+        let one = cells.len() > 1 && cells.iter().all(|cell| *cell == cells[0]);
+        Listing {
+            header: column.header(),
+            title: column.title(),
+            about: describe::column(&column.name),
+            text: column.cells.iter().any(|cell| matches!(cell, Cell::Text(_))),
+            tells: telling.contains(&column.name.as_str()),
+            cells: json(if one { &cells[..1] } else { cells }, TABLE_DIGITS),
+        }
+    };
+    Listed {
+        file,
+        rows: table.rows(),
+        all_columns: table.columns.len(),
+        shown: rows,
+        columns: columns.iter().map(listing).collect(),
+    }
+}
+
+/// The names of the columns that tell rows apart: those before the number of trials, or the first ones of closed forms.
+fn telling(table: &Table) -> Vec<&str> {
+    let trials = table.columns.iter().position(|column| column.name == "trials");
+    let names = table.columns.iter().map(|column| column.name.as_str());
+    match trials {
+        Some(trials) => names.take(trials).collect(),
+        None => names.filter(|name| name.contains('.')).collect(),
+    }
+}
+
+/// Whether a column tells rows apart, or a chart shows it with its interval.
+fn is_charted(column: &Column, table: &Table, report: &Report) -> bool {
+    let shown = |label: &String| {
+        let column = |other: &&Column| other.label == *label;
+        table.columns.iter().find(column).map(|column| column.name.clone())
+    };
+    let is_bound = |name: &str| {
+        column.name.strip_prefix(name).is_some_and(|rest| ["", "_lo", "_hi", "_se"].contains(&rest))
+    };
+    let labels = report.charts.iter().flat_map(|drawn| match &drawn.picture {
+        Picture::Curves(figure) => [&figure.x.label, &figure.y.label],
+        Picture::Map(map) => [&map.z.label, &map.z.label],
+    });
+    telling(table).contains(&column.name.as_str()) || labels.filter_map(shown).any(|name| is_bound(&name))
+}
+
+impl Serialize for Cell {
+    /// As JSON has it: null for a blank.
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Cell::Blank => serializer.serialize_none(),
+            Cell::Text(text) => serializer.serialize_str(text),
+            Cell::Integer(integer) => serializer.serialize_i64(*integer),
+            Cell::Number(number) => serializer.serialize_f64(*number),
+        }
+    }
+}
+
+/// Numbers with as many significant digits as are wanted.
+struct Rounded {
+    digits: usize,
+}
+
+impl Formatter for Rounded {
+    fn write_f64<W: ?Sized + Write>(&mut self, writer: &mut W, value: f64) -> io::Result<()> {
+        writer.write_all(significant(value, self.digits).as_bytes())
+    }
+}
+
+/// A value as JSON. Numbers that are not finite become null.
+fn json(value: &(impl Serialize + ?Sized), digits: usize) -> Box<RawValue> {
+    let mut text = Vec::new();
+    let mut serializer = serde_json::Serializer::with_formatter(&mut text, Rounded { digits });
+    // Writing to memory cannot fail, nor do names that are no text occur.
+    let written = value.serialize(&mut serializer).ok();
+    let text =
+        written.and_then(|()| String::from_utf8(text).ok()).and_then(|text| RawValue::from_string(text).ok());
+    text.unwrap_or_default()
+}
+
+/// Compressed by gzip, as text.
+fn packed(text: &[u8]) -> String {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+    let packed = encoder.write_all(text).and_then(|()| encoder.finish());
+    BASE64_STANDARD.encode(packed.unwrap_or_default())
+}

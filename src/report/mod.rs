@@ -1,0 +1,52 @@
+//! The report: the results of a study as one HTML page that can be sent to a colleague, and a gallery of several.
+//!
+//! ```text
+//! answer, pictures, tables, source ─▶ Report ─ html() ─▶ one file: text, styles, data, script; no network
+//!                                   several ─ Gallery ─▶ one file with a card for each
+//! ```
+//!
+//! A page draws its charts itself, from the numbers of the pictures, so that curves can be switched, axes changed and values
+//! read off. Its script is our own, some tens of kilobytes: a chart library that has bands, closed forms under points, winner maps with hatching,
+//! slices, keyboard and print takes a megabyte, or a canvas that neither prints sharply nor can be read by a screen reader.
+
+mod agreement;
+mod answer;
+mod data;
+mod gallery;
+mod page;
+mod sentences;
+mod source;
+
+pub use agreement::{Agreement, agreements};
+pub use answer::{Answer, answer};
+pub use gallery::{Card, gallery};
+pub use source::Source;
+
+use crate::picture::Drawn;
+use crate::table::Table;
+
+/// All that a page says of a study.
+#[derive(Debug)]
+pub struct Report<'a> {
+    /// The title of the study.
+    pub title: &'a str,
+    /// Its question; may be empty.
+    pub question: &'a str,
+    /// The answer.
+    pub answer: Answer,
+    /// What should be known besides, each a sentence.
+    pub notes: &'a [String],
+    /// The charts, in the order of the study.
+    pub charts: &'a [Drawn],
+    /// The tables with the names of their files. Of large ones the page shows a part and says which.
+    pub tables: Vec<(&'static str, &'a Table)>,
+    /// What was simulated, and by whom.
+    pub source: Source,
+}
+
+impl Report<'_> {
+    /// The page. Equal reports give equal bytes on every machine.
+    pub fn html(&self) -> String {
+        page::page(self)
+    }
+}
