@@ -1,90 +1,38 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Protocol, TypeAlias, TypedDict
+from typing import Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ._raw import RawCurves, RawFillers, RawFit, RawResults
+
+__all__ = [
+    "allan_variance",
+    "curves",
+    "drift_bound",
+    "drift_from_detuning",
+    "drift_from_frequency",
+    "drift_of_runs",
+    "drift_optimum",
+    "fit",
+    "gap_response",
+    "magnetic_drift",
+    "of_kinds",
+    "of_study",
+    "polynomial",
+    "relock_ticks",
+    "run",
+    "sampled_variance",
+    "suspension_modes",
+    "suspension_response",
+    "taylor",
+    "version",
+]
+
 version: str
 
 _Numbers: TypeAlias = NDArray[np.float64]
-_Counts: TypeAlias = NDArray[np.int64]
-
-# Header, label, symbol of the unit, values.
-RawColumn: TypeAlias = tuple[str, str, str, NDArray[Any] | list[str | None]]
-
-class RawResults(TypedDict):
-    title: str
-    question: str
-    kind: str
-    seed: int | None
-    trials: int | None
-    device: str | None
-    sampled_trials: int | None
-    seconds: float | None
-    notes: list[str]
-    verdicts: list[tuple[str, str]]
-    charts: list[tuple[str, str]]
-    points: list[RawColumn]
-    coefficients: list[RawColumn] | None
-    trajectories: list[RawColumn] | None
-
-class RawCurve(TypedDict):
-    deviation: str
-    unit: str
-    m: _Counts
-    tau: _Numbers
-    terms: _Counts
-    value: _Numbers
-    lower: _Numbers
-    upper: _Numbers
-    alpha: _Numbers
-    alpha_carried: NDArray[np.bool_]
-    edf: _Numbers
-    minimum: tuple[float, float, float | None, float | None, bool] | None
-
-class _RawRecord(TypedDict):
-    missing: int
-    mean_rate: float | None
-    removed_slope_per_s: float
-    outliers: _Counts
-    outlier_threshold: float
-    unit: str
-
-class RawCurves(_RawRecord):
-    curves: list[RawCurve]
-
-class RawFit(_RawRecord):
-    rows: list[tuple[str, str, float | None, float | None, float | None, str]]
-    intervals: str
-    without_bootstrap: str | None
-    chi_squared: float
-    degrees_of_freedom: int
-    p_value: float | None
-    tau: _Numbers
-    deviation: _Numbers
-    fitted: _Numbers
-
-class RawRule(TypedDict):
-    error: str
-    ticks: list[int]
-    denominator: int
-    exact: bool
-    rows: list[list[int]]
-    noise_gain: float
-    largest_gain: float
-    largest_input: int
-    amplitude: float | None
-    rms: float | None
-
-class RawFillers(TypedDict):
-    title: str
-    at: list[tuple[str, str]]
-    tick_s: float | None
-    gap_ticks: int
-    no_rms_because: str | None
-    fillers: list[tuple[str, str, list[RawRule]]]
-    header: str
 
 class _Reading(Protocol):
     @property

@@ -5,8 +5,15 @@
 ...     sagnac.run('title = "Mine"\\nkind = "gap-fil"\\n')
 ... except sagnac.StudyError as error:
 ...     print(error)
-  × "gap-fil" is no kind
-...
+  × unknown value "gap-fil"
+    ╭─[study:2:8]
+  1 │ title = "Mine"
+  2 │ kind = "gap-fil"
+    ·        ────┬────
+    ·            ╰── not one of the choices
+    ╰────
+   help: did you mean `gap-fill`? accepted: gap-fill, allan, switched-run, relock, drift-budget,
+         suspension
 """
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _sagnac
+from ._raw import RawFillers, RawRule
 from .errors import UsageError
 from .studies import _whole
 from .theory import Values, _broadcast
@@ -153,8 +154,8 @@ def filler(
     >>> rule = filler("quadratic", 3)["quadratic"].interpolation
     >>> rule.ticks, [str(weight) for weight in rule.fractions], round(rule.noise_gain, 3)
     ((-1, 0, 4, 5), ['-1', '5/2', '5/2', '-1'], 3.808)
-    >>> 12000 * rule.response(20.0, tick=0.005)                         # arcsec, for 12000 arcsec/s at 20 Hz
-    26.847...
+    >>> round(12000 * rule.response(20.0, tick=0.005), 3)               # arcsec, for 12000 arcsec/s at 20 Hz
+    26.848
     """
     path = _path(what)
     made = {"tick": tick, "fit_ticks": fit_ticks, "extrapolation_ticks": extrapolation_ticks}
@@ -209,8 +210,8 @@ def _check_design(tick: str | None, band: str | None, amplitude: str | None, noi
             )
 
 
-def _fillers(found: _sagnac.RawFillers) -> Fillers:
-    def rule(raw: _sagnac.RawRule) -> Rule:
+def _fillers(found: RawFillers) -> Fillers:
+    def rule(raw: RawRule) -> Rule:
         denominator = raw["denominator"]
         return Rule(
             error=raw["error"],

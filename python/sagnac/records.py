@@ -236,7 +236,7 @@ def allan(
     >>> rates = np.random.default_rng(1).normal(0.0, 1.0, 10_000)
     >>> curve = allan(rates, 100.0, unit="deg/h")["oadev"]
     >>> curve.tau[:3], np.round(curve.value[:3], 2), curve.alpha[0]
-    (array([0.01, 0.02, 0.04]), array([0.99, 0.7 , 0.5 ]), np.float64(0.0))
+    (array([0.01, 0.02, 0.04]), array([1.  , 0.71, 0.5 ]), np.float64(0.0))
     """
     values, reading = _reading(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
     names = [deviation] if isinstance(deviation, str) else list(deviation)
@@ -318,7 +318,7 @@ def fit(
     >>> found["N"].unit, found["N"].lower < 0.1 / 60 < found["N"].upper
     ('deg/sqrt(h)', True)
     >>> found["B"].value is None, found["B"].verdict
-    (True, 'none found, at most the upper end')
+    (True, 'not identifiable, at most the upper end')
     """
     values, reading = _reading(data, rate, kind, unit, detrend, remove_outliers, unit_check, threads)
     if bootstrap is not None and bootstrap != 0:

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._raw import RawColumn
+
 if TYPE_CHECKING:
     import pandas
-
-    from ._sagnac import RawColumn
 
 #: A column: float64 with NaN for what is not known, int64 for counts, object (str, or None for a blank) for names.
 Column = NDArray[Any]

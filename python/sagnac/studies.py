@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from . import _sagnac
+from ._raw import RawResults
 from .errors import StorageError, UsageError
 from .results import Results, Table, Verdict
 
@@ -55,8 +56,8 @@ def run(
 
     Notes
     -----
-    Other threads of Python go on meanwhile. Ctrl-C ends the run within a batch, a third of a second, with a
-    KeyboardInterrupt; with ``out`` what was sampled is kept, and the same call goes on from there.
+    Other threads of Python go on meanwhile. Ctrl-C ends the run within a batch, a third of a second or longer of
+    studies of more than a billion trials, with a KeyboardInterrupt; with ``out`` what was sampled is kept, and the same call goes on from there.
 
     Raises
     ------
@@ -80,6 +81,7 @@ def run(
     ... [switching]
     ... gap_ticks = 3
     ... fillers = ["const", "quadratic"]
+    ... errors = ["residual"]
     ... ''')
     >>> [f"{filler}: {rms:.3g}" for filler, rms in zip(results.points["filler"], results.points["oracle_rms_arcsec"])]
     ['const: 109', 'quadratic: 19.1']
@@ -123,7 +125,7 @@ def _whole(name: str, value: int, least: int, most: int) -> int:
     return whole
 
 
-def _results(found: _sagnac.RawResults, folder: Path | None) -> Results:
+def _results(found: RawResults, folder: Path | None) -> Results:
     coefficients, trajectories = found["coefficients"], found["trajectories"]
     return Results(
         title=found["title"],

@@ -1,4 +1,5 @@
-"""Deviations and fits of arrays are those of the program for a file of the same data, to the last bit."""
+"""Deviations and fits of arrays are those of the program for a file of the same data, to the last bit; the ends of intervals of
+deviations, which hang on an incomplete gamma function that two builds need not round alike, to a few of these."""
 
 from __future__ import annotations
 
@@ -10,9 +11,12 @@ import pytest
 from numpy.typing import NDArray
 
 import sagnac
-from conftest import Program
+from program import Program
 
-ALL = ["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"]
+# A few units in the last place, by which the library lets the ends of intervals differ.
+ENDS = 1e-14
+
+ALL: list[Any] = ["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"]
 
 
 def record(samples: int = 20_000) -> NDArray[np.float64]:
@@ -43,14 +47,15 @@ def check_curves(found: sagnac.Allan, column: Any) -> None:
             "tau_s": curve.tau,
             "terms": curve.terms,
             "value": curve.value,
-            "lower": curve.lower,
-            "upper": curve.upper,
             "alpha": curve.alpha,
             "edf": curve.edf,
         }
         for key, ours in pairs.items():
             theirs = np.array([point[key] for point in expected["points"]], dtype=ours.dtype)
             assert np.array_equal(ours, theirs, equal_nan=ours.dtype.kind == "f"), f"{curve.deviation}, {key}"
+        for key, ours in [("lower", curve.lower), ("upper", curve.upper)]:
+            theirs = np.array([point[key] for point in expected["points"]], dtype=np.float64)
+            np.testing.assert_allclose(ours, theirs, rtol=ENDS, atol=0.0, err_msg=f"{curve.deviation}, {key}")
         for point, carried in zip(expected["points"], curve.alpha_carried):
             assert bool(point["alpha_carried"]) == carried
         least = expected["in_run_stability"]
@@ -59,7 +64,8 @@ def check_curves(found: sagnac.Allan, column: Any) -> None:
         else:
             assert curve.minimum is not None
             assert (curve.minimum.tau, curve.minimum.value) == (least["tau_s"], least["value"])
-            assert (curve.minimum.lower, curve.minimum.upper) == (least["lower"], least["upper"])
+            ends = [curve.minimum.lower, curve.minimum.upper]
+            assert ends == pytest.approx([least["lower"], least["upper"]], rel=ENDS, abs=0.0)
             assert curve.minimum.at_end == least["at_end"]
     assert found.missing == column["missing"]
     assert found.mean_rate == column["mean_rate"]
@@ -145,7 +151,8 @@ def test_lists_integers_and_strided_arrays_are_taken_as_arrays_of_float64() -> N
     expected = sagnac.allan(data, 10.0, unit="deg/h")["oadev"].value
     wide = np.zeros((1000, 3))
     wide[:, 1] = data
-    for other in [list(data), wide[:, 1], data[::-1][::-1], data.astype(">f8")]:
+    others: list[Any] = [list(data), wide[:, 1], data[::-1][::-1], data.astype(">f8")]
+    for other in others:
         assert np.array_equal(sagnac.allan(other, 10.0, unit="deg/h")["oadev"].value, expected)
     counts = np.arange(1000) % 7
     assert np.isfinite(sagnac.allan(counts, 10.0, unit="none")["oadev"].value).all()

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import sagnac
-from conftest import Program
+from program import Program
 
 # Of every kind, and with everything that a study may have: a stop rule, closed forms, coefficients, trajectories, maps.
 STUDIES = {
@@ -112,7 +112,7 @@ def test_a_run_goes_on_from_what_the_folder_holds(studies: Path, tmp_path: Path,
 
 def test_columns_have_types_labels_and_units(studies: Path) -> None:
     points = sagnac.run(studies / "error_vs_dtnu.toml", trials=500, device="cpu").points
-    assert points["gap_ticks"].dtype == np.int64
+    assert points["switching.gap_ticks"].dtype == np.int64
     assert points["rms_arcsec"].dtype == np.float64
     assert points["filler"].dtype == object and points["filler"][0] == "const"
     # 500 trials bound no 99.73 % level: blank, and not 0.

@@ -1,0 +1,94 @@
+"""What the native part returns."""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+Numbers: TypeAlias = NDArray[np.float64]
+Counts: TypeAlias = NDArray[np.int64]
+
+#: Header, label, symbol of the unit, values.
+RawColumn: TypeAlias = "tuple[str, str, str, NDArray[Any] | list[str | None]]"
+
+
+class RawResults(TypedDict):
+    title: str
+    question: str
+    kind: str
+    seed: int | None
+    trials: int | None
+    device: str | None
+    sampled_trials: int | None
+    seconds: float | None
+    notes: list[str]
+    verdicts: list[tuple[str, str]]
+    charts: list[tuple[str, str]]
+    points: list[RawColumn]
+    coefficients: list[RawColumn] | None
+    trajectories: list[RawColumn] | None
+
+
+class RawCurve(TypedDict):
+    deviation: str
+    unit: str
+    m: Counts
+    tau: Numbers
+    terms: Counts
+    value: Numbers
+    lower: Numbers
+    upper: Numbers
+    alpha: Numbers
+    alpha_carried: NDArray[np.bool_]
+    edf: Numbers
+    minimum: tuple[float, float, float | None, float | None, bool] | None
+
+
+class RawRecord(TypedDict):
+    missing: int
+    mean_rate: float | None
+    removed_slope_per_s: float
+    outliers: Counts
+    outlier_threshold: float
+    unit: str
+
+
+class RawCurves(RawRecord):
+    curves: list[RawCurve]
+
+
+class RawFit(RawRecord):
+    rows: list[tuple[str, str, float | None, float | None, float | None, str]]
+    intervals: str
+    without_bootstrap: str | None
+    chi_squared: float
+    degrees_of_freedom: int
+    p_value: float | None
+    tau: Numbers
+    deviation: Numbers
+    fitted: Numbers
+
+
+class RawRule(TypedDict):
+    error: str
+    ticks: list[int]
+    denominator: int
+    exact: bool
+    rows: list[list[int]]
+    noise_gain: float
+    largest_gain: float
+    largest_input: int
+    amplitude: float | None
+    rms: float | None
+
+
+class RawFillers(TypedDict):
+    title: str
+    at: list[tuple[str, str]]
+    tick_s: float | None
+    gap_ticks: int
+    no_rms_because: str | None
+    fillers: list[tuple[str, str, list[RawRule]]]
+    header: str
