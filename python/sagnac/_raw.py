@@ -26,6 +26,7 @@ class RawResults(TypedDict):
     notes: list[str]
     verdicts: list[tuple[str, str]]
     charts: list[tuple[str, str]]
+    report: str
     points: list[RawColumn]
     coefficients: list[RawColumn] | None
     trajectories: list[RawColumn] | None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -102,6 +103,8 @@ class Results:
     """What is left out, rounded or assumed, each in a sentence."""
     charts: dict[str, str]
     """The charts of the study as SVG texts, by the names of their files."""
+    report: str
+    """The page ``report.html`` of ``sagnac run``, as text: one file that needs no network. A notebook shows it as the result of a cell."""
     seed: int | None
     """None where nothing is sampled; so are trials, device and seconds."""
     trials: int | None
@@ -116,3 +119,7 @@ class Results:
 
     def __repr__(self) -> str:
         return f"<Results of {self.title!r}: {self.points.rows} rows>"
+
+    def _repr_html_(self) -> str:
+        # In a frame of its own, so that its style and script stay with it.
+        return f'<iframe srcdoc="{html.escape(self.report)}" style="width: 100%; height: 900px; border: 0"></iframe>'

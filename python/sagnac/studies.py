@@ -49,7 +49,7 @@ def run(
         Of the processor; by default as many as it runs at once.
     out
         The results folder: the exact tallies, from which a later run, also one of the program, goes on, the tables as
-        CSV and the study as it was run. ``sagnac run`` on that study adds the charts. Without it nothing is kept.
+        CSV, the report and the study as it was run. ``sagnac run`` on that study adds the charts. Without it nothing is kept.
     progress
         Called as ``progress(done, total, unit)`` some times a second, ``unit`` being ``trials``, ``samples`` or ``fits``.
         What it raises ends the run and is raised here.
@@ -137,6 +137,7 @@ def _results(found: RawResults, folder: Path | None) -> Results:
         verdicts=tuple(Verdict(text, json.loads(data)) for text, data in found["verdicts"]),
         notes=tuple(found["notes"]),
         charts=dict(found["charts"]),
+        report=found["report"],
         seed=found["seed"],
         trials=found["trials"],
         device=found["device"],

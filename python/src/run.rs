@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::backend::{Selection, select};
-use sagnac::picture::{Picture, Verdict, pictures, shown, verdicts};
+use sagnac::picture::{Drawn, Verdict, pictures, shown, verdicts};
+use sagnac::report::{FILE as REPORT, Report, Source, answer};
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::share::Share;
 use sagnac::store::{Store, write_whole};
@@ -35,7 +36,9 @@ struct Ran {
     study: Study,
     is_sampled: bool,
     tables: Tables,
-    pictures: Vec<Picture>,
+    pictures: Vec<Drawn>,
+    /// The page of the study.
+    report: String,
     /// Each as text and as JSON.
     verdicts: Vec<(String, String)>,
     notes: Vec<String>,
@@ -74,7 +77,11 @@ pub fn run<'py>(
     document.set_item("seconds", done.map(|done| done.seconds))?;
     document.set_item("notes", &ran.notes)?;
     document.set_item("verdicts", &ran.verdicts)?;
-    document.set_item("charts", ran.pictures.iter().map(|p| (&p.stem, &p.svg)).collect::<Vec<_>>())?;
+    document.set_item(
+        "charts",
+        ran.pictures.iter().map(|drawn| (&drawn.stem, drawn.picture.svg())).collect::<Vec<_>>(),
+    )?;
+    document.set_item("report", &ran.report)?;
     let optional = |table: &Option<_>| table.as_ref().map(|table| columns(py, table)).transpose();
     document.set_item("points", columns(py, &ran.tables.points)?)?;
     document.set_item("coefficients", optional(&ran.tables.coefficients)?)?;
@@ -109,24 +116,40 @@ impl Asked {
         raised()?;
         let tables = plan.tables(&store, listener)?;
         raised()?;
+        let held = plan.held(&store)?;
         if self.is_kept {
             for (name, table) in tables.files() {
                 let mut csv = Vec::new();
                 table.write_csv(&mut csv).map_err(|error| self.unwritten(name, &error))?;
                 self.write(name, &csv)?;
             }
-            self.write(RESOLVED, study.resolved(plan.held(&store)?).as_bytes())?;
+            self.write(RESOLVED, study.resolved(held).as_bytes())?;
         }
         let pictures = pictures(&study, &tables)?;
         let curves = shown(&study, &tables)?;
-        let said = |verdict: &Verdict| (verdict.text().trim_end().to_owned(), verdict.json().to_string());
-        let verdicts = verdicts(&study, &curves)?.iter().map(said).collect();
+        let judged = verdicts(&study, &curves)?;
+        let said = |verdict: &Verdict| (verdict.text("").trim_end().to_owned(), verdict.json().to_string());
         let degraded = done.iter().flat_map(|(done, _)| done.degraded.clone());
-        let of_charts = pictures.iter().filter_map(|picture| picture.note.clone());
-        let notes = degraded.chain(of_charts).chain(plan.notes(&store)?).collect();
+        let known: Vec<String> = degraded.chain(plan.notes(&store, held)?).collect();
+        let report = Report {
+            title: &study.title,
+            question: &study.question,
+            answer: answer(&study, &tables, &pictures, &curves, &judged)?,
+            notes: &known,
+            charts: &pictures,
+            tables: tables.files().collect(),
+            source: Source::of(&study, &plan, &store, &tables, held)?,
+        };
+        let report = report.html();
+        if self.is_kept {
+            self.write(REPORT, report.as_bytes())?;
+        }
+        let verdicts = judged.iter().map(said).collect();
+        let notes = pictures.iter().filter_map(Drawn::sentence).chain(known).collect();
         let is_sampled = plan.is_sampled();
+        drop(judged);
         drop(curves);
-        Ok(Ran { is_sampled, tables, pictures, verdicts, notes, done, study })
+        Ok(Ran { is_sampled, tables, pictures, report, verdicts, notes, done, study })
     }
 
     fn write(&self, name: &str, contents: &[u8]) -> Result<(), Failure> {

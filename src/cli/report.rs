@@ -3,14 +3,14 @@
 use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
-use sagnac::report::{Card, gallery};
+use sagnac::report::{Card, FILE as REPORT, gallery};
 use sagnac::run::RESOLVED;
 use sagnac::study::Study;
 
 use super::Failure;
 use super::output::write;
 use super::progress;
-use super::results::{self, REPORT, held};
+use super::results::{self, held};
 use super::run::checked;
 
 /// The page of several studies.

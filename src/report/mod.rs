@@ -25,6 +25,9 @@ pub use source::Source;
 use crate::picture::Drawn;
 use crate::table::Table;
 
+/// The name of a study's page in its folder of results.
+pub const FILE: &str = "report.html";
+
 /// All that a page says of a study.
 #[derive(Debug)]
 pub struct Report<'a> {

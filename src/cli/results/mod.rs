@@ -5,7 +5,7 @@ mod summary;
 use std::path::Path;
 
 use sagnac::picture::{Drawn, Shown as Curves, Verdict, pictures, shown, verdicts};
-use sagnac::report::{Answer, Card, Report, Source, answer};
+use sagnac::report::{Answer, Card, FILE as REPORT, Report, Source, answer};
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::share::Share;
 use sagnac::store::{self, Store};
@@ -18,9 +18,6 @@ use super::charts::draw;
 use super::look;
 use super::output::{print, write};
 use super::progress::{How, Shown, short};
-
-/// The page of a study in its folder.
-pub const REPORT: &str = "report.html";
 
 /// A table as the bytes of its file.
 ///
