@@ -1,8 +1,8 @@
 """Studies give what the program gives, to the last bit."""
 
-from __future__ import hashlib
-import annotations
+from __future__ import annotations
 
+import hashlib
 import math
 from pathlib import Path
 from typing import Any
