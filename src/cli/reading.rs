@@ -45,7 +45,7 @@ pub struct Reading {
     /// Take outliers for gaps: samples more than 8 standard deviations from the median of their neighbours
     #[arg(long)]
     pub remove_outliers: bool,
-    /// Refuse rates that look as if in another unit: see the README
+    /// Refuse rates that look as if in another unit: see docs/reference.md
     #[arg(help_heading = "Reading the log", long, value_name = "SWITCH", default_value = "on")]
     unit_check: Switch,
     /// Coefficients to fit: auto (those of Q, N, B, K, R that the record supports), none, or a list of Q, N, B, K, R,
