@@ -8,8 +8,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-use pace::Pace;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use pace::{Pace, words};
 use sagnac::run::Progress;
 
 /// Seconds between lines where there is no terminal.
@@ -86,7 +86,7 @@ impl Shown {
                     })
                     .with_key("left", move |state: &ProgressState, to: &mut dyn std::fmt::Write| {
                         let left = read.lock().ok().and_then(|pace| pace.left(state.pos()));
-                        let _ = left.map_or(Ok(()), |left| write!(to, "{} left", HumanDuration(left)));
+                        let _ = left.map_or(Ok(()), |left| write!(to, "{} left", words(left)));
                     }),
             );
         }
@@ -187,7 +187,7 @@ impl Lines {
         {
             *next = elapsed + Duration::from_secs(LINE_SECONDS);
             let percent = 100.0 * done as f64 / (*total).max(1) as f64;
-            say!("{percent:.0} %, {} {unit}/s, {} left", short(pace.rate(done)), HumanDuration(left));
+            say!("{percent:.0} %, {} {unit}/s, {} left", short(pace.rate(done)), words(left));
         }
     }
 

@@ -57,9 +57,31 @@ impl Pace {
     }
 }
 
+/// A time to within a few percent: `74 s`, `2 min 10 s`, `3 h 20 min`, `2 d 5 h`.
+pub fn words(time: Duration) -> String {
+    let seconds = time.as_secs_f64().round() as u64;
+    let two = |large: u64, small: u64, names: [&str; 2]| match (seconds / large, seconds % large / small) {
+        (whole, 0) => format!("{whole} {}", names[0]),
+        (whole, rest) => format!("{whole} {} {rest} {}", names[0], names[1]),
+    };
+    match seconds {
+        0..100 => format!("{seconds} s"),
+        100..3600 => two(60, 1, ["min", "s"]),
+        3600..172_800 => two(3600, 60, ["h", "min"]),
+        _ => two(86_400, 3600, ["d", "h"]),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn times_are_told_in_the_units_that_suit_them() {
+        let said = [0.4, 74.4, 130.0, 180.0, 12_000.0, 7200.0, 190_800.0];
+        let said = said.map(|seconds| words(Duration::from_secs_f64(seconds)));
+        assert_eq!(said, ["0 s", "74 s", "2 min 10 s", "3 min", "3 h 20 min", "2 h", "2 d 5 h"]);
+    }
 
     /// Batches of some work: units, cost as it is told, seconds that they took.
     type Timeline = Vec<(u64, f64, f64)>;
