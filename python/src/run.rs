@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::backend::{Selection, select};
-use sagnac::picture::{Picture, Verdict, pictures, shown, verdicts};
+use sagnac::picture::{Drawn, Verdict, pictures, shown, verdicts};
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::share::Share;
 use sagnac::store::{Store, write_whole};
@@ -35,7 +35,8 @@ struct Ran {
     study: Study,
     is_sampled: bool,
     tables: Tables,
-    pictures: Vec<Picture>,
+    /// Names of their files, and the texts of these.
+    charts: Vec<(String, String)>,
     /// Each as text and as JSON.
     verdicts: Vec<(String, String)>,
     notes: Vec<String>,
@@ -74,7 +75,7 @@ pub fn run<'py>(
     document.set_item("seconds", done.map(|done| done.seconds))?;
     document.set_item("notes", &ran.notes)?;
     document.set_item("verdicts", &ran.verdicts)?;
-    document.set_item("charts", ran.pictures.iter().map(|p| (&p.stem, &p.svg)).collect::<Vec<_>>())?;
+    document.set_item("charts", &ran.charts)?;
     let optional = |table: &Option<_>| table.as_ref().map(|table| columns(py, table)).transpose();
     document.set_item("points", columns(py, &ran.tables.points)?)?;
     document.set_item("coefficients", optional(&ran.tables.coefficients)?)?;
@@ -108,6 +109,7 @@ impl Asked {
         let raised = || listener.raised().map_or(Ok(()), |error| Err(Failure::Python(error)));
         raised()?;
         let tables = plan.tables(&store, listener)?;
+        let held = plan.held(&store)?;
         raised()?;
         if self.is_kept {
             for (name, table) in tables.files() {
@@ -115,18 +117,19 @@ impl Asked {
                 table.write_csv(&mut csv).map_err(|error| self.unwritten(name, &error))?;
                 self.write(name, &csv)?;
             }
-            self.write(RESOLVED, study.resolved(plan.held(&store)?).as_bytes())?;
+            self.write(RESOLVED, study.resolved(held).as_bytes())?;
         }
-        let pictures = pictures(&study, &tables)?;
+        let drawn = pictures(&study, &tables)?;
         let curves = shown(&study, &tables)?;
-        let said = |verdict: &Verdict| (verdict.text().trim_end().to_owned(), verdict.json().to_string());
+        let said = |verdict: &Verdict| (verdict.text("").trim_end().to_owned(), verdict.json().to_string());
         let verdicts = verdicts(&study, &curves)?.iter().map(said).collect();
         let degraded = done.iter().flat_map(|(done, _)| done.degraded.clone());
-        let of_charts = pictures.iter().filter_map(|picture| picture.note.clone());
-        let notes = degraded.chain(of_charts).chain(plan.notes(&store)?).collect();
+        let of_charts = drawn.iter().filter_map(Drawn::sentence);
+        let notes = of_charts.chain(degraded).chain(plan.notes(&store, held)?).collect();
+        let charts = drawn.iter().map(|drawn| (drawn.stem.clone(), drawn.picture.svg())).collect();
         let is_sampled = plan.is_sampled();
         drop(curves);
-        Ok(Ran { is_sampled, tables, pictures, verdicts, notes, done, study })
+        Ok(Ran { is_sampled, tables, charts, verdicts, notes, done, study })
     }
 
     fn write(&self, name: &str, contents: &[u8]) -> Result<(), Failure> {
