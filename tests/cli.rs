@@ -8,7 +8,7 @@ use std::process::{Command as Process, Stdio};
 use std::time::{Duration, Instant};
 
 use assert_cmd::Command;
-use desk::{Desk, HEADER, PROGRAM, SHIPPED, STUDY, replaced, swept_chart, with, with_motion};
+use desk::{Desk, HEADER, PROGRAM, SHIPPED, STUDY, replaced, swept_chart, unwrapped, with, with_motion};
 
 #[test]
 fn a_bad_study_among_good_ones_stops_all_before_the_first_starts() {
@@ -432,7 +432,7 @@ fn output_that_is_lost_is_a_failure_and_a_reader_that_left_is_none() {
 
 #[test]
 fn help_lists_only_exit_codes_that_exist() {
-    let help = Desk::with(STUDY).done("--help").stdout;
+    let help = unwrapped(&Desk::with(STUDY).done("--help").stdout);
     assert!(help.contains("3 invalid study") && help.contains("5 a check failed"), "{help}");
     assert!(!help.contains("resumable"), "{help}");
 }
