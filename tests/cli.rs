@@ -128,7 +128,8 @@ fn a_run_writes_the_table_the_chart_and_the_study() {
     assert!(ended.stdout.starts_with("Residual error of the gap fillers"), "{}", ended.stdout);
     assert!(ended.stderr.contains("results are in results/study"), "{}", ended.stderr);
     let charts = ["chart-1", "chart-2", "chart-3"].map(|stem| [format!("{stem}.png"), format!("{stem}.svg")]);
-    let files = ["points.csv", "resolved_study.toml", "tallies.lock", "tallies.sqlite"].map(str::to_owned);
+    let files = ["points.csv", "report.html", "resolved_study.toml", "tallies.lock", "tallies.sqlite"]
+        .map(str::to_owned);
     assert_eq!(desk.names("results/study"), [charts.concat(), files.into()].concat());
     let table = desk.read("results/study/points.csv");
     let laws = "law_taylor_extremum_arcsec,law_taylor_zero_crossing_arcsec";
@@ -171,7 +172,7 @@ fn a_study_without_sweeps_has_no_swept_columns_and_no_chart() {
     assert_eq!(desk.read("results/study/points.csv").lines().next(), Some(HEADER));
     assert_eq!(
         desk.names("results/study"),
-        ["points.csv", "resolved_study.toml", "tallies.lock", "tallies.sqlite"]
+        ["points.csv", "report.html", "resolved_study.toml", "tallies.lock", "tallies.sqlite"]
     );
     let rows = desk.points("results/study");
     let names: Vec<(&str, &str)> =
@@ -208,8 +209,15 @@ fn a_sweep_without_a_chart_gets_one_and_several_charts_are_numbered() {
     let sweep = "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"5 Hz\", \"10 Hz\"]\n";
     let desk = Desk::with(&with(sweep));
     desk.done("run study.toml --device cpu --trials 1000");
-    let default =
-        ["chart.png", "chart.svg", "points.csv", "resolved_study.toml", "tallies.lock", "tallies.sqlite"];
+    let default = [
+        "chart.png",
+        "chart.svg",
+        "points.csv",
+        "report.html",
+        "resolved_study.toml",
+        "tallies.lock",
+        "tallies.sqlite",
+    ];
     assert_eq!(desk.names("results/study"), default);
     let charts = "[[chart]]\nx = \"dt_nu\"\ny = \"rms\"\n[[chart]]\nx = \"frequency\"\ny = \"max\"\n";
     desk.write("two.toml", &with(&format!("{sweep}{charts}")));

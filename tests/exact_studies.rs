@@ -147,8 +147,15 @@ fn closed_forms_need_no_device_and_say_that_trials_have_no_use() {
     assert!(!ended.stderr.contains("device: "), "{}", ended.stderr);
     assert!(ended.stdout.contains("drift: bound, Z(7), ″/s"), "{}", ended.stdout);
     let names = desk.names("results/study");
-    let written =
-        ["chart.png", "chart.svg", "points.csv", "resolved_study.toml", "tallies.lock", "tallies.sqlite"];
+    let written = [
+        "chart.png",
+        "chart.svg",
+        "points.csv",
+        "report.html",
+        "resolved_study.toml",
+        "tallies.lock",
+        "tallies.sqlite",
+    ];
     assert_eq!(names, written);
     assert_eq!(desk.read("results/study/resolved_study.toml"), desk.read("study.toml"));
     let ended = desk.sagnac("run study.toml --json");

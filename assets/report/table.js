@@ -27,7 +27,7 @@ class Listing {
     const bar = element("div", { class: "tools" });
     for (const column of this.table.columns) {
       const values = [...new Set(column.cells)].filter((value) => value !== null);
-      if (values.length < 2 || values.length > 40 || !(column.tells || column.text)) continue;
+      if (values.length < 2 || values.length > 40 || !column.tells) continue;
       const options = values.map((value, at) => element("option", { value: at }, typeof value === "number" ? significant(value) : value));
       const select = element("select", {
         change: (event) => {

@@ -17,7 +17,7 @@ use super::results::{Results, held, lacking};
 use super::run::checked;
 
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// Results folder
     #[arg(value_name = "DIR")]
@@ -91,8 +91,9 @@ struct Keys {
 const EXAMPLES: &str = "\
 Examples:
   sagnac chart results/error_vs_dtnu --y rms --limit \"5 arcsec\"
-  sagnac chart results/error_vs_dtnu --x frequency --where gap_ticks=3 --series filler --name at_n3
-  sagnac chart results/error_vs_dtnu --kind heat-map --x frequency --y gap_ticks --z q9973 --where filler=quadratic";
+  sagnac chart results/error_vs_dtnu --x frequency --where gap_ticks=3 --series filler --name n3
+  sagnac chart results/error_vs_dtnu --kind heat-map --x frequency --y gap_ticks --z q9973 \\
+    --where filler=quadratic";
 
 /// What leaves a key of the study's chart out.
 const NONE: &str = "none";

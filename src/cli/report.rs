@@ -17,7 +17,7 @@ use super::run::checked;
 const GALLERY: &str = "gallery.html";
 
 #[derive(Debug, Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// Results folders, or folders of such
     #[arg(required = true, value_name = "DIR")]
@@ -34,8 +34,9 @@ pub struct Options {
 
 const EXAMPLES: &str = "\
 Examples:
-  sagnac report results/error_vs_dtnu       # report.html made again from what is there
-  sagnac report results                     # all studies in results, and gallery.html that shows them side by side";
+  sagnac report results/error_vs_dtnu
+  sagnac report results/my results/error_vs_dtnu --out both.html
+  sagnac report results";
 
 /// Makes the reports of results again, and of several a gallery.
 pub fn report(options: &Options) -> Result<(), Failure> {

@@ -98,7 +98,6 @@ fn listed(file: &'static str, table: &Table, report: &Report) -> Listed {
     let columns: Vec<&Column> =
         table.columns.iter().filter(|column| small || is_charted(column, table, report)).collect();
     let rows = table.rows().min(MOST_CELLS / columns.len().max(1));
-    let telling = telling(table);
     let listing = |column: &&Column| {
         let cells = &column.cells[..rows];
         let one = cells.len() > 1 && cells.iter().all(|cell| *cell == cells[0]);
@@ -107,7 +106,7 @@ fn listed(file: &'static str, table: &Table, report: &Report) -> Listed {
             title: column.title(),
             about: describe::column(&column.name),
             text: column.cells.iter().any(|cell| matches!(cell, Cell::Text(_))),
-            tells: telling.contains(&column.name.as_str()),
+            tells: tells(column),
             cells: json(if one { &cells[..1] } else { cells }),
         }
     };
@@ -120,14 +119,9 @@ fn listed(file: &'static str, table: &Table, report: &Report) -> Listed {
     }
 }
 
-/// The names of the columns that tell rows apart: those before the number of trials, or the first ones of closed forms.
-fn telling(table: &Table) -> Vec<&str> {
-    let trials = table.columns.iter().position(|column| column.name == "trials");
-    let names = table.columns.iter().map(|column| column.name.as_str());
-    match trials {
-        Some(trials) => names.take(trials).collect(),
-        None => names.filter(|name| name.contains('.')).collect(),
-    }
+/// Whether rows are told apart by a column: swept keys and texts.
+fn tells(column: &Column) -> bool {
+    column.name.contains('.') || column.cells.iter().any(|cell| matches!(cell, Cell::Text(_)))
 }
 
 /// Whether a column tells rows apart, or a chart shows it with its interval.
@@ -143,7 +137,7 @@ fn is_charted(column: &Column, table: &Table, report: &Report) -> bool {
         Picture::Curves(figure) => [&figure.x.label, &figure.y.label],
         Picture::Map(map) => [&map.z.label, &map.z.label],
     });
-    telling(table).contains(&column.name.as_str()) || labels.filter_map(shown).any(|name| is_bound(&name))
+    tells(column) || labels.filter_map(shown).any(|name| is_bound(&name))
 }
 
 impl Serialize for Cell {

@@ -176,7 +176,7 @@ fn source(source: &Source) -> Markup {
                         (grouped(trials)) " trials in all"
                         @for by in &source.provenance {
                             br; (by.device) ": " (grouped(by.trials)) " in " (significant(by.seconds, 3)) " s"
-                            @if by.seconds > 0.0 { ", " (significant(by.trials as f64 / by.seconds / 1e6, 3)) " million per second" }
+                            @if by.seconds > 0.0 { ", " (rate(by.trials as f64 / by.seconds)) " per second" }
                         }
                     }
                 }
@@ -193,6 +193,11 @@ fn source(source: &Source) -> Markup {
             }
         }
     }
+}
+
+/// A number per second.
+fn rate(rate: f64) -> String {
+    if rate < 1e6 { significant(rate, 3) } else { format!("{} million", significant(rate / 1e6, 3)) }
 }
 
 /// A count with its thousands apart.

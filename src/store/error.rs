@@ -179,6 +179,11 @@ impl StoreError {
             (_, Some(ErrorCode::DatabaseBusy | ErrorCode::DatabaseLocked)) => {
                 StoreError::Busy { path, holder: Holder::Unknown }
             }
+            (rusqlite::Error::SqliteFailure(error, _), _)
+                if error.extended_code == rusqlite::ffi::SQLITE_IOERR_SHORT_READ =>
+            {
+                StoreError::Damaged { path, what: "it ends too early".to_owned() }
+            }
             (_, Some(ErrorCode::DiskFull)) => StoreError::Full { path },
             (_, Some(ErrorCode::ReadOnly)) => StoreError::ReadOnly { path },
             (_, Some(ErrorCode::NotADatabase)) => StoreError::Foreign { path, what },
