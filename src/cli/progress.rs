@@ -187,7 +187,9 @@ impl Lines {
         {
             *next = elapsed + Duration::from_secs(LINE_SECONDS);
             let percent = 100.0 * done as f64 / (*total).max(1) as f64;
-            say!("{percent:.0} %, {} {unit}/s, {} left", short(pace.rate(done)), words(left));
+            // Records may be fitted after that, which has a count and a time of its own.
+            let of = if *unit == "samples" { " of sampling" } else { "" };
+            say!("{percent:.0} %, {} {unit}/s, {} left{of}", short(pace.rate(done)), words(left));
         }
     }
 
