@@ -95,12 +95,13 @@ fn what_is_read_off_switched_enlarged_and_sorted_is_what_the_table_has() {
     let markers =
         || browser.number(&format!("return document.querySelectorAll(\"{PICTURE} .marker\").length"));
     let before = markers();
-    browser.click("[data-chart='0'] .legend button[data-key='colour 1']");
+    let quadratic = "[data-chart='0'] .legend .group:first-child button:last-of-type";
+    browser.click(quadratic);
     assert_eq!(markers(), before / 2.0);
     point_at(&browser, PICTURE, (0.5, 0.5));
     let (_, lines) = tip(&browser).unwrap();
     assert!(!lines.is_empty() && lines.iter().all(|(name, _)| !name.contains("quadratic")), "{lines:?}");
-    browser.click("[data-chart='0'] .legend button[data-key='colour 1']");
+    browser.click(quadratic);
     assert_eq!(markers(), before);
 
     // A part, and all again.
