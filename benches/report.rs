@@ -77,8 +77,9 @@ fn page(bencher: divan::Bencher, points: usize) {
             source: Source {
                 study: String::new(),
                 kind: "gap-fill".to_owned(),
-                id: String::new(),
                 sampled: Some((1, 1000)),
+                stops: false,
+                lacking: 0,
                 points,
                 provenance: vec![],
                 kernels: "gap_fill 2".to_owned(),

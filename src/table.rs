@@ -5,7 +5,7 @@ mod number;
 
 use std::io;
 
-pub use number::significant;
+pub use number::{short, significant};
 
 /// What the numbers of a column are measured in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

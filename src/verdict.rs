@@ -50,6 +50,8 @@ pub struct Answer<'t> {
     pub outcome: Outcome,
     /// Where that is: column and value, in the order of the table.
     pub at: Vec<(&'t Column, f64)>,
+    /// Whether points of the curve beyond its last value have none, as of a run that is incomplete.
+    pub open: bool,
     /// Of [`Outcome::WithinBetween`] where it passes the limit again.
     pub until: Vec<(&'t Column, f64)>,
 }
@@ -82,9 +84,15 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
     let series = question.series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
     let mut curves: Vec<Vec<usize>> = Vec::new();
     let mut place = BTreeMap::new();
+    // Of each curve the greatest x without a value.
+    let mut blank: BTreeMap<Vec<String>, f64> = BTreeMap::new();
     for row in table.rows_where(&question.filter)? {
-        if x.cells[row].number().is_some() && y.cells[row].number().is_some() {
-            let key: Vec<String> = series.iter().map(|column| column.cells[row].text()).collect();
+        let key: Vec<String> = series.iter().map(|column| column.cells[row].text()).collect();
+        let Some(at) = x.cells[row].number() else { continue };
+        if y.cells[row].number().is_none() {
+            let end = blank.entry(key).or_insert(f64::NEG_INFINITY);
+            *end = end.max(at);
+        } else {
             let next = curves.len();
             let curve = *place.entry(key).or_insert(next);
             if curve == next {
@@ -96,11 +104,12 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
     let answer = |mut rows: Vec<usize>| {
         rows.sort_by(|&a, &b| value(x, a).total_cmp(&value(x, b)));
         let last = rows[rows.len() - 1];
-        let is_above = |row: usize| value(y, row) > question.limit;
+        // What has both signs is judged by its magnitude.
+        let is_above = |row: usize| value(y, row).abs() > question.limit;
         let mut again = None;
         let (outcome, before, after) = match rows.iter().position(|&row| is_above(row)) {
             None => (Outcome::WithinUpTo, last, last),
-            Some(0) if value(y, last) <= question.limit => {
+            Some(0) if !is_above(last) => {
                 // It is above somewhere, and not at its end.
                 let above = rows.iter().rposition(|&row| is_above(row)).unwrap_or(0);
                 (Outcome::WithinFrom, rows[above], rows[above + 1])
@@ -128,8 +137,11 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
         };
         let at = crossing(before, after);
         let until = again.map_or(vec![], |(before, after)| crossing(before, after));
-        let named = series.iter().map(|column| (*column, &column.cells[rows[0]])).collect();
-        Answer { series: named, outcome, at, until }
+        let named: Vec<(&Column, &Cell)> =
+            series.iter().map(|column| (*column, &column.cells[rows[0]])).collect();
+        let key: Vec<String> = named.iter().map(|(_, cell)| cell.text()).collect();
+        let open = blank.get(&key).is_some_and(|end| *end > value(x, last));
+        Answer { series: named, outcome, at, open, until }
     };
     Ok(curves.into_iter().map(answer).collect())
 }
@@ -157,11 +169,13 @@ fn counts_between(table: &Table, a: usize, b: usize) -> bool {
     })
 }
 
-/// How far the limit lies from a to b, on a logarithmic scale where there is one.
+/// How far the limit lies from a to b, of which one is beyond it; on a logarithmic scale where there is one.
 fn fraction(a: f64, b: f64, limit: f64) -> f64 {
+    let beyond = if a.abs() > b.abs() { a } else { b };
+    let limit = limit * beyond.signum();
     match a == b {
         true => 0.0,
-        false if a > 0.0 => libm::log(limit / a) / libm::log(b / a),
+        false if a * b > 0.0 => libm::log(limit / a) / libm::log(b / a),
         false => (limit - a) / (b - a),
     }
 }
@@ -175,6 +189,7 @@ impl Answer<'_> {
     pub fn name(&self) -> String {
         let name = |(column, cell): &(&Column, &Cell)| match cell {
             Cell::Text(text) => text.clone(),
+            Cell::Number(number) => column.valued(&significant(*number, 6)),
             cell => column.valued(&cell.text()),
         };
         let series: Vec<String> = self.series.iter().map(name).collect();
@@ -186,15 +201,23 @@ impl Answer<'_> {
         places(&self.at)
     }
 
+    /// Where it passes the limit again, in the same way.
+    pub fn end(&self) -> String {
+        places(&self.until)
+    }
+
     /// The answer as a sentence.
     pub fn sentence(&self, limit: &str) -> String {
-        let (series, at, until) = (self.name(), self.place(), places(&self.until));
+        let (series, at, until) = (self.name(), self.place(), self.end());
         match self.outcome {
             Outcome::Passes => format!("{series}: passes {limit} at {at}"),
             Outcome::AboveFrom => format!("{series}: above {limit} from the first point on, {at}"),
             Outcome::WithinFrom => format!("{series}: within {limit} from {at} on"),
             Outcome::WithinBetween => format!("{series}: within {limit} from {at} to {until}"),
             Outcome::LastWithin => format!("{series}: within {limit} up to {at}"),
+            Outcome::WithinUpTo if self.open => {
+                format!("{series}: within {limit} up to the last point that has a value, {at}")
+            }
             Outcome::WithinUpTo => format!("{series}: within {limit} up to the last point, {at}"),
         }
     }
@@ -254,6 +277,25 @@ mod tests {
         assert!((at - libm::sqrt(2.0)).abs() < 1e-12, "{at}");
         assert_eq!(answers[1].at[0].1, 4.0);
         assert_eq!(answers[0].sentence("10 ″"), "a: passes 10 ″ at frequency 1.41 Hz");
+    }
+
+    #[test]
+    fn signed_values_are_judged_by_their_magnitude_and_a_curve_without_its_last_values_is_open() {
+        let mut table = over_frequency();
+        // At 1, 2, 4 Hz: −40, −5, 20.
+        let all = [20.0, -40.0, -5.0, 0.1, 0.2, 0.3];
+        table.columns[3].cells = all.map(Cell::Number).to_vec();
+        let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
+        assert_eq!(answers[0].outcome, Outcome::WithinBetween);
+        // Logarithmic between −40 and −5, even between −5 and 20.
+        let (from, to) = (answers[0].at[0].1, answers[0].until[0].1);
+        assert!((from - libm::pow(2.0, 2.0 / 3.0)).abs() < 1e-12, "{from}");
+        assert!((to - 2.0 * libm::pow(2.0, 0.6)).abs() < 1e-12, "{to}");
+        table.columns[3].cells[5] = Cell::Blank;
+        let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
+        assert!(!answers[0].open && answers[1].open);
+        let said = "b: within 10 ″ up to the last point that has a value, frequency 2 Hz";
+        assert_eq!(answers[1].sentence("10 ″"), said);
     }
 
     #[test]

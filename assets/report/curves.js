@@ -61,9 +61,13 @@ class Curves {
     const room = Math.max(high - low, 0.5 * Math.max(Math.abs(low), Math.abs(high)));
     const [from, to] = points.length === 0 ? [-Infinity, Infinity]
       : yLog ? [low / 10, high * 10] : [low - room, high + room];
-    const beside = [...lines.map((place) => place[1])];
-    if (this.on("bands")) beside.push(...points.flatMap((point) => point.band ?? []));
-    if (this.on("lines")) beside.push(...this.series().flatMap((series) => series.law.map((place) => place[1])));
+    const beside = lines.map((place) => place[1]);
+    if (this.on("bands")) {
+      for (const { band } of points) if (band) beside.push(band[0], band[1]);
+    }
+    if (this.on("lines")) {
+      for (const series of this.series()) for (const place of series.law) beside.push(place[1]);
+    }
     const near = beside.filter((value) => Range.shows(yLog, value)).map((value) => Math.min(Math.max(value, from), to));
     const limit = figure.limit && this.on("limit") ? [figure.limit.value] : [];
     const whole = function* () {
@@ -186,10 +190,12 @@ class Curves {
 
   /** Along a curve, or to the next one. */
   step(plot, way) {
-    const all = this.series().filter((series) => series.points.some(({ x, y }) => plot.shows(x, y)));
+    // Only what is in the frame, of which a part may be enlarged.
+    const isShown = ({ x, y }) => plot.shows(x, y) && plot.inFrame([plot.across(x), plot.down(y)]);
+    const all = this.series().filter((series) => series.points.some(isShown));
     if (all.length === 0) return null;
     const now = plot.told?.found ?? { series: all[0], at: -1 };
-    const places = (series) => series.points.map((_, at) => at).filter((at) => plot.shows(series.points[at].x, series.points[at].y));
+    const places = (series) => series.points.map((_, at) => at).filter((at) => isShown(series.points[at]));
     if (way === "Left" || way === "Right") {
       const order = places(now.series);
       const next = order[order.indexOf(now.at) + (way === "Right" ? 1 : -1)];
@@ -266,7 +272,11 @@ class Curves {
   entry(plot, key, sample, name) {
     const [kind] = key.split(" ");
     const siblings = () => [...made.parentElement.querySelectorAll("button")];
-    const made = button("", "Switch off or on; double click for this one alone", () => {
+    const made = button("", "Switch off or on; double click, or Shift and Enter, for this one alone", (event) => {
+      if (event.shiftKey) {
+        alone();
+        return;
+      }
       if (this.on(key)) this.off.add(key);
       else this.off.delete(key);
       update();
@@ -276,14 +286,15 @@ class Curves {
       plot.tell(null);
       plot.render();
     };
-    made.addEventListener("dblclick", () => {
+    const alone = () => {
       if (!["colour", "dash", "law", "part"].includes(kind)) return;
       const others = siblings().map((each) => each.dataset.key).filter((other) => other !== key);
-      const alone = others.every((other) => !this.on(other));
-      for (const other of others) alone ? this.off.delete(other) : this.off.add(other);
+      const isAlone = others.every((other) => !this.on(other));
+      for (const other of others) isAlone ? this.off.delete(other) : this.off.add(other);
       this.off.delete(key);
       update();
-    });
+    };
+    made.addEventListener("dblclick", alone);
     made.dataset.key = key;
     made.append(shape("svg", { class: "sample", viewBox: "0 0 36 18", "aria-hidden": "true" }, ...sample), element("span", {}, name));
     return made;

@@ -50,6 +50,7 @@ function savePicture(name, picture) {
     const style = getComputedStyle(original);
     copies[at].setAttribute("style", looks.map((look) => `${look}:${style.getPropertyValue(look)}`).join(";"));
   });
+  copy.querySelectorAll(".mark, .box").forEach((reading) => reading.remove());
   const paper = getComputedStyle(document.body).backgroundColor;
   copy.prepend(shape("rect", { width: "100%", height: "100%", style: `fill:${paper}` }));
   save(name, "image/svg+xml", new XMLSerializer().serializeToString(copy));

@@ -130,8 +130,14 @@ class CellMap {
   step(plot, way) {
     const { i, j } = plot.told?.found ?? { i: -1, j: 0 };
     const [right, up] = [(way === "Right") - (way === "Left"), (way === "Up") - (way === "Down")];
-    const clamped = (at, count) => Math.min(Math.max(at, 0), count - 1);
-    return this.told(plot, clamped(i + right, this.across.shown.length), clamped(j + up, this.up.shown.length));
+    // Within the frame, of which a part may be enlarged.
+    const { left, right: end, top, bottom } = plot.frame;
+    const middles = (edges) => edges.slice(1).map((edge, at) => (edge + edges[at]) / 2);
+    const clamped = (at, edges, low, high) => {
+      const shown = middles(edges).map((middle, cell) => (middle >= low && middle <= high ? cell : -1)).filter((cell) => cell >= 0);
+      return shown.length ? Math.min(Math.max(at, shown[0]), shown[shown.length - 1]) : at;
+    };
+    return this.told(plot, clamped(i + right, this.xs, left, end), clamped(j + up, this.ys, top, bottom));
   }
 
   told(plot, i, j) {
@@ -176,7 +182,7 @@ class CellMap {
     return {
       title: at,
       figure: {
-        x: map[name], y: { ...map.z, scale: this.zLog ? "log" : "linear" },
+        x: map[name], y: { ...map.z, scale: this.zLog || isWide(series) ? "log" : "linear" },
         colours: { title: "", entries: map.layers.filter((layer) => layer.name).map(({ style, name: text }) => ({ style, name: text })) },
         dashes: { title: "", entries: [] }, series, laws: [], parts: { title: "", lines: [] }, limit: map.limit, chosen: [],
         points: "", bands: "95 %", lines: "",
@@ -230,6 +236,13 @@ class CellMap {
     if (limit >= colours.low && limit <= colours.high) made.push(shape("path", { class: "limit solid", d: `M0,${place(limit)}h30` }));
     return made;
   }
+}
+
+/** Whether values are so far apart that an even axis would hide the small ones. */
+function isWide(series) {
+  const values = series.flatMap(({ points }) => points.map((point) => point.y));
+  const [least, most] = [Math.min(...values), Math.max(...values)];
+  return least > 0 && most > 30 * least;
 }
 
 /** The colour at a fraction of the scale. */

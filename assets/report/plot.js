@@ -15,15 +15,22 @@ class Plot {
     this.part = null;
     this.id = `plot-${++plots}`;
     this.picture = shape("svg", {
-      tabindex: 0, role: "img", "aria-label": `${name}. Arrow keys read values, plus and minus enlarge, 0 shows all.`,
+      tabindex: 0, role: "application", "aria-roledescription": "chart", "aria-label": `${name}. Arrow keys read values, plus and minus enlarge, 0 shows all.`,
       pointermove: (event) => this.move(event), pointerdown: (event) => this.press(event),
-      pointerup: (event) => this.release(event), pointerleave: () => this.leave(), pointercancel: () => this.leave(),
+      pointerup: (event) => this.release(event), pointercancel: () => this.leave(),
+      // A finger leaves when it is lifted; what it has read off stays.
+      pointerleave: (event) => event.pointerType === "mouse" && this.leave(),
       dblclick: () => this.whole(), keydown: (event) => this.key(event), blur: () => this.tell(null),
     });
     host.append(this.picture);
     this.host = host;
+    // What is read off stands beside its place in the window.
+    addEventListener("scroll", () => this.told && this.tell(null), { passive: true });
+    addEventListener("pointerdown", (event) => this.told && !this.picture.contains(event.target) && this.tell(null));
     new ResizeObserver(() => {
-      if (this.width !== this.room()) this.render();
+      if (this.width === this.room()) return;
+      this.tell(null);
+      this.render();
     }).observe(host);
     this.render();
   }
@@ -251,7 +258,7 @@ function tip(picture, content, place, width) {
   const scale = bounds.width / width;
   const [x, y] = [bounds.left + place[0] * scale, bounds.top + place[1] * scale];
   const [w, h] = [box.offsetWidth, box.offsetHeight];
-  const left = x + 16 + w < innerWidth ? x + 16 : Math.max(x - 16 - w, 4);
-  box.style.left = `${left}px`;
+  const left = x + 16 + w < innerWidth ? x + 16 : x - 16 - w;
+  box.style.left = `${Math.min(Math.max(left, 4), Math.max(innerWidth - w - 4, 4))}px`;
   box.style.top = `${Math.min(Math.max(y - h / 2, 4), Math.max(innerHeight - h - 4, 4))}px`;
 }

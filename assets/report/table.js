@@ -13,8 +13,8 @@ class Listing {
     this.page = PAGE;
     this.head = element("tr");
     this.body = element("tbody");
-    this.said = element("span", { class: "said", role: "status" });
-    host.append(this.filters(), element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": table.file },
+    this.said = element("p", { class: "hint said", role: "status" });
+    host.append(this.filters(), this.said, element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": table.file },
       element("table", {}, element("thead", {}, this.head), this.body)));
     this.more = element("div", { class: "tools" },
       button("More rows", "Show more rows", () => this.list(this.page * 4)), button("All rows", "Show all rows", () => this.list(Infinity)));
@@ -39,7 +39,7 @@ class Listing {
       }, element("option", { value: "" }, "all"), ...options);
       bar.append(element("label", {}, `${column.title} `, select));
     }
-    bar.append(button("Save CSV", "Save the rows that are chosen, in this order", () => this.save()), this.said);
+    bar.append(button("Save CSV", "Save the rows that are chosen, in this order", () => this.save()));
     return bar;
   }
 
@@ -94,6 +94,6 @@ class Listing {
     const quoted = (cell) => (typeof cell === "string" && /[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell ?? "");
     const lines = [this.table.columns.map((column) => quoted(column.header)),
       ...this.rows().map((row) => this.table.columns.map((column) => quoted(this.cell(column, row))))];
-    save(this.table.file, "text/csv", lines.map((line) => line.join(",")).join("\n") + "\n");
+    save(this.table.file.replace(".csv", "-chosen.csv"), "text/csv", lines.map((line) => line.join(",")).join("\n") + "\n");
   }
 }

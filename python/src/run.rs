@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::backend::{Selection, select};
 use sagnac::picture::{Drawn, Verdict, pictures, shown, verdicts};
-use sagnac::report::{FILE as REPORT, Report, Source, answer};
+use sagnac::report::{FILE as REPORT, Report, Source, answer, notes};
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::share::Share;
 use sagnac::store::{Store, write_whole};
@@ -129,16 +129,17 @@ impl Asked {
         let curves = shown(&study, &tables)?;
         let judged = verdicts(&study, &curves)?;
         let said = |verdict: &Verdict| (verdict.text("").trim_end().to_owned(), verdict.json().to_string());
-        let degraded = done.iter().flat_map(|(done, _)| done.degraded.clone());
-        let known: Vec<String> = degraded.chain(plan.notes(&store, held)?).collect();
+        let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
+        // A run that ends early has raised by now.
+        let known = notes(&study, &plan, &store, &tables, (held, 0), degraded)?;
         let report = Report {
             title: &study.title,
             question: &study.question,
-            answer: answer(&study, &tables, &pictures, &curves, &judged)?,
+            answer: answer(&study, &tables, &pictures, &curves, &judged, 0)?,
             notes: &known,
             charts: &pictures,
             tables: tables.files().collect(),
-            source: Source::of(&study, &plan, &store, &tables, held)?,
+            source: Source::of(&study, &plan, &store, &tables, held, 0)?,
         };
         let report = report.html();
         if self.is_kept {

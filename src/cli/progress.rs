@@ -11,6 +11,7 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use pace::{Pace, words};
 use sagnac::run::Progress;
+pub use sagnac::table::short;
 
 /// Seconds between lines where there is no terminal.
 const LINE_SECONDS: u64 = 10;
@@ -200,16 +201,4 @@ impl Lines {
             state.pace.cost(done, total);
         }
     }
-}
-
-/// A large number with three digits and a word.
-pub fn short(number: f64) -> String {
-    let (scale, unit) = match number {
-        x if x >= 1e12 => (1e12, " trillion"),
-        x if x >= 1e9 => (1e9, " billion"),
-        x if x >= 1e6 => (1e6, " million"),
-        x if x >= 1e4 => (1e3, " thousand"),
-        x => return sagnac::table::significant(x, 4),
-    };
-    format!("{}{unit}", sagnac::table::significant(number / scale, 3))
 }

@@ -21,6 +21,8 @@ pub struct Agreement {
     pub at: usize,
     /// The 2.5 % and 97.5 % quantiles of the largest of so many independent standard normal magnitudes.
     pub expected: (f64, f64),
+    /// What the largest of so many stays below in 999 of 1000 cases.
+    pub most: f64,
 }
 
 /// The agreement of every estimate of a table that has closed forms: the columns `z`, which is about the rms or, of Allan curves, the
@@ -51,6 +53,7 @@ fn of_column(table: &Table, column: &Column) -> Option<Agreement> {
         largest: largest.abs(),
         at,
         expected: (largest_normal(rows, 0.025), largest_normal(rows, 0.975)),
+        most: largest_normal(rows, 0.999),
     })
 }
 
@@ -62,9 +65,9 @@ fn largest_normal(n: usize, p: f64) -> f64 {
 }
 
 impl Agreement {
-    /// Whether chance explains the largest deviation: it is below 5, or what the largest of so many reaches in 97.5 of 100 cases.
+    /// Whether chance explains the largest deviation: in one of 1000 cases it would be as large.
     pub fn holds(&self) -> bool {
-        self.largest <= self.expected.1.max(5.0)
+        self.largest <= self.most
     }
 
     /// The agreement as a sentence; `table` is the one that it is of.
@@ -77,7 +80,8 @@ impl Agreement {
         };
         let place = place(table, self.at);
         let place = if place.is_empty() { String::new() } else { format!(" ({place})") };
-        let judged = if self.holds() { "" } else { " That is more than chance explains." };
+        let judged =
+            if self.holds() { "" } else { " Chance makes it as large in less than one of 1000 cases." };
         format!(
             "{}: {rows}. The simulation is off by {rms} standard errors rms and at most {largest}{place}; of as many independent \
              normal numbers the largest would be {low} to {high} in 95 of 100 cases.{judged}",
@@ -153,7 +157,7 @@ mod tests {
     fn what_chance_does_not_explain_is_said_and_without_closed_forms_nothing_is() {
         let table = table(&[Some(0.5), Some(6.0)]);
         let found = agreements(&table);
-        assert!(!found[0].holds() && found[0].sentence(&table).ends_with("more than chance explains."));
+        assert!(!found[0].holds() && found[0].sentence(&table).ends_with("in less than one of 1000 cases."));
         assert!(agreements(&self::table(&[None, None])).is_empty());
     }
 }

@@ -5,7 +5,7 @@ use crate::chart::{ChartError, Picture};
 use crate::picture::{Drawn, Shown, Verdict, filter, refused};
 use crate::run::Tables;
 use crate::study::{Chart, Kind, Source, Study, StudyError, text_columns};
-use crate::table::ColumnError;
+use crate::table::{ColumnError, short};
 
 /// The answer: a sentence, and what stands behind it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -18,6 +18,8 @@ pub struct Answer {
 
 /// The answer of a study: what the verdicts say, else what the first chart shows, else the best row of the table.
 ///
+/// `lacking` is how many trials are missing of the whole, which is said first.
+///
 /// # Errors
 /// The table does not have what a chart asks for.
 pub fn answer(
@@ -26,6 +28,7 @@ pub fn answer(
     charts: &[Drawn],
     shown: &[Shown],
     verdicts: &[Verdict],
+    lacking: u64,
 ) -> Result<Answer, StudyError> {
     let headline = match (verdicts, study.charts.iter().zip(shown).zip(charts).next()) {
         ([first, ..], _) => of_verdict(first.answers(), &first.limit()),
@@ -48,7 +51,14 @@ pub fn answer(
             curves.push((heading, each));
         }
     }
-    Ok(Answer { headline: headline.unwrap_or_default(), curves })
+    let headline = match (headline, lacking) {
+        (headline, 0) => headline.unwrap_or_default(),
+        (Some(headline), lacking) => {
+            format!("Incomplete, {} trials are missing. So far: {headline}", short(lacking as f64))
+        }
+        (None, lacking) => format!("Incomplete, {} trials are missing.", short(lacking as f64)),
+    };
+    Ok(Answer { headline, curves })
 }
 
 fn of_chart(
@@ -91,7 +101,13 @@ fn undrawn(study: &Study, tables: &Tables) -> Option<String> {
     let rows = Some(rows).filter(has).unwrap_or_default();
     let by = apart(study, Source::Points, if study.kind() == Kind::Allan { vec!["tau"] } else { vec![] });
     // Every study of the kind has the columns.
-    best(&tables.points, estimate, &rows, &by).ok().flatten()
+    let sentence = best(&tables.points, estimate, &rows, &by).ok().flatten()?;
+    match tables.points.chosen(&rows) {
+        Ok(chosen) if !chosen.is_empty() => {
+            Some(format!("{} ({}).", sentence.trim_end_matches('.'), chosen.join(", ")))
+        }
+        _ => Some(sentence),
+    }
 }
 
 /// The columns that tell rows apart, each once, with those of a chart first.

@@ -1,5 +1,6 @@
 //! The data of a page: what its script draws and lists, as compressed JSON.
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 
 use base64::Engine;
@@ -18,8 +19,11 @@ use crate::table::{Cell, Column, Table, significant};
 /// Significant digits: as many as files have.
 const DIGITS: usize = 9;
 
-/// Most cells of all tables of a page, so that it stays below 1.5 MB.
-const MOST_CELLS: usize = 120_000;
+/// Most cells of a table of a page, so that it stays below 1.5 MB and is drawn at once.
+const MOST_CELLS: usize = 80_000;
+
+/// Most points of all curves of a page.
+const MOST_POINTS: usize = 20_000;
 
 #[derive(Serialize)]
 struct Data {
@@ -81,16 +85,56 @@ impl Listed {
     }
 }
 
-/// The data of a report, and what of its tables is among them.
-pub(super) fn data(report: &Report) -> (String, Vec<Listed>) {
-    let charts =
-        report.charts.iter().map(|drawn| Chart { stem: drawn.stem.clone(), picture: json(&drawn.picture) });
-    let mut tables: Vec<Listed> =
-        report.tables.iter().map(|(file, table)| listed(file, table, report)).collect();
+/// The data of a page, and what of the report is among them.
+pub(super) struct Packed {
+    pub(super) text: String,
+    pub(super) tables: Vec<Listed>,
+    /// Of curves one point in so many is there.
+    pub(super) thinned: usize,
+}
+
+pub(super) fn data(report: &Report) -> Packed {
+    let points: usize = report.charts.iter().map(|drawn| points(&drawn.picture)).sum();
+    let thinned = points.div_ceil(MOST_POINTS).max(1);
+    let charts = report
+        .charts
+        .iter()
+        .map(|drawn| Chart { stem: drawn.stem.clone(), picture: json(&one_in(thinned, &drawn.picture)) });
+    let tables: Vec<Listed> = report.tables.iter().map(|(file, table)| listed(file, table, report)).collect();
     let data = Data { looks: LOOKS, charts: charts.collect(), tables };
-    let packed = packed(json(&data).get().as_bytes());
-    tables = data.tables;
-    (packed, tables)
+    Packed { text: packed(json(&data).get().as_bytes()), tables: data.tables, thinned }
+}
+
+/// The points of the curves of a picture.
+fn points(picture: &Picture) -> usize {
+    match picture {
+        Picture::Curves(figure) => figure.series.iter().map(|series| series.points.len()).sum(),
+        Picture::Map(_) => 0,
+    }
+}
+
+/// A picture with one in so many points of its curves, and of what stands beside them.
+fn one_in(step: usize, picture: &Picture) -> Cow<'_, Picture> {
+    let Picture::Curves(figure) = picture else { return Cow::Borrowed(picture) };
+    if step == 1 {
+        return Cow::Borrowed(picture);
+    }
+    let mut figure = figure.clone();
+    for series in &mut figure.series {
+        series.points = thin(&series.points, step);
+        series.law = thin(&series.law, step);
+    }
+    for line in figure.laws.iter_mut().flat_map(|law| &mut law.lines) {
+        line.points = thin(&line.points, step);
+    }
+    Cow::Owned(Picture::Curves(figure))
+}
+
+/// The first one, then one in so many, and the last.
+fn thin<T: Copy>(items: &[T], step: usize) -> Vec<T> {
+    let last = items.len().saturating_sub(1);
+    let kept = |(at, item): (usize, &T)| (at % step == 0 || at == last).then_some(*item);
+    items.iter().enumerate().filter_map(kept).collect()
 }
 
 fn listed(file: &'static str, table: &Table, report: &Report) -> Listed {

@@ -15,6 +15,8 @@ pub struct Card {
     pub headline: String,
     /// Its first chart, if it has one.
     pub svg: Option<String>,
+    /// The name of its folder, by which studies of one title are told apart.
+    pub folder: String,
     /// Where its report is, as a link of the gallery's own folder.
     pub report: String,
 }
@@ -43,6 +45,7 @@ pub fn gallery(cards: &[Card]) -> String {
                             }
                             @if !card.question.is_empty() { p.question { (card.question) } }
                             p.headline { (card.headline) }
+                            p.hint { (card.folder) }
                         }
                     }
                 }

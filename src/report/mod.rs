@@ -13,6 +13,7 @@ mod agreement;
 mod answer;
 mod data;
 mod gallery;
+mod notes;
 mod page;
 mod sentences;
 mod source;
@@ -20,6 +21,7 @@ mod source;
 pub use agreement::{Agreement, agreements};
 pub use answer::{Answer, answer};
 pub use gallery::{Card, gallery};
+pub use notes::notes;
 pub use source::Source;
 
 use crate::picture::Drawn;

@@ -3,7 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::agreement::{Agreement, agreements};
-use super::data::{Listed, data};
+use super::data::{Listed, Packed, data};
 use super::{Report, Source};
 use crate::chart::style_sheet;
 use crate::table::{Table, significant};
@@ -25,7 +25,7 @@ const SCRIPT: [&str; 9] = [
 ];
 
 pub(super) fn page(report: &Report) -> String {
-    let (packed, tables) = data(report);
+    let Packed { text: packed, tables, thinned } = data(report);
     let points = report.tables.first().map(|(_, table)| *table);
     let agreements = points.map(agreements).unwrap_or_default();
     let page = html! {
@@ -50,7 +50,7 @@ pub(super) fn page(report: &Report) -> String {
                 main {
                     (answer(report))
                     noscript { p.note { "Charts and tables of this page are drawn by a script, which is switched off here." } }
-                    (charts(report))
+                    (charts(report, thinned))
                     @if let Some(table) = points.filter(|_| !agreements.is_empty()) {
                         (closed_forms(table, &agreements))
                     }
@@ -103,7 +103,7 @@ fn answer(report: &Report) -> Markup {
     }
 }
 
-fn charts(report: &Report) -> Markup {
+fn charts(report: &Report, thinned: usize) -> Markup {
     html! {
         @if !report.charts.is_empty() {
             section #charts {
@@ -111,6 +111,9 @@ fn charts(report: &Report) -> Markup {
                 p.hint {
                     "Point at a chart or use the arrow keys to read values off, drag to enlarge a part, double click to see all again; \
                      names in the legend switch curves off and on."
+                }
+                @if thinned > 1 {
+                    p.note { "Curves of so many points have one in " (thinned) " here; all are in the tables of the results folder and in its chart.svg." }
                 }
                 @for (at, drawn) in report.charts.iter().enumerate() {
                     figure.chart data-chart=(at) {
@@ -166,7 +169,11 @@ fn source(source: &Source) -> Markup {
                 dt { "Study" } dd { (source.kind) ", " (source.points) " " (if source.points == 1 { "point" } else { "points" }) }
                 @if let Some((seed, trials)) = source.sampled {
                     dt { "Seed" } dd { (seed) }
-                    dt { "Trials at each point" } dd { (grouped(trials)) }
+                    dt { "Trials at each point" }
+                    dd {
+                        @if source.stops { "at most " (grouped(trials)) ", fewer where a point is precise enough before" } @else { (grouped(trials)) }
+                        @if source.lacking > 0 { ", of which " (grouped(source.lacking)) " over all points are missing" }
+                    }
                 } @else {
                     dt { "Trials" } dd { "none: every value is a formula" }
                 }
@@ -181,12 +188,15 @@ fn source(source: &Source) -> Markup {
                     }
                 }
                 dt { "Program" } dd { "sagnac " (env!("CARGO_PKG_VERSION")) @if !source.kernels.is_empty() { "; kernels " (source.kernels) } }
-                dt { "Study id" } dd { code { (source.id) } }
                 dt { "SHA-256 of points.csv" } dd { code.digest { (source.digest) } }
             }
             p { "The same study gives the same bits on any machine, device and number of threads. Save it as " code { "study.toml" } " and run" }
             pre.command { code { "sagnac run study.toml --out again" } }
-            p { "then " code { "again/points.csv" } " has the SHA-256 above." }
+            @if source.lacking > 0 {
+                p { "which samples all of it: " code { "again/points.csv" } " is then another one than that of so far, with the SHA-256 above." }
+            } @else {
+                p { "then " code { "again/points.csv" } " has the SHA-256 above." }
+            }
             details {
                 summary { "study.toml" }
                 pre #study { code { (source.study) } }

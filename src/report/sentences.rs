@@ -33,12 +33,11 @@ pub(super) fn best(
         for column in by.iter().filter(|column| rows.iter().any(|&at| column.cells[at] != column.cells[row]))
         {
             // A count may have a column for its name too.
-            let said = |name: &String| places.iter().any(|place| place.ends_with(&format!("= {name}")));
-            places.extend(named(column, &column.cells[row]).filter(|name| !said(name)));
+            places.extend(named(column, &column.cells[row]).filter(|name| !places.contains(name)));
         }
         places.join(", ")
     };
-    let shown = |value: f64| format!("{}{}", significant(value, 4), with_unit(column));
+    let shown = |value: f64| format!("{}{}", significant(value, 4).replace('-', "−"), with_unit(column));
     let label = &column.label;
     let alike = known.iter().filter(|(_, other)| shown(*other) == shown(least.1)).count();
     let band = column.band.as_ref().and_then(|band| band[least.0]);
@@ -62,8 +61,32 @@ pub(super) fn best(
     }))
 }
 
-/// Whether an estimate is the better the less it is: errors and drifts are, but not intervals that are best, responses and what has both
-/// signs.
+/// Estimates that are the better the less they are, with or without `oracle_` before them: errors, drifts and deviations.
+const LESS_IS_BETTER: [&str; 21] = [
+    "rms",
+    "q9973",
+    "max",
+    "adev",
+    "mean_avar",
+    "rmse",
+    "relative_rmse",
+    "residual_rms",
+    "drift_rms",
+    "drift_q9973",
+    "bound",
+    "bound_non_magnetic",
+    "bound_quasi_non_magnetic",
+    "bound_magnetic",
+    "bound_residual",
+    "rms_drift",
+    "rms_drift_in_phase",
+    "rms_switching",
+    "switching_drift",
+    "optimum_bound",
+    "optimum_true_rms",
+];
+
+/// Whether less of an estimate is better in all rows chosen: it is such an estimate, and none of its values is negative.
 ///
 /// # Errors
 /// Those of [`best`].
@@ -73,12 +96,10 @@ pub(super) fn less_is_better(
     filter: &[(String, String)],
 ) -> Result<bool, ColumnError> {
     let column = table.column(estimate)?;
-    let is_other =
-        ["optimum", "response", "normalised", "phase"].iter().any(|name| column.name.starts_with(name));
-    let is_bound = ["optimum_bound", "optimum_true_rms"].contains(&column.name.as_str());
+    let name = column.name.strip_prefix("oracle_").unwrap_or(&column.name);
     let rows = table.rows_where(filter)?;
     let signed = rows.iter().filter_map(|&row| column.cells[row].number()).any(|value| value < 0.0);
-    Ok((!is_other || is_bound) && !signed)
+    Ok(LESS_IS_BETTER.contains(&name) && !signed)
 }
 
 /// Where each curve is least, a sentence each, in the order of the table: `600 s: 0.153 °/h at switching interval 37.5 s`.
@@ -130,6 +151,7 @@ fn with_unit(column: &Column) -> String {
 fn named(column: &Column, cell: &Cell) -> Option<String> {
     match cell {
         Cell::Blank => None,
+        Cell::Text(text) if text.parse::<f64>().is_ok() => Some(column.valued(text)),
         Cell::Text(text) => Some(text.clone()),
         cell => cell.number().map(|x| column.valued(&significant(x, 4))),
     }
@@ -172,14 +194,9 @@ pub(super) fn of_map(map: &Map) -> Option<String> {
             let known = map.known();
             let ((cells, first), others) = shares.split_first()?;
             let share = |cells: usize| percent(cells, known);
-            let others = others.iter().map(|(cells, name)| format!(", {name} in {}", share(*cells)));
+            let others = others.iter().map(|(cells, name)| format!(", in {} {name}", share(*cells)));
             let others: String = others.collect();
-            format!(
-                "{} has the least {} in {} of cells{others}",
-                capitalised(first),
-                map.z.label,
-                share(*cells)
-            )
+            format!("In {} of cells {first} has the least {}{others}", share(*cells), map.z.label)
         }
     };
     Some(std::iter::once(found).chain(within).collect::<Vec<String>>().join("; ") + ".")
@@ -196,41 +213,166 @@ fn percent(part: usize, all: usize) -> String {
     }
 }
 
-/// Which curve keeps within its limit best, and which worst, as a sentence; none without curves.
-///
-/// Curves that rise above the limit are judged by how far they stay within it, those that come below it by how early.
+/// How the curves stand to their limit, as a sentence: how many keep within it everywhere and nowhere, and of those that pass it which one does
+/// last and which first; none without curves.
 pub(super) fn of_verdict(answers: &[Judged], limit: &str) -> Option<String> {
-    let falls = |outcome| matches!(outcome, Outcome::WithinFrom | Outcome::WithinBetween);
-    let sign = if answers.iter().any(|answer| falls(answer.outcome)) { -1.0 } else { 1.0 };
-    // How good: never within the limit is worst, always is best.
-    let merit = |answer: &Judged| {
-        let at = answer.at.first().map_or(0.0, |at| at.1);
-        match answer.outcome {
-            Outcome::AboveFrom => (0, 0.0),
-            Outcome::WithinUpTo => (2, sign * at),
-            _ => (1, sign * at),
+    let is_always = |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && !answer.open;
+    let is_never = |answer: &&Judged| answer.outcome == Outcome::AboveFrom;
+    let always: Vec<&Judged> = answers.iter().filter(is_always).collect();
+    let never: Vec<&Judged> = answers.iter().filter(is_never).collect();
+    let partly: Vec<&Judged> =
+        answers.iter().filter(|answer| !is_always(answer) && !is_never(answer)).collect();
+    let all = answers.len();
+    let counted = |curves: &[&Judged], how: &str| match curves.len() {
+        0 => None,
+        count => Some(format!("{count} of {all} curves {how} ({})", names(curves))),
+    };
+    let parts = match all {
+        0 => return None,
+        1 => return Some(capitalised(&answers[0].sentence(limit)) + "."),
+        _ if always.len() == all => return Some(format!("All {all} curves stay within {limit}.")),
+        _ if never.len() == all => return Some(format!("None of the {all} curves is within {limit}.")),
+        _ => [
+            counted(&always, &format!("stay within {limit}")),
+            order(&partly, limit),
+            counted(&never, &format!("are nowhere within {limit}")),
+        ],
+    };
+    let said: Vec<String> = parts.into_iter().flatten().collect();
+    Some(capitalised(&said.join("; ")) + ".")
+}
+
+/// Which of the curves that are within the limit in part is so longest or first, and which shortest or last. Curves that leave it and such
+/// that come to it have no common order, and are counted.
+fn order(curves: &[&Judged], limit: &str) -> Option<String> {
+    let at = |answer: &Judged| answer.at.first().map_or(0.0, |at| at.1);
+    let leaves = |answer: &&&Judged| {
+        matches!(answer.outcome, Outcome::Passes | Outcome::LastWithin | Outcome::WithinUpTo)
+    };
+    let comes = |answer: &&&Judged| answer.outcome == Outcome::WithinFrom;
+    let greatest = curves.iter().max_by(|a, b| at(a).total_cmp(&at(b)))?;
+    let least = curves.iter().min_by(|a, b| at(a).total_cmp(&at(b)))?;
+    // All that are where one of them is, to the digits that are said.
+    let there = |one: &Judged| {
+        let place = one.place();
+        names(&curves.iter().copied().filter(|answer| answer.place() == place).collect::<Vec<_>>())
+    };
+    let (first, how, last, end) = if curves.iter().filter(leaves).count() == curves.len() {
+        ("longest", "up to", greatest, least)
+    } else if curves.iter().filter(comes).count() == curves.len() {
+        ("first", "from", least, greatest)
+    } else {
+        return Some(match curves[..] {
+            [one] => one.sentence(limit),
+            _ => format!("{} are within {limit} in part ({})", curves.len(), names(curves)),
+        });
+    };
+    let side = |one: &Judged| format!("{}, {how} {}", there(one), one.place());
+    Some(match last.place() == end.place() {
+        true => format!("within {limit}: {}", side(last)),
+        false => {
+            let other = if first == "longest" { "shortest" } else { "last" };
+            format!("{first} within {limit}: {}; {other}: {}", side(last), side(end))
         }
-    };
-    let order = |a: &&Judged, b: &&Judged| {
-        let ((a, x), (b, y)) = (merit(a), merit(b));
-        a.cmp(&b).then(x.total_cmp(&y))
-    };
-    let (best, worst) = (answers.iter().max_by(order)?, answers.iter().min_by(order)?);
-    let always = answers.iter().filter(|answer| answer.outcome == Outcome::WithinUpTo).count();
-    let never = answers.iter().filter(|answer| answer.outcome == Outcome::AboveFrom).count();
-    let stays = |answer: &Judged| match answer.outcome {
-        Outcome::AboveFrom => format!("{}, nowhere", answer.name()),
-        Outcome::WithinUpTo => format!("{}, throughout", answer.name()),
-        Outcome::Passes | Outcome::LastWithin => format!("{}, up to {}", answer.name(), answer.place()),
-        Outcome::WithinFrom | Outcome::WithinBetween => {
-            format!("{}, from {} on", answer.name(), answer.place())
-        }
-    };
-    let (first, last) = if sign > 0.0 { ("Farthest", "least far") } else { ("Soonest", "latest") };
-    Some(match answers.len() {
-        1 => capitalised(&best.sentence(limit)) + ".",
-        all if always == all => format!("All {all} curves stay within {limit}."),
-        all if never == all => format!("None of the {all} curves is within {limit}."),
-        _ => format!("{first} within {limit}: {}; {last}: {}.", stays(best), stays(worst)),
     })
+}
+
+/// The names of curves, of more than three the first ones.
+fn names(curves: &[&Judged]) -> String {
+    let shown: Vec<String> = curves.iter().take(3).map(|answer| answer.name()).collect();
+    let more = if curves.len() > shown.len() { " and others" } else { "" };
+    format!("{}{more}", shown.join(" and "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::Unit;
+    use crate::verdict::{Question, verdict};
+
+    fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
+        Column { name: name.to_owned(), label: name.to_owned(), unit, cells, band: None }
+    }
+
+    /// Curves over the frequencies 1, 2, 4 Hz, with the values of an estimate.
+    fn table(estimate: &str, curves: &[(&str, [f64; 3])]) -> Table {
+        let names = curves.iter().flat_map(|(name, _)| vec![Cell::Text((*name).to_owned()); 3]).collect();
+        let xs = curves.iter().flat_map(|_| [1.0, 2.0, 4.0].map(Cell::Number)).collect();
+        let values = curves.iter().flat_map(|(_, values)| values.map(|x| Cell::from(Some(x)))).collect();
+        Table {
+            columns: vec![
+                column("filler", Unit::NONE, names),
+                column("frequency", Unit::HZ, xs),
+                column(estimate, Unit::ARCSEC, values),
+            ],
+        }
+    }
+
+    fn judged(curves: &[(&str, [f64; 3])]) -> String {
+        let table = table("rms", curves);
+        let question =
+            Question { x: "frequency", y: "rms", series: vec!["filler"], filter: vec![], limit: 10.0 };
+        of_verdict(&verdict(&table, &question).unwrap(), "10 ″").unwrap()
+    }
+
+    #[test]
+    fn curves_that_leave_the_limit_are_told_by_how_far_they_stay_and_equal_ones_together() {
+        let late = ("late", [1.0, 5.0, 20.0]);
+        let early = [("a", [5.0, 20.0, 40.0]), ("b", [5.0, 20.0, 40.0])];
+        assert_eq!(
+            judged(&[early[0], late, early[1]]),
+            "Longest within 10 ″: late, up to frequency 2.83 Hz; shortest: a and b, up to frequency 1.41 Hz."
+        );
+        assert_eq!(judged(&early), "Within 10 ″: a and b, up to frequency 1.41 Hz.");
+    }
+
+    #[test]
+    fn curves_that_are_within_everywhere_and_nowhere_are_counted() {
+        let (good, bad) = (("good", [1.0, 2.0, 3.0]), ("bad", [20.0, 30.0, 40.0]));
+        assert_eq!(judged(&[good, ("fine", [1.0; 3])]), "All 2 curves stay within 10 ″.");
+        assert_eq!(judged(&[good]), "Good: within 10 ″ up to the last point, frequency 4 Hz.");
+        assert_eq!(
+            judged(&[good, bad]),
+            "1 of 2 curves stay within 10 ″ (good); 1 of 2 curves are nowhere within 10 ″ (bad)."
+        );
+        assert_eq!(judged(&[bad, ("worse", [30.0; 3])]), "None of the 2 curves is within 10 ″.");
+    }
+
+    #[test]
+    fn curves_that_come_to_the_limit_and_that_leave_it_have_no_order() {
+        let (comes, leaves, between) =
+            (("comes", [20.0, 5.0, 2.0]), ("leaves", [2.0, 5.0, 20.0]), ("between", [20.0, 5.0, 20.0]));
+        assert_eq!(judged(&[comes, leaves]), "2 are within 10 ″ in part (comes and leaves).");
+        assert_eq!(
+            judged(&[comes, ("soon", [11.0, 5.0, 2.0])]),
+            "First within 10 ″: soon, from frequency 1.09 Hz; last: comes, from frequency 1.41 Hz."
+        );
+        assert_eq!(
+            judged(&[between, ("bad", [20.0; 3])]),
+            "Between: within 10 ″ from frequency 1.41 Hz to frequency 2.83 Hz; 1 of 2 curves are nowhere within 10 ″ (bad)."
+        );
+    }
+
+    #[test]
+    fn values_that_are_missing_at_the_end_are_not_taken_for_within() {
+        let open = ("open", [1.0, 2.0, f64::NAN]);
+        let said = judged(&[open, ("good", [1.0, 2.0, 3.0])]);
+        assert!(said.starts_with("1 of 2 curves stay within 10 ″ (good)"), "{said}");
+        assert!(said.contains("within 10 ″: open, up to frequency 2 Hz"), "{said}");
+    }
+
+    #[test]
+    fn what_is_least_is_told_of_errors_and_of_others_where_they_run() {
+        let curves = [("a", [3.0, 2.0, 5.0]), ("b", [4.0, 4.0, 4.0])];
+        let told = |estimate: &str| {
+            best(&table(estimate, &curves), estimate, &[], &["filler", "frequency"]).unwrap().unwrap()
+        };
+        assert_eq!(told("rms"), "The least rms is 2 ″: a, frequency 2 Hz.");
+        let range = "The coverage95 runs from 2 ″ (a, frequency 2 Hz) to 5 ″ (a, frequency 4 Hz).";
+        assert_eq!(told("coverage95"), range);
+        let each = least_of_each(&table("rms", &curves), ("frequency", "rms"), &[], &["filler"]).unwrap();
+        assert_eq!(each, ["a: 2 ″ at frequency 2 Hz", "b: 4 ″ everywhere"]);
+        let signed = table("rms", &[("a", [-3.0, 2.0, 5.0])]);
+        assert!(best(&signed, "rms", &[], &["frequency"]).unwrap().unwrap().contains("from −3 ″"));
+    }
 }

@@ -13,10 +13,12 @@ pub struct Source {
     pub study: String,
     /// Its kind: `gap-fill`.
     pub kind: String,
-    /// The study id.
-    pub id: String,
     /// Seed and trials at each point; none of closed forms.
     pub sampled: Option<(u64, u64)>,
+    /// Whether points stop at a precision, so that the trials are the most there are.
+    pub stops: bool,
+    /// Trials that are missing of the whole.
+    pub lacking: u64,
     /// How many points its sweeps make.
     pub points: usize,
     /// Who sampled how much.
@@ -28,7 +30,8 @@ pub struct Source {
 }
 
 impl Source {
-    /// Of what a store holds of a study; `tables` are those of the same store, `held` the trials that [`Plan::held`] says.
+    /// Of what a store holds of a study; `tables` are those of the same store, `held` the trials that
+    /// [`Plan::held`] says, `lacking` those that are missing of the whole.
     ///
     /// # Errors
     /// The store cannot be read, or a row of it is damaged.
@@ -38,6 +41,7 @@ impl Source {
         store: &Store,
         tables: &Tables,
         held: u64,
+        lacking: u64,
     ) -> Result<Source, StoreError> {
         let identity = plan.identity();
         let mut points = Vec::new();
@@ -45,8 +49,9 @@ impl Source {
         let _ = tables.points.write_csv(&mut points);
         Ok(Source {
             study: study.resolved(held),
-            id: identity.id().to_string(),
             sampled: plan.is_sampled().then_some((study.seed, held)),
+            stops: study.has_stop_rule(),
+            lacking,
             points: study.sweeps.iter().map(|sweep| sweep.values.len()).product(),
             provenance: store.provenance()?,
             digest: Sha256::digest(&points).iter().map(|byte| format!("{byte:02x}")).collect(),

@@ -22,6 +22,18 @@ pub fn significant(x: f64, digits: usize) -> String {
     }
 }
 
+/// A large number with three digits and a word.
+pub fn short(number: f64) -> String {
+    let (scale, unit) = match number {
+        x if x >= 1e12 => (1e12, " trillion"),
+        x if x >= 1e9 => (1e9, " billion"),
+        x if x >= 1e6 => (1e6, " million"),
+        x if x >= 1e4 => (1e3, " thousand"),
+        x => return significant(x, 4),
+    };
+    format!("{}{unit}", significant(number / scale, 3))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -60,8 +60,9 @@ fn page(table: &Table) -> String {
     let source = Source {
         study: "kind = \"gap-fill\"\n".to_owned(),
         kind: "gap-fill".to_owned(),
-        id: "0".to_owned(),
         sampled: Some((1, 1000)),
+        stops: false,
+        lacking: 0,
         points: 1,
         provenance: vec![],
         kernels: "gap_fill 2".to_owned(),

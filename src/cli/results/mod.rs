@@ -5,7 +5,7 @@ mod summary;
 use std::path::Path;
 
 use sagnac::picture::{Drawn, Shown as Curves, Verdict, pictures, shown, verdicts};
-use sagnac::report::{Answer, Card, FILE as REPORT, Report, Source, answer};
+use sagnac::report::{Answer, Card, FILE as REPORT, Report, Source, answer, notes};
 use sagnac::run::{Done, Plan, RESOLVED, Tables};
 use sagnac::share::Share;
 use sagnac::store::{self, Store};
@@ -17,7 +17,7 @@ use super::Failure;
 use super::charts::draw;
 use super::look;
 use super::output::{print, write};
-use super::progress::{How, Shown, short};
+use super::progress::{How, Shown};
 
 /// A table as the bytes of its file.
 ///
@@ -89,7 +89,7 @@ pub fn report(
     let charts = pictures(study, &tables)?;
     let curves = shown(study, &tables)?;
     let verdicts = verdicts(study, &curves)?;
-    let answer = answer(study, &tables, &charts, &curves, &verdicts)?;
+    let answer = answer(study, &tables, &charts, &curves, &verdicts, lacking)?;
     let headline = answer.headline.clone();
     let held = plan.held(store)?;
     let known = results.known(store, held, &tables)?;
@@ -99,6 +99,7 @@ pub fn report(
         question: study.question.clone(),
         headline,
         svg: charts.first().map(|drawn| drawn.picture.svg()),
+        folder: folder.display().to_string(),
         report: REPORT.to_owned(),
     })
 }
@@ -123,7 +124,7 @@ impl Results<'_> {
         let curves = shown(study, &tables)?;
         let verdicts = verdicts(study, &curves)?;
         let known = self.known(store, held, &tables)?;
-        let answer = answer(study, &tables, &charts, &curves, &verdicts)?;
+        let answer = answer(study, &tables, &charts, &curves, &verdicts, self.lacking)?;
         self.write_report(store, held, &tables, &charts, answer, &known)?;
         let of_charts = charts.iter().filter_map(Drawn::sentence);
         let notes: Vec<String> = of_charts.chain(known.iter().cloned()).collect();
@@ -145,11 +146,8 @@ impl Results<'_> {
     /// What should be known besides the results, but of charts.
     fn known(&self, store: &Store, held: u64, tables: &Tables) -> Result<Vec<String>, Failure> {
         let Results { study, plan, done, lacking, .. } = self;
-        let incomplete = (*lacking > 0)
-            .then(|| format!("the run is incomplete: {} trials are missing", short(*lacking as f64)));
-        let degraded = done.iter().flat_map(|(done, _)| done.degraded.clone());
-        let uneven = if study.has_stop_rule() { None } else { uneven(&tables.points) };
-        Ok(incomplete.into_iter().chain(degraded).chain(plan.notes(store, held)?).chain(uneven).collect())
+        let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
+        Ok(notes(study, plan, store, tables, (held, *lacking), degraded)?)
     }
 
     fn write_report(
@@ -169,7 +167,7 @@ impl Results<'_> {
             notes,
             charts,
             tables: tables.files().collect(),
-            source: Source::of(study, plan, store, tables, held)?,
+            source: Source::of(study, plan, store, tables, held, self.lacking)?,
         };
         write(&folder.join(REPORT), report.html().as_bytes())
     }
@@ -222,12 +220,4 @@ impl Results<'_> {
         }
         document
     }
-}
-
-/// That rows are of different numbers of trials.
-fn uneven(table: &Table) -> Option<String> {
-    let column = table.columns.iter().find(|column| column.name == "trials")?;
-    let trials = || column.cells.iter().filter_map(Cell::number);
-    let (least, most) = (trials().reduce(f64::min)?, trials().reduce(f64::max)?);
-    (least < most).then(|| format!("rows are from {} to {} trials", short(least), short(most)))
 }
