@@ -1,7 +1,7 @@
 //! Progress for a function of the caller, and the end that it or Ctrl-C puts to a run.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
@@ -13,7 +13,7 @@ const INTERVAL: Duration = Duration::from_millis(100);
 /// Tells a function how far a run has come, `progress(done, total, unit)`, and hears of interruptions.
 pub struct Listener {
     function: Option<Py<PyAny>>,
-    unit: OnceLock<&'static str>,
+    unit: Mutex<&'static str>,
     done: AtomicU64,
     total: AtomicU64,
     told: Mutex<Instant>,
@@ -24,7 +24,7 @@ impl Listener {
     pub fn new(function: Option<Py<PyAny>>) -> Listener {
         Listener {
             function,
-            unit: OnceLock::new(),
+            unit: Mutex::new("trials"),
             done: AtomicU64::new(0),
             total: AtomicU64::new(0),
             told: Mutex::new(Instant::now()),
@@ -49,7 +49,7 @@ impl Listener {
         let Ok(mut told) = self.told.try_lock() else { return };
         *told = Instant::now();
         let [done, total] = [&self.done, &self.total].map(|count| count.load(Ordering::Relaxed));
-        let unit = *self.unit.get().unwrap_or(&"trials");
+        let unit = self.unit.lock().map_or("trials", |unit| *unit);
         if let Err(error) = Python::attach(|py| function.call1(py, (done, total, unit)).map(drop)) {
             self.keep(error);
         }
@@ -62,7 +62,10 @@ impl Listener {
 
 impl Progress for Listener {
     fn start(&self, unit: &'static str, done: u64, total: u64) {
-        self.unit.get_or_init(|| unit);
+        // Fits may follow the samples.
+        if let Ok(mut current) = self.unit.lock() {
+            *current = unit;
+        }
         self.done.store(done, Ordering::Relaxed);
         self.total.store(total, Ordering::Relaxed);
         self.tell();

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,15 @@ import sagnac
 ENDLESS = 1 << 31
 
 
+@pytest.fixture
+def interrupted() -> Iterator[None]:
+    """Programs that a shell starts in the background ignore Ctrl-C; not so here."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.usefixtures("interrupted")
 def test_ctrl_c_ends_a_run_and_what_was_sampled_is_kept(studies: Path, tmp_path: Path) -> None:
     study, out = studies / "smoke.toml", tmp_path / "out"
     timer = threading.Timer(2.0, os.kill, (os.getpid(), signal.SIGINT))

@@ -72,7 +72,10 @@ fn of_key(key: &Explained) -> String {
         line(&format!("Can be swept as key = \"{}\": {}.", key.key, swept.label));
     }
     let kinds: Vec<&str> = key.kinds.iter().map(|kind| kind.name()).collect();
-    line(&format!("In studies of kind {}.", kinds.join(", ")));
+    let table = key.key.split_once('.').map_or_else(String::new, |(table, _)| {
+        format!(" with a table [{table}], as far as they have a use for it")
+    });
+    line(&format!("In studies of kind {}{table}.", kinds.join(", ")));
     let example: String = key.example.lines().map(|line| format!("    {line}\n")).collect();
     text + "  Example:\n" + &example
 }

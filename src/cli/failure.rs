@@ -58,7 +58,7 @@ pub enum Failure {
     #[error("cannot listen for signals: {0}")]
     Signals(std::io::Error),
     #[error(
-        "stopped by {cause}: {} of {} {} are kept in {folder}\nresumable: run the same command again and it goes on from there",
+        "stopped by {cause}: {} of {} {} are kept in {folder}\nresumable: run the same command again and it goes on from there; `sagnac report` makes the page of what there is",
         short(reached.0 as f64), short(reached.1 as f64), reached.2
     )]
     Stopped { cause: Cause, reached: (u64, u64, &'static str), folder: PathBuf },

@@ -55,11 +55,18 @@ fn write_all(firmware: &Firmware, folder: &Path, test_vectors: Option<u32>) -> R
     write(&path, &csv)?;
     write(&folder.join("sagnac_filler.h"), firmware.header().as_bytes())?;
     write_pictures(folder, "response", &firmware.response().svg())?;
+    let path = folder.join("test_vectors.csv");
     if let Some(count) = test_vectors {
         let mut csv = Vec::new();
-        let path = folder.join("test_vectors.csv");
         firmware.write_vectors(&firmware.vectors(count as usize), &mut csv).map_err(failed(&path))?;
         write(&path, &csv)?;
+    } else if path.exists() {
+        // Those of an earlier call may be of other weights.
+        std::fs::remove_file(&path).map_err(failed(&path))?;
+        say!(
+            "note: {} was of an earlier call and is removed; --test-vectors makes them anew",
+            path.display()
+        );
     }
     Ok(())
 }

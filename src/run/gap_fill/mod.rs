@@ -15,7 +15,7 @@ use crate::id::Id;
 use crate::lower::{LowerError, Lowered};
 use crate::share::Share;
 use crate::store::{Store, StoreError};
-use crate::study::{Error, GapFill, Point, Study, StudyError};
+use crate::study::{Error, Filler, GapFill, Method, Point, Study, StudyError};
 
 /// A study whose every point is proven to fit.
 #[derive(Debug)]
@@ -136,6 +136,7 @@ impl<'a> Plan<'a> {
     /// What should be known besides the results.
     pub(super) fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError> {
         let mut notes = self.absent();
+        notes.extend(self.designed_anew());
         let (imprecise, fillers) = self.imprecise(store)?;
         if imprecise > 0 {
             let trials = self.study.trials;
@@ -144,6 +145,23 @@ impl<'a> Plan<'a> {
             ));
         }
         Ok(notes)
+    }
+
+    /// That fillers have other weights at each point, which firmware cannot have.
+    fn designed_anew(&self) -> Option<String> {
+        let is_free = |filler: &&Filler| filler.method == Method::MinimumVariance(None);
+        let free: Vec<&str> =
+            self.gap_fill.fillers.iter().filter(is_free).map(|filler| filler.name.as_str()).collect();
+        let design = |key: &str| key.starts_with("motion.") || key.starts_with("gyro.");
+        let sweeps = &self.study.sweeps;
+        let varies = sweeps.iter().any(|sweep| sweep.values.len() > 1 && design(sweep.key.name));
+        (varies && !free.is_empty()).then(|| {
+            format!(
+                "{} without a band: designed anew for the motion and noise of each point, the best there could be; firmware has one set of \
+                 weights, that of a band",
+                free.join(", ")
+            )
+        })
     }
 
     /// Errors that were asked for and that a filler does not have, each in a sentence.
