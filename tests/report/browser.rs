@@ -150,8 +150,11 @@ impl Browser {
 
     /// Moves an element into view; returns its left, top, width and height there, in px.
     pub fn place(&self, selector: &str) -> [f64; 4] {
-        let script = "const e = document.querySelector(arguments[0]); e.scrollIntoView({ block: 'center', behavior: 'instant' }); \
-                      const b = e.getBoundingClientRect(); return [b.left, b.top, b.width, b.height]";
+        // The page hears that it was scrolled with the next frame.
+        let script = "const e = document.querySelector(arguments[0]); \
+            e.scrollIntoView({ block: 'center', behavior: 'instant' }); \
+            const place = () => { const b = e.getBoundingClientRect(); return [b.left, b.top, b.width, b.height] }; \
+            return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(place()))))";
         let place = self.ask(script, json!(selector));
         let part = |at: usize| place[at].as_f64().unwrap_or_else(|| panic!("{selector}: {place}"));
         [0, 1, 2, 3].map(part)
