@@ -13,7 +13,8 @@ fn smaller_root(b: f64, c: f64, d: f64) -> Option<f64> {
     }
     let left = |m: f64| m * m * (b - c * m) - d;
     let (mut below, mut above) = (0.0, 2.0 * b / (3.0 * c));
-    if left(above) < 0.0 {
+    // Of what is infinite there is no middle.
+    if !above.is_finite() || left(above).is_nan() || left(above) < 0.0 {
         return None;
     }
     loop {
@@ -130,6 +131,10 @@ mod tests {
     fn what_is_no_number_has_no_root_and_ends_the_search() {
         let strange = Budget { residual_max: f64::NAN, ..PAPER };
         assert_eq!(strange.optimum_as_published(600.0), None);
+        for t in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0] {
+            assert_eq!(PAPER.optimum_as_published(t).filter(|t| !t.is_finite()), None, "{t}");
+            assert_eq!(PAPER.optimum_expanded(t).filter(|t| !t.is_finite()), None, "{t}");
+        }
         assert!(strange.optimum(600.0).is_some_and(|best| best.bound.is_nan()));
         assert!(PAPER.optimum(f64::NAN).is_some_and(|best| best.bound.is_nan()));
     }
