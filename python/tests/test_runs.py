@@ -66,8 +66,7 @@ def test_tables_verdicts_and_files_are_those_of_the_program(
     assert [verdict.data for verdict in found.verdicts] == expected["verdicts"]
     for key in ["title", "question", "seed", "trials", "device", "sampled_trials"]:
         assert getattr(found, key) == expected[key], key
-    # The program also says where rows are of several numbers of trials, which is a column here.
-    assert list(found.notes) == [note for note in expected["notes"] if not note.startswith("rows are from")]
+    assert list(found.notes) == expected["notes"]
     written = sorted(path.name for path in (tmp_path / "python").glob("*.csv"))
     for file in [*written, "resolved_study.toml"]:
         ours, theirs = (tmp_path / folder / file for folder in ["python", "program"])
