@@ -41,6 +41,15 @@ pub fn base_log2(trials: u64) -> u32 {
     (trials / 32).max(1).ilog2().clamp(SMALLEST, LARGEST)
 }
 
+/// log2 of the steps, some milliseconds, below which it costs more to keep and read a row than to sample it again.
+const QUICK: u32 = 18;
+
+/// log2 of the largest rows of a study of so many trials, each of so many steps: its base block, or what is sampled in no time.
+/// Thousands of points have few rows then.
+pub fn row_log2(trials: u64, steps: u64) -> u32 {
+    base_log2(trials).max(QUICK.saturating_sub(steps.max(1).ilog2()))
+}
+
 /// The fewest blocks of at most 2^`largest` trials that make up `range`, in order.
 pub fn cover(range: Range<u64>, largest: u32) -> Vec<Block> {
     let mut blocks = Vec::new();
@@ -98,6 +107,14 @@ mod tests {
             assert_eq!(at, range.end.max(range.start));
         }
         assert_eq!(cover(0..1 << 20, 14).len(), 64);
+    }
+
+    #[test]
+    fn what_is_sampled_in_no_time_has_few_rows() {
+        assert_eq!(cover(0..100_000, row_log2(100_000, 1)).len(), 6);
+        assert_eq!(row_log2(100_000, 1 << 10), base_log2(100_000));
+        assert_eq!(row_log2(1 << 40, 1), base_log2(1 << 40));
+        assert_eq!(row_log2(1, 0), QUICK);
     }
 
     #[test]

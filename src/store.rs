@@ -39,6 +39,7 @@ mod check;
 mod database;
 mod encoding;
 mod error;
+mod index;
 mod lock;
 mod row;
 mod schema;
@@ -49,6 +50,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
 
+use rayon::prelude::*;
 use rusqlite::{Connection, TransactionBehavior, params};
 
 use crate::block::{Block, fold};
@@ -59,6 +61,7 @@ use crate::share::Share;
 pub use check::Report;
 use database::{SHARE, all_sound, exclusive, note, put, shares, structure};
 pub use error::StoreError;
+pub use index::Index;
 use lock::Lock;
 pub use lock::{Holder, LOCK};
 use row::{COLUMNS, Raw};
@@ -240,30 +243,6 @@ impl Store {
         transaction.commit().map_err(failed)
     }
 
-    /// The blocks held of a tally, as they were written.
-    ///
-    /// # Errors
-    /// A row is damaged or was computed from other parameters, or the disk fails.
-    pub fn blocks(&self, address: &Address) -> Result<Vec<Block>, StoreError> {
-        let mut blocks = Vec::new();
-        self.each(address, |raw| {
-            blocks.push(raw.block);
-            Ok(())
-        })?;
-        Ok(blocks)
-    }
-
-    /// How many trials are held of a tally, if they are its first ones.
-    ///
-    /// # Errors
-    /// Those of [`Store::blocks`].
-    pub fn trials(&self, address: &Address) -> Result<Option<u64>, StoreError> {
-        let blocks = fold(self.blocks(address)?.into_iter().map(|block| (block, ())).collect());
-        let end = blocks.last().map_or(0, |(block, ())| block.end());
-        let held: u64 = blocks.iter().map(|(block, ())| block.trials()).sum();
-        Ok((held == end).then_some(end))
-    }
-
     /// The tally over all trials held, folded from its rows.
     ///
     /// # Errors
@@ -277,11 +256,18 @@ impl Store {
     /// # Errors
     /// Those of [`Store::total`].
     pub fn total_within(&self, address: &Address, trials: u64) -> Result<Moments, StoreError> {
-        let mut total = Moments::empty(true);
-        for (_, tally) in self.held::<Moments>(address, trials)? {
-            total.merge(&tally);
-        }
-        Ok(total)
+        added_up(&self.held(address, trials)?, &self.path)
+    }
+
+    /// The same of several, in their order: they are read one after the other, and added up side by side.
+    ///
+    /// # Errors
+    /// Those of [`Store::total`].
+    pub fn totals(&self, addresses: impl IntoIterator<Item = Address>) -> Result<Vec<Moments>, StoreError> {
+        let held = addresses.into_iter().map(|address| self.held(&address, u64::MAX));
+        let held: Vec<Vec<Raw>> = held.collect::<Result<_, _>>()?;
+        let path = self.path.as_path();
+        held.par_iter().map(|rows| added_up(rows, path)).collect()
     }
 
     /// The rows of all trials held, `width` integers each, in their order.
@@ -289,53 +275,31 @@ impl Store {
     /// # Errors
     /// Those of [`Store::total`].
     pub fn rows(&self, address: &Address, width: usize) -> Result<Vec<Rows>, StoreError> {
-        let held = self.held::<Rows>(address, u64::MAX)?;
-        match held.iter().find(|(_, rows)| rows.width != width) {
-            Some((block, _)) => {
-                let Address { point, estimate, .. } = *address;
-                let what = "its rows are of another width";
-                Err(StoreError::DamagedRow {
-                    path: self.path.clone(),
-                    point,
-                    estimate,
-                    first: block.first,
-                    what,
-                })
-            }
-            None => Ok(held.into_iter().map(|(_, rows)| rows).collect()),
-        }
+        let rows = |raw: Raw| match raw.tally::<Rows>(&self.path)? {
+            rows if rows.width == width => Ok(rows),
+            _ => Err(raw.damaged(&self.path, "its rows are of another width")),
+        };
+        self.held(address, u64::MAX)?.into_iter().map(rows).collect()
     }
 
-    /// The tallies that lie within the first `trials` trials, none of them twice.
-    fn held<T: Tally>(&self, address: &Address, trials: u64) -> Result<Vec<(Block, T)>, StoreError> {
-        let mut held = Vec::new();
-        self.each(address, |raw| {
-            if raw.block.end() <= trials {
-                held.push((raw.block, raw.tally(&self.path)?));
-            }
-            Ok(())
-        })?;
-        Ok(fold(held))
-    }
-
-    /// The rows of a tally, each of them sound and of the right parameters.
-    fn each(
-        &self,
-        address: &Address,
-        mut hear: impl FnMut(Raw) -> Result<(), StoreError>,
-    ) -> Result<(), StoreError> {
+    /// The rows that lie within the first `trials` trials, none of them twice, in their order, each of them sound and of the right
+    /// parameters.
+    fn held(&self, address: &Address, trials: u64) -> Result<Vec<Raw>, StoreError> {
         let failed = |source| StoreError::of(&self.path, source);
         let sql = format!("SELECT {COLUMNS} FROM tally WHERE point = ?1 AND estimate = ?2");
         let mut statement = self.connection.prepare_cached(&sql).map_err(failed)?;
         let mut rows = statement.query(params![address.point.0, address.estimate.0]).map_err(failed)?;
+        let mut held = Vec::new();
         while let Some(row) = rows.next().map_err(failed)? {
             let raw = Raw::read(row).map_err(failed)?.sound(&self.path)?;
             if raw.address.digest != address.digest {
                 return Err(raw.disagrees(&self.path));
             }
-            hear(raw)?;
+            if raw.block.end() <= trials {
+                held.push((raw.block, raw));
+            }
         }
-        Ok(())
+        Ok(fold(held).into_iter().map(|(_, raw)| raw).collect())
     }
 
     /// Which devices computed the rows, each once with all its trials and seconds, the one with the most trials first. Rows that
@@ -372,6 +336,15 @@ impl Store {
     fn failed(&self, source: rusqlite::Error) -> StoreError {
         StoreError::of(&self.path, source)
     }
+}
+
+/// The tally of all trials of some rows that have none in common.
+fn added_up(rows: &[Raw], path: &Path) -> Result<Moments, StoreError> {
+    let mut total = Moments::empty(true);
+    for raw in rows {
+        raw.add_to(&mut total, path)?;
+    }
+    Ok(total)
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use sagnac::study::{MOST_TRIALS, Study};
 
 use super::Failure;
 use super::output::print_json;
-use super::progress;
+use super::progress::{self, Shown};
 use super::results::{Out, Results};
 use super::run::checked;
 
@@ -86,13 +86,9 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
     }
     let lacking = plan.lacks(&store, Share::WHOLE)?;
     let results = Results { study: &study, plan: &plan, folder: &options.out, done: None, lacking };
-    let out = Out {
-        json: options.json,
-        quiet: options.quiet,
-        plot: options.plot,
-        progress: options.progress.how(options.quiet),
-    };
-    if let Some(document) = results.show(&store, out)? {
+    let out = Out { json: options.json, quiet: options.quiet, plot: options.plot };
+    let progress = Shown::new(options.progress.how(options.quiet));
+    if let Some(document) = results.show(&store, out, &progress)? {
         print_json(&document)?;
     }
     match lacking {

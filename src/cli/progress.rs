@@ -101,7 +101,7 @@ impl Progress for Shown {
             Shown::Nothing => {}
             Shown::Bar(bar, pace) => {
                 if let Ok(mut pace) = pace.lock() {
-                    *pace = Pace::new(done, total);
+                    enter(&mut pace, done, total);
                 }
                 // It may have come to an end with another unit.
                 bar.reset();
@@ -151,6 +151,14 @@ impl Progress for Shown {
     }
 }
 
+/// A phase begins, of the work that was begun or of another one.
+fn enter(pace: &mut Pace, done: u64, total: u64) {
+    match pace.is_open() {
+        true => pace.go_on(done, total),
+        false => *pace = Pace::new(done, total),
+    }
+}
+
 /// Plain lines, without control characters.
 #[derive(Default)]
 pub struct Lines {
@@ -173,7 +181,11 @@ impl Lines {
         }
         if let Ok(mut state) = self.state.lock() {
             let next = Duration::from_secs(LINE_SECONDS);
-            *state = Some(State { unit, total, pace: Pace::new(before, total), next });
+            let fresh = State { unit, total, pace: Pace::new(0, 0), next };
+            let State { pace, next, .. } = state.take().filter(|state| state.pace.is_open()).unwrap_or(fresh);
+            let mut entered = State { unit, total, pace, next };
+            enter(&mut entered.pace, before, total);
+            *state = Some(entered);
         }
     }
 
@@ -188,9 +200,7 @@ impl Lines {
         {
             *next = elapsed + Duration::from_secs(LINE_SECONDS);
             let percent = 100.0 * done as f64 / (*total).max(1) as f64;
-            // Records may be fitted after that, which has a count and a time of its own.
-            let of = if *unit == "samples" { " of sampling" } else { "" };
-            say!("{percent:.0} %, {} {unit}/s, {} left{of}", short(pace.rate(done)), words(left));
+            say!("{percent:.0} %, {} {unit}/s, {} left", short(pace.rate(done)), words(left));
         }
     }
 

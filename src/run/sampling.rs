@@ -3,13 +3,16 @@
 use std::ops::Range;
 use std::time::Instant;
 
+use rayon::prelude::*;
+
 use super::worker::Worker;
 use super::{BATCH_SECONDS, Progress, RunError};
 use crate::backend::Job;
 use crate::block::{Block, cover, missing};
 use crate::kernel::launch::Launch;
 use crate::kernel::moments::Moments;
-use crate::store::{Address, Provenance, Row, Store, StoreError};
+use crate::stats::Estimates;
+use crate::store::{Address, Index, Provenance, Row, Store, StoreError};
 
 /// A launch and the blocks of it that are missing.
 pub(super) struct Work {
@@ -35,16 +38,18 @@ const FIRST_BATCH: u64 = 1 << 20;
 /// Most steps of a block: one that is lost with its batch, or that a signal waits for, takes seconds at most.
 const MOST_STEPS_LOG2: u32 = 30;
 
-/// The blocks of 2^`log2` trials and smaller that any of some estimates lacks of these `trials`.
+/// The blocks of 2^`log2` trials and smaller that any of some estimates lacks of these `trials`. Whether a row counts can depend
+/// on its place.
 pub(super) fn lacking<'a>(
-    store: &Store,
+    index: &Index,
     addresses: impl IntoIterator<Item = &'a Address>,
     trials: Range<u64>,
     log2: u32,
+    counts: impl Fn(&Block) -> bool,
 ) -> Result<Vec<Block>, StoreError> {
     let mut blocks = Vec::new();
     for address in addresses {
-        let held = store.blocks(address)?;
+        let held: Vec<Block> = index.blocks(address)?.iter().copied().filter(&counts).collect();
         blocks.extend(missing(&held, trials.clone()).into_iter().flat_map(|gap| cover(gap, log2)));
     }
     blocks.sort();
@@ -57,9 +62,10 @@ pub(super) fn held_by_all<'a>(
     store: &Store,
     addresses: impl IntoIterator<Item = &'a Address>,
 ) -> Result<Option<u64>, StoreError> {
+    let index = store.index()?;
     let mut held = None;
     for address in addresses {
-        let trials = store.trials(address)?;
+        let trials = index.trials(address)?;
         if trials.is_none() || *held.get_or_insert(trials) != trials {
             return Ok(None);
         }
@@ -67,10 +73,41 @@ pub(super) fn held_by_all<'a>(
     Ok(held.flatten())
 }
 
+/// What a run costs beside the work at hand, in steps.
+#[derive(Debug, Default)]
+pub(super) struct Beside {
+    /// Of work that it did before.
+    pub(super) before: f64,
+    /// Of work that it will find when this is done, as far as that can be told: infinite where it cannot.
+    pub(super) after: f64,
+}
+
+/// Tallies that are in memory at once, 5 KiB each.
+const TALLIES: usize = 1024;
+
+/// Trials and estimates of what the rows of a table show: the tally at an address, where its histogram starts, and its unit, ″.
+pub(super) fn estimates<T: Sync>(
+    store: &Store,
+    rows: &[T],
+    of: impl Fn(&T) -> (Address, u32, f64) + Sync,
+) -> Result<Vec<(u64, Option<Estimates>)>, StoreError> {
+    let mut found = Vec::with_capacity(rows.len());
+    for rows in rows.chunks(TALLIES) {
+        let tallies = store.totals(rows.iter().map(|row| of(row).0))?;
+        let estimates = |(tally, row): (Moments, &T)| {
+            let (_, bin_base, unit) = of(row);
+            (tally.count, Estimates::of(&tally, bin_base, unit))
+        };
+        found.par_extend(tallies.into_par_iter().zip(rows).map(estimates));
+    }
+    Ok(found)
+}
+
 /// Samples all of `work`, or what there is time for until `progress` stops it, in batches, each of which is kept as soon as it is
-/// done, and returns how many trials that were. `started` is when the run did.
+/// done, and returns how many trials that were. `started` is when the run did; the work is then work `before`.
 pub(super) fn sample(
     work: &[Work],
+    beside: &mut Beside,
     store: &mut Store,
     worker: &mut Worker,
     progress: &(dyn Progress + Sync),
@@ -85,7 +122,7 @@ pub(super) fn sample(
         })
         .collect();
     let cost = |(work, block): &(&Work, Block)| (block.trials() * work.launch.steps()) as f64;
-    let (mut done, total) = (0.0, rest.iter().map(cost).sum());
+    let total = beside.before + rest.iter().map(cost).sum::<f64>() + beside.after;
     interleave(&mut rest);
     rest.reverse();
     let (mut batch_steps, mut sampled) = (FIRST_BATCH, 0);
@@ -103,8 +140,8 @@ pub(super) fn sample(
             })
             .collect();
         sampled += batch.iter().map(|(_, block)| block.trials()).sum::<u64>();
-        done += batch.iter().map(cost).sum::<f64>();
-        progress.cost(done, total);
+        beside.before += batch.iter().map(cost).sum::<f64>();
+        progress.cost(beside.before, total);
         let seconds = started.elapsed().as_secs_f64();
         store.insert(&rows, Some(&Provenance { device: worker.name(), trials: sampled, seconds }))?;
         let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
@@ -119,8 +156,12 @@ fn interleave(rest: &mut Vec<(&Work, Block)>) {
     let same = |a: &(&Work, Block), b: &(&Work, Block)| std::ptr::eq(a.0, b.0);
     let mut placed: Vec<(f64, (&Work, Block))> = Vec::with_capacity(rest.len());
     for group in rest.chunk_by(same) {
-        let place = |at: usize| (at as f64 + 0.5) / group.len() as f64;
-        placed.extend(group.iter().enumerate().map(|(at, block)| (place(at), *block)));
+        let trials: u64 = group.iter().map(|(_, block)| block.trials()).sum();
+        let mut before = 0;
+        for one in group {
+            placed.push(((before as f64 + 0.5 * one.1.trials() as f64) / trials as f64, *one));
+            before += one.1.trials();
+        }
     }
     placed.sort_by(|a, b| a.0.total_cmp(&b.0));
     *rest = placed.into_iter().map(|(_, block)| block).collect();

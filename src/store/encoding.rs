@@ -1,7 +1,7 @@
 //! Tallies as bytes: numbers of seven bits a byte (LEB128); of histograms runs of empty and of filled bins by their lengths.
 
 use super::Tally;
-use crate::kernel::moments::{BINS, Moments};
+use crate::kernel::moments::Moments;
 use crate::kernel::rows::Rows;
 
 impl Tally for Moments {
@@ -14,7 +14,9 @@ impl Tally for Moments {
     }
 
     fn decode(bytes: &[u8], trials: u64) -> Option<Moments> {
-        decode(bytes).filter(|tally| tally.count == trials)
+        let mut tally = Moments::empty(true);
+        add(bytes, trials, &mut tally)?;
+        Some(tally)
     }
 }
 
@@ -63,28 +65,31 @@ fn encode(tally: &Moments) -> Vec<u8> {
     bytes
 }
 
-/// The tally that the bytes stand for; `None` where they stand for none.
-fn decode(bytes: &[u8]) -> Option<Moments> {
+/// Adds the tally of so many trials that the bytes stand for to one with a histogram. `None` where they stand for none: what it
+/// was added to is then of no use.
+pub(super) fn add(bytes: &[u8], trials: u64, total: &mut Moments) -> Option<()> {
     let mut rest = bytes;
-    let mut tally = Moments {
-        count: take(&mut rest)?.try_into().ok()?,
+    let part = Moments {
+        count: take(&mut rest)?.try_into().ok().filter(|&count: &u64| count == trials)?,
         sum: unzigzag(take(&mut rest)?),
         square: take(&mut rest)?,
         least: unzigzag(take(&mut rest)?).try_into().ok()?,
         greatest: unzigzag(take(&mut rest)?).try_into().ok()?,
-        bins: vec![0; BINS],
+        bins: vec![],
     };
-    let mut bin: usize = 0;
+    total.merge(&part);
+    let (mut bin, mut counted): (usize, u64) = (0, 0);
     while !rest.is_empty() {
         bin = bin.checked_add(usize::try_from(take(&mut rest)?).ok()?)?;
         let filled = usize::try_from(take(&mut rest)?).ok()?;
-        for count in tally.bins.get_mut(bin..bin.checked_add(filled)?)? {
-            *count = take(&mut rest)?.try_into().ok()?;
+        for count in total.bins.get_mut(bin..bin.checked_add(filled)?)? {
+            let more = take(&mut rest)?.try_into().ok()?;
+            counted = counted.checked_add(more)?;
+            *count = count.checked_add(more)?;
         }
         bin += filled;
     }
-    let counted = tally.bins.iter().try_fold(0_u64, |sum, &count| sum.checked_add(count))?;
-    (counted == tally.count).then_some(tally)
+    (counted == trials).then_some(())
 }
 
 fn put(bytes: &mut Vec<u8>, mut number: u128) {
@@ -96,6 +101,13 @@ fn put(bytes: &mut Vec<u8>, mut number: u128) {
 }
 
 fn take(bytes: &mut &[u8]) -> Option<u128> {
+    // Most numbers are small.
+    if let Some((&byte, rest)) = bytes.split_first()
+        && byte < 0x80
+    {
+        *bytes = rest;
+        return Some(byte.into());
+    }
     let (mut number, mut shift) = (0_u128, 0);
     loop {
         let (&byte, rest) = bytes.split_first()?;
@@ -123,6 +135,7 @@ fn unzigzag(number: u128) -> i128 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernel::moments::BINS;
 
     #[test]
     fn a_tally_survives_its_bytes() {
@@ -132,7 +145,7 @@ mod tests {
         tally.count = u64::MAX;
         for sum in [0, 1, -1, i128::MAX, i128::MIN] {
             (tally.sum, tally.square, tally.least, tally.greatest) = (sum, u128::MAX, i32::MIN, i32::MAX);
-            assert_eq!(decode(&encode(&tally)).as_ref(), Some(&tally));
+            assert_eq!(<Moments as Tally>::decode(&encode(&tally), tally.count).as_ref(), Some(&tally));
         }
     }
 

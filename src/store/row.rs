@@ -2,12 +2,20 @@
 
 use std::path::Path;
 
+use super::encoding::add;
 use super::{Address, Row, StoreError, Tally};
 use crate::block::Block;
 use crate::id::Id;
+use crate::kernel::moments::Moments;
 
 /// The columns of a row, in the order in which [`Raw`] reads them.
 pub(super) const COLUMNS: &str = "point, estimate, first, log2, digest, sums, checksum";
+
+/// What is wrong with a key that is none.
+pub(super) const NO_BLOCK: &str = "it is of no block of trials";
+
+/// What is wrong with bytes that are no tally.
+const NO_TALLY: &str = "it is no tally of its block";
 
 /// A row with its tally as bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -41,7 +49,7 @@ impl Raw {
             return Err(self.damaged(path, "its checksum is wrong"));
         }
         if !self.block.is_aligned() {
-            return Err(self.damaged(path, "it is of no block of trials"));
+            return Err(self.damaged(path, NO_BLOCK));
         }
         Ok(self)
     }
@@ -51,8 +59,15 @@ impl Raw {
     /// # Errors
     /// The bytes are no tally of the row's block.
     pub(super) fn tally<T: Tally>(&self, path: &Path) -> Result<T, StoreError> {
-        T::decode(&self.sums, self.block.trials())
-            .ok_or_else(|| self.damaged(path, "it is no tally of its block"))
+        T::decode(&self.sums, self.block.trials()).ok_or_else(|| self.damaged(path, NO_TALLY))
+    }
+
+    /// Adds its tally to one of other trials, which is of no use after an error.
+    ///
+    /// # Errors
+    /// Those of [`Raw::tally`].
+    pub(super) fn add_to(&self, total: &mut Moments, path: &Path) -> Result<(), StoreError> {
+        add(&self.sums, self.block.trials(), total).ok_or_else(|| self.damaged(path, NO_TALLY))
     }
 
     pub(super) fn damaged(&self, path: &Path, what: &'static str) -> StoreError {

@@ -35,6 +35,9 @@ pub struct Merged {
 /// Most rows, and bytes of them, of a transaction.
 const BATCH: (usize, usize) = (4096, 32 << 20);
 
+/// A connection stays with one thread.
+const ALONE: OpenFlags = OpenFlags::SQLITE_OPEN_NO_MUTEX;
+
 impl Source {
     /// Opens the store of a results folder. What a run that was killed left in its journal is taken over first, as the run
     /// itself would have done; nothing else in the folder changes.
@@ -59,8 +62,8 @@ impl Source {
         };
         let failed = |source| StoreError::of(&path, source);
         let connection = if lock.is_some() {
-            let connection =
-                Connection::open_with_flags(&path, OpenFlags::SQLITE_OPEN_READ_WRITE).map_err(failed)?;
+            let connection = Connection::open_with_flags(&path, OpenFlags::SQLITE_OPEN_READ_WRITE | ALONE)
+                .map_err(failed)?;
             exclusive(&connection).map_err(failed)?;
             connection
         } else {
@@ -69,7 +72,7 @@ impl Source {
                 return Err(StoreError::Unfinished { path });
             }
             let uri = format!("file:{}?immutable=1", escaped(&path));
-            let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI;
+            let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | ALONE;
             Connection::open_with_flags(uri, flags).map_err(failed)?
         };
         Ok(Source { path, connection, lock })

@@ -36,7 +36,7 @@ fn rows_written_are_there_after_reopening_and_written_twice_count_once() {
         assert_eq!((total.count, total.sum), (8, 4));
     }
     let store = Store::open(folder.path(), &identity()).unwrap();
-    assert_eq!(store.blocks(&address()).unwrap().len(), 2);
+    assert_eq!(store.index().unwrap().blocks(&address()).unwrap().len(), 2);
     assert_eq!(store.points().unwrap(), [address().point]);
 }
 
@@ -68,7 +68,7 @@ fn rows_from_other_parameters_are_refused() {
     let mut store = Store::open(folder.path(), &identity()).unwrap();
     store.insert(&[row(0, 2)], Some(&so_far(8))).unwrap();
     let changed = Address { digest: Id::of("another kernel"), ..address() };
-    assert!(matches!(store.blocks(&changed), Err(StoreError::Disagrees { .. })));
+    assert!(matches!(store.index().unwrap().blocks(&changed), Err(StoreError::Disagrees { .. })));
     assert!(matches!(store.total(&changed), Err(StoreError::Disagrees { .. })));
 }
 

@@ -2,24 +2,49 @@
 
 use std::time::{Duration, Instant};
 
-/// The pace of some work since it was begun.
+/// The pace of some work since it was begun, which may have phases with units of their own.
 ///
-/// The rest is taken to go on as all did so far: by cost, where that is told, as units may differ in what they take; between two
-/// such tellings by the time that has passed since, and without any by units.
+/// The rest is taken to go on as the last half of the time did: by cost, where that is told, as units may differ in what they take;
+/// between two such tellings by the time that has passed since, and without any by units. A cost may count what later phases take.
 #[derive(Debug, Clone)]
 pub struct Pace {
     started: Instant,
+    /// When the units began to count, and part of the work that was done by then.
+    phase: (Duration, f64),
     /// Units that earlier runs had done, and all.
     before: u64,
     total: u64,
-    /// Part of the cost that was done, and after what time.
+    /// Part of the phase and what follows that was done by its cost, and after what time.
     told: Option<(f64, Duration)>,
+    /// Parts of the work that were done after some times, of those that were told.
+    history: Vec<(Duration, f64)>,
 }
+
+/// Most of what is remembered.
+const HISTORY: usize = 256;
 
 impl Pace {
     /// From now on, with so many units done before.
     pub fn new(before: u64, total: u64) -> Pace {
-        Pace { started: Instant::now(), before, total, told: None }
+        let phase = (Duration::ZERO, 0.0);
+        Pace { started: Instant::now(), phase, before, total, told: None, history: vec![phase] }
+    }
+
+    /// Whether more was told to follow than was done.
+    pub fn is_open(&self) -> bool {
+        self.told.is_some_and(|(part, _)| part < 1.0)
+    }
+
+    /// The next phase of the same work begins.
+    pub fn go_on(&mut self, before: u64, total: u64) {
+        let elapsed = self.elapsed();
+        self.go_on_after(elapsed, before, total);
+    }
+
+    fn go_on_after(&mut self, elapsed: Duration, before: u64, total: u64) {
+        let part = self.told.map_or(0.0, |(part, _)| self.of_all(part));
+        let (phase, history) = ((elapsed, part), std::mem::take(&mut self.history));
+        *self = Pace { started: self.started, phase, before, total, told: None, history };
     }
 
     /// So much is done by its cost.
@@ -30,6 +55,16 @@ impl Pace {
 
     fn cost_after(&mut self, elapsed: Duration, done: f64, total: f64) {
         self.told = (done > 0.0 && total >= done).then(|| (done / total, elapsed));
+        let Some((part, _)) = self.told else { return };
+        self.history.push((elapsed, self.of_all(part)));
+        if self.history.len() > HISTORY {
+            let mut place = 0;
+            // The first stays, as the start.
+            self.history.retain(|_| {
+                place += 1;
+                place % 2 == 1
+            });
+        }
     }
 
     pub fn elapsed(&self) -> Duration {
@@ -38,7 +73,8 @@ impl Pace {
 
     /// Units a second.
     pub fn rate(&self, done: u64) -> f64 {
-        done.saturating_sub(self.before) as f64 / self.elapsed().as_secs_f64().max(1e-9)
+        let seconds = self.elapsed().saturating_sub(self.phase.0).as_secs_f64();
+        done.saturating_sub(self.before) as f64 / seconds.max(1e-9)
     }
 
     /// The time that is left, where anything is known of it.
@@ -51,9 +87,17 @@ impl Pace {
             let all = self.total.saturating_sub(self.before);
             (all > 0).then(|| (done.saturating_sub(self.before) as f64 / all as f64, elapsed))
         };
-        let (part, at) = self.told.or_else(by_units).filter(|(part, _)| *part > 0.0)?;
-        let whole = at.as_secs_f64() / part;
-        Duration::try_from_secs_f64((whole - elapsed.as_secs_f64()).max(0.0)).ok()
+        let (part, at) = self.told.or_else(by_units)?;
+        let part = self.of_all(part);
+        let (from, before) = *self.history.iter().rev().find(|(time, _)| *time <= at / 2)?;
+        let rate = (part - before) / at.saturating_sub(from).as_secs_f64();
+        let rest = (rate > 0.0).then(|| (1.0 - part) / rate)?;
+        Duration::try_from_secs_f64((rest - elapsed.saturating_sub(at).as_secs_f64()).max(0.0)).ok()
+    }
+
+    /// A part of the phase and what follows, as a part of the work.
+    fn of_all(&self, part: f64) -> f64 {
+        self.phase.1 + (1.0 - self.phase.1) * part
     }
 }
 
@@ -139,6 +183,45 @@ mod tests {
         assert_eq!(pace.left_after(Duration::from_secs(10), 900), None);
         assert_eq!(pace.left_after(Duration::from_secs(10), 950), Some(Duration::from_secs(10)));
         assert_eq!(Pace::new(5, 5).left_after(Duration::from_secs(1), 5), None);
+    }
+
+    #[test]
+    fn a_machine_that_has_less_time_is_noticed() {
+        let batch = |at: u64| (20_000, 1.0, if at < 400 { 1e-3 } else { 3e-3 });
+        let mut pace = Pace::new(0, 1);
+        let (mut elapsed, whole) = (0.0, (0..1000).map(|at| batch(at).2).sum::<f64>());
+        for at in 0..800 {
+            elapsed += batch(at).2;
+            pace.cost_after(Duration::from_secs_f64(elapsed), at as f64 + 1.0, 1000.0);
+        }
+        let left = pace.left_after(Duration::from_secs_f64(elapsed), 0).unwrap().as_secs_f64();
+        assert!((left / (whole - elapsed) - 1.0).abs() < 0.1, "{left} of {}", whole - elapsed);
+        assert!(pace.history.len() <= HISTORY);
+    }
+
+    #[test]
+    fn phases_of_the_same_work_go_on() {
+        let seconds = Duration::from_secs;
+        let mut pace = Pace::new(0, 100);
+        // A quarter of all is sampling, and fits follow.
+        pace.cost_after(seconds(10), 10.0, 40.0);
+        assert!(pace.is_open());
+        pace.go_on_after(seconds(10), 0, 1000);
+        assert_eq!(pace.left_after(seconds(10), 0), Some(seconds(30)));
+        assert_eq!(pace.left_after(seconds(20), 500), Some(seconds(10)));
+        assert!(!pace.is_open());
+        pace.cost_after(seconds(25), 2.0, 3.0);
+        assert_eq!(pace.left_after(seconds(25), 0), Some(Duration::from_secs_f64(7.5)));
+        // What ended is no part of what comes then.
+        pace.cost_after(seconds(40), 3.0, 3.0);
+        assert!(!pace.is_open());
+    }
+
+    #[test]
+    fn where_the_cost_of_what_follows_is_not_known_no_time_is_told() {
+        let mut pace = Pace::new(0, 100);
+        pace.cost_after(Duration::from_secs(10), 10.0, f64::INFINITY);
+        assert_eq!(pace.left_after(Duration::from_secs(10), 50), None);
     }
 
     #[test]

@@ -69,7 +69,6 @@ pub struct Out {
     pub quiet: bool,
     /// Whether the first chart is drawn as text too.
     pub plot: bool,
-    pub progress: How,
 }
 
 /// Makes the report of results that are there anew, and returns what a gallery shows of it, without the way to it.
@@ -106,13 +105,13 @@ pub fn report(
 
 impl Results<'_> {
     /// Writes the files of all that the store holds, prints what the options ask for, and returns the results as JSON where
-    /// that is wanted.
+    /// that is wanted. `progress` hears of fits.
     ///
     /// # Errors
     /// A row of the store is damaged, or a file cannot be written.
-    pub fn show(&self, store: &Store, out: Out) -> Result<Option<Value>, Failure> {
+    pub fn show(&self, store: &Store, out: Out, progress: &Shown) -> Result<Option<Value>, Failure> {
         let Results { study, plan, folder, .. } = self;
-        let tables = plan.tables(store, &Shown::new(out.progress))?;
+        let tables = plan.tables(store, progress)?;
         for (name, table) in tables.files() {
             let path = folder.join(name);
             write(&path, &csv(table, &path)?)?;

@@ -216,8 +216,7 @@ fn run_study(
     // From the start on, so that what is left of a run can be merged and repeated.
     write(&folder.join(RESOLVED), study.resolved(study.trials).as_bytes())?;
     store.note_share(course.share)?;
-    let progress = options.progress.how(options.quiet);
-    let shown = Shown::new(progress);
+    let shown = Shown::new(options.progress.how(options.quiet));
     let device = device.filter(|_| plan.is_sampled());
     let name = device.as_ref().map(|device| device.name());
     let done = device.map(|device| {
@@ -243,8 +242,8 @@ fn run_study(
         return Ok(None);
     }
     let results = Results { study, plan, folder, done: done.as_ref().zip(name), lacking: 0 };
-    let document = results
-        .show(&store, Out { json: options.json, quiet: options.quiet, plot: options.plot, progress })?;
+    let out = Out { json: options.json, quiet: options.quiet, plot: options.plot };
+    let document = results.show(&store, out, &shown)?;
     if !options.json && !options.quiet {
         let rate = match &done {
             Some(done) if done.trials > 0 => {

@@ -67,7 +67,7 @@ impl Plan<'_> {
     }
 
     /// The fit of each record, in their order; of records that are no curve none.
-    fn fits(
+    pub(super) fn fits(
         &self,
         point: &RecordPoint,
         terms: &Terms,

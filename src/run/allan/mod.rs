@@ -4,33 +4,28 @@ mod coefficients;
 mod curves;
 mod estimates;
 mod rows;
+mod sampling;
 
 use std::ops::Range;
-use std::time::Instant;
 
 use super::sampling::held_by_all;
-use super::worker::Worker;
-use super::{BATCH_SECONDS, Done, Progress, RunError, Tables};
-use crate::block::{base_log2, missing};
+use super::{Progress, RunError, Tables};
+use crate::block::missing;
 use crate::fit::Curve;
 use crate::id::Id;
 use crate::lower::{LoweredCurve, RecordsError};
 use crate::share::Share;
-use crate::store::{Address, Provenance, Store, StoreError};
+use crate::store::{Address, Store, StoreError};
 use crate::study::{Allan, RecordInputs, RecordPoint, Study, StudyError};
 use crate::table::{Table, significant};
 use crate::theory::allan::{Difference, Estimator};
 use estimates::Estimates;
-use rows::rows;
 
 /// Longest averaging time of the fit, as a part of the record: beyond it intervals of K come out too short.
 const LONGEST_FITTED: u64 = 8;
 
 /// Part of a deviation that needs no word.
 const NEGLIGIBLE: f64 = 1e-4;
-
-/// Samples of the first batch.
-const FIRST_BATCH: u64 = 1 << 22;
 
 /// Most records of a point, all of which are in memory when its estimates are taken: 24 bytes each and averaging time.
 const MOST_RECORDS: u64 = 1 << 24;
@@ -89,56 +84,6 @@ impl<'a> Plan<'a> {
         LoweredCurve::new(point, self.allan.estimator, self.study.seed, self.study.streams)
     }
 
-    /// Samples what the store lacks of a share, each batch kept as soon as it is done.
-    pub(super) fn run(
-        &self,
-        store: &mut Store,
-        worker: &mut Worker,
-        share: Share,
-        progress: &(dyn Progress + Sync),
-    ) -> Result<Done, RunError> {
-        let trials = self.study.trials;
-        let lacking = self.missing(store, share)?;
-        let left: u64 = lacking.iter().map(|(planned, gap)| (gap.end - gap.start) * planned.samples).sum();
-        let of_point = |(turn, planned): (usize, &Planned)| {
-            let trials = share.trials(trials, turn);
-            (trials.end - trials.start) * planned.samples
-        };
-        let total = self.distinct().map(of_point).sum::<u64>().max(left);
-        progress.start("samples", total - left, total);
-        let started = Instant::now();
-        let (mut batch_samples, mut made, mut stopped) = (FIRST_BATCH, 0, false);
-        for (planned, gap) in lacking {
-            stopped = stopped || progress.stops();
-            if stopped {
-                break;
-            }
-            let lowered = self.lowered(planned.point)?;
-            let mut first = gap.start;
-            while first < gap.end {
-                stopped = progress.stops();
-                if stopped {
-                    break;
-                }
-                let batch_started = Instant::now();
-                let records = (batch_samples / planned.samples).max(worker.records_at_once());
-                // Whole blocks where a batch holds some, smaller ones of very long records.
-                let align = 1 << base_log2(trials).min(records.ilog2());
-                let batch = first..gap.end.min((first + records).next_multiple_of(align));
-                let advance = |records| progress.advance(records * planned.samples);
-                let sums = worker.sums(lowered.records.recipe(), batch.clone(), &advance)?;
-                (first, made) = (batch.end, made + batch.end - batch.start);
-                let seconds = started.elapsed().as_secs_f64();
-                let so_far = Provenance { device: worker.name(), trials: made, seconds };
-                store.insert(&rows(planned, batch, base_log2(trials), &sums), Some(&so_far))?;
-                let factor = BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3);
-                batch_samples = ((batch_samples as f64 * factor.clamp(0.25, 4.0)) as u64).max(1);
-            }
-        }
-        let seconds = started.elapsed().as_secs_f64();
-        Ok(Done { trials: made, seconds, stopped, degraded: vec![] })
-    }
-
     /// Records that the store lacks of a share.
     pub(super) fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
         Ok(self.missing(store, share)?.iter().map(|(_, gap)| gap.end - gap.start).sum())
@@ -146,9 +91,10 @@ impl<'a> Plan<'a> {
 
     /// The records that the store lacks of a share.
     fn missing(&self, store: &Store, share: Share) -> Result<Vec<(&Planned<'a>, Range<u64>)>, StoreError> {
+        let index = store.index()?;
         let mut lacking = Vec::new();
         for (turn, planned) in self.distinct() {
-            let gaps = missing(&store.blocks(&planned.address)?, share.trials(self.study.trials, turn));
+            let gaps = missing(index.blocks(&planned.address)?, share.trials(self.study.trials, turn));
             lacking.extend(gaps.into_iter().map(|gap| (planned, gap)));
         }
         Ok(lacking)
@@ -174,8 +120,7 @@ impl<'a> Plan<'a> {
     /// All estimates held. One point is in memory at a time.
     pub(super) fn tables(&self, store: &Store, progress: &(dyn Progress + Sync)) -> Result<Tables, RunError> {
         let mut tables = self.empty_tables();
-        let fits = if self.allan.terms.is_some() { self.study.trials * self.points.len() as u64 } else { 0 };
-        progress.start("fits", 0, fits);
+        progress.start("fits", 0, self.all_fits());
         for planned in &self.points {
             let lowered = self.lowered(planned.point)?;
             let rows = store.rows(&planned.address, planned.width)?;
@@ -183,6 +128,11 @@ impl<'a> Plan<'a> {
             self.add(&mut tables, planned.point, Some(&lowered), &estimates, &|fits| progress.advance(fits));
         }
         Ok(tables)
+    }
+
+    /// Fits of all records, where any are asked for.
+    fn all_fits(&self) -> u64 {
+        if self.allan.terms.is_some() { self.study.trials * self.points.len() as u64 } else { 0 }
     }
 
     fn empty_tables(&self) -> Tables {

@@ -5,12 +5,12 @@ mod stop;
 
 use std::time::Instant;
 
-use super::sampling::{Work, lacking, sample};
+use super::sampling::{Beside, Work, lacking, sample};
 use super::worker::Worker;
 use super::{Done, NORMAL_95, Progress, RunError};
 use rayon::prelude::*;
 
-use crate::block::{Block, base_log2};
+use crate::block::{Block, base_log2, row_log2};
 use crate::id::Id;
 use crate::lower::{LowerError, Lowered};
 use crate::share::Share;
@@ -71,6 +71,8 @@ impl<'a> Plan<'a> {
         let mut wanted = if share.is_whole() { self.first_wanted() } else { self.most_trials() };
         let started = Instant::now();
         let (mut trials, mut stopped) = (0, false);
+        // How many more rounds there will be can be told from errors only.
+        let mut beside = Beside { before: 0.0, after: if self.decides(share) { f64::INFINITY } else { 0.0 } };
         for round in 0.. {
             let work = self.missing(store, &wanted, share)?;
             let left: u64 = work.iter().map(Work::trials).sum();
@@ -84,12 +86,17 @@ impl<'a> Plan<'a> {
                 };
                 progress.start("trials", all.saturating_sub(lacking), all.max(lacking));
             }
-            let sampled = sample(&work, store, worker, progress, started)?;
+            let sampled = sample(&work, &mut beside, store, worker, progress, started)?;
             trials += sampled;
             stopped = sampled < left;
-            if stopped || !share.is_whole() || !self.raise(&mut wanted, store)? {
+            if stopped || !share.is_whole() {
                 break;
             }
+            let Some(expected) = self.raise(&mut wanted, store)? else { break };
+            let later = |((point, expected), wanted): ((&Lowered, &u64), &u64)| {
+                expected.saturating_sub(*wanted) as f64 * steps(point) as f64
+            };
+            beside.after = self.points.iter().zip(&expected).zip(&wanted).map(later).sum();
         }
         Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
     }
@@ -100,10 +107,15 @@ impl<'a> Plan<'a> {
         loop {
             let work = self.missing(store, &wanted, share)?;
             let left = work.iter().map(Work::trials).sum();
-            if left > 0 || !share.is_whole() || !self.raise(&mut wanted, store)? {
+            if left > 0 || !share.is_whole() || self.raise(&mut wanted, store)?.is_none() {
                 return Ok(left);
             }
         }
+    }
+
+    /// Whether the stop rule decides: a share has no say.
+    fn decides(&self, share: Share) -> bool {
+        self.gap_fill.precision.is_some() && share.is_whole()
     }
 
     /// The trials of each point if no precision ends it.
@@ -126,7 +138,7 @@ impl<'a> Plan<'a> {
     fn launched_trials(&self, trials: &[u64], share: Share) -> u64 {
         let points = self.points.iter().zip(trials).enumerate();
         let of_point = |(turn, (point, &trials)): (usize, (&Lowered, &u64))| {
-            let launches = grouped(point, (0..point.fillers.len()).map(|_| Vec::new())).len() as u64;
+            let launches = launches(point).len() as u64;
             let trials = share.trials(trials, turn);
             launches * (trials.end - trials.start)
         };
@@ -186,14 +198,20 @@ impl<'a> Plan<'a> {
 
     /// What the store lacks of a share of the trials that are wanted.
     fn missing(&self, store: &Store, wanted: &[u64], share: Share) -> Result<Vec<Work>, StoreError> {
+        let index = store.index()?;
         let mut all = Vec::new();
         for (turn, (point, &trials)) in self.points.iter().zip(wanted).enumerate() {
             let trials = share.trials(trials, turn);
-            let log2 = base_log2(point.trials(self.study.trials));
+            let most = point.trials(self.study.trials);
+            // The stop rule looks at the first trials only, and so needs rows that end with them.
+            let decides = self.decides(share);
+            let log2 = if decides { base_log2(most) } else { row_log2(most, 1) };
             let mut lacks = Vec::new();
             for estimates in &point.fillers {
                 let addresses = estimates.iter().map(|estimate| &estimate.address);
-                lacks.push(lacking(store, addresses, trials.clone(), log2)?);
+                lacks.push(lacking(&index, addresses, trials.clone(), log2, |block| {
+                    !decides || block.end() <= trials.end
+                })?);
             }
             for (blocks, fillers) in grouped(point, lacks).into_iter().filter(|group| !group.0.is_empty()) {
                 let addresses = point.launched(&fillers).map(|estimate| estimate.address).collect();
@@ -207,6 +225,17 @@ impl<'a> Plan<'a> {
     pub(super) fn ids(&self) -> Vec<Id> {
         self.points.iter().map(|point| point.id).collect()
     }
+}
+
+/// The fillers of a point, in the launches that sample all of them together.
+fn launches(point: &Lowered) -> Vec<Vec<usize>> {
+    let groups = grouped(point, (0..point.fillers.len()).map(|_| Vec::new()));
+    groups.into_iter().map(|(_, fillers)| fillers).collect()
+}
+
+/// Steps of a trial of a point, over all its launches.
+fn steps(point: &Lowered) -> u64 {
+    launches(point).iter().map(|fillers| point.launch(fillers).steps()).sum()
 }
 
 /// Fillers of a point that lack the same blocks share a launch.

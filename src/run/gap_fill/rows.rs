@@ -1,6 +1,6 @@
 //! The table of a gap-fill study: a row for each point, filler and error.
 
-use super::super::sampling::held_by_all;
+use super::super::sampling::{estimates, held_by_all};
 use super::super::{column, swept_columns};
 use super::{NORMAL_95, Plan};
 use crate::lower::Estimate;
@@ -22,16 +22,16 @@ impl Plan<'_> {
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
     pub(in crate::run) fn table(&self, store: &Store) -> Result<Table, StoreError> {
+        let mut rows = Vec::new();
+        self.rows(|point, filler, estimate| rows.push((point, filler, estimate)));
+        let found = estimates(store, &rows, |(_, _, estimate)| {
+            (estimate.address, estimate.bin_base, estimate.unit_arcsec)
+        })?;
         let mut columns = Columns::new(self.study);
-        let mut failed = None;
-        self.rows(|point, filler, estimate| match store.total(&estimate.address) {
-            Ok(tally) => {
-                let found = Estimates::of(&tally, estimate.bin_base, estimate.unit_arcsec);
-                columns.push(point, &filler.name, estimate, tally.count, found);
-            }
-            Err(error) => drop(failed.get_or_insert(error)),
-        });
-        failed.map_or_else(|| Ok(self.with_laws(columns.table)), Err)
+        for ((point, filler, estimate), (trials, found)) in rows.iter().zip(found) {
+            columns.push(point, &filler.name, estimate, trials, found);
+        }
+        Ok(self.with_laws(columns.table))
     }
 
     /// Trials that every estimate has, where all have the same number.
@@ -68,7 +68,7 @@ impl Plan<'_> {
     }
 
     /// Every point, filler and error, in the order of the table.
-    fn rows(&self, mut row: impl FnMut(&Point, &Filler, &Estimate)) {
+    fn rows<'a>(&'a self, mut row: impl FnMut(&'a Point, &'a Filler, &'a Estimate)) {
         for (point, lowered) in self.gap_fill.points.iter().zip(&self.points) {
             for (filler, estimates) in self.gap_fill.fillers.iter().zip(&lowered.fillers) {
                 for estimate in estimates {

@@ -4,10 +4,10 @@ mod rows;
 
 use std::time::Instant;
 
-use super::sampling::{Work, held_by_all, lacking, sample};
+use super::sampling::{Beside, Work, held_by_all, lacking, sample};
 use super::worker::Worker;
 use super::{Done, NORMAL_95, Progress, RunError};
-use crate::block::base_log2;
+use crate::block::row_log2;
 use crate::id::Id;
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::lower::relock::{LoweredRelock, RelockEstimate};
@@ -60,7 +60,7 @@ impl<'a> Plan<'a> {
         };
         let all: u64 = self.points.iter().enumerate().map(of_point).sum();
         progress.start("trials", all.saturating_sub(left), all.max(left));
-        let trials = sample(&work, store, worker, progress, started)?;
+        let trials = sample(&work, &mut Beside::default(), store, worker, progress, started)?;
         let seconds = started.elapsed().as_secs_f64();
         Ok(Done { trials, seconds, stopped: trials < left, degraded: vec![] })
     }
@@ -72,15 +72,17 @@ impl<'a> Plan<'a> {
 
     /// What the store lacks of a share.
     fn missing(&self, store: &Store, share: Share) -> Result<Vec<Work>, StoreError> {
-        let log2 = base_log2(self.study.trials);
+        let index = store.index()?;
         let mut all = Vec::new();
         for (turn, point) in self.points.iter().enumerate() {
             let trials = share.trials(self.study.trials, turn);
             for estimates in launched(point) {
                 let addresses: Vec<_> = estimates.iter().map(|estimate| estimate.address).collect();
-                let blocks = lacking(store, &addresses, trials.clone(), log2)?;
+                let launch = point.launch(&estimates);
+                let log2 = row_log2(self.study.trials, launch.steps());
+                let blocks = lacking(&index, &addresses, trials.clone(), log2, |_| true)?;
                 if !blocks.is_empty() {
-                    all.push(Work { launch: point.launch(&estimates), addresses, blocks });
+                    all.push(Work { launch, addresses, blocks });
                 }
             }
         }

@@ -1,5 +1,6 @@
 //! The table of a relock study: a row for each point, compensation and tick, and one for all ticks together.
 
+use super::super::sampling::estimates;
 use super::super::{column, swept_columns};
 use super::{NORMAL_95, Plan};
 use crate::lower::relock::RelockEstimate;
@@ -25,11 +26,12 @@ impl Plan<'_> {
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
     pub(in crate::run) fn table(&self, store: &Store) -> Result<Table, StoreError> {
+        let rows: Vec<_> = self.rows().zip(self.units()).collect();
+        let found =
+            estimates(store, &rows, |((_, estimate), unit)| (estimate.address, estimate.bin_base, *unit))?;
         let mut table = self.columns();
-        for ((point, estimate), unit) in self.rows().zip(self.units()) {
-            let tally = store.total(&estimate.address)?;
-            let found = Estimates::of(&tally, estimate.bin_base, unit);
-            push(&mut table, point, estimate, tally.count, found);
+        for (((point, estimate), _), (trials, found)) in rows.into_iter().zip(found) {
+            push(&mut table, point, estimate, trials, found);
         }
         Ok(self.with_laws(table))
     }

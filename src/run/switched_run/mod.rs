@@ -5,10 +5,10 @@ mod trajectories;
 
 use std::time::Instant;
 
-use super::sampling::{Work, held_by_all, lacking, sample};
+use super::sampling::{Beside, Work, held_by_all, lacking, sample};
 use super::worker::Worker;
 use super::{Done, NORMAL_95, Progress, RunError, Tables};
-use crate::block::base_log2;
+use crate::block::row_log2;
 use crate::id::Id;
 use crate::lower::{FilledRun, LoweredRun, RunLowerError};
 use crate::share::Share;
@@ -52,7 +52,7 @@ impl<'a> Plan<'a> {
         };
         let all: u64 = self.points.iter().enumerate().map(of_point).sum();
         progress.start("trials", all.saturating_sub(left), all.max(left));
-        let trials = sample(&work, store, worker, progress, started)?;
+        let trials = sample(&work, &mut Beside::default(), store, worker, progress, started)?;
         let stopped = trials < left;
         if !stopped && makes_trajectories(share) {
             trajectories::keep(self, store)?;
@@ -69,6 +69,7 @@ impl<'a> Plan<'a> {
 
     /// What the store lacks of a share.
     fn missing(&self, store: &Store, share: Share) -> Result<Vec<Work>, StoreError> {
+        let index = store.index()?;
         let mut all = Vec::new();
         for (turn, point) in self.points.iter().enumerate() {
             let trials = share.trials(self.study.trials, turn);
@@ -76,7 +77,8 @@ impl<'a> Plan<'a> {
                 for (launch, places) in filled.launches() {
                     let addresses: Vec<_> =
                         places.iter().map(|&place| filled.estimates[place].address).collect();
-                    let blocks = lacking(store, &addresses, trials.clone(), base_log2(self.study.trials))?;
+                    let log2 = row_log2(self.study.trials, launch.steps());
+                    let blocks = lacking(&index, &addresses, trials.clone(), log2, |_| true)?;
                     if !blocks.is_empty() {
                         all.push(Work { launch, addresses, blocks });
                     }

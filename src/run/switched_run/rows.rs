@@ -1,5 +1,6 @@
 //! The table of whole runs: a row for each point, filler and angle.
 
+use super::super::sampling::estimates;
 use super::super::{column, swept_columns};
 use super::{NORMAL_95, Plan};
 use crate::lower::{FilledRun, RunEstimate};
@@ -21,31 +22,31 @@ impl Plan<'_> {
     /// The table before anything is sampled: all rows, without estimates.
     pub(super) fn blank_table(&self) -> Table {
         let mut table = self.empty_table();
-        self.rows(|row| push(&mut table, row, 0, None));
+        self.rows(|row| push(&mut table, &row, 0, None));
         table
     }
 
     /// All estimates held.
     pub(super) fn table(&self, store: &Store) -> Result<Table, StoreError> {
+        let mut rows = Vec::new();
+        self.rows(|row| rows.push(row));
+        let found = estimates(store, &rows, |row| {
+            (row.estimate.address, row.estimate.bin_base, row.estimate.unit_arcsec)
+        })?;
         let mut table = self.empty_table();
-        let mut failed = None;
-        self.rows(|row| match store.total(&row.estimate.address) {
-            Ok(tally) => {
-                let found = Estimates::of(&tally, row.estimate.bin_base, row.estimate.unit_arcsec);
-                push(&mut table, row, tally.count, found);
-            }
-            Err(error) => drop(failed.get_or_insert(error)),
-        });
-        failed.map_or(Ok(table), Err)
+        for (row, (trials, found)) in rows.iter().zip(found) {
+            push(&mut table, row, trials, found);
+        }
+        Ok(table)
     }
 
     /// Every point, filler and angle, in the order of the table.
-    fn rows(&self, mut each: impl FnMut(&Row)) {
+    fn rows<'a>(&'a self, mut each: impl FnMut(Row<'a>)) {
         for (point, lowered) in self.runs.points.iter().zip(&self.points) {
             for (place, filled) in lowered.fillers.iter().enumerate() {
                 let filler = self.runs.fillers().get(place).map(|filler| filler.name.as_str());
                 for estimate in &filled.estimates {
-                    each(&Row { point, filler, filled, estimate });
+                    each(Row { point, filler, filled, estimate });
                 }
             }
         }

@@ -21,9 +21,9 @@ const OFFSET: i64 = 1 << 31;
 /// How many the store lacks.
 pub(super) fn lacks(plan: &Plan, store: &Store) -> Result<u64, StoreError> {
     let wanted = plan.runs.trajectories.min(plan.study.trials);
-    let mut lacking = 0;
+    let (index, mut lacking) = (store.index()?, 0);
     for (_, filled) in filled(plan) {
-        let gaps = missing(&store.blocks(&filled.trajectory)?, 0..wanted);
+        let gaps = missing(index.blocks(&filled.trajectory)?, 0..wanted);
         lacking += gaps.iter().map(|gap| gap.end - gap.start).sum::<u64>();
     }
     Ok(lacking)
@@ -32,11 +32,12 @@ pub(super) fn lacks(plan: &Plan, store: &Store) -> Result<u64, StoreError> {
 /// Makes those that the store lacks.
 pub(super) fn keep(plan: &Plan, store: &mut Store) -> Result<(), StoreError> {
     let wanted = plan.runs.trajectories.min(plan.study.trials);
+    let index = store.index()?;
     for (point, filled) in filled(plan) {
-        let held = store.blocks(&filled.trajectory)?;
+        let held = index.blocks(&filled.trajectory)?;
         let (launch, shape) = filled.trajectories();
         let mut rows = Vec::new();
-        for trial in missing(&held, 0..wanted).into_iter().flatten() {
+        for trial in missing(held, 0..wanted).into_iter().flatten() {
             let angles = trajectory(&launch, shape, trial);
             let shown = shown(point);
             let values: Vec<u128> =
