@@ -75,6 +75,7 @@ fn page(bencher: divan::Bencher, points: usize) {
             charts: &[drawn],
             tables: vec![("points.csv", &table)],
             source: Source {
+                inputs: vec![],
                 study: String::new(),
                 kind: "gap-fill".to_owned(),
                 sampled: Some((1, 1000)),
@@ -83,7 +84,6 @@ fn page(bencher: divan::Bencher, points: usize) {
                 points,
                 provenance: vec![],
                 kernels: "gap_fill 2".to_owned(),
-                digest: String::new(),
             },
         };
         report.html()

@@ -3,6 +3,7 @@
 mod allan;
 mod exact;
 pub(crate) mod gap_fill;
+mod keep;
 mod relock;
 mod sampling;
 pub(crate) mod switched_run;
@@ -21,6 +22,7 @@ use crate::share::Share;
 use crate::store::{Identity, Store, StoreError};
 use crate::study::{Source, Study, StudyError, Subject, Swept};
 use crate::table::{Column, Table, Unit};
+pub use keep::{KeepError, keep};
 use worker::Worker;
 
 /// Why a run ended early. What was computed before is in the store.

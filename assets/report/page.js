@@ -74,14 +74,16 @@ function theme() {
   label();
 }
 
-/** Offers the study as a file beside its text. */
-function study() {
-  const text = document.getElementById("study");
-  text.before(button("Save study.toml", "Save the study as a file", () => save("study.toml", "application/toml", text.textContent)));
+/** Offers what is shown of files as files. */
+function files() {
+  document.querySelectorAll("pre[data-file]").forEach((text) => {
+    const name = text.dataset.file.split("/").pop();
+    text.before(button(`Save ${name}`, `Save ${name} as a file`, () => save(name, "application/toml", text.textContent)));
+  });
 }
 
 theme();
-study();
+files();
 addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((each) => {
   each.dataset.open = each.open;
   each.open = true;

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use sagnac::allan::TauError;
 use sagnac::backend::SelectError;
 use sagnac::firmware::ChoiceError;
-use sagnac::run::RunError;
+use sagnac::run::{KeepError, RunError};
 use sagnac::store::StoreError;
 use sagnac::study::StudyError as Refused;
 
@@ -72,6 +72,17 @@ impl From<Refused> for Failure {
 impl From<StoreError> for Failure {
     fn from(error: StoreError) -> Failure {
         Failure::Store(error)
+    }
+}
+
+impl From<KeepError> for Failure {
+    fn from(error: KeepError) -> Failure {
+        match error {
+            KeepError::Input(error) => Failure::Study(error),
+            error @ KeepError::Write { .. } => {
+                Failure::Write(format!("{error}\nmake room, or choose another folder with out="))
+            }
+        }
     }
 }
 

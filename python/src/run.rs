@@ -7,7 +7,7 @@ use pyo3::types::PyDict;
 use sagnac::backend::{Selection, select};
 use sagnac::picture::{Drawn, Verdict, pictures, shown, verdicts};
 use sagnac::report::{FILE as REPORT, Report, Source, answer, notes};
-use sagnac::run::{Done, Plan, RESOLVED, Tables};
+use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
 use sagnac::share::Share;
 use sagnac::store::{Store, write_whole};
 use sagnac::study::Study;
@@ -102,8 +102,8 @@ impl Asked {
         pictures(&study, &plan.blank_tables())?;
         let mut store = Store::open(&self.folder, &plan.identity())?;
         if self.is_kept {
-            // From the start on, so that what is left of a run can be merged and repeated.
-            self.write(RESOLVED, study.resolved(study.trials).as_bytes())?;
+            // From the start on, as it may be killed.
+            keep(&study, &self.folder)?;
             store.note_share(Share::WHOLE)?;
         }
         let mut done = None;
@@ -139,7 +139,7 @@ impl Asked {
             notes: &known,
             charts: &pictures,
             tables: tables.files().collect(),
-            source: Source::of(&study, &plan, &store, &tables, held, 0)?,
+            source: Source::of(&study, &plan, &store, held, 0)?,
         };
         let report = report.html();
         if self.is_kept {

@@ -7,7 +7,7 @@ use sagnac::backend::SelectError;
 use sagnac::backend::gpu::GpuError;
 use sagnac::firmware::ChoiceError;
 use sagnac::record::log::LogError;
-use sagnac::run::{RESOLVED, RunError};
+use sagnac::run::{KeepError, RESOLVED, RunError};
 use sagnac::share::Share;
 use sagnac::store::StoreError;
 use sagnac::study::StudyError;
@@ -104,6 +104,15 @@ impl From<ChoiceError> for Failure {
         match error {
             ChoiceError::Asked(message) => Failure::Usage(message),
             ChoiceError::Study(error) => Failure::Study(error),
+        }
+    }
+}
+
+impl From<KeepError> for Failure {
+    fn from(error: KeepError) -> Failure {
+        match error {
+            KeepError::Input(error) => Failure::Study(error),
+            KeepError::Write { path, source } => Failure::Write { path, source },
         }
     }
 }

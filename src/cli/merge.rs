@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use sagnac::run::RESOLVED;
+use sagnac::run::{RESOLVED, keep};
 use sagnac::share::Share;
 use sagnac::store::{Merged, Source, Store};
 use sagnac::study::{MOST_TRIALS, Study};
@@ -72,6 +72,7 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
         }
     }
     let mut store = Store::open(&options.out, &plan.identity())?;
+    keep(&study, &options.out)?;
     store.note_share(Share::WHOLE)?;
     for folder in distinct(options) {
         let source = Source::open(folder)?;

@@ -22,7 +22,7 @@ pub use agreement::{Agreement, agreements};
 pub use answer::{Answer, answer};
 pub use gallery::{Card, gallery};
 pub use notes::notes;
-pub use source::Source;
+pub use source::{Named, Source};
 
 use crate::picture::Drawn;
 use crate::table::Table;

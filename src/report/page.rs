@@ -4,6 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::agreement::{Agreement, agreements};
 use super::data::{Listed, Packed, data};
+use super::source::hexadecimal;
 use super::{Report, Source};
 use crate::chart::style_sheet;
 use crate::table::{Table, significant};
@@ -25,8 +26,10 @@ const SCRIPT: [&str; 9] = [
 ];
 
 pub(super) fn page(report: &Report) -> String {
-    let Packed { text: packed, tables, thinned } = data(report);
     let points = report.tables.first().map(|(_, table)| *table);
+    // Half of the time each, where there are many rows.
+    let (packed, digest) = rayon::join(|| data(report), || points.map(digest));
+    let Packed { text: packed, tables, thinned } = packed;
     let agreements = points.map(agreements).unwrap_or_default();
     let page = html! {
         (DOCTYPE)
@@ -55,7 +58,7 @@ pub(super) fn page(report: &Report) -> String {
                         (closed_forms(table, &agreements))
                     }
                     (listings(&tables))
-                    (source(&report.source))
+                    (source(&report.source, digest.as_deref()))
                 }
                 footer {
                     "Made by sagnac " (env!("CARGO_PKG_VERSION")) ": Monte Carlo studies for laser gyroscopes. \
@@ -160,7 +163,7 @@ fn listings(tables: &[Listed]) -> Markup {
     }
 }
 
-fn source(source: &Source) -> Markup {
+fn source(source: &Source, digest: Option<&str>) -> Markup {
     let trials: u64 = source.provenance.iter().map(|by| by.trials).sum();
     html! {
         section #source {
@@ -188,19 +191,51 @@ fn source(source: &Source) -> Markup {
                     }
                 }
                 dt { "Program" } dd { "sagnac " (env!("CARGO_PKG_VERSION")) @if !source.kernels.is_empty() { "; kernels " (source.kernels) } }
-                dt { "SHA-256 of points.csv" } dd { code.digest { (source.digest) } }
+                @if let Some(digest) = digest {
+                    dt { "SHA-256 of points.csv" } dd { code.digest { (digest) } }
+                }
             }
-            p { "The same study gives the same bits on any machine, device and number of threads. Save it as " code { "study.toml" } " and run" }
+            p {
+                "The same study gives the same bits on any machine, device and number of threads. Save it as " code { "study.toml" }
+                @if !source.inputs.is_empty() { ", the files that it names in the folder " code { "inputs" } " beside it," }
+                " and run"
+            }
             pre.command { code { "sagnac run study.toml --out again" } }
             @if source.lacking > 0 {
                 p { "which samples all of it: " code { "again/points.csv" } " is then another one than that of so far, with the SHA-256 above." }
             } @else {
                 p { "then " code { "again/points.csv" } " has the SHA-256 above." }
             }
-            details {
-                summary { "study.toml" }
-                pre #study { code { (source.study) } }
+            (file("study.toml", &source.study))
+            @for input in &source.inputs {
+                @match &input.text {
+                    Some(text) => { (file(&input.name, text)) }
+                    None => {
+                        p {
+                            code { (input.name) } " is in the folder of the results"
+                            @if let Some(digest) = &input.digest { "; its SHA-256 is " code.digest { (digest) } }
+                        }
+                    }
+                }
             }
+        }
+    }
+}
+
+/// SHA-256 of a table as its file.
+fn digest(table: &Table) -> String {
+    let mut bytes = Vec::new();
+    // Memory takes whatever is written to it.
+    let _ = table.write_csv(&mut bytes);
+    hexadecimal(&bytes)
+}
+
+/// A file to look at, and to save by its name.
+fn file(name: &str, text: &str) -> Markup {
+    html! {
+        details {
+            summary { (name) }
+            pre data-file=(name) { code { (text) } }
         }
     }
 }

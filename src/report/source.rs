@@ -2,15 +2,17 @@
 
 use sha2::{Digest, Sha256};
 
-use crate::run::{Plan, Tables};
+use crate::run::Plan;
 use crate::store::{Provenance, Store, StoreError};
-use crate::study::Study;
+use crate::study::{Input, Study};
 
 /// What was simulated, and by whom.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Source {
     /// The study as it was run, as TOML.
     pub study: String,
+    /// The files that it names.
+    pub inputs: Vec<Named>,
     /// Its kind: `gap-fill`.
     pub kind: String,
     /// Seed and trials at each point; none of closed forms.
@@ -25,13 +27,38 @@ pub struct Source {
     pub provenance: Vec<Provenance>,
     /// The kernels with their versions; empty of closed forms.
     pub kernels: String,
-    /// SHA-256 of points.csv, in hexadecimal figures.
-    pub digest: String,
+}
+
+/// A file that a study names.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Named {
+    /// As the study calls it: `inputs/LGK-400.toml`.
+    pub name: String,
+    /// SHA-256 of its bytes, in hexadecimal figures; absent where it is no longer there.
+    pub digest: Option<String>,
+    /// What it says, where that is short.
+    pub text: Option<String>,
+}
+
+/// Most bytes of a file that a page shows.
+const SHORT: usize = 16 << 10;
+
+impl Named {
+    fn of(study: &Study, input: &Input) -> Named {
+        let text = study.read_input(input).ok();
+        let digest = text.as_ref().map(|text| hexadecimal(text.as_bytes()));
+        Named { name: input.name.clone(), digest, text: text.filter(|text| text.len() <= SHORT) }
+    }
+}
+
+/// SHA-256.
+pub(super) fn hexadecimal(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 impl Source {
-    /// Of what a store holds of a study; `tables` are those of the same store, `held` the trials that
-    /// [`Plan::held`] says, `lacking` those that are missing of the whole.
+    /// Of what a store holds of a study; `held` are the trials that [`Plan::held`] says, `lacking` those that are missing of the
+    /// whole.
     ///
     /// # Errors
     /// The store cannot be read, or a row of it is damaged.
@@ -39,22 +66,18 @@ impl Source {
         study: &Study,
         plan: &Plan,
         store: &Store,
-        tables: &Tables,
         held: u64,
         lacking: u64,
     ) -> Result<Source, StoreError> {
         let identity = plan.identity();
-        let mut points = Vec::new();
-        // Memory takes whatever is written to it.
-        let _ = tables.points.write_csv(&mut points);
         Ok(Source {
             study: study.resolved(held),
+            inputs: study.inputs().into_iter().map(|input| Named::of(study, input)).collect(),
             sampled: plan.is_sampled().then_some((study.seed, held)),
             stops: study.has_stop_rule(),
             lacking,
             points: study.sweeps.iter().map(|sweep| sweep.values.len()).product(),
             provenance: store.provenance()?,
-            digest: Sha256::digest(&points).iter().map(|byte| format!("{byte:02x}")).collect(),
             kind: identity.kind,
             kernels: identity.kernels,
         })

@@ -167,10 +167,13 @@ mod tests {
         let mut tally = Moments::empty(true);
         (tally.count, tally.bins[5]) = (300, 300);
         let bytes = encode(&tally);
+        let decoded = |bytes: &[u8]| <Moments as Tally>::decode(bytes, 300);
         for length in 0..bytes.len() {
-            assert_eq!(decode(&bytes[..length]), None, "cut to {length}");
+            assert_eq!(decoded(&bytes[..length]), None, "cut to {length}");
         }
-        assert_eq!(decode(&[&bytes[..], &[0]].concat()), None);
-        assert_eq!(decode(&[0xff; 40]), None);
+        assert_eq!(decoded(&[&bytes[..], &[0]].concat()), None);
+        assert_eq!(decoded(&[0xff; 40]), None);
+        assert_eq!(<Moments as Tally>::decode(&bytes, 299), None);
+        assert_eq!(decoded(&bytes), Some(tally));
     }
 }

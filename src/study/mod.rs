@@ -19,6 +19,7 @@ mod explained;
 mod expression;
 mod file;
 mod gap_fill;
+mod kept;
 mod key;
 mod noise;
 mod percent;
@@ -36,7 +37,6 @@ mod units;
 #[cfg(test)]
 mod tests;
 
-use std::cmp::Reverse;
 use std::ops::{Range, RangeInclusive};
 use std::path::Path;
 use std::sync::Arc;
@@ -58,6 +58,7 @@ pub use gap_fill::{
     Acceleration, Amplitude, Fill, Filler, Frequency, GapFill, Gaussian, Inputs, Law, Method, Motion,
     POLYNOMIALS, Point, Precision, Profile, TickNoise, Tone, Value, Vibration,
 };
+pub use kept::Input;
 pub use key::{Key, Swept};
 pub use noise::{Markov, Noise, Sine, WarmUp};
 pub use relock::{Compensation, Relock, RelockInputs, RelockPoint, RelockStudy};
@@ -69,6 +70,7 @@ pub(crate) use units::{parse_unit, round_12};
 
 use diagnose::Wrong;
 use file::StudyFile;
+use kept::Written;
 use place::Places;
 use scalar::Scalar;
 use text_file::MOST_TOML;
@@ -127,19 +129,6 @@ impl Subject {
             Subject::Relock(_) | Subject::DriftBudget(_) | Subject::Suspension(_) => &[Source::Points],
         }
     }
-}
-
-/// What [`Study::resolved`] may have to replace in the text.
-#[derive(Debug, Clone)]
-struct Written {
-    seed: Option<Spanned<u64>>,
-    trials: Option<Spanned<u64>>,
-    /// The files that are named, by their whole paths, and where.
-    files: Vec<Spanned<String>>,
-    /// The end of the value of `kind`, which every study has at its top level.
-    kind_end: usize,
-    /// Where the precision is.
-    precision: Option<Range<usize>>,
 }
 
 impl Study {
@@ -253,42 +242,6 @@ impl Study {
         laws
     }
 
-    /// The file as it was read, but with the seed of this value, so many trials, the whole paths of files, and without a
-    /// precision that was [left out](Study::fix_trials): a study that repeats this one without further options, wherever it is kept. Comments and layout are kept too. Without seed
-    /// and trials where nothing is sampled.
-    pub fn resolved(&self, trials: u64) -> String {
-        let Written { seed, trials: written_trials, files, kind_end, precision } = &self.written;
-        let mut text = self.text.inner().clone();
-        let next_line = text[*kind_end..].find('\n').map(|length| kind_end + length + 1);
-        // A key after the kind stands at the top level, and before any table.
-        let after_kind = next_line.unwrap_or(text.len());
-        let line_end = if next_line.is_some() { "" } else { "\n" };
-        let mut edits = Vec::new();
-        for (key, value, written) in [("trials", trials, written_trials), ("seed", self.seed, seed)] {
-            match written {
-                _ if self.kind().is_exact() => {}
-                None => edits.push((after_kind..after_kind, format!("{line_end}{key} = {value}\n"))),
-                Some(written) if *written.get_ref() != value => {
-                    edits.push((written.span(), value.to_string()))
-                }
-                // As it is written, 1_000_000 or 0xff.
-                Some(_) => {}
-            }
-        }
-        if let Some(span) = precision.clone().filter(|_| !self.has_stop_rule()) {
-            edits.push((span, format!("\"{}\"", gap_fill::NO_PRECISION)));
-        }
-        for file in files {
-            edits.push((file.span(), toml::Value::String(file.get_ref().clone()).to_string()));
-        }
-        // From the end, so that the places of the others hold.
-        edits.sort_by_key(|(place, _)| Reverse(place.start));
-        for (place, new) in edits {
-            text.replace_range(place, &new);
-        }
-        text
-    }
-
     /// An error about the bytes `span` of this study, for what only shows later, such as a chart's unknown column.
     ///
     /// `message` says what was found, `help` what is accepted.
@@ -318,7 +271,7 @@ impl Study {
         let written = Written {
             seed: read_count("seed", file.seed.as_ref(), 0..=i64::MAX)?,
             trials: read_count("trials", file.trials.as_ref(), 1..=MOST_TRIALS as i64)?,
-            files: files(&file, &sweeps).map(|file| located(file, folder)).collect(),
+            inputs: kept::inputs(&file, &sweeps, folder),
             kind_end: file.kind.span().end,
             precision: file.precision.as_ref().map(Spanned::span),
         };
@@ -416,22 +369,6 @@ fn check_tables(file: &StudyFile) -> Result<(), Fault> {
         }
         None => Ok(()),
     }
-}
-
-/// The files that a study names.
-fn files<'a>(file: &'a StudyFile, sweeps: &'a [Sweep]) -> impl Iterator<Item = &'a Spanned<String>> {
-    let profile = file.motion.iter().filter_map(|motion| motion.get_ref().profile.as_ref());
-    let noise = file.noise.iter().filter_map(|noise| noise.get_ref().file.as_ref());
-    let swept = sweeps.iter().flat_map(|sweep| &sweep.files);
-    profile.map(|profile| &profile.get_ref().file).chain(noise).chain(swept)
-}
-
-/// The whole path of a file that is named from `folder`.
-fn located(file: &Spanned<String>, folder: &Path) -> Spanned<String> {
-    let path = folder.join(file.get_ref());
-    // One that is not there is told of when it is read.
-    let path = std::path::absolute(&path).unwrap_or(path);
-    Spanned::new(file.span(), path.display().to_string())
 }
 
 /// A whole number that is not negative, where it is written.

@@ -59,6 +59,7 @@ fn page(table: &Table) -> String {
     let drawn = Drawn { stem: "chart".to_owned(), picture: Picture::Curves(figure), note: notes.sentence() };
     let source = Source {
         study: "kind = \"gap-fill\"\n".to_owned(),
+        inputs: vec![],
         kind: "gap-fill".to_owned(),
         sampled: Some((1, 1000)),
         stops: false,
@@ -66,7 +67,6 @@ fn page(table: &Table) -> String {
         points: 1,
         provenance: vec![],
         kernels: "gap_fill 2".to_owned(),
-        digest: "0".to_owned(),
     };
     let report = Report {
         title: "Edges",

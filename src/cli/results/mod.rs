@@ -166,7 +166,7 @@ impl Results<'_> {
             notes,
             charts,
             tables: tables.files().collect(),
-            source: Source::of(study, plan, store, tables, held, self.lacking)?,
+            source: Source::of(study, plan, store, held, self.lacking)?,
         };
         write(&folder.join(REPORT), report.html().as_bytes())
     }

@@ -9,13 +9,13 @@ use std::time::Duration;
 use clap::Args;
 use sagnac::backend::{Device, Selection, select};
 use sagnac::picture::pictures;
-use sagnac::run::{Plan, RESOLVED};
+use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::share::Share;
 use sagnac::store::Store;
 use sagnac::study::{Dimension, MOST_TRIALS, Study, parse_quantity};
 use serde_json::Value;
 
-use super::output::{print, print_json, write};
+use super::output::{print, print_json};
 use super::progress::{self, Shown, short};
 use super::results::{Out, Results};
 use super::{DeviceArg, Failure};
@@ -213,8 +213,8 @@ fn run_study(
 ) -> Result<Option<Value>, Failure> {
     // Also of closed forms, as a folder is of one study.
     let mut store = Store::open(folder, &plan.identity())?;
-    // From the start on, so that what is left of a run can be merged and repeated.
-    write(&folder.join(RESOLVED), study.resolved(study.trials).as_bytes())?;
+    // From the start on, as it may be killed.
+    keep(study, folder)?;
     store.note_share(course.share)?;
     let shown = Shown::new(options.progress.how(options.quiet));
     let device = device.filter(|_| plan.is_sampled());

@@ -1,0 +1,88 @@
+//! Keeping a study with its results.
+
+use std::io::Error;
+use std::path::{Path, PathBuf};
+
+use super::RESOLVED;
+use crate::store::write_whole;
+use crate::study::{Study, StudyError};
+
+/// Why a study could not be kept.
+#[derive(Debug, thiserror::Error)]
+pub enum KeepError {
+    /// A file that it names can no longer be read.
+    #[error(transparent)]
+    Input(#[from] StudyError),
+    /// The folder of its results cannot be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// What was to be written.
+        path: PathBuf,
+        /// Why it was not.
+        source: Error,
+    },
+}
+
+/// Keeps a study in the folder of its results, with the files that it names: what is there can be merged and repeated, and taken
+/// elsewhere as a whole.
+///
+/// # Errors
+/// A file can no longer be read, or one cannot be written.
+pub fn keep(study: &Study, folder: &Path) -> Result<(), KeepError> {
+    for input in study.inputs() {
+        let path = folder.join(&input.name);
+        let contents = study.read_input(input)?;
+        // It may be the one that is kept.
+        if std::fs::read(&path).is_ok_and(|there| there == contents.as_bytes()) {
+            continue;
+        }
+        if let Some(parent) = path.parent() {
+            std::fs::create_dir_all(parent)
+                .map_err(|source| KeepError::Write { path: parent.to_owned(), source })?;
+        }
+        write_whole(&path, contents.as_bytes()).map_err(|source| KeepError::Write { path, source })?;
+    }
+    let path = folder.join(RESOLVED);
+    let text = study.resolved(study.trials);
+    write_whole(&path, text.as_bytes()).map_err(|source| KeepError::Write { path, source })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn study(folder: &Path, text: &str) -> Study {
+        let path = folder.join("study.toml");
+        std::fs::write(&path, text).unwrap();
+        Study::read(&path).unwrap()
+    }
+
+    #[test]
+    fn a_study_that_is_kept_needs_nothing_else() {
+        let folders = [(); 2].map(|()| tempfile::tempdir().unwrap());
+        let [here, there] = folders.each_ref().map(tempfile::TempDir::path);
+        std::fs::create_dir_all(here.join("gyros")).unwrap();
+        for (name, n) in [("a", 0.001), ("b", 0.002)] {
+            let noise = format!("angle_random_walk = \"{n} deg/sqrt(h)\"\n");
+            std::fs::write(here.join(format!("gyros/{name}.toml")), noise).unwrap();
+        }
+        let text = "title = \"Two\" # gyros\nkind = \"allan\"\ntrials = 8\n[record]\nsample = \"1 s\"\nlength = \"1 h\"\n[allan]\n\
+                    tau = \"octave\"\n[noise]\n[[sweep]]\nkey = \"noise.file\"\nlist = [\"gyros/a.toml\", \"gyros/b.toml\"]\n";
+        let first = study(here, text);
+        keep(&first, there).unwrap();
+        let kept = std::fs::read_to_string(there.join(RESOLVED)).unwrap();
+        assert!(kept.contains("list = [\"inputs/a.toml\", \"inputs/b.toml\"]"), "{kept}");
+        assert!(kept.contains("# gyros") && !kept.contains(&*here.to_string_lossy()), "{kept}");
+        // The first is gone; the second is kept where it is, and is the same study.
+        drop(std::fs::remove_dir_all(here));
+        let second = Study::read(&there.join(RESOLVED)).unwrap();
+        keep(&second, there).unwrap();
+        assert_eq!(second.resolved(8), kept);
+        let noise = |study: &Study| {
+            study.allan().unwrap().points.iter().map(|point| point.inputs.noise.clone()).collect::<Vec<_>>()
+        };
+        assert_eq!(noise(&first), noise(&second));
+        let error = keep(&first, there).unwrap_err();
+        assert!(error.to_string().contains("a.toml"), "{error}");
+    }
+}

@@ -1,0 +1,123 @@
+//! A study as it is kept beside its results: the text that repeats it, and the files that it names.
+
+use std::cmp::Reverse;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use toml::Spanned;
+
+use super::file::StudyFile;
+use super::gap_fill::NO_PRECISION;
+use super::sweep::Sweep;
+use super::text_file::{MOST_RECORD, read_text};
+use super::{Study, StudyError};
+
+/// The folder, beside a study that is kept, of the files that it names.
+const INPUTS: &str = "inputs";
+
+/// What may have to be replaced in the text of a study that is kept.
+#[derive(Debug, Clone)]
+pub(super) struct Written {
+    pub(super) seed: Option<Spanned<u64>>,
+    pub(super) trials: Option<Spanned<u64>>,
+    /// The files that are named, and where.
+    pub(super) inputs: Vec<Spanned<Input>>,
+    /// The end of the value of `kind`, which every study has at its top level.
+    pub(super) kind_end: usize,
+    /// Where the precision is.
+    pub(super) precision: Option<Range<usize>>,
+}
+
+/// A file that a study names: a record, or noise.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Input {
+    /// Where it is.
+    pub path: PathBuf,
+    /// What a study that is kept calls it: `inputs/LGK-400.toml`, beside itself.
+    pub name: String,
+}
+
+/// The files that a study in `folder` names.
+pub(super) fn inputs(file: &StudyFile, sweeps: &[Sweep], folder: &Path) -> Vec<Spanned<Input>> {
+    let profile = file.motion.iter().filter_map(|motion| motion.get_ref().profile.as_ref());
+    let noise = file.noise.iter().filter_map(|noise| noise.get_ref().file.as_ref());
+    let swept = sweeps.iter().flat_map(|sweep| &sweep.files);
+    let named = profile.map(|profile| &profile.get_ref().file).chain(noise).chain(swept);
+    let mut inputs: Vec<Spanned<Input>> = Vec::new();
+    for file in named {
+        let path = folder.join(file.get_ref());
+        let known = inputs.iter().map(Spanned::get_ref).find(|input| input.path == path);
+        let input = known.cloned().unwrap_or_else(|| Input { name: name(&path, &inputs), path });
+        inputs.push(Spanned::new(file.span(), input));
+    }
+    inputs
+}
+
+/// A name that no other file has. It ends as the path does: tables call gyros by it.
+fn name(path: &Path, taken: &[Spanned<Input>]) -> String {
+    let last = path.file_name().unwrap_or_default().to_string_lossy();
+    let numbered = (2_u32..).map(|number| format!("{INPUTS}/{number}/{last}"));
+    let mut names = std::iter::once(format!("{INPUTS}/{last}")).chain(numbered);
+    let is_free = |name: &String| taken.iter().all(|input| input.get_ref().name != *name);
+    names.find(is_free).unwrap_or_default()
+}
+
+impl Study {
+    /// The study as it was read, but with the seed of this value, so many trials, its files in `inputs` beside it, and without a
+    /// precision that was [left out](Study::fix_trials): with [its files](Study::inputs) a study that repeats this one without further
+    /// options, wherever it is kept. Comments and layout are kept too. Without seed and trials where nothing is sampled.
+    pub fn resolved(&self, trials: u64) -> String {
+        let Written { seed, trials: written_trials, inputs, kind_end, precision } = &self.written;
+        let mut text = self.text.inner().clone();
+        let next_line = text[*kind_end..].find('\n').map(|length| kind_end + length + 1);
+        // A key after the kind stands at the top level, and before any table.
+        let after_kind = next_line.unwrap_or(text.len());
+        let line_end = if next_line.is_some() { "" } else { "\n" };
+        let mut edits = Vec::new();
+        for (key, value, written) in [("trials", trials, written_trials), ("seed", self.seed, seed)] {
+            match written {
+                _ if self.kind().is_exact() => {}
+                None => edits.push((after_kind..after_kind, format!("{line_end}{key} = {value}\n"))),
+                Some(written) if *written.get_ref() != value => {
+                    edits.push((written.span(), value.to_string()))
+                }
+                // As it is written, 1_000_000 or 0xff.
+                Some(_) => {}
+            }
+        }
+        if let Some(span) = precision.clone().filter(|_| !self.has_stop_rule()) {
+            edits.push((span, format!("\"{NO_PRECISION}\"")));
+        }
+        for input in inputs {
+            edits.push((input.span(), toml::Value::String(input.get_ref().name.clone()).to_string()));
+        }
+        // From the end, so that the places of the others hold.
+        edits.sort_by_key(|(place, _)| Reverse(place.start));
+        for (place, new) in edits {
+            text.replace_range(place, &new);
+        }
+        text
+    }
+
+    /// The files that it names, each once.
+    pub fn inputs(&self) -> Vec<&Input> {
+        let mut inputs: Vec<&Input> = Vec::new();
+        for input in self.written.inputs.iter().map(Spanned::get_ref) {
+            if !inputs.contains(&input) {
+                inputs.push(input);
+            }
+        }
+        inputs
+    }
+
+    /// What one of its files holds now.
+    ///
+    /// # Errors
+    /// It can no longer be read.
+    pub fn read_input(&self, input: &Input) -> Result<String, StudyError> {
+        read_text(&input.path, MOST_RECORD).map_err(|error| {
+            let help = "it was there when the study was read: put it back, and run again";
+            StudyError::unreadable("an input of the study", &input.path, &error, help)
+        })
+    }
+}
