@@ -20,8 +20,13 @@ const FIRST_BATCH: u64 = 1 << 22;
 /// From so many samples on, some tenths of a second, it pays to try first what points cost.
 const TRIED_FROM: u64 = 16 * FIRST_BATCH;
 
-/// Most records whose fits are tried.
-const TRIED_FITS: usize = 64;
+/// One in so many records of a point is made first to see what they cost, and one in so many of all is fitted, which is done again
+/// later. Much fewer would tell more of what else the machine does.
+const TRIED_RECORDS: u64 = 50;
+const TRIED_FITS: u64 = 128;
+
+/// Fewest fits that are tried.
+const FEWEST_FITS: u64 = 64;
 
 /// Who samples, and for what.
 struct Sampler<'a, 'w> {
@@ -173,7 +178,9 @@ impl Plan<'_> {
             let lowered = self.lowered(planned.point)?;
             let all = (gap.end - gap.start) as f64;
             let started = Instant::now();
-            let (end, sums) = sampler.batch(planned, &lowered, gap.clone(), 0)?;
+            // For no longer than batches take.
+            let few = ((gap.end - gap.start) / TRIED_RECORDS).min(TRIED_FROM / planned.samples);
+            let (end, sums) = sampler.batch(planned, &lowered, gap.clone(), few)?;
             let (records, seconds) = ((end - gap.start) as f64, started.elapsed().as_secs_f64());
             gap.start = end;
             let price = seconds / records;
@@ -195,7 +202,8 @@ impl Plan<'_> {
     fn cost_of_fits(&self, planned: &Planned, lowered: &LoweredCurve, mut sums: Vec<u128>) -> f64 {
         let Some(terms) = &self.allan.terms else { return 0.0 };
         let width = planned.width;
-        sums.truncate(TRIED_FITS * width);
+        let tried = FEWEST_FITS.max(self.study.trials / TRIED_FITS);
+        sums.truncate(tried as usize * width);
         let count = sums.len() / width;
         let seconds = |values: Vec<u128>| {
             let estimates =
