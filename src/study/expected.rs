@@ -4,6 +4,10 @@ use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 
+use super::chart_default::estimate;
+use super::file::Kind;
+use super::rows::{TAU, TICK_NUMBER};
+
 /// What a key holds, and how it may be written.
 pub(super) struct Expected {
     /// From the root, as in `sweep.log.from`; ends with `*` for a table whose keys are free.
@@ -275,6 +279,26 @@ impl Expected {
     pub(super) fn of(key: &str) -> Option<&'static Expected> {
         let any_in = |pattern: &str| pattern.strip_suffix('*').is_some_and(|table| key.starts_with(table));
         KEYS.iter().find(|expected| expected.key == key || any_in(expected.key))
+    }
+}
+
+/// How an axis of a chart may be written in this study: over what it sweeps, and of an estimate that its kind has.
+pub(super) fn axis_of(key: &str, text: &str) -> Option<String> {
+    let study: toml::Table = text.parse().ok()?;
+    let kind = study.get("kind").and_then(toml::Value::as_str);
+    let kind = Kind::ALL.into_iter().find(|known| Some(known.name()) == kind)?;
+    match key {
+        "chart.x" => {
+            let swept = || study.get("sweep")?.as_array()?.first()?.get("key")?.as_str();
+            let own = match kind {
+                Kind::Allan => Some(TAU),
+                Kind::Relock => Some(TICK_NUMBER),
+                _ => None,
+            };
+            Some(format!("x = \"{}\"", own.or_else(swept)?))
+        }
+        "chart.y" => Some(format!("y = \"{}\"", estimate(kind))),
+        _ => None,
     }
 }
 
