@@ -143,7 +143,11 @@ pub(super) static KEYS: &[Expected] = &[
     entry("switching.gap_ticks", NUMBER, "gap_ticks = 3"),
     entry("switching.fit_ticks", "a list in brackets", "fit_ticks = [-1, 0, \"n+1\", \"n+2\"]"),
     entry("switching.extrapolation_ticks", "a list in brackets", "extrapolation_ticks = [-3, -2, -1, 0]"),
-    entry("switching.fillers", "a list in brackets", "fillers = [\"const\", \"linear\", \"quadratic\"]"),
+    entry(
+        "switching.fillers",
+        "a list in brackets",
+        "fillers = [\"const\", \"quadratic\", { kind = \"minimum-variance\", name = \"mv8+2\", fit_ticks = [\"-7..0\", \"n+1\", \"n+2\"] }]",
+    ),
     entry("switching.fillers.kind", TEXT, "kind = \"minimum-variance\""),
     entry("switching.fillers.name", TEXT, "name = \"mv8+2\""),
     entry("switching.fillers.fit_ticks", "a list in brackets", "fit_ticks = [\"-7..0\", \"n+1\", \"n+2\"]"),

@@ -52,7 +52,7 @@ pub use diagnose::StudyError;
 pub(crate) use diagnose::{Fault, Text, choices, nearest, render};
 pub use drift::{Drift, Schedule};
 pub use drift_budget::{DriftBudget, Point as BudgetPoint};
-pub use explained::{Explained, Swept as SweptKey, explain_key, explained_keys};
+pub use explained::{Explained, Swept as SweptKey, explain_key, explain_kind, explained_keys};
 pub use file::{Error, FirstHalf, Kind, Phase, Position, Streams, schema};
 pub use gap_fill::{
     Acceleration, Amplitude, Fill, Filler, Frequency, GapFill, Gaussian, Inputs, Law, Method, Motion,
