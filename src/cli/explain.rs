@@ -72,7 +72,8 @@ fn all_of(what: &str, is_called: impl Fn(&str) -> bool) -> Vec<String> {
 fn of_kind(kind: Kind) -> String {
     let name = kind.name();
     let mut text = format!("{name} (kind of study)\n{}", filled(explain_kind(kind)));
-    text += &filled(&format!("`sagnac new {name}` writes one with its keys explained, `sagnac run` runs it."));
+    text +=
+        &filled(&format!("`sagnac new {name}` writes one with its keys explained, `sagnac run` runs it."));
     text + &format!("  Example:\n    kind = \"{name}\"\n")
 }
 
@@ -80,7 +81,9 @@ fn of_kind(kind: Kind) -> String {
 fn of_words(is_called: impl Fn(&str) -> bool) -> Vec<String> {
     let mut found: Vec<(String, String, Vec<&str>)> = Vec::new();
     for key in explained_keys().filter(|key| *key != "kind").filter_map(explain_key) {
-        for (word, meaning) in key.choices.into_iter().filter(|(word, meaning)| is_called(word) && !meaning.is_empty()) {
+        for (word, meaning) in
+            key.choices.into_iter().filter(|(word, meaning)| is_called(word) && !meaning.is_empty())
+        {
             match found.iter_mut().find(|(known, said, _)| *known == word && *said == meaning) {
                 Some((_, _, keys)) => keys.push(key.key),
                 None => found.push((word, meaning, vec![key.key])),
@@ -103,7 +106,8 @@ fn of_key(key: &Explained) -> String {
     for (word, meaning) in &key.choices {
         line(&format!("\"{word}\" {meaning}"));
     }
-    let inner: Vec<&str> = explained_keys().filter_map(|other| other.strip_prefix(&format!("{}.", key.key))).collect();
+    let inner: Vec<&str> =
+        explained_keys().filter_map(|other| other.strip_prefix(&format!("{}.", key.key))).collect();
     if !inner.is_empty() {
         line(&format!("As a table it has {}.", inner.join(", ")));
     }
@@ -158,7 +162,8 @@ fn subjects() -> String {
         tables.entry(place).or_insert((table, vec![])).1.push(rest);
     }
     let kinds: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
-    let mut text = format!("Kinds of studies, as in `sagnac explain gap-fill`\n{}\n", filled(&kinds.join(", ")));
+    let mut text =
+        format!("Kinds of studies, as in `sagnac explain gap-fill`\n{}\n", filled(&kinds.join(", ")));
     text += "Keys of study files, as in `sagnac explain motion.amplitude`\n";
     for (table, keys) in tables.values() {
         let table = if table.is_empty() { "at the top".to_owned() } else { format!("[{table}]") };
