@@ -14,7 +14,7 @@ const DIGITS: std::ops::RangeInclusive<usize> = 4..=17;
 
 /// One column of a table over the sweeps: a line for each combination of their values, a column for each curve.
 ///
-/// `sweeps` are the columns that name lines, but for those in `series`; the first of them always is. What else differs
+/// `sweeps` are the columns that name lines, but for those in `series`; the first of them always is. What else in `texts` differs
 /// between rows, filler or error, names columns too, so that no cell has two values.
 ///
 /// # Errors
@@ -32,8 +32,12 @@ pub fn pivot(
     series.retain(|column| sweeps.first().is_none_or(|first| column.name != first.name));
     let rows = table.rows_where(filter)?;
     let unnamed = |column: &&Column| series.iter().all(|named| named.name != column.name);
+    let texts: Vec<&Column> = columns(texts)?
+        .into_iter()
+        .filter(|text| sweeps.iter().all(|sweep| sweep.name != text.name))
+        .collect();
     let mut across: Vec<Names> = sweeps.into_iter().filter(unnamed).map(|c| Names::new(c, &rows)).collect();
-    let others = columns(texts)?.into_iter().filter(unnamed).map(|c| Names::new(c, &rows));
+    let others = texts.into_iter().filter(unnamed).map(|c| Names::new(c, &rows));
     let mut curves: Vec<Names> = series.iter().map(|column| Names::new(column, &rows)).collect();
     curves.extend(others.filter(Names::differ));
     // The first sweep stands for the lines even where it has one value.

@@ -34,13 +34,14 @@ pub fn answer(
     lacking: u64,
 ) -> Result<Answer, StudyError> {
     let headline = match (verdicts, study.charts.iter().zip(shown).zip(charts).next()) {
-        ([first, ..], _) => of_verdict(first.answers(), &first.limit()),
+        ([first, ..], _) => {
+            of_verdict(first.answers(), &first.limit()).map(|headline| with_caveat(study, headline))
+        }
         ([], Some(((chart, shown), drawn))) => {
             of_chart(study, chart, shown, &drawn.picture).map_err(|error| refused(study, chart, &error))?
         }
         ([], None) => undrawn(study, tables),
     };
-    let headline = headline.map(|headline| with_caveat(study, headline));
     let mut curves: Vec<(String, Vec<String>)> =
         verdicts.iter().map(|verdict| (verdict.heading(), verdict.sentences())).collect();
     for ((chart, shown), drawn) in study.charts.iter().zip(shown).zip(charts) {
@@ -72,7 +73,7 @@ fn of_chart(
     picture: &Picture,
 ) -> Result<Option<String>, ChartError> {
     if let Picture::Map(map) = picture {
-        return Ok(of_map(map));
+        return Ok(of_map(map).map(|headline| with_caveat(study, headline)));
     }
     let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
     let by = apart(study, chart.source, series.collect());
@@ -106,16 +107,13 @@ fn leading(
     let filler = table.column("filler")?;
     let others: Vec<usize> =
         rows.into_iter().filter(|&row| !free.contains(&filler.cells[row].text().as_str())).collect();
-    let second = best(table, estimate, &others, by)?.filter(|_| others.len() > 1);
-    Ok(Some(second.map_or(first.clone(), |second| {
-        let of_weights = format!("With weights that stay the same {}", uncapitalised(&second));
-        format!("{first} {of_weights}")
-    })))
-}
-
-fn uncapitalised(sentence: &str) -> String {
-    let mut signs = sentence.chars();
-    signs.next().map_or_else(String::new, |first| first.to_lowercase().chain(signs).collect())
+    let second = if others.len() > 1 { best(table, estimate, &others, by)? } else { None };
+    // What is least has been said.
+    let value = second.as_ref().and_then(|second| second.split_once(" is "));
+    let known = value.map_or(", which firmware does not know.".to_owned(), |(_, value)| {
+        format!("; of weights that stay the same, as firmware has them, the least is {value}")
+    });
+    Ok(Some(format!("{first} That filler is designed for the very motion of each point{known}")))
 }
 
 fn fillers(study: &Study) -> &[Filler] {
