@@ -52,7 +52,7 @@ pub struct Answer<'t> {
     pub at: Vec<(&'t Column, f64)>,
     /// Whether points of the curve beyond its last value have none, as of a run that is incomplete.
     pub open: bool,
-    /// Of [`Outcome::WithinBetween`] where it passes the limit again.
+    /// Of [`Outcome::WithinBetween`] where it rises above the limit again.
     pub until: Vec<(&'t Column, f64)>,
 }
 
@@ -60,7 +60,7 @@ pub struct Answer<'t> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
-    /// It passes the limit for the first time there, found between two points.
+    /// It rises above the limit for the first time there, found between two points.
     Passes,
     /// It is above the limit from its first point on, which is there.
     AboveFrom,
@@ -201,7 +201,7 @@ impl Answer<'_> {
         places(&self.at)
     }
 
-    /// Where it passes the limit again, in the same way.
+    /// Where it rises above the limit again, in the same way.
     pub fn end(&self) -> String {
         places(&self.until)
     }
@@ -210,7 +210,7 @@ impl Answer<'_> {
     pub fn sentence(&self, limit: &str) -> String {
         let (series, at, until) = (self.name(), self.place(), self.end());
         match self.outcome {
-            Outcome::Passes => format!("{series}: passes {limit} at {at}"),
+            Outcome::Passes => format!("{series}: rises above {limit} at {at}"),
             Outcome::AboveFrom => format!("{series}: above {limit} from the first point on, {at}"),
             Outcome::WithinFrom => format!("{series}: within {limit} from {at} on"),
             Outcome::WithinBetween => format!("{series}: within {limit} from {at} to {until}"),
@@ -276,7 +276,7 @@ mod tests {
         assert_eq!(column.header(), "motion.frequency_hz");
         assert!((at - libm::sqrt(2.0)).abs() < 1e-12, "{at}");
         assert_eq!(answers[1].at[0].1, 4.0);
-        assert_eq!(answers[0].sentence("10 ″"), "a: passes 10 ″ at frequency 1.41 Hz");
+        assert_eq!(answers[0].sentence("10 ″"), "a: rises above 10 ″ at frequency 1.41 Hz");
     }
 
     #[test]

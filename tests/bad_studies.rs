@@ -27,6 +27,30 @@ fn a_wrong_or_missing_unit_is_told_with_the_units_that_are_accepted() {
 }
 
 #[test]
+fn a_comma_in_a_number_is_told_from_its_point() {
+    let pieces = ["has a comma in its number", "as in \"20.5 Hz\"", "a comma in a number"];
+    refused(&replaced("20 Hz", "20,5 Hz"), "8:13", &pieces);
+}
+
+#[test]
+fn whole_numbers_may_be_written_as_floats() {
+    refused(&format!("trials = 1.5\n{STUDY}"), "1:10", &["trials: 1.5 is not a whole number"]);
+    refused(&format!("trials = 1e300\n{STUDY}"), "1:10", &["is not a whole number"]);
+    let desk = Desk::with(&format!("trials = 1e2\n{STUDY}"));
+    desk.done("run study.toml --device cpu");
+    assert_eq!(desk.points("results/study")[0]["trials"], "100");
+    assert!(desk.read("results/study/resolved_study.toml").starts_with("trials = 1e2\n"));
+}
+
+#[test]
+fn a_folder_in_place_of_a_study_is_told_with_its_files() {
+    let desk = Desk::with(STUDY);
+    desk.fails("run .", 3, &[". is a folder, not a study file", "give one of its files: ./study.toml"]);
+    std::fs::create_dir(desk.path("none")).unwrap();
+    desk.fails("run none", 3, &["none is a folder", "sagnac new gap-fill"]);
+}
+
+#[test]
 fn negative_values_and_values_that_are_no_numbers_are_refused() {
     refused(&replaced("20 Hz", "-20 Hz"), "8:13", &["motion.frequency = -20 Hz", "negative"]);
     refused(&replaced("1 arcsec\"", "-1 arcsec\""), "5:22", &["gyro.tick_noise.std", "negative"]);
@@ -146,7 +170,18 @@ fn a_value_of_the_wrong_type_is_told_in_the_words_of_studies() {
 #[test]
 fn charts_that_name_what_is_not_there_are_refused() {
     let chart = |lines: &str| with(&format!("[chart]\nx = \"dt_nu\"\n{lines}"));
-    refused(&chart("y = \"rsm\""), "14:5", &["no column is called `rsm`", "rms_arcsec", "q9973_arcsec"]);
+    refused(
+        &chart("y = \"rsm\""),
+        "14:5",
+        &["no column is called `rsm`", "rms_arcsec", "did you mean `rms`?"],
+    );
+    let swept = swept_chart("x = \"freq\"\ny = \"rms\"\nwhere = { filler = \"const\" }");
+    refused(&swept, "19:5", &["no column is called `freq`", "did you mean `motion.frequency`?"]);
+    refused(
+        &swept_chart("y = \"rms\""),
+        "18:1",
+        &["the key `chart.x` is missing", "x = \"motion.frequency\""],
+    );
     refused(&chart("y = \"rms\"\nseries = [\"filer\"]"), "15:11", &["no column is called `filer`"]);
     refused(&chart("y = \"filler\""), "14:5", &["`filler`"]);
     refused(
@@ -251,7 +286,7 @@ fn what_is_no_toml_or_no_file_is_told() {
     let desk = Desk::with(STUDY);
     desk.fails("run missing.toml --device cpu", 3, &["cannot read the study missing.toml", "help:"]);
     std::fs::create_dir(desk.path("folder")).unwrap();
-    desk.fails("run folder --device cpu", 3, &["cannot read the study folder", "help:"]);
+    desk.fails("run folder --device cpu", 3, &["folder is a folder, not a study file", "help:"]);
     std::fs::write(desk.path("latin1.toml"), b"title = \"\xe9\"\n").unwrap();
     desk.fails("run latin1.toml --device cpu", 3, &["cannot read the study latin1.toml", "UTF-8"]);
     assert_eq!(desk.names("."), ["folder", "latin1.toml", "study.toml"]);

@@ -266,6 +266,8 @@ fn lists_of_columns_that_make_no_sense_are_refused() {
     refused(&chart("y = [\"bound\", \"bound\"]"), "17:15", &["`bound` stands twice"]);
     refused(&chart("y = [\"bound\", \"optimum\"]"), "17:15", &["`optimum` is in s, a curve in ″/s"]);
     refused(&chart("y = [\"bound\", \"none\"]"), "17:15", &["no column is called `none`"]);
+    let missing = format!("{BUDGET}{RUNS}[chart]\nx = \"duration\"\n");
+    refused(&missing, "15:1", &["`chart.y` is missing", "y = \"bound\""]);
     let limited = "y = [\"bound\", \"mean_drift\"]\nlimit = \"10 s\"";
     refused(&chart(limited), "17:6", &["`bound` is in ″/s, a limit in s cannot be drawn on it"]);
     let series = "y = [\"bound\", \"mean_drift\"]\nseries = [\"duration\", \"switches\"]";

@@ -72,7 +72,7 @@ fn sentences_have_labels_units_and_numbers_without_exponents() {
     let chart = chart("q9973", "").replace("10 arcsec", "200 arcsec");
     let (text, _) = said(&format!("{AMPLITUDES}{chart}"));
     let lines = under(&text, "chart: 99.73 % error");
-    assert!(lines[0].starts_with("const: passes 200 ″ at vibration amplitude 15"), "{text}");
+    assert!(lines[0].starts_with("const: rises above 200 ″ at vibration amplitude 15"), "{text}");
     assert!(lines[0].ends_with("00 ″/s"), "{text}");
     let within = "quadratic: within 200 ″ up to the last point, vibration amplitude 20000 ″/s";
     assert_eq!(lines[1], within, "{text}");

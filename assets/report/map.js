@@ -70,7 +70,7 @@ class CellMap {
       if (won && map.limit && value > map.limit.value) hatched += rectangle;
     });
     const cells = shape("g", { class: "cells" });
-    for (const [look, d] of paths) cells.append(shape("path", look.startsWith("#") ? { fill: look, d } : { class: look, d }));
+    for (const [look, d] of paths) cells.append(shape("path", look.startsWith("#") ? { fill: look, stroke: look, d } : { class: look, d }));
     under.append(cells);
     if (hatched) under.append(hatching(`${plot.id}-hatch`), shape("path", { fill: `url(#${plot.id}-hatch)`, d: hatched }));
     if (winners) under.append(shape("path", { class: "boundary", d: this.boundaries() }));

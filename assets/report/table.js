@@ -15,7 +15,7 @@ class Listing {
     this.body = element("tbody");
     this.said = element("p", { class: "hint said", role: "status" });
     host.append(this.filters(), this.said, element("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": table.file },
-      element("table", {}, element("thead", {}, this.head), this.body)));
+      element("table", { style: `--columns: ${table.columns.length}` }, element("thead", {}, this.head), this.body)));
     this.more = element("div", { class: "tools" },
       button("More rows", "Show more rows", () => this.list(this.page * 4)), button("All rows", "Show all rows", () => this.list(Infinity)));
     host.append(this.more);

@@ -95,6 +95,7 @@ mod whole;
 pub use console::Look;
 pub use figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Part, Parts, Series, SeriesPoint};
 pub use layout::{HEIGHT, WIDTH};
+pub(crate) use map::share;
 pub use map::{Cells, Estimate, Layer, Map, MapNotes, MapSpec, Show, Won};
 pub(crate) use palette::{LOOKS, Looks, style_sheet};
 pub use picture::Picture;

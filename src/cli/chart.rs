@@ -6,10 +6,12 @@ use clap::Args;
 use sagnac::picture::{pictures, shown, verdicts};
 use sagnac::run::RESOLVED;
 use sagnac::study::Study;
+use sagnac::table::Column;
 use toml::{Table, Value};
 
 use super::Failure;
 use super::charts::{is_chart_stem, write_pictures};
+use super::folders;
 use super::look;
 use super::output::print;
 use super::progress::{self, Shown};
@@ -93,7 +95,9 @@ Examples:
   sagnac chart results/error_vs_dtnu --y rms --limit \"5 arcsec\"
   sagnac chart results/error_vs_dtnu --x frequency --where gap_ticks=3 --series filler --name n3
   sagnac chart results/error_vs_dtnu --kind heat-map --x frequency --y gap_ticks --z q9973 \\
-    --where filler=quadratic";
+    --where filler=quadratic
+
+The chart goes to DIR as a picture. The page, report.html, keeps the charts of the study: `sagnac report DIR` makes it again.";
 
 /// What leaves a key of the study's chart out.
 const NONE: &str = "none";
@@ -118,8 +122,8 @@ fn row(text: &str) -> Result<(String, String), String> {
 pub fn chart(options: &Options) -> Result<(), Failure> {
     let path = options.folder.join(RESOLVED);
     // As a study, so that what is wrong with the file itself is told as ever.
-    let written = Study::read(&path)?;
-    let asked = changed(&written.resolved(written.trials), options)?;
+    let written = folders::study(&options.folder)?;
+    let asked = changed(&written, options)?;
     let study = Study::parse(&format!("{} with the chart asked for", path.display()), &asked)?;
     let plan = checked(&study)?;
     let store = held(&options.folder, &plan)?;
@@ -152,7 +156,8 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
 }
 
 /// The study with the one chart that is asked for.
-fn changed(text: &str, options: &Options) -> Result<String, Failure> {
+fn changed(written: &Study, options: &Options) -> Result<String, Failure> {
+    let text = written.resolved(written.trials);
     let unread = |error: toml::de::Error| Failure::Usage(format!("cannot read {RESOLVED}: {error}"));
     let mut study: Table = text.parse().map_err(unread)?;
     let charts = match study.remove("chart") {
@@ -167,8 +172,12 @@ fn changed(text: &str, options: &Options) -> Result<String, Failure> {
         Some(Value::Table(chart)) => chart.clone(),
         _ if number == 1 => Table::new(),
         _ => {
-            let message = format!("--chart {number}: the study has {} charts", charts.len());
-            return Err(Failure::Usage(message));
+            let charts = match charts.len() {
+                0 => "no chart of its own".to_owned(),
+                1 => "1 chart".to_owned(),
+                count => format!("{count} charts"),
+            };
+            return Err(Failure::Usage(format!("--chart {number}: the study has {charts}")));
         }
     };
     let texts = [
@@ -205,8 +214,33 @@ fn changed(text: &str, options: &Options) -> Result<String, Failure> {
             keys.rows.iter().for_each(|(column, value)| set(rows, column, Some(scalar(value))));
         }
     }
+    check_axes(&chart, written)?;
     study.insert("chart".to_owned(), Value::Table(chart));
     Ok(study.to_string())
+}
+
+/// Refuses a chart without axes, in words of options.
+fn check_axes(chart: &Table, study: &Study) -> Result<(), Failure> {
+    let lacks = |key: &str| !chart.contains_key(key);
+    let is_map = chart.get("kind").and_then(Value::as_str).is_some_and(|kind| kind != "curves");
+    let keys: Vec<&str> =
+        ["x", "y", "z"].into_iter().filter(|key| (*key != "z" || is_map) && lacks(key)).collect();
+    if keys.is_empty() {
+        return Ok(());
+    }
+    let keys: Vec<String> = keys.into_iter().map(|key| format!("--{key}")).collect();
+    let plan = checked(study)?;
+    let columns: Vec<String> = plan.blank_tables().points.columns.iter().map(Column::header).collect();
+    let swept = match &study.sweeps[..] {
+        [] => "the study sweeps nothing".to_owned(),
+        sweeps => {
+            let names: Vec<&str> = sweeps.iter().map(|sweep| sweep.key.name).collect();
+            format!("the study sweeps {}", names.join(", "))
+        }
+    };
+    let message =
+        format!("the chart needs {}\n{swept}; its columns are {}", keys.join(" and "), columns.join(", "));
+    Err(Failure::Usage(message))
 }
 
 /// Puts a value in place of another one; [`NONE`] leaves the key out.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use clap::Args;
-use sagnac::study::{Explained, explain_key, explained_keys};
+use sagnac::study::{Explained, Kind, explain_key, explain_kind, explained_keys};
 use sagnac::table::describe::{File, meanings};
 
 use super::failure::{EXIT_CODES, Failure};
@@ -14,12 +14,14 @@ const EXAMPLES: &str = "\
 Examples:
   sagnac explain motion.amplitude
   sagnac explain q9973_arcsec
+  sagnac explain gap-fill
+  sagnac explain minimum-variance
   sagnac explain 4";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Key of a study file, column of a file of results, or exit code; without it all of these are listed
+    /// Key or word of a study file, kind of study, column of a file of results, or exit code; without it all of these are listed
     #[arg(value_name = "WHAT")]
     what: Option<String>,
 }
@@ -43,13 +45,56 @@ fn of(what: &str) -> Result<String, Failure> {
             Failure::Usage(format!("there is no exit code {what}\nthere are {}", codes.join(", ")))
         });
     }
-    let ends_alike = |key: &&str| key.strip_suffix(what).is_some_and(|table| table.ends_with('.'));
-    let keys: Vec<Explained> = match explain_key(what) {
-        Some(key) => vec![key],
-        None => explained_keys().filter(ends_alike).filter_map(explain_key).collect(),
+    let exact = all_of(what, |name| name == what);
+    let found = match exact.is_empty() {
+        true => all_of(&folded(what), |name| folded(name) == folded(what)),
+        false => exact,
     };
-    let texts: Vec<String> = keys.iter().map(of_key).chain(of_column(what)).collect();
-    if texts.is_empty() { Err(Failure::Usage(unknown(what))) } else { Ok(texts.join("\n")) }
+    if found.is_empty() { Err(Failure::Usage(unknown(what))) } else { Ok(found.join("\n")) }
+}
+
+/// A name as it is looked for where it is not written exactly so.
+fn folded(name: &str) -> String {
+    name.to_lowercase().replace(['-', ' '], "_")
+}
+
+/// What is known of kinds, keys, words and columns that are called so.
+fn all_of(what: &str, is_called: impl Fn(&str) -> bool) -> Vec<String> {
+    let kinds = Kind::ALL.into_iter().filter(|kind| is_called(kind.name())).map(of_kind);
+    let whole: Vec<&str> = explained_keys().filter(|key| is_called(key)).collect();
+    let ends = |key: &&str| key.match_indices('.').any(|(dot, _)| is_called(&key[dot + 1..]));
+    let keys = if whole.is_empty() { explained_keys().filter(ends).collect() } else { whole };
+    let keys = keys.into_iter().filter_map(explain_key).map(|key| of_key(&key));
+    kinds.chain(keys).chain(of_words(&is_called)).chain(of_column(what)).collect()
+}
+
+/// A kind of study.
+fn of_kind(kind: Kind) -> String {
+    let name = kind.name();
+    let mut text = format!("{name} (kind of study)\n{}", filled(explain_kind(kind)));
+    text +=
+        &filled(&format!("`sagnac new {name}` writes one with its keys explained, `sagnac run` runs it."));
+    text + &format!("  Example:\n    kind = \"{name}\"\n")
+}
+
+/// Words that keys take, but for the kinds, which are told at length.
+fn of_words(is_called: impl Fn(&str) -> bool) -> Vec<String> {
+    let mut found: Vec<(String, String, Vec<&str>)> = Vec::new();
+    for key in explained_keys().filter(|key| *key != "kind").filter_map(explain_key) {
+        for (word, meaning) in
+            key.choices.into_iter().filter(|(word, meaning)| is_called(word) && !meaning.is_empty())
+        {
+            match found.iter_mut().find(|(known, said, _)| *known == word && *said == meaning) {
+                Some((_, _, keys)) => keys.push(key.key),
+                None => found.push((word, meaning, vec![key.key])),
+            }
+        }
+    }
+    let text = |(word, meaning, keys): (String, String, Vec<&str>)| {
+        let says = filled(&format!("{meaning} A value of {}.", keys.join(", ")));
+        format!("{word} (word of a study file)\n{says}")
+    };
+    found.into_iter().map(text).collect()
 }
 
 /// A key of a study file.
@@ -60,6 +105,11 @@ fn of_key(key: &Explained) -> String {
     line(&format!("Holds {}.", key.holds));
     for (word, meaning) in &key.choices {
         line(&format!("\"{word}\" {meaning}"));
+    }
+    let inner: Vec<&str> =
+        explained_keys().filter_map(|other| other.strip_prefix(&format!("{}.", key.key))).collect();
+    if !inner.is_empty() {
+        line(&format!("As a table it has {}.", inner.join(", ")));
     }
     if let Some(swept) = &key.swept {
         let accepted = swept.accepted.strip_prefix("accepted: ").unwrap_or(&swept.accepted);
@@ -111,7 +161,10 @@ fn subjects() -> String {
         let place = tables.iter().find(|(_, (known, _))| *known == table).map_or(at, |(place, _)| *place);
         tables.entry(place).or_insert((table, vec![])).1.push(rest);
     }
-    let mut text = "Keys of study files, as in `sagnac explain motion.amplitude`\n".to_owned();
+    let kinds: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
+    let mut text =
+        format!("Kinds of studies, as in `sagnac explain gap-fill`\n{}\n", filled(&kinds.join(", ")));
+    text += "Keys of study files, as in `sagnac explain motion.amplitude`\n";
     for (table, keys) in tables.values() {
         let table = if table.is_empty() { "at the top".to_owned() } else { format!("[{table}]") };
         text += &filled(&format!("{table}: {}", keys.join(", ")));
@@ -131,7 +184,8 @@ fn subjects() -> String {
 /// A name that is not known, with those that are most like it.
 fn unknown(what: &str) -> String {
     let columns = File::ALL.into_iter().flat_map(|file| file.columns().iter().map(|(name, _)| *name));
-    let mut known: Vec<&str> = explained_keys().chain(columns).collect();
+    let kinds = Kind::ALL.iter().map(|kind| kind.name());
+    let mut known: Vec<&str> = explained_keys().chain(columns).chain(kinds).collect();
     known.sort_unstable();
     known.dedup();
     let likeness = |name: &str| {
@@ -147,7 +201,7 @@ fn unknown(what: &str) -> String {
         .map(|name| format!("`{name}`"))
         .collect();
     let offer = if near.is_empty() { String::new() } else { format!("did you mean {}? ", near.join(", ")) };
-    format!("`{what}` is no key, column or exit code\n{offer}`sagnac explain` lists all")
+    format!("`{what}` is no kind, key, word, column or exit code\n{offer}`sagnac explain` lists all")
 }
 
 /// Words in indented lines no wider than the terminal.

@@ -1,5 +1,6 @@
 //! What can go wrong, and with which exit code.
 
+use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -58,7 +59,7 @@ pub enum Failure {
     #[error("cannot listen for signals: {0}")]
     Signals(std::io::Error),
     #[error(
-        "stopped by {cause}: {} of {} {} are kept in {folder}\nresumable: run the same command again and it goes on from there; `sagnac report` makes the page of what there is",
+        "stopped by {cause}: {} of {} {} are kept in {folder}\nresumable: run the same command again and it goes on from there; `sagnac report {folder}` makes the page of what there is",
         short(reached.0 as f64), short(reached.1 as f64), reached.2
     )]
     Stopped { cause: Cause, reached: (u64, u64, &'static str), folder: PathBuf },
@@ -76,6 +77,11 @@ pub enum Failure {
     /// Whoever read our output went away: there is nobody to tell.
     #[error("the output was closed")]
     OutputClosed,
+}
+
+/// Whether a file stands where a folder should be.
+fn is_no_folder(kind: ErrorKind) -> bool {
+    matches!(kind, ErrorKind::AlreadyExists | ErrorKind::NotADirectory)
 }
 
 /// Which shares are not there.
@@ -134,6 +140,13 @@ impl Failure {
             Failure::Study(error) => say!("{}", error.render(look::colours_messages(), 110)),
             Failure::Log(error) => say!("{}", error.render(look::colours_messages(), 110)),
             Failure::OutputClosed => {}
+            Failure::Store(StoreError::Folder { path, source }) if is_no_folder(source.kind()) => {
+                let (path, part) =
+                    (path.display(), if path.is_file() { "it is" } else { "a part of its path is" });
+                say!(
+                    "error: cannot use the results folder {path}: {part} a file\nname a folder with --out DIR"
+                );
+            }
             // No error: as it was asked for.
             Failure::Stopped { .. } => say!("{self}"),
             other => say!("error: {other}"),

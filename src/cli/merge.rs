@@ -7,13 +7,14 @@ use clap::Args;
 use sagnac::run::{RESOLVED, keep};
 use sagnac::share::Share;
 use sagnac::store::{Merged, Source, Store};
-use sagnac::study::{MOST_TRIALS, Study};
+use sagnac::study::Study;
 
 use super::Failure;
 use super::output::print_json;
 use super::progress::{self, Shown};
 use super::results::{Out, Results};
 use super::run::checked;
+use super::whole;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -34,10 +35,10 @@ pub struct Options {
     #[arg(long, value_name = "STUDY")]
     study: Option<PathBuf>,
     /// Trials at each point, in place of the study's
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials)]
     trials: Option<u64>,
     /// Seed, in place of the study's
-    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
     seed: Option<u64>,
     /// Leave damaged rows out instead of refusing their folder
     #[arg(long)]

@@ -20,6 +20,7 @@ mod devices;
 mod explain;
 mod failure;
 mod filler;
+mod folders;
 mod look;
 mod merge;
 mod new;
@@ -35,6 +36,7 @@ mod schemas;
 mod shells;
 mod terminal;
 mod verify;
+mod whole;
 
 use std::process::ExitCode;
 
@@ -127,7 +129,7 @@ struct Verify {
     #[arg(long, value_name = "DEVICE")]
     device: Option<String>,
     /// Units of work in all for each kernel: trials or samples over its configurations, or numbers
-    #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
+    #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = verified)]
     trials: u64,
 }
 
@@ -154,6 +156,11 @@ struct DeviceArg {
     /// Threads of the CPU [default: as many as it runs at once]
     #[arg(help_heading = "Device", long, value_name = "N", value_parser = threads)]
     threads: Option<usize>,
+}
+
+/// A number of units of work.
+fn verified(text: &str) -> Result<u64, String> {
+    whole::whole(text, 1..=1 << 32)
 }
 
 /// A number of threads.

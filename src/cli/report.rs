@@ -8,6 +8,7 @@ use sagnac::run::RESOLVED;
 use sagnac::study::Study;
 
 use super::Failure;
+use super::folders::{self, left_out};
 use super::output::write;
 use super::progress;
 use super::results::{self, held};
@@ -41,6 +42,9 @@ Examples:
 /// Makes the reports of results again, and of several a gallery.
 pub fn report(options: &Options) -> Result<(), Failure> {
     let folders = studies_in(&options.folders)?;
+    for left_out in options.folders.iter().filter(|_| !options.quiet).filter_map(|folder| left_out(folder)) {
+        say!("{left_out}");
+    }
     let mut reports = Vec::new();
     for folder in &folders {
         let card = of_folder(folder, options)?;
@@ -74,28 +78,24 @@ fn of_folder(folder: &Path, options: &Options) -> Result<Card, Failure> {
 }
 
 /// The folders of studies: those named, and in others those that they hold.
-fn studies_in(folders: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+fn studies_in(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     let mut studies: Vec<PathBuf> = Vec::new();
-    for folder in folders {
-        let is_study = |folder: &Path| folder.join(RESOLVED).is_file();
-        if is_study(folder) {
+    for folder in named {
+        if folders::is_study(folder) {
             studies.push(folder.clone());
             continue;
         }
         let failed = |error: std::io::Error| {
             Failure::Usage(format!("cannot read {}: {error}\ngive folders of results", folder.display()))
         };
-        let entries = std::fs::read_dir(folder).map_err(failed)?;
-        let paths = entries.map(|entry| entry.map(|entry| entry.path())).collect::<Result<Vec<_>, _>>();
-        let mut found: Vec<PathBuf> =
-            paths.map_err(failed)?.into_iter().filter(|path| is_study(path)).collect();
+        let mut found = folders::within(folder).map_err(failed)?;
+        found.retain(|path| folders::is_study(path));
         if found.is_empty() {
             return Err(Failure::Usage(format!(
                 "neither {} nor a folder in it has a {RESOLVED}\ngive folders that `sagnac run` wrote results to",
                 folder.display()
             )));
         }
-        found.sort();
         studies.append(&mut found);
     }
     let mut seen = Vec::new();

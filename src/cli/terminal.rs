@@ -14,7 +14,7 @@ const DIGITS: std::ops::RangeInclusive<usize> = 4..=17;
 
 /// One column of a table over the sweeps: a line for each combination of their values, a column for each curve.
 ///
-/// `sweeps` are the columns that name lines, but for those in `series`; the first of them always is. What else differs
+/// `sweeps` are the columns that name lines, but for those in `series`; the first of them always is. What else in `texts` differs
 /// between rows, filler or error, names columns too, so that no cell has two values.
 ///
 /// # Errors
@@ -32,8 +32,12 @@ pub fn pivot(
     series.retain(|column| sweeps.first().is_none_or(|first| column.name != first.name));
     let rows = table.rows_where(filter)?;
     let unnamed = |column: &&Column| series.iter().all(|named| named.name != column.name);
+    let texts: Vec<&Column> = columns(texts)?
+        .into_iter()
+        .filter(|text| sweeps.iter().all(|sweep| sweep.name != text.name))
+        .collect();
     let mut across: Vec<Names> = sweeps.into_iter().filter(unnamed).map(|c| Names::new(c, &rows)).collect();
-    let others = columns(texts)?.into_iter().filter(unnamed).map(|c| Names::new(c, &rows));
+    let others = texts.into_iter().filter(unnamed).map(|c| Names::new(c, &rows));
     let mut curves: Vec<Names> = series.iter().map(|column| Names::new(column, &rows)).collect();
     curves.extend(others.filter(Names::differ));
     // The first sweep stands for the lines even where it has one value.
@@ -130,13 +134,16 @@ fn gcd(a: usize, b: usize) -> usize {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
+/// Columns beyond which headings are broken where no terminal says how wide it is.
+const USUAL_MOST: usize = 100;
+
 /// Rows of cells with every column as wide as its widest cell, flush right; where a terminal is narrower, as [`fitted`].
 pub(super) fn aligned(rows: &[Vec<String>]) -> String {
     fitted(rows, 1, look::columns())
 }
 
-/// The same within so many columns, if there is a limit: headings are broken into lines, and what is still too wide goes on below,
-/// the first `keys` columns standing in each part.
+/// The same within so many columns: headings are broken into lines, and what is still too wide goes on below, the first `keys`
+/// columns standing in each part. Without a limit headings are broken in wide tables, and nothing goes on below.
 fn fitted(rows: &[Vec<String>], keys: usize, limit: Option<usize>) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let widest = |rows: &[Vec<String>], column: usize| {
@@ -144,10 +151,10 @@ fn fitted(rows: &[Vec<String>], keys: usize, limit: Option<usize>) -> String {
     };
     let widths: Vec<usize> = (0..columns).map(|column| widest(rows, column)).collect();
     let all: Vec<usize> = (0..columns).collect();
-    let (Some(limit), Some((heading, body))) = (limit, rows.split_first()) else {
-        return part(rows, &all, &widths);
+    let Some((heading, body)) = rows.split_first() else {
+        return String::new();
     };
-    if width_of(&widths, &all) <= limit {
+    if width_of(&widths, &all) <= limit.unwrap_or(USUAL_MOST) {
         return part(rows, &all, &widths);
     }
     let word = |cell: &String| words(cell).iter().map(|word| word.chars().count()).max().unwrap_or(0);
@@ -155,6 +162,7 @@ fn fitted(rows: &[Vec<String>], keys: usize, limit: Option<usize>) -> String {
         all.iter().map(|&column| widest(body, column).max(heading.get(column).map_or(0, word))).collect();
     let mut lines = heading_lines(heading, &narrow);
     lines.extend(body.iter().cloned());
+    let limit = limit.unwrap_or(usize::MAX);
     let keys: Vec<usize> = all.iter().copied().take(keys).collect();
     let mut parts: Vec<Vec<usize>> = Vec::new();
     let mut shown = keys.clone();
@@ -269,6 +277,14 @@ mod tests {
         assert_eq!(parts.len(), 2, "{text}");
         assert!(parts.iter().all(|part| part.contains("frequency,") && part.contains("40")), "{text}");
         assert!(parts[0].contains("104") && parts[1].contains("23.5") && !parts[1].contains("104"), "{text}");
+    }
+
+    #[test]
+    fn a_wide_table_for_no_terminal_has_broken_headings_and_stays_in_one_piece() {
+        let mut wide = table();
+        wide[0][3] = "least of all that there are, and of some that are not ".repeat(2);
+        let text = fitted(&wide, 1, None);
+        assert!(text.lines().all(|line| line.chars().count() <= 60) && !text.contains("\n\n"), "{text}");
     }
 
     #[test]

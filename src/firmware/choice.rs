@@ -37,10 +37,21 @@ pub fn choose_point<'s>(
     fillers: &[Filler],
 ) -> Result<&'s Point, ChoiceError> {
     let mut chosen: Vec<Option<Quantity>> = vec![None; study.sweeps.len()];
+    let weights = |point: &Point| Ok::<_, ChoiceError>((point.inputs.tick_s, rules(study, point, fillers)?));
     for asked in at {
-        let (place, value) =
-            find(study, asked).map_err(|message| ChoiceError::Asked(format!("--at {asked}: {message}")))?;
-        chosen[place] = Some(value);
+        let refused = |message: String| ChoiceError::Asked(format!("--at {asked}: {message}"));
+        let (place, value) = find(study, asked).map_err(refused)?;
+        match swept(&study.sweeps[place], value) {
+            Ok(value) => chosen[place] = Some(value),
+            Err(message) => {
+                let key = study.sweeps[place].key.name;
+                let help = match changes_weights(gap_fill, place, weights)? {
+                    true => format!("the weights depend on it: add the value to the sweep over {key}"),
+                    false => format!("the weights are the same at every {key}: leave --at {asked} out"),
+                };
+                return Err(refused(format!("{message}\n{help}")));
+            }
+        }
     }
     let wanted = |point: &&Point| {
         let mut values = point.swept.iter().zip(&chosen);
@@ -49,7 +60,6 @@ pub fn choose_point<'s>(
     let points: Vec<&Point> = gap_fill.points.iter().filter(wanted).collect();
     // Sweeps multiply, so that every choice of their values is a point.
     let first = points.first().copied().unwrap_or(&gap_fill.points[0]);
-    let weights = |point: &Point| Ok::<_, ChoiceError>((point.inputs.tick_s, rules(study, point, fillers)?));
     let own = weights(first)?;
     // Of each key, whether it changes the weights by itself.
     let mut matters = vec![false; study.sweeps.len()];
@@ -65,6 +75,26 @@ pub fn choose_point<'s>(
         }
     }
     if differ { Err(ChoiceError::Asked(ambiguous(study, &chosen, &matters))) } else { Ok(first) }
+}
+
+/// Whether the weights are others at another value of a sweep, as along that from the first point.
+fn changes_weights<W: PartialEq>(
+    gap_fill: &GapFill,
+    place: usize,
+    weights: impl Fn(&Point) -> Result<W, ChoiceError>,
+) -> Result<bool, ChoiceError> {
+    let first = &gap_fill.points[0];
+    let own = weights(first)?;
+    let others = |point: &&Point| {
+        let mut values = (0..).zip(point.swept.iter().zip(&first.swept));
+        values.all(|(key, (value, of_first))| key == place || value == of_first)
+    };
+    for point in gap_fill.points.iter().filter(others) {
+        if weights(point)? != own {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 /// What there is to choose from: the keys that matter, or all that are open where none does by itself.
@@ -97,8 +127,8 @@ fn shown(value: &Quantity) -> String {
     format!("{} {unit}", significant(value.shown(), 6)).trim_end().to_owned()
 }
 
-/// The sweep that `key=value` means, and its value.
-fn find(study: &Study, asked: &str) -> Result<(usize, Quantity), String> {
+/// The sweep that `key=value` means, and the value, in the unit of tables.
+fn find(study: &Study, asked: &str) -> Result<(usize, f64), String> {
     let names: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
     if names.is_empty() {
         return Err("the study has one point\nleave --at out".to_owned());
@@ -116,17 +146,21 @@ fn find(study: &Study, asked: &str) -> Result<(usize, Quantity), String> {
     }
 }
 
-/// The value of a sweep that a text means.
-fn value_of(sweep: &Sweep, text: &str) -> Result<Quantity, String> {
-    let known = quantities(sweep);
-    let Some(dimension) = known.first().map(|value| value.dimension) else {
+/// The value for a sweep that a text means, in the unit of tables.
+fn value_of(sweep: &Sweep, text: &str) -> Result<f64, String> {
+    let Some(dimension) = quantities(sweep).first().map(|value| value.dimension) else {
         return Err("its values are no quantities".to_owned());
     };
-    let asked = match (dimension, text.parse::<f64>()) {
-        (_, Ok(number)) => number,
-        (Dimension::Count, Err(_)) => return Err(format!("{text} is not a number")),
-        _ => parse_quantity(text, &[dimension]).map_err(|error| error.to_string())?.shown(),
-    };
+    match (dimension, text.parse::<f64>()) {
+        (_, Ok(number)) => Ok(number),
+        (Dimension::Count, Err(_)) => Err(format!("{text} is not a number")),
+        _ => Ok(parse_quantity(text, &[dimension]).map_err(|error| error.to_string())?.shown()),
+    }
+}
+
+/// The value of a sweep that is the one asked for.
+fn swept(sweep: &Sweep, asked: f64) -> Result<Quantity, String> {
+    let known = quantities(sweep);
     let far = |value: &&Quantity| (value.shown() - asked).abs();
     let nearest = known.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
     match nearest {
@@ -137,7 +171,9 @@ fn value_of(sweep: &Sweep, text: &str) -> Result<Quantity, String> {
             } else {
                 format!("the nearest is {}", nearest.map(shown).unwrap_or_default())
             };
-            Err(format!("no point has {} = {text}; {there}", sweep.key.name))
+            let unit = known.first().map_or("", |value| value.dimension.unit().symbol);
+            let asked = format!("{} {unit}", significant(asked, 6));
+            Err(format!("no point has {} = {}; {there}", sweep.key.name, asked.trim_end()))
         }
     }
 }

@@ -12,6 +12,7 @@ use std::borrow::Cow;
 use crate::chart::{self, CURVE, ChartError, Figure, Map, MapSpec, Picture, Scale, Show, Spec};
 use crate::run::Tables;
 use crate::study::{self, Chart, Kind, Shows, Source, Study, StudyError, Swept};
+use crate::table::describe::bare;
 use crate::table::{Cell, ColumnError, Table};
 
 pub use verdict::{Verdict, verdicts};
@@ -209,7 +210,12 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
         Source::Coefficients => "coefficients.csv",
         Source::Trajectories => "trajectories.csv",
     };
-    let column = format!("name a column of {file}, with or without its unit");
+    let mut column = format!("name a column of {file}, with or without its unit");
+    if let ChartError::Column(ColumnError::Unknown { name, known }) = error
+        && let Some(nearest) = nearest_column(name, known)
+    {
+        column = format!("did you mean `{nearest}`? {column}");
+    }
     let (span, help) = match error {
         ChartError::Column(ColumnError::Unknown { name, .. } | ColumnError::Ambiguous { name, .. })
         | ChartError::NotNumbers { column: name, .. } => {
@@ -252,6 +258,12 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
         ChartError::TooManySeries { .. } => (0..0, column),
     };
     study.error_at(span, format!("chart: {error}"), help)
+}
+
+/// The column whose name is most like one that there is not, without its unit.
+fn nearest_column<'k>(name: &str, headers: &'k [String]) -> Option<&'k str> {
+    let bare = |header: &'k String| bare(header).min_by_key(|name| name.len()).unwrap_or(header);
+    study::nearest(name, &headers.iter().map(bare).collect::<Vec<_>>())
 }
 
 /// How to leave one of several rows that differ in `column`, and what to do else with its name.

@@ -1,11 +1,14 @@
 //! The answer of a study to its question.
 
-use super::sentences::{best, least_of_each, less_is_better, of_map, of_verdict};
+use super::sentences::{best, least_of_each, less_is_better, of_map, of_verdict, side_by_side};
 use crate::chart::{ChartError, Picture};
 use crate::picture::{Drawn, Shown, Verdict, filter, refused};
 use crate::run::Tables;
-use crate::study::{Chart, Kind, Source, Study, StudyError, text_columns};
-use crate::table::{ColumnError, short};
+use crate::study::{Chart, Filler, Kind, Method, Source, Study, StudyError, text_columns};
+use crate::table::{ColumnError, Table, short};
+
+/// Most rows that a headline tells side by side.
+const MOST_BESIDE: usize = 4;
 
 /// The answer: a sentence, and what stands behind it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -31,7 +34,9 @@ pub fn answer(
     lacking: u64,
 ) -> Result<Answer, StudyError> {
     let headline = match (verdicts, study.charts.iter().zip(shown).zip(charts).next()) {
-        ([first, ..], _) => of_verdict(first.answers(), &first.limit()),
+        ([first, ..], _) => {
+            of_verdict(first.answers(), &first.limit()).map(|headline| with_caveat(study, headline))
+        }
         ([], Some(((chart, shown), drawn))) => {
             of_chart(study, chart, shown, &drawn.picture).map_err(|error| refused(study, chart, &error))?
         }
@@ -68,17 +73,95 @@ fn of_chart(
     picture: &Picture,
 ) -> Result<Option<String>, ChartError> {
     if let Picture::Map(map) = picture {
-        return Ok(of_map(map));
+        return Ok(of_map(map).map(|headline| with_caveat(study, headline)));
     }
     let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
     let by = apart(study, chart.source, series.collect());
-    Ok(best(&shown.table, &shown.estimate, &filter(chart), &by)?)
+    let mut rows = filter(chart);
+    if chart.x.name == "tick_number" {
+        // The least of all ticks says nothing of a compensation: what it leaves of their sum does.
+        rows.push(("tick".to_owned(), "all".to_owned()));
+        let sums = shown.table.rows_where(&rows)?;
+        if sums.len() <= MOST_BESIDE {
+            let sums = side_by_side(&shown.table, &shown.estimate, &sums, &by)?;
+            return Ok(Some(format!("All ticks together, {sums}.")));
+        }
+    }
+    Ok(leading(study, &shown.table, &shown.estimate, &rows, &by)?)
+}
+
+/// The best row, and where that is of a filler that firmware cannot have, the best of the others.
+fn leading(
+    study: &Study,
+    table: &Table,
+    estimate: &str,
+    filter: &[(String, String)],
+    by: &[&str],
+) -> Result<Option<String>, ColumnError> {
+    let rows = table.rows_where(filter)?;
+    let Some(first) = best(table, estimate, &rows, by)? else { return Ok(None) };
+    let free = free_fillers(study);
+    if free.is_empty() || mentioned(study, &first).is_empty() || !less_is_better(table, estimate, &rows)? {
+        return Ok(Some(first));
+    }
+    let filler = table.column("filler")?;
+    let others: Vec<usize> =
+        rows.into_iter().filter(|&row| !free.contains(&filler.cells[row].text().as_str())).collect();
+    let second = if others.len() > 1 { best(table, estimate, &others, by)? } else { None };
+    // What is least has been said.
+    let value = second.as_ref().and_then(|second| second.split_once(" is "));
+    let known = value.map_or(", which firmware does not know.".to_owned(), |(_, value)| {
+        format!("; of weights that stay the same, as firmware has them, the least is {value}")
+    });
+    Ok(Some(format!("{first} That filler is designed for the very motion of each point{known}")))
+}
+
+fn fillers(study: &Study) -> &[Filler] {
+    match (study.gap_fill(), study.switched_run()) {
+        (Some(gap_fill), _) => &gap_fill.fillers,
+        (None, Some(run)) => run.fillers(),
+        (None, None) => &[],
+    }
+}
+
+/// The names of fillers that have other weights at each point.
+fn free_fillers(study: &Study) -> Vec<&str> {
+    let is_free = |filler: &&Filler| filler.method == Method::MinimumVariance(None);
+    fillers(study).iter().filter(is_free).map(|filler| filler.name.as_str()).collect()
+}
+
+/// Those of them that a sentence names.
+fn mentioned<'s>(study: &'s Study, sentence: &str) -> Vec<&'s str> {
+    // A name may be the beginning of another one, and of the sentence.
+    let mut names: Vec<&str> = fillers(study).iter().map(|filler| filler.name.as_str()).collect();
+    names.sort_by_key(|name| std::cmp::Reverse(name.len()));
+    let mut rest = sentence.to_lowercase();
+    names.retain(|name| {
+        let is_there = rest.contains(&name.to_lowercase());
+        rest = rest.replace(&name.to_lowercase(), "");
+        is_there
+    });
+    free_fillers(study).into_iter().filter(|name| names.contains(name)).collect()
+}
+
+/// A headline with what is to be known of the fillers that it names.
+fn with_caveat(study: &Study, headline: String) -> String {
+    match &mentioned(study, &headline)[..] {
+        [] => headline,
+        names => {
+            let is = if names.len() == 1 { "is" } else { "are" };
+            let names = names.join(" and ");
+            format!(
+                "{headline} Without a band {names} {is} designed for the very motion of each point, which firmware does not know."
+            )
+        }
+    }
 }
 
 /// Where each curve of a chart is least; nothing where that is not asked for.
 fn of_each(chart: &Chart, shown: &Shown) -> Result<Vec<String>, ColumnError> {
     let (rows, estimate) = (filter(chart), shown.estimate.as_str());
-    if !less_is_better(&shown.table, estimate, &rows)? {
+    if !less_is_better(&shown.table, estimate, &shown.table.rows_where(&rows)?)? {
         return Ok(vec![]);
     }
     let series: Vec<&str> = shown.series.iter().map(String::as_str).collect();
@@ -101,7 +184,7 @@ fn undrawn(study: &Study, tables: &Tables) -> Option<String> {
     let rows = Some(rows).filter(has).unwrap_or_default();
     let by = apart(study, Source::Points, if study.kind() == Kind::Allan { vec!["tau"] } else { vec![] });
     // Every study of the kind has the columns.
-    let sentence = best(&tables.points, estimate, &rows, &by).ok().flatten()?;
+    let sentence = leading(study, &tables.points, estimate, &rows, &by).ok().flatten()?;
     match tables.points.chosen(&rows) {
         Ok(chosen) if !chosen.is_empty() => {
             Some(format!("{} ({}).", sentence.trim_end_matches('.'), chosen.join(", ")))

@@ -147,7 +147,7 @@ fn listed(file: &'static str, table: &Table, report: &Report) -> Listed {
         let one = cells.len() > 1 && cells.iter().all(|cell| *cell == cells[0]);
         Listing {
             header: column.header(),
-            title: column.title(),
+            title: title(column, table),
             about: describe::column(&column.name),
             text: column.cells.iter().any(|cell| matches!(cell, Cell::Text(_))),
             tells: tells(column),
@@ -160,6 +160,19 @@ fn listed(file: &'static str, table: &Table, report: &Report) -> Listed {
         all_columns: table.columns.len(),
         shown: rows,
         columns: columns.iter().map(listing).collect(),
+    }
+}
+
+/// The heading of a column, which no other column of its table has.
+fn title(column: &Column, table: &Table) -> String {
+    let first = table.columns.iter().find(|other| other.title() == column.title());
+    match first {
+        // As the name of a tick and its number are.
+        Some(other) if other.name != column.name => {
+            Column { label: column.name.replace('_', " "), cells: vec![], band: None, ..column.clone() }
+                .title()
+        }
+        _ => column.title(),
     }
 }
 

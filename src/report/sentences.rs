@@ -1,27 +1,26 @@
 //! Sentences that answer: where something is least, who wins, who stays within a limit.
 
 use super::agreement::capitalised;
-use crate::chart::{Cells, Map};
+use crate::chart::{Cells, Map, share};
 use crate::table::{Cell, Column, ColumnError, Table, significant};
 use crate::verdict::{Answer as Judged, Outcome};
 
 /// The rows that answer about an estimate, as a sentence: where it is least, `The least rms error is 2.1 ″ (95 %: 2 to 2.2): quadratic,
 /// frequency 4 Hz.`, or of one that is not the better the less it is, from where to where it runs.
 ///
-/// `filter` chooses rows as [`Table::rows_where`] does, `by` are the columns that tell them apart. None where no row has a value. Rows
-/// with the same value to the four digits that are said are counted.
+/// `rows` are those that are compared, `by` the columns that tell them apart. None where no row has a value. Rows with the same value to
+/// the four digits that are said are counted.
 ///
 /// # Errors
-/// A name selects no single column, or the filter leaves no row.
+/// A name selects no single column.
 pub(super) fn best(
     table: &Table,
     estimate: &str,
-    filter: &[(String, String)],
+    rows: &[usize],
     by: &[&str],
 ) -> Result<Option<String>, ColumnError> {
     let column = table.column(estimate)?;
     let by = by.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
-    let rows = table.rows_where(filter)?;
     let known: Vec<(usize, f64)> =
         rows.iter().filter_map(|&row| Some((row, column.cells[row].number()?))).collect();
     let order = |a: &&(usize, f64), b: &&(usize, f64)| a.1.total_cmp(&b.1);
@@ -47,7 +46,7 @@ pub(super) fn best(
     Ok(Some(match (known.len(), alike) {
         (1, _) => format!("The {label} is {}{band}.", shown(least.1)),
         (all, alike) if alike == all => format!("The {label} is {} in all {all} rows.", shown(least.1)),
-        _ if !less_is_better(table, estimate, filter)? => format!(
+        _ if !less_is_better(table, estimate, rows)? => format!(
             "The {label} runs from {} ({}) to {} ({}).",
             shown(least.1),
             place(least.0),
@@ -90,16 +89,33 @@ const LESS_IS_BETTER: [&str; 21] = [
 ///
 /// # Errors
 /// Those of [`best`].
-pub(super) fn less_is_better(
-    table: &Table,
-    estimate: &str,
-    filter: &[(String, String)],
-) -> Result<bool, ColumnError> {
+pub(super) fn less_is_better(table: &Table, estimate: &str, rows: &[usize]) -> Result<bool, ColumnError> {
     let column = table.column(estimate)?;
     let name = column.name.strip_prefix("oracle_").unwrap_or(&column.name);
-    let rows = table.rows_where(filter)?;
     let signed = rows.iter().filter_map(|&row| column.cells[row].number()).any(|value| value < 0.0);
     Ok(LESS_IS_BETTER.contains(&name) && !signed)
+}
+
+/// The estimate of some rows side by side, which `by` tells apart: `rms angle left: 34.7 ″ (none), 20.4 ″ (frequency)`.
+///
+/// # Errors
+/// A name selects no single column.
+pub(super) fn side_by_side(
+    table: &Table,
+    estimate: &str,
+    rows: &[usize],
+    by: &[&str],
+) -> Result<String, ColumnError> {
+    let column = table.column(estimate)?;
+    let by = by.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
+    let differs = |by: &&&Column| rows.iter().any(|&row| by.cells[row] != by.cells[rows[0]]);
+    let of_row = |&row: &usize| {
+        let value = significant(column.cells[row].number()?, 4);
+        let names: Vec<String> =
+            by.iter().filter(differs).filter_map(|by| named(by, &by.cells[row])).collect();
+        Some(format!("{value}{} ({})", with_unit(column), names.join(", ")))
+    };
+    Ok(format!("{}: {}", column.label, rows.iter().filter_map(of_row).collect::<Vec<_>>().join(", ")))
 }
 
 /// Where each curve is least, a sentence each, in the order of the table: `600 s: 0.153 °/h at switching interval 37.5 s`.
@@ -160,10 +176,10 @@ fn named(column: &Column, cell: &Cell) -> Option<String> {
 /// What a map shows, as a sentence: of a winner map who wins how many cells, of a heat map its least and greatest value.
 pub(super) fn of_map(map: &Map) -> Option<String> {
     let within = map.within_limit().zip(map.limit.as_ref()).map(|(within, limit)| {
-        let share = percent(within, map.known());
+        let share = share(within, map.known());
         match &map.cells {
-            Cells::Values(_) => format!("{share} of cells are within the {}", limit.label),
-            Cells::Winners { .. } => format!("in {share} of cells the least is within the {}", limit.label),
+            Cells::Values(_) => format!("{share} are within the {}", limit.label),
+            Cells::Winners { .. } => format!("in {share} the least is within the {}", limit.label),
         }
     });
     let found = match &map.cells {
@@ -193,24 +209,13 @@ pub(super) fn of_map(map: &Map) -> Option<String> {
             shares.sort_by_key(|(cells, _)| std::cmp::Reverse(*cells));
             let known = map.known();
             let ((cells, first), others) = shares.split_first()?;
-            let share = |cells: usize| percent(cells, known);
+            let share = |cells: usize| share(cells, known);
             let others = others.iter().map(|(cells, name)| format!(", in {} {name}", share(*cells)));
             let others: String = others.collect();
-            format!("In {} of cells {first} has the least {}{others}", share(*cells), map.z.label)
+            format!("In {} {first} has the least {}{others}", share(*cells), map.z.label)
         }
     };
     Some(std::iter::once(found).chain(within).collect::<Vec<String>>().join("; ") + ".")
-}
-
-/// A part in percent, never rounded to all or none.
-fn percent(part: usize, all: usize) -> String {
-    match 100.0 * part as f64 / all.max(1) as f64 {
-        _ if part == all => "100 %".to_owned(),
-        0.0 => "0 %".to_owned(),
-        p if p < 1.0 => "less than 1 %".to_owned(),
-        p if p > 99.0 => "more than 99 %".to_owned(),
-        p => format!("{p:.0} %"),
-    }
 }
 
 /// How the curves stand to their limit, as a sentence: how many keep within it everywhere and nowhere, and of those that pass it which one does
@@ -365,7 +370,9 @@ mod tests {
     fn what_is_least_is_told_of_errors_and_of_others_where_they_run() {
         let curves = [("a", [3.0, 2.0, 5.0]), ("b", [4.0, 4.0, 4.0])];
         let told = |estimate: &str| {
-            best(&table(estimate, &curves), estimate, &[], &["filler", "frequency"]).unwrap().unwrap()
+            best(&table(estimate, &curves), estimate, &[0, 1, 2, 3, 4, 5], &["filler", "frequency"])
+                .unwrap()
+                .unwrap()
         };
         assert_eq!(told("rms"), "The least rms is 2 ″: a, frequency 2 Hz.");
         let range = "The coverage95 runs from 2 ″ (a, frequency 2 Hz) to 5 ″ (a, frequency 4 Hz).";
@@ -373,6 +380,6 @@ mod tests {
         let each = least_of_each(&table("rms", &curves), ("frequency", "rms"), &[], &["filler"]).unwrap();
         assert_eq!(each, ["a: 2 ″ at frequency 2 Hz", "b: 4 ″ everywhere"]);
         let signed = table("rms", &[("a", [-3.0, 2.0, 5.0])]);
-        assert!(best(&signed, "rms", &[], &["frequency"]).unwrap().unwrap().contains("from −3 ″"));
+        assert!(best(&signed, "rms", &[0, 1, 2], &["frequency"]).unwrap().unwrap().contains("from −3 ″"));
     }
 }

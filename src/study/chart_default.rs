@@ -5,8 +5,19 @@ use super::chart_file::Scale;
 use super::gap_fill::FREQUENCY;
 use super::rows::{ALL_TICKS, COMPENSATION, DT_NU, FILLER, Known, TAU, TICK, TICK_NUMBER};
 use super::sweep::Sweep;
-use super::{Subject, SwitchedRun};
+use super::{Kind, Subject, SwitchedRun};
 use crate::table::Cell;
+
+/// The column that is looked at first in the results of a kind of study.
+pub(super) fn estimate(kind: Kind) -> &'static str {
+    match kind {
+        Kind::GapFill | Kind::Relock => "rms",
+        Kind::Allan => "adev",
+        Kind::SwitchedRun => "drift_q9973",
+        Kind::DriftBudget => "bound",
+        Kind::Suspension => "response",
+    }
+}
 
 /// What suits the sweeps; nothing to draw where nothing but names is swept, unless tables have an axis of their own.
 pub(super) fn default_for(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
@@ -15,8 +26,8 @@ pub(super) fn default_for(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> 
         Subject::Allan(_) => Some(of_deviations(sweeps)),
         Subject::SwitchedRun(run) => of_runs(sweeps, run, subject),
         Subject::Relock(_) => Some(of_relock(sweeps, subject)),
-        Subject::DriftBudget(_) => of_closed_forms(sweeps, subject, "bound"),
-        Subject::Suspension(_) => of_closed_forms(sweeps, subject, "response"),
+        Subject::DriftBudget(_) => of_closed_forms(sweeps, subject, estimate(Kind::DriftBudget)),
+        Subject::Suspension(_) => of_closed_forms(sweeps, subject, estimate(Kind::Suspension)),
     }
 }
 
@@ -26,7 +37,7 @@ fn of_deviations(sweeps: &[Sweep]) -> Chart {
         title: None,
         source: Source::Points,
         x: Named::default(TAU),
-        y: Named::default("adev"),
+        y: Named::default(estimate(Kind::Allan)),
         beside: vec![],
         shows: Shows::Curves {
             series: sweeps.iter().take(2).map(|sweep| Named::default(sweep.key.name)).collect(),
@@ -49,7 +60,7 @@ fn of_relock(sweeps: &[Sweep], subject: &Subject) -> Chart {
         title: None,
         source: Source::Points,
         x: Named::default(x),
-        y: Named::default("rms"),
+        y: Named::default(estimate(Kind::Relock)),
         beside: vec![],
         shows: Shows::Curves { series: series.map(Named::default).collect(), laws: vec![] },
         rows: (!sweeps.is_empty()).then_some(all).into_iter().chain(fixed).collect(),
@@ -104,7 +115,7 @@ fn of_runs(sweeps: &[Sweep], run: &SwitchedRun, subject: &Subject) -> Option<Cha
         title: None,
         source: Source::Points,
         x: Named::default(x.key.name),
-        y: Named::default("drift_q9973"),
+        y: Named::default(estimate(Kind::SwitchedRun)),
         beside: vec![],
         shows: Shows::Curves { series, laws: vec![] },
         rows,
@@ -131,7 +142,7 @@ fn of_fillers(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
         title: None,
         source: Source::Points,
         x: Named::default(x),
-        y: Named::default("rms"),
+        y: Named::default(estimate(Kind::GapFill)),
         beside: vec![],
         shows: Shows::Curves { series: series.map(Named::default).collect(), laws: vec![] },
         rows: fixed.chain(usual_rows(&known)).collect(),

@@ -2,14 +2,18 @@
 
 use std::fmt;
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
 
 use crate::record::RecordError;
 
-use super::expected::{Expected, Found, found_at, joined};
+use super::expected::{Expected, Found, axis_of, found_at, joined};
 use super::shown::Shown;
+
+/// Most files of a folder that help names.
+const MOST_FILES: usize = 4;
 
 /// Help where there is no better.
 const SCHEMA: &str = "`sagnac schema` prints what every key accepts";
@@ -107,8 +111,8 @@ impl Fault {
         let keys = found_at(text, &span).into_iter().map(|table| joined(&table.key, missing));
         let expected = keys.filter_map(|key| Expected::of(&key)).next();
         let key = expected.map_or(missing, |expected| expected.key);
-        let help =
-            expected.map_or(SCHEMA.to_owned(), |expected| format!("add it as in\n{}", expected.example));
+        let example = axis_of(key, text).or_else(|| expected.map(|expected| expected.example.to_owned()));
+        let help = example.map_or(SCHEMA.to_owned(), |example| format!("add it as in\n{example}"));
         let label = if key == missing { "in this file" } else { "in this table" };
         Fault::new(span, format!("the key `{key}` is missing"), label, help)
     }
@@ -174,18 +178,32 @@ pub struct StudyError {
 
 impl StudyError {
     /// A file that could not be read: `what` it is, `the study`, and in `help` what to give instead.
-    pub(crate) fn unreadable(
-        what: &str,
-        path: &std::path::Path,
-        error: &std::io::Error,
-        help: &str,
-    ) -> StudyError {
+    pub(crate) fn unreadable(what: &str, path: &Path, error: &std::io::Error, help: &str) -> StudyError {
         StudyError {
             message: format!("cannot read {what} {}: {error}", path.display()),
             label: String::new(),
             help: help.to_owned(),
             shown: None,
         }
+    }
+
+    /// A folder in place of a study file: those in it are named.
+    pub(super) fn of_folder(path: &Path) -> StudyError {
+        let entries = std::fs::read_dir(path).into_iter().flatten().filter_map(Result::ok);
+        let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+        files.retain(|file| file.extension().is_some_and(|end| end == "toml") && file.is_file());
+        files.sort();
+        let named: Vec<String> =
+            files.iter().take(MOST_FILES).map(|file| file.display().to_string()).collect();
+        let help = match files.len() {
+            0 => "give the path of a study file; `sagnac new gap-fill mine.toml` writes one".to_owned(),
+            count if count > MOST_FILES => {
+                format!("give one of its {count} files, such as {}", named.join(", "))
+            }
+            _ => format!("give one of its files: {}", named.join(", ")),
+        };
+        let message = format!("{} is a folder, not a study file", path.display());
+        StudyError { message, label: String::new(), help, shown: None }
     }
 
     /// The report for people: file, line, caret and help, `width` columns wide; escape codes only if `color`.
@@ -234,15 +252,19 @@ pub(crate) fn choices(found: &str, known: &[&str]) -> String {
 /// Longest name of which the nearest is looked for: that takes time and memory by the product of two lengths.
 const LONGEST_SLIP: usize = 100;
 
-/// The name most like `found`, where one is alike: a slip of the fingers, or a name without its prefix.
-fn nearest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
+/// Fewest letters that are taken for the beginning of a name.
+const LEAST_BEGINNING: usize = 3;
+
+/// The name most like `found`, where one is alike: a slip of the fingers, a name without its prefix, or the beginning of one.
+pub(crate) fn nearest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
     if found.len() > LONGEST_SLIP {
         return None;
     }
     let likeness = |name: &str| {
         let bare = name.rsplit('.').next().unwrap_or(name);
         let whole = strsim::normalized_damerau_levenshtein(found, name);
-        whole.max(strsim::normalized_damerau_levenshtein(found, bare))
+        let begun = found.len() >= LEAST_BEGINNING && (bare.starts_with(found) || name.starts_with(found));
+        whole.max(strsim::normalized_damerau_levenshtein(found, bare)).max(if begun { 0.5 } else { 0.0 })
     };
     // Of several that are as near the first.
     let best = known.iter().rev().copied().max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;
@@ -258,7 +280,8 @@ mod tests {
         let known = ["motion.frequency", "motion.amplitude", "gyro.tick"];
         assert_eq!(nearest("motion.freqency", &known), Some("motion.frequency"));
         assert_eq!(nearest("frequency", &known), Some("motion.frequency"));
-        assert_eq!(nearest("temperature", &known), None);
+        assert_eq!(nearest("freq", &known), Some("motion.frequency"));
+        assert_eq!((nearest("fr", &known), nearest("temperature", &known)), (None, None));
         assert_eq!(nearest("x", &[]), None);
         assert_eq!(nearest(&"gyro.tick".repeat(1_000_000), &known), None);
         assert!(choices("gx", &["g"; 1000]).ends_with("g, g, …"));
@@ -286,7 +309,7 @@ mod tests {
     #[test]
     fn an_unreadable_file_has_no_caret_but_help() {
         let error = std::io::Error::from(std::io::ErrorKind::NotFound);
-        let path = std::path::Path::new("no.toml");
+        let path = Path::new("no.toml");
         let shown = StudyError::unreadable("the study", path, &error, "give another").render(false, 80);
         assert!(shown.contains("the study no.toml") && shown.contains("give another"), "{shown}");
     }

@@ -4,6 +4,10 @@ use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 
+use super::chart_default::estimate;
+use super::file::Kind;
+use super::rows::{TAU, TICK_NUMBER};
+
 /// What a key holds, and how it may be written.
 pub(super) struct Expected {
     /// From the root, as in `sweep.log.from`; ends with `*` for a table whose keys are free.
@@ -139,7 +143,11 @@ pub(super) static KEYS: &[Expected] = &[
     entry("switching.gap_ticks", NUMBER, "gap_ticks = 3"),
     entry("switching.fit_ticks", "a list in brackets", "fit_ticks = [-1, 0, \"n+1\", \"n+2\"]"),
     entry("switching.extrapolation_ticks", "a list in brackets", "extrapolation_ticks = [-3, -2, -1, 0]"),
-    entry("switching.fillers", "a list in brackets", "fillers = [\"const\", \"linear\", \"quadratic\"]"),
+    entry(
+        "switching.fillers",
+        "a list in brackets",
+        "fillers = [\"const\", \"quadratic\", { kind = \"minimum-variance\", name = \"mv8+2\", fit_ticks = [\"-7..0\", \"n+1\", \"n+2\"] }]",
+    ),
     entry("switching.fillers.kind", TEXT, "kind = \"minimum-variance\""),
     entry("switching.fillers.name", TEXT, "name = \"mv8+2\""),
     entry("switching.fillers.fit_ticks", "a list in brackets", "fit_ticks = [\"-7..0\", \"n+1\", \"n+2\"]"),
@@ -275,6 +283,26 @@ impl Expected {
     pub(super) fn of(key: &str) -> Option<&'static Expected> {
         let any_in = |pattern: &str| pattern.strip_suffix('*').is_some_and(|table| key.starts_with(table));
         KEYS.iter().find(|expected| expected.key == key || any_in(expected.key))
+    }
+}
+
+/// How an axis of a chart may be written in this study: over what it sweeps, and of an estimate that its kind has.
+pub(super) fn axis_of(key: &str, text: &str) -> Option<String> {
+    let study: toml::Table = text.parse().ok()?;
+    let kind = study.get("kind").and_then(toml::Value::as_str);
+    let kind = Kind::ALL.into_iter().find(|known| Some(known.name()) == kind)?;
+    match key {
+        "chart.x" => {
+            let swept = || study.get("sweep")?.as_array()?.first()?.get("key")?.as_str();
+            let own = match kind {
+                Kind::Allan => Some(TAU),
+                Kind::Relock => Some(TICK_NUMBER),
+                _ => None,
+            };
+            Some(format!("x = \"{}\"", own.or_else(swept)?))
+        }
+        "chart.y" => Some(format!("y = \"{}\"", estimate(kind))),
+        _ => None,
     }
 }
 

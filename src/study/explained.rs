@@ -76,6 +76,41 @@ pub fn explain_key(key: &str) -> Option<Explained> {
     })
 }
 
+/// What a study of this kind simulates, and the columns of its results that say what came of it, in sentences.
+pub fn explain_kind(kind: Kind) -> &'static str {
+    match kind {
+        Kind::GapFill => {
+            "Samples mode switches: the motion, the noise and the readout of the ticks around each, of which those that are lost are \
+             filled in by every filler. points.csv has for each point, filler and error the `rms`, the level `q9973` that 99.73 % \
+             of errors stay below and the `max`, with their uncertainty, and the closed form `oracle_rms` where there is one."
+        }
+        Kind::Allan => {
+            "Makes records of a gyro at rest with the noise of [noise], takes the Allan curve of each and fits its coefficients. \
+             points.csv has the mean curve, `adev` over `tau`, with the band of single records, `adev_lo` to `adev_hi`; \
+             coefficients.csv how well each coefficient is found again: `mean`, `rmse`, `coverage95`."
+        }
+        Kind::SwitchedRun => {
+            "Samples whole runs of a gyro that switches modes: the magnetic drift, which turns its sign with every switch, and what \
+             the switches leave. points.csv has how wrong the angle is at the end and before, `rms` and `q9973` in ″, and the same \
+             over the time, `drift_rms` and `drift_q9973` in °/h. `sagnac design` finds the best interval of such a study."
+        }
+        Kind::Relock => {
+            "Samples mode switches with their errors, the perimeter loop that settles after each, and the rotation that it fakes in \
+             the first ticks. points.csv has for each `compensation` and `tick` what is left of that: `mean`, `rms`, `max` and \
+             `q9973`, ″."
+        }
+        Kind::DriftBudget => {
+            "Samples nothing: formulas of the drift of a gyro that switches modes. points.csv has the paper's `bound`, Z(7), what a \
+             run really adds up, `mean_drift` and `rms_drift`, and the intervals at which these are least, `optimum` and \
+             `optimum_true`."
+        }
+        Kind::Suspension => {
+            "Samples nothing: the response of an elastic suspension to a vibration of its base. points.csv has the rate by the \
+             acceleration, `response`, and its `phase` at each frequency that is swept."
+        }
+    }
+}
+
 /// The node itself and what it refers to or chooses from, to the bottom.
 fn within<'s>(schema: &'s Value, node: &'s Value) -> Vec<&'s Value> {
     let mut found = vec![node];
@@ -140,6 +175,18 @@ mod tests {
 
     /// Keys whose names say all.
     const UNSAID: [&str; 4] = ["sweep.linear.from", "sweep.linear.to", "sweep.log.from", "sweep.log.to"];
+
+    #[test]
+    fn the_columns_that_kinds_are_explained_by_are_there() {
+        use crate::table::describe::File;
+        for kind in Kind::ALL {
+            let text = explain_kind(kind);
+            for name in text.split('`').skip(1).step_by(2).filter(|name| !name.contains(' ')) {
+                let files = [File::Points(kind), File::Coefficients];
+                assert!(files.iter().any(|file| file.column(name).is_some()), "{kind:?}: {name}");
+            }
+        }
+    }
 
     #[test]
     fn units_range_choices_and_kinds_are_told() {

@@ -49,10 +49,10 @@ pub use allan::{Allan, Inputs as RecordInputs, Point as RecordPoint};
 pub use chart::{Chart, Limit, Named, Shows, Source, text_columns};
 pub use chart_file::Scale;
 pub use diagnose::StudyError;
-pub(crate) use diagnose::{Fault, Text, choices, render};
+pub(crate) use diagnose::{Fault, Text, choices, nearest, render};
 pub use drift::{Drift, Schedule};
 pub use drift_budget::{DriftBudget, Point as BudgetPoint};
-pub use explained::{Explained, Swept as SweptKey, explain_key, explained_keys};
+pub use explained::{Explained, Swept as SweptKey, explain_key, explain_kind, explained_keys};
 pub use file::{Error, FirstHalf, Kind, Phase, Position, Streams, schema};
 pub use gap_fill::{
     Acceleration, Amplitude, Fill, Filler, Frequency, GapFill, Gaussian, Inputs, Law, Method, Motion,
@@ -138,6 +138,9 @@ impl Study {
     /// A file that cannot be read, and those of [`Study::parse`].
     pub fn read(path: &Path) -> Result<Study, StudyError> {
         let text = text_file::read_text(path, MOST_TOML).map_err(|error| {
+            if path.is_dir() {
+                return StudyError::of_folder(path);
+            }
             StudyError::unreadable("the study", path, &error, "give the path of a study file (TOML, UTF-8)")
         })?;
         Study::parse(&path.display().to_string(), &text)

@@ -120,14 +120,21 @@ pub(super) fn ratio(name: &str, given: &Spanned<Scalar>) -> Result<Quantity, Fau
 pub(super) fn whole(name: &str, given: &Spanned<Scalar>, range: RangeInclusive<i64>) -> Result<i64, Fault> {
     let (low, high) = (range.start(), range.end());
     let help = format!("accepted: a whole number from {low} to {high}, without quotes or unit");
-    match given.get_ref() {
-        Scalar::Integer(i) if range.contains(i) => Ok(*i),
-        Scalar::Integer(i) => {
-            let label = if i < low { "too small" } else { "too large" };
+    // As people write large numbers, 1e6. Beyond 2^53 not every whole number is one.
+    let as_float = |x: f64| (x.fract() == 0.0 && x.abs() <= (1_i64 << 53) as f64).then_some(x as i64);
+    let value = match given.get_ref() {
+        Scalar::Integer(i) => Some(*i),
+        Scalar::Float(x) => as_float(*x),
+        _ => None,
+    };
+    match (value, given.get_ref()) {
+        (Some(i), _) if range.contains(&i) => Ok(i),
+        (Some(i), _) => {
+            let label = if i < *low { "too small" } else { "too large" };
             let message = format!("{name} = {i} is out of range, it must lie within {low} … {high}");
             Err(Fault::new(given.span(), message, label, help))
         }
-        other => {
+        (None, other) => {
             let label = if let Scalar::Float(_) = other { "not a whole number" } else { other.kind() };
             Err(Fault::new(given.span(), format!("{name}: {other} is not a whole number"), label, help))
         }

@@ -222,6 +222,7 @@ fn wrong_values_are_named_with_what_is_accepted() {
     refused(&replaced("gap_ticks = 3", "gap_ticks = 65"), &["a.toml:10:13", "within 1 … 64", "too large"]);
     refused(&replaced("gap_ticks = 3", "gap_ticks = \"3\""), &["a.toml:10:13", "a text", "whole number"]);
     refused(&replaced("gap_ticks = 3", "gap_ticks = 2.5"), &["a.toml:10:13", "not a whole number"]);
+    refused(&replaced("gap_ticks = 3", "gap_ticks = 1e2"), &["a.toml:10:13", "within 1 … 64"]);
     refused(&format!("trials = 0\n{BASE}"), &["a.toml:1:10", "trials = 0", "1 … 1099511627776"]);
     refused(&format!("seed = 9223372036854775808\n{BASE}"), &["a.toml:1:8", "is too large"]);
     refused(&format!("seed = 99999999999999999999\n{BASE}"), &["a.toml:1:8", "too large"]);

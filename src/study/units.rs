@@ -217,6 +217,16 @@ pub enum UnitError {
         /// As written.
         text: String,
     },
+    /// A comma for the decimal point: `"5,0 deg/s"`.
+    #[error(
+        "\"{text}\" has a comma in its number: decimals take a point, thousands no sign, as in {instead}"
+    )]
+    Comma {
+        /// As written.
+        text: String,
+        /// What may be meant, as it should be written.
+        instead: String,
+    },
     /// Too large a number, or none.
     #[error("\"{text}\" is not a finite number")]
     NotFinite {
@@ -253,6 +263,7 @@ impl UnitError {
             UnitError::Dimension { found, .. } => found,
             UnitError::Unknown { .. } | UnitError::Malformed { .. } => "no such unit",
             UnitError::NoNumber { .. } | UnitError::NotFinite { .. } => "not a number with a unit",
+            UnitError::Comma { .. } => "a comma in a number",
         }
     }
 }
@@ -278,6 +289,9 @@ pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
     let text = text.trim();
     let owned = || text.to_owned();
     let (number, unit) = text.split_at(number_length(text));
+    if let Some(instead) = without_comma(number, unit) {
+        return Err(UnitError::Comma { text: owned(), instead });
+    }
     let unit = unit.trim();
     let digits = number.replace('_', "").replace('−', "-");
     let number: f64 = digits.parse().map_err(|_| UnitError::NoNumber { text: owned() })?;
@@ -311,6 +325,16 @@ fn unit_of(unit: &str, text: &str, wanted: &[Dimension]) -> Result<(f64, Dimensi
     let known = Dimension::MEASURED.into_iter().find(of_size);
     let found = known.map_or_else(|| format!("a quantity in {}", size.exponents), |d| d.name().to_owned());
     Err(UnitError::Dimension { text: text.to_owned(), found })
+}
+
+/// What a number that goes on behind a comma may mean: decimals, or thousands where three digits follow.
+fn without_comma(number: &str, rest: &str) -> Option<String> {
+    let behind = rest.strip_prefix(',').filter(|behind| behind.starts_with(|c: char| c.is_ascii_digit()))?;
+    let digits = behind.bytes().take_while(u8::is_ascii_digit).count();
+    let decimals = (!behind[digits..].starts_with(['.', ','])).then(|| format!("\"{number}.{behind}\""));
+    let thousands = (digits == 3).then(|| format!("\"{number}{}\"", behind.replace(',', "")));
+    let readings: Vec<String> = decimals.into_iter().chain(thousands).collect();
+    (!readings.is_empty()).then(|| readings.join(" or "))
 }
 
 /// Bytes of the longest number at the start: sign, digits, fraction, exponent.
@@ -406,6 +430,12 @@ mod tests {
             ("nan Hz", "does not begin with a number"),
             ("inf s", "does not begin with a number"),
             ("1e999 Hz", "not a finite number"),
+            ("5,0 deg/s", "decimals take a point, thousands no sign, as in \"5.0 deg/s\""),
+            ("-0,5 ″", "as in \"-0.5 ″\""),
+            ("1,000,000 Hz", "as in \"1000000 Hz\""),
+            ("12,000 Hz", "as in \"12.000 Hz\" or \"12000 Hz\""),
+            ("12,000.5 Hz", "as in \"12000.5 Hz\""),
+            ("5, Hz", "cannot be read"),
             ("5 sec", "`sec` is not a known unit"),
             ("5 hz", "`hz` is not a known unit"),
             ("5 deg/", "`deg/` cannot be read"),

@@ -118,7 +118,7 @@ impl File {
 }
 
 /// The names that a header may be without its unit; one unit may be the end of another.
-fn bare(header: &str) -> impl Iterator<Item = &str> {
+pub(crate) fn bare(header: &str) -> impl Iterator<Item = &str> {
     Unit::ALL.iter().filter_map(move |unit| header.strip_suffix(unit.suffix)?.strip_suffix('_'))
 }
 

@@ -39,7 +39,13 @@ fn a_point_is_asked_for_where_weights_differ_and_by_the_keys_that_matter() {
     };
     own("").fails("filler study.toml", 2, &["weights differ", "motion.frequency = 20 Hz, 25 Hz"]);
     own("").done("filler study.toml --at frequency=25Hz");
-    own(r#", band = ["18 Hz", "22 Hz"]"#).done("filler study.toml");
+    let pieces =
+        ["no point has motion.frequency = 21 Hz; there are 20 Hz, 25 Hz", "add the value to the sweep"];
+    own("").fails("filler study.toml --at frequency=21Hz", 2, &pieces);
+    let banded = own(r#", band = ["18 Hz", "22 Hz"]"#);
+    banded.done("filler study.toml");
+    let pieces = ["the same at every motion.frequency: leave --at frequency=21Hz out"];
+    banded.fails("filler study.toml --at frequency=21Hz", 2, &pieces);
 }
 
 #[test]

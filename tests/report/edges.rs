@@ -1,61 +1,18 @@
 //! Reports of what is little, nothing or very much.
 
-use sagnac::chart::{Figure, Picture, Scale, Spec};
+use sagnac::chart::{Figure, Picture};
 use sagnac::picture::Drawn;
 use sagnac::report::{Answer, Report, Source};
-use sagnac::table::{Cell, Column, Table, Unit};
+use sagnac::table::Table;
 use serde_json::json;
 use tempfile::TempDir;
 
 use super::browser::Browser;
+use super::fillers::{spec, table};
 use super::{PICTURE, is_silent, point_at, tip};
 
-/// So many points of three fillers, whose errors are `error(point, filler)`.
-fn table(points: usize, error: impl Fn(usize, usize) -> Option<f64>) -> Table {
-    let rows = || (0..points).flat_map(|point| (0..3).map(move |filler| (point, filler)));
-    let column = |name: &str, unit, cells| Column {
-        name: name.to_owned(),
-        label: name.to_owned(),
-        unit,
-        cells,
-        band: None,
-    };
-    let numbers = |of: &dyn Fn(usize, usize) -> Option<f64>| {
-        rows().map(|(point, filler)| Cell::from(of(point, filler))).collect()
-    };
-    let fillers =
-        rows().map(|(_, filler)| Cell::Text(["const", "linear", "quadratic"][filler].to_owned())).collect();
-    let mut rms = column("rms", Unit::ARCSEC, numbers(&error));
-    rms.band = Some(
-        rows().map(|(point, filler)| error(point, filler).map(|rms| (0.99 * rms, 1.01 * rms))).collect(),
-    );
-    Table {
-        columns: vec![
-            column("motion.frequency", Unit::HZ, numbers(&|point, _| Some(1.0 + 0.01 * point as f64))),
-            column("filler", Unit::NONE, fillers),
-            column("trials", Unit::NONE, rows().map(|_| Cell::Integer(1000)).collect()),
-            rms,
-        ],
-    }
-}
-
 fn page(table: &Table) -> String {
-    let spec = Spec {
-        title: "Edges".to_owned(),
-        subtitle: None,
-        x: "frequency".to_owned(),
-        y: "rms".to_owned(),
-        x_scale: Scale::Log,
-        y_scale: Scale::Log,
-        series: vec!["filler".to_owned()],
-        apart: vec![],
-        filter: vec![],
-        limit: Some((10.0, Unit::ARCSEC)),
-        laws: vec![],
-        points: "Monte Carlo".to_owned(),
-        bands: "95 % band".to_owned(),
-    };
-    let (figure, notes) = Figure::from_table(table, &spec).unwrap();
+    let (figure, notes) = Figure::from_table(table, &spec("Edges")).unwrap();
     let drawn = Drawn { stem: "chart".to_owned(), picture: Picture::Curves(figure), note: notes.sentence() };
     let source = Source {
         study: "kind = \"gap-fill\"\n".to_owned(),

@@ -2,6 +2,7 @@
 
 mod browser;
 mod edges;
+mod fillers;
 mod results;
 
 use std::collections::BTreeSet;

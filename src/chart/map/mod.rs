@@ -115,7 +115,7 @@ impl Map {
 }
 
 /// A part of all cells in percent, never rounded to all or none.
-fn share(part: usize, cells: usize) -> String {
+pub(crate) fn share(part: usize, cells: usize) -> String {
     let percent = 100.0 * part as f64 / cells.max(1) as f64;
     let shown = match percent {
         0.0 => return "no cells".to_owned(),

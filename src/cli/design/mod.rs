@@ -8,14 +8,14 @@ use clap::{Args, ValueEnum};
 use sagnac::backend::{Selection, select};
 use sagnac::chart::{Figure, Scale, Spec};
 use sagnac::design::{Design, DesignError, Measure, design as find};
-use sagnac::study::{MOST_TRIALS, Study};
+use sagnac::study::Study;
 use sagnac::table::Table;
 
 use super::charts::write_pictures;
 use super::look;
 use super::output::{print, print_json, write};
 use super::progress::{self, Shown};
-use super::{DeviceArg, Failure};
+use super::{DeviceArg, Failure, whole};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -37,10 +37,10 @@ pub struct Options {
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Runs of each candidate, in place of the study's; rounded up to 32 times a power of two
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials)]
     trials: Option<u64>,
     /// Seed, in place of the study's
-    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
     seed: Option<u64>,
     /// Print the recommendation as JSON
     #[arg(help_heading = "Output", long)]

@@ -71,7 +71,9 @@ fn undrawn(study: &Study, table: &Table) -> Result<String, ColumnError> {
         Kind::DriftBudget | Kind::Suspension => return Ok(columns(table)),
     };
     let tau = (study.kind() == Kind::Allan).then_some("tau");
-    let across: Vec<&str> = tau.into_iter().chain(study.sweeps.iter().map(|sweep| sweep.key.name)).collect();
+    let tick = (study.kind() == Kind::Relock).then_some("tick");
+    let swept = study.sweeps.iter().map(|sweep| sweep.key.name);
+    let across: Vec<&str> = tau.into_iter().chain(swept).chain(tick).collect();
     pivot(table, &across, estimate, &[], &text_columns(study, Source::Points), &rows)
 }
 
@@ -80,6 +82,8 @@ fn of_chart(study: &Study, shown: &Curves, chart: &Chart) -> Result<String, Char
     let table: &Table = &shown.table;
     let sweeps: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
     let across = match study.kind() {
+        // Compensations side by side, and ticks below each other.
+        Kind::Relock => sweeps.into_iter().chain(["tick"]).collect(),
         kind if kind != Kind::Allan && !sweeps.is_empty() => sweeps,
         Kind::Allan => {
             let x = table.column(&chart.x.name)?.name.as_str();

@@ -36,7 +36,8 @@ pub(in crate::study) struct SwitchingTable {
     #[serde(default)]
     #[schemars(with = "Vec<TickSchema>")]
     pub(in crate::study) extrapolation_ticks: Option<Spanned<Vec<Spanned<Scalar>>>>,
-    /// Fillers to compare, each once: "const", "linear", "quadratic", or tables.
+    /// Fillers to compare, each once: a polynomial by its name, fitted to switching.fit_ticks, or a table of kind, name and ticks of
+    /// its own, as of a minimum-variance filler.
     #[serde(default)]
     #[schemars(with = "Vec<FillerSchema>", length(min = 1), extend("uniqueItems" = true))]
     pub(in crate::study) fillers: Option<Spanned<Vec<Spanned<Either<FillerTable>>>>>,
@@ -108,15 +109,16 @@ pub(in crate::study) struct FillerTable {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::study) enum FillerKind {
-    /// Least-squares polynomial of order 0.
+    /// Least-squares polynomial of order 0: the mean of the ticks.
     Const,
-    /// Of order 1.
+    /// Least-squares polynomial of order 1: a straight line.
     Linear,
-    /// Of order 2.
+    /// Least-squares polynomial of order 2: a parabola.
     Quadratic,
-    /// Least variance of the error for a motion and the study's noise.
+    /// The weights of the least error variance, for the vibration in its band, or without one for the motion of each point, and for
+    /// the study's noise.
     MinimumVariance,
-    /// Weights as given.
+    /// The weights that are given.
     Weights,
 }
 
@@ -124,11 +126,11 @@ pub(in crate::study) enum FillerKind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Error {
-    /// Of the angle after the gap is closed and corrected.
+    /// What is left in the angle for good, after the gap is closed and corrected.
     Residual,
-    /// Of the angle at the end of the gap, before the correction.
+    /// The error of the angle at the end of the gap, before it is corrected.
     Extrapolation,
-    /// The largest of the angle while the gap is open.
+    /// The largest error of the angle while the gap is open.
     InGap,
 }
 
@@ -146,7 +148,6 @@ impl Error {
     }
 }
 
-/// The name of a polynomial, or a table.
 #[derive(JsonSchema)]
 #[schemars(untagged)]
 #[expect(dead_code, reason = "only its schema is used")]
@@ -159,8 +160,11 @@ enum FillerSchema {
 #[schemars(rename_all = "kebab-case")]
 #[expect(dead_code, reason = "only its schema is used")]
 enum PolynomialSchema {
+    /// The mean of the ticks.
     Const,
+    /// A straight line.
     Linear,
+    /// A parabola.
     Quadratic,
 }
 

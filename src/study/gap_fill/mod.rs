@@ -5,6 +5,7 @@ mod inputs;
 mod keys;
 mod law;
 mod motion;
+mod notes;
 mod of_noise;
 mod point;
 mod precision;
@@ -55,7 +56,7 @@ pub struct GapFill {
     pub precision: Option<Precision>,
     /// All points, in order; without a sweep the one that is written.
     pub points: Vec<Point>,
-    /// What of the noise is left out, and what of a suspension is assumed, each in a sentence.
+    /// What of the noise is left out, what of a suspension is assumed, and what motion is hardly meant, each in a sentence.
     pub notes: Vec<String>,
 }
 
@@ -77,7 +78,7 @@ pub(super) fn read(
     if *file.kind.get_ref() == Kind::GapFill {
         refuse_keys_of_runs(switching)?;
     }
-    let (inputs, notes) = read_inputs(file, sweeps, folder, places)?;
+    let (inputs, mut notes) = read_inputs(file, sweeps, folder, places)?;
     let written_fillers = read_fillers::read(fillers)?;
     let errors = read_errors(switching.errors.as_ref())?;
     for (sweep, table) in sweeps.iter().zip(&file.sweep) {
@@ -104,6 +105,7 @@ pub(super) fn read(
         extrapolation_ticks: TickList::read(Purpose::Extrapolation, switching.extrapolation_ticks.as_ref())?,
     };
     let points = base.points()?;
+    notes.extend(notes::of_motion(&inputs, &points));
     let precision = file.precision.as_ref().map(precision::read).transpose()?.flatten();
     if let (Some(written), Some(Profile { position: Position::Every, .. })) =
         (file.precision.as_ref().filter(|_| precision.is_some()), &inputs.motion.profile)
