@@ -7,6 +7,7 @@ use fillers::{cells, column, spec};
 use sagnac::chart::{Figure, Picture};
 use sagnac::picture::Drawn;
 use sagnac::report::{Answer, Report, Source};
+use sagnac::study::{self, Kind};
 use sagnac::table::{Table, Unit};
 
 fn main() {
@@ -36,11 +37,11 @@ fn page(bencher: divan::Bencher, points: usize) {
             answer: Answer::default(),
             notes: &[],
             charts: &[drawn],
-            tables: vec![("points.csv", &table)],
+            tables: vec![(study::Source::Points, &table)],
             source: Source {
                 inputs: vec![],
                 study: String::new(),
-                kind: "gap-fill".to_owned(),
+                kind: Kind::GapFill,
                 sampled: Some((1, 1000)),
                 stops: false,
                 lacking: 0,

@@ -84,11 +84,11 @@ pub struct Tables {
 pub const RESOLVED: &str = "resolved_study.toml";
 
 impl Tables {
-    /// The tables with the names of their files.
-    pub fn files(&self) -> impl Iterator<Item = (&'static str, &Table)> {
-        let coefficients = self.coefficients.as_ref().map(|table| ("coefficients.csv", table));
-        let trajectories = self.trajectories.as_ref().map(|table| ("trajectories.csv", table));
-        std::iter::once(("points.csv", &self.points)).chain(coefficients).chain(trajectories)
+    /// All tables, each with what it is.
+    pub fn all(&self) -> impl Iterator<Item = (Source, &Table)> {
+        let coefficients = self.coefficients.as_ref().map(|table| (Source::Coefficients, table));
+        let trajectories = self.trajectories.as_ref().map(|table| (Source::Trajectories, table));
+        std::iter::once((Source::Points, &self.points)).chain(coefficients).chain(trajectories)
     }
 
     /// Only that of the points.

@@ -10,7 +10,7 @@ use sagnac::backend::Device;
 use sagnac::backend::cpu::{Cpu, Width};
 use sagnac::backend::gpu::source::Variant;
 use sagnac::lower::LoweredCurve;
-use sagnac::run::{Plan, Progress, Tables};
+use sagnac::run::{Plan, Progress, RESOLVED, Tables, keep};
 use sagnac::share::Share;
 use sagnac::store::Store;
 use sagnac::study::Study;
@@ -186,9 +186,12 @@ fn a_file_of_noise_is_its_keys_and_keys_beside_it_replace_them() {
 
     let swept = parsed(&name, &text("", "", sweep));
     assert_eq!(rows(&run(&swept).points).next().unwrap().text("noise.file"), "mine");
-    // Found wherever the resolved study is kept.
-    let resolved = parsed("elsewhere/a.toml", &swept.resolved(swept.trials));
-    assert_eq!(run(&resolved), run(&swept));
+    // Kept with its files the study needs no others.
+    let there = tempfile::tempdir().unwrap();
+    keep(&swept, there.path()).unwrap();
+    let found = run(&swept);
+    drop(folder);
+    assert_eq!(run(&Study::read(&there.path().join(RESOLVED)).unwrap()), found);
 }
 
 #[test]

@@ -106,11 +106,11 @@ fn sampling_stops_at_the_same_trial_wherever_it_is_begun() {
     // Begun with another cap and a coarser rule, then with the one above.
     run(&parsed("study.toml", &stopping("3_000", "\"20 %\"")), folder.path());
     assert_eq!(run(&study, folder.path()), at_once);
-    // Without a rule, whose rows are larger than what it looks at first.
+    // What a run without a rule has left is more than enough, in rows that are larger than what the rule looks at first.
     let folder = tempfile::tempdir().unwrap();
     let ruleless = stopping("300_000", "\"0.5 %\"").replace("precision = \"0.5 %\"\n", "");
-    run(&parsed("study.toml", &ruleless), folder.path());
-    assert_eq!(run(&study, folder.path()), at_once);
+    let held = run(&parsed("study.toml", &ruleless), folder.path());
+    assert_eq!(run(&study, folder.path()), held);
 }
 
 #[test]

@@ -118,7 +118,8 @@ impl Asked {
         raised()?;
         let held = plan.held(&store)?;
         if self.is_kept {
-            for (name, table) in tables.files() {
+            for (source, table) in tables.all() {
+                let name = source.file();
                 let mut csv = Vec::new();
                 table.write_csv(&mut csv).map_err(|error| self.unwritten(name, &error))?;
                 self.write(name, &csv)?;
@@ -138,7 +139,7 @@ impl Asked {
             answer: answer(&study, &tables, &pictures, &curves, &judged, 0)?,
             notes: &known,
             charts: &pictures,
-            tables: tables.files().collect(),
+            tables: tables.all().collect(),
             source: Source::of(&study, &plan, &store, held, 0)?,
         };
         let report = report.html();

@@ -95,7 +95,8 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
             }
         }
         let tables = plan.tables(&store, &Shown::new(if quiet { How::None } else { How::Auto }))?;
-        for (name, table) in tables.files() {
+        for (source, table) in tables.all() {
+            let name = source.file();
             let path = folder.join(name);
             match std::fs::read(&path) {
                 Ok(found) if found == csv(table, &path)? => about += &format!(", {name} is what they give"),

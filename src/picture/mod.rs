@@ -205,11 +205,7 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
             .find(|named| named.name == name && !named.span.is_empty())
             .map_or(0..0, |named| named.span.clone())
     };
-    let file = match chart.source {
-        Source::Points => "points.csv",
-        Source::Coefficients => "coefficients.csv",
-        Source::Trajectories => "trajectories.csv",
-    };
+    let file = chart.source.file();
     let mut column = format!("name a column of {file}, with or without its unit");
     if let ChartError::Column(ColumnError::Unknown { name, known }) = error
         && let Some(nearest) = nearest_column(name, known)

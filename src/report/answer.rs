@@ -33,18 +33,22 @@ pub fn answer(
     verdicts: &[Verdict],
     lacking: u64,
 ) -> Result<Answer, StudyError> {
-    let headline = match (verdicts, study.charts.iter().zip(shown).zip(charts).next()) {
-        ([first, ..], _) => {
-            of_verdict(first.answers(), &first.limit()).map(|headline| with_caveat(study, headline))
+    let all = || study.charts.iter().zip(shown).zip(charts);
+    let judged = all().find(|((chart, _), drawn)| chart.limit.is_some() && matches!(drawn.picture, Picture::Curves(_)));
+    let headline = match (verdicts.first().zip(judged), all().next()) {
+        (Some((first, ((chart, shown), _))), _) => {
+            let headline = of_verdict(first.answers(), &first.limit());
+            with_caveat(study, headline, &shown.table, &filter(chart))
+                .map_err(|error| refused(study, chart, &error.into()))?
         }
-        ([], Some(((chart, shown), drawn))) => {
+        (None, Some(((chart, shown), drawn))) => {
             of_chart(study, chart, shown, &drawn.picture).map_err(|error| refused(study, chart, &error))?
         }
-        ([], None) => undrawn(study, tables),
+        (None, None) => undrawn(study, tables),
     };
     let mut curves: Vec<(String, Vec<String>)> =
         verdicts.iter().map(|verdict| (verdict.heading(), verdict.sentences())).collect();
-    for ((chart, shown), drawn) in study.charts.iter().zip(shown).zip(charts) {
+    for ((chart, shown), drawn) in all() {
         let each = match &drawn.picture {
             Picture::Curves(_) if chart.limit.is_none() => {
                 of_each(chart, shown).map_err(|error| refused(study, chart, &error.into()))?
@@ -73,7 +77,7 @@ fn of_chart(
     picture: &Picture,
 ) -> Result<Option<String>, ChartError> {
     if let Picture::Map(map) = picture {
-        return Ok(of_map(map).map(|headline| with_caveat(study, headline)));
+        return Ok(with_caveat(study, of_map(map), &shown.table, &filter(chart))?);
     }
     let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
     let by = apart(study, chart.source, series.collect());
@@ -100,20 +104,18 @@ fn leading(
 ) -> Result<Option<String>, ColumnError> {
     let rows = table.rows_where(filter)?;
     let Some(first) = best(table, estimate, &rows, by)? else { return Ok(None) };
-    let free = free_fillers(study);
-    if free.is_empty() || mentioned(study, &first).is_empty() || !less_is_better(table, estimate, &rows)? {
-        return Ok(Some(first));
-    }
+    let (free, sentence) = (free_fillers(study), first.sentence());
+    let Some(row) = first.row.filter(|_| !free.is_empty()) else { return Ok(Some(sentence)) };
     let filler = table.column("filler")?;
-    let others: Vec<usize> =
-        rows.into_iter().filter(|&row| !free.contains(&filler.cells[row].text().as_str())).collect();
-    let second = if others.len() > 1 { best(table, estimate, &others, by)? } else { None };
-    // What is least has been said.
-    let value = second.as_ref().and_then(|second| second.split_once(" is "));
-    let known = value.map_or(", which firmware does not know.".to_owned(), |(_, value)| {
-        format!("; of weights that stay the same, as firmware has them, the least is {value}")
+    let is_free = |row: usize| free.contains(&filler.cells[row].text().as_str());
+    if !is_free(row) {
+        return Ok(Some(sentence));
+    }
+    let others: Vec<usize> = rows.into_iter().filter(|&row| !is_free(row)).collect();
+    let known = best(table, estimate, &others, by)?.map_or(", which firmware does not know".to_owned(), |second| {
+        format!("; of weights that stay the same, as firmware has them, the least is {}", second.value)
     });
-    Ok(Some(format!("{first} That filler is designed for the very motion of each point{known}")))
+    Ok(Some(format!("{sentence} That filler is designed for the very motion of each point{known}.")))
 }
 
 fn fillers(study: &Study) -> &[Filler] {
@@ -130,23 +132,20 @@ fn free_fillers(study: &Study) -> Vec<&str> {
     fillers(study).iter().filter(is_free).map(|filler| filler.name.as_str()).collect()
 }
 
-/// Those of them that a sentence names.
-fn mentioned<'s>(study: &'s Study, sentence: &str) -> Vec<&'s str> {
-    // A name may be the beginning of another one, and of the sentence.
-    let mut names: Vec<&str> = fillers(study).iter().map(|filler| filler.name.as_str()).collect();
-    names.sort_by_key(|name| std::cmp::Reverse(name.len()));
-    let mut rest = sentence.to_lowercase();
-    names.retain(|name| {
-        let is_there = rest.contains(&name.to_lowercase());
-        rest = rest.replace(&name.to_lowercase(), "");
-        is_there
-    });
-    free_fillers(study).into_iter().filter(|name| names.contains(name)).collect()
-}
-
-/// A headline with what is to be known of the fillers that it names.
-fn with_caveat(study: &Study, headline: String) -> String {
-    match &mentioned(study, &headline)[..] {
+/// A headline with what is to be known of the fillers among some rows.
+fn with_caveat(
+    study: &Study,
+    headline: Option<String>,
+    table: &Table,
+    filter: &[(String, String)],
+) -> Result<Option<String>, ColumnError> {
+    let mut free = free_fillers(study);
+    let Some(headline) = headline else { return Ok(None) };
+    if !free.is_empty() {
+        let (filler, rows) = (table.column("filler")?, table.rows_where(filter)?);
+        free.retain(|name| rows.iter().any(|&row| filler.cells[row].text() == *name));
+    }
+    Ok(Some(match &free[..] {
         [] => headline,
         names => {
             let is = if names.len() == 1 { "is" } else { "are" };
@@ -155,7 +154,7 @@ fn with_caveat(study: &Study, headline: String) -> String {
                 "{headline} Without a band {names} {is} designed for the very motion of each point, which firmware does not know."
             )
         }
-    }
+    }))
 }
 
 /// Where each curve of a chart is least; nothing where that is not asked for.

@@ -13,7 +13,8 @@ use serde_json::value::RawValue;
 
 use super::Report;
 use crate::chart::{LOOKS, Looks, Picture};
-use crate::table::describe;
+use crate::study::Source;
+use crate::table::describe::File;
 use crate::table::{Cell, Column, Table, significant};
 
 /// Significant digits: as many as files have.
@@ -100,7 +101,7 @@ pub(super) fn data(report: &Report) -> Packed {
         .charts
         .iter()
         .map(|drawn| Chart { stem: drawn.stem.clone(), picture: json(&one_in(thinned, &drawn.picture)) });
-    let tables: Vec<Listed> = report.tables.iter().map(|(file, table)| listed(file, table, report)).collect();
+    let tables: Vec<Listed> = report.tables.iter().map(|(source, table)| listed(*source, table, report)).collect();
     let data = Data { looks: LOOKS, charts: charts.collect(), tables };
     Packed { text: packed(json(&data).get().as_bytes()), tables: data.tables, thinned }
 }
@@ -137,7 +138,8 @@ fn thin<T: Copy>(items: &[T], step: usize) -> Vec<T> {
     items.iter().enumerate().filter_map(kept).collect()
 }
 
-fn listed(file: &'static str, table: &Table, report: &Report) -> Listed {
+fn listed(source: Source, table: &Table, report: &Report) -> Listed {
+    let file = File::of_study(report.source.kind, source);
     let small = table.rows() * table.columns.len() <= MOST_CELLS;
     let columns: Vec<&Column> =
         table.columns.iter().filter(|column| small || is_charted(column, table, report)).collect();
@@ -148,14 +150,14 @@ fn listed(file: &'static str, table: &Table, report: &Report) -> Listed {
         Listing {
             header: column.header(),
             title: title(column, table),
-            about: describe::column(&column.name),
+            about: file.column(&column.name),
             text: column.cells.iter().any(|cell| matches!(cell, Cell::Text(_))),
             tells: tells(column),
             cells: json(if one { &cells[..1] } else { cells }),
         }
     };
     Listed {
-        file,
+        file: source.file(),
         rows: table.rows(),
         all_columns: table.columns.len(),
         shown: rows,

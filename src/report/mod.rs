@@ -25,6 +25,7 @@ pub use notes::notes;
 pub use source::{Named, Source};
 
 use crate::picture::Drawn;
+use crate::study;
 use crate::table::Table;
 
 /// The name of a study's page in its folder of results.
@@ -43,8 +44,8 @@ pub struct Report<'a> {
     pub notes: &'a [String],
     /// The charts, in the order of the study.
     pub charts: &'a [Drawn],
-    /// The tables with the names of their files. Of large ones the page shows a part and says which.
-    pub tables: Vec<(&'static str, &'a Table)>,
+    /// The tables, each with what it is. Of large ones the page shows a part and says which.
+    pub tables: Vec<(study::Source, &'a Table)>,
     /// What was simulated, and by whom.
     pub source: Source,
 }

@@ -5,8 +5,24 @@ use crate::chart::{Cells, Map, share};
 use crate::table::{Cell, Column, ColumnError, Table, significant};
 use crate::verdict::{Answer as Judged, Outcome};
 
-/// The rows that answer about an estimate, as a sentence: where it is least, `The least rms error is 2.1 ″ (95 %: 2 to 2.2): quadratic,
-/// frequency 4 Hz.`, or of one that is not the better the less it is, from where to where it runs.
+/// What a table says about an estimate.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Best {
+    /// `The least rms error is`.
+    subject: String,
+    /// `2.1 ″ (95 %: 2 to 2.2): quadratic, frequency 4 Hz`.
+    pub(super) value: String,
+    /// Its row, or one of several, where the estimate is the better the less it is and rows differ.
+    pub(super) row: Option<usize>,
+}
+
+impl Best {
+    pub(super) fn sentence(&self) -> String {
+        format!("{} {}.", self.subject, self.value)
+    }
+}
+
+/// The rows that answer about an estimate: where it is least, or of one that is not the better the less it is, from where to where it runs.
 ///
 /// `rows` are those that are compared, `by` the columns that tell them apart. None where no row has a value. Rows with the same value to
 /// the four digits that are said are counted.
@@ -18,7 +34,7 @@ pub(super) fn best(
     estimate: &str,
     rows: &[usize],
     by: &[&str],
-) -> Result<Option<String>, ColumnError> {
+) -> Result<Option<Best>, ColumnError> {
     let column = table.column(estimate)?;
     let by = by.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
     let known: Vec<(usize, f64)> =
@@ -43,20 +59,21 @@ pub(super) fn best(
     let band = band.map_or(String::new(), |(low, high)| {
         format!(" (95 %: {} to {})", significant(low, 4), significant(high, 4))
     });
+    let least_of = |value: String| Best {
+        subject: format!("The least {label} is"),
+        value: format!("{}{band}{value}", shown(least.1)),
+        row: Some(least.0),
+    };
+    let told = |how: &str, value: String| Best { subject: format!("The {label} {how}"), value, row: None };
     Ok(Some(match (known.len(), alike) {
-        (1, _) => format!("The {label} is {}{band}.", shown(least.1)),
-        (all, alike) if alike == all => format!("The {label} is {} in all {all} rows.", shown(least.1)),
-        _ if !less_is_better(table, estimate, rows)? => format!(
-            "The {label} runs from {} ({}) to {} ({}).",
-            shown(least.1),
-            place(least.0),
-            shown(most.1),
-            place(most.0)
-        ),
-        (_, 1) => format!("The least {label} is {}{band}: {}.", shown(least.1), place(least.0)),
-        (_, alike) => {
-            format!("The least {label} is {}{band}, in {alike} rows: {}, …", shown(least.1), place(least.0))
+        (1, _) => told("is", format!("{}{band}", shown(least.1))),
+        (all, alike) if alike == all => told("is", format!("{} in all {all} rows", shown(least.1))),
+        _ if !less_is_better(table, estimate, rows)? => {
+            let end = |(row, value): &(usize, f64)| format!("{} ({})", shown(*value), place(*row));
+            told("runs from", format!("{} to {}", end(least), end(most)))
         }
+        (_, 1) => least_of(format!(": {}", place(least.0))),
+        (_, alike) => least_of(format!(", in {alike} rows: {}, …", place(least.0))),
     }))
 }
 
@@ -373,6 +390,7 @@ mod tests {
             best(&table(estimate, &curves), estimate, &[0, 1, 2, 3, 4, 5], &["filler", "frequency"])
                 .unwrap()
                 .unwrap()
+                .sentence()
         };
         assert_eq!(told("rms"), "The least rms is 2 ″: a, frequency 2 Hz.");
         let range = "The coverage95 runs from 2 ″ (a, frequency 2 Hz) to 5 ″ (a, frequency 4 Hz).";
@@ -380,6 +398,6 @@ mod tests {
         let each = least_of_each(&table("rms", &curves), ("frequency", "rms"), &[], &["filler"]).unwrap();
         assert_eq!(each, ["a: 2 ″ at frequency 2 Hz", "b: 4 ″ everywhere"]);
         let signed = table("rms", &[("a", [-3.0, 2.0, 5.0])]);
-        assert!(best(&signed, "rms", &[0, 1, 2], &["frequency"]).unwrap().unwrap().contains("from −3 ″"));
+        assert!(best(&signed, "rms", &[0, 1, 2], &["frequency"]).unwrap().unwrap().sentence().contains("from −3 ″"));
     }
 }

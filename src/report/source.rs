@@ -4,7 +4,7 @@ use sha2::{Digest, Sha256};
 
 use crate::run::Plan;
 use crate::store::{Provenance, Store, StoreError};
-use crate::study::{Input, Study};
+use crate::study::{Input, Kind, Study};
 
 /// What was simulated, and by whom.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,8 +13,8 @@ pub struct Source {
     pub study: String,
     /// The files that it names.
     pub inputs: Vec<Named>,
-    /// Its kind: `gap-fill`.
-    pub kind: String,
+    /// What it is about.
+    pub kind: Kind,
     /// Seed and trials at each point; none of closed forms.
     pub sampled: Option<(u64, u64)>,
     /// Whether points stop at a precision, so that the trials are the most there are.
@@ -78,7 +78,7 @@ impl Source {
             lacking,
             points: study.sweeps.iter().map(|sweep| sweep.values.len()).product(),
             provenance: store.provenance()?,
-            kind: identity.kind,
+            kind: study.kind(),
             kernels: identity.kernels,
         })
     }

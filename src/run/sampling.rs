@@ -38,19 +38,16 @@ const FIRST_BATCH: u64 = 1 << 20;
 /// Most steps of a block: one that is lost with its batch, or that a signal waits for, takes seconds at most.
 const MOST_STEPS_LOG2: u32 = 30;
 
-/// The blocks of 2^`log2` trials and smaller that any of some estimates lacks of these `trials`. Whether a row counts can depend
-/// on its place.
+/// The blocks of 2^`log2` trials and smaller that any of some estimates lacks of these `trials`.
 pub(super) fn lacking<'a>(
     index: &Index,
     addresses: impl IntoIterator<Item = &'a Address>,
     trials: Range<u64>,
     log2: u32,
-    counts: impl Fn(&Block) -> bool,
 ) -> Result<Vec<Block>, StoreError> {
     let mut blocks = Vec::new();
     for address in addresses {
-        let held: Vec<Block> = index.blocks(address)?.iter().copied().filter(&counts).collect();
-        blocks.extend(missing(&held, trials.clone()).into_iter().flat_map(|gap| cover(gap, log2)));
+        blocks.extend(missing(index.blocks(address)?, trials.clone()).into_iter().flat_map(|gap| cover(gap, log2)));
     }
     blocks.sort();
     blocks.dedup();

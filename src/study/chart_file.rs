@@ -105,6 +105,17 @@ pub enum Source {
     Trajectories,
 }
 
+impl Source {
+    /// The name of the file of results.
+    pub fn file(self) -> &'static str {
+        match self {
+            Source::Points => "points.csv",
+            Source::Coefficients => "coefficients.csv",
+            Source::Trajectories => "trajectories.csv",
+        }
+    }
+}
+
 impl ChartKind {
     /// As study files call it.
     pub(super) fn name(self) -> &'static str {

@@ -134,9 +134,3 @@ pub fn meanings(name: &str) -> Vec<(&'static str, Vec<File>)> {
     }
     found
 }
-
-/// What a column means, by its header or its name without unit, in the first of the [files](File::ALL) that has one called so;
-/// where the file is known, [`File::column`] is right.
-pub fn column(header_or_name: &str) -> Option<&'static str> {
-    File::ALL.into_iter().find_map(|file| file.column(header_or_name))
-}

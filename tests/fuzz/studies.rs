@@ -9,7 +9,7 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 use proptest::prelude::*;
 use proptest::sample::Index;
 use sagnac::backend::{Device, select};
-use sagnac::run::{Plan, Progress};
+use sagnac::run::{Plan, Progress, RESOLVED, keep};
 use sagnac::share::Share;
 use sagnac::store::Store;
 use sagnac::study::{Study, StudyError, Subject};
@@ -158,12 +158,21 @@ fn read(bytes: &[u8]) -> Result<Study, StudyError> {
     }
 }
 
+/// The study as it is kept.
+fn resolved(study: &Study) -> Result<Study, StudyError> {
+    if study.inputs().is_empty() {
+        return Study::parse("elsewhere/resolved_study.toml", &study.resolved(study.trials));
+    }
+    let folder = tempfile::tempdir().unwrap();
+    keep(study, folder.path()).unwrap();
+    Study::read(&folder.path().join(RESOLVED))
+}
+
 /// Lowers all points, and those of the study as it is resolved, which has to be the same one.
 fn planned(study: &Study) -> Result<String, StudyError> {
     let plan = Plan::new(study)?;
     let tables = plan.blank_tables();
-    let again = Study::parse("elsewhere/resolved_study.toml", &study.resolved(study.trials))
-        .unwrap_or_else(|error| panic!("as resolved:\n{}", error.render(false, 110)));
+    let again = resolved(study).unwrap_or_else(|error| panic!("as resolved:\n{}", error.render(false, 110)));
     let same = Plan::new(&again).unwrap_or_else(|error| panic!("as resolved:\n{}", error.render(false, 110)));
     assert_eq!((same.identity(), again.trials), (plan.identity(), study.trials));
     // Numbers that are none differ from themselves.

@@ -3,6 +3,7 @@
 use sagnac::chart::{Figure, Picture};
 use sagnac::picture::Drawn;
 use sagnac::report::{Answer, Report, Source};
+use sagnac::study::{self, Kind};
 use sagnac::table::Table;
 use serde_json::json;
 use tempfile::TempDir;
@@ -17,7 +18,7 @@ fn page(table: &Table) -> String {
     let source = Source {
         study: "kind = \"gap-fill\"\n".to_owned(),
         inputs: vec![],
-        kind: "gap-fill".to_owned(),
+        kind: Kind::GapFill,
         sampled: Some((1, 1000)),
         stops: false,
         lacking: 0,
@@ -31,7 +32,7 @@ fn page(table: &Table) -> String {
         answer: Answer::default(),
         notes: &[],
         charts: &[drawn],
-        tables: vec![("points.csv", table)],
+        tables: vec![(study::Source::Points, table)],
         source,
     };
     report.html()

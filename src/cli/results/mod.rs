@@ -112,7 +112,8 @@ impl Results<'_> {
     pub fn show(&self, store: &Store, out: Out, progress: &Shown) -> Result<Option<Value>, Failure> {
         let Results { study, plan, folder, .. } = self;
         let tables = plan.tables(store, progress)?;
-        for (name, table) in tables.files() {
+        for (source, table) in tables.all() {
+            let name = source.file();
             let path = folder.join(name);
             write(&path, &csv(table, &path)?)?;
         }
@@ -165,7 +166,7 @@ impl Results<'_> {
             answer,
             notes,
             charts,
-            tables: tables.files().collect(),
+            tables: tables.all().collect(),
             source: Source::of(study, plan, store, held, self.lacking)?,
         };
         write(&folder.join(REPORT), report.html().as_bytes())

@@ -20,7 +20,7 @@ const FIRST_BATCH: u64 = 1 << 22;
 /// From so many samples on, some tenths of a second, it pays to try first what points cost.
 const TRIED_FROM: u64 = 16 * FIRST_BATCH;
 
-/// One in so many records of a point is made first to see what they cost, and one in so many of all is fitted, which is done again
+/// Of very long records one in so many is made first to see what they cost; of all one in so many is fitted, which is done again
 /// later. Much fewer would tell more of what else the machine does.
 const TRIED_RECORDS: u64 = 50;
 const TRIED_FITS: u64 = 128;
@@ -178,9 +178,11 @@ impl Plan<'_> {
             let lowered = self.lowered(planned.point)?;
             let all = (gap.end - gap.start) as f64;
             let started = Instant::now();
-            // For no longer than batches take.
-            let few = ((gap.end - gap.start) / TRIED_RECORDS).min(TRIED_FROM / planned.samples);
-            let (end, sums) = sampler.batch(planned, &lowered, gap.clone(), few)?;
+            // A whole block, unless that takes long: rows of a run that is resumed are then those of one that was not.
+            let block = 1 << base_log2(self.study.trials);
+            let most = TRIED_FROM / planned.samples;
+            let few = if block <= most { block } else { (gap.end - gap.start) / TRIED_RECORDS };
+            let (end, sums) = sampler.batch(planned, &lowered, gap.clone(), few.min(most))?;
             let (records, seconds) = ((end - gap.start) as f64, started.elapsed().as_secs_f64());
             gap.start = end;
             let price = seconds / records;

@@ -204,14 +204,11 @@ impl<'a> Plan<'a> {
             let trials = share.trials(trials, turn);
             let most = point.trials(self.study.trials);
             // The stop rule looks at the first trials only, and so needs rows that end with them.
-            let decides = self.decides(share);
-            let log2 = if decides { base_log2(most) } else { row_log2(most, 1) };
+            let log2 = if self.decides(share) { base_log2(most) } else { row_log2(most, 1) };
             let mut lacks = Vec::new();
             for estimates in &point.fillers {
                 let addresses = estimates.iter().map(|estimate| &estimate.address);
-                lacks.push(lacking(&index, addresses, trials.clone(), log2, |block| {
-                    !decides || block.end() <= trials.end
-                })?);
+                lacks.push(lacking(&index, addresses, trials.clone(), log2)?);
             }
             for (blocks, fillers) in grouped(point, lacks).into_iter().filter(|group| !group.0.is_empty()) {
                 let addresses = point.launched(&fillers).map(|estimate| estimate.address).collect();

@@ -80,7 +80,7 @@ impl<'a> Plan<'a> {
                 let addresses: Vec<_> = estimates.iter().map(|estimate| estimate.address).collect();
                 let launch = point.launch(&estimates);
                 let log2 = row_log2(self.study.trials, launch.steps());
-                let blocks = lacking(&index, &addresses, trials.clone(), log2, |_| true)?;
+                let blocks = lacking(&index, &addresses, trials.clone(), log2)?;
                 if !blocks.is_empty() {
                     all.push(Work { launch, addresses, blocks });
                 }
