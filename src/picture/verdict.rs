@@ -75,18 +75,9 @@ impl Verdict<'_> {
 
     /// A heading that says what is judged, and `besides` it what is to be known of that, and a sentence for each curve.
     pub fn text(&self, besides: &str) -> String {
-        let sentences = self.sentences().into_iter().map(|sentence| {
-            format!(
-                "  {sentence}
-"
-            )
-        });
-        format!(
-            "{}{besides}
-{}",
-            self.heading(),
-            sentences.collect::<String>()
-        )
+        let sentences: String =
+            self.sentences().into_iter().map(|sentence| format!("  {sentence}\n")).collect();
+        format!("{}{besides}\n{sentences}", self.heading())
     }
 
     /// What is judged, and where it is drawn.
