@@ -34,7 +34,8 @@ pub fn answer(
     lacking: u64,
 ) -> Result<Answer, StudyError> {
     let all = || study.charts.iter().zip(shown).zip(charts);
-    let judged = all().find(|((chart, _), drawn)| chart.limit.is_some() && matches!(drawn.picture, Picture::Curves(_)));
+    let judged = all()
+        .find(|((chart, _), drawn)| chart.limit.is_some() && matches!(drawn.picture, Picture::Curves(_)));
     let headline = match (verdicts.first().zip(judged), all().next()) {
         (Some((first, ((chart, shown), _))), _) => {
             let headline = of_verdict(first.answers(), &first.limit());
@@ -112,9 +113,10 @@ fn leading(
         return Ok(Some(sentence));
     }
     let others: Vec<usize> = rows.into_iter().filter(|&row| !is_free(row)).collect();
-    let known = best(table, estimate, &others, by)?.map_or(", which firmware does not know".to_owned(), |second| {
-        format!("; of weights that stay the same, as firmware has them, the least is {}", second.value)
-    });
+    let known =
+        best(table, estimate, &others, by)?.map_or(", which firmware does not know".to_owned(), |second| {
+            format!("; of weights that stay the same, as firmware has them, the least is {}", second.value)
+        });
     Ok(Some(format!("{sentence} That filler is designed for the very motion of each point{known}.")))
 }
 

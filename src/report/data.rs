@@ -101,7 +101,8 @@ pub(super) fn data(report: &Report) -> Packed {
         .charts
         .iter()
         .map(|drawn| Chart { stem: drawn.stem.clone(), picture: json(&one_in(thinned, &drawn.picture)) });
-    let tables: Vec<Listed> = report.tables.iter().map(|(source, table)| listed(*source, table, report)).collect();
+    let tables: Vec<Listed> =
+        report.tables.iter().map(|(source, table)| listed(*source, table, report)).collect();
     let data = Data { looks: LOOKS, charts: charts.collect(), tables };
     Packed { text: packed(json(&data).get().as_bytes()), tables: data.tables, thinned }
 }

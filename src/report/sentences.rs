@@ -398,6 +398,12 @@ mod tests {
         let each = least_of_each(&table("rms", &curves), ("frequency", "rms"), &[], &["filler"]).unwrap();
         assert_eq!(each, ["a: 2 ″ at frequency 2 Hz", "b: 4 ″ everywhere"]);
         let signed = table("rms", &[("a", [-3.0, 2.0, 5.0])]);
-        assert!(best(&signed, "rms", &[0, 1, 2], &["frequency"]).unwrap().unwrap().sentence().contains("from −3 ″"));
+        assert!(
+            best(&signed, "rms", &[0, 1, 2], &["frequency"])
+                .unwrap()
+                .unwrap()
+                .sentence()
+                .contains("from −3 ″")
+        );
     }
 }

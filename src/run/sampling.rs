@@ -47,7 +47,9 @@ pub(super) fn lacking<'a>(
 ) -> Result<Vec<Block>, StoreError> {
     let mut blocks = Vec::new();
     for address in addresses {
-        blocks.extend(missing(index.blocks(address)?, trials.clone()).into_iter().flat_map(|gap| cover(gap, log2)));
+        blocks.extend(
+            missing(index.blocks(address)?, trials.clone()).into_iter().flat_map(|gap| cover(gap, log2)),
+        );
     }
     blocks.sort();
     blocks.dedup();
