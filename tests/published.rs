@@ -4,8 +4,12 @@ mod studies;
 
 use std::collections::HashMap;
 
+use sagnac::backend::select;
+use sagnac::run::Plan;
+use sagnac::share::Share;
+use sagnac::store::Store;
 use sagnac::study::Precision;
-use studies::{gap_fill, parsed, rows, run, run_afresh};
+use studies::{Silent, gap_fill, parsed, rows, run, run_afresh};
 
 /// The paper's gyro under a motion, with fillers of least variance for a band beside the polynomials.
 fn text(motion: &str, n: u32, design: &str, fillers: &[(&str, &str)]) -> String {
@@ -111,6 +115,23 @@ fn sampling_stops_at_the_same_trial_wherever_it_is_begun() {
     let ruleless = stopping("300_000", "\"0.5 %\"").replace("precision = \"0.5 %\"\n", "");
     let held = run(&parsed("study.toml", &ruleless), folder.path());
     assert_eq!(run(&study, folder.path()), held);
+}
+
+#[test]
+fn the_trials_of_all_rounds_are_told_of_who_made_them() {
+    let study = parsed("study.toml", &stopping("1_000_000", "\"0.5 %\""));
+    let (plan, folder) = (Plan::new(&study).unwrap(), tempfile::tempdir().unwrap());
+    let mut store = Store::open(folder.path(), &plan.identity()).unwrap();
+    let mut device = select("cpu", 2).unwrap().device;
+    let done = plan.run(&mut store, &mut device, Share::WHOLE, &Silent).unwrap();
+    let told: u64 = store.provenance().unwrap().iter().map(|by| by.trials).sum();
+    let of_point =
+        rows(&plan.tables(&store, &Silent).unwrap().points).next().unwrap().number("trials") as u64;
+    assert!(
+        told == done.trials && told >= of_point && told % of_point == 0,
+        "{told}, {}, {of_point}",
+        done.trials
+    );
 }
 
 #[test]

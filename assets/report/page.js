@@ -84,13 +84,19 @@ function files() {
 
 theme();
 files();
-addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((each) => {
-  each.dataset.open = each.open;
-  each.open = true;
-}));
-addEventListener("afterprint", () => document.querySelectorAll("details").forEach((each) => {
-  each.open = each.dataset.open === "true";
-}));
+
+/** Everything open, and pictures as wide as paper, or as before. */
+function paper(isPrinted) {
+  document.querySelectorAll("details").forEach((each) => {
+    if (isPrinted) each.dataset.open = each.open;
+    each.open = isPrinted || each.dataset.open === "true";
+  });
+  Plot.onPaper = isPrinted;
+  Plot.all.forEach((plot) => plot.render());
+}
+
+addEventListener("beforeprint", () => paper(true));
+addEventListener("afterprint", () => paper(false));
 unpacked().then((data) => {
   looks = data.looks;
   document.querySelectorAll("[data-chart]").forEach((host) => chart(host.querySelector(".plot"), data.charts[host.dataset.chart]));

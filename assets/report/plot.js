@@ -2,7 +2,14 @@
 
 let plots = 0;
 
+/** The width of a picture on paper, px: its writing is then as large as that beside it. */
+const PAPER = 620;
+
 class Plot {
+  /** All there are, and whether they are to be printed. */
+  static all = [];
+  static onPaper = false;
+
   /**
    * `subject` is what is shown: `x` and `y`, its axes; `ranges(xLog, yLog)`, the whole of it; `draw(plot, under, over)`, which fills
    * two groups, of which the first is cut at the frame; `near(plot, x, y)`, what stands near a place, or null, as `{ place, tell }`;
@@ -24,6 +31,7 @@ class Plot {
     });
     host.append(this.picture);
     this.host = host;
+    Plot.all.push(this);
     // What is read off stands beside its place in the window.
     addEventListener("scroll", () => this.told && this.tell(null), { passive: true });
     addEventListener("pointerdown", (event) => this.told && !this.picture.contains(event.target) && this.tell(null));
@@ -36,7 +44,7 @@ class Plot {
   }
 
   room() {
-    return Math.max(Math.round(this.host.clientWidth), 240);
+    return Plot.onPaper ? PAPER : Math.max(Math.round(this.host.clientWidth), 240);
   }
 
   render() {

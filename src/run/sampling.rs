@@ -72,12 +72,14 @@ pub(super) fn held_by_all<'a>(
     Ok(held.flatten())
 }
 
-/// What a run costs beside the work at hand, in steps.
+/// What a run does beside the work at hand.
 #[derive(Debug, Default)]
 pub(super) struct Beside {
-    /// Of work that it did before.
+    /// Steps that it did before.
     pub(super) before: f64,
-    /// Of work that it will find when this is done, as far as that can be told: infinite where it cannot.
+    /// Trials of these.
+    pub(super) trials: u64,
+    /// Steps that it will find to do when this is done, as far as that can be told: infinite where it cannot.
     pub(super) after: f64,
 }
 
@@ -141,11 +143,12 @@ pub(super) fn sample(
         sampled += batch.iter().map(|(_, block)| block.trials()).sum::<u64>();
         beside.before += batch.iter().map(cost).sum::<f64>();
         progress.cost(beside.before, total);
-        let seconds = started.elapsed().as_secs_f64();
-        store.insert(&rows, Some(&Provenance { device: worker.name(), trials: sampled, seconds }))?;
+        let (trials, seconds) = (beside.trials + sampled, started.elapsed().as_secs_f64());
+        store.insert(&rows, Some(&Provenance { device: worker.name(), trials, seconds }))?;
         let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
         batch_steps = ((batch_steps as f64 * factor) as u64).max(1);
     }
+    beside.trials += sampled;
     Ok(sampled)
 }
 

@@ -70,9 +70,10 @@ impl<'a> Plan<'a> {
     ) -> Result<Done, RunError> {
         let mut wanted = if share.is_whole() { self.first_wanted() } else { self.most_trials() };
         let started = Instant::now();
-        let (mut trials, mut stopped) = (0, false);
+        let mut stopped = false;
         // How many more rounds there will be can be told from errors only.
-        let mut beside = Beside { before: 0.0, after: if self.decides(share) { f64::INFINITY } else { 0.0 } };
+        let after = if self.decides(share) { f64::INFINITY } else { 0.0 };
+        let mut beside = Beside { after, ..Beside::default() };
         for round in 0.. {
             let work = self.missing(store, &wanted, share)?;
             let left: u64 = work.iter().map(Work::trials).sum();
@@ -87,7 +88,6 @@ impl<'a> Plan<'a> {
                 progress.start("trials", all.saturating_sub(lacking), all.max(lacking));
             }
             let sampled = sample(&work, &mut beside, store, worker, progress, started)?;
-            trials += sampled;
             stopped = sampled < left;
             if stopped || !share.is_whole() {
                 break;
@@ -98,7 +98,12 @@ impl<'a> Plan<'a> {
             };
             beside.after = self.points.iter().zip(&expected).zip(&wanted).map(later).sum();
         }
-        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
+        Ok(Done {
+            trials: beside.trials,
+            seconds: started.elapsed().as_secs_f64(),
+            stopped,
+            degraded: vec![],
+        })
     }
 
     /// Trials that the store lacks of a share; with a precision, before it can be told whether more are needed.
