@@ -12,13 +12,13 @@ use sagnac::picture::pictures;
 use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::share::Share;
 use sagnac::store::Store;
-use sagnac::study::{Dimension, MOST_TRIALS, Study, parse_quantity};
+use sagnac::study::{Dimension, Study, parse_quantity};
 use serde_json::Value;
 
 use super::output::{print, print_json};
 use super::progress::{self, Shown, short};
 use super::results::{Out, Results};
-use super::{DeviceArg, Failure};
+use super::{DeviceArg, Failure, whole};
 use share::Shard;
 pub use stop::Cause;
 use stop::{Stop, Watch};
@@ -44,10 +44,10 @@ pub struct Options {
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Trials at each point, in place of the study's
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_TRIALS))]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials)]
     trials: Option<u64>,
     /// Seed, in place of the study's
-    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = clap::value_parser!(u64).range(0..=i64::MAX as u64))]
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
     seed: Option<u64>,
     /// Sample share I of N only, for `sagnac merge`; slurm: the share of this task of a job array
     #[arg(help_heading = "Sampling", long, value_name = "I/N", value_parser = share::parse)]
