@@ -34,7 +34,10 @@ fn wrong_usage_ends_with_2_and_leaves_nothing() {
     std::fs::remove_dir_all(desk.path("p")).unwrap();
     desk.fails("run study.toml --device=", 2, &["no device is called ``", "auto, cpu, gpu"]);
     desk.fails("run study.toml --device cpu --trials 0", 2, &["--trials", "1..=1099511627776"]);
-    desk.fails("run study.toml --device cpu --trials many", 2, &["--trials"]);
+    desk.fails("run study.toml --device cpu --trials many", 2, &["--trials", "1_000_000 or 1e6"]);
+    desk.fails("run study.toml --device cpu --trials 1.5", 2, &["--trials", "not whole"]);
+    desk.done("run study.toml --device cpu --trials 1e1 --seed 1_0 --out p");
+    std::fs::remove_dir_all(desk.path("p")).unwrap();
     desk.fails("run study.toml --device cpu --seed=-1", 2, &["--seed"]);
     desk.fails("run --device cpu", 2, &["<STUDY>"]);
     desk.fails("verify --device abacus", 2, &["no device is called `abacus`"]);

@@ -16,7 +16,9 @@ pub use sagnac::table::short;
 /// Seconds between lines where there is no terminal.
 const LINE_SECONDS: u64 = 10;
 
+// As a group it would be called as the options are that it stands among, which debug builds refuse.
 #[derive(Debug, Args)]
+#[group(skip)]
 pub struct Options {
     /// Progress on the standard error stream: a bar on a terminal, else lines; bar, plain (lines), none
     #[arg(
