@@ -9,15 +9,39 @@ use std::time::{Duration, Instant};
 #[derive(Debug, Clone)]
 pub struct Pace {
     started: Instant,
-    /// When the units began to count, and part of the work that was done by then.
-    phase: (Duration, f64),
+    phase: Phase,
     /// Units that earlier runs had done, and all.
     before: u64,
     total: u64,
-    /// Part of the phase and what follows that was done by its cost, and after what time.
-    told: Option<(f64, Duration)>,
-    /// Parts of the work that were done after some times, of those that were told.
+    /// The last that was told of the cost, and after what time.
+    told: Option<(Cost, Duration)>,
+    /// What was done after some times, of those that were told.
     history: Vec<(Duration, f64)>,
+}
+
+/// What is done of some work, and all of it, in any unit.
+#[derive(Debug, Clone, Copy)]
+struct Cost {
+    done: f64,
+    total: f64,
+}
+
+/// Units that count from some time on.
+#[derive(Debug, Clone, Copy, Default)]
+struct Phase {
+    since: Duration,
+    /// The cost of the phases before it, and what those told of it and what follows; none of the first.
+    cost: Option<Cost>,
+}
+
+impl Phase {
+    /// The cost of all, of that of the phase alone.
+    fn of_all(&self, cost: Cost) -> Cost {
+        self.cost.map_or(cost, |Cost { done, total }| Cost {
+            done: done + (total - done) * cost.done / cost.total,
+            total,
+        })
+    }
 }
 
 /// Most of what is remembered.
@@ -26,13 +50,13 @@ const HISTORY: usize = 256;
 impl Pace {
     /// From now on, with so many units done before.
     pub fn new(before: u64, total: u64) -> Pace {
-        let phase = (Duration::ZERO, 0.0);
-        Pace { started: Instant::now(), phase, before, total, told: None, history: vec![phase] }
+        let history = vec![(Duration::ZERO, 0.0)];
+        Pace { started: Instant::now(), phase: Phase::default(), before, total, told: None, history }
     }
 
     /// Whether more was told to follow than was done.
     pub fn is_open(&self) -> bool {
-        self.told.is_some_and(|(part, _)| part < 1.0)
+        self.told.is_some_and(|(cost, _)| cost.done < cost.total)
     }
 
     /// The next phase of the same work begins.
@@ -42,9 +66,9 @@ impl Pace {
     }
 
     fn go_on_after(&mut self, elapsed: Duration, before: u64, total: u64) {
-        let part = self.told.map_or(0.0, |(part, _)| self.of_all(part));
-        let (phase, history) = ((elapsed, part), std::mem::take(&mut self.history));
-        *self = Pace { started: self.started, phase, before, total, told: None, history };
+        let cost = self.told.map(|(cost, _)| cost).or(self.phase.cost);
+        (self.phase, self.told) = (Phase { since: elapsed, cost }, None);
+        (self.before, self.total) = (before, total);
     }
 
     /// So much is done by its cost.
@@ -54,9 +78,10 @@ impl Pace {
     }
 
     fn cost_after(&mut self, elapsed: Duration, done: f64, total: f64) {
-        self.told = (done > 0.0 && total >= done).then(|| (done / total, elapsed));
-        let Some((part, _)) = self.told else { return };
-        self.history.push((elapsed, self.of_all(part)));
+        let is_cost = done > 0.0 && total >= done;
+        self.told = is_cost.then(|| (self.phase.of_all(Cost { done, total }), elapsed));
+        let Some((cost, _)) = self.told else { return };
+        self.history.push((elapsed, cost.done));
         if self.history.len() > HISTORY {
             let mut place = 0;
             // The first stays, as the start.
@@ -73,7 +98,7 @@ impl Pace {
 
     /// Units a second.
     pub fn rate(&self, done: u64) -> f64 {
-        let seconds = self.elapsed().saturating_sub(self.phase.0).as_secs_f64();
+        let seconds = self.elapsed().saturating_sub(self.phase.since).as_secs_f64();
         done.saturating_sub(self.before) as f64 / seconds.max(1e-9)
     }
 
@@ -84,20 +109,14 @@ impl Pace {
 
     fn left_after(&self, elapsed: Duration, done: u64) -> Option<Duration> {
         let by_units = || {
-            let all = self.total.saturating_sub(self.before);
-            (all > 0).then(|| (done.saturating_sub(self.before) as f64 / all as f64, elapsed))
+            let [done, total] = [done, self.total].map(|units| units.saturating_sub(self.before) as f64);
+            (total > 0.0).then(|| (self.phase.of_all(Cost { done, total }), elapsed))
         };
-        let (part, at) = self.told.or_else(by_units)?;
-        let part = self.of_all(part);
+        let (Cost { done, total }, at) = self.told.or_else(by_units)?;
         let (from, before) = *self.history.iter().rev().find(|(time, _)| *time <= at / 2)?;
-        let rate = (part - before) / at.saturating_sub(from).as_secs_f64();
-        let rest = (rate > 0.0).then(|| (1.0 - part) / rate)?;
+        let rate = (done - before) / at.saturating_sub(from).as_secs_f64();
+        let rest = (rate > 0.0).then(|| (total - done) / rate)?;
         Duration::try_from_secs_f64((rest - elapsed.saturating_sub(at).as_secs_f64()).max(0.0)).ok()
-    }
-
-    /// A part of the phase and what follows, as a part of the work.
-    fn of_all(&self, part: f64) -> f64 {
-        self.phase.1 + (1.0 - self.phase.1) * part
     }
 }
 
@@ -215,6 +234,17 @@ mod tests {
         // What ended is no part of what comes then.
         pace.cost_after(seconds(40), 3.0, 3.0);
         assert!(!pace.is_open());
+    }
+
+    #[test]
+    fn work_that_turns_out_to_be_more_is_told_by_what_was_done_so_far() {
+        let seconds = Duration::from_secs;
+        let mut pace = Pace::new(0, 1);
+        for at in 1..=10 {
+            // As it seems first it ends soon; then there is ten times as much.
+            pace.cost_after(seconds(at), at as f64, if at < 8 { 10.0 } else { 100.0 });
+        }
+        assert_eq!(pace.left_after(seconds(10), 0), Some(seconds(90)));
     }
 
     #[test]

@@ -71,6 +71,8 @@ struct Outlook {
     done: f64,
     samples: Costs,
     fits: Costs,
+    /// What of it was sampled since all points were tried, and how long that took.
+    since: (f64, f64),
 }
 
 /// What units cost that differ from point to point.
@@ -98,7 +100,16 @@ impl Costs {
 
 impl Outlook {
     fn tell(&self, progress: &dyn Progress) {
-        progress.cost(self.done, self.samples.total() + self.fits.total());
+        let (cost, seconds) = self.since;
+        let slower = if cost > 0.0 { (seconds / cost).clamp(0.25, 4.0) } else { 1.0 };
+        // A machine that has become slower may be so for sampling alone, as one that gets hot, or for fits as well: half of each.
+        progress.cost(self.done, self.samples.total() + self.fits.total() / libm::sqrt(slower));
+    }
+
+    /// So much was sampled in so many seconds.
+    fn pay(&mut self, cost: f64, seconds: f64) {
+        self.done += cost;
+        self.since = (self.since.0 + cost, self.since.1 + seconds);
     }
 }
 
@@ -148,12 +159,13 @@ impl Plan<'_> {
                 let started = Instant::now();
                 let records = batch_samples / planned.samples;
                 let (end, _) = sampler.batch(planned, &lowered, first..gap.end, records)?;
+                let seconds = started.elapsed().as_secs_f64();
                 if let Some(price) = prices.get(at) {
-                    outlook.done += price * (end - first) as f64;
+                    outlook.pay(price * (end - first) as f64, seconds);
                     outlook.tell(progress);
                 }
                 first = end;
-                let factor = BATCH_SECONDS / started.elapsed().as_secs_f64().max(1e-3);
+                let factor = BATCH_SECONDS / seconds.max(1e-3);
                 batch_samples = ((batch_samples as f64 * factor.clamp(0.25, 4.0)) as u64).max(1);
             }
         }
