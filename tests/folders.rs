@@ -106,3 +106,58 @@ fn the_answer_of_a_relock_is_what_is_left_of_all_ticks_and_its_columns_have_name
     assert_eq!(heading, ["tick", "none", "frequency", "detuning"], "{shown}");
     assert_eq!(shown.lines().filter(|line| line.trim_start().starts_with("all ")).count(), 1, "{shown}");
 }
+
+/// Two gyros at rest, of files in a folder beside the study.
+const GYROS: &str = "title = \"Two gyros\"\nkind = \"allan\"\ntrials = 64\n[record]\nsample = \"1 s\"\nlength = \"10 min\"\n[noise]\n\
+                     [allan]\ntau = \"octave\"\n[[sweep]]\nkey = \"noise.file\"\nlist = [\"gyros/a.toml\", \"gyros/b.toml\"]\n";
+
+/// A folder with that study and its files.
+fn gyros(desk: &Desk, folder: &str, walk: &str) {
+    std::fs::create_dir_all(desk.path(&format!("{folder}/gyros"))).unwrap();
+    desk.write(&format!("{folder}/study.toml"), GYROS);
+    desk.write(&format!("{folder}/gyros/a.toml"), &format!("angle_random_walk = \"{walk} deg/sqrt(h)\"\n"));
+    desk.write(&format!("{folder}/gyros/b.toml"), "angle_random_walk = \"0.002 deg/sqrt(h)\"\n");
+}
+
+#[test]
+fn a_folder_of_results_holds_the_files_of_its_study_and_can_be_moved() {
+    let desk = Desk::with(STUDY);
+    gyros(&desk, "there", "0.001");
+    desk.done("run there/study.toml --device cpu --out there/results");
+    std::fs::rename(desk.path("there/results"), desk.path("moved")).unwrap();
+    std::fs::remove_dir_all(desk.path("there")).unwrap();
+    let points = desk.read("moved/points.csv");
+    assert_eq!(desk.names("moved/inputs"), ["a.toml", "b.toml"]);
+    desk.done("check moved");
+    desk.done("report moved");
+    desk.done("chart moved --y oracle_avar");
+    desk.done("run moved/resolved_study.toml --device cpu");
+    desk.done("run moved/resolved_study.toml --device cpu --trials 64 --out again");
+    assert_eq!((desk.read("moved/points.csv"), desk.read("again/points.csv")), (points.clone(), points));
+    let here = desk.path("").display().to_string();
+    for file in ["moved/report.html", "moved/resolved_study.toml", "again/report.html"] {
+        assert!(!desk.read(file).contains(&*here), "{file} names the folder of this machine");
+    }
+    assert!(desk.read("moved/report.html").contains("inputs/b.toml"));
+}
+
+#[test]
+fn shards_from_folders_of_their_own_merge_where_their_files_are_the_same() {
+    let desk = Desk::with(STUDY);
+    for (folder, walk) in [("one", "0.001"), ("two", "0.001"), ("other", "0.003")] {
+        gyros(&desk, folder, walk);
+    }
+    desk.done("run one/study.toml --device cpu --out whole");
+    desk.done("run one/study.toml --device cpu --shard 1/2 --out a");
+    desk.done("run two/study.toml --device cpu --shard 2/2 --out b");
+    desk.done("run other/study.toml --device cpu --shard 2/2 --out c");
+    desk.done("merge a b --out merged");
+    assert_eq!(desk.read("merged/points.csv"), desk.read("whole/points.csv"));
+    assert_eq!(desk.names("merged/inputs"), ["a.toml", "b.toml"]);
+    desk.fails(
+        "merge a c --out none",
+        2,
+        &["c/inputs/a.toml is not what a/resolved_study.toml was run with"],
+    );
+    assert!(!desk.path("none").exists());
+}

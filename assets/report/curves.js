@@ -169,7 +169,9 @@ class Curves {
     const radius = Math.min(Math.max(((130 * step) / inside.length) * (plot.width / 700), 1.5), 4.2);
     let path = "";
     for (let at = 0; at < inside.length; at += step) path += markerPath(this.dashOf(series), radius, inside[at]);
-    if (path) group.append(shape("path", { class: `marker c${series.colour % 8}`, d: path }));
+    // The rims of small ones would hide each other.
+    const rim = radius < 2.4 ? " rimless" : "";
+    if (path) group.append(shape("path", { class: `marker c${series.colour % 8}${rim}`, d: path }));
   }
 
   // Reading values.

@@ -72,6 +72,9 @@ impl Display for Corners<'_> {
     }
 }
 
+/// Radius of a marker below which it is small.
+const SMALL_MARKER: f64 = 2.4;
+
 impl Canvas {
     /// The finished text.
     pub fn finish(self) -> String {
@@ -165,9 +168,12 @@ impl Canvas {
         self.put(format_args!(r#"<polygon points="{corners}" fill="{colour}" fill-opacity="0.22"/>"#));
     }
 
-    /// A marker with a white rim, so that neighbours stay apart.
+    /// A marker with a white rim, so that neighbours stay apart; the rims of small ones would hide each other.
     pub fn marker(&mut self, (x, y): (f64, f64), radius: f64, style: usize, colour: &str) {
-        let looks = format!(r##"fill="{colour}" stroke="#ffffff" stroke-width="{}""##, Px(0.2 * radius));
+        let looks = match radius < SMALL_MARKER {
+            true => format!(r#"fill="{colour}""#),
+            false => format!(r##"fill="{colour}" stroke="#ffffff" stroke-width="{}""##, Px(0.2 * radius)),
+        };
         match palette::marker(style) {
             [] => self.put(format_args!(
                 r#"<circle cx="{}" cy="{}" r="{}" {looks}/>"#,

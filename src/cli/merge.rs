@@ -152,16 +152,35 @@ fn study(options: &Options) -> Result<Study, Failure> {
                 let differ = lines.map(|(at, lines)| (at + 1, lines)).find(|(_, (a, b))| a != b);
                 let at = differ.map_or(String::new(), |(at, (a, b))| format!(": line {at}, `{a}` and `{b}`"));
                 return Err(Failure::Usage(format!(
-                    "{} and {} are not the same{at}\ngive the study whose tables and charts are to be made with --study FILE, and its --trials; \
-                     paths of records may differ between machines, what is sampled is told by their contents",
+                    "{} and {} are not the same{at}\ngive the study whose tables and charts are to be made with --study FILE, and its --trials",
                     first.display(),
                     path.display()
                 )));
             }
         }
     }
-    match found {
-        Some((path, _)) => Ok(Study::read(&path)?),
-        None => Err(Failure::Usage("there is nothing to merge".to_owned())),
+    let Some((path, _)) = found else { return Err(Failure::Usage("there is nothing to merge".to_owned())) };
+    let study = Study::read(&path)?;
+    have_the_same_inputs(options, &study, &path)?;
+    Ok(study)
+}
+
+/// Refuses folders whose study names files that hold something else than those of the study at `path`.
+fn have_the_same_inputs(options: &Options, study: &Study, path: &Path) -> Result<(), Failure> {
+    for input in study.inputs() {
+        let text = study.read_input(input)?;
+        for folder in &options.folders {
+            let other = folder.join(&input.name);
+            // Folders of earlier versions have none.
+            if std::fs::read(&other).is_ok_and(|found| found != text.as_bytes()) {
+                return Err(Failure::Usage(format!(
+                    "{} is not what {} was run with\nmerge shards of the same {}",
+                    other.display(),
+                    path.display(),
+                    input.name
+                )));
+            }
+        }
     }
+    Ok(())
 }

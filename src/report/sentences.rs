@@ -18,7 +18,8 @@ pub(super) struct Best {
 
 impl Best {
     pub(super) fn sentence(&self) -> String {
-        format!("{} {}.", self.subject, self.value)
+        let end = if self.value.ends_with('…') { "" } else { "." };
+        format!("{} {}{end}", self.subject, self.value)
     }
 }
 
