@@ -77,8 +77,8 @@ function theme() {
 /** Offers what is shown of files as files. */
 function files() {
   document.querySelectorAll("pre[data-file]").forEach((text) => {
-    const name = text.dataset.file.split("/").pop();
-    text.before(button(`Save ${name}`, `Save ${name} as a file`, () => save(name, "application/toml", text.textContent)));
+    const name = text.dataset.file.replace(/^inputs\//, "").replaceAll("/", "-");
+    text.before(button(`Save ${name}`, `Save ${name} as a file`, () => save(name, "text/plain", text.textContent)));
   });
 }
 

@@ -77,12 +77,7 @@ impl From<StoreError> for Failure {
 
 impl From<KeepError> for Failure {
     fn from(error: KeepError) -> Failure {
-        match error {
-            KeepError::Input(error) => Failure::Study(error),
-            error @ KeepError::Write { .. } => {
-                Failure::Write(format!("{error}\nmake room, or choose another folder with out="))
-            }
-        }
+        Failure::Write(format!("{error}\nmake room, or choose another folder with out="))
     }
 }
 

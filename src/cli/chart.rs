@@ -157,9 +157,8 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
 
 /// The study with the one chart that is asked for.
 fn changed(written: &Study, options: &Options) -> Result<String, Failure> {
-    let text = written.resolved(written.trials);
     let unread = |error: toml::de::Error| Failure::Usage(format!("cannot read {RESOLVED}: {error}"));
-    let mut study: Table = text.parse().map_err(unread)?;
+    let mut study: Table = written.text().parse().map_err(unread)?;
     let charts = match study.remove("chart") {
         Some(Value::Array(charts)) => charts,
         Some(chart) => vec![chart],

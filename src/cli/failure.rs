@@ -116,10 +116,8 @@ impl From<ChoiceError> for Failure {
 
 impl From<KeepError> for Failure {
     fn from(error: KeepError) -> Failure {
-        match error {
-            KeepError::Input(error) => Failure::Study(error),
-            KeepError::Write { path, source } => Failure::Write { path, source },
-        }
+        let KeepError { path, source } = error;
+        Failure::Write { path, source }
     }
 }
 

@@ -8,12 +8,13 @@ use sagnac::study::Study;
 use super::Failure;
 
 /// Files by which folders are known, with the command that writes them.
-const WRITTEN: [(&str, &str); 5] = [
+const WRITTEN: [(&str, &str); 6] = [
     ("curve.csv", "allan"),
     ("compare.csv", "compare"),
     ("design/design.json", "design"),
     ("design.json", "design"),
     ("filler/weights.csv", "filler"),
+    ("weights.csv", "filler"),
 ];
 
 /// Most folders that a message names.

@@ -168,11 +168,10 @@ fn study(options: &Options) -> Result<Study, Failure> {
 /// Refuses folders whose study names files that hold something else than those of the study at `path`.
 fn have_the_same_inputs(options: &Options, study: &Study, path: &Path) -> Result<(), Failure> {
     for input in study.inputs() {
-        let text = study.read_input(input)?;
         for folder in &options.folders {
             let other = folder.join(&input.name);
             // Folders of earlier versions have none.
-            if std::fs::read(&other).is_ok_and(|found| found != text.as_bytes()) {
+            if std::fs::read(&other).is_ok_and(|found| found != input.text.as_bytes()) {
                 return Err(Failure::Usage(format!(
                     "{} is not what {} was run with\nmerge shards of the same {}",
                     other.display(),

@@ -197,12 +197,11 @@ impl Lines {
         let Ok(mut state) = self.state.try_lock() else { return };
         let Some(State { unit, total, pace, next }) = state.as_mut() else { return };
         let elapsed = pace.elapsed();
-        if elapsed >= *next
-            && let Some(left) = pace.left(done)
-        {
+        if elapsed >= *next {
             *next = elapsed + Duration::from_secs(LINE_SECONDS);
             let percent = 100.0 * done as f64 / (*total).max(1) as f64;
-            say!("{percent:.0} %, {} {unit}/s, {} left", short(pace.rate(done)), words(left));
+            let left = pace.left(done).map_or_else(String::new, |left| format!(", {} left", words(left)));
+            say!("{percent:.0} %, {} {unit}/s{left}", short(pace.rate(done)));
         }
     }
 

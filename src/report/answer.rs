@@ -82,14 +82,14 @@ fn of_chart(
     }
     let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
     let by = apart(study, chart.source, series.collect());
-    let mut rows = filter(chart);
-    if chart.x.name == "tick_number" {
+    let rows = filter(chart);
+    if chart.x.name == "tick_number" && rows.iter().all(|(column, _)| !column.starts_with("tick")) {
         // The least of all ticks says nothing of a compensation: what it leaves of their sum does.
-        rows.push(("tick".to_owned(), "all".to_owned()));
-        let sums = shown.table.rows_where(&rows)?;
-        if sums.len() <= MOST_BESIDE {
-            let sums = side_by_side(&shown.table, &shown.estimate, &sums, &by)?;
-            return Ok(Some(format!("All ticks together, {sums}.")));
+        let all = [&rows[..], &[("tick".to_owned(), "all".to_owned())]].concat();
+        let sums = shown.table.rows_where(&all).unwrap_or_default();
+        let beside = side_by_side(&shown.table, &shown.estimate, &sums, &by)?;
+        if let Some(beside) = beside.filter(|_| sums.len() <= MOST_BESIDE) {
+            return Ok(Some(format!("All ticks together, {beside}.")));
         }
     }
     Ok(leading(study, &shown.table, &shown.estimate, &rows, &by)?)

@@ -212,8 +212,7 @@ fn source(source: &Source, digest: Option<&str>) -> Markup {
                     Some(text) => { (file(&input.name, text)) }
                     None => {
                         p {
-                            code { (input.name) } " is in the folder of the results"
-                            @if let Some(digest) = &input.digest { "; its SHA-256 is " code.digest { (digest) } }
+                            code { (input.name) } " is in the folder of the results; its SHA-256 is " code.digest { (input.digest) }
                         }
                     }
                 }

@@ -53,7 +53,7 @@ pub(super) fn best(
         }
         places.join(", ")
     };
-    let shown = |value: f64| format!("{}{}", significant(value, 4).replace('-', "−"), with_unit(column));
+    let shown = |value: f64| measured(column, value);
     let label = &column.label;
     let alike = known.iter().filter(|(_, other)| shown(*other) == shown(least.1)).count();
     let band = column.band.as_ref().and_then(|band| band[least.0]);
@@ -114,7 +114,8 @@ pub(super) fn less_is_better(table: &Table, estimate: &str, rows: &[usize]) -> R
     Ok(LESS_IS_BETTER.contains(&name) && !signed)
 }
 
-/// The estimate of some rows side by side, which `by` tells apart: `rms angle left: 34.7 ″ (none), 20.4 ″ (frequency)`.
+/// The estimate of some rows side by side, which `by` tells apart: `rms angle left: 34.7 ″ (none), 20.4 ″ (frequency)`. None where a
+/// row has no value, or there is none.
 ///
 /// # Errors
 /// A name selects no single column.
@@ -123,17 +124,18 @@ pub(super) fn side_by_side(
     estimate: &str,
     rows: &[usize],
     by: &[&str],
-) -> Result<String, ColumnError> {
+) -> Result<Option<String>, ColumnError> {
     let column = table.column(estimate)?;
     let by = by.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
     let differs = |by: &&&Column| rows.iter().any(|&row| by.cells[row] != by.cells[rows[0]]);
     let of_row = |&row: &usize| {
-        let value = significant(column.cells[row].number()?, 4);
+        let value = measured(column, column.cells[row].number()?);
         let names: Vec<String> =
             by.iter().filter(differs).filter_map(|by| named(by, &by.cells[row])).collect();
-        Some(format!("{value}{} ({})", with_unit(column), names.join(", ")))
+        Some(if names.is_empty() { value } else { format!("{value} ({})", names.join(", ")) })
     };
-    Ok(format!("{}: {}", column.label, rows.iter().filter_map(of_row).collect::<Vec<_>>().join(", ")))
+    let told = rows.iter().map(of_row).collect::<Option<Vec<String>>>();
+    Ok(told.filter(|told| !told.is_empty()).map(|told| format!("{}: {}", column.label, told.join(", "))))
 }
 
 /// Where each curve is least, a sentence each, in the order of the table: `600 s: 0.153 °/h at switching interval 37.5 s`.
@@ -167,7 +169,7 @@ pub(super) fn least_of_each(
         let ends = [places.first()?.0, places.last()?.0];
         let least = places.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
         let name = if name.is_empty() { String::new() } else { format!("{name}: ") };
-        let value = format!("{}{}", significant(least.1, 4), with_unit(y));
+        let value = measured(y, least.1);
         if places.len() > 1 && places.iter().all(|place| place.1 == least.1) {
             return Some(format!("{name}{value} everywhere"));
         }
@@ -177,8 +179,9 @@ pub(super) fn least_of_each(
     Ok(curves.into_iter().filter_map(sentence).collect())
 }
 
-fn with_unit(column: &Column) -> String {
-    if column.unit.symbol.is_empty() { String::new() } else { format!(" {}", column.unit.symbol) }
+/// A value of a column with its unit.
+fn measured(column: &Column, value: f64) -> String {
+    format!("{} {}", significant(value, 4).replace('-', "−"), column.unit.symbol).trim_end().to_owned()
 }
 
 /// A value as a sentence has it; none of a blank.
@@ -236,8 +239,8 @@ pub(super) fn of_map(map: &Map) -> Option<String> {
     Some(std::iter::once(found).chain(within).collect::<Vec<String>>().join("; ") + ".")
 }
 
-/// How the curves stand to their limit, as a sentence: how many keep within it everywhere and nowhere, and of those that pass it which one does
-/// last and which first; none without curves.
+/// How the curves stand to their limit, as a sentence: how many keep within it everywhere and nowhere, and of those that rise above it which one
+/// does last and which first; none without curves.
 pub(super) fn of_verdict(answers: &[Judged], limit: &str) -> Option<String> {
     let is_always = |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && !answer.open;
     let is_never = |answer: &&Judged| answer.outcome == Outcome::AboveFrom;
@@ -246,9 +249,10 @@ pub(super) fn of_verdict(answers: &[Judged], limit: &str) -> Option<String> {
     let partly: Vec<&Judged> =
         answers.iter().filter(|answer| !is_always(answer) && !is_never(answer)).collect();
     let all = answers.len();
-    let counted = |curves: &[&Judged], how: &str| match curves.len() {
-        0 => None,
-        count => Some(format!("{count} of {all} curves {how} ({})", names(curves))),
+    let counted = |curves: &[&Judged], [one, more]: [&str; 2], how: &str| {
+        let count = curves.len();
+        let verb = if count == 1 { one } else { more };
+        (count > 0).then(|| format!("{count} of {all} curves {verb} {how} ({})", names(curves)))
     };
     let parts = match all {
         0 => return None,
@@ -256,9 +260,9 @@ pub(super) fn of_verdict(answers: &[Judged], limit: &str) -> Option<String> {
         _ if always.len() == all => return Some(format!("All {all} curves stay within {limit}.")),
         _ if never.len() == all => return Some(format!("None of the {all} curves is within {limit}.")),
         _ => [
-            counted(&always, &format!("stay within {limit}")),
+            counted(&always, ["stays", "stay"], &format!("within {limit}")),
             order(&partly, limit),
-            counted(&never, &format!("are nowhere within {limit}")),
+            counted(&never, ["is", "are"], &format!("nowhere within {limit}")),
         ],
     };
     let said: Vec<String> = parts.into_iter().flatten().collect();
@@ -356,7 +360,7 @@ mod tests {
         assert_eq!(judged(&[good]), "Good: within 10 ″ up to the last point, frequency 4 Hz.");
         assert_eq!(
             judged(&[good, bad]),
-            "1 of 2 curves stay within 10 ″ (good); 1 of 2 curves are nowhere within 10 ″ (bad)."
+            "1 of 2 curves stays within 10 ″ (good); 1 of 2 curves is nowhere within 10 ″ (bad)."
         );
         assert_eq!(judged(&[bad, ("worse", [30.0; 3])]), "None of the 2 curves is within 10 ″.");
     }
@@ -372,7 +376,7 @@ mod tests {
         );
         assert_eq!(
             judged(&[between, ("bad", [20.0; 3])]),
-            "Between: within 10 ″ from frequency 1.41 Hz to frequency 2.83 Hz; 1 of 2 curves are nowhere within 10 ″ (bad)."
+            "Between: within 10 ″ from frequency 1.41 Hz to frequency 2.83 Hz; 1 of 2 curves is nowhere within 10 ″ (bad)."
         );
     }
 
@@ -380,7 +384,7 @@ mod tests {
     fn values_that_are_missing_at_the_end_are_not_taken_for_within() {
         let open = ("open", [1.0, 2.0, f64::NAN]);
         let said = judged(&[open, ("good", [1.0, 2.0, 3.0])]);
-        assert!(said.starts_with("1 of 2 curves stay within 10 ″ (good)"), "{said}");
+        assert!(said.starts_with("1 of 2 curves stays within 10 ″ (good)"), "{said}");
         assert!(said.contains("within 10 ″: open, up to frequency 2 Hz"), "{said}");
     }
 

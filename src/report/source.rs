@@ -34,8 +34,8 @@ pub struct Source {
 pub struct Named {
     /// As the study calls it: `inputs/LGK-400.toml`.
     pub name: String,
-    /// SHA-256 of its bytes, in hexadecimal figures; absent where it is no longer there.
-    pub digest: Option<String>,
+    /// SHA-256 of its bytes, in hexadecimal figures.
+    pub digest: String,
     /// What it says, where that is short.
     pub text: Option<String>,
 }
@@ -44,10 +44,9 @@ pub struct Named {
 const SHORT: usize = 16 << 10;
 
 impl Named {
-    fn of(study: &Study, input: &Input) -> Named {
-        let text = study.read_input(input).ok();
-        let digest = text.as_ref().map(|text| hexadecimal(text.as_bytes()));
-        Named { name: input.name.clone(), digest, text: text.filter(|text| text.len() <= SHORT) }
+    fn of(input: &Input) -> Named {
+        let text = (input.text.len() <= SHORT).then(|| input.text.to_string());
+        Named { name: input.name.clone(), digest: hexadecimal(input.text.as_bytes()), text }
     }
 }
 
@@ -72,7 +71,7 @@ impl Source {
         let identity = plan.identity();
         Ok(Source {
             study: study.resolved(held),
-            inputs: study.inputs().into_iter().map(|input| Named::of(study, input)).collect(),
+            inputs: study.inputs().into_iter().map(Named::of).collect(),
             sampled: plan.is_sampled().then_some((study.seed, held)),
             stops: study.has_stop_rule(),
             lacking,

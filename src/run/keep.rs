@@ -5,46 +5,39 @@ use std::path::{Path, PathBuf};
 
 use super::RESOLVED;
 use crate::store::write_whole;
-use crate::study::{Study, StudyError};
+use crate::study::Study;
 
-/// Why a study could not be kept.
+/// A study could not be kept: the folder of its results cannot be written.
 #[derive(Debug, thiserror::Error)]
-pub enum KeepError {
-    /// A file that it names can no longer be read.
-    #[error(transparent)]
-    Input(#[from] StudyError),
-    /// The folder of its results cannot be written.
-    #[error("cannot write {}: {source}", path.display())]
-    Write {
-        /// What was to be written.
-        path: PathBuf,
-        /// Why it was not.
-        source: Error,
-    },
+#[error("cannot write {}: {source}", path.display())]
+pub struct KeepError {
+    /// What was to be written.
+    pub path: PathBuf,
+    /// Why it was not.
+    pub source: Error,
 }
 
-/// Keeps a study in the folder of its results, with the files that it names: what is there can be merged and repeated, and taken
-/// elsewhere as a whole.
+/// Keeps a study in the folder of its results, with the files that it names as they were when it was read: what is there can be merged and
+/// repeated, and taken elsewhere as a whole.
 ///
 /// # Errors
-/// A file can no longer be read, or one cannot be written.
+/// A file cannot be written.
 pub fn keep(study: &Study, folder: &Path) -> Result<(), KeepError> {
     for input in study.inputs() {
         let path = folder.join(&input.name);
-        let contents = study.read_input(input)?;
-        // It may be the one that is kept.
-        if std::fs::read(&path).is_ok_and(|there| there == contents.as_bytes()) {
+        // It may be the one that was read.
+        if std::fs::read(&path).is_ok_and(|there| there == input.text.as_bytes()) {
             continue;
         }
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent)
-                .map_err(|source| KeepError::Write { path: parent.to_owned(), source })?;
+                .map_err(|source| KeepError { path: parent.to_owned(), source })?;
         }
-        write_whole(&path, contents.as_bytes()).map_err(|source| KeepError::Write { path, source })?;
+        write_whole(&path, input.text.as_bytes()).map_err(|source| KeepError { path, source })?;
     }
     let path = folder.join(RESOLVED);
     let text = study.resolved(study.trials);
-    write_whole(&path, text.as_bytes()).map_err(|source| KeepError::Write { path, source })
+    write_whole(&path, text.as_bytes()).map_err(|source| KeepError { path, source })
 }
 
 #[cfg(test)]
@@ -82,7 +75,12 @@ mod tests {
             study.allan().unwrap().points.iter().map(|point| point.inputs.noise.clone()).collect::<Vec<_>>()
         };
         assert_eq!(noise(&first), noise(&second));
-        let error = keep(&first, there).unwrap_err();
-        assert!(error.to_string().contains("a.toml"), "{error}");
+        // What was read is kept, whatever has become of the file.
+        std::fs::remove_dir_all(there.join("inputs")).unwrap();
+        keep(&first, there).unwrap();
+        assert_eq!(noise(&Study::read(&there.join(RESOLVED)).unwrap()), noise(&first));
+        std::fs::write(there.join("file"), "").unwrap();
+        let error = keep(&first, &there.join("file")).unwrap_err();
+        assert!(error.to_string().contains("cannot write"), "{error}");
     }
 }

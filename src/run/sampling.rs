@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::worker::Worker;
 use super::{BATCH_SECONDS, Progress, RunError};
 use crate::backend::Job;
-use crate::block::{Block, cover, missing};
+use crate::block::{Block, cover, fold, missing};
 use crate::kernel::launch::Launch;
 use crate::kernel::moments::Moments;
 use crate::stats::Estimates;
@@ -51,9 +51,9 @@ pub(super) fn lacking<'a>(
             missing(index.blocks(address)?, trials.clone()).into_iter().flat_map(|gap| cover(gap, log2)),
         );
     }
-    blocks.sort();
-    blocks.dedup();
-    Ok(blocks)
+    // Those of one estimate may lie within those of another.
+    let blocks = fold(blocks.into_iter().map(|block| (block, ())).collect());
+    Ok(blocks.into_iter().map(|(block, ())| block).collect())
 }
 
 /// How many first trials all of some estimates have, where that is the same number of each.
@@ -83,7 +83,7 @@ pub(super) struct Beside {
     pub(super) after: f64,
 }
 
-/// Tallies that are in memory at once, 5 KiB each.
+/// Tallies that are in memory at once, 5 KiB each, with their rows, some 50 KiB.
 const TALLIES: usize = 1024;
 
 /// Trials and estimates of what the rows of a table show: the tally at an address, where its histogram starts, and its unit, ″.

@@ -3,14 +3,15 @@
 use std::cmp::Reverse;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use toml::Spanned;
 
+use super::Study;
 use super::file::StudyFile;
 use super::gap_fill::NO_PRECISION;
 use super::sweep::Sweep;
-use super::text_file::{MOST_RECORD, read_text};
-use super::{Study, StudyError};
+use super::text_file::{Files, MOST_RECORD};
 
 /// The folder, beside a study that is kept, of the files that it names.
 const INPUTS: &str = "inputs";
@@ -31,34 +32,38 @@ pub(super) struct Written {
 /// A file that a study names: a record, or noise.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Input {
-    /// Where it is.
-    pub path: PathBuf,
     /// What a study that is kept calls it: `inputs/LGK-400.toml`, beside itself.
     pub name: String,
+    /// What it held when the study was read.
+    pub text: Arc<str>,
+    path: PathBuf,
 }
 
-/// The files that a study in `folder` names.
-pub(super) fn inputs(file: &StudyFile, sweeps: &[Sweep], folder: &Path) -> Vec<Spanned<Input>> {
+/// The files that a study names. One that could not be read has been told of, or nothing needs it.
+pub(super) fn inputs(file: &StudyFile, sweeps: &[Sweep], files: &Files) -> Vec<Spanned<Input>> {
     let profile = file.motion.iter().filter_map(|motion| motion.get_ref().profile.as_ref());
     let noise = file.noise.iter().filter_map(|noise| noise.get_ref().file.as_ref());
     let swept = sweeps.iter().flat_map(|sweep| &sweep.files);
     let named = profile.map(|profile| &profile.get_ref().file).chain(noise).chain(swept);
     let mut inputs: Vec<Spanned<Input>> = Vec::new();
     for file in named {
-        let path = folder.join(file.get_ref());
+        let Ok(text) = files.text(file.get_ref(), MOST_RECORD) else { continue };
+        let path = files.path(file.get_ref());
         let known = inputs.iter().map(Spanned::get_ref).find(|input| input.path == path);
-        let input = known.cloned().unwrap_or_else(|| Input { name: name(&path, &inputs), path });
+        let input = known.cloned().unwrap_or_else(|| Input { name: name(&path, &inputs), text, path });
         inputs.push(Spanned::new(file.span(), input));
     }
     inputs
 }
 
-/// A name that no other file has. It ends as the path does: tables call gyros by it.
+/// A name that no other file has, wherever it is kept: not every system tells large letters from small ones. It ends as the path
+/// does, as tables call gyros by it.
 fn name(path: &Path, taken: &[Spanned<Input>]) -> String {
     let last = path.file_name().unwrap_or_default().to_string_lossy();
     let numbered = (2_u32..).map(|number| format!("{INPUTS}/{number}/{last}"));
     let mut names = std::iter::once(format!("{INPUTS}/{last}")).chain(numbered);
-    let is_free = |name: &String| taken.iter().all(|input| input.get_ref().name != *name);
+    let is_free =
+        |name: &String| taken.iter().all(|input| input.get_ref().name.to_lowercase() != name.to_lowercase());
     names.find(is_free).unwrap_or_default()
 }
 
@@ -99,6 +104,11 @@ impl Study {
         text
     }
 
+    /// The text that it was read from.
+    pub fn text(&self) -> &str {
+        self.text.inner()
+    }
+
     /// The files that it names, each once.
     pub fn inputs(&self) -> Vec<&Input> {
         let mut inputs: Vec<&Input> = Vec::new();
@@ -108,16 +118,5 @@ impl Study {
             }
         }
         inputs
-    }
-
-    /// What one of its files holds now.
-    ///
-    /// # Errors
-    /// It can no longer be read.
-    pub fn read_input(&self, input: &Input) -> Result<String, StudyError> {
-        read_text(&input.path, MOST_RECORD).map_err(|error| {
-            let help = "it was there when the study was read: put it back, and run again";
-            StudyError::unreadable("an input of the study", &input.path, &error, help)
-        })
     }
 }

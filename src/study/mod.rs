@@ -73,7 +73,7 @@ use file::StudyFile;
 use kept::Written;
 use place::Places;
 use scalar::Scalar;
-use text_file::MOST_TOML;
+use text_file::{Files, MOST_TOML};
 
 /// Most trials at one point, 2^40.
 pub const MOST_TRIALS: u64 = 1 << 40;
@@ -267,14 +267,14 @@ impl Study {
         let toml = toml::Deserializer::parse(text.inner())
             .map_err(|error| Fault::from_syntax("the study", &error))?;
         let file = StudyFile::deserialize(toml).map_err(|error| Fault::from_serde(&error, text.inner()))?;
-        let folder = Path::new(text.name()).parent().unwrap_or(Path::new(""));
+        let files = Files::of(Path::new(text.name()).parent().unwrap_or(Path::new("")));
         let kind = *file.kind.get_ref();
         check_tables(&file)?;
         let sweeps = sweep::read_all(&file.sweep, &keys(kind))?;
-        let written = Written {
+        let mut written = Written {
             seed: read_count("seed", file.seed.as_ref(), 0..=i64::MAX)?,
             trials: read_count("trials", file.trials.as_ref(), 1..=MOST_TRIALS as i64)?,
-            inputs: kept::inputs(&file, &sweeps, folder),
+            inputs: vec![],
             kind_end: file.kind.span().end,
             precision: file.precision.as_ref().map(Spanned::span),
         };
@@ -290,15 +290,16 @@ impl Study {
             check_exact(&file)?;
         }
         let subject = match kind {
-            Kind::GapFill => Subject::GapFill(Box::new(gap_fill::read(&file, &sweeps, folder, &mut places)?)),
-            Kind::Allan => Subject::Allan(allan::read(&file, &sweeps, folder, &mut places)?),
+            Kind::GapFill => Subject::GapFill(Box::new(gap_fill::read(&file, &sweeps, &files, &mut places)?)),
+            Kind::Allan => Subject::Allan(allan::read(&file, &sweeps, &files, &mut places)?),
             Kind::SwitchedRun => {
-                Subject::SwitchedRun(Box::new(switched_run::read(&file, &sweeps, folder, &mut places)?))
+                Subject::SwitchedRun(Box::new(switched_run::read(&file, &sweeps, &files, &mut places)?))
             }
             Kind::Relock => Subject::Relock(relock::read(&file, &sweeps, &mut places)?),
             Kind::DriftBudget => Subject::DriftBudget(drift_budget::read(&file, &sweeps, &mut places)?),
             Kind::Suspension => Subject::Suspension(suspension::read(&file, &sweeps, &mut places)?),
         };
+        written.inputs = kept::inputs(&file, &sweeps, &files);
         let default_trials = match kind {
             Kind::Allan => 1000,
             Kind::SwitchedRun => 100_000,

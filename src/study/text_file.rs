@@ -1,8 +1,10 @@
 //! Files that are read as a whole.
 
+use std::cell::RefCell;
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Most bytes of a study, or of a file of noise: nobody writes as many.
 pub(super) const MOST_TOML: u64 = 16 << 20;
@@ -24,6 +26,40 @@ pub(super) fn read_text(path: &Path, most: u64) -> Result<String, Error> {
         }
     }
     Err(Error::new(ErrorKind::FileTooLarge, format!("it is longer than {} MiB", most >> 20)))
+}
+
+/// The files that a study names, each read once: what is kept of a study is what was computed with, though a file changes meanwhile
+/// or is a pipe.
+pub(super) struct Files {
+    folder: PathBuf,
+    read: RefCell<Vec<(PathBuf, Arc<str>)>>,
+}
+
+impl Files {
+    /// Of a study that lies in this folder.
+    pub(super) fn of(folder: &Path) -> Files {
+        Files { folder: folder.to_owned(), read: RefCell::default() }
+    }
+
+    /// Where a file is.
+    pub(super) fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// The text of a file.
+    ///
+    /// # Errors
+    /// Those of [`read_text`].
+    pub(super) fn text(&self, name: &str, most: u64) -> Result<Arc<str>, Error> {
+        let path = self.path(name);
+        let known = self.read.borrow().iter().find(|(known, _)| *known == path).map(|(_, text)| text.clone());
+        if let Some(text) = known {
+            return Ok(text);
+        }
+        let text: Arc<str> = read_text(&path, most)?.into();
+        self.read.borrow_mut().push((path, text.clone()));
+        Ok(text)
+    }
 }
 
 #[cfg(test)]

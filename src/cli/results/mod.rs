@@ -6,7 +6,7 @@ use std::path::Path;
 
 use sagnac::picture::{Drawn, Shown as Curves, Verdict, pictures, shown, verdicts};
 use sagnac::report::{Answer, Card, FILE as REPORT, Report, Source, answer, notes};
-use sagnac::run::{Done, Plan, RESOLVED, Tables};
+use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
 use sagnac::share::Share;
 use sagnac::store::{self, Store};
 use sagnac::study::Study;
@@ -82,6 +82,8 @@ pub fn report(
     store: &Store,
     progress: How,
 ) -> Result<Card, Failure> {
+    // Folders of earlier versions lack what the study names.
+    keep(study, folder)?;
     let tables = plan.tables(store, &Shown::new(progress))?;
     let lacking = lacking(study, plan, store, &tables)?;
     let results = Results { study, plan, folder, done: None, lacking };

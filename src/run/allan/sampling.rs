@@ -216,7 +216,8 @@ impl Plan<'_> {
     fn cost_of_fits(&self, planned: &Planned, lowered: &LoweredCurve, mut sums: Vec<u128>) -> f64 {
         let Some(terms) = &self.allan.terms else { return 0.0 };
         let width = planned.width;
-        let tried = FEWEST_FITS.max(self.study.trials / TRIED_FITS);
+        let trials = self.study.trials;
+        let tried = FEWEST_FITS.max(trials / TRIED_FITS).min((trials / 8).max(2));
         sums.truncate(tried as usize * width);
         let count = sums.len() / width;
         let seconds = |values: Vec<u128>| {

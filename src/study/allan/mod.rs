@@ -4,8 +4,6 @@ mod estimate;
 mod notes;
 mod point;
 
-use std::path::Path;
-
 pub use point::{Inputs, Point};
 
 use super::diagnose::{Fault, Wrong};
@@ -16,6 +14,7 @@ use super::place::Places;
 use super::sweep::Sweep;
 use super::{needed, noise::Noise};
 use crate::fit::{Term, Terms};
+use crate::study::text_file::Files;
 use crate::theory::allan::Estimator;
 
 /// What a study of Allan curves asks.
@@ -41,7 +40,7 @@ pub(super) fn keys() -> Vec<&'static Key> {
 pub(super) fn read(
     file: &StudyFile,
     sweeps: &[Sweep],
-    folder: &Path,
+    files: &Files,
     places: &mut Places,
 ) -> Result<Allan, Wrong> {
     if let Some(precision) = &file.precision {
@@ -52,13 +51,13 @@ pub(super) fn read(
     let record = needed(file.record.as_ref(), "record", file)?;
     let inputs = point::read(record.get_ref(), places)?;
     let WrittenNoise { noise, written } =
-        noise::read(needed(file.noise.as_ref(), "noise", file)?, folder, places)?;
+        noise::read(needed(file.noise.as_ref(), "noise", file)?, files, places)?;
     if let Some(allan) = &file.allan {
         places.add("allan", allan.span());
     }
     let estimate = estimate::read(file.allan.as_ref(), places)?;
     let of_file = |file| -> Result<Noise, Wrong> {
-        let mut noise = noise::read_file(file, folder)?;
+        let mut noise = noise::read_file(file, files)?;
         // Keys of the study hold beside any file.
         written.iter().for_each(|(setting, quantity)| (setting.set)(&mut noise, *quantity));
         Ok(noise)

@@ -15,8 +15,6 @@ mod read_psd;
 mod ticks;
 mod vibration;
 
-use std::path::Path;
-
 use toml::Spanned;
 
 pub use filler::{Fill, Filler, Method, POLYNOMIALS};
@@ -40,6 +38,7 @@ use super::sweep::Sweep;
 use super::units::Dimension;
 use super::{needed, needed_key};
 use crate::kernel::gap_fill::MAX_SIDE;
+use crate::study::text_file::Files;
 use keys::SETTINGS;
 use ticks::{Purpose, TickList};
 
@@ -69,7 +68,7 @@ pub(super) fn keys() -> Vec<&'static Key> {
 pub(super) fn read(
     file: &StudyFile,
     sweeps: &[Sweep],
-    folder: &Path,
+    files: &Files,
     places: &mut Places,
 ) -> Result<GapFill, Wrong> {
     let table = needed(file.switching.as_ref(), "switching", file)?;
@@ -78,7 +77,7 @@ pub(super) fn read(
     if *file.kind.get_ref() == Kind::GapFill {
         refuse_keys_of_runs(switching)?;
     }
-    let (inputs, mut notes) = read_inputs(file, sweeps, folder, places)?;
+    let (inputs, mut notes) = read_inputs(file, sweeps, files, places)?;
     let written_fillers = read_fillers::read(fillers)?;
     let errors = read_errors(switching.errors.as_ref())?;
     for (sweep, table) in sweeps.iter().zip(&file.sweep) {
@@ -136,7 +135,7 @@ fn refuse_keys_of_runs(switching: &SwitchingTable) -> Result<(), Fault> {
 fn read_inputs(
     file: &StudyFile,
     sweeps: &[Sweep],
-    folder: &Path,
+    files: &Files,
     places: &mut Places,
 ) -> Result<(Inputs, Vec<String>), Wrong> {
     let gyro = needed(file.gyro.as_ref(), "gyro", file)?.get_ref();
@@ -144,7 +143,7 @@ fn read_inputs(
     let suspension = motion.get_ref().suspension.as_ref().map(Spanned::get_ref);
     let table = needed(file.switching.as_ref(), "switching", file)?;
     let switching = table.get_ref();
-    let motion = read_motion::read(motion, sweeps, places, folder)?;
+    let motion = read_motion::read(motion, sweeps, places, files)?;
     // Each number is overwritten by its key.
     let mut inputs = Inputs {
         tick_s: 0.0,
@@ -154,7 +153,7 @@ fn read_inputs(
         motion,
         gap_ticks: 0,
     };
-    let noise = of_noise::read(file, gyro, folder, places)?;
+    let noise = of_noise::read(file, gyro, files, places)?;
     if let Some(noise) = &noise {
         of_noise::set(&mut inputs, noise);
     }

@@ -1,7 +1,5 @@
 //! The noise of a gap-fill study from `[noise]`: what of it matters over a gap, and what does not.
 
-use std::path::Path;
-
 use super::inputs::{Inputs, TickNoise};
 use super::keys::{GAP_TICKS, READOUT_LSB, TICK};
 use crate::study::diagnose::{Fault, Wrong};
@@ -9,6 +7,7 @@ use crate::study::file::{GyroTable, StudyFile};
 use crate::study::noise::{self, Noise};
 use crate::study::place::Places;
 use crate::study::sweep::Sweep;
+use crate::study::text_file::Files;
 use crate::study::units::round_12;
 use crate::table::significant;
 
@@ -16,7 +15,7 @@ use crate::table::significant;
 pub(super) fn read(
     file: &StudyFile,
     gyro: &GyroTable,
-    folder: &Path,
+    files: &Files,
     places: &mut Places,
 ) -> Result<Option<Noise>, Wrong> {
     const ACCEPTED: &str = "accepted: gyro.tick_noise = { std = \"0.53 arcsec\" }, or the coefficients of a record as in\n\
@@ -26,7 +25,7 @@ pub(super) fn read(
         (None, Some(table)) => {
             places.add("gyro.tick_noise", table.span());
             places.add("gyro.readout_lsb", table.span());
-            Ok(Some(noise::read(table, folder, places)?.noise))
+            Ok(Some(noise::read(table, files, places)?.noise))
         }
         (Some(tick_noise), Some(_)) => {
             let message = "gyro.tick_noise stands beside [noise]";

@@ -1,6 +1,5 @@
 //! Reading `[motion]`: from what is written to the motion, with every fault at its place.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use toml::Spanned;
@@ -19,7 +18,7 @@ use crate::study::key::Key;
 use crate::study::place::Places;
 use crate::study::scalar::Scalar;
 use crate::study::sweep::Sweep;
-use crate::study::text_file::{MOST_RECORD, read_text};
+use crate::study::text_file::{Files, MOST_RECORD};
 use crate::study::units::Dimension;
 use crate::theory::minimum_variance::Band;
 
@@ -27,12 +26,12 @@ use crate::theory::minimum_variance::Band;
 const FORMS: &str = "accepted: amplitude and frequency; tones = [{ amplitude = …, frequency = … }, …]; gaussian = { rms \
                      = …, band = […] }; profile = { file = … }; suspension = { gyro = …, sine = … }; rate or acceleration";
 
-/// The motion that is written; `folder` is where a record is looked for. Notes the place of each key.
+/// The motion that is written; `files` have its record. Notes the place of each key.
 pub(super) fn read(
     written: &Spanned<MotionTable>,
     sweeps: &[Sweep],
     places: &mut Places,
-    folder: &Path,
+    files: &Files,
 ) -> Result<Motion, Wrong> {
     let table = written.get_ref();
     let mut motion = Motion { tones: tones(table, places)?, ..Motion::default() };
@@ -57,7 +56,7 @@ pub(super) fn read(
             )
             .into());
         }
-        motion.profile = Some(read_profile(profile, folder)?);
+        motion.profile = Some(read_profile(profile, files)?);
     }
     for (key, written, to) in [
         (&RATE, &table.rate, &mut motion.rate),
@@ -254,10 +253,10 @@ fn read_gaussian(written: &Spanned<GaussianTable>) -> Result<Gaussian, Fault> {
     }
 }
 
-fn read_profile(written: &Spanned<ProfileTable>, folder: &Path) -> Result<Profile, Wrong> {
+fn read_profile(written: &Spanned<ProfileTable>, files: &Files) -> Result<Profile, Wrong> {
     let ProfileTable { file, position } = written.get_ref();
-    let path = folder.join(file.get_ref());
-    let text = read_text(&path, MOST_RECORD).map_err(|error| {
+    let path = files.path(file.get_ref());
+    let text = files.text(file.get_ref(), MOST_RECORD).map_err(|error| {
         let message = format!("cannot read the record {}: {error}", path.display());
         let help = "give the path, from the folder of the study, of a record (CSV, UTF-8) with the columns \
                     `time [s]` and `rate [deg/s]`";

@@ -1,6 +1,5 @@
 //! Reading `[noise]` and the files that it names.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use miette::NamedSource;
@@ -13,7 +12,7 @@ use crate::study::file::allan::NoiseTable;
 use crate::study::key::{Key, Setting};
 use crate::study::place::Places;
 use crate::study::scalar::Scalar;
-use crate::study::text_file::{MOST_TOML, read_text};
+use crate::study::text_file::{Files, MOST_TOML};
 use crate::study::units::{Dimension, Quantity};
 
 /// The noise of a table, and what is written in it besides a file.
@@ -216,18 +215,18 @@ pub(in crate::study) static SETTINGS: [&Setting<Noise>; 18] = [
 pub(in crate::study) static FILE: Key =
     Key { name: "noise.file", label: "noise file", accepts: &[], limits: (0.0, 0.0, "") };
 
-/// The noise of a table, with what the file that it names has besides; `folder` is where that is looked for. Notes the
+/// The noise of a table, with what the file that it names has besides; `files` have that. Notes the
 /// place of each key.
 pub(in crate::study) fn read(
     table: &Spanned<NoiseTable>,
-    folder: &Path,
+    files: &Files,
     places: &mut Places,
 ) -> Result<WrittenNoise, Wrong> {
     places.add("noise", table.span());
     let mut noise = match &table.get_ref().file {
         Some(file) => {
             places.add(FILE.name, file.span());
-            read_file(file, folder)?
+            read_file(file, files)?
         }
         None => Noise::default(),
     };
@@ -245,14 +244,14 @@ pub(in crate::study) fn read(
 }
 
 /// The noise of a file, which is a `[noise]` by itself; `file` is its name where a study has it.
-pub(in crate::study) fn read_file(file: &Spanned<String>, folder: &Path) -> Result<Noise, Wrong> {
-    let path = folder.join(file.get_ref());
-    let text = read_text(&path, MOST_TOML).map_err(|error| {
+pub(in crate::study) fn read_file(file: &Spanned<String>, files: &Files) -> Result<Noise, Wrong> {
+    let path = files.path(file.get_ref());
+    let text = files.text(file.get_ref(), MOST_TOML).map_err(|error| {
         let message = format!("cannot read the noise {}: {error}", path.display());
         let help = "name a noise.toml, from the folder of the study; `sagnac allan` writes them from records";
         Fault::new(file.span(), message, "named here", help)
     })?;
-    let text: Text = Arc::new(NamedSource::new(path.display().to_string(), text));
+    let text: Text = Arc::new(NamedSource::new(path.display().to_string(), text.to_string()));
     parse(&text).map_err(Wrong::Elsewhere)
 }
 

@@ -4,8 +4,6 @@ mod point;
 mod relock;
 mod times;
 
-use std::path::Path;
-
 use toml::Spanned;
 
 pub use point::Point;
@@ -22,6 +20,7 @@ use super::place::Places;
 use super::scalar;
 use super::sweep::Sweep;
 use super::{needed, needed_key};
+use crate::study::text_file::Files;
 use crate::table::significant;
 
 pub use super::file::switching::{FirstMode, Timing};
@@ -96,7 +95,7 @@ pub(super) fn keys() -> Vec<&'static Key> {
 pub(super) fn read(
     file: &StudyFile,
     sweeps: &[Sweep],
-    folder: &Path,
+    files: &Files,
     places: &mut Places,
 ) -> Result<SwitchedRun, Wrong> {
     let switching = needed(file.switching.as_ref(), "switching", file)?;
@@ -110,7 +109,7 @@ pub(super) fn read(
     if let Some(table) = &file.drift {
         places.add("drift", table.span());
     }
-    let fill = read_fill(file, switching, &drift, sweeps, folder, places)?;
+    let fill = read_fill(file, switching, &drift, sweeps, files, places)?;
     let relock = relock::read(file, fill.as_ref(), sweeps, places)?;
     let times = times::read(run.get_ref().times.as_ref(), places)?;
     let trajectories = match &run.get_ref().trajectories {
@@ -188,7 +187,7 @@ fn read_fill(
     switching: &Spanned<SwitchingTable>,
     drift: &Drift,
     sweeps: &[Sweep],
-    folder: &Path,
+    files: &Files,
     places: &mut Places,
 ) -> Result<Option<GapFill>, Wrong> {
     let SwitchingTable { gap_ticks, fit_ticks, extrapolation_ticks, fillers, .. } = switching.get_ref();
@@ -199,7 +198,7 @@ fn read_fill(
             let help = "leave drift.residual_max out, or take [gyro], [motion] and fillers out";
             return Err(Fault::new(place, message, "a second residual", help).into());
         }
-        return Ok(Some(gap_fill::read(file, sweeps, folder, places)?));
+        return Ok(Some(gap_fill::read(file, sweeps, files, places)?));
     }
     let of_fill = [
         ("[gyro]", file.gyro.as_ref().map(Spanned::span)),
