@@ -50,6 +50,8 @@ pub struct Answer<'t> {
     pub outcome: Outcome,
     /// Where that is: column and value, in the order of the table.
     pub at: Vec<(&'t Column, f64)>,
+    /// Its largest magnitude, in the unit of y.
+    pub most: f64,
     /// Whether points of the curve beyond its last value have none, as of a run that is incomplete.
     pub open: bool,
     /// Of [`Outcome::WithinBetween`] where it rises above the limit again.
@@ -141,7 +143,8 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
             series.iter().map(|column| (*column, &column.cells[rows[0]])).collect();
         let key: Vec<String> = named.iter().map(|(_, cell)| cell.text()).collect();
         let open = blank.get(&key).is_some_and(|end| *end > value(x, last));
-        Answer { series: named, outcome, at, open, until }
+        let most = rows.iter().map(|&row| value(y, row).abs()).fold(0.0, f64::max);
+        Answer { series: named, outcome, at, most, open, until }
     };
     Ok(curves.into_iter().map(answer).collect())
 }

@@ -178,7 +178,8 @@ struct State {
 impl Lines {
     fn start(&self, unit: &'static str, before: u64, total: u64) {
         self.done.store(before, Ordering::Relaxed);
-        if before < total {
+        // Fits begin where something else has been done.
+        if before < total && unit != "fits" {
             say!("{} of {} {unit} done", short(before as f64), short(total as f64));
         }
         if let Ok(mut state) = self.state.lock() {

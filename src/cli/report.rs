@@ -39,24 +39,42 @@ Examples:
   sagnac report results/my results/error_vs_dtnu --out both.html
   sagnac report results";
 
-/// Makes the reports of results again, and of several a gallery.
+/// Makes the reports of results again, and of several a gallery. A folder that is in a bad way keeps none of the others from theirs.
 pub fn report(options: &Options) -> Result<(), Failure> {
     let folders = studies_in(&options.folders)?;
     for left_out in options.folders.iter().filter(|_| !options.quiet).filter_map(|folder| left_out(folder)) {
         say!("{left_out}");
     }
-    let mut reports = Vec::new();
+    let (mut reports, mut failures) = (Vec::new(), Vec::new());
     for folder in &folders {
-        let card = of_folder(folder, options)?;
-        if !options.quiet {
-            say!("{}", folder.join(REPORT).display());
+        match of_folder(folder, options) {
+            Ok(card) => {
+                if !options.quiet {
+                    say!("{}", folder.join(REPORT).display());
+                }
+                reports.push((folder.join(REPORT), card));
+            }
+            // The others have their pages nevertheless.
+            Err(failure) => failures.push(failure),
         }
-        reports.push((folder.join(REPORT), card));
     }
-    if reports.len() < 2 && options.out.is_none() {
-        return Ok(());
+    if reports.len() > 1 || (options.out.is_some() && !reports.is_empty()) {
+        write_gallery(reports, &folders, options)?;
     }
-    let path = options.out.clone().unwrap_or_else(|| common(&folders).join(GALLERY));
+    let last = failures.pop();
+    for failure in &failures {
+        let _ = failure.report();
+    }
+    last.map_or(Ok(()), Err)
+}
+
+/// The page of all studies that have one.
+fn write_gallery(
+    reports: Vec<(PathBuf, Card)>,
+    folders: &[PathBuf],
+    options: &Options,
+) -> Result<(), Failure> {
+    let path = options.out.clone().unwrap_or_else(|| common(folders).join(GALLERY));
     let here = path.parent().map_or_else(PathBuf::new, whole);
     let cards: Vec<Card> = reports
         .into_iter()
@@ -84,6 +102,10 @@ fn studies_in(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
         if folders::is_study(folder) {
             studies.push(folder.clone());
             continue;
+        }
+        if folder.is_file() {
+            let message = format!("{} is a file, not a folder of results", folder.display());
+            return Err(Failure::Usage(message));
         }
         let failed = |error: std::io::Error| {
             Failure::Usage(format!("cannot read {}: {error}\ngive folders of results", folder.display()))

@@ -10,6 +10,12 @@ use core::f64::consts::PI;
 use super::fixed::{ANGLE_UNITS, Fixed, FixedTone, RAYLEIGH_UNIT, SIGMA_UNITS, ToneMotion, gaussian_place};
 use super::response::Functional;
 
+/// Noise that is not tiny ends the sum within so many terms by itself, to the last digit.
+const DAMPED: f64 = 64.0;
+
+/// What is left out otherwise, in parts of the first factor: less than a ten millionth of a pulse squared.
+const NEGLIGIBLE: f64 = 1e-6;
+
 /// Most terms of the sum over m.
 const TERMS: u32 = 4096;
 
@@ -84,18 +90,27 @@ fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64) -> Option<(f64, f64
         return Some((pulse * pulse / 12.0 * (1.0 - 6.0 * part * (1.0 - part)), 0.0));
     }
     let unit = pulse * pulse / (2.0 * PI * PI);
-    let (mut sum, mut tail) = (0.0, unit / f64::from(TERMS));
-    for m in 1..=TERMS {
-        let k = 2.0 * PI * f64::from(m) / pulse;
+    // |J0(x)| is at most √(2/(πx)), and 1: of a swing over many pulses no more than a part of √m stays of term m.
+    let parts = swings.iter().map(|d| pulse / (PI * PI * d)).filter(|part| *part < 1.0);
+    let (envelope, power) =
+        parts.fold((1.0, 1.0), |(envelope, power), part| (envelope * libm::sqrt(part), power + 0.5));
+    let (mut sum, mut rest) = (0.0, 1.0);
+    for m in (1..=TERMS).map(f64::from) {
+        let k = 2.0 * PI * m / pulse;
         let damped = libm::exp(-0.5 * k * k * normal);
         if damped < 1e-15 {
-            tail = 0.0;
+            rest = 0.0;
             break;
         }
         let swung: f64 = swings.iter().map(|&d| libm::j0(k * d)).product();
-        sum += damped * swung * libm::cos(k * constant) / f64::from(m * m);
+        sum += damped * swung * libm::cos(k * constant) / (m * m);
+        // Later terms have at most this damping and envelope, and Σ j^(−1−p) beyond m is below m^−p / p.
+        rest = damped * envelope * libm::pow(m, -power) / power;
+        if m >= DAMPED && rest < NEGLIGIBLE {
+            break;
+        }
     }
-    Some((unit * sum, tail))
+    Some((unit * sum, unit * rest))
 }
 
 /// What lies between two boundaries: ticks, and the gap as a whole.

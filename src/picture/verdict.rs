@@ -102,6 +102,11 @@ impl Verdict<'_> {
         self.limit.text()
     }
 
+    /// The unit of both.
+    pub fn unit(&self) -> &'static str {
+        self.limit.unit.symbol
+    }
+
     /// What is judged, where, against which limit, and for each curve its outcome and places: an object for programs.
     pub fn json(&self) -> Value {
         let rows = self.rows.iter().map(|(column, value)| (column.header(), json!(value)));

@@ -1,10 +1,11 @@
 //! The answer of a study to its question.
 
-use super::sentences::{best, least_of_each, less_is_better, of_map, of_verdict, side_by_side};
+use super::curves::Curves;
+use super::sentences::{best, less_is_better, of_map, of_verdict, side_by_side};
 use crate::chart::{ChartError, Picture};
 use crate::picture::{Drawn, Shown, Verdict, filter, refused};
 use crate::run::Tables;
-use crate::study::{Chart, Filler, Kind, Method, Source, Study, StudyError, text_columns};
+use crate::study::{Chart, Filler, Frequency, Kind, Method, Source, Study, StudyError, text_columns};
 use crate::table::{ColumnError, Table, short};
 
 /// Most rows that a headline tells side by side.
@@ -38,7 +39,7 @@ pub fn answer(
         .find(|((chart, _), drawn)| chart.limit.is_some() && matches!(drawn.picture, Picture::Curves(_)));
     let headline = match (verdicts.first().zip(judged), all().next()) {
         (Some((first, ((chart, shown), _))), _) => {
-            let headline = of_verdict(first.answers(), &first.limit());
+            let headline = of_verdict(first.answers(), &first.limit(), first.unit());
             with_caveat(study, headline, &shown.table, &filter(chart))
                 .map_err(|error| refused(study, chart, &error.into()))?
         }
@@ -57,7 +58,9 @@ pub fn answer(
             _ => vec![],
         };
         if !each.is_empty() {
-            let heading = format!("{}: the least {} of each curve", drawn.stem, drawn.picture.shown().label);
+            let which = if is_environment(chart) { "largest" } else { "least" };
+            let heading =
+                format!("{}: the {which} {} of each curve", drawn.stem, drawn.picture.shown().label);
             curves.push((heading, each));
         }
     }
@@ -92,7 +95,30 @@ fn of_chart(
             return Ok(Some(format!("All ticks together, {beside}.")));
         }
     }
+    if is_environment(chart) {
+        let told = of_range(chart, shown, |curves| curves.least_at_worst())?.flatten();
+        if told.is_some() {
+            return Ok(with_caveat(study, told, &shown.table, &rows)?);
+        }
+    }
     Ok(leading(study, &shown.table, &shown.estimate, &rows, &by)?)
+}
+
+/// Whether the abscissa is what a gyro meets and nobody chooses, so that the worst counts there.
+fn is_environment(chart: &Chart) -> bool {
+    let x = chart.x.name.as_str();
+    x.starts_with("motion.") || ["dt_nu", "amplitude_noise"].contains(&x)
+}
+
+/// What the curves of a chart say of an estimate that is the better the less it is; nothing of another one.
+fn of_range<T>(chart: &Chart, shown: &Shown, say: impl Fn(&Curves) -> T) -> Result<Option<T>, ColumnError> {
+    let (table, estimate) = (&shown.table, shown.estimate.as_str());
+    let rows = table.rows_where(&filter(chart))?;
+    if !less_is_better(table, estimate, &rows)? {
+        return Ok(None);
+    }
+    let series: Vec<&str> = shown.series.iter().map(String::as_str).collect();
+    Ok(Some(say(&Curves::of(table, (&chart.x.name, estimate), &rows, &series)?)))
 }
 
 /// The best row, and where that is of a filler that firmware cannot have, the best of the others.
@@ -105,33 +131,38 @@ fn leading(
 ) -> Result<Option<String>, ColumnError> {
     let rows = table.rows_where(filter)?;
     let Some(first) = best(table, estimate, &rows, by)? else { return Ok(None) };
-    let (free, sentence) = (free_fillers(study), first.sentence());
-    let Some(row) = first.row.filter(|_| !free.is_empty()) else { return Ok(Some(sentence)) };
+    let sentence = first.sentence();
+    let Some((row, (free, why))) = first.row.zip(free_fillers(study)) else { return Ok(Some(sentence)) };
     let filler = table.column("filler")?;
     let is_free = |row: usize| free.contains(&filler.cells[row].text().as_str());
     if !is_free(row) {
         return Ok(Some(sentence));
     }
     let others: Vec<usize> = rows.into_iter().filter(|&row| !is_free(row)).collect();
-    let known =
-        best(table, estimate, &others, by)?.map_or(", which firmware does not know".to_owned(), |second| {
-            format!("; of weights that stay the same, as firmware has them, the least is {}", second.value)
+    let known = best(table, estimate, &others, by)?
+        .map_or(", which firmware does not know".to_owned(), |second| {
+            format!(", which firmware does not know; of the others the least is {}", second.value)
         });
-    Ok(Some(format!("{sentence} That filler is designed for the very motion of each point{known}.")))
+    Ok(Some(format!("{sentence} That filler is designed for {why}{known}.")))
 }
 
-fn fillers(study: &Study) -> &[Filler] {
-    match (study.gap_fill(), study.switched_run()) {
-        (Some(gap_fill), _) => &gap_fill.fillers,
-        (None, Some(run)) => run.fillers(),
-        (None, None) => &[],
-    }
-}
-
-/// The names of fillers that have other weights at each point.
-fn free_fillers(study: &Study) -> Vec<&str> {
+/// The names of fillers whose weights firmware cannot have, and why: designed without a band they follow the motion of each point, or
+/// one frequency to the last digit. Of a motion that is drawn from a band they are those of the band.
+fn free_fillers(study: &Study) -> Option<(Vec<&str>, &'static str)> {
+    let gap_fill = study.gap_fill().or_else(|| study.switched_run()?.fill.as_ref())?;
     let is_free = |filler: &&Filler| filler.method == Method::MinimumVariance(None);
-    fillers(study).iter().filter(is_free).map(|filler| filler.name.as_str()).collect()
+    let free: Vec<&str> =
+        gap_fill.fillers.iter().filter(is_free).map(|filler| filler.name.as_str()).collect();
+    let of_design = |key: &str| ["motion.", "gyro.", "noise."].iter().any(|table| key.starts_with(table));
+    let varies = study.sweeps.iter().any(|sweep| sweep.values.len() > 1 && of_design(sweep.key.name));
+    let is_tuned =
+        gap_fill.inputs.motion.tones.iter().any(|tone| matches!(tone.frequency, Frequency::Fixed(_)));
+    let why = match (varies, is_tuned) {
+        (true, _) => "the very motion of each point",
+        (false, true) => "exactly this frequency",
+        (false, false) => return None,
+    };
+    (!free.is_empty()).then_some((free, why))
 }
 
 /// A headline with what is to be known of the fillers among some rows.
@@ -141,32 +172,34 @@ fn with_caveat(
     table: &Table,
     filter: &[(String, String)],
 ) -> Result<Option<String>, ColumnError> {
-    let mut free = free_fillers(study);
     let Some(headline) = headline else { return Ok(None) };
-    if !free.is_empty() {
-        let (filler, rows) = (table.column("filler")?, table.rows_where(filter)?);
-        free.retain(|name| rows.iter().any(|&row| filler.cells[row].text() == *name));
-    }
+    let Some((mut free, why)) = free_fillers(study) else { return Ok(Some(headline)) };
+    let (filler, rows) = (table.column("filler")?, table.rows_where(filter)?);
+    free.retain(|name| rows.iter().any(|&row| filler.cells[row].text() == *name));
     Ok(Some(match &free[..] {
         [] => headline,
         names => {
             let is = if names.len() == 1 { "is" } else { "are" };
             let names = names.join(" and ");
             format!(
-                "{headline} Without a band {names} {is} designed for the very motion of each point, which firmware does not know."
+                "{headline} Without a band {names} {is} designed for {why}, which firmware does not know."
             )
         }
     }))
 }
 
-/// Where each curve of a chart is least; nothing where that is not asked for.
+/// Where each curve of a chart is least, or largest where that counts; nothing where that is not asked for.
 fn of_each(chart: &Chart, shown: &Shown) -> Result<Vec<String>, ColumnError> {
-    let (rows, estimate) = (filter(chart), shown.estimate.as_str());
-    if !less_is_better(&shown.table, estimate, &shown.table.rows_where(&rows)?)? {
-        return Ok(vec![]);
-    }
-    let series: Vec<&str> = shown.series.iter().map(String::as_str).collect();
-    least_of_each(&shown.table, (&chart.x.name, estimate), &rows, &series)
+    let is_largest = is_environment(chart);
+    let each =
+        of_range(
+            chart,
+            shown,
+            |curves| {
+                if is_largest { curves.largest_of_each() } else { curves.least_of_each() }
+            },
+        );
+    Ok(each?.unwrap_or_default())
 }
 
 /// The best row of a study without a chart.

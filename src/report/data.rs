@@ -141,9 +141,12 @@ fn thin<T: Copy>(items: &[T], step: usize) -> Vec<T> {
 
 fn listed(source: Source, table: &Table, report: &Report) -> Listed {
     let file = File::of_study(report.source.kind, source);
-    let small = table.rows() * table.columns.len() <= MOST_CELLS;
+    // A column without a value, as Δt·ν of a motion that has many frequencies, takes room only.
+    let known = |column: &&Column| column.cells.iter().any(|cell| *cell != Cell::Blank);
+    let all: Vec<&Column> = table.columns.iter().filter(known).collect();
+    let small = table.rows() * all.len() <= MOST_CELLS;
     let columns: Vec<&Column> =
-        table.columns.iter().filter(|column| small || is_charted(column, table, report)).collect();
+        all.iter().copied().filter(|column| small || is_charted(column, table, report)).collect();
     let rows = table.rows().min(MOST_CELLS / columns.len().max(1));
     let listing = |column: &&Column| {
         let cells = &column.cells[..rows];
@@ -160,7 +163,7 @@ fn listed(source: Source, table: &Table, report: &Report) -> Listed {
     Listed {
         file: source.file(),
         rows: table.rows(),
-        all_columns: table.columns.len(),
+        all_columns: all.len(),
         shown: rows,
         columns: columns.iter().map(listing).collect(),
     }

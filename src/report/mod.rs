@@ -11,6 +11,7 @@
 
 mod agreement;
 mod answer;
+mod curves;
 mod data;
 mod gallery;
 mod notes;

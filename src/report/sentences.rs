@@ -138,54 +138,13 @@ pub(super) fn side_by_side(
     Ok(told.filter(|told| !told.is_empty()).map(|told| format!("{}: {}", column.label, told.join(", "))))
 }
 
-/// Where each curve is least, a sentence each, in the order of the table: `600 s: 0.153 °/h at switching interval 37.5 s`.
-///
-/// `filter` chooses rows as [`Table::rows_where`] does, `series` are the columns that tell curves apart. A curve that is least at one of
-/// its ends is said to be.
-///
-/// # Errors
-/// A name selects no single column, or the filter leaves no row.
-pub(super) fn least_of_each(
-    table: &Table,
-    (x, y): (&str, &str),
-    filter: &[(String, String)],
-    series: &[&str],
-) -> Result<Vec<String>, ColumnError> {
-    let (x, y) = (table.column(x)?, table.column(y)?);
-    let series = series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
-    let mut curves: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
-    for row in table.rows_where(filter)? {
-        let Some(place) = x.cells[row].number().zip(y.cells[row].number()) else { continue };
-        let names: Vec<String> =
-            series.iter().filter_map(|column| named(column, &column.cells[row])).collect();
-        let name = names.join(", ");
-        match curves.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, places)) => places.push(place),
-            None => curves.push((name, vec![place])),
-        }
-    }
-    let sentence = |(name, mut places): (String, Vec<(f64, f64)>)| {
-        places.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let ends = [places.first()?.0, places.last()?.0];
-        let least = places.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let name = if name.is_empty() { String::new() } else { format!("{name}: ") };
-        let value = measured(y, least.1);
-        if places.len() > 1 && places.iter().all(|place| place.1 == least.1) {
-            return Some(format!("{name}{value} everywhere"));
-        }
-        let at_end = if ends.contains(&least.0) { ", the end of its range" } else { "" };
-        Some(format!("{name}{value} at {}{at_end}", x.valued(&significant(least.0, 4))))
-    };
-    Ok(curves.into_iter().filter_map(sentence).collect())
-}
-
 /// A value of a column with its unit.
-fn measured(column: &Column, value: f64) -> String {
+pub(super) fn measured(column: &Column, value: f64) -> String {
     format!("{} {}", significant(value, 4).replace('-', "−"), column.unit.symbol).trim_end().to_owned()
 }
 
 /// A value as a sentence has it; none of a blank.
-fn named(column: &Column, cell: &Cell) -> Option<String> {
+pub(super) fn named(column: &Column, cell: &Cell) -> Option<String> {
     match cell {
         Cell::Blank => None,
         Cell::Text(text) if text.parse::<f64>().is_ok() => Some(column.valued(text)),
@@ -241,28 +200,38 @@ pub(super) fn of_map(map: &Map) -> Option<String> {
 
 /// How the curves stand to their limit, as a sentence: how many keep within it everywhere and nowhere, and of those that rise above it which one
 /// does last and which first; none without curves.
-pub(super) fn of_verdict(answers: &[Judged], limit: &str) -> Option<String> {
+pub(super) fn of_verdict(answers: &[Judged], limit: &str, unit: &str) -> Option<String> {
     let is_always = |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && !answer.open;
     let is_never = |answer: &&Judged| answer.outcome == Outcome::AboveFrom;
-    let always: Vec<&Judged> = answers.iter().filter(is_always).collect();
+    let mut always: Vec<&Judged> = answers.iter().filter(is_always).collect();
+    // The one with the most room first.
+    always.sort_by(|a, b| a.most.total_cmp(&b.most));
     let never: Vec<&Judged> = answers.iter().filter(is_never).collect();
     let partly: Vec<&Judged> =
         answers.iter().filter(|answer| !is_always(answer) && !is_never(answer)).collect();
     let all = answers.len();
-    let counted = |curves: &[&Judged], [one, more]: [&str; 2], how: &str| {
+    let counted = |curves: &[&Judged], [one, more]: [&str; 2], how: &str, named: String| {
         let count = curves.len();
         let verb = if count == 1 { one } else { more };
-        (count > 0).then(|| format!("{count} of {all} curves {verb} {how} ({})", names(curves)))
+        (count > 0).then(|| format!("{count} of {all} curves {verb} {how} ({named})"))
+    };
+    let with_most = |curves: &[&Judged]| {
+        let name = |one: &&Judged| {
+            format!("{}, at most {} {unit}", one.name(), significant(one.most, 3)).trim_end().to_owned()
+        };
+        listed(curves.len(), curves.iter().map(name))
     };
     let parts = match all {
         0 => return None,
         1 => return Some(capitalised(&answers[0].sentence(limit)) + "."),
-        _ if always.len() == all => return Some(format!("All {all} curves stay within {limit}.")),
+        _ if always.len() == all => {
+            return Some(format!("All {all} curves stay within {limit} ({}).", with_most(&always)));
+        }
         _ if never.len() == all => return Some(format!("None of the {all} curves is within {limit}.")),
         _ => [
-            counted(&always, ["stays", "stay"], &format!("within {limit}")),
+            counted(&always, ["stays", "stay"], &format!("within {limit}"), with_most(&always)),
             order(&partly, limit),
-            counted(&never, ["is", "are"], &format!("nowhere within {limit}")),
+            counted(&never, ["is", "are"], &format!("nowhere within {limit}"), names(&never)),
         ],
     };
     let said: Vec<String> = parts.into_iter().flatten().collect();
@@ -304,15 +273,21 @@ fn order(curves: &[&Judged], limit: &str) -> Option<String> {
     })
 }
 
-/// The names of curves, of more than three the first ones.
+/// The names of curves.
 fn names(curves: &[&Judged]) -> String {
-    let shown: Vec<String> = curves.iter().take(3).map(|answer| answer.name()).collect();
-    let more = if curves.len() > shown.len() { " and others" } else { "" };
-    format!("{}{more}", shown.join(" and "))
+    listed(curves.len(), curves.iter().map(|answer| answer.name()))
+}
+
+/// Some texts, of more than three the first ones.
+fn listed(count: usize, texts: impl Iterator<Item = String>) -> String {
+    let shown: Vec<String> = texts.take(3).collect();
+    let more = if count > shown.len() { " and others" } else { "" };
+    let between = if shown.iter().any(|text| text.contains(", ")) { "; " } else { " and " };
+    format!("{}{more}", shown.join(between))
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::table::Unit;
     use crate::verdict::{Question, verdict};
@@ -322,7 +297,7 @@ mod tests {
     }
 
     /// Curves over the frequencies 1, 2, 4 Hz, with the values of an estimate.
-    fn table(estimate: &str, curves: &[(&str, [f64; 3])]) -> Table {
+    pub fn table(estimate: &str, curves: &[(&str, [f64; 3])]) -> Table {
         let names = curves.iter().flat_map(|(name, _)| vec![Cell::Text((*name).to_owned()); 3]).collect();
         let xs = curves.iter().flat_map(|_| [1.0, 2.0, 4.0].map(Cell::Number)).collect();
         let values = curves.iter().flat_map(|(_, values)| values.map(|x| Cell::from(Some(x)))).collect();
@@ -339,7 +314,7 @@ mod tests {
         let table = table("rms", curves);
         let question =
             Question { x: "frequency", y: "rms", series: vec!["filler"], filter: vec![], limit: 10.0 };
-        of_verdict(&verdict(&table, &question).unwrap(), "10 ″").unwrap()
+        of_verdict(&verdict(&table, &question).unwrap(), "10 ″", "″").unwrap()
     }
 
     #[test]
@@ -356,11 +331,14 @@ mod tests {
     #[test]
     fn curves_that_are_within_everywhere_and_nowhere_are_counted() {
         let (good, bad) = (("good", [1.0, 2.0, 3.0]), ("bad", [20.0, 30.0, 40.0]));
-        assert_eq!(judged(&[good, ("fine", [1.0; 3])]), "All 2 curves stay within 10 ″.");
+        assert_eq!(
+            judged(&[good, ("fine", [1.0; 3])]),
+            "All 2 curves stay within 10 ″ (fine, at most 1 ″; good, at most 3 ″)."
+        );
         assert_eq!(judged(&[good]), "Good: within 10 ″ up to the last point, frequency 4 Hz.");
         assert_eq!(
             judged(&[good, bad]),
-            "1 of 2 curves stays within 10 ″ (good); 1 of 2 curves is nowhere within 10 ″ (bad)."
+            "1 of 2 curves stays within 10 ″ (good, at most 3 ″); 1 of 2 curves is nowhere within 10 ″ (bad)."
         );
         assert_eq!(judged(&[bad, ("worse", [30.0; 3])]), "None of the 2 curves is within 10 ″.");
     }
@@ -384,7 +362,7 @@ mod tests {
     fn values_that_are_missing_at_the_end_are_not_taken_for_within() {
         let open = ("open", [1.0, 2.0, f64::NAN]);
         let said = judged(&[open, ("good", [1.0, 2.0, 3.0])]);
-        assert!(said.starts_with("1 of 2 curves stays within 10 ″ (good)"), "{said}");
+        assert!(said.starts_with("1 of 2 curves stays within 10 ″ (good, at most 3 ″)"), "{said}");
         assert!(said.contains("within 10 ″: open, up to frequency 2 Hz"), "{said}");
     }
 
@@ -400,8 +378,6 @@ mod tests {
         assert_eq!(told("rms"), "The least rms is 2 ″: a, frequency 2 Hz.");
         let range = "The coverage95 runs from 2 ″ (a, frequency 2 Hz) to 5 ″ (a, frequency 4 Hz).";
         assert_eq!(told("coverage95"), range);
-        let each = least_of_each(&table("rms", &curves), ("frequency", "rms"), &[], &["filler"]).unwrap();
-        assert_eq!(each, ["a: 2 ″ at frequency 2 Hz", "b: 4 ″ everywhere"]);
         let signed = table("rms", &[("a", [-3.0, 2.0, 5.0])]);
         assert!(
             best(&signed, "rms", &[0, 1, 2], &["frequency"])

@@ -18,16 +18,20 @@ pub struct KeepError {
 }
 
 /// Keeps a study in the folder of its results, with the files that it names as they were when it was read: what is there can be merged and
-/// repeated, and taken elsewhere as a whole.
+/// repeated, and taken elsewhere as a whole. Returns the names of files that held something else before, as of a study that was run
+/// there earlier.
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn keep(study: &Study, folder: &Path) -> Result<(), KeepError> {
+pub fn keep(study: &Study, folder: &Path) -> Result<Vec<String>, KeepError> {
+    let mut replaced = Vec::new();
     for input in study.inputs() {
         let path = folder.join(&input.name);
-        // It may be the one that was read.
-        if std::fs::read(&path).is_ok_and(|there| there == input.text.as_bytes()) {
-            continue;
+        match std::fs::read(&path) {
+            // It may be the one that was read.
+            Ok(there) if there == input.text.as_bytes() => continue,
+            Ok(_) => replaced.push(input.name.clone()),
+            Err(_) => {}
         }
         if let Some(parent) = path.parent() {
             std::fs::create_dir_all(parent)
@@ -37,7 +41,8 @@ pub fn keep(study: &Study, folder: &Path) -> Result<(), KeepError> {
     }
     let path = folder.join(RESOLVED);
     let text = study.resolved(study.trials);
-    write_whole(&path, text.as_bytes()).map_err(|source| KeepError { path, source })
+    write_whole(&path, text.as_bytes()).map_err(|source| KeepError { path, source })?;
+    Ok(replaced)
 }
 
 #[cfg(test)]
@@ -62,22 +67,23 @@ mod tests {
         let text = "title = \"Two\" # gyros\nkind = \"allan\"\ntrials = 8\n[record]\nsample = \"1 s\"\nlength = \"1 h\"\n[allan]\n\
                     tau = \"octave\"\n[noise]\n[[sweep]]\nkey = \"noise.file\"\nlist = [\"gyros/a.toml\", \"gyros/b.toml\"]\n";
         let first = study(here, text);
-        keep(&first, there).unwrap();
+        assert!(keep(&first, there).unwrap().is_empty());
         let kept = std::fs::read_to_string(there.join(RESOLVED)).unwrap();
         assert!(kept.contains("list = [\"inputs/a.toml\", \"inputs/b.toml\"]"), "{kept}");
         assert!(kept.contains("# gyros") && !kept.contains(&*here.to_string_lossy()), "{kept}");
         // The first is gone; the second is kept where it is, and is the same study.
         drop(std::fs::remove_dir_all(here));
         let second = Study::read(&there.join(RESOLVED)).unwrap();
-        keep(&second, there).unwrap();
+        assert!(keep(&second, there).unwrap().is_empty());
         assert_eq!(second.resolved(8), kept);
         let noise = |study: &Study| {
             study.allan().unwrap().points.iter().map(|point| point.inputs.noise.clone()).collect::<Vec<_>>()
         };
         assert_eq!(noise(&first), noise(&second));
         // What was read is kept, whatever has become of the file.
-        std::fs::remove_dir_all(there.join("inputs")).unwrap();
-        keep(&first, there).unwrap();
+        std::fs::remove_file(there.join("inputs/a.toml")).unwrap();
+        std::fs::write(there.join("inputs/b.toml"), "").unwrap();
+        assert_eq!(keep(&first, there).unwrap(), ["inputs/b.toml"]);
         assert_eq!(noise(&Study::read(&there.join(RESOLVED)).unwrap()), noise(&first));
         std::fs::write(there.join("file"), "").unwrap();
         let error = keep(&first, &there.join("file")).unwrap_err();

@@ -214,7 +214,9 @@ fn run_study(
     // Also of closed forms, as a folder is of one study.
     let mut store = Store::open(folder, &plan.identity())?;
     // From the start on, as it may be killed.
-    keep(study, folder)?;
+    for name in keep(study, folder)? {
+        say!("note: {name} is another one than in the earlier run: what it changes is sampled anew");
+    }
     store.note_share(course.share)?;
     let shown = Shown::new(options.progress.how(options.quiet));
     let device = device.filter(|_| plan.is_sampled());
