@@ -75,7 +75,7 @@ fn the_answer_says_where_the_least_filler_is_none_that_firmware_has() {
     let own = "{ kind = \"minimum-variance\", name = \"own\" }";
     let said = headline(&Desk::with(&fillers(own)));
     assert!(
-        said.contains(": own. That filler is designed for the very motion of each point; of weights"),
+        said.contains(": own. That filler is designed for exactly this frequency, which firmware does not know; of the others the"),
         "{said}"
     );
     assert!(said.contains("the least is ") && said.contains(": quadratic (error = residual)."), "{said}");
@@ -105,6 +105,46 @@ fn the_answer_of_a_relock_is_what_is_left_of_all_ticks_and_its_columns_have_name
     let heading: Vec<&str> = shown.lines().nth(3).unwrap().split_whitespace().collect();
     assert_eq!(heading, ["tick", "none", "frequency", "detuning"], "{shown}");
     assert_eq!(shown.lines().filter(|line| line.trim_start().starts_with("all ")).count(), 1, "{shown}");
+    // A chart of one tick, and of one compensation.
+    let chart = "[chart]\nx = \"tick_number\"\ny = \"rms\"\n";
+    desk.write("study.toml", &format!("{RELOCK}{chart}where = {{ tick = \"3\" }}\n"));
+    assert!(headline(&desk).starts_with("The least rms angle left is "));
+    desk.write("study.toml", &format!("{RELOCK}{chart}where = {{ compensation = \"none\" }}\n"));
+    let said = headline(&desk);
+    assert!(said.starts_with("All ticks together, rms angle left: ") && !said.contains('('), "{said}");
+}
+
+#[test]
+fn the_answer_over_what_a_gyro_meets_is_the_filler_that_is_best_at_worst() {
+    let chart = "[chart]\nx = \"frequency\"\ny = \"rms\"\nseries = [\"filler\"]\n";
+    let desk = Desk::with(&with(&format!("{SWEEP}{chart}")));
+    let said = headline(&desk);
+    assert!(said.starts_with("The rms error of quadratic is at most "), "{said}");
+    assert!(
+        said.contains("at vibration frequency 20 Hz, the least of 2 curves; next is const, at most "),
+        "{said}"
+    );
+    desk.write("study.toml", &with(&format!("{SWEEP}{chart}limit = \"1000 arcsec\"\n")));
+    let said = headline(&desk);
+    assert!(said.starts_with("All 2 curves stay within 1000 ″ (quadratic, at most "), "{said}");
+}
+
+#[test]
+fn a_filler_that_is_designed_for_the_band_of_the_motion_is_one_that_firmware_can_have() {
+    let of = |motion: &str, design: &str| {
+        let fillers = format!(
+            "fillers = [\"const\", {{ kind = \"minimum-variance\", name = \"mv\", fit_ticks = [\"-3..0\", \"n+1..n+2\"]{design} }}]"
+        );
+        let study = STUDY.replace("fillers = [\"const\", \"quadratic\"]", &fillers);
+        headline(&Desk::with(&study.replace("frequency = \"20 Hz\"", &format!("frequency = {motion}"))))
+    };
+    let band = "[\"18 Hz\", \"22 Hz\"]";
+    let drawn = of(band, "");
+    assert!(drawn.contains(": mv") && !drawn.contains("designed"), "{drawn}");
+    assert_eq!(drawn, of(band, &format!(", band = {band}")));
+    assert!(
+        of("\"20 Hz\"", "").contains("designed for exactly this frequency, which firmware does not know")
+    );
 }
 
 /// Two gyros at rest, of files in a folder beside the study.
@@ -130,7 +170,7 @@ fn a_folder_of_results_holds_the_files_of_its_study_and_can_be_moved() {
     assert_eq!(desk.names("moved/inputs"), ["a.toml", "b.toml"]);
     desk.done("check moved");
     desk.done("report moved");
-    desk.done("chart moved --y oracle_avar");
+    desk.done("chart moved --x tau --y adev --series noise.file");
     desk.done("run moved/resolved_study.toml --device cpu");
     desk.done("run moved/resolved_study.toml --device cpu --trials 64 --out again");
     assert_eq!((desk.read("moved/points.csv"), desk.read("again/points.csv")), (points.clone(), points));
@@ -139,6 +179,51 @@ fn a_folder_of_results_holds_the_files_of_its_study_and_can_be_moved() {
         assert!(!desk.read(file).contains(&*here), "{file} names the folder of this machine");
     }
     assert!(desk.read("moved/report.html").contains("inputs/b.toml"));
+}
+
+#[test]
+fn folders_of_earlier_versions_name_files_by_their_whole_paths_and_are_read_too() {
+    let desk = Desk::with(STUDY);
+    gyros(&desk, "there", "0.001");
+    desk.done("run there/study.toml --device cpu --out old");
+    let points = desk.read("old/points.csv");
+    let there = desk.path("there").display().to_string();
+    let study = desk.read("old/resolved_study.toml").replace("inputs/", &format!("{there}/gyros/"));
+    desk.write("old/resolved_study.toml", &study);
+    std::fs::remove_dir_all(desk.path("old/inputs")).unwrap();
+    desk.done("chart old --x tau --y adev --series noise.file");
+    desk.done("check old");
+    desk.done("report old");
+    assert_eq!(desk.names("old/inputs"), ["a.toml", "b.toml"]);
+    assert_eq!(desk.read("old/points.csv"), points);
+}
+
+#[test]
+fn a_run_says_which_file_is_another_one_than_before() {
+    let desk = Desk::with(STUDY);
+    gyros(&desk, "one", "0.001");
+    gyros(&desk, "other", "0.003");
+    desk.done("run one/study.toml --device cpu --out out");
+    let said = desk.done("run other/study.toml --device cpu --out out").stderr;
+    assert!(said.contains("note: inputs/a.toml is another one than in the earlier run"), "{said}");
+    assert!(!said.contains("inputs/b.toml"), "{said}");
+}
+
+#[test]
+fn a_folder_in_a_bad_way_keeps_no_other_from_its_page() {
+    let desk = Desk::with(&with(SWEEP));
+    for folder in ["a", "b", "c"] {
+        desk.done(&format!("run study.toml --device cpu --trials 1000 --out all/{folder}"));
+        std::fs::remove_file(desk.path(&format!("all/{folder}/report.html"))).unwrap();
+    }
+    desk.write("all/b/resolved_study.toml", "title = 5");
+    desk.fails("report all", 3, &["all/b/resolved_study.toml:1"]);
+    for (file, is_there) in
+        [("a/report.html", true), ("b/report.html", false), ("c/report.html", true), ("gallery.html", true)]
+    {
+        assert_eq!(desk.path(&format!("all/{file}")).exists(), is_there, "{file}");
+    }
+    desk.fails("report all/a/points.csv", 2, &["is a file, not a folder of results"]);
 }
 
 #[test]

@@ -58,7 +58,7 @@ pub fn answer(
             _ => vec![],
         };
         if !each.is_empty() {
-            let which = if is_environment(chart) { "largest" } else { "least" };
+            let which = if is_environment(chart, shown) { "largest" } else { "least" };
             let heading =
                 format!("{}: the {which} {} of each curve", drawn.stem, drawn.picture.shown().label);
             curves.push((heading, each));
@@ -95,7 +95,7 @@ fn of_chart(
             return Ok(Some(format!("All ticks together, {beside}.")));
         }
     }
-    if is_environment(chart) {
+    if is_environment(chart, shown) {
         let told = of_range(chart, shown, |curves| curves.least_at_worst())?.flatten();
         if told.is_some() {
             return Ok(with_caveat(study, told, &shown.table, &rows)?);
@@ -105,8 +105,9 @@ fn of_chart(
 }
 
 /// Whether the abscissa is what a gyro meets and nobody chooses, so that the worst counts there.
-fn is_environment(chart: &Chart) -> bool {
-    let x = chart.x.name.as_str();
+fn is_environment(chart: &Chart, shown: &Shown) -> bool {
+    // A chart may name a column by its end.
+    let x = shown.table.column(&chart.x.name).map_or("", |column| &column.name);
     x.starts_with("motion.") || ["dt_nu", "amplitude_noise"].contains(&x)
 }
 
@@ -190,7 +191,7 @@ fn with_caveat(
 
 /// Where each curve of a chart is least, or largest where that counts; nothing where that is not asked for.
 fn of_each(chart: &Chart, shown: &Shown) -> Result<Vec<String>, ColumnError> {
-    let is_largest = is_environment(chart);
+    let is_largest = is_environment(chart, shown);
     let each =
         of_range(
             chart,
