@@ -88,7 +88,7 @@ impl Verdict<'_> {
 
     /// A sentence for each curve.
     pub fn sentences(&self) -> Vec<String> {
-        let limit = self.limit();
+        let limit = self.limit.text();
         self.answers.iter().map(|answer| answer.sentence(&limit)).collect()
     }
 
@@ -97,14 +97,9 @@ impl Verdict<'_> {
         &self.answers
     }
 
-    /// The limit with its unit.
-    pub fn limit(&self) -> String {
-        self.limit.text()
-    }
-
-    /// The unit of both.
-    pub fn unit(&self) -> &'static str {
-        self.limit.unit.symbol
+    /// What it is judged by.
+    pub fn limit(&self) -> Limit {
+        self.limit
     }
 
     /// What is judged, where, against which limit, and for each curve its outcome and places: an object for programs.

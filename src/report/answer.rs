@@ -39,7 +39,7 @@ pub fn answer(
         .find(|((chart, _), drawn)| chart.limit.is_some() && matches!(drawn.picture, Picture::Curves(_)));
     let headline = match (verdicts.first().zip(judged), all().next()) {
         (Some((first, ((chart, shown), _))), _) => {
-            let headline = of_verdict(first.answers(), &first.limit(), first.unit());
+            let headline = of_verdict(first.answers(), first.limit());
             with_caveat(study, headline, &shown.table, &filter(chart))
                 .map_err(|error| refused(study, chart, &error.into()))?
         }

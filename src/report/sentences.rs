@@ -2,6 +2,7 @@
 
 use super::agreement::capitalised;
 use crate::chart::{Cells, Map, share};
+use crate::study::Limit;
 use crate::table::{Cell, Column, ColumnError, Table, significant};
 use crate::verdict::{Answer as Judged, Outcome};
 
@@ -200,7 +201,8 @@ pub(super) fn of_map(map: &Map) -> Option<String> {
 
 /// How the curves stand to their limit, as a sentence: how many keep within it everywhere and nowhere, and of those that rise above it which one
 /// does last and which first; none without curves.
-pub(super) fn of_verdict(answers: &[Judged], limit: &str, unit: &str) -> Option<String> {
+pub(super) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
+    let (limit, most) = (&*limit.text(), |value: f64| Limit { value: rounded(value), ..limit }.text());
     let is_always = |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && !answer.open;
     let is_never = |answer: &&Judged| answer.outcome == Outcome::AboveFrom;
     let mut always: Vec<&Judged> = answers.iter().filter(is_always).collect();
@@ -216,10 +218,8 @@ pub(super) fn of_verdict(answers: &[Judged], limit: &str, unit: &str) -> Option<
         (count > 0).then(|| format!("{count} of {all} curves {verb} {how} ({named})"))
     };
     let with_most = |curves: &[&Judged]| {
-        let name = |one: &&Judged| {
-            format!("{}, at most {} {unit}", one.name(), significant(one.most, 3)).trim_end().to_owned()
-        };
-        listed(curves.len(), curves.iter().map(name))
+        let named = curves.iter().map(|one| format!("{}, at most {}", one.name(), most(one.most)));
+        listed(curves.len(), named, "; ")
     };
     let parts = match all {
         0 => return None,
@@ -275,14 +275,18 @@ fn order(curves: &[&Judged], limit: &str) -> Option<String> {
 
 /// The names of curves.
 fn names(curves: &[&Judged]) -> String {
-    listed(curves.len(), curves.iter().map(|answer| answer.name()))
+    listed(curves.len(), curves.iter().map(|answer| answer.name()), " and ")
+}
+
+/// A value to three digits.
+fn rounded(value: f64) -> f64 {
+    significant(value, 3).parse().unwrap_or(value)
 }
 
 /// Some texts, of more than three the first ones.
-fn listed(count: usize, texts: impl Iterator<Item = String>) -> String {
+fn listed(count: usize, texts: impl Iterator<Item = String>, between: &str) -> String {
     let shown: Vec<String> = texts.take(3).collect();
     let more = if count > shown.len() { " and others" } else { "" };
-    let between = if shown.iter().any(|text| text.contains(", ")) { "; " } else { " and " };
     format!("{}{more}", shown.join(between))
 }
 
@@ -314,7 +318,7 @@ pub(super) mod tests {
         let table = table("rms", curves);
         let question =
             Question { x: "frequency", y: "rms", series: vec!["filler"], filter: vec![], limit: 10.0 };
-        of_verdict(&verdict(&table, &question).unwrap(), "10 ″", "″").unwrap()
+        of_verdict(&verdict(&table, &question).unwrap(), Limit { value: 10.0, unit: Unit::ARCSEC }).unwrap()
     }
 
     #[test]
