@@ -32,6 +32,9 @@ impl Work {
 /// Most jobs of a batch: their tallies are held in memory together, some 30 KiB each.
 const MOST_JOBS: usize = 1024;
 
+/// Steps that take as long as to keep a row: small blocks, which come last, cost more than their trials.
+const STEPS_OF_ROW: f64 = 6000.0;
+
 /// Steps of the first batch.
 const FIRST_BATCH: u64 = 1 << 20;
 
@@ -122,7 +125,9 @@ pub(super) fn sample(
             blocks.map(move |block| (work, block))
         })
         .collect();
-    let cost = |(work, block): &(&Work, Block)| (block.trials() * work.launch.steps()) as f64;
+    let cost = |(work, block): &(&Work, Block)| {
+        (block.trials() * work.launch.steps()) as f64 + STEPS_OF_ROW * work.addresses.len() as f64
+    };
     let total = beside.before + rest.iter().map(cost).sum::<f64>() + beside.after;
     interleave(&mut rest);
     rest.reverse();
