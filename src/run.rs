@@ -19,7 +19,7 @@ use crate::kernel::{
 };
 use crate::lower::RecordsError;
 use crate::share::Share;
-use crate::store::{Identity, Store, StoreError};
+use crate::store::{Identity, Index, Store, StoreError};
 use crate::study::{Source, Study, StudyError, Subject, Swept};
 use crate::table::{Column, Table, Unit};
 pub use keep::{KeepError, keep};
@@ -231,22 +231,23 @@ impl<'a> Plan<'a> {
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    pub fn held(&self, store: &Store) -> Result<u64, StoreError> {
+    pub fn held(&self, index: &Index) -> Result<u64, StoreError> {
         let held = match &self.work {
-            Work::GapFill(plan) => plan.held(store)?,
-            Work::Allan(plan) => plan.held(store)?,
-            Work::SwitchedRun(plan) => plan.held(store)?,
-            Work::Relock(plan) => plan.held(store)?,
+            Work::GapFill(plan) => plan.held(index)?,
+            Work::Allan(plan) => plan.held(index)?,
+            Work::SwitchedRun(plan) => plan.held(index)?,
+            Work::Relock(plan) => plan.held(index)?,
             Work::Exact(_) => None,
         };
         Ok(held.unwrap_or(0).max(self.study.trials))
     }
 
-    /// What should be known besides the results, each in a sentence, of a store with so many trials as [`Plan::held`] says.
+    /// What should be known besides the results, each in a sentence, of a store that holds what `index` says, and so many trials as
+    /// [`Plan::held`] does.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    pub fn notes(&self, store: &Store, held: u64) -> Result<Vec<String>, StoreError> {
+    pub fn notes(&self, store: &Store, index: &Index, held: u64) -> Result<Vec<String>, StoreError> {
         let mut notes = self.study.notes().to_vec();
         notes.extend(match &self.work {
             Work::GapFill(plan) => plan.notes(store)?,
@@ -264,7 +265,7 @@ impl<'a> Plan<'a> {
             };
             notes.push(format!("{held} trials a point, not {}: {why}", self.study.trials));
         }
-        let points = store.points()?;
+        let points = index.points();
         let asked = match &self.work {
             Work::GapFill(plan) => plan.ids(),
             Work::Allan(plan) => plan.ids(),
@@ -290,6 +291,8 @@ impl<'a> Plan<'a> {
 pub trait Progress {
     /// `done` of `total` of these units are there already: `trials`, or `samples`.
     fn start(&self, unit: &'static str, done: u64, total: u64);
+    /// There will be `total` in all, as it seems now: a precision may end points sooner.
+    fn expect(&self, _total: u64) {}
     /// So many more are done.
     fn advance(&self, more: u64);
     /// How much is done of the work since the start, by what it costs: units may differ in that.

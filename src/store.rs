@@ -30,7 +30,7 @@
 //!     whole.merge(&Source::open(&folder.path().join(half))?, false)?;
 //! }
 //! assert_eq!(plan.lacks(&whole, Share::WHOLE)?, 0);
-//! assert_eq!(plan.held(&whole)?, 1000);
+//! assert_eq!(plan.held(&whole.index()?)?, 1000);
 //! assert!(folder.path().join("whole").join(FILE).exists());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -164,6 +164,9 @@ pub struct Store {
     session: Id,
 }
 
+/// Tallies whose rows are in memory at once, twice: 5 KiB each, as an example of many.
+const READ_AT_ONCE: usize = 1024;
+
 /// Sessions of this process.
 static SESSIONS: AtomicU64 = AtomicU64::new(0);
 
@@ -259,15 +262,33 @@ impl Store {
         added_up(&self.held(address, trials)?, &self.path)
     }
 
-    /// The same of several, in their order: they are read one after the other, and added up side by side.
+    /// What `of` makes of the same of several, each told by its place, in their order. While some are read others are added up.
     ///
     /// # Errors
     /// Those of [`Store::total`].
-    pub fn totals(&self, addresses: impl IntoIterator<Item = Address>) -> Result<Vec<Moments>, StoreError> {
-        let held = addresses.into_iter().map(|address| self.held(&address, u64::MAX));
-        let held: Vec<Vec<Raw>> = held.collect::<Result<_, _>>()?;
+    pub fn of_totals<T: Send>(
+        &self,
+        addresses: &[Address],
+        of: impl Fn(usize, &Moments) -> T + Sync,
+    ) -> Result<Vec<T>, StoreError> {
+        let mut all = Vec::with_capacity(addresses.len());
+        let mut read: Vec<Vec<Raw>> = Vec::new();
         let path = self.path.as_path();
-        held.par_iter().map(|rows| added_up(rows, path)).collect()
+        // Behind the last ones nothing is left to read.
+        for addresses in addresses.chunks(READ_AT_ONCE).chain([&[][..]]) {
+            let (first, mut made) = (all.len(), Ok(vec![]));
+            let next = rayon::in_place_scope(|scope| {
+                scope.spawn(|_| {
+                    let one = |(at, rows): (usize, &Vec<Raw>)| Ok(of(first + at, &added_up(rows, path)?));
+                    made = read.par_iter().enumerate().map(one).collect();
+                });
+                let held = addresses.iter().map(|address| self.held(address, u64::MAX));
+                held.collect::<Result<_, StoreError>>()
+            });
+            all.append(&mut made?);
+            read = next?;
+        }
+        Ok(all)
     }
 
     /// The rows of all trials held, `width` integers each, in their order.
@@ -320,17 +341,6 @@ impl Store {
             })
         });
         rows.map_err(failed)?.collect::<Result<_, _>>().map_err(failed)
-    }
-
-    /// Points that the store holds.
-    ///
-    /// # Errors
-    /// The disk fails.
-    pub fn points(&self) -> Result<Vec<Id>, StoreError> {
-        let mut statement =
-            self.connection.prepare("SELECT DISTINCT point FROM tally").map_err(|e| self.failed(e))?;
-        let points = statement.query_map([], |row| row.get(0).map(Id)).map_err(|e| self.failed(e))?;
-        points.map(|point| point.map_err(|e| self.failed(e))).collect()
     }
 
     fn failed(&self, source: rusqlite::Error) -> StoreError {

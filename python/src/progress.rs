@@ -71,6 +71,10 @@ impl Progress for Listener {
         self.tell();
     }
 
+    fn expect(&self, total: u64) {
+        self.total.store(total, Ordering::Relaxed);
+    }
+
     fn advance(&self, more: u64) {
         self.done.fetch_add(more, Ordering::Relaxed);
         if self.is_due() {

@@ -116,7 +116,8 @@ impl Asked {
         raised()?;
         let tables = plan.tables(&store, listener)?;
         raised()?;
-        let held = plan.held(&store)?;
+        let index = store.index()?;
+        let held = plan.held(&index)?;
         if self.is_kept {
             for (source, table) in tables.all() {
                 let name = source.file();
@@ -132,7 +133,7 @@ impl Asked {
         let said = |verdict: &Verdict| (verdict.text("").trim_end().to_owned(), verdict.json().to_string());
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
         // A run that ends early has raised by now.
-        let known = notes(&study, &plan, &store, &tables, (held, 0), degraded)?;
+        let known = notes(&study, &plan, (&store, &index), &tables, (held, 0), degraded)?;
         let report = Report {
             title: &study.title,
             question: &study.question,

@@ -118,6 +118,14 @@ impl Progress for Shown {
         }
     }
 
+    fn expect(&self, total: u64) {
+        match self {
+            Shown::Nothing => {}
+            Shown::Bar(bar, _) => bar.set_length(total),
+            Shown::Lines(lines) => lines.expect(total),
+        }
+    }
+
     fn advance(&self, more: u64) {
         match self {
             Shown::Nothing => {}
@@ -189,6 +197,14 @@ impl Lines {
             let mut entered = State { unit, total, pace, next };
             enter(&mut entered.pace, before, total);
             *state = Some(entered);
+        }
+    }
+
+    fn expect(&self, total: u64) {
+        if let Ok(mut state) = self.state.lock()
+            && let Some(state) = state.as_mut()
+        {
+            state.total = total;
         }
     }
 

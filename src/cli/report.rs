@@ -4,7 +4,7 @@ use std::path::{Component, Path, PathBuf};
 
 use clap::Args;
 use sagnac::report::{Card, FILE as REPORT, gallery};
-use sagnac::run::RESOLVED;
+use sagnac::run::{Plan, RESOLVED};
 use sagnac::study::Study;
 
 use super::Failure;
@@ -12,7 +12,6 @@ use super::folders::{self, left_out};
 use super::output::write;
 use super::progress;
 use super::results::{self, held};
-use super::run::checked;
 
 /// The page of several studies.
 const GALLERY: &str = "gallery.html";
@@ -90,7 +89,8 @@ fn write_gallery(
 
 fn of_folder(folder: &Path, options: &Options) -> Result<Card, Failure> {
     let study = Study::read(&folder.join(RESOLVED))?;
-    let plan = checked(&study)?;
+    // Its charts are drawn at once, so that there is nothing to find out before.
+    let plan = Plan::new(&study)?;
     let store = held(folder, &plan)?;
     results::report(&study, &plan, folder, &store, options.progress.how(options.quiet))
 }

@@ -3,9 +3,10 @@
 use maud::{DOCTYPE, PreEscaped, html};
 
 use super::page::head;
+use crate::chart::Picture;
 
 /// A study in a gallery.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Card {
     /// The title of the study.
     pub title: String,
@@ -14,7 +15,7 @@ pub struct Card {
     /// The answer in a sentence.
     pub headline: String,
     /// Its first chart, if it has one.
-    pub svg: Option<String>,
+    pub picture: Option<Picture>,
     /// The name of its folder, by which studies of one title are told apart.
     pub folder: String,
     /// Where its report is, as a link of the gallery's own folder.
@@ -40,7 +41,7 @@ pub fn gallery(cards: &[Card]) -> String {
                     @for card in cards {
                         article {
                             a href=(card.report) {
-                                @if let Some(svg) = &card.svg { div.thumbnail { (PreEscaped(svg)) } }
+                                @if let Some(picture) = &card.picture { div.thumbnail { (PreEscaped(picture.svg())) } }
                                 h2 { (card.title) }
                             }
                             @if !card.question.is_empty() { p.question { (card.question) } }

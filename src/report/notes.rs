@@ -1,14 +1,14 @@
 //! What should be known of results besides them.
 
 use crate::run::{Plan, Tables};
-use crate::store::{Store, StoreError};
+use crate::store::{Index, Store, StoreError};
 use crate::study::Study;
 use crate::table::{Cell, Table, short};
 
 /// What should be known of results, each in a sentence, but of their charts: what is missing or was not done as asked, what the plan
 /// says, and that rows are from different numbers of trials.
 ///
-/// `held` are the trials that [`Plan::held`] says, `lacking` those that are missing of the whole, `degraded` why some of a run was not done as
+/// `index` says what the store holds, `held` are the trials that [`Plan::held`] says, `lacking` those that are missing of the whole, `degraded` why some of a run was not done as
 /// asked.
 ///
 /// # Errors
@@ -16,7 +16,7 @@ use crate::table::{Cell, Table, short};
 pub fn notes(
     study: &Study,
     plan: &Plan,
-    store: &Store,
+    (store, index): (&Store, &Index),
     tables: &Tables,
     (held, lacking): (u64, u64),
     degraded: &[String],
@@ -25,7 +25,7 @@ pub fn notes(
         (lacking > 0).then(|| format!("the run is incomplete: {} trials are missing", short(lacking as f64)));
     let uneven = if study.has_stop_rule() { None } else { uneven(&tables.points) };
     let degraded = degraded.iter().cloned();
-    Ok(incomplete.into_iter().chain(degraded).chain(plan.notes(store, held)?).chain(uneven).collect())
+    Ok(incomplete.into_iter().chain(degraded).chain(plan.notes(store, index, held)?).chain(uneven).collect())
 }
 
 /// That rows are of different numbers of trials.

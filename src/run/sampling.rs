@@ -3,8 +3,6 @@
 use std::ops::Range;
 use std::time::Instant;
 
-use rayon::prelude::*;
-
 use super::worker::Worker;
 use super::{BATCH_SECONDS, Progress, RunError};
 use crate::backend::Job;
@@ -61,10 +59,9 @@ pub(super) fn lacking<'a>(
 
 /// How many first trials all of some estimates have, where that is the same number of each.
 pub(super) fn held_by_all<'a>(
-    store: &Store,
+    index: &Index,
     addresses: impl IntoIterator<Item = &'a Address>,
 ) -> Result<Option<u64>, StoreError> {
-    let index = store.index()?;
     let mut held = None;
     for address in addresses {
         let trials = index.trials(address)?;
@@ -86,25 +83,17 @@ pub(super) struct Beside {
     pub(super) after: f64,
 }
 
-/// Tallies that are in memory at once, 5 KiB each, with their rows, some 50 KiB.
-const TALLIES: usize = 1024;
-
 /// Trials and estimates of what the rows of a table show: the tally at an address, where its histogram starts, and its unit, ″.
 pub(super) fn estimates<T: Sync>(
     store: &Store,
     rows: &[T],
     of: impl Fn(&T) -> (Address, u32, f64) + Sync,
 ) -> Result<Vec<(u64, Option<Estimates>)>, StoreError> {
-    let mut found = Vec::with_capacity(rows.len());
-    for rows in rows.chunks(TALLIES) {
-        let tallies = store.totals(rows.iter().map(|row| of(row).0))?;
-        let estimates = |(tally, row): (Moments, &T)| {
-            let (_, bin_base, unit) = of(row);
-            (tally.count, Estimates::of(&tally, bin_base, unit))
-        };
-        found.par_extend(tallies.into_par_iter().zip(rows).map(estimates));
-    }
-    Ok(found)
+    let addresses: Vec<Address> = rows.iter().map(|row| of(row).0).collect();
+    store.of_totals(&addresses, |at, tally| {
+        let (_, bin_base, unit) = of(&rows[at]);
+        (tally.count, Estimates::of(tally, bin_base, unit))
+    })
 }
 
 /// Samples all of `work`, or what there is time for until `progress` stops it, in batches, each of which is kept as soon as it is

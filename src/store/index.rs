@@ -1,6 +1,6 @@
 //! Which trials of which tallies a store holds.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
 
 use super::row::NO_BLOCK;
@@ -56,6 +56,11 @@ fn key(row: &rusqlite::Row) -> Result<(Address, Block), rusqlite::Error> {
 }
 
 impl Index {
+    /// The points that rows are of.
+    pub fn points(&self) -> HashSet<Id> {
+        self.held.keys().map(|(point, _)| *point).collect()
+    }
+
     /// The blocks held of a tally, as they were written.
     ///
     /// # Errors

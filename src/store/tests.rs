@@ -37,7 +37,7 @@ fn rows_written_are_there_after_reopening_and_written_twice_count_once() {
     }
     let store = Store::open(folder.path(), &identity()).unwrap();
     assert_eq!(store.index().unwrap().blocks(&address()).unwrap().len(), 2);
-    assert_eq!(store.points().unwrap(), [address().point]);
+    assert_eq!(store.index().unwrap().points(), [address().point].into());
 }
 
 #[test]

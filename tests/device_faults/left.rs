@@ -24,6 +24,9 @@ impl Progress for Heard {
         self.done.store(done, Ordering::Relaxed);
         self.total.store(total, Ordering::Relaxed);
     }
+    fn expect(&self, total: u64) {
+        self.total.store(total, Ordering::Relaxed);
+    }
     fn advance(&self, more: u64) {
         self.done.fetch_add(more, Ordering::Relaxed);
     }

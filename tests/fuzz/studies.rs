@@ -209,7 +209,8 @@ fn sample(study: &Study) {
     let (rows, blank) =
         (plan.tables(&store, &Nobody).unwrap().points.rows(), plan.blank_tables().points.rows());
     assert_eq!(rows, blank, "rows with trials and without");
-    plan.notes(&store, plan.held(&store).unwrap()).unwrap();
+    let index = store.index().unwrap();
+    plan.notes(&store, &index, plan.held(&index).unwrap()).unwrap();
 }
 
 /// Hears of no progress.

@@ -8,7 +8,7 @@ use sagnac::picture::{Drawn, Shown as Curves, Verdict, pictures, shown, verdicts
 use sagnac::report::{Answer, Card, FILE as REPORT, Report, Source, answer, notes};
 use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
 use sagnac::share::Share;
-use sagnac::store::{self, Store};
+use sagnac::store::{self, Index, Store};
 use sagnac::study::Study;
 use sagnac::table::{Cell, Table};
 use serde_json::{Value, json};
@@ -92,14 +92,15 @@ pub fn report(
     let verdicts = verdicts(study, &curves)?;
     let answer = answer(study, &tables, &charts, &curves, &verdicts, lacking)?;
     let headline = answer.headline.clone();
-    let held = plan.held(store)?;
-    let known = results.known(store, held, &tables)?;
+    let index = store.index()?;
+    let held = plan.held(&index)?;
+    let known = results.known((store, &index), held, &tables)?;
     results.write_report(store, held, &tables, &charts, answer, &known)?;
     Ok(Card {
         title: study.title.clone(),
         question: study.question.clone(),
         headline,
-        svg: charts.first().map(|drawn| drawn.picture.svg()),
+        picture: charts.into_iter().next().map(|drawn| drawn.picture),
         folder: folder.display().to_string(),
         report: REPORT.to_owned(),
     })
@@ -119,13 +120,14 @@ impl Results<'_> {
             let path = folder.join(name);
             write(&path, &csv(table, &path)?)?;
         }
-        let held = plan.held(store)?;
+        let index = store.index()?;
+        let held = plan.held(&index)?;
         write(&folder.join(RESOLVED), study.resolved(held).as_bytes())?;
         let charts = pictures(study, &tables)?;
         draw(&charts, folder)?;
         let curves = shown(study, &tables)?;
         let verdicts = verdicts(study, &curves)?;
-        let known = self.known(store, held, &tables)?;
+        let known = self.known((store, &index), held, &tables)?;
         let answer = answer(study, &tables, &charts, &curves, &verdicts, self.lacking)?;
         self.write_report(store, held, &tables, &charts, answer, &known)?;
         let of_charts = charts.iter().filter_map(Drawn::sentence);
@@ -146,7 +148,7 @@ impl Results<'_> {
     }
 
     /// What should be known besides the results, but of charts.
-    fn known(&self, store: &Store, held: u64, tables: &Tables) -> Result<Vec<String>, Failure> {
+    fn known(&self, store: (&Store, &Index), held: u64, tables: &Tables) -> Result<Vec<String>, Failure> {
         let Results { study, plan, done, lacking, .. } = self;
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
         Ok(notes(study, plan, store, tables, (held, *lacking), degraded)?)

@@ -147,6 +147,11 @@ impl Progress for Watch<'_> {
         self.shown.start(unit, done, total);
     }
 
+    fn expect(&self, total: u64) {
+        self.total.store(total, Ordering::Relaxed);
+        self.shown.expect(total);
+    }
+
     fn advance(&self, more: u64) {
         self.done.fetch_add(more, Ordering::Relaxed);
         self.shown.advance(more);

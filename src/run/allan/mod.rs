@@ -15,7 +15,7 @@ use crate::fit::Curve;
 use crate::id::Id;
 use crate::lower::{LoweredCurve, RecordsError};
 use crate::share::Share;
-use crate::store::{Address, Store, StoreError};
+use crate::store::{Address, Index, Store, StoreError};
 use crate::study::{Allan, RecordInputs, RecordPoint, Study, StudyError};
 use crate::table::{Table, significant};
 use crate::theory::allan::{Difference, Estimator};
@@ -160,8 +160,8 @@ impl<'a> Plan<'a> {
     }
 
     /// Records that every point has, where all have the same number.
-    pub(super) fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
-        held_by_all(store, self.points.iter().map(|planned| &planned.address))
+    pub(super) fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
+        held_by_all(index, self.points.iter().map(|planned| &planned.address))
     }
 
     /// The identities of all points.

@@ -23,7 +23,7 @@ const TRIED_FROM: u64 = 16 * FIRST_BATCH;
 /// Of very long records one in so many is made first to see what they cost; of all one in so many is fitted, which is done again
 /// later. Much fewer would tell more of what else the machine does.
 const TRIED_RECORDS: u64 = 50;
-const TRIED_FITS: u64 = 128;
+const TRIED_FITS: u64 = 32;
 
 /// Fewest fits that are tried.
 const FEWEST_FITS: u64 = 64;

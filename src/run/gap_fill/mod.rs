@@ -74,6 +74,7 @@ impl<'a> Plan<'a> {
         // How many more rounds there will be can be told from errors only.
         let after = if self.decides(share) { f64::INFINITY } else { 0.0 };
         let mut beside = Beside { after, ..Beside::default() };
+        let mut held = 0;
         for round in 0.. {
             let work = self.missing(store, &wanted, share)?;
             let left: u64 = work.iter().map(Work::trials).sum();
@@ -85,7 +86,8 @@ impl<'a> Plan<'a> {
                     true => left,
                     false => self.missing(store, &most, share)?.iter().map(Work::trials).sum(),
                 };
-                progress.start("trials", all.saturating_sub(lacking), all.max(lacking));
+                held = all.saturating_sub(lacking);
+                progress.start("trials", held, all.max(lacking));
             }
             let sampled = sample(&work, &mut beside, store, worker, progress, started)?;
             stopped = sampled < left;
@@ -97,6 +99,7 @@ impl<'a> Plan<'a> {
                 expected.saturating_sub(*wanted) as f64 * steps(point) as f64
             };
             beside.after = self.points.iter().zip(&expected).zip(&wanted).map(later).sum();
+            progress.expect(self.launched_trials(&expected, share).max(held + beside.trials));
         }
         Ok(Done {
             trials: beside.trials,

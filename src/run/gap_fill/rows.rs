@@ -5,7 +5,7 @@ use super::super::{column, swept_columns};
 use super::{NORMAL_95, Plan};
 use crate::lower::Estimate;
 use crate::stats::{Estimates, z_score};
-use crate::store::{Store, StoreError};
+use crate::store::{Index, Store, StoreError};
 use crate::study::{Filler, Point, Study};
 use crate::table::{Cell, Column, Table, Unit};
 
@@ -38,13 +38,13 @@ impl Plan<'_> {
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    pub(in crate::run) fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
+    pub(in crate::run) fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
         // With a precision `trials` is the most there may be, and so part of the rule.
         if self.gap_fill.precision.is_some() {
             return Ok(None);
         }
         let estimates = self.points.iter().flat_map(|point| &point.fillers).flatten();
-        held_by_all(store, estimates.map(|estimate| &estimate.address))
+        held_by_all(index, estimates.map(|estimate| &estimate.address))
     }
 
     /// Whether a record is replayed over all its places, which gives whole replays only.

@@ -1,6 +1,7 @@
 //! The stop rule: which points are known as well as is asked.
 
 use super::{NORMAL_95, Plan};
+use crate::kernel::moments::Moments;
 use crate::lower::Estimate;
 use crate::stats::Estimates;
 use crate::store::{Store, StoreError};
@@ -8,21 +9,21 @@ use crate::study::Precision;
 
 impl Plan<'_> {
     /// Doubles the trials of points where a filler is not precise enough yet. Where there are such, returns how many each
-    /// point is expected to need in the end: half-widths fall with the square root of trials.
+    /// point is expected to need in the end.
     pub(super) fn raise(&self, wanted: &mut [u64], store: &Store) -> Result<Option<Vec<u64>>, StoreError> {
         let Some(precision) = &self.gap_fill.precision else { return Ok(None) };
         let mut raised = false;
         let mut expected = wanted.to_vec();
         for ((point, wanted), expected) in self.points.iter().zip(wanted).zip(&mut expected) {
             let most = point.trials(self.study.trials);
-            let mut widest: Option<f64> = None;
-            for estimates in &point.fillers {
-                let excess = excess(precision, estimates, *wanted, store)?;
-                widest = excess.map_or(widest, |excess| Some(widest.unwrap_or(1.0).max(excess)));
+            if *wanted >= most {
+                continue;
             }
-            if let Some(excess) = widest.filter(|_| *wanted < most) {
-                let doublings = (2.0 * libm::log2(excess)).ceil().clamp(1.0, 63.0);
-                *expected = most.min((libm::exp2(doublings) * *wanted as f64) as u64);
+            for estimate in point.fillers.iter().flatten() {
+                let tally = store.total_within(&estimate.address, *wanted)?;
+                *expected = (*expected).max(enough(precision, estimate, tally, *wanted, most));
+            }
+            if *expected > *wanted {
                 *wanted = (2 * *wanted).min(most);
                 raised = true;
             }
@@ -38,38 +39,36 @@ impl Plan<'_> {
         let Some(precision) = &self.gap_fill.precision else { return Ok((0, 0)) };
         let (mut imprecise, mut all) = (0, 0);
         for estimates in self.points.iter().flat_map(|point| &point.fillers) {
-            imprecise += usize::from(excess(precision, estimates, u64::MAX, store)?.is_some());
+            let mut is_precise = true;
+            for estimate in estimates {
+                is_precise &= known(precision, estimate, &store.total(&estimate.address)?);
+            }
+            imprecise += usize::from(!is_precise);
             all += 1;
         }
         Ok((imprecise, all))
     }
 }
 
-/// By which factor the errors of a filler are less precise than asked in their first `trials` trials, the worst of them; infinite
-/// where one is not known at all, `None` where all are precise enough.
-fn excess(
-    precision: &Precision,
-    estimates: &[Estimate],
-    trials: u64,
-    store: &Store,
-) -> Result<Option<f64>, StoreError> {
-    let mut worst: Option<f64> = None;
-    for estimate in estimates {
-        let tally = store.total_within(&estimate.address, trials)?;
-        let found = Estimates::of(&tally, estimate.bin_base, 1.0);
-        let beyond = |part: Option<f64>, half: Option<f64>, value: Option<f64>| match (part?, half, value) {
-            (part, Some(half), Some(value)) if half <= part * value => None,
-            (part, Some(half), Some(value)) => Some(half / (part * value)),
-            _ => Some(f64::INFINITY),
-        };
-        let rms_half = found.and_then(|found| found.rms_se).map(|se| NORMAL_95 * se);
-        let q = found.and_then(|found| found.q9973);
-        let q_half = q.and_then(|q| q.low.zip(q.high)).map(|(low, high)| 0.5 * (high - low));
-        let rms = beyond(precision.rms, rms_half, found.map(|found| found.rms));
-        let level = beyond(precision.q9973, q_half, q.map(|q| q.value));
-        for excess in rms.into_iter().chain(level) {
-            worst = Some(worst.map_or(excess, |worst| worst.max(excess)));
-        }
+/// How many trials make an estimate as precise as is asked, at most `most`, if those to come are like the `trials` of its
+/// tally: these, doubled until they are enough.
+fn enough(precision: &Precision, estimate: &Estimate, mut tally: Moments, mut trials: u64, most: u64) -> u64 {
+    while trials < most && !known(precision, estimate, &tally) {
+        let again = tally.clone();
+        tally.merge(&again);
+        trials = (2 * trials).min(most);
     }
-    Ok(worst)
+    trials
+}
+
+/// Whether a tally gives the error of an estimate as precisely as is asked.
+fn known(precision: &Precision, estimate: &Estimate, tally: &Moments) -> bool {
+    let Some(found) = Estimates::of(tally, estimate.bin_base, 1.0) else { return false };
+    let within = |part: Option<f64>, half: Option<f64>, value: Option<f64>| {
+        part.is_none_or(|part| half.zip(value).is_some_and(|(half, value)| half <= part * value))
+    };
+    let rms_half = found.rms_se.map(|se| NORMAL_95 * se);
+    let q_half = found.q9973.and_then(|q| q.low.zip(q.high)).map(|(low, high)| 0.5 * (high - low));
+    within(precision.rms, rms_half, Some(found.rms))
+        && within(precision.q9973, q_half, found.q9973.map(|q| q.value))
 }

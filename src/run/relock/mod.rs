@@ -12,7 +12,7 @@ use crate::id::Id;
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::lower::relock::{LoweredRelock, RelockEstimate};
 use crate::share::Share;
-use crate::store::{Store, StoreError};
+use crate::store::{Index, Store, StoreError};
 use crate::study::{Compensation, Relock, RelockStudy, Study, StudyError};
 use crate::table::significant;
 
@@ -93,9 +93,9 @@ impl<'a> Plan<'a> {
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    pub(super) fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
+    pub(super) fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
         let estimates = self.points.iter().flat_map(|point| &point.estimates);
-        held_by_all(store, estimates.map(|estimate| &estimate.address))
+        held_by_all(index, estimates.map(|estimate| &estimate.address))
     }
 
     /// The identities of all points.

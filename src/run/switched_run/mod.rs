@@ -12,7 +12,7 @@ use crate::block::row_log2;
 use crate::id::Id;
 use crate::lower::{FilledRun, LoweredRun, RunLowerError};
 use crate::share::Share;
-use crate::store::{Store, StoreError};
+use crate::store::{Index, Store, StoreError};
 use crate::study::{RunPoint, Study, StudyError, SwitchedRun};
 
 /// A study whose every point is proven to fit.
@@ -107,9 +107,9 @@ impl<'a> Plan<'a> {
     }
 
     /// Trials that every estimate has, where all have the same number.
-    pub(super) fn held(&self, store: &Store) -> Result<Option<u64>, StoreError> {
+    pub(super) fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
         let estimates = self.filled().flat_map(|filled| &filled.estimates);
-        held_by_all(store, estimates.map(|estimate| &estimate.address))
+        held_by_all(index, estimates.map(|estimate| &estimate.address))
     }
 
     /// The identities of all points.
