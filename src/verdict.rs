@@ -56,6 +56,10 @@ pub struct Answer<'t> {
     pub open: bool,
     /// Of [`Outcome::WithinBetween`] where it rises above the limit again.
     pub until: Vec<(&'t Column, f64)>,
+    /// Whether it is within the limit once more further on.
+    pub again: bool,
+    /// Where its first value is, if points before have none; else empty.
+    pub first: Vec<(&'t Column, f64)>,
 }
 
 /// How a curve stands to the limit.
@@ -86,14 +90,14 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
     let series = question.series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
     let mut curves: Vec<Vec<usize>> = Vec::new();
     let mut place = BTreeMap::new();
-    // Of each curve the greatest x without a value.
-    let mut blank: BTreeMap<Vec<String>, f64> = BTreeMap::new();
+    // Of each curve the least and the greatest x without a value.
+    let mut blank: BTreeMap<Vec<String>, (f64, f64)> = BTreeMap::new();
     for row in table.rows_where(&question.filter)? {
         let key: Vec<String> = series.iter().map(|column| column.cells[row].text()).collect();
         let Some(at) = x.cells[row].number() else { continue };
         if y.cells[row].number().is_none() {
-            let end = blank.entry(key).or_insert(f64::NEG_INFINITY);
-            *end = end.max(at);
+            let (least, greatest) = blank.entry(key).or_insert((at, at));
+            (*least, *greatest) = (least.min(at), greatest.max(at));
         } else {
             let next = curves.len();
             let curve = *place.entry(key).or_insert(next);
@@ -109,6 +113,8 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
         // What has both signs is judged by its magnitude.
         let is_above = |row: usize| value(y, row).abs() > question.limit;
         let mut again = None;
+        let within_from = |at: usize| rows[at..].iter().any(|&row| !is_above(row));
+        let mut is_again = false;
         let (outcome, before, after) = match rows.iter().position(|&row| is_above(row)) {
             None => (Outcome::WithinUpTo, last, last),
             Some(0) if !is_above(last) => {
@@ -122,13 +128,17 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
                     // Its end is above.
                     let above = within + rows[within..].iter().position(|&row| is_above(row)).unwrap_or(0);
                     again = Some((rows[above - 1], rows[above]));
+                    is_again = within_from(above);
                     (Outcome::WithinBetween, rows[within - 1], rows[within])
                 }
             },
-            Some(i) if counts_between(table, rows[i - 1], rows[i]) => {
-                (Outcome::LastWithin, rows[i - 1], rows[i - 1])
+            Some(i) => {
+                is_again = within_from(i);
+                match counts_between(table, rows[i - 1], rows[i]) {
+                    true => (Outcome::LastWithin, rows[i - 1], rows[i - 1]),
+                    false => (Outcome::Passes, rows[i - 1], rows[i]),
+                }
             }
-            Some(i) => (Outcome::Passes, rows[i - 1], rows[i]),
         };
         let crossing = |before: usize, after: usize| {
             let part = fraction(value(y, before), value(y, after), question.limit);
@@ -142,9 +152,12 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
         let named: Vec<(&Column, &Cell)> =
             series.iter().map(|column| (*column, &column.cells[rows[0]])).collect();
         let key: Vec<String> = named.iter().map(|(_, cell)| cell.text()).collect();
-        let open = blank.get(&key).is_some_and(|end| *end > value(x, last));
+        let blank = blank.get(&key);
+        let open = blank.is_some_and(|(_, end)| *end > value(x, last));
+        let late = blank.is_some_and(|(start, _)| *start < value(x, rows[0]));
+        let first = if late { crossing(rows[0], rows[0]) } else { vec![] };
         let most = rows.iter().map(|&row| value(y, row).abs()).fold(0.0, f64::max);
-        Answer { series: named, outcome, at, most, open, until }
+        Answer { series: named, outcome, at, most, open, until, again: is_again, first }
     };
     Ok(curves.into_iter().map(answer).collect())
 }
@@ -162,7 +175,7 @@ fn coordinates<'t>(table: &'t Table, x: &Column, a: usize, b: usize) -> impl Ite
 }
 
 /// The counts that follow from a row, and lead nowhere.
-const FOLLOWING: [&str; 3] = ["trials", "m", "terms"];
+const FOLLOWING: [&str; 4] = ["trials", "m", "terms", "switches"];
 
 /// Whether a count leads from one row to the other, so that nothing is between them.
 fn counts_between(table: &Table, a: usize, b: usize) -> bool {
@@ -212,24 +225,49 @@ impl Answer<'_> {
     /// The answer as a sentence.
     pub fn sentence(&self, limit: &str) -> String {
         let (series, at, until) = (self.name(), self.place(), self.end());
-        match self.outcome {
-            Outcome::Passes => format!("{series}: rises above {limit} at {at}"),
-            Outcome::AboveFrom => format!("{series}: above {limit} from the first point on, {at}"),
-            Outcome::WithinFrom => format!("{series}: within {limit} from {at} on"),
-            Outcome::WithinBetween => format!("{series}: within {limit} from {at} to {until}"),
-            Outcome::LastWithin => format!("{series}: within {limit} up to {at}"),
-            Outcome::WithinUpTo if self.open => {
-                format!("{series}: within {limit} up to the last point that has a value, {at}")
+        let outcome = match self.outcome {
+            Outcome::Passes => format!("rises above {limit} at {at}"),
+            Outcome::AboveFrom if self.first.is_empty() => {
+                format!("above {limit} from the first point on, {at}")
             }
-            Outcome::WithinUpTo => format!("{series}: within {limit} up to the last point, {at}"),
-        }
+            Outcome::AboveFrom => format!("above {limit} from its first value on, {at}"),
+            Outcome::WithinFrom => format!("within {limit} from {at} on"),
+            Outcome::WithinBetween => format!("within {limit} from {at} to {until}"),
+            Outcome::LastWithin => format!("within {limit} up to {at}"),
+            Outcome::WithinUpTo if self.open => {
+                format!("within {limit} up to the last point that has a value, {at}")
+            }
+            Outcome::WithinUpTo => format!("within {limit} up to the last point, {at}"),
+        };
+        let again = if self.again { ", and once more further on" } else { "" };
+        let first = match (self.outcome, &self.first[..]) {
+            (_, []) => String::new(),
+            (Outcome::AboveFrom, _) => ", without one before".to_owned(),
+            (_, first) => format!(", without a value before {}", places(first)),
+        };
+        format!("{series}: {outcome}{again}{first}")
     }
 }
 
 fn places(places: &[(&Column, f64)]) -> String {
-    let each: Vec<String> =
-        places.iter().map(|(column, value)| column.valued(&significant(*value, 3))).collect();
-    each.join(", ")
+    let each = places.iter().map(|(column, value)| {
+        let named = column.valued(&significant(*value, 3));
+        match (column.unit.symbol, *value) {
+            ("s", 600.0..) => format!("{named} ({})", spoken(*value)),
+            _ => named,
+        }
+    });
+    each.collect::<Vec<_>>().join(", ")
+}
+
+/// A long time in the unit that people would say: `52.2 min`, `20.1 h`.
+fn spoken(seconds: f64) -> String {
+    let (unit_s, unit) = match seconds {
+        172_800.0.. => (86_400.0, "d"),
+        7200.0.. => (3600.0, "h"),
+        _ => (60.0, "min"),
+    };
+    format!("{} {unit}", significant(seconds / unit_s, 3))
 }
 
 #[cfg(test)]
@@ -348,6 +386,47 @@ mod tests {
         table.columns[1].cells = table.columns[0].cells.iter().map(|n| n.number().into()).collect();
         let answers = verdict(&table, &asked("dt_nu", "q9973", 10.0)).unwrap();
         assert_eq!(answers[0].sentence("10 ″"), "a: within 10 ″ up to Δt·ν = 1");
+    }
+
+    #[test]
+    fn values_that_are_missing_at_first_and_a_second_time_within_are_told() {
+        let mut table = over_frequency();
+        table.columns[3].cells = [20.0, 40.0, 5.0, 0.1, 30.0, 0.3].map(Cell::Number).to_vec();
+        table.columns[3].cells[1] = Cell::Blank;
+        let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
+        assert_eq!(
+            answers[0].sentence("10 ″"),
+            "a: rises above 10 ″ at frequency 2.83 Hz, without a value before frequency 2 Hz"
+        );
+        let said = answers[1].sentence("10 ″");
+        assert!(
+            said.starts_with("b: rises above 10 ″ at") && said.ends_with(", and once more further on"),
+            "{said}"
+        );
+        let answers = verdict(&table, &asked("frequency", "q9973", 1.0)).unwrap();
+        let said = "a: above 1 ″ from its first value on, frequency 2 Hz, without one before";
+        assert_eq!(answers[0].sentence("1 ″"), said);
+    }
+
+    #[test]
+    fn long_times_are_told_as_people_say_them() {
+        let column = Column {
+            name: "length".to_owned(),
+            label: "length".to_owned(),
+            unit: Unit { suffix: "s", symbol: "s" },
+            cells: vec![],
+            band: None,
+        };
+        let said = [599.0, 3131.0, 72_400.0, 1.728e6].map(|value| places(&[(&column, value)]));
+        assert_eq!(
+            said,
+            [
+                "length 599 s",
+                "length 3130 s (52.2 min)",
+                "length 72400 s (20.1 h)",
+                "length 1730000 s (20 d)"
+            ]
+        );
     }
 
     #[test]

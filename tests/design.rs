@@ -172,6 +172,27 @@ fn a_study_that_sweeps_the_interval_has_those_tried_and_no_others() {
     assert!(found["interval_lo_s"].is_null() && found["interval_hi_s"].is_null(), "{found:#}");
 }
 
+/// 184.56 intervals of 19.506 s make an hour: what the last one leaves may cancel the rest.
+#[test]
+fn intervals_of_a_sweep_are_tried_in_even_numbers() {
+    let sweep = "[[sweep]]\nkey = \"switching.interval\"\n\
+                 list = [\"10 s\", \"13 s\", \"16.1 s\", \"19.506 s\", \"25 s\", \"1700 s\", \"1900 s\"]\n";
+    let desk = Desk::with(&format!("{PAPER}{sweep}"));
+    let ended = desk.done("design study.toml --device cpu --trials 4096 --by drift_rms --json");
+    let found: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
+    let tried = found["fillers"][0]["tried"].as_array().unwrap();
+    assert_eq!(tried.len(), 6, "{found:#}");
+    for tried in tried {
+        let (switches, drift) = (number(tried, "switches"), number(tried, "drift"));
+        assert!(switches % 2.0 == 1.0, "{switches} switches: an odd number of intervals");
+        let closed = number(tried, "closed_form_rms");
+        assert!((drift / closed - 1.0).abs() < 0.1, "{drift}, not {closed}");
+    }
+    assert_eq!(number(&found, "interval_s"), 16.1);
+    let notes = found["notes"].to_string();
+    assert!(notes.contains("1 of the 7 intervals of the study are longer than half the run"), "{notes}");
+}
+
 #[test]
 fn a_best_interval_at_the_end_of_what_was_tried_is_called_that() {
     let residuals_alone =

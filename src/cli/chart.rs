@@ -191,6 +191,12 @@ fn changed(written: &Study, options: &Options) -> Result<String, Failure> {
         ("y_scale", &keys.y_scale),
         ("z_scale", &keys.z_scale),
     ];
+    // Another table has other columns, of other units.
+    let own = chart.get("table").and_then(Value::as_str).unwrap_or("points").to_owned();
+    if keys.table.as_ref().is_some_and(|table| *table != own) {
+        chart.remove("limit");
+        chart.remove("where");
+    }
     for (key, value) in texts {
         set(&mut chart, key, value.iter().map(|value| Value::String(value.clone())).next());
     }

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use sagnac::run::{Plan, RESOLVED};
 use sagnac::share::Share;
-use sagnac::store::{Report, Source};
+use sagnac::store::{Report, Source, StoreError};
 use sagnac::study::Study;
 
 use super::failure::{self, Failure};
+use super::folders;
 use super::output::print;
 use super::progress::{How, Shown};
 use super::results::csv;
@@ -67,7 +68,10 @@ pub fn check(options: &Options) -> Result<(), Failure> {
 }
 
 fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
-    let source = Source::open(folder)?;
+    let source = Source::open(folder).map_err(|error| match (error, folders::several(folder)) {
+        (StoreError::NoResults { .. }, Some(message)) => Failure::Usage(message),
+        (error, _) => error.into(),
+    })?;
     let report = source.check()?;
     let mut faults: Vec<String> = report.faults.iter().map(ToString::to_string).collect();
     let mut lacking = 0;

@@ -1,4 +1,6 @@
-//! `sagnac explain`: what a key, a column or an exit code means.
+//! `sagnac explain`: what a word, a key, a column or an exit code means.
+
+mod glossary;
 
 use std::collections::BTreeMap;
 
@@ -9,6 +11,7 @@ use sagnac::table::describe::{File, meanings};
 use super::failure::{EXIT_CODES, Failure};
 use super::look;
 use super::output::print;
+use glossary::{TERMS, Term};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -16,12 +19,13 @@ Examples:
   sagnac explain q9973_arcsec
   sagnac explain gap-fill
   sagnac explain minimum-variance
+  sagnac explain N
   sagnac explain 4";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Key or word of a study file, kind of study, column of a file of results, or exit code; without it all of these are listed
+    /// Key or word of a study file, kind of study, term, column of a file of results, or exit code; without it all of these are listed
     #[arg(value_name = "WHAT")]
     what: Option<String>,
 }
@@ -58,14 +62,20 @@ fn folded(name: &str) -> String {
     name.to_lowercase().replace(['-', ' '], "_")
 }
 
-/// What is known of kinds, keys, words and columns that are called so.
+/// What is known of kinds, terms, keys, words and columns that are called so. Keys that only end so come behind words.
 fn all_of(what: &str, is_called: impl Fn(&str) -> bool) -> Vec<String> {
     let kinds = Kind::ALL.into_iter().filter(|kind| is_called(kind.name())).map(of_kind);
+    let terms = TERMS.iter().filter(|term| term.names.iter().any(|name| is_called(name))).map(of_term);
     let whole: Vec<&str> = explained_keys().filter(|key| is_called(key)).collect();
     let ends = |key: &&str| key.match_indices('.').any(|(dot, _)| is_called(&key[dot + 1..]));
-    let keys = if whole.is_empty() { explained_keys().filter(ends).collect() } else { whole };
-    let keys = keys.into_iter().filter_map(explain_key).map(|key| of_key(&key));
-    kinds.chain(keys).chain(of_words(&is_called)).chain(of_column(what)).collect()
+    let parts = if whole.is_empty() { explained_keys().filter(ends).collect() } else { vec![] };
+    let keys = |keys: Vec<&'static str>| keys.into_iter().filter_map(explain_key).map(|key| of_key(&key));
+    let words = of_words(&is_called);
+    kinds.chain(terms).chain(keys(whole)).chain(words).chain(keys(parts)).chain(of_column(what)).collect()
+}
+
+fn of_term(term: &Term) -> String {
+    format!("{} (term)\n{}", term.names.join(", "), filled(term.meaning))
 }
 
 /// A kind of study.
@@ -174,6 +184,8 @@ fn subjects() -> String {
         let columns: Vec<&str> = file.columns().iter().map(|(name, _)| *name).collect();
         text += &filled(&format!("{}: {}", file.title(), columns.join(", ")));
     }
+    let terms: Vec<&str> = TERMS.iter().map(|term| term.names[0]).collect();
+    text += &format!("\nTerms, as in `sagnac explain N`\n{}", filled(&terms.join(", ")));
     text += "\nExit codes, as in `sagnac explain 4`\n";
     for (codes, meaning) in EXIT_CODES {
         text += &filled(&format!("{codes}: {meaning}"));
@@ -185,7 +197,8 @@ fn subjects() -> String {
 fn unknown(what: &str) -> String {
     let columns = File::ALL.into_iter().flat_map(|file| file.columns().iter().map(|(name, _)| *name));
     let kinds = Kind::ALL.iter().map(|kind| kind.name());
-    let mut known: Vec<&str> = explained_keys().chain(columns).chain(kinds).collect();
+    let terms = TERMS.iter().flat_map(|term| term.names).copied();
+    let mut known: Vec<&str> = explained_keys().chain(columns).chain(kinds).chain(terms).collect();
     known.sort_unstable();
     known.dedup();
     let likeness = |name: &str| {
@@ -201,7 +214,7 @@ fn unknown(what: &str) -> String {
         .map(|name| format!("`{name}`"))
         .collect();
     let offer = if near.is_empty() { String::new() } else { format!("did you mean {}? ", near.join(", ")) };
-    format!("`{what}` is no kind, key, word, column or exit code\n{offer}`sagnac explain` lists all")
+    format!("`{what}` is no kind, key, word, term, column or exit code\n{offer}`sagnac explain` lists all")
 }
 
 /// Words in indented lines no wider than the terminal.

@@ -54,14 +54,19 @@ pub fn study(folder: &Path) -> Result<Study, Failure> {
     } else if let Some(command) = writer(folder) {
         format!("{shown} holds what `sagnac {command}` wrote, and no results of a study\n{give}")
     } else {
-        let mut studies = within(folder).unwrap_or_default();
-        studies.retain(|folder| is_study(folder));
-        match &named(&studies)[..] {
-            "" => format!("{shown} has no {RESOLVED}, so no results of a study\n{give}"),
-            names => format!("{shown} holds folders of results\ngive one of them: {names}"),
-        }
+        let none = || format!("{shown} has no {RESOLVED}, so no results of a study\n{give}");
+        several(folder).unwrap_or_else(none)
     };
     Err(Failure::Usage(message))
+}
+
+/// That a folder has results in folders of its own, if it has.
+pub fn several(folder: &Path) -> Option<String> {
+    let mut studies = within(folder).unwrap_or_default();
+    studies.retain(|folder| is_study(folder));
+    let names = named(&studies);
+    let holds = || format!("{} holds folders of results\ngive one of them: {names}", folder.display());
+    (!names.is_empty()).then(holds)
 }
 
 /// The command other than `run` that wrote to the folder, where there is one.

@@ -35,10 +35,10 @@ pub struct Options {
     #[arg(long, value_name = "STUDY")]
     study: Option<PathBuf>,
     /// Trials at each point, in place of the study's
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials)]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials, allow_negative_numbers = true)]
     trials: Option<u64>,
     /// Seed, in place of the study's
-    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed, allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Leave damaged rows out instead of refusing their folder
     #[arg(long)]

@@ -31,7 +31,7 @@ pub(super) struct Maker<'a> {
 impl Maker<'_> {
     /// Those of each filler, in the order of the intervals; none is empty.
     pub(super) fn choose(&self) -> Result<Vec<Vec<Candidate>>, DesignError> {
-        let mut points = if self.swept { self.runs.points.clone() } else { spread(&self.runs.points[0]) };
+        let mut points = if self.swept { even(&self.runs.points) } else { spread(&self.runs.points[0]) };
         points.sort_by(|a, b| a.schedule.interval_s.total_cmp(&b.schedule.interval_s));
         let all = points.into_iter().map(|point| self.lowered(point)).collect::<Result<Vec<_>, _>>()?;
         if all.is_empty() {
@@ -72,6 +72,11 @@ impl Maker<'_> {
 fn candidate((point, lowered): &(RunPoint, LoweredRun), place: usize) -> Candidate {
     let filled = lowered.fillers[place].clone();
     Candidate { schedule: point.schedule, switches: point.switches(), filled }
+}
+
+/// Points with runs of even numbers of their own intervals, but for those that fit not twice into a run.
+fn even(points: &[RunPoint]) -> Vec<RunPoint> {
+    points.iter().filter_map(|point| point.with_interval(point.schedule.interval_s)).collect()
 }
 
 /// Points with intervals that are evenly spread in their logarithm, from the shortest to half the run.

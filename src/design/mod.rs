@@ -5,9 +5,9 @@
 //! ```
 //!
 //! The non-magnetic drift is left out: no interval changes it, and an interval whose magnetic drift happens to cancel it would
-//! look better than it is. Where the study does not sweep the interval, each candidate runs for the nearest time that an even
-//! number of intervals makes: an odd one would be left uncancelled, and where a run ends would count for more than how often
-//! the gyro switches.
+//! look better than it is. Each candidate, of a sweep over the interval too, runs for the nearest time that an even number of
+//! intervals makes: an odd one would be left uncancelled, and where a run ends would count for more than how often the gyro
+//! switches.
 //!
 //! ```
 //! use sagnac::backend;
@@ -339,7 +339,16 @@ fn notes(study: &Study, runs: &SwitchedRun) -> Vec<String> {
          for exactly this frequency, and may be a coincidence; timing = \"random\" has none"
             .to_owned()
     });
-    study.notes().iter().cloned().chain(late(runs)).chain(phases).collect()
+    let too_long =
+        runs.points.iter().filter(|point| point.with_interval(point.schedule.interval_s).is_none());
+    let left_out = match (study.sweeps.is_empty(), too_long.count()) {
+        (true, _) | (false, 0) => None,
+        (false, count) => Some(format!(
+            "{count} of the {} intervals of the study are longer than half the run and left out",
+            runs.points.len()
+        )),
+    };
+    study.notes().iter().cloned().chain(late(runs)).chain(phases).chain(left_out).collect()
 }
 
 /// Puts what was tried in the order of the intervals, each once.

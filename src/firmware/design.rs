@@ -186,7 +186,13 @@ fn method(filler: &Filler, inputs: &Inputs) -> String {
     };
     let rate = significant(inputs.motion.rate_rms(inputs.tick_s), 6);
     let noise = significant(inputs.sigma_arcsec(), 6);
-    format!("minimum variance for {rate} arcsec/s rms{spread} and {noise} arcsec rms of noise per tick")
+    let pulses = match inputs.readout_lsb {
+        0.0 => String::new(),
+        lsb => format!(", read in pulses of {} arcsec", significant(lsb, 6)),
+    };
+    format!(
+        "minimum variance for {rate} arcsec/s rms{spread} and {noise} arcsec rms of noise per tick{pulses}"
+    )
 }
 
 fn too_large(study: &Study, filler: &Filler) -> StudyError {

@@ -7,7 +7,8 @@ use super::rule::Rule;
 use crate::table::significant;
 
 /// How to use the tables, as the header says it.
-const USE: &str = " * Use. P(k) is the whole number read at tick k, in any unit of angle; all results have the same unit.
+const USE: &str = " * Use. P(k) is the whole number read at tick k, in any unit of angle; all results have the same unit, and are rounded
+ *   to whole ones, which adds 0.29 units rms to what is left: where that counts let P be pulses times 16, say.
  *   1. when the gap opens     e = sagnac_fill(&f->extrapolation, p, E), p[i] = P(f->extrapolation.ticks[i])
  *                             deliver E[0] .. E[n - 1] in place of ticks 1 .. n
  *   2. when tick m has come   i = sagnac_fill(&f->interpolation, p, I), p[i] = P(f->interpolation.ticks[i]),

@@ -23,19 +23,7 @@ const TERMS: u32 = 4096;
 pub(super) fn variance(fixed: &Fixed, f: &Functional) -> Option<(f64, f64)> {
     let Some(readout) = fixed.readout else { return Some((0.0, 0.0)) };
     let pulse = libm::exp2(f64::from(readout.bits));
-    let weight = |tick: i32| f.ticks.iter().position(|&own| own == tick).map_or(0.0, |k| f.weights[k] as f64);
-    let (first, last) = (*f.ticks.first()?, *f.ticks.last()?);
-    // Boundary b is the end of tick b; those within the gap have no weight.
-    let boundaries: Vec<(i32, f64)> = (first.min(1) - 1..=last.max(0))
-        .filter(|b| !(1..fixed.gap_ticks).contains(b))
-        .map(|b| {
-            // What follows the end of tick 0 and what ends the gap belong to the gap, which is not read.
-            let next = if b == 0 { 0.0 } else { weight(b + 1) };
-            let own = if b == fixed.gap_ticks && b > 0 { 0.0 } else { weight(b) };
-            (b, next - own)
-        })
-        .filter(|(_, g)| *g != 0.0)
-        .collect();
+    let boundaries = boundaries(fixed, f);
     let (mut sum, mut error) = (0.0, 0.0);
     for (i, &(from, g)) in boundaries.iter().enumerate() {
         sum += g * g * pulse * pulse / 12.0;
@@ -46,6 +34,30 @@ pub(super) fn variance(fixed: &Fixed, f: &Functional) -> Option<(f64, f64)> {
         }
     }
     Some((sum, error))
+}
+
+/// The same as if no two fractions had anything to do with each other, as is about so where the motion moves by many pulses between
+/// their boundaries; LSB².
+pub(super) fn uncorrelated(fixed: &Fixed, f: &Functional) -> f64 {
+    let pulse = fixed.readout.map_or(0.0, |readout| libm::exp2(f64::from(readout.bits)));
+    boundaries(fixed, f).iter().map(|(_, g)| g * g * pulse * pulse / 12.0).sum()
+}
+
+/// The boundaries at which a fraction counts, each with its factor.
+fn boundaries(fixed: &Fixed, f: &Functional) -> Vec<(i32, f64)> {
+    let weight = |tick: i32| f.ticks.iter().position(|&own| own == tick).map_or(0.0, |k| f.weights[k] as f64);
+    let [Some(&first), Some(&last)] = [f.ticks.first(), f.ticks.last()] else { return vec![] };
+    // Boundary b is the end of tick b; those within the gap have no weight.
+    (first.min(1) - 1..=last.max(0))
+        .filter(|b| !(1..fixed.gap_ticks).contains(b))
+        .map(|b| {
+            // What follows the end of tick 0 and what ends the gap belong to the gap, which is not read.
+            let next = if b == 0 { 0.0 } else { weight(b + 1) };
+            let own = if b == fixed.gap_ticks && b > 0 { 0.0 } else { weight(b) };
+            (b, next - own)
+        })
+        .filter(|(_, g)| *g != 0.0)
+        .collect()
 }
 
 /// Covariance of the fractions at two boundaries, and a bound of what is left out.

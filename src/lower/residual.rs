@@ -61,10 +61,9 @@ impl Lowered {
             }
         }
         let sigma = fixed.sigma_lsb() * f.noise_gain();
-        let pulse = fixed.readout.map_or(0.0, |readout| libm::exp2(f64::from(readout.bits)));
-        // Where the variance of the readout is not known, about that of independent fractions.
+        // Of drawn motion and profiles the variance of the readout has no closed form.
         let fractions = readout::variance(fixed, f)
-            .map_or(pulse * pulse / 6.0 * f.noise_gain() * f.noise_gain(), |(variance, _)| variance);
+            .map_or_else(|| readout::uncorrelated(fixed, f), |(variance, _)| variance);
         let unit = fixed.lsb_arcsec / estimate.rows.denominator as f64;
         // Differences of equal numbers may miss 0.
         let normal = variance.max(0.0) + sigma * sigma + fractions;

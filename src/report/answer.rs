@@ -39,7 +39,13 @@ pub fn answer(
         .find(|((chart, _), drawn)| chart.limit.is_some() && matches!(drawn.picture, Picture::Curves(_)));
     let headline = match (verdicts.first().zip(judged), all().next()) {
         (Some((first, ((chart, shown), _))), _) => {
-            let headline = of_verdict(first.answers(), first.limit());
+            let judged = of_verdict(first.answers(), first.limit());
+            let headline = match chosen_interval(study, chart, shown)
+                .map_err(|error| refused(study, chart, &error.into()))?
+            {
+                Some(best) => judged.map(|judged| format!("{best} {judged}")),
+                None => judged,
+            };
             with_caveat(study, headline, &shown.table, &filter(chart))
                 .map_err(|error| refused(study, chart, &error.into()))?
         }
@@ -104,6 +110,18 @@ fn of_chart(
     Ok(leading(study, &shown.table, &shown.estimate, &rows, &by)?)
 }
 
+/// Where the estimate of a chart over the switching interval is least: the interval is chosen, so that a limit alone is no answer.
+fn chosen_interval(study: &Study, chart: &Chart, shown: &Shown) -> Result<Option<String>, ColumnError> {
+    let table = &shown.table;
+    if table.column(&chart.x.name)?.name != "switching.interval" {
+        return Ok(None);
+    }
+    let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
+    let by = apart(study, chart.source, series.collect());
+    let best = best(table, &shown.estimate, &table.rows_where(&filter(chart))?, &by)?;
+    Ok(best.map(|best| best.sentence()))
+}
+
 /// Whether the abscissa is what a gyro meets and nobody chooses, so that the worst counts there.
 fn is_environment(chart: &Chart, shown: &Shown) -> bool {
     // A chart may name a column by its end.
@@ -130,7 +148,7 @@ fn leading(
     filter: &[(String, String)],
     by: &[&str],
 ) -> Result<Option<String>, ColumnError> {
-    let rows = table.rows_where(filter)?;
+    let rows = well_known(table, estimate, table.rows_where(filter)?)?;
     let Some(first) = best(table, estimate, &rows, by)? else { return Ok(None) };
     let sentence = first.sentence();
     let Some((row, (free, why))) = first.row.zip(free_fillers(study)) else { return Ok(Some(sentence)) };
@@ -145,6 +163,21 @@ fn leading(
             format!(", which firmware does not know; of the others the least is {}", second.value)
         });
     Ok(Some(format!("{sentence} That filler is designed for {why}{known}.")))
+}
+
+/// Of rows of an Allan curve those that a single record knows within a factor of two, if there are such: what is least at the longest
+/// averaging times is so by chance.
+fn well_known(table: &Table, estimate: &str, rows: Vec<usize>) -> Result<Vec<usize>, ColumnError> {
+    let column = table.column(estimate)?;
+    if !["adev", "mean_avar"].contains(&column.name.as_str()) {
+        return Ok(rows);
+    }
+    let is_known = |row: &usize| {
+        let band = column.band.as_ref().and_then(|band| band[*row]);
+        band.is_some_and(|(low, high)| low > 0.0 && high <= 2.0 * low)
+    };
+    let known: Vec<usize> = rows.iter().copied().filter(is_known).collect();
+    Ok(if known.is_empty() { rows } else { known })
 }
 
 /// The names of fillers whose weights firmware cannot have, and why: designed without a band they follow the motion of each point, or

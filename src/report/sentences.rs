@@ -203,7 +203,8 @@ pub(super) fn of_map(map: &Map) -> Option<String> {
 /// does last and which first; none without curves.
 pub(super) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
     let (limit, most) = (&*limit.text(), |value: f64| Limit { value: rounded(value), ..limit }.text());
-    let is_always = |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && !answer.open;
+    let is_always =
+        |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && !answer.open && answer.first.is_empty();
     let is_never = |answer: &&Judged| answer.outcome == Outcome::AboveFrom;
     let mut always: Vec<&Judged> = answers.iter().filter(is_always).collect();
     // The one with the most room first.

@@ -48,7 +48,7 @@ pub(super) static KEYS: &[Expected] = &[
     entry(
         "gyro.tick_noise",
         "a table of std, three_sigma or angle_random_walk",
-        "tick_noise = { std = \"0.53 arcsec\" }",
+        "tick_noise = { std = \"0.53 arcsec\" }   # std = \"0 arcsec\" where there is none, as beside readout_lsb alone",
     ),
     entry("gyro.tick_noise.std", QUANTITY, "std = \"0.53 arcsec\""),
     entry("gyro.tick_noise.three_sigma", QUANTITY, "three_sigma = \"1.6 arcsec\""),

@@ -58,7 +58,10 @@ pub fn explain_key(key: &str) -> Option<Explained> {
     let table = key.split('.').next().unwrap_or(key);
     // A table of its own belongs to some kinds, all else to every one.
     let of_kinds = Kind::ALL.iter().any(|kind| kind.tables().contains(&table));
-    let has = |kind: &Kind| !of_kinds || kind.tables().contains(&table);
+    let has = |kind: &Kind| match table {
+        "precision" => *kind == Kind::GapFill,
+        _ => !of_kinds || kind.tables().contains(&table),
+    };
     let setting = |kind: Kind| keys(kind).into_iter().find(|setting| setting.name == *key);
     let of_setting = |setting: &Key| Swept {
         label: setting.label,

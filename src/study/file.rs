@@ -54,8 +54,8 @@ pub(super) struct StudyFile {
     #[serde(default)]
     #[schemars(with = "i64", range(min = 1, max = 1_099_511_627_776_i64))]
     pub(super) trials: Option<Spanned<Scalar>>,
-    /// Where to stop before that: "0.5 %", half the 95 % interval of the rms as a part of it, or of other estimates by name.
-    /// The trials are then the most there are. "none": all trials.
+    /// How precise a point has to be known to stop before all `trials`: "0.5 %", half the 95 % interval of the rms as a part of it, or
+    /// of other estimates by name. "none": all trials.
     #[serde(default)]
     #[schemars(with = "Either<PrecisionTable>", extend("examples" = ["0.5 %"]))]
     pub(super) precision: Option<Spanned<Either<PrecisionTable>>>,

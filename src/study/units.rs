@@ -332,7 +332,9 @@ fn without_comma(number: &str, rest: &str) -> Option<String> {
     let behind = rest.strip_prefix(',').filter(|behind| behind.starts_with(|c: char| c.is_ascii_digit()))?;
     let digits = behind.bytes().take_while(u8::is_ascii_digit).count();
     let decimals = (!behind[digits..].starts_with(['.', ','])).then(|| format!("\"{number}.{behind}\""));
-    let thousands = (digits == 3).then(|| format!("\"{number}{}\"", behind.replace(',', "")));
+    // No thousands begin with a zero.
+    let leads = !number.trim_start_matches(['+', '-', '−']).starts_with('0');
+    let thousands = (digits == 3 && leads).then(|| format!("\"{number}{}\"", behind.replace(',', "")));
     let readings: Vec<String> = decimals.into_iter().chain(thousands).collect();
     (!readings.is_empty()).then(|| readings.join(" or "))
 }

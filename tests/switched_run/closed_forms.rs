@@ -163,6 +163,35 @@ fn the_residual_of_one_switch_is_that_of_the_gap_fill_kernel() {
     }
 }
 
+/// Neighbouring ticks share a fraction of a pulse, which counts most where a filler reads many of them and little else is left.
+#[test]
+fn fractions_of_a_pulse_telescope_where_the_motion_is_drawn() {
+    let motions = [
+        "amplitude = \"5 deg/s\"\nfrequency = [\"30 Hz\", \"40 Hz\"]\n",
+        "amplitude = { rayleigh = \"5 deg/s\" }\nfrequency = [\"30 Hz\", \"40 Hz\"]\n",
+    ];
+    for motion in motions {
+        let with = |head: &str, switching: &str, run: &str| {
+            let text = format!(
+                "title = \"pulses\"\n{head}trials = 200_000\n[gyro]\ntick = \"2 ms\"\ntick_noise = {{ std = \"0 arcsec\" }}\n\
+                 readout_lsb = \"0.5 arcsec\"\n[motion]\n{motion}[switching]\ngap_ticks = 2\nfillers = [\"quadratic\", \
+                 {{ kind = \"minimum-variance\", fit_ticks = [\"-7..0\", \"n+1..n+8\"], band = [\"30 Hz\", \"40 Hz\"] }}]\n\
+                 {switching}{run}"
+            );
+            numbers(&parsed("pulses.toml", &text))
+        };
+        let run = with("kind = \"switched-run\"\n", "interval = \"10 s\"\n", "[run]\nduration = \"20 s\"\n");
+        let gap = with("kind = \"gap-fill\"\n", "errors = [\"residual\"]\n", "");
+        let ends: Vec<_> = run.iter().filter(|row| row.get("time") == Some(&20.0)).collect();
+        assert_eq!((ends.len(), gap.len()), (2, 2));
+        for (run, gap) in ends.into_iter().zip(&gap) {
+            let (of_run, of_gap) = (run["rms"], gap["rms"]);
+            let se = run["rms_se"].hypot(gap["rms_se"]) + 1e-3 * of_gap;
+            assert!((of_run - of_gap).abs() < 5.0 * se, "{motion}: {of_run} ″, not {of_gap} ″");
+        }
+    }
+}
+
 #[test]
 fn the_numbers_of_the_theory_are_found() {
     // t, MT, true mean drift, standard deviation of theory.md's table, ″/s.

@@ -37,10 +37,10 @@ pub struct Options {
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Runs of each candidate, in place of the study's; rounded up to 32 times a power of two
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials)]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials, allow_negative_numbers = true)]
     trials: Option<u64>,
     /// Seed, in place of the study's
-    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed, allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Print the recommendation as JSON
     #[arg(help_heading = "Output", long)]

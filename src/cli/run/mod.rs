@@ -13,6 +13,7 @@ use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::share::Share;
 use sagnac::store::Store;
 use sagnac::study::{Dimension, Study, parse_quantity};
+use sagnac::table::significant;
 use serde_json::Value;
 
 use super::output::{print, print_json};
@@ -44,10 +45,10 @@ pub struct Options {
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Trials at each point, in place of the study's
-    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials)]
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials, allow_negative_numbers = true)]
     trials: Option<u64>,
     /// Seed, in place of the study's
-    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed)]
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed, allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Sample share I of N only, for `sagnac merge`; slurm: the share of this task of a job array
     #[arg(help_heading = "Sampling", long, value_name = "I/N", value_parser = share::parse)]
@@ -66,6 +67,23 @@ pub struct Options {
     /// Print only errors
     #[arg(help_heading = "Output", long, short)]
     quiet: bool,
+}
+
+/// The folder of a share in that of the whole.
+fn share_folder(share: Share) -> String {
+    format!("shard-{}-of-{}", share.number(), share.of())
+}
+
+/// The command that puts shares together, of folders as they are called without --out.
+fn merging(folder: &Path, share: Share) -> String {
+    let of = share.of();
+    match folder.parent().filter(|_| folder.ends_with(share_folder(share))) {
+        Some(whole) => {
+            let whole = whole.display();
+            format!("sagnac merge {whole}/shard-*-of-{of} --out {whole}")
+        }
+        None => format!("sagnac merge SHARE… --out DIR, with the folders of all {of}"),
+    }
 }
 
 /// A time with its unit, or as schedulers write it.
@@ -178,7 +196,7 @@ fn folder(options: &Options, study: &Path, share: Share) -> PathBuf {
     };
     let default = || match share.is_whole() {
         true => whole,
-        false => whole.join(format!("shard-{}-of-{}", share.number(), share.of())),
+        false => whole.join(share_folder(share)),
     };
     options.out.clone().unwrap_or_else(default)
 }
@@ -239,7 +257,7 @@ fn run_study(
         }
         if !options.quiet {
             let share = course.share;
-            say!("{share} is done and in {}; put the shares together with `sagnac merge`", folder.display());
+            say!("{share} is done and in {}; when all are: {}", folder.display(), merging(folder, share));
         }
         return Ok(None);
     }
@@ -249,7 +267,7 @@ fn run_study(
     if !options.json && !options.quiet {
         let rate = match &done {
             Some(done) if done.trials > 0 => {
-                format!("{} trials in {:.1} s; ", short(done.trials as f64), done.seconds)
+                format!("{} trials in {} s; ", short(done.trials as f64), significant(done.seconds, 3))
             }
             Some(_) => "nothing was left to sample; ".to_owned(),
             None => String::new(),

@@ -119,7 +119,25 @@ impl<'a> Plan<'a> {
 
     /// What should be known besides the results.
     pub(super) fn notes(&self) -> Vec<String> {
-        late(self.runs).into_iter().chain(trajectories::thinned(self)).collect()
+        late(self.runs).into_iter().chain(trajectories::thinned(self)).chain(self.uneven()).collect()
+    }
+
+    /// That some runs of a sweep over the interval end with one that none cancels.
+    fn uneven(&self) -> Option<String> {
+        let is_even = |point: &&RunPoint| {
+            let pairs = 0.5 * point.schedule.duration_s / point.schedule.interval_s;
+            (pairs - libm::round(pairs)).abs() <= 1e-9 * pairs
+        };
+        let points = &self.runs.points;
+        let uneven = points.len() - points.iter().filter(is_even).count();
+        let swept = self.study.sweeps.iter().any(|sweep| sweep.key.name == "switching.interval");
+        (swept && uneven > 0).then(|| {
+            format!(
+                "{uneven} of {} points have an odd or broken number of intervals: nothing cancels the magnetic drift of the last, which \
+                 can count for more than the interval",
+                points.len()
+            )
+        })
     }
 }
 

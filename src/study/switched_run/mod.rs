@@ -123,8 +123,7 @@ pub(super) fn read(
     let fill_notes = fill.as_ref().map_or(&[][..], |fill| &fill.notes);
     let timing = switching.get_ref().timing.as_ref().map(|timing| *timing.get_ref()).unwrap_or_default();
     let residuals = fill.as_ref().map_or(vec![], |fill| of_residuals(fill, timing));
-    let uneven = uneven(&points, sweeps);
-    let notes = rounded.into_iter().chain(uneven).chain(fill_notes.iter().cloned()).chain(residuals);
+    let notes = rounded.into_iter().chain(fill_notes.iter().cloned()).chain(residuals);
     Ok(SwitchedRun {
         first_mode: switching.get_ref().first_mode.as_ref().map(|mode| *mode.get_ref()).unwrap_or_default(),
         timing,
@@ -223,23 +222,6 @@ fn read_fill(
         }
     }
     Ok(None)
-}
-
-/// That some runs of a sweep over the interval end with one that none cancels.
-fn uneven(points: &[Point], sweeps: &[Sweep]) -> Option<String> {
-    let is_even = |point: &&Point| {
-        let pairs = 0.5 * point.schedule.duration_s / point.schedule.interval_s;
-        (pairs - libm::round(pairs)).abs() <= 1e-9 * pairs
-    };
-    let uneven = points.len() - points.iter().filter(is_even).count();
-    let swept = sweeps.iter().any(|sweep| sweep.key.name == "switching.interval");
-    (swept && uneven > 0).then(|| {
-        format!(
-            "{uneven} of {} points have an odd or broken number of intervals: nothing cancels the magnetic drift of the last, which \
-             can count for more than the interval",
-            points.len()
-        )
-    })
 }
 
 /// What is taken for granted of the residuals of some motions.

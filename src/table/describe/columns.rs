@@ -167,7 +167,7 @@ const SWITCHED_RUN: Columns = &[
         "Which angle: `end` of the run, `largest` (just before or after a switch or at the end), `at 600 s`.",
     ),
     ("time", "When the angle is read, s; blank of the largest."),
-    ("switches", "Switches before that."),
+    ("switches", "Switches before the time of the row."),
     ("residual_rms", "What one switch leaves, with its relock, ″ rms."),
     ("trials", "Runs that the estimates of the row are from."),
     ("mean", "Mean error of the angle, ″, with its sign."),

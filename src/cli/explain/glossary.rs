@@ -1,0 +1,104 @@
+//! Words of the field and of this program that are no key and no column.
+
+/// A word, as it may be written, and what it means.
+pub struct Term {
+    pub names: &'static [&'static str],
+    pub meaning: &'static str,
+}
+
+pub const TERMS: [Term; 20] = [
+    Term {
+        names: &["Q", "quantisation noise"],
+        meaning: "Coefficient of quantisation noise, ″: an Allan deviation of √3·Q/τ, slope −1. Pulses of q give Q = q/√12. \
+                  Key: noise.quantisation.",
+    },
+    Term {
+        names: &["N", "ARW", "angle random walk"],
+        meaning: "Coefficient of the angle random walk, °/√h, the white noise of the rate: an Allan deviation of N/√τ, slope −1/2. \
+                  Key: noise.angle_random_walk.",
+    },
+    Term {
+        names: &["B", "bias instability"],
+        meaning: "Coefficient of the bias instability, °/h, flicker noise of the rate: the flat part of the curve, at 0.664·B. \
+                  Key: noise.bias_instability.",
+    },
+    Term {
+        names: &["K", "RRW", "rate random walk"],
+        meaning: "Coefficient of the rate random walk, (°/h)/√h: an Allan deviation of K·√(τ/3), slope +1/2. \
+                  Key: noise.rate_random_walk.",
+    },
+    Term {
+        names: &["R", "rate ramp"],
+        meaning: "Rate ramp, (°/h)/h, a drift of the rate that goes on: an Allan deviation of R·τ/√2, slope +1. Key: noise.rate_ramp.",
+    },
+    Term {
+        names: &["LSB", "pulse"],
+        meaning: "The angle of one pulse of the readout, ″. A gyro that counts whole pulses keeps the fraction for the next tick. \
+                  Key: gyro.readout_lsb.",
+    },
+    Term {
+        names: &["n", "gap"],
+        meaning: "The ticks 1 to n that a mode switch takes, and that a filler fills in. Key: switching.gap_ticks.",
+    },
+    Term {
+        names: &["MT"],
+        meaning: "The time between two mode switches, M ticks of T. Key: switching.interval.",
+    },
+    Term {
+        names: &["Δt·ν", "dt·nu", "Δtν"],
+        meaning: "The length of the gap in periods of the vibration, n·T·ν: on it alone it depends how much of the motion a polynomial \
+                  misses. Column: dt_nu.",
+    },
+    Term {
+        names: &["Ω_m", "magnetic drift"],
+        meaning: "The drift that turns its sign with the mode, °/h: A·(1 − e^(−t/τ)) + Ω_m0. Switching cancels it. \
+                  Key: drift.magnetic.",
+    },
+    Term {
+        names: &["Ω_nm", "non-magnetic drift"],
+        meaning: "The drift that does not turn its sign with the mode, °/h: no switching cancels it. Key: drift.non_magnetic.",
+    },
+    Term {
+        names: &["auto"],
+        meaning: "Of allan.fit: those of Q, N, B, K and R that a record supports. Of --device: the fastest device that there is. \
+                  Of --progress: a bar on a terminal, else lines.",
+    },
+    Term {
+        names: &["octave", "decade10", "decade20"],
+        meaning: "How dense averaging times are: each twice the one before, or 10 or 20 to a factor of ten. Key: allan.tau.",
+    },
+    Term {
+        names: &["oracle", "closed form"],
+        meaning: "What theory says of a simulated value, where it has a formula: columns that begin with oracle_. The column z is how far \
+                  the simulation lies from it, in its own standard errors.",
+    },
+    Term {
+        names: &["trial"],
+        meaning: "One sampled switch, run or record, with draws of its own that depend on the seed, the point and its number alone. \
+                  Key: trials.",
+    },
+    Term {
+        names: &["tally", "tallies"],
+        meaning: "What a results folder keeps of trials, in tallies.sqlite: exact sums, extremes and the histogram of an error. More trials \
+                  add to them, and folders of one study can be put together with `sagnac merge`.",
+    },
+    Term {
+        names: &["shard", "share"],
+        meaning: "A part of the trials of a study, which one of several machines samples: --shard 2/8. `sagnac merge` puts the folders \
+                  together, to the bits of one run.",
+    },
+    Term {
+        names: &["kernel"],
+        meaning: "The part of the program that samples, in whole numbers, as a shader on a GPU and the same on the CPU. Results name its \
+                  version: those of another one are not mixed.",
+    },
+    Term {
+        names: &["perimeter control", "loop"],
+        meaning: "The loop that holds the optical path, and locks anew after each mode switch; until then the readout fakes a rotation. \
+                  Keys: those of [relock].",
+    },
+    Term {
+        names: &["point"],
+        meaning: "One combination of the values of all sweeps, with results of its own: a row of points.csv for each filler and error.",
+    },
+];
