@@ -420,12 +420,7 @@ mod tests {
         let said = [599.0, 3131.0, 72_400.0, 1.728e6].map(|value| places(&[(&column, value)]));
         assert_eq!(
             said,
-            [
-                "length 599 s",
-                "length 3130 s (52.2 min)",
-                "length 72400 s (20.1 h)",
-                "length 1730000 s (20 d)"
-            ]
+            ["length 599 s", "length 3130 s (52.2 min)", "length 72400 s (20.1 h)", "length 1.73e6 s (20 d)"]
         );
     }
 

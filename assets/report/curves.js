@@ -24,6 +24,7 @@ class Curves {
     this.off = new Set();
     this.hasLaws = figure.series.some((series) => series.law.length > 0);
     this.ownDashes = figure.dashes.entries.length > 0;
+    this.named = figure.x.names.length > 0;
   }
 
   /** Whether something is switched on: `colour 2`, `bands`. */
@@ -75,7 +76,8 @@ class Curves {
       yield* near;
       yield* limit;
     };
-    return { x, y: Range.around(yLog, whole()) };
+    const side = figure.x.names.length;
+    return { x: side > 0 ? new Range(false, 0.5, side + 0.5) : x, y: Range.around(yLog, whole()) };
   }
 
   draw(plot, under, over) {
@@ -92,6 +94,10 @@ class Curves {
     });
     for (const each of series) {
       const look = { class: `curve c${each.colour % 8}`, "stroke-dasharray": styled(looks.dashes, this.dashOf(each)) };
+      if (this.named) {
+        if (this.on("lines")) this.levels(plot, under, each.law, { ...look, "stroke-dasharray": null });
+        continue;
+      }
       const joined = figure.joined ?? !this.hasLaws;
       const points = joined ? each.points.map(({ x, y }) => [x, y]) : each.law;
       if (joined ? this.on("points") : this.on("lines")) this.line(plot, under, points, look);
@@ -116,6 +122,13 @@ class Curves {
     if (path) group.append(shape("path", { fill: "none", d: path, ...look }));
   }
 
+  /** Values of what stands side by side, which no line joins. */
+  levels(plot, group, points, look) {
+    const bar = ([x, y]) => `M${plot.across(x) - 12},${plot.down(y)}h24`;
+    const d = points.filter(([x, y]) => plot.shows(x, y)).map(bar).join("");
+    if (d) group.append(shape("path", { fill: "none", d, ...look }));
+  }
+
   bands(plot, group, series) {
     const colour = `c${series.colour % 8}`;
     let [areas, bars] = ["", ""];
@@ -133,6 +146,7 @@ class Curves {
     };
     let run = [];
     for (const point of series.points) {
+      if (this.named) flush(run.splice(0));
       if (point.band && plot.shows(point.x, point.y)) run.push(point);
       else {
         flush(run);

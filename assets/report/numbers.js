@@ -33,5 +33,6 @@ function axisTitle(axis) {
 
 /** What stands at a place of an axis, as a sentence has it. */
 function axisValue(axis, x) {
+  if (axis.names?.length > 0) return axis.names[x - 1] ?? "";
   return axis.unit ? `${axis.label} ${measured(x, axis.unit)}` : `${axis.label} = ${significant(x)}`;
 }

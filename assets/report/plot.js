@@ -3,7 +3,7 @@
 let plots = 0;
 
 /** The width of a picture on paper, px: its writing is then as large as that beside it. */
-const PAPER = 620;
+const PAPER = 500;
 
 class Plot {
   /** All there are, and whether they are to be printed. */
@@ -58,9 +58,11 @@ class Plot {
     const yTicks = this.ranges.y.ticks(small ? 6 : 8, subject.y.whole);
     const labels = Math.max(...yTicks.major.map((tick) => textWidth(tick.label, size)), 12);
     const top = 12;
-    this.frame = { left: labels + size + 24, top, right: this.width - 14, bottom: this.height - 3.4 * size };
+    const names = subject.x.names ?? [];
+    this.frame = { left: labels + size + 24, top, right: this.width - 14, bottom: this.height - (names.length > 0 ? 5.6 : 3.4) * size };
     const { left, right, bottom } = this.frame;
-    const xTicks = this.ranges.x.ticks(Math.max(Math.floor((right - left) / (small ? 52 : 70)), 2), subject.x.whole);
+    const xTicks = names.length > 0 ? this.ranges.x.names(names)
+      : this.ranges.x.ticks(Math.max(Math.floor((right - left) / (small ? 52 : 70)), 2), subject.x.whole);
     picture.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
     picture.style.setProperty("--size", `${size}px`);
     const under = shape("g", { "clip-path": `url(#${this.id})` });
@@ -88,9 +90,15 @@ class Plot {
     const group = shape("g", { class: "axes" });
     group.append(shape("path", { d: `M${left},${top}V${bottom}H${right}` }));
     let end = -Infinity;
+    const room = xTicks.named ? (right - left) / (this.ranges.x.high - this.ranges.x.low) - 6 : null;
     for (const { value, label } of xTicks.major) {
       const [at, width] = [this.across(value), textWidth(label, size)];
       group.append(shape("path", { d: `M${at},${bottom}v5` }));
+      if (room) {
+        inLines(label, size, room).forEach((line, row) => group.append(
+          shape("text", { x: at, y: bottom + (row + 1) * 1.2 * size + 6, "text-anchor": "middle" }, line)));
+        continue;
+      }
       if (at - width / 2 < end + 6) continue;
       group.append(shape("text", { x: at, y: bottom + size + 8, "text-anchor": "middle" }, label));
       end = at + width / 2;
@@ -239,13 +247,39 @@ class Plot {
   }
 }
 
+/** A name in up to three lines that are about as long, cut where a word does not fit. */
+function inLines(name, size, room) {
+  const lines = (most) => {
+    const made = [];
+    for (const word of name.split(" ")) {
+      const longer = `${made.at(-1)} ${word}`;
+      if (made.length > 0 && (textWidth(longer, size) <= most || made.length === 3)) made[made.length - 1] = longer;
+      else made.push(word);
+    }
+    return made;
+  };
+  let best = lines(room);
+  for (let most = room - 4; most > 8; most -= 4) {
+    const narrower = lines(most);
+    if (narrower.length > best.length || narrower.some((line) => textWidth(line, size) > most)) break;
+    best = narrower;
+  }
+  const cut = (line) => {
+    let length = line.length;
+    while (length > 1 && textWidth(`${line.slice(0, length)}…`, size) > room) length--;
+    return `${line.slice(0, length)}…`;
+  };
+  return best.map((line) => (textWidth(line, size) <= room ? line : cut(line)));
+}
+
 /** The switches and buttons of a plot. */
 function tools(plot, file, more = []) {
   const scale = (axis) => button(`${axis} log`, `Logarithmic or linear ${axis}`, (event) => {
     plot.setLog(axis, !plot.log[axis]);
     event.currentTarget.setAttribute("aria-pressed", plot.log[axis]);
   }, plot.log[axis]);
-  return element("div", { class: "tools" }, scale("x"), scale("y"), ...more,
+  const named = (plot.subject.x.names ?? []).length > 0;
+  return element("div", { class: "tools" }, named ? null : scale("x"), scale("y"), ...more,
     button("+", "Enlarge", () => plot.enlarge(1.5)), button("−", "Show more", () => plot.enlarge(1 / 1.5)),
     button("All", "Show all again", () => plot.whole()),
     button("Save SVG", "Save what is shown as a picture", () => savePicture(`${file}.svg`, plot.picture)));

@@ -62,6 +62,12 @@ class Range {
     return this.log ? this.logTicks(most) : this.linearTicks(most, whole);
   }
 
+  /** The places 1, 2, 3, … of names that it holds, as ticks. */
+  names(names) {
+    const major = names.map((label, at) => ({ value: at + 1, label })).filter(({ value }) => this.holds(value));
+    return { major, minor: [], named: true };
+  }
+
   logTicks(most) {
     const [first, last] = [this.low, this.high].map((end) => Math.floor(Math.log10(end)));
     const digits = (counts) => {

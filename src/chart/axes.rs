@@ -45,7 +45,7 @@ pub(super) fn draw_axes(canvas: &mut Canvas, area: &Area, x_ticks: &Ticks, y_tic
     for (x, (_, label)) in columns(area, x_ticks, 0).zip(&x_ticks.major) {
         let half = 0.5 * text::width(label, TICK_SIZE, false);
         // A label that would touch the one before it is left out; its tick stays.
-        if x - half > free_from {
+        if x - half > free_from && !label.is_empty() {
             canvas.text((x, bottom + 23.0), label, LABEL);
             free_from = x + half + 6.0;
         }
@@ -53,6 +53,30 @@ pub(super) fn draw_axes(canvas: &mut Canvas, area: &Area, x_ticks: &Ticks, y_tic
     for (y, (_, label)) in rows(area, y_ticks, 0).zip(&y_ticks.major) {
         canvas.text((left - 10.0, y + 0.36 * TICK_SIZE), label, Lettering { anchor: "end", ..LABEL });
     }
+}
+
+/// Writes what stands side by side under an axis, each name in up to two lines as wide as its share.
+pub(super) fn draw_names(canvas: &mut Canvas, area: &Area, names: &[String]) {
+    let Frame { left, right, bottom, .. } = area.frame;
+    let room = (right - left) / names.len().max(1) as f64 - 8.0;
+    for (place, name) in (1..).zip(names) {
+        let x = area.across(f64::from(place));
+        for (line, y) in in_lines(name, room).iter().zip([bottom + 21.0, bottom + 36.0]) {
+            canvas.text((x, y), &text::fitted(line, TICK_SIZE, false, room), LABEL);
+        }
+    }
+}
+
+/// A name in one line if it fits, else in two that are about as long.
+fn in_lines(name: &str, room: f64) -> Vec<&str> {
+    let width = |line: &str| text::width(line, TICK_SIZE, false);
+    if width(name) <= room {
+        return vec![name];
+    }
+    let cuts = name.match_indices(' ').map(|(at, _)| [&name[..at], &name[at + 1..]]);
+    let longer = |[a, b]: &[&str; 2]| width(a).max(width(b));
+    let best = cuts.min_by(|a, b| longer(a).total_cmp(&longer(b)));
+    best.map_or(vec![name], Vec::from)
 }
 
 /// Where the ticks of the x axis stand: the labelled ones (rank 0) or the others (rank 1).

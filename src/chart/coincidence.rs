@@ -105,7 +105,13 @@ mod tests {
     }
 
     fn figure(series: Vec<Series>) -> Figure {
-        let axis = Axis { label: String::new(), unit: String::new(), scale: Scale::Log, whole: false };
+        let axis = Axis {
+            label: String::new(),
+            unit: String::new(),
+            scale: Scale::Log,
+            whole: false,
+            names: vec![],
+        };
         Figure {
             title: String::new(),
             subtitle: None,

@@ -48,6 +48,8 @@ pub struct Axis {
     pub scale: Scale,
     /// Whether it counts: ticks are at whole numbers only.
     pub whole: bool,
+    /// What stands at its places 1, 2, 3, …, side by side; empty of an axis of numbers.
+    pub names: Vec<String>,
 }
 
 impl Axis {

@@ -16,7 +16,7 @@ impl Figure {
     /// A limit or a law in another unit than that of y, a column that is not there, holds text instead of numbers, or has no row with a
     /// value asked for, a curve through rows that belong on several.
     pub fn from_table(table: &Table, spec: &Spec) -> Result<(Figure, Notes), ChartError> {
-        let (x, y) = (numbers(table, &spec.x)?, numbers(table, &spec.y)?);
+        let (x, y) = (table.column(&spec.x)?, numbers(table, &spec.y)?);
         let beside =
             [spec.limit.map(|limit| ("limit", limit.1)), spec.laws.first().map(|_| ("law", Unit::ARCSEC))];
         check_unit(&spec.y, y, beside)?;
@@ -34,7 +34,7 @@ impl Figure {
         let mut figure = Figure {
             title: spec.title.clone(),
             subtitle: spec.subtitle.clone(),
-            x: axis(x, spec.x_scale),
+            x: named_axis(x, &rows).unwrap_or_else(|| axis(x, spec.x_scale)),
             y: axis(y, spec.y_scale),
             colours: grouping(colours, &rows),
             dashes: grouping(dashes, &rows),
@@ -47,15 +47,20 @@ impl Figure {
             limit: spec.limit.map(|(value, _)| limit(value, y)),
             chosen: table.chosen(&spec.filter)?,
         };
+        let names = figure.x.names.clone();
         let mut notes = Notes::default();
         let mut lines: BTreeMap<(usize, usize, usize), Vec<(f64, f64)>> = BTreeMap::new();
+        let place = |row: usize| match names.is_empty() {
+            true => x.cells[row].number(),
+            false => Some(1.0 + names.iter().position(|name| *name == x.cells[row].text())? as f64),
+        };
         // Rows that have no place on an axis on which others have one are about something else, as the sum of all ticks.
-        let some = rows.iter().any(|&row| x.cells[row].number().is_some());
+        let some = rows.iter().any(|&row| place(row).is_some());
         for row in rows.into_iter().filter(|&row| !some || x.cells[row] != Cell::Blank) {
             let colour = colours.map_or(0, |column| style(&figure.colours, &column.cells[row]));
             let dash = dashes.map_or(0, |column| style(&figure.dashes, &column.cells[row]));
             let series = curve(&mut figure.series, colour, dash);
-            let Some(x) = x.cells[row].number() else {
+            let Some(x) = place(row) else {
                 notes.blank += 1;
                 continue;
             };
@@ -89,7 +94,7 @@ impl Figure {
     }
 }
 
-/// The column of that name, if it may be an axis.
+/// The column of that name, if it holds numbers.
 pub(super) fn numbers<'t>(table: &'t Table, name: &str) -> Result<&'t Column, ChartError> {
     let column = table.column(name)?;
     match column.cells.iter().find(|cell| matches!(cell, Cell::Text(_))) {
@@ -116,7 +121,20 @@ pub(super) fn check_unit<const N: usize>(
 pub(super) fn axis(column: &Column, scale: Scale) -> Axis {
     let mut cells = column.cells.iter().filter(|cell| **cell != Cell::Blank).peekable();
     let whole = cells.peek().is_some() && cells.all(|cell| matches!(cell, Cell::Integer(_)));
-    Axis { label: column.label.clone(), unit: column.unit.symbol.to_owned(), scale, whole }
+    Axis { label: column.label.clone(), unit: column.unit.symbol.to_owned(), scale, whole, names: vec![] }
+}
+
+/// An axis on which the different texts of a column stand side by side, in the order of their first rows; none of numbers.
+fn named_axis(column: &Column, rows: &[usize]) -> Option<Axis> {
+    let mut names: Vec<String> = vec![];
+    for &row in rows {
+        match &column.cells[row] {
+            Cell::Text(name) if names.contains(name) => {}
+            Cell::Text(name) => names.push(name.clone()),
+            _ => {}
+        }
+    }
+    (!names.is_empty()).then(|| Axis { whole: true, names, ..axis(column, Scale::Linear) })
 }
 
 pub(super) fn limit(value: f64, y: &Column) -> Limit {
@@ -284,6 +302,30 @@ mod tests {
         assert!(matches!(Figure::from_table(&table(), &text), Err(ChartError::NotNumbers { .. })));
         let three = Spec { series: vec!["filler".to_owned(); 3], ..spec() };
         assert_eq!(Figure::from_table(&table(), &three), Err(ChartError::TooManySeries { found: 3 }));
+    }
+
+    #[test]
+    fn texts_on_the_abscissa_stand_side_by_side_and_no_line_joins_them() {
+        let filter = vec![("frequency".to_owned(), "2".to_owned())];
+        let series = vec!["gap_ticks".to_owned()];
+        let spec =
+            Spec { x: "filler".to_owned(), x_scale: Scale::Log, series, filter, limit: None, ..spec() };
+        let (figure, _) = Figure::from_table(&table(), &spec).unwrap();
+        assert_eq!(
+            (&figure.x.names[..], figure.x.scale),
+            (&["const", "quad", "copy"].map(str::to_owned)[..], Scale::Linear)
+        );
+        let of = |series: &Series| series.points.iter().map(|point| (point.x, point.y)).collect::<Vec<_>>();
+        assert_eq!(of(&figure.series[0]), [(1.0, 4.0), (2.0, 5.0), (3.0, 4.0)]);
+        assert_eq!(of(&figure.series[1]), [(1.0, 2.0), (2.0, 2.0), (3.0, 2.0)]);
+        let svg = figure.svg();
+        for name in ["const", "quad", "copy"] {
+            assert_eq!(svg.matches(&format!(">{name}<")).count(), 1, "{name}");
+        }
+        // Whiskers have two ends, closed forms too; a line along the curve would have three places.
+        let lines = svg.split("<polyline points=\"").skip(1).map(|rest| rest.split('"').next().unwrap_or(""));
+        let longest = lines.map(|places| places.split(' ').count()).max();
+        assert_eq!(longest, Some(3), "the axes alone");
     }
 
     #[test]

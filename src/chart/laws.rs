@@ -81,7 +81,13 @@ mod tests {
     }
 
     fn merged(lines: Vec<LawLine>) -> Vec<(Vec<usize>, usize)> {
-        let axis = Axis { label: String::new(), unit: String::new(), scale: Scale::Log, whole: false };
+        let axis = Axis {
+            label: String::new(),
+            unit: String::new(),
+            scale: Scale::Log,
+            whole: false,
+            names: vec![],
+        };
         let mut figure = Figure {
             title: String::new(),
             subtitle: None,

@@ -14,6 +14,9 @@ const MOST_MARKED: usize = 200;
 /// How many have of more points, at the most.
 const MARKED: usize = 40;
 
+/// Half the width of a closed form where names stand side by side.
+const LAW_WIDTH: f64 = 12.0;
+
 /// A figure with its axes laid out.
 #[derive(Debug)]
 pub(super) struct Plot<'a> {
@@ -103,7 +106,14 @@ impl Plot<'_> {
     /// The stretches of a series between points that cannot be shown.
     fn runs<'s>(&self, series: &'s Series) -> impl Iterator<Item = &'s [SeriesPoint]> {
         let shown = |point: &SeriesPoint| self.figure.shows((point.x, point.y));
-        series.points.chunk_by(move |a, b| shown(a) && shown(b)).filter(move |run| run.iter().all(shown))
+        let joined = self.is_joined();
+        let runs = series.points.chunk_by(move |a, b| joined && shown(a) && shown(b));
+        runs.filter(move |run| run.iter().all(shown))
+    }
+
+    /// Whether one point leads to the next, as names do not.
+    fn is_joined(&self) -> bool {
+        self.figure.x.names.is_empty()
     }
 
     fn draw_bands(&self, canvas: &mut Canvas, series: &Series) {
@@ -132,7 +142,17 @@ impl Plot<'_> {
     /// The closed form. Lines join the points where no series has one; beside closed forms they would pass for such.
     fn draw_curve(&self, canvas: &mut Canvas, series: &Series) {
         let (colour, dash) = (palette::colour(series.colour), palette::dash(self.figure.dash_of(series)));
-        if self.figure.has_laws() {
+        if !self.is_joined() {
+            let stroke = Stroke { colour, width: 1.3, dash: "" };
+            for (x, y) in series
+                .law
+                .iter()
+                .filter(|place| self.figure.shows(**place))
+                .map(|&place| self.area.place(place))
+            {
+                canvas.line(&[(x - LAW_WIDTH, y), (x + LAW_WIDTH, y)], stroke);
+            }
+        } else if self.figure.has_laws() {
             self.draw_line(canvas, &series.law, Stroke { colour, width: 1.3, dash });
         } else {
             let places: Vec<_> = series.points.iter().map(|point| (point.x, point.y)).collect();

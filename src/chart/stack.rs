@@ -11,7 +11,7 @@ const BETWEEN: &str = ": ";
 
 /// The table with the columns `names` one below the other, under the name of the first: all other columns are repeated for
 /// each, closed forms stay with their columns, and [`CURVE`] tells them apart by their labels. Of labels such as `drift: bound` and `drift: mean` the first part
-/// becomes that of the stacked column.
+/// becomes that of the stacked column, else the word that all end with.
 ///
 /// # Errors
 /// A name selects no single column, or one that is there already, or a column in another unit than that of the first.
@@ -33,7 +33,7 @@ pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
     let shared = shared.filter(|shared| columns.iter().all(|column| part(column, shared).is_some()));
     let label =
         |column: &Column| shared.and_then(|shared| part(column, shared)).unwrap_or(&column.label).to_owned();
-    let heading = shared.unwrap_or("value").to_owned();
+    let heading = shared.or_else(|| last_word(&columns)).unwrap_or("value").to_owned();
     let rows = table.rows();
     let law =
         |column: &Column| table.columns.iter().find(|law| law.name == format!("oracle_{}", column.name));
@@ -70,6 +70,13 @@ pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
         });
     }
     Ok(Table { columns: all })
+}
+
+/// The word that the labels of all columns end with: `error` of `rms error` and `99.73 % error`.
+fn last_word<'c>(columns: &[&'c Column]) -> Option<&'c str> {
+    let words = |column: &&'c Column| column.label.rsplit_once(' ').map(|(_, last)| last);
+    let first = words(columns.first()?)?;
+    columns.iter().all(|column| words(column) == Some(first)).then_some(first)
 }
 
 /// What a column is of the quantity `shared`.

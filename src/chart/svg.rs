@@ -17,7 +17,7 @@ impl Figure {
     /// ```
     /// # use sagnac::chart::*;
     /// let axis = |label: &str, unit: &str| Axis {
-    ///     label: label.into(), unit: unit.into(), scale: Scale::Log, whole: false,
+    ///     label: label.into(), unit: unit.into(), scale: Scale::Log, whole: false, names: vec![],
     /// };
     /// let point = |x: f64| SeriesPoint { x, y: 20.0 * x * x, band: None };
     /// let figure = Figure {
@@ -42,7 +42,11 @@ impl Figure {
     /// ```
     pub fn svg(&self) -> String {
         let (x, y) = (plot::x_range(self), plot::y_range(self));
-        let (x_ticks, y_ticks) = (self.x.ticks(x), self.y.ticks(y));
+        let (mut x_ticks, y_ticks) = (self.x.ticks(x), self.y.ticks(y));
+        if !self.x.names.is_empty() {
+            // They are written in lines.
+            x_ticks.major.iter_mut().for_each(|(_, label)| label.clear());
+        }
         let legend = Legend::of(self);
         let titles = Titles {
             title: &self.title,
@@ -58,7 +62,10 @@ impl Figure {
         canvas.open_picture(WIDTH, HEIGHT, text::FAMILY, &self.title);
         titles.draw(&mut canvas, frame);
         canvas.group("grid", |canvas| axes::draw_grid(canvas, &area, &x_ticks, &y_ticks));
-        canvas.group("axes", |canvas| axes::draw_axes(canvas, &area, &x_ticks, &y_ticks));
+        canvas.group("axes", |canvas| {
+            axes::draw_axes(canvas, &area, &x_ticks, &y_ticks);
+            axes::draw_names(canvas, &area, &self.x.names);
+        });
         plot.draw(&mut canvas);
         let points = self.series.iter().map(|series| series.points.len()).sum::<usize>();
         if points == self.left_out() && self.laws.is_empty() {
@@ -87,7 +94,13 @@ mod tests {
     }
 
     fn axis(label: &str, unit: &str) -> Axis {
-        Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log, whole: false }
+        Axis {
+            label: label.to_owned(),
+            unit: unit.to_owned(),
+            scale: Scale::Log,
+            whole: false,
+            names: vec![],
+        }
     }
 
     /// Everything that a figure can have, small.

@@ -1,4 +1,4 @@
-//! Axes and their ticks, which for counts are at whole numbers only.
+//! Axes and their ticks, which for counts and names are at whole numbers only.
 
 use super::figure::Axis;
 use super::layout::MOST_LABELS;
@@ -12,6 +12,9 @@ impl Axis {
     /// What the axis covers to show `values`, with a margin. One that counts does not reach down to 0 because it is near.
     pub(super) fn around(&self, values: impl IntoIterator<Item = f64>) -> Range {
         let values: Vec<f64> = values.into_iter().filter(|&value| self.scale.shows(value)).collect();
+        if !self.names.is_empty() {
+            return Range { scale: self.scale, low: 0.5, high: self.names.len() as f64 + 0.5 };
+        }
         let low = values.iter().copied().fold(f64::INFINITY, f64::min);
         let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if self.whole && self.scale == Scale::Linear && 0.0 < low && low < high {
@@ -23,6 +26,10 @@ impl Axis {
 
     /// The ticks in a range of the axis.
     pub(super) fn ticks(&self, range: Range) -> Ticks {
+        if !self.names.is_empty() {
+            let major = (1..).zip(&self.names).map(|(place, name)| (f64::from(place), name.clone()));
+            return Ticks { major: major.collect(), minor: vec![] };
+        }
         let mut ticks = range.ticks(MOST_LABELS);
         if !self.whole {
             return ticks;
@@ -44,7 +51,7 @@ mod tests {
 
     /// Labels, and the ticks without one, of an axis about these values.
     fn ticks(scale: Scale, whole: bool, values: &[f64]) -> (Vec<String>, Vec<f64>) {
-        let axis = Axis { label: String::new(), unit: String::new(), scale, whole };
+        let axis = Axis { label: String::new(), unit: String::new(), scale, whole, names: vec![] };
         let ticks = axis.ticks(axis.around(values.iter().copied()));
         (ticks.major.into_iter().map(|(_, label)| label).collect(), ticks.minor)
     }

@@ -65,6 +65,7 @@ impl Firmware {
             unit: unit.to_owned(),
             scale: Scale::Log,
             whole: false,
+            names: vec![],
         };
         let plural = if self.gap_ticks == 1 { "" } else { "s" };
         let of = self.tick_s.map_or_else(String::new, |t| format!(" of {} ms", significant(1e3 * t, 6)));

@@ -64,6 +64,14 @@ pub struct Shown<'t> {
     pub series: Vec<String>,
 }
 
+impl Shown<'_> {
+    /// Whether names stand side by side on the abscissa.
+    pub fn is_named(&self, chart: &Chart) -> bool {
+        let x = self.table.column(&chart.x.name);
+        x.is_ok_and(|x| x.cells.iter().any(|cell| matches!(cell, Cell::Text(_))))
+    }
+}
+
 /// What each chart of a study shows.
 ///
 /// # Errors

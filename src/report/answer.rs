@@ -49,6 +49,7 @@ pub fn answer(
             with_caveat(study, headline, &shown.table, &filter(chart))
                 .map_err(|error| refused(study, chart, &error.into()))?
         }
+        (None, Some(((chart, shown), _))) if shown.is_named(chart) => undrawn(study, tables),
         (None, Some(((chart, shown), drawn))) => {
             of_chart(study, chart, shown, &drawn.picture).map_err(|error| refused(study, chart, &error))?
         }
@@ -236,7 +237,7 @@ fn of_each(chart: &Chart, shown: &Shown) -> Result<Vec<String>, ColumnError> {
     Ok(each?.unwrap_or_default())
 }
 
-/// The best row of a study without a chart.
+/// The best row of a study without a chart, or with names side by side.
 fn undrawn(study: &Study, tables: &Tables) -> Option<String> {
     let row = |column: &str, value: &str| vec![(column.to_owned(), value.to_owned())];
     let (estimate, rows) = match study.kind() {

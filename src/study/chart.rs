@@ -205,7 +205,8 @@ fn read(mut table: ChartTable, sweeps: &[Sweep], subject: &Subject) -> Result<Ch
     };
     // Without a word on them a curve would jump between rows of several errors, and a map show two values at once.
     let is_named = |column: &str| {
-        chosen.iter().any(|name| name == column) || chart.series().iter().any(|named| named.name == column)
+        let mut drawn = std::iter::once(&chart.x).chain(chart.series());
+        chosen.iter().any(|name| name == column) || drawn.any(|named| named.name == column)
     };
     let supplied = usual_rows(&known).into_iter().filter(|(column, _)| !is_named(&column.name));
     let supplied: Vec<(Named, Cell)> = supplied.collect();

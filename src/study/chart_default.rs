@@ -19,10 +19,10 @@ pub(super) fn estimate(kind: Kind) -> &'static str {
     }
 }
 
-/// What suits the sweeps; nothing to draw where nothing but names is swept, unless tables have an axis of their own.
+/// What suits the sweeps; nothing to draw of closed forms where nothing but names is swept, nor of runs without fillers.
 pub(super) fn default_for(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
     match subject {
-        Subject::GapFill(_) => of_fillers(sweeps, subject),
+        Subject::GapFill(_) => Some(of_fillers(sweeps, subject)),
         Subject::Allan(_) => Some(of_deviations(sweeps)),
         Subject::SwitchedRun(run) => of_runs(sweeps, run, subject),
         Subject::Relock(_) => Some(of_relock(sweeps, subject)),
@@ -104,7 +104,10 @@ fn at_first(sweep: &Sweep) -> Option<(Named, Cell)> {
 /// of the next.
 fn of_runs(sweeps: &[Sweep], run: &SwitchedRun, subject: &Subject) -> Option<Chart> {
     let known = Known::of(subject, Source::Points);
-    let x = sweeps.iter().find(|sweep| !sweep.key.is_name())?;
+    let Some(x) = sweeps.iter().find(|sweep| !sweep.key.is_name()) else {
+        let has_fillers = !run.fillers().is_empty();
+        return has_fillers.then(|| side_by_side(sweeps, &known, ["drift_rms", "drift_q9973"]));
+    };
     let others = || sweeps.iter().filter(|sweep| sweep.key.name != x.key.name);
     let filler = (!run.fillers().is_empty()).then(|| Named::default(FILLER));
     let keys = others().map(|sweep| Named::default(sweep.key.name));
@@ -125,11 +128,13 @@ fn of_runs(sweeps: &[Sweep], run: &SwitchedRun, subject: &Subject) -> Option<Cha
     })
 }
 
-/// Over Δt·ν if the frequency is swept, else over the first swept key that is no name.
-fn of_fillers(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
+/// Over Δt·ν if the frequency is swept, else over the first swept key that is no name, else side by side.
+fn of_fillers(sweeps: &[Sweep], subject: &Subject) -> Chart {
     let mut names: Vec<&str> = sweeps.iter().map(|sweep| sweep.key.name).collect();
     let frequency = sweeps.iter().position(|sweep| sweep.key.name == FREQUENCY.name);
-    let swept = frequency.or_else(|| sweeps.iter().position(|sweep| !sweep.key.is_name()))?;
+    let Some(swept) = frequency.or_else(|| sweeps.iter().position(|sweep| !sweep.key.is_name())) else {
+        return side_by_side(sweeps, &Known::of(subject, Source::Points), ["rms", "q9973"]);
+    };
     let name = names.remove(swept);
     let x = if frequency.is_some() { DT_NU } else { name };
     let series = std::iter::once(FILLER).chain(names.first().copied());
@@ -138,7 +143,7 @@ fn of_fillers(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
         .skip(1)
         .filter_map(|name| at_first(sweeps.iter().find(|sweep| sweep.key.name == *name)?));
     let known = Known::of(subject, Source::Points);
-    Some(Chart {
+    Chart {
         title: None,
         source: Source::Points,
         x: Named::default(x),
@@ -149,5 +154,22 @@ fn of_fillers(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
         limit: None,
         x_scale: scale_over(x, sweeps, &known),
         y_scale: Scale::default(),
-    })
+    }
+}
+
+/// The fillers side by side where no number is swept, by two estimates, for each value of the first name that is.
+fn side_by_side(sweeps: &[Sweep], known: &Known, [first, second]: [&str; 2]) -> Chart {
+    let mut names = sweeps.iter().map(|sweep| Named::default(sweep.key.name));
+    Chart {
+        title: None,
+        source: Source::Points,
+        x: Named::default(FILLER),
+        y: Named::default(first),
+        beside: vec![Named::default(second)],
+        shows: Shows::Curves { series: names.next().into_iter().collect(), laws: vec![] },
+        rows: sweeps.iter().skip(1).filter_map(at_first).chain(usual_rows(known)).collect(),
+        limit: None,
+        x_scale: Scale::Linear,
+        y_scale: Scale::Log,
+    }
 }

@@ -32,7 +32,7 @@ pub(super) struct ChartTable {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(with = "String")]
     pub(super) title: Option<String>,
-    /// Column of the abscissa; of a map a swept key, dt_nu or amplitude_noise.
+    /// Column of the abscissa, one of text with its values side by side; of a map a swept key, dt_nu or amplitude_noise.
     #[schemars(with = "String", extend("examples" = ["dt_nu", "frequency"]))]
     pub(super) x: Spanned<String>,
     /// Column of the ordinate: of curves the estimate, or several of one unit, ["bound", "mean_drift"], each a curve of its

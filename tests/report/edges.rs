@@ -1,6 +1,6 @@
 //! Reports of what is little, nothing or very much.
 
-use sagnac::chart::{Figure, Picture};
+use sagnac::chart::{Figure, Picture, Spec};
 use sagnac::picture::Drawn;
 use sagnac::report::{Answer, Report, Source};
 use sagnac::study::{self, Kind};
@@ -13,7 +13,11 @@ use super::fillers::{spec, table};
 use super::{PICTURE, is_silent, point_at, tip};
 
 fn page(table: &Table) -> String {
-    let (figure, notes) = Figure::from_table(table, &spec("Edges")).unwrap();
+    page_of(table, &spec("Edges"))
+}
+
+fn page_of(table: &Table, spec: &Spec) -> String {
+    let (figure, notes) = Figure::from_table(table, spec).unwrap();
     let drawn = Drawn { stem: "chart".to_owned(), picture: Picture::Curves(figure), note: notes.sentence() };
     let source = Source {
         study: "kind = \"gap-fill\"\n".to_owned(),
@@ -40,9 +44,13 @@ fn page(table: &Table) -> String {
 
 /// Opens a page of a table; the folder holds it.
 fn opened(browser: &Browser, table: &Table) -> TempDir {
+    opened_as(browser, table, &spec("Edges"))
+}
+
+fn opened_as(browser: &Browser, table: &Table, spec: &Spec) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("report.html");
-    std::fs::write(&path, page(table)).unwrap();
+    std::fs::write(&path, page_of(table, spec)).unwrap();
     println!("{} rows: open after {} ms", table.rows(), browser.open(&path).as_millis());
     folder
 }
@@ -68,6 +76,24 @@ fn one_point_is_drawn_with_its_interval() {
     assert_eq!(at, ["motion.frequency 1 Hz"]);
     assert_eq!(lines.len(), 3);
     assert!(lines.contains(&("linear".to_owned(), "4 ″ 95 % band: 3.96 … 4.04".to_owned())), "{lines:?}");
+    is_silent(&browser);
+}
+
+#[test]
+fn fillers_of_one_point_stand_side_by_side() {
+    let Some(browser) = Browser::start() else { return };
+    let spec = Spec { x: "filler".to_owned(), series: vec![], ..spec("Edges") };
+    let _folder = opened_as(&browser, &table(1, |_, filler| Some(3.0 + filler as f64)), &spec);
+    for (across, name, value) in [(0.3, "const", "3 ″"), (0.55, "linear", "4 ″"), (0.85, "quadratic", "5 ″")]
+    {
+        point_at(&browser, PICTURE, (across, 0.5));
+        let (at, lines) = tip(&browser).unwrap();
+        assert_eq!(at, [name]);
+        assert!(lines.len() == 1 && lines[0].1.starts_with(value), "{lines:?}");
+    }
+    let buttons = browser
+        .text("return [...document.querySelectorAll('.tools button')].map((b) => b.textContent).join(' ')");
+    assert!(buttons.starts_with("y log") && !buttons.contains("x log"), "{buttons}");
     is_silent(&browser);
 }
 

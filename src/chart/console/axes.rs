@@ -53,27 +53,50 @@ impl<'a> Frame<'a> {
         }
         let mut line = vec![base; page.columns];
         // A label may reach beyond the last cell.
-        let mut labels = vec![' '; margin + 3 + page.columns];
-        let mut free = 0;
+        let mut rows = [vec![' '; margin + 3 + page.columns], vec![' '; margin + 3 + page.columns]];
+        let mut free = [0; 2];
         for (value, label) in self.x.0.ticks(self.x.1).major {
             let label = look.spelled(&label);
             let at = ((self.x.1.fraction(value) * page.columns as f64) as usize).min(page.columns - 1);
-            let length = label.chars().count();
-            let start = (margin + 3 + at).saturating_sub(length / 2);
-            if start < free || start + length > labels.len() {
-                continue;
+            let most = match self.x.0.names.len() {
+                0 => usize::MAX,
+                names => (page.columns / names).saturating_sub(1).max(1),
+            };
+            for ((label, row), free) in in_rows(&label, most).into_iter().zip(&mut rows).zip(&mut free) {
+                let length = label.chars().count();
+                let start = (margin + 3 + at).saturating_sub(length / 2);
+                if start < *free || start + length > row.len() {
+                    continue;
+                }
+                line[at] = mark;
+                row[start..start + length]
+                    .iter_mut()
+                    .zip(label.chars())
+                    .for_each(|(cell, sign)| *cell = sign);
+                *free = start + length + 1;
             }
-            line[at] = mark;
-            labels[start..start + length].iter_mut().zip(label.chars()).for_each(|(cell, sign)| *cell = sign);
-            free = start + length + 1;
         }
         let line: String = line.into_iter().collect();
-        let labels: String = labels.into_iter().collect();
-        text += &format!(" {:margin$} {corner}{line}\n{}\n", "", labels.trim_end());
+        let rows = rows.map(|row| row.into_iter().collect::<String>().trim_end().to_owned());
+        text += &format!(" {:margin$} {corner}{line}\n{}\n", "", rows[0]);
+        if !rows[1].is_empty() {
+            text += &format!("{}\n", rows[1]);
+        }
         let title = look.spelled(&self.x.0.title());
         let indent = (margin + 3 + page.columns / 2).saturating_sub(title.chars().count() / 2);
         text + &format!("{:indent$}{title}\n", "")
     }
+}
+
+/// A label in two rows of at most so many signs, where one is not enough: the first has as many words as fit.
+fn in_rows(label: &str, most: usize) -> Vec<String> {
+    let length = |text: &str| text.chars().count();
+    let cuts = label.match_indices(' ').map(|(at, _)| at).filter(|&at| length(&label[..at]) <= most);
+    let rows = match cuts.last().filter(|_| length(label) > most) {
+        Some(at) => vec![&label[..at], &label[at + 1..]],
+        None => vec![label],
+    };
+    rows.into_iter().map(|row| row.chars().take(most).collect()).collect()
 }
 
 /// Entries of a legend in lines as wide as the terminal; `width` is of signs as they are seen.

@@ -30,7 +30,9 @@ pub(super) fn text(figure: &Figure, look: Look) -> String {
     for series in &figure.series {
         let points: Vec<(f64, f64)> = series.points.iter().map(|point| (point.x, point.y)).collect();
         let line = if figure.has_laws() { &series.law } else { &points };
-        joined(&mut page, &frame, line, 1, Some(series.colour));
+        if figure.x.names.is_empty() {
+            joined(&mut page, &frame, line, 1, Some(series.colour));
+        }
     }
     for (at, series) in figure.series.iter().enumerate() {
         let step = (series.points.len() * CELLS_PER_SIGN).div_ceil(page.columns).max(1);

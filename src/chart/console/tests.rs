@@ -8,7 +8,7 @@ use super::Look;
 const PLAIN: Look = Look { width: 60, unicode: false, color: false };
 
 fn axis(label: &str, unit: &str) -> Axis {
-    Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log, whole: false }
+    Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log, whole: false, names: vec![] }
 }
 
 /// y = x² and y = x over two decades, with a limit of 10.

@@ -189,7 +189,13 @@ mod tests {
     #[test]
     fn few_counts_have_a_tick_each_and_other_values_those_of_their_scale() {
         let labels_of = |whole: bool, values: &[f64]| -> Vec<String> {
-            let axis = Axis { label: String::new(), unit: String::new(), scale: Scale::Linear, whole };
+            let axis = Axis {
+                label: String::new(),
+                unit: String::new(),
+                scale: Scale::Linear,
+                whole,
+                names: vec![],
+            };
             let range = range(axis.scale, values);
             ticks(&axis, range, values).major.into_iter().map(|(_, label)| label).collect()
         };

@@ -167,7 +167,7 @@ fn label(coefficient: &Coefficient, value: f64, (factor, _, unit): (f64, &str, &
 }
 
 fn axis(label: &str, unit: &str) -> Axis {
-    Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log, whole: false }
+    Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log, whole: false, names: vec![] }
 }
 
 fn capitalised(text: &str) -> String {

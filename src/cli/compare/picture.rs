@@ -139,5 +139,5 @@ fn time() -> Axis {
 }
 
 fn axis(label: &str, unit: &str) -> Axis {
-    Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log, whole: false }
+    Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log, whole: false, names: vec![] }
 }

@@ -24,18 +24,16 @@ pub(super) fn summary(
     if !study.question.is_empty() {
         text += &format!("{}\n", study.question);
     }
-    if let Some((chart, shown)) = study.charts.iter().zip(curves).next() {
-        let shown = of_chart(study, shown, chart).map_err(|error| refused(study, chart, &error))?;
-        text += &format!("\n{shown}");
-    } else {
-        let failed = |error: ColumnError| Failure::Picture(error.to_string());
-        let shown = match study.kind() {
-            Kind::SwitchedRun if study.sweeps.is_empty() => angles(&tables.points),
-            Kind::GapFill if study.sweeps.is_empty() => one_point(&tables.points).map_err(failed)?,
-            _ => undrawn(study, &tables.points).map_err(failed)?,
-        };
-        text += &format!("\n{shown}");
-    }
+    let failed = |error: ColumnError| Failure::Picture(error.to_string());
+    let shown = match (study.kind(), study.charts.iter().zip(curves).next()) {
+        (Kind::SwitchedRun, _) if study.sweeps.is_empty() => angles(&tables.points),
+        (Kind::GapFill, _) if study.sweeps.is_empty() => one_point(&tables.points).map_err(failed)?,
+        (_, Some((chart, shown))) => {
+            of_chart(study, shown, chart).map_err(|error| refused(study, chart, &error))?
+        }
+        (_, None) => undrawn(study, &tables.points).map_err(failed)?,
+    };
+    text += &format!("\n{shown}");
     if let Some(coefficients) = &tables.coefficients {
         text += &format!("\n{}", coefficients_found(study, coefficients));
     }

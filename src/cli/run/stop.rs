@@ -147,8 +147,8 @@ impl Progress for Watch<'_> {
         self.shown.start(unit, done, total);
     }
 
+    /// What is said of a run that was stopped counts all that there may be, as the next one does when it begins.
     fn expect(&self, total: u64) {
-        self.total.store(total, Ordering::Relaxed);
         self.shown.expect(total);
     }
 
