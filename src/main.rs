@@ -5,16 +5,17 @@ mod cli;
 use std::path::Path;
 
 fn main() -> std::process::ExitCode {
-    without_display();
+    without_session();
     cli::main()
 }
 
-/// Keeps a layer of Mesa's Vulkan drivers out where there is no display: it orders devices, which is done here, and asks for one, and
-/// complains on the terminal of whoever has none.
-fn without_display() {
-    let has_display = std::env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| Path::new(&folder).is_dir());
-    if !has_display {
+/// Keeps a layer of Mesa's Vulkan drivers out where there is no desktop session: it orders devices, which is done here, asks for the
+/// folder of the session, and complains on the terminal of whoever has none.
+fn without_session() {
+    const LAYER_OFF: &str = "NODEVICE_SELECT";
+    let has_session = std::env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| Path::new(&folder).is_dir());
+    if !has_session && std::env::var_os(LAYER_OFF).is_none() {
         // SAFETY: nothing else runs yet.
-        unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+        unsafe { std::env::set_var(LAYER_OFF, "1") };
     }
 }

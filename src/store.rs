@@ -164,7 +164,7 @@ pub struct Store {
     session: Id,
 }
 
-/// Tallies whose rows are in memory at once, twice: 5 KiB each, as an example of many.
+/// Tallies whose rows are read at once, while those of as many are added up; rows of many trials have some 2 KiB, and a tally may have fifty.
 const READ_AT_ONCE: usize = 1024;
 
 /// Sessions of this process.

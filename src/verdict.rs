@@ -239,7 +239,7 @@ impl Answer<'_> {
             }
             Outcome::WithinUpTo => format!("within {limit} up to the last point, {at}"),
         };
-        let again = if self.again { ", and once more further on" } else { "" };
+        let again = if self.again { ", and again further on" } else { "" };
         let first = match (self.outcome, &self.first[..]) {
             (_, []) => String::new(),
             (Outcome::AboveFrom, _) => ", without one before".to_owned(),
@@ -251,10 +251,11 @@ impl Answer<'_> {
 
 fn places(places: &[(&Column, f64)]) -> String {
     let each = places.iter().map(|(column, value)| {
-        let named = column.valued(&significant(*value, 3));
+        let named = |shown: &str| column.valued(shown);
         match (column.unit.symbol, *value) {
-            ("s", 600.0..) => format!("{named} ({})", spoken(*value)),
-            _ => named,
+            ("s", 1e5..) => format!("{} {}", column.label, spoken(*value)),
+            ("s", 600.0..) => format!("{} ({})", named(&significant(*value, 3)), spoken(*value)),
+            _ => named(&significant(*value, 3)),
         }
     });
     each.collect::<Vec<_>>().join(", ")
@@ -400,7 +401,7 @@ mod tests {
         );
         let said = answers[1].sentence("10 ″");
         assert!(
-            said.starts_with("b: rises above 10 ″ at") && said.ends_with(", and once more further on"),
+            said.starts_with("b: rises above 10 ″ at") && said.ends_with(", and again further on"),
             "{said}"
         );
         let answers = verdict(&table, &asked("frequency", "q9973", 1.0)).unwrap();
@@ -420,7 +421,7 @@ mod tests {
         let said = [599.0, 3131.0, 72_400.0, 1.728e6].map(|value| places(&[(&column, value)]));
         assert_eq!(
             said,
-            ["length 599 s", "length 3130 s (52.2 min)", "length 72400 s (20.1 h)", "length 1.73e6 s (20 d)"]
+            ["length 599 s", "length 3130 s (52.2 min)", "length 72400 s (20.1 h)", "length 20 d"]
         );
     }
 

@@ -169,14 +169,26 @@ fn the_resolved_study_repeats_the_run_without_options() {
 }
 
 #[test]
-fn a_study_without_sweeps_has_no_swept_columns_and_no_chart() {
+fn a_study_without_sweeps_has_no_swept_columns_and_its_fillers_side_by_side() {
     let desk = Desk::with(STUDY);
     desk.done("run study.toml --device cpu --trials 1000");
     assert_eq!(desk.read("results/study/points.csv").lines().next(), Some(HEADER));
     assert_eq!(
         desk.names("results/study"),
-        ["points.csv", "report.html", "resolved_study.toml", "tallies.lock", "tallies.sqlite"]
+        [
+            "chart.png",
+            "chart.svg",
+            "points.csv",
+            "report.html",
+            "resolved_study.toml",
+            "tallies.lock",
+            "tallies.sqlite"
+        ]
     );
+    let chart = desk.read("results/study/chart.svg");
+    for label in ["const", "quadratic", "rms error", "99.73 % error"] {
+        assert!(chart.contains(&format!(">{label}<")), "{label}");
+    }
     let rows = desk.points("results/study");
     let names: Vec<(&str, &str)> =
         rows.iter().map(|row| (row["filler"].as_str(), row["error"].as_str())).collect();
@@ -311,9 +323,14 @@ fn charts_that_are_no_longer_asked_for_are_removed_and_nothing_else() {
     for name in own {
         assert_eq!(desk.read(&format!("results/study/{name}")), "mine");
     }
-    desk.write("study.toml", STUDY);
-    desk.done("run study.toml --device cpu --trials 1000 --quiet");
-    assert!(!desk.path("results/study/chart.svg").exists() && !desk.path("results/study/chart.png").exists());
+    // Of closed forms with nothing to draw none is left.
+    run(2);
+    desk.write(
+        "study.toml",
+        "title = \"none\"\nkind = \"suspension\"\n[suspension]\ngyro = \"LGK-400\"\nfrequency = \"20 Hz\"\n",
+    );
+    desk.done("run study.toml --out none --quiet");
+    assert!(!desk.names("none").iter().any(|name| name.starts_with("chart")));
 }
 
 /// Lines of the table on the standard output, split into cells.

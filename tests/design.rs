@@ -190,7 +190,7 @@ fn intervals_of_a_sweep_are_tried_in_even_numbers() {
     }
     assert_eq!(number(&found, "interval_s"), 16.1);
     let notes = found["notes"].to_string();
-    assert!(notes.contains("1 of the 7 intervals of the study are longer than half the run"), "{notes}");
+    assert!(notes.contains("to a tenth: 1 of the 7 intervals of the study"), "{notes}");
 }
 
 #[test]

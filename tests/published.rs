@@ -3,9 +3,10 @@
 mod studies;
 
 use std::collections::HashMap;
+use std::sync::Mutex;
 
 use sagnac::backend::select;
-use sagnac::run::Plan;
+use sagnac::run::{Plan, Progress};
 use sagnac::share::Share;
 use sagnac::store::Store;
 use sagnac::study::Precision;
@@ -132,6 +133,43 @@ fn the_trials_of_all_rounds_are_told_of_who_made_them() {
         "{told}, {}, {of_point}",
         done.trials
     );
+}
+
+/// Hears how many trials there are to be in all.
+#[derive(Default)]
+struct Heard(Mutex<Vec<u64>>);
+
+impl Progress for Heard {
+    fn start(&self, _: &'static str, _: u64, total: u64) {
+        self.expect(total);
+    }
+    fn expect(&self, total: u64) {
+        self.0.lock().unwrap().push(total);
+    }
+    fn advance(&self, _: u64) {}
+    fn note(&self, _: &str) {}
+    fn finish(&self) {}
+}
+
+#[test]
+fn what_a_precision_will_take_is_told_early_by_its_own_rule() {
+    for precision in ["\"0.2 %\"", "{ rms = \"0.5 %\", q9973 = \"1 %\" }"] {
+        let study = parsed("study.toml", &stopping("100_000_000", precision));
+        let (plan, folder) = (Plan::new(&study).unwrap(), tempfile::tempdir().unwrap());
+        let mut store = Store::open(folder.path(), &plan.identity()).unwrap();
+        let (mut device, heard) = (select("cpu", 2).unwrap().device, Heard::default());
+        let done = plan.run(&mut store, &mut device, Share::WHOLE, &heard).unwrap();
+        let told = heard.0.into_inner().unwrap();
+        assert_eq!(told[0] % 100_000_000, 0, "all there may be, of each launch");
+        assert_eq!(told.last(), Some(&done.trials), "{told:?}");
+        // From a sixteenth of them on it is right, or off by one doubling.
+        let early = &told[told.len() - 4..];
+        assert!(
+            early.iter().all(|&all| all <= 2 * done.trials && 2 * all >= done.trials),
+            "{told:?}, {}",
+            done.trials
+        );
+    }
 }
 
 #[test]

@@ -262,7 +262,7 @@ class Curves {
     const group = (title, entries) => (entries.length === 0 ? null
       : element("div", { class: "group" }, title ? element("h4", {}, title) : null, ...entries));
     const entry = (key, sample, name) => this.entry(plot, key, sample, name);
-    const curve = (look, style) => [sampleLine({ ...look, "stroke-dasharray": styled(looks.dashes, style) }), sampleMarker(look.class, style)];
+    const curve = (look, style) => this.named ? [sampleMarker(look.class, style)] : [sampleLine({ ...look, "stroke-dasharray": styled(looks.dashes, style) }), sampleMarker(look.class, style)];
     const colours = figure.colours.entries.map(({ style, name }) => entry(`colour ${style}`,
       this.ownDashes ? [sampleLine({ class: `thick c${style % 8}` })] : curve({ class: `curve c${style % 8}` }, style), name));
     const dashes = figure.dashes.entries.map(({ style, name }) => entry(`dash ${style}`, curve({ class: "curve grey" }, style), name));

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::spec::{ChartError, Spec};
-use crate::table::{Column, Table};
+use crate::table::{Cell, Column, Table};
 
 /// Follows from the swept keys, and first of all from the frequency.
 const DT_NU: &str = "dt_nu";
@@ -61,7 +61,7 @@ fn mixed<'t>(x: &Column, apart: &[&'t Column], rows: &[usize]) -> Option<(&'t Co
     let (column, row) = along?;
     let coordinate = [DT_NU, AMPLITUDE_NOISE].contains(&x.name.as_str())
         || apart.iter().any(|column| column.name == x.name);
-    let known = x.cells[rows[0]].number().is_some();
+    let known = x.cells[rows[0]] != Cell::Blank;
     let still = coordinate && known && !rows.iter().any(|&row| differ(x, rows[0], row));
     still.then(|| found(column, rows[0], row))
 }
@@ -70,7 +70,7 @@ fn mixed<'t>(x: &Column, apart: &[&'t Column], rows: &[usize]) -> Option<(&'t Co
 mod tests {
     use super::super::Scale;
     use super::*;
-    use crate::table::{Cell, Unit};
+    use crate::table::Unit;
 
     /// Frequencies 1 and 2, gaps 1 and 2, two fillers; Δt·ν is their product, which no two points share.
     fn table() -> Table {

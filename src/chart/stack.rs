@@ -33,7 +33,8 @@ pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
     let shared = shared.filter(|shared| columns.iter().all(|column| part(column, shared).is_some()));
     let label =
         |column: &Column| shared.and_then(|shared| part(column, shared)).unwrap_or(&column.label).to_owned();
-    let heading = shared.or_else(|| last_word(&columns)).unwrap_or("value").to_owned();
+    let heading = shared.unwrap_or("value").to_owned();
+    let quantity = shared.or_else(|| last_word(&columns)).unwrap_or("value").to_owned();
     let rows = table.rows();
     let law =
         |column: &Column| table.columns.iter().find(|law| law.name == format!("oracle_{}", column.name));
@@ -49,12 +50,12 @@ pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
     let mut all: Vec<Column> =
         table.columns.iter().filter(|column| !is_stacked(column)).map(repeat).collect();
     let names = columns.iter().flat_map(|column| vec![Cell::Text(label(column)); rows]).collect();
-    let (name, label) = (CURVE.to_owned(), heading.clone());
+    let (name, label) = (CURVE.to_owned(), heading);
     all.push(Column { name, label, unit: Unit::NONE, cells: names, band: None });
     let band = |column: &Column| column.band.clone().unwrap_or(vec![None; rows]);
     all.push(Column {
         name: first.name.clone(),
-        label: heading,
+        label: quantity,
         unit: first.unit,
         cells: columns.iter().flat_map(|column| column.cells.clone()).collect(),
         band: Some(columns.iter().flat_map(|column| band(column)).collect()),

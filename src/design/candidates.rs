@@ -74,9 +74,18 @@ fn candidate((point, lowered): &(RunPoint, LoweredRun), place: usize) -> Candida
     Candidate { schedule: point.schedule, switches: point.switches(), filled }
 }
 
-/// Points with runs of even numbers of their own intervals, but for those that fit not twice into a run.
-fn even(points: &[RunPoint]) -> Vec<RunPoint> {
-    points.iter().filter_map(|point| point.with_interval(point.schedule.interval_s)).collect()
+/// By how much of itself a run of an even number of intervals may be longer or shorter than that of the study: less drift because a run
+/// is longer says nothing of the interval.
+const MOST_OFF: f64 = 0.1;
+
+/// Points with runs of even numbers of their own intervals, but for those that make no such run of about the length asked for.
+pub(super) fn even(points: &[RunPoint]) -> Vec<RunPoint> {
+    let of = |point: &RunPoint| {
+        let even = point.with_interval(point.schedule.interval_s)?;
+        let off = (even.schedule.duration_s / point.schedule.duration_s - 1.0).abs();
+        (off <= MOST_OFF).then_some(even)
+    };
+    points.iter().filter_map(of).collect()
 }
 
 /// Points with intervals that are evenly spread in their logarithm, from the shortest to half the run.

@@ -62,8 +62,9 @@ use crate::run::switched_run::late;
 use crate::run::worker::Worker;
 use crate::stats::Estimates;
 use crate::study::{RunAngle, Study, SwitchedRun, Timing};
+use crate::table::significant;
 use crate::theory::drift::Optimum as Minimum;
-use candidates::{Candidate, Maker};
+use candidates::{Candidate, Maker, even};
 
 /// What is to be least.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -228,7 +229,7 @@ pub enum DesignError {
     Nothing,
     /// The run is too short for two intervals.
     #[error(
-        "no run of {duration_s} s has an even number of intervals that are long enough for the fit ticks"
+        "no run of about {duration_s} s has an even number of the intervals that are tried, of which the shortest have to hold the fit ticks"
     )]
     NoCandidate {
         /// t, s.
@@ -339,12 +340,11 @@ fn notes(study: &Study, runs: &SwitchedRun) -> Vec<String> {
          for exactly this frequency, and may be a coincidence; timing = \"random\" has none"
             .to_owned()
     });
-    let too_long =
-        runs.points.iter().filter(|point| point.with_interval(point.schedule.interval_s).is_none());
-    let left_out = match (study.sweeps.is_empty(), too_long.count()) {
+    let left_out = match (study.sweeps.is_empty(), runs.points.len() - even(&runs.points).len()) {
         (true, _) | (false, 0) => None,
         (false, count) => Some(format!(
-            "{count} of the {} intervals of the study are longer than half the run and left out",
+            "left out, as no even number of them makes a run of {} s to a tenth: {count} of the {} intervals of the study",
+            significant(runs.points[0].schedule.duration_s, 6),
             runs.points.len()
         )),
     };

@@ -21,6 +21,25 @@ const TERMS: u32 = 4096;
 
 /// Variance and a bound of its error, LSB²; `None` for motion whose characteristic function has no closed form here.
 pub(super) fn variance(fixed: &Fixed, f: &Functional) -> Option<(f64, f64)> {
+    summed(fixed, f, Drawn::Refused)
+}
+
+/// About the same for any motion, LSB²: that of drawn amplitudes and frequencies is taken at some of them, and the fractions of a recorded
+/// profile, and of a drawn tone of fixed phase, as if no two had anything to do with each other.
+pub(super) fn about(fixed: &Fixed, f: &Functional) -> f64 {
+    let pulse = fixed.readout.map_or(0.0, |readout| libm::exp2(f64::from(readout.bits)));
+    let apart = || boundaries(fixed, f).iter().map(|(_, g)| g * g * pulse * pulse / 12.0).sum();
+    summed(fixed, f, Drawn::AtSome).map_or_else(apart, |(variance, _)| variance)
+}
+
+/// What is done of tones that are drawn.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Drawn {
+    Refused,
+    AtSome,
+}
+
+fn summed(fixed: &Fixed, f: &Functional, drawn: Drawn) -> Option<(f64, f64)> {
     let Some(readout) = fixed.readout else { return Some((0.0, 0.0)) };
     let pulse = libm::exp2(f64::from(readout.bits));
     let boundaries = boundaries(fixed, f);
@@ -28,19 +47,12 @@ pub(super) fn variance(fixed: &Fixed, f: &Functional) -> Option<(f64, f64)> {
     for (i, &(from, g)) in boundaries.iter().enumerate() {
         sum += g * g * pulse * pulse / 12.0;
         for &(to, h) in &boundaries[i + 1..] {
-            let (covariance, tail) = covariance(fixed, from, to, pulse)?;
+            let (covariance, tail) = covariance(fixed, from, to, pulse, drawn)?;
             sum += 2.0 * g * h * covariance;
             error += 2.0 * (g * h).abs() * tail;
         }
     }
     Some((sum, error))
-}
-
-/// The same as if no two fractions had anything to do with each other, as is about so where the motion moves by many pulses between
-/// their boundaries; LSB².
-pub(super) fn uncorrelated(fixed: &Fixed, f: &Functional) -> f64 {
-    let pulse = fixed.readout.map_or(0.0, |readout| libm::exp2(f64::from(readout.bits)));
-    boundaries(fixed, f).iter().map(|(_, g)| g * g * pulse * pulse / 12.0).sum()
 }
 
 /// The boundaries at which a fraction counts, each with its factor.
@@ -61,13 +73,13 @@ fn boundaries(fixed: &Fixed, f: &Functional) -> Vec<(i32, f64)> {
 }
 
 /// Covariance of the fractions at two boundaries, and a bound of what is left out.
-fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64) -> Option<(f64, f64)> {
+fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64, drawn: Drawn) -> Option<(f64, f64)> {
     let n = fixed.gap_ticks;
     let parts: Vec<(i32, bool)> = spans(from, to, n);
     // The angle between the boundaries: a constant, tones of random phase, and what is normal.
     let mut constant = 0.0;
     let mut normal = 0.0;
-    let mut swings = Vec::new();
+    let mut swings: Vec<Swing> = Vec::new();
     for &(tick, gap) in &parts {
         let of = if gap { fixed.gap_constant(n) } else { fixed.tick_constant(tick) };
         constant += of as f64 / libm::exp2(32.0);
@@ -78,12 +90,22 @@ fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64) -> Option<(f64, f64
         return None;
     }
     for tone in &fixed.tones {
-        let [a, b] = swing(tone, &parts, n)?;
+        if !is_plain(tone) {
+            let swing =
+                (drawn == Drawn::AtSome).then(|| Swing::at_some(tone, &parts, to - from, n)).flatten()?;
+            // Of many pulses nothing is left.
+            if swing.sizes.iter().all(|size| *size > FAR * pulse) {
+                return Some((0.0, 0.0));
+            }
+            swings.push(swing);
+            continue;
+        }
+        let [a, b] = swung(tone, &parts, n);
         let phase = f64::from(tone.phase) / libm::exp2(32.0) * 2.0 * PI;
         if tone.rayleigh {
             normal += (a * a + b * b) * RAYLEIGH_UNIT * RAYLEIGH_UNIT;
         } else if tone.phase_spread != 0 {
-            swings.push(libm::hypot(a, b));
+            swings.push(Swing { sizes: vec![libm::hypot(a, b)], rayleigh: false });
         } else {
             constant += a * libm::sin(phase) + b * libm::cos(phase);
         }
@@ -103,18 +125,20 @@ fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64) -> Option<(f64, f64
     }
     let unit = pulse * pulse / (2.0 * PI * PI);
     // |J0(x)| is at most √(2/(πx)), and 1: of a swing over many pulses no more than a part of √m stays of term m.
-    let parts = swings.iter().map(|d| pulse / (PI * PI * d)).filter(|part| *part < 1.0);
+    let single = swings.iter().filter_map(|swing| (swing.sizes.len() == 1).then(|| swing.sizes[0]));
+    let parts = single.map(|d| pulse / (PI * PI * d)).filter(|part| *part < 1.0);
     let (envelope, power) =
         parts.fold((1.0, 1.0), |(envelope, power), part| (envelope * libm::sqrt(part), power + 0.5));
     let (mut sum, mut rest) = (0.0, 1.0);
-    for m in (1..=TERMS).map(f64::from) {
+    let terms = if swings.iter().all(|swing| swing.sizes.len() == 1) { TERMS } else { FEW_TERMS };
+    for m in (1..=terms).map(f64::from) {
         let k = 2.0 * PI * m / pulse;
         let damped = libm::exp(-0.5 * k * k * normal);
         if damped < 1e-15 {
             rest = 0.0;
             break;
         }
-        let swung: f64 = swings.iter().map(|&d| libm::j0(k * d)).product();
+        let swung: f64 = swings.iter().map(|swing| swing.factor(k)).product();
         sum += damped * swung * libm::cos(k * constant) / (m * m);
         // Later terms have at most this damping and envelope, and Σ j^(−1−p) beyond m is below m^−p / p.
         rest = damped * envelope * libm::pow(m, -power) / power;
@@ -130,14 +154,72 @@ fn spans(from: i32, to: i32, n: i32) -> Vec<(i32, bool)> {
     (from + 1..=to).filter(|tick| !(2..=n).contains(tick)).map(|tick| (tick, tick == 1)).collect()
 }
 
-/// A tone of fixed amplitude and frequency over the spans, at sine 1 and cosine 1.
-fn swing(tone: &FixedTone, parts: &[(i32, bool)], n: i32) -> Option<[f64; 2]> {
-    let (ToneMotion::Fixed { .. }, 0) = (tone.motion, tone.part[1]) else { return None };
+/// Whether nothing of a tone is drawn but its phase, or its amplitude from a Rayleigh distribution.
+fn is_plain(tone: &FixedTone) -> bool {
+    matches!(tone.motion, ToneMotion::Fixed { .. }) && tone.part[1] == 0
+}
+
+/// A plain tone over the spans, at sine 1 and cosine 1.
+fn swung(tone: &FixedTone, parts: &[(i32, bool)], n: i32) -> [f64; 2] {
     let mut sum = [0.0; 2];
     for &(tick, gap) in parts {
         let words = if gap { tone.gap_words(n, n) } else { tone.tick_words(tick, n) };
         sum[0] += f64::from(words[0]) / ANGLE_UNITS;
         sum[1] += f64::from(words[1]) / ANGLE_UNITS;
     }
-    Some(sum)
+    sum
+}
+
+/// How far a tone of random phase swings between two boundaries, LSB: at some of the amplitudes and frequencies that are drawn.
+struct Swing {
+    sizes: Vec<f64>,
+    rayleigh: bool,
+}
+
+/// Amplitudes and frequencies at which a drawn tone is taken.
+const AMPLITUDES: u32 = 4;
+const FREQUENCIES: u32 = 8;
+
+/// Terms of the sum over m of drawn tones: what is left out is below 0.1 % of a pulse squared.
+const FEW_TERMS: u32 = 48;
+
+/// Pulses of a swing over which fractions have nothing to do with each other.
+const FAR: f64 = 32.0;
+
+impl Swing {
+    /// Of a drawn tone over so many ticks; `None` where its phase is fixed.
+    fn at_some(tone: &FixedTone, parts: &[(i32, bool)], ticks: i32, n: i32) -> Option<Swing> {
+        if tone.phase_spread == 0 && !tone.rayleigh {
+            return None;
+        }
+        let middles = |count: u32| (0..count).map(move |i| (f64::from(i) + 0.5) / f64::from(count));
+        let full: Vec<f64> = match tone.motion {
+            ToneMotion::Fixed { .. } => {
+                let [a, b] = swung(tone, parts, n);
+                vec![libm::hypot(a, b)]
+            }
+            ToneMotion::Drawn { low, width, .. } => {
+                let words = middles(FREQUENCIES).map(|at| f64::from(low) + at * f64::from(width));
+                words.map(|word| tone.swing_at(word, ticks)).collect()
+            }
+        };
+        let whole = libm::exp2(31.0);
+        let [low, width] = tone.part.map(|word| f64::from(word) / whole);
+        let parts: Vec<f64> = match (tone.rayleigh, tone.part[1]) {
+            (true, _) => vec![RAYLEIGH_UNIT],
+            (false, 0) => vec![1.0],
+            (false, _) => middles(AMPLITUDES).map(|at| low + at * width).collect(),
+        };
+        let sizes = full.iter().flat_map(|full| parts.iter().map(move |part| full * part)).collect();
+        Some(Swing { sizes, rayleigh: tone.rayleigh })
+    }
+
+    /// The mean of cos(k·angle) over the phase and what is drawn.
+    fn factor(&self, k: f64) -> f64 {
+        let one = |size: &f64| match self.rayleigh {
+            true => libm::exp(-0.5 * k * k * size * size),
+            false => libm::j0(k * size),
+        };
+        self.sizes.iter().map(one).sum::<f64>() / self.sizes.len() as f64
+    }
 }

@@ -61,9 +61,7 @@ impl Lowered {
             }
         }
         let sigma = fixed.sigma_lsb() * f.noise_gain();
-        // Of drawn motion and profiles the variance of the readout has no closed form.
-        let fractions = readout::variance(fixed, f)
-            .map_or_else(|| readout::uncorrelated(fixed, f), |(variance, _)| variance);
+        let fractions = readout::about(fixed, f);
         let unit = fixed.lsb_arcsec / estimate.rows.denominator as f64;
         // Differences of equal numbers may miss 0.
         let normal = variance.max(0.0) + sigma * sigma + fractions;

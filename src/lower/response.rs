@@ -180,6 +180,17 @@ impl FixedTone {
         self.full_peak() * ratio
     }
 
+    /// How far it swings at that frequency over so many ticks on end, LSB.
+    pub(super) fn swing_at(&self, word: f64, ticks: i32) -> f64 {
+        let x = 2.0 * PI * word / libm::exp2(32.0);
+        let ratio = if libm::sin(x) == 0.0 {
+            f64::from(ticks)
+        } else {
+            libm::sin(f64::from(ticks) * x) / libm::sin(x)
+        };
+        (self.peak_at(word) * ratio).abs()
+    }
+
     /// The same where the ratio is 1.
     fn full_peak(&self) -> f64 {
         let ToneMotion::Drawn { peak, .. } = self.motion else { return 0.0 };

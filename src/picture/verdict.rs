@@ -119,6 +119,8 @@ impl Verdict<'_> {
                 "outcome": answer.outcome,
                 "at": places(&answer.at),
                 "until": places(&answer.until),
+                "again": answer.again,
+                "first": places(&answer.first),
             })
         });
         let limit = format!("limit_{}", self.limit.unit.suffix);

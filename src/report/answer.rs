@@ -35,8 +35,9 @@ pub fn answer(
     lacking: u64,
 ) -> Result<Answer, StudyError> {
     let all = || study.charts.iter().zip(shown).zip(charts);
-    let judged = all()
-        .find(|((chart, _), drawn)| chart.limit.is_some() && matches!(drawn.picture, Picture::Curves(_)));
+    let judged = all().find(|((chart, shown), drawn)| {
+        has_verdict(chart, shown) && matches!(drawn.picture, Picture::Curves(_))
+    });
     let headline = match (verdicts.first().zip(judged), all().next()) {
         (Some((first, ((chart, shown), _))), _) => {
             let judged = of_verdict(first.answers(), first.limit());
@@ -49,7 +50,7 @@ pub fn answer(
             with_caveat(study, headline, &shown.table, &filter(chart))
                 .map_err(|error| refused(study, chart, &error.into()))?
         }
-        (None, Some(((chart, shown), _))) if shown.is_named(chart) => undrawn(study, tables),
+        (None, Some(((chart, _), _))) if chart.is_supplied() => undrawn(study, tables),
         (None, Some(((chart, shown), drawn))) => {
             of_chart(study, chart, shown, &drawn.picture).map_err(|error| refused(study, chart, &error))?
         }
@@ -81,6 +82,11 @@ pub fn answer(
     Ok(Answer { headline, curves })
 }
 
+/// Whether the curves of a chart are judged: names side by side cross no limit.
+fn has_verdict(chart: &Chart, shown: &Shown) -> bool {
+    chart.limit.is_some() && !shown.is_named(chart)
+}
+
 fn of_chart(
     study: &Study,
     chart: &Chart,
@@ -93,7 +99,8 @@ fn of_chart(
     let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
     let by = apart(study, chart.source, series.collect());
     let rows = filter(chart);
-    if chart.x.name == "tick_number" && rows.iter().all(|(column, _)| !column.starts_with("tick")) {
+    let is_by_tick = chart.x.name == "tick_number" || (shown.is_named(chart) && study.kind() == Kind::Relock);
+    if is_by_tick && rows.iter().all(|(column, _)| !column.starts_with("tick")) {
         // The least of all ticks says nothing of a compensation: what it leaves of their sum does.
         let all = [&rows[..], &[("tick".to_owned(), "all".to_owned())]].concat();
         let sums = shown.table.rows_where(&all).unwrap_or_default();
@@ -149,7 +156,7 @@ fn leading(
     filter: &[(String, String)],
     by: &[&str],
 ) -> Result<Option<String>, ColumnError> {
-    let rows = well_known(table, estimate, table.rows_where(filter)?)?;
+    let rows = table.rows_where(filter)?;
     let Some(first) = best(table, estimate, &rows, by)? else { return Ok(None) };
     let sentence = first.sentence();
     let Some((row, (free, why))) = first.row.zip(free_fillers(study)) else { return Ok(Some(sentence)) };
@@ -164,21 +171,6 @@ fn leading(
             format!(", which firmware does not know; of the others the least is {}", second.value)
         });
     Ok(Some(format!("{sentence} That filler is designed for {why}{known}.")))
-}
-
-/// Of rows of an Allan curve those that a single record knows within a factor of two, if there are such: what is least at the longest
-/// averaging times is so by chance.
-fn well_known(table: &Table, estimate: &str, rows: Vec<usize>) -> Result<Vec<usize>, ColumnError> {
-    let column = table.column(estimate)?;
-    if !["adev", "mean_avar"].contains(&column.name.as_str()) {
-        return Ok(rows);
-    }
-    let is_known = |row: &usize| {
-        let band = column.band.as_ref().and_then(|band| band[*row]);
-        band.is_some_and(|(low, high)| low > 0.0 && high <= 2.0 * low)
-    };
-    let known: Vec<usize> = rows.iter().copied().filter(is_known).collect();
-    Ok(if known.is_empty() { rows } else { known })
 }
 
 /// The names of fillers whose weights firmware cannot have, and why: designed without a band they follow the motion of each point, or
@@ -237,7 +229,7 @@ fn of_each(chart: &Chart, shown: &Shown) -> Result<Vec<String>, ColumnError> {
     Ok(each?.unwrap_or_default())
 }
 
-/// The best row of a study without a chart, or with names side by side.
+/// The best row of a study without a chart of its own.
 fn undrawn(study: &Study, tables: &Tables) -> Option<String> {
     let row = |column: &str, value: &str| vec![(column.to_owned(), value.to_owned())];
     let (estimate, rows) = match study.kind() {

@@ -243,10 +243,13 @@ pub(super) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
 /// that come to it have no common order, and are counted.
 fn order(curves: &[&Judged], limit: &str) -> Option<String> {
     let at = |answer: &Judged| answer.at.first().map_or(0.0, |at| at.1);
+    // What has no values at first, or is within once more, has no place in an order.
+    let is_plain = |answer: &Judged| !answer.again && answer.first.is_empty();
     let leaves = |answer: &&&Judged| {
-        matches!(answer.outcome, Outcome::Passes | Outcome::LastWithin | Outcome::WithinUpTo)
+        let outcomes = [Outcome::Passes, Outcome::LastWithin, Outcome::WithinUpTo];
+        is_plain(answer) && outcomes.contains(&answer.outcome)
     };
-    let comes = |answer: &&&Judged| answer.outcome == Outcome::WithinFrom;
+    let comes = |answer: &&&Judged| is_plain(answer) && answer.outcome == Outcome::WithinFrom;
     let greatest = curves.iter().max_by(|a, b| at(a).total_cmp(&at(b)))?;
     let least = curves.iter().min_by(|a, b| at(a).total_cmp(&at(b)))?;
     // All that are where one of them is, to the digits that are said.

@@ -41,6 +41,25 @@ fn rows_written_are_there_after_reopening_and_written_twice_count_once() {
 }
 
 #[test]
+fn totals_of_many_come_in_the_order_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = Store::open(folder.path(), &identity()).unwrap();
+    // More than are read at once, twice.
+    let addresses: Vec<Address> =
+        (0..2500).map(|i| Address { estimate: Id::of(&format!("estimate {i}")), ..address() }).collect();
+    let of = |(i, address): (usize, &Address)| Row { address: *address, ..row(0, 1 + (i % 3) as u32) };
+    let rows: Vec<_> = addresses.iter().enumerate().filter(|(i, _)| i % 7 != 0).map(of).collect();
+    store.insert(&rows, None).unwrap();
+    let found = store.of_totals(&addresses, |at, tally| (at, tally.count)).unwrap();
+    let expected = |i: usize| if i.is_multiple_of(7) { 0 } else { 2 << (i % 3) };
+    assert_eq!(found, (0..2500).map(|i| (i, expected(i))).collect::<Vec<_>>());
+    let mut wrong = addresses.clone();
+    wrong[1801].digest = Id::of("another kernel");
+    assert!(matches!(store.of_totals(&wrong, |_, _| ()), Err(StoreError::Disagrees { .. })));
+    assert_eq!(store.of_totals(&[], |_, _| ()).unwrap().len(), 0);
+}
+
+#[test]
 fn a_larger_block_counts_in_place_of_its_parts() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::open(folder.path(), &identity()).unwrap();

@@ -126,6 +126,11 @@ impl Chart {
         }
     }
 
+    /// Whether it is one that was not written but supplied, as fillers side by side are where nothing is swept.
+    pub fn is_supplied(&self) -> bool {
+        self.x.span.is_empty() && self.x.name == FILLER
+    }
+
     /// The columns that curves show: y and those beside it.
     pub fn columns(&self) -> impl Iterator<Item = &Named> {
         std::iter::once(&self.y).chain(&self.beside)
@@ -324,6 +329,8 @@ fn series(
 ) -> Result<Vec<Named>, Fault> {
     match written {
         None => Ok(match known.text_names().first() {
+            // Side by side they are told apart already.
+            Some(name) if *name == x => vec![],
             Some(name) => vec![Named::default(name)],
             None => {
                 let across = coordinate(sweeps, known, x, 0..0, "no axis over").ok();

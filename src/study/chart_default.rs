@@ -19,7 +19,7 @@ pub(super) fn estimate(kind: Kind) -> &'static str {
     }
 }
 
-/// What suits the sweeps; nothing to draw of closed forms where nothing but names is swept, nor of runs without fillers.
+/// What suits the sweeps; nothing where no number is swept of closed forms, and of runs without fillers.
 pub(super) fn default_for(sweeps: &[Sweep], subject: &Subject) -> Option<Chart> {
     match subject {
         Subject::GapFill(_) => Some(of_fillers(sweeps, subject)),

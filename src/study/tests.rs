@@ -84,9 +84,13 @@ fn the_shipped_study_has_72_points_in_the_order_of_its_sweeps() {
 }
 
 #[test]
-fn a_study_without_sweeps_is_one_point_and_no_chart() {
+fn a_study_without_sweeps_is_one_point_whose_chart_has_the_fillers_side_by_side() {
     let study = parsed(BASE);
-    assert_eq!((points(&study).len(), study.charts.len(), study.seed), (1, 0, 1));
+    assert_eq!((points(&study).len(), study.charts.len(), study.seed), (1, 1, 1));
+    let chart = &study.charts[0];
+    let columns: Vec<&str> = chart.columns().map(|column| column.name.as_str()).collect();
+    assert_eq!((chart.x.name.as_str(), &columns[..]), ("filler", &["rms", "q9973"][..]));
+    assert_eq!(chart.rows[0].1, Cell::Text("residual".to_owned()));
     assert_eq!(&points(&study)[0].inputs, inputs(&study));
 }
 

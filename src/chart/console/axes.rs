@@ -96,7 +96,11 @@ fn in_rows(label: &str, most: usize) -> Vec<String> {
         Some(at) => vec![&label[..at], &label[at + 1..]],
         None => vec![label],
     };
-    rows.into_iter().map(|row| row.chars().take(most).collect()).collect()
+    let cut = |row: &str| match length(row) > most {
+        true => row.chars().take(most.saturating_sub(1)).chain(['…']).collect(),
+        false => row.to_owned(),
+    };
+    rows.into_iter().map(cut).collect()
 }
 
 /// Entries of a legend in lines as wide as the terminal; `width` is of signs as they are seen.

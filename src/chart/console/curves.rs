@@ -78,7 +78,7 @@ fn entries(figure: &Figure, look: Look) -> Vec<String> {
     let line = |sign: &str, plain: &str, label: &str| {
         format!("{} {}", if look.unicode { sign } else { plain }, look.spelled(label))
     };
-    if figure.has_laws() {
+    if figure.has_laws() && figure.x.names.is_empty() {
         entries.push(line("⠒⠒", "..", &figure.lines));
     }
     entries.extend(figure.laws.iter().map(|law| line("⠐ ⠐", ". .", &law.label)));

@@ -97,3 +97,25 @@ fn the_shades_of_a_map_end_at_its_limit() {
     assert!(rows[18].contains("....") && rows[18].contains("::::"), "below it both:\n{text}");
     assert!(text.contains(": 3.16 to 10"), "{text}");
 }
+
+#[test]
+fn names_stand_side_by_side_in_up_to_two_rows_and_no_line_joins_them() {
+    let names = ["const", "band 2 to 22 Hz", "minimum-variance"].map(str::to_owned).to_vec();
+    let mut figure = figure();
+    figure.x = Axis { scale: Scale::Linear, whole: true, names, ..axis("filler", "") };
+    for series in &mut figure.series {
+        series.points.truncate(3);
+        series.points.iter_mut().zip([1.0, 2.0, 3.0]).for_each(|(point, x)| point.x = x);
+    }
+    let text = figure.text(Look { width: 50, unicode: true, ..PLAIN });
+    let under: Vec<&str> =
+        text.lines().skip_while(|line| !line.contains('└')).skip(1).map(str::trim).collect();
+    assert!(
+        under[0].starts_with("const")
+            && under[0].contains("band 2 to")
+            && under[0].ends_with("minimum-vari…"),
+        "{text}"
+    );
+    assert_eq!((under[1], under[2]), ("22 Hz", "filler"), "{text}");
+    assert!(!text.chars().any(|sign| ('\u{2801}'..='\u{28ff}').contains(&sign)), "{text}");
+}

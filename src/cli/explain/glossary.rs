@@ -51,7 +51,7 @@ pub const TERMS: [Term; 20] = [
     },
     Term {
         names: &["Ω_m", "magnetic drift"],
-        meaning: "The drift that turns its sign with the mode, °/h: A·(1 − e^(−t/τ)) + Ω_m0. Switching cancels it. \
+        meaning: "The drift that turns its sign with the mode, °/h: A·(1 − e^(−t/τ)) + Ω_m0. An even number of intervals cancels most of it. \
                   Key: drift.magnetic.",
     },
     Term {
@@ -74,7 +74,7 @@ pub const TERMS: [Term; 20] = [
     },
     Term {
         names: &["trial"],
-        meaning: "One sampled switch, run or record, with draws of its own that depend on the seed, the point and its number alone. \
+        meaning: "One sampled switch, run or record, with draws of its own that depend on the seed, its number and, unless streams are common, the point alone. \
                   Key: trials.",
     },
     Term {
@@ -85,7 +85,7 @@ pub const TERMS: [Term; 20] = [
     Term {
         names: &["shard", "share"],
         meaning: "A part of the trials of a study, which one of several machines samples: --shard 2/8. `sagnac merge` puts the folders \
-                  together, to the bits of one run.",
+                  together, to the bits of one run of as many trials.",
     },
     Term {
         names: &["kernel"],

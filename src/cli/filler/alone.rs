@@ -24,7 +24,7 @@ const NAMES: [(&str, &str); 9] = [
 #[command(next_help_heading = "Without a study")]
 pub struct Given {
     /// Lost ticks n
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     gap_ticks: Option<u32>,
     /// Length of a tick, such as "5 ms"; polynomials do without
     #[arg(long, value_name = "TIME")]

@@ -26,12 +26,12 @@ pub(super) fn summary(
     }
     let failed = |error: ColumnError| Failure::Picture(error.to_string());
     let shown = match (study.kind(), study.charts.iter().zip(curves).next()) {
-        (Kind::SwitchedRun, _) if study.sweeps.is_empty() => angles(&tables.points),
-        (Kind::GapFill, _) if study.sweeps.is_empty() => one_point(&tables.points).map_err(failed)?,
-        (_, Some((chart, shown))) => {
+        (_, Some((chart, shown))) if !(chart.is_supplied() && study.sweeps.is_empty()) => {
             of_chart(study, shown, chart).map_err(|error| refused(study, chart, &error))?
         }
-        (_, None) => undrawn(study, &tables.points).map_err(failed)?,
+        (Kind::SwitchedRun, _) if study.sweeps.is_empty() => angles(&tables.points),
+        (Kind::GapFill, _) if study.sweeps.is_empty() => one_point(&tables.points).map_err(failed)?,
+        _ => undrawn(study, &tables.points).map_err(failed)?,
     };
     text += &format!("\n{shown}");
     if let Some(coefficients) = &tables.coefficients {

@@ -12,7 +12,7 @@ use sagnac::picture::pictures;
 use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::share::Share;
 use sagnac::store::Store;
-use sagnac::study::{Dimension, Study, parse_quantity};
+use sagnac::study::{Dimension, Kind, Study, parse_quantity};
 use sagnac::table::significant;
 use serde_json::Value;
 
@@ -69,6 +69,13 @@ pub struct Options {
     quiet: bool,
 }
 
+/// That trials count more than once, where more than there are were sampled.
+fn again(study: &Study, sampled: u64) -> &'static str {
+    let points: usize = study.sweeps.iter().map(|sweep| sweep.values.len()).product();
+    let is_more = study.kind() != Kind::Allan && sampled > study.trials.saturating_mul(points as u64);
+    if is_more { ", those of a point once for every six of its estimates" } else { "" }
+}
+
 /// The folder of a share in that of the whole.
 fn share_folder(share: Share) -> String {
     format!("shard-{}-of-{}", share.number(), share.of())
@@ -78,9 +85,12 @@ fn share_folder(share: Share) -> String {
 fn merging(folder: &Path, share: Share) -> String {
     let of = share.of();
     match folder.parent().filter(|_| folder.ends_with(share_folder(share))) {
+        Some(whole) if whole == Path::new("") => format!("sagnac merge shard-*-of-{of} --out whole"),
         Some(whole) => {
-            let whole = whole.display();
-            format!("sagnac merge {whole}/shard-*-of-{of} --out {whole}")
+            let whole = whole.display().to_string();
+            let quote =
+                if whole.contains(|c: char| c.is_whitespace() || "'\"$&;()".contains(c)) { "\"" } else { "" };
+            format!("sagnac merge {quote}{whole}{quote}/shard-*-of-{of} --out {quote}{whole}{quote}")
         }
         None => format!("sagnac merge SHARE… --out DIR, with the folders of all {of}"),
     }
@@ -267,7 +277,11 @@ fn run_study(
     if !options.json && !options.quiet {
         let rate = match &done {
             Some(done) if done.trials > 0 => {
-                format!("{} trials in {} s; ", short(done.trials as f64), significant(done.seconds, 3))
+                let seconds = match done.seconds {
+                    0.0..0.1 => "less than 0.1".to_owned(),
+                    seconds => significant(seconds, 3),
+                };
+                format!("{} trials in {seconds} s{}; ", short(done.trials as f64), again(study, done.trials))
             }
             Some(_) => "nothing was left to sample; ".to_owned(),
             None => String::new(),

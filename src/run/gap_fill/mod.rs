@@ -94,7 +94,10 @@ impl<'a> Plan<'a> {
             if stopped || !share.is_whole() {
                 break;
             }
-            let Some(expected) = self.raise(&mut wanted, store)? else { break };
+            let Some(expected) = self.raise(&mut wanted, store)? else {
+                progress.expect(held + beside.trials);
+                break;
+            };
             let later = |((point, expected), wanted): ((&Lowered, &u64), &u64)| {
                 expected.saturating_sub(*wanted) as f64 * steps(point) as f64
             };
@@ -157,7 +160,6 @@ impl<'a> Plan<'a> {
     pub(super) fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError> {
         let mut notes = self.absent();
         notes.extend(self.designed_anew());
-        notes.extend(self.drawn_again());
         let (imprecise, fillers) = self.imprecise(store)?;
         if imprecise > 0 {
             let trials = self.study.trials;
@@ -166,17 +168,6 @@ impl<'a> Plan<'a> {
             ));
         }
         Ok(notes)
-    }
-
-    /// That trials are drawn more than once, of which counts and rates tell.
-    fn drawn_again(&self) -> Option<String> {
-        let point = self.points.first()?;
-        let (estimates, groups) = (point.fillers.iter().map(Vec::len).sum::<usize>(), launches(point).len());
-        (groups > 1).then(|| {
-            format!(
-                "the {estimates} estimates of a point are sampled in {groups} groups: each trial is drawn, and counted as sampled, {groups} times"
-            )
-        })
     }
 
     /// That fillers have other weights at each point, which firmware cannot have.

@@ -106,6 +106,7 @@ pub(super) fn read(
     let points = base.points()?;
     notes.extend(notes::of_motion(&inputs, &points));
     let precision = file.precision.as_ref().map(precision::read).transpose()?.flatten();
+    notes.extend(precision.as_ref().and_then(precision::finer_than_bins));
     if let (Some(written), Some(Profile { position: Position::Every, .. })) =
         (file.precision.as_ref().filter(|_| precision.is_some()), &inputs.motion.profile)
     {

@@ -7,6 +7,7 @@ use crate::study::diagnose::Fault;
 use crate::study::file::{Either, PrecisionTable};
 use crate::study::percent::percent;
 use crate::study::scalar::Scalar;
+use crate::table::significant;
 
 /// Half the 95 % interval of an estimate, as a part of it, that is precise enough; sampling of a filler at a point stops
 /// where all its errors are.
@@ -14,14 +15,11 @@ use crate::study::scalar::Scalar;
 pub struct Precision {
     /// Of the rms.
     pub rms: Option<f64>,
-    /// Of the 99.73 % level; not finer than the bins of its histogram.
+    /// Of the 99.73 % level, whose interval ends where bins of the histogram do.
     pub q9973: Option<f64>,
 }
 
 const HELP: &str = "accepted: a part in percent such as \"0.5 %\", of the rms; or { rms = \"0.5 %\", q9973 = \"2 %\" }, one or both; or \"none\"";
-
-/// Half the width of two bins, the widest, as a part of the level.
-const FINEST_LEVEL: f64 = 1.0 / (1 << BIN_BITS) as f64;
 
 /// What stands for no precision: all trials are sampled.
 pub(in crate::study) const NONE: &str = "none";
@@ -37,25 +35,25 @@ pub(super) fn read(written: &Spanned<Either<PrecisionTable>>) -> Result<Option<P
         Either::Other(PrecisionTable { rms: None, q9973: None }) => {
             return Err(Fault::new(written.span(), "precision names no estimate", "empty", HELP));
         }
-        Either::Other(PrecisionTable { rms, q9973 }) => Precision {
-            rms: rms.as_ref().map(|part| percent("precision.rms", part, HELP)).transpose()?,
-            q9973: q9973.as_ref().map(level).transpose()?,
-        },
+        Either::Other(PrecisionTable { rms, q9973 }) => {
+            let read =
+                |name, part: &Option<_>| part.as_ref().map(|part| percent(name, part, HELP)).transpose();
+            Precision { rms: read("precision.rms", rms)?, q9973: read("precision.q9973", q9973)? }
+        }
     };
     Ok(Some(precision))
 }
 
-/// A precision of the 99.73 % level, which some number of trials reaches: its interval ends where bins of the histogram do, and
-/// has two of them where the level lies close to an edge.
-fn level(given: &Spanned<Scalar>) -> Result<f64, Fault> {
-    let part = percent("precision.q9973", given, HELP)?;
-    if part >= FINEST_LEVEL {
-        return Ok(part);
-    }
-    let message = format!(
-        "precision.q9973 = {} is finer than the histogram that the level is read off, whose bins are up to 1/128 wide",
-        given.get_ref()
-    );
-    let help = "accepted: \"0.8 %\" or more; the rms has no such limit: { rms = \"0.1 %\", q9973 = \"1 %\" }";
-    Err(Fault::new(given.span(), message, "finer than 0.8 %", help))
+/// The widest bin of the histogram as a part of the level.
+const BIN: f64 = 1.0 / (1 << BIN_BITS) as f64;
+
+/// That a level may not come to be known so well, whatever the trials: its interval has one bin at least, and two where it lies
+/// close to an edge.
+pub(super) fn finer_than_bins(precision: &Precision) -> Option<String> {
+    let part = precision.q9973.filter(|part| *part < BIN)?;
+    let how = if part < 0.25 * BIN { "none reaches" } else { "some may not reach" };
+    Some(format!(
+        "99.73 % levels are known to a bin of their histogram, ±0.2 to ±0.8 %: {how} the {} % asked for, and take all trials",
+        significant(100.0 * part, 3)
+    ))
 }
