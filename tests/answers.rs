@@ -90,7 +90,7 @@ fn a_chart_of_another_table_has_another_limit() {
     let desk = Desk::with(allan);
     desk.done("run study.toml --device cpu --quiet");
     desk.done("chart results/study --table points --x tau --y adev --series length");
-    desk.done("chart results/study --limit \"5 %\"");
+    desk.done("chart results/study --limit 5%");
 }
 
 #[test]

@@ -347,7 +347,7 @@ fn shaken() -> String {
 }
 
 #[test]
-fn a_sweep_over_names_alone_has_a_table_and_no_chart_and_is_no_axis_beside_another() {
+fn a_sweep_over_names_alone_has_the_fillers_side_by_side_and_is_no_axis_beside_another() {
     let gap_fill =
         replaced(&replaced(&shaken(), "[run]\nduration = \"10 min\"\n", ""), "interval = \"40 s\"\n", "");
     let gap_fill = replaced(&gap_fill, "switched-run", "gap-fill");
@@ -360,7 +360,8 @@ fn a_sweep_over_names_alone_has_a_table_and_no_chart_and_is_no_axis_beside_anoth
         for piece in ["LGK-400", "LGV-1", "const", "quadratic"] {
             assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
         }
-        assert!(!desk.names("results/study").contains(&"chart.svg".to_owned()));
+        let svg = desk.read("results/study/chart.svg");
+        assert!(svg.contains(">const<") && svg.contains("LGK-400") && svg.contains("LGV-1"), "{svg}");
         desk.write("two.toml", &swept(&text, swept_key, values));
         desk.done("run two.toml --device cpu --trials 200");
         let svg = desk.read("results/two/chart.svg");

@@ -125,7 +125,7 @@ fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64, drawn: Drawn) -> Op
     }
     let unit = pulse * pulse / (2.0 * PI * PI);
     // |J0(x)| is at most √(2/(πx)), and 1: of a swing over many pulses no more than a part of √m stays of term m.
-    let single = swings.iter().filter_map(|swing| (swing.sizes.len() == 1).then(|| swing.sizes[0]));
+    let single = swings.iter().filter(|swing| swing.sizes.len() == 1).map(|swing| swing.sizes[0]);
     let parts = single.map(|d| pulse / (PI * PI * d)).filter(|part| *part < 1.0);
     let (envelope, power) =
         parts.fold((1.0, 1.0), |(envelope, power), part| (envelope * libm::sqrt(part), power + 0.5));

@@ -88,19 +88,16 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// A label in two rows of at most so many signs, where one is not enough: the first has as many words as fit.
+/// A label in one row of so many signs if it fits, else in two that are about as long; what is longer still is cut.
 fn in_rows(label: &str, most: usize) -> Vec<String> {
     let length = |text: &str| text.chars().count();
-    let cuts = label.match_indices(' ').map(|(at, _)| at).filter(|&at| length(&label[..at]) <= most);
-    let rows = match cuts.last().filter(|_| length(label) > most) {
-        Some(at) => vec![&label[..at], &label[at + 1..]],
-        None => vec![label],
-    };
+    let cuts = label.match_indices(' ').map(|(at, _)| [&label[..at], &label[at + 1..]]);
+    let rows = cuts.min_by_key(|[a, b]| length(a).max(length(b))).filter(|_| length(label) > most);
     let cut = |row: &str| match length(row) > most {
         true => row.chars().take(most.saturating_sub(1)).chain(['…']).collect(),
         false => row.to_owned(),
     };
-    rows.into_iter().map(cut).collect()
+    rows.map_or(vec![cut(label)], |rows| rows.into_iter().map(cut).collect())
 }
 
 /// Entries of a legend in lines as wide as the terminal; `width` is of signs as they are seen.
