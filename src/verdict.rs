@@ -48,7 +48,7 @@ pub struct Answer<'t> {
     pub series: Vec<(&'t Column, &'t Cell)>,
     /// What the curve does about the limit.
     pub outcome: Outcome,
-    /// Where that is: column and value, in the order of the table.
+    /// Where that is: column and value, in the order of the table; nowhere of what stands side by side.
     pub at: Vec<(&'t Column, f64)>,
     /// Its largest magnitude, in the unit of y.
     pub most: f64,
@@ -87,14 +87,19 @@ pub enum Outcome {
 /// A name selects no single column, or a filter leaves no row.
 pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'t>>, ColumnError> {
     let (x, y) = (table.column(question.x)?, table.column(question.y)?);
-    let series = question.series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
+    let mut series = question.series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
+    // Of names side by side each is judged for itself.
+    let named = x.cells.iter().any(|cell| matches!(cell, Cell::Text(_)));
+    if named {
+        series.push(x);
+    }
     let mut curves: Vec<Vec<usize>> = Vec::new();
     let mut place = BTreeMap::new();
     // Of each curve the least and the greatest x without a value.
     let mut blank: BTreeMap<Vec<String>, (f64, f64)> = BTreeMap::new();
     for row in table.rows_where(&question.filter)? {
         let key: Vec<String> = series.iter().map(|column| column.cells[row].text()).collect();
-        let Some(at) = x.cells[row].number() else { continue };
+        let Some(at) = x.cells[row].number().or(named.then_some(0.0)) else { continue };
         if y.cells[row].number().is_none() {
             let (least, greatest) = blank.entry(key).or_insert((at, at));
             (*least, *greatest) = (least.min(at), greatest.max(at));
@@ -226,6 +231,8 @@ impl Answer<'_> {
     pub fn sentence(&self, limit: &str) -> String {
         let (series, at, until) = (self.name(), self.place(), self.end());
         let outcome = match self.outcome {
+            Outcome::AboveFrom if at.is_empty() => format!("above {limit}"),
+            _ if at.is_empty() => format!("within {limit}"),
             Outcome::Passes => format!("rises above {limit} at {at}"),
             Outcome::AboveFrom if self.first.is_empty() => {
                 format!("above {limit} from the first point on, {at}")
@@ -407,6 +414,18 @@ mod tests {
         let answers = verdict(&table, &asked("frequency", "q9973", 1.0)).unwrap();
         let said = "a: above 1 ″ from its first value on, frequency 2 Hz, without one before";
         assert_eq!(answers[0].sentence("1 ″"), said);
+    }
+
+    #[test]
+    fn names_side_by_side_are_judged_each_for_itself() {
+        let mut table = over_frequency();
+        table.columns.retain(|column| column.name != "dt_nu");
+        let filter = vec![("frequency".to_owned(), "4".to_owned())];
+        let question = Question { series: vec![], filter, ..asked("filler", "q9973", 10.0) };
+        let answers = verdict(&table, &question).unwrap();
+        let said: Vec<String> = answers.iter().map(|answer| answer.sentence("10 ″")).collect();
+        assert_eq!(said, ["a: above 10 ″", "b: within 10 ″"]);
+        assert_eq!((answers[0].outcome, answers[1].most), (Outcome::AboveFrom, 0.3));
     }
 
     #[test]

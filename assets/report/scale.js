@@ -83,7 +83,7 @@ class Range {
       const stride = Math.ceil(decades.length / most);
       return logLabels(decades.filter((tick) => tick.exponent % stride === 0), decades);
     }
-    if (Math.log10(this.high / this.low) >= 2) return logLabels(decades, every);
+    if (Math.log10(this.high / this.low) >= 2 && decades.length > 2) return logLabels(decades, every);
     const labels = [digits([1, 2, 5]), every].find((ticks) => ticks.length >= 3 && ticks.length <= most + 2);
     return labels ? logLabels(labels, every) : this.linearTicks(most, false);
   }

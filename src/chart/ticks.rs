@@ -40,7 +40,7 @@ impl Range {
         (-1e-9..=1.0 + 1e-9).contains(&self.fraction(tick.value()))
     }
 
-    /// Labels on the decades; under two decades also on 2 and 5, then on every digit, then as on a linear axis, whichever
+    /// Labels on the decades; under two decades, or of only two powers of ten, also on 2 and 5, then on every digit, then as on a linear axis, whichever
     /// first gives three labels.
     fn log_ticks(&self, most: usize) -> Ticks {
         let [first, last] = [self.low, self.high].map(|end| libm::floor(libm::log10(end)) as i32);
@@ -57,7 +57,7 @@ impl Range {
             return labelled_log(&labelled, &decades);
         }
         let every = digits(&[1, 2, 3, 4, 5, 6, 7, 8, 9]);
-        if libm::log10(self.high) - libm::log10(self.low) >= 2.0 {
+        if libm::log10(self.high) - libm::log10(self.low) >= 2.0 && decades.len() > 2 {
             return labelled_log(&decades, &every);
         }
         match [digits(&[1, 2, 5]), every.clone()].into_iter().find(|labels| labels.len() >= 3) {

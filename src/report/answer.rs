@@ -35,9 +35,8 @@ pub fn answer(
     lacking: u64,
 ) -> Result<Answer, StudyError> {
     let all = || study.charts.iter().zip(shown).zip(charts);
-    let judged = all().find(|((chart, shown), drawn)| {
-        has_verdict(chart, shown) && matches!(drawn.picture, Picture::Curves(_))
-    });
+    let judged = all()
+        .find(|((chart, _), drawn)| chart.limit.is_some() && matches!(drawn.picture, Picture::Curves(_)));
     let headline = match (verdicts.first().zip(judged), all().next()) {
         (Some((first, ((chart, shown), _))), _) => {
             let judged = of_verdict(first.answers(), first.limit());
@@ -80,11 +79,6 @@ pub fn answer(
         (None, lacking) => format!("Incomplete, {} trials are missing.", short(lacking as f64)),
     };
     Ok(Answer { headline, curves })
-}
-
-/// Whether the curves of a chart are judged: names side by side cross no limit.
-fn has_verdict(chart: &Chart, shown: &Shown) -> bool {
-    chart.limit.is_some() && !shown.is_named(chart)
 }
 
 fn of_chart(

@@ -185,7 +185,7 @@ fn source(source: &Source, digest: Option<&str>) -> Markup {
                     dd {
                         (grouped(trials)) " trials in all"
                         @if source.sampled.is_some_and(|(_, each)| trials > each.saturating_mul(source.points as u64)) {
-                            ", those of a point once for every six of its estimates"
+                            ", as not all estimates of a point are sampled together"
                         }
                         @for by in &source.provenance {
                             br; (by.device) ": " (grouped(by.trials)) " in " (significant(by.seconds, 3)) " s"

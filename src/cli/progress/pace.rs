@@ -78,7 +78,8 @@ impl Pace {
     }
 
     fn cost_after(&mut self, elapsed: Duration, done: f64, total: f64) {
-        let is_cost = done > 0.0 && total >= done;
+        // Where no end is known no time is told either.
+        let is_cost = total >= done && (done > 0.0 || total.is_infinite());
         self.told = is_cost.then(|| (self.phase.of_all(Cost { done, total }), elapsed));
         let Some((cost, _)) = self.told else { return };
         self.history.push((elapsed, cost.done));
@@ -250,6 +251,8 @@ mod tests {
     #[test]
     fn where_the_cost_of_what_follows_is_not_known_no_time_is_told() {
         let mut pace = Pace::new(0, 100);
+        pace.cost_after(Duration::from_secs(1), 0.0, f64::INFINITY);
+        assert_eq!(pace.left_after(Duration::from_secs(2), 10), None);
         pace.cost_after(Duration::from_secs(10), 10.0, f64::INFINITY);
         assert_eq!(pace.left_after(Duration::from_secs(10), 50), None);
     }

@@ -69,11 +69,11 @@ pub struct Options {
     quiet: bool,
 }
 
-/// That trials count more than once, where more than there are were sampled.
+/// Why more trials than there are were sampled, where that is so.
 fn again(study: &Study, sampled: u64) -> &'static str {
     let points: usize = study.sweeps.iter().map(|sweep| sweep.values.len()).product();
     let is_more = study.kind() != Kind::Allan && sampled > study.trials.saturating_mul(points as u64);
-    if is_more { ", those of a point once for every six of its estimates" } else { "" }
+    if is_more { ", as not all estimates of a point are sampled together" } else { "" }
 }
 
 /// The folder of a share in that of the whole.

@@ -15,7 +15,7 @@ use crate::id::Id;
 use crate::lower::{LowerError, Lowered};
 use crate::share::Share;
 use crate::store::{Store, StoreError};
-use crate::study::{Error, Filler, GapFill, Method, Point, Study, StudyError};
+use crate::study::{Error, Filler, Frequency, GapFill, Method, Point, Study, StudyError};
 
 /// A study whose every point is proven to fit.
 #[derive(Debug)]
@@ -30,6 +30,10 @@ const MOST_REPLAYED: u64 = 1 << 32;
 
 /// log2 of the trials after which the stop rule first decides.
 const FEWEST_LOG2: u32 = 10;
+
+/// From so many steps on, about a second, before the first decision one trial in so many is sampled first.
+const TRIED_FROM: f64 = 2e8;
+const TRIED: u64 = 16;
 
 impl<'a> Plan<'a> {
     /// Lowers every point.
@@ -75,33 +79,48 @@ impl<'a> Plan<'a> {
         let after = if self.decides(share) { f64::INFINITY } else { 0.0 };
         let mut beside = Beside { after, ..Beside::default() };
         let mut held = 0;
+        // Of much work before the first decision some is done first, to tell how much there will be.
+        let work = |trials: &[u64]| -> f64 {
+            let of_point = |(point, &trials): (&Lowered, &u64)| trials as f64 * steps(point) as f64;
+            self.points.iter().zip(trials).map(of_point).sum()
+        };
+        let mut tries = self.decides(share) && work(&wanted) >= TRIED_FROM;
         for round in 0.. {
-            let work = self.missing(store, &wanted, share)?;
-            let left: u64 = work.iter().map(Work::trials).sum();
+            let asked = match tries {
+                true => wanted.iter().map(|trials| (trials / TRIED).max(1)).collect(),
+                false => wanted.clone(),
+            };
+            let missing = self.missing(store, &asked, share)?;
+            let left: u64 = missing.iter().map(Work::trials).sum();
             if round == 0 {
                 // Also of what a precision may leave out: earlier runs may have found that they needed it.
                 let most = self.most_trials();
                 let all = self.launched_trials(&most, share);
-                let lacking: u64 = match wanted == most {
+                let lacking: u64 = match asked == most {
                     true => left,
                     false => self.missing(store, &most, share)?.iter().map(Work::trials).sum(),
                 };
                 held = all.saturating_sub(lacking);
                 progress.start("trials", held, all.max(lacking));
+                progress.cost(0.0, after);
             }
-            let sampled = sample(&work, &mut beside, store, worker, progress, started)?;
+            let sampled = sample(&missing, &mut beside, store, worker, progress, started)?;
             stopped = sampled < left;
             if stopped || !share.is_whole() {
                 break;
             }
-            let Some(expected) = self.raise(&mut wanted, store)? else {
+            let expected = match std::mem::take(&mut tries) {
+                true => {
+                    let each = self.expected(&asked, store)?.into_iter().zip(&wanted);
+                    Some(each.map(|(expected, &wanted)| expected.max(wanted)).collect())
+                }
+                false => self.raise(&mut wanted, store)?,
+            };
+            let Some(expected) = expected else {
                 progress.expect(held + beside.trials);
                 break;
             };
-            let later = |((point, expected), wanted): ((&Lowered, &u64), &u64)| {
-                expected.saturating_sub(*wanted) as f64 * steps(point) as f64
-            };
-            beside.after = self.points.iter().zip(&expected).zip(&wanted).map(later).sum();
+            beside.after = work(&expected) - work(&wanted);
             progress.expect(self.launched_trials(&expected, share).max(held + beside.trials));
         }
         Ok(Done {
@@ -178,13 +197,19 @@ impl<'a> Plan<'a> {
         let design = |key: &str| key.starts_with("motion.") || key.starts_with("gyro.");
         let sweeps = &self.study.sweeps;
         let varies = sweeps.iter().any(|sweep| sweep.values.len() > 1 && design(sweep.key.name));
-        (varies && !free.is_empty()).then(|| {
-            format!(
-                "{} without a band: designed anew for the motion and noise of each point, the best there could be; firmware has one set of \
-                 weights, that of a band",
-                free.join(", ")
-            )
-        })
+        let tones = &self.gap_fill.inputs.motion.tones;
+        let is_tuned = tones.iter().any(|tone| matches!(tone.frequency, Frequency::Fixed(_)));
+        let how = match (varies, is_tuned) {
+            (true, _) => {
+                "anew for the motion and noise of each point, the best there could be; firmware has one set of weights"
+            }
+            (false, true) => {
+                "for exactly this frequency, which firmware does not know: it has one set of weights"
+            }
+            (false, false) => return None,
+        };
+        (!free.is_empty())
+            .then(|| format!("{} without a band: designed {how}, that of a band", free.join(", ")))
     }
 
     /// Errors that were asked for and that a filler does not have, each in a sentence.

@@ -11,24 +11,30 @@ impl Plan<'_> {
     /// Doubles the trials of points where a filler is not precise enough yet. Where there are such, returns how many each
     /// point is expected to need in the end.
     pub(super) fn raise(&self, wanted: &mut [u64], store: &Store) -> Result<Option<Vec<u64>>, StoreError> {
-        let Some(precision) = &self.gap_fill.precision else { return Ok(None) };
+        let expected = self.expected(wanted, store)?;
         let mut raised = false;
-        let mut expected = wanted.to_vec();
-        for ((point, wanted), expected) in self.points.iter().zip(wanted).zip(&mut expected) {
-            let most = point.trials(self.study.trials);
-            if *wanted >= most {
-                continue;
-            }
-            for estimate in point.fillers.iter().flatten() {
-                let tally = store.total_within(&estimate.address, *wanted)?;
-                *expected = (*expected).max(enough(precision, estimate, tally, *wanted, most));
-            }
+        for ((point, wanted), expected) in self.points.iter().zip(wanted).zip(&expected) {
             if *expected > *wanted {
-                *wanted = (2 * *wanted).min(most);
+                *wanted = (2 * *wanted).min(point.trials(self.study.trials));
                 raised = true;
             }
         }
         Ok(raised.then_some(expected))
+    }
+
+    /// How many trials each point will need, as its first ones show: these where they are enough.
+    pub(super) fn expected(&self, trials: &[u64], store: &Store) -> Result<Vec<u64>, StoreError> {
+        let mut expected = trials.to_vec();
+        let Some(precision) = &self.gap_fill.precision else { return Ok(expected) };
+        for ((point, &trials), expected) in self.points.iter().zip(trials).zip(&mut expected) {
+            let most = point.trials(self.study.trials);
+            let estimates = point.fillers.iter().flatten();
+            for estimate in estimates.take_while(|_| trials < most) {
+                let tally = store.total_within(&estimate.address, trials)?;
+                *expected = (*expected).max(enough(precision, estimate, tally, trials, most));
+            }
+        }
+        Ok(expected)
     }
 
     /// Fillers at points whose errors are not as precise as is asked, and how many there are in all.

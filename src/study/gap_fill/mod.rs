@@ -196,7 +196,7 @@ fn noise_form(table: &Spanned<TickNoiseTable>) -> Result<Written<'_>, Fault> {
         (None, Some(three_sigma), None) => Ok((&keys::NOISE_THREE_SIGMA, three_sigma)),
         (None, None, Some(random_walk)) => Ok((&keys::NOISE_RANDOM_WALK, random_walk)),
         _ => {
-            let help = "accepted: { std = \"0.53 arcsec\" }, { three_sigma = \"1.6 arcsec\" } or \
+            let help = "accepted: { std = \"0.53 arcsec\" }, \"0 arcsec\" where there is none, { three_sigma = \"1.6 arcsec\" } or \
                         { angle_random_walk = \"0.003 deg/sqrt(h)\" }";
             let message = "gyro.tick_noise needs exactly one of std, three_sigma, angle_random_walk";
             Err(Fault::new(table.span(), message, "not exactly one", help))
