@@ -91,6 +91,14 @@ impl Tables {
         std::iter::once((Source::Points, &self.points)).chain(coefficients).chain(trajectories)
     }
 
+    /// All of them, that of the study's first chart before the others.
+    pub fn as_charted(&self, study: &Study) -> Vec<(Source, &Table)> {
+        let first = study.charts.first().map_or(Source::Points, |chart| chart.source);
+        let mut all: Vec<_> = self.all().collect();
+        all.sort_by_key(|(source, _)| *source != first);
+        all
+    }
+
     /// Only that of the points.
     fn of_points(points: Table) -> Tables {
         Tables { points, coefficients: None, trajectories: None }

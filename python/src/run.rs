@@ -140,7 +140,7 @@ impl Asked {
             answer: answer(&study, &tables, &pictures, &curves, &judged, 0)?,
             notes: &known,
             charts: &pictures,
-            tables: tables.all().collect(),
+            tables: tables.as_charted(&study),
             source: Source::of(&study, &plan, &store, held, 0)?,
         };
         let report = report.html();

@@ -3,6 +3,7 @@
 use std::ffi::OsStr;
 use std::path::Path;
 
+use rayon::prelude::*;
 use sagnac::chart;
 use sagnac::picture::{Drawn, chart_stem};
 
@@ -14,7 +15,8 @@ use super::output::write;
 /// # Errors
 /// One cannot be drawn or written.
 pub fn draw(pictures: &[Drawn], folder: &Path) -> Result<(), Failure> {
-    pictures.iter().try_for_each(|drawn| write_pictures(folder, &drawn.stem, &drawn.picture.svg()))?;
+    // Side by side: one of 10,000 points takes half a second.
+    pictures.par_iter().try_for_each(|drawn| write_pictures(folder, &drawn.stem, &drawn.picture.svg()))?;
     remove_undrawn(folder, pictures.len())
 }
 

@@ -1,6 +1,7 @@
 //! `sagnac check`.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::Args;
 use sagnac::run::{Plan, RESOLVED};
@@ -98,7 +99,8 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
                 return say_sound(folder, &report, &about, quiet).map(|()| State::Sound);
             }
         }
-        let tables = plan.tables(&store, &Shown::new(if quiet { How::None } else { How::Auto }))?;
+        let tables =
+            plan.tables(&store, &Shown::new(if quiet { How::None } else { How::Auto }, Duration::ZERO))?;
         for (source, table) in tables.all() {
             let name = source.file();
             let path = folder.join(name);

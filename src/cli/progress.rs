@@ -5,7 +5,7 @@ mod pace;
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
@@ -13,8 +13,8 @@ use pace::{Pace, words};
 use sagnac::run::Progress;
 pub use sagnac::table::short;
 
-/// Seconds between lines where there is no terminal.
-const LINE_SECONDS: u64 = 10;
+/// Between lines where there is no terminal.
+const LINE: Duration = Duration::from_secs(10);
 
 // As a group it would be called as the options are that it stands among, which debug builds refuse.
 #[derive(Debug, Args)]
@@ -51,7 +51,7 @@ pub enum How {
     None,
 }
 
-/// How progress is shown.
+/// How progress is shown. A bar stays until it is cleared or dropped: there is something to wait for when all is sampled.
 pub enum Shown {
     Nothing,
     Bar(ProgressBar, Arc<Mutex<Pace>>),
@@ -59,17 +59,18 @@ pub enum Shown {
 }
 
 impl Shown {
-    /// As it is asked for. There is no bar without a terminal: control characters are no text.
-    pub fn new(how: How) -> Shown {
+    /// As it is asked for, of work that has so much `behind` it. There is no bar without a terminal: control characters are no
+    /// text.
+    pub fn new(how: How, behind: Duration) -> Shown {
         let bare =
             !std::io::stderr().is_terminal() || std::env::var_os("TERM").is_some_and(|term| term == "dumb");
         match how {
             How::None => return Shown::Nothing,
-            How::Plain => return Shown::Lines(Lines::default()),
-            How::Auto | How::Bar if bare => return Shown::Lines(Lines::default()),
+            How::Plain => return Shown::Lines(Lines::new(behind)),
+            How::Auto | How::Bar if bare => return Shown::Lines(Lines::new(behind)),
             How::Auto | How::Bar => {}
         }
-        let pace = Arc::new(Mutex::new(Pace::new(0, 0)));
+        let pace = Arc::new(Mutex::new(Pace::new(0, 0).then(behind)));
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10));
         let template = "{bar:30} {percent:>3} %  {done} {msg}  {rate}  {left}";
         if let Ok(style) = ProgressStyle::with_template(template) {
@@ -95,6 +96,19 @@ impl Shown {
         }
         Shown::Bar(bar, pace)
     }
+
+    /// Makes room for other output.
+    pub fn clear(&self) {
+        if let Shown::Bar(bar, _) = self {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Drop for Shown {
+    fn drop(&mut self) {
+        self.clear();
+    }
 }
 
 impl Progress for Shown {
@@ -103,7 +117,7 @@ impl Progress for Shown {
             Shown::Nothing => {}
             Shown::Bar(bar, pace) => {
                 if let Ok(mut pace) = pace.lock() {
-                    enter(&mut pace, done, total);
+                    pace.enter(done, total);
                 }
                 // It may have come to an end with another unit.
                 bar.reset();
@@ -154,36 +168,29 @@ impl Progress for Shown {
         }
     }
 
-    fn finish(&self) {
-        if let Shown::Bar(bar, _) = self {
-            bar.finish_and_clear();
-        }
-    }
-}
-
-/// A phase begins, of the work that was begun or of another one.
-fn enter(pace: &mut Pace, done: u64, total: u64) {
-    match pace.is_open() {
-        true => pace.go_on(done, total),
-        false => *pace = Pace::new(done, total),
-    }
+    fn finish(&self) {}
 }
 
 /// Plain lines, without control characters.
-#[derive(Default)]
 pub struct Lines {
     done: AtomicU64,
-    state: Mutex<Option<State>>,
+    state: Mutex<State>,
 }
 
 struct State {
     unit: &'static str,
     total: u64,
     pace: Pace,
-    next: Duration,
+    next: Instant,
 }
 
 impl Lines {
+    fn new(behind: Duration) -> Lines {
+        let next = Instant::now() + LINE;
+        let state = State { unit: "", total: 0, pace: Pace::new(0, 0).then(behind), next };
+        Lines { done: AtomicU64::new(0), state: Mutex::new(state) }
+    }
+
     fn start(&self, unit: &'static str, before: u64, total: u64) {
         self.done.store(before, Ordering::Relaxed);
         // Fits begin where something else has been done.
@@ -191,19 +198,13 @@ impl Lines {
             say!("{} of {} {unit} done", short(before as f64), short(total as f64));
         }
         if let Ok(mut state) = self.state.lock() {
-            let next = Duration::from_secs(LINE_SECONDS);
-            let fresh = State { unit, total, pace: Pace::new(0, 0), next };
-            let State { pace, next, .. } = state.take().filter(|state| state.pace.is_open()).unwrap_or(fresh);
-            let mut entered = State { unit, total, pace, next };
-            enter(&mut entered.pace, before, total);
-            *state = Some(entered);
+            (state.unit, state.total) = (unit, total);
+            state.pace.enter(before, total);
         }
     }
 
     fn expect(&self, total: u64) {
-        if let Ok(mut state) = self.state.lock()
-            && let Some(state) = state.as_mut()
-        {
+        if let Ok(mut state) = self.state.lock() {
             state.total = total;
         }
     }
@@ -212,10 +213,9 @@ impl Lines {
         let done = self.done.fetch_add(more, Ordering::Relaxed) + more;
         // A thread that finds another one printing has nothing to add.
         let Ok(mut state) = self.state.try_lock() else { return };
-        let Some(State { unit, total, pace, next }) = state.as_mut() else { return };
-        let elapsed = pace.elapsed();
-        if elapsed >= *next {
-            *next = elapsed + Duration::from_secs(LINE_SECONDS);
+        let State { unit, total, pace, next } = &mut *state;
+        if Instant::now() >= *next {
+            *next = Instant::now() + LINE;
             let percent = 100.0 * done as f64 / (*total).max(1) as f64;
             let left = pace.left(done).map_or_else(String::new, |left| format!(", {} left", words(left)));
             say!("{percent:.0} %, {} {unit}/s{left}", short(pace.rate(done)));
@@ -223,9 +223,7 @@ impl Lines {
     }
 
     fn cost(&self, done: f64, total: f64) {
-        if let Ok(mut state) = self.state.lock()
-            && let Some(state) = state.as_mut()
-        {
+        if let Ok(mut state) = self.state.lock() {
             state.pace.cost(done, total);
         }
     }

@@ -7,6 +7,7 @@ use super::data::{Listed, Packed, data};
 use super::source::hexadecimal;
 use super::{Report, Source};
 use crate::chart::style_sheet;
+use crate::study;
 use crate::table::{Table, significant};
 
 /// How pages look, in light and dark, on paper and on phones.
@@ -26,7 +27,8 @@ const SCRIPT: [&str; 9] = [
 ];
 
 pub(super) fn page(report: &Report) -> String {
-    let points = report.tables.first().map(|(_, table)| *table);
+    let points =
+        report.tables.iter().find(|(source, _)| *source == study::Source::Points).map(|(_, table)| *table);
     // Half of the time each, where there are many rows.
     let (packed, digest) = rayon::join(|| data(report), || points.map(digest));
     let Packed { text: packed, tables, thinned } = packed;

@@ -3,6 +3,7 @@
 mod report;
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use sagnac::backend::{Selection, select};
@@ -99,9 +100,13 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     if !options.quiet {
         say!("device: {}, {reason}", device.name());
     }
-    let found =
-        find(&study, options.by.measure(), &mut device, &Shown::new(options.progress.how(options.quiet)))
-            .map_err(|error| failure(&study, error))?;
+    let found = find(
+        &study,
+        options.by.measure(),
+        &mut device,
+        &Shown::new(options.progress.how(options.quiet), Duration::ZERO),
+    )
+    .map_err(|error| failure(&study, error))?;
     let stem = options.study.file_stem().unwrap_or_default();
     let folder =
         options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(options.by.folder()));

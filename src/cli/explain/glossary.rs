@@ -6,7 +6,7 @@ pub struct Term {
     pub meaning: &'static str,
 }
 
-pub const TERMS: [Term; 20] = [
+pub const TERMS: [Term; 24] = [
     Term {
         names: &["Q", "quantisation noise"],
         meaning: "Coefficient of quantisation noise, ″: an Allan deviation of √3·Q/τ, slope −1. Pulses of q give Q = q/√12. \
@@ -66,6 +66,27 @@ pub const TERMS: [Term; 20] = [
     Term {
         names: &["octave", "decade10", "decade20"],
         meaning: "How dense averaging times are: each twice the one before, or 10 or 20 to a factor of ten. Key: allan.tau.",
+    },
+    Term {
+        names: &["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"],
+        meaning: "Deviations over an averaging time τ: Allan's of halves side by side and of all that overlap (oadev, the usual one), \
+                  the modified one and that of time, and Hadamard's, which a steady drift does not touch, likewise. \
+                  `sagnac allan --deviation` takes them; studies have allan.estimator.",
+    },
+    Term {
+        names: &["filler", "gap filler"],
+        meaning: "The rule by which the angle over a gap is put together from the ticks around it: weights w of those samples. \
+                  `sagnac filler` lists them. Key: switching.fillers.",
+    },
+    Term {
+        names: &["Σ|w|", "Σw²", "√Σw²", "noise gain"],
+        meaning: "Of the weights of a filler: √Σw² times the noise of a tick is the noise of the filled angle, and Σ|w| times the largest \
+                  error of a tick is the most that such errors can do.",
+    },
+    Term {
+        names: &["jackknife"],
+        meaning: "The uncertainty of what is not a mean, as of the best interval: it is found again with each of 32 parts of the trials \
+                  left out, and how those differ gives the standard error.",
     },
     Term {
         names: &["oracle", "closed form"],

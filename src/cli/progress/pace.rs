@@ -9,6 +9,8 @@ use std::time::{Duration, Instant};
 #[derive(Debug, Clone)]
 pub struct Pace {
     started: Instant,
+    /// What comes when all is done takes so long.
+    behind: Duration,
     phase: Phase,
     /// Units that earlier runs had done, and all.
     before: u64,
@@ -47,20 +49,35 @@ impl Phase {
 /// Most of what is remembered.
 const HISTORY: usize = 256;
 
+/// The part of a phase that tells how long the rest of it takes.
+const KNOWN: f64 = 0.1;
+
 impl Pace {
     /// From now on, with so many units done before.
     pub fn new(before: u64, total: u64) -> Pace {
-        let history = vec![(Duration::ZERO, 0.0)];
-        Pace { started: Instant::now(), phase: Phase::default(), before, total, told: None, history }
+        let (started, behind, phase) = (Instant::now(), Duration::ZERO, Phase::default());
+        Pace { started, behind, phase, before, total, told: None, history: vec![(Duration::ZERO, 0.0)] }
+    }
+
+    /// The pace of work that has so much behind it when all units are done.
+    pub fn then(self, behind: Duration) -> Pace {
+        Pace { behind, ..self }
+    }
+
+    /// The next phase of the same work begins, or other work with the same behind it.
+    pub fn enter(&mut self, before: u64, total: u64) {
+        match self.is_open() {
+            true => self.go_on(before, total),
+            false => *self = Pace::new(before, total).then(self.behind),
+        }
     }
 
     /// Whether more was told to follow than was done.
-    pub fn is_open(&self) -> bool {
+    fn is_open(&self) -> bool {
         self.told.is_some_and(|(cost, _)| cost.done < cost.total)
     }
 
-    /// The next phase of the same work begins.
-    pub fn go_on(&mut self, before: u64, total: u64) {
+    fn go_on(&mut self, before: u64, total: u64) {
         let elapsed = self.elapsed();
         self.go_on_after(elapsed, before, total);
     }
@@ -108,16 +125,28 @@ impl Pace {
         self.left_after(self.elapsed(), done)
     }
 
+    /// From when on, and with what done by then, the time before `at` tells the pace: the last half, or the phase at hand as soon as a
+    /// tenth of it is done, as what it costs was foreseen from few tries.
+    fn window(&self, at: Duration, done: f64, total: f64) -> Option<(Duration, f64)> {
+        let Phase { since, cost } = self.phase;
+        let begun = cost.map(|begun| begun.done).filter(|begun| done - begun >= KNOWN * (total - begun));
+        match begun {
+            Some(begun) if since > at / 2 => Some((since, begun)),
+            _ => self.history.iter().rev().find(|(time, _)| *time <= at / 2).copied(),
+        }
+    }
+
     fn left_after(&self, elapsed: Duration, done: u64) -> Option<Duration> {
         let by_units = || {
             let [done, total] = [done, self.total].map(|units| units.saturating_sub(self.before) as f64);
             (total > 0.0).then(|| (self.phase.of_all(Cost { done, total }), elapsed))
         };
         let (Cost { done, total }, at) = self.told.or_else(by_units)?;
-        let (from, before) = *self.history.iter().rev().find(|(time, _)| *time <= at / 2)?;
+        let (from, before) = self.window(at, done, total)?;
         let rate = (done - before) / at.saturating_sub(from).as_secs_f64();
         let rest = (rate > 0.0).then(|| (total - done) / rate)?;
-        Duration::try_from_secs_f64((rest - elapsed.saturating_sub(at).as_secs_f64()).max(0.0)).ok()
+        let rest = rest + self.behind.as_secs_f64() - elapsed.saturating_sub(at).as_secs_f64();
+        Duration::try_from_secs_f64(rest.max(0.0)).ok()
     }
 }
 
@@ -238,6 +267,17 @@ mod tests {
     }
 
     #[test]
+    fn a_phase_that_goes_faster_than_foreseen_is_told_by_itself() {
+        let seconds = Duration::from_secs;
+        let mut pace = Pace::new(0, 100);
+        pace.cost_after(seconds(40), 40.0, 60.0);
+        pace.go_on_after(seconds(40), 0, 1000);
+        assert_eq!(pace.left_after(seconds(40), 0), Some(seconds(20)));
+        assert_eq!(pace.left_after(seconds(41), 100), Some(seconds(9)));
+        assert_eq!(pace.left_after(seconds(45), 500), Some(seconds(5)));
+    }
+
+    #[test]
     fn work_that_turns_out_to_be_more_is_told_by_what_was_done_so_far() {
         let seconds = Duration::from_secs;
         let mut pace = Pace::new(0, 1);
@@ -255,6 +295,19 @@ mod tests {
         assert_eq!(pace.left_after(Duration::from_secs(2), 10), None);
         pace.cost_after(Duration::from_secs(10), 10.0, f64::INFINITY);
         assert_eq!(pace.left_after(Duration::from_secs(10), 50), None);
+    }
+
+    #[test]
+    fn what_comes_behind_is_waited_for_as_well() {
+        let seconds = Duration::from_secs;
+        let mut pace = Pace::new(0, 100).then(seconds(3));
+        pace.cost_after(seconds(10), 1.0, 4.0);
+        assert_eq!(pace.left_after(seconds(10), 25), Some(seconds(33)));
+        pace.cost_after(seconds(40), 4.0, 4.0);
+        assert_eq!(pace.left_after(seconds(40), 100), Some(seconds(3)));
+        assert_eq!(pace.left_after(seconds(42), 100), Some(seconds(1)));
+        pace.enter(0, 10);
+        assert_eq!(pace.left_after(seconds(5), 5), Some(seconds(8)));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 mod summary;
 
 use std::path::Path;
+use std::time::Duration;
 
 use sagnac::picture::{Drawn, Shown as Curves, Verdict, pictures, shown, verdicts};
 use sagnac::report::{Answer, Card, FILE as REPORT, Report, Source, answer, notes};
@@ -18,6 +19,10 @@ use super::charts::draw;
 use super::look;
 use super::output::{print, write};
 use super::progress::{How, Shown};
+
+/// What it takes to show anything at all, and a row of a table besides.
+const SHOWING: Duration = Duration::from_millis(200);
+const SHOWING_A_ROW: Duration = Duration::from_micros(30);
 
 /// A table as the bytes of its file.
 ///
@@ -35,6 +40,13 @@ pub fn csv(table: &Table, path: &Path) -> Result<Vec<u8>, Failure> {
 /// The folder is in use, of another study or kernel, or damaged.
 pub fn held(folder: &Path, plan: &Plan) -> Result<Store, Failure> {
     Ok(store::Source::open(folder)?.into_store(&plan.identity())?)
+}
+
+/// How long such tables, charts and page take when all is sampled and fitted, to within a factor of two or so, which is little beside
+/// what goes before.
+pub fn behind(tables: &Tables) -> Duration {
+    let rows: usize = tables.all().map(|(_, table)| table.rows()).sum();
+    SHOWING + rows as u32 * SHOWING_A_ROW
 }
 
 /// Trials that results which are there lack of the whole. Rows of all that is asked for tell that nothing is missing without another look
@@ -84,7 +96,7 @@ pub fn report(
 ) -> Result<Card, Failure> {
     // Folders of earlier versions lack what the study names.
     keep(study, folder)?;
-    let tables = plan.tables(store, &Shown::new(progress))?;
+    let tables = plan.tables(store, &Shown::new(progress, Duration::ZERO))?;
     let lacking = lacking(study, plan, store, &tables)?;
     let results = Results { study, plan, folder, done: None, lacking };
     let charts = pictures(study, &tables)?;
@@ -108,7 +120,7 @@ pub fn report(
 
 impl Results<'_> {
     /// Writes the files of all that the store holds, prints what the options ask for, and returns the results as JSON where
-    /// that is wanted. `progress` hears of fits.
+    /// that is wanted. `progress` hears of fits, and is cleared.
     ///
     /// # Errors
     /// A row of the store is damaged, or a file cannot be written.
@@ -130,6 +142,7 @@ impl Results<'_> {
         let known = self.known((store, &index), held, &tables)?;
         let answer = answer(study, &tables, &charts, &curves, &verdicts, self.lacking)?;
         self.write_report(store, held, &tables, &charts, answer, &known)?;
+        progress.clear();
         let of_charts = charts.iter().filter_map(Drawn::sentence);
         let notes: Vec<String> = of_charts.chain(known.iter().cloned()).collect();
         if out.json {
@@ -170,7 +183,7 @@ impl Results<'_> {
             answer,
             notes,
             charts,
-            tables: tables.all().collect(),
+            tables: tables.as_charted(study),
             source: Source::of(study, plan, store, held, self.lacking)?,
         };
         write(&folder.join(REPORT), report.html().as_bytes())

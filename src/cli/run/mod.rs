@@ -18,7 +18,7 @@ use serde_json::Value;
 
 use super::output::{print, print_json};
 use super::progress::{self, Shown, short};
-use super::results::{Out, Results};
+use super::results::{Out, Results, behind};
 use super::{DeviceArg, Failure, whole};
 use share::Shard;
 pub use stop::Cause;
@@ -138,11 +138,11 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let mut device = device(&plans, options)?;
     let mut documents: Vec<Value> = Vec::new();
     let mut ended = Ok(());
-    for (at, ((folder, study), plan)) in studies.iter().zip(&plans).enumerate() {
+    for (at, ((folder, study), (plan, behind))) in studies.iter().zip(&plans).enumerate() {
         if at > 0 && !options.json && !options.quiet {
             print("\n")?;
         }
-        match run_study(study, plan, folder, device.as_mut(), &course, options) {
+        match run_study(study, (plan, *behind), folder, device.as_mut(), &course, options) {
             Ok(document) => documents.extend(document),
             Err(failure) => {
                 ended = Err(failure);
@@ -212,8 +212,8 @@ fn folder(options: &Options, study: &Path, share: Share) -> PathBuf {
 }
 
 /// The device that is asked for, if there is anything to sample.
-fn device(plans: &[Plan], options: &Options) -> Result<Option<Device>, Failure> {
-    if !plans.iter().any(Plan::is_sampled) {
+fn device(plans: &[(Plan, Duration)], options: &Options) -> Result<Option<Device>, Failure> {
+    if !plans.iter().any(|(plan, _)| plan.is_sampled()) {
         return Ok(None);
     }
     let Selection { device, reason } = select(&options.device.name, options.device.threads.unwrap_or(0))?;
@@ -223,17 +223,18 @@ fn device(plans: &[Plan], options: &Options) -> Result<Option<Device>, Failure> 
     Ok(Some(device))
 }
 
-/// Finds what would otherwise fail after the sampling.
-pub fn checked(study: &Study) -> Result<Plan<'_>, Failure> {
+/// The plan of a study, and how long it will take to show what was sampled. Finds what would otherwise fail after the sampling.
+pub fn checked(study: &Study) -> Result<(Plan<'_>, Duration), Failure> {
     let plan = Plan::new(study)?;
-    pictures(study, &plan.blank_tables())?;
-    Ok(plan)
+    let blank = plan.blank_tables();
+    pictures(study, &blank)?;
+    Ok((plan, behind(&blank)))
 }
 
 /// Runs one study, and returns its results as JSON where the options ask for that.
 fn run_study(
     study: &Study,
-    plan: &Plan,
+    (plan, behind): (&Plan, Duration),
     folder: &Path,
     device: Option<&mut Device>,
     course: &Course,
@@ -246,7 +247,7 @@ fn run_study(
         say!("note: {name} is another one than in the earlier run: what it changes is sampled anew");
     }
     store.note_share(course.share)?;
-    let shown = Shown::new(options.progress.how(options.quiet));
+    let shown = Shown::new(options.progress.how(options.quiet), behind);
     let device = device.filter(|_| plan.is_sampled());
     let name = device.as_ref().map(|device| device.name());
     let done = device.map(|device| {
@@ -262,6 +263,7 @@ fn run_study(
     });
     let done = done.transpose()?;
     if !course.share.is_whole() {
+        shown.clear();
         for note in done.iter().flat_map(|done| &done.degraded) {
             say!("note: {note}");
         }
