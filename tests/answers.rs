@@ -53,6 +53,16 @@ fn an_interval_is_answered_by_the_best_one_before_the_limit() {
         "{said}"
     );
     assert!(said.contains("1 °/h"), "what the limit says comes behind: {said}");
+    // The length of a run is given, so that the best interval of each is the answer.
+    let lengths = "[[sweep]]\nkey = \"run.duration\"\nlist = [\"10 min\", \"20 min\"]\n";
+    let by_length = chart(
+        "x = \"interval\"\ny = \"drift_q9973\"\nseries = [\"duration\"]\nwhere = { filler = \"const\" }",
+    );
+    let said = headline(&format!("{RUNS}{lengths}{sweep}{by_length}"));
+    let places = said.strip_prefix("The 99.73 % drift is least at switching interval ");
+    let [first, second] =
+        ["(run time 600 s: ", "(run time 1200 s: "].map(|name| places.and_then(|said| said.find(name)));
+    assert!(first.is_some() && first < second, "{said}");
     // Names side by side are judged each for itself.
     let beside =
         chart("x = \"filler\"\ny = \"drift_q9973\"\nwhere = { interval = \"20 s\" }\nlimit = \"0.3 deg/h\"");

@@ -8,7 +8,7 @@ use crate::run::Tables;
 use crate::study::{Chart, Filler, Frequency, Kind, Method, Source, Study, StudyError, text_columns};
 use crate::table::{ColumnError, Table, short};
 
-/// Most rows that a headline tells side by side.
+/// Most rows or curves that a headline tells side by side.
 const MOST_BESIDE: usize = 4;
 
 /// The answer: a sentence, and what stands behind it.
@@ -109,6 +109,9 @@ fn of_chart(
             return Ok(with_caveat(study, told, &shown.table, &rows)?);
         }
     }
+    if let Some(told) = interval_by_curve(chart, shown)? {
+        return Ok(Some(told));
+    }
     Ok(leading(study, &shown.table, &shown.estimate, &rows, &by)?)
 }
 
@@ -118,10 +121,29 @@ fn chosen_interval(study: &Study, chart: &Chart, shown: &Shown) -> Result<Option
     if table.column(&chart.x.name)?.name != "switching.interval" {
         return Ok(None);
     }
+    let told = interval_by_curve(chart, shown)?;
+    if told.is_some() {
+        return Ok(told);
+    }
     let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
     let by = apart(study, chart.source, series.collect());
     let best = best(table, &shown.estimate, &table.rows_where(&filter(chart))?, &by)?;
     Ok(best.map(|best| best.sentence()))
+}
+
+/// Where each curve over the switching interval is least, if they differ in what a gyro has to do or to live with: the best of them all is
+/// of no use to the others.
+fn interval_by_curve(chart: &Chart, shown: &Shown) -> Result<Option<String>, ColumnError> {
+    let table = &shown.table;
+    let is_over_interval = table.column(&chart.x.name)?.name == "switching.interval";
+    let is_given =
+        |name: &str| ["run.", "motion.", "drift.", "noise."].iter().any(|part| name.starts_with(part));
+    let series = shown.series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
+    if !is_over_interval || !series.iter().all(|column| is_given(&column.name)) {
+        return Ok(None);
+    }
+    let told = of_range(chart, shown, |curves| (curves.len(), curves.least_by_curve()))?;
+    Ok(told.filter(|(curves, _)| (2..=MOST_BESIDE).contains(curves)).and_then(|(_, told)| told))
 }
 
 /// Whether the abscissa is what a gyro meets and nobody chooses, so that the worst counts there.

@@ -42,6 +42,10 @@ impl<'t> Curves<'t> {
         Ok(Curves { x, y, curves })
     }
 
+    pub(super) fn len(&self) -> usize {
+        self.curves.len()
+    }
+
     /// Where each is least, a sentence each: `600 s: 0.153 °/h at switching interval 37.5 s`. A curve that is least at one of its ends is
     /// said to be.
     pub(super) fn least_of_each(&self) -> Vec<String> {
@@ -51,6 +55,26 @@ impl<'t> Curves<'t> {
     /// How large each gets, in the same way.
     pub(super) fn largest_of_each(&self) -> Vec<String> {
         self.each(largest)
+    }
+
+    /// At which x each is least, and how little that is, in one sentence; nothing where a curve has no range or all values of one are
+    /// alike.
+    pub(super) fn least_by_curve(&self) -> Option<String> {
+        let told = |(name, places): &(String, Vec<Place>)| {
+            let ends = [places.first()?.0, places.last()?.0];
+            let (at, value) = *places.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+            let is_told = places.len() > 1 && places.iter().any(|place| place.1 != value);
+            let at_end = if ends.contains(&at) { ", the end of its range" } else { "" };
+            let at = format!("{}{at_end}", measured(self.x, at));
+            is_told.then(|| format!("{at} ({name}: {})", measured(self.y, value)))
+        };
+        let told: Vec<String> = self.curves.iter().map(told).collect::<Option<_>>()?;
+        let (last, others) = told.split_last()?;
+        let (y, x) = (&self.y.label, &self.x.label);
+        Some(match others {
+            [] => format!("The {y} is least at {x} {last}."),
+            others => format!("The {y} is least at {x} {} and {last}.", others.join(", ")),
+        })
     }
 
     fn each(&self, chosen: fn(&[Place]) -> Option<&Place>) -> Vec<String> {
@@ -138,5 +162,18 @@ mod tests {
             said(&[("a", [1.0, 3.0, 2.0]), ("b", [1.0, 3.0, 2.0]), ("c", [9.0, 9.0, 9.0])]).2.unwrap();
         assert_eq!(equal, "The rms of 2 of 3 curves is at most 3 ″, the least: a, …");
         assert_eq!(said(&[]).2, None);
+    }
+
+    #[test]
+    fn one_sentence_tells_where_each_curve_is_least() {
+        let table = table("rms", &[("a", [3.0, 2.0, 5.0]), ("b", [4.0, 2.0, 1.5])]);
+        let least = |rows: &[usize]| {
+            Curves::of(&table, ("frequency", "rms"), rows, &["filler"]).unwrap().least_by_curve()
+        };
+        let expected =
+            "The rms is least at frequency 2 Hz (a: 2 ″) and 4 Hz, the end of its range (b: 1.5 ″).";
+        assert_eq!(least(&[0, 1, 2, 3, 4, 5]).as_deref(), Some(expected));
+        assert_eq!(least(&[0]), None);
+        assert_eq!(least(&[]), None);
     }
 }
