@@ -22,7 +22,7 @@ use super::progress::{How, Shown};
 
 /// What it takes to show anything at all, and a row of a table besides.
 const SHOWING: Duration = Duration::from_millis(200);
-const SHOWING_A_ROW: Duration = Duration::from_micros(30);
+const SHOWING_A_ROW: Duration = Duration::from_micros(25);
 
 /// A table as the bytes of its file.
 ///
