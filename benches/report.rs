@@ -46,6 +46,7 @@ fn page(bencher: divan::Bencher, points: usize) {
                 stops: false,
                 lacking: 0,
                 points,
+                counts_again: false,
                 provenance: vec![],
                 kernels: "gap_fill 2".to_owned(),
             },

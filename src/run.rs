@@ -193,6 +193,17 @@ impl<'a> Plan<'a> {
         Ok(Done { degraded: worker.into_notes(), ..done })
     }
 
+    /// Whether so many sampled trials are more than all points have: estimates of a point that are not sampled together count each.
+    pub fn counts_again(&self, sampled: u64) -> bool {
+        let all = match &self.work {
+            Work::GapFill(plan) => plan.most_trials().iter().sum(),
+            Work::SwitchedRun(plan) => self.study.trials.saturating_mul(plan.ids().len() as u64),
+            Work::Relock(plan) => self.study.trials.saturating_mul(plan.ids().len() as u64),
+            Work::Allan(_) | Work::Exact(_) => u64::MAX,
+        };
+        sampled > all
+    }
+
     /// Trials that the store still lacks of a share, over all points.
     ///
     /// # Errors

@@ -63,6 +63,17 @@ fn an_interval_is_answered_by_the_best_one_before_the_limit() {
     let [first, second] =
         ["(run time 600 s: ", "(run time 1200 s: "].map(|name| places.and_then(|said| said.find(name)));
     assert!(first.is_some() && first < second, "{said}");
+    // Of fillers the better one is told with the interval, and that firmware cannot have it.
+    let free = RUNS.replace("\"quadratic\"]", "{ kind = \"minimum-variance\", name = \"mv\" }]");
+    let both = chart("x = \"interval\"\ny = \"drift_q9973\"\nseries = [\"filler\", \"duration\"]");
+    let said = headline(&format!("{free}{lengths}{sweep}{both}"));
+    assert!(said.contains(" s with mv") && said.contains(" (run time 1200 s: "), "{said}");
+    assert!(
+        said.ends_with(
+            "Without a band mv is designed for exactly this frequency, which firmware does not know."
+        ),
+        "{said}"
+    );
     // Names side by side are judged each for itself.
     let beside =
         chart("x = \"filler\"\ny = \"drift_q9973\"\nwhere = { interval = \"20 s\" }\nlimit = \"0.3 deg/h\"");

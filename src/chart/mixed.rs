@@ -13,6 +13,9 @@ const FREQUENCY: &str = "motion.frequency";
 const AMPLITUDE_NOISE: &str = "amplitude_noise";
 const AMPLITUDE: &str = "motion.amplitude";
 
+/// What follows from the study, so that no chance makes it the same.
+const COORDINATES: [&str; 3] = [DT_NU, AMPLITUDE_NOISE, "time"];
+
 /// Refuses curves along which more varies than one of the columns that tell rows apart, or whose abscissa stands still
 /// while that one varies.
 ///
@@ -59,8 +62,8 @@ fn mixed<'t>(x: &Column, apart: &[&'t Column], rows: &[usize]) -> Option<(&'t Co
     }
     // An x that stands still, while another column varies; an estimate may be the same by chance.
     let (column, row) = along?;
-    let coordinate = [DT_NU, AMPLITUDE_NOISE].contains(&x.name.as_str())
-        || apart.iter().any(|column| column.name == x.name);
+    let coordinate =
+        COORDINATES.contains(&x.name.as_str()) || apart.iter().any(|column| column.name == x.name);
     let known = x.cells[rows[0]] != Cell::Blank;
     let still = coordinate && known && !rows.iter().any(|&row| differ(x, rows[0], row));
     still.then(|| found(column, rows[0], row))

@@ -1,6 +1,7 @@
 //! `sagnac chart`.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::Args;
 use sagnac::picture::{pictures, shown, verdicts};
@@ -125,9 +126,9 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
     let written = folders::study(&options.folder)?;
     let asked = changed(&written, options)?;
     let study = Study::parse(&format!("{} with the chart asked for", path.display()), &asked)?;
-    let (plan, behind) = checked(&study)?;
+    let (plan, _) = checked(&study)?;
     let store = held(&options.folder, &plan)?;
-    let tables = plan.tables(&store, &Shown::new(options.progress.how(options.quiet), behind))?;
+    let tables = plan.tables(&store, &Shown::new(options.progress.how(options.quiet), Duration::ZERO))?;
     let drawn = pictures(&study, &tables)?;
     for drawn in &drawn {
         write_pictures(&options.folder, &options.name, &drawn.picture.svg())?;

@@ -27,7 +27,7 @@ Examples:
 pub struct Options {
     /// Key or word of a study file, kind of study, term, column of a file of results, or exit code; without it all of these are listed
     #[arg(value_name = "WHAT")]
-    what: Option<String>,
+    what: Vec<String>,
 }
 
 /// Names that are offered for one that is not known.
@@ -35,13 +35,15 @@ const OFFERED: usize = 3;
 
 /// Prints what is known of the word.
 pub fn explain(options: &Options) -> Result<(), Failure> {
-    match &options.what {
-        None => print(&subjects()),
-        Some(what) => print(&of(what)?),
+    // Terms of several words need no quotes.
+    match &options.what[..] {
+        [] => print(&subjects()),
+        words => print(&of(&words.join(" "))?),
     }
 }
 
 fn of(what: &str) -> Result<String, Failure> {
+    let what = what.strip_prefix("exit code ").unwrap_or(what);
     if what.parse::<u8>().is_ok() {
         let found = EXIT_CODES.iter().find(|(codes, _)| codes.split(", ").any(|code| code == what));
         return found.map(|(_, meaning)| format!("exit code {what}: {meaning}")).ok_or_else(|| {

@@ -80,6 +80,28 @@ pub fn columns() -> Option<usize> {
     asked().map(|(width, _)| usize::from(width.0)).or_else(told).filter(|&width| width > 0)
 }
 
+/// Words in lines as wide as the terminal, or in one where there is none.
+pub fn wrapped(words: &str) -> String {
+    let most = columns().unwrap_or(usize::MAX);
+    let (mut text, mut used) = (String::new(), 0);
+    for word in words.split(' ') {
+        let length = word.chars().count();
+        let fits = used + 1 + length <= most;
+        if used > 0 {
+            text.push(if fits { ' ' } else { '\n' });
+        }
+        text += word;
+        used = if used > 0 && fits { used + 1 + length } else { length };
+    }
+    text
+}
+
+/// Columns of the terminal that the standard error stream goes to, else 80.
+pub fn error_columns() -> usize {
+    let asked = terminal_size::terminal_size_of(std::io::stderr());
+    asked.map(|(width, _)| usize::from(width.0)).filter(|&width| width > 0).unwrap_or(USUAL_WIDTH)
+}
+
 fn colours(terminal: bool) -> bool {
     match ASKED.get().copied().unwrap_or(Color::Auto) {
         Color::Always => true,

@@ -5,7 +5,9 @@
 macro_rules! say {
     ($($words:tt)*) => {{
         use std::io::Write as _;
-        let _ = writeln!(std::io::stderr(), $($words)*);
+        $crate::cli::progress::aside(|| {
+            let _ = writeln!(std::io::stderr(), $($words)*);
+        });
     }};
 }
 

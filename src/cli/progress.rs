@@ -13,6 +13,8 @@ use pace::{Pace, words};
 use sagnac::run::Progress;
 pub use sagnac::table::short;
 
+use super::look;
+
 /// Between lines where there is no terminal.
 const LINE: Duration = Duration::from_secs(10);
 
@@ -20,7 +22,7 @@ const LINE: Duration = Duration::from_secs(10);
 #[derive(Debug, Args)]
 #[group(skip)]
 pub struct Options {
-    /// Progress on the standard error stream: a bar on a terminal, else lines; bar, plain (lines), none
+    /// Progress on the standard error stream: a bar on a terminal, else lines; bar, plain (a line every 10 s), none
     #[arg(
         help_heading = "Output",
         long,
@@ -51,6 +53,29 @@ pub enum How {
     None,
 }
 
+/// The bar that is on the terminal.
+static ON_TERMINAL: Mutex<Option<ProgressBar>> = Mutex::new(None);
+
+/// Prints something beside the bar, which makes room for it meanwhile.
+pub fn aside(print: impl FnOnce()) {
+    let bar = ON_TERMINAL.lock().ok().and_then(|bar| bar.clone());
+    match bar {
+        Some(bar) => bar.suspend(print),
+        None => print(),
+    }
+}
+
+/// Takes the bar from the terminal, for good.
+pub fn leave() {
+    let bar = ON_TERMINAL.lock().ok().and_then(|mut bar| bar.take());
+    if let Some(bar) = bar {
+        bar.finish_and_clear();
+    }
+}
+
+/// From so many columns on a bar of 30 leaves room for all there is to say; else it is as wide as the rest leaves it, without the rate.
+const ROOMY: usize = 108;
+
 /// How progress is shown. A bar stays until it is cleared or dropped: there is something to wait for when all is sampled.
 pub enum Shown {
     Nothing,
@@ -72,7 +97,11 @@ impl Shown {
         }
         let pace = Arc::new(Mutex::new(Pace::new(0, 0).then(behind)));
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10));
-        let template = "{bar:30} {percent:>3} %  {done} {msg}  {rate}  {left}";
+        let is_roomy = look::error_columns() >= ROOMY;
+        let template = match is_roomy {
+            true => "{bar:30} {percent:>3} %  {done} {msg}  {rate}  {left}",
+            false => "{wide_bar} {percent:>3} %  {done} {msg}  {left}",
+        };
         if let Ok(style) = ProgressStyle::with_template(template) {
             let read = pace.clone();
             bar.set_style(
@@ -86,7 +115,9 @@ impl Shown {
                         );
                     })
                     .with_key("rate", |state: &ProgressState, to: &mut dyn std::fmt::Write| {
-                        let _ = write!(to, "{}/s", short(state.per_sec()));
+                        // When all is done it would only fall.
+                        let goes_on = state.len().is_some_and(|len| state.pos() < len);
+                        let _ = if goes_on { write!(to, "{}/s", short(state.per_sec())) } else { Ok(()) };
                     })
                     .with_key("left", move |state: &ProgressState, to: &mut dyn std::fmt::Write| {
                         let left = read.lock().ok().and_then(|pace| pace.left(state.pos()));
@@ -94,13 +125,16 @@ impl Shown {
                     }),
             );
         }
+        if let Ok(mut shown) = ON_TERMINAL.lock() {
+            *shown = Some(bar.clone());
+        }
         Shown::Bar(bar, pace)
     }
 
     /// Makes room for other output.
     pub fn clear(&self) {
-        if let Shown::Bar(bar, _) = self {
-            bar.finish_and_clear();
+        if let Shown::Bar(..) = self {
+            leave();
         }
     }
 }
@@ -163,8 +197,7 @@ impl Progress for Shown {
     fn note(&self, sentence: &str) {
         match self {
             Shown::Nothing => {}
-            Shown::Bar(bar, _) => bar.suspend(|| say!("note: {sentence}")),
-            Shown::Lines(_) => say!("note: {sentence}"),
+            Shown::Bar(..) | Shown::Lines(_) => say!("note: {sentence}"),
         }
     }
 
@@ -193,8 +226,8 @@ impl Lines {
 
     fn start(&self, unit: &'static str, before: u64, total: u64) {
         self.done.store(before, Ordering::Relaxed);
-        // Fits begin where something else has been done.
-        if before < total && unit != "fits" {
+        // What records are then used for begins where they have been made.
+        if before < total && !["fits", "records"].contains(&unit) {
             say!("{} of {} {unit} done", short(before as f64), short(total as f64));
         }
         if let Ok(mut state) = self.state.lock() {

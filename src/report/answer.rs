@@ -1,15 +1,18 @@
 //! The answer of a study to its question.
 
-use super::curves::Curves;
+use super::curves::{Curves, least_for_each};
 use super::sentences::{best, less_is_better, of_map, of_verdict, side_by_side};
 use crate::chart::{ChartError, Picture};
 use crate::picture::{Drawn, Shown, Verdict, filter, refused};
 use crate::run::Tables;
 use crate::study::{Chart, Filler, Frequency, Kind, Method, Source, Study, StudyError, text_columns};
-use crate::table::{ColumnError, Table, short};
+use crate::table::{Column, ColumnError, Table, short};
 
 /// Most rows or curves that a headline tells side by side.
 const MOST_BESIDE: usize = 4;
+
+/// Beginnings of keys that nobody chooses for the sake of the drift.
+const GIVEN: [&str; 5] = ["run.", "motion.", "drift.", "gyro.tick_noise", "gyro.readout_lsb"];
 
 /// The answer: a sentence, and what stands behind it.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -109,8 +112,8 @@ fn of_chart(
             return Ok(with_caveat(study, told, &shown.table, &rows)?);
         }
     }
-    if let Some(told) = interval_by_curve(chart, shown)? {
-        return Ok(Some(told));
+    if let Some(told) = interval_for_each(chart, shown)? {
+        return Ok(with_caveat(study, Some(told), &shown.table, &rows)?);
     }
     Ok(leading(study, &shown.table, &shown.estimate, &rows, &by)?)
 }
@@ -121,7 +124,7 @@ fn chosen_interval(study: &Study, chart: &Chart, shown: &Shown) -> Result<Option
     if table.column(&chart.x.name)?.name != "switching.interval" {
         return Ok(None);
     }
-    let told = interval_by_curve(chart, shown)?;
+    let told = interval_for_each(chart, shown)?;
     if told.is_some() {
         return Ok(told);
     }
@@ -131,19 +134,19 @@ fn chosen_interval(study: &Study, chart: &Chart, shown: &Shown) -> Result<Option
     Ok(best.map(|best| best.sentence()))
 }
 
-/// Where each curve over the switching interval is least, if they differ in what a gyro has to do or to live with: the best of them all is
-/// of no use to the others.
-fn interval_by_curve(chart: &Chart, shown: &Shown) -> Result<Option<String>, ColumnError> {
+/// Where an estimate over the switching interval is least for each of what a gyro has to do or to live with, if its curves differ in that:
+/// the best of them all is of no use to the others.
+fn interval_for_each(chart: &Chart, shown: &Shown) -> Result<Option<String>, ColumnError> {
     let table = &shown.table;
+    let rows = table.rows_where(&filter(chart))?;
     let is_over_interval = table.column(&chart.x.name)?.name == "switching.interval";
-    let is_given =
-        |name: &str| ["run.", "motion.", "drift.", "noise."].iter().any(|part| name.starts_with(part));
-    let series = shown.series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
-    if !is_over_interval || !series.iter().all(|column| is_given(&column.name)) {
+    if !is_over_interval || !less_is_better(table, &shown.estimate, &rows)? {
         return Ok(None);
     }
-    let told = of_range(chart, shown, |curves| (curves.len(), curves.least_by_curve()))?;
-    Ok(told.filter(|(curves, _)| (2..=MOST_BESIDE).contains(curves)).and_then(|(_, told)| told))
+    let series = shown.series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
+    let (given, chosen): (Vec<&Column>, Vec<&Column>) =
+        series.into_iter().partition(|column| GIVEN.iter().any(|key| column.name.starts_with(key)));
+    least_for_each(table, (&chart.x.name, &shown.estimate), &rows, [&given, &chosen], MOST_BESIDE)
 }
 
 /// Whether the abscissa is what a gyro meets and nobody chooses, so that the worst counts there.

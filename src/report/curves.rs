@@ -42,10 +42,6 @@ impl<'t> Curves<'t> {
         Ok(Curves { x, y, curves })
     }
 
-    pub(super) fn len(&self) -> usize {
-        self.curves.len()
-    }
-
     /// Where each is least, a sentence each: `600 s: 0.153 °/h at switching interval 37.5 s`. A curve that is least at one of its ends is
     /// said to be.
     pub(super) fn least_of_each(&self) -> Vec<String> {
@@ -55,26 +51,6 @@ impl<'t> Curves<'t> {
     /// How large each gets, in the same way.
     pub(super) fn largest_of_each(&self) -> Vec<String> {
         self.each(largest)
-    }
-
-    /// At which x each is least, and how little that is, in one sentence; nothing where a curve has no range or all values of one are
-    /// alike.
-    pub(super) fn least_by_curve(&self) -> Option<String> {
-        let told = |(name, places): &(String, Vec<Place>)| {
-            let ends = [places.first()?.0, places.last()?.0];
-            let (at, value) = *places.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-            let is_told = places.len() > 1 && places.iter().any(|place| place.1 != value);
-            let at_end = if ends.contains(&at) { ", the end of its range" } else { "" };
-            let at = format!("{}{at_end}", measured(self.x, at));
-            is_told.then(|| format!("{at} ({name}: {})", measured(self.y, value)))
-        };
-        let told: Vec<String> = self.curves.iter().map(told).collect::<Option<_>>()?;
-        let (last, others) = told.split_last()?;
-        let (y, x) = (&self.y.label, &self.x.label);
-        Some(match others {
-            [] => format!("The {y} is least at {x} {last}."),
-            others => format!("The {y} is least at {x} {} and {last}.", others.join(", ")),
-        })
     }
 
     fn each(&self, chosen: fn(&[Place]) -> Option<&Place>) -> Vec<String> {
@@ -129,6 +105,66 @@ impl<'t> Curves<'t> {
     }
 }
 
+/// At which x some rows have the least y, for each value of the columns `given`, and with which of the columns `chosen`: of more than
+/// `most` values from where to where only. Nothing where one has no range of x, all its values alike, or where there is one alone.
+///
+/// # Errors
+/// A name selects no single column.
+pub(super) fn least_for_each(
+    table: &Table,
+    (x, y): (&str, &str),
+    rows: &[usize],
+    [given, chosen]: [&[&Column]; 2],
+    most: usize,
+) -> Result<Option<String>, ColumnError> {
+    let (x, y) = (table.column(x)?, table.column(y)?);
+    let names = |columns: &[&Column], row: usize| {
+        columns.iter().filter_map(|column| named(column, &column.cells[row])).collect::<Vec<_>>().join(", ")
+    };
+    let mut groups: Vec<(String, Vec<(usize, Place)>)> = Vec::new();
+    for &row in rows {
+        let Some(place) = x.cells[row].number().zip(y.cells[row].number()) else { continue };
+        let name = names(given, row);
+        match groups.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, places)) => places.push((row, place)),
+            None => groups.push((name, vec![(row, place)])),
+        }
+    }
+    let least = |(name, places): &(String, Vec<(usize, Place)>)| {
+        let (row, (at, value)) = *places.iter().min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
+        let has_range = places.iter().any(|one| one.1.0 != at) && places.iter().any(|one| one.1.1 != value);
+        let at_end = !places.iter().any(|one| one.1.0 < at) || !places.iter().any(|one| one.1.0 > at);
+        has_range.then(|| (name.clone(), row, at, value, at_end))
+    };
+    let Some(found) = groups.iter().map(least).collect::<Option<Vec<_>>>().filter(|found| found.len() > 1)
+    else {
+        return Ok(None);
+    };
+    let (y_label, x_label) = (&y.label, &x.label);
+    if found.len() > most {
+        let ends = |values: Vec<f64>, column: &Column| {
+            let [low, high] =
+                [f64::min, f64::max].map(|end: fn(f64, f64) -> f64| values.iter().copied().reduce(end));
+            format!("{} to {}", measured(column, low.unwrap_or(0.0)), measured(column, high.unwrap_or(0.0)))
+        };
+        let depends = given.iter().map(|column| column.label.as_str()).collect::<Vec<_>>().join(" and ");
+        return Ok(Some(format!(
+            "The {y_label} is least at {x_label} {}, which depends on the {depends}: {}.",
+            ends(found.iter().map(|one| one.2).collect(), x),
+            ends(found.iter().map(|one| one.3).collect(), y)
+        )));
+    }
+    let told = |(name, row, at, value, at_end): &(String, usize, f64, f64, bool)| {
+        let with = names(chosen, *row);
+        let with = if with.is_empty() { with } else { format!(" with {with}") };
+        let end = if *at_end { ", the end of its range" } else { "" };
+        format!("{}{with}{end} ({name}: {})", measured(x, *at), measured(y, *value))
+    };
+    let told: Vec<String> = found.iter().map(told).collect();
+    let (last, others) = (&told[told.len() - 1], &told[..told.len() - 1]);
+    Ok(Some(format!("The {y_label} is least at {x_label} {} and {last}.", others.join(", "))))
+}
+
 fn largest(places: &[Place]) -> Option<&Place> {
     places.iter().max_by(|a, b| a.1.total_cmp(&b.1))
 }
@@ -165,15 +201,22 @@ mod tests {
     }
 
     #[test]
-    fn one_sentence_tells_where_each_curve_is_least() {
+    fn one_sentence_tells_where_it_is_least_for_each_of_what_is_given() {
         let table = table("rms", &[("a", [3.0, 2.0, 5.0]), ("b", [4.0, 2.0, 1.5])]);
-        let least = |rows: &[usize]| {
-            Curves::of(&table, ("frequency", "rms"), rows, &["filler"]).unwrap().least_by_curve()
+        let filler = table.column("filler").unwrap();
+        let least = |rows: &[usize], columns: [&[&Column]; 2], most: usize| {
+            least_for_each(&table, ("frequency", "rms"), rows, columns, most).unwrap()
         };
+        let all = [0, 1, 2, 3, 4, 5];
         let expected =
             "The rms is least at frequency 2 Hz (a: 2 ″) and 4 Hz, the end of its range (b: 1.5 ″).";
-        assert_eq!(least(&[0, 1, 2, 3, 4, 5]).as_deref(), Some(expected));
-        assert_eq!(least(&[0]), None);
-        assert_eq!(least(&[]), None);
+        assert_eq!(least(&all, [&[filler], &[]], 4).as_deref(), Some(expected));
+        let expected =
+            "The rms is least at frequency 2 Hz to 4 Hz, which depends on the filler: 1.5 ″ to 2 ″.";
+        assert_eq!(least(&all, [&[filler], &[]], 1).as_deref(), Some(expected));
+        // What is chosen is told with the place; one alone, or without a range, is told elsewhere.
+        assert_eq!(least(&all, [&[], &[filler]], 4), None);
+        assert_eq!(least(&[0, 3], [&[filler], &[]], 4), None);
+        assert_eq!(least(&[], [&[filler], &[]], 4), None);
     }
 }

@@ -186,9 +186,7 @@ fn source(source: &Source, digest: Option<&str>) -> Markup {
                     dt { "Sampled" }
                     dd {
                         (grouped(trials)) " trials in all"
-                        @if source.sampled.is_some_and(|(_, each)| trials > each.saturating_mul(source.points as u64)) {
-                            ", as not all estimates of a point are sampled together"
-                        }
+                        @if source.counts_again { ", once for each part of the estimates that is sampled apart" }
                         @for by in &source.provenance {
                             br; (by.device) ": " (grouped(by.trials)) " in " (significant(by.seconds, 3)) " s"
                             @if by.seconds > 0.0 { ", " (rate(by.trials as f64 / by.seconds)) " per second" }

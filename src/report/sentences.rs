@@ -206,12 +206,17 @@ pub(super) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
     let is_always =
         |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && !answer.open && answer.first.is_empty();
     let is_never = |answer: &&Judged| answer.outcome == Outcome::AboveFrom;
+    // What the rest of these does is not known, as of a run that is incomplete: they have no place in an order.
+    let is_open =
+        |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && answer.open && answer.first.is_empty();
     let mut always: Vec<&Judged> = answers.iter().filter(is_always).collect();
     // The one with the most room first.
     always.sort_by(|a, b| a.most.total_cmp(&b.most));
     let never: Vec<&Judged> = answers.iter().filter(is_never).collect();
-    let partly: Vec<&Judged> =
-        answers.iter().filter(|answer| !is_always(answer) && !is_never(answer)).collect();
+    let mut open: Vec<&Judged> = answers.iter().filter(is_open).collect();
+    open.sort_by(|a, b| a.most.total_cmp(&b.most));
+    let is_partly = |answer: &&Judged| !is_always(answer) && !is_never(answer) && !is_open(answer);
+    let partly: Vec<&Judged> = answers.iter().filter(is_partly).collect();
     let all = answers.len();
     let counted = |curves: &[&Judged], [one, more]: [&str; 2], how: &str, named: String| {
         let count = curves.len();
@@ -231,7 +236,13 @@ pub(super) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
         _ if never.len() == all => return Some(format!("None of the {all} curves is within {limit}.")),
         _ => [
             counted(&always, ["stays", "stay"], &format!("within {limit}"), with_most(&always)),
-            order(&partly, limit),
+            counted(
+                &open,
+                ["stays", "stay"],
+                &format!("within {limit} as far as there are values"),
+                with_most(&open),
+            ),
+            order(&partly, limit, partly.len() + never.len() < all),
             counted(&never, ["is", "are"], &format!("nowhere within {limit}"), names(&never)),
         ],
     };
@@ -241,7 +252,7 @@ pub(super) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
 
 /// Which of the curves that are within the limit in part is so longest or first, and which shortest or last. Curves that leave it and such
 /// that come to it have no common order, and are counted.
-fn order(curves: &[&Judged], limit: &str) -> Option<String> {
+fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
     let at = |answer: &Judged| answer.at.first().map_or(0.0, |at| at.1);
     // What has no values at first, or is within once more, has no place in an order.
     let is_plain = |answer: &Judged| !answer.again && answer.first.is_empty();
@@ -267,12 +278,13 @@ fn order(curves: &[&Judged], limit: &str) -> Option<String> {
             _ => format!("{} are within {limit} in part ({})", curves.len(), names(curves)),
         });
     };
+    let others = if are_others { "of the others " } else { "" };
     let side = |one: &Judged| format!("{}, {how} {}", there(one), one.place());
     Some(match last.place() == end.place() {
-        true => format!("within {limit}: {}", side(last)),
+        true => format!("{others}within {limit}: {}", side(last)),
         false => {
             let other = if first == "longest" { "shortest" } else { "last" };
-            format!("{first} within {limit}: {}; {other}: {}", side(last), side(end))
+            format!("{others}{first} within {limit}: {}; {other}: {}", side(last), side(end))
         }
     })
 }
@@ -287,9 +299,9 @@ fn rounded(value: f64) -> f64 {
     significant(value, 3).parse().unwrap_or(value)
 }
 
-/// Some texts, of more than three the first ones.
+/// Some texts, of more than four the first three.
 fn listed(count: usize, texts: impl Iterator<Item = String>, between: &str) -> String {
-    let shown: Vec<String> = texts.take(3).collect();
+    let shown: Vec<String> = texts.take(if count == 4 { 4 } else { 3 }).collect();
     let more = if count > shown.len() { " and others" } else { "" };
     format!("{}{more}", shown.join(between))
 }
@@ -371,7 +383,19 @@ pub(super) mod tests {
         let open = ("open", [1.0, 2.0, f64::NAN]);
         let said = judged(&[open, ("good", [1.0, 2.0, 3.0])]);
         assert!(said.starts_with("1 of 2 curves stays within 10 ″ (good, at most 3 ″)"), "{said}");
-        assert!(said.contains("within 10 ″: open, up to frequency 2 Hz"), "{said}");
+        assert!(
+            said.contains("1 of 2 curves stays within 10 ″ as far as there are values (open, at most 2 ″)"),
+            "{said}"
+        );
+        // Where its values end it has not risen above the limit, and has no place among those that do.
+        let early = judged(&[
+            open,
+            ("good", [1.0, 2.0, 3.0]),
+            ("early", [1.0, 20.0, 20.0]),
+            ("late", [1.0, 2.0, 20.0]),
+        ]);
+        assert!(early.contains("of the others longest within 10 ″: late, up to "), "{early}");
+        assert!(early.contains("; shortest: early, up to "), "{early}");
     }
 
     #[test]

@@ -23,6 +23,8 @@ pub struct Source {
     pub lacking: u64,
     /// How many points its sweeps make.
     pub points: usize,
+    /// Whether trials count more than once, as estimates of a point that are not sampled together take their own.
+    pub counts_again: bool,
     /// Who sampled how much.
     pub provenance: Vec<Provenance>,
     /// The kernels with their versions; empty of closed forms.
@@ -69,6 +71,7 @@ impl Source {
         lacking: u64,
     ) -> Result<Source, StoreError> {
         let identity = plan.identity();
+        let provenance = store.provenance()?;
         Ok(Source {
             study: study.resolved(held),
             inputs: study.inputs().into_iter().map(Named::of).collect(),
@@ -76,7 +79,8 @@ impl Source {
             stops: study.has_stop_rule(),
             lacking,
             points: study.sweeps.iter().map(|sweep| sweep.values.len()).product(),
-            provenance: store.provenance()?,
+            counts_again: plan.counts_again(provenance.iter().map(|by| by.trials).sum()),
+            provenance,
             kind: study.kind(),
             kernels: identity.kernels,
         })

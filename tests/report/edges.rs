@@ -27,6 +27,7 @@ fn page_of(table: &Table, spec: &Spec) -> String {
         stops: false,
         lacking: 0,
         points: 1,
+        counts_again: false,
         provenance: vec![],
         kernels: "gap_fill 2".to_owned(),
     };

@@ -6,7 +6,7 @@ pub struct Term {
     pub meaning: &'static str,
 }
 
-pub const TERMS: [Term; 24] = [
+pub const TERMS: [Term; 26] = [
     Term {
         names: &["Q", "quantisation noise"],
         meaning: "Coefficient of quantisation noise, ″: an Allan deviation of √3·Q/τ, slope −1. Pulses of q give Q = q/√12. \
@@ -46,8 +46,8 @@ pub const TERMS: [Term; 24] = [
     },
     Term {
         names: &["Δt·ν", "dt·nu", "Δtν"],
-        meaning: "The length of the gap in periods of the vibration, n·T·ν: on it alone it depends how much of the motion a polynomial \
-                  misses. Column: dt_nu.",
+        meaning: "The time from the middle of a gap to the nearest tick that is there, (n+1)·T/2, in periods of the vibration: for one n \
+                  it tells alone how much of the motion a polynomial misses. Column: dt_nu.",
     },
     Term {
         names: &["Ω_m", "magnetic drift"],
@@ -69,9 +69,10 @@ pub const TERMS: [Term; 24] = [
     },
     Term {
         names: &["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"],
-        meaning: "Deviations over an averaging time τ: Allan's of halves side by side and of all that overlap (oadev, the usual one), \
-                  the modified one and that of time, and Hadamard's, which a steady drift does not touch, likewise. \
-                  `sagnac allan --deviation` takes them; studies have allan.estimator.",
+        meaning: "Deviations over an averaging time τ that `sagnac allan --deviation` takes: the Allan deviation of averages side by side \
+                  (adev) or of all that overlap (oadev, the usual one), the modified Allan deviation (mdev), the time deviation (tdev), and \
+                  the Hadamard deviation, which a rate ramp does not touch (hdev, ohdev). The column adev of a study is that of its \
+                  allan.estimator.",
     },
     Term {
         names: &["filler", "gap filler"],
@@ -80,13 +81,13 @@ pub const TERMS: [Term; 24] = [
     },
     Term {
         names: &["Σ|w|", "Σw²", "√Σw²", "noise gain"],
-        meaning: "Of the weights of a filler: √Σw² times the noise of a tick is the noise of the filled angle, and Σ|w| times the largest \
-                  error of a tick is the most that such errors can do.",
+        meaning: "Of the weights of a filler: √Σw², the noise gain, times the noise of a tick, if that is white, is the noise of the filled \
+                  angle, and Σ|w| times the largest error of a tick is the most that such errors can do.",
     },
     Term {
         names: &["jackknife"],
-        meaning: "The uncertainty of what is not a mean, as of the best interval: it is found again with each of 32 parts of the trials \
-                  left out, and how those differ gives the standard error.",
+        meaning: "How the standard error of what is no mean is found, as of the best interval: it is worked out again with each of 32 parts of \
+                  the trials left out, and the differences tell.",
     },
     Term {
         names: &["oracle", "closed form"],
@@ -121,5 +122,15 @@ pub const TERMS: [Term; 24] = [
     Term {
         names: &["point"],
         meaning: "One combination of the values of all sweeps, with results of its own: a row of points.csv for each filler and error.",
+    },
+    Term {
+        names: &["points.csv", "coefficients.csv", "trajectories.csv"],
+        meaning: "Tables of a results folder: a row for each point, filler and error, τ or angle; for each fitted coefficient; for each time of \
+                  a run. `sagnac explain COLUMN` tells what a column holds.",
+    },
+    Term {
+        names: &["resolved_study.toml", "tallies.sqlite", "report.html"],
+        meaning: "Files of a results folder: the study as it was run, which repeats it; the exact tallies, from which a run goes on; the page, \
+                  which can be sent alone.",
     },
 ];

@@ -141,6 +141,7 @@ impl Results<'_> {
         let verdicts = verdicts(study, &curves)?;
         let known = self.known((store, &index), held, &tables)?;
         let answer = answer(study, &tables, &charts, &curves, &verdicts, self.lacking)?;
+        let headline = answer.headline.clone();
         self.write_report(store, held, &tables, &charts, answer, &known)?;
         progress.clear();
         let of_charts = charts.iter().filter_map(Drawn::sentence);
@@ -156,6 +157,11 @@ impl Results<'_> {
                 print(&format!("{}\n", first.picture.text(look::of_output())))?;
             }
             print(&self.summary(&tables, &curves, &verdicts)?)?;
+            // Of a single curve the verdict says the same.
+            let judged: usize = verdicts.iter().map(|verdict| verdict.answers().len()).sum();
+            if judged != 1 && !headline.is_empty() {
+                print(&format!("\n{}", look::wrapped(&headline)))?;
+            }
         }
         Ok(None)
     }

@@ -12,7 +12,7 @@ use sagnac::picture::pictures;
 use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::share::Share;
 use sagnac::store::Store;
-use sagnac::study::{Dimension, Kind, Study, parse_quantity};
+use sagnac::study::{Dimension, Study, parse_quantity};
 use sagnac::table::significant;
 use serde_json::Value;
 
@@ -69,11 +69,13 @@ pub struct Options {
     quiet: bool,
 }
 
-/// Why more trials than there are were sampled, where that is so.
-fn again(study: &Study, sampled: u64) -> &'static str {
-    let points: usize = study.sweeps.iter().map(|sweep| sweep.values.len()).product();
-    let is_more = study.kind() != Kind::Allan && sampled > study.trials.saturating_mul(points as u64);
-    if is_more { ", as not all estimates of a point are sampled together" } else { "" }
+/// That trials count more than once, where they do.
+fn again(plan: &Plan, sampled: u64) -> &'static str {
+    if plan.counts_again(sampled) {
+        " (once for each part of the estimates that is sampled apart)"
+    } else {
+        ""
+    }
 }
 
 /// The folder of a share in that of the whole.
@@ -88,9 +90,12 @@ fn merging(folder: &Path, share: Share) -> String {
         Some(whole) if whole == Path::new("") => format!("sagnac merge shard-*-of-{of} --out whole"),
         Some(whole) => {
             let whole = whole.display().to_string();
-            let quote =
-                if whole.contains(|c: char| c.is_whitespace() || "'\"$&;()".contains(c)) { "\"" } else { "" };
-            format!("sagnac merge {quote}{whole}{quote}/shard-*-of-{of} --out {quote}{whole}{quote}")
+            let is_plain = |c: char| c.is_alphanumeric() || "_./-+,:@%".contains(c);
+            let quoted = match whole.chars().all(is_plain) {
+                true => whole,
+                false => format!("'{}'", whole.replace('\'', r"'\''")),
+            };
+            format!("sagnac merge {quoted}/shard-*-of-{of} --out {quoted}")
         }
         None => format!("sagnac merge SHARE… --out DIR, with the folders of all {of}"),
     }
@@ -247,6 +252,8 @@ fn run_study(
         say!("note: {name} is another one than in the earlier run: what it changes is sampled anew");
     }
     store.note_share(course.share)?;
+    // A share shows nothing.
+    let behind = if course.share.is_whole() { behind } else { Duration::ZERO };
     let shown = Shown::new(options.progress.how(options.quiet), behind);
     let device = device.filter(|_| plan.is_sampled());
     let name = device.as_ref().map(|device| device.name());
@@ -283,7 +290,7 @@ fn run_study(
                     0.0..0.1 => "less than 0.1".to_owned(),
                     seconds => significant(seconds, 3),
                 };
-                format!("{} trials in {seconds} s{}; ", short(done.trials as f64), again(study, done.trials))
+                format!("{} trials{} in {seconds} s; ", short(done.trials as f64), again(plan, done.trials))
             }
             Some(_) => "nothing was left to sample; ".to_owned(),
             None => String::new(),
@@ -296,6 +303,15 @@ fn run_study(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_command_that_merges_survives_names_that_shells_read() {
+        let share: Share = "1/2".parse().unwrap();
+        let command = |whole: &str| merging(&Path::new(whole).join(share_folder(share)), share);
+        assert_eq!(command("results/my"), "sagnac merge results/my/shard-*-of-2 --out results/my");
+        assert_eq!(command("a $b"), "sagnac merge 'a $b'/shard-*-of-2 --out 'a $b'");
+        assert_eq!(command("it's"), r"sagnac merge 'it'\''s'/shard-*-of-2 --out 'it'\''s'");
+    }
 
     #[test]
     fn a_time_limit_is_read_as_studies_and_as_schedulers_write_it() {

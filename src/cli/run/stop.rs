@@ -8,7 +8,7 @@ use sagnac::run::Progress;
 #[cfg(unix)]
 use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
 
-use super::super::progress::Shown;
+use super::super::progress::{Shown, leave};
 
 /// Elsewhere none comes: an interruption leaves at once, and what was sampled is kept.
 #[cfg(not(unix))]
@@ -92,6 +92,7 @@ impl Stop {
                     say!("{cause}: stopping after this batch; a second signal leaves at once");
                     continue;
                 }
+                leave();
                 say!("stopped by {cause}; what was sampled is kept, resumable: run again to go on");
                 signal_hook::low_level::exit(cause.code().into());
             }

@@ -120,19 +120,23 @@ impl<'a> Plan<'a> {
     /// All estimates held. One point is in memory at a time.
     pub(super) fn tables(&self, store: &Store, progress: &(dyn Progress + Sync)) -> Result<Tables, RunError> {
         let mut tables = self.empty_tables();
-        progress.start("fits", 0, self.all_fits());
+        let unit = if self.allan.terms.is_some() { "fits" } else { "records" };
+        progress.start(unit, 0, self.all_records());
         for planned in &self.points {
             let lowered = self.lowered(planned.point)?;
             let rows = store.rows(&planned.address, planned.width)?;
             let estimates = Estimates::of(rows, |sums| lowered.records.variances(sums));
             self.add(&mut tables, planned.point, Some(&lowered), &estimates, &|fits| progress.advance(fits));
+            if self.allan.terms.is_none() {
+                progress.advance(self.study.trials);
+            }
         }
         Ok(tables)
     }
 
-    /// Fits of all records, where any are asked for.
-    fn all_fits(&self) -> u64 {
-        if self.allan.terms.is_some() { self.study.trials * self.points.len() as u64 } else { 0 }
+    /// Records that tables are made of, with a fit of each where any are asked for.
+    fn all_records(&self) -> u64 {
+        self.study.trials * self.points.len() as u64
     }
 
     fn empty_tables(&self) -> Tables {

@@ -133,8 +133,8 @@ impl Plan<'_> {
         let total = self.distinct().map(of_point).sum::<u64>().max(left);
         progress.start("samples", total - left, total);
         let mut sampler = Sampler { store, worker, progress, started: Instant::now(), trials, made: 0 };
-        // Shares are fitted when they are put together.
-        let fits = if share.is_whole() { self.all_fits() } else { 0 };
+        // Tables of shares are made when they are put together.
+        let fits = if share.is_whole() { self.all_records() } else { 0 };
         let mut outlook = Outlook::default();
         outlook.samples.unknown = left as f64;
         outlook.fits.unknown = fits as f64;
@@ -212,19 +212,18 @@ impl Plan<'_> {
         Ok(prices)
     }
 
-    /// What the fits of all records of a point cost, s, as those of some show whose sums are known.
+    /// What the tables and the fits of all records of a point cost, s, as those of some show whose sums are known.
     fn cost_of_fits(&self, planned: &Planned, lowered: &LoweredCurve, mut sums: Vec<u128>) -> f64 {
-        let Some(terms) = &self.allan.terms else { return 0.0 };
         let width = planned.width;
         let trials = self.study.trials;
         let tried = FEWEST_FITS.max(trials / TRIED_FITS).min((trials / 8).max(2));
         sums.truncate(tried as usize * width);
         let count = sums.len() / width;
         let seconds = |values: Vec<u128>| {
+            let started = Instant::now();
             let estimates =
                 Estimates::of(vec![Rows { width, values }], |sums| lowered.records.variances(sums));
-            let started = Instant::now();
-            self.fits(planned.point, terms, &estimates, &|_| {});
+            self.add(&mut self.empty_tables(), planned.point, Some(lowered), &estimates, &|_| {});
             started.elapsed().as_secs_f64()
         };
         // What a point takes beside its records, as the covariance of them all, shows in the fits of two.

@@ -149,7 +149,7 @@ impl<'a> Plan<'a> {
     }
 
     /// The trials of each point if no precision ends it.
-    fn most_trials(&self) -> Vec<u64> {
+    pub(super) fn most_trials(&self) -> Vec<u64> {
         self.points.iter().map(|point| point.trials(self.study.trials)).collect()
     }
 
