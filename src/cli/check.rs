@@ -70,7 +70,8 @@ pub fn check(options: &Options) -> Result<(), Failure> {
 
 fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
     if folder.is_file() {
-        return Err(folders::study(folder).map_or_else(|failure| failure, |_| Failure::Unsound(0)));
+        // Tells that it is one.
+        folders::study(folder)?;
     }
     let source = Source::open(folder).map_err(|error| match (error, folders::several(folder)) {
         (StoreError::NoResults { .. }, Some(message)) => Failure::Usage(message),

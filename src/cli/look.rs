@@ -80,9 +80,9 @@ pub fn columns() -> Option<usize> {
     asked().map(|(width, _)| usize::from(width.0)).or_else(told).filter(|&width| width > 0)
 }
 
-/// Words in lines as wide as the terminal, or in one where there is none.
+/// Words in lines as wide as the terminal.
 pub fn wrapped(words: &str) -> String {
-    let most = columns().unwrap_or(usize::MAX);
+    let most = width();
     let (mut text, mut used) = (String::new(), 0);
     for word in words.split(' ') {
         let length = word.chars().count();

@@ -251,7 +251,7 @@ pub(super) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
 }
 
 /// Which of the curves that are within the limit in part is so longest or first, and which shortest or last. Curves that leave it and such
-/// that come to it have no common order, and are counted.
+/// that come to it have no common order, and are counted. `are_others` tells that some do not rise above it at all, so that none of these is the longest of all.
 fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
     let at = |answer: &Judged| answer.at.first().map_or(0.0, |at| at.1);
     // What has no values at first, or is within once more, has no place in an order.
