@@ -80,18 +80,23 @@ pub fn columns() -> Option<usize> {
     asked().map(|(width, _)| usize::from(width.0)).or_else(told).filter(|&width| width > 0)
 }
 
-/// Words in lines as wide as the terminal.
-pub fn wrapped(words: &str) -> String {
-    let most = width();
-    let (mut text, mut used) = (String::new(), 0);
-    for word in words.split(' ') {
+/// Words in lines as wide as the terminal, those of an indented line deeper than its first one.
+pub fn wrapped(line: &str) -> String {
+    let words = line.trim_start();
+    let indent = &line[..line.len() - words.len()];
+    let deeper = if indent.is_empty() { 0 } else { indent.len() + 2 };
+    let (mut text, mut used) = (indent.to_owned(), indent.len());
+    for (place, word) in words.split(' ').enumerate() {
         let length = word.chars().count();
-        let fits = used + 1 + length <= most;
-        if used > 0 {
-            text.push(if fits { ' ' } else { '\n' });
+        if place > 0 && used + 1 + length > width() {
+            text += &format!("\n{:deeper$}", "");
+            used = deeper;
+        } else if place > 0 {
+            text.push(' ');
+            used += 1;
         }
         text += word;
-        used = if used > 0 && fits { used + 1 + length } else { length };
+        used += length;
     }
     text
 }

@@ -215,10 +215,15 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
     };
     let file = chart.source.file();
     let mut column = format!("name a column of {file}, with or without its unit");
-    if let ChartError::Column(ColumnError::Unknown { name, known }) = error
-        && let Some(nearest) = nearest_column(name, known)
-    {
-        column = format!("did you mean `{nearest}`? {column}");
+    if let ChartError::Column(ColumnError::Unknown { name, known }) = error {
+        let is_key = |key: &&str| *key == name || key.ends_with(&format!(".{name}"));
+        if let Some(key) = study::explained_keys().find(is_key) {
+            column = format!(
+                "{key} has a column where a [[sweep]] varies it; else {column}, or leave out the chart"
+            );
+        } else if let Some(nearest) = nearest_column(name, known) {
+            column = format!("did you mean `{nearest}`? {column}");
+        }
     }
     let (span, help) = match error {
         ChartError::Column(ColumnError::Unknown { name, .. } | ColumnError::Ambiguous { name, .. })

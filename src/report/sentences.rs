@@ -291,7 +291,9 @@ fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
 
 /// The names of curves.
 fn names(curves: &[&Judged]) -> String {
-    listed(curves.len(), curves.iter().map(|answer| answer.name()), " and ")
+    // Names have commas of their own.
+    let between = if curves.len() > 2 { "; " } else { " and " };
+    listed(curves.len(), curves.iter().map(|answer| answer.name()), between)
 }
 
 /// A value to three digits.

@@ -15,7 +15,7 @@ use sagnac::table::Table;
 use super::charts::write_pictures;
 use super::look;
 use super::output::{print, print_json, write};
-use super::progress::{self, Shown};
+use super::progress::{self, Shown, short};
 use super::{DeviceArg, Failure, whole};
 
 const EXAMPLES: &str = "\
@@ -100,13 +100,10 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     if !options.quiet {
         say!("device: {}, {reason}", device.name());
     }
-    let found = find(
-        &study,
-        options.by.measure(),
-        &mut device,
-        &Shown::new(options.progress.how(options.quiet), Duration::ZERO),
-    )
-    .map_err(|error| failure(&study, error))?;
+    let shown = Shown::new(options.progress.how(options.quiet), Duration::ZERO);
+    let found =
+        find(&study, options.by.measure(), &mut device, &shown).map_err(|error| failure(&study, error))?;
+    shown.clear();
     let stem = options.study.file_stem().unwrap_or_default();
     let folder =
         options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(options.by.folder()));
@@ -126,7 +123,11 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     }
     print(&report::recommendation(&found))?;
     if !options.quiet {
-        say!("table and chart are in {}", folder.display());
+        say!(
+            "{} runs at each interval; table and chart are in {}",
+            short(found.trials as f64),
+            folder.display()
+        );
     }
     Ok(())
 }

@@ -7,6 +7,7 @@ use sagnac::study::{Chart, Kind, Source, Study, text_columns};
 use sagnac::table::{Cell, Column, ColumnError, Table, significant};
 
 use super::super::Failure;
+use super::super::look;
 use super::super::one_point::one_point;
 use super::super::optima::optima;
 use super::super::progress::short;
@@ -46,7 +47,12 @@ pub(super) fn summary(
         lacking => format!(", of an incomplete run ({} trials are missing)", short(lacking as f64)),
     };
     for verdict in verdicts {
-        text += &format!("\n{}", verdict.text(&incomplete));
+        // A pipe gets whole sentences.
+        let lines: Vec<String> = match look::columns() {
+            Some(_) => verdict.text(&incomplete).lines().map(look::wrapped).collect(),
+            None => verdict.text(&incomplete).lines().map(str::to_owned).collect(),
+        };
+        text += &format!("\n{}\n", lines.join("\n"));
     }
     Ok(text)
 }
