@@ -221,16 +221,6 @@ fn unknown(what: &str) -> String {
 
 /// Words in indented lines no wider than the terminal.
 fn filled(words: &str) -> String {
-    let width = look::width().clamp(40, 110);
-    let (mut text, mut used) = (String::from(" "), 1);
-    for word in words.split_whitespace() {
-        let length = word.chars().count();
-        if used > 4 && used + 1 + length > width {
-            text += "\n   ";
-            used = 3;
-        }
-        text += &format!(" {word}");
-        used += 1 + length;
-    }
-    text + "\n"
+    let words: Vec<&str> = words.split_whitespace().collect();
+    look::wrapped(&format!("  {}", words.join(" ")), look::width().clamp(40, 110)) + "\n"
 }

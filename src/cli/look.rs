@@ -80,15 +80,15 @@ pub fn columns() -> Option<usize> {
     asked().map(|(width, _)| usize::from(width.0)).or_else(told).filter(|&width| width > 0)
 }
 
-/// Words in lines as wide as the terminal, those of an indented line deeper than its first one.
-pub fn wrapped(line: &str) -> String {
+/// Words in lines of so many columns, those of an indented line deeper than its first one.
+pub fn wrapped(line: &str, width: usize) -> String {
     let words = line.trim_start();
     let indent = &line[..line.len() - words.len()];
     let deeper = if indent.is_empty() { 0 } else { indent.len() + 2 };
     let (mut text, mut used) = (indent.to_owned(), indent.len());
     for (place, word) in words.split(' ').enumerate() {
         let length = word.chars().count();
-        if place > 0 && used + 1 + length > width() {
+        if place > 0 && used + 1 + length > width {
             text += &format!("\n{:deeper$}", "");
             used = deeper;
         } else if place > 0 {

@@ -216,8 +216,9 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
     let file = chart.source.file();
     let mut column = format!("name a column of {file}, with or without its unit");
     if let ChartError::Column(ColumnError::Unknown { name, known }) = error {
-        let is_key = |key: &&str| *key == name || key.ends_with(&format!(".{name}"));
-        if let Some(key) = study::explained_keys().find(is_key) {
+        let is_called = |key: &&str| *key == name || key.ends_with(&format!(".{name}"));
+        let is_swept = |key: &&str| study::explain_key(key).is_some_and(|key| key.swept.is_some());
+        if let Some(key) = study::explained_keys().filter(is_called).find(is_swept) {
             column = format!(
                 "{key} has a column where a [[sweep]] varies it; else {column}, or leave out the chart"
             );

@@ -160,7 +160,7 @@ impl Results<'_> {
             // Of a single curve the verdict says the same.
             let judged: usize = verdicts.iter().map(|verdict| verdict.answers().len()).sum();
             if judged != 1 && !headline.is_empty() {
-                print(&format!("\n{}", look::wrapped(&headline)))?;
+                print(&format!("\n{}", look::wrapped(&headline, look::width())))?;
             }
         }
         Ok(None)

@@ -49,7 +49,7 @@ pub(super) fn summary(
     for verdict in verdicts {
         // A pipe gets whole sentences.
         let lines: Vec<String> = match look::columns() {
-            Some(_) => verdict.text(&incomplete).lines().map(look::wrapped).collect(),
+            Some(width) => verdict.text(&incomplete).lines().map(|line| look::wrapped(line, width)).collect(),
             None => verdict.text(&incomplete).lines().map(str::to_owned).collect(),
         };
         text += &format!("\n{}\n", lines.join("\n"));
