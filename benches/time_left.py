@@ -68,9 +68,11 @@ def main():
         readings = open(os.path.join(folder, "readings"), "w+")
         beside = subprocess.Popen([sys.executable, __file__, "--probe"], stdout=readings)
         command = [program, "run", *study, "--out", os.path.join(folder, "results"), "--progress", "bar"]
-        whole, said = watched(command)
-        beside.kill()
-        beside.wait()
+        try:
+            whole, said = watched(command)
+        finally:
+            beside.kill()
+            beside.wait()
         readings.seek(0)
         speeds = sorted(1 / float(line) for line in readings.read().split("\n")[:-1])
     middle = [(at, left) for at, left in said if 0.1 * whole < at < 0.9 * whole]
