@@ -1,7 +1,12 @@
 //! Fits of noise coefficients: `cargo bench --bench fits`.
 
-use sagnac::fit::{Curve, Fitter, Term, Terms, fit_record};
-use sagnac::theory::allan::{Difference, Estimator, Part, Process};
+use sagnac::fit::choose::Terms;
+use sagnac::fit::curve::Curve;
+use sagnac::fit::fitter::{Fitter, fit_record};
+use sagnac::fit::term::Term;
+use sagnac::theory::allan::estimator::{Difference, Estimator};
+use sagnac::theory::allan::part::Part;
+use sagnac::theory::allan::process::Process;
 
 fn main() {
     divan::main();

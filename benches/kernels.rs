@@ -3,13 +3,16 @@
 use std::sync::Arc;
 
 use divan::counter::ItemsCount;
-use sagnac::backend::cpu::{Cpu, Width};
+use sagnac::device::cpu::Cpu;
 use sagnac::kernel::launch::Launch;
 use sagnac::kernel::moments::Trials;
 use sagnac::kernel::recipe::{Level, Recipe};
+use sagnac::kernel::width::Width;
 use sagnac::kernel::{Form, KERNELS};
-use sagnac::study::Compensation;
-use sagnac::verify::{Configuration, hour_launches, launches_of, relock};
+use sagnac::kinds::relock::inputs::Compensation;
+use sagnac::verify::configurations::Configuration;
+use sagnac::verify::relocks::{launches_of, relock};
+use sagnac::verify::runs::hour_launches;
 
 fn main() {
     divan::main();

@@ -4,11 +4,15 @@
 mod fillers;
 
 use fillers::{cells, column, spec};
-use sagnac::chart::{Figure, Picture};
-use sagnac::picture::Drawn;
-use sagnac::report::{Answer, Report, Source};
-use sagnac::study::{self, Kind};
+use sagnac::key::file::Kind;
+use sagnac::study;
 use sagnac::table::{Table, Unit};
+use sagnac::view::chart::figure::Figure;
+use sagnac::view::chart::picture::Picture;
+use sagnac::view::picture::Drawn;
+use sagnac::view::report::Report;
+use sagnac::view::report::answer::Answer;
+use sagnac::view::report::source::Source;
 
 fn main() {
     divan::main();

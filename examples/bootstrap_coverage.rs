@@ -4,10 +4,19 @@
 
 use std::thread;
 
-use sagnac::backend::cpu::{Cpu, Width};
-use sagnac::fit::{Covariance, Curve, Errors, Fit, Fitter, Term, Terms, realisations};
-use sagnac::lower::{Asked, Records};
-use sagnac::theory::allan::{Difference, Estimator, Part, Process};
+use sagnac::device::cpu::Cpu;
+use sagnac::fit::choose::Terms;
+use sagnac::fit::coefficient::Fit;
+use sagnac::fit::covariance::Covariance;
+use sagnac::fit::curve::Curve;
+use sagnac::fit::fitter::{Errors, Fitter};
+use sagnac::fit::realisations;
+use sagnac::fit::term::Term;
+use sagnac::kernel::width::Width;
+use sagnac::kinds::allan::lower::{Asked, Records};
+use sagnac::theory::allan::estimator::{Difference, Estimator};
+use sagnac::theory::allan::part::Part;
+use sagnac::theory::allan::process::Process;
 
 const METHODS: [&str; 4] =
     ["closed form", "percentiles", "inversion, realised covariance", "inversion, realised quantiles"];

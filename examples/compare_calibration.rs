@@ -7,10 +7,14 @@
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rayon::prelude::*;
-use sagnac::allan::{Angles, Trend};
-use sagnac::compare::{Comparison, Quantity, SIGNIFICANT, compare};
-use sagnac::fit::{Term, Terms};
-use sagnac::theory::allan::{Part, Process};
+use sagnac::allan::angles::Angles;
+use sagnac::allan::trend::Trend;
+use sagnac::analysis::compare::difference::{Quantity, SIGNIFICANT};
+use sagnac::analysis::compare::{Comparison, compare};
+use sagnac::fit::choose::Terms;
+use sagnac::fit::term::Term;
+use sagnac::theory::allan::part::Part;
+use sagnac::theory::allan::process::Process;
 
 #[path = "../tests/noise/mod.rs"]
 mod noise;

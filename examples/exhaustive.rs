@@ -6,10 +6,10 @@ use core::f64::consts::{PI, SQRT_2};
 use std::time::Instant;
 
 use rayon::prelude::*;
-use sagnac::backend::cpu::Width;
 use sagnac::kernel::map::{NORMAL, SINE};
 use sagnac::kernel::normal::{REACH, SIGMA};
 use sagnac::kernel::sine::ONE;
+use sagnac::kernel::width::Width;
 
 /// Words that a thread takes at a time.
 const PIECE: u64 = 1 << 16;

@@ -7,12 +7,12 @@
 //! What the program `sagnac` does is here as a library; this is `sagnac run` without its files:
 //!
 //! ```
-//! use sagnac::{backend, run, share::Share, store::Store, study::Study};
+//! use sagnac::{backend, run, crate::tally::share::Share, crate::store::Store, crate::study::Study};
 //!
 //! /// Nobody wants to hear how it goes on.
 //! struct Silent;
 //!
-//! impl run::Progress for Silent {
+//! impl crate::run::Progress for Silent {
 //!     fn start(&self, _: &'static str, _: u64, _: u64) {}
 //!     fn advance(&self, _: u64) {}
 //!     fn note(&self, _: &str) {}
@@ -34,10 +34,10 @@
 //!     fillers = ["const", "quadratic"]
 //!     errors = ["residual"]
 //! "#)?;
-//! let plan = run::Plan::new(&study)?;
+//! let plan = crate::run::Plan::new(&study)?;
 //! let folder = tempfile::tempdir()?;
 //! let mut store = Store::open(folder.path(), &plan.identity())?;
-//! let mut device = backend::select("cpu", 1)?.device;
+//! let mut device = crate::device::select("cpu", 1)?.device;
 //! let done = plan.run(&mut store, &mut device, Share::WHOLE, &Silent)?;
 //! assert_eq!(done.trials, 4096);
 //!
@@ -52,38 +52,38 @@
 //!
 //! | entry point | what for |
 //! |---|---|
-//! | [`study::Study`] | a study as text, checked and expanded into points |
-//! | [`run::Plan`] | a study run into a [`store::Store`], and its tables |
-//! | [`lower::Lowered`], [`lower::Records`] | one point in fixed point, with closed forms |
-//! | [`backend::select`], [`verify::verify`] | the device that samples, and whether its bits are the right ones |
-//! | [`chart::Figure`], [`chart::Map`], [`report::Report`] | pictures of a table, and the page that has all of them |
-//! | [`table::describe`] | what the columns mean |
-//! | [`record::log::Log`], [`allan`], [`fit`], [`compare`] | recorded data |
-//! | [`firmware::Firmware`], [`design::design`] | fillers for firmware, and how often to switch |
+//! | [`crate::study::Study`] | a study as text, checked and expanded into points |
+//! | [`crate::run::Plan`] | a study run into a [`crate::store::Store`], and its tables |
+//! | [`crate::kinds::gap_fill::lower::Lowered`], [`crate::kinds::allan::lower::Records`] | one point in fixed point, with closed forms |
+//! | [`crate::device::select`], [`crate::verify::verify`] | the device that samples, and whether its bits are the right ones |
+//! | [`crate::view::chart::figure::Figure`], [`crate::view::chart::map::Map`], [`crate::view::report::Report`] | pictures of a table, and the page that has all of them |
+//! | [`crate::table::describe`] | what the columns mean |
+//! | [`crate::record::log::channel::Log`], [`allan`], [`fit`], [`compare`] | recorded data |
+//! | [`crate::analysis::firmware::design::Firmware`], [`crate::analysis::design::design`] | fillers for firmware, and how often to switch |
 //! | [`theory`] | the closed forms by themselves |
 
-#![deny(missing_docs)]
+pub use sagnac_kernel as kernel;
 
 pub mod allan;
-pub mod backend;
-pub mod block;
+pub mod analysis;
 pub mod chart;
-pub mod compare;
-pub mod design;
-pub mod firmware;
+pub mod device;
+pub mod drift;
+pub mod filler;
 pub mod fit;
-pub mod id;
-pub mod kernel;
-pub mod lower;
-pub mod picture;
+pub mod key;
+pub mod kinds;
+pub mod motion;
+pub mod noise;
+pub mod quantity;
 pub mod record;
-pub mod report;
 pub mod run;
-pub mod share;
-pub mod stats;
+pub mod sampling;
+pub mod source;
 pub mod store;
 pub mod study;
 pub mod table;
+pub mod tally;
 pub mod theory;
-pub mod verdict;
 pub mod verify;
+pub mod view;

@@ -5,7 +5,10 @@ mod noise;
 use noise::{angles, record};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use sagnac::theory::allan::{Difference, Estimator, Part, Process, Stride, quantiser};
+use sagnac::theory::allan::estimator::{Difference, Estimator, Stride};
+use sagnac::theory::allan::part::Part;
+use sagnac::theory::allan::process::Process;
+use sagnac::theory::allan::quantiser;
 
 /// Standard errors within which a mean has to lie.
 const SIGMAS: f64 = 5.0;

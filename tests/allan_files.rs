@@ -10,7 +10,8 @@ use desk::{Desk, Ended};
 use logs::desk_with;
 use rand::SeedableRng;
 use rand::rngs::StdRng;
-use sagnac::theory::allan::{Part, Process};
+use sagnac::theory::allan::part::Part;
+use sagnac::theory::allan::process::Process;
 use toml::{Table, Value};
 
 const GYRO: [Part; 3] = [

@@ -6,14 +6,15 @@ mod studies;
 use std::path::Path;
 
 use devices::{adapters, open};
-use sagnac::backend::Device;
-use sagnac::backend::cpu::{Cpu, Width};
-use sagnac::backend::gpu::source::Variant;
-use sagnac::lower::LoweredCurve;
+use sagnac::device::Device;
+use sagnac::device::cpu::Cpu;
+use sagnac::device::gpu::source::Variant;
+use sagnac::kernel::width::Width;
+use sagnac::kinds::allan::lower::curve::LoweredCurve;
 use sagnac::run::{Plan, Progress, RESOLVED, Tables, keep};
-use sagnac::share::Share;
 use sagnac::store::Store;
 use sagnac::study::Study;
+use sagnac::tally::share::Share;
 use studies::{Row, parsed, rows};
 
 struct Silent;

@@ -5,10 +5,15 @@ mod noise;
 use rand::SeedableRng;
 use rand::rngs::StdRng;
 use rayon::prelude::*;
-use sagnac::allan::{Angles, Trend};
-use sagnac::compare::{Comparison, Difference, Length, Quantity, SIGNIFICANT, compare};
-use sagnac::fit::{Term, Terms};
-use sagnac::theory::allan::{Part, Process};
+use sagnac::allan::angles::Angles;
+use sagnac::allan::trend::Trend;
+use sagnac::analysis::compare::difference::{Difference, Quantity, SIGNIFICANT};
+use sagnac::analysis::compare::length::Length;
+use sagnac::analysis::compare::{Comparison, compare};
+use sagnac::fit::choose::Terms;
+use sagnac::fit::term::Term;
+use sagnac::theory::allan::part::Part;
+use sagnac::theory::allan::process::Process;
 
 const PAIRS: u64 = 400;
 /// 2.3 standard errors of a share of 5 % of so many.

@@ -9,11 +9,12 @@ use std::path::Path;
 
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
-use sagnac::backend::Device;
+use sagnac::device::Device;
 use sagnac::run::{Plan, RunError};
-use sagnac::share::Share;
-use sagnac::store::{FILE, Source, Store};
+use sagnac::store::source::Source;
+use sagnac::store::{FILE, Store};
 use sagnac::study::Study;
+use sagnac::tally::share::Share;
 use stores::{MOMENTS, ROWS, cpu, csv, finished, folder, sample, study};
 use studies::Silent;
 

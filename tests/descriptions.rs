@@ -6,8 +6,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use desk::Desk;
+use sagnac::chart::file::Source;
+use sagnac::key::file::Kind;
 use sagnac::run::Plan;
-use sagnac::study::{Kind, Source, Study, keys};
+use sagnac::study::{Study, keys};
 use sagnac::table::describe::{File, meanings};
 
 fn root() -> &'static Path {

@@ -2,20 +2,23 @@
 
 mod studies;
 
-use sagnac::backend::Job;
-use sagnac::backend::cpu::{Cpu, Width};
-use sagnac::block::cover;
-use sagnac::kernel::gap_fill::Parameters;
+use sagnac::device::Job;
+use sagnac::device::cpu::Cpu;
+use sagnac::kernel::gap_fill::shape::Parameters;
 use sagnac::kernel::launch::{Launch, Sampled};
 use sagnac::kernel::moments::{LIMIT, Moments};
 use sagnac::kernel::normal::normal;
 use sagnac::kernel::philox::{Address, Keys, Purpose, schedule};
 use sagnac::kernel::sine::{QUARTER_TURN, sine};
+use sagnac::kernel::width::Width;
 use sagnac::kernel::word::Scalar;
-use sagnac::lower::{LowerError, Lowered};
+use sagnac::kinds::gap_fill::inputs::TickNoise;
+use sagnac::kinds::gap_fill::lower::Lowered;
+use sagnac::kinds::gap_fill::lower::refusal::LowerError;
+use sagnac::motion::{Motion, Tone};
 use sagnac::run::Plan;
-use sagnac::study::{Motion, TickNoise, Tone};
-use sagnac::verify::Configuration;
+use sagnac::tally::block::cover;
+use sagnac::verify::configurations::Configuration;
 use studies::{papers_point, rows, run_afresh, study};
 
 fn keys(key: [u32; 2]) -> Keys {

@@ -10,11 +10,11 @@ use std::path::Path;
 use polynomial::polynomial;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
+use sagnac::filler::Filler;
 use sagnac::kernel::launch::Sampled;
 use sagnac::kernel::normal::REACH;
 use sagnac::run::Plan;
 use sagnac::store::{FILE, Store};
-use sagnac::study::Filler;
 use sagnac::table::Table;
 use sagnac::theory::gap::polynomial_weights;
 use studies::{

@@ -5,18 +5,19 @@ mod devices;
 use std::sync::Arc;
 
 use devices::{Coverage, adapters, on_cpu, on_gpu, open, reference};
-use sagnac::backend::cpu::Width;
-use sagnac::backend::gpu::Gpu;
-use sagnac::block::cover;
+use sagnac::device::gpu::Gpu;
+use sagnac::filler::{Filler, Method};
 use sagnac::kernel::launch::Launch;
+use sagnac::kernel::width::Width;
+use sagnac::key::file::motion::{Phase, Position};
+use sagnac::key::file::switching::Error;
+use sagnac::kinds::gap_fill::inputs::TickNoise;
+use sagnac::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 use sagnac::record::Record;
-use sagnac::study::{
-    Amplitude, Error, Filler, Frequency, Gaussian, Method, Motion, Phase, Position, Profile, TickNoise, Tone,
-    Value,
-};
+use sagnac::tally::block::cover;
 use sagnac::theory::minimum_variance::Band;
 use sagnac::theory::psd::Psd;
-use sagnac::verify::Configuration;
+use sagnac::verify::configurations::Configuration;
 
 /// A record of two tones and a drift, 4 s long.
 fn profile(position: Position) -> Motion {

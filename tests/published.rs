@@ -5,11 +5,11 @@ mod studies;
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-use sagnac::backend::select;
+use sagnac::device::select;
+use sagnac::kinds::gap_fill::precision::Precision;
 use sagnac::run::{Plan, Progress};
-use sagnac::share::Share;
 use sagnac::store::Store;
-use sagnac::study::Precision;
+use sagnac::tally::share::Share;
 use studies::{Silent, gap_fill, parsed, rows, run, run_afresh};
 
 /// The paper's gyro under a motion, with fillers of least variance for a band beside the polynomials.

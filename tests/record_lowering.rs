@@ -4,12 +4,17 @@ use std::collections::BTreeMap;
 
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use sagnac::backend::cpu::{Cpu, Width};
+use sagnac::device::cpu::Cpu;
 use sagnac::kernel::recipe::Recipe;
-use sagnac::lower::{Asked, Records, RecordsError};
+use sagnac::kernel::width::Width;
+use sagnac::kinds::allan::lower::refusal::RecordsError;
+use sagnac::kinds::allan::lower::{Asked, Records};
+use sagnac::theory::allan::estimator::{Difference, Estimator};
+use sagnac::theory::allan::holds;
+use sagnac::theory::allan::part::{FLAT_LEVEL, Part};
+use sagnac::theory::allan::process::Process;
 use sagnac::theory::allan::switching::Switching;
-use sagnac::theory::allan::{Difference, Estimator, FLAT_LEVEL, Part, Process, holds};
-use sagnac::verify::THINNED;
+use sagnac::verify::recipes::THINNED;
 
 /// What a test asks for: 100 Hz and no readout, unless told.
 #[derive(Debug, Clone)]

@@ -2,9 +2,13 @@
 
 use std::sync::Arc;
 
-use sagnac::backend::cpu::{Cpu, Width};
+use sagnac::device::cpu::Cpu;
 use sagnac::kernel::recipe::{Level, Recipe};
-use sagnac::theory::allan::{Difference, Estimator, Part, Process, holds};
+use sagnac::kernel::width::Width;
+use sagnac::theory::allan::estimator::{Difference, Estimator};
+use sagnac::theory::allan::holds;
+use sagnac::theory::allan::part::Part;
+use sagnac::theory::allan::process::Process;
 
 const SAMPLES: u32 = 4000;
 const RECORDS: usize = 4096;

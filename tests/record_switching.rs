@@ -4,12 +4,16 @@ mod noise;
 
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use sagnac::backend::cpu::{Cpu, Width};
-use sagnac::lower::{Asked, Records, RecordsError};
+use sagnac::device::cpu::Cpu;
+use sagnac::kernel::width::Width;
+use sagnac::kinds::allan::lower::refusal::RecordsError;
+use sagnac::kinds::allan::lower::{Asked, Records};
+use sagnac::theory::allan::estimator::{Difference, Estimator};
+use sagnac::theory::allan::part::Part;
+use sagnac::theory::allan::process::Process;
 use sagnac::theory::allan::switching::Switching;
-use sagnac::theory::allan::{Difference, Estimator, Part, Process};
-use sagnac::theory::drift::Magnetic;
-use sagnac::verify::THINNED;
+use sagnac::theory::drift::magnetic::Magnetic;
+use sagnac::verify::recipes::THINNED;
 
 const SAMPLE_S: f64 = 0.5;
 const SAMPLES: u64 = 2000;

@@ -5,11 +5,12 @@ mod devices;
 use std::sync::Arc;
 
 use devices::{adapters, open};
-use sagnac::backend::cpu::{Cpu, Width};
-use sagnac::backend::gpu::source::Variant;
+use sagnac::device::cpu::Cpu;
+use sagnac::device::gpu::source::Variant;
 use sagnac::kernel::allan;
 use sagnac::kernel::recipe::{Level, Recipe};
-use sagnac::verify::{NamedRecords, THINNED, lgk_400, named_records};
+use sagnac::kernel::width::Width;
+use sagnac::verify::recipes::{NamedRecords, THINNED, lgk_400, named_records};
 
 /// Octaves that a record of `samples` has room for; `overlap` differences in an averaging time, or all.
 fn levels(samples: u32, order: u32, overlap: Option<u32>) -> Vec<Level> {

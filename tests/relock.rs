@@ -2,13 +2,18 @@
 
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use sagnac::backend::Job;
-use sagnac::backend::cpu::{Cpu, Width};
-use sagnac::block::cover;
-use sagnac::lower::relock::{LoweredRelock, RelockError, RelockEstimate};
-use sagnac::stats::Estimates;
-use sagnac::study::{Compensation, FirstHalf, Relock, RelockInputs, RelockPoint, Streams};
-use sagnac::verify::relock;
+use sagnac::device::Job;
+use sagnac::device::cpu::Cpu;
+use sagnac::kernel::width::Width;
+use sagnac::key::file::Streams;
+use sagnac::key::file::relock::FirstHalf;
+use sagnac::kinds::relock::inputs::{Compensation, Relock};
+use sagnac::kinds::relock::lower::refusal::RelockError;
+use sagnac::kinds::relock::lower::{LoweredRelock, RelockEstimate};
+use sagnac::kinds::relock::{RelockInputs, RelockPoint};
+use sagnac::tally::block::cover;
+use sagnac::tally::stats::Estimates;
+use sagnac::verify::relocks::relock;
 
 const TRIALS: u64 = 1 << 20;
 

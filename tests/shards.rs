@@ -9,10 +9,11 @@ use desk::{Desk, STUDY, replaced, with};
 use devices::{Coverage, adapters, open};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
-use sagnac::backend::Device;
+use sagnac::device::Device;
 use sagnac::run::Plan;
-use sagnac::share::Share;
-use sagnac::store::{FILE, Source, Store};
+use sagnac::store::source::Source;
+use sagnac::store::{FILE, Store};
+use sagnac::tally::share::Share;
 use stores::{MOMENTS, ROWS, RUNS, cpu, csv, finished, folder, rows, sample, study};
 use studies::Silent;
 

@@ -5,8 +5,10 @@ mod desk;
 use std::process::Command;
 
 use desk::{Desk, PROGRAM};
+use sagnac::key::explained::explained_keys;
+use sagnac::key::file::Kind;
 use sagnac::run::Plan;
-use sagnac::study::{Kind, Study, explained_keys};
+use sagnac::study::Study;
 
 const UTF8: (&str, &str) = ("LC_ALL", "C.UTF-8");
 

@@ -6,18 +6,20 @@
 mod devices;
 
 use devices::{Coverage, adapters, name, on_cpu, on_gpu, open, reference, variants};
-use sagnac::backend::Job;
-use sagnac::backend::cpu::{Cpu, Width};
-use sagnac::block::{Block, cover};
-use sagnac::kernel::gap_fill::Parameters;
+use sagnac::device::Job;
+use sagnac::device::cpu::Cpu;
+use sagnac::kernel::gap_fill::shape::Parameters;
 use sagnac::kernel::launch::{Launch, Sampled};
 use sagnac::kernel::map::{Map, PHILOX};
 use sagnac::kernel::moments::{BINS, LIMIT, Moments};
 use sagnac::kernel::philox::{philox, schedule};
+use sagnac::kernel::width::Width;
 use sagnac::kernel::word::Scalar;
 use sagnac::kernel::{Form, KERNELS};
-use sagnac::study::{Phase, TickNoise};
-use sagnac::verify::{Configuration, configurations};
+use sagnac::key::file::motion::Phase;
+use sagnac::kinds::gap_fill::inputs::TickNoise;
+use sagnac::tally::block::{Block, cover};
+use sagnac::verify::configurations::{self, Configuration};
 
 const TRIALS: u64 = 1 << 20;
 

@@ -2,12 +2,13 @@
 
 use pyo3::import_exception;
 use pyo3::prelude::*;
-use sagnac::allan::TauError;
-use sagnac::backend::SelectError;
-use sagnac::firmware::ChoiceError;
-use sagnac::run::{KeepError, RunError};
-use sagnac::store::StoreError;
-use sagnac::study::StudyError as Refused;
+use sagnac::allan::tau::TauError;
+use sagnac::analysis::firmware::choice::ChoiceError;
+use sagnac::device::select::SelectError;
+use sagnac::run::RunError;
+use sagnac::run::keep::KeepError;
+use sagnac::source::diagnose::StudyError as Refused;
+use sagnac::store::error::StoreError;
 
 import_exception!(sagnac.errors, DeviceError);
 import_exception!(sagnac.errors, InternalError);

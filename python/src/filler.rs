@@ -4,8 +4,11 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sagnac::firmware::{Alone, Firmware, KINDS, choose_fillers, choose_point};
-use sagnac::study::{Study, StudyError};
+use sagnac::analysis::firmware::alone::{Alone, KINDS};
+use sagnac::analysis::firmware::choice::{choose_fillers, choose_point};
+use sagnac::analysis::firmware::design::Firmware;
+use sagnac::source::diagnose::StudyError;
+use sagnac::study::Study;
 
 use super::compute::compute;
 use super::failure::Failure;

@@ -3,11 +3,23 @@
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sagnac::allan::{Angles, Deviation, Line, Point, Taus, Trend, curve, minimum};
-use sagnac::fit::{DataSheet, FitError, Simulated, Term, Terms, curve_of};
-use sagnac::record::log::{Data, Fault, LEAST_SAMPLES, MOST_SAMPLES, Outliers, Samples, Unit, UnitCheck};
-use sagnac::table::significant;
-use sagnac::theory::allan::Estimator;
+use sagnac::allan::angles::Angles;
+use sagnac::allan::curve::{self, Point, minimum};
+use sagnac::allan::deviation::Deviation;
+use sagnac::allan::tau::Taus;
+use sagnac::allan::trend::{Line, Trend};
+use sagnac::fit::choose::Terms;
+use sagnac::fit::curve::FitError;
+use sagnac::fit::noise::{DataSheet, Simulated};
+use sagnac::fit::record::curve_of;
+use sagnac::fit::term::Term;
+use sagnac::quantity::number::significant;
+use sagnac::record::log::MOST_SAMPLES;
+use sagnac::record::log::check::{LEAST_SAMPLES, UnitCheck};
+use sagnac::record::log::measure::{Data, Unit};
+use sagnac::record::log::outliers::Outliers;
+use sagnac::record::log::samples::{Fault, Samples};
+use sagnac::theory::allan::estimator::Estimator;
 
 use super::compute::compute_on;
 use super::failure::Failure;
@@ -35,7 +47,7 @@ struct Record {
     mean_rate: Option<f64>,
     /// In the unit of the curve per s.
     slope: f64,
-    unit: sagnac::allan::Unit,
+    unit: sagnac::allan::unit::Unit,
 }
 
 /// Averaging times: a name, or seconds.
@@ -110,8 +122,8 @@ impl Reading {
             mean_rate: samples.mean_rate(),
             slope: slope * per_sample / self.step_s,
             unit: match unit.is_angular {
-                true => sagnac::allan::Unit::Angular,
-                false => sagnac::allan::Unit::Plain,
+                true => sagnac::allan::unit::Unit::Angular,
+                false => sagnac::allan::unit::Unit::Plain,
             },
             angles,
         })
@@ -199,7 +211,7 @@ fn of_curve<'py>(
     py: Python<'py>,
     deviation: Deviation,
     points: &[Point],
-    unit: sagnac::allan::Unit,
+    unit: sagnac::allan::unit::Unit,
 ) -> PyResult<Bound<'py, PyDict>> {
     let document = PyDict::new(py);
     let numbers = |of: &dyn Fn(&Point) -> Option<f64>| {
@@ -269,8 +281,8 @@ pub fn fit<'py>(
     document.set_item("rows", rows.collect::<Vec<_>>())?;
     document.set_item("intervals", sheet.intervals.name())?;
     let why = match &sheet.intervals {
-        sagnac::fit::Intervals::ClosedForm { why } => why.as_deref().map(super::failure::in_python),
-        sagnac::fit::Intervals::Bootstrap { .. } => None,
+        sagnac::fit::noise::Intervals::ClosedForm { why } => why.as_deref().map(super::failure::in_python),
+        sagnac::fit::noise::Intervals::Bootstrap { .. } => None,
     };
     document.set_item("without_bootstrap", why)?;
     document.set_item("chi_squared", sheet.fit.chi_squared)?;

@@ -4,13 +4,16 @@ use std::path::{Path, PathBuf};
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use sagnac::backend::{Selection, select};
-use sagnac::picture::{Drawn, Verdict, pictures, shown, verdicts};
-use sagnac::report::{FILE as REPORT, Report, Source, answer, notes};
+use sagnac::device::select::{self, Selection};
 use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
-use sagnac::share::Share;
-use sagnac::store::{Store, write_whole};
+use sagnac::store::Store;
+use sagnac::store::whole::write_whole;
 use sagnac::study::Study;
+use sagnac::tally::share::Share;
+use sagnac::view::picture::verdict::{Verdict, verdicts};
+use sagnac::view::picture::{Drawn, pictures, shown};
+use sagnac::view::report::source::Source;
+use sagnac::view::report::{FILE as REPORT, Report, answer, notes};
 
 use super::compute::compute;
 use super::failure::Failure;

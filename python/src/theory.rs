@@ -2,8 +2,14 @@
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
-use sagnac::theory::allan::{Estimator, Part, Process, continuous, holds};
-use sagnac::theory::drift::{Budget, Magnetic, Spread, limit_as_published};
+use sagnac::theory::allan::estimator::Estimator;
+use sagnac::theory::allan::part::Part;
+use sagnac::theory::allan::process::Process;
+use sagnac::theory::allan::{continuous, holds};
+use sagnac::theory::drift::approximation::limit_as_published;
+use sagnac::theory::drift::budget::Budget;
+use sagnac::theory::drift::magnetic::Magnetic;
+use sagnac::theory::drift::spread::Spread;
 use sagnac::theory::gap::{Weights, polynomial_weights, sine_response, tick_amplitude};
 use sagnac::theory::published;
 use sagnac::theory::relock::{self, Relock};

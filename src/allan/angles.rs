@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::trend::{Line, Trend};
+use crate::allan::trend::{Line, Trend};
 
 /// Angles at evenly spaced times: the integral of a rate, its mean removed.
 ///
@@ -96,23 +96,23 @@ impl Angles {
         self.removed
     }
 
-    pub(super) fn values(&self) -> &[f64] {
+    pub(crate) fn values(&self) -> &[f64] {
         &self.values
     }
 
     /// Whether some angles within runs are not known.
-    pub(super) fn has_unknown(&self) -> bool {
+    pub(crate) fn has_unknown(&self) -> bool {
         // Missing increments split runs, and leave no angle unknown.
         self.runs.len() <= 1 && self.missing > 0 && self.values.iter().any(|value| value.is_nan())
     }
 
     /// The stretches within which angles are measured against each other.
-    pub(super) fn runs(&self) -> &[Range<usize>] {
+    pub(crate) fn runs(&self) -> &[Range<usize>] {
         &self.runs
     }
 
     /// The stretches in which moreover every angle is known.
-    pub(super) fn solid_runs(&self) -> Vec<Range<usize>> {
+    pub(crate) fn solid_runs(&self) -> Vec<Range<usize>> {
         if !self.has_unknown() {
             return self.runs.clone();
         }

@@ -13,7 +13,7 @@ const MOST_STEPS: usize = 60;
 /// The value below which a χ² variable of `freedom` > 0 degrees lies with `probability`, 0 < p < 1.
 ///
 /// Relative error below 1e-8 for 1e-6 ≤ p ≤ 1 − 1e-6 and up to 1e7 degrees of freedom. `None` beyond what f64 can hold.
-pub(super) fn quantile(probability: f64, freedom: f64) -> Option<f64> {
+pub(crate) fn quantile(probability: f64, freedom: f64) -> Option<f64> {
     let sensible = freedom > 0.0 && freedom.is_finite() && probability > 0.0 && probability < 1.0;
     if !sensible {
         return None;

@@ -2,10 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::edf::edf;
-use super::noise::{Noise, noise};
-use super::sums::sums;
-use super::{Angles, Deviation, chi_squared};
+use crate::allan::angles::Angles;
+use crate::allan::chi_squared;
+use crate::allan::deviation::Deviation;
+use crate::allan::edf::edf;
+use crate::allan::noise::{Noise, noise};
+use crate::allan::sums::sums;
 
 /// A deviation at one averaging time.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,7 +4,7 @@
 //! procedure for first, second and third differences, overlapping or not, modified or not, and power laws of the phase
 //! from white to random run. The numbers of its equations and tables are given; NIST SP 1065 (5.4) has the same.
 
-use super::Deviation;
+use crate::allan::deviation::Deviation;
 
 /// Terms of a sum beyond which the paper's fits take its place.
 const MOST_TERMS: f64 = 100.0;
@@ -20,7 +20,7 @@ const INFINITE: f64 = f64::INFINITY;
 /// Against the covariances of sampled white noise the result is exact where that noise is of the angle, and within 3
 /// % from m = 30 on where it is of the rate; at m = 1 it is 17 % too large and at m = 4 12 % too small (intervals 8 %
 /// too narrow, 6 % too wide), since the paper takes the noise as continuous.
-pub(super) fn edf(deviation: Deviation, alpha: i32, angles: usize, m: usize) -> Option<f64> {
+pub(crate) fn edf(deviation: Deviation, alpha: i32, angles: usize, m: usize) -> Option<f64> {
     let d = deviation.differences();
     let terms = deviation.terms(angles, m);
     if terms == 0 || alpha > 2 || alpha + 2 * d as i32 <= 1 {

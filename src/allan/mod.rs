@@ -10,24 +10,23 @@
 //!
 //! Definitions and test values: W. J. Riley, "Handbook of frequency stability analysis", NIST SP 1065; IEEE Std 952.
 
-mod angles;
-mod chi_squared;
-mod curve;
-mod deviation;
-mod edf;
-mod noise;
-mod sums;
-mod tau;
-mod trend;
-mod unit;
-
+pub mod angles;
+pub mod chi_squared;
+pub mod curve;
+pub mod deviation;
+pub mod edf;
+pub mod noise;
+pub mod sums;
+pub mod tau;
 #[cfg(test)]
-mod tests;
+pub mod tests;
+pub mod trend;
+pub mod unit;
 
-pub use angles::Angles;
-pub use curve::{Minimum, Point, curve, minimum};
-pub use deviation::{Deviation, UnknownDeviation};
-pub use noise::{LEAST_GROUPS, Noise};
-pub use tau::{MOST_FOR_ALL, TauError, Taus};
-pub use trend::{Line, Trend};
-pub use unit::Unit;
+pub use crate::allan::angles::Angles;
+pub use crate::allan::curve::{Minimum, Point, curve, minimum};
+pub use crate::allan::deviation::{Deviation, UnknownDeviation};
+pub use crate::allan::noise::{LEAST_GROUPS, Noise};
+pub use crate::allan::tau::{MOST_FOR_ALL, TauError, Taus};
+pub use crate::allan::trend::{Line, Trend};
+pub use crate::allan::unit::Unit;

@@ -6,7 +6,8 @@
 
 use std::ops::Range;
 
-use super::{Angles, Deviation};
+use crate::allan::angles::Angles;
+use crate::allan::deviation::Deviation;
 
 /// Groups that the identification needs.
 pub const LEAST_GROUPS: usize = 30;
@@ -44,7 +45,7 @@ impl Noise {
 /// The noise at the averaging factor `m`, or at the largest power of two where there are groups enough.
 ///
 /// `None` where there are not enough even at m = 1, and where nothing varies.
-pub(super) fn noise(angles: &Angles, deviation: Deviation, m: usize) -> Option<Noise> {
+pub(crate) fn noise(angles: &Angles, deviation: Deviation, m: usize) -> Option<Noise> {
     let found = |m: usize| identify(angles, deviation.differences(), m);
     if let Some(alpha) = found(m) {
         return Some(Noise { alpha, carried: false });

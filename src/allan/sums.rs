@@ -7,11 +7,12 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::{Angles, Deviation};
+use crate::allan::angles::Angles;
+use crate::allan::deviation::Deviation;
 
 /// The squares of all terms of one deviation at one averaging factor.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Sum {
+pub(crate) struct Sum {
     pub terms: u64,
     pub squares: f64,
 }
@@ -42,7 +43,7 @@ struct Tile {
 }
 
 /// The sums of a deviation at each of `factors`, all ≥ 1.
-pub(super) fn sums(angles: &Angles, deviation: Deviation, factors: &[usize]) -> Vec<Sum> {
+pub(crate) fn sums(angles: &Angles, deviation: Deviation, factors: &[usize]) -> Vec<Sum> {
     if deviation.is_modified() {
         let runs = angles.solid_runs();
         factors.iter().map(|&m| modified(angles.values(), &runs, m)).collect()
@@ -185,8 +186,8 @@ fn running(x: &[f64], m: usize, starts: Range<usize>) -> Sum {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Trend;
     use super::*;
+    use crate::allan::trend::Trend;
 
     /// White noise, by the generator of the NBS sets.
     pub fn noise(count: usize) -> Vec<f64> {

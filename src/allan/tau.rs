@@ -1,6 +1,6 @@
 //! At which averaging times a curve is taken.
 
-use super::Deviation;
+use crate::allan::deviation::Deviation;
 
 /// A list of averaging times.
 #[derive(Debug, Clone, PartialEq)]

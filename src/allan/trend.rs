@@ -24,7 +24,7 @@ pub struct Line {
 
 impl Line {
     /// The mean, and with [`Trend::Linear`] the slope, of those of `count` increments that are finite.
-    pub(super) fn of(trend: Trend, count: usize, increment: impl Fn(usize) -> f64) -> Line {
+    pub(crate) fn of(trend: Trend, count: usize, increment: impl Fn(usize) -> f64) -> Line {
         let known = || (0..count).map(|i| (i as f64, increment(i))).filter(|(_, y)| y.is_finite());
         let (number, sum) = known().fold((0_usize, 0.0), |(number, sum), (_, y)| (number + 1, sum + y));
         let mean = if number == 0 { 0.0 } else { sum / number as f64 };
@@ -41,12 +41,12 @@ impl Line {
     }
 
     /// The value at increment `i`.
-    pub(super) fn at(&self, i: usize) -> f64 {
+    pub(crate) fn at(&self, i: usize) -> f64 {
         self.mean + self.slope * (i as f64 - self.middle)
     }
 
     /// The sum over the first `k` increments.
-    pub(super) fn sum(&self, k: usize) -> f64 {
+    pub(crate) fn sum(&self, k: usize) -> f64 {
         let k = k as f64;
         k * (self.mean + self.slope * (0.5 * (k - 1.0) - self.middle))
     }

@@ -1,6 +1,6 @@
 //! Units of curves.
 
-use super::Deviation;
+use crate::allan::deviation::Deviation;
 
 /// What the curves of a record are in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,105 +1,423 @@
-//! Charts: a table becomes a [`Figure`] of curves or a [`Map`], these an SVG, an SVG a PNG.
-//!
-//! ```text
-//! Table ─ Spec ────▶ Figure ─ svg() ─▶ SVG text ─ png() ─▶ PNG bytes
-//!       └ MapSpec ─▶ Map ────┘
-//! ```
-//!
-//! The same figure gives the same SVG on every machine: logarithms are libm's, coordinates are rounded to 0.01 px,
-//! lettering is measured in the bundled DejaVu Sans, and nothing carries a date, a version or an id. A picture has no
-//! ids also because several of them may stand in one HTML page, where equal ids would meet.
-//!
-//! The drawing is our own. kuva 0.6, whose source was read for it, takes no explicit ticks, writes 0.01 as `1e-2`,
-//! shows line *or* marker in a legend, never both, and takes logarithms from the platform.
-//!
-//! ```
-//! use sagnac::chart::{Figure, Map, MapSpec, Scale, Show, Spec};
-//! use sagnac::table::{Cell, Column, Table, Unit};
-//!
-//! let column = |name: &str, unit, values: &[f64]| Column {
-//!     name: name.to_owned(),
-//!     label: name.to_owned(),
-//!     unit,
-//!     cells: values.iter().map(|x| Cell::Number(*x)).collect(),
-//!     band: None,
-//! };
-//! let table = Table {
-//!     columns: vec![
-//!         column("frequency", Unit::HZ, &[2.0, 2.0, 20.0, 20.0]),
-//!         column("amplitude", Unit::ARCSEC_PER_S, &[100.0, 1000.0, 100.0, 1000.0]),
-//!         column("rms", Unit::ARCSEC, &[0.02, 0.2, 2.0, 20.0]),
-//!     ],
-//! };
-//!
-//! let curves = Spec {
-//!     title: "Error".to_owned(),
-//!     subtitle: None,
-//!     x: "frequency".to_owned(),
-//!     y: "rms".to_owned(),
-//!     x_scale: Scale::Log,
-//!     y_scale: Scale::Log,
-//!     series: vec!["amplitude".to_owned()],
-//!     apart: vec![],
-//!     filter: vec![],
-//!     limit: Some((10.0, Unit::ARCSEC)),
-//!     laws: vec![],
-//!     points: String::new(),
-//!     bands: String::new(),
-//! };
-//! let (figure, notes) = Figure::from_table(&table, &curves)?;
-//! assert_eq!((figure.series.len(), notes.left_out), (2, 0));
-//! assert!(figure.svg().starts_with("<svg"));
-//!
-//! let cells = MapSpec {
-//!     title: "Error".to_owned(),
-//!     subtitle: None,
-//!     x: "frequency".to_owned(),
-//!     y: "amplitude".to_owned(),
-//!     z: "rms".to_owned(),
-//!     x_scale: Scale::Log,
-//!     y_scale: Scale::Log,
-//!     show: Show::Values(Scale::Log),
-//!     filter: vec![],
-//!     limit: Some((10.0, Unit::ARCSEC)),
-//! };
-//! let (map, _) = Map::from_table(&table, &cells)?;
-//! assert_eq!((map.known(), map.within_limit()), (4, Some(3)));
-//! assert!(map.svg().contains("Error"));
-//! # Ok::<(), sagnac::chart::ChartError>(())
-//! ```
+//! Charts as asked for: names of columns, not yet looked up in a table.
 
-mod area;
-mod axes;
-mod canvas;
-mod coincidence;
-mod console;
-mod figure;
-mod from_table;
-mod laws;
-mod layout;
-mod legend;
-mod map;
-mod mixed;
-mod palette;
-mod picture;
-mod plot;
-mod png;
-mod scale;
-mod spec;
-mod stack;
-mod svg;
-mod text;
-mod ticks;
-mod whole;
+pub mod columns;
+pub mod default;
+pub mod file;
+pub mod rows;
 
-pub use console::Look;
-pub use figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Part, Parts, Series, SeriesPoint};
-pub use layout::{HEIGHT, WIDTH};
-pub(crate) use map::share;
-pub use map::{Cells, Estimate, Layer, Map, MapNotes, MapSpec, Show, Won};
-pub(crate) use palette::{LOOKS, Looks, style_sheet};
-pub use picture::Picture;
-pub use png::{PngError, png};
-pub use scale::Scale;
-pub use spec::{ChartError, Notes, Spec};
-pub use stack::{CURVE, stacked};
+use std::ops::Range;
+
+use toml::Spanned;
+
+use crate::chart::columns as chart_columns;
+use crate::chart::default::default_for;
+pub use crate::chart::file::Source;
+use crate::chart::file::{ChartKind, ChartTable, Charts, Scale};
+use crate::chart::rows::{ANGLE, COMPENSATION, DT_NU, ERROR, FILLER, Known, chooser, coordinate, row};
+use crate::key::file::switching::Error;
+use crate::key::scalar::{self, Scalar};
+use crate::key::sweep::Sweep;
+use crate::kinds::gap_fill::keys::FREQUENCY;
+use crate::kinds::gap_fill::law::Law;
+use crate::kinds::switched_run::Angle as RunAngle;
+use crate::quantity::number::significant;
+use crate::quantity::percent::percent;
+use crate::quantity::units::Dimension;
+use crate::source::diagnose::Fault;
+use crate::study::{Study, Subject};
+use crate::table::{Cell, Unit};
+
+/// A name of a column, and where it stands in the study, so that an unknown one can be pointed at.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Named {
+    /// As written: `q9973`, `motion.frequency`.
+    pub name: String,
+    /// Bytes of the text; empty at 0 for a name that is not written but a default.
+    pub span: Range<usize>,
+}
+
+impl Named {
+    pub(crate) fn default(name: &str) -> Named {
+        Named { name: name.to_owned(), span: 0..0 }
+    }
+}
+
+impl From<Spanned<String>> for Named {
+    fn from(name: Spanned<String>) -> Named {
+        Named { span: name.span(), name: name.into_inner() }
+    }
+}
+
+/// One chart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chart {
+    /// Absent: the study's.
+    pub title: Option<String>,
+    /// The table that it draws.
+    pub source: Source,
+    /// The abscissa.
+    pub x: Named,
+    /// Of curves the estimate, of a map an axis like x.
+    pub y: Named,
+    /// Further columns like y, each a curve of its own colour.
+    pub beside: Vec<Named>,
+    /// Curves or a map.
+    pub shows: Shows,
+    /// Only rows in which each column, a swept key, `filler` or `error`, has the value: one of those it takes. A chart that is
+    /// supplied has those of the keys that it cannot show.
+    pub rows: Vec<(Named, Cell)>,
+    /// A line, and what the verdict is about.
+    pub limit: Option<Limit>,
+    /// Of the abscissa.
+    pub x_scale: Scale,
+    /// Of the ordinate.
+    pub y_scale: Scale,
+}
+
+/// What is allowed of an estimate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limit {
+    /// Above 0.
+    pub value: f64,
+    /// Of the column that it is about.
+    pub unit: Unit,
+}
+
+impl Limit {
+    /// For sentences: `10 ″`, `5 %`.
+    pub fn text(&self) -> String {
+        match self.unit.symbol {
+            "" => format!("{} %", significant(100.0 * self.value, 6)),
+            symbol => format!("{} {symbol}", significant(self.value, 6)),
+        }
+    }
+}
+
+/// The columns of text of one of a study's tables, by which rows are told apart besides the swept keys.
+pub fn text_columns(study: &Study, source: Source) -> Vec<&'static str> {
+    Known::of(&study.subject, source).text_names()
+}
+
+/// What a chart shows.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shows {
+    /// y over x.
+    Curves {
+        /// At most two columns whose values make the curves: the first gives the colour, the second the dash. At most one, for
+        /// the dash, where several columns are shown.
+        series: Vec<Named>,
+        /// Each once; with any, x is a swept key or `dt_nu`.
+        laws: Vec<Law>,
+    },
+    /// z by colour, over x and y.
+    HeatMap {
+        /// The column by colour.
+        z: Named,
+        /// Of the colours.
+        z_scale: Scale,
+    },
+    /// Over x and y, which value of the column `of`, a swept key, `filler` or `error`, has the least z.
+    WinnerMap {
+        /// The column that competes, the least wins.
+        z: Named,
+        /// Who competes.
+        of: Named,
+    },
+}
+
+impl Chart {
+    /// The column of the estimates.
+    pub fn estimate(&self) -> &Named {
+        match &self.shows {
+            Shows::Curves { .. } => &self.y,
+            Shows::HeatMap { z, .. } | Shows::WinnerMap { z, .. } => z,
+        }
+    }
+
+    /// Whether it is one that was not written but supplied, as fillers side by side are where nothing is swept.
+    pub fn is_supplied(&self) -> bool {
+        self.x.span.is_empty() && self.x.name == FILLER
+    }
+
+    /// The columns that curves show: y and those beside it.
+    pub fn columns(&self) -> impl Iterator<Item = &Named> {
+        std::iter::once(&self.y).chain(&self.beside)
+    }
+
+    /// The columns whose values are told apart.
+    pub fn series(&self) -> &[Named] {
+        match &self.shows {
+            Shows::Curves { series, .. } => series,
+            Shows::HeatMap { .. } => &[],
+            Shows::WinnerMap { of, .. } => std::slice::from_ref(of),
+        }
+    }
+
+    /// The laws drawn beside curves.
+    pub fn laws(&self) -> &[Law] {
+        match &self.shows {
+            Shows::Curves { laws, .. } => laws,
+            Shows::HeatMap { .. } | Shows::WinnerMap { .. } => &[],
+        }
+    }
+}
+
+/// The charts of a study: those written, or one that suits the sweeps.
+///
+/// # Errors
+/// A key that the kind of chart lacks or does not have, not one or two `series`, an `of` or a `where` that names another
+/// column than a swept key or one of text, axes of a map or below a law that are not known beforehand, a `limit` of
+/// another dimension or not above 0, a value in `where` that its column does not take.
+pub(crate) fn read_all(charts: Charts, sweeps: &[Sweep], subject: &Subject) -> Result<Vec<Chart>, Fault> {
+    let read = |table| read(table, sweeps, subject);
+    match charts {
+        Charts::Default => Ok(default_for(sweeps, subject).into_iter().collect()),
+        Charts::One(table) => Ok(vec![read(*table)?]),
+        Charts::Several(tables) => tables.into_iter().map(read).collect(),
+    }
+}
+
+fn read(mut table: ChartTable, sweeps: &[Sweep], subject: &Subject) -> Result<Chart, Fault> {
+    let source = source(&table, subject)?;
+    let known = Known::of(subject, source);
+    let limit = table.limit.as_ref().map(|limit| read_limit(limit, subject, source)).transpose()?;
+    let (y, beside) = chart_columns::read(&table)?;
+    let shows = shows(&mut table, &y, &beside, sweeps, &known)?;
+    let mut rows = Vec::new();
+    let mut chosen: Vec<String> = Vec::new();
+    for (name, value) in table.rows.unwrap_or_default() {
+        let (column, cell) = row(&name, &value, sweeps, &known)?;
+        if chosen.contains(&column) {
+            let message = format!("`where` gives {column} twice");
+            return Err(Fault::new(name.span(), message, "one of the two", "leave one of them out"));
+        }
+        if matches!(&shows, Shows::WinnerMap { of, .. } if of.name == column) {
+            let message = format!("`where` leaves one {column} only, and nothing to compare it with");
+            let help = format!("leave {column} out of `where`, or name another column as `of`");
+            return Err(Fault::new(name.span(), message, "what the winner map compares", help));
+        }
+        chosen.push(column);
+        rows.push((Named::from(name), cell));
+    }
+    // Trajectories start at 0, and their angles have both signs.
+    let usual_scale = |name: &str| match source {
+        Source::Trajectories => Scale::Linear,
+        _ => scale_over(name, sweeps, &known),
+    };
+    let chart = Chart {
+        title: table.title,
+        x_scale: table.x_scale.unwrap_or_else(|| usual_scale(table.x.get_ref())),
+        y_scale: table.y_scale.unwrap_or_else(|| usual_scale(&y.name)),
+        source,
+        x: table.x.into(),
+        y,
+        beside,
+        shows,
+        rows,
+        limit,
+    };
+    // Without a word on them a curve would jump between rows of several errors, and a map show two values at once.
+    let is_named = |column: &str| {
+        let mut drawn = std::iter::once(&chart.x).chain(chart.series());
+        chosen.iter().any(|name| name == column) || drawn.any(|named| named.name == column)
+    };
+    let supplied = usual_rows(&known).into_iter().filter(|(column, _)| !is_named(&column.name));
+    let supplied: Vec<(Named, Cell)> = supplied.collect();
+    Ok(Chart { rows: chart.rows.into_iter().chain(supplied).collect(), ..chart })
+}
+
+/// Which of a study's tables is drawn.
+fn source(table: &ChartTable, subject: &Subject) -> Result<Source, Fault> {
+    match (&table.table, subject) {
+        (None, _) => Ok(Source::Points),
+        (Some(written), Subject::Allan(allan))
+            if *written.get_ref() == Source::Coefficients && allan.terms.is_none() =>
+        {
+            let message = "the chart is of coefficients, and none are fitted";
+            let help = "add them as in\n[allan]\nfit = \"auto\"";
+            Err(Fault::new(written.span(), message, "an empty table", help))
+        }
+        (Some(written), Subject::SwitchedRun(run))
+            if *written.get_ref() == Source::Trajectories && run.trajectories == 0 =>
+        {
+            let message = "the chart is of trajectories, and none are kept";
+            let help = "add them as in\n[run]\ntrajectories = 20";
+            Err(Fault::new(written.span(), message, "an empty table", help))
+        }
+        (Some(written), subject) if !subject.sources().contains(written.get_ref()) => {
+            let message = "a study of this kind has no such table";
+            Err(Fault::new(written.span(), message, "no such table", "leave chart.table out"))
+        }
+        (Some(written), _) => Ok(*written.get_ref()),
+    }
+}
+
+/// What a table asks to be shown, by its kind.
+fn shows(
+    table: &mut ChartTable,
+    y: &Named,
+    beside: &[Named],
+    sweeps: &[Sweep],
+    known: &Known,
+) -> Result<Shows, Fault> {
+    let kind = table.kind.as_ref().map_or(ChartKind::Curves, |kind| *kind.get_ref());
+    let maps = [ChartKind::HeatMap, ChartKind::WinnerMap];
+    only_for(kind, &maps, "z", table.z.as_ref())?;
+    only_for(kind, &maps[..1], "z_scale", table.z_scale.as_ref())?;
+    only_for(kind, &maps[1..], "of", table.of.as_ref())?;
+    only_for(kind, &[ChartKind::Curves], "series", table.series.as_ref())?;
+    only_for(kind, &[ChartKind::Curves], "laws", table.laws.as_ref())?;
+    if kind == ChartKind::Curves {
+        let laws = laws(table, sweeps, known)?;
+        if !beside.is_empty() {
+            chart_columns::check_beside(table, &laws)?;
+        }
+        let mut series = series(table.series.take(), table.x.get_ref(), sweeps, known)?;
+        if !beside.is_empty() {
+            series.truncate(1);
+        }
+        return Ok(Shows::Curves { series, laws });
+    }
+    if !beside.is_empty() {
+        let message = format!("a chart of kind = \"{}\" has one column y", kind.name());
+        return Err(Fault::new(table.y.span(), message, "a list", "name one column"));
+    }
+    let Some(z) = table.z.take().map(Named::from) else {
+        let span = table.kind.as_ref().map_or(0..0, Spanned::span);
+        let message = format!("a chart of kind = \"{}\" needs z, the column that it shows", kind.name());
+        return Err(Fault::new(span, message, "a map of what?", "add it as in\nz = \"q9973\""));
+    };
+    let x = Named::from(table.x.clone());
+    for (name, axis) in [("x", &x), ("y", y)] {
+        let cannot = format!("a map cannot have as its {name}");
+        coordinate(sweeps, known, &axis.name, axis.span.clone(), &cannot)?;
+    }
+    if kind == ChartKind::HeatMap {
+        let z_scale = table.z_scale.as_ref().map_or(Scale::default(), |scale| *scale.get_ref());
+        return Ok(Shows::HeatMap { z, z_scale });
+    }
+    let of = match table.of.take() {
+        None if known.fillers.is_empty() => {
+            let span = table.kind.as_ref().map_or(0..0, Spanned::span);
+            let message = "a winner map needs of, the swept key whose values compete";
+            return Err(Fault::new(span, message, "the winner of what?", "add it as in\nof = \"length\""));
+        }
+        None => Named::default(FILLER),
+        Some(of) => {
+            let name = chooser(sweeps, known, of.get_ref(), of.span(), "a winner map cannot compare by")?;
+            Named { name, span: of.span() }
+        }
+    };
+    Ok(Shows::WinnerMap { z, of })
+}
+
+/// Refuses a key that is written but belongs to other kinds.
+fn only_for<T>(
+    kind: ChartKind,
+    kinds: &[ChartKind],
+    key: &str,
+    written: Option<&Spanned<T>>,
+) -> Result<(), Fault> {
+    let Some(written) = written.filter(|_| !kinds.contains(&kind)) else {
+        return Ok(());
+    };
+    let others: Vec<String> = kinds.iter().map(|kind| format!("kind = \"{}\"", kind.name())).collect();
+    let message = format!("chart.{key} is no key of a chart of kind = \"{}\"", kind.name());
+    let help = format!("leave it out, or write {}", others.join(" or "));
+    Err(Fault::new(written.span(), message, "not of this kind", help))
+}
+
+/// The columns that tell curves apart. Where none are written, and a table has neither fillers nor coefficients, swept keys
+/// other than x do.
+fn series(
+    written: Option<Spanned<Vec<Spanned<String>>>>,
+    x: &str,
+    sweeps: &[Sweep],
+    known: &Known,
+) -> Result<Vec<Named>, Fault> {
+    match written {
+        None => Ok(match known.text_names().first() {
+            // Side by side they are told apart already.
+            Some(name) if *name == x => vec![],
+            Some(name) => vec![Named::default(name)],
+            None => {
+                let across = coordinate(sweeps, known, x, 0..0, "no axis over").ok();
+                let others =
+                    sweeps.iter().map(|sweep| sweep.key.name).filter(|name| Some(*name) != across.as_deref());
+                others.take(2).map(Named::default).collect()
+            }
+        }),
+        Some(names) if (1..=2).contains(&names.get_ref().len()) => {
+            Ok(names.into_inner().into_iter().map(Named::from).collect())
+        }
+        Some(names) => {
+            let message = format!("series names {} columns", names.get_ref().len());
+            let help = "accepted: one name (colour) or two (colour, dash), as in [\"filler\", \"gap_ticks\"]";
+            Err(Fault::new(names.span(), message, "not one or two names", help))
+        }
+    }
+}
+
+fn laws(table: &ChartTable, sweeps: &[Sweep], known: &Known) -> Result<Vec<Law>, Fault> {
+    let mut laws = Vec::new();
+    for law in table.laws.iter().flat_map(|laws| laws.get_ref()) {
+        if laws.contains(law.get_ref()) {
+            let message = format!("chart.laws lists \"{}\" twice", law.get_ref().name());
+            return Err(Fault::new(law.span(), message, "listed before", "leave it out here"));
+        }
+        laws.push(*law.get_ref());
+    }
+    for law in table.laws.iter().flat_map(|laws| laws.get_ref()) {
+        let of_relock = law.get_ref().is_of_relock();
+        let fits =
+            if of_relock { known.text_names().contains(&COMPENSATION) } else { !known.fillers.is_empty() };
+        if !fits {
+            let of = if of_relock { "of relock" } else { "of gap fillers" };
+            let message = format!("chart.laws: \"{}\" is a law {of}", law.get_ref().name());
+            return Err(Fault::new(law.span(), message, "not of this kind of study", "leave it out"));
+        }
+    }
+    if !laws.is_empty() {
+        coordinate(sweeps, known, table.x.get_ref(), table.x.span(), "laws cannot be drawn over")?;
+    }
+    Ok(laws)
+}
+
+/// The scale of an axis over this column where none is written: that of its sweep, of Δt·ν that of the frequency.
+pub(crate) fn scale_over(name: &str, sweeps: &[Sweep], known: &Known) -> Scale {
+    let column = coordinate(sweeps, known, name, 0..0, "no axis over").ok();
+    let key = column.as_deref().map(|column| if column == DT_NU { FREQUENCY.name } else { column });
+    let sweep = sweeps.iter().find(|sweep| Some(sweep.key.name) == key);
+    sweep.map_or(Scale::default(), |sweep| sweep.scale)
+}
+
+/// The rows that are meant where nothing is said: of errors the residual, of angles that at the end.
+pub(crate) fn usual_rows(known: &Known) -> Vec<(Named, Cell)> {
+    let usual = [(ERROR, Error::Residual.name().to_owned()), (ANGLE, RunAngle::End.name())];
+    let has = |column: &str| known.text_names().contains(&column);
+    let rows = usual.into_iter().filter(|(column, _)| has(column));
+    rows.map(|(column, value)| (Named::default(column), Cell::Text(value))).collect()
+}
+
+const PERCENT: &str = "accepted: a part in percent such as \"10 %\", of a relative column";
+
+/// A limit in the unit of what the table is about.
+fn read_limit(given: &Spanned<Scalar>, subject: &Subject, source: Source) -> Result<Limit, Fault> {
+    let dimensions: &[Dimension] = match (subject, source) {
+        (Subject::SwitchedRun(_), _) => &[Dimension::DriftRate, Dimension::Angle],
+        (Subject::Allan(_), Source::Points | Source::Trajectories) => &[Dimension::DriftRate],
+        (Subject::GapFill(_) | Subject::Relock(_), _) => &[Dimension::Angle],
+        (Subject::DriftBudget(_), _) => &[Dimension::Rate, Dimension::Time],
+        (Subject::Suspension(_), _) => &[Dimension::RatePerAcceleration],
+        (Subject::Allan(_), Source::Coefficients) => {
+            return Ok(Limit { value: percent("chart.limit", given, PERCENT)?, unit: Unit::NONE });
+        }
+    };
+    let limit = scalar::quantity("chart.limit", given, dimensions)?;
+    if limit.value > 0.0 {
+        return Ok(Limit { value: limit.value, unit: limit.dimension.unit() });
+    }
+    let message = format!("chart.limit = {limit}, and no error stays within that");
+    let help = format!("accepted: {} above 0, or no limit", limit.dimension.name());
+    Err(Fault::new(given.span(), message, "not above 0", help))
+}

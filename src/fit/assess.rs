@@ -4,21 +4,22 @@
 //! them. A term that is not in use is judged as if it entered next, by the estimate that it would have, possibly a
 //! negative one.
 
-use super::basis::shape_range;
-use super::coefficient::{Coefficient, Fit, Shape, Verdict};
-use super::evidence::Evidence;
-use super::growth::Growth;
-use super::interval::{Variance, WITHIN_95};
-use super::nnls::dot;
-use super::search::{Fitted, System};
-use super::{FitError, Term};
+use crate::fit::basis::shape_range;
+use crate::fit::coefficient::{Coefficient, Fit, Shape, Verdict};
+use crate::fit::curve::FitError;
+use crate::fit::evidence::Evidence;
+use crate::fit::growth::Growth;
+use crate::fit::interval::{Variance, WITHIN_95};
+use crate::fit::nnls::dot;
+use crate::fit::search::{Fitted, System};
+use crate::fit::term::Term;
 use crate::theory::cholesky;
 
 /// Logarithmic step of the derivative by a shape.
 const STEP: f64 = 1e-4;
 
 /// A best fit, and what there is to judge its terms by.
-pub(super) struct Judge<'a> {
+pub(crate) struct Judge<'a> {
     system: &'a System<'a>,
     /// With squares above 0.
     used: Vec<Fitted>,
@@ -32,7 +33,7 @@ pub(super) struct Judge<'a> {
 }
 
 impl<'a> Judge<'a> {
-    pub(super) fn new(
+    pub(crate) fn new(
         system: &'a System,
         fitted: &[Fitted],
         growth: Option<&'a Growth>,
@@ -45,7 +46,7 @@ impl<'a> Judge<'a> {
     }
 
     /// The fit, with a coefficient for each of `terms`.
-    pub(super) fn fit(&self, terms: &[Term]) -> Result<Fit, FitError> {
+    pub(crate) fn fit(&self, terms: &[Term]) -> Result<Fit, FitError> {
         let parameters: usize = self.used.iter().map(|fitted| fitted.term.parameters()).sum();
         let points = self.residual.len();
         let degrees_of_freedom =
@@ -62,7 +63,7 @@ impl<'a> Judge<'a> {
 
     /// Makes intervals of identified coefficients reach over those that they have in this fit. One that this fit is not
     /// sure of is not identified.
-    pub(super) fn widen(&self, fit: &mut Fit) {
+    pub(crate) fn widen(&self, fit: &mut Fit) {
         let is_used = |term: Term| self.used.iter().any(|fitted| fitted.term == term);
         for found in fit.coefficients.iter_mut().filter(|found| is_used(found.term)) {
             let (Verdict::Identified, Some([low, high])) = (found.verdict, found.interval) else { continue };

@@ -1,6 +1,7 @@
 //! The terms of a fit at the averaging factors of its curves, before weights.
 
-use super::{Curve, Term};
+use crate::fit::curve::Curve;
+use crate::fit::term::Term;
 
 /// Points of the grid for each factor of ten. The humps of Markov noise are wide, those of a sine a third of an octave.
 const GRID_OF_TIMES: f64 = 12.0;

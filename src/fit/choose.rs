@@ -1,8 +1,9 @@
 //! Which terms a curve supports.
 
-use super::search::{Solution, System};
-use super::{FitError, Term};
-use crate::allan::Trend;
+use crate::allan::trend::Trend;
+use crate::fit::curve::FitError;
+use crate::fit::search::{Solution, System};
+use crate::fit::term::Term;
 
 /// What a term has to take off χ² to be chosen.
 ///
@@ -64,7 +65,7 @@ impl Terms {
     }
 
     /// All terms that may enter, each once.
-    pub(super) fn candidates(&self) -> Result<Vec<Term>, FitError> {
+    pub(crate) fn candidates(&self) -> Result<Vec<Term>, FitError> {
         let mut candidates: Vec<Term> = Vec::new();
         for &term in self.all() {
             if !candidates.contains(&term) {
@@ -76,7 +77,7 @@ impl Terms {
 }
 
 /// What is chosen of the terms.
-pub(super) struct Choice {
+pub(crate) struct Choice {
     /// The subset with the least penalised χ².
     pub best: Solution,
     /// Terms of it that others could replace.
@@ -87,14 +88,14 @@ pub(super) struct Choice {
 
 impl Choice {
     /// All `terms`, whatever they are good for.
-    pub(super) fn given(system: &System, terms: &[Term]) -> Choice {
+    pub(crate) fn given(system: &System, terms: &[Term]) -> Choice {
         Choice { best: system.best(terms), replaceable: Vec::new(), others: Vec::new() }
     }
 
     /// Compares all subsets of `candidates`.
     ///
     /// Shapes are searched with all terms beside them, kept while subsets are compared, and searched again with the best.
-    pub(super) fn auto(system: &System, candidates: &[Term]) -> Choice {
+    pub(crate) fn auto(system: &System, candidates: &[Term]) -> Choice {
         let scored = scored(system, candidates);
         let least = scored.iter().map(|(score, _)| *score).fold(f64::INFINITY, f64::min);
         let chosen = scored

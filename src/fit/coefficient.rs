@@ -1,8 +1,9 @@
 //! What is said of a coefficient and of a fit.
 
-use super::evidence::Evidence;
-use super::{Term, survival};
-use crate::theory::allan::Process;
+use crate::fit::chi_squared::survival;
+use crate::fit::evidence::Evidence;
+use crate::fit::term::Term;
+use crate::theory::allan::process::Process;
 
 /// How far a coefficient is known. A bound is the upper end of the 95 % interval, so that it fails 2.5 % of the time: a
 /// closer one for coefficients that turn out small would spoil the intervals of those that do not.

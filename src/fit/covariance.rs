@@ -1,7 +1,8 @@
 //! The covariance between the estimates of a curve, ready to weigh with.
 
-use super::{Curve, FitError};
-use crate::theory::allan::{Process, gaussian};
+use crate::fit::curve::{Curve, FitError};
+use crate::theory::allan::gaussian;
+use crate::theory::allan::process::Process;
 use crate::theory::cholesky;
 
 /// Variance, in parts of its own, that every estimate is given as if of its own: the least of these that makes the
@@ -49,7 +50,7 @@ impl Covariance {
     ///
     /// A last estimate of very few differences can be 1e4 times too low, and must not weigh by that: it counts as no lower
     /// than the one before it falling with τ⁻², as steep as noise can.
-    pub(super) fn of_independent(curve: &Curve) -> Result<Covariance, FitError> {
+    pub(crate) fn of_independent(curve: &Curve) -> Result<Covariance, FitError> {
         let mut values = curve.variances().to_vec();
         for i in 1..values.len() {
             let step = curve.ms()[i - 1] as f64 / curve.ms()[i] as f64;
@@ -106,7 +107,7 @@ impl Covariance {
     }
 
     /// Of a linear function of whitened numbers its coefficients for the numbers themselves.
-    pub(super) fn before_whitening(&self, coefficients: Vec<f64>) -> Vec<f64> {
+    pub(crate) fn before_whitening(&self, coefficients: Vec<f64>) -> Vec<f64> {
         let scaled = cholesky::solve_transposed(&self.factor, coefficients);
         scaled.iter().zip(&self.deviations).map(|(x, deviation)| x / deviation).collect()
     }

@@ -1,7 +1,9 @@
 //! What is fitted: estimates of the Allan variance over averaging factors.
 
-use super::Term;
-use crate::theory::allan::{Difference, Estimator, Process, holds};
+use crate::fit::term::Term;
+use crate::theory::allan::estimator::{Difference, Estimator};
+use crate::theory::allan::holds;
+use crate::theory::allan::process::Process;
 
 /// Estimates of one record, or their mean over many.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,6 @@
 //! What a fit says of the square of a coefficient, for every true value of it.
 
-use super::interval::Variance;
+use crate::fit::interval::Variance;
 
 /// Skewness of a χ² of one degree of freedom: no noise of one record has more.
 const MOST_SKEWED: f64 = 2.0 * core::f64::consts::SQRT_2;

@@ -2,12 +2,15 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::assess::Judge;
-use super::basis::Basis;
-use super::choose::Choice;
-use super::growth::Growth;
-use super::search::{Solution, System};
-use super::{Covariance, Curve, Fit, FitError, Term, Terms};
+use crate::fit::assess::Judge;
+use crate::fit::basis::Basis;
+use crate::fit::choose::{Choice, Terms};
+use crate::fit::coefficient::Fit;
+use crate::fit::covariance::Covariance;
+use crate::fit::curve::{Curve, FitError};
+use crate::fit::growth::Growth;
+use crate::fit::search::{Solution, System};
+use crate::fit::term::Term;
 
 /// Where the covariance between the estimates comes from, and with it what errors a coefficient has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,7 +24,7 @@ pub enum Errors {
 
 /// Fits `terms` to a curve whose estimates have this covariance.
 ///
-/// With [`Terms::Auto`] the terms are those of the least χ² + Σ penalty, over all subsets ([`PENALTY`](super::PENALTY)):
+/// With [`Terms::Auto`] the terms are those of the least χ² + Σ penalty, over all subsets ([`PENALTY`](crate::fit::choose::PENALTY)):
 /// all compared with the same covariance, so that a term gains nothing by making points uncertain.
 ///
 /// # Errors
@@ -53,7 +56,7 @@ pub fn fit_record(curve: &Curve, terms: &Terms) -> Result<Fit, FitError> {
 ///
 /// ```
 /// # use sagnac::fit::{Curve, Fitter, Term, Terms, fit_record};
-/// # use sagnac::theory::allan::Difference;
+/// # use sagnac::theory::allan::estimator::Difference;
 /// let curve = |variances: &[f64]| {
 ///     Curve::new(1.0, 64, Difference::Second, vec![1, 2, 4, 8], variances.to_vec())
 /// };
@@ -61,7 +64,7 @@ pub fn fit_record(curve: &Curve, terms: &Terms) -> Result<Fit, FitError> {
 /// let terms = Terms::Given(vec![Term::AngleRandomWalk, Term::BiasInstability]);
 /// let fitter = Fitter::new(&first, &terms)?;
 /// assert_eq!(fitter.fit_record(second.variances())?, fit_record(&second, &terms)?);
-/// # Ok::<(), sagnac::fit::FitError>(())
+/// # Ok::<(), sagnac::fit::curve::FitError>(())
 /// ```
 #[derive(Debug)]
 pub struct Fitter {
@@ -101,7 +104,7 @@ impl Fitter {
     /// # Errors
     /// As [`fit`], variances that are no curve, and fewer than two realisations or of another geometry.
     ///
-    /// [`realisations`]: super::realisations
+    /// [`realisations`]: crate::fit::realisations
     pub fn fit_realised(
         &self,
         variances: &[f64],

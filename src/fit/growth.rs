@@ -1,19 +1,20 @@
 //! How the covariance of the estimates follows the coefficients of the model.
 
-use super::interval::Variance;
-use super::{Curve, FitError, Term};
+use crate::fit::curve::{Curve, FitError};
+use crate::fit::interval::Variance;
+use crate::fit::term::Term;
 use crate::theory::allan::gaussian::Components;
 
 /// The covariance of the estimates of one record as a function of the squares of some terms.
 #[derive(Debug)]
-pub(super) struct Growth {
+pub(crate) struct Growth {
     /// With their shapes.
     terms: Vec<(Term, f64)>,
     components: Components,
 }
 
 impl Growth {
-    pub(super) fn new(curve: &Curve, terms: Vec<(Term, f64)>) -> Growth {
+    pub(crate) fn new(curve: &Curve, terms: Vec<(Term, f64)>) -> Growth {
         let unit: Vec<(Term, f64, f64)> = terms.iter().map(|&(term, shape)| (term, 1.0, shape)).collect();
         let components =
             Components::new(&curve.process(&unit), curve.difference(), curve.samples(), curve.ms());
@@ -21,17 +22,17 @@ impl Growth {
     }
 
     /// Whether it is that of these terms and shapes.
-    pub(super) fn is_of(&self, terms: &[(Term, f64)]) -> bool {
+    pub(crate) fn is_of(&self, terms: &[(Term, f64)]) -> bool {
         self.terms == terms
     }
 
     /// The covariance for the squares of the terms, in their order.
-    pub(super) fn covariance(&self, squares: &[f64]) -> Result<super::Covariance, FitError> {
-        super::Covariance::new(self.components.covariance(squares))
+    pub(crate) fn covariance(&self, squares: &[f64]) -> Result<crate::fit::covariance::Covariance, FitError> {
+        crate::fit::covariance::Covariance::new(self.components.covariance(squares))
     }
 
     /// Variance of a weighted sum of estimates in the square of one term, the others being as given.
-    pub(super) fn variance(&self, term: Term, weights: &[f64], square_of: impl Fn(Term) -> f64) -> Variance {
+    pub(crate) fn variance(&self, term: Term, weights: &[f64], square_of: impl Fn(Term) -> f64) -> Variance {
         let form = self.components.variance_of(weights);
         let mut variance = [0.0; 3];
         for ((a, _), row) in self.terms.iter().zip(&form) {

@@ -23,7 +23,7 @@ pub(crate) struct Variance(pub [f64; 3]);
 
 impl Variance {
     /// The same at every x.
-    pub(super) fn constant(variance: f64) -> Variance {
+    pub(crate) fn constant(variance: f64) -> Variance {
         Variance([variance, 0.0, 0.0])
     }
 
@@ -33,7 +33,7 @@ impl Variance {
     }
 
     /// Of the outcomes if x is true: κ_3 of the noise itself is 2v_2²x³.
-    pub(super) fn skewness(&self, x: f64) -> f64 {
+    pub(crate) fn skewness(&self, x: f64) -> f64 {
         2.0 * self.0[2] * self.0[2] * libm::pow(x / libm::sqrt(self.at(x)), 3.0)
     }
 
@@ -54,7 +54,7 @@ impl Variance {
 
     /// What the lower and the upper quantile need added, in standard deviations, to be those of simulated outcomes,
     /// whose mean is the true value; 0 without any.
-    pub(super) fn corrections(&self, mut outcomes: Vec<f64>) -> [f64; 2] {
+    pub(crate) fn corrections(&self, mut outcomes: Vec<f64>) -> [f64; 2] {
         outcomes.sort_by(f64::total_cmp);
         let count = outcomes.len() as f64;
         let mean = outcomes.iter().sum::<f64>() / count;
@@ -78,7 +78,7 @@ impl Variance {
     /// excluded, the upper one `None` where the estimate scatters so much that nothing is.
     ///
     /// A negative estimate counts as 0 for the upper end. The `corrections` are those of the quantiles.
-    pub(super) fn interval(&self, estimate: f64, corrections: [f64; 2]) -> (f64, Option<f64>) {
+    pub(crate) fn interval(&self, estimate: f64, corrections: [f64; 2]) -> (f64, Option<f64>) {
         let found = estimate.max(0.0);
         let most = |x: f64| self.quantile(x, WITHIN_95, corrections[1]);
         let least = |x: f64| self.quantile(x, -WITHIN_95, corrections[0]);

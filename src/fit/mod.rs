@@ -16,7 +16,7 @@
 //! assert_eq!(n.verdict, Verdict::Identified);
 //! assert!((n.value.unwrap() - 0.03).abs() < 1e-9);
 //! assert_ne!(fit.coefficient(Term::BiasInstability).unwrap().verdict, Verdict::Identified);
-//! # Ok::<(), sagnac::fit::FitError>(())
+//! # Ok::<(), sagnac::fit::curve::FitError>(())
 //! ```
 //!
 //! **Method.** A curve is a sum of terms, linear in the squares of their coefficients. Each term is the closed form of
@@ -33,32 +33,34 @@
 //! Linear algebra is that of [`crate::theory::cholesky`]: systems have at most nine columns, and loops in fixed order
 //! give the same digits on every machine, which a library that picks its kernels at run time does not.
 
-mod assess;
-mod basis;
-mod chi_squared;
-mod choose;
-mod coefficient;
-mod covariance;
-mod curve;
-pub(crate) mod evidence;
-mod fitter;
-mod growth;
-pub(crate) mod interval;
-mod nnls;
-mod noise;
-mod realisations;
-pub(crate) mod record;
-mod search;
-mod term;
+pub mod assess;
+pub mod basis;
+pub mod chi_squared;
+pub mod choose;
+pub mod coefficient;
+pub mod covariance;
+pub mod curve;
+pub mod evidence;
+pub mod fitter;
+pub mod growth;
+pub mod interval;
+pub mod nnls;
+pub mod noise;
+pub mod realisations;
+pub mod record;
+pub mod search;
+pub mod term;
 
-pub use chi_squared::survival;
-pub use choose::{LIKELY, PENALTY, PENALTY_OF_SHAPE, RIVAL, Terms};
-pub use coefficient::{Coefficient, Fit, Shape, Verdict};
-pub use covariance::Covariance;
-pub use curve::{Curve, FitError};
-pub use fitter::{Errors, Fitter, fit, fit_record};
-pub(crate) use nnls::nnls;
-pub use noise::{DataSheet, Intervals, MOST_SIMULATED, Row, Simulated, USUAL_REALISATIONS, data_sheet_unit};
-pub use realisations::{LEAST_REALISATIONS, realisations};
-pub use record::curve_of;
-pub use term::Term;
+pub use crate::fit::chi_squared::survival;
+pub use crate::fit::choose::{LIKELY, PENALTY, PENALTY_OF_SHAPE, RIVAL, Terms};
+pub use crate::fit::coefficient::{Coefficient, Fit, Shape, Verdict};
+pub use crate::fit::covariance::Covariance;
+pub use crate::fit::curve::{Curve, FitError};
+pub use crate::fit::fitter::{Errors, Fitter, fit, fit_record};
+pub(crate) use crate::fit::nnls::nnls;
+pub use crate::fit::noise::{
+    DataSheet, Intervals, MOST_SIMULATED, Row, Simulated, USUAL_REALISATIONS, data_sheet_unit,
+};
+pub use crate::fit::realisations::{LEAST_REALISATIONS, realisations};
+pub use crate::fit::record::curve_of;
+pub use crate::fit::term::Term;

@@ -74,7 +74,7 @@ fn solve(gram: &[Vec<f64>], onto: &[f64], used: &[usize]) -> Option<Vec<f64>> {
     Some(cholesky::solve(&factor, used.iter().map(|&j| onto[j]).collect()))
 }
 
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

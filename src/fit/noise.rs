@@ -1,9 +1,17 @@
 //! Noise coefficients of a record as a data sheet has them: the fit to its overlapping Allan curve, with intervals from
 //! simulated records.
 
-use super::{Coefficient, Curve, Fit, FitError, Fitter, Term, Terms, Verdict, curve_of, realisations};
-use crate::allan::{Angles, Unit};
-use crate::backend::cpu::{Cpu, Width};
+use crate::allan::angles::Angles;
+use crate::allan::unit::Unit;
+use crate::device::cpu::Cpu;
+use crate::fit::choose::Terms;
+use crate::fit::coefficient::{Coefficient, Fit, Verdict};
+use crate::fit::curve::{Curve, FitError};
+use crate::fit::fitter::Fitter;
+use crate::fit::realisations;
+use crate::fit::record::curve_of;
+use crate::fit::term::Term;
+use crate::kernel::width::Width;
 
 /// Simulated records of a fit, unless told or the record has more than [`MOST_SIMULATED`] samples.
 pub const USUAL_REALISATIONS: usize = 1000;

@@ -1,10 +1,13 @@
 //! Simulated records of a fit: what its estimates would have been in other records of the same gyro.
 
-use super::{Curve, Fit};
-use crate::backend::cpu::Cpu;
-use crate::id::Id;
-use crate::lower::{Asked, Records, RecordsError};
-use crate::theory::allan::{Estimator, Process, Stride};
+use crate::device::cpu::Cpu;
+use crate::fit::coefficient::Fit;
+use crate::fit::curve::Curve;
+use crate::kinds::allan::lower::refusal::RecordsError;
+use crate::kinds::allan::lower::{Asked, Records};
+use crate::tally::id::Id;
+use crate::theory::allan::estimator::{Estimator, Stride};
+use crate::theory::allan::process::Process;
 
 /// Fewest realisations whose 2.5 % quantiles are worth anything: the fifth of them from the end.
 pub const LEAST_REALISATIONS: usize = 200;

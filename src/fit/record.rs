@@ -1,13 +1,15 @@
 //! From a record to the curve that coefficients are fitted to.
 
-use super::{Curve, FitError};
-use crate::allan::{Angles, Deviation, curve};
-use crate::theory::allan::Difference;
+use crate::allan::angles::Angles;
+use crate::allan::curve;
+use crate::allan::deviation::Deviation;
+use crate::fit::curve::{Curve, FitError};
+use crate::theory::allan::estimator::Difference;
 
 /// Longest averaging time of the fit, as a part of the record: beyond it intervals of K come out too short.
 const LONGEST: usize = 8;
 
-/// The overlapping Allan variances at the octaves of τ up to an eighth of a record, for [`super::fit_record`].
+/// The overlapping Allan variances at the octaves of τ up to an eighth of a record, for [`crate::fit::fitter::fit_record`].
 ///
 /// # Errors
 /// A record whose variance is 0 or that is too long for the flicker model.

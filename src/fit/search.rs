@@ -4,9 +4,11 @@
 //! alone (variable projection; Golub and Pereyra 1973). It has more than one minimum, so a grid comes first and golden
 //! sections around its best point after.
 
-use super::basis::{Basis, per_decade, shape_range};
-use super::nnls::{dot, nnls};
-use super::{Covariance, Curve, Term};
+use crate::fit::basis::{Basis, per_decade, shape_range};
+use crate::fit::covariance::Covariance;
+use crate::fit::curve::Curve;
+use crate::fit::nnls::{dot, nnls};
+use crate::fit::term::Term;
 
 /// Golden sections of one bracket, down to 1e-8 of it.
 const SECTIONS: usize = 40;
@@ -60,7 +62,7 @@ impl<'a> System<'a> {
     }
 
     /// Of a linear function of such deviations its coefficients for the points of the curve.
-    pub(super) fn weights(&self, coefficients: Vec<f64>) -> Vec<f64> {
+    pub(crate) fn weights(&self, coefficients: Vec<f64>) -> Vec<f64> {
         self.covariance.before_whitening(coefficients)
     }
 

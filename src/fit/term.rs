@@ -1,6 +1,6 @@
 //! The terms a curve is taken apart into.
 
-use crate::theory::allan::Part;
+use crate::theory::allan::part::Part;
 
 /// A term, with the coefficient that is reported for it. Its Allan variance is proportional to the coefficient's square.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,7 +1,8 @@
 //! The header of a record: which columns hold time and rate, and in which units.
 
-use super::rows::Row;
-use crate::study::{Dimension, Fault, parse_unit};
+use crate::quantity::units::{Dimension, parse_unit};
+use crate::record::rows::Row;
+use crate::source::diagnose::Fault;
 
 /// How a header is written.
 const EXAMPLE: &str =
@@ -23,7 +24,7 @@ const RATE: Wanted = Wanted { name: "rate", dimension: Dimension::Rate, example:
 
 /// A column as found.
 #[derive(Debug)]
-pub(super) struct Column {
+pub(crate) struct Column {
     name: &'static str,
     /// Its place in a row.
     index: usize,
@@ -33,16 +34,16 @@ pub(super) struct Column {
 
 /// The columns that are read.
 #[derive(Debug)]
-pub(super) struct Columns {
-    pub(super) time: Column,
-    pub(super) rate: Column,
+pub(crate) struct Columns {
+    pub(crate) time: Column,
+    pub(crate) rate: Column,
     /// Of the header, those that are not read among them.
     cells: usize,
 }
 
 impl Columns {
     /// The columns as a `header` names them.
-    pub(super) fn read(header: &Row<'_>) -> Result<Columns, Fault> {
+    pub(crate) fn read(header: &Row<'_>) -> Result<Columns, Fault> {
         if header.cells.iter().all(|cell| cell.parse::<f64>().is_ok()) {
             let message = "the first row is numbers, the header is missing";
             return Err(Fault::new(header.span.clone(), message, "numbers and no names", EXAMPLE));
@@ -55,7 +56,7 @@ impl Columns {
     }
 
     /// Refuses a `row` that has not as many cells as the header.
-    pub(super) fn check(&self, row: &Row<'_>) -> Result<(), Fault> {
+    pub(crate) fn check(&self, row: &Row<'_>) -> Result<(), Fault> {
         let (found, expected) = (row.cells.len(), self.cells);
         if found == expected {
             return Ok(());
@@ -71,7 +72,7 @@ impl Columns {
 
 impl Column {
     /// The value of this column in a `row`, in base units.
-    pub(super) fn value(&self, row: &Row<'_>) -> Result<f64, Fault> {
+    pub(crate) fn value(&self, row: &Row<'_>) -> Result<f64, Fault> {
         let cell = row.cells.get(self.index).unwrap_or_default();
         let fault = |message: String, label: &str| {
             let help = "every row needs a finite number here: put it in, or cut the record and resample what is left";
@@ -86,7 +87,7 @@ impl Column {
     }
 
     /// Where this column stands in a `row`.
-    pub(super) fn place(&self, row: &Row<'_>) -> std::ops::Range<usize> {
+    pub(crate) fn place(&self, row: &Row<'_>) -> std::ops::Range<usize> {
         row.cell(self.index)
     }
 }

@@ -1,16 +1,16 @@
 //! Recorded data: a profile of motion, evenly spaced samples of an angular rate with the angles of the ticks over it, and in
 //! [`log`] the logs of sensors.
 
-mod header;
+pub mod header;
 pub mod log;
-mod rows;
+pub mod rows;
 
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use miette::NamedSource;
 
-use crate::study::{StudyError, Text};
+use crate::source::diagnose::{StudyError, Text};
 
 /// Most samples of a record, 2^24: more than four hours at 1 kHz.
 pub const MOST_SAMPLES: usize = 1 << 24;
@@ -71,7 +71,7 @@ impl Record {
     /// assert_eq!(record.tick_angles(0.001).len(), 4);
     /// ```
     pub fn parse(name: &str, text: &str) -> Result<Record, RecordError> {
-        rows::read(text, MOST_SAMPLES).map_err(|fault| {
+        crate::record::rows::read(text, MOST_SAMPLES).map_err(|fault| {
             let text: Text = Arc::new(NamedSource::new(name, text.to_owned()));
             RecordError(fault.within(&text))
         })

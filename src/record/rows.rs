@@ -4,17 +4,18 @@ use std::ops::Range;
 
 use csv::{Reader, ReaderBuilder, StringRecord, Trim};
 
-use super::header::{Column, Columns};
-use super::log::STEPS_HELP;
-use super::{Record, STEPS_S};
-use crate::study::{Fault, round_12};
-use crate::table::significant;
+use crate::quantity::number::significant;
+use crate::quantity::units::round_12;
+use crate::record::header::{Column, Columns};
+use crate::record::log::STEPS_HELP;
+use crate::record::{Record, STEPS_S};
+use crate::source::diagnose::Fault;
 
 /// How far a step may be from the median one, as a part of it.
 const UNEVEN: f64 = 0.01;
 
 /// Reads the `text` of a record of at most `most` samples.
-pub(super) fn read(text: &str, most: usize) -> Result<Record, Fault> {
+pub(crate) fn read(text: &str, most: usize) -> Result<Record, Fault> {
     let mut rows = Rows::new(text);
     let Some(header) = rows.advance()? else {
         let help = "write a header and one row for each sample, as in\ntime [s], rate [deg/s]\n0.000, 1.25";
@@ -88,16 +89,16 @@ fn check_steps(text: &str, time: &Column, times: &[f64]) -> Result<(), Fault> {
 
 /// One row, as it stands in the file.
 #[derive(Debug)]
-pub(super) struct Row<'r> {
-    pub(super) cells: &'r StringRecord,
+pub(crate) struct Row<'r> {
+    pub(crate) cells: &'r StringRecord,
     /// Of the row in the text, without the end of its line.
-    pub(super) span: Range<usize>,
+    pub(crate) span: Range<usize>,
     text: &'r str,
 }
 
 impl Row<'_> {
     /// Where the cell at `index` stands: the whole row if it is missing, or where a quote may hide a comma.
-    pub(super) fn cell(&self, index: usize) -> Range<usize> {
+    pub(crate) fn cell(&self, index: usize) -> Range<usize> {
         let row = &self.text[self.span.clone()];
         let mut start = self.span.start;
         for (i, cell) in row.split(',').enumerate() {

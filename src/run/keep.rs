@@ -3,8 +3,8 @@
 use std::io::Error;
 use std::path::{Path, PathBuf};
 
-use super::RESOLVED;
-use crate::store::write_whole;
+use crate::run::RESOLVED;
+use crate::store::whole::write_whole;
 use crate::study::Study;
 
 /// A study could not be kept: the folder of its results cannot be written.

@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
-use super::database::structure;
-use super::row::Raw;
-use super::{Source, StoreError, Tally};
 use crate::kernel::moments::Moments;
 use crate::kernel::rows::Rows;
+use crate::store::Tally;
+use crate::store::database::structure;
+use crate::store::error::StoreError;
+use crate::store::row::Raw;
+use crate::store::source::Source;
 
 /// What a check of a store found.
 #[derive(Debug, Default)]
@@ -97,7 +99,7 @@ fn agree<T: Tally>(group: &[Raw], path: &Path) -> Result<(), StoreError> {
         }
         outer.tally::<T>(path)?;
         let within = rows[at + 1..].iter().take_while(|inner| inner.block.end() <= outer.block.end());
-        let parts = crate::block::fold(within.map(|inner| (inner.block, *inner)).collect());
+        let parts = crate::tally::block::fold(within.map(|inner| (inner.block, *inner)).collect());
         let covered: u64 = parts.iter().map(|(block, _)| block.trials()).sum();
         if covered < outer.block.trials() {
             continue;

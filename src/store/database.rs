@@ -5,19 +5,20 @@ use std::time::SystemTime;
 
 use rusqlite::{Connection, OptionalExtension, Transaction, params};
 
-use super::row::{COLUMNS, Raw};
-use super::{Provenance, StoreError, schema};
-use crate::id::Id;
-use crate::share::Share;
+use crate::store::error::StoreError;
+use crate::store::row::{COLUMNS, Raw};
+use crate::store::{Provenance, schema};
+use crate::tally::id::Id;
+use crate::tally::share::Share;
 
 /// Takes a database for this connection alone. Before anything else is asked of it, so that its journal needs no memory that
 /// programs share, which network file systems do not have.
-pub(super) fn exclusive(connection: &Connection) -> Result<(), rusqlite::Error> {
+pub(crate) fn exclusive(connection: &Connection) -> Result<(), rusqlite::Error> {
     connection.execute_batch("PRAGMA locking_mode = EXCLUSIVE;")
 }
 
 /// Lets SQLite look over its pages: `quick_check` or `integrity_check`.
-pub(super) fn structure(connection: &Connection, path: &Path, check: &str) -> Result<(), StoreError> {
+pub(crate) fn structure(connection: &Connection, path: &Path, check: &str) -> Result<(), StoreError> {
     let found = connection.pragma_query_value(None, check, |row| row.get::<_, String>(0));
     match found.map_err(|error| StoreError::of(path, error))?.as_str() {
         "ok" => Ok(()),
@@ -27,7 +28,7 @@ pub(super) fn structure(connection: &Connection, path: &Path, check: &str) -> Re
 
 /// Reads every row. A row is looked for by its key, so one with an altered key would hide those behind it; SQLite's quick check
 /// does not see that.
-pub(super) fn all_sound(connection: &Connection, path: &Path) -> Result<(), StoreError> {
+pub(crate) fn all_sound(connection: &Connection, path: &Path) -> Result<(), StoreError> {
     let failed = |source| StoreError::of(path, source);
     let mut statement = connection.prepare(&format!("SELECT {COLUMNS} FROM tally")).map_err(failed)?;
     let mut rows = statement.query([]).map_err(failed)?;
@@ -47,7 +48,7 @@ pub(super) fn all_sound(connection: &Connection, path: &Path) -> Result<(), Stor
 ///
 /// # Errors
 /// It is there with other values, rows of the same estimate were computed from other parameters, or the disk fails.
-pub(super) fn put(
+pub(crate) fn put(
     transaction: &Transaction,
     path: &Path,
     raw: &Raw,
@@ -94,7 +95,7 @@ pub(super) fn put(
 }
 
 /// Writes the provenance of a session, in place of what is there of it.
-pub(super) fn note(
+pub(crate) fn note(
     connection: &Connection,
     session: &Id,
     so_far: &Provenance,
@@ -108,10 +109,10 @@ pub(super) fn note(
 }
 
 /// What stands before a share among the keys of the study.
-pub(super) const SHARE: &str = "share ";
+pub(crate) const SHARE: &str = "share ";
 
 /// The shares that were to be sampled here.
-pub(super) fn shares(connection: &Connection, path: &Path) -> Result<Vec<Share>, StoreError> {
+pub(crate) fn shares(connection: &Connection, path: &Path) -> Result<Vec<Share>, StoreError> {
     let failed = |source| StoreError::of(path, source);
     let mut statement = connection.prepare("SELECT key FROM study").map_err(failed)?;
     let keys = statement.query_map([], |row| row.get::<_, String>(0)).map_err(failed)?;

@@ -1,8 +1,8 @@
 //! Tallies as bytes: numbers of seven bits a byte (LEB128); of histograms runs of empty and of filled bins by their lengths.
 
-use super::Tally;
 use crate::kernel::moments::Moments;
 use crate::kernel::rows::Rows;
+use crate::store::Tally;
 
 impl Tally for Moments {
     fn encode(&self) -> Vec<u8> {
@@ -67,7 +67,7 @@ fn encode(tally: &Moments) -> Vec<u8> {
 
 /// Adds the tally of so many trials that the bytes stand for to one with a histogram. `None` where they stand for none: what it
 /// was added to is then of no use.
-pub(super) fn add(bytes: &[u8], trials: u64, total: &mut Moments) -> Option<()> {
+pub(crate) fn add(bytes: &[u8], trials: u64, total: &mut Moments) -> Option<()> {
     let mut rest = bytes;
     let part = Moments {
         count: take(&mut rest)?.try_into().ok().filter(|&count: &u64| count == trials)?,

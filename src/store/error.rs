@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use rusqlite::ErrorCode;
 
-use super::SCHEMA_VERSION;
-use super::lock::Holder;
-use crate::id::Id;
+use crate::store::SCHEMA_VERSION;
+use crate::store::lock::Holder;
+use crate::tally::id::Id;
 
 /// What went wrong with the results on disk, and what to do about it.
 #[derive(Debug, thiserror::Error)]
@@ -25,7 +25,7 @@ pub enum StoreError {
     /// No study was run into the folder.
     #[error(
         "{folder} has no results: its {} is missing or empty\ngive the folder of a study that was run",
-        super::FILE
+        crate::store::FILE
     )]
     NoResults {
         /// Its path.
@@ -61,7 +61,7 @@ pub enum StoreError {
     #[error(
         "{path} cannot be read here: what a run that was cut short left in {}-wal has to be taken over, and the folder is \
          read-only\ncopy the folder to where it can be written",
-        super::FILE
+        crate::store::FILE
     )]
     Unfinished {
         /// Of the database.
@@ -172,7 +172,7 @@ const SALVAGE: &str = "take what is sound to a new folder with `sagnac merge --s
 
 impl StoreError {
     /// What SQLite says, in our words.
-    pub(super) fn of(path: &Path, source: rusqlite::Error) -> StoreError {
+    pub(crate) fn of(path: &Path, source: rusqlite::Error) -> StoreError {
         let path = path.to_owned();
         let what = source.to_string();
         match (&source, source.sqlite_error_code()) {

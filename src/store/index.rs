@@ -3,10 +3,11 @@
 use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
 
-use super::row::NO_BLOCK;
-use super::{Address, Store, StoreError};
-use crate::block::{Block, fold};
-use crate::id::Id;
+use crate::store::error::StoreError;
+use crate::store::row::NO_BLOCK;
+use crate::store::{Address, Store};
+use crate::tally::block::{Block, fold};
+use crate::tally::id::Id;
 
 /// The blocks of all rows as one reading found them: thousands of points are not asked for one by one.
 #[derive(Debug)]

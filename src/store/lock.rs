@@ -9,14 +9,14 @@ use std::io::{ErrorKind, Read, Seek, Write};
 use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use super::StoreError;
+use crate::store::error::StoreError;
 
 /// The name of the file in a results folder.
 pub const LOCK: &str = "tallies.lock";
 
 /// A folder that no other program takes meanwhile.
 #[derive(Debug)]
-pub(super) struct Lock {
+pub(crate) struct Lock {
     file: File,
 }
 
@@ -33,7 +33,7 @@ impl Lock {
     ///
     /// # Errors
     /// Another program has it, or its file cannot be opened.
-    pub(super) fn take(folder: &Path) -> Result<Lock, StoreError> {
+    pub(crate) fn take(folder: &Path) -> Result<Lock, StoreError> {
         let path = folder.join(LOCK);
         let failed = |source: std::io::Error| match source.kind() {
             ErrorKind::ReadOnlyFilesystem => StoreError::ReadOnly { path: folder.to_owned() },
@@ -102,7 +102,7 @@ impl fmt::Display for Holder {
 }
 
 /// This process, as the next program is to read it.
-pub(super) fn own_name() -> String {
+pub(crate) fn own_name() -> String {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs());
     format!("{}\n{}\n{since}\n", std::process::id(), gethostname::gethostname().to_string_lossy())
 }

@@ -2,39 +2,40 @@
 
 use std::path::Path;
 
-use super::encoding::add;
-use super::{Address, Row, StoreError, Tally};
-use crate::block::Block;
-use crate::id::Id;
 use crate::kernel::moments::Moments;
+use crate::store::encoding::add;
+use crate::store::error::StoreError;
+use crate::store::{Address, Row, Tally};
+use crate::tally::block::Block;
+use crate::tally::id::Id;
 
 /// The columns of a row, in the order in which [`Raw`] reads them.
-pub(super) const COLUMNS: &str = "point, estimate, first, log2, digest, sums, checksum";
+pub(crate) const COLUMNS: &str = "point, estimate, first, log2, digest, sums, checksum";
 
 /// What is wrong with a key that is none.
-pub(super) const NO_BLOCK: &str = "it is of no block of trials";
+pub(crate) const NO_BLOCK: &str = "it is of no block of trials";
 
 /// What is wrong with bytes that are no tally.
 const NO_TALLY: &str = "it is no tally of its block";
 
 /// A row with its tally as bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Raw {
-    pub(super) address: Address,
-    pub(super) block: Block,
-    pub(super) sums: Vec<u8>,
-    pub(super) checksum: u32,
+pub(crate) struct Raw {
+    pub(crate) address: Address,
+    pub(crate) block: Block,
+    pub(crate) sums: Vec<u8>,
+    pub(crate) checksum: u32,
 }
 
 impl Raw {
-    pub(super) fn of<T: Tally>(row: &Row<T>) -> Raw {
+    pub(crate) fn of<T: Tally>(row: &Row<T>) -> Raw {
         let Row { address, block, tally } = row;
         let sums = tally.encode();
         Raw { address: *address, block: *block, checksum: checksum(address, *block, &sums), sums }
     }
 
     /// As it was read, whatever that is.
-    pub(super) fn read(row: &rusqlite::Row) -> Result<Raw, rusqlite::Error> {
+    pub(crate) fn read(row: &rusqlite::Row) -> Result<Raw, rusqlite::Error> {
         let address = Address { point: Id(row.get(0)?), estimate: Id(row.get(1)?), digest: Id(row.get(4)?) };
         let block = Block { first: row.get::<_, i64>(2)? as u64, log2: row.get(3)? };
         Ok(Raw { address, block, sums: row.get(5)?, checksum: row.get(6)? })
@@ -44,7 +45,7 @@ impl Raw {
     ///
     /// # Errors
     /// It is not.
-    pub(super) fn sound(self, path: &Path) -> Result<Raw, StoreError> {
+    pub(crate) fn sound(self, path: &Path) -> Result<Raw, StoreError> {
         if self.checksum != checksum(&self.address, self.block, &self.sums) {
             return Err(self.damaged(path, "its checksum is wrong"));
         }
@@ -58,7 +59,7 @@ impl Raw {
     ///
     /// # Errors
     /// The bytes are no tally of the row's block.
-    pub(super) fn tally<T: Tally>(&self, path: &Path) -> Result<T, StoreError> {
+    pub(crate) fn tally<T: Tally>(&self, path: &Path) -> Result<T, StoreError> {
         T::decode(&self.sums, self.block.trials()).ok_or_else(|| self.damaged(path, NO_TALLY))
     }
 
@@ -66,16 +67,16 @@ impl Raw {
     ///
     /// # Errors
     /// Those of [`Raw::tally`].
-    pub(super) fn add_to(&self, total: &mut Moments, path: &Path) -> Result<(), StoreError> {
+    pub(crate) fn add_to(&self, total: &mut Moments, path: &Path) -> Result<(), StoreError> {
         add(&self.sums, self.block.trials(), total).ok_or_else(|| self.damaged(path, NO_TALLY))
     }
 
-    pub(super) fn damaged(&self, path: &Path, what: &'static str) -> StoreError {
+    pub(crate) fn damaged(&self, path: &Path, what: &'static str) -> StoreError {
         let Address { point, estimate, .. } = self.address;
         StoreError::DamagedRow { path: path.to_owned(), point, estimate, first: self.block.first, what }
     }
 
-    pub(super) fn disagrees(&self, path: &Path) -> StoreError {
+    pub(crate) fn disagrees(&self, path: &Path) -> StoreError {
         let Address { point, estimate, .. } = self.address;
         StoreError::Disagrees { path: path.to_owned(), point, estimate, first: self.block.first }
     }

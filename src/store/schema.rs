@@ -5,19 +5,20 @@ use std::path::Path;
 
 use rusqlite::{Connection, params};
 
-use super::{Identity, SCHEMA_VERSION, StoreError};
+use crate::store::error::StoreError;
+use crate::store::{Identity, SCHEMA_VERSION};
 
 /// What SQLite's header says of a database of ours: "SGNC".
 const APPLICATION: i32 = 0x5347_4e43;
 
 /// The program that writes rows now.
-pub(super) const PROGRAM: &str = concat!("sagnac ", env!("CARGO_PKG_VERSION"));
+pub(crate) const PROGRAM: &str = concat!("sagnac ", env!("CARGO_PKG_VERSION"));
 
 /// Makes the tables of an empty database and claims it for a study, or checks that they are of this study.
 ///
 /// # Errors
 /// They are of another study, program or version, or damaged.
-pub(super) fn claim(connection: &Connection, path: &Path, identity: &Identity) -> Result<(), StoreError> {
+pub(crate) fn claim(connection: &Connection, path: &Path, identity: &Identity) -> Result<(), StoreError> {
     if is_empty(connection, path)? {
         return create(connection, identity).map_err(|error| StoreError::of(path, error));
     }
@@ -29,7 +30,7 @@ pub(super) fn claim(connection: &Connection, path: &Path, identity: &Identity) -
 ///
 /// # Errors
 /// They are of another study, or of kernels that give other numbers.
-pub(super) fn is_same(found: &Claim, identity: &Identity, path: &Path) -> Result<(), StoreError> {
+pub(crate) fn is_same(found: &Claim, identity: &Identity, path: &Path) -> Result<(), StoreError> {
     let Claim { identity: theirs, program } = found;
     let path = path.to_owned();
     if theirs.id() != identity.id() {
@@ -45,17 +46,17 @@ pub(super) fn is_same(found: &Claim, identity: &Identity, path: &Path) -> Result
 
 /// Whose a database is.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Claim {
-    pub(super) identity: Identity,
+pub(crate) struct Claim {
+    pub(crate) identity: Identity,
     /// Which claimed it.
-    pub(super) program: String,
+    pub(crate) program: String,
 }
 
 /// Whose a database is that is not empty.
 ///
 /// # Errors
 /// It is of another program or version, or damaged.
-pub(super) fn claimed(connection: &Connection, path: &Path) -> Result<Claim, StoreError> {
+pub(crate) fn claimed(connection: &Connection, path: &Path) -> Result<Claim, StoreError> {
     let failed = |error| StoreError::of(path, error);
     let header = |name: &str| connection.pragma_query_value(None, name, |row| row.get::<_, i32>(0));
     let application = header("application_id").map_err(failed)?;
@@ -82,7 +83,7 @@ pub(super) fn claimed(connection: &Connection, path: &Path) -> Result<Claim, Sto
 }
 
 /// Whether nobody has claimed a database: a program that is killed while it does leaves it so.
-pub(super) fn is_empty(connection: &Connection, path: &Path) -> Result<bool, StoreError> {
+pub(crate) fn is_empty(connection: &Connection, path: &Path) -> Result<bool, StoreError> {
     let count = connection.query_row("SELECT COUNT(*) FROM sqlite_schema", [], |row| row.get::<_, i64>(0));
     count.map(|tables| tables == 0).map_err(|error| StoreError::of(path, error))
 }

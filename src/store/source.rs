@@ -6,18 +6,19 @@ use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, OpenFlags, params};
 
-use super::database::{exclusive, put, shares};
-use super::lock::Lock;
-use super::row::{COLUMNS, Raw};
-use super::{FILE, Identity, Store, StoreError, schema};
-use crate::share::Share;
+use crate::store::database::{exclusive, put, shares};
+use crate::store::error::StoreError;
+use crate::store::lock::Lock;
+use crate::store::row::{COLUMNS, Raw};
+use crate::store::{FILE, Identity, Store, schema};
+use crate::tally::share::Share;
 
 /// A store that is only read; no other program can open it meanwhile, unless its folder is read-only.
 #[derive(Debug)]
 pub struct Source {
-    pub(super) path: PathBuf,
+    pub(crate) path: PathBuf,
     // Closed before the lock is given up.
-    pub(super) connection: Connection,
+    pub(crate) connection: Connection,
     lock: Option<Lock>,
 }
 
@@ -129,7 +130,7 @@ impl Source {
     }
 
     /// All rows, sound or not, from the first on or from the last back; the last thing heard may be that no more can be read.
-    pub(super) fn each(
+    pub(crate) fn each(
         &self,
         backwards: bool,
         mut hear: impl FnMut(Result<Raw, StoreError>) -> Result<(), StoreError>,

@@ -7,26 +7,26 @@ use std::sync::Arc;
 
 use toml::Spanned;
 
-use super::Study;
-use super::file::StudyFile;
-use super::gap_fill::NO_PRECISION;
-use super::sweep::Sweep;
-use super::text_file::{Files, MOST_RECORD};
+use crate::key::file::StudyFile;
+use crate::key::sweep::Sweep;
+use crate::kinds::gap_fill::precision::NONE as NO_PRECISION;
+use crate::source::text_file::{Files, MOST_RECORD};
+use crate::study::Study;
 
 /// The folder, beside a study that is kept, of the files that it names.
 const INPUTS: &str = "inputs";
 
 /// What may have to be replaced in the text of a study that is kept.
 #[derive(Debug, Clone)]
-pub(super) struct Written {
-    pub(super) seed: Option<Spanned<u64>>,
-    pub(super) trials: Option<Spanned<u64>>,
+pub(crate) struct Written {
+    pub(crate) seed: Option<Spanned<u64>>,
+    pub(crate) trials: Option<Spanned<u64>>,
     /// The files that are named, and where.
-    pub(super) inputs: Vec<Spanned<Input>>,
+    pub(crate) inputs: Vec<Spanned<Input>>,
     /// The end of the value of `kind`, which every study has at its top level.
-    pub(super) kind_end: usize,
+    pub(crate) kind_end: usize,
     /// Where the precision is.
-    pub(super) precision: Option<Range<usize>>,
+    pub(crate) precision: Option<Range<usize>>,
 }
 
 /// A file that a study names: a record, or noise.
@@ -40,7 +40,7 @@ pub struct Input {
 }
 
 /// The files that a study names. One that could not be read has been told of, or nothing needs it.
-pub(super) fn inputs(file: &StudyFile, sweeps: &[Sweep], files: &Files) -> Vec<Spanned<Input>> {
+pub(crate) fn inputs(file: &StudyFile, sweeps: &[Sweep], files: &Files) -> Vec<Spanned<Input>> {
     let profile = file.motion.iter().filter_map(|motion| motion.get_ref().profile.as_ref());
     let noise = file.noise.iter().filter_map(|noise| noise.get_ref().file.as_ref());
     let swept = sweeps.iter().flat_map(|sweep| &sweep.files);

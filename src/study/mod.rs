@@ -6,36 +6,9 @@
 //!
 //! Whatever is wrong is found here, before any work, and told with its place in the file.
 
-mod allan;
-mod chart;
-mod chart_columns;
-mod chart_default;
-mod chart_file;
-mod diagnose;
-mod drift;
-mod drift_budget;
-mod expected;
-mod explained;
-mod expression;
-mod file;
-mod gap_fill;
-mod kept;
-mod key;
-mod noise;
-mod percent;
-mod place;
-mod relock;
-mod rows;
-mod scalar;
-mod shown;
-mod suspension;
-mod sweep;
-mod switched_run;
-mod text_file;
-mod units;
-
+pub mod kept;
 #[cfg(test)]
-mod tests;
+pub mod tests;
 
 use std::ops::{Range, RangeInclusive};
 use std::path::Path;
@@ -45,35 +18,46 @@ use miette::NamedSource;
 use serde::Deserialize;
 use toml::Spanned;
 
-pub use allan::{Allan, Inputs as RecordInputs, Point as RecordPoint};
-pub use chart::{Chart, Limit, Named, Shows, Source, text_columns};
-pub use chart_file::Scale;
-pub use diagnose::StudyError;
-pub(crate) use diagnose::{Fault, Text, choices, nearest, render};
-pub use drift::{Drift, Schedule};
-pub use drift_budget::{DriftBudget, Point as BudgetPoint};
-pub use explained::{Explained, Swept as SweptKey, explain_key, explain_kind, explained_keys};
-pub use file::{Error, FirstHalf, Kind, Phase, Position, Streams, schema};
-pub use gap_fill::{
-    Acceleration, Amplitude, Fill, Filler, Frequency, GapFill, Gaussian, Inputs, Law, Method, Motion,
-    POLYNOMIALS, Point, Precision, Profile, TickNoise, Tone, Value, Vibration,
-};
-pub use kept::Input;
-pub use key::{Key, Swept};
-pub use noise::{Markov, Noise, Sine, WarmUp};
-pub use relock::{Compensation, Relock, RelockInputs, RelockPoint, RelockStudy};
-pub use suspension::{Point as SuspensionPoint, SuspensionStudy};
-pub use sweep::Sweep;
-pub use switched_run::{Angle as RunAngle, FirstMode, Point as RunPoint, Relocking, SwitchedRun, Timing};
-pub use units::{Dimension, Quantity, UnitError, parse as parse_quantity};
-pub(crate) use units::{parse_unit, round_12};
+pub use crate::chart::file::{Scale, Source};
+pub use crate::chart::{Chart, Limit, Named, Shows, text_columns};
+pub use crate::drift::Drift;
+pub use crate::drift::schedule::Schedule;
+pub use crate::filler::{Fill, Filler, Method, POLYNOMIALS};
+pub use crate::key::explained::{Explained, Swept as SweptKey, explain_key, explain_kind, explained_keys};
+pub use crate::key::file::motion::{Phase, Position};
+pub use crate::key::file::relock::FirstHalf;
+pub use crate::key::file::switching::{Error, FirstMode, Timing};
+pub use crate::key::file::{Kind, Streams, schema};
+pub use crate::key::setting::{Key, Swept};
+pub use crate::key::sweep::Sweep;
+pub use crate::kinds::allan::Allan;
+pub use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
+pub use crate::kinds::drift_budget::{DriftBudget, Point as BudgetPoint};
+pub use crate::kinds::gap_fill::GapFill;
+pub use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
+pub use crate::kinds::gap_fill::law::Law;
+pub use crate::kinds::gap_fill::point::Point;
+pub use crate::kinds::gap_fill::precision::Precision;
+pub use crate::kinds::relock::inputs::{Compensation, Relock};
+pub use crate::kinds::relock::{RelockInputs, RelockPoint, RelockStudy};
+pub use crate::kinds::suspension::{Point as SuspensionPoint, SuspensionStudy};
+pub use crate::kinds::switched_run::point::Point as RunPoint;
+pub use crate::kinds::switched_run::relock::Relocking;
+pub use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
+pub use crate::motion::vibration::{Acceleration, Vibration};
+pub use crate::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
+pub use crate::noise::{Markov, Noise, Sine, WarmUp};
+pub use crate::quantity::units::{Dimension, Quantity, UnitError, parse as parse_quantity};
+pub use crate::source::diagnose::StudyError;
+pub(crate) use crate::source::diagnose::{Fault, Text, nearest};
+pub use crate::study::kept::Input;
 
-use diagnose::Wrong;
-use file::StudyFile;
-use kept::Written;
-use place::Places;
-use scalar::Scalar;
-use text_file::{Files, MOST_TOML};
+use crate::key::file::StudyFile;
+use crate::key::scalar::Scalar;
+use crate::source::diagnose::Wrong;
+use crate::source::place::Places;
+use crate::source::text_file::{Files, MOST_TOML};
+use crate::study::kept::Written;
 
 /// Most trials at one point, 2^40.
 pub const MOST_TRIALS: u64 = 1 << 40;
@@ -121,7 +105,7 @@ pub enum Subject {
 
 impl Subject {
     /// The tables of results that studies of this kind can have.
-    fn sources(&self) -> &'static [Source] {
+    pub(crate) fn sources(&self) -> &'static [Source] {
         match self {
             Subject::GapFill(_) => &[Source::Points],
             Subject::Allan(_) => &[Source::Points, Source::Coefficients],
@@ -137,7 +121,7 @@ impl Study {
     /// # Errors
     /// A file that cannot be read, and those of [`Study::parse`].
     pub fn read(path: &Path) -> Result<Study, StudyError> {
-        let text = text_file::read_text(path, MOST_TOML).map_err(|error| {
+        let text = crate::source::text_file::read_text(path, MOST_TOML).map_err(|error| {
             if path.is_dir() {
                 return StudyError::of_folder(path);
             }
@@ -270,7 +254,7 @@ impl Study {
         let files = Files::of(Path::new(text.name()).parent().unwrap_or(Path::new("")));
         let kind = *file.kind.get_ref();
         check_tables(&file)?;
-        let sweeps = sweep::read_all(&file.sweep, &keys(kind))?;
+        let sweeps = crate::key::sweep::read_all(&file.sweep, &keys(kind))?;
         let mut written = Written {
             seed: read_count("seed", file.seed.as_ref(), 0..=i64::MAX)?,
             trials: read_count("trials", file.trials.as_ref(), 1..=MOST_TRIALS as i64)?,
@@ -290,22 +274,31 @@ impl Study {
             check_exact(&file)?;
         }
         let subject = match kind {
-            Kind::GapFill => Subject::GapFill(Box::new(gap_fill::read(&file, &sweeps, &files, &mut places)?)),
-            Kind::Allan => Subject::Allan(allan::read(&file, &sweeps, &files, &mut places)?),
-            Kind::SwitchedRun => {
-                Subject::SwitchedRun(Box::new(switched_run::read(&file, &sweeps, &files, &mut places)?))
+            Kind::GapFill => {
+                Subject::GapFill(Box::new(crate::kinds::gap_fill::read(&file, &sweeps, &files, &mut places)?))
             }
-            Kind::Relock => Subject::Relock(relock::read(&file, &sweeps, &mut places)?),
-            Kind::DriftBudget => Subject::DriftBudget(drift_budget::read(&file, &sweeps, &mut places)?),
-            Kind::Suspension => Subject::Suspension(suspension::read(&file, &sweeps, &mut places)?),
+            Kind::Allan => Subject::Allan(crate::kinds::allan::read(&file, &sweeps, &files, &mut places)?),
+            Kind::SwitchedRun => Subject::SwitchedRun(Box::new(crate::kinds::switched_run::read(
+                &file,
+                &sweeps,
+                &files,
+                &mut places,
+            )?)),
+            Kind::Relock => Subject::Relock(crate::kinds::relock::read(&file, &sweeps, &mut places)?),
+            Kind::DriftBudget => {
+                Subject::DriftBudget(crate::kinds::drift_budget::read(&file, &sweeps, &mut places)?)
+            }
+            Kind::Suspension => {
+                Subject::Suspension(crate::kinds::suspension::read(&file, &sweeps, &mut places)?)
+            }
         };
-        written.inputs = kept::inputs(&file, &sweeps, &files);
+        written.inputs = crate::study::kept::inputs(&file, &sweeps, &files);
         let default_trials = match kind {
             Kind::Allan => 1000,
             Kind::SwitchedRun => 100_000,
             _ => 1_000_000,
         };
-        let charts = chart::read_all(file.chart, &sweeps, &subject)?;
+        let charts = crate::chart::read_all(file.chart, &sweeps, &subject)?;
         Ok(Study {
             title: file.title,
             question: file.question,
@@ -325,12 +318,12 @@ impl Study {
 /// The keys that a study of this kind can sweep.
 pub fn keys(kind: Kind) -> Vec<&'static Key> {
     match kind {
-        Kind::GapFill => gap_fill::keys(),
-        Kind::Allan => allan::keys(),
-        Kind::SwitchedRun => switched_run::keys(),
-        Kind::Relock => relock::keys(),
-        Kind::DriftBudget => drift_budget::keys(),
-        Kind::Suspension => suspension::keys(),
+        Kind::GapFill => crate::kinds::gap_fill::keys(),
+        Kind::Allan => crate::kinds::allan::keys(),
+        Kind::SwitchedRun => crate::kinds::switched_run::keys(),
+        Kind::Relock => crate::kinds::relock::keys(),
+        Kind::DriftBudget => crate::kinds::drift_budget::keys(),
+        Kind::Suspension => crate::kinds::suspension::keys(),
     }
 }
 
@@ -343,7 +336,7 @@ fn check_exact(file: &StudyFile) -> Result<(), Fault> {
 }
 
 /// The key of a table that a study of this kind needs.
-fn needed_key<'a, T, U>(
+pub(crate) fn needed_key<'a, T, U>(
     value: Option<&'a Spanned<T>>,
     key: &'static str,
     table: &Spanned<U>,
@@ -352,7 +345,7 @@ fn needed_key<'a, T, U>(
 }
 
 /// The table that a study of this kind needs.
-fn needed<'a, T>(
+pub(crate) fn needed<'a, T>(
     table: Option<&'a Spanned<T>>,
     name: &'static str,
     file: &StudyFile,
@@ -382,6 +375,6 @@ fn read_count(
     range: RangeInclusive<i64>,
 ) -> Result<Option<Spanned<u64>>, Fault> {
     let Some(given) = given else { return Ok(None) };
-    let count = scalar::whole(key, given, range)?;
+    let count = crate::key::scalar::whole(key, given, range)?;
     Ok(Some(Spanned::new(given.span(), count.cast_unsigned())))
 }

@@ -17,9 +17,9 @@
 
 use core::f64::consts::TAU;
 
-use super::cholesky::{definite, solve};
-use super::gap::tick_amplitude;
-use super::quadrature::mean;
+use crate::theory::cholesky::{definite, solve};
+use crate::theory::gap::tick_amplitude;
+use crate::theory::quadrature::mean;
 
 /// A vibration of random phase whose frequency is spread evenly over a band; one of a single frequency has both ends there.
 #[derive(Debug, Clone, Copy, PartialEq)]

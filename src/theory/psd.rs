@@ -12,8 +12,8 @@
 
 use core::f64::consts::TAU;
 
-use super::gap::tick_amplitude;
-use super::quadrature;
+use crate::theory::gap::tick_amplitude;
+use crate::theory::quadrature;
 
 /// Most octaves of density within one panel of the quadrature: 16 points take a power law through 2^8 to rounding.
 const STEEPEST: f64 = 8.0;
@@ -96,7 +96,7 @@ impl Psd {
     /// By quadrature in panels of which none holds more than one turn of 2πν·`longest_s`, one octave of frequency, or eight of
     /// density, right to 1e-12 of the variance for a g that turns no faster. Panels end at the frequencies of `edges`, ascending,
     /// where g needs that.
-    pub(super) fn integrate(&self, longest_s: f64, edges: &[f64], mut add: impl FnMut(f64, f64)) {
+    pub(crate) fn integrate(&self, longest_s: f64, edges: &[f64], mut add: impl FnMut(f64, f64)) {
         for segment in self.segments() {
             for (low, high) in segment.parts() {
                 let mut from = low;

@@ -17,7 +17,7 @@ const NODES: [[f64; 2]; 8] = [
 ///
 /// The weights of a part add up to 1 over its 8 pairs: half their sum of f(below) + f(above), over the number of parts,
 /// is the mean of f. A part is exact for polynomials up to degree 31, and right to rounding for a sine of one turn.
-pub(super) fn pairs(low: f64, high: f64, panels: f64) -> impl Iterator<Item = ([f64; 2], f64)> {
+pub(crate) fn pairs(low: f64, high: f64, panels: f64) -> impl Iterator<Item = ([f64; 2], f64)> {
     let width = high - low;
     let half = 0.5 * width / panels;
     (0..panels as usize).flat_map(move |panel| {

@@ -11,8 +11,8 @@
 
 use core::f64::consts::TAU;
 
-use super::gap::tick_amplitude;
-use super::psd::Psd;
+use crate::theory::gap::tick_amplitude;
+use crate::theory::psd::Psd;
 
 /// One mode of a suspension, a second-order resonance.
 #[derive(Debug, Clone, Copy, PartialEq)]

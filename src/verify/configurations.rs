@@ -2,13 +2,17 @@
 
 use std::sync::Arc;
 
+use crate::filler::{Fill, Filler, Method};
 use crate::kernel::launch::Launch;
-use crate::lower::{LowerError, Lowered};
+use crate::key::file::Streams;
+use crate::key::file::motion::{Phase, Position};
+use crate::key::file::switching::Error;
+use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
+use crate::kinds::gap_fill::lower::Lowered;
+use crate::kinds::gap_fill::lower::refusal::LowerError;
+use crate::kinds::gap_fill::point::Point;
+use crate::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 use crate::record::Record;
-use crate::study::{
-    Amplitude, Error, Fill, Filler, Frequency, Gaussian, Inputs, Method, Motion, Phase, Point, Position,
-    Profile, Streams, TickNoise, Tone, Value,
-};
 use crate::theory::minimum_variance::Band;
 
 /// A gap-fill point that identity is checked on.

@@ -1,9 +1,12 @@
 //! Named synthetic records that differ in all that the kernel of records distinguishes.
 
-use crate::lower::{Asked, Records, RecordsError};
+use crate::kinds::allan::lower::refusal::RecordsError;
+use crate::kinds::allan::lower::{Asked, Records};
+use crate::theory::allan::estimator::{Difference, Estimator, Stride};
+use crate::theory::allan::part::Part;
+use crate::theory::allan::process::Process;
 use crate::theory::allan::switching::Switching;
-use crate::theory::allan::{Difference, Estimator, Part, Process, Stride};
-use crate::theory::drift::Magnetic;
+use crate::theory::drift::magnetic::Magnetic;
 
 /// Records of a noise model that identity is checked on.
 #[derive(Debug, Clone)]

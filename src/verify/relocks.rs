@@ -1,8 +1,11 @@
 //! Named relocks that differ in all that the kernel distinguishes.
 
 use crate::kernel::launch::Launch;
-use crate::lower::relock::{LoweredRelock, RelockEstimate};
-use crate::study::{Compensation, FirstHalf, Relock, RelockInputs, RelockPoint, Streams};
+use crate::key::file::Streams;
+use crate::key::file::relock::FirstHalf;
+use crate::kinds::relock::inputs::{Compensation, Relock};
+use crate::kinds::relock::lower::{LoweredRelock, RelockEstimate};
+use crate::kinds::relock::{RelockInputs, RelockPoint};
 
 /// A relock like the paper's, with every error there is.
 pub fn relock() -> RelockInputs {
@@ -37,7 +40,7 @@ pub fn launches_of(inputs: &RelockInputs, compensation: Compensation) -> Vec<Lau
 }
 
 /// Launches that differ in all that the kernel distinguishes.
-pub(super) fn launches() -> Vec<(&'static str, Launch)> {
+pub(crate) fn launches() -> Vec<(&'static str, Launch)> {
     let mut all = Vec::new();
     let mut add = |name, compensation, change: &dyn Fn(&mut Relock)| {
         let mut inputs = relock();

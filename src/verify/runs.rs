@@ -1,7 +1,7 @@
 //! Named runs that differ in all that the kernel distinguishes.
 
 use crate::kernel::launch::Launch;
-use crate::lower::LoweredRun;
+use crate::kinds::switched_run::lower::LoweredRun;
 use crate::study::Study;
 
 /// The drift of the paper's gyro, without spreads.

@@ -2,14 +2,16 @@
 
 use std::sync::{Arc, Mutex};
 
-use sagnac::backend::Device;
-use sagnac::backend::cpu::{Cpu, Width};
-use sagnac::backend::gpu::{Adapter, Fault, Faults};
+use sagnac::device::Device;
+use sagnac::device::cpu::Cpu;
+use sagnac::device::gpu::adapter::Adapter;
+use sagnac::device::gpu::fault::{Fault, Faults};
+use sagnac::kernel::width::Width;
 use sagnac::study::Study;
 
-use crate::devices::{adapters, open};
-use crate::left::{Left, run};
-use crate::script::{Place, Script, Seen, scripted};
+use sagnac::devices::{adapters, open};
+use sagnac::left::{Left, run};
+use sagnac::script::{Place, Script, Seen, scripted};
 
 /// What is done to a device, and what is said of it then.
 pub struct Case {

@@ -5,11 +5,11 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use rusqlite::types::Value;
-use sagnac::backend::Device;
+use sagnac::device::Device;
 use sagnac::run::{Done, Plan, Progress, Tables};
-use sagnac::share::Share;
 use sagnac::store::Store;
 use sagnac::study::Study;
+use sagnac::tally::share::Share;
 
 /// What a run tells as it goes on.
 #[derive(Default)]

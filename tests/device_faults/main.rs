@@ -14,11 +14,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use case::{AGAIN, Case, SMALLER, Subject};
 use devices::{Coverage, adapters, jobs, open, reference, total};
-use sagnac::backend::gpu::{Fault, Faults, Gpu, GpuError};
-use sagnac::backend::{SelectError, trusted};
-use sagnac::block::cover;
+use sagnac::device::gpu::fault::{Fault, Faults};
+use sagnac::device::gpu::{Gpu, GpuError};
+use sagnac::device::select::{SelectError, trusted};
 use sagnac::kernel::KERNELS;
 use sagnac::study::Study;
+use sagnac::tally::block::cover;
 use sagnac::verify::launches;
 use script::{PLACES, Place, Seen, scripted};
 use studies::{ALL_FREQUENCIES, parsed, study};

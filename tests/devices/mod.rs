@@ -3,13 +3,15 @@
 
 use std::time::Instant;
 
-use sagnac::backend::Job;
-use sagnac::backend::cpu::{Cpu, Width};
-use sagnac::backend::gpu::source::Variant;
-use sagnac::backend::gpu::{Adapter, Gpu};
-use sagnac::block::Block;
+use sagnac::device::Job;
+use sagnac::device::cpu::Cpu;
+use sagnac::device::gpu::Gpu;
+use sagnac::device::gpu::adapter::Adapter;
+use sagnac::device::gpu::source::Variant;
 use sagnac::kernel::launch::Launch;
 use sagnac::kernel::moments::Moments;
+use sagnac::kernel::width::Width;
+use sagnac::tally::block::Block;
 
 /// Every adapter of this machine. The GPU half of these tests is never skipped.
 pub fn adapters() -> Vec<Adapter> {

@@ -2,8 +2,8 @@
 
 use serde_json::Value;
 
-use crate::desk::Desk;
-use crate::fillers::{STUDY, SWEEPS, entry, near, swept, tables};
+use sagnac::desk::Desk;
+use sagnac::fillers::{STUDY, SWEEPS, entry, near, swept, tables};
 
 #[test]
 fn the_point_of_a_study_with_sweeps_is_the_one_asked_for_or_the_first_of_those_with_its_weights() {

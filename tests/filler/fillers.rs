@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::desk::Desk;
+use sagnac::desk::Desk;
 
 /// The paper's working point, with minimum variance and given weights beside the polynomials.
 pub const STUDY: &str = r#"title = "Fillers /* of a \"gyro\" */ ??/"

@@ -5,8 +5,8 @@ use std::io::Write;
 use std::path::Path;
 use std::process::{Command as Process, Stdio};
 
-use crate::desk::Desk;
-use crate::fillers::{STUDY, rows, swept};
+use sagnac::desk::Desk;
+use sagnac::fillers::{STUDY, rows, swept};
 
 #[test]
 fn test_vectors_hold_extremes_and_are_the_same_every_time() {

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::desk::Desk;
-use crate::fillers::{STUDY, entry, near, rows, tables};
+use sagnac::desk::Desk;
+use sagnac::fillers::{STUDY, entry, near, rows, tables};
 
 #[test]
 fn weights_gains_and_amplitudes_are_those_of_theory() {

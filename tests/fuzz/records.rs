@@ -7,13 +7,18 @@ use std::path::PathBuf;
 
 use proptest::prelude::*;
 use proptest::sample::select;
-use sagnac::allan::Trend;
+use sagnac::allan::trend::Trend;
 use sagnac::record::Record;
-use sagnac::record::log::{Data, Log, LogError, Request, Timing, Unit, UnitCheck, outliers};
+use sagnac::record::log::channel::Log;
+use sagnac::record::log::check::UnitCheck;
+use sagnac::record::log::error::LogError;
+use sagnac::record::log::measure::{Data, Unit};
+use sagnac::record::log::outliers;
+use sagnac::record::log::read::{Request, Timing};
 use tempfile::TempDir;
 
-use crate::campaign::{Outcome, Target, fuzz};
-use crate::edits;
+use sagnac::campaign::{Outcome, Target, fuzz};
+use sagnac::edits;
 
 const TARGET: Target = Target { name: "records", ending: "log", run };
 

@@ -8,15 +8,16 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 
 use proptest::prelude::*;
 use proptest::sample::Index;
-use sagnac::backend::{Device, select};
+use sagnac::device::{Device, select};
 use sagnac::run::{Plan, Progress, RESOLVED, keep};
-use sagnac::share::Share;
+use sagnac::source::diagnose::StudyError;
 use sagnac::store::Store;
-use sagnac::study::{Study, StudyError, Subject};
+use sagnac::study::{Study, Subject};
+use sagnac::tally::share::Share;
 use toml::{Table, Value};
 
-use crate::campaign::{Outcome, Target, fuzz};
-use crate::edits;
+use sagnac::campaign::{Outcome, Target, fuzz};
+use sagnac::edits;
 
 const TARGET: Target = Target { name: "studies", ending: "toml", run };
 

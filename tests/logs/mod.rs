@@ -3,7 +3,7 @@
 
 use tempfile::TempDir;
 
-use crate::desk::Desk;
+use sagnac::desk::Desk;
 
 /// A folder with one file.
 pub fn desk_with(name: &str, bytes: impl AsRef<[u8]>) -> Desk {

@@ -6,7 +6,9 @@ use core::f64::consts::{LN_2, PI, TAU};
 
 use rand::RngExt;
 use rand::rngs::StdRng;
-use sagnac::theory::allan::{Part, Process, holds};
+use sagnac::theory::allan::holds;
+use sagnac::theory::allan::part::Part;
+use sagnac::theory::allan::process::Process;
 
 /// A normal number, by Box and Muller.
 pub fn normal(rng: &mut StdRng) -> f64 {

@@ -1,10 +1,15 @@
 //! Reports of what is little, nothing or very much.
 
-use sagnac::chart::{Figure, Picture, Spec};
-use sagnac::picture::Drawn;
-use sagnac::report::{Answer, Report, Source};
-use sagnac::study::{self, Kind};
+use sagnac::key::file::Kind;
+use sagnac::study;
 use sagnac::table::Table;
+use sagnac::view::chart::figure::Figure;
+use sagnac::view::chart::picture::Picture;
+use sagnac::view::chart::spec::Spec;
+use sagnac::view::picture::Drawn;
+use sagnac::view::report::Report;
+use sagnac::view::report::answer::Answer;
+use sagnac::view::report::source::Source;
 use serde_json::json;
 use tempfile::TempDir;
 

@@ -1,7 +1,8 @@
 //! Errors of three fillers over the frequency, as a table and its chart.
 
-use sagnac::chart::{Scale, Spec};
 use sagnac::table::{Cell, Column, Table, Unit};
+use sagnac::view::chart::scale::Scale;
+use sagnac::view::chart::spec::Spec;
 
 pub fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
     Column { name: name.to_owned(), label: name.to_owned(), unit, cells, band: None }

@@ -91,8 +91,8 @@ pub fn shown(cell: &str) -> String {
     let exact = format!("{number:.40e}");
     let figures: String = exact.chars().filter(char::is_ascii_digit).skip(5).take(30).collect();
     let is_tie = figures.starts_with('5') && figures[1..].bytes().all(|figure| figure == b'0');
-    let text =
-        sagnac::table::significant(if is_tie { number * (1.0 + 1e-12) } else { number }, 5).replace('-', "−");
+    let text = sagnac::quantity::number::significant(if is_tie { number * (1.0 + 1e-12) } else { number }, 5)
+        .replace('-', "−");
     match text.split_once('e') {
         None => text,
         Some((mantissa, exponent)) => {

@@ -3,12 +3,13 @@
 
 use std::path::Path;
 
-use sagnac::backend::Device;
-use sagnac::backend::cpu::{Cpu, Width};
+use sagnac::device::Device;
+use sagnac::device::cpu::Cpu;
+use sagnac::kernel::width::Width;
 use sagnac::run::{Plan, RunError, Tables};
-use sagnac::share::Share;
 use sagnac::store::{FILE, Store};
 use sagnac::study::Study;
+use sagnac::tally::share::Share;
 use tempfile::TempDir;
 
 use super::studies::{Silent, parsed};

@@ -3,14 +3,17 @@
 
 use std::path::Path;
 
-use sagnac::backend::Device;
-use sagnac::backend::cpu::{Cpu, Width};
-use sagnac::lower::Lowered;
+use sagnac::device::Device;
+use sagnac::device::cpu::Cpu;
+use sagnac::kernel::width::Width;
+use sagnac::kinds::gap_fill::GapFill;
+use sagnac::kinds::gap_fill::lower::Lowered;
+use sagnac::kinds::gap_fill::point::Point;
 use sagnac::run::{Plan, Progress};
-use sagnac::share::Share;
 use sagnac::store::Store;
-use sagnac::study::{GapFill, Point, Study};
+use sagnac::study::Study;
 use sagnac::table::{Cell, Table};
+use sagnac::tally::share::Share;
 
 pub struct Silent;
 

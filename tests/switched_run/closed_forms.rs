@@ -1,11 +1,11 @@
 //! Runs against the closed forms of their drift and residuals.
 
 use sagnac::kernel::switched_run::trajectory;
-use sagnac::lower::LoweredRun;
-use sagnac::theory::drift::{Magnetic, switches};
+use sagnac::kinds::switched_run::lower::LoweredRun;
+use sagnac::theory::drift::magnetic::{Magnetic, switches};
 
-use crate::studies::parsed;
-use crate::texts::{DRIFT, numbers, study};
+use sagnac::studies::parsed;
+use sagnac::texts::{DRIFT, numbers, study};
 
 const MAGNETIC: Magnetic = Magnetic { amplitude: 14.0, time_s: 3000.0, initial: 0.0 };
 

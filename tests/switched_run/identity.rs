@@ -1,13 +1,14 @@
 //! What the suite of all kernels does not go through: trial numbers beyond 2^32, small tiles, trajectories.
 
-use sagnac::backend::cpu::{Cpu, Width};
-use sagnac::block::cover;
+use sagnac::device::cpu::Cpu;
 use sagnac::kernel::launch::Sampled;
 use sagnac::kernel::moments::Trials;
 use sagnac::kernel::switched_run::trajectory;
-use sagnac::verify::run_launches;
+use sagnac::kernel::width::Width;
+use sagnac::tally::block::cover;
+use sagnac::verify::runs::run_launches;
 
-use crate::devices::{adapters, jobs, on_gpu, open, reference, total};
+use sagnac::devices::{adapters, jobs, on_gpu, open, reference, total};
 
 #[test]
 fn trials_beyond_2_to_the_32_are_the_same_too() {

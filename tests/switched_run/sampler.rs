@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
-use crate::texts::{DRIFT, numbers, study};
+use sagnac::texts::{DRIFT, numbers, study};
 
 /// A standard normal number by Box and Muller.
 fn normal(rng: &mut StdRng) -> f64 {

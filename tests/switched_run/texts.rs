@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use sagnac::study::Study;
 
-use crate::studies::{parsed, run_afresh};
+use sagnac::studies::{parsed, run_afresh};
 
 /// The drift of the paper's gyro.
 pub const DRIFT: &str =

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// What stands between the cells of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Delimiter {
+pub(crate) enum Delimiter {
     /// A comma, a semicolon or a tab; blanks around cells are no part of them.
     Byte(u8),
     /// Any number of blanks and tabs.
@@ -13,7 +13,7 @@ pub(super) enum Delimiter {
 
 impl Delimiter {
     /// What divides a `line` of numbers.
-    pub(super) fn of(line: &[u8]) -> Delimiter {
+    pub(crate) fn of(line: &[u8]) -> Delimiter {
         let trimmed = line.trim_ascii();
         let found = [b'\t', b';', b','].into_iter().find(|byte| trimmed.contains(byte));
         match found {
@@ -23,7 +23,7 @@ impl Delimiter {
         }
     }
 
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Delimiter::Byte(b'\t') => "tabs",
             Delimiter::Byte(b';') => "semicolons",
@@ -33,7 +33,7 @@ impl Delimiter {
     }
 
     /// Whether a line is empty or a comment: `#` or `%` before anything else, or `;` where that is no delimiter.
-    pub(super) fn skips(self, line: &[u8]) -> bool {
+    pub(crate) fn skips(self, line: &[u8]) -> bool {
         match line.trim_ascii_start().first() {
             None | Some(b'#' | b'%') => true,
             Some(b';') => self != Delimiter::Byte(b';'),
@@ -43,7 +43,7 @@ impl Delimiter {
 }
 
 /// The cells of a line, as places in it, without blanks and quotes around them.
-pub(super) struct Cells<'l> {
+pub(crate) struct Cells<'l> {
     line: &'l [u8],
     delimiter: Delimiter,
     /// Where the next cell begins; past the end when there is none.
@@ -51,7 +51,7 @@ pub(super) struct Cells<'l> {
 }
 
 impl<'l> Cells<'l> {
-    pub(super) fn new(line: &'l [u8], delimiter: Delimiter) -> Cells<'l> {
+    pub(crate) fn new(line: &'l [u8], delimiter: Delimiter) -> Cells<'l> {
         let next = match delimiter {
             Delimiter::Byte(_) => 0,
             Delimiter::Blanks => skip_blanks(line, 0),
@@ -118,7 +118,7 @@ fn trimmed(line: &[u8], cell: Range<usize>) -> Range<usize> {
 
 /// What a cell says.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Value {
+pub(crate) enum Value {
     /// Finite, or NaN for a missing one.
     Number(f64),
     Infinite,
@@ -127,7 +127,7 @@ pub(super) enum Value {
 
 /// Reads a cell: a number with the point for decimals; nothing, `NaN`, `NA` and `null` are a missing one.
 #[inline]
-pub(super) fn value(cell: &[u8]) -> Value {
+pub(crate) fn value(cell: &[u8]) -> Value {
     let text = std::str::from_utf8(cell).unwrap_or("?");
     match text.parse::<f64>() {
         Ok(number) if number.is_infinite() => Value::Infinite,

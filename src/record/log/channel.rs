@@ -1,14 +1,15 @@
 //! A log in memory, and what is done to it before it is analysed.
 
-use crate::table::significant;
+use crate::quantity::number::significant;
 
-use super::error::{LogError, Place};
-use super::{Data, Samples, Unit};
+use crate::record::log::error::{LogError, Place};
+use crate::record::log::measure::{Data, Unit};
+use crate::record::log::samples::Samples;
 
 /// A log: one or several columns of evenly spaced samples.
 #[derive(Debug, Clone)]
 pub struct Log {
-    pub(super) file: String,
+    pub(crate) file: String,
     /// From sample to sample, s.
     pub step_s: f64,
     /// What the samples are.
@@ -30,7 +31,7 @@ pub struct Channel {
     pub unit_in_header: Option<String>,
     /// As in the file, finite; NaN where one is missing.
     pub samples: Vec<f64>,
-    pub(super) place: Option<Place>,
+    pub(crate) place: Option<Place>,
 }
 
 impl Log {

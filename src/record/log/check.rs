@@ -1,10 +1,11 @@
 //! Whether a log is one that deviations can be taken of.
 
-use crate::table::significant;
+use crate::quantity::number::significant;
 
-use super::error::LogError;
-use super::samples::DEGREES;
-use super::{Channel, Data, Fault, Log};
+use crate::record::log::channel::{Channel, Log};
+use crate::record::log::error::LogError;
+use crate::record::log::measure::Data;
+use crate::record::log::samples::{DEGREES, Fault};
 
 /// Fewest samples that are analysed.
 pub const LEAST_SAMPLES: usize = 16;
@@ -19,7 +20,7 @@ pub enum UnitCheck {
 }
 
 impl Log {
-    /// Refuses what says nothing, by [`Samples::fault`](super::Samples::fault): fewer than [`LEAST_SAMPLES`] samples, and
+    /// Refuses what says nothing, by [`Samples::fault`](crate::record::log::samples::Samples::fault): fewer than [`LEAST_SAMPLES`] samples, and
     /// all of them equal.
     ///
     /// With [`UnitCheck::On`] also numbers in rad whose mean rate is above the Earth's rotation and 1 °/h of bias, if

@@ -7,7 +7,7 @@ use miette::{
     Diagnostic, LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents,
 };
 
-use crate::study::render;
+use crate::source::diagnose::render;
 
 /// Characters of a line that an error shows on each side of its cell.
 const SHOWN: usize = 60;
@@ -75,7 +75,7 @@ impl SourceCode for Place {
 
 impl LogError {
     /// `message`: the whole finding; `label`: what stands at `place`; `help`: what to do.
-    pub(super) fn new(
+    pub(crate) fn new(
         message: impl Into<String>,
         label: impl Into<String>,
         help: impl Into<String>,

@@ -1,12 +1,12 @@
 //! How a text log is laid out, found from its first lines.
 
-use super::cells::{Cells, Delimiter, Value, value};
-use super::error::{LogError, Place};
-use super::names::Name;
+use crate::record::log::cells::{Cells, Delimiter, Value, value};
+use crate::record::log::error::{LogError, Place};
+use crate::record::log::names::Name;
 
 /// The layout of a text log.
 #[derive(Debug, Clone)]
-pub(super) struct Layout {
+pub(crate) struct Layout {
     pub file: String,
     pub delimiter: Delimiter,
     /// Absent without a header.
@@ -32,7 +32,7 @@ impl Layout {
     ///
     /// # Errors
     /// It has no row.
-    pub(super) fn of(head: &[u8], file: &str) -> Result<Layout, LogError> {
+    pub(crate) fn of(head: &[u8], file: &str) -> Result<Layout, LogError> {
         let (content, comment) = first_lines(head);
         let Some(first) = content.first() else {
             let help =
@@ -68,7 +68,7 @@ impl Layout {
     }
 
     /// Where a column is shown.
-    pub(super) fn place(&self, column: usize) -> Place {
+    pub(crate) fn place(&self, column: usize) -> Place {
         let (number, text) = &self.shown;
         let cell = Cells::new(text, self.delimiter).nth(column);
         // Units with blanks are cells of their own where blanks divide.
@@ -78,7 +78,7 @@ impl Layout {
     }
 
     /// The line that shows the columns.
-    pub(super) fn line(&self) -> Place {
+    pub(crate) fn line(&self) -> Place {
         let (number, text) = &self.shown;
         Place::new(&self.file, *number, text, 0..text.len())
     }

@@ -1,6 +1,6 @@
 //! What the numbers of a log measure, and in which unit.
 
-use crate::study::{Dimension, parse_quantity, parse_unit};
+use crate::quantity::units::{Dimension, parse as parse_quantity, parse_unit};
 
 /// What one number of a log is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,7 +104,7 @@ impl Unit {
 }
 
 /// What may be written for the unit of this data.
-pub(super) fn expected(data: Data) -> String {
+pub(crate) fn expected(data: Data) -> String {
     match data {
         Data::Rate => "accepted: --unit deg/h, deg/s, rad/s, arcsec/s, or --unit none for plain numbers; angles are \
                        --data increment or --data angle"

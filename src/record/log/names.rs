@@ -1,13 +1,14 @@
 //! The names of a log's columns, and the columns that users name.
 
-use crate::study::{Dimension, choices, parse_unit};
+use crate::quantity::units::{Dimension, parse_unit};
+use crate::source::diagnose::choices;
 
 /// Longest unit behind an underscore, in bytes with that.
 const LONGEST_UNIT: usize = 64;
 
 /// A column of the header.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Name {
+pub(crate) struct Name {
     /// As it stands in the file.
     pub whole: String,
     /// Without the unit.
@@ -17,7 +18,7 @@ pub(super) struct Name {
 
 impl Name {
     /// `gz [deg/s]`, `gz (deg/s)`, or `gz_deg_per_s` where the end is a unit of a rate, an angle or a time.
-    pub(super) fn read(cell: &str) -> Name {
+    pub(crate) fn read(cell: &str) -> Name {
         let whole = cell.trim();
         let with = |bare: &str, unit: &str| Name {
             whole: whole.to_owned(),
@@ -44,7 +45,7 @@ impl Name {
 
 /// Why a word names no column.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct NoColumn {
+pub(crate) struct NoColumn {
     pub message: String,
     pub help: String,
 }
@@ -53,7 +54,7 @@ pub(super) struct NoColumn {
 ///
 /// # Errors
 /// No such column, or several; with the list of those there are and the nearest name.
-pub(super) fn find(word: &str, names: Option<&[Name]>, columns: usize) -> Result<usize, NoColumn> {
+pub(crate) fn find(word: &str, names: Option<&[Name]>, columns: usize) -> Result<usize, NoColumn> {
     let list = listed(names, columns);
     let word = word.trim();
     let named = names.unwrap_or_default();
@@ -88,7 +89,7 @@ pub(super) fn find(word: &str, names: Option<&[Name]>, columns: usize) -> Result
 }
 
 /// All columns for a sentence: `1 time, 2 gx`, or `columns 1 … 4`.
-pub(super) fn listed(names: Option<&[Name]>, columns: usize) -> String {
+pub(crate) fn listed(names: Option<&[Name]>, columns: usize) -> String {
     const MOST: usize = 20;
     match names {
         Some(names) => {

@@ -5,11 +5,11 @@
 
 use std::io::{self, Read};
 
-use super::error::LogError;
-use super::{MOST_SAMPLES, unreadable};
+use crate::record::log::error::LogError;
+use crate::record::log::{MOST_SAMPLES, unreadable};
 
 /// How a .npy file begins.
-pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
+pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// Longest header that is read.
 const LONGEST: usize = 1 << 16;
@@ -22,7 +22,7 @@ const BLOCK: usize = 8 << 20;
 
 /// What the header says.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Array {
+pub(crate) struct Array {
     file: String,
     element: Element,
     big_endian: bool,
@@ -70,7 +70,7 @@ impl Array {
     ///
     /// # Errors
     /// No such array as is read here, or one that is longer than its file.
-    pub(super) fn read(file: &str, reader: &mut impl Read, length: Option<u64>) -> Result<Array, LogError> {
+    pub(crate) fn read(file: &str, reader: &mut impl Read, length: Option<u64>) -> Result<Array, LogError> {
         let mut start = [0; 8];
         reader.read_exact(&mut start).map_err(|e| short(file, &e))?;
         let wide = start[6] > 1;
@@ -139,7 +139,7 @@ impl Array {
     ///
     /// # Errors
     /// The file cannot be read, or ends early, or a number is infinite.
-    pub(super) fn columns(&self, mut reader: impl Read, wanted: &[usize]) -> Result<Vec<Vec<f64>>, LogError> {
+    pub(crate) fn columns(&self, mut reader: impl Read, wanted: &[usize]) -> Result<Vec<Vec<f64>>, LogError> {
         let mut columns: Vec<Vec<f64>> = wanted.iter().map(|_| Vec::with_capacity(self.rows)).collect();
         // Stretches of numbers that belong to one row, or in Fortran order to one column.
         let (stretches, length) =

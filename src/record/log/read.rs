@@ -4,20 +4,22 @@ use std::fs::File;
 use std::io::{Chain, Cursor, Read};
 use std::path::Path;
 
+use crate::quantity::number::significant;
+use crate::quantity::units::{Dimension, parse_unit};
 use crate::record::STEPS_S;
-use crate::study::{Dimension, parse_unit};
-use crate::table::significant;
 
-use super::error::{LogError, Place};
-use super::layout::Layout;
-use super::measure::expected;
-use super::names::{self, Name, listed};
-use super::npy::{Array, MAGIC};
-use super::text::{self, TEXT_WANTED};
+use crate::record::log::channel::{Channel, Log};
+use crate::record::log::error::{LogError, Place};
+use crate::record::log::layout::Layout;
+use crate::record::log::measure::expected;
+use crate::record::log::measure::{Data, Unit};
+use crate::record::log::names::{self, Name, listed};
+use crate::record::log::npy::{Array, MAGIC};
+use crate::record::log::text::{self, TEXT_WANTED};
 #[cfg(doc)]
-use super::time::JITTER;
-use super::time::{TimeFault, grid};
-use super::{Channel, Data, Log, MOST_SAMPLES, STEPS_HELP, Unit, unreadable};
+use crate::record::log::time::JITTER;
+use crate::record::log::time::{TimeFault, grid};
+use crate::record::log::{MOST_SAMPLES, STEPS_HELP, unreadable};
 
 /// Bytes from which the layout of a text is told.
 const HEAD: u64 = 1 << 20;

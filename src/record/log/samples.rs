@@ -2,14 +2,17 @@
 
 use std::borrow::Cow;
 
-use super::{Data, LEAST_SAMPLES, Outliers, Unit, UnitCheck, outliers};
-use crate::allan::{Angles, Trend};
+use crate::allan::angles::Angles;
+use crate::allan::trend::Trend;
+use crate::record::log::check::{LEAST_SAMPLES, UnitCheck};
+use crate::record::log::measure::{Data, Unit};
+use crate::record::log::outliers::{Outliers, outliers};
 
 /// The most that a good gyro at rest shows, ″/s (°/h): the Earth's rotation on its axis, and 1 °/h of bias.
 const AT_REST: f64 = 16.041_067;
 
 /// One rad in °.
-pub(super) const DEGREES: f64 = 57.295_779_513_082_32;
+pub(crate) const DEGREES: f64 = 57.295_779_513_082_32;
 
 /// Above this, ″/s, no gyro is at rest: 20 °/s is the bias of the worst.
 const NEVER_AT_REST: f64 = 72_000.0;
@@ -17,7 +20,7 @@ const NEVER_AT_REST: f64 = 72_000.0;
 /// Evenly spaced samples of one axis. Nothing is copied until angles are made of them.
 ///
 /// ```
-/// use sagnac::allan::Trend;
+/// use sagnac::allan::trend::Trend;
 /// use sagnac::record::log::{Data, Samples, Unit, UnitCheck};
 ///
 /// let rates: Vec<f64> = (0..100).map(|i| f64::from(i * 37 % 100)).collect();
@@ -25,7 +28,7 @@ const NEVER_AT_REST: f64 = 72_000.0;
 /// let samples = Samples { data: Data::Rate, unit: &unit, step_s: 0.01, values: &rates };
 /// assert_eq!((samples.fault(UnitCheck::On), samples.mean_rate()), (None, Some(49.5)));
 /// assert_eq!(samples.angles(Trend::None).len(), 101);
-/// # Ok::<(), sagnac::record::log::UnitMismatch>(())
+/// # Ok::<(), sagnac::record::log::measure::UnitMismatch>(())
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Samples<'a> {

@@ -7,10 +7,10 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-use super::cells::{Cells, Delimiter, Value, value};
-use super::error::{LogError, Place};
-use super::layout::Layout;
-use super::{MOST_SAMPLES, unreadable};
+use crate::record::log::cells::{Cells, Delimiter, Value, value};
+use crate::record::log::error::{LogError, Place};
+use crate::record::log::layout::Layout;
+use crate::record::log::{MOST_SAMPLES, unreadable};
 
 /// Bytes that are read at a time. No line may be longer.
 const BLOCK: usize = 16 << 20;
@@ -45,7 +45,7 @@ struct Part {
 ///
 /// # Errors
 /// The file cannot be read, or a row is not of the layout; the first of several such rows.
-pub(super) fn read(
+pub(crate) fn read(
     layout: &Layout,
     mut bytes: impl Read,
     wanted: &[usize],
@@ -192,7 +192,7 @@ fn refusal(layout: &Layout, lines: usize, flaw: Flaw) -> LogError {
 }
 
 /// What to give instead of something binary.
-pub(super) const TEXT_WANTED: &str =
+pub(crate) const TEXT_WANTED: &str =
     "give CSV, TSV or columns with blanks between them as text, or a NumPy .npy file";
 
 fn endless(layout: &Layout, lines: usize, block: &[u8]) -> LogError {
@@ -209,7 +209,7 @@ fn endless(layout: &Layout, lines: usize, block: &[u8]) -> LogError {
 }
 
 /// Where a row, counted from 0, stands: rows are read once more, as places are not kept for millions of them.
-pub(super) fn place_of_row(layout: &Layout, path: &Path, row: usize, column: usize) -> Option<Place> {
+pub(crate) fn place_of_row(layout: &Layout, path: &Path, row: usize, column: usize) -> Option<Place> {
     let mut reader = BufReader::new(File::open(path).ok()?);
     let (mut line, mut number, mut rows) = (Vec::new(), 0, 0);
     loop {

@@ -1,6 +1,6 @@
 //! From time stamps to evenly spaced samples with gaps.
 
-use crate::table::significant;
+use crate::quantity::number::significant;
 
 /// How far a step may be from a whole number of sampling steps, in sampling steps.
 pub const JITTER: f64 = 0.1;
@@ -17,7 +17,7 @@ const MOST_STEPS: usize = 1 << 16;
 
 /// Where the rows of a log stand on an even grid.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Grid {
+pub(crate) struct Grid {
     /// In the unit of the stamps.
     pub step: f64,
     /// From the first row to the last, both among them.
@@ -28,7 +28,7 @@ pub(super) struct Grid {
 
 /// What is wrong with the stamp of a row, counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum TimeFault {
+pub(crate) enum TimeFault {
     Missing { row: usize },
     NotIncreasing { row: usize },
     Jitter { row: usize, step: f64, median: f64 },
@@ -36,7 +36,7 @@ pub(super) enum TimeFault {
 }
 
 impl TimeFault {
-    pub(super) fn row(self) -> usize {
+    pub(crate) fn row(self) -> usize {
         match self {
             TimeFault::Missing { row }
             | TimeFault::NotIncreasing { row }
@@ -46,7 +46,7 @@ impl TimeFault {
     }
 
     /// What is wrong, what stands there, and what to do; `factor` is the size of the unit of the `stamps` in s.
-    pub(super) fn words(self, stamps: &[f64], factor: f64) -> [String; 3] {
+    pub(crate) fn words(self, stamps: &[f64], factor: f64) -> [String; 3] {
         let shown = |row: usize| stamps.get(row).map_or_else(String::new, f64::to_string);
         let seconds = |stamp: f64| format!("{} s", significant(stamp * factor, 6));
         match self {
@@ -88,7 +88,7 @@ impl TimeFault {
 ///
 /// The sampling step is the median one, then made precise by the whole record. Where a step is longer, samples are
 /// missing.
-pub(super) fn grid(stamps: &[f64], most: usize) -> Result<Grid, TimeFault> {
+pub(crate) fn grid(stamps: &[f64], most: usize) -> Result<Grid, TimeFault> {
     for (row, stamp) in stamps.iter().enumerate() {
         if !stamp.is_finite() {
             return Err(TimeFault::Missing { row });
@@ -140,7 +140,7 @@ fn median_step(stamps: &[f64]) -> f64 {
 
 impl Grid {
     /// The values of the rows at their samples, NaN at the others.
-    pub(super) fn spread(&self, values: Vec<f64>) -> Vec<f64> {
+    pub(crate) fn spread(&self, values: Vec<f64>) -> Vec<f64> {
         let Some(places) = &self.places else { return values };
         let mut samples = vec![f64::NAN; self.samples];
         for (&place, value) in places.iter().zip(values) {

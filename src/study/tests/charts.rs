@@ -1,7 +1,7 @@
 //! Kinds of charts and laws: what they need, and how wrong ones are reported.
 
 use super::super::*;
-use super::{parsed, refused, with};
+use crate::study::tests::{parsed, refused, with};
 
 /// A study over frequency and gap ticks, with a chart of these lines from line 19 on.
 fn chart(lines: &str) -> String {
@@ -134,8 +134,8 @@ fn laws_are_read_once_each_and_follow_what_is_swept() {
 
 #[test]
 fn laws_have_values_for_the_fillers_they_speak_of_only() {
-    let study = parsed(super::BASE);
-    let point = &super::points(&study)[0];
+    let study = parsed(crate::study::tests::BASE);
+    let point = &crate::study::tests::points(&study)[0];
     let rounded = |law: Law, filler: &Filler| {
         let value = law.arcsec(&point.inputs, filler, Error::Residual, 4);
         value.map(|arcsec| (arcsec * 1000.0).round() / 1000.0)

@@ -1,11 +1,11 @@
 //! The texts.
 
-use super::File;
-use crate::study::Kind;
+use crate::key::file::Kind;
+use crate::table::describe::File;
 
 type Columns = &'static [(&'static str, &'static str)];
 
-pub(super) fn of(file: File) -> Columns {
+pub(crate) fn of(file: File) -> Columns {
     match file {
         File::Points(Kind::GapFill) => GAP_FILL,
         File::Points(Kind::Allan) => ALLAN,

@@ -1,13 +1,12 @@
 //! The Allan variance of continuous noise: the model A(4) with Markov noise and a sine, for curves in charts.
 //!
 //! Records are sampled, and at small m their Allan variance is another one: compare them with
-//! [`Process::expected`](super::Process::expected).
+//! [`Process::expected`](crate::theory::allan::process::Process::expected).
 
 use core::f64::consts::PI;
 
-use super::Part;
-use super::exponential::beyond_square;
-use super::part::{FLAT_LEVEL, sine_of_turns};
+use crate::theory::allan::exponential::beyond_square;
+use crate::theory::allan::part::{FLAT_LEVEL, Part, sine_of_turns};
 
 /// The term of one part at `tau_s`, (″/s)²: 3Q²/τ², N²/τ, (2 ln2/π)B², K²τ/3, R²τ²/2 — A(4) — and for Markov noise
 /// (q_cT_c)²/τ·[1 − (T_c/2τ)(3 − 4e^{−τ/T_c} + e^{−2τ/T_c})], for a sine Ω_0²(sin²πfτ/πfτ)².
@@ -42,7 +41,7 @@ pub fn allan_variance(part: &Part, tau_s: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::theory::allan::Difference;
+    use crate::theory::allan::estimator::Difference;
 
     #[test]
     fn the_papers_gyros_have_the_curves_of_the_reference() {

@@ -4,7 +4,7 @@
 const SERIES_BELOW: f64 = 0.5;
 
 /// e^{−z} − 1 + z − z²/2, which is −z³/6 and so on.
-pub(super) fn beyond_square(z: f64) -> f64 {
+pub(crate) fn beyond_square(z: f64) -> f64 {
     if z.abs() >= SERIES_BELOW {
         return libm::exp(-z) - 1.0 + z - 0.5 * z * z;
     }
@@ -19,7 +19,7 @@ pub(crate) fn settling(z: f64) -> f64 {
 }
 
 /// e^{−x}(sinh x − x), x ≥ 0.
-pub(super) fn sinh_beyond_linear(x: f64) -> f64 {
+pub(crate) fn sinh_beyond_linear(x: f64) -> f64 {
     if x >= SERIES_BELOW {
         return -0.5 * libm::expm1(-2.0 * x) - x * libm::exp(-x);
     }
@@ -29,7 +29,7 @@ pub(super) fn sinh_beyond_linear(x: f64) -> f64 {
 }
 
 /// Mean of e^{−x·s·k} over k = 0 … `terms` − 1, for steps `s` and x ≥ 0.
-pub(super) fn mean_of_decay(x: f64, step: f64, terms: u64) -> f64 {
+pub(crate) fn mean_of_decay(x: f64, step: f64, terms: u64) -> f64 {
     let count = terms as f64;
     match x * step == 0.0 {
         true => 1.0,

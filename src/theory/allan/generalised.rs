@@ -5,11 +5,11 @@
 //! do not see. What is needed is the second difference of G over the shorter of two differences, written so that
 //! nothing cancels for lags that are long beside it.
 
-use super::part::FLAT_LEVEL;
-use super::{Part, holds, markov};
+use crate::theory::allan::part::{FLAT_LEVEL, Part};
+use crate::theory::allan::{holds, markov};
 
 /// Second differences of G, `m` apart, of one part of the angle.
-pub(super) struct Kernel {
+pub(crate) struct Kernel {
     m: f64,
     form: Form,
 }
@@ -30,7 +30,7 @@ enum Form {
 }
 
 impl Kernel {
-    pub(super) fn new(part: &Part, sample_s: f64, m: u64) -> Kernel {
+    pub(crate) fn new(part: &Part, sample_s: f64, m: u64) -> Kernel {
         let t0 = sample_s;
         let form = match *part {
             Part::AngleRandomWalk { n } => Form::Walk(n * n * t0),
@@ -49,7 +49,7 @@ impl Kernel {
     }
 
     /// G(n + m) − 2G(n) + G(n − m), ″², at the lag n ≥ 0, less a constant.
-    pub(super) fn at(&self, n: f64) -> f64 {
+    pub(crate) fn at(&self, n: f64) -> f64 {
         let m = self.m;
         match &self.form {
             Form::Walk(scale) => -scale * (m - n).max(0.0),

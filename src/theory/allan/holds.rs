@@ -4,7 +4,7 @@
 //! positions, so that the rate is stationary with the covariance v·max(0, 1 − |lag|/L). Several independent streams of
 //! a part of the variance each have the same second moments. With [`variances`] the Allan variance is flat.
 
-use super::Difference;
+use crate::theory::allan::estimator::Difference;
 
 /// Octaves of the committed table; it is flat up to m = 2^20.
 pub const OCTAVES: usize = 24;

@@ -4,14 +4,14 @@
 //! a^n)]/(1 − a)². Differences are written with the powers of x that cancel in them left out: sampled they are those of
 //! the continuous noise plus a term in sinh x − x. All lengths are in samples, all variances for σ = 1 and t0 = 1.
 
-use super::Difference;
-use super::exponential::{beyond_square, sinh_beyond_linear};
+use crate::theory::allan::estimator::Difference;
+use crate::theory::allan::exponential::{beyond_square, sinh_beyond_linear};
 
 /// Below this product of lag and rate of decay, forms without the leading powers are used.
 const SHORT: f64 = 0.5;
 
 /// V(n), the variance of the sum of n rates.
-pub(super) fn summed(x: f64, n: f64) -> f64 {
+pub(crate) fn summed(x: f64, n: f64) -> f64 {
     let (a, z) = (libm::exp(-x), n * x);
     let less = libm::expm1(-x);
     // n(1 − a²) − 2a(1 − a^n), of which the linear terms cancel for long correlations.
@@ -23,7 +23,7 @@ pub(super) fn summed(x: f64, n: f64) -> f64 {
 }
 
 /// Variance of a difference of the angle at `m`.
-pub(super) fn mean_square(difference: Difference, x: f64, m: f64) -> f64 {
+pub(crate) fn mean_square(difference: Difference, x: f64, m: f64) -> f64 {
     let (a, z) = (libm::exp(-x), m * x);
     let less = libm::expm1(-x);
     let discrete = m * sinh_beyond_linear(x);
@@ -44,8 +44,8 @@ pub(super) fn mean_square(difference: Difference, x: f64, m: f64) -> f64 {
 }
 
 /// Second difference, m apart about the lag n ≥ 0, of −V/2, but for a constant of its own for every m: what
-/// [`super::gaussian`] builds covariances from.
-pub(super) fn kernel(x: f64, m: f64, n: f64) -> f64 {
+/// [`crate::theory::allan::gaussian`] builds covariances from.
+pub(crate) fn kernel(x: f64, m: f64, n: f64) -> f64 {
     let a = libm::exp(-x);
     let less = libm::expm1(-x);
     // Second differences of the linear and of the exponential part of V(1 − a)²/2.

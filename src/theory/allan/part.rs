@@ -2,7 +2,8 @@
 
 use core::f64::consts::{LN_2, PI};
 
-use super::{Difference, holds, markov};
+use crate::theory::allan::estimator::Difference;
+use crate::theory::allan::{holds, markov};
 
 /// A part of the angle, in ″ and s; how each is sampled is told [above](super).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -139,7 +140,7 @@ impl Part {
 }
 
 /// sin 2πx without the loss of digits that a large x would bring.
-pub(super) fn sine_of_turns(x: f64) -> f64 {
+pub(crate) fn sine_of_turns(x: f64) -> f64 {
     libm::sin(2.0 * PI * (x - libm::round(x)))
 }
 

@@ -1,8 +1,8 @@
 //! A whole noise model, and what the estimators of its record give on average.
 
-use super::exponential::mean_of_decay;
-use super::part::Trend;
-use super::{Difference, Estimator, Part};
+use crate::theory::allan::estimator::{Difference, Estimator};
+use crate::theory::allan::exponential::mean_of_decay;
+use crate::theory::allan::part::{Part, Trend};
 
 /// Independent parts of an angle sampled every `sample_s`.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,7 +51,7 @@ impl Process {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::theory::allan::Stride;
+    use crate::theory::allan::estimator::Stride;
 
     #[test]
     fn a_warm_up_beside_a_ramp_is_its_sum_by_definition() {

@@ -8,8 +8,10 @@
 
 use core::f64::consts::PI;
 
-use super::part::sine_of_turns;
-use super::{Difference, Part, Process, markov};
+use crate::theory::allan::estimator::Difference;
+use crate::theory::allan::markov;
+use crate::theory::allan::part::{Part, sine_of_turns};
+use crate::theory::allan::process::Process;
 
 /// Variance, in pulses², of the angle between two samples from which on the series is summed: fewer than 4e4 terms.
 const LEAST_VARIANCE: f64 = 1e-9;

@@ -5,8 +5,8 @@
 //! D²/2 + σ² after the samples M, 2M, … a second difference is ΣJ over its later half less ΣJ over its earlier one. Over
 //! many intervals that is an angle random walk of N² = σ_J²/MT.
 
-use super::{Difference, Estimator};
-use crate::theory::drift::Magnetic;
+use crate::theory::allan::estimator::{Difference, Estimator};
+use crate::theory::drift::magnetic::Magnetic;
 
 /// A gyro that switches modes, the first switch after the first M samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -114,7 +114,7 @@ impl Jumps {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::theory::allan::Stride;
+    use crate::theory::allan::estimator::Stride;
 
     const JUMPS: Jumps = Jumps { interval: 7, variance: 3.0 };
 

@@ -1,6 +1,7 @@
 //! Approximations of the interval at which the bound is least: the paper's, and what they should be.
 
-use super::{Budget, Magnetic};
+use crate::theory::drift::budget::Budget;
+use crate::theory::drift::magnetic::Magnetic;
 
 /// The smaller positive root of b M² − c M³ = d, which rises from −d at 0 to its greatest value at M = 2b/3c; by bisection to
 /// the last bit. None where that value is negative, or one of them no number.
@@ -70,8 +71,8 @@ impl Budget {
 
 #[cfg(test)]
 mod tests {
-    use super::super::budget::tests::{PAPER, reference};
     use super::*;
+    use crate::theory::drift::budget::tests::{PAPER, reference};
 
     #[test]
     fn published_roots_and_limits_are_those_of_the_reference() {

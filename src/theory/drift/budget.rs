@@ -1,6 +1,6 @@
 //! The paper's bound of the drift, and the interval at which it is least.
 
-use super::Magnetic;
+use crate::theory::drift::magnetic::Magnetic;
 
 /// What bounds the drift of a switched gyro.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,7 +104,7 @@ impl Budget {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// The paper's figures 4 and 5.

@@ -21,12 +21,12 @@
 //! assert!((run.best_interval(3600.0).unwrap() - 15.6).abs() < 0.05);
 //! ```
 
-mod approximation;
-mod budget;
-mod magnetic;
-mod spread;
+pub mod approximation;
+pub mod budget;
+pub mod magnetic;
+pub mod spread;
 
-pub use approximation::limit_as_published;
-pub use budget::{Bound, Budget, Optimum};
-pub use magnetic::{Magnetic, signed_decay, signed_time, switches};
-pub use spread::Spread;
+pub use crate::theory::drift::approximation::limit_as_published;
+pub use crate::theory::drift::budget::{Bound, Budget, Optimum};
+pub use crate::theory::drift::magnetic::{Magnetic, signed_decay, signed_time, switches};
+pub use crate::theory::drift::spread::Spread;

@@ -1,6 +1,6 @@
 //! What the errors at the switches do to the drift of whole runs, and the interval at which the rms drift is least.
 
-use super::{Magnetic, switches};
+use crate::theory::drift::magnetic::{Magnetic, switches};
 
 /// A run whose drift is known but for its switches.
 #[derive(Debug, Clone, Copy, PartialEq)]

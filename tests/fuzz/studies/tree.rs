@@ -3,11 +3,11 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
-use sagnac::study::Kind;
+use sagnac::key::file::Kind;
 use toml::{Table, Value};
 
 use super::words::{self, NAMES};
-use crate::edits::LONGEST;
+use sagnac::edits::LONGEST;
 
 /// One edit; places are parts of whatever there is.
 #[derive(Debug, Clone)]

@@ -1,0 +1,171 @@
+//! The gyroscope part of an `imu.yaml`, as Kalibr and other visual-inertial tools read it.
+//!
+//! Kalibr's model is a white rate and a bias that walks, both by the root of their two-sided density per Hz: N in rad/√s
+//! and K in rad/s^1.5. It has no other terms.
+
+use sagnac::allan::unit::Unit;
+use sagnac::fit::coefficient::Fit;
+use sagnac::fit::term::Term;
+use sagnac::quantity::number::significant;
+
+use crate::allan::analysis::{Analysis, Column};
+use crate::allan::report::{heading, one_line};
+use crate::failure::Failure;
+
+/// rad of 1 ″.
+const RADIANS: f64 = core::f64::consts::PI / 648_000.0;
+
+/// A key of the file and the coefficient that it is.
+struct Key {
+    name: &'static str,
+    term: Term,
+    unit: &'static str,
+}
+
+const KEYS: [Key; 2] = [
+    Key { name: "gyroscope_noise_density", term: Term::AngleRandomWalk, unit: "rad/s/sqrt(Hz)" },
+    Key { name: "gyroscope_random_walk", term: Term::RateRandomWalk, unit: "rad/s^2/sqrt(Hz)" },
+];
+
+/// What one key is, of the column where it is largest.
+enum Found<'a> {
+    /// With the largest bound of the others, where that is larger.
+    Value(f64, &'a str, Option<f64>),
+    /// In no column; the largest of the bounds, where every column has one.
+    Below(Option<f64>),
+    /// It was not among the terms of the fit.
+    NotFitted,
+}
+
+/// The text of the file.
+///
+/// # Errors
+/// A column of plain numbers, or one whose noise cannot be told.
+pub fn text(analysis: &Analysis) -> Result<String, Failure> {
+    let mut text = format!(
+        "# Gyroscope noise from sagnac allan, {}; {}.\n",
+        one_line(&heading(analysis)),
+        analysis.treatment.summary()
+    );
+    if let [first, _, ..] = &analysis.columns[..] {
+        let others = analysis.columns[1..].iter().map(|column| format!(", {}", one_line(&column.name)));
+        text += &format!(
+            "# Each value is the largest of the columns {}{}.\n",
+            one_line(&first.name),
+            others.collect::<String>()
+        );
+    }
+    text += "\n# A gyroscope log says nothing of accelerometers; Kalibr needs their keys too.\n\
+             #accelerometer_noise_density:  # m/s^2/sqrt(Hz)\n#accelerometer_random_walk:    # m/s^3/sqrt(Hz)\n\n";
+    for key in &KEYS {
+        text += &line(key, &found(key, analysis)?, analysis.columns.len() > 1);
+    }
+    text += &format!("\nrostopic: /imu0\nupdate_rate: {}  # Hz\n", plain_number(1.0 / analysis.step_s));
+    Ok(text)
+}
+
+/// Which keys have no value, for people.
+///
+/// # Errors
+/// Those of [`text`].
+pub fn notes(analysis: &Analysis) -> Result<Vec<String>, Failure> {
+    let mut notes = Vec::new();
+    for key in &KEYS {
+        let (name, symbol) = (key.name, key.term.symbol());
+        match found(key, analysis)? {
+            Found::Value(..) => {}
+            Found::Below(None) => notes.push(format!("{name} is left out: {symbol} is not identified")),
+            Found::Below(Some(most)) => notes.push(format!(
+                "{name} is left out: {symbol} is not identified, and at most {} {}",
+                significant(most, 4),
+                key.unit
+            )),
+            Found::NotFitted => notes.push(format!("{name} is left out: --fit has no {symbol}")),
+        }
+    }
+    Ok(notes)
+}
+
+fn found<'a>(key: &Key, analysis: &'a Analysis) -> Result<Found<'a>, Failure> {
+    let mut largest: Option<(f64, &str)> = None;
+    let mut bounds: Vec<Option<f64>> = Vec::new();
+    for column in &analysis.columns {
+        let Some(coefficient) = fit(column)?.coefficient(key.term) else { return Ok(Found::NotFitted) };
+        match coefficient.value.map(|value| RADIANS * value) {
+            Some(value) if largest.is_none_or(|(most, _)| most < value) => {
+                largest = Some((value, &column.name));
+            }
+            Some(_) => {}
+            None => bounds.push(coefficient.interval.map(|[_, most]| RADIANS * most)),
+        }
+    }
+    let most = bounds.iter().flatten().copied().reduce(f64::max);
+    Ok(match largest {
+        Some((value, column)) => Found::Value(value, column, most.filter(|most| *most > value)),
+        None => Found::Below(most.filter(|_| bounds.iter().all(Option::is_some))),
+    })
+}
+
+fn fit(column: &Column) -> Result<&Fit, Failure> {
+    let name = &column.name;
+    let why = match (&column.noise, column.unit) {
+        (_, Unit::Plain) => {
+            let message = format!(
+                "--kalibr needs rates or angles: {name} is plain numbers\ngive their --unit, as in deg/s"
+            );
+            return Err(Failure::Usage(message));
+        }
+        (Ok(Some(noise)), _) => return Ok(&noise.fit),
+        (Ok(None), _) => "none were asked for",
+        (Err(why), _) => why,
+    };
+    Err(Failure::Record(format!("--kalibr has nothing to write: {name}: no coefficients: {why}")))
+}
+
+fn line(key: &Key, found: &Found, several: bool) -> String {
+    let Key { name, term, unit } = key;
+    let symbol = term.symbol();
+    match found {
+        Found::Value(value, column, others) => {
+            let of = if several { format!(" of {}", one_line(column)) } else { String::new() };
+            let others = others.map_or_else(String::new, |most| {
+                format!("; not identified in others, at most {}", number(most))
+            });
+            format!("{name}: {}  # {unit}, {symbol}{of}{others}\n", number(*value))
+        }
+        Found::Below(Some(most)) => {
+            format!("#{name}:  # {unit}; {symbol} is not identified, and at most {}\n", number(*most))
+        }
+        Found::Below(None) => format!("#{name}:  # {unit}; {symbol} is not identified\n"),
+        Found::NotFitted => format!("#{name}:  # {unit}; {symbol} was not fitted\n"),
+    }
+}
+
+/// Six digits as YAML 1.1 takes them for a number: with a point, and with a sign before the exponent.
+fn number(value: f64) -> String {
+    let text = format!("{value:.5e}");
+    match text.split_once('e') {
+        Some((mantissa, exponent)) if !exponent.starts_with('-') => format!("{mantissa}e+{exponent}"),
+        _ => text,
+    }
+}
+
+/// The same for a number that is short without.
+fn plain_number(value: f64) -> String {
+    match significant(value, 9) {
+        long if long.contains('e') => number(value),
+        text if text.contains('.') => text,
+        text => format!("{text}.0"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_such_to_yaml_1_1() {
+        assert_eq!([2e-6, 3.0, 1.234_567_8e12].map(number), ["2.00000e-6", "3.00000e+0", "1.23457e+12"]);
+        assert_eq!([200.0, 0.5, 1e-7].map(plain_number), ["200.0", "0.5", "1.00000e-7"]);
+    }
+}

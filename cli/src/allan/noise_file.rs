@@ -1,0 +1,139 @@
+//! `noise.toml`: the identified coefficients of a column as studies read them.
+
+use std::path::Path;
+
+use sagnac::allan::unit::Unit;
+use sagnac::fit::coefficient::Coefficient;
+use sagnac::fit::noise::data_sheet_unit;
+use sagnac::fit::term::Term;
+use sagnac::quantity::number::significant;
+
+use crate::allan::analysis::{Analysis, Column};
+use crate::allan::report::one_line;
+use crate::failure::Failure;
+use crate::output::write;
+
+/// With the end of the first line, what tells files of ours from others.
+const START: &str = "# Noise of column ";
+const FITTED: &str = ", fitted by sagnac allan";
+
+/// Writes a file for each column with coefficients, and removes those of an earlier run that are written no more.
+///
+/// # Errors
+/// A file that cannot be written or removed.
+pub fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
+    let written: Vec<(String, String)> = analysis
+        .columns
+        .iter()
+        .zip(names(&analysis.columns))
+        .filter_map(|(column, name)| Some((name, text(analysis, column)?)))
+        .collect();
+    remove_others(folder, &written)?;
+    written.iter().try_for_each(|(name, text)| write(&folder.join(name), text.as_bytes()))
+}
+
+/// `noise.toml`, or with several columns `noise_<column>.toml`.
+fn names(columns: &[Column]) -> Vec<String> {
+    if let [_] = columns {
+        return vec!["noise.toml".to_owned()];
+    }
+    let mut names: Vec<String> = Vec::new();
+    for (column, number) in columns.iter().zip(1..) {
+        let kept = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
+        let name: String = column.name.chars().map(kept).collect();
+        let name = format!("noise_{name}.toml");
+        // Names that differ in signs only, or a column that is taken twice.
+        let is_taken = names.iter().any(|other| other.eq_ignore_ascii_case(&name));
+        names.push(if is_taken { format!("noise_{number}_{}", &name["noise_".len()..]) } else { name });
+    }
+    names
+}
+
+/// `None` without coefficients, or of plain numbers.
+fn text(analysis: &Analysis, column: &Column) -> Option<String> {
+    let noise = column.noise().filter(|_| column.unit == Unit::Angular)?;
+    let file = analysis.path.file_name().unwrap_or(analysis.path.as_os_str()).to_string_lossy();
+    let (name, file) = (one_line(&column.name), one_line(&file));
+    let (samples, step) = (analysis.samples, significant(analysis.step_s, 9));
+    let treatment = analysis.treatment.summary();
+    let mut text = format!("{START}{name} of {file}: {samples} samples of {step} s{FITTED}; {treatment}.\n");
+    text += &format!("# 95 % intervals {}.\n", noise.intervals.words());
+    let coefficients = &noise.fit.coefficients;
+    for line in coefficients.iter().flat_map(intervals) {
+        text += &format!("# 95 % interval of {line}\n");
+    }
+    let unknown: Vec<String> = coefficients.iter().filter(|c| c.value.is_none()).map(bound).collect();
+    if !unknown.is_empty() {
+        text += &format!("# Not identified: {}.\n", unknown.join("; "));
+    }
+    coefficients.iter().filter_map(entry).for_each(|line| text += &format!("{line}\n"));
+    Some(text)
+}
+
+/// A value with its unit, as studies read it.
+fn quantity(term: Term, value: f64) -> String {
+    let (factor, unit, _) = data_sheet_unit(term, Unit::Angular);
+    format!("{} {unit}", significant(factor * value, 6))
+}
+
+/// `Q: 0.109 to 0.111 arcsec`, and of a shape a line of its own.
+fn intervals(coefficient: &Coefficient) -> Vec<String> {
+    let (Some(_), Some([low, high])) = (coefficient.value, coefficient.interval) else { return vec![] };
+    let (term, symbol) = (coefficient.term, coefficient.term.symbol());
+    let (factor, unit, _) = data_sheet_unit(term, Unit::Angular);
+    let line = |name: &str, [low, high]: [f64; 2], unit: &str| {
+        format!("{name}: {} to {} {unit}", significant(low, 6), significant(high, 6))
+    };
+    let (name, unit_of_shape) = shape(term);
+    let of_shape = coefficient.shape.map(|found| line(name, found.interval, unit_of_shape));
+    std::iter::once(line(symbol, [low, high].map(|end| factor * end), unit)).chain(of_shape).collect()
+}
+
+/// What is known of a coefficient without value.
+fn bound(coefficient: &Coefficient) -> String {
+    let symbol = coefficient.term.symbol();
+    let most = coefficient.interval.map(|[_, most]| quantity(coefficient.term, most));
+    most.map_or_else(|| symbol.to_owned(), |most| format!("{symbol} at most {most}"))
+}
+
+/// Name and unit of a shape.
+fn shape(term: Term) -> (&'static str, &'static str) {
+    if term == Term::Sine { ("frequency of the sine", "Hz") } else { ("correlation time", "s") }
+}
+
+/// The line of an identified coefficient.
+fn entry(coefficient: &Coefficient) -> Option<String> {
+    let value = quantity(coefficient.term, coefficient.value?);
+    let shape = coefficient.shape.map_or_else(String::new, |shape| significant(shape.value, 6));
+    Some(match coefficient.term {
+        Term::Quantisation => format!("quantisation = \"{value}\""),
+        Term::AngleRandomWalk => format!("angle_random_walk = \"{value}\""),
+        Term::BiasInstability => format!("bias_instability = \"{value}\""),
+        Term::RateRandomWalk => format!("rate_random_walk = \"{value}\""),
+        Term::RateRamp => format!("rate_ramp = \"{value}\""),
+        Term::Markov => format!("markov = {{ amplitude = \"{value}\", time = \"{shape} s\" }}"),
+        Term::Sine => format!("sine = {{ amplitude = \"{value}\", frequency = \"{shape} Hz\" }}"),
+    })
+}
+
+/// Removes files of ours that are not among those written now.
+fn remove_others(folder: &Path, written: &[(String, String)]) -> Result<(), Failure> {
+    let failed = |path: &Path| {
+        let path = path.to_owned();
+        move |source| Failure::Write { path, source }
+    };
+    for entry in std::fs::read_dir(folder).map_err(failed(folder))? {
+        let entry = entry.map_err(failed(folder))?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let is_named = name == "noise.toml" || name.starts_with("noise_") && name.ends_with(".toml");
+        let is_ours = || std::fs::read_to_string(entry.path()).is_ok_and(|text| is_ours(&text));
+        if is_named && !written.iter().any(|(other, _)| *other == name) && is_ours() {
+            std::fs::remove_file(entry.path()).map_err(failed(&entry.path()))?;
+        }
+    }
+    Ok(())
+}
+
+fn is_ours(text: &str) -> bool {
+    text.lines().next().is_some_and(|line| line.starts_with(START) && line.contains(FITTED))
+}

@@ -1,0 +1,120 @@
+//! What `sagnac allan` is asked for.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use sagnac::allan::deviation::Deviation;
+use sagnac::allan::tau::Taus;
+use sagnac::fit::noise::Simulated;
+use sagnac::fit::realisations::LEAST_REALISATIONS;
+use sagnac::record::log::read::Request;
+
+use crate::failure::Failure;
+use crate::reading::Reading;
+
+/// Examples, after the options.
+pub const EXAMPLES: &str = "\
+Examples:
+  sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
+  sagnac allan log.csv --data rate --unit rad/s --time stamp --time-unit ns --column gx,gy,gz
+  sagnac allan pulses.npy --data increment --scale \"0.5 arcsec/pulse\" --rate 400Hz --skip \"30 min\"
+  sagnac allan PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,hdev --tau decade10
+
+Files are text (CSV, TSV, semicolons or blanks between columns, a header or none, comments
+behind # % ;), Stable32 .DAT, or NumPy .npy. Empty cells, NaN and missing time stamps are gaps:
+terms that touch one are left out.";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Options {
+    /// Logs
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    #[command(flatten)]
+    pub reading: Reading,
+    /// Averaging times: octave, decade10, decade20, all, or seconds with commas between
+    #[arg(long, value_name = "TAUS", default_value = "octave", value_parser = taus)]
+    pub tau: Taus,
+    /// Which of adev, oadev, mdev, tdev, hdev, ohdev, with commas between
+    #[arg(long, value_name = "NAMES", default_value = "oadev", value_delimiter = ',')]
+    pub deviation: Vec<Deviation>,
+    /// Simulated records of the fit, from which the intervals of coefficients come; 0 takes them in closed form [default:
+    /// 1000, of more than 2 million samples 0]
+    #[arg(long, value_name = "N", value_parser = simulated)]
+    bootstrap: Option<usize>,
+    /// Probability of the intervals of deviations
+    #[arg(long, value_name = "P", default_value_t = 0.95, value_parser = probability)]
+    pub confidence: f64,
+    /// Results folder [default: results/<name of the file>]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// Also write the gyroscope part of an imu.yaml, as Kalibr reads it: noise density N and random walk K
+    #[arg(help_heading = "Output", long, value_name = "FILE.yaml")]
+    pub kalibr: Option<PathBuf>,
+    /// Print the results as JSON: one object, or with several files one array of them
+    #[arg(help_heading = "Output", long)]
+    pub json: bool,
+    /// Also draw the chart as text
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
+    pub plot: bool,
+    /// Print only errors
+    #[arg(help_heading = "Output", long, short)]
+    pub quiet: bool,
+}
+
+impl Options {
+    /// How many records of so many samples are simulated for the intervals of coefficients.
+    pub fn simulated(&self, samples: usize) -> Simulated {
+        Simulated::of(self.bootstrap, samples)
+    }
+
+    /// Whether people hear nothing but errors.
+    pub fn is_silent(&self) -> bool {
+        self.quiet || self.json
+    }
+
+    /// Whether what is asked for can be done.
+    ///
+    /// # Errors
+    /// A file for Kalibr of what cannot be in one.
+    pub fn check(&self, request: &Request) -> Result<(), Failure> {
+        let wrong = |why: &str| Err(Failure::Usage(format!("--kalibr {why}")));
+        match &self.kalibr {
+            None => Ok(()),
+            Some(_) if self.files.len() > 1 => wrong(
+                "names one file, but there are several logs\ngive them one by one, each with its --kalibr FILE",
+            ),
+            Some(_) if self.reading.terms().is_none() => wrong("needs coefficients\nleave out --fit none"),
+            Some(_) if request.unit.as_ref().is_some_and(|unit| !unit.is_angular) => {
+                wrong("needs rates or angles, not plain numbers\ngive their --unit, as in deg/s")
+            }
+            Some(_) => Ok(()),
+        }
+    }
+}
+
+fn probability(text: &str) -> Result<f64, String> {
+    let inside = |p: &f64| *p > 0.0 && *p < 1.0;
+    text.parse().ok().filter(inside).ok_or_else(|| "not between 0 and 1; write as in 0.95".to_owned())
+}
+
+fn simulated(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|&count| count == 0 || count >= LEAST_REALISATIONS);
+    count.ok_or_else(|| {
+        format!("give 0, or at least {LEAST_REALISATIONS}: of fewer, 2.5 % are too few to tell an end by")
+    })
+}
+
+fn taus(text: &str) -> Result<Taus, String> {
+    match text {
+        "octave" => Ok(Taus::Octave),
+        "decade10" => Ok(Taus::Decade(10)),
+        "decade20" => Ok(Taus::Decade(20)),
+        "all" => Ok(Taus::All),
+        list => {
+            let seconds: Result<Vec<f64>, _> = list.split(',').map(|tau| tau.trim().parse()).collect();
+            let wrong = "not octave, decade10, decade20 or all, nor seconds as in 1,10,100";
+            seconds.map(Taus::Seconds).map_err(|_| wrong.to_owned())
+        }
+    }
+}

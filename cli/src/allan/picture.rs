@@ -1,0 +1,181 @@
+//! The charts of `sagnac allan`.
+
+use sagnac::allan::deviation::Deviation;
+use sagnac::fit::coefficient::Coefficient;
+use sagnac::fit::noise::data_sheet_unit;
+use sagnac::fit::term::Term;
+use sagnac::quantity::number::significant;
+use sagnac::theory::allan::estimator::{Difference, Estimator, Stride};
+use sagnac::theory::allan::process::Process;
+use sagnac::theory::allan::{self, holds};
+use sagnac::view::chart::figure::{Axis, Entry, Figure, Grouping, Part, Parts, Series, SeriesPoint};
+use sagnac::view::chart::scale::Scale;
+
+use crate::allan::analysis::{Analysis, Column, Curve};
+use crate::allan::report::heading;
+
+/// Places of a line from one octave of τ to the next: of a sine, whose hump has ripples, and of all else.
+const PLACES: [f64; 2] = [64.0, 12.0];
+/// Ripples of a sine's own line: later ones would fill the picture below the curve.
+const MOST_RIPPLES: f64 = 8.0;
+
+/// The figures with the stems of their files: one for deviations of the rate, one for those of the angle.
+pub fn figures(analysis: &Analysis) -> Vec<(&'static str, Option<Figure>)> {
+    [("chart", false), ("chart-tdev", true)]
+        .map(|(stem, of_angle)| (stem, figure(analysis, &|deviation| deviation.is_of_angle() == of_angle)))
+        .into()
+}
+
+/// The deviations that are `wanted`; `None` without any.
+fn figure(analysis: &Analysis, wanted: &dyn Fn(Deviation) -> bool) -> Option<Figure> {
+    let first = analysis.columns.first()?;
+    let deviations: Vec<Deviation> =
+        first.curves.iter().map(|curve| curve.deviation).filter(|deviation| wanted(*deviation)).collect();
+    let [deviation, others @ ..] = &deviations[..] else { return None };
+    let several_deviations =
+        deviations.iter().map(|deviation| deviation.name()).collect::<Vec<_>>().join(", ");
+    let title = if others.is_empty() {
+        capitalised(deviation.title())
+    } else {
+        format!("Deviations {several_deviations}")
+    };
+    let entries = |names: Vec<String>| {
+        names.into_iter().enumerate().map(|(style, name)| Entry { style, name }).collect()
+    };
+    let several = analysis.columns.len() > 1;
+    let columns = Grouping {
+        title: if several { "columns".to_owned() } else { "column".to_owned() },
+        entries: entries(analysis.columns.iter().map(|column| column.name.clone()).collect()),
+    };
+    let names = Grouping {
+        title: "deviations".to_owned(),
+        entries: entries(deviations.iter().map(|deviation| deviation.name().to_owned()).collect()),
+    };
+    // One column needs no colours of its own: they tell the deviations apart.
+    let (colours, dashes) = match (others.is_empty(), several) {
+        (true, _) => (columns, Grouping::default()),
+        (false, true) => (columns, names),
+        (false, false) => (names, Grouping::default()),
+    };
+    let of_column = |(colour, column): (usize, &Column)| {
+        let curves = column.curves.iter().filter(|curve| wanted(curve.deviation)).enumerate();
+        curves
+            .map(|(dash, curve)| match several {
+                true => series(analysis, column, curve, (colour, dash)),
+                false => series(analysis, column, curve, (dash, 0)),
+            })
+            .collect::<Vec<_>>()
+    };
+    let series: Vec<Series> = analysis.columns.iter().enumerate().flat_map(of_column).collect();
+    let is_fitted = series.iter().any(|series| !series.law.is_empty());
+    Some(Figure {
+        title,
+        subtitle: Some(format!("{}; {}", heading(analysis), analysis.treatment.summary())),
+        x: axis("averaging time τ", "s"),
+        y: axis("deviation σ(τ)", first.unit.symbol(*deviation)),
+        colours,
+        dashes,
+        points: if is_fitted { "measured".to_owned() } else { String::new() },
+        bands: format!("{} intervals", analysis.percent()),
+        lines: "fit".to_owned(),
+        series,
+        laws: vec![],
+        parts: if several { Parts::default() } else { parts(analysis, first, &deviations) },
+        limit: None,
+        chosen: vec![],
+    })
+}
+
+fn series(analysis: &Analysis, column: &Column, curve: &Curve, (colour, dash): (usize, usize)) -> Series {
+    let points = curve
+        .points
+        .iter()
+        .filter_map(|point| Some(SeriesPoint { x: point.tau_s, y: point.value?, band: point.interval }));
+    let law = column.noise().map(|noise| line(&noise.fit.process, curve, analysis.samples));
+    Series { colour, dash, points: points.collect(), law: law.unwrap_or_default() }
+}
+
+/// The deviation that a process gives on average, over the times of a curve; none where there is no closed form.
+pub fn line(process: &Process, curve: &Curve, samples: usize) -> Vec<(f64, f64)> {
+    let Some(estimator) = estimator(curve.deviation) else { return vec![] };
+    let shown: Vec<f64> =
+        curve.points.iter().filter(|point| point.value.is_some()).map(|point| point.m as f64).collect();
+    let [Some(&first), Some(&last)] = [shown.first(), shown.last()] else { return vec![] };
+    let is_rippled = process.parts.iter().any(|part| matches!(part, allan::Part::Sine { .. }));
+    let octave = if is_rippled { PLACES[0] } else { PLACES[1] };
+    let count = libm::ceil(octave * libm::log2(last / first)) as u32;
+    let place = |i: u32| libm::round(first * libm::exp2(f64::from(i) / octave)).min(last) as u64;
+    let mut ms: Vec<u64> = (0..=count).map(place).collect();
+    ms.dedup();
+    let at = |m: u64| {
+        let variance = process.expected(estimator, samples as u64, m)?;
+        Some((process.sample_s * m as f64, libm::sqrt(variance)))
+    };
+    ms.into_iter().filter_map(at).collect()
+}
+
+/// What the mean of a deviation's square is known of.
+fn estimator(deviation: Deviation) -> Option<Estimator> {
+    let (difference, stride) = match deviation {
+        Deviation::Adev => (Difference::Second, Stride::Cluster),
+        Deviation::Oadev => (Difference::Second, Stride::Sample),
+        Deviation::Hdev => (Difference::Third, Stride::Cluster),
+        Deviation::Ohdev => (Difference::Third, Stride::Sample),
+        Deviation::Mdev | Deviation::Tdev => return None,
+    };
+    Some(Estimator { difference, stride })
+}
+
+/// The identified terms of the only column, where its Allan deviation is among those of a figure.
+fn parts(analysis: &Analysis, column: &Column, deviations: &[Deviation]) -> Parts {
+    let is_allan = |curve: &&Curve| {
+        deviations.contains(&curve.deviation) && matches!(curve.deviation, Deviation::Adev | Deviation::Oadev)
+    };
+    let curve = column.curves.iter().find(is_allan);
+    let (Some(curve), Some(noise)) = (curve, column.noise()) else { return Parts::default() };
+    let octaves = holds::octaves(analysis.samples as u64).unwrap_or(holds::OCTAVES);
+    let part = |coefficient: &Coefficient| {
+        let (term, value) = (coefficient.term, coefficient.value?);
+        let shape = coefficient.shape.map_or(1.0, |shape| shape.value);
+        let part = term.part(value * value, shape, octaves);
+        let process = Process { sample_s: analysis.step_s, parts: vec![part] };
+        let mut points = line(&process, curve, analysis.samples);
+        if term == Term::Sine {
+            points.retain(|(tau_s, _)| shape * tau_s <= MOST_RIPPLES);
+        }
+        Some(Part {
+            label: label(coefficient, value, data_sheet_unit(term, column.unit)),
+            // Those before are the curves'.
+            colour: deviations.len() + Term::ALL.iter().position(|other| *other == term)?,
+            points,
+        })
+    };
+    let title = match deviations {
+        [_] => "parts of the fit".to_owned(),
+        _ => format!("parts of the fit of {}", curve.deviation.name()),
+    };
+    Parts { title, lines: noise.fit.coefficients.iter().filter_map(part).collect() }
+}
+
+/// `N = 0.003 °/√h`
+fn label(coefficient: &Coefficient, value: f64, (factor, _, unit): (f64, &str, &str)) -> String {
+    let shown = |value: f64| significant(value, 3);
+    let value = format!("{} {unit}", shown(factor * value));
+    let shape = coefficient.shape.map_or_else(String::new, |shape| shown(shape.value));
+    // No-break spaces keep each value with its unit.
+    let text = match coefficient.term {
+        Term::Markov => format!("Markov: σ = {value}, T = {shape} s"),
+        Term::Sine => format!("sine: Ω = {value}, f = {shape} Hz"),
+        term => format!("{} = {value}", term.symbol()),
+    };
+    text.trim_end().replace(' ', "\u{a0}").replace(",\u{a0}", ", ").replace(":\u{a0}", ": ")
+}
+
+fn axis(label: &str, unit: &str) -> Axis {
+    Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log, whole: false, names: vec![] }
+}
+
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}

@@ -1,0 +1,271 @@
+//! `sagnac chart`.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use clap::Args;
+use sagnac::run::RESOLVED;
+use sagnac::study::Study;
+use sagnac::table::Column;
+use sagnac::view::picture::verdict::verdicts;
+use sagnac::view::picture::{pictures, shown};
+use toml::{Table, Value};
+
+use crate::charts::{is_chart_stem, write_pictures};
+use crate::failure::Failure;
+use crate::output::print;
+use crate::progress::{self, Shown};
+use crate::results::{Results, held, lacking};
+use crate::run::checked;
+use crate::{folders, look};
+
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Options {
+    /// Results folder
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// Which of the study's charts is changed
+    #[arg(long, value_name = "NUMBER", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    chart: u16,
+    #[command(flatten)]
+    keys: Keys,
+    /// Name of the files in DIR, without their endings
+    #[arg(long, value_name = "NAME", default_value = "redrawn", value_parser = name)]
+    name: String,
+    /// Show the chart in the terminal too
+    #[arg(long)]
+    plot: bool,
+    /// Print only errors
+    #[arg(long, short)]
+    quiet: bool,
+    #[command(flatten)]
+    progress: progress::Options,
+}
+
+/// The keys of a chart, as studies have them.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "The chart, as in a study's [chart]; \"none\" leaves a key out")]
+struct Keys {
+    /// curves, heat-map or winner-map: a chart of its own, in which nothing of the study's is kept
+    #[arg(long, value_name = "KIND")]
+    kind: Option<String>,
+    /// points, coefficients or trajectories
+    #[arg(long, value_name = "TABLE")]
+    table: Option<String>,
+    /// Above the chart
+    #[arg(long, value_name = "TEXT")]
+    title: Option<String>,
+    /// Column of the horizontal axis
+    #[arg(long, value_name = "COLUMN")]
+    x: Option<String>,
+    /// Column of the vertical axis, of curves the estimate; several of one unit with commas
+    #[arg(long, value_name = "COLUMN", value_delimiter = ',')]
+    y: Vec<String>,
+    /// Column that a map shows
+    #[arg(long, value_name = "COLUMN")]
+    z: Option<String>,
+    /// Column whose values compete in a winner map
+    #[arg(long, value_name = "COLUMN")]
+    of: Option<String>,
+    /// Columns that make the curves: colour, dash
+    #[arg(long, value_name = "COLUMN", value_delimiter = ',')]
+    series: Vec<String>,
+    /// Laws beside the curves
+    #[arg(long, value_name = "LAW", value_delimiter = ',')]
+    laws: Vec<String>,
+    /// Only rows with this value, as in filler=const or frequency="20 Hz"; may be given several times
+    #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = row)]
+    rows: Vec<(String, String)>,
+    /// What is allowed, as in "5 arcsec"
+    #[arg(long, value_name = "LIMIT")]
+    limit: Option<String>,
+    /// log or linear
+    #[arg(long, value_name = "SCALE")]
+    x_scale: Option<String>,
+    /// log or linear
+    #[arg(long, value_name = "SCALE")]
+    y_scale: Option<String>,
+    /// log or linear
+    #[arg(long, value_name = "SCALE")]
+    z_scale: Option<String>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  sagnac chart results/error_vs_dtnu --y rms --limit \"5 arcsec\"
+  sagnac chart results/error_vs_dtnu --x frequency --where gap_ticks=3 --series filler --name n3
+  sagnac chart results/error_vs_dtnu --kind heat-map --x frequency --y gap_ticks --z q9973 \\
+    --where filler=quadratic
+
+The chart goes to DIR as a picture. The page, report.html, keeps the charts of the study: `sagnac report DIR` makes it again.";
+
+/// What leaves a key of the study's chart out.
+const NONE: &str = "none";
+
+/// The name of files that a run does not take for charts of its own.
+fn name(text: &str) -> Result<String, String> {
+    match text {
+        text if is_chart_stem(text) => Err("charts of the study are called so".to_owned()),
+        text if text.is_empty() || text.contains(['/', '\\']) => {
+            Err("expected a name without a folder".to_owned())
+        }
+        text => Ok(text.to_owned()),
+    }
+}
+
+fn row(text: &str) -> Result<(String, String), String> {
+    let (column, value) = text.split_once('=').ok_or("expected COLUMN=VALUE, as in filler=const")?;
+    Ok((column.trim().to_owned(), value.trim().to_owned()))
+}
+
+/// Draws a chart of results that are there, with other keys than the study's.
+pub fn chart(options: &Options) -> Result<(), Failure> {
+    let path = options.folder.join(RESOLVED);
+    // As a study, so that what is wrong with the file itself is told as ever.
+    let written = folders::study(&options.folder)?;
+    let asked = changed(&written, options)?;
+    let study = Study::parse(&format!("{} with the chart asked for", path.display()), &asked)?;
+    let (plan, _) = checked(&study)?;
+    let store = held(&options.folder, &plan)?;
+    let tables = plan.tables(&store, &Shown::new(options.progress.how(options.quiet), Duration::ZERO))?;
+    let drawn = pictures(&study, &tables)?;
+    for drawn in &drawn {
+        write_pictures(&options.folder, &options.name, &drawn.picture.svg())?;
+    }
+    if options.quiet {
+        return Ok(());
+    }
+    for note in drawn.iter().filter_map(|drawn| drawn.note.as_ref()) {
+        say!("note: {note}");
+    }
+    for drawn in drawn.iter().filter(|_| options.plot) {
+        print(&format!("{}\n", drawn.picture.text(look::of_output())))?;
+    }
+    let curves = shown(&study, &tables)?;
+    let verdicts = verdicts(&study, &curves)?;
+    let results = Results {
+        study: &study,
+        plan: &plan,
+        folder: &options.folder,
+        done: None,
+        lacking: lacking(&study, &plan, &store, &tables)?,
+    };
+    print(&results.summary(&tables, &curves, &verdicts)?)?;
+    say!("{}.svg and .png are in {}", options.name, options.folder.display());
+    Ok(())
+}
+
+/// The study with the one chart that is asked for.
+fn changed(written: &Study, options: &Options) -> Result<String, Failure> {
+    let unread = |error: toml::de::Error| Failure::Usage(format!("cannot read {RESOLVED}: {error}"));
+    let mut study: Table = written.text().parse().map_err(unread)?;
+    let charts = match study.remove("chart") {
+        Some(Value::Array(charts)) => charts,
+        Some(chart) => vec![chart],
+        None => vec![],
+    };
+    let keys = &options.keys;
+    let number = usize::from(options.chart);
+    let mut chart = match charts.get(number - 1) {
+        _ if keys.kind.is_some() => Table::new(),
+        Some(Value::Table(chart)) => chart.clone(),
+        _ if number == 1 => Table::new(),
+        _ => {
+            let charts = match charts.len() {
+                0 => "no chart of its own".to_owned(),
+                1 => "1 chart".to_owned(),
+                count => format!("{count} charts"),
+            };
+            return Err(Failure::Usage(format!("--chart {number}: the study has {charts}")));
+        }
+    };
+    let texts = [
+        ("kind", &keys.kind),
+        ("table", &keys.table),
+        ("title", &keys.title),
+        ("x", &keys.x),
+        ("z", &keys.z),
+        ("of", &keys.of),
+        ("limit", &keys.limit),
+        ("x_scale", &keys.x_scale),
+        ("y_scale", &keys.y_scale),
+        ("z_scale", &keys.z_scale),
+    ];
+    // Another table has other columns, of other units.
+    let own = chart.get("table").and_then(Value::as_str).unwrap_or("points").to_owned();
+    if keys.table.as_ref().is_some_and(|table| *table != own) {
+        chart.remove("limit");
+        chart.remove("where");
+    }
+    for (key, value) in texts {
+        set(&mut chart, key, value.iter().map(|value| Value::String(value.clone())).next());
+    }
+    let list =
+        |names: &[String]| Value::Array(names.iter().map(|name| Value::String(name.clone())).collect());
+    let several = |names: &[String]| match names {
+        [] => None,
+        [one] => Some(Value::String(one.clone())),
+        names => Some(list(names)),
+    };
+    set(&mut chart, "y", several(&keys.y));
+    for (key, names) in [("series", &keys.series), ("laws", &keys.laws)] {
+        let is_none = names.first().is_some_and(|name| name == NONE);
+        let value = if is_none { Value::String(NONE.to_owned()) } else { list(names) };
+        set(&mut chart, key, (!names.is_empty()).then_some(value));
+    }
+    if !keys.rows.is_empty() {
+        let rows = chart.entry("where").or_insert_with(|| Value::Table(Table::new()));
+        if let Some(rows) = rows.as_table_mut() {
+            keys.rows.iter().for_each(|(column, value)| set(rows, column, Some(scalar(value))));
+        }
+    }
+    check_axes(&chart, written)?;
+    study.insert("chart".to_owned(), Value::Table(chart));
+    Ok(study.to_string())
+}
+
+/// Refuses a chart without axes, in words of options.
+fn check_axes(chart: &Table, study: &Study) -> Result<(), Failure> {
+    let lacks = |key: &str| !chart.contains_key(key);
+    let is_map = chart.get("kind").and_then(Value::as_str).is_some_and(|kind| kind != "curves");
+    let keys: Vec<&str> =
+        ["x", "y", "z"].into_iter().filter(|key| (*key != "z" || is_map) && lacks(key)).collect();
+    if keys.is_empty() {
+        return Ok(());
+    }
+    let keys: Vec<String> = keys.into_iter().map(|key| format!("--{key}")).collect();
+    let (plan, _) = checked(study)?;
+    let columns: Vec<String> = plan.blank_tables().points.columns.iter().map(Column::header).collect();
+    let swept = match &study.sweeps[..] {
+        [] => "the study sweeps nothing".to_owned(),
+        sweeps => {
+            let names: Vec<&str> = sweeps.iter().map(|sweep| sweep.key.name).collect();
+            format!("the study sweeps {}", names.join(", "))
+        }
+    };
+    let message =
+        format!("the chart needs {}\n{swept}; its columns are {}", keys.join(" and "), columns.join(", "));
+    Err(Failure::Usage(message))
+}
+
+/// Puts a value in place of another one; [`NONE`] leaves the key out.
+fn set(table: &mut Table, key: &str, value: Option<Value>) {
+    match value {
+        None => {}
+        Some(Value::String(text)) if text == NONE => {
+            table.remove(key);
+        }
+        Some(value) => {
+            table.insert(key.to_owned(), value);
+        }
+    }
+}
+
+/// A value as a study has it: counts as numbers, all others as texts.
+fn scalar(text: &str) -> Value {
+    match text.parse::<i64>() {
+        Ok(count) => Value::Integer(count),
+        Err(_) => text.parse::<f64>().map_or_else(|_| Value::String(text.to_owned()), Value::Float),
+    }
+}

@@ -1,0 +1,54 @@
+//! The charts of a study as files of its results folder.
+
+use std::ffi::OsStr;
+use std::path::Path;
+
+use rayon::prelude::*;
+use sagnac::view::chart;
+use sagnac::view::picture::{Drawn, chart_stem};
+
+use crate::failure::Failure;
+use crate::output::write;
+
+/// Writes the charts as SVG and PNG, and removes those of earlier runs that are drawn no more.
+///
+/// # Errors
+/// One cannot be drawn or written.
+pub fn draw(pictures: &[Drawn], folder: &Path) -> Result<(), Failure> {
+    // Side by side: one of 10,000 points takes half a second.
+    pictures.par_iter().try_for_each(|drawn| write_pictures(folder, &drawn.stem, &drawn.picture.svg()))?;
+    remove_undrawn(folder, pictures.len())
+}
+
+/// Writes a chart as `<stem>.svg` and `<stem>.png`.
+///
+/// # Errors
+/// It cannot be drawn or written.
+pub fn write_pictures(folder: &Path, stem: &str, svg: &str) -> Result<(), Failure> {
+    let png =
+        chart::png(svg, 2.0).map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
+    write(&folder.join(format!("{stem}.svg")), svg.as_bytes())?;
+    write(&folder.join(format!("{stem}.png")), &png)
+}
+
+/// Removes the pictures of charts that a folder of `charts` charts does not have; other files are not ours.
+fn remove_undrawn(folder: &Path, charts: usize) -> Result<(), Failure> {
+    let failed = |source| Failure::Write { path: folder.to_owned(), source };
+    let drawn: Vec<String> = (0..charts).map(|index| chart_stem(index, charts)).collect();
+    for entry in std::fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let stem = path.file_stem().and_then(OsStr::to_str).unwrap_or_default();
+        let ending = path.extension().and_then(OsStr::to_str).unwrap_or_default();
+        let picture = ["svg", "png"].contains(&ending) && is_chart_stem(stem);
+        if picture && !drawn.iter().any(|drawn| drawn == stem) {
+            std::fs::remove_file(&path).map_err(|source| Failure::Write { path, source })?;
+        }
+    }
+    Ok(())
+}
+
+/// Whether [`chart_stem`] gives this name to some chart.
+pub fn is_chart_stem(stem: &str) -> bool {
+    let number = stem.strip_prefix("chart-").and_then(|number| number.parse().ok());
+    stem == "chart" || number.is_some_and(|number: usize| number >= 1 && stem == format!("chart-{number}"))
+}

@@ -1,0 +1,148 @@
+//! `sagnac check`.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::Args;
+use sagnac::run::{Plan, RESOLVED};
+use sagnac::store::check::Report;
+use sagnac::store::error::StoreError;
+use sagnac::store::source::Source;
+use sagnac::study::Study;
+use sagnac::tally::share::Share;
+
+use crate::failure::{self, Failure};
+use crate::folders;
+use crate::output::print;
+use crate::progress::{How, Shown};
+use crate::results::csv;
+
+const EXAMPLES: &str = "\
+Examples:
+  sagnac check results/my
+  sagnac check results/my results/copy --quiet";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Options {
+    /// Results folders
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+    /// Print only errors
+    #[arg(help_heading = "Output", long, short)]
+    quiet: bool,
+}
+
+/// How a folder is.
+enum State {
+    Sound,
+    /// Trials are missing.
+    Incomplete,
+    /// So many things are wrong.
+    Faulty(usize),
+}
+
+/// Most faults of a folder that are told one by one.
+const MOST_TOLD: usize = 10;
+
+/// Reads everything in the folders and says whether it is sound, complete, and what the tables say. All folders are looked at,
+/// whatever the first ones are like.
+pub fn check(options: &Options) -> Result<(), Failure> {
+    let (mut faulty, mut incomplete, mut unread) = (0, vec![], None);
+    for folder in &options.folders {
+        match check_folder(folder, options.quiet) {
+            Ok(State::Sound) => {}
+            Ok(State::Incomplete) => incomplete.push(folder.clone()),
+            Ok(State::Faulty(faults)) => faulty += faults,
+            Err(failure @ Failure::OutputClosed) => return Err(failure),
+            Err(failure) => {
+                if let Some(before) = unread.replace(failure) {
+                    before.report();
+                }
+            }
+        }
+    }
+    match unread {
+        Some(failure) => Err(failure),
+        None if faulty > 0 => Err(Failure::Unsound(faulty)),
+        None if !incomplete.is_empty() => Err(Failure::Unfinished(incomplete)),
+        None => Ok(()),
+    }
+}
+
+fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
+    if folder.is_file() {
+        // Tells that it is one.
+        folders::study(folder)?;
+    }
+    let source = Source::open(folder).map_err(|error| match (error, folders::several(folder)) {
+        (StoreError::NoResults { .. }, Some(message)) => Failure::Usage(message),
+        (error, _) => error.into(),
+    })?;
+    let report = source.check()?;
+    let mut faults: Vec<String> = report.faults.iter().map(ToString::to_string).collect();
+    let mut lacking = 0;
+    let mut about = "no study is beside them".to_owned();
+    let resolved = folder.join(RESOLVED);
+    if faults.is_empty() && resolved.is_file() {
+        let study = Study::read(&resolved)?;
+        let plan = Plan::new(&study)?;
+        let store = source.into_store(&plan.identity())?;
+        lacking = plan.lacks(&store, Share::WHOLE)?;
+        about = match lacking {
+            0 => "complete".to_owned(),
+            lacking => format!("{lacking} trials are missing"),
+        };
+        let shares = store.shares()?;
+        let has_all = |share: &Share| Ok(plan.lacks(&store, *share)? == 0);
+        if lacking > 0 && !shares.is_empty() && !shares.iter().any(Share::is_whole) {
+            let states: Vec<bool> = shares.iter().map(has_all).collect::<Result<_, Failure>>()?;
+            let named = shares.iter().zip(&states);
+            let named = named
+                .map(|(share, all)| format!("{share} {}", if *all { "complete" } else { "not complete" }));
+            about = named.collect::<Vec<_>>().join(", ");
+            if !states.contains(&false) {
+                return say_sound(folder, &report, &about, quiet).map(|()| State::Sound);
+            }
+        }
+        let tables =
+            plan.tables(&store, &Shown::new(if quiet { How::None } else { How::Auto }, Duration::ZERO))?;
+        for (source, table) in tables.all() {
+            let name = source.file();
+            let path = folder.join(name);
+            match std::fs::read(&path) {
+                Ok(found) if found == csv(table, &path)? => about += &format!(", {name} is what they give"),
+                // A run that was stopped has not made it yet, or not of all.
+                Ok(_) if lacking > 0 => about += &format!(", {name} is of an earlier state"),
+                Err(_) if lacking > 0 => {}
+                Ok(_) => faults.push(format!(
+                    "{} is not what the tallies give\nrun {} again to make it anew",
+                    path.display(),
+                    resolved.display()
+                )),
+                Err(error) => faults.push(format!("cannot read {}: {error}", path.display())),
+            }
+        }
+    }
+    for fault in faults.iter().take(MOST_TOLD) {
+        say!("error: {fault}");
+    }
+    if !faults.is_empty() {
+        about = failure::faults(faults.len());
+    }
+    say_sound(folder, &report, &about, quiet)?;
+    Ok(match (faults.len(), lacking) {
+        (0, 0) => State::Sound,
+        (0, _) => State::Incomplete,
+        (faults, _) => State::Faulty(faults),
+    })
+}
+
+/// Says what is sound, and what else there is to say.
+fn say_sound(folder: &Path, report: &Report, about: &str, quiet: bool) -> Result<(), Failure> {
+    let Report { sound, points, .. } = report;
+    if !quiet {
+        print(&format!("{}: {sound} rows of {points} points are sound; {about}", folder.display()))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,146 @@
+//! The charts of `sagnac compare`.
+
+use sagnac::allan::curve::Point;
+use sagnac::allan::deviation::Deviation;
+use sagnac::analysis::compare::ratio::Ratio;
+use sagnac::view::chart::figure::{Axis, Entry, Figure, Grouping, Limit, Parts, Series, SeriesPoint};
+use sagnac::view::chart::scale::Scale;
+
+use crate::allan::analysis::Curve;
+use crate::allan::picture::line;
+use crate::compare::analysis::Analysis;
+use crate::compare::rows::{Row, Verdict};
+use crate::compare::words::{duration, probability, times};
+
+/// Averaging times that differ by less are the same.
+const SAME: f64 = 1e-4;
+
+/// Ratios within this factor of each other are drawn on a linear axis.
+const NARROW: f64 = 3.0;
+
+/// Both curves.
+pub fn curves(analysis: &Analysis) -> Figure {
+    let labels = [0, 1].map(|i| analysis.sides[i].label.clone());
+    let entries = [0, 1].map(|style| Entry { style, name: labels[style].clone() }).into();
+    let fits = fits(analysis).unwrap_or_default();
+    let series = |colour: usize| {
+        let point = |point: &Point| {
+            let positive = point.value.filter(|value| *value > 0.0)?;
+            Some(SeriesPoint { x: point.tau_s, y: positive, band: point.interval })
+        };
+        let points = analysis.comparison.curves[colour].iter().filter_map(point).collect();
+        Series { colour, dash: 0, points, law: fits[colour].clone() }
+    };
+    Figure {
+        title: format!("Overlapping Allan deviations of {} and {}", labels[0], labels[1]),
+        subtitle: Some(subtitle(analysis)),
+        x: time(),
+        y: axis("deviation σ(τ)", analysis.unit.symbol(Deviation::Oadev)),
+        colours: Grouping { title: "records".to_owned(), entries },
+        dashes: Grouping::default(),
+        points: measured(&fits[0]),
+        bands: "95 % intervals".to_owned(),
+        lines: "fit".to_owned(),
+        series: [0, 1].map(series).into(),
+        laws: vec![],
+        parts: Parts::default(),
+        limit: None,
+        chosen: vec![],
+    }
+}
+
+/// The second curve over the first.
+pub fn ratio(analysis: &Analysis) -> Figure {
+    let [a, b] = [0, 1].map(|i| analysis.sides[i].label.clone());
+    let point = |ratio: &Ratio| {
+        let band = ratio.interval.map(|ends| (ends[0], ends[1]));
+        Some(SeriesPoint { x: ratio.tau_s(), y: ratio.value?, band })
+    };
+    let points: Vec<SeriesPoint> = analysis.comparison.ratios.iter().filter_map(point).collect();
+    let ends = points.iter().flat_map(|point| point.band.map_or([point.y; 2], |(low, high)| [low, high]));
+    let (low, high) = ends.fold((1.0_f64, 1.0_f64), |(low, high), end| (low.min(end), high.max(end)));
+    // A logarithmic axis over less has hardly a tick above 1.
+    let scale = if high < NARROW * low { Scale::Linear } else { Scale::Log };
+    let law = of_fits(&fits(analysis).unwrap_or_default());
+    Figure {
+        title: format!("{b} over {a}: ratio of overlapping Allan deviations"),
+        subtitle: Some(found(analysis)),
+        x: time(),
+        y: Axis { scale, ..axis("ratio of the deviations", "") },
+        colours: Grouping {
+            title: "ratio".to_owned(),
+            entries: vec![Entry { style: 0, name: format!("{b} / {a}") }],
+        },
+        dashes: Grouping::default(),
+        points: measured(&law),
+        bands: "95 % interval".to_owned(),
+        lines: "ratio of the fits".to_owned(),
+        series: vec![Series { colour: 0, dash: 0, points, law }],
+        laws: vec![],
+        parts: Parts::default(),
+        limit: Some(Limit { value: 1.0, label: "equal".to_owned() }),
+        chosen: vec![],
+    }
+}
+
+/// A line by its points.
+type Line = Vec<(f64, f64)>;
+
+/// What the fits of both records give on average.
+fn fits(analysis: &Analysis) -> Option<[Line; 2]> {
+    let models = analysis.comparison.models()?;
+    Some([0, 1].map(|i| {
+        let points = analysis.comparison.curves[i].clone();
+        let curve = Curve { deviation: Deviation::Oadev, points, minimum: None };
+        line(models[i], &curve, analysis.sides[i].samples)
+    }))
+}
+
+/// The second over the first, at the times of the first that the second has or runs past.
+fn of_fits([a, b]: &[Line; 2]) -> Line {
+    let at = |&(tau, of_a): &(f64, f64)| {
+        let next = b.iter().position(|point| point.0 >= tau * (1.0 - SAME))?;
+        let (high, of_high) = b[next];
+        if high <= tau * (1.0 + SAME) {
+            return Some((tau, of_high / of_a));
+        }
+        // Between two places the line is nearly a power of τ.
+        let (low, of_low) = b[next.checked_sub(1)?];
+        let part = libm::log(tau / low) / libm::log(high / low);
+        Some((tau, of_low * libm::pow(of_high / of_low, part) / of_a))
+    };
+    a.iter().filter_map(at).collect()
+}
+
+/// Where there is a fit, points are told from it.
+fn measured(fit: &Line) -> String {
+    if fit.is_empty() { String::new() } else { "measured".to_owned() }
+}
+
+/// How long both records are and what was done to them.
+fn subtitle(analysis: &Analysis) -> String {
+    let of = |i: usize| format!("{}: {}", analysis.sides[i].label, duration(analysis.sides[i].length_s()));
+    format!("{}; {}; {}", of(0), of(1), analysis.treatment().summary())
+}
+
+/// The verdicts in a few words.
+fn found(analysis: &Analysis) -> String {
+    let rows = analysis.rows.iter().flatten();
+    let of = |row: &Row| {
+        let ratio = times(row.found.ratio?, 3);
+        let open = if row.verdict() == Verdict::NotToldApart { ", not told apart" } else { "" };
+        Some(format!("{}: {ratio} ({}{open})", row.name, probability(row.found.p?)))
+    };
+    let coefficients = rows.filter_map(of);
+    let same = analysis.comparison.same.map(|same| format!("same noise in both: {}", probability(same.p)));
+    let all: Vec<String> = coefficients.chain(same).collect();
+    if all.is_empty() { subtitle(analysis) } else { all.join("; ") }
+}
+
+fn time() -> Axis {
+    axis("averaging time τ", "s")
+}
+
+fn axis(label: &str, unit: &str) -> Axis {
+    Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log, whole: false, names: vec![] }
+}

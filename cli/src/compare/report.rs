@@ -1,0 +1,159 @@
+//! What `sagnac compare` says to people.
+
+use sagnac::analysis::compare::ratio::{NEAREST, Ratio};
+use sagnac::quantity::number::significant;
+use sagnac::record::log::measure::Data;
+
+use crate::compare::analysis::{Analysis, Side};
+use crate::compare::rows::Row;
+use crate::compare::words::{duration, length, sentences, times};
+use crate::terminal::aligned;
+
+/// What should be known besides the results.
+pub fn notes(analysis: &Analysis) -> Vec<String> {
+    let mut notes = Vec::new();
+    for side in &analysis.sides {
+        notes.extend(of_side(side, analysis));
+    }
+    let common = &analysis.comparison.common;
+    if common.farthest > 0.0 {
+        notes.push(format!(
+            "the averaging times of the records are up to {} % apart: those of A are given",
+            significant(100.0 * common.farthest, 2)
+        ));
+    }
+    if common.left_out > 0 {
+        notes.push(format!(
+            "{} averaging times are left out: the other record has none within {} %",
+            common.left_out,
+            significant(100.0 * NEAREST, 2)
+        ));
+    }
+    if let Err(why) = &analysis.rows {
+        notes.push(format!("no coefficients: {why}"));
+    }
+    notes
+}
+
+fn of_side(side: &Side, analysis: &Analysis) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some(unit) = &side.overruled {
+        notes.push(format!("{}: the header says {unit}, --unit or --scale was followed", side.label));
+    }
+    if side.missing > 0 {
+        notes.push(format!(
+            "{}: {} of {} samples are missing; terms that touch a gap are left out, and intervals of coefficients count \
+             gaps by the number of their samples only",
+            side.label, side.missing, side.samples
+        ));
+    }
+    let count = side.outliers.samples.len();
+    if count > 0 {
+        let of = if side.data == Data::Angle { " among the increments" } else { "" };
+        let named = if count == 1 { "outlier" } else { "outliers" };
+        let fate = match analysis.treatment().outliers_removed {
+            true => "taken for gaps",
+            false => "kept; --remove-outliers takes them for gaps",
+        };
+        notes.push(format!("{}: {count} {named}{of}: {fate}", side.label));
+    }
+    notes
+}
+
+/// Both records, the ratios, the coefficients and what they say.
+pub fn report(analysis: &Analysis) -> String {
+    let [a, b] = &analysis.sides;
+    let treatment = analysis.treatment();
+    let mut text = format!("A  {}\nB  {}{}\n", heading(a), heading(b), treatment.left_out());
+    text += &format!("{}\n\n{}", treatment.effect(analysis.shorter_s()), ratios(analysis));
+    text += &coefficients(analysis);
+    text + "\n" + &sentences(analysis).join("\n")
+}
+
+/// `lgv1.csv: 32400 samples at 1 Hz, 9 h`
+fn heading(side: &Side) -> String {
+    format!(
+        "{}, {}: {} samples at {} Hz, {}",
+        side.path.display(),
+        side.column,
+        side.samples,
+        significant(1.0 / side.step_s, 7),
+        duration(side.length_s())
+    )
+}
+
+fn ratios(analysis: &Analysis) -> String {
+    let [a, b] = &analysis.sides;
+    let symbol = analysis.unit.symbol(sagnac::allan::deviation::Deviation::Oadev);
+    let comma = if symbol.is_empty() { "" } else { ", " };
+    let head = ["τ, s", &a.label, &b.label, "ratio", "lower", "upper", ""].map(str::to_owned);
+    let number =
+        |value: Option<f64>, digits: usize| value.map_or_else(String::new, |x| significant(x, digits));
+    let line = |ratio: &Ratio| {
+        let end = |k: usize| of_ratio(ratio.interval.map(|ends| ends[k]));
+        let value = |k: usize| number(ratio.points[k].value, 5);
+        let mark = match ratio.is_above() {
+            Some(true) => "higher",
+            Some(false) => "lower",
+            None => "",
+        };
+        let tau = significant(ratio.tau_s(), 7);
+        vec![tau, value(0), value(1), of_ratio(ratio.value), end(0), end(1), mark.to_owned()]
+    };
+    let all = &analysis.comparison.ratios;
+    let lines: Vec<Vec<String>> = std::iter::once(head.to_vec()).chain(all.iter().map(line)).collect();
+    let apart = all.iter().filter(|ratio| ratio.is_above().is_some()).count();
+    format!(
+        "overlapping Allan deviations{comma}{symbol}, and the second over the first with 95 % interval\n{}  \
+         at {apart} of {} averaging times the interval leaves out 1; of equal noise it does at 1 in 20\n",
+        aligned(&lines),
+        all.len()
+    )
+}
+
+fn of_ratio(ratio: Option<f64>) -> String {
+    ratio.map_or_else(String::new, |ratio| times(ratio, 4))
+}
+
+/// The coefficients, a line each.
+fn coefficients(analysis: &Analysis) -> String {
+    let Ok(rows) = &analysis.rows else { return String::new() };
+    if rows.is_empty() {
+        return String::new();
+    }
+    let [a, b] = [&analysis.sides[0].label, &analysis.sides[1].label];
+    let head = ["", "", a, b, "ratio", "lower", "upper", "difference", "lower", "upper", "p", "length"]
+        .map(str::to_owned);
+    let number = |value: Option<f64>| value.map_or_else(String::new, |value| significant(value, 4));
+    let line = |row: &Row| {
+        let found = &row.found;
+        let value = |k: usize| match (found.values[k], found.at_most[k]) {
+            (None, Some(most)) => format!("< {}", significant(most, 3)),
+            (value, _) => number(value),
+        };
+        let p = found.p.map_or_else(String::new, |p| {
+            crate::compare::words::probability(p).replace("p ", "").replace("= ", "")
+        });
+        [
+            row.name.to_owned(),
+            row.symbol.to_owned(),
+            value(0),
+            value(1),
+            of_ratio(found.ratio),
+            of_ratio(found.ratio_interval[0]),
+            of_ratio(found.ratio_interval[1]),
+            number(found.difference),
+            number(found.interval[0]),
+            number(found.interval[1]),
+            p,
+            length(row.length),
+        ]
+        .to_vec()
+    };
+    let lines: Vec<Vec<String>> = std::iter::once(head.to_vec()).chain(rows.iter().map(line)).collect();
+    format!(
+        "\ncoefficients of both curves up to an eighth of each record, with 95 % intervals\n{}  \
+         length: of records that would show such values to differ in 9 of 10 cases\n",
+        aligned(&lines)
+    )
+}

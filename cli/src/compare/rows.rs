@@ -1,0 +1,84 @@
+//! Coefficients of two logs in the units of data sheets.
+
+use sagnac::allan::unit::Unit;
+use sagnac::analysis::compare::Comparison;
+use sagnac::analysis::compare::difference::{Difference, Quantity, SIGNIFICANT};
+use sagnac::analysis::compare::length::Length;
+use sagnac::fit::noise::data_sheet_unit;
+use sagnac::fit::term::Term;
+
+/// What two logs say of one coefficient.
+#[derive(Debug, Clone)]
+pub struct Row {
+    pub quantity: Quantity,
+    /// As files have it.
+    pub name: &'static str,
+    pub unit: &'static str,
+    /// For people.
+    pub symbol: &'static str,
+    /// In this unit, but for p and the ratio.
+    pub found: Difference,
+    pub length: Length,
+}
+
+/// What the p of a row says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    Higher,
+    Lower,
+    NotToldApart,
+    /// Both values are the same number.
+    Equal,
+    /// Neither record shows it.
+    Neither,
+}
+
+impl Verdict {
+    /// As files have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::Higher => "B higher",
+            Verdict::Lower => "B lower",
+            Verdict::NotToldApart => "not told apart",
+            Verdict::Equal => "equal",
+            Verdict::Neither => "in neither record",
+        }
+    }
+}
+
+impl Row {
+    pub fn verdict(&self) -> Verdict {
+        match self.found.p {
+            None => Verdict::Neither,
+            Some(p) if p < SIGNIFICANT => match self.found.interval[0] {
+                Some(low) if low >= 0.0 => Verdict::Higher,
+                _ => Verdict::Lower,
+            },
+            Some(_) if self.found.difference == Some(0.0) => Verdict::Equal,
+            Some(_) => Verdict::NotToldApart,
+        }
+    }
+}
+
+/// The rows of a comparison, or why there are none.
+pub fn rows(comparison: &Comparison, unit: Unit) -> Result<Vec<Row>, String> {
+    let differences = comparison.differences.as_ref().map_err(ToString::to_string)?;
+    Ok(differences.iter().zip(comparison.lengths()).map(|(found, length)| row(found, length, unit)).collect())
+}
+
+fn row(found: &Difference, length: Length, unit: Unit) -> Row {
+    let (name, (factor, unit, symbol)) = match found.quantity {
+        Quantity::Coefficient(term) => (term.symbol(), data_sheet_unit(term, unit)),
+        Quantity::Shape(Term::Sine) => ("sine_frequency", (1.0, "Hz", "Hz")),
+        Quantity::Shape(_) => ("markov_time", (1.0, "s", "s")),
+    };
+    let scaled = |value: Option<f64>| value.map(|value| factor * value);
+    let found = Difference {
+        values: found.values.map(scaled),
+        at_most: found.at_most.map(scaled),
+        difference: scaled(found.difference),
+        interval: found.interval.map(scaled),
+        ..*found
+    };
+    Row { quantity: found.quantity, name, unit, symbol, found, length }
+}

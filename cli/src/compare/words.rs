@@ -1,0 +1,176 @@
+//! What a comparison says in sentences.
+
+use sagnac::analysis::compare::difference::Quantity;
+use sagnac::analysis::compare::length::Length;
+use sagnac::analysis::compare::same::By;
+use sagnac::fit::term::Term;
+use sagnac::quantity::number::significant;
+
+use crate::compare::analysis::Analysis;
+use crate::compare::rows::{Row, Verdict};
+
+/// Smaller probabilities are not said: they are of tails that no approximation knows.
+const LEAST_SAID: f64 = 1e-12;
+
+/// All sentences: on the curves as a whole, then on each coefficient.
+pub fn sentences(analysis: &Analysis) -> Vec<String> {
+    let [a, b] = [&analysis.sides[0].label, &analysis.sides[1].label];
+    if analysis.is_one_record {
+        return vec![format!(
+            "{a} and {b} are one record: every ratio is 1, and nothing can differ (p = 1)."
+        )];
+    }
+    let of_rows = analysis.rows.iter().flatten();
+    let shorter_s = analysis.shorter_s();
+    same(analysis).into_iter().chain(of_rows.map(|row| of_row(row, a, b, shorter_s))).collect()
+}
+
+/// `p = 0.03`, `p < 1e-12`
+pub fn probability(p: f64) -> String {
+    if p < LEAST_SAID { format!("p < {LEAST_SAID:e}") } else { format!("p = {}", significant(p, 2)) }
+}
+
+/// `31 h`, with two digits.
+pub fn duration(seconds: f64) -> String {
+    const UNITS: [(f64, f64, &str); 5] = [
+        (120.0, 1.0, "s"),
+        (7200.0, 60.0, "min"),
+        (72.0 * 3600.0, 3600.0, "h"),
+        (730.0 * 86400.0, 86400.0, "days"),
+        (f64::INFINITY, 365.25 * 86400.0, "years"),
+    ];
+    let (_, size, name) = UNITS.into_iter().find(|(most, ..)| seconds < *most).unwrap_or(UNITS[4]);
+    format!("{} {name}", significant(seconds / size, 2))
+}
+
+/// The length that a row asks for: `31 h`, `> 2.1 years`; empty where none can be named.
+pub fn length(length: Length) -> String {
+    match length {
+        Length::Needed { length_s } => duration(length_s),
+        Length::Beyond { length_s } => format!("> {}", duration(length_s)),
+        Length::Unknown => String::new(),
+    }
+}
+
+/// Whether the noise is the same, all averaging times together.
+fn same(analysis: &Analysis) -> Option<String> {
+    let same = analysis.comparison.same?;
+    let times = format!("{} averaging times up to {} s", same.times, significant(same.longest_s, 6));
+    let how = match same.by {
+        By::ChiSquared { value } => {
+            format!("χ² = {} over {times}, with the covariance between them", significant(value, 4))
+        }
+        By::LeastP => format!("the least p of {times}, times {}", same.times),
+    };
+    let said =
+        if same.p < 0.05 { "The noise is not the same" } else { "Nothing speaks against the same noise" };
+    Some(format!("{said}: {} for the same in both ({how}).", probability(same.p)))
+}
+
+fn of_row(row: &Row, a: &str, b: &str, shorter_s: f64) -> String {
+    let name = title(row.quantity);
+    let found = &row.found;
+    let p = found.p.map(probability).unwrap_or_default();
+    let (shows, other) = if found.values[1].is_some() { (b, a) } else { (a, b) };
+    let most = at_most(row, found.at_most[usize::from(found.values[1].is_none())]);
+    match (row.verdict(), found.ratio) {
+        (Verdict::Neither, _) => {
+            let [a_most, b_most] = found.at_most.map(|most| at_most(row, most));
+            format!("Neither record shows {name}: {a} has {a_most}, {b} {b_most}.")
+        }
+        (Verdict::Equal, _) => format!("Both have the same {name}: no length of records tells them apart."),
+        (Verdict::Higher | Verdict::Lower, Some(ratio)) => format!(
+            "{b} has {} times the {name} of {a} ({}, {p}){}.",
+            times(ratio, 3),
+            interval(found.ratio_interval),
+            of_significant(row.length, shorter_s)
+        ),
+        (Verdict::Higher | Verdict::Lower, None) => format!(
+            "{shows} has more {name} than {other}, which shows none: {most} ({p}){}.",
+            of_significant(row.length, shorter_s)
+        ),
+        (Verdict::NotToldApart, Some(ratio)) => format!(
+            "The {name} is not told apart: {b} has {} times that of {a} ({}, {p}){}.",
+            times(ratio, 3),
+            interval(found.ratio_interval),
+            of_open(row.length, ratio)
+        ),
+        (Verdict::NotToldApart, None) => format!(
+            "Only {shows} shows {name}, but {other} may have as much: {most} ({p}). As long as its value is not known, no \
+             length can be named that would tell them apart."
+        ),
+    }
+}
+
+/// How long would have been enough.
+fn of_significant(length: Length, shorter_s: f64) -> String {
+    match length {
+        Length::Needed { length_s } if length_s <= shorter_s => {
+            format!("; records of {} each would have been enough", duration(length_s))
+        }
+        Length::Needed { length_s } => {
+            format!("; to show it in 9 of 10 cases takes records of {} each", duration(length_s))
+        }
+        Length::Beyond { length_s } => {
+            format!("; to show it in 9 of 10 cases takes records of more than {} each", duration(length_s))
+        }
+        Length::Unknown => String::new(),
+    }
+}
+
+/// How long records would tell values of this ratio apart.
+fn of_open(length: Length, ratio: f64) -> String {
+    let apart = match ratio {
+        0.5..=2.0 => format!("{} %", significant(100.0 * (ratio - 1.0).abs(), 2)),
+        _ => format!("a factor of {}", significant(ratio.max(1.0 / ratio), 2)),
+    };
+    match length {
+        Length::Needed { length_s } => {
+            format!("; records of {} each would tell {apart} apart", duration(length_s))
+        }
+        Length::Beyond { length_s } => {
+            format!("; to tell {apart} apart takes records of more than {} each", duration(length_s))
+        }
+        Length::Unknown => String::new(),
+    }
+}
+
+fn at_most(row: &Row, most: Option<f64>) -> String {
+    match most {
+        Some(most) => format!("at most {} {}", significant(most, 3), row.symbol).trim_end().to_owned(),
+        None => "an amount it cannot tell".to_owned(),
+    }
+}
+
+/// A ratio with so many digits, near 1 with as many as tell it from 1.
+pub fn times(ratio: f64, digits: usize) -> String {
+    let shown = (digits..digits + 6).map(|digits| significant(ratio, digits));
+    shown.into_iter().find(|text| text != "1").unwrap_or_else(|| "1".to_owned())
+}
+
+/// `0.6 … 1.3`, with words where an end is not known.
+fn interval([low, high]: [Option<f64>; 2]) -> String {
+    let number = |end: f64| times(end, 3);
+    match (low, high) {
+        (Some(low), Some(high)) => format!("{} … {}", number(low), number(high)),
+        (Some(low), None) => format!("at least {}", number(low)),
+        (None, Some(high)) => format!("at most {}", number(high)),
+        (None, None) => "no interval".to_owned(),
+    }
+}
+
+fn title(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Coefficient(term) => match term {
+            Term::Quantisation => "quantisation noise Q",
+            Term::AngleRandomWalk => "angle random walk N",
+            Term::BiasInstability => "bias instability B",
+            Term::RateRandomWalk => "rate random walk K",
+            Term::RateRamp => "rate ramp R",
+            Term::Markov => "Markov noise",
+            Term::Sine => "sine",
+        },
+        Quantity::Shape(Term::Sine) => "frequency of the sine",
+        Quantity::Shape(_) => "correlation time of the Markov noise",
+    }
+}

@@ -1,0 +1,21 @@
+//! `sagnac devices`.
+
+use sagnac::device::gpu::adapter::Adapter;
+use sagnac::kernel::width::Width;
+
+use crate::failure::Failure;
+use crate::output::print;
+
+/// Lists what kernels can run on.
+pub fn devices() -> Result<(), Failure> {
+    let widths: Vec<&str> = Width::available().into_iter().map(Width::name).collect();
+    print(&format!("cpu: {}", widths.join(", ")))?;
+    let adapters = Adapter::all();
+    for adapter in &adapters {
+        print(&format!("gpu: {}\n     {}", adapter.name(), adapter.description()))?;
+    }
+    if adapters.is_empty() {
+        say!("no GPU and no software rasteriser was found (Vulkan, Metal, DX12)");
+    }
+    Ok(())
+}

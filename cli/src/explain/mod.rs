@@ -1,0 +1,227 @@
+//! `sagnac explain`: what a word, a key, a column or an exit code means.
+
+pub mod glossary;
+
+use std::collections::BTreeMap;
+
+use clap::Args;
+use sagnac::key::explained::{Explained, explain_key, explain_kind, explained_keys};
+use sagnac::key::file::Kind;
+use sagnac::table::describe::{File, meanings};
+
+use crate::explain::glossary::{TERMS, Term};
+use crate::failure::{EXIT_CODES, Failure};
+use crate::look;
+use crate::output::print;
+
+const EXAMPLES: &str = "\
+Examples:
+  sagnac explain motion.amplitude
+  sagnac explain q9973_arcsec
+  sagnac explain gap-fill
+  sagnac explain minimum-variance
+  sagnac explain N
+  sagnac explain 4";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Options {
+    /// Key or word of a study file, kind of study, term, column of a file of results, or exit code; without it all of these are listed
+    #[arg(value_name = "WHAT")]
+    what: Vec<String>,
+}
+
+/// Names that are offered for one that is not known.
+const OFFERED: usize = 3;
+
+/// Prints what is known of the word.
+pub fn explain(options: &Options) -> Result<(), Failure> {
+    // Terms of several words need no quotes.
+    match &options.what[..] {
+        [] => print(&subjects()),
+        words => print(&of(&words.join(" "))?),
+    }
+}
+
+fn of(what: &str) -> Result<String, Failure> {
+    let what = what.strip_prefix("exit code ").unwrap_or(what);
+    if what.parse::<u8>().is_ok() {
+        let found = EXIT_CODES.iter().find(|(codes, _)| codes.split(", ").any(|code| code == what));
+        return found.map(|(_, meaning)| format!("exit code {what}: {meaning}")).ok_or_else(|| {
+            let codes: Vec<&str> = EXIT_CODES.iter().map(|(codes, _)| *codes).collect();
+            Failure::Usage(format!("there is no exit code {what}\nthere are {}", codes.join(", ")))
+        });
+    }
+    let exact = all_of(what, |name| name == what);
+    let found = match exact.is_empty() {
+        true => all_of(&folded(what), |name| folded(name) == folded(what)),
+        false => exact,
+    };
+    if found.is_empty() { Err(Failure::Usage(unknown(what))) } else { Ok(found.join("\n")) }
+}
+
+/// A name as it is looked for where it is not written exactly so.
+fn folded(name: &str) -> String {
+    name.to_lowercase().replace(['-', ' '], "_")
+}
+
+/// What is known of kinds, terms, keys, words and columns that are called so. Keys that only end so come behind words.
+fn all_of(what: &str, is_called: impl Fn(&str) -> bool) -> Vec<String> {
+    let kinds = Kind::ALL.into_iter().filter(|kind| is_called(kind.name())).map(of_kind);
+    let terms = TERMS.iter().filter(|term| term.names.iter().any(|name| is_called(name))).map(of_term);
+    let whole: Vec<&str> = explained_keys().filter(|key| is_called(key)).collect();
+    let ends = |key: &&str| key.match_indices('.').any(|(dot, _)| is_called(&key[dot + 1..]));
+    let parts = if whole.is_empty() { explained_keys().filter(ends).collect() } else { vec![] };
+    let keys = |keys: Vec<&'static str>| keys.into_iter().filter_map(explain_key).map(|key| of_key(&key));
+    let words = of_words(&is_called);
+    kinds.chain(terms).chain(keys(whole)).chain(words).chain(keys(parts)).chain(of_column(what)).collect()
+}
+
+fn of_term(term: &Term) -> String {
+    format!("{} (term)\n{}", term.names.join(", "), filled(term.meaning))
+}
+
+/// A kind of study.
+fn of_kind(kind: Kind) -> String {
+    let name = kind.name();
+    let mut text = format!("{name} (kind of study)\n{}", filled(explain_kind(kind)));
+    text +=
+        &filled(&format!("`sagnac new {name}` writes one with its keys explained, `sagnac run` runs it."));
+    text + &format!("  Example:\n    kind = \"{name}\"\n")
+}
+
+/// Words that keys take, but for the kinds, which are told at length.
+fn of_words(is_called: impl Fn(&str) -> bool) -> Vec<String> {
+    let mut found: Vec<(String, String, Vec<&str>)> = Vec::new();
+    for key in explained_keys().filter(|key| *key != "kind").filter_map(explain_key) {
+        for (word, meaning) in
+            key.choices.into_iter().filter(|(word, meaning)| is_called(word) && !meaning.is_empty())
+        {
+            match found.iter_mut().find(|(known, said, _)| *known == word && *said == meaning) {
+                Some((_, _, keys)) => keys.push(key.key),
+                None => found.push((word, meaning, vec![key.key])),
+            }
+        }
+    }
+    let text = |(word, meaning, keys): (String, String, Vec<&str>)| {
+        let says = filled(&format!("{meaning} A value of {}.", keys.join(", ")));
+        format!("{word} (word of a study file)\n{says}")
+    };
+    found.into_iter().map(text).collect()
+}
+
+/// A key of a study file.
+fn of_key(key: &Explained) -> String {
+    let mut text = format!("{} (key of a study file)\n", key.key);
+    let mut line = |words: &str| text += &filled(words);
+    line(&key.meaning);
+    line(&format!("Holds {}.", key.holds));
+    for (word, meaning) in &key.choices {
+        line(&format!("\"{word}\" {meaning}"));
+    }
+    let inner: Vec<&str> =
+        explained_keys().filter_map(|other| other.strip_prefix(&format!("{}.", key.key))).collect();
+    if !inner.is_empty() {
+        line(&format!("As a table it has {}.", inner.join(", ")));
+    }
+    if let Some(swept) = &key.swept {
+        let accepted = swept.accepted.strip_prefix("accepted: ").unwrap_or(&swept.accepted);
+        if !accepted.is_empty() {
+            line(&format!("Accepted: {accepted}."));
+        }
+        if !swept.range.is_empty() {
+            line(&format!("Range: {}.", swept.range));
+        }
+        line(&format!("Can be swept as key = \"{}\": {}.", key.key, swept.label));
+    }
+    let kinds: Vec<&str> = key.kinds.iter().map(|kind| kind.name()).collect();
+    let table = key.key.split_once('.').map_or_else(String::new, |(table, _)| {
+        format!(" with a table [{table}], as far as they have a use for it")
+    });
+    line(&format!("In studies of kind {}{table}.", kinds.join(", ")));
+    let example: String = key.example.lines().map(|line| format!("    {line}\n")).collect();
+    text + "  Example:\n" + &example
+}
+
+/// A column, by the files that have one called so; of a key that can be swept only where it is none itself.
+fn of_column(name: &str) -> Option<String> {
+    let found = meanings(name);
+    let is_key = explain_key(name).is_some()
+        && found.iter().all(|(_, files)| {
+            files.iter().all(|file| !file.columns().iter().any(|(known, _)| *known == name))
+        });
+    if found.is_empty() || is_key {
+        return None;
+    }
+    let mut text = format!("{name} (column)\n");
+    for (meaning, files) in found {
+        let files: Vec<String> = files.iter().map(|file| file.title()).collect();
+        text += &filled(&format!("{meaning} In {}.", files.join(", ")));
+    }
+    Some(text)
+}
+
+/// All that can be asked for.
+fn subjects() -> String {
+    let mut tables: BTreeMap<usize, (&str, Vec<&str>)> = BTreeMap::new();
+    for (at, key) in explained_keys().enumerate() {
+        let (table, rest) = key.split_once('.').map_or(("", key), |(table, rest)| (table, rest));
+        let is_table = explained_keys().any(|other| other.starts_with(&format!("{key}.")));
+        let is_value_too = || explain_key(key).is_some_and(|key| key.holds.contains("or a table"));
+        if is_table && table.is_empty() && !is_value_too() {
+            continue;
+        }
+        let place = tables.iter().find(|(_, (known, _))| *known == table).map_or(at, |(place, _)| *place);
+        tables.entry(place).or_insert((table, vec![])).1.push(rest);
+    }
+    let kinds: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
+    let mut text =
+        format!("Kinds of studies, as in `sagnac explain gap-fill`\n{}\n", filled(&kinds.join(", ")));
+    text += "Keys of study files, as in `sagnac explain motion.amplitude`\n";
+    for (table, keys) in tables.values() {
+        let table = if table.is_empty() { "at the top".to_owned() } else { format!("[{table}]") };
+        text += &filled(&format!("{table}: {}", keys.join(", ")));
+    }
+    text += "\nColumns of results, as in `sagnac explain rms`\n";
+    for file in File::ALL {
+        let columns: Vec<&str> = file.columns().iter().map(|(name, _)| *name).collect();
+        text += &filled(&format!("{}: {}", file.title(), columns.join(", ")));
+    }
+    let terms: Vec<&str> = TERMS.iter().map(|term| term.names[0]).collect();
+    text += &format!("\nTerms, as in `sagnac explain N`\n{}", filled(&terms.join(", ")));
+    text += "\nExit codes, as in `sagnac explain 4`\n";
+    for (codes, meaning) in EXIT_CODES {
+        text += &filled(&format!("{codes}: {meaning}"));
+    }
+    text
+}
+
+/// A name that is not known, with those that are most like it.
+fn unknown(what: &str) -> String {
+    let columns = File::ALL.into_iter().flat_map(|file| file.columns().iter().map(|(name, _)| *name));
+    let kinds = Kind::ALL.iter().map(|kind| kind.name());
+    let terms = TERMS.iter().flat_map(|term| term.names).copied();
+    let mut known: Vec<&str> = explained_keys().chain(columns).chain(kinds).chain(terms).collect();
+    known.sort_unstable();
+    known.dedup();
+    let likeness = |name: &str| {
+        let bare = name.rsplit('.').next().unwrap_or(name);
+        let whole = strsim::normalized_damerau_levenshtein(what, name);
+        whole.max(strsim::normalized_damerau_levenshtein(what, bare))
+    };
+    known.sort_by(|a, b| likeness(b).total_cmp(&likeness(a)));
+    let near: Vec<String> = known
+        .iter()
+        .take(OFFERED)
+        .filter(|name| likeness(name) >= 0.5)
+        .map(|name| format!("`{name}`"))
+        .collect();
+    let offer = if near.is_empty() { String::new() } else { format!("did you mean {}? ", near.join(", ")) };
+    format!("`{what}` is no kind, key, word, term, column or exit code\n{offer}`sagnac explain` lists all")
+}
+
+/// Words in indented lines no wider than the terminal.
+fn filled(words: &str) -> String {
+    let words: Vec<&str> = words.split_whitespace().collect();
+    look::wrapped(&format!("  {}", words.join(" ")), look::width().clamp(40, 110)) + "\n"
+}

@@ -1,0 +1,104 @@
+//! Fillers from options alone: the options, and the study they make.
+
+use clap::Args;
+use miette::Diagnostic;
+use sagnac::analysis::firmware::alone::{Alone, MINIMUM_VARIANCE};
+use sagnac::source::diagnose::StudyError;
+
+use crate::failure::Failure;
+
+/// Keys of the study that is made of the options, and the options that stand for them; longer keys first.
+const NAMES: [(&str, &str); 9] = [
+    ("switching.extrapolation_ticks", "--extrapolation-ticks"),
+    ("switching.fit_ticks", "--fit-ticks"),
+    ("switching.gap_ticks", "--gap-ticks"),
+    ("switching.fillers", "the filler"),
+    ("motion.amplitude", "--amplitude"),
+    ("motion.frequency", "--band"),
+    ("gyro.tick_noise.std", "--noise"),
+    ("gyro.tick_noise", "--noise"),
+    ("gyro.tick", "--tick"),
+];
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Without a study")]
+pub struct Given {
+    /// Lost ticks n
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    gap_ticks: Option<u32>,
+    /// Length of a tick, such as "5 ms"; polynomials do without
+    #[arg(long, value_name = "TIME")]
+    pub tick: Option<String>,
+    /// Ticks that the residual is fitted to, such as "-7..0,n+1,n+2" [default: -1,0,n+1,n+2]
+    #[arg(long, value_name = "TICKS", allow_hyphen_values = true)]
+    fit_ticks: Option<String>,
+    /// Ticks that the extrapolation is fitted to [default: -3..0; for minimum-variance the fit ticks up to 0]
+    #[arg(long, value_name = "TICKS", allow_hyphen_values = true)]
+    extrapolation_ticks: Option<String>,
+    /// Frequencies of the vibration, "18 Hz,22 Hz", or a single one
+    #[arg(long, value_name = "LOW,HIGH", requires_all = ["tick", "amplitude"])]
+    band: Option<String>,
+    /// Amplitude of the vibration, of its rate or angle, such as "12000 arcsec/s"
+    #[arg(long, value_name = "RATE", requires = "band")]
+    amplitude: Option<String>,
+    /// Standard deviation of the noise of a tick, such as "0.5 arcsec"
+    #[arg(long, value_name = "ANGLE")]
+    noise: Option<String>,
+}
+
+impl Given {
+    /// One of the options that is given.
+    pub fn given(&self) -> Option<&'static str> {
+        let all = [
+            ("--tick", &self.tick),
+            ("--fit-ticks", &self.fit_ticks),
+            ("--extrapolation-ticks", &self.extrapolation_ticks),
+            ("--band", &self.band),
+            ("--amplitude", &self.amplitude),
+            ("--noise", &self.noise),
+        ];
+        let text = all.into_iter().find(|(_, value)| value.is_some()).map(|(name, _)| name);
+        self.gap_ticks.map(|_| "--gap-ticks").or(text)
+    }
+
+    /// The text of a study of fillers of these kinds.
+    ///
+    /// # Errors
+    /// What the fillers are made of is not given.
+    pub fn study(&self, kinds: &[String]) -> Result<String, Failure> {
+        let missing = |option: &str, example: &str, of: &str| {
+            Failure::Usage(format!("{option} is missing: {of}\nadd for example {option} {example}"))
+        };
+        let gap_ticks =
+            self.gap_ticks.ok_or_else(|| missing("--gap-ticks", "3", "how many ticks are lost"))?;
+        if kinds.iter().any(|kind| kind == MINIMUM_VARIANCE) {
+            let of = "a minimum-variance filler is designed for a vibration and the noise beside it";
+            let needed = [
+                ("--tick", "\"5 ms\"", &self.tick),
+                ("--band", "\"18 Hz,22 Hz\"", &self.band),
+                ("--amplitude", "\"12000 arcsec/s\"", &self.amplitude),
+                ("--noise", "\"0.5 arcsec\"", &self.noise),
+            ];
+            if let Some((option, example, _)) = needed.into_iter().find(|(.., value)| value.is_none()) {
+                return Err(missing(option, example, of));
+            }
+        }
+        let alone = Alone {
+            gap_ticks,
+            tick: self.tick.clone(),
+            fit_ticks: self.fit_ticks.clone(),
+            extrapolation_ticks: self.extrapolation_ticks.clone(),
+            band: self.band.clone(),
+            amplitude: self.amplitude.clone(),
+            noise: self.noise.clone(),
+        };
+        Ok(alone.study(kinds))
+    }
+
+    /// A fault of that study, in terms of the options.
+    pub fn failure(&self, error: &StudyError) -> Failure {
+        let help = error.help().map_or_else(String::new, |help| format!("\n{help}"));
+        let said = NAMES.iter().fold(format!("{error}{help}"), |said, (key, name)| said.replace(key, name));
+        Failure::Usage(said)
+    }
+}

@@ -1,0 +1,141 @@
+//! The weights for people.
+
+use sagnac::analysis::firmware::design::{Closed, Design, Firmware};
+use sagnac::analysis::firmware::rule::Rule;
+use sagnac::key::file::switching::Error;
+use sagnac::quantity::number::significant;
+use sagnac::theory::gap::Weights;
+
+use crate::terminal::aligned;
+
+/// Denominators up to this are shown as fractions.
+const MOST_DENOMINATOR: i64 = 999;
+
+/// Ticks beside each other; more go on below.
+const ACROSS: usize = 10;
+
+/// Every filler with its weights, gains and errors.
+pub fn of(firmware: &Firmware) -> String {
+    let n = firmware.gap_ticks;
+    let plural = if n == 1 { "" } else { "s" };
+    let of = firmware.tick_s.map_or_else(String::new, |t| format!(" of {} ms", significant(1e3 * t, 6)));
+    let mut text = format!("{}\nn = {n} lost tick{plural}{of}, numbered from 1\n", firmware.title);
+    let place = firmware.place();
+    if !place.is_empty() {
+        text += &format!("at {place}\n");
+    }
+    for design in &firmware.designs {
+        text += &format!("\n{}: {}\n", design.name, design.method);
+        for (error, rule, closed) in design.rules() {
+            text += &part(firmware, error, rule, closed);
+        }
+        text += &missing(design, n);
+    }
+    if let Some(reason) = &firmware.unsampled {
+        text += &format!("\nno rms: {reason}\n");
+    }
+    text
+}
+
+/// The table of a rule, and what is known of its error.
+fn part(firmware: &Firmware, error: Error, rule: &Rule, closed: Closed) -> String {
+    let whole = rule.whole();
+    let (letter, heading) = match error {
+        Error::Residual => ('I', "interpolation I and the residual it leaves"),
+        Error::Extrapolation | Error::InGap => ('E', "extrapolation E and its error"),
+    };
+    let row = |numerators: Vec<i64>| Weights { numerators, ..whole.clone() };
+    let mut rows = Vec::new();
+    if rule.rows.len() == firmware.gap_ticks as usize {
+        let by_tick = (1..).zip(&rule.rows);
+        rows.extend(by_tick.map(|(j, numerators): (u32, _)| {
+            (format!("{letter}{j}"), row(numerators.iter().map(|w| i64::from(*w)).collect()))
+        }));
+    }
+    rows.push(("sum".to_owned(), whole.clone()));
+    let small = rows.iter().all(|(_, weights)| fractions(weights).is_some());
+    let mut text = format!("  {heading}\n");
+    for from in (0..rule.ticks.len()).step_by(ACROSS) {
+        let span = from..(from + ACROSS).min(rule.ticks.len());
+        let mut grid =
+            vec![line("tick", rule.ticks[span.clone()].iter().map(|tick| minus(&tick.to_string())))];
+        for (name, weights) in &rows {
+            match fractions(weights).filter(|_| small) {
+                Some(fractions) => grid.push(line(name, fractions[span.clone()].iter().cloned())),
+                None => {
+                    let values: Vec<f64> = weights.values().collect();
+                    grid.push(line(name, values[span.clone()].iter().map(|w| minus(&significant(*w, 6)))));
+                    let over = format!("× {}", denominator(rule.denominator));
+                    let numerators = weights.numerators[span.clone()].iter();
+                    grid.push(line(&over, numerators.map(|w| minus(&w.to_string()))));
+                }
+            }
+        }
+        text += &aligned(&grid).lines().map(|line| format!("  {line}\n")).collect::<String>();
+    }
+    let number = |x: f64| significant(x, 5);
+    let how = if rule.exact { "exact, " } else { "rounded to the nearest with Σw kept, " };
+    text += &format!(
+        "    {how}over {}   Σw = {}   √Σw² = {}   Σ|w| = {}\n",
+        denominator(rule.denominator),
+        firmware.gap_ticks,
+        number(whole.noise_gain()),
+        number(whole.largest_gain()),
+    );
+    if let (Some(amplitude), Some((rate, nu))) = (closed.amplitude, firmware.tone) {
+        let (amplitude, rate, nu) = (number(amplitude), number(rate), number(nu));
+        text += &format!("    amplitude {amplitude} ″ at {nu} Hz and {rate} ″/s");
+        text += &closed.rms.map_or_else(String::new, |rms| format!(", rms with noise {} ″", number(rms)));
+        text += "\n";
+    } else if let Some(rms) = closed.rms.filter(|rms| *rms > 0.0) {
+        text += &format!("    rms with noise {} ″\n", number(rms));
+    }
+    text
+}
+
+/// What the filler does not say.
+fn missing(design: &Design, n: u32) -> String {
+    let mut text = String::new();
+    if design.rules().any(|(_, rule, _)| rule.rows.len() != n as usize) {
+        text += "  it gives the sum over the gap alone, no single ticks\n";
+    }
+    if design.extrapolation.is_none() {
+        text += "  it has no extrapolation: nothing to deliver while the gap is open\n";
+    }
+    text
+}
+
+fn line(name: &str, cells: impl Iterator<Item = String>) -> Vec<String> {
+    std::iter::once(name.to_owned()).chain(cells).collect()
+}
+
+/// The weights as reduced fractions, where all of them are small ones.
+fn fractions(weights: &Weights) -> Option<Vec<String>> {
+    let fraction = |w: &i64| {
+        let divisor = greatest_common_divisor(*w, weights.denominator);
+        let (above, below) = (w / divisor, weights.denominator / divisor);
+        match below {
+            1 => Some(minus(&above.to_string())),
+            below if below <= MOST_DENOMINATOR => Some(minus(&format!("{above}/{below}"))),
+            _ => None,
+        }
+    };
+    weights.numerators.iter().map(fraction).collect()
+}
+
+fn greatest_common_divisor(a: i64, b: i64) -> i64 {
+    if b == 0 { a.abs() } else { greatest_common_divisor(b, a % b) }
+}
+
+/// `2^24`, or the number where it is no power of two.
+fn denominator(denominator: i32) -> String {
+    if denominator > 1 << 10 && denominator & (denominator - 1) == 0 {
+        format!("2^{}", denominator.trailing_zeros())
+    } else {
+        denominator.to_string()
+    }
+}
+
+fn minus(number: &str) -> String {
+    number.replace('-', "−")
+}

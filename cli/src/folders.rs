@@ -1,0 +1,97 @@
+//! Which folders hold results of studies, and what others hold.
+
+use std::path::{Path, PathBuf};
+
+use sagnac::run::RESOLVED;
+use sagnac::study::Study;
+
+use crate::failure::Failure;
+
+/// Files by which folders are known, with the command that writes them.
+const WRITTEN: [(&str, &str); 6] = [
+    ("curve.csv", "allan"),
+    ("compare.csv", "compare"),
+    ("design/design.json", "design"),
+    ("design.json", "design"),
+    ("filler/weights.csv", "filler"),
+    ("weights.csv", "filler"),
+];
+
+/// Most folders that a message names.
+const MOST_NAMED: usize = 4;
+
+/// Whether a study was run into the folder.
+pub fn is_study(folder: &Path) -> bool {
+    folder.join(RESOLVED).is_file()
+}
+
+/// The folders in a folder, by name.
+///
+/// # Errors
+/// It cannot be read.
+pub fn within(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let entries = std::fs::read_dir(folder)?.map(|entry| entry.map(|entry| entry.path()));
+    let mut found = entries.collect::<Result<Vec<_>, _>>()?;
+    found.retain(|path| path.is_dir());
+    found.sort();
+    Ok(found)
+}
+
+/// The study that was run into the folder.
+///
+/// # Errors
+/// There is none, which is told with what there is; a study that cannot be read.
+pub fn study(folder: &Path) -> Result<Study, Failure> {
+    if is_study(folder) {
+        return Ok(Study::read(&folder.join(RESOLVED))?);
+    }
+    let shown = folder.display();
+    let give = "give a folder that `sagnac run` wrote results to";
+    let message = if folder.is_file() {
+        format!("{shown} is a file, not a folder of results\n{give}")
+    } else if !folder.exists() {
+        format!("there is no folder {shown}\n{give}")
+    } else if let Some(command) = writer(folder) {
+        format!("{shown} holds what `sagnac {command}` wrote, and no results of a study\n{give}")
+    } else {
+        let none = || format!("{shown} has no {RESOLVED}, so no results of a study\n{give}");
+        several(folder).unwrap_or_else(none)
+    };
+    Err(Failure::Usage(message))
+}
+
+/// That a folder has results in folders of its own, if it has.
+pub fn several(folder: &Path) -> Option<String> {
+    let mut studies = within(folder).unwrap_or_default();
+    studies.retain(|folder| is_study(folder));
+    let names = named(&studies);
+    let holds = || format!("{} holds folders of results\ngive one of them: {names}", folder.display());
+    (!names.is_empty()).then(holds)
+}
+
+/// The command other than `run` that wrote to the folder, where there is one.
+fn writer(folder: &Path) -> Option<&'static str> {
+    WRITTEN.iter().find(|(file, _)| folder.join(file).is_file()).map(|(_, command)| *command)
+}
+
+/// What a gallery leaves out, in a line: folders in `folder` in which another command than `run` wrote.
+pub fn left_out(folder: &Path) -> Option<String> {
+    if is_study(folder) {
+        return None;
+    }
+    let others = within(folder).unwrap_or_default().into_iter().filter(|folder| !is_study(folder));
+    let named: Vec<String> = others
+        .filter_map(|folder| {
+            let command = writer(&folder)?;
+            Some(format!("{} (sagnac {command})", folder.file_name()?.to_string_lossy()))
+        })
+        .collect();
+    (!named.is_empty())
+        .then(|| format!("left out, as only studies that were run have a page: {}", named.join(", ")))
+}
+
+fn named(folders: &[PathBuf]) -> String {
+    let more = if folders.len() > MOST_NAMED { ", …" } else { "" };
+    let names = folders.iter().take(MOST_NAMED).map(|folder| folder.display().to_string());
+    names.collect::<Vec<_>>().join(", ") + more
+}

@@ -1,0 +1,141 @@
+//! How what is printed looks: colour, width and signs, by what the reader has.
+
+use std::env::var_os;
+use std::io::IsTerminal;
+use std::sync::OnceLock;
+
+use clap::{Args, ColorChoice, ValueEnum};
+use sagnac::view::chart::console::Look;
+
+/// Columns where no terminal says how many it has.
+const USUAL_WIDTH: usize = 80;
+
+#[derive(Debug, Args)]
+pub struct Options {
+    /// Colour messages and plots: on a terminal, unless NO_COLOR is set or TERM is dumb; always; never
+    #[arg(
+        help_heading = "Output",
+        long,
+        global = true,
+        value_enum,
+        value_name = "WHEN",
+        default_value = "auto",
+        hide_possible_values = true
+    )]
+    pub color: Color,
+}
+
+/// When to colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Color {
+    Auto,
+    Always,
+    Never,
+}
+
+/// What the command line asks for.
+static ASKED: OnceLock<Color> = OnceLock::new();
+
+/// What is asked for before the command line is read, so that its errors look like it too.
+pub fn of_arguments(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ColorChoice {
+    let arguments: Vec<String> =
+        arguments.into_iter().map(|argument| argument.to_string_lossy().into_owned()).collect();
+    let asks = |word: &str| {
+        arguments.iter().any(|argument| argument.strip_prefix("--color=") == Some(word))
+            || arguments.windows(2).any(|pair| pair[0] == "--color" && pair[1] == word)
+    };
+    match () {
+        () if asks("always") => ColorChoice::Always,
+        () if asks("never") => ColorChoice::Never,
+        () => ColorChoice::Auto,
+    }
+}
+
+/// Follows the options from now on.
+pub fn follow(options: &Options) {
+    // There is one command line.
+    let _ = ASKED.set(options.color);
+}
+
+/// Whether the standard error stream is coloured.
+pub fn colours_messages() -> bool {
+    colours(std::io::stderr().is_terminal())
+}
+
+/// What plots on the standard output may use.
+pub fn of_output() -> Look {
+    let terminal = std::io::stdout().is_terminal();
+    Look { width: width(), unicode: shows_unicode(), color: colours(terminal) }
+}
+
+/// Columns of the standard output: those of its terminal, else 80.
+pub fn width() -> usize {
+    columns().unwrap_or(USUAL_WIDTH)
+}
+
+/// The same where there is a terminal, or where COLUMNS says how wide the reader's is.
+pub fn columns() -> Option<usize> {
+    let told = || var_os("COLUMNS")?.to_str()?.parse().ok();
+    let asked = || std::io::stdout().is_terminal().then(terminal_size::terminal_size).flatten();
+    asked().map(|(width, _)| usize::from(width.0)).or_else(told).filter(|&width| width > 0)
+}
+
+/// Words in lines of so many columns, those of an indented line deeper than its first one.
+pub fn wrapped(line: &str, width: usize) -> String {
+    let words = line.trim_start();
+    let indent = &line[..line.len() - words.len()];
+    let deeper = if indent.is_empty() { 0 } else { indent.len() + 2 };
+    let (mut text, mut used) = (indent.to_owned(), indent.len());
+    for (place, word) in words.split(' ').enumerate() {
+        let length = word.chars().count();
+        if place > 0 && used + 1 + length > width {
+            text += &format!("\n{:deeper$}", "");
+            used = deeper;
+        } else if place > 0 {
+            text.push(' ');
+            used += 1;
+        }
+        text += word;
+        used += length;
+    }
+    text
+}
+
+/// Columns of the terminal that the standard error stream goes to, else 80.
+pub fn error_columns() -> usize {
+    let asked = terminal_size::terminal_size_of(std::io::stderr());
+    asked.map(|(width, _)| usize::from(width.0)).filter(|&width| width > 0).unwrap_or(USUAL_WIDTH)
+}
+
+fn colours(terminal: bool) -> bool {
+    match ASKED.get().copied().unwrap_or(Color::Auto) {
+        Color::Always => true,
+        Color::Never => false,
+        Color::Auto => terminal && !is_dumb() && var_os("NO_COLOR").is_none_or(|value| value.is_empty()),
+    }
+}
+
+fn is_dumb() -> bool {
+    var_os("TERM").is_some_and(|term| term == "dumb")
+}
+
+/// Whether the locale is one of UTF-8, which elsewhere than on Unix is not told by variables.
+fn shows_unicode() -> bool {
+    let set = |name: &str| var_os(name).filter(|value| !value.is_empty());
+    let locale = ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().find_map(set);
+    let named = locale.map(|locale| locale.to_string_lossy().to_lowercase().replace('-', ""));
+    !is_dumb() && (cfg!(not(unix)) || named.is_some_and(|locale| locale.contains("utf8")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colour_is_known_before_the_command_line_is_read() {
+        let of = |words: &str| of_arguments(words.split(' ').map(Into::into));
+        assert_eq!(of("sagnac run --color=never a.toml"), ColorChoice::Never);
+        assert_eq!(of("sagnac --color always run"), ColorChoice::Always);
+        assert_eq!(of("sagnac run a.toml --color"), ColorChoice::Auto);
+    }
+}

@@ -1,0 +1,186 @@
+//! `sagnac merge`.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use sagnac::run::{RESOLVED, keep};
+use sagnac::store::Store;
+use sagnac::store::source::{Merged, Source};
+use sagnac::study::Study;
+use sagnac::tally::share::Share;
+
+use crate::failure::Failure;
+use crate::output::print_json;
+use crate::progress::{self, Shown};
+use crate::results::{Out, Results};
+use crate::run::checked;
+use crate::whole;
+
+const EXAMPLES: &str = "\
+Examples:
+  sagnac merge results/my/shard-* --out results/my
+  sagnac merge results/my --out results/copy --study my.toml
+  sagnac merge --salvage results/my --out results/rescued";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Options {
+    /// Results folders of one study: of its shares, of other machines, or of runs that were cut short
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+    /// Folder of the whole, which may hold results already; theirs and these become its
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    out: PathBuf,
+    /// Study file whose tables and charts are made [default: the resolved_study.toml that the folders share]
+    #[arg(long, value_name = "STUDY")]
+    study: Option<PathBuf>,
+    /// Trials at each point, in place of the study's
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials, allow_negative_numbers = true)]
+    trials: Option<u64>,
+    /// Seed, in place of the study's
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed, allow_negative_numbers = true)]
+    seed: Option<u64>,
+    /// Leave damaged rows out instead of refusing their folder
+    #[arg(long)]
+    salvage: bool,
+    /// Print the table and the verdict as JSON
+    #[arg(help_heading = "Output", long)]
+    json: bool,
+    /// Also draw the first chart as text
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet"])]
+    plot: bool,
+    #[command(flatten)]
+    progress: progress::Options,
+    /// Print only errors
+    #[arg(help_heading = "Output", long, short)]
+    quiet: bool,
+}
+
+/// Merges results, and makes tables and charts of the whole.
+pub fn merge(options: &Options) -> Result<(), Failure> {
+    let mut study = study(options)?;
+    study.trials = options.trials.unwrap_or(study.trials);
+    study.seed = options.seed.unwrap_or(study.seed);
+    let (plan, behind) = checked(&study)?;
+    // Before anything is taken over: a mistyped name or another study leaves nothing behind. One is open at a time, as there
+    // may be thousands.
+    let mut shares = BTreeSet::new();
+    for folder in distinct(options) {
+        let source = Source::open(folder)?;
+        if !options.salvage {
+            source.is_of(&plan.identity())?;
+            shares.extend(source.shares()?.iter().map(|share| (share.of(), share.number())));
+        }
+    }
+    let mut store = Store::open(&options.out, &plan.identity())?;
+    keep(&study, &options.out)?;
+    store.note_share(Share::WHOLE)?;
+    for folder in distinct(options) {
+        let source = Source::open(folder)?;
+        let Merged { added, held, damaged } = store.merge(&source, options.salvage)?;
+        if !options.quiet {
+            let known = if held > 0 { format!(", {held} were there already") } else { String::new() };
+            say!("{}: {added} rows added{known}", folder.display());
+        }
+        if damaged > 0 {
+            say!("note: {}: {damaged} damaged rows or pages are left out", folder.display());
+        }
+    }
+    let lacking = plan.lacks(&store, Share::WHOLE)?;
+    let results = Results { study: &study, plan: &plan, folder: &options.out, done: None, lacking };
+    let out = Out { json: options.json, quiet: options.quiet, plot: options.plot };
+    let progress = Shown::new(options.progress.how(options.quiet), behind);
+    if let Some(document) = results.show(&store, out, &progress)? {
+        print_json(&document)?;
+    }
+    match lacking {
+        0 if options.json || options.quiet => Ok(()),
+        0 => {
+            say!("complete; results are in {}", options.out.display());
+            Ok(())
+        }
+        lacking => {
+            let absent = absent(&shares);
+            Err(Failure::Incomplete { lacking, folder: options.out.clone(), absent })
+        }
+    }
+}
+
+/// The shares that were not among the folders, where all are of one split.
+fn absent(shares: &BTreeSet<(u64, u64)>) -> Vec<Share> {
+    match shares.first().zip(shares.last()) {
+        Some((&(first, _), &(of, _))) if first == of => (1..=of)
+            .filter(|&number| !shares.contains(&(of, number)))
+            .filter_map(|i| Share::new(i, of))
+            .collect(),
+        _ => vec![],
+    }
+}
+
+/// The folders to be merged, each once and not the one that they are merged into.
+fn distinct(options: &Options) -> impl Iterator<Item = &PathBuf> {
+    let whole = |folder: &Path| folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+    let mut taken = vec![whole(&options.out)];
+    options.folders.iter().filter(move |folder| {
+        let folder = whole(folder);
+        let is_new = !taken.contains(&folder);
+        taken.push(folder);
+        is_new
+    })
+}
+
+/// The study that the folders share.
+fn study(options: &Options) -> Result<Study, Failure> {
+    if let Some(path) = &options.study {
+        return Ok(Study::read(path)?);
+    }
+    let mut found: Option<(PathBuf, String)> = None;
+    for folder in &options.folders {
+        let path = folder.join(RESOLVED);
+        let text = std::fs::read_to_string(&path).map_err(|error| {
+            let why = if folder.is_dir() { error.to_string() } else { "there is no such folder".to_owned() };
+            Failure::Usage(format!(
+                "cannot read {}: {why}\ngive folders of results; the study itself can be given with --study FILE",
+                path.display()
+            ))
+        })?;
+        match &found {
+            Some((_, first)) if *first == text => {}
+            None => found = Some((path, text)),
+            Some((first, first_text)) => {
+                let lines = first_text.lines().zip(text.lines()).enumerate();
+                let differ = lines.map(|(at, lines)| (at + 1, lines)).find(|(_, (a, b))| a != b);
+                let at = differ.map_or(String::new(), |(at, (a, b))| format!(": line {at}, `{a}` and `{b}`"));
+                return Err(Failure::Usage(format!(
+                    "{} and {} are not the same{at}\ngive the study whose tables and charts are to be made with --study FILE, and its --trials",
+                    first.display(),
+                    path.display()
+                )));
+            }
+        }
+    }
+    let Some((path, _)) = found else { return Err(Failure::Usage("there is nothing to merge".to_owned())) };
+    let study = Study::read(&path)?;
+    have_the_same_inputs(options, &study, &path)?;
+    Ok(study)
+}
+
+/// Refuses folders whose study names files that hold something else than those of the study at `path`.
+fn have_the_same_inputs(options: &Options, study: &Study, path: &Path) -> Result<(), Failure> {
+    for input in study.inputs() {
+        for folder in &options.folders {
+            let other = folder.join(&input.name);
+            // Folders of earlier versions have none.
+            if std::fs::read(&other).is_ok_and(|found| found != input.text.as_bytes()) {
+                return Err(Failure::Usage(format!(
+                    "{} is not what {} was run with\nmerge shards of the same {}",
+                    other.display(),
+                    path.display(),
+                    input.name
+                )));
+            }
+        }
+    }
+    Ok(())
+}

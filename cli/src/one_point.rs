@@ -1,0 +1,124 @@
+//! What a study of one point says to people: its fillers side by side, and the best of them for each error.
+
+use sagnac::quantity::number::significant;
+use sagnac::table::{Column, ColumnError, Table};
+
+use crate::terminal::aligned;
+
+/// A line for each filler and a pair of columns, rms and 99.73 % level, for each error; then the filler of the least 99.73 %
+/// level, and how far the next one is.
+///
+/// # Errors
+/// The table has not the columns of a gap-fill study.
+pub fn one_point(table: &Table) -> Result<String, ColumnError> {
+    let (fillers, errors) = (table.column("filler")?, table.column("error")?);
+    let (rms, level) = (table.column("rms")?, table.column("q9973")?);
+    let distinct = |cells: &[sagnac::table::Cell]| {
+        let mut texts: Vec<String> = Vec::new();
+        for text in cells.iter().map(sagnac::table::Cell::text) {
+            if !texts.contains(&text) {
+                texts.push(text);
+            }
+        }
+        texts
+    };
+    let (names, kinds) = (distinct(&fillers.cells), distinct(&errors.cells));
+    let row_of = |filler: &str, error: &str| {
+        (0..table.rows())
+            .find(|&row| fillers.cells[row].text() == filler && errors.cells[row].text() == error)
+    };
+    let mut header = vec!["filler".to_owned()];
+    for kind in &kinds {
+        header.extend([format!("{kind} rms, ″"), format!("{kind} 99.73 %, ″")]);
+    }
+    let mut lines = vec![header];
+    for name in &names {
+        let mut line = vec![name.clone()];
+        for kind in &kinds {
+            let cell = |column: &Column| {
+                let number = row_of(name, kind).and_then(|row| column.cells[row].number());
+                number.map_or_else(String::new, |x| significant(x, 4))
+            };
+            line.extend([cell(rms), cell(level)]);
+        }
+        lines.push(line);
+    }
+    let mut text = aligned(&lines);
+    for kind in &kinds {
+        let levels = names.iter().filter_map(|name| Level::of(name, level, row_of(name, kind)?));
+        if let Some(sentence) = least(levels.collect()) {
+            text += &format!("\nleast 99.73 % {kind}: {sentence}");
+        }
+    }
+    Ok(text + "\n")
+}
+
+/// The 99.73 % level of one filler.
+struct Level<'n> {
+    name: &'n str,
+    value: f64,
+    /// Its 95 % interval, where the trials bound it.
+    band: Option<(f64, f64)>,
+}
+
+impl<'n> Level<'n> {
+    fn of(name: &'n str, column: &Column, row: usize) -> Option<Level<'n>> {
+        let band = column.band.as_ref().and_then(|band| band.get(row).copied().flatten());
+        Some(Level { name, value: column.cells[row].number()?, band })
+    }
+}
+
+/// Who has the least level, all of them where several are equal, and how far the next one is; nothing to say of a single
+/// one.
+fn least(mut levels: Vec<Level>) -> Option<String> {
+    levels.sort_by(|a, b| a.value.total_cmp(&b.value));
+    let (first, others) = levels.split_first().filter(|(_, others)| !others.is_empty())?;
+    // To the nine digits that files show.
+    let equal = others.iter().take_while(|level| level.value - first.value <= 1e-9 * level.value).count();
+    let names: Vec<&str> = levels[..=equal].iter().map(|level| level.name).collect();
+    let best = format!("{}, {} ″", names.join(" = "), significant(first.value, 4));
+    let Some(next) = others.get(equal) else { return Some(best) };
+    let ratio = next.value / first.value;
+    let more = match ratio {
+        r if r < 1.1 => format!("{} % more", significant(100.0 * (r - 1.0), 2)),
+        r if r.is_finite() => format!("{} times that", significant(r, 3)),
+        _ => format!("{} ″", significant(next.value, 4)),
+    };
+    let close = match (first.band, next.band) {
+        (Some((_, high)), Some((low, _))) if low > high => "",
+        (Some(_), Some(_)) => ", and the 95 % intervals overlap",
+        _ => ", and the trials are too few to bound the difference",
+    };
+    Some(format!("{best}; next {}, {more}{close}", next.name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of levels with this half width of their intervals.
+    fn said(levels: &[(&str, f64, f64)]) -> String {
+        let level = |&(name, value, width)| Level { name, value, band: Some((value - width, value + width)) };
+        least(levels.iter().map(level).collect()).unwrap_or_default()
+    }
+
+    #[test]
+    fn equal_fillers_share_the_first_place() {
+        assert_eq!(said(&[("quadratic", 986.7, 1.0), ("mine", 986.7, 1.0)]), "quadratic = mine, 986.7 ″");
+        let three = said(&[("const", 156.0, 1.0), ("mine", 312.0, 1.0), ("linear", 156.0, 1.0)]);
+        assert_eq!(three, "const = linear, 156 ″; next mine, 2 times that");
+    }
+
+    #[test]
+    fn a_lead_within_the_uncertainty_is_said_to_be_such() {
+        assert_eq!(
+            said(&[("a", 100.0, 2.0), ("b", 103.0, 2.0)]),
+            "a, 100 ″; next b, 3 % more, and the 95 % intervals overlap"
+        );
+        assert_eq!(said(&[("a", 100.0, 1.0), ("b", 103.0, 1.0)]), "a, 100 ″; next b, 3 % more");
+        assert_eq!(said(&[("a", 0.0, 0.0), ("b", 103.0, 1.0)]), "a, 0 ″; next b, 103 ″");
+        assert_eq!(said(&[("a", 100.0, 2.0)]), "");
+        let unbounded = ["a", "b"].map(|name| Level { name, value: name.len() as f64, band: None });
+        assert_eq!(least(unbounded.into()).as_deref(), Some("a = b, 1 ″"));
+    }
+}

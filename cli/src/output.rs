@@ -1,0 +1,57 @@
+//! Data to the standard output, and to files.
+
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::Path;
+
+use sagnac::store::whole::write_whole;
+use serde::Serialize;
+
+use crate::failure::Failure;
+
+/// Prints `text` with a final line end.
+///
+/// # Errors
+/// The reader has gone away, or the output cannot be written.
+pub fn print(text: &str) -> Result<(), Failure> {
+    let mut stdout = io::stdout().lock();
+    writeln!(stdout, "{}", text.trim_end()).and_then(|()| stdout.flush()).map_err(failure)
+}
+
+/// Prints `value` as an indented JSON document.
+///
+/// # Errors
+/// Those of [`print`].
+pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
+    let mut stdout = BufWriter::new(io::stdout().lock());
+    serde_json::to_writer_pretty(&mut stdout, value)
+        .map_err(io::Error::from)
+        .and_then(|()| writeln!(stdout))
+        .and_then(|()| stdout.flush())
+        .map_err(failure)
+}
+
+/// A reader that went away, as `head` does, has what it wanted; anything else is output that is lost.
+fn failure(error: io::Error) -> Failure {
+    match error.kind() {
+        ErrorKind::BrokenPipe => Failure::OutputClosed,
+        _ => Failure::Output(error),
+    }
+}
+
+/// Writes a file as a whole or not at all: what was there stays until the new one is on disk.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write(path: &Path, contents: &[u8]) -> Result<(), Failure> {
+    write_whole(path, contents).map_err(|source| Failure::Write { path: path.to_owned(), source })
+}
+
+/// Makes a limit on the size of files an error like any other; by itself it would end the program.
+pub fn outlive_limits() {
+    #[cfg(unix)]
+    {
+        let unheard = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
+        // Where it cannot be had the program ends as others do.
+        let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, unheard);
+    }
+}

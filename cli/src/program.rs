@@ -1,0 +1,166 @@
+//! The command line.
+
+use std::process::ExitCode;
+
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use crate::failure::EXIT_CODES;
+
+/// Monte Carlo studies for laser gyroscopes, with the same bits on every CPU and GPU.
+#[derive(Debug, Parser)]
+#[command(name = "sagnac", version, max_term_width = 110, after_long_help = after_help())]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    #[command(flatten)]
+    look: crate::look::Options,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  sagnac run studies/error_vs_dtnu.toml
+  sagnac run my.toml --trials 100000000 --device gpu
+  sagnac run my.toml --shard 2/4 --time-limit 8h
+  sagnac merge results/my/shard-* --out results/my
+  sagnac check results/my
+  sagnac design studies/design_point.toml
+  sagnac filler quadratic --gap-ticks 3
+  sagnac filler my.toml --at gap_ticks=3 --filler mv8+2 --test-vectors
+  sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
+  sagnac compare before.csv after.csv --data rate --unit deg/h --rate 100Hz
+  sagnac new gap-fill first.toml
+  sagnac explain motion.amplitude
+  sagnac verify";
+
+/// Examples and exit codes.
+fn after_help() -> String {
+    let codes = EXIT_CODES.iter().map(|(code, meaning)| format!("\n  {code:8}  {meaning}"));
+    format!("{EXAMPLES}\n\nExit codes:{}", codes.collect::<String>())
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run studies: sample what is missing, write the table and the charts
+    ///
+    /// Results go to a folder. Running again resumes; a larger --trials continues.
+    Run(crate::run::Options),
+    /// Put results together: shares of a study, runs of several machines; in any order, any number of times
+    Merge(crate::merge::Options),
+    /// Look whether results are sound, complete and what the tables say
+    Check(crate::check::Options),
+    /// Make report.html of results again, and of several studies a gallery
+    Report(crate::report::Options),
+    /// Draw results that are there with other axes, estimates or limits
+    Chart(crate::chart::Options),
+    /// How often to switch, and with which filler: the recommendation, with evidence
+    Design(crate::design::Options),
+    /// The weights of fillers for firmware: table, response over frequency, C header, test vectors
+    Filler(crate::filler::options::Options),
+    /// Deviations of recorded logs: Allan, modified Allan, time, Hadamard, with intervals and noise types
+    Allan(crate::allan::options::Options),
+    /// Two recorded logs: is one noisier than the other, in what, how sure is that, and how long must they be to tell
+    Compare(crate::compare::options::Options),
+    /// List the devices that kernels can run on
+    #[command(after_long_help = "Examples:\n  sagnac devices")]
+    Devices,
+    /// Prove that every kernel gives the same bits on every device, here and now
+    Verify(Verify),
+    /// Measure the throughput of the kernels
+    Bench(Bench),
+    /// Print the JSON schema of study files, or of what a command prints with --json
+    Schema(crate::schemas::Options),
+    /// Write a commented study to begin with
+    New(crate::new::Options),
+    /// What a key of a study, a column of results or an exit code means
+    Explain(crate::explain::Options),
+    /// Print a script that completes commands and options in a shell
+    Completions(crate::shells::Completions),
+    /// Write manual pages
+    Man(crate::shells::Man),
+}
+
+const VERIFY_EXAMPLES: &str = "\
+Examples:
+  sagnac verify
+  sagnac verify --device cpu --trials 100000";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = VERIFY_EXAMPLES)]
+pub struct Verify {
+    /// cpu, gpu, part of an adapter's name, or its PCI address: see `sagnac devices` [default: all adapters]
+    #[arg(long, value_name = "DEVICE")]
+    pub device: Option<String>,
+    /// Units of work in all for each kernel: trials or samples over its configurations, or numbers
+    #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = verified)]
+    pub trials: u64,
+}
+
+const BENCH_EXAMPLES: &str = "\
+Examples:
+  sagnac bench
+  sagnac bench --device cpu --json";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = BENCH_EXAMPLES)]
+pub struct Bench {
+    #[command(flatten)]
+    pub device: DeviceArg,
+    /// Print the figures as JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct DeviceArg {
+    /// auto, cpu, gpu, a width of the CPU such as avx2, part of an adapter's name, or its PCI address: see `sagnac devices`
+    #[arg(help_heading = "Device", long = "device", value_name = "DEVICE", default_value = "auto")]
+    pub name: String,
+    /// Threads of the CPU [default: as many as it runs at once]
+    #[arg(help_heading = "Device", long, value_name = "N", value_parser = threads)]
+    pub threads: Option<usize>,
+}
+
+/// A number of units of work.
+fn verified(text: &str) -> Result<u64, String> {
+    crate::whole::whole(text, 1..=1 << 32)
+}
+
+/// A number of threads.
+fn threads(text: &str) -> Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|threads| (1..=4096).contains(threads))
+        .ok_or_else(|| "expected 1 to 4096".to_owned())
+}
+
+/// Runs the program.
+pub fn main() -> ExitCode {
+    crate::output::outlive_limits();
+    let color = crate::look::of_arguments(std::env::args_os());
+    let matches = Cli::command().color(color).get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    crate::look::follow(&cli.look);
+    let result = match &cli.command {
+        Command::Run(options) => crate::run::run(options),
+        Command::Merge(options) => crate::merge::merge(options),
+        Command::Check(options) => crate::check::check(options),
+        Command::Report(options) => crate::report::report(options),
+        Command::Chart(options) => crate::chart::chart(options),
+        Command::Design(options) => crate::design::design(options),
+        Command::Filler(options) => crate::filler::filler(options),
+        Command::Allan(options) => crate::allan::allan(options),
+        Command::Compare(options) => crate::compare::compare(options),
+        Command::Devices => crate::devices::devices(),
+        Command::Verify(options) => crate::verify::verify(options),
+        Command::Bench(options) => crate::bench::bench(options),
+        Command::Schema(options) => crate::schemas::schema(options),
+        Command::New(options) => crate::new::new(options),
+        Command::Explain(options) => crate::explain::explain(options),
+        Command::Completions(options) => crate::shells::completions(options, Cli::command()),
+        Command::Man(options) => crate::shells::man(options, Cli::command()),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}

@@ -1,0 +1,205 @@
+//! How recorded logs are read: the options that every command on logs has.
+
+use std::path::Path;
+
+use clap::{Args, ValueEnum};
+use sagnac::allan::angles::Angles;
+use sagnac::allan::trend::Trend;
+use sagnac::fit::choose::Terms;
+use sagnac::fit::term::Term;
+use sagnac::quantity::units::{Dimension, parse as parse_quantity};
+use sagnac::record::log::channel::{Channel, Log};
+use sagnac::record::log::check::UnitCheck;
+use sagnac::record::log::measure::{Data, Unit};
+use sagnac::record::log::outliers::Outliers;
+use sagnac::record::log::read::{Request, Timing};
+
+use crate::failure::Failure;
+
+#[derive(Debug, Args)]
+pub struct Reading {
+    /// What the numbers are: angular rate, angle turned in each sample, or angle (phase) since the start
+    #[arg(help_heading = "Reading the log", long, value_name = "KIND")]
+    data: Kind,
+    /// Unit of the numbers, as in deg/h, deg/s, rad/s, arcsec; none for plain ones [default: that of the header]
+    #[arg(help_heading = "Reading the log", long, value_name = "UNIT", conflicts_with = "scale")]
+    unit: Option<String>,
+    /// Size of a pulse, where the numbers count pulses
+    #[arg(help_heading = "Reading the log", long, value_name = "SIZE/pulse")]
+    scale: Option<String>,
+    /// Sampling rate, as in 100Hz
+    #[arg(help_heading = "Reading the log", long, value_name = "RATE", conflicts_with = "time")]
+    rate: Option<String>,
+    /// Column of time stamps, by name or number, in place of a rate
+    #[arg(help_heading = "Reading the log", long, value_name = "COLUMN")]
+    time: Option<String>,
+    /// Unit of the time stamps: s, ms, us, ns [default: that of the header]
+    #[arg(help_heading = "Reading the log", long, value_name = "UNIT", requires = "time")]
+    time_unit: Option<String>,
+    /// Columns by name or number from 1, with commas between [default: the only one]
+    #[arg(help_heading = "Reading the log", long, value_name = "COLUMNS", value_delimiter = ',')]
+    column: Vec<String>,
+    /// Leave out the beginning, as in "30 min"
+    #[arg(long, value_name = "TIME", default_value = "0 s", value_parser = seconds)]
+    pub skip: f64,
+    /// Leave out what is later than this after the start of the file
+    #[arg(long, value_name = "TIME", value_parser = seconds)]
+    pub until: Option<f64>,
+    /// Remove a straight line from the rate: with it goes the rate ramp R, and K comes out too low
+    #[arg(help_heading = "Reading the log", long, value_name = "TREND", default_value = "none")]
+    detrend: Detrend,
+    /// Take outliers for gaps: samples more than 8 standard deviations from the median of their neighbours
+    #[arg(long)]
+    pub remove_outliers: bool,
+    /// Refuse rates that look as if in another unit: see docs/reference.md
+    #[arg(help_heading = "Reading the log", long, value_name = "SWITCH", default_value = "on")]
+    unit_check: Switch,
+    /// Coefficients to fit: auto (those of Q, N, B, K, R that the record supports), none, or a list of Q, N, B, K, R,
+    /// markov, sine
+    #[arg(help_heading = "Reading the log", long, value_name = "TERMS", default_value = "auto", value_parser = fit_terms)]
+    fit: Fitted,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Kind {
+    Rate,
+    Increment,
+    Angle,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Detrend {
+    None,
+    Linear,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Switch {
+    On,
+    Off,
+}
+
+/// What `--fit` asks for.
+#[derive(Debug, Clone, PartialEq)]
+enum Fitted {
+    None,
+    Auto,
+    Given(Vec<Term>),
+}
+
+fn fit_terms(text: &str) -> Result<Fitted, String> {
+    let term = |name: &str| {
+        let found = Term::ALL.into_iter().find(|term| term.symbol().eq_ignore_ascii_case(name.trim()));
+        found.ok_or_else(|| {
+            format!("`{}` is no term; accepted: auto, none, or some of Q,N,B,K,R,markov,sine", name.trim())
+        })
+    };
+    match text {
+        "none" => Ok(Fitted::None),
+        "auto" => Ok(Fitted::Auto),
+        list => list.split(',').map(term).collect::<Result<_, _>>().map(Fitted::Given),
+    }
+}
+
+impl Reading {
+    /// The terms to fit, if any. A removed trend has taken the ramp with it.
+    pub fn terms(&self) -> Option<Terms> {
+        match &self.fit {
+            Fitted::None => None,
+            Fitted::Given(terms) => Some(Terms::Given(terms.clone())),
+            Fitted::Auto => Some(Terms::of_model(self.trend())),
+        }
+    }
+
+    /// The names of the columns, as they were given.
+    pub fn columns(&self) -> &[String] {
+        &self.column
+    }
+
+    /// What is to be read of each file.
+    ///
+    /// # Errors
+    /// A unit, scale or rate that is none, or no word on when the samples were taken.
+    pub fn request(&self) -> Result<Request, Failure> {
+        let data = match self.data {
+            Kind::Rate => Data::Rate,
+            Kind::Increment => Data::Increment,
+            Kind::Angle => Data::Angle,
+        };
+        let unit = match (&self.unit, &self.scale) {
+            (Some(unit), _) => Some(Unit::parse(unit, data)),
+            (None, Some(scale)) => Some(Unit::parse_scale(scale, data)),
+            (None, None) => None,
+        };
+        let unit =
+            unit.transpose().map_err(|wrong| Failure::Usage(format!("{}\n{}", wrong.message, wrong.help)))?;
+        let timing = match (&self.rate, &self.time) {
+            (Some(rate), _) => Timing::Step(step(rate)?),
+            (None, Some(column)) => Timing::Stamps { column: column.clone(), unit: self.time_unit.clone() },
+            (None, None) => {
+                let message = "it is not said when the samples were taken\ngive --rate 100Hz, or --time COLUMN for a \
+                               column of time stamps";
+                return Err(Failure::Usage(message.to_owned()));
+            }
+        };
+        Ok(Request { columns: self.column.clone(), timing, data, unit })
+    }
+
+    pub fn trend(&self) -> Trend {
+        match self.detrend {
+            Detrend::None => Trend::None,
+            Detrend::Linear => Trend::Linear,
+        }
+    }
+
+    /// The log at `path`, cut and checked.
+    ///
+    /// # Errors
+    /// A log that is refused.
+    pub fn log(&self, path: &Path, request: &Request) -> Result<Log, Failure> {
+        let mut log = Log::read(path, request)?;
+        if self.skip > 0.0 || self.until.is_some() {
+            log.cut(self.skip, self.until)?;
+        }
+        let check = match self.unit_check {
+            Switch::On => UnitCheck::On,
+            Switch::Off => UnitCheck::Off,
+        };
+        log.check(check)?;
+        Ok(log)
+    }
+
+    /// The angles of a column, and the outliers among its rates or increments: left out where that is asked for.
+    pub fn angles(&self, channel: &Channel, data: Data, step_s: f64) -> (Angles, Outliers) {
+        let samples = channel.view(data, step_s);
+        let outliers = samples.outliers();
+        let angles = match self.remove_outliers {
+            true => samples.angles_without(&outliers, self.trend()),
+            false => samples.angles(self.trend()),
+        };
+        (angles, outliers)
+    }
+}
+
+/// From sample to sample at a rate, s.
+fn step(rate: &str) -> Result<f64, Failure> {
+    let wrong = |why: String| {
+        Failure::Usage(format!("--rate {rate}: {why}\ngive samples per second, as in --rate 100Hz"))
+    };
+    let quantity = parse_quantity(rate, &[Dimension::Frequency]).map_err(|error| wrong(error.to_string()))?;
+    if quantity.value > 0.0 {
+        Ok(1.0 / quantity.value)
+    } else {
+        Err(wrong("the rate is not above 0".to_owned()))
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let quantity = parse_quantity(text, &[Dimension::Time])
+        .map_err(|error| format!("{error}; write as in \"30 min\""))?;
+    if quantity.value >= 0.0 {
+        Ok(quantity.value)
+    } else {
+        Err("a time before the start of the file".to_owned())
+    }
+}

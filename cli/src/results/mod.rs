@@ -1,0 +1,251 @@
+//! The results of a study as files of its folder, as text and as JSON.
+
+pub mod summary;
+
+use std::path::Path;
+use std::time::Duration;
+
+use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
+use sagnac::store::index::Index;
+use sagnac::store::{self, Store};
+use sagnac::study::Study;
+use sagnac::table::{Cell, Table};
+use sagnac::tally::share::Share;
+use sagnac::view::picture::verdict::{Verdict, verdicts};
+use sagnac::view::picture::{Drawn, Shown as Curves, pictures, shown};
+use sagnac::view::report::answer::{Answer, answer};
+use sagnac::view::report::gallery::Card;
+use sagnac::view::report::source::Source;
+use sagnac::view::report::{FILE as REPORT, Report, notes};
+use serde_json::{Value, json};
+
+use crate::charts::draw;
+use crate::failure::Failure;
+use crate::look;
+use crate::output::{print, write};
+use crate::progress::{How, Shown};
+
+/// What it takes to show anything at all, and a row of a table besides.
+const SHOWING: Duration = Duration::from_millis(200);
+const SHOWING_A_ROW: Duration = Duration::from_micros(25);
+
+/// A table as the bytes of its file.
+///
+/// # Errors
+/// None but of the memory that it is written to.
+pub fn csv(table: &Table, path: &Path) -> Result<Vec<u8>, Failure> {
+    let mut csv = Vec::new();
+    table.write_csv(&mut csv).map_err(|source| Failure::Write { path: path.to_owned(), source })?;
+    Ok(csv)
+}
+
+/// The store of results that are there; of closed forms an empty one.
+///
+/// # Errors
+/// The folder is in use, of another study or kernel, or damaged.
+pub fn held(folder: &Path, plan: &Plan) -> Result<Store, Failure> {
+    Ok(store::Source::open(folder)?.into_store(&plan.identity())?)
+}
+
+/// How long such tables, charts and page take when all is sampled and fitted, to within a factor of two or so, which is little beside
+/// what goes before.
+pub fn behind(tables: &Tables) -> Duration {
+    let rows: usize = tables.all().map(|(_, table)| table.rows()).sum();
+    SHOWING + rows as u32 * SHOWING_A_ROW
+}
+
+/// Trials that results which are there lack of the whole. Rows of all that is asked for tell that nothing is missing without another look
+/// into the store.
+///
+/// # Errors
+/// A row of the store is damaged, or the disk fails.
+pub fn lacking(study: &Study, plan: &Plan, store: &Store, tables: &Tables) -> Result<u64, Failure> {
+    let trials = tables.points.columns.iter().find(|column| column.name == "trials");
+    let has_all = |cell: &Cell| cell.number().is_some_and(|trials| trials >= study.trials as f64);
+    match trials {
+        Some(trials) if !study.has_stop_rule() && trials.cells.iter().all(has_all) => Ok(0),
+        _ => Ok(plan.lacks(store, Share::WHOLE)?),
+    }
+}
+
+/// A study whose results are to be shown.
+pub struct Results<'a> {
+    pub study: &'a Study,
+    pub plan: &'a Plan<'a>,
+    pub folder: &'a Path,
+    /// What was sampled, and on which device, where anything can be.
+    pub done: Option<(&'a Done, String)>,
+    /// Trials that are missing of the whole.
+    pub lacking: u64,
+}
+
+/// Where results go besides their files.
+#[derive(Debug, Clone, Copy)]
+pub struct Out {
+    pub json: bool,
+    pub quiet: bool,
+    /// Whether the first chart is drawn as text too.
+    pub plot: bool,
+}
+
+/// Makes the report of results that are there anew, and returns what a gallery shows of it, without the way to it.
+///
+/// # Errors
+/// A row of the store is damaged, or the file cannot be written.
+pub fn report(
+    study: &Study,
+    plan: &Plan,
+    folder: &Path,
+    store: &Store,
+    progress: How,
+) -> Result<Card, Failure> {
+    // Folders of earlier versions lack what the study names.
+    keep(study, folder)?;
+    let tables = plan.tables(store, &Shown::new(progress, Duration::ZERO))?;
+    let lacking = lacking(study, plan, store, &tables)?;
+    let results = Results { study, plan, folder, done: None, lacking };
+    let charts = pictures(study, &tables)?;
+    let curves = shown(study, &tables)?;
+    let verdicts = verdicts(study, &curves)?;
+    let answer = answer(study, &tables, &charts, &curves, &verdicts, lacking)?;
+    let headline = answer.headline.clone();
+    let index = store.index()?;
+    let held = plan.held(&index)?;
+    let known = results.known((store, &index), held, &tables)?;
+    results.write_report(store, held, &tables, &charts, answer, &known)?;
+    Ok(Card {
+        title: study.title.clone(),
+        question: study.question.clone(),
+        headline,
+        picture: charts.into_iter().next().map(|drawn| drawn.picture),
+        folder: folder.display().to_string(),
+        report: REPORT.to_owned(),
+    })
+}
+
+impl Results<'_> {
+    /// Writes the files of all that the store holds, prints what the options ask for, and returns the results as JSON where
+    /// that is wanted. `progress` hears of fits, and is cleared.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or a file cannot be written.
+    pub fn show(&self, store: &Store, out: Out, progress: &Shown) -> Result<Option<Value>, Failure> {
+        let Results { study, plan, folder, .. } = self;
+        let tables = plan.tables(store, progress)?;
+        for (source, table) in tables.all() {
+            let name = source.file();
+            let path = folder.join(name);
+            write(&path, &csv(table, &path)?)?;
+        }
+        let index = store.index()?;
+        let held = plan.held(&index)?;
+        write(&folder.join(RESOLVED), study.resolved(held).as_bytes())?;
+        let charts = pictures(study, &tables)?;
+        draw(&charts, folder)?;
+        let curves = shown(study, &tables)?;
+        let verdicts = verdicts(study, &curves)?;
+        let known = self.known((store, &index), held, &tables)?;
+        let answer = answer(study, &tables, &charts, &curves, &verdicts, self.lacking)?;
+        let headline = answer.headline.clone();
+        self.write_report(store, held, &tables, &charts, answer, &known)?;
+        progress.clear();
+        let of_charts = charts.iter().filter_map(Drawn::sentence);
+        let notes: Vec<String> = of_charts.chain(known.iter().cloned()).collect();
+        if out.json {
+            return Ok(Some(self.to_json(&tables, &verdicts, &notes)));
+        }
+        if !out.quiet {
+            for note in notes {
+                say!("note: {note}");
+            }
+            if let Some(first) = charts.first().filter(|_| out.plot) {
+                print(&format!("{}\n", first.picture.text(look::of_output())))?;
+            }
+            print(&self.summary(&tables, &curves, &verdicts)?)?;
+            // Of a single curve the verdict says the same.
+            let judged: usize = verdicts.iter().map(|verdict| verdict.answers().len()).sum();
+            if judged != 1 && !headline.is_empty() {
+                print(&format!("\n{}", look::wrapped(&headline, look::width())))?;
+            }
+        }
+        Ok(None)
+    }
+
+    /// What should be known besides the results, but of charts.
+    fn known(&self, store: (&Store, &Index), held: u64, tables: &Tables) -> Result<Vec<String>, Failure> {
+        let Results { study, plan, done, lacking, .. } = self;
+        let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
+        Ok(notes(study, plan, store, tables, (held, *lacking), degraded)?)
+    }
+
+    fn write_report(
+        &self,
+        store: &Store,
+        held: u64,
+        tables: &Tables,
+        charts: &[Drawn],
+        answer: Answer,
+        notes: &[String],
+    ) -> Result<(), Failure> {
+        let Results { study, plan, folder, .. } = self;
+        let report = Report {
+            title: &study.title,
+            question: &study.question,
+            answer,
+            notes,
+            charts,
+            tables: tables.as_charted(study),
+            source: Source::of(study, plan, store, held, self.lacking)?,
+        };
+        write(&folder.join(REPORT), report.html().as_bytes())
+    }
+
+    /// The table of the first chart, coefficients, and all verdicts, for people.
+    ///
+    /// # Errors
+    /// The table does not have what a chart asks for.
+    pub fn summary(
+        &self,
+        tables: &Tables,
+        curves: &[Curves],
+        verdicts: &[Verdict],
+    ) -> Result<String, Failure> {
+        crate::results::summary::summary(self.study, tables, curves, verdicts, self.lacking)
+    }
+
+    fn to_json(&self, tables: &Tables, verdicts: &[Verdict], notes: &[String]) -> Value {
+        let done = self.done.as_ref().map(|(done, _)| done);
+        let sampled = self.plan.is_sampled().then_some(());
+        let cell = |cell: &Cell| match cell {
+            Cell::Blank => json!(null),
+            Cell::Text(text) => json!(text),
+            Cell::Integer(integer) => json!(integer),
+            Cell::Number(number) => json!(number),
+        };
+        let rows = |table: &Table| -> Vec<Value> {
+            let row = |row: usize| {
+                table.columns.iter().map(|column| (column.header(), cell(&column.cells[row]))).collect()
+            };
+            (0..table.rows()).map(row).collect()
+        };
+        let mut document = json!({
+            "title": self.study.title,
+            "question": self.study.question,
+            "seed": sampled.map(|_| self.study.seed),
+            "trials": sampled.map(|_| self.study.trials),
+            "device": self.done.as_ref().map(|(_, device)| device),
+            "sampled_trials": done.map(|done| done.trials),
+            "seconds": done.map(|done| done.seconds),
+            "notes": notes,
+            "verdicts": verdicts.iter().map(Verdict::json).collect::<Vec<_>>(),
+            "points": rows(&tables.points),
+        });
+        if self.lacking > 0 {
+            document["missing_trials"] = json!(self.lacking);
+        }
+        if let Some(coefficients) = &tables.coefficients {
+            document["coefficients"] = json!(rows(coefficients));
+        }
+        document
+    }
+}

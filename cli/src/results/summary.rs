@@ -1,0 +1,148 @@
+//! The results of a study in a terminal.
+
+use sagnac::chart::file::Source;
+use sagnac::chart::{Chart, text_columns};
+use sagnac::key::file::Kind;
+use sagnac::quantity::number::significant;
+use sagnac::run::Tables;
+use sagnac::study::Study;
+use sagnac::table::{Cell, Column, ColumnError, Table};
+use sagnac::view::chart::spec::ChartError;
+use sagnac::view::picture::verdict::Verdict;
+use sagnac::view::picture::{Shown as Curves, refused, written};
+
+use crate::failure::Failure;
+use crate::look;
+use crate::one_point::one_point;
+use crate::optima::optima;
+use crate::terminal::{aligned, pivot};
+use sagnac::quantity::number::short;
+
+/// The table of the first chart, coefficients, and all verdicts, for people.
+pub(crate) fn summary(
+    study: &Study,
+    tables: &Tables,
+    curves: &[Curves],
+    verdicts: &[Verdict],
+    lacking: u64,
+) -> Result<String, Failure> {
+    let mut text = format!("{}\n", study.title);
+    if !study.question.is_empty() {
+        text += &format!("{}\n", study.question);
+    }
+    let failed = |error: ColumnError| Failure::Picture(error.to_string());
+    let shown = match (study.kind(), study.charts.iter().zip(curves).next()) {
+        (_, Some((chart, shown))) if !(chart.is_supplied() && study.sweeps.is_empty()) => {
+            of_chart(study, shown, chart).map_err(|error| refused(study, chart, &error))?
+        }
+        (Kind::SwitchedRun, _) if study.sweeps.is_empty() => angles(&tables.points),
+        (Kind::GapFill, _) if study.sweeps.is_empty() => one_point(&tables.points).map_err(failed)?,
+        _ => undrawn(study, &tables.points).map_err(failed)?,
+    };
+    text += &format!("\n{shown}");
+    if let Some(coefficients) = &tables.coefficients {
+        text += &format!("\n{}", coefficients_found(study, coefficients));
+    }
+    if study.kind() == Kind::DriftBudget {
+        let failed = |error: ColumnError| Failure::Picture(error.to_string());
+        text += &format!("\n{}", optima(study, &tables.points).map_err(failed)?);
+    }
+    let incomplete = match lacking {
+        0 => String::new(),
+        lacking => format!(", of an incomplete run ({} trials are missing)", short(lacking as f64)),
+    };
+    for verdict in verdicts {
+        // A pipe gets whole sentences.
+        let lines: Vec<String> = match look::columns() {
+            Some(width) => verdict.text(&incomplete).lines().map(|line| look::wrapped(line, width)).collect(),
+            None => verdict.text(&incomplete).lines().map(str::to_owned).collect(),
+        };
+        text += &format!("\n{}\n", lines.join("\n"));
+    }
+    Ok(text)
+}
+
+/// Each column of a table in a line of its own, with its values.
+fn columns(table: &Table) -> String {
+    let line = |column: &Column| {
+        let cell = |cell: &Cell| cell.number().map_or_else(|| cell.text(), |x| significant(x, 6));
+        std::iter::once(column.title()).chain(column.cells.iter().map(cell)).collect::<Vec<String>>()
+    };
+    aligned(&table.columns.iter().map(line).collect::<Vec<_>>())
+}
+
+/// The points of a study without a chart as a grid, as after sweeps over names alone.
+fn undrawn(study: &Study, table: &Table) -> Result<String, ColumnError> {
+    let (estimate, rows) = match study.kind() {
+        Kind::GapFill | Kind::Relock => ("rms", vec![]),
+        Kind::SwitchedRun => ("drift_q9973", vec![("angle".to_owned(), "end".to_owned())]),
+        Kind::Allan => ("adev", vec![]),
+        Kind::DriftBudget | Kind::Suspension => return Ok(columns(table)),
+    };
+    let tau = (study.kind() == Kind::Allan).then_some("tau");
+    let tick = (study.kind() == Kind::Relock).then_some("tick");
+    let swept = study.sweeps.iter().map(|sweep| sweep.key.name);
+    let across: Vec<&str> = tau.into_iter().chain(swept).chain(tick).collect();
+    pivot(table, &across, estimate, &[], &text_columns(study, Source::Points), &rows)
+}
+
+/// The rows of a chart as a grid.
+fn of_chart(study: &Study, shown: &Curves, chart: &Chart) -> Result<String, ChartError> {
+    let table: &Table = &shown.table;
+    let sweeps: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
+    let across = match study.kind() {
+        // Compensations side by side, and ticks below each other.
+        Kind::Relock => sweeps.into_iter().chain(["tick"]).collect(),
+        kind if kind != Kind::Allan && !sweeps.is_empty() => sweeps,
+        Kind::Allan => {
+            let x = table.column(&chart.x.name)?.name.as_str();
+            std::iter::once(x).chain(sweeps.into_iter().filter(|sweep| *sweep != x)).collect()
+        }
+        _ => vec![chart.x.name.as_str()],
+    };
+    let series: Vec<&str> = shown.series.iter().map(String::as_str).collect();
+    let texts = text_columns(study, chart.source);
+    Ok(pivot(table, &across, &shown.estimate, &series, &texts, &written(chart))?)
+}
+
+/// The angles of the runs of one point, a line each.
+fn angles(table: &Table) -> String {
+    const SHOWN: [&str; 7] =
+        ["filler", "angle", "switches", "mean", "drift_mean", "drift_rms", "drift_q9973"];
+    let is_shown = |column: &&Column| SHOWN.contains(&column.name.as_str());
+    let columns: Vec<&Column> = table.columns.iter().filter(is_shown).collect();
+    let cell = |cell: &Cell| cell.number().map_or_else(|| cell.text(), |x| significant(x, 4));
+    let line = |row: usize| columns.iter().map(|column| cell(&column.cells[row])).collect();
+    let heading: Vec<String> = columns.iter().map(|column| column.title()).collect();
+    aligned(&std::iter::once(heading).chain((0..table.rows()).map(line)).collect::<Vec<_>>())
+}
+
+/// Most coefficients that are shown besides the file of them.
+const MOST_COEFFICIENTS: usize = 24;
+
+/// The coefficients of every point, a line each.
+fn coefficients_found(study: &Study, table: &Table) -> String {
+    if table.rows() > MOST_COEFFICIENTS {
+        return format!("coefficients of {} points are in coefficients.csv\n", points_of(study));
+    }
+    let swept = study.sweeps.len();
+    let shown = |name: &str| !["relative_rmse", "identified", "trials"].contains(&name);
+    let columns: Vec<&Column> = table.columns.iter().filter(|column| shown(&column.name)).collect();
+    let heading = |(at, column): (usize, &&Column)| {
+        if at < swept { column.title() } else { column.name.clone() }
+    };
+    let line = |row: usize| {
+        let cell = |column: &&Column| match &column.cells[row] {
+            Cell::Number(x) => significant(*x, 4),
+            cell => cell.text(),
+        };
+        columns.iter().map(cell).collect::<Vec<String>>()
+    };
+    let mut lines = vec![columns.iter().enumerate().map(heading).collect::<Vec<String>>()];
+    lines.extend((0..table.rows()).map(line));
+    format!("coefficients found in each record\n{}", aligned(&lines))
+}
+
+fn points_of(study: &Study) -> usize {
+    study.sweeps.iter().map(|sweep| sweep.values.len()).product()
+}

@@ -1,0 +1,341 @@
+//! `sagnac run`.
+
+pub mod share;
+pub mod stop;
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use clap::Args;
+use sagnac::device::Device;
+use sagnac::device::select::{Selection, select};
+use sagnac::quantity::number::significant;
+use sagnac::quantity::units::{Dimension, parse as parse_quantity};
+use sagnac::run::{Plan, RESOLVED, keep};
+use sagnac::store::Store;
+use sagnac::study::Study;
+use sagnac::tally::share::Share;
+use sagnac::view::picture::pictures;
+use serde_json::Value;
+
+use crate::failure::Failure;
+use crate::output::{print, print_json};
+use crate::program::DeviceArg;
+use crate::progress::{self, Shown};
+use crate::results::{Out, Results, behind};
+use crate::run::share::Shard;
+pub use crate::run::stop::Cause;
+use crate::run::stop::{Stop, Watch};
+use crate::whole;
+use sagnac::quantity::number::short;
+
+const EXAMPLES: &str = "\
+Examples:
+  sagnac run studies/error_vs_dtnu.toml --plot
+  sagnac run my.toml --trials 1000000 --device cpu --progress plain
+  sagnac run my.toml --shard 2/4 --time-limit 8:00:00
+  sagnac run studies/smoke.toml --json --out results/smoke
+
+Results go to a folder; running again resumes, and a larger --trials continues. A run that is stopped keeps what it sampled.";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Options {
+    /// Study files
+    #[arg(required = true, value_name = "STUDY")]
+    studies: Vec<PathBuf>,
+    #[command(flatten)]
+    device: DeviceArg,
+    /// Results folder [default: results/<name of the study file>, of a resolved_study.toml its own; of a share shard-I-of-N in that]
+    #[arg(help_heading = "Output", long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Trials at each point, in place of the study's
+    #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials, allow_negative_numbers = true)]
+    trials: Option<u64>,
+    /// Seed, in place of the study's
+    #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed, allow_negative_numbers = true)]
+    seed: Option<u64>,
+    /// Sample share I of N only, for `sagnac merge`; slurm: the share of this task of a job array
+    #[arg(help_heading = "Sampling", long, value_name = "I/N", value_parser = crate::run::share::parse)]
+    shard: Option<Shard>,
+    /// Stop in time, "55 min" or 8:00:00 from now, with exit code 4: run again to go on
+    #[arg(help_heading = "Sampling", long, value_name = "TIME", value_parser = time)]
+    time_limit: Option<Duration>,
+    /// Print the table and the verdict as JSON: one object, or with several studies one array of them
+    #[arg(help_heading = "Output", long, conflicts_with = "shard")]
+    json: bool,
+    /// Also draw the first chart as text
+    #[arg(help_heading = "Output", long, conflicts_with_all = ["json", "quiet", "shard"])]
+    plot: bool,
+    #[command(flatten)]
+    progress: progress::Options,
+    /// Print only errors
+    #[arg(help_heading = "Output", long, short)]
+    quiet: bool,
+}
+
+/// That trials count more than once, where they do.
+fn again(plan: &Plan, sampled: u64) -> &'static str {
+    if plan.counts_again(sampled) {
+        " (once for each part of the estimates that is sampled apart)"
+    } else {
+        ""
+    }
+}
+
+/// The folder of a share in that of the whole.
+fn share_folder(share: Share) -> String {
+    format!("shard-{}-of-{}", share.number(), share.of())
+}
+
+/// The command that puts shares together, of folders as they are called without --out.
+fn merging(folder: &Path, share: Share) -> String {
+    let of = share.of();
+    match folder.parent().filter(|_| folder.ends_with(share_folder(share))) {
+        Some(whole) if whole == Path::new("") => format!("sagnac merge shard-*-of-{of} --out whole"),
+        Some(whole) => {
+            let whole = whole.display().to_string();
+            let is_plain = |c: char| c.is_alphanumeric() || "_./-+,:@%".contains(c);
+            let quoted = match whole.chars().all(is_plain) {
+                true => whole,
+                false => format!("'{}'", whole.replace('\'', r"'\''")),
+            };
+            format!("sagnac merge {quoted}/shard-*-of-{of} --out {quoted}")
+        }
+        None => format!("sagnac merge SHARE… --out DIR, with the folders of all {of}"),
+    }
+}
+
+/// A time with its unit, or as schedulers write it.
+fn time(text: &str) -> Result<Duration, String> {
+    if text.contains(':') {
+        return clock(text).ok_or_else(|| {
+            "expected hours:minutes:seconds as in 8:00:00, or days before that, 1-08:00:00".to_owned()
+        });
+    }
+    let quantity = parse_quantity(text, &[Dimension::Time]).map_err(|error| error.to_string())?;
+    Duration::try_from_secs_f64(quantity.value)
+        .map_err(|_| "expected a time from now, such as \"55 min\"".to_owned())
+}
+
+/// `8:00:00` or `1-08:00:00`. Two parts would be minutes to one scheduler and hours to another.
+fn clock(text: &str) -> Option<Duration> {
+    let (days, text) = text.split_once('-').unwrap_or(("0", text));
+    let number =
+        |text: &str| text.parse::<u64>().ok().filter(|_| text.bytes().all(|byte| byte.is_ascii_digit()));
+    let parts = text.split(':').map(number).collect::<Option<Vec<u64>>>()?;
+    let [hours, minutes, seconds] = parts[..] else { return None };
+    let whole = number(days)?.checked_mul(24)?.checked_add(hours)?.checked_mul(60)?;
+    (minutes < 60 && seconds < 60).then_some(())?;
+    whole.checked_add(minutes)?.checked_mul(60)?.checked_add(seconds).map(Duration::from_secs)
+}
+
+/// What is run of the studies, and what ends it.
+struct Course {
+    share: Share,
+    stop: Stop,
+}
+
+/// Runs the studies one after the other. All are read and checked before the first starts.
+pub fn run(options: &Options) -> Result<(), Failure> {
+    let share = match options.shard {
+        None => Share::WHOLE,
+        Some(shard) => shard.share(|name| std::env::var(name).ok()).map_err(Failure::Usage)?,
+    };
+    let course = Course { share, stop: Stop::listen(options.time_limit).map_err(Failure::Signals)? };
+    let studies = studies(options, share)?;
+    let plans = studies.iter().map(|(_, study)| checked(study)).collect::<Result<Vec<_>, _>>()?;
+    let mut device = device(&plans, options)?;
+    let mut documents: Vec<Value> = Vec::new();
+    let mut ended = Ok(());
+    for (at, ((folder, study), (plan, behind))) in studies.iter().zip(&plans).enumerate() {
+        if at > 0 && !options.json && !options.quiet {
+            print("\n")?;
+        }
+        match run_study(study, (plan, *behind), folder, device.as_mut(), &course, options) {
+            Ok(document) => documents.extend(document),
+            Err(failure) => {
+                ended = Err(failure);
+                break;
+            }
+        }
+    }
+    // What is done is shown, whatever ended the next one.
+    match &documents[..] {
+        [] => {}
+        [document] if studies.len() == 1 => print_json(document)?,
+        several => print_json(&several)?,
+    }
+    ended
+}
+
+/// The studies with the folders of their results, which differ.
+fn studies(options: &Options, share: Share) -> Result<Vec<(PathBuf, Study)>, Failure> {
+    if options.out.is_some() && options.studies.len() > 1 {
+        let message =
+            "--out names one folder, but there are several studies\nrun them one by one, or without --out";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    let mut studies = Vec::new();
+    for path in &options.studies {
+        let mut study = Study::read(path)?;
+        study.trials = options.trials.unwrap_or(study.trials);
+        study.seed = options.seed.unwrap_or(study.seed);
+        if options.shard.is_some() && study.has_stop_rule() {
+            if options.trials.is_none() {
+                return Err(Failure::Study(study.error_at(
+                    study.place_of("precision"),
+                    "a share cannot stop by itself at a precision: it does not see the others' trials",
+                    "fix how many there are with --trials N, or run the study as a whole",
+                )));
+            }
+            study.fix_trials()?;
+        }
+        let folder = folder(options, path, share);
+        if studies.iter().any(|(taken, _)| *taken == folder) {
+            let message = format!(
+                "several studies would write to {}, the last one {}\nrun them one by one, each with its --out DIR",
+                folder.display(),
+                path.display()
+            );
+            return Err(Failure::Usage(message));
+        }
+        studies.push((folder, study));
+    }
+    Ok(studies)
+}
+
+fn folder(options: &Options, study: &Path, share: Share) -> PathBuf {
+    let whole = match study.parent() {
+        // What repeats a run goes where its results are.
+        Some(here) if study.file_name() == Some(RESOLVED.as_ref()) && here == Path::new("") => {
+            PathBuf::from(".")
+        }
+        Some(results) if study.file_name() == Some(RESOLVED.as_ref()) => results.to_owned(),
+        _ => Path::new("results").join(study.file_stem().unwrap_or_default()),
+    };
+    let default = || match share.is_whole() {
+        true => whole,
+        false => whole.join(share_folder(share)),
+    };
+    options.out.clone().unwrap_or_else(default)
+}
+
+/// The device that is asked for, if there is anything to sample.
+fn device(plans: &[(Plan, Duration)], options: &Options) -> Result<Option<Device>, Failure> {
+    if !plans.iter().any(|(plan, _)| plan.is_sampled()) {
+        return Ok(None);
+    }
+    let Selection { device, reason } = select(&options.device.name, options.device.threads.unwrap_or(0))?;
+    if !options.quiet {
+        say!("device: {}, {reason}", device.name());
+    }
+    Ok(Some(device))
+}
+
+/// The plan of a study, and how long it will take to show what was sampled. Finds what would otherwise fail after the sampling.
+pub fn checked(study: &Study) -> Result<(Plan<'_>, Duration), Failure> {
+    let plan = Plan::new(study)?;
+    let blank = plan.blank_tables();
+    pictures(study, &blank)?;
+    Ok((plan, behind(&blank)))
+}
+
+/// Runs one study, and returns its results as JSON where the options ask for that.
+fn run_study(
+    study: &Study,
+    (plan, behind): (&Plan, Duration),
+    folder: &Path,
+    device: Option<&mut Device>,
+    course: &Course,
+    options: &Options,
+) -> Result<Option<Value>, Failure> {
+    // Also of closed forms, as a folder is of one study.
+    let mut store = Store::open(folder, &plan.identity())?;
+    // From the start on, as it may be killed.
+    for name in keep(study, folder)? {
+        say!("note: {name} is another one than in the earlier run: what it changes is sampled anew");
+    }
+    store.note_share(course.share)?;
+    // A share shows nothing.
+    let behind = if course.share.is_whole() { behind } else { Duration::ZERO };
+    let shown = Shown::new(options.progress.how(options.quiet), behind);
+    let device = device.filter(|_| plan.is_sampled());
+    let name = device.as_ref().map(|device| device.name());
+    let done = device.map(|device| {
+        let watch = Watch::new(&shown, &course.stop);
+        let done = course.stop.sampling(|| plan.run(&mut store, device, course.share, &watch))?;
+        let cause = course.stop.cause().filter(|cause| done.stopped || *cause != Cause::TimeLimit);
+        match cause {
+            Some(cause) => {
+                Err(Failure::Stopped { cause, reached: watch.reached(), folder: folder.to_owned() })
+            }
+            None => Ok(done),
+        }
+    });
+    let done = done.transpose()?;
+    if !course.share.is_whole() {
+        shown.clear();
+        for note in done.iter().flat_map(|done| &done.degraded) {
+            say!("note: {note}");
+        }
+        if !options.quiet {
+            let share = course.share;
+            say!("{share} is done and in {}; when all are: {}", folder.display(), merging(folder, share));
+        }
+        return Ok(None);
+    }
+    let results = Results { study, plan, folder, done: done.as_ref().zip(name), lacking: 0 };
+    let out = Out { json: options.json, quiet: options.quiet, plot: options.plot };
+    let document = results.show(&store, out, &shown)?;
+    if !options.json && !options.quiet {
+        let rate = match &done {
+            Some(done) if done.trials > 0 => {
+                let seconds = match done.seconds {
+                    0.0..0.1 => "less than 0.1".to_owned(),
+                    seconds => significant(seconds, 3),
+                };
+                format!("{} trials{} in {seconds} s; ", short(done.trials as f64), again(plan, done.trials))
+            }
+            Some(_) => "nothing was left to sample; ".to_owned(),
+            None => String::new(),
+        };
+        say!("{rate}results are in {}", folder.display());
+    }
+    Ok(document)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_that_merges_survives_names_that_shells_read() {
+        let share: Share = "1/2".parse().unwrap();
+        let command = |whole: &str| merging(&Path::new(whole).join(share_folder(share)), share);
+        assert_eq!(command("results/my"), "sagnac merge results/my/shard-*-of-2 --out results/my");
+        assert_eq!(command("a $b"), "sagnac merge 'a $b'/shard-*-of-2 --out 'a $b'");
+        assert_eq!(command("it's"), r"sagnac merge 'it'\''s'/shard-*-of-2 --out 'it'\''s'");
+    }
+
+    #[test]
+    fn a_time_limit_is_read_as_studies_and_as_schedulers_write_it() {
+        let seconds = |text: &str| time(text).map(|limit| limit.as_secs());
+        assert_eq!(seconds("55 min"), Ok(3300));
+        assert_eq!(seconds("1:00:00"), Ok(3600));
+        assert_eq!(seconds("00:55:00"), Ok(3300));
+        assert_eq!(seconds("1-08:00:30"), Ok(115_230));
+        for wrong in [
+            "55:00",
+            "1:60:00",
+            "1:00:60",
+            ":00:00",
+            "1:-1:00",
+            "1:00:00:00",
+            "x-1:00:00",
+            "99999999999999999999:00:00",
+        ] {
+            assert!(seconds(wrong).is_err_and(|why| why.contains("8:00:00")), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! What ends a run before its time: signals and the time limit.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use sagnac::run::Progress;
+#[cfg(unix)]
+use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
+
+use crate::progress::{Shown, leave};
+
+/// Elsewhere none comes: an interruption leaves at once, and what was sampled is kept.
+#[cfg(not(unix))]
+const SIGINT: i32 = 2;
+#[cfg(not(unix))]
+const SIGTERM: i32 = 15;
+#[cfg(not(unix))]
+const SIGUSR1: i32 = 10;
+
+/// Why a run is to end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Cause {
+    /// A signal, by its number.
+    Signal(i32),
+    TimeLimit,
+}
+
+impl Cause {
+    /// 130 and 143 for those who interrupt or end it, 4 for those who want it to go on later.
+    pub fn code(self) -> u8 {
+        match self {
+            Cause::Signal(signal) if signal != SIGUSR1 => 128_u8.wrapping_add(signal as u8),
+            Cause::Signal(_) | Cause::TimeLimit => 4,
+        }
+    }
+}
+
+impl std::fmt::Display for Cause {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Cause::TimeLimit => write!(f, "the time limit"),
+            Cause::Signal(signal) => write!(f, "{}", name(*signal)),
+        }
+    }
+}
+
+fn name(signal: i32) -> &'static str {
+    match signal {
+        SIGINT => "SIGINT",
+        SIGTERM => "SIGTERM",
+        SIGUSR1 => "SIGUSR1",
+        _ => "a signal",
+    }
+}
+
+/// Hears signals and knows the time. While it [samples](Stop::sampling) a first signal ends it after the batch, a second one at once; at other
+/// times, when nothing is on its way to the disk that could not be made again, the first one does.
+#[derive(Debug, Clone)]
+pub struct Stop {
+    signal: Arc<AtomicI32>,
+    sampling: Arc<AtomicBool>,
+    deadline: Option<Instant>,
+}
+
+impl Stop {
+    /// Listens from now on; the time `limit` counts from now.
+    ///
+    /// # Errors
+    /// The system does not let it listen.
+    pub fn listen(limit: Option<Duration>) -> std::io::Result<Stop> {
+        let deadline = limit.and_then(|limit| Instant::now().checked_add(limit));
+        let stop = Stop {
+            signal: Arc::new(AtomicI32::new(0)),
+            sampling: Arc::new(AtomicBool::new(false)),
+            deadline,
+        };
+        #[cfg(unix)]
+        stop.hear()?;
+        Ok(stop)
+    }
+
+    #[cfg(unix)]
+    fn hear(&self) -> std::io::Result<()> {
+        let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGUSR1])?;
+        let stop = self.clone();
+        std::thread::Builder::new().name("signals".to_owned()).spawn(move || {
+            for signal in signals.forever() {
+                let first = stop.signal.swap(signal, Ordering::SeqCst) == 0;
+                let cause = Cause::Signal(signal);
+                if first && stop.sampling.load(Ordering::SeqCst) {
+                    say!("{cause}: stopping after this batch; a second signal leaves at once");
+                    continue;
+                }
+                leave();
+                say!("stopped by {cause}; what was sampled is kept, resumable: run again to go on");
+                signal_hook::low_level::exit(cause.code().into());
+            }
+        })?;
+        Ok(())
+    }
+
+    /// Why to stop, if there is a reason.
+    pub fn cause(&self) -> Option<Cause> {
+        match self.signal.load(Ordering::SeqCst) {
+            0 if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) => Some(Cause::TimeLimit),
+            0 => None,
+            signal => Some(Cause::Signal(signal)),
+        }
+    }
+
+    /// Does something that stops by itself.
+    pub fn sampling<T>(&self, work: impl FnOnce() -> T) -> T {
+        self.sampling.store(true, Ordering::SeqCst);
+        let done = work();
+        self.sampling.store(false, Ordering::SeqCst);
+        done
+    }
+}
+
+/// Shows progress, remembers it, and stops it.
+pub struct Watch<'a> {
+    shown: &'a Shown,
+    stop: &'a Stop,
+    unit: std::sync::OnceLock<&'static str>,
+    done: AtomicU64,
+    total: AtomicU64,
+}
+
+impl<'a> Watch<'a> {
+    pub fn new(shown: &'a Shown, stop: &'a Stop) -> Watch<'a> {
+        let [done, total] = [AtomicU64::new(0), AtomicU64::new(0)];
+        Watch { shown, stop, unit: std::sync::OnceLock::new(), done, total }
+    }
+
+    /// How far it came: done, of all, in this unit.
+    pub fn reached(&self) -> (u64, u64, &'static str) {
+        let [done, total] = [&self.done, &self.total].map(|count| count.load(Ordering::Relaxed));
+        (done, total, self.unit.get().unwrap_or(&"trials"))
+    }
+}
+
+impl Progress for Watch<'_> {
+    fn start(&self, unit: &'static str, done: u64, total: u64) {
+        self.unit.get_or_init(|| unit);
+        self.done.store(done, Ordering::Relaxed);
+        self.total.store(total, Ordering::Relaxed);
+        self.shown.start(unit, done, total);
+    }
+
+    /// What is said of a run that was stopped counts all that there may be, as the next one does when it begins.
+    fn expect(&self, total: u64) {
+        self.shown.expect(total);
+    }
+
+    fn advance(&self, more: u64) {
+        self.done.fetch_add(more, Ordering::Relaxed);
+        self.shown.advance(more);
+    }
+
+    fn cost(&self, done: f64, total: f64) {
+        self.shown.cost(done, total);
+    }
+
+    fn note(&self, sentence: &str) {
+        self.shown.note(sentence);
+    }
+
+    fn finish(&self) {
+        self.shown.finish();
+    }
+
+    fn stops(&self) -> bool {
+        self.stop.cause().is_some()
+    }
+}

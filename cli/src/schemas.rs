@@ -1,0 +1,45 @@
+//! `sagnac schema`: what study files and the documents of `--json` look like.
+
+use clap::{Args, ValueEnum};
+use sagnac::study;
+
+use crate::failure::Failure;
+use crate::output::print;
+
+const EXAMPLES: &str = "\
+Examples:
+  sagnac schema > study.schema.json
+  sagnac schema run";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Options {
+    /// Of which documents: study files, or what a command prints with --json
+    #[arg(value_name = "OF", value_enum, default_value = "study")]
+    of: Document,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Document {
+    Study,
+    Run,
+    Merge,
+    Design,
+    Filler,
+    Allan,
+    Compare,
+    Bench,
+}
+
+/// Prints a JSON schema.
+pub fn schema(options: &Options) -> Result<(), Failure> {
+    match options.of {
+        Document::Study => print(&study::schema()),
+        Document::Run | Document::Merge => print(include_str!("../../schema/run.schema.json")),
+        Document::Design => print(include_str!("../../schema/design.schema.json")),
+        Document::Filler => print(include_str!("../../schema/filler.schema.json")),
+        Document::Allan => print(include_str!("../../schema/allan.schema.json")),
+        Document::Compare => print(include_str!("../../schema/compare.schema.json")),
+        Document::Bench => print(include_str!("../../schema/bench.schema.json")),
+    }
+}

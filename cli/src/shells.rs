@@ -1,0 +1,68 @@
+//! `sagnac completions` and `sagnac man`: what shells and `man` read of the command line.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Command};
+use clap_complete::{Shell, generate};
+
+use crate::failure::Failure;
+use crate::output::{print, write};
+
+const EXAMPLES: &str = "\
+Examples:
+  sagnac completions bash > ~/.local/share/bash-completion/completions/sagnac
+  sagnac completions fish > ~/.config/fish/completions/sagnac.fish";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = EXAMPLES)]
+pub struct Completions {
+    /// Which shell
+    #[arg(value_name = "SHELL", value_enum)]
+    shell: Shell,
+}
+
+const MAN_EXAMPLES: &str = "\
+Examples:
+  sagnac man ~/.local/share/man/man1";
+
+#[derive(Debug, Args)]
+#[command(after_long_help = MAN_EXAMPLES)]
+pub struct Man {
+    /// Folder of the pages, such as ~/.local/share/man/man1
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+}
+
+/// Prints the script that completes commands and options.
+pub fn completions(options: &Completions, mut command: Command) -> Result<(), Failure> {
+    let mut script = Vec::new();
+    generate(options.shell, &mut command, "sagnac", &mut script);
+    print(&String::from_utf8_lossy(&script))
+}
+
+/// Writes a page for the program and one for each command.
+pub fn man(options: &Man, command: Command) -> Result<(), Failure> {
+    let folder = &options.folder;
+    std::fs::create_dir_all(folder).map_err(|source| Failure::Write { path: folder.clone(), source })?;
+    let commands: Vec<Command> =
+        command.get_subcommands().filter(|command| !command.is_hide_set()).cloned().collect();
+    page(command, "sagnac".to_owned(), folder)?;
+    for command in commands {
+        let name = format!("sagnac-{}", command.get_name());
+        page(command, name, folder)?;
+    }
+    print(&format!(
+        "pages are in {}; read them with `man -l {}`",
+        folder.display(),
+        folder.join("sagnac.1").display()
+    ))
+}
+
+fn page(command: Command, name: String, folder: &Path) -> Result<(), Failure> {
+    let path = folder.join(format!("{name}.1"));
+    let command = command.display_name(name.clone()).bin_name(name.replacen('-', " ", 1));
+    let mut page = Vec::new();
+    let rendered = clap_mangen::Man::new(command).title(name).render(&mut page);
+    rendered.map_err(|source| Failure::Write { path: path.clone(), source })?;
+    write(&path, &page)
+}

@@ -1,0 +1,296 @@
+//! Tables for people, in aligned columns.
+
+use std::collections::HashMap;
+
+use sagnac::quantity::number::significant;
+use sagnac::table::{Column, ColumnError, Table};
+
+use crate::look;
+
+/// Rows of a table that are shown; of longer ones every second, third, … is.
+const MOST_ROWS: usize = 48;
+
+/// Significant digits of a number: as few as tell it from the others beside it.
+const DIGITS: std::ops::RangeInclusive<usize> = 4..=17;
+
+/// One column of a table over the sweeps: a line for each combination of their values, a column for each curve.
+///
+/// `sweeps` are the columns that name lines, but for those in `series`; the first of them always is. What else in `texts` differs
+/// between rows, filler or error, names columns too, so that no cell has two values.
+///
+/// # Errors
+/// A name selects no single column, or the filter leaves no row.
+pub fn pivot(
+    table: &Table,
+    sweeps: &[&str],
+    y: &str,
+    series: &[&str],
+    texts: &[&str],
+    filter: &[(String, String)],
+) -> Result<String, ColumnError> {
+    let columns = |names: &[&str]| names.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>();
+    let (sweeps, y, mut series) = (columns(sweeps)?, table.column(y)?, columns(series)?);
+    series.retain(|column| sweeps.first().is_none_or(|first| column.name != first.name));
+    let rows = table.rows_where(filter)?;
+    let unnamed = |column: &&Column| series.iter().all(|named| named.name != column.name);
+    let texts: Vec<&Column> = columns(texts)?
+        .into_iter()
+        .filter(|text| sweeps.iter().all(|sweep| sweep.name != text.name))
+        .collect();
+    let mut across: Vec<Names> = sweeps.into_iter().filter(unnamed).map(|c| Names::new(c, &rows)).collect();
+    let others = texts.into_iter().filter(unnamed).map(|c| Names::new(c, &rows));
+    let mut curves: Vec<Names> = series.iter().map(|column| Names::new(column, &rows)).collect();
+    curves.extend(others.filter(Names::differ));
+    // The first sweep stands for the lines even where it has one value.
+    let mut first = true;
+    across.retain(|names| std::mem::take(&mut first) || names.differ());
+    let (line_of, lines) = combinations(&across, rows.len());
+    let (curve_of, columns) = combinations(&curves, rows.len());
+    let least = lines.len().div_ceil(MOST_ROWS).max(1);
+    // A step that shares no factor with a faster sweep does not show the same of its values again and again.
+    let inner = || across.iter().skip(1).map(|names| names.texts.len());
+    let step = (least..).find(|&step| step == 1 || inner().all(|n| gcd(step, n) == 1)).unwrap_or(least);
+    let mut grid = vec![vec![String::new(); across.len() + columns.len()]; lines.len() + 1];
+    for (place, names) in across.iter().enumerate() {
+        grid[0][place] = names.column.title();
+        for (line, &at) in lines.iter().enumerate() {
+            grid[line + 1][place] = names.at(at).to_owned();
+        }
+    }
+    for (place, &at) in columns.iter().enumerate() {
+        let words: Vec<&str> = curves.iter().map(|names| names.at(at)).collect();
+        grid[0][across.len() + place] = if words.is_empty() { y.title() } else { words.join(" ") };
+    }
+    for (at, &row) in rows.iter().enumerate() {
+        let cell = &y.cells[row];
+        let text = cell.number().map_or_else(|| cell.text(), |x| significant(x, *DIGITS.start()));
+        grid[line_of[at] + 1][across.len() + curve_of[at]] = text;
+    }
+    let shown: Vec<Vec<String>> = grid
+        .into_iter()
+        .enumerate()
+        .filter(|(i, _)| *i == 0 || (i - 1) % step == 0)
+        .map(|(_, row)| row)
+        .collect();
+    let note = if step > 1 { format!(" (one line in {step})") } else { String::new() };
+    let names: Vec<String> = curves.iter().map(|names| names.column.title()).collect();
+    let by = if names.is_empty() { String::new() } else { format!(", by {}", names.join(" and ")) };
+    Ok(format!("{}{by}{note}\n{}", y.title(), fitted(&shown, across.len(), look::columns())))
+}
+
+/// The different values of a column in the rows shown.
+struct Names<'t> {
+    column: &'t Column,
+    /// For each row shown, the place of its value in `texts`.
+    values: Vec<usize>,
+    texts: Vec<String>,
+}
+
+impl<'t> Names<'t> {
+    fn new(column: &'t Column, rows: &[usize]) -> Names<'t> {
+        // Debug writes a number with as many digits as it has.
+        let (values, firsts) = distinct(rows.iter().map(|&row| format!("{:?}", column.cells[row])));
+        let text = |digits: usize| {
+            let cells = firsts.iter().map(|&at| &column.cells[rows[at]]);
+            cells
+                .map(|cell| cell.number().map_or_else(|| cell.text(), |x| significant(x, digits)))
+                .collect::<Vec<String>>()
+        };
+        let tells_apart = |texts: &Vec<String>| distinct(texts.iter()).1.len() == texts.len();
+        let texts = DIGITS.map(text).find(tells_apart).unwrap_or_else(|| text(*DIGITS.end()));
+        Names { column, values, texts }
+    }
+
+    fn differ(&self) -> bool {
+        self.texts.len() > 1
+    }
+
+    /// The value in a row shown.
+    fn at(&self, at: usize) -> &str {
+        &self.texts[self.values[at]]
+    }
+}
+
+/// The place of each item among the different ones, and where each of these first stands.
+fn distinct<T: std::hash::Hash + Eq>(items: impl Iterator<Item = T>) -> (Vec<usize>, Vec<usize>) {
+    let (mut known, mut firsts) = (HashMap::new(), Vec::new());
+    let places = items
+        .enumerate()
+        .map(|(at, item)| {
+            *known.entry(item).or_insert_with(|| {
+                firsts.push(at);
+                firsts.len() - 1
+            })
+        })
+        .collect();
+    (places, firsts)
+}
+
+/// The same of the combinations of several columns, over `count` rows.
+fn combinations(columns: &[Names], count: usize) -> (Vec<usize>, Vec<usize>) {
+    distinct((0..count).map(|at| columns.iter().map(|names| names.values[at]).collect::<Vec<_>>()))
+}
+
+fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+/// Columns beyond which headings are broken where no terminal says how wide it is.
+const USUAL_MOST: usize = 100;
+
+/// Rows of cells with every column as wide as its widest cell, flush right; where a terminal is narrower, as [`fitted`].
+pub(crate) fn aligned(rows: &[Vec<String>]) -> String {
+    fitted(rows, 1, look::columns())
+}
+
+/// The same within so many columns: headings are broken into lines, and what is still too wide goes on below, the first `keys`
+/// columns standing in each part. Without a limit headings are broken in wide tables, and nothing goes on below.
+fn fitted(rows: &[Vec<String>], keys: usize, limit: Option<usize>) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let widest = |rows: &[Vec<String>], column: usize| {
+        rows.iter().filter_map(|row| row.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..columns).map(|column| widest(rows, column)).collect();
+    let all: Vec<usize> = (0..columns).collect();
+    let Some((heading, body)) = rows.split_first() else {
+        return String::new();
+    };
+    if width_of(&widths, &all) <= limit.unwrap_or(USUAL_MOST) {
+        return part(rows, &all, &widths);
+    }
+    let word = |cell: &String| words(cell).iter().map(|word| word.chars().count()).max().unwrap_or(0);
+    let narrow: Vec<usize> =
+        all.iter().map(|&column| widest(body, column).max(heading.get(column).map_or(0, word))).collect();
+    let mut lines = heading_lines(heading, &narrow);
+    lines.extend(body.iter().cloned());
+    let limit = limit.unwrap_or(usize::MAX);
+    let keys: Vec<usize> = all.iter().copied().take(keys).collect();
+    let mut parts: Vec<Vec<usize>> = Vec::new();
+    let mut shown = keys.clone();
+    for &column in &all[keys.len()..] {
+        shown.push(column);
+        if width_of(&narrow, &shown) > limit && shown.len() > keys.len() + 1 {
+            shown.pop();
+            parts.push(std::mem::replace(&mut shown, [&keys[..], &[column]].concat()));
+        }
+    }
+    parts.push(shown);
+    let trimmed = |shown: &Vec<usize>| -> String {
+        part(&lines, shown, &narrow).lines().map(|line| format!("{}\n", line.trim_end())).collect()
+    };
+    parts.iter().map(trimmed).collect::<Vec<_>>().join("\n")
+}
+
+/// Columns of the terminal that some columns of a table take.
+fn width_of(widths: &[usize], shown: &[usize]) -> usize {
+    shown.iter().map(|&column| widths[column] + 2).sum()
+}
+
+/// A heading in as many lines as its longest cell needs, the last words of each cell in the last one.
+fn heading_lines(heading: &[String], widths: &[usize]) -> Vec<Vec<String>> {
+    let broken: Vec<Vec<String>> =
+        heading.iter().zip(widths).map(|(cell, &width)| broken(cell, width)).collect();
+    let height = broken.iter().map(Vec::len).max().unwrap_or(0);
+    let line = |at: usize| {
+        let of = |cell: &Vec<String>| {
+            (at + cell.len()).checked_sub(height).map_or_else(String::new, |at| cell[at].clone())
+        };
+        broken.iter().map(of).collect()
+    };
+    (0..height).map(line).collect()
+}
+
+/// The words of a heading; a sign or a unit behind a comma stays with the word before it.
+fn words(text: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        let is_sign = !word.starts_with(char::is_alphanumeric);
+        match words.last_mut() {
+            Some(last) if is_sign || last.ends_with(',') => *last += &format!(" {word}"),
+            _ => words.push(word.to_owned()),
+        }
+    }
+    words
+}
+
+/// A text in lines of at most `width`, but for longer words.
+fn broken(text: &str, width: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in words(text) {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
+                *line += &format!(" {word}")
+            }
+            _ => lines.push(word),
+        }
+    }
+    lines
+}
+
+fn part(rows: &[Vec<String>], shown: &[usize], widths: &[usize]) -> String {
+    let line = |row: &Vec<String>| {
+        let cells = shown.iter().filter_map(|&column| Some((row.get(column)?, widths[column])));
+        let cells: Vec<String> = cells.map(|(cell, width)| format!("{cell:>width$}")).collect();
+        format!("  {}\n", cells.join("  "))
+    };
+    rows.iter().map(line).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table() -> Vec<Vec<String>> {
+        let row = |cells: &str| cells.split('|').map(str::to_owned).collect::<Vec<String>>();
+        vec![
+            row("vibration frequency, Hz|const 1|linear 1|least of all"),
+            row("2|0.9672|0.967|1"),
+            row("40|104|96.7|23.5"),
+        ]
+    }
+
+    #[test]
+    fn a_table_that_fits_or_has_no_limit_stays_in_one_piece_with_headings_in_a_line() {
+        let heading = "  vibration frequency, Hz  const 1  linear 1  least of all\n";
+        assert!(fitted(&table(), 1, None).starts_with(heading), "{}", fitted(&table(), 1, None));
+        assert_eq!(fitted(&table(), 1, Some(heading.len() - 1)), fitted(&table(), 1, None));
+    }
+
+    #[test]
+    fn headings_are_broken_where_the_terminal_is_narrow() {
+        let text = fitted(&table(), 1, Some(57));
+        assert_eq!(text.lines().count(), 5, "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= 57), "{text}");
+        assert!(
+            text.lines().nth(2).is_some_and(|line| line.contains("Hz") && line.contains("all")),
+            "{text}"
+        );
+        for word in ["vibration", "frequency,", "const", "linear"] {
+            assert!(text.contains(word), "{word} is missing in\n{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_still_too_wide_goes_on_below_beside_its_keys() {
+        let text = fitted(&table(), 1, Some(30));
+        assert!(text.lines().all(|line| line.chars().count() <= 30), "{text}");
+        let parts: Vec<&str> = text.split("\n\n").collect();
+        assert_eq!(parts.len(), 2, "{text}");
+        assert!(parts.iter().all(|part| part.contains("frequency,") && part.contains("40")), "{text}");
+        assert!(parts[0].contains("104") && parts[1].contains("23.5") && !parts[1].contains("104"), "{text}");
+    }
+
+    #[test]
+    fn a_wide_table_for_no_terminal_has_broken_headings_and_stays_in_one_piece() {
+        let mut wide = table();
+        wide[0][3] = "least of all that there are, and of some that are not ".repeat(2);
+        let text = fitted(&wide, 1, None);
+        assert!(text.lines().all(|line| line.chars().count() <= 60) && !text.contains("\n\n"), "{text}");
+    }
+
+    #[test]
+    fn a_terminal_too_narrow_for_anything_has_a_column_at_a_time() {
+        assert_eq!(fitted(&table(), 1, Some(1)).split("\n\n").count(), 3);
+        assert_eq!(fitted(&[], 1, Some(1)), "");
+    }
+}

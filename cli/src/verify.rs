@@ -1,0 +1,37 @@
+//! `sagnac verify`.
+
+use sagnac::device::Device;
+use sagnac::device::select::{every_adapter, select};
+use sagnac::kernel::width::Width;
+use sagnac::verify;
+
+use crate::failure::Failure;
+use crate::output::print;
+
+/// Compares every kernel on every width of the CPU and on the device, or on every adapter there is.
+pub fn verify(options: &crate::program::Verify) -> Result<(), Failure> {
+    let mut devices = match &options.device {
+        Some(name) => vec![select(name, 0)?.device],
+        None => every_adapter()?,
+    };
+    let widths = Width::available().into_iter().map(|width| format!("CPU ({})", width.name()));
+    let mut names: Vec<String> = widths.collect();
+    names.extend(devices.iter().filter(|device| matches!(device, Device::Gpu(_))).map(Device::name));
+    say!("comparing: {}", names.join(", "));
+    if !devices.iter().any(|device| matches!(device, Device::Gpu(_))) {
+        say!("no adapter is compared: no shader runs");
+    }
+    let mut printed = Ok(());
+    let identical = verify::verify(&mut devices, options.trials, |verdict| {
+        let line = if verdict.differences.is_empty() {
+            format!("identical {} {:016x}", verdict.kernel, verdict.digest)
+        } else {
+            format!("DIFFERENT {} on {}", verdict.kernel, verdict.differences.join(", "))
+        };
+        if printed.is_ok() {
+            printed = print(&line);
+        }
+    })?;
+    printed?;
+    if identical { Ok(()) } else { Err(Failure::Different) }
+}

@@ -1,0 +1,166 @@
+//! What a launch of the gap-fill kernel has, and its parameter words.
+//!
+//! Its table holds weights of the errors in the gap; then the factor of the Gaussian motion, or the profile as angles since
+//! its start in LSB at the boundaries of its ticks. Often it is empty.
+
+use crate::parameters::parameters;
+
+/// Most ticks on one side of the gap.
+pub const MAX_SIDE: usize = 64;
+
+/// Most tones of a motion.
+pub const MAX_TONES: usize = 8;
+
+/// Ticks of a recorded profile that are kept free on either side of the gap, whatever the fillers read: so another
+/// filler moves no trial to another place.
+pub const MARGIN: usize = MAX_SIDE;
+
+/// What a launch has, and how much of it: what a shader is specialised for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Shape {
+    /// Ticks sampled before the gap: the larger of the next two.
+    pub before: usize,
+    /// Ticks sampled after the gap.
+    pub after: usize,
+    /// Ticks before the gap that the residual uses.
+    pub residual_before: usize,
+    /// Ticks before the gap that the extrapolation uses, and the error in the gap.
+    pub extrapolation_before: usize,
+    /// Fillers; a launch has at most [`MAX_ESTIMATES`](crate::moments::MAX_ESTIMATES) errors of them.
+    pub fillers: usize,
+    /// Which errors each filler has.
+    pub residual: bool,
+    /// At the end of the gap, before it is closed.
+    pub extrapolation: bool,
+    /// The largest while it is open.
+    pub in_gap: bool,
+    /// Whether weighted sums need 64 bits: fillers with large weights do, the usual polynomials do not.
+    pub wide: bool,
+    /// Length of the gap where the shape depends on it, else 0: see [`Shape::rows`].
+    pub gap_ticks: usize,
+    /// Sines of the motion, at most 8.
+    pub tones: usize,
+    /// Whether amplitudes of tones are drawn.
+    pub amplitudes: bool,
+    /// Whether frequencies of tones are drawn.
+    pub frequencies: bool,
+    /// Whether there is stationary Gaussian motion.
+    pub gaussian: bool,
+    /// Whether the motion is a recorded profile.
+    pub profile: bool,
+    /// Whether trials take the places of the profile in turn, and not at random.
+    pub every: bool,
+    /// Whether something is the same in all trials: a constant rate or acceleration, relock.
+    pub constants: bool,
+    /// Whether whole pulses are read.
+    pub readout: bool,
+}
+
+impl Shape {
+    /// Ticks on the longer side of the gap.
+    pub fn sides(self) -> usize {
+        self.before.max(self.after)
+    }
+
+    /// Number of estimates: all residuals, then all extrapolations, then all errors in the gap.
+    pub fn estimates(self) -> usize {
+        let errors = usize::from(self.residual) + usize::from(self.extrapolation) + usize::from(self.in_gap);
+        self.fillers * errors
+    }
+
+    /// True angles that are needed: that over the whole gap, and for errors in the gap also those over its first ticks.
+    pub fn rows(self) -> usize {
+        if self.in_gap { self.gap_ticks } else { 1 }
+    }
+
+    /// Where the weights of the errors in the gap end in the table, and what the motion needs begins.
+    pub fn motion_table(self) -> usize {
+        if self.in_gap { self.fillers * self.gap_ticks * self.extrapolation_before } else { 0 }
+    }
+
+    /// Normal numbers of the Gaussian motion: one for each tick of the gap, then one for each tick on either side.
+    pub fn gaussians(self) -> usize {
+        self.gap_ticks + 2 * self.sides()
+    }
+
+    /// Where the row of a place on the side, counted as in [`Shape::gaussians`], starts in the table.
+    pub fn gaussian_row(self, place: usize) -> usize {
+        let n = self.gap_ticks;
+        // The rows over the gap, then a triangle: row i has i + 1 words.
+        self.motion_table() + self.rows() * n + (place * (place + 1) - n * (n + 1)) / 2
+    }
+
+    /// Whether the kernel reads the table.
+    pub fn has_table(self) -> bool {
+        self.in_gap || self.gaussian || self.profile
+    }
+}
+
+/// `count` where `wanted`, else none.
+#[inline(always)]
+fn only(wanted: bool, count: usize) -> usize {
+    if wanted { count } else { 0 }
+}
+
+parameters! {
+    /// Key of the random words.
+    key: |_| 2,
+    /// Phase of each tone at the middle of the gap, 2^32 to the turn, before the random part.
+    phase: |shape: Shape| shape.tones,
+    /// Which bits of the random phase are added: all of them or none.
+    phase_spread: |shape: Shape| shape.tones,
+    /// Standard deviation of the tick noise, in 2^−4 LSB.
+    sigma: |_| 1,
+    /// The angle of each tone over the gap, row by row, at sine 1 of the phase at its middle, in 2^−2 LSB.
+    gap_sin: |shape: Shape| only(!shape.frequencies, shape.rows() * shape.tones),
+    /// The same at cosine 1, which over the whole gap is 0.
+    gap_cos: |shape: Shape| only(!shape.frequencies && shape.in_gap, shape.rows() * shape.tones),
+    /// The angle of the k-th tick on either side at sine 1, tone by tone, which is the same on both.
+    side_sin: |shape: Shape| only(!shape.frequencies, shape.sides() * shape.tones),
+    /// The same at cosine 1: it is this one after the gap and minus this one before.
+    side_cos: |shape: Shape| only(!shape.frequencies, shape.sides() * shape.tones),
+    /// Least amplitude of each tone as a part of its largest, in 2^−31.
+    amplitude_low: |shape: Shape| only(shape.amplitudes, shape.tones),
+    /// How far it is spread.
+    amplitude_width: |shape: Shape| only(shape.amplitudes, shape.tones),
+    /// All bits where the amplitude is Rayleigh-distributed, else none.
+    rayleigh: |shape: Shape| only(shape.amplitudes, shape.tones),
+    /// Largest angle of a tick at frequency 0, times 2/π, in 2^−5 LSB; of an amplitude that is an angle, twice it.
+    peak: |shape: Shape| only(shape.frequencies, shape.tones),
+    /// Least frequency of each tone in turns per half tick, in 2^−32.
+    frequency_low: |shape: Shape| only(shape.frequencies, shape.tones),
+    /// How far it is spread.
+    frequency_width: |shape: Shape| only(shape.frequencies, shape.tones),
+    /// All bits where the amplitude is one of the angle, else none.
+    of_angle: |shape: Shape| only(shape.frequencies, shape.tones),
+    /// n.
+    gap_length: |_| 1,
+    /// What is the same in all trials over the gap, row by row, in 2^−32 LSB, two words each.
+    gap_constant: |shape: Shape| only(shape.constants, 2 * shape.rows()),
+    /// The same of the ticks before, outward.
+    before_constant: |shape: Shape| only(shape.constants, 2 * shape.before),
+    /// The same of the ticks after, outward.
+    after_constant: |shape: Shape| only(shape.constants, 2 * shape.after),
+    /// Places that the gap can have in the profile.
+    positions: |shape: Shape| only(shape.profile, 1),
+    /// 2^32 divided by them.
+    positions_inverse: |shape: Shape| only(shape.profile, 1),
+    /// The bits of an angle that a whole pulse has.
+    readout_mask: |shape: Shape| only(shape.readout, 1),
+    /// Standard deviation of the noise over the whole gap, in 2^−4 LSB.
+    gap_sigma: |shape: Shape| only(shape.readout, 1),
+    /// Weights of the residual, filler by filler: ticks before, then after, each outward from the gap.
+    residual_weight: |shape: Shape| only(shape.residual, shape.fillers * (shape.residual_before + shape.after)),
+    /// D of each filler: what the angle over the gap is multiplied by.
+    residual_scale: |shape: Shape| only(shape.residual, shape.fillers),
+    /// Weights of the extrapolation, filler by filler, outward from the gap.
+    extrapolation_weight: |shape: Shape| only(shape.extrapolation, shape.fillers * shape.extrapolation_before),
+    /// The same of the extrapolation.
+    extrapolation_scale: |shape: Shape| only(shape.extrapolation, shape.fillers),
+    /// The scale of the errors in the gap, whose weights are in the table: filler by filler, row by row, outward.
+    in_gap_scale: |shape: Shape| only(shape.in_gap, shape.fillers),
+    /// How far each wide sum is shifted to the right, rounding: in the order of the estimates.
+    shift: |shape: Shape| only(shape.wide, shape.estimates()),
+    /// Where each estimate's histogram starts.
+    bin_base: |shape: Shape| shape.estimates(),
+}

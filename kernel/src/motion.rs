@@ -1,0 +1,265 @@
+//! Motion of the base in one trial: what it turns through in the gap, and in the ticks on either side.
+//!
+//! Twin of `shaders/motion.wgsl`. The motion is a sum of tones, of stationary Gaussian motion, of a recorded profile and
+//! of what is the same in all trials; a launch pays only for what its shape has. Angles are in 2^−32 LSB until they are
+//! rounded. Ticks are counted outward from the gap.
+//!
+//! No closures here that do more than load: the compiler may set one apart from its caller, and then without the
+//! instructions that its width needs, ten times as slow.
+
+use crate::gap_fill::shape::{MARGIN, MAX_TONES, Parameters, Shape};
+use crate::normal::normal;
+use crate::philox::{Address, Purpose};
+use crate::sine::{QUARTER_TURN, sine, sine_ratio};
+use crate::word::{Wide, Word};
+
+/// Half of an LSB in 2^−32 LSB: turns a floor into a rounding.
+const HALF: i64 = 1 << 31;
+
+/// The parameters of a launch and its table, by name.
+#[derive(Clone, Copy)]
+pub struct Given<'a> {
+    pub p: Parameters<'a>,
+    pub table: &'a [u32],
+    pub shape: Shape,
+}
+
+/// What is drawn of the motion of one trial; `GAUSSIANS` is room for normal numbers.
+pub struct Motion<W, const GAUSSIANS: usize> {
+    /// Sine and cosine of the phase of each tone at the middle of the gap, in 2^−30, times its amplitude where that is
+    /// drawn; of a Rayleigh-distributed amplitude two normal numbers in their own unit.
+    tone: [[W; 2]; MAX_TONES],
+    /// Where frequencies are drawn: the angle of a tick at the peak of the rate in 2^−4 LSB, and turns per half tick.
+    peak: [W; MAX_TONES],
+    half_turn: [W; MAX_TONES],
+    gaussian: [W; GAUSSIANS],
+    /// The boundary of the profile's ticks at which the gap starts.
+    start: W,
+}
+
+impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
+    /// Draws it; `first` is the block of noise and phases that the caller has drawn already.
+    #[inline(always)]
+    pub fn draw(given: &Given, address: &Address<W>, first: [W; 4]) -> Motion<W, GAUSSIANS> {
+        let zero = W::splat(0);
+        let mut motion = Motion {
+            tone: [[zero; 2]; MAX_TONES],
+            peak: [zero; MAX_TONES],
+            half_turn: [zero; MAX_TONES],
+            gaussian: [zero; GAUSSIANS],
+            start: zero,
+        };
+        let Given { p, shape, .. } = given;
+        let mut block = first;
+        for t in 0..shape.tones {
+            if t > 0 && t % 2 == 0 {
+                block = address.draw(Purpose::NoiseAfterAndPhase, t / 2);
+            }
+            let phase = W::splat(p.phase[t]) + (block[2 + t % 2] & W::splat(p.phase_spread[t]));
+            motion.tone[t] = [sine(phase), sine(phase + W::splat(QUARTER_TURN))];
+            if shape.amplitudes || shape.frequencies {
+                let words = address.draw(Purpose::Tone, t);
+                if shape.amplitudes {
+                    motion.tone[t] = with_amplitude(motion.tone[t], words, p, t);
+                }
+                if shape.frequencies {
+                    motion.half_turn[t] =
+                        W::splat(p.frequency_low[t]) + words[2].mulhi(W::splat(p.frequency_width[t]));
+                    motion.peak[t] = peak_of(motion.half_turn[t], p, t);
+                }
+            }
+        }
+        if shape.gaussian {
+            motion.draw_gaussian(given, address);
+        }
+        if shape.profile {
+            let drawn = address.draw(Purpose::Position, 0)[0];
+            let position =
+                if shape.every { in_turn(address.low, p) } else { drawn.mulhi(W::splat(p.positions[0])) };
+            motion.start = position + W::splat(MARGIN as u32);
+        }
+        motion
+    }
+
+    /// The true angle over the ticks of the gap up to those of `row`, in LSB.
+    #[inline(always)]
+    pub fn gap(&self, given: &Given, row: usize) -> W {
+        let Given { p, table, shape } = given;
+        let mut angle = W::Wide::splat(HALF);
+        for t in 0..shape.tones {
+            let [sin, cos] = if shape.frequencies {
+                self.gap_factors(given, row, t)
+            } else {
+                let cos = if shape.in_gap { p.gap_cos[row * shape.tones + t] } else { 0 };
+                [W::splat(p.gap_sin[row * shape.tones + t]), W::splat(cos)]
+            };
+            angle = angle + self.tone[t][0].mul_wide(sin);
+            if shape.in_gap {
+                angle = angle + self.tone[t][1].mul_wide(cos);
+            }
+        }
+        if shape.constants {
+            angle = angle + constant::<W>(p.gap_constant, row);
+        }
+        if shape.gaussian {
+            let factor = &table[shape.motion_table() + row * shape.gap_ticks..];
+            for (number, &factor) in self.gaussian.iter().zip(&factor[..shape.gap_ticks]) {
+                angle = angle + number.mul_wide(W::splat(factor));
+            }
+        }
+        let angle = angle.high();
+        if !shape.profile {
+            return angle;
+        }
+        let length = if shape.in_gap { W::splat(row as u32 + 1) } else { W::splat(p.gap_length[0]) };
+        angle + given.profile(self.start + length) - given.profile(self.start)
+    }
+
+    /// The angles of the k-th tick before and after the gap, in 2^−32 LSB and with a half LSB, but for the profile.
+    #[inline(always)]
+    pub fn side(&self, given: &Given, k: usize) -> [W::Wide; 2] {
+        let Given { p, shape, .. } = given;
+        let (mut even, mut odd) = (W::Wide::splat(HALF), W::Wide::splat(0));
+        for t in 0..shape.tones {
+            let [sin, cos] = if shape.frequencies {
+                self.side_factors(given, k, t)
+            } else {
+                let place = k * shape.tones + t;
+                [W::splat(p.side_sin[place]), W::splat(p.side_cos[place])]
+            };
+            even = even + self.tone[t][0].mul_wide(sin);
+            odd = odd + self.tone[t][1].mul_wide(cos);
+        }
+        let (mut before, mut after) = (even - odd, even + odd);
+        if shape.constants && k < shape.before {
+            before = before + constant::<W>(p.before_constant, k);
+        }
+        if shape.constants && k < shape.after {
+            after = after + constant::<W>(p.after_constant, k);
+        }
+        if shape.gaussian && k < shape.before {
+            before = before + self.gaussian_side(given, shape.gap_ticks + 2 * k + 1);
+        }
+        if shape.gaussian && k < shape.after {
+            after = after + self.gaussian_side(given, shape.gap_ticks + 2 * k);
+        }
+        [before, after]
+    }
+
+    /// The angles of the k-th tick before and after the gap in the profile, in LSB.
+    #[inline(always)]
+    pub fn profile_side(&self, given: &Given, k: usize) -> [W; 2] {
+        let (n, k) = (given.p.gap_length[0], k as u32);
+        let end = self.start + W::splat(n + k);
+        let start = self.start - W::splat(k);
+        let one = W::splat(1);
+        [given.profile(start) - given.profile(start - one), given.profile(end + one) - given.profile(end)]
+    }
+
+    /// Tone `t` of drawn frequency: its angle over the gap up to `row`, as factors of the sine and cosine at the middle.
+    #[inline(always)]
+    fn gap_factors(&self, given: &Given, row: usize, t: usize) -> [W; 2] {
+        let n = given.p.gap_length[0];
+        let (mut sin, mut cos) = (W::splat(0), W::splat(0));
+        for i in 0..if given.shape.in_gap { row as u32 + 1 } else { n } {
+            let [tick_sin, tick_cos] = self.factors(t, (2 * i + 1).wrapping_sub(n));
+            sin = sin + tick_sin;
+            cos = cos + tick_cos;
+        }
+        [sin, cos]
+    }
+
+    /// The same of the k-th tick after the gap.
+    #[inline(always)]
+    fn side_factors(&self, given: &Given, k: usize, t: usize) -> [W; 2] {
+        self.factors(t, given.p.gap_length[0] + 1 + 2 * k as u32)
+    }
+
+    /// The same of a tick whose middle lies so many half ticks after that of the gap.
+    #[inline(always)]
+    fn factors(&self, t: usize, half_ticks: u32) -> [W; 2] {
+        let turn = self.half_turn[t] * W::splat(half_ticks);
+        let sin = self.peak[t].mul_wide(sine(turn + W::splat(QUARTER_TURN))) + W::Wide::splat(HALF);
+        let cos = self.peak[t].mul_wide(sine(turn)) + W::Wide::splat(HALF);
+        [sin.high(), cos.high()]
+    }
+
+    /// The normal numbers of the Gaussian motion: of the gap, then outward in turn after and before it.
+    #[inline(always)]
+    fn draw_gaussian(&mut self, given: &Given, address: &Address<W>) {
+        let Given { shape, .. } = given;
+        for i in 0..shape.gap_ticks {
+            let words = address.draw(Purpose::GaussianGap, i / 4);
+            self.gaussian[i] = normal(words[i % 4]);
+        }
+        for k in (0..shape.sides()).step_by(4) {
+            let after = address.draw(Purpose::GaussianAfter, k / 4);
+            let before = address.draw(Purpose::GaussianBefore, k / 4);
+            for i in 0..4.min(shape.sides() - k) {
+                self.gaussian[shape.gap_ticks + 2 * (k + i)] = normal(after[i]);
+                self.gaussian[shape.gap_ticks + 2 * (k + i) + 1] = normal(before[i]);
+            }
+        }
+    }
+
+    /// The Gaussian motion of a tick on the side: its row of the factor times the numbers up to its own.
+    #[inline(always)]
+    fn gaussian_side(&self, given: &Given, place: usize) -> W::Wide {
+        let factor = &given.table[given.shape.gaussian_row(place)..];
+        let mut angle = W::Wide::splat(0);
+        for (number, &factor) in self.gaussian.iter().zip(&factor[..=place]) {
+            angle = angle + number.mul_wide(W::splat(factor));
+        }
+        angle
+    }
+}
+
+impl Given<'_> {
+    /// The angle of the profile since its start, at a boundary of its ticks.
+    #[inline(always)]
+    fn profile<W: Word>(&self, boundary: W) -> W {
+        let profile = &self.table[self.shape.motion_table()..];
+        // SAFETY: a position is below `positions`, which lowering chose such that the ticks of the margins and of the gap
+        // lie within the profile.
+        unsafe { W::gather(profile, boundary) }
+    }
+}
+
+/// A tone with an amplitude of its own: a part of the largest one, or Rayleigh-distributed.
+#[inline(always)]
+fn with_amplitude<W: Word>(tone: [W; 2], words: [W; 4], p: &Parameters, t: usize) -> [W; 2] {
+    let part = W::splat(p.amplitude_low[t]) + words[0].mulhi(W::splat(p.amplitude_width[t]));
+    let rayleigh = W::splat(p.rayleigh[t]);
+    [amplitude(tone[0], words[0], part, rayleigh), amplitude(tone[1], words[1], part, rayleigh)]
+}
+
+/// A part of `tone`, or the normal number of the word where all bits of `rayleigh` are set.
+#[inline(always)]
+fn amplitude<W: Word>(tone: W, word: W, part: W, rayleigh: W) -> W {
+    let scaled = (tone.mul_wide(part) + W::Wide::splat(1 << 30)).bits_from(31);
+    scaled ^ ((scaled ^ normal(word)) & rayleigh)
+}
+
+/// The angle of a tick at the peak of the rate, in 2^−4 LSB, for a frequency in turns per half tick.
+#[inline(always)]
+fn peak_of<W: Word>(half_turn: W, p: &Parameters, t: usize) -> W {
+    let of_rate = sine_ratio(half_turn << 1);
+    let of_angle = sine(half_turn) << 1;
+    W::splat(p.peak[t]).mulhi(of_rate ^ ((of_rate ^ of_angle) & W::splat(p.of_angle[t])))
+}
+
+/// The trial number modulo the number of positions.
+#[inline(always)]
+fn in_turn<W: Word>(trial: W, p: &Parameters) -> W {
+    let positions = W::splat(p.positions[0]);
+    let rest = trial - trial.mulhi(W::splat(p.positions_inverse[0])) * positions;
+    // The quotient may be one too small.
+    let less = rest - positions;
+    less + (less.sar(31) & positions)
+}
+
+/// A constant in 2^−32 LSB from its two words.
+#[inline(always)]
+fn constant<W: Word>(words: &[u32], k: usize) -> W::Wide {
+    W::Wide::splat((u64::from(words[2 * k + 1]) << 32 | u64::from(words[2 * k])) as i64)
+}

@@ -1,0 +1,279 @@
+//! Synthetic angles of a gyro at rest, chunk by chunk: white, flicker, walking and Markov rate, sine, drift, fill residuals and
+//! readout.
+//!
+//! Twin of `shaders/noise.wgsl`. Flicker noise is a sum of octave holds: octave o keeps a normal number for 2^o samples, on a
+//! grid of its own in each record. New numbers come at the multiples of 2^o, for all records at once, and each record
+//! goes over to its own when its grid says so.
+
+use crate::normal::normal;
+use crate::philox::{Address, Purpose};
+use crate::recipe::{CHUNK, FOUR_STREAMS, LONG_HOLDS, MAX_OCTAVES, Recipe, STREAMS};
+use crate::sine::{QUARTER_TURN, sine};
+use crate::word::{Wide, Word};
+
+/// A chunk of words, one for each lane and sample.
+pub type Chunk = [u32; 16 * CHUNK];
+
+/// What goes on from chunk to chunk.
+pub struct Noise<W: Word> {
+    address: Address<W>,
+    /// The angle without quantisation and readout, 2^−32 LSB.
+    angle: W::Wide,
+    /// Sum of all holds.
+    flicker: W,
+    /// In 2^−32 units of the rate: steps that were rounded would add up to a ramp.
+    walk: W::Wide,
+    /// In 2^−30 units of the rate.
+    markov: W::Wide,
+    /// Phase of the sine.
+    phase: W,
+    /// Sum of all fill residuals, 2^−32 LSB: rounded, they would add up to a drift.
+    residuals: W::Wide,
+    /// Where the readout stands at the start.
+    start: W,
+    holds: [[Hold<W>; STREAMS]; MAX_OCTAVES],
+    /// The rate in each sample of the chunk.
+    rate: Chunk,
+}
+
+/// One stream of an octave: the newest number, how much it differs from the one before, and when lanes go over to it.
+#[derive(Clone, Copy)]
+struct Hold<W> {
+    value: W,
+    change: W,
+    grid: W,
+}
+
+impl<W: Word> Noise<W> {
+    #[inline(always)]
+    pub fn begin(recipe: &Recipe, address: Address<W>) -> Noise<W> {
+        let zero = W::splat(0);
+        let words = address.draw(Purpose::RecordStart, 0);
+        let mut noise = Noise {
+            address,
+            angle: W::Wide::splat(0),
+            flicker: zero,
+            walk: W::Wide::splat(0),
+            markov: W::Wide::splat(0),
+            phase: words[1],
+            residuals: W::Wide::splat(0),
+            start: zero,
+            holds: [[Hold { value: zero, change: zero, grid: zero }; STREAMS]; MAX_OCTAVES],
+            rate: [0; 16 * CHUNK],
+        };
+        if let Some(pulse) = recipe.pulse {
+            noise.start = words[0] & W::splat((1 << pulse) - 1);
+        }
+        if let Some([_, _, start]) = recipe.markov {
+            noise.markov = normal(words[2]).mul_wide(W::splat(start));
+        }
+        for octave in 1..recipe.octaves() {
+            let grid = address.draw(Purpose::FlickerGrid, octave);
+            // The hold that the record starts in, number 0.
+            let first = address.draw_beyond(Purpose::Flicker, octave, 0);
+            for stream in 0..streams(octave) {
+                let value = scaled(first[stream], recipe.flicker[octave - 1]);
+                noise.flicker = noise.flicker + value;
+                noise.holds[octave][stream] =
+                    Hold { value, change: zero, grid: grid[stream] >> (32 - octave as u32) };
+            }
+        }
+        noise
+    }
+
+    /// The angles of the chunk that starts at sample `first`, into `angles`.
+    #[inline(always)]
+    pub fn chunk(&mut self, recipe: &Recipe, first: usize, angles: &mut Chunk) {
+        self.rates(recipe, first);
+        let scale = W::splat(recipe.rate_scale);
+        for block in 0..CHUNK / 4 {
+            let words = self.address.draw(Purpose::White, first / 4 + block);
+            for (k, word) in words.into_iter().enumerate() {
+                let i = (4 * block + k) * W::LANES;
+                self.angle.high().store(&mut angles[i..]);
+                let rate = W::load(&self.rate[i..]).mul_wide(scale);
+                self.angle = self.angle + rate + normal(word).mul_wide(W::splat(recipe.white));
+            }
+        }
+        self.readings(recipe, first, angles);
+    }
+
+    /// The rate in each sample: flicker, random walk and Markov noise.
+    #[inline(always)]
+    fn rates(&mut self, recipe: &Recipe, first: usize) {
+        self.rate.fill(0);
+        if recipe.octaves() > 1 {
+            self.short_holds(recipe, first);
+            for octave in LONG_HOLDS..recipe.octaves() {
+                self.long_holds(recipe, octave, first);
+            }
+            for i in 0..CHUNK {
+                self.flicker = self.flicker + W::load(&self.rate[i * W::LANES..]);
+                self.flicker.store(&mut self.rate[i * W::LANES..]);
+            }
+        }
+        if recipe.walk > 0 {
+            for block in 0..CHUNK / 4 {
+                let words = self.address.draw(Purpose::Walk, first / 4 + block);
+                for (k, word) in words.into_iter().enumerate() {
+                    self.walk = self.walk + normal(word).mul_wide(W::splat(recipe.walk));
+                    add(&mut self.rate, 4 * block + k, self.walk.high());
+                }
+            }
+        }
+        if let Some([loss, step, _]) = recipe.markov {
+            for block in 0..CHUNK / 4 {
+                let words = self.address.draw(Purpose::Markov, first / 4 + block);
+                for (k, word) in words.into_iter().enumerate() {
+                    let lost = self.markov.bits_from(30).mul_wide(W::splat(loss));
+                    self.markov = self.markov - lost + normal(word).mul_wide(W::splat(step));
+                    add(&mut self.rate, 4 * block + k, self.markov.bits_from(30));
+                }
+            }
+        }
+    }
+
+    /// Changes of the holds that are shorter than a chunk.
+    #[inline(always)]
+    fn short_holds(&mut self, recipe: &Recipe, first: usize) {
+        let octaves = recipe.octaves();
+        for octave in 1..octaves.min(FOUR_STREAMS) {
+            // Hold 0 is the one of the start: the one that begins at h·2^o has the number h + 1.
+            let hold = first >> octave;
+            let mut words = self.address.draw_beyond(Purpose::Flicker, octave, hold / 4);
+            for h in 0..CHUNK >> octave {
+                let number = hold + h + 1;
+                if number.is_multiple_of(4) {
+                    words = self.address.draw_beyond(Purpose::Flicker, octave, number / 4);
+                }
+                self.go_over(octave, 0, scaled(words[number % 4], recipe.flicker[octave - 1]));
+                let Hold { change, grid, .. } = self.holds[octave][0];
+                for i in 0..1 << octave {
+                    let change = W::splat(0).add_where_equal(change, grid, W::splat(i as u32));
+                    add(&mut self.rate, (h << octave) + i, change);
+                }
+            }
+        }
+        for octave in FOUR_STREAMS..octaves.min(LONG_HOLDS) {
+            for h in 0..CHUNK >> octave {
+                let words = self.address.draw_beyond(Purpose::Flicker, octave, (first >> octave) + h + 1);
+                for (stream, word) in words.into_iter().enumerate() {
+                    self.go_over(octave, stream, scaled(word, recipe.flicker[octave - 1]));
+                }
+                let holds = self.holds[octave];
+                for i in 0..1 << octave {
+                    let place = W::splat(i as u32);
+                    let mut change = W::splat(0);
+                    for hold in &holds {
+                        change = change.add_where_equal(hold.change, hold.grid, place);
+                    }
+                    add(&mut self.rate, (h << octave) + i, change);
+                }
+            }
+        }
+    }
+
+    /// Changes of the holds of an octave that last for a chunk or longer.
+    #[inline(always)]
+    fn long_holds(&mut self, recipe: &Recipe, octave: usize, first: usize) {
+        let place = first & ((1 << octave) - 1);
+        if place == 0 {
+            let words = self.address.draw_beyond(Purpose::Flicker, octave, (first >> octave) + 1);
+            for (stream, word) in words.into_iter().enumerate() {
+                self.go_over(octave, stream, scaled(word, recipe.flicker[octave - 1]));
+            }
+        }
+        for hold in &self.holds[octave] {
+            let to_go = hold.grid - W::splat(place as u32);
+            let mut lanes = to_go.below(CHUNK as u32);
+            if lanes != 0 {
+                let (mut samples, mut changes) = ([0; 16], [0; 16]);
+                to_go.store(&mut samples);
+                hold.change.store(&mut changes);
+                while lanes != 0 {
+                    let lane = lanes.trailing_zeros() as usize;
+                    lanes &= lanes - 1;
+                    let rate = &mut self.rate[samples[lane] as usize * W::LANES + lane];
+                    *rate = rate.wrapping_add(changes[lane]);
+                }
+            }
+        }
+    }
+
+    /// A new number for the next hold of a stream.
+    #[inline(always)]
+    fn go_over(&mut self, octave: usize, stream: usize, value: W) {
+        let hold = &mut self.holds[octave][stream];
+        hold.change = value - hold.value;
+        hold.value = value;
+    }
+
+    /// What is read of the angles of a chunk: with drift, fill residuals, sine and quantisation noise, in whole pulses.
+    #[inline(always)]
+    fn readings(&mut self, recipe: &Recipe, first: usize, angles: &mut Chunk) {
+        if !recipe.drift.is_empty() {
+            for i in 0..CHUNK {
+                let drift = recipe.drift[(first + i).min(recipe.samples as usize)];
+                add(angles, i, W::splat(drift));
+            }
+        }
+        if let Some([interval, amplitude, sigma]) = recipe.switching {
+            for i in 0..CHUNK {
+                add(angles, i, self.residuals.high());
+                let sample = (first + i) as u32;
+                if sample > 0 && sample.is_multiple_of(interval) {
+                    self.jump(sample / interval, amplitude, sigma);
+                }
+            }
+        }
+        if let Some([step, amplitude]) = recipe.sine {
+            for i in 0..CHUNK {
+                // The integral of a sine is less its cosine; units of 2^−32 LSB in the product.
+                let cosine = sine(self.phase + W::splat(QUARTER_TURN));
+                add(angles, i, W::splat(0) - cosine.mul_wide(W::splat(amplitude)).high());
+                self.phase = self.phase + W::splat(step);
+            }
+        }
+        if recipe.quantisation > 0 {
+            for block in 0..CHUNK / 4 {
+                let words = self.address.draw(Purpose::Quantisation, first / 4 + block);
+                for (k, word) in words.into_iter().enumerate() {
+                    add(angles, 4 * block + k, scaled(word, recipe.quantisation));
+                }
+            }
+        }
+        if let Some(pulse) = recipe.pulse {
+            let whole = W::splat(u32::MAX << pulse);
+            for i in 0..CHUNK {
+                let at = &mut angles[i * W::LANES..];
+                ((W::load(at) + self.start) & whole).store(at);
+            }
+        }
+    }
+
+    /// The residual of a switch of all records.
+    #[inline(always)]
+    fn jump(&mut self, number: u32, amplitude: u32, sigma: u32) {
+        let words = self.address.draw(Purpose::FillResidual, number as usize);
+        let of_phase = sine(words[0]).mul_wide(W::splat(amplitude));
+        self.residuals = self.residuals + of_phase + normal(words[1]).mul_wide(W::splat(sigma));
+    }
+}
+
+/// Streams of an octave.
+#[inline(always)]
+fn streams(octave: usize) -> usize {
+    if octave < FOUR_STREAMS { 1 } else { STREAMS }
+}
+
+/// A normal number of a standard deviation in 2^−4 units.
+#[inline(always)]
+fn scaled<W: Word>(word: W, sigma: u32) -> W {
+    normal(word).mul_wide(W::splat(sigma)).high()
+}
+
+#[inline(always)]
+fn add<W: Word>(chunk: &mut Chunk, sample: usize, more: W) {
+    let at = &mut chunk[sample * W::LANES..];
+    (W::load(at) + more).store(at);
+}

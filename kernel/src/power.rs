@@ -1,0 +1,180 @@
+//! Logarithms and powers to base 2: integer polynomials.
+//!
+//! Twin of `shaders/power.wgsl`. An exponential e^{−t/τ} is 2^{−t·log2(e)/τ}: its exponent is a fixed-point number, whose
+//! whole part is a shift. Error of the logarithm between −2^−25.9 and 2^−30, of the power below 2^−30; both are exact at
+//! the powers of two (`docs/numerics.md`).
+
+use crate::word::Word;
+
+/// Bits of a logarithm behind the point.
+pub const LOG_BITS: u32 = 26;
+
+/// The largest number that [`exp2_minus`] takes: 31.
+pub const LARGEST_MINUS: u32 = 31 << LOG_BITS;
+
+/// (log2(1+u) − u)/(u(1 − u)) = L₀ − u(L₁ − u(L₂ − …)) for u in [0, 1]; in units of 2^−32.
+pub const LOG2: [u32; 10] = [
+    1_901_360_707,
+    1_196_800_156,
+    868_533_718,
+    679_031_022,
+    548_994_830,
+    433_096_715,
+    301_886_450,
+    162_293_311,
+    56_438_408,
+    9_189_629,
+];
+
+/// (1 + u − 2^u)/(u(1 − u)) = E₀ + u(E₁ + u(E₂ + …)) for u in [0, 1]; in units of 2^−32.
+pub const EXP2: [u32; 6] = [1_317_922_820, 286_158_105, 47_766_341, 6_473_286, 708_058, 93_032];
+
+/// The logarithm of `x` ≥ 1, read as unsigned: in units of 2^−26, from 0 to below 32.
+#[inline(always)]
+pub fn log2<W: Word>(x: W) -> W {
+    let octave = x.leading_zeros();
+    let u = x.shift_left(octave) << 1;
+    let mut sum = W::splat(LOG2[9]);
+    sum = W::splat(LOG2[8]) - sum.mulhi(u);
+    sum = W::splat(LOG2[7]) - sum.mulhi(u);
+    sum = W::splat(LOG2[6]) - sum.mulhi(u);
+    sum = W::splat(LOG2[5]) - sum.mulhi(u);
+    sum = W::splat(LOG2[4]) - sum.mulhi(u);
+    sum = W::splat(LOG2[3]) - sum.mulhi(u);
+    sum = W::splat(LOG2[2]) - sum.mulhi(u);
+    sum = W::splat(LOG2[1]) - sum.mulhi(u);
+    sum = W::splat(LOG2[0]) - sum.mulhi(u);
+    let fraction = u + between(u).mulhi(sum);
+    // Floored, as rounding could reach 32 and with it the sign.
+    ((W::splat(31) - octave) << LOG_BITS) + (fraction >> (32 - LOG_BITS))
+}
+
+/// 2^u for a fraction u in units of 2^−32: in units of 2^−31, from 2^31 to below 2^32.
+#[inline(always)]
+pub fn exp2<W: Word>(u: W) -> W {
+    let mut sum = W::splat(EXP2[5]);
+    sum = W::splat(EXP2[4]) + sum.mulhi(u);
+    sum = W::splat(EXP2[3]) + sum.mulhi(u);
+    sum = W::splat(EXP2[2]) + sum.mulhi(u);
+    sum = W::splat(EXP2[1]) + sum.mulhi(u);
+    sum = W::splat(EXP2[0]) + sum.mulhi(u);
+    W::splat(1 << 31) + ((u - between(u).mulhi(sum)) >> 1)
+}
+
+/// 2^−x for x in units of 2^−26, from 0 to [`LARGEST_MINUS`]: in units of 2^−31, floored.
+#[inline(always)]
+pub fn exp2_minus<W: Word>(x: W) -> W {
+    let whole = (x + W::splat((1 << LOG_BITS) - 1)) >> LOG_BITS;
+    exp2((W::splat(0) - x) << (32 - LOG_BITS)).shift_right(whole)
+}
+
+/// u(1 − u) for a fraction u: at most ¼, and 0 at both ends, so that neighbouring octaves meet.
+#[inline(always)]
+fn between<W: Word>(u: W) -> W {
+    u.mulhi(u ^ W::splat(!0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::philox::{philox, schedule};
+    use crate::polynomial::through_chebyshev_points;
+    use crate::word::Scalar;
+
+    fn words<const N: usize>(polynomial: [f64; N]) -> [u32; N] {
+        polynomial.map(|coefficient| libm::round(libm::fabs(coefficient) * libm::exp2(32.0)) as u32)
+    }
+
+    #[test]
+    fn the_committed_coefficients_are_those_of_their_formulas() {
+        let log2 = |u: f64| (libm::log1p(u) / core::f64::consts::LN_2 - u) / (u * (1.0 - u));
+        let exp2 = |u: f64| (1.0 + u - libm::exp2(u)) / (u * (1.0 - u));
+        assert_eq!(words(through_chebyshev_points(log2)), LOG2);
+        assert_eq!(words(through_chebyshev_points(exp2)), EXP2);
+    }
+
+    #[test]
+    fn powers_of_two_are_exact() {
+        for k in 0..32 {
+            assert_eq!(log2(Scalar(1 << k)).0, k << LOG_BITS, "log2 of 2^{k}");
+            assert_eq!(exp2_minus(Scalar(k << LOG_BITS)).0, 1 << (31 - k), "2^-{k}");
+        }
+        assert_eq!(exp2(Scalar(0)).0, 1 << 31);
+    }
+
+    /// Least and greatest of some errors.
+    #[derive(Debug, Clone, Copy)]
+    struct Range(f64, f64);
+
+    impl Range {
+        const EMPTY: Range = Range(f64::INFINITY, f64::NEG_INFINITY);
+        fn add(&mut self, error: f64) {
+            *self = Range(self.0.min(error), self.1.max(error));
+        }
+    }
+
+    /// Random words, the same in every run.
+    fn random(count: u32) -> impl Iterator<Item = u32> {
+        let keys = schedule([Scalar(5); 2]);
+        (0..count).flat_map(move |n| philox([n, 0, 0, u32::MAX].map(Scalar), keys).map(|word| word.0))
+    }
+
+    #[test]
+    fn the_logarithm_stays_within_its_bounds_in_all_octaves() {
+        let mut range = Range::EMPTY;
+        let mut check = |x: u32| {
+            range.add(f64::from(log2(Scalar(x)).0) / libm::exp2(26.0) - libm::log2(f64::from(x)));
+        };
+        for octave in 0..32 {
+            let end = ((1_u64 << (octave + 1)) - 1) as u32;
+            for step in 0..1 << octave.min(15) {
+                check((1 << octave) + step);
+                check(end - step);
+            }
+        }
+        random(1 << 20).enumerate().for_each(|(n, word)| check((word >> (n % 32)).max(1)));
+        println!("log2: error {:.4e} … 2^{:.3}", range.0 * libm::exp2(26.0), libm::log2(range.1));
+        assert!(-1.08 * libm::exp2(-26.0) < range.0 && range.1 < libm::exp2(-30.0), "{range:?}");
+    }
+
+    #[test]
+    fn the_power_stays_within_its_bound() {
+        let mut range = Range::EMPTY;
+        let mut check = |u: u32| {
+            let exact = libm::exp2(f64::from(u) / libm::exp2(32.0));
+            range.add(f64::from(exp2(Scalar(u)).0) / libm::exp2(31.0) - exact);
+        };
+        (0..1 << 16).for_each(|step: u32| {
+            check(step);
+            check(!step);
+        });
+        random(1 << 20).for_each(&mut check);
+        println!("exp2: error −2^{:.3} … 2^{:.3}", libm::log2(-range.0), libm::log2(range.1));
+        assert!(-libm::exp2(-30.0) < range.0 && range.1 < libm::exp2(-30.0), "{range:?}");
+    }
+
+    #[test]
+    fn powers_of_negative_numbers_are_floored_to_their_unit() {
+        for word in random(1 << 18).chain([0, 1, 2, (1 << 27) + 1]) {
+            let x = (word >> 1).min(LARGEST_MINUS);
+            let exact = libm::exp2(-f64::from(x) / libm::exp2(26.0));
+            let error = f64::from(exp2_minus(Scalar(x)).0) / libm::exp2(31.0) - exact;
+            // Twice exact is at least the power of the fraction.
+            let bound = libm::exp2(-30.0) * exact;
+            assert!((-bound - libm::exp2(-31.0)..bound).contains(&error), "{x}: error {error}");
+        }
+    }
+
+    #[test]
+    fn neither_goes_back_by_more_than_a_unit() {
+        for start in random(1 << 16) {
+            for (x, step) in (0..16).map(|step| ((start & !15).max(16) + step, step)).take(15) {
+                let (here, next) = (log2(Scalar(x)).0, log2(Scalar(x + 1)).0);
+                assert!(next + 1 >= here, "log2 of {x}: {here}, then {next}");
+                let u = (start & !15) + step;
+                let (here, next) = (exp2(Scalar(u)).0, exp2(Scalar(u + 1)).0);
+                assert!(next + 1 >= here, "2^{u}: {here}, then {next}");
+            }
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! The first ticks after one mode switch: the rotation that the closing perimeter loop fakes, less what a compensation
+//! takes off.
+//!
+//! Twin of `shaders/relock_ticks.wgsl`, and a part of kernels: of `relock` for one switch, of whole runs for each of their
+//! switches. Draws are those of the switch's number. The miss Δλ0 and what is measured are words; ratios are differences of
+//! logarithms. A compensation that makes no sense, as its y or h has the wrong sign, is 0 or does not decay, is left out by
+//! a mask. Source: Z(2), Z(10)–Z(13).
+
+use crate::normal::normal;
+use crate::parameters::parameters;
+use crate::philox::{Address, Purpose};
+use crate::power::{LOG_BITS, exp2, exp2_minus, log2};
+use crate::word::{Wide, Word};
+
+/// Most ticks that the loop is followed for.
+pub const MAX_TICKS: usize = 8;
+
+/// Blocks of random words of a switch: of the miss, of the beat, of two ticks' detunings each; the rest is kept free.
+pub const BLOCKS: usize = 8;
+
+/// Raised when results change for the same parameters: part of every digest.
+pub const VERSION: u32 = 1;
+
+/// What is taken off the ticks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// Nothing: the ticks as the loop fakes them.
+    None,
+    /// From the measured frequency of the bias, from the second tick on: Z(11).
+    Frequency,
+    /// From the measured detuning: Z(11)–Z(13).
+    Detuning,
+}
+
+/// What a launch has of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Shape {
+    /// Ticks, at most [`MAX_TICKS`].
+    pub ticks: usize,
+    /// What is taken off them.
+    pub method: Method,
+}
+
+impl Shape {
+    /// `count` where this method needs them.
+    #[inline(always)]
+    fn only(self, method: Method, count: usize) -> usize {
+        if self.method == method { count } else { 0 }
+    }
+}
+
+parameters! {
+    /// Δλ0 as it should be, in units of the detuning.
+    miss: |_| 1,
+    /// Standard deviation of the error of U_λ/2, in 2^−4 units.
+    half_wave: |_| 1,
+    /// A step of the DAC, in units.
+    dac_step: |_| 1,
+    /// The whole width of the hysteresis, in units.
+    hysteresis: |_| 1,
+    /// How far the miss is shifted to the left before it is squared.
+    square_shift: |_| 1,
+    /// Angle of each tick, in LSB, at a square of 2^32.
+    drift: |shape: Shape| shape.ticks,
+    /// Standard deviation of the part by which f0 is taken wrong, in 2^−34.
+    temperature: |_| 1,
+    /// The sign of the faked rotation in its highest bit.
+    sign: |_| 1,
+    /// Half of f0·T, in units of the beat.
+    half_bias: |shape: Shape| shape.only(Method::Frequency, 1),
+    /// What the first half of each tick lacks of it at a square of 2^32.
+    lost_first: |shape: Shape| shape.only(Method::Frequency, shape.ticks),
+    /// What its second half lacks.
+    lost_second: |shape: Shape| shape.only(Method::Frequency, shape.ticks),
+    /// The bits of a phase that are counted: those of whole periods.
+    counted: |shape: Shape| shape.only(Method::Frequency, 1),
+    /// Logarithm of a unit of the beat in LSB, 2^−26.
+    beat_log: |shape: Shape| shape.only(Method::Frequency, 1),
+    /// Mean detunings over the first half of each tick by Δλ0, in 2^−31.
+    mean_first: |shape: Shape| shape.only(Method::Detuning, shape.ticks),
+    /// The same over the second half.
+    mean_second: |shape: Shape| shape.only(Method::Detuning, shape.ticks),
+    /// Standard deviation of their noise, in 2^−4 units.
+    adc_sigma: |shape: Shape| shape.only(Method::Detuning, 1),
+    /// Half a step of the ADC, in units.
+    adc_half: |shape: Shape| shape.only(Method::Detuning, 1),
+    /// The bits that the ADC shows.
+    adc_shown: |shape: Shape| shape.only(Method::Detuning, 1),
+    /// Half the logarithm of χ f0 T/4 in units and LSB, 2^−26.
+    detuning_log: |shape: Shape| shape.only(Method::Detuning, 1),
+}
+
+/// The places of the parameters in a shader, under names that clash with none of the kernel around them.
+pub fn places(shape: Shape) -> String {
+    wgsl_places(shape).replace("const ", "const RELOCK_")
+}
+
+/// The parameters by name.
+#[derive(Debug, Clone, Copy)]
+pub struct Given<'a> {
+    /// The words.
+    pub p: Parameters<'a>,
+    /// What they are of.
+    pub shape: Shape,
+}
+
+/// Half of an LSB in 2^−32 LSB: turns a floor into a rounding.
+const HALF: i64 = 1 << 31;
+
+/// Angles of the ticks of a switch in LSB, those of the shape first: the faked rotation less its compensation.
+// The loops of this file read like those of the shader.
+#[expect(clippy::needless_range_loop)]
+#[inline(always)]
+pub fn relock_ticks<W: Word>(given: &Given, address: &Address<W>, switch: usize, wrong: W) -> [W; MAX_TICKS] {
+    let Given { p, shape } = given;
+    let miss = relock_miss(p, address.draw(Purpose::Relock, switch * BLOCKS));
+    let square = relock_square(p, miss);
+    let mut left = [W::splat(0); MAX_TICKS];
+    for i in 0..shape.ticks {
+        left[i] = relock_scaled(square, p.drift[i]);
+    }
+    match shape.method {
+        Method::None => left,
+        Method::Frequency => less_by_frequency(given, address, switch, square, wrong, left),
+        Method::Detuning => less_by_detuning(given, address, switch, miss, wrong, left),
+    }
+}
+
+/// The part by which the temperature curve has f0 wrong, 2^−30: the same at all switches of a trial.
+#[inline(always)]
+pub fn relock_wrong<W: Word>(given: &Given, address: &Address<W>) -> W {
+    let words = address.draw(Purpose::Relock, 0);
+    normal(words[3]).mul_wide(W::splat(given.p.temperature[0])).high()
+}
+
+/// Δλ0 of the switch, in units.
+#[inline(always)]
+fn relock_miss<W: Word>(p: &Parameters, words: [W; 4]) -> W {
+    let middle = W::splat(1 << 31);
+    let sum = W::Wide::splat((i64::from(p.miss[0] as i32) << 32) + HALF)
+        + normal(words[0]).mul_wide(W::splat(p.half_wave[0]))
+        + (words[1] ^ middle).mul_wide(W::splat(p.dac_step[0]))
+        + (words[2] ^ middle).mul_wide(W::splat(p.hysteresis[0]));
+    sum.high()
+}
+
+/// Its square, shifted: below 2^30.
+#[inline(always)]
+fn relock_square<W: Word>(p: &Parameters, miss: W) -> W {
+    let magnitude = miss.with_sign(miss) << p.square_shift[0];
+    magnitude.mulhi(magnitude)
+}
+
+/// A word at a square of 2^32, at this square.
+#[inline(always)]
+fn relock_scaled<W: Word>(square: W, word: u32) -> W {
+    (square.mul_wide(W::splat(word)) + W::Wide::splat(HALF)).high()
+}
+
+/// The beat runs up in the first half of a tick and down in the second; whole periods of both are counted. y_i T is their
+/// number less f0·T as it is taken to be.
+#[expect(clippy::needless_range_loop)]
+#[inline(always)]
+fn less_by_frequency<W: Word>(
+    given: &Given,
+    address: &Address<W>,
+    switch: usize,
+    square: W,
+    wrong: W,
+    mut left: [W; MAX_TICKS],
+) -> [W; MAX_TICKS] {
+    let Given { p, shape } = given;
+    let one = W::splat(1 << 31);
+    let (zero, least) = (W::splat(0), W::splat(1));
+    let counted = W::splat(p.counted[0]);
+    let half = W::splat(p.half_bias[0]);
+    let bias = half << 1;
+    let assumed = bias + bias.mul_wide(wrong).bits_from(30);
+    let mut phase = address.draw(Purpose::Relock, switch * BLOCKS + 1)[0] & W::splat(!p.counted[0]);
+    let (mut first, mut first_log) = (zero, zero);
+    for i in 0..shape.ticks {
+        let top = phase + half - relock_scaled(square, p.lost_first[i]);
+        let end = top - half + relock_scaled(square, p.lost_second[i]);
+        let error = ((top & counted) << 1) - (phase & counted) - (end & counted) - assumed;
+        phase = end;
+        let log = log2((zero - error).max_signed(least));
+        if i == 0 {
+            first = error;
+            first_log = log;
+        } else {
+            // −log2 q, a 2(i−1)-th of that of y_i/y_1.
+            let decay = (first_log - log).max_signed(least).mulhi(W::splat((1 << 31) / i as u32));
+            let q = exp2_minus(decay.max_signed(least));
+            let angle = relock_power(log + log2(one - q) - log2(one + q) + W::splat(p.beat_log[0]), LOG_BITS);
+            let decays = error.sar(31) & (first - error).sar(31);
+            left[i] = left[i] - (angle & decays).with_sign(W::splat(p.sign[0]));
+        }
+    }
+    left
+}
+
+/// Mean detunings h⁺, h⁻ over the halves of a tick, as an ADC shows them.
+#[inline(always)]
+fn less_by_detuning<W: Word>(
+    given: &Given,
+    address: &Address<W>,
+    switch: usize,
+    miss: W,
+    wrong: W,
+    mut left: [W; MAX_TICKS],
+) -> [W; MAX_TICKS] {
+    let Given { p, shape } = given;
+    let one = W::splat(1 << 31);
+    let (zero, least) = (W::splat(0), W::splat(1));
+    let mut noise = [zero; 4];
+    for i in 0..shape.ticks {
+        if i % 2 == 0 {
+            noise = address.draw(Purpose::Relock, switch * BLOCKS + 2 + i / 2);
+        }
+        let plus = relock_shown(p, miss, p.mean_first[i], noise[2 * (i % 2)]);
+        let minus = relock_shown(p, miss, p.mean_second[i], noise[2 * (i % 2) + 1]);
+        let (first, second) = (plus.with_sign(plus), minus.with_sign(minus));
+        let log = log2(first.max_signed(least));
+        // −log2 r.
+        let decay = (log - log2(second.max_signed(least))).max_signed(least);
+        let half_log = log + (log2(decay) >> 1) + log2(one + exp2_minus(decay)) + W::splat(p.detuning_log[0]);
+        let angle = relock_power(half_log, LOG_BITS - 1);
+        let angle = angle.mul_wide(W::splat(1 << 30) + wrong).bits_from(30);
+        let decays = (second - first).sar(31) & (zero - second).sar(31);
+        let alike = (plus ^ minus).sar(31) ^ W::splat(!0);
+        left[i] = left[i] - (angle & decays & alike).with_sign(W::splat(p.sign[0]));
+    }
+    left
+}
+
+/// A mean detuning with noise, rounded to the step of the ADC.
+#[inline(always)]
+fn relock_shown<W: Word>(p: &Parameters, miss: W, mean: u32, noise: W) -> W {
+    let sum = (miss << 1).mul_wide(W::splat(mean))
+        + normal(noise).mul_wide(W::splat(p.adc_sigma[0]))
+        + W::Wide::splat(HALF);
+    (sum.high() + W::splat(p.adc_half[0])) & W::splat(p.adc_shown[0])
+}
+
+/// 2 to the power of `log`, which has so many `bits` behind the point; of a negative one 1.
+#[inline(always)]
+fn relock_power<W: Word>(log: W, bits: u32) -> W {
+    let log = log.max_signed(W::splat(0)).min_signed(W::splat((32_u64 << bits) as u32 - 1));
+    exp2(log << (32 - bits)).shift_right(W::splat(31) - (log >> bits))
+}

@@ -1,0 +1,372 @@
+//! One run of a gyro that switches modes: the angle that it has wrong at the end, at most, and at chosen times.
+//!
+//! Twin of `shaders/switched_run.wgsl`. The drift, which is smooth, is in the table in closed form and so never adds up
+//! rounding; what is random adds up in 2^−32 LSB, exactly. At each switch the fill residual comes on top: for each tone of the
+//! motion a sine of its phase, a constant and a normal part. Source: Z(3), Z(5), Z(18).
+
+pub mod shape;
+
+use crate::launch::Launch;
+use crate::moments::{self, MAX_ESTIMATES, Moments, Sampler, Trials};
+use crate::normal::normal;
+use crate::philox::{Address, Keys, Purpose, schedule};
+use crate::power::{LARGEST_MINUS, LOG_BITS, exp2_minus, log2};
+use crate::relock_ticks::{self, Given, relock_ticks, relock_wrong};
+use crate::sine::sine;
+use crate::width::AnyWidth;
+use crate::word::{Scalar, Wide, Word};
+
+pub use crate::switched_run::shape::{MAX_TONES, Parameters, Shape};
+
+/// Raised when the kernel's results change for the same parameters: part of every digest.
+pub const VERSION: u32 = 1;
+
+/// Who hears the angles of a run as it goes on, LSB.
+pub trait Recorder<W> {
+    /// Just before a switch or at the end, then just after the switch.
+    fn record(&mut self, angle: W);
+}
+
+/// Nobody does.
+impl<W> Recorder<W> for () {
+    #[inline(always)]
+    fn record(&mut self, _: W) {}
+}
+
+/// The trials of one launch.
+#[derive(Clone, Copy)]
+struct SwitchedRun<'a> {
+    p: Parameters<'a>,
+    table: &'a [u32],
+    shape: Shape,
+    keys: Keys,
+}
+
+/// What is drawn once for a run.
+struct Run<W: Word> {
+    /// Deviations of A, Ω_m0, Ω_nm in standard deviations, 2^−28.
+    deviation: [W; 3],
+    /// Negative where the first mode is the other one.
+    mode: W,
+    /// Phase of each tone at the next switch.
+    phase: [W; MAX_TONES],
+    /// All that is random so far, 2^−32 LSB.
+    random: W::Wide,
+    /// What relocking has added so far, LSB.
+    relocked: W,
+    /// By how much the temperature curve has f0 wrong.
+    wrong: W,
+    warm_up: WarmUp<W>,
+}
+
+/// The warm-up of a run, whose time constant is drawn. Times are in units of the parameters, ratios in 2^−26, exponentials in
+/// 2^−30.
+#[derive(Clone, Copy)]
+struct WarmUp<W: Word> {
+    /// A, 2^−32 LSB in a unit of time.
+    heated: W,
+    /// τ as a part of the usual one, and what the usual one is of it.
+    ratio: W,
+    inverse: W,
+    /// τ tanh(MT/2τ): what whole pairs of intervals leave of the decay.
+    tanh: W,
+    /// e^{−t/τ} at the last switch.
+    last: W,
+}
+
+impl<'a> SwitchedRun<'a> {
+    #[inline(always)]
+    fn new(launch: &'a Launch, shape: Shape) -> SwitchedRun<'a> {
+        let p = Parameters::of(&launch.words, shape);
+        let keys = schedule([Scalar(p.key[0]), Scalar(p.key[1])]).map(|key| key.map(|word| word.0));
+        SwitchedRun { p, table: &launch.table, shape, keys }
+    }
+
+    #[inline(always)]
+    fn start<W: Word>(&self, address: &Address<W>) -> Run<W> {
+        let SwitchedRun { p, shape, .. } = self;
+        let zero = W::splat(0);
+        let mut run = Run {
+            deviation: [zero; 3],
+            mode: zero,
+            phase: [zero; MAX_TONES],
+            random: W::Wide::splat(0),
+            relocked: zero,
+            wrong: zero,
+            warm_up: WarmUp { heated: zero, ratio: zero, inverse: zero, tanh: zero, last: W::splat(1 << 30) },
+        };
+        if shape.spreads() {
+            let words = address.draw(Purpose::RunDeviation, 0);
+            run.deviation = [normal(words[0]), normal(words[1]), normal(words[2])];
+            run.mode = words[3];
+        }
+        if shape.warm_up {
+            run.warm_up = self.warm_up(run.deviation[0], normal(address.draw(Purpose::RunDeviation, 1)[0]));
+        }
+        if let Some(relock) = shape.relock {
+            run.wrong = relock_wrong(&self.relock(relock), address);
+        }
+        for block in 0..shape.tones.div_ceil(4) {
+            let words = address.draw(Purpose::RunPhase, block);
+            for t in 4 * block..shape.tones.min(4 * block + 4) {
+                run.phase[t] = words[t % 4] & W::splat(p.run_spread[t]);
+            }
+        }
+        run
+    }
+
+    /// The warm-up of a run whose A and ln τ deviate by so much.
+    #[inline(always)]
+    fn warm_up<W: Word>(&self, magnetic: W, time: W) -> WarmUp<W> {
+        let p = &self.p;
+        // No draw makes τ more than 2^5 times longer or shorter.
+        let five = W::splat(5 << LOG_BITS);
+        let log = time.mul_wide(W::splat(p.warm_up_spread[0])).high();
+        let (ratio, inverse) = (exp2_minus(five - log), exp2_minus(five + log));
+        let lost = exp2_minus(self.halvings(inverse, p.halvings[0]));
+        let one = W::splat(1 << 31);
+        // log2 of τ (1 − q)/(1 + q), q = e^{−MT/τ}; then 2^x is 2^31 of 2^−(31 − x).
+        let tanh = log + log2(one - lost) - log2(one + lost) + W::splat((26 + p.time_bits[0]) << LOG_BITS);
+        WarmUp {
+            heated: W::splat(p.heated[0]) + magnetic.mul_wide(W::splat(p.heated[1])).bits_from(28),
+            ratio,
+            inverse,
+            tanh: exp2_minus(W::splat(LARGEST_MINUS) - tanh),
+            last: W::splat(1 << 30),
+        }
+    }
+
+    /// A number of halvings of the usual τ as that of this τ, 2^−26, at most 31.
+    #[inline(always)]
+    fn halvings<W: Word>(&self, inverse: W, usual: u32) -> W {
+        let bits = self.p.halving_bits[0];
+        let product = inverse.mul_wide(W::splat(usual));
+        let within = (product.high() - W::splat(31 << (bits - 6))).sar(31);
+        (product.bits_from(bits) & within) + (W::splat(LARGEST_MINUS) & (within ^ W::splat(!0)))
+    }
+
+    /// ∫ s (1 − e^{−t/τ}) dt where a row of the table is, whose last two words are given, in interval `k`; and e^{−t/τ} there.
+    #[inline(always)]
+    fn heating<W: Word>(&self, warm_up: &WarmUp<W>, k: usize, words: &[u32]) -> [W; 2] {
+        let bits = self.p.time_bits[0];
+        let now = exp2_minus(self.halvings(warm_up.inverse, words[1])) >> 1;
+        let one = W::splat(1 << 30);
+        let even = k.is_multiple_of(2);
+        let signed = if even { warm_up.last } else { W::splat(0) - warm_up.last };
+        let pairs = warm_up.tanh.mul_wide(one - signed).bits_from(30);
+        let rest = warm_up.ratio.mul_wide(warm_up.last - now).bits_from(30 - bits);
+        let decayed = if even { pairs + rest } else { pairs - rest };
+        [W::splat(words[0]) - decayed, now]
+    }
+
+    /// The angle where a row of the table is, in interval `k`, with `more` that is random since the last switch.
+    #[inline(always)]
+    fn angle<W: Word>(&self, run: &Run<W>, k: usize, row: usize, more: W::Wide) -> W {
+        let shape = self.shape;
+        let words = &self.table[row * shape.row()..];
+        let mut random = run.random + more + W::Wide::splat(1 << 31);
+        let mut magnetic = W::Wide::splat(0);
+        let mut at = 1 + usize::from(shape.mode);
+        if shape.magnetic {
+            magnetic = magnetic + run.deviation[0].mul_wide(W::splat(words[at]));
+            at += 1;
+        }
+        if shape.initial {
+            magnetic = magnetic + run.deviation[1].mul_wide(W::splat(words[at]));
+            at += 1;
+        }
+        if shape.non_magnetic {
+            random = random + run.deviation[2].mul_wide(W::splat(words[at]));
+            at += 1;
+        }
+        if shape.warm_up {
+            let [heating, _] = self.heating(&run.warm_up, k, &words[at..]);
+            magnetic = magnetic + heating.mul_wide(run.warm_up.heated);
+        }
+        if shape.mode {
+            let whole = magnetic.high() + W::splat(words[1]);
+            return W::splat(words[0]) + run.relocked + random.high() + whole.with_sign(run.mode);
+        }
+        W::splat(words[0]) + run.relocked + (random + magnetic).high()
+    }
+
+    /// The residual of the switch after interval `k`, 2^−32 LSB; `words` are those of the interval.
+    #[inline(always)]
+    fn residual<W: Word>(&self, run: &mut Run<W>, address: &Address<W>, k: usize, words: &[W; 4]) -> W::Wide {
+        let SwitchedRun { p, shape, .. } = self;
+        let mut residual = W::Wide::splat(long(p.constant));
+        if shape.noise {
+            residual = residual + normal(words[1]).mul_wide(W::splat(p.noise[0]));
+        }
+        let mut more = *words;
+        for t in 0..shape.tones {
+            if t >= 2 && t % 4 == 2 {
+                more = address.draw_beyond(Purpose::SwitchPhase, t / 4, k);
+            }
+            let drawn = more[(t + 2) % 4] & W::splat(p.switch_spread[t]);
+            residual = residual + sine(run.phase[t] + drawn).mul_wide(W::splat(p.amplitude[t]));
+            run.phase[t] = run.phase[t] + W::splat(p.phase_step[t]);
+        }
+        residual
+    }
+
+    #[inline(always)]
+    fn relock(&self, shape: relock_ticks::Shape) -> Given<'a> {
+        Given { p: relock_ticks::Parameters::of(self.p.relock, shape), shape }
+    }
+
+    /// What relocking after the switch that ends interval `k` adds, LSB: the ticks themselves, and what they do to the filler.
+    // The loop reads like that of the shader.
+    #[expect(clippy::needless_range_loop)]
+    #[inline(always)]
+    fn relocked<W: Word>(
+        &self,
+        shape: relock_ticks::Shape,
+        run: &Run<W>,
+        address: &Address<W>,
+        k: usize,
+    ) -> W {
+        let p = &self.p;
+        let left = relock_ticks(&self.relock(shape), address, k, run.wrong);
+        let bits = p.relock_bits[0];
+        let mut sum = W::Wide::splat(1 << (bits - 1));
+        for i in 0..shape.ticks {
+            sum = sum + left[i].mul_wide(W::splat(p.relock_weight[i]));
+        }
+        sum.bits_from(bits)
+    }
+
+    #[inline(always)]
+    fn run<W: Word, R: Recorder<W>>(&self, low: W, high: u32, recorder: &mut R) -> [W; MAX_ESTIMATES] {
+        let SwitchedRun { p, shape, .. } = self;
+        let address = Address { low, high, keys: self.keys };
+        let intervals = p.intervals[0] as usize;
+        let mut run = self.start(&address);
+        let mut error = [W::splat(0); MAX_ESTIMATES];
+        let nothing = W::Wide::splat(0);
+        for k in 0..intervals {
+            let words = address.draw(Purpose::Interval, k);
+            let is_last = k + 1 == intervals;
+            let step = if shape.walk { normal(words[0]) } else { words[0] };
+            for t in 0..shape.times {
+                if p.time_interval[t] as usize == k {
+                    let mut part = nothing;
+                    if shape.walk {
+                        let bridge = normal(address.draw(Purpose::Bridge, k)[0]);
+                        part = step.mul_wide(W::splat(p.time_walk[t]))
+                            + bridge.mul_wide(W::splat(p.time_bridge[t]));
+                    }
+                    error[shape.first_time() + t] = self.angle(&run, k, intervals + t, part);
+                }
+            }
+            if shape.walk {
+                let sigma = p.walk_sigma[usize::from(is_last)];
+                run.random = run.random + step.mul_wide(W::splat(sigma));
+            }
+            let before = self.angle(&run, k, k, nothing);
+            recorder.record(before);
+            if shape.ends {
+                error[0] = before;
+                error[1] = error[1].max_signed(before.with_sign(before));
+            }
+            if !is_last {
+                let residual = self.residual(&mut run, &address, k, &words);
+                run.random = run.random + residual;
+                if let Some(relock) = shape.relock {
+                    run.relocked = run.relocked + self.relocked(relock, &run, &address, k);
+                }
+                let after = self.angle(&run, k, k, nothing);
+                recorder.record(after);
+                if shape.ends {
+                    error[1] = error[1].max_signed(after.with_sign(after));
+                }
+                if shape.warm_up {
+                    let words = &self.table[(k + 1) * shape.row() - 2..];
+                    run.warm_up.last = self.heating(&run.warm_up, k, words)[1];
+                }
+            }
+        }
+        error
+    }
+}
+
+/// A number of 64 bits in two words, the lower one first.
+#[inline(always)]
+fn long(words: &[u32]) -> i64 {
+    i64::from(words[1] as i32) << 32 | i64::from(words[0])
+}
+
+impl Sampler for SwitchedRun<'_> {
+    #[inline(always)]
+    fn estimates(&self) -> usize {
+        self.shape.estimates()
+    }
+
+    #[inline(always)]
+    fn bin_base(&self, estimate: usize) -> u32 {
+        self.p.bin_base[estimate]
+    }
+
+    #[inline(always)]
+    fn trial<W: Word>(&self, low: W, high: u32) -> [W; MAX_ESTIMATES] {
+        self.run(low, high, &mut ())
+    }
+}
+
+/// One tone and no other spread, as the paper's gyro has it.
+const PLAIN: Shape = Shape {
+    ends: true,
+    times: 0,
+    walk: false,
+    noise: true,
+    tones: 1,
+    magnetic: false,
+    initial: false,
+    non_magnetic: false,
+    mode: false,
+    warm_up: false,
+    relock: None,
+};
+
+/// The same with a random walk.
+const WALKING: Shape = Shape { walk: true, ..PLAIN };
+
+/// Tallies of the estimates over some trials that fill the lanes.
+pub struct Tally<'a> {
+    pub launch: &'a Launch,
+    pub shape: Shape,
+    pub trials: Trials,
+}
+
+impl AnyWidth for Tally<'_> {
+    type Output = Vec<Moments>;
+
+    #[inline(always)]
+    fn run<W: Word>(self) -> Vec<Moments> {
+        let Tally { launch, shape, trials } = self;
+        // Each of the first comparisons makes the shape a constant of its branch.
+        if W::LANES > 1 && shape == PLAIN {
+            moments::tally::<W>(SwitchedRun::new(launch, PLAIN), trials)
+        } else if W::LANES > 1 && shape == WALKING {
+            moments::tally::<W>(SwitchedRun::new(launch, WALKING), trials)
+        } else {
+            moments::tally::<W>(SwitchedRun::new(launch, shape), trials)
+        }
+    }
+}
+
+/// Angles in the order that they come.
+struct Angles(Vec<i32>);
+
+impl Recorder<Scalar> for Angles {
+    fn record(&mut self, angle: Scalar) {
+        self.0.push(angle.0 as i32);
+    }
+}
+
+/// The angles of one run just before and just after each switch, and at its end, LSB.
+pub fn trajectory(launch: &Launch, shape: Shape, trial: u64) -> Vec<i32> {
+    let mut angles = Angles(vec![]);
+    SwitchedRun::new(launch, shape).run(Scalar(trial as u32), (trial >> 32) as u32, &mut angles);
+    angles.0
+}

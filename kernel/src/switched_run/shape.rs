@@ -1,0 +1,119 @@
+//! What a launch of the switched-run kernel has, its parameter words and its table.
+
+use crate::parameters::parameters;
+use crate::relock_ticks;
+
+/// Most tones of the motion at a switch.
+pub const MAX_TONES: usize = crate::gap_fill::shape::MAX_TONES;
+
+/// Most switches and so many intervals of a run, but one.
+pub const MOST_INTERVALS: usize = crate::launch::MOST_STEPS as usize;
+
+/// What a launch has, and how much of it: what a shader is specialised for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Shape {
+    /// Whether the angle at the end and the largest one are estimated: the first two estimates.
+    pub ends: bool,
+    /// Times at which the angle is estimated besides.
+    pub times: usize,
+    /// Whether there is an angle random walk.
+    pub walk: bool,
+    /// Whether residuals of switches have a normal part.
+    pub noise: bool,
+    /// Tones that each switch leaves a sine of, at most 8.
+    pub tones: usize,
+    /// Which parts of the drift differ from run to run: A, Ω_m0, Ω_nm.
+    pub magnetic: bool,
+    /// That of Ω_m0.
+    pub initial: bool,
+    /// That of Ω_nm.
+    pub non_magnetic: bool,
+    /// Whether the first mode is drawn.
+    pub mode: bool,
+    /// Whether the warm-up time differs from run to run: then A is no part of the table, and its spread a parameter.
+    pub warm_up: bool,
+    /// Whether the perimeter loop relocks after each switch.
+    pub relock: Option<relock_ticks::Shape>,
+}
+
+impl Shape {
+    /// Number of estimates: at the end, the largest, at each of the times.
+    pub fn estimates(self) -> usize {
+        self.first_time() + self.times
+    }
+
+    /// The first estimate at a time.
+    pub fn first_time(self) -> usize {
+        if self.ends { 2 } else { 0 }
+    }
+
+    /// Whether anything is drawn once for a run but phases.
+    pub fn spreads(self) -> bool {
+        self.magnetic || self.initial || self.non_magnetic || self.mode || self.warm_up
+    }
+
+    /// Whether normal numbers are drawn.
+    pub fn has_normals(self) -> bool {
+        self.walk || self.noise || self.spreads() || self.relock.is_some()
+    }
+
+    /// Words of a row of the table.
+    pub fn row(self) -> usize {
+        let words = [self.mode, self.magnetic, self.initial, self.non_magnetic, self.warm_up, self.warm_up];
+        1 + words.into_iter().filter(|has| *has).count()
+    }
+}
+
+/// `count` where `wanted`, else none.
+#[inline(always)]
+fn only(wanted: bool, count: usize) -> usize {
+    if wanted { count } else { 0 }
+}
+
+// The table has a row for each interval, about its end, then one for each time: the angle that the drift has come to, LSB, and
+// where the first mode is drawn the magnetic part of it apart; then what a standard deviation of A, of Ω_m0 and of Ω_nm adds,
+// 2^−4 LSB; and where the warm-up time is drawn the signed time ∫ s dt, and how many halvings e^{−t/τ} is of the usual τ.
+parameters! {
+    /// Key of the random words.
+    key: |_| 2,
+    /// Intervals of the run; there is a switch after each but the last.
+    intervals: |_| 1,
+    /// Standard deviation of the random walk over an interval and over the last one, 2^−4 LSB.
+    walk_sigma: |shape: Shape| only(shape.walk, 2),
+    /// Standard deviation of the normal part of a residual, 2^−4 LSB.
+    noise: |shape: Shape| only(shape.noise, 1),
+    /// Standard deviation of log2 τ, 2^−30.
+    warm_up_spread: |shape: Shape| only(shape.warm_up, 1),
+    /// Bits of halvings behind the point.
+    halving_bits: |shape: Shape| only(shape.warm_up, 1),
+    /// Halvings of an interval.
+    halvings: |shape: Shape| only(shape.warm_up, 1),
+    /// Bits that a time has more behind the point than a ratio.
+    time_bits: |shape: Shape| only(shape.warm_up, 1),
+    /// A and its standard deviation, 2^−32 LSB in a unit of time.
+    heated: |shape: Shape| only(shape.warm_up, 2),
+    /// Parameters of the ticks that relock, as they are in `relock_ticks`.
+    relock: |shape: Shape| shape.relock.map_or(0, relock_ticks::word_count),
+    /// What each of those ticks adds, by itself and through the filler, in LSB to its own.
+    relock_weight: |shape: Shape| shape.relock.map_or(0, |relock| relock.ticks),
+    /// Bits of that behind the point.
+    relock_bits: |shape: Shape| only(shape.relock.is_some(), 1),
+    /// What every residual has, 2^−32 LSB, two words.
+    constant: |_| 2,
+    /// Residual of a tone at sine 1, 2^−2 LSB.
+    amplitude: |shape: Shape| shape.tones,
+    /// How far the phase goes on from switch to switch, 2^32 to the turn.
+    phase_step: |shape: Shape| shape.tones,
+    /// All bits where the phase is drawn for each switch, else none.
+    switch_spread: |shape: Shape| shape.tones,
+    /// All bits where it is drawn once for the whole run, else none.
+    run_spread: |shape: Shape| shape.tones,
+    /// The interval that each time is in.
+    time_interval: |shape: Shape| shape.times,
+    /// What the interval's random walk has come to at the time as a part of the whole: its standard deviation, 2^−4 LSB.
+    time_walk: |shape: Shape| only(shape.walk, shape.times),
+    /// Standard deviation of the rest, 2^−4 LSB.
+    time_bridge: |shape: Shape| only(shape.walk, shape.times),
+    /// Where each estimate's histogram starts.
+    bin_base: |shape: Shape| shape.estimates(),
+}

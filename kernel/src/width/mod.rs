@@ -1,0 +1,136 @@
+//! How many lanes the kernels run in: one on any processor, more where it has the instructions.
+
+use crate::word::{Scalar, Word};
+
+/// Implements the operators of a SIMD word, lane by lane.
+#[cfg(target_arch = "x86_64")]
+macro_rules! simd_operators {
+    ($word:ident, $register:ty, $add:ident, $sub:ident, $mul:ident, $xor:ident, $and:ident, $shl:ident, $shr:ident) => {
+        simd_operators!(binary $word, Add, add, $add);
+        simd_operators!(binary $word, Sub, sub, $sub);
+        simd_operators!(binary $word, Mul, mul, $mul);
+        simd_operators!(binary $word, BitXor, bitxor, $xor);
+        simd_operators!(binary $word, BitAnd, bitand, $and);
+        simd_operators!(shift $word, Shl, shl, $shl);
+        simd_operators!(shift $word, Shr, shr, $shr);
+    };
+    (binary $word:ident, $trait:ident, $method:ident, $instruction:ident) => {
+        impl core::ops::$trait for $word {
+            type Output = $word;
+            #[inline(always)]
+            fn $method(self, other: $word) -> $word {
+                unsafe { $word($instruction(self.0, other.0)) }
+            }
+        }
+    };
+    (shift $word:ident, $trait:ident, $method:ident, $instruction:ident) => {
+        impl core::ops::$trait<u32> for $word {
+            type Output = $word;
+            #[inline(always)]
+            fn $method(self, n: u32) -> $word {
+                unsafe { $word($instruction(self.0, _mm_cvtsi32_si128(n as i32))) }
+            }
+        }
+    };
+}
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+
+/// How many lanes the kernels run in. All widths give the same bits; one that the processor lacks cannot be had.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Width(Lanes);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Lanes {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+/// Work that can be done in any width.
+pub trait AnyWidth {
+    /// What the work gives, the same in every width.
+    type Output;
+    /// Does the work in lanes of the width of `W`.
+    fn run<W: Word>(self) -> Self::Output;
+}
+
+impl Width {
+    /// One lane, on any processor: the reference of the others.
+    pub const PORTABLE: Width = Width(Lanes::Portable);
+
+    /// The widths that this processor has, narrowest first.
+    pub fn available() -> Vec<Width> {
+        let mut widths = vec![Width::PORTABLE];
+        #[cfg(target_arch = "x86_64")]
+        {
+            let avx2 = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2")
+                && is_x86_feature_detected!("lzcnt");
+            let avx512 = is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512bw")
+                && is_x86_feature_detected!("avx512cd")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl");
+            widths.extend(avx2.then_some(Width(Lanes::Avx2)));
+            widths.extend((avx2 && avx512).then_some(Width(Lanes::Avx512)));
+        }
+        widths
+    }
+
+    /// The widest of this processor.
+    pub fn widest() -> Width {
+        Width::available().pop().unwrap_or(Width::PORTABLE)
+    }
+
+    /// As people know it.
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            Lanes::Portable => "portable",
+            #[cfg(target_arch = "x86_64")]
+            Lanes::Avx2 => "AVX2",
+            #[cfg(target_arch = "x86_64")]
+            Lanes::Avx512 => "AVX-512",
+        }
+    }
+
+    /// Number of lanes.
+    pub fn lanes(self) -> usize {
+        match self.0 {
+            Lanes::Portable => Scalar::LANES,
+            #[cfg(target_arch = "x86_64")]
+            Lanes::Avx2 => avx2::Avx2::LANES,
+            #[cfg(target_arch = "x86_64")]
+            Lanes::Avx512 => avx512::Avx512::LANES,
+        }
+    }
+
+    /// Does `work` in lanes of this width.
+    pub fn run<T: AnyWidth>(self, work: T) -> T::Output {
+        match self.0 {
+            Lanes::Portable => work.run::<Scalar>(),
+            // SAFETY: only `available` makes these, where the processor has what the functions enable.
+            #[cfg(target_arch = "x86_64")]
+            Lanes::Avx2 => unsafe { in_avx2(work) },
+            #[cfg(target_arch = "x86_64")]
+            Lanes::Avx512 => unsafe { in_avx512(work) },
+        }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt")]
+fn in_avx2<T: AnyWidth>(work: T) -> T::Output {
+    work.run::<avx2::Avx2>()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512bw,avx512cd,avx512dq,avx512vl,avx2,bmi1,bmi2,lzcnt")]
+fn in_avx512<T: AnyWidth>(work: T) -> T::Output {
+    work.run::<avx512::Avx512>()
+}

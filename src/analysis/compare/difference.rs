@@ -1,0 +1,172 @@
+//! Coefficients of two records, term by term.
+
+use crate::analysis::compare::estimate::{Estimate, Two};
+use crate::analysis::compare::length::{self, Length};
+use crate::fit::choose::Terms;
+use crate::fit::coefficient::Fit;
+use crate::fit::curve::{Curve, FitError};
+use crate::fit::fitter::fit_record;
+use crate::fit::interval::WITHIN_95;
+use crate::fit::term::Term;
+
+/// Differences with a smaller p are significant.
+pub const SIGNIFICANT: f64 = 0.05;
+
+/// No p is less: 0 would say that something is impossible.
+pub const LEAST_P: f64 = 1e-300;
+
+/// What is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// In the unit of the [`Term`].
+    Coefficient(Term),
+    /// The correlation time of Markov noise, s, or the frequency of a sine, Hz.
+    Shape(Term),
+}
+
+/// A coefficient of both records.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Difference {
+    /// Which coefficient, with its unit.
+    pub quantity: Quantity,
+    /// Absent where the record does not show it.
+    pub values: [Option<f64>; 2],
+    /// What the true value is at most, at 97.5 %; absent where the record does not tell.
+    pub at_most: [Option<f64>; 2],
+    /// The second less the first, where both are there.
+    pub difference: Option<f64>,
+    /// 95 % interval of it, with an end absent that the records do not tell, and both where no record shows it.
+    pub interval: [Option<f64>; 2],
+    /// The second over the first, where both are there.
+    pub ratio: Option<f64>,
+    /// 95 % interval of it.
+    pub ratio_interval: [Option<f64>; 2],
+    /// Probability of estimates as far apart or farther if the true values are equal; absent where no record shows it.
+    pub p: Option<f64>,
+}
+
+/// Two fits with the same terms.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Fits {
+    pub fits: [Fit; 2],
+    pub terms: Vec<Term>,
+    /// Those that at least one record shows if it may choose.
+    shown: Vec<Term>,
+}
+
+impl Fits {
+    /// With [`Terms::Auto`] the terms are those that the best fit of either record uses.
+    pub fn of(curves: [&Curve; 2], terms: &Terms) -> Result<Fits, FitError> {
+        let both = |terms: &Terms| -> Result<[Fit; 2], FitError> {
+            let (a, b) = rayon::join(|| fit_record(curves[0], terms), || fit_record(curves[1], terms));
+            Ok([a?, b?])
+        };
+        let candidates = match terms {
+            Terms::Given(given) => {
+                return Ok(Fits { fits: both(terms)?, terms: given.clone(), shown: given.clone() });
+            }
+            Terms::Auto(candidates) => candidates,
+        };
+        let chosen = both(terms)?;
+        let is_used = |term: &Term| {
+            let mut parts = chosen.iter().flat_map(|fit| &fit.process.parts);
+            parts.any(|part| Term::of(part) == Some(*term))
+        };
+        let shows = |term: &Term| {
+            chosen.iter().any(|fit| fit.coefficient(*term).is_some_and(|found| found.value.is_some()))
+        };
+        let used: Vec<Term> = candidates.iter().copied().filter(is_used).collect();
+        let shown = used.iter().copied().filter(shows).collect();
+        Ok(Fits { fits: both(&Terms::Given(used.clone()))?, terms: used, shown })
+    }
+
+    /// Both estimates of a term; `widening`: of the variance of each record.
+    pub fn of_term(&self, term: Term, widening: [f64; 2]) -> Option<Two> {
+        let [a, b] = &self.fits;
+        two(a, b, Quantity::Coefficient(term), widening)
+    }
+
+    /// All quantities of the terms.
+    pub fn differences(&self, widening: [f64; 2]) -> Vec<Difference> {
+        let [a, b] = &self.fits;
+        let difference = |quantity| Some(self.difference(quantity, &two(a, b, quantity, widening)?));
+        self.quantities().into_iter().filter_map(difference).collect()
+    }
+
+    /// How long records must be for each of `differences`, but for those of which the values to be told apart are unknown.
+    pub fn lengths(&self, differences: &[Difference], steps: [f64; 2]) -> Vec<Length> {
+        let is_open = |found: &&Difference| {
+            found.difference.is_some_and(|difference| difference != 0.0)
+                || found.p.is_some_and(|p| p < SIGNIFICANT)
+        };
+        let open: Vec<Quantity> = differences.iter().filter(is_open).map(|found| found.quantity).collect();
+        let [a, b] = &self.fits;
+        let mut found = length::needed([&a.process, &b.process], steps, &self.terms, &open).into_iter();
+        let of = |difference| match is_open(&difference) {
+            true => found.next().unwrap_or(Length::Unknown),
+            false => Length::Unknown,
+        };
+        differences.iter().map(of).collect()
+    }
+
+    fn quantities(&self) -> Vec<Quantity> {
+        let of_term = |&term: &Term| {
+            let shape = term.has_shape().then_some(Quantity::Shape(term));
+            [Some(Quantity::Coefficient(term)), shape].into_iter().flatten()
+        };
+        self.terms.iter().flat_map(of_term).collect()
+    }
+
+    fn difference(&self, quantity: Quantity, two: &Two) -> Difference {
+        let (Quantity::Coefficient(term) | Quantity::Shape(term)) = quantity;
+        let is_shown = self.shown.contains(&term);
+        let value = |fit: &Fit| {
+            let found = fit.coefficient(term).filter(|_| is_shown)?;
+            match quantity {
+                Quantity::Coefficient(_) => found.value,
+                Quantity::Shape(_) => found.shape.map(|shape| shape.value),
+            }
+        };
+        let values = [value(&self.fits[0]), value(&self.fits[1])];
+        let both = values[0].zip(values[1]);
+        let is_there = values.iter().any(Option::is_some);
+        let finite = |end: f64| (is_there && end.is_finite()).then_some(end);
+        let unbounded = f64::INFINITY;
+        let interval = two.interval(WITHIN_95, |a, b| b.unwrap_or(unbounded) - a.unwrap_or(unbounded));
+        let ratios = two.interval(WITHIN_95, |a, b| match (a, b) {
+            (Some(a), Some(b)) if a > 0.0 => b / a,
+            (None, _) => 0.0,
+            _ => unbounded,
+        });
+        Difference {
+            quantity,
+            values,
+            at_most: [two.a.at(-WITHIN_95), two.b.at(-WITHIN_95)],
+            difference: both.map(|(a, b)| b - a),
+            interval: interval.map(finite),
+            ratio: both.map(|(a, b)| b / a),
+            ratio_interval: ratios.map(finite),
+            p: is_there.then(|| two_sided(two.distance().0)),
+        }
+    }
+}
+
+/// Both estimates of a quantity; `None` where a fit has none.
+pub(crate) fn two(a: &Fit, b: &Fit, quantity: Quantity, widening: [f64; 2]) -> Option<Two> {
+    let estimate = |fit: &Fit, widening: f64| match quantity {
+        Quantity::Coefficient(term) => {
+            Some(Estimate::Square(fit.coefficient(term)?.evidence?.widened(widening)))
+        }
+        Quantity::Shape(term) => {
+            let shape = fit.coefficient(term)?.shape?;
+            let error = libm::sqrt(widening) * shape.standard_error / shape.value;
+            Some(Estimate::Logarithm { value: shape.value, error })
+        }
+    };
+    Some(Two { a: estimate(a, widening[0])?, b: estimate(b, widening[1])? })
+}
+
+/// The probability of a normal number at least this far from its mean, on either side.
+fn two_sided(distance: f64) -> f64 {
+    libm::erfc(distance / core::f64::consts::SQRT_2).max(LEAST_P)
+}

@@ -1,0 +1,189 @@
+//! What one record says of a coefficient, a correlation time or a frequency, and how far two of these are apart.
+//!
+//! Each outcome has a place for every true value: the normal number z that is as rare. Two records would have the same
+//! value x with the distance √min_x(z_A(x)² + z_B(x)²), which is that of a normal number if they do: the square is
+//! one of χ² of one degree of freedom, since one value is found for two. The values of both that are less far than
+//! 1.96 make the 95 % interval of any function of them, such as their difference.
+
+use crate::fit::evidence::Evidence;
+
+/// Points of a grid, and golden sections of one step of it to either side.
+const GRID: u32 = 16;
+const SECTIONS: usize = 24;
+
+/// An estimate, of which every true value makes something rarer or less rare.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Estimate {
+    /// Of the square of a coefficient.
+    Square(Evidence),
+    /// Of a correlation time or a frequency: its value and the standard error of its logarithm.
+    Logarithm { value: f64, error: f64 },
+}
+
+impl Estimate {
+    /// The coefficient or shape for which the estimate is `deviate` from the middle; as [`Evidence::square_at`].
+    pub fn at(&self, deviate: f64) -> Option<f64> {
+        match self {
+            Estimate::Square(evidence) => evidence.square_at(deviate).map(libm::sqrt),
+            Estimate::Logarithm { value, error } => Some(value * libm::exp(-deviate * error)),
+        }
+    }
+
+    /// What was found, in the same unit.
+    pub fn found(&self) -> f64 {
+        match self {
+            Estimate::Square(evidence) => libm::sqrt(evidence.estimate()),
+            Estimate::Logarithm { value, .. } => *value,
+        }
+    }
+
+    fn deviate(&self, value: f64) -> f64 {
+        match self {
+            Estimate::Square(evidence) => evidence.deviate(value * value),
+            Estimate::Logarithm { value: found, error } => (libm::log(*found) - libm::log(value)) / error,
+        }
+    }
+}
+
+/// Two estimates of what may be the same.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Two {
+    pub a: Estimate,
+    pub b: Estimate,
+}
+
+impl Two {
+    /// How far apart they are, in standard deviations of a normal number, and the value that both are least far from.
+    pub fn distance(&self) -> (f64, f64) {
+        let middle = |estimate: &Estimate| estimate.at(0.0).unwrap_or(estimate.found());
+        let (a, b) = (middle(&self.a), middle(&self.b));
+        let (low, high) = (a.min(b), a.max(b));
+        let square = |value: f64| {
+            let (a, b) = (self.a.deviate(value), self.b.deviate(value));
+            a * a + b * b
+        };
+        if low == high {
+            return (0.0, low);
+        }
+        let (value, least) = least(low, high, square);
+        (libm::sqrt(least), value)
+    }
+
+    /// The 95 % interval of `of`, which falls with the value of the first and rises with that of the second.
+    ///
+    /// `of` gets `None` for values without a bound.
+    pub fn interval(&self, distance: f64, of: impl Fn(Option<f64>, Option<f64>) -> f64) -> [f64; 2] {
+        let quarter = core::f64::consts::FRAC_PI_2;
+        let at = |turn: f64, sign: f64| {
+            // Without the rounding of cos π/2, which asks for what lies beyond every bound.
+            let (a, b) = if turn >= quarter { (1.0, 0.0) } else { (libm::sin(turn), libm::cos(turn)) };
+            of(self.a.at(sign * distance * a), self.b.at(-sign * distance * b))
+        };
+        let (_, highest) = least(0.0, quarter, |turn| -at(turn, 1.0));
+        let (_, lowest) = least(0.0, quarter, |turn| at(turn, -1.0));
+        [lowest, -highest]
+    }
+}
+
+/// Where a function is least, and what it is there: by a grid and golden sections about its best point.
+fn least(low: f64, high: f64, of: impl Fn(f64) -> f64) -> (f64, f64) {
+    let step = (high - low) / f64::from(GRID);
+    let at = |i: u32| if i == GRID { high } else { low + f64::from(i) * step };
+    let grid = (0..=GRID).map(|i| (at(i), of(at(i)))).min_by(|x, y| x.1.total_cmp(&y.1));
+    let (start, mut best) = grid.unwrap_or((low, of(low)));
+    if !best.is_finite() {
+        return (start, best);
+    }
+    let golden = 0.5 * (libm::sqrt(5.0) - 1.0);
+    let (mut from, mut to) = ((start - step).max(low), (start + step).min(high));
+    let mut inner = [to - golden * (to - from), from + golden * (to - from)];
+    let mut values = inner.map(&of);
+    let mut place = start;
+    for _ in 0..SECTIONS {
+        let better = usize::from(values[1] < values[0]);
+        if values[better] < best {
+            (place, best) = (inner[better], values[better]);
+        }
+        if better == 0 {
+            to = inner[1];
+            inner = [to - golden * (to - from), inner[0]];
+            values = [of(inner[0]), values[0]];
+        } else {
+            from = inner[0];
+            inner = [inner[1], from + golden * (to - from)];
+            values = [values[1], of(inner[1])];
+        }
+    }
+    (place, best)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::interval::{Variance, WITHIN_95};
+
+    fn square(estimate: f64, variance: [f64; 3]) -> Estimate {
+        Estimate::Square(Evidence::new(estimate, Variance(variance)))
+    }
+
+    fn difference(a: Option<f64>, b: Option<f64>) -> f64 {
+        b.unwrap_or(f64::INFINITY) - a.unwrap_or(f64::INFINITY)
+    }
+
+    #[test]
+    fn normal_squares_are_apart_by_their_difference_over_its_standard_error() {
+        let two = Two { a: square(40.0, [1.0, 0.0, 0.0]), b: square(44.0, [3.0, 0.0, 0.0]) };
+        let (distance, value) = two.distance();
+        assert!((distance - 2.0).abs() < 1e-9, "{distance}");
+        // The mean with the inverse variances as weights.
+        assert!((value * value - 41.0).abs() < 1e-4, "{value}");
+    }
+
+    #[test]
+    fn the_interval_ends_at_0_where_both_are_1_96_apart() {
+        for variance in [[1.0, 0.0, 0.0], [0.5, 0.1, 0.02], [0.0, 0.01, 0.1]] {
+            for apart in [WITHIN_95 * 0.98, WITHIN_95 * 1.02] {
+                // The second estimate for which both are so far apart.
+                let (mut low, mut high) = (10.0, 1e4);
+                for _ in 0..60 {
+                    let middle = 0.5 * (low + high);
+                    let two = Two { a: square(10.0, variance), b: square(middle, variance) };
+                    if two.distance().0 < apart { low = middle } else { high = middle }
+                }
+                let two = Two { a: square(10.0, variance), b: square(low, variance) };
+                let [lower, upper] = two.interval(WITHIN_95, difference);
+                assert_eq!(lower > 0.0, apart > WITHIN_95, "{variance:?}, {apart}: {lower} … {upper}");
+                assert!(lower.abs() < 0.2 * upper, "{variance:?}: {lower} … {upper}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_estimate_twice_is_not_apart_and_its_interval_is_about_0() {
+        let one = square(2.0, [0.1, 0.1, 0.05]);
+        let two = Two { a: one, b: one };
+        assert_eq!(two.distance().0, 0.0);
+        let [low, high] = two.interval(WITHIN_95, difference);
+        assert!(low < 0.0 && (low + high).abs() < 1e-9, "{low} … {high}");
+    }
+
+    #[test]
+    fn what_scatters_without_bound_has_no_end() {
+        // Three degrees of freedom: 1.96 standard deviations below the middle nothing is left.
+        let two = Two { a: square(1.0, [0.01, 0.0, 0.0]), b: square(1.0, [0.0, 0.0, 2.0]) };
+        let [low, high] = two.interval(WITHIN_95, difference);
+        assert!(low.is_finite() && high == f64::INFINITY, "{low} … {high}");
+    }
+
+    #[test]
+    fn logarithms_are_apart_by_their_ratio() {
+        let two = Two {
+            a: Estimate::Logarithm { value: 100.0, error: 0.3 },
+            b: Estimate::Logarithm { value: 100.0 * libm::exp(1.0), error: 0.4 },
+        };
+        assert!((two.distance().0 - 2.0).abs() < 1e-9, "{:?}", two.distance());
+        let [low, high] = two.interval(WITHIN_95, |a, b| b.unwrap_or(f64::NAN) / a.unwrap_or(f64::NAN));
+        assert!((libm::log(high) - 1.0 - 0.5 * WITHIN_95).abs() < 1e-9, "{high}");
+        assert!((libm::log(low) - 1.0 + 0.5 * WITHIN_95).abs() < 1e-9, "{low}");
+    }
+}

@@ -1,0 +1,127 @@
+//! How long two records must be for their coefficients to be told apart.
+
+use std::collections::BTreeMap;
+
+use crate::analysis::compare::difference::{Quantity, two};
+use crate::fit::choose::Terms;
+use crate::fit::coefficient::Fit;
+use crate::fit::curve::Curve;
+use crate::fit::fitter::fit_record;
+use crate::fit::record::factors;
+use crate::fit::term::Term;
+use crate::theory::allan::estimator::{Difference, Estimator};
+use crate::theory::allan::holds;
+use crate::theory::allan::part::Part;
+use crate::theory::allan::process::Process;
+
+/// Distance of 1.96 standard deviations, for p = 5 %, and 1.28 more, so that 90 % of records are as far or farther.
+const DISTANCE: f64 = 1.959_963_984_540_054 + 1.281_551_565_544_600_4;
+
+/// Lengths that are tried: 2^5 to 2^26 samples of the shorter step, so many to an octave.
+const SHORTEST: u32 = 5;
+const LONGEST: u32 = 26;
+const STEPS: u32 = 32;
+
+/// The length that each of two records of equal length must have for a difference to be significant at 5 % in 90 % of
+/// comparisons, the true values being those that were found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Length {
+    /// So many s, to 2 %.
+    Needed {
+        /// Of each record, s.
+        length_s: f64,
+    },
+    /// More than the longest that was tried, s.
+    Beyond {
+        /// The longest that was tried, s.
+        length_s: f64,
+    },
+    /// The values found are equal, or one is not known and the difference not significant.
+    Unknown,
+}
+
+/// For each of `quantities`: of records of two `processes`, sampled in these `steps`, s, and fitted with `terms`.
+///
+/// A curve that is the closed form of its process is fitted with the covariance of the estimates of a record of that
+/// length, up to an eighth of it: the fit is the process itself, with the uncertainty that a record has. It does not
+/// fall with the root of the length alone, for longer τ come with it.
+pub(crate) fn needed(
+    processes: [&Process; 2],
+    steps: [f64; 2],
+    terms: &[Term],
+    quantities: &[Quantity],
+) -> Vec<Length> {
+    let mut search = Search { processes, steps, terms, fits: BTreeMap::new() };
+    let mut open: Vec<usize> = (0..quantities.len()).collect();
+    let mut lengths = vec![Length::Beyond { length_s: search.length(LONGEST * STEPS) }; quantities.len()];
+    for octave in SHORTEST..=LONGEST {
+        let at = octave * STEPS;
+        open.retain(|&i| {
+            let is_reached = search.distance(at, quantities[i]).is_some_and(|found| found >= DISTANCE);
+            if is_reached {
+                lengths[i] = Length::Needed { length_s: search.between(at, quantities[i]) };
+            }
+            !is_reached
+        });
+        if open.is_empty() {
+            break;
+        }
+    }
+    lengths
+}
+
+struct Search<'a> {
+    processes: [&'a Process; 2],
+    steps: [f64; 2],
+    terms: &'a [Term],
+    /// By the logarithm of the length.
+    fits: BTreeMap<u32, [Option<Fit>; 2]>,
+}
+
+impl Search<'_> {
+    fn length(&self, at: u32) -> f64 {
+        libm::exp2(f64::from(at) / f64::from(STEPS)) * self.steps[0].min(self.steps[1])
+    }
+
+    /// How far apart the estimates of a quantity are, those being what they are on average.
+    fn distance(&mut self, at: u32, quantity: Quantity) -> Option<f64> {
+        let length = self.length(at);
+        let (processes, steps, terms) = (self.processes, self.steps, self.terms);
+        let fits = self.fits.entry(at).or_insert_with(|| {
+            let fit = |i: usize| expected(processes[i], libm::round(length / steps[i]) as u64, terms);
+            let (a, b) = rayon::join(|| fit(0), || fit(1));
+            [a, b]
+        });
+        let [Some(a), Some(b)] = fits else { return None };
+        Some(two(a, b, quantity, [1.0; 2])?.distance().0)
+    }
+
+    /// The shortest length, within an octave below one that is enough, from which on it is enough.
+    fn between(&mut self, enough: u32, quantity: Quantity) -> f64 {
+        let (mut low, mut high) = ((enough - STEPS).max(SHORTEST * STEPS), enough);
+        while high - low > 1 {
+            let middle = (low + high) / 2;
+            if self.distance(middle, quantity).is_some_and(|found| found >= DISTANCE) {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        self.length(high)
+    }
+}
+
+/// The fit of the curve that records of so many samples have on average.
+fn expected(process: &Process, samples: u64, terms: &[Term]) -> Option<Fit> {
+    let octaves = holds::octaves(samples)?;
+    let part = |part: &Part| match *part {
+        Part::BiasInstability { b, .. } => Part::BiasInstability { b, octaves },
+        other => other,
+    };
+    let process = Process { sample_s: process.sample_s, parts: process.parts.iter().map(part).collect() };
+    let ms: Vec<u64> = factors(samples as usize).into_iter().map(|m| m as u64).collect();
+    let variances: Option<Vec<f64>> =
+        ms.iter().map(|&m| process.expected(Estimator::OVERLAPPING, samples, m)).collect();
+    let curve = Curve::new(process.sample_s, samples, Difference::Second, ms, variances?).ok()?;
+    fit_record(&curve, &Terms::Given(terms.to_vec())).ok()
+}

@@ -1,0 +1,164 @@
+//! Two records held against each other: which is noisier, in what, how sure that is, and how long records must be to tell.
+//!
+//! ```text
+//! Angles, Angles ─┬ common τ ─▶ Ratios (F distribution) ─┬▶ Same: the same noise?
+//!                 └ fits with the same terms ────────────┴▶ Differences: p, intervals, Length needed
+//! ```
+//!
+//! ```
+//! use sagnac::allan::{Angles, Trend};
+//! use sagnac::analysis::compare::{Quantity, compare};
+//! use sagnac::fit::{Term, Terms};
+//!
+//! // Rates that jump about evenly, and the same at half the size.
+//! let rates: Vec<f64> = (0..4096_u64).map(|i| (i * 2_654_435_761 % 4096) as f64 - 2047.5).collect();
+//! let [a, b] = [1.0, 0.5].map(|scale| Angles::from_increments(&rates, scale, 1.0, Trend::None));
+//!
+//! let compared = compare(&a, &b, Some(&Terms::Given(vec![Term::AngleRandomWalk])))?;
+//! assert_eq!(compared.ratios[3].value, Some(0.5));
+//! let n = &compared.differences.unwrap()[0];
+//! assert_eq!(n.quantity, Quantity::Coefficient(Term::AngleRandomWalk));
+//! assert!((n.ratio.unwrap() - 0.5).abs() < 1e-9 && n.p.unwrap() < 1e-6);
+//! # Ok::<(), sagnac::analysis::compare::NoCommonTime>(())
+//! ```
+//!
+//! The records are taken as independent of each other: noise that both have in common, such as the motion of a table on
+//! which both gyros stood, makes ratios nearer to 1 than is said here.
+//!
+//! **Ratios.** The ratio of two variances of Gaussian noise is F with the degrees of freedom of Greenhall and Riley. Each
+//! interval is right for itself; many of them are judged together by [`Same`].
+//!
+//! **Coefficients.** Both curves are fitted with the same terms. An estimate of a square is a χ² of so many degrees of
+//! freedom, shifted and scaled, whose variance follows the true value. The estimates of both are as far apart as the
+//! common value for which they are least rare together makes them: p, the interval of the difference and that of the
+//! ratio follow from that one distance, so that p < 5 % where the 95 % interval leaves out 0. A square that came out below 0
+//! counts as 0, so that p errs towards "no difference" for terms that a record does not show.
+
+pub mod difference;
+pub mod estimate;
+pub mod fisher;
+pub mod length;
+pub mod ratio;
+pub mod same;
+
+pub use crate::analysis::compare::difference::{Difference, LEAST_P, Quantity, SIGNIFICANT};
+pub use crate::analysis::compare::length::Length;
+pub use crate::analysis::compare::ratio::{Common, NEAREST, Ratio};
+pub use crate::analysis::compare::same::{By, Same};
+
+use crate::allan::angles::Angles;
+use crate::allan::curve::{Point, curve};
+use crate::allan::deviation::Deviation;
+use crate::allan::tau::Taus;
+use crate::analysis::compare::difference::Fits;
+use crate::fit::choose::Terms;
+use crate::fit::curve::{Curve, FitError};
+use crate::fit::record::curve_of;
+use crate::theory::allan::process::Process;
+
+/// What two records say of each other; the first is `[0]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// Overlapping Allan deviations at the octaves of each record.
+    pub curves: [Vec<Point>; 2],
+    /// The averaging times that both have, and the differences to take there.
+    pub common: Common,
+    /// One for each common time.
+    pub ratios: Vec<Ratio>,
+    /// Absent where no ratio is known.
+    pub same: Option<Same>,
+    /// Coefficients of both fits; empty where none were asked for, else why there are none.
+    pub differences: Result<Vec<Difference>, FitError>,
+    fits: Option<Fits>,
+}
+
+impl Comparison {
+    /// The best fits of both records as noise models.
+    pub fn models(&self) -> Option<[&Process; 2]> {
+        let [a, b] = &self.fits.as_ref()?.fits;
+        Some([&a.process, &b.process])
+    }
+
+    /// For each of the differences how long both records must be to tell the values found apart; in a second or two.
+    pub fn lengths(&self) -> Vec<Length> {
+        let steps = self.ratios.first().map_or([0.0; 2], |ratio| ratio.points.map(|p| p.tau_s / p.m as f64));
+        let differences = self.differences.as_deref().unwrap_or_default();
+        self.fits.as_ref().map_or_else(Vec::new, |fits| fits.lengths(differences, steps))
+    }
+}
+
+/// Two records without an averaging time that both have.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "the records have no averaging time in common: the first has steps of {} s up to τ = {} s, the second of {} s up to \
+     {} s\nrecord longer at the higher rate, so that its τ reach the step of the other",
+    steps[0], longest[0], steps[1], longest[1]
+)]
+pub struct NoCommonTime {
+    /// Sampling steps, s.
+    pub steps: [f64; 2],
+    /// Longest averaging times, s.
+    pub longest: [f64; 2],
+}
+
+/// Compares two records, whose angles are in the same unit; without `terms` their curves only.
+///
+/// # Errors
+/// Records without an averaging time in common.
+pub fn compare(a: &Angles, b: &Angles, terms: Option<&Terms>) -> Result<Comparison, NoCommonTime> {
+    let records = [a, b];
+    let sampling = records.map(|angles| (angles.step_s, angles.len().saturating_sub(1)));
+    let common = Common::of(sampling[0], sampling[1]);
+    if common.factors.is_empty() {
+        let longest =
+            records.map(|angles| Deviation::Oadev.largest_factor(angles.len()) as f64 * angles.step_s);
+        return Err(NoCommonTime { steps: sampling.map(|(step_s, _)| step_s), longest });
+    }
+    let factors = |i: usize| common.factors.iter().map(|pair| pair[i]).collect::<Vec<usize>>();
+    let ((curve_a, points_a), (curve_b, points_b)) =
+        rayon::join(|| points(a, &factors(0)), || points(b, &factors(1)));
+    let ratios: Vec<Ratio> = points_a.into_iter().zip(points_b).map(|(a, b)| Ratio::of(a, b)).collect();
+    let found = terms.map(|terms| of_fits(records, terms, &ratios)).transpose();
+    let (differences, by_fits, fits) = match found {
+        Ok(None) => (Ok(vec![]), None, None),
+        Ok(Some((differences, same, fits))) => (Ok(differences), same, Some(fits)),
+        Err(error) => (Err(error), None, None),
+    };
+    let same = by_fits.or_else(|| crate::analysis::compare::same::by_least_p(&ratios));
+    Ok(Comparison { curves: [curve_a, curve_b], common, ratios, same, differences, fits })
+}
+
+/// The curve of a record at its octaves, and at the common factors.
+fn points(angles: &Angles, common: &[usize]) -> (Vec<Point>, Vec<Point>) {
+    let octaves = Taus::Octave.factors(angles.len(), angles.step_s, Deviation::Oadev).unwrap_or_default();
+    let mut all = [&octaves, common].concat();
+    all.sort_unstable();
+    all.dedup();
+    let points = curve(angles, Deviation::Oadev, &all, 0.95);
+    let of = |factors: &[usize]| {
+        points.iter().filter(|point| factors.contains(&point.m)).copied().collect::<Vec<Point>>()
+    };
+    (of(&octaves), of(common))
+}
+
+fn of_fits(
+    records: [&Angles; 2],
+    terms: &Terms,
+    ratios: &[Ratio],
+) -> Result<(Vec<Difference>, Option<Same>, Fits), FitError> {
+    let curves: [Curve; 2] = [curve_of(records[0])?, curve_of(records[1])?];
+    let curves = [&curves[0], &curves[1]];
+    let fits = Fits::of(curves, terms)?;
+    // A gap costs what the samples in it are worth.
+    let widening = records.map(|angles| 1.0 / (1.0 - angles.missing() as f64 / angles.len() as f64));
+    let differences = fits.differences(widening);
+    let left = |point: &Point, angles: &Angles| {
+        point.terms as f64 / Deviation::Oadev.terms(angles.len(), point.m).max(1) as f64
+    };
+    let left: Vec<[f64; 2]> = ratios
+        .iter()
+        .map(|ratio| [left(&ratio.points[0], records[0]), left(&ratio.points[1], records[1])])
+        .collect();
+    let same = crate::analysis::compare::same::by_fits(ratios, &left, curves, &fits, widening)?;
+    Ok((differences, same, fits))
+}

@@ -1,0 +1,164 @@
+//! Whether two curves are those of the same noise, all averaging times taken together.
+
+use statrs::function::gamma::digamma;
+
+use crate::analysis::compare::difference::{Fits, LEAST_P};
+use crate::analysis::compare::ratio::Ratio;
+use crate::fit::chi_squared::survival;
+use crate::fit::covariance::Covariance;
+use crate::fit::curve::{Curve, FitError};
+use crate::fit::record::factors;
+use crate::fit::term::Term;
+use crate::theory::allan::estimator::{Difference, Estimator};
+use crate::theory::allan::gaussian;
+
+/// The test of two records for the same noise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Same {
+    /// Probability of curves as far apart or farther if the noise is the same.
+    pub p: f64,
+    /// How many averaging times went into it.
+    pub times: usize,
+    /// The longest of them, s.
+    pub longest_s: f64,
+    /// Which test it is: that of all times together needs a fit.
+    pub by: By,
+}
+
+/// How it was tested.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum By {
+    /// χ² of the logarithms of all ratios, with the covariance between them.
+    ChiSquared {
+        /// χ², of as many degrees of freedom as there are times.
+        value: f64,
+    },
+    /// The least p of a single ratio times the number of them (Bonferroni): where there is no fit.
+    LeastP,
+}
+
+/// By χ² of the logarithms of the ratios up to an eighth of the shorter record.
+///
+/// Under the hypothesis both records are of one process, with the squares that both are least far from. Its closed form
+/// gives what the logarithms are on average, also where the samplings differ, and their covariance: that of the
+/// estimates over their means, with mean and variance of the logarithm of a χ² of as many degrees of freedom.
+///
+/// `left`: of each ratio the part of the differences of each record that gaps leave.
+pub(crate) fn by_fits(
+    ratios: &[Ratio],
+    left: &[[f64; 2]],
+    curves: [&Curve; 2],
+    fits: &Fits,
+    widening: [f64; 2],
+) -> Result<Option<Same>, FitError> {
+    let longest = curves.map(|curve| factors(curve.samples() as usize).last().copied().unwrap_or(0));
+    let is_used = |ratio: &Ratio| {
+        ratio.value.is_some() && ratio.points.iter().zip(longest).all(|(point, most)| point.m <= most)
+    };
+    let (used, left): (Vec<&Ratio>, Vec<[f64; 2]>) =
+        ratios.iter().zip(left).filter(|(ratio, _)| is_used(ratio)).unzip();
+    let Some(last) = used.last() else { return Ok(None) };
+    let model: Vec<(Term, f64, f64)> =
+        fits.terms.iter().filter_map(|&term| pooled(fits, term, widening)).collect();
+    let mut rows = vec![vec![0.0; used.len()]; used.len()];
+    let mut logarithms: Vec<f64> =
+        used.iter().filter_map(|ratio| Some(2.0 * libm::log(ratio.value?))).collect();
+    // Of two records of one length it is the same.
+    let mut known = None;
+    for (i, sign) in [(0, -1.0), (1, 1.0)] {
+        let process = curves[i].process(&model);
+        let samples = curves[i].samples();
+        let ms: Vec<u64> = used.iter().map(|ratio| ratio.points[i].m as u64).collect();
+        let of_this = (process.sample_s, samples, ms.clone());
+        if known.as_ref().is_none_or(|(of, _)| *of != of_this) {
+            let covariance = gaussian::covariance(&process, Difference::Second, samples, &ms);
+            known = Some((of_this, covariance));
+        }
+        let Some((_, covariance)) = &known else { continue };
+        let means: Vec<f64> = ms
+            .iter()
+            .map(|&m| process.expected(Estimator::OVERLAPPING, samples, m).unwrap_or(f64::NAN))
+            .collect();
+        let relative = |j: usize, k: usize| {
+            covariance[j][k] / (means[j] * means[k] * libm::sqrt(left[j][i] * left[k][i]))
+        };
+        let moments: Vec<(f64, f64)> = (0..ms.len()).map(|j| moments_of_logarithm(relative(j, j))).collect();
+        for j in 0..ms.len() {
+            logarithms[j] -= sign * (libm::log(means[j]) + moments[j].0);
+            for k in 0..ms.len() {
+                rows[j][k] += relative(j, k)
+                    * libm::sqrt(moments[j].1 / relative(j, j) * moments[k].1 / relative(k, k));
+            }
+        }
+    }
+    let whitened = Covariance::new(rows)?.whiten(&logarithms);
+    let value = whitened.iter().map(|x| x * x).sum();
+    Ok(Some(Same {
+        p: survival(value, used.len()).max(LEAST_P),
+        times: used.len(),
+        longest_s: last.tau_s(),
+        by: By::ChiSquared { value },
+    }))
+}
+
+/// By the least p of all ratios.
+pub(crate) fn by_least_p(ratios: &[Ratio]) -> Option<Same> {
+    let known: Vec<(&Ratio, f64)> = ratios.iter().filter_map(|ratio| Some((ratio, ratio.p?))).collect();
+    let least = known.iter().map(|(_, p)| *p).fold(1.0, f64::min);
+    let last = known.last()?.0;
+    let times = known.len();
+    Some(Same { p: (times as f64 * least).min(1.0), times, longest_s: last.tau_s(), by: By::LeastP })
+}
+
+/// A term with the square and the shape that both records are least far from.
+fn pooled(fits: &Fits, term: Term, widening: [f64; 2]) -> Option<(Term, f64, f64)> {
+    let (_, value) = fits.of_term(term, widening)?.distance();
+    let shapes: Vec<f64> =
+        fits.fits.iter().filter_map(|fit| Some(fit.coefficient(term)?.shape?.value)).collect();
+    let shape = match shapes[..] {
+        [a, b] => libm::sqrt(a * b),
+        [only] => only,
+        _ if term.has_shape() => return None,
+        _ => 1.0,
+    };
+    Some((term, value * value, shape))
+}
+
+/// Mean and variance of the logarithm of a χ² over its mean, by its relative variance 2/ν: ψ(ν/2) − ln(ν/2) and ψ′(ν/2).
+fn moments_of_logarithm(relative: f64) -> (f64, f64) {
+    let half = 1.0 / relative;
+    (digamma(half) - libm::log(half), trigamma(half))
+}
+
+/// ψ′: by its recurrence up to 10 and the asymptotic series (Abramowitz and Stegun 6.4.12), right to 1e-12.
+fn trigamma(x: f64) -> f64 {
+    let (mut x, mut sum) = (x, 0.0);
+    while x < 10.0 {
+        sum += 1.0 / (x * x);
+        x += 1.0;
+    }
+    let y = 1.0 / (x * x);
+    let series = y * (1.0 / 6.0 - y * (1.0 / 30.0 - y * (1.0 / 42.0 - y * (1.0 / 30.0 - y * 5.0 / 66.0))));
+    sum + (1.0 + 0.5 / x + series) / x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_are_those_of_scipy() {
+        // SciPy 1.17: polygamma(1, x).
+        let table = [
+            (0.5, 4.93480220054468),
+            (1.0, 1.6449340668482266),
+            (2.5, 0.4903577561002349),
+            (30.0, 0.033895060357739946),
+        ];
+        for (x, expected) in table {
+            assert!((trigamma(x) / expected - 1.0).abs() < 1e-12, "{x}: {}", trigamma(x));
+        }
+        let (mean, variance) = moments_of_logarithm(1e-7);
+        assert!((mean + 0.5e-7).abs() < 1e-13 && (variance / 1e-7 - 1.0).abs() < 1e-6, "{mean}, {variance}");
+    }
+}

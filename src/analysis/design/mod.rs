@@ -1,0 +1,416 @@
+//! Which switching interval and which filler: whole runs over candidate intervals, all on the same random numbers.
+//!
+//! ```text
+//! study ─ candidates ─▶ runs of each filler and interval ─ jackknife ─▶ best interval with its uncertainty ─▶ recommendation
+//! ```
+//!
+//! The non-magnetic drift is left out: no interval changes it, and an interval whose magnetic drift happens to cancel it would
+//! look better than it is. Each candidate, of a sweep over the interval too, runs for the nearest time that an even number of
+//! intervals makes: an odd one would be left uncancelled, and where a run ends would count for more than how often the gyro
+//! switches.
+//!
+//! ```
+//! use sagnac::device;
+//! use sagnac::analysis::design::{Measure, design};
+//! use sagnac::study::Study;
+//! # use sagnac::run::Progress;
+//! # struct Silent;
+//! # impl Progress for Silent {
+//! #     fn start(&self, _: &'static str, _: u64, _: u64) {}
+//! #     fn advance(&self, _: u64) {}
+//! #     fn note(&self, _: &str) {}
+//! #     fn finish(&self) {}
+//! # }
+//!
+//! let study = Study::parse("hour.toml", r#"
+//!     title = "The paper's hour"
+//!     kind = "switched-run"
+//!     trials = 8192
+//!     streams = "common"
+//!     [drift]
+//!     magnetic = "14 arcsec/s"
+//!     warm_up_time = "3000 s"
+//!     residual_max = "10 arcsec"
+//!     [switching]
+//!     interval = "40 s"
+//!     [run]
+//!     duration = "1 h"
+//! "#)?;
+//! let mut device = backend::select("cpu", 2)?.device;
+//! let found = design(&study, Measure::DriftRms, &mut device, &Silent)?;
+//! let best = found.best().best();
+//! // In closed form 15.6 s, and 0.0365 °/h rms.
+//! assert!((14.0..17.5).contains(&best.interval_s), "{} s", best.interval_s);
+//! assert!((best.drift.value - 0.0365).abs() < 0.001, "{} °/h", best.drift.value);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod candidates;
+pub mod optimum;
+pub mod paper;
+pub mod sampling;
+
+pub use crate::analysis::design::optimum::Optimum;
+pub use crate::analysis::design::paper::PapersRule;
+
+use crate::analysis::design::candidates::{Candidate, Maker, even};
+use crate::device::Device;
+use crate::device::gpu::GpuError;
+use crate::kernel::moments::Moments;
+use crate::key::file::switching::Timing;
+use crate::kinds::switched_run::lower::RunLowerError;
+use crate::kinds::switched_run::run::late;
+use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
+use crate::quantity::number::significant;
+use crate::run::NORMAL_95;
+use crate::sampling::worker::Worker;
+use crate::study::Study;
+use crate::tally::stats::Estimates;
+use crate::theory::drift::budget::Optimum as Minimum;
+
+/// What is to be least.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// The drift that 99.73 % of runs stay below.
+    DriftQ9973,
+    /// The rms drift.
+    DriftRms,
+    /// The largest angle of a run over its time, that 99.73 % of runs stay below.
+    LargestQ9973,
+    /// Its rms.
+    LargestRms,
+}
+
+impl Measure {
+    /// All of them, as `--by` lists them.
+    pub const ALL: [Measure; 4] =
+        [Measure::DriftQ9973, Measure::DriftRms, Measure::LargestQ9973, Measure::LargestRms];
+
+    /// As options and tables call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Measure::DriftQ9973 => "drift_q9973",
+            Measure::DriftRms => "drift_rms",
+            Measure::LargestQ9973 => "largest_q9973",
+            Measure::LargestRms => "largest_rms",
+        }
+    }
+
+    /// For axes and sentences.
+    pub fn label(self) -> &'static str {
+        match self {
+            Measure::DriftQ9973 => "99.73 % drift",
+            Measure::DriftRms => "rms drift",
+            Measure::LargestQ9973 => "99.73 % largest angle over the run time",
+            Measure::LargestRms => "rms largest angle over the run time",
+        }
+    }
+
+    /// The angle of a run that it is about.
+    fn angle(self) -> RunAngle {
+        match self {
+            Measure::DriftQ9973 | Measure::DriftRms => RunAngle::End,
+            Measure::LargestQ9973 | Measure::LargestRms => RunAngle::Largest,
+        }
+    }
+}
+
+/// A value with its 95 % interval, where it is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// In the unit of the measure.
+    pub value: f64,
+    /// Its ends; absent of runs too few for them.
+    pub interval: Option<(f64, f64)>,
+}
+
+/// The runs at one interval with one filler.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tried {
+    /// MT, s; the nearest to what was asked for that gives an even number of intervals.
+    pub interval_s: f64,
+    /// Within a run.
+    pub switches: u64,
+    /// ″/s.
+    pub drift: Found,
+    /// rms drift in closed form, ″/s; absent of the largest angle.
+    pub closed_form: Option<f64>,
+    /// Without each part of the trials in turn.
+    replicates: Vec<f64>,
+}
+
+/// All that was tried with one filler, in the order of the intervals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Filler {
+    /// Absent where the study gives the residual by its largest value.
+    pub name: Option<String>,
+    /// Of one switch, rms and about the largest, δP_max, ″.
+    pub residual_rms: f64,
+    /// Sines at their peaks and three standard deviations of the rest.
+    pub residual_max: f64,
+    /// Ascending.
+    pub tried: Vec<Tried>,
+    /// Place of the interval to choose.
+    pub best: usize,
+    /// From a law through those near the least.
+    pub optimum: Optimum,
+    /// The interval that the paper's bound would choose, and what comes of it.
+    pub papers_rule: Option<PapersRule>,
+}
+
+impl Filler {
+    /// What was found at the best interval.
+    pub fn best(&self) -> &Tried {
+        &self.tried[self.best]
+    }
+
+    /// Whether a shorter or longer interval than any that was tried may be better.
+    pub fn is_at_edge(&self) -> bool {
+        self.tried.len() > 1 && (self.best == 0 || self.best + 1 == self.tried.len())
+    }
+}
+
+/// What a design came to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Design {
+    /// What is made least.
+    pub measure: Measure,
+    /// Runs of each filler and interval.
+    pub trials: u64,
+    /// t, s.
+    pub duration_s: f64,
+    /// Left out, ″/s.
+    pub non_magnetic: f64,
+    /// What should be known besides, each in a sentence.
+    pub notes: Vec<String>,
+    /// In the order of the study.
+    pub fillers: Vec<Filler>,
+    /// Place of the filler with the least drift.
+    pub best: usize,
+}
+
+impl Design {
+    /// The filler with the least drift.
+    pub fn best(&self) -> &Filler {
+        &self.fillers[self.best]
+    }
+
+    /// How many times more drift another filler leaves at its own best interval, with its 95 % interval: both on the same
+    /// random numbers.
+    pub fn worse_by(&self, filler: &Filler) -> Found {
+        self.times_best(filler.best())
+    }
+
+    /// The same of any runs.
+    pub fn times_best(&self, other: &Tried) -> Found {
+        let best = self.best().best();
+        let ratio = |k: usize| other.replicates[k] / best.replicates[k];
+        let value = other.drift.value / best.drift.value;
+        let se = crate::analysis::design::optimum::jackknife(
+            &(0..best.replicates.len()).map(ratio).collect::<Vec<f64>>(),
+        );
+        Found {
+            value,
+            interval: Some((
+                value - crate::analysis::design::optimum::T_95 * se,
+                value + crate::analysis::design::optimum::T_95 * se,
+            )),
+        }
+    }
+}
+
+/// Why there is no design.
+#[derive(Debug, thiserror::Error)]
+pub enum DesignError {
+    /// Of another kind of study.
+    #[error("a study of kind = \"{kind}\" has no switching interval to choose")]
+    Kind {
+        /// The kind that it is.
+        kind: &'static str,
+    },
+    /// A key that makes it more than one gyro.
+    #[error("{key} is swept: a design is for one gyro, and chooses the interval and the filler itself")]
+    Swept {
+        /// Which one.
+        key: &'static str,
+    },
+    /// Nothing depends on the interval.
+    #[error("there is no drift and no residual: every interval is as good as any other")]
+    Nothing,
+    /// The run is too short for two intervals.
+    #[error(
+        "no run of about {duration_s} s has an even number of the intervals that are tried, of which the shortest have to hold the fit ticks"
+    )]
+    NoCandidate {
+        /// t, s.
+        duration_s: f64,
+    },
+    /// A run at one of the intervals does not fit into fixed point.
+    #[error(transparent)]
+    Lower(#[from] RunLowerError),
+    /// The device failed.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// The runs do not say where 99.73 % of them lie.
+    #[error("{trials} runs are too few for the {}", measure.label())]
+    TooFew {
+        /// That there are.
+        trials: u64,
+        /// The one asked for.
+        measure: Measure,
+    },
+}
+
+/// Runs all candidates; `progress` hears of how many runs there are, then of those that are done.
+///
+/// # Errors
+/// The study is of another kind or sweeps more than the interval, has nothing to choose by, or the device fails.
+pub fn design(
+    study: &Study,
+    measure: Measure,
+    device: &mut Device,
+    progress: &(dyn crate::run::Progress + Sync),
+) -> Result<Design, DesignError> {
+    let Some(runs) = study.switched_run() else {
+        return Err(DesignError::Kind { kind: study.kind().name() });
+    };
+    if let Some(sweep) = study.sweeps.iter().find(|sweep| sweep.key.name != "switching.interval") {
+        return Err(DesignError::Swept { key: sweep.key.name });
+    }
+    // Alone: other times cost runs, and are not asked.
+    let runs = SwitchedRun { times: vec![], ..runs.clone() };
+    let maker = Maker { runs: &runs, seed: study.seed, swept: !study.sweeps.is_empty() };
+    let chosen = maker.choose()?;
+    let trials = crate::analysis::design::sampling::trials(study.trials);
+    // And the optimum of each filler, and what the paper's rule would choose.
+    let total: usize = chosen.iter().map(|candidates| candidates.len() + 2).sum();
+    progress.start("trials", 0, total as u64 * trials);
+    let mut worker = Worker::new(device, progress);
+    let steps = |candidate: &Candidate| {
+        candidate.filled.launches().first().map_or(0.0, |(launch, _)| launch.steps() as f64)
+    };
+    // The two that are not known yet are near the middle of the others.
+    let of_filler = |candidates: &Vec<Candidate>| {
+        let known: f64 = candidates.iter().map(steps).sum();
+        known * (1.0 + 2.0 / candidates.len().max(1) as f64)
+    };
+    let (mut cost, all) = (0.0, chosen.iter().map(of_filler).sum());
+    let mut sampled = |candidate: &Candidate| {
+        let parts =
+            crate::analysis::design::sampling::parts(&candidate.filled, trials, &mut worker, progress)?;
+        cost += steps(candidate);
+        progress.cost(cost, all);
+        of_parts(candidate, &parts, measure, trials)
+    };
+    let mut fillers = Vec::new();
+    for (place, candidates) in chosen.iter().enumerate() {
+        let mut tried = candidates.iter().map(&mut sampled).collect::<Result<Vec<Tried>, _>>()?;
+        let fitted = crate::analysis::design::optimum::of(&tried);
+        if let Some(candidate) = maker.at(fitted.interval_s, place)?.filter(|_| !maker.swept) {
+            insert(&mut tried, sampled(&candidate)?);
+        }
+        let point = &runs.points[0];
+        let papers_rule = match crate::analysis::design::paper::optimum(point, &candidates[0].filled) {
+            None => None,
+            Some((residual_max, Minimum { interval_s, bound })) => {
+                let candidate = maker.at(interval_s, place)?;
+                let tried = candidate.as_ref().map(&mut sampled).transpose()?;
+                tried.map(|tried| PapersRule { residual_max, interval_s, bound, tried })
+            }
+        };
+        if let Some(rule) = papers_rule.as_ref().filter(|_| !maker.swept) {
+            insert(&mut tried, rule.tried.clone());
+        }
+        let (best, optimum) = crate::analysis::design::optimum::among(&tried, fitted);
+        let name = runs.fillers().get(place).map(|filler| filler.name.clone());
+        let filled = &candidates[0].filled;
+        let (residual_rms, residual_max) = (filled.residual_rms(), filled.residual_max());
+        fillers.push(Filler { name, residual_rms, residual_max, tried, best, optimum, papers_rule });
+    }
+    progress.finish();
+    let of = |place: &usize| fillers[*place].best().drift.value;
+    let best = (0..fillers.len()).min_by(|a, b| of(a).total_cmp(&of(b))).unwrap_or(0);
+    let point = &runs.points[0];
+    Ok(Design {
+        measure,
+        trials,
+        duration_s: point.schedule.duration_s,
+        non_magnetic: point.drift.non_magnetic,
+        notes: worker.into_notes().into_iter().chain(notes(study, &runs)).collect(),
+        fillers,
+        best,
+    })
+}
+
+/// What holds of the runs, and where the recommendation leans on an exact frequency.
+fn notes(study: &Study, runs: &SwitchedRun) -> Vec<String> {
+    let steady = runs.timing == Timing::Periodic
+        && runs.points[0].fill.as_ref().is_some_and(|fill| !fill.inputs.motion.tones.is_empty());
+    let phases = steady.then(|| {
+        "with timing = \"periodic\" residuals add up or cancel by the phase of the vibration from switch to switch: what is best holds \
+         for exactly this frequency, and may be a coincidence; timing = \"random\" has none"
+            .to_owned()
+    });
+    let left_out = match (study.sweeps.is_empty(), runs.points.len() - even(&runs.points).len()) {
+        (true, _) | (false, 0) => None,
+        (false, count) => Some(format!(
+            "left out, as no even number of them makes a run of {} s to a tenth: {count} of the {} intervals of the study",
+            significant(runs.points[0].schedule.duration_s, 6),
+            runs.points.len()
+        )),
+    };
+    study.notes().iter().cloned().chain(late(runs)).chain(phases).chain(left_out).collect()
+}
+
+/// Puts what was tried in the order of the intervals, each once.
+fn insert(all: &mut Vec<Tried>, tried: Tried) {
+    let at = all.partition_point(|other| other.interval_s < tried.interval_s);
+    if all.get(at).is_none_or(|other| other.interval_s != tried.interval_s) {
+        all.insert(at, tried);
+    }
+}
+
+/// What some parts of the trials say together, and without each of them.
+fn of_parts(
+    candidate: &Candidate,
+    parts: &[[Moments; 2]],
+    measure: Measure,
+    trials: u64,
+) -> Result<Tried, DesignError> {
+    let duration_s = candidate.schedule.duration_s;
+    let which = usize::from(measure.angle() == RunAngle::Largest);
+    let estimate = &candidate.filled.estimates[which];
+    let value = |tally: &Moments| -> Option<Found> {
+        let found = Estimates::of(tally, estimate.bin_base, estimate.unit_arcsec / duration_s)?;
+        match measure {
+            Measure::DriftRms | Measure::LargestRms => {
+                let half = found.rms_se.map(|se| NORMAL_95 * se);
+                Some(Found {
+                    value: found.rms,
+                    interval: half.map(|half| (found.rms - half, found.rms + half)),
+                })
+            }
+            Measure::DriftQ9973 | Measure::LargestQ9973 => {
+                let q = found.q9973?;
+                Some(Found { value: q.value, interval: q.low.zip(q.high) })
+            }
+        }
+    };
+    let too_few = || DesignError::TooFew { trials, measure };
+    let parts: Vec<&Moments> = parts.iter().map(|part| &part[which]).collect();
+    let drift = value(&merged(parts.iter().copied())).ok_or_else(too_few)?;
+    let replicate = |left_out: usize| {
+        let rest = parts.iter().enumerate().filter(|(k, _)| *k != left_out).map(|(_, part)| *part);
+        value(&merged(rest)).map(|found| found.value).ok_or_else(too_few)
+    };
+    let replicates = (0..parts.len()).map(replicate).collect::<Result<_, _>>()?;
+    let closed_form = estimate.oracle.map(|oracle| oracle.rms() / duration_s);
+    let (interval_s, switches) = (candidate.schedule.interval_s, candidate.switches);
+    Ok(Tried { interval_s, switches, drift, closed_form, replicates })
+}
+
+fn merged<'a>(parts: impl Iterator<Item = &'a Moments>) -> Moments {
+    let mut total = Moments::empty(true);
+    parts.for_each(|part| total.merge(part));
+    total
+}

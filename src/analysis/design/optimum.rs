@@ -1,0 +1,143 @@
+//! The interval of least drift between those that were tried, and how well it is known.
+
+use crate::analysis::design::Tried;
+use crate::fit::nnls;
+
+/// Half the width of a 95 % interval in jackknife standard errors of 32 parts: Student's t with 31 degrees of freedom.
+pub(crate) const T_95: f64 = 2.039_513;
+
+/// The law is fitted where the drift is at most this many times its least.
+const FITTED: f64 = 1.6;
+
+/// Fewest candidates for a fit of its four terms.
+const FEWEST: usize = 6;
+
+/// The interval of least drift, s, with its 95 % interval. Without that where the least lies at an end of what was tried.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Optimum {
+    /// MT, s.
+    pub interval_s: f64,
+    /// Lower end, s.
+    pub lo_s: Option<f64>,
+    /// Upper end, s.
+    pub hi_s: Option<f64>,
+}
+
+/// Where the law of the drift is least; by a jackknife over parts of the trials, which all candidates share, how that scatters.
+///
+/// The square of a level of the drift is about (a MT + k √(b/MT + c))²: the part of the magnetic drift that is left grows with
+/// MT, what the switches add falls as 1/√MT, the rest does not depend on it. So it is fitted as a sum of MT², √MT, 1 and 1/MT, none of them
+/// negative.
+pub(crate) fn of(tried: &[Tried]) -> Optimum {
+    let all: Vec<f64> = tried.iter().map(|tried| tried.drift.value).collect();
+    let place = (0..all.len()).min_by(|&a, &b| all[a].total_cmp(&all[b])).unwrap_or(0);
+    let fitted: Vec<&Tried> = tried.iter().filter(|tried| tried.drift.value <= FITTED * all[place]).collect();
+    let x: Vec<f64> = fitted.iter().map(|tried| tried.interval_s).collect();
+    let least_of = |value: &dyn Fn(&Tried) -> f64| {
+        let y: Vec<f64> = fitted.iter().map(|tried| value(tried)).collect();
+        least(&x, &y)
+    };
+    let parts = tried.first().map_or(0, |tried| tried.replicates.len());
+    let replicates: Option<Vec<f64>> =
+        (0..parts).map(|k| Some(libm::log(least_of(&|tried| tried.replicates[k])?))).collect();
+    match (least_of(&|tried| tried.drift.value), replicates) {
+        (Some(at), Some(replicates)) => {
+            let factor = libm::exp(T_95 * jackknife(&replicates));
+            Optimum { interval_s: at, lo_s: Some(at / factor), hi_s: Some(at * factor) }
+        }
+        _ => Optimum {
+            interval_s: tried.get(place).map_or(0.0, |tried| tried.interval_s),
+            lo_s: None,
+            hi_s: None,
+        },
+    }
+}
+
+/// The place of the interval to choose, and between which intervals the best one lies: the fitted optimum and its interval,
+/// and all that were tried whose drift cannot be told from the least. The law is no more than smooth, so an interval that is
+/// better than what it says stands against it.
+pub(crate) fn among(tried: &[Tried], fitted: Optimum) -> (usize, Optimum) {
+    let drift = |place: &usize| tried[*place].drift.value;
+    let least = (0..tried.len()).min_by(|a, b| drift(a).total_cmp(&drift(b))).unwrap_or(0);
+    let is_as_good = |place: &usize| {
+        let pairs = tried[*place].replicates.iter().zip(&tried[least].replicates);
+        let apart: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
+        drift(place) - drift(&least) <= T_95 * jackknife(&apart)
+    };
+    let good: Vec<usize> = (0..tried.len()).filter(|place| *place == least || is_as_good(place)).collect();
+    let far = |place: &usize| libm::log(tried[*place].interval_s / fitted.interval_s).abs();
+    let best = good.iter().copied().min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(least);
+    let ends = good.iter().map(|place| tried[*place].interval_s);
+    let at_end = good.first() == Some(&0) || good.last() == Some(&(tried.len() - 1));
+    let bound = |end: Option<f64>, wider: fn(f64, f64) -> f64| {
+        Some(ends.clone().fold(end?, wider)).filter(|_| tried.len() > 1 && !at_end)
+    };
+    let optimum = Optimum {
+        interval_s: tried[best].interval_s,
+        lo_s: bound(fitted.lo_s, f64::min),
+        hi_s: bound(fitted.hi_s, f64::max),
+    };
+    (best, optimum)
+}
+
+/// The standard error that delete-one replicates show.
+pub(crate) fn jackknife(replicates: &[f64]) -> f64 {
+    let n = replicates.len() as f64;
+    let mean = replicates.iter().sum::<f64>() / n;
+    let squares: f64 = replicates.iter().map(|x| (x - mean) * (x - mean)).sum();
+    libm::sqrt((n - 1.0) / n * squares)
+}
+
+/// Terms of the square of the drift, of the interval as a part of the middle one.
+fn terms(u: f64) -> [f64; 4] {
+    [u * u, libm::sqrt(u), 1.0, 1.0 / u]
+}
+
+/// Steps between the first and the last interval among which the least is looked for.
+const STEPS: usize = 2000;
+
+/// Where the law fitted to these drifts is least, if not at either end.
+fn least(x: &[f64], y: &[f64]) -> Option<f64> {
+    let (first, last) = (*x.first()?, *x.last()?);
+    if x.len() < FEWEST {
+        return None;
+    }
+    let middle = libm::sqrt(first * last);
+    // Each by its own square, so that all are known equally well.
+    let column = |term: usize| -> Vec<f64> {
+        x.iter().zip(y).map(|(x, y)| terms(x / middle)[term] / (y * y)).collect()
+    };
+    let found = nnls(&[0, 1, 2, 3].map(column), &vec![1.0; x.len()]);
+    let law = |at: f64| terms(at / middle).iter().zip(&found).map(|(term, a)| term * a).sum::<f64>();
+    let at = |k: usize| first * libm::exp(libm::log(last / first) * k as f64 / STEPS as f64);
+    let place = (0..=STEPS).min_by(|&a, &b| law(at(a)).total_cmp(&law(at(b))))?;
+    (place > 0 && place < STEPS).then(|| at(place))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_least_of_a_law_is_found_from_few_points() {
+        // a MT and √(b/MT): MT³ = b/2a².
+        let law = |x: f64| (4.0 * x * x + 27.0 / x).sqrt();
+        let exact = (27.0_f64 / 8.0).cbrt();
+        let x: Vec<f64> = (0..8).map(|k| 0.6 * 1.25_f64.powi(k)).collect();
+        let y: Vec<f64> = x.iter().map(|x| law(*x)).collect();
+        let found = least(&x, &y).unwrap();
+        assert!((found / exact - 1.0).abs() < 2e-3, "{found}, not {exact}");
+        assert_eq!(least(&x[5..], &y[5..]), None, "too few");
+        let rising: Vec<f64> = x.iter().map(|x| x * 3.0).collect();
+        assert_eq!(least(&x, &rising), None, "at the end");
+    }
+
+    #[test]
+    fn the_jackknife_of_a_mean_is_its_standard_error() {
+        let values = [3.0, 5.0, 4.0, 8.0, 1.0];
+        let sum: f64 = values.iter().sum();
+        let replicates: Vec<f64> = values.iter().map(|x| (sum - x) / 4.0).collect();
+        let variance: f64 = values.iter().map(|x| (x - sum / 5.0).powi(2)).sum::<f64>() / 4.0;
+        assert!((jackknife(&replicates) - (variance / 5.0).sqrt()).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,28 @@
+//! What the paper's rule would choose: the interval at which the bound Z(7) is least.
+
+use crate::analysis::design::Tried;
+use crate::kinds::switched_run::lower::FilledRun;
+use crate::kinds::switched_run::point::Point as RunPoint;
+use crate::theory::drift::budget::Budget;
+pub(crate) use crate::theory::drift::budget::Optimum;
+
+/// The paper's choice.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PapersRule {
+    /// δP_max of the filler, ″.
+    pub residual_max: f64,
+    /// The interval that the bound has its minimum at, s, and the bound there, ″/s.
+    pub interval_s: f64,
+    /// Z(7) at that interval, ″/s.
+    pub bound: f64,
+    /// What comes of it, of an even number of intervals.
+    pub tried: Tried,
+}
+
+/// δP_max of a filler, and the minimum of the bound; none where switching costs nothing.
+pub(crate) fn optimum(point: &RunPoint, filled: &FilledRun) -> Option<(f64, Optimum)> {
+    let residual_max = filled.residual_max();
+    let drift = &point.drift;
+    let budget = Budget { magnetic: drift.magnetic_drift(), non_magnetic: drift.non_magnetic, residual_max };
+    Some((residual_max, budget.optimum(point.schedule.duration_s)?))
+}

@@ -1,0 +1,40 @@
+//! Runs of one candidate, in parts.
+
+use crate::device::Job;
+use crate::device::gpu::GpuError;
+use crate::kernel::moments::Moments;
+use crate::kinds::switched_run::lower::FilledRun;
+use crate::run::Progress;
+use crate::sampling::worker::Worker;
+use crate::tally::block::Block;
+
+/// Parts of the trials, for the jackknife.
+const PARTS: u64 = 32;
+
+/// Trials, of which all parts have the same power of two: the nearest, so many at least.
+pub(crate) fn trials(asked: u64) -> u64 {
+    asked.div_ceil(PARTS).max(32).next_power_of_two() * PARTS
+}
+
+/// Of each part the tallies at the end and of the largest angle.
+pub(crate) fn parts(
+    filled: &FilledRun,
+    trials: u64,
+    worker: &mut Worker,
+    progress: &(dyn Progress + Sync),
+) -> Result<Vec<[Moments; 2]>, GpuError> {
+    let of_part = trials / PARTS;
+    let log2 = of_part.ilog2();
+    let launches = filled.launches();
+    let Some((launch, _)) = launches.first() else { return Ok(vec![]) };
+    let block = |part: u64| Block { first: part * of_part, log2 };
+    let jobs: Vec<Job> = (0..PARTS).map(|part| Job { launch, block: block(part) }).collect();
+    let results = worker.tally(&jobs, &|trials| progress.advance(trials))?;
+    Ok(results
+        .into_iter()
+        .map(|tallies| {
+            let mut tallies = tallies.into_iter();
+            [0, 1].map(|_| tallies.next().unwrap_or_else(|| Moments::empty(true)))
+        })
+        .collect())
+}

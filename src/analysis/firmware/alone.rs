@@ -1,0 +1,94 @@
+//! Fillers without a study of their own: the study they make.
+
+use std::fmt::Write as _;
+
+use crate::filler::POLYNOMIALS;
+
+/// Designed for a vibration and the noise beside it.
+pub const MINIMUM_VARIANCE: &str = "minimum-variance";
+
+/// Fillers that need no study.
+pub const KINDS: [&str; 4] = [POLYNOMIALS[0], POLYNOMIALS[1], POLYNOMIALS[2], MINIMUM_VARIANCE];
+
+/// What fillers are made of; quantities are texts with units, as in a study.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Alone {
+    /// n, lost ticks.
+    pub gap_ticks: u32,
+    /// Length of a tick, `5 ms`; without it a tick is the unit of time.
+    pub tick: Option<String>,
+    /// Ticks that the residual is fitted to, `-7..0,n+1,n+2`; by default −1, 0, n + 1, n + 2.
+    pub fit_ticks: Option<String>,
+    /// Ticks that the extrapolation is fitted to; by default −3 … 0, for minimum variance the fit ticks up to 0.
+    pub extrapolation_ticks: Option<String>,
+    /// Frequencies of the vibration, `18 Hz,22 Hz`, or a single one.
+    pub band: Option<String>,
+    /// Amplitude of the vibration, of its rate or angle, `12000 arcsec/s`.
+    pub amplitude: Option<String>,
+    /// Standard deviation of the noise of a tick, `0.5 arcsec`.
+    pub noise: Option<String>,
+}
+
+impl Alone {
+    /// The text of a gap-fill study of one point with fillers of these [`KINDS`], for [`Study::parse`](crate::study::Study::parse),
+    /// which says what is wrong with them.
+    ///
+    /// ```
+    /// # use sagnac::analysis::firmware::{Alone, Firmware};
+    /// # use sagnac::study::Study;
+    /// let text = Alone { gap_ticks: 3, ..Alone::default() }.study(&["quadratic"]);
+    /// let study = Study::parse("quadratic", &text)?;
+    /// let gap_fill = study.gap_fill().unwrap();
+    /// let firmware = Firmware::new(&study, &gap_fill.points[0], &gap_fill.fillers)?;
+    /// assert_eq!(firmware.designs[0].interpolation.whole().values().collect::<Vec<_>>(), [-1.0, 2.5, 2.5, -1.0]);
+    /// # Ok::<(), sagnac::source::diagnose::StudyError>(())
+    /// ```
+    pub fn study<K: AsRef<str>>(&self, kinds: &[K]) -> String {
+        let kinds: Vec<&str> = kinds.iter().map(AsRef::as_ref).collect();
+        let n = self.gap_ticks;
+        let plural = if n == 1 { "" } else { "s" };
+        // Without a tick length a tick is the unit of time.
+        let tick = quoted(self.tick.as_deref().unwrap_or("1 s"));
+        let noise = quoted(self.noise.as_deref().unwrap_or("0 arcsec"));
+        let mut text = format!(
+            "title = \"{} over {n} lost tick{plural}\"\nkind = \"gap-fill\"\n\
+             [gyro]\ntick = {tick}\ntick_noise = {{ std = {noise} }}\n[motion]\n",
+            kinds.join(", ")
+        );
+        let band = self.band.as_deref().filter(|band| band.contains(',')).map(list);
+        // Writing to a String cannot fail.
+        let _ = match (&self.amplitude, &self.band) {
+            (Some(amplitude), Some(alone)) => {
+                let frequency = band.clone().unwrap_or_else(|| quoted(alone));
+                writeln!(text, "amplitude = {}\nfrequency = {frequency}", quoted(amplitude))
+            }
+            _ => writeln!(text, "rate = \"0 arcsec/s\""),
+        };
+        let fillers = kinds.iter().map(|kind| {
+            let mut table = format!("kind = \"{kind}\"");
+            let ticks = [("fit_ticks", &self.fit_ticks), ("extrapolation_ticks", &self.extrapolation_ticks)];
+            for (key, written) in ticks {
+                table +=
+                    &written.as_ref().map_or_else(String::new, |ticks| format!(", {key} = {}", list(ticks)));
+            }
+            if let Some(band) = band.as_ref().filter(|_| *kind == MINIMUM_VARIANCE) {
+                table += &format!(", band = {band}");
+            }
+            format!("{{ {table} }}")
+        });
+        let fillers = fillers.collect::<Vec<_>>().join(", ");
+        let _ = writeln!(text, "[switching]\ngap_ticks = {n}\nfillers = [{fillers}]");
+        text
+    }
+}
+
+/// A text as TOML writes it.
+fn quoted(text: &str) -> String {
+    toml::Value::from(text.trim()).to_string()
+}
+
+/// Texts between commas as a list.
+fn list(texts: &str) -> String {
+    let each: Vec<String> = texts.split(',').map(quoted).collect();
+    format!("[{}]", each.join(", "))
+}

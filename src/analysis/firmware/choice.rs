@@ -1,0 +1,200 @@
+//! Which point of a study, and which of its fillers.
+
+use crate::analysis::firmware::design::rules;
+use crate::filler::Filler;
+use crate::key::setting::Swept;
+use crate::key::sweep::Sweep;
+use crate::kinds::gap_fill::GapFill;
+use crate::kinds::gap_fill::point::Point;
+use crate::quantity::number::significant;
+use crate::quantity::units::{Dimension, Quantity, parse as parse_quantity};
+use crate::source::diagnose::StudyError;
+use crate::study::Study;
+
+/// Why nothing is chosen.
+#[derive(Debug, Clone, thiserror::Error)]
+pub enum ChoiceError {
+    /// What is asked for is not there, or is not enough; what there is to choose from.
+    #[error("{0}")]
+    Asked(String),
+    /// The fillers have no weights at a point.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+}
+
+/// Most difference between a value asked for and a swept one, which reports show to six digits.
+const TOLERANCE: f64 = 1e-5;
+
+/// Most values of a sweep that a message lists.
+const MOST_LISTED: usize = 12;
+
+/// The point whose swept keys have the values that are asked for, each as `key=value`; where several have them and the
+/// weights are the same at all of these, the first of them.
+///
+/// A key may lack what stands before its last dot; a value without a unit is in the unit of tables.
+///
+/// # Errors
+/// A key that is not swept, a value that it does not take, points of different weights.
+pub fn choose_point<'s>(
+    study: &Study,
+    gap_fill: &'s GapFill,
+    at: &[String],
+    fillers: &[Filler],
+) -> Result<&'s Point, ChoiceError> {
+    let mut chosen: Vec<Option<Quantity>> = vec![None; study.sweeps.len()];
+    let weights = |point: &Point| Ok::<_, ChoiceError>((point.inputs.tick_s, rules(study, point, fillers)?));
+    for asked in at {
+        let refused = |message: String| ChoiceError::Asked(format!("--at {asked}: {message}"));
+        let (place, value) = find(study, asked).map_err(refused)?;
+        match swept(&study.sweeps[place], value) {
+            Ok(value) => chosen[place] = Some(value),
+            Err(message) => {
+                let key = study.sweeps[place].key.name;
+                let help = match changes_weights(gap_fill, place, weights)? {
+                    true => format!("the weights depend on it: add the value to the sweep over {key}"),
+                    false => format!("the weights are the same at every {key}: leave --at {asked} out"),
+                };
+                return Err(refused(format!("{message}\n{help}")));
+            }
+        }
+    }
+    let wanted = |point: &&Point| {
+        let mut values = point.swept.iter().zip(&chosen);
+        values.all(|((_, own), chosen)| chosen.is_none_or(|chosen| own.quantity() == Some(chosen)))
+    };
+    let points: Vec<&Point> = gap_fill.points.iter().filter(wanted).collect();
+    // Sweeps multiply, so that every choice of their values is a point.
+    let first = points.first().copied().unwrap_or(&gap_fill.points[0]);
+    let own = weights(first)?;
+    // Of each key, whether it changes the weights by itself.
+    let mut matters = vec![false; study.sweeps.len()];
+    let mut differ = false;
+    for point in points {
+        if weights(point)? != own {
+            differ = true;
+            let pairs =
+                || (0..).zip(point.swept.iter().zip(&first.swept)).filter(|(_, (own, of))| own.1 != of.1);
+            if let (1, Some((key, _))) = (pairs().count(), pairs().next()) {
+                matters[key] = true;
+            }
+        }
+    }
+    if differ { Err(ChoiceError::Asked(ambiguous(study, &chosen, &matters))) } else { Ok(first) }
+}
+
+/// Whether the weights are others at another value of a sweep, as along that from the first point.
+fn changes_weights<W: PartialEq>(
+    gap_fill: &GapFill,
+    place: usize,
+    weights: impl Fn(&Point) -> Result<W, ChoiceError>,
+) -> Result<bool, ChoiceError> {
+    let first = &gap_fill.points[0];
+    let own = weights(first)?;
+    let others = |point: &&Point| {
+        let mut values = (0..).zip(point.swept.iter().zip(&first.swept));
+        values.all(|(key, (value, of_first))| key == place || value == of_first)
+    };
+    for point in gap_fill.points.iter().filter(others) {
+        if weights(point)? != own {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// What there is to choose from: the keys that matter, or all that are open where none does by itself.
+fn ambiguous(study: &Study, chosen: &[Option<Quantity>], matters: &[bool]) -> String {
+    let any = matters.contains(&true);
+    let asked = study.sweeps.iter().zip(chosen).zip(matters);
+    let asked = asked.filter(|((_, chosen), matters)| chosen.is_none() && (**matters || !any));
+    let each: String =
+        asked.map(|((sweep, _), _)| format!("\n  {} = {}", sweep.key.name, values(sweep))).collect();
+    format!("the weights differ between the points of the study\nchoose one with --at KEY=VALUE, from{each}")
+}
+
+/// The values of a sweep, or the ends of many.
+fn values(sweep: &Sweep) -> String {
+    match &quantities(sweep)[..] {
+        [first, .., last] if sweep.values.len() > MOST_LISTED => {
+            format!("{}, … {} ({} values)", shown(first), shown(last), sweep.values.len())
+        }
+        all => all.iter().map(shown).collect::<Vec<_>>().join(", "),
+    }
+}
+
+/// The swept keys of fillers hold quantities.
+fn quantities(sweep: &Sweep) -> Vec<Quantity> {
+    sweep.values.iter().filter_map(Swept::quantity).collect()
+}
+
+fn shown(value: &Quantity) -> String {
+    let unit = value.dimension.unit().symbol;
+    format!("{} {unit}", significant(value.shown(), 6)).trim_end().to_owned()
+}
+
+/// The sweep that `key=value` means, and the value, in the unit of tables.
+fn find(study: &Study, asked: &str) -> Result<(usize, f64), String> {
+    let names: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
+    if names.is_empty() {
+        return Err("the study has one point\nleave --at out".to_owned());
+    }
+    let Some((key, value)) = asked.split_once('=') else {
+        return Err("give a key and a value, such as --at frequency=\"20 Hz\"".to_owned());
+    };
+    let key = key.trim();
+    let named = |name: &str| name == key || name.strip_suffix(key).is_some_and(|rest| rest.ends_with('.'));
+    let places: Vec<usize> = (0..names.len()).filter(|&place| named(names[place])).collect();
+    match places[..] {
+        [place] => Ok((place, value_of(&study.sweeps[place], value.trim())?)),
+        [] => Err(format!("the study does not sweep `{key}`; it sweeps {}", names.join(", "))),
+        _ => Err(format!("`{key}` may be one of {}; write the whole key", names.join(", "))),
+    }
+}
+
+/// The value for a sweep that a text means, in the unit of tables.
+fn value_of(sweep: &Sweep, text: &str) -> Result<f64, String> {
+    let Some(dimension) = quantities(sweep).first().map(|value| value.dimension) else {
+        return Err("its values are no quantities".to_owned());
+    };
+    match (dimension, text.parse::<f64>()) {
+        (_, Ok(number)) => Ok(number),
+        (Dimension::Count, Err(_)) => Err(format!("{text} is not a number")),
+        _ => Ok(parse_quantity(text, &[dimension]).map_err(|error| error.to_string())?.shown()),
+    }
+}
+
+/// The value of a sweep that is the one asked for.
+fn swept(sweep: &Sweep, asked: f64) -> Result<Quantity, String> {
+    let known = quantities(sweep);
+    let far = |value: &&Quantity| (value.shown() - asked).abs();
+    let nearest = known.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+    match nearest {
+        Some(near) if far(&near) <= TOLERANCE * near.shown().abs() => Ok(*near),
+        _ => {
+            let there = if sweep.values.len() <= MOST_LISTED {
+                format!("there are {}", values(sweep))
+            } else {
+                format!("the nearest is {}", nearest.map(shown).unwrap_or_default())
+            };
+            let unit = known.first().map_or("", |value| value.dimension.unit().symbol);
+            let asked = format!("{} {unit}", significant(asked, 6));
+            Err(format!("no point has {} = {}; {there}", sweep.key.name, asked.trim_end()))
+        }
+    }
+}
+
+/// The fillers of these names, in the order of the study; all of them where none is named.
+///
+/// # Errors
+/// A name that no filler has.
+pub fn choose_fillers(gap_fill: &GapFill, names: &[String]) -> Result<Vec<Filler>, ChoiceError> {
+    let unknown = |name: &&String| gap_fill.fillers.iter().all(|filler| filler.name != **name);
+    if let Some(unknown) = names.iter().find(unknown) {
+        let known: Vec<&str> = gap_fill.fillers.iter().map(|filler| filler.name.as_str()).collect();
+        let known = known.join(", ");
+        let message = format!("--filler {unknown}: the study has no such filler; it has {known}");
+        return Err(ChoiceError::Asked(message));
+    }
+    let wanted = |filler: &&Filler| names.is_empty() || names.contains(&filler.name);
+    Ok(gap_fill.fillers.iter().filter(wanted).cloned().collect())
+}

@@ -1,0 +1,215 @@
+//! The fillers of one point of a study as rules in whole numbers, with what is known of their errors.
+
+use crate::analysis::firmware::rule::Rule;
+use crate::filler::{Fill, Filler, Method};
+use crate::key::file::switching::Error;
+use crate::key::setting::Swept;
+use crate::kinds::gap_fill::inputs::Inputs;
+use crate::kinds::gap_fill::lower::Lowered;
+use crate::kinds::gap_fill::lower::refusal::LowerError;
+use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
+use crate::kinds::gap_fill::point::Point;
+use crate::kinds::gap_fill::run::refused;
+use crate::quantity::number::significant;
+use crate::source::diagnose::StudyError;
+use crate::study::Study;
+use crate::theory::gap::{Weights, sine_response, tick_amplitude};
+
+/// The fillers of one point of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Firmware {
+    /// Of the study.
+    pub title: String,
+    /// Name and value of each swept key.
+    pub at: Vec<(&'static str, Swept)>,
+    /// T, s. Where it is not known, times are in ticks and frequencies in cycles per tick.
+    pub tick_s: Option<f64>,
+    /// n.
+    pub gap_ticks: u32,
+    /// Rate amplitude, ″/s, and frequency, Hz, where the motion is a single tone.
+    pub tone: Option<(f64, f64)>,
+    /// In the order of the study, or as they were asked for.
+    pub designs: Vec<Design>,
+    /// Why there is no rms, where the point cannot be sampled.
+    pub unsampled: Option<String>,
+    /// Of the study; that of the test vectors follows from it.
+    pub seed: u64,
+}
+
+/// A filler.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Design {
+    /// As the study calls it; the C functions are named after it.
+    pub name: String,
+    /// What it is: `polynomial of order 2`.
+    pub method: String,
+    /// Gives I_j once the ticks after the gap are known.
+    pub interpolation: Rule,
+    /// Gives E_j while the gap is open; absent where the filler has none.
+    pub extrapolation: Option<Rule>,
+    /// Of the residual and of the extrapolation.
+    pub errors: [Closed; 2],
+}
+
+/// What an error comes to in closed form, ″. Absent where the motion has none.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Closed {
+    /// Largest over the phase of a single tone, without noise.
+    pub amplitude: Option<f64>,
+    /// With noise.
+    pub rms: Option<f64>,
+}
+
+/// The errors of [`Design::errors`].
+const ERRORS: [Error; 2] = [Error::Residual, Error::Extrapolation];
+
+impl Firmware {
+    /// Those of `fillers` at a point; they are fillers of the study.
+    ///
+    /// # Errors
+    /// Ticks do not determine the weights of a filler, or the weights need more than 32 bits.
+    pub fn new(study: &Study, point: &Point, fillers: &[Filler]) -> Result<Firmware, StudyError> {
+        let rules = rules(study, point, fillers)?;
+        let fill_of = |filler: &Filler| {
+            let place = fillers_of(study).iter().position(|own| own.name == filler.name);
+            place.map(|place| point.fills[place].clone())
+        };
+        let fills: Vec<Fill> = fillers.iter().filter_map(fill_of).collect();
+        let point = Point { fills, ..point.clone() };
+        let inputs = &point.inputs;
+        let tone = inputs.motion.single_tone();
+        let mut designs = Vec::new();
+        for (filler, (interpolation, extrapolation)) in fillers.iter().zip(rules) {
+            let amplitude = |rule: &Rule| {
+                let (rate, frequency_hz) = tone?;
+                Some(rate * response(&rule.whole(), inputs.gap_ticks, inputs.tick_s, frequency_hz))
+            };
+            let errors = [Some(&interpolation), extrapolation.as_ref()]
+                .map(|rule| Closed { amplitude: rule.and_then(amplitude), rms: None });
+            let (name, method) = (filler.name.clone(), method(filler, inputs));
+            designs.push(Design { name, method, interpolation, extrapolation, errors });
+        }
+        let lowered = Lowered::new(&point, fillers, &ERRORS, study.seed, study.streams);
+        let unsampled = add_rms(&mut designs, &lowered);
+        Ok(Firmware {
+            title: study.title.clone(),
+            at: point.swept.clone(),
+            tick_s: Some(inputs.tick_s),
+            gap_ticks: inputs.gap_ticks,
+            tone,
+            designs,
+            unsampled,
+            seed: study.seed,
+        })
+    }
+
+    /// The point in words, `motion.frequency = 20 Hz, …`; empty without sweeps.
+    pub fn place(&self) -> String {
+        let each = self.at.iter().filter_map(|(key, value)| {
+            let value = value.quantity()?;
+            let unit = value.dimension.unit().symbol;
+            Some(format!("{key} = {}", format!("{} {unit}", significant(value.shown(), 6)).trim_end()))
+        });
+        each.collect::<Vec<_>>().join(", ")
+    }
+}
+
+impl Design {
+    /// The two rules by the error they leave, where the filler has them.
+    pub fn rules(&self) -> impl Iterator<Item = (Error, &Rule, Closed)> {
+        let [residual, extrapolation] = self.errors;
+        let second = self.extrapolation.as_ref().map(|rule| (Error::Extrapolation, rule, extrapolation));
+        core::iter::once((Error::Residual, &self.interpolation, residual)).chain(second)
+    }
+}
+
+/// The rules of fillers of a study at a point: for the residual, and for the extrapolation where there is one.
+///
+/// # Errors
+/// Those of [`Firmware::new`].
+pub fn rules(
+    study: &Study,
+    point: &Point,
+    fillers: &[Filler],
+) -> Result<Vec<(Rule, Option<Rule>)>, StudyError> {
+    let statistics = Statistics::of(&point.inputs);
+    let mut rules = Vec::new();
+    for filler in fillers {
+        let place = fillers_of(study).iter().position(|own| own.name == filler.name);
+        let Some(fill) = place.map(|place| &point.fills[place]) else { continue };
+        let rule = |error, ticks: &[i32]| {
+            let rows = match Rows::by_tick(filler, error, ticks, &statistics) {
+                Ok(None) => Rows::of(filler, error, ticks, &statistics),
+                by_tick => by_tick,
+            };
+            let rows = rows.map_err(|error| refused(study, point, &error))?;
+            rows.map(|rows| Rule::new(&rows).ok_or_else(|| too_large(study, filler))).transpose()
+        };
+        let ticks = fill.extrapolation_ticks.as_deref();
+        let extrapolation = ticks.map(|ticks| rule(Error::Extrapolation, ticks)).transpose()?.flatten();
+        // Every filler has weights for its residual.
+        rules.extend(
+            rule(Error::Residual, &fill.fit_ticks)?.map(|interpolation| (interpolation, extrapolation)),
+        );
+    }
+    Ok(rules)
+}
+
+/// Takes the rms of each error from the oracle; returns why there is none.
+fn add_rms(designs: &mut [Design], lowered: &Result<Lowered, LowerError>) -> Option<String> {
+    let lowered = match lowered {
+        Ok(lowered) => lowered,
+        Err(error) => return Some(error.to_string()),
+    };
+    for (design, estimates) in designs.iter_mut().zip(&lowered.fillers) {
+        for (closed, error) in design.errors.iter_mut().zip(ERRORS) {
+            let estimate = estimates.iter().find(|estimate| estimate.error == error);
+            closed.rms = estimate.and_then(|estimate| estimate.oracle.rms);
+        }
+    }
+    None
+}
+
+/// Amplitude of the error of some weights for a vibration, per amplitude of its rate: ″ per ″/s, which is s.
+///
+/// T sinc νT |Σ w e^{iωt} − Σ_gap e^{iωt}|, the largest over the phase.
+pub(crate) fn response(weights: &Weights, gap_ticks: u32, tick_s: f64, frequency_hz: f64) -> f64 {
+    let nu_t = frequency_hz * tick_s;
+    let (a, b) = sine_response(weights, gap_ticks, nu_t);
+    tick_amplitude(tick_s, nu_t).abs() * libm::hypot(a, b)
+}
+
+/// What a filler is, with the statistics it is designed from, in ASCII.
+fn method(filler: &Filler, inputs: &Inputs) -> String {
+    let band = match &filler.method {
+        Method::Polynomial(order) => return format!("polynomial of order {order}"),
+        Method::Weights { .. } => return "weights as given".to_owned(),
+        Method::MinimumVariance(band) => band,
+    };
+    let hz = |nu| significant(nu, 6);
+    let spread = match (band, inputs.motion.single_tone()) {
+        (Some(band), _) => format!(" from {} Hz to {} Hz", hz(band.low_hz), hz(band.high_hz)),
+        (None, Some((_, nu))) => format!(" at {} Hz", hz(nu)),
+        (None, None) => String::new(),
+    };
+    let rate = significant(inputs.motion.rate_rms(inputs.tick_s), 6);
+    let noise = significant(inputs.sigma_arcsec(), 6);
+    let pulses = match inputs.readout_lsb {
+        0.0 => String::new(),
+        lsb => format!(", read in pulses of {} arcsec", significant(lsb, 6)),
+    };
+    format!(
+        "minimum variance for {rate} arcsec/s rms{spread} and {noise} arcsec rms of noise per tick{pulses}"
+    )
+}
+
+fn too_large(study: &Study, filler: &Filler) -> StudyError {
+    let message = format!("switching.fillers: the weights of `{}` need more than 32 bits", filler.name);
+    let help = "move its ticks nearer to the gap, or shorten the gap";
+    study.error_at(study.place_of("switching.fillers"), message, help)
+}
+
+/// The fillers of a study, in the order of the ticks of its points.
+fn fillers_of(study: &Study) -> &[Filler] {
+    study.gap_fill().map_or(&[], |gap_fill| &gap_fill.fillers)
+}

@@ -1,0 +1,199 @@
+//! The C header: tables as constants, and the integer rule as functions.
+
+use std::fmt::Write as _;
+
+use crate::analysis::firmware::design::{Design, Firmware};
+use crate::analysis::firmware::rule::Rule;
+use crate::quantity::number::significant;
+
+/// How to use the tables, as the header says it.
+const USE: &str = " * Use. P(k) is the whole number read at tick k, in any unit of angle; all results have the same unit, and are rounded
+ *   to whole ones, which adds 0.29 units rms to what is left: where that counts let P be pulses times 16, say.
+ *   1. when the gap opens     e = sagnac_fill(&f->extrapolation, p, E), p[i] = P(f->extrapolation.ticks[i])
+ *                             deliver E[0] .. E[n - 1] in place of ticks 1 .. n
+ *   2. when tick m has come   i = sagnac_fill(&f->interpolation, p, I), p[i] = P(f->interpolation.ticks[i]),
+ *                             m being the last of these ticks
+ *   3. with the next tick     subtract dP = sagnac_correction(e, i) = sum (E_j - I_j) from tick m + 1
+ * A table with one row for a gap of several ticks knows their sum alone: E or I has then one number, the sum. A
+ * filler without extrapolation has count = 0 there; take e as the sum of what was delivered.
+ *
+ * Arithmetic. With S_j the sum of w * P over the rows 1 .. j and D the denominator,
+ *   R_j = floor((S_j + floor(D / 2)) / D),  E_j or I_j = R_j - R_(j-1),  R_0 = 0:
+ * the running sum is rounded, halves towards +infinity, so that rounding does not add up over the gap. No sum or
+ * difference leaves 64 bits while every |P| is at most `limit`. A table is exact where it says so; else its weights are
+ * rounded to the nearest w / D with D a power of two, and their sum is kept: a constant rate is filled without error.
+";
+
+const FUNCTIONS: &str = "\
+#include <stdint.h>
+
+typedef struct {
+    int32_t count;          /* ticks that are read */
+    const int32_t *ticks;   /* their numbers, ascending */
+    int32_t rows;           /* SAGNAC_GAP_TICKS, or 1: the sum alone */
+    const int32_t *weights; /* numerators, row by row */
+    int32_t denominator;
+    int32_t limit;          /* largest |P| */
+} sagnac_rule;
+
+typedef struct {
+    sagnac_rule extrapolation; /* E */
+    sagnac_rule interpolation; /* I */
+} sagnac_filler;
+
+/* The whole number nearest to a / d, halves towards +infinity; d > 0. */
+static inline int64_t sagnac_round(int64_t a, int64_t d)
+{
+    int64_t x = a + d / 2;
+    return x / d - (x % d < 0 ? 1 : 0);
+}
+
+/* Computes values[0] .. values[rows - 1] from p[0] .. p[count - 1], and returns their sum. */
+static inline int64_t sagnac_fill(const sagnac_rule *rule, const int32_t *p, int64_t *values)
+{
+    int64_t sum = 0, filled = 0;
+    for (int32_t row = 0; row < rule->rows; row++) {
+        const int32_t *w = rule->weights + row * rule->count;
+        for (int32_t k = 0; k < rule->count; k++) {
+            sum += (int64_t)w[k] * p[k];
+        }
+        int64_t rounded = sagnac_round(sum, rule->denominator);
+        values[row] = rounded - filled;
+        filled = rounded;
+    }
+    return filled;
+}
+
+/* What is subtracted from the tick after the last one read: the sum delivered less the sum interpolated. */
+static inline int64_t sagnac_correction(int64_t extrapolated, int64_t interpolated)
+{
+    return extrapolated - interpolated;
+}
+";
+
+impl Firmware {
+    /// The header, C99: tables of 32-bit whole numbers and the functions that use them, exactly as [`Rule::fill`] does.
+    pub fn header(&self) -> String {
+        let names = identifiers(self.designs.iter().map(|design| design.name.as_str()));
+        let mut text = String::new();
+        let (version, title, n) = (env!("CARGO_PKG_VERSION"), comment(&self.title), self.gap_ticks);
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "/* Weights of gap fillers, written by `sagnac filler` {version}.\n *\n * Study: {title}"
+        );
+        let place = self.place();
+        if !place.is_empty() {
+            let _ = writeln!(text, " * Point: {}", comment(&place));
+        }
+        let of = self.tick_s.map_or_else(String::new, |tick_s| format!(" of T = {tick_s} s"));
+        let _ = writeln!(
+            text,
+            " * Gap:   n = {n}: ticks 1 .. n{of} are lost; tick j is the angle turned over ((j - 1) T, j T], and the\n *        \
+             switch starts at the end of tick 0\n *\n * Fillers:"
+        );
+        for (design, name) in self.designs.iter().zip(&names) {
+            let _ = writeln!(text, " *   sagnac_{name}: {}, {}", comment(&design.name), design.method);
+        }
+        let _ = writeln!(
+            text,
+            " *\n{USE} */\n#ifndef SAGNAC_FILLER_H\n#define SAGNAC_FILLER_H\n\n{FUNCTIONS}\n#define SAGNAC_GAP_TICKS {n}"
+        );
+        for (design, name) in self.designs.iter().zip(&names) {
+            text += &tables(design, name);
+        }
+        text += "\n#endif\n";
+        text
+    }
+}
+
+/// The tables of a filler.
+fn tables(design: &Design, name: &str) -> String {
+    let mut text = format!("\n/* {}: {} */\n", comment(&design.name), design.method);
+    let mut rules = Vec::new();
+    for (part, rule) in
+        [("extrapolation", design.extrapolation.as_ref()), ("interpolation", Some(&design.interpolation))]
+    {
+        rules.push(match rule {
+            Some(rule) => {
+                let table = format!("sagnac_{name}_{part}");
+                text += &table_of(&table, rule);
+                let Rule { ticks, rows, denominator, .. } = rule;
+                let (count, limit) = (ticks.len(), rule.largest_input());
+                format!(
+                    "{{ {count}, {table}_ticks, {}, &{table}[0][0], {denominator}, {limit} }}",
+                    rows.len()
+                )
+            }
+            None => "{ 0, 0, 0, 0, 1, 0 }".to_owned(),
+        });
+    }
+    text + &format!("static const sagnac_filler sagnac_{name} = {{\n    {}\n}};\n", rules.join(",\n    "))
+}
+
+/// The ticks and the weights of a rule.
+fn table_of(name: &str, rule: &Rule) -> String {
+    let Rule { ticks, rows, denominator, exact } = rule;
+    let list = |numbers: &[i32]| numbers.iter().map(i32::to_string).collect::<Vec<_>>().join(", ");
+    let lines: Vec<String> = rows.iter().map(|row| format!("    {{ {} }}", list(row))).collect();
+    let (count, row_count) = (ticks.len(), rows.len());
+    let gain = significant(rule.whole().noise_gain(), 6);
+    let how = if *exact { "exact" } else { "rounded" };
+    format!(
+        "static const int32_t {name}_ticks[{count}] = {{ {} }};\n\
+         static const int32_t {name}[{row_count}][{count}] = {{ /* {how}, over {denominator}; noise gain of the sum {gain} */\n{}\n}};\n",
+        list(ticks),
+        lines.join(",\n")
+    )
+}
+
+/// Names of fillers as parts of C identifiers, each once: other characters than letters and digits become `_`, and a number
+/// tells apart what is then the same.
+pub fn identifiers<'n>(names: impl Iterator<Item = &'n str>) -> Vec<String> {
+    let mut found: Vec<String> = Vec::new();
+    for name in names {
+        let plain: String = name
+            .chars()
+            .map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' })
+            .collect();
+        let numbered = (2..).map(|number| format!("{plain}_{number}"));
+        let free = core::iter::once(plain.clone()).chain(numbered).find(|name| !taken(&found, name));
+        found.extend(free);
+    }
+    found
+}
+
+/// Whether a filler of this name would have an identifier that the header has already.
+fn taken(found: &[String], name: &str) -> bool {
+    const OWN: [&str; 4] = ["rule", "filler", "round", "fill"];
+    const PARTS: [&str; 4] =
+        ["_extrapolation", "_interpolation", "_extrapolation_ticks", "_interpolation_ticks"];
+    let part_of =
+        |long: &str, short: &str| long.strip_prefix(short).is_some_and(|rest| PARTS.contains(&rest));
+    OWN.contains(&name)
+        || name == "correction"
+        || found.iter().any(|own| own == name || part_of(own, name) || part_of(name, own))
+}
+
+/// Text that cannot end a comment, nor begin one or a trigraph in it.
+fn comment(text: &str) -> String {
+    let one_line: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    one_line.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?").replace('\\', "/")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_filler_has_an_identifier_of_its_own() {
+        let names = ["mv8+2", "mv8 2", "MV8-2", "fill", "a", "a extrapolation", "Δ"];
+        let found = identifiers(names.into_iter());
+        assert_eq!(found, ["mv8_2", "mv8_2_2", "mv8_2_3", "fill_2", "a", "a_extrapolation_2", "_"]);
+    }
+
+    #[test]
+    fn no_title_ends_the_comment() {
+        assert_eq!(comment("a */ b\n/* c ??/ *//"), "a * / b / * c ? ?/ * //");
+    }
+}

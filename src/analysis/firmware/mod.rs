@@ -1,0 +1,41 @@
+//! Fillers as firmware needs them: whole numbers, one rule of rounding, a C header and vectors to test an implementation by.
+//!
+//! ```text
+//! Study, Point ─ design ─▶ Firmware ─┬─ header ─▶ sagnac_filler.h
+//!                                    ├─ vectors ─▶ test_vectors.csv
+//!                                    ├─ weights ─▶ weights.csv
+//!                                    └─ response ─▶ Figure
+//! ```
+//!
+//! The algorithm is that of Z(14)–Z(17): while the gap 1 … n is open the extrapolation E_j is delivered in place of tick j;
+//! once the fit ticks after it are known, ΔP = Σ(E_j − I_j) is subtracted from the next tick, I_j being the interpolation.
+//!
+//! ```
+//! # use sagnac::analysis::firmware::design::Firmware;
+//! # use sagnac::study::Study;
+//! # let text = include_str!("../../studies/error_vs_dtnu.toml");
+//! let study = Study::parse("study.toml", text)?;
+//! let gap_fill = study.gap_fill().unwrap();
+//! let firmware = Firmware::new(&study, &gap_fill.points[0], &gap_fill.fillers)?;
+//! let quadratic = &firmware.designs[2];
+//! // The first point has a gap of one tick: (−1, 4, 4, −1)/6.
+//! assert_eq!(quadratic.interpolation.fill(&[0, 10, 14, 0]), [16]);
+//! assert!(firmware.header().contains("sagnac_quadratic"));
+//! # Ok::<(), sagnac::source::diagnose::StudyError>(())
+//! ```
+
+pub mod alone;
+pub mod choice;
+pub mod csv;
+pub mod design;
+pub mod header;
+pub mod response;
+pub mod rule;
+pub mod vectors;
+
+pub use crate::analysis::firmware::alone::{Alone, KINDS, MINIMUM_VARIANCE};
+pub use crate::analysis::firmware::choice::{ChoiceError, choose_fillers, choose_point};
+pub use crate::analysis::firmware::design::{Closed, Design, Firmware, rules};
+pub use crate::analysis::firmware::header::identifiers;
+pub use crate::analysis::firmware::rule::Rule;
+pub use crate::analysis::firmware::vectors::Vectors;

@@ -1,0 +1,97 @@
+//! The response of fillers over frequency, as a chart.
+
+use crate::analysis::firmware::design::{Firmware, response};
+use crate::key::file::switching::Error;
+use crate::quantity::number::significant;
+use crate::theory::gap::Weights;
+use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Parts, Series, SeriesPoint};
+use crate::view::chart::scale::Scale;
+
+/// The chart begins this many decades below the Nyquist frequency: at 1 Hz for ticks of 5 ms. Below it the errors go down on
+/// straight lines.
+const DECADES: f64 = 2.0;
+/// Steps of a curve, and of its markers.
+const STEPS: usize = 720;
+const MARKER_STEPS: usize = 60;
+/// The chart reaches down to this part of the angle that the gap turns through at a constant rate: what is less is lost in
+/// any noise.
+const LEAST: f64 = 1e-4;
+
+impl Firmware {
+    /// Amplitude of the error per amplitude of the rate over the frequency of a vibration, up to half the tick rate: a
+    /// colour for each filler, solid for the residual and dashed for the extrapolation. Beside them the angle of the gap
+    /// itself, which is the error without any filler, and the frequency of a motion that is a single tone.
+    pub fn response(&self) -> Figure {
+        let tick_s = self.tick_s.unwrap_or(1.0);
+        let nyquist = 0.5 / tick_s;
+        let frequency = |i: usize| nyquist * libm::pow(10.0, DECADES * (i as f64 / STEPS as f64 - 1.0));
+        let of = |weights: &Weights, nu: f64| response(weights, self.gap_ticks, tick_s, nu);
+        let mut series = Vec::new();
+        for (colour, design) in self.designs.iter().enumerate() {
+            for (error, rule, _) in design.rules() {
+                let weights = rule.whole();
+                let point =
+                    |i: usize| SeriesPoint { x: frequency(i), y: of(&weights, frequency(i)), band: None };
+                let visible = |point: &SeriesPoint| point.y >= LEAST * tick_s * f64::from(self.gap_ticks);
+                series.push(Series {
+                    colour,
+                    dash: usize::from(error == Error::Extrapolation),
+                    points: (0..=STEPS).step_by(MARKER_STEPS).map(point).filter(visible).collect(),
+                    law: (0..=STEPS).map(|i| (frequency(i), of(&weights, frequency(i)))).collect(),
+                });
+            }
+        }
+        let law = |label, points| Law { label, lines: vec![LawLine { colours: vec![], points }] };
+        let nothing = Weights { ticks: vec![], numerators: vec![], denominator: 1 };
+        let gap = (0..=STEPS).map(|i| (frequency(i), of(&nothing, frequency(i)))).collect();
+        let mut laws = vec![law("the gap itself, not filled".to_owned(), gap)];
+        if let Some((_, nu)) = self.tone.filter(|(_, nu)| (frequency(0)..=nyquist).contains(nu)) {
+            let markers = || series.iter().flat_map(|series| &series.points).map(|point| point.y);
+            let curves = series.iter().flat_map(|series| &series.law).map(|place| place.1);
+            // As far down as the axis, which reaches for curves to a decade below the markers.
+            let low = curves.fold(f64::INFINITY, f64::min).max(0.1 * markers().fold(f64::INFINITY, f64::min));
+            let label = format!("the motion, {} Hz", significant(nu, 4));
+            laws.push(law(label, vec![(nu, low), (nu, markers().fold(0.0, f64::max))]));
+        }
+        let entries = |names: Vec<String>| {
+            names.into_iter().enumerate().map(|(style, name)| Entry { style, name }).collect()
+        };
+        let names = self.designs.iter().map(|design| design.name.clone()).collect();
+        let extrapolates = self.designs.iter().any(|design| design.extrapolation.is_some());
+        let errors: &[Error] =
+            if extrapolates { &[Error::Residual, Error::Extrapolation] } else { &[Error::Residual] };
+        let errors = errors.iter().map(|error| error.name().to_owned()).collect();
+        let axis = |label: &str, unit: &str| Axis {
+            label: label.to_owned(),
+            unit: unit.to_owned(),
+            scale: Scale::Log,
+            whole: false,
+            names: vec![],
+        };
+        let plural = if self.gap_ticks == 1 { "" } else { "s" };
+        let of = self.tick_s.map_or_else(String::new, |t| format!(" of {} ms", significant(1e3 * t, 6)));
+        let (frequency_unit, error_unit) = if self.tick_s.is_some() {
+            ("Hz", "″ per ″/s")
+        } else {
+            ("cycles per tick", "″ per ″ a tick")
+        };
+        let mut figure = Figure {
+            title: format!("Response to vibration of a gap of {} tick{plural}{of}", self.gap_ticks),
+            subtitle: Some(self.title.clone()),
+            x: axis("vibration frequency", frequency_unit),
+            y: axis("error amplitude per rate amplitude", error_unit),
+            colours: Grouping { title: "filler".to_owned(), entries: entries(names) },
+            dashes: Grouping { title: "error".to_owned(), entries: entries(errors) },
+            points: String::new(),
+            bands: String::new(),
+            lines: "closed form".to_owned(),
+            series,
+            laws,
+            parts: Parts::default(),
+            limit: None,
+            chosen: vec![],
+        };
+        figure.merge_coincident();
+        figure
+    }
+}

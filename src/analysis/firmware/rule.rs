@@ -1,0 +1,112 @@
+//! The integer rule: weights on ticks as whole numbers, and how their sums are rounded.
+
+use crate::kinds::gap_fill::lower::weights::Rows;
+use crate::theory::gap::Weights;
+
+/// Weights that give the lost ticks from others, in whole numbers of 32 bits over a denominator.
+///
+/// With S_j the sum of w·P over the rows 1 … j and R_j = ⌊S_j/D + ½⌋, the value of lost tick j is R_j − R_(j−1). Rounding
+/// the running sum and not each value keeps the angle within half a unit of the exact one throughout the gap, whatever its
+/// length, as a gyro that counts whole pulses does. Halves go up, towards +∞.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rule {
+    /// The ticks that are read, ascending.
+    pub ticks: Vec<i32>,
+    /// A row of numerators for each lost tick, or a single one for all of them together where the filler says no more.
+    pub rows: Vec<Vec<i32>>,
+    /// D, positive.
+    pub denominator: i32,
+    /// Whether the fractions are the weights themselves, not the nearest over a power of two.
+    pub exact: bool,
+}
+
+impl Rule {
+    /// `None` where a number needs more than 32 bits.
+    pub(crate) fn new(rows: &Rows) -> Option<Rule> {
+        let word = |w: &i64| i32::try_from(*w).ok();
+        let words = |row: &Vec<i64>| row.iter().map(word).collect::<Option<Vec<_>>>();
+        Some(Rule {
+            ticks: rows.ticks.clone(),
+            rows: rows.numerators.iter().map(words).collect::<Option<_>>()?,
+            denominator: word(&rows.denominator)?,
+            exact: rows.exact,
+        })
+    }
+
+    /// The weights of the whole gap: the sum of the rows, over the same denominator.
+    pub fn whole(&self) -> Weights {
+        let of = |k: usize| self.rows.iter().map(|row| i64::from(row[k])).sum();
+        Weights {
+            ticks: self.ticks.clone(),
+            numerators: (0..self.ticks.len()).map(of).collect(),
+            denominator: i64::from(self.denominator),
+        }
+    }
+
+    /// The largest |P| for which no sum leaves 63 bits, so that no difference of two leaves 64; nor do those of smaller ones.
+    pub fn largest_input(&self) -> i32 {
+        let gain: i64 = self.rows.iter().flatten().map(|w| i64::from(*w).abs()).sum();
+        let room = i64::MAX / 2 - i64::from(self.denominator);
+        i32::try_from(room / gain.max(1)).unwrap_or(i32::MAX)
+    }
+
+    /// The lost ticks, or their sum alone where the rule has a single row, from `inputs` on its ticks that are within
+    /// [`Rule::largest_input`].
+    pub fn fill(&self, inputs: &[i32]) -> Vec<i64> {
+        let denominator = i128::from(self.denominator);
+        let (mut sum, mut filled) = (0_i128, 0_i64);
+        let value = |row: &Vec<i32>| {
+            sum += row.iter().zip(inputs).map(|(w, p)| i128::from(*w) * i128::from(*p)).sum::<i128>();
+            // Within 63 bits for such inputs.
+            let rounded = (sum + denominator / 2).div_euclid(denominator) as i64;
+            let value = rounded - filled;
+            filled = rounded;
+            value
+        };
+        self.rows.iter().map(value).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rule(rows: &[&[i32]], denominator: i32) -> Rule {
+        let ticks = (0..rows[0].len() as i32).map(|k| k - 3).collect();
+        Rule { ticks, rows: rows.iter().map(|row| row.to_vec()).collect(), denominator, exact: true }
+    }
+
+    #[test]
+    fn halves_go_up_on_both_sides_of_0() {
+        let half = rule(&[&[1]], 2);
+        let found: Vec<i64> = [-5, -3, -2, -1, 0, 1, 3].map(|p| half.fill(&[p])[0]).into();
+        assert_eq!(found, [-2, -1, -1, 0, 0, 1, 2]);
+        let third = rule(&[&[1]], 3);
+        let found: Vec<i64> = (-5..=5).map(|p| third.fill(&[p])[0]).collect();
+        assert_eq!(found, [-2, -1, -1, -1, 0, 0, 0, 1, 1, 1, 2]);
+    }
+
+    #[test]
+    fn rounding_does_not_add_up_over_the_gap() {
+        let thirds = rule(&[&[1][..]; 60], 3);
+        for p in -20..=20 {
+            let values = thirds.fill(&[p]);
+            let mut sum = 0;
+            for (j, value) in (1..).zip(&values) {
+                sum += value;
+                assert!((3 * sum - j * i64::from(p)).abs() * 2 <= 3, "P = {p}, tick {j}: {sum}");
+            }
+            assert_eq!(sum, 20 * i64::from(p));
+        }
+    }
+
+    #[test]
+    fn the_largest_input_is_the_last_that_leaves_room_for_differences() {
+        assert_eq!(rule(&[&[-20, 50, 50, -20]], 20).largest_input(), i32::MAX);
+        let large = rule(&[&[i32::MAX; 4], &[i32::MAX; 4]], 1 << 30);
+        let most = i128::from(large.largest_input());
+        let sum = |p: i128| 8 * i128::from(i32::MAX) * p + (1 << 30);
+        let room = i128::from(i64::MAX / 2);
+        assert!(sum(most) <= room && sum(most + 1) > room, "{most}");
+    }
+}

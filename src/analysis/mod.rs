@@ -1,0 +1,5 @@
+//! TODO-DOC analysis
+
+pub mod compare;
+pub mod design;
+pub mod firmware;

@@ -1,0 +1,98 @@
+//! The processor: kernels in as many lanes as it offers, over all its cores.
+
+use core::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::device::Job;
+use crate::kernel::allan;
+use crate::kernel::moments::{Moments, Trials};
+use crate::kernel::recipe::Recipe;
+use crate::kernel::width::Width;
+
+/// Steps that a thread takes at a time: some milliseconds.
+const PIECE_STEPS: u64 = 1 << 16;
+
+/// The cores of this machine, or some of them.
+#[derive(Debug)]
+pub struct Cpu {
+    width: Width,
+    pool: rayon::ThreadPool,
+}
+
+impl Cpu {
+    /// Kernels in lanes of `width` on so many threads; 0 means one for each core.
+    ///
+    /// # Errors
+    /// The system gives no threads.
+    pub fn new(width: Width, threads: usize) -> Result<Cpu, rayon::ThreadPoolBuildError> {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+        Ok(Cpu { width, pool })
+    }
+
+    /// The lanes of its kernels.
+    pub fn width(&self) -> Width {
+        self.width
+    }
+
+    /// Records that it makes in the time of one: a lane of a thread each.
+    pub fn records_at_once(&self) -> u64 {
+        (self.width.lanes() * self.pool.current_num_threads()) as u64
+    }
+
+    /// In words: lanes and threads.
+    pub fn name(&self) -> String {
+        format!("CPU ({}, {} threads)", self.width.name(), self.pool.current_num_threads())
+    }
+
+    /// Tallies of each job, in order; `progress` hears of trials as they are done.
+    pub fn tally(&self, jobs: &[Job], histogram: bool, progress: &(dyn Fn(u64) + Sync)) -> Vec<Vec<Moments>> {
+        self.pool.install(|| jobs.par_iter().map(|job| self.tally_job(job, histogram, progress)).collect())
+    }
+
+    /// Sums of the squared differences of some records: record by record, in each the places of the curve; `progress` hears of
+    /// records as they are done.
+    pub fn sums(
+        &self,
+        recipe: &Recipe,
+        first: u64,
+        count: usize,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Vec<u128> {
+        let lanes = self.width.lanes() as u64;
+        let end = first + count as u64;
+        // A group has one upper half of record numbers.
+        let half = ((first | u64::from(u32::MAX)) + 1).min(end);
+        let starts = |range: Range<u64>| range.step_by(lanes as usize);
+        let groups: Vec<u64> = starts(first..half).chain(starts(half..end)).collect();
+        let group = |&at: &u64| {
+            let count = lanes.min(if at < half { half } else { end } - at);
+            let sums = allan::sums(self.width, recipe, at, count as usize);
+            progress(count);
+            sums
+        };
+        self.pool.install(|| groups.par_iter().flat_map_iter(group).collect())
+    }
+
+    fn tally_job(&self, job: &Job, histogram: bool, progress: &(dyn Fn(u64) + Sync)) -> Vec<Moments> {
+        let Job { launch, block } = job;
+        let empty = || vec![Moments::empty(histogram); launch.sampled.estimates()];
+        // Pieces of an aligned block never straddle a multiple of 2^32, which the kernel asks for.
+        let most = (PIECE_STEPS / launch.steps().next_power_of_two()).max(64);
+        (0..block.trials().div_ceil(most))
+            .into_par_iter()
+            .map(|piece| {
+                let first = block.first + piece * most;
+                let count = most.min(block.end() - first);
+                let tallies = launch.tally(self.width, Trials { first, count, histogram });
+                progress(count);
+                tallies
+            })
+            .reduce(empty, |mut left, right| {
+                for (tally, other) in left.iter_mut().zip(&right) {
+                    tally.merge(other);
+                }
+                left
+            })
+    }
+}

@@ -1,0 +1,55 @@
+//! The adapters of this machine.
+
+use crate::device::gpu::source::Variant;
+
+/// An adapter that this machine has.
+#[derive(Clone)]
+pub struct Adapter {
+    pub(crate) adapter: wgpu::Adapter,
+}
+
+impl Adapter {
+    /// All adapters, one entry for each way to drive them.
+    pub fn all() -> Vec<Adapter> {
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
+        descriptor.backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
+        let instance = wgpu::Instance::new(descriptor);
+        let found = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+        found.into_iter().map(|adapter| Adapter { adapter }).collect()
+    }
+
+    /// The name of the device, with the driver's interface.
+    pub fn name(&self) -> String {
+        let info = self.adapter.get_info();
+        format!("{} ({})", info.name, info.backend)
+    }
+
+    /// Its address on the PCI bus, `0000:3b:00.0`, which tells equal devices apart; empty where the driver does not say.
+    pub fn pci_address(&self) -> String {
+        self.adapter.get_info().device_pci_bus_id
+    }
+
+    /// Whether it is a program on the processor and no device of its own.
+    pub fn is_software(&self) -> bool {
+        self.adapter.get_info().device_type == wgpu::DeviceType::Cpu
+    }
+
+    /// Driver and capabilities in words.
+    pub fn description(&self) -> String {
+        let info = self.adapter.get_info();
+        let int64 = if self.has_int64() { "64-bit products" } else { "16-bit products" };
+        let pci = if info.device_pci_bus_id.is_empty() { "" } else { ", PCI " };
+        let address = info.device_pci_bus_id;
+        format!("{:?}, driver {} {}, {int64}{pci}{address}", info.device_type, info.driver, info.driver_info)
+    }
+
+    /// Whether its shaders have 64-bit registers.
+    pub fn has_int64(&self) -> bool {
+        self.adapter.features().contains(wgpu::Features::SHADER_INT64)
+    }
+
+    /// The fastest variant for it.
+    pub fn variant(&self) -> Variant {
+        Variant { int64: self.has_int64(), checked: false, workgroup: 64 }
+    }
+}

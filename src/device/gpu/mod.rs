@@ -1,0 +1,274 @@
+//! The GPU: the kernels as compute shaders, through wgpu on Vulkan, Metal or DX12.
+
+pub mod adapter;
+pub mod fault;
+pub mod records;
+pub mod resource;
+pub mod rest;
+pub mod source;
+pub mod tile;
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Instant;
+
+use wgpu::BufferUsages;
+
+use crate::device::Job;
+pub use crate::device::gpu::adapter::Adapter;
+use crate::device::gpu::fault::Heard;
+#[doc(hidden)]
+pub use crate::device::gpu::fault::{Fault, Faults, Moment};
+use crate::device::gpu::records::MOST_RECORDS;
+use crate::device::gpu::rest::Rest;
+use crate::device::gpu::source::Variant;
+use crate::device::gpu::tile::Part;
+use crate::kernel::launch::Sampled;
+use crate::kernel::map::Map;
+use crate::kernel::moments::Moments;
+use crate::kernel::normal_table::NORMAL_TABLE;
+
+/// Why a device cannot be used, or can no longer.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum GpuError {
+    /// It cannot be opened: what the driver says.
+    #[error("cannot open the device: {0}")]
+    Open(String),
+    /// It is gone, as after a watchdog or an unplugged adapter: what the driver says. What was tallied before is whole.
+    #[error("the device was lost: {0}")]
+    Lost(String),
+    /// It has not the memory for the work at hand.
+    #[error("the device is out of memory")]
+    OutOfMemory,
+    /// It does not take a shader or a buffer: what its validation says.
+    #[error("the device refused the work: {0}")]
+    Refused(String),
+    /// A record does not fit into the buffers; the CPU takes such.
+    #[error(
+        "a record needs {bytes} bytes on the device, of {most}: shorten the longest averaging time, or overlap = \"m/64\""
+    )]
+    TooLong {
+        /// What its angles need.
+        bytes: u64,
+        /// What a device gives them.
+        most: u64,
+    },
+}
+
+/// A tile should take this long: short enough for watchdogs, long enough to hide its preparation.
+const TILE_SECONDS: f64 = 0.075;
+
+/// Steps of the first tile, and the least and most of any.
+const FIRST_TILE: u64 = 1 << 18;
+const TILES: (u64, u64) = (1 << 14, 1 << 28);
+
+/// An open device.
+pub struct Gpu {
+    adapter: Adapter,
+    name: String,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    variant: Variant,
+    normal_table: wgpu::Buffer,
+    /// The table of the launch before, with what is in it: neighbours often share one.
+    table: Option<(Arc<[u32]>, wgpu::Buffer)>,
+    pipelines: HashMap<(Sampled, bool), wgpu::ComputePipeline>,
+    heard: Heard,
+    /// Steps of the next tile, and the most of any.
+    tile: u64,
+    most_tile: u64,
+    /// Records of the last batch, and the most of any.
+    lanes: usize,
+    most_lanes: usize,
+    /// Threads of the processor where that has to take its place; 0: as many as it runs at once.
+    threads: usize,
+    faults: Option<Faults>,
+}
+
+impl Gpu {
+    /// Opens an adapter to run a variant of the kernels.
+    ///
+    /// # Errors
+    /// The driver refuses.
+    pub fn open(adapter: &Adapter, variant: Variant) -> Result<Gpu, GpuError> {
+        let own = adapter.adapter.limits();
+        let limits = wgpu::Limits {
+            max_compute_workgroup_storage_size: own.max_compute_workgroup_storage_size,
+            max_storage_buffers_per_shader_stage: own.max_storage_buffers_per_shader_stage,
+            max_storage_buffer_binding_size: own.max_storage_buffer_binding_size,
+            max_buffer_size: own.max_buffer_size,
+            ..wgpu::Limits::downlevel_defaults()
+        };
+        let features = if variant.int64 { wgpu::Features::SHADER_INT64 } else { wgpu::Features::empty() };
+        let (device, queue) = pollster::block_on(adapter.adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("sagnac"),
+            required_features: features,
+            required_limits: limits,
+            ..Default::default()
+        }))
+        .map_err(|error| GpuError::Open(error.to_string()))?;
+        let heard = Heard::of(&device);
+        let normal_table = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("normal_table"),
+            size: size_of_val(&NORMAL_TABLE) as u64,
+            usage: BufferUsages::STORAGE | BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        queue.write_buffer(&normal_table, 0, bytemuck::cast_slice(&NORMAL_TABLE));
+        heard.failure()?;
+        Ok(Gpu {
+            adapter: adapter.clone(),
+            name: adapter.name(),
+            device,
+            queue,
+            variant,
+            normal_table,
+            table: None,
+            pipelines: HashMap::new(),
+            heard,
+            tile: FIRST_TILE,
+            most_tile: TILES.1,
+            lanes: 0,
+            most_lanes: MOST_RECORDS,
+            threads: 0,
+            faults: None,
+        })
+    }
+
+    /// The same, with so many threads of the processor where that has to take its place.
+    pub(crate) fn with_threads(self, threads: usize) -> Gpu {
+        Gpu { threads, ..self }
+    }
+
+    /// Threads of the processor where that has to take its place.
+    pub(crate) fn threads(&self) -> usize {
+        self.threads
+    }
+
+    /// Its adapter opened once more, for tiles as small as were found to fit.
+    ///
+    /// # Errors
+    /// The driver refuses, as one does whose device is gone.
+    pub(crate) fn opened_again(&self) -> Result<Gpu, GpuError> {
+        if let Some(fault) = self.fault(Moment::Opening) {
+            return Err(GpuError::Open(format!("{fault:?}, as a test wants it")));
+        }
+        let gpu = Gpu::open(&self.adapter, self.variant)?;
+        let (most_tile, most_lanes) = (self.most_tile, self.most_lanes);
+        let tile = gpu.tile.min(most_tile);
+        let (threads, faults) = (self.threads, self.faults.clone());
+        Ok(Gpu { tile, most_tile, most_lanes, threads, faults, ..gpu })
+    }
+
+    /// The name of its adapter.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Makes every tile this many steps of trials long, from now on until timing changes it.
+    pub fn set_tile(&mut self, steps: u64) {
+        self.tile = steps.clamp(1, self.most_tile);
+    }
+
+    /// Halves its tiles for good, after memory ran out; `false` where they were the least already.
+    pub(crate) fn halve_tiles(&mut self) -> bool {
+        if self.tile <= TILES.0 {
+            return false;
+        }
+        self.most_tile = (self.tile / 2).max(TILES.0);
+        self.tile = self.most_tile;
+        true
+    }
+
+    /// Tallies of each job, in order; `progress` hears of trials as they are done.
+    ///
+    /// # Errors
+    /// The device is lost, refuses or is out of memory; nothing of the jobs is kept.
+    pub fn tally(
+        &mut self,
+        jobs: &[Job],
+        histogram: bool,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Vec<Vec<Moments>>, GpuError> {
+        let tallied = self.tiles(jobs, histogram, progress);
+        tallied.map_err(|error| self.settled(error))
+    }
+
+    fn tiles(
+        &mut self,
+        jobs: &[Job],
+        histogram: bool,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Vec<Vec<Moments>>, GpuError> {
+        let mut results: Vec<Vec<Moments>> =
+            jobs.iter().map(|job| vec![Moments::empty(histogram); job.launch.sampled.estimates()]).collect();
+        let mut rest = Rest::of(jobs);
+        let mut before = None;
+        // One tile runs while the next is prepared and the one before is read.
+        loop {
+            let started = Instant::now();
+            let parts = rest.take(self.tile);
+            let trials: u64 = parts.iter().map(Part::trials).sum();
+            let steps = parts.iter().map(Part::steps).sum();
+            let next =
+                if parts.is_empty() { None } else { Some((self.launch(parts, histogram)?, trials, steps)) };
+            if let Some((tile, trials, steps)) = before.take() {
+                self.collect(tile, &mut results)?;
+                progress(trials);
+                self.adapt(steps, started.elapsed().as_secs_f64());
+            }
+            if next.is_none() {
+                return Ok(results);
+            }
+            before = next;
+        }
+    }
+
+    /// Lengthens or shortens the next tile towards the time wanted.
+    fn adapt(&mut self, steps: u64, seconds: f64) {
+        if steps >= self.tile {
+            let factor = (TILE_SECONDS / seconds.max(1e-6)).clamp(0.5, 2.0);
+            self.tile = ((self.tile as f64 * factor) as u64).clamp(TILES.0, self.most_tile);
+        }
+    }
+
+    /// The results of a building block for a list of items.
+    ///
+    /// # Errors
+    /// The device is lost, refuses or is out of memory.
+    pub fn map(&mut self, map: &Map, items: &[u32]) -> Result<Vec<u32>, GpuError> {
+        let mapped = self.mapped_items(map, items);
+        mapped.map_err(|error| self.settled(error))
+    }
+
+    fn mapped_items(&self, map: &Map, items: &[u32]) -> Result<Vec<u32>, GpuError> {
+        let count = items.len() / map.inputs;
+        let size = 4 * (count * map.outputs) as u64;
+        let pipeline = self.pipeline(&crate::device::gpu::source::map(map, self.variant))?;
+        let input = self.upload("items", bytemuck::cast_slice(items), BufferUsages::STORAGE)?;
+        let output = self.buffer("results", size, BufferUsages::STORAGE | BufferUsages::COPY_SRC)?;
+        let read = self.buffer("read", size, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
+        let mut resources = vec![(1, input.as_entire_binding()), (2, output.as_entire_binding())];
+        if map.table {
+            resources.push((0, self.normal_table.as_entire_binding()));
+        }
+        let bind_group = self.bind_group(&pipeline, resources);
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+            pass.set_pipeline(&pipeline);
+            pass.set_bind_group(0, &bind_group, &[]);
+            pass.dispatch_workgroups((count as u32).div_ceil(self.variant.workgroup), 1, 1);
+        }
+        encoder.copy_buffer_to_buffer(&output, 0, &read, 0, size);
+        let submission = self.submit(encoder, count as u64)?;
+        read.map_async(wgpu::MapMode::Read, .., |_| {});
+        self.wait(&submission)?;
+        let bytes = self.mapped(&read)?;
+        let mut results = bytemuck::cast_slice(&bytes).to_vec();
+        if submission.wrong {
+            results[0] ^= 1;
+        }
+        Ok(results)
+    }
+}

@@ -1,0 +1,207 @@
+//! Synthetic records on the device: some chunks of many records in each dispatch, what goes on kept between them.
+
+use std::time::Instant;
+
+use wgpu::BufferUsages;
+
+use crate::device::gpu::source::{self, STATE_WORDS};
+use crate::device::gpu::{Gpu, GpuError, TILE_SECONDS};
+use crate::kernel::recipe::{CHUNK, Recipe};
+
+/// Most bytes of angles that are kept for all records of a batch.
+const MOST_BYTES: u64 = 96 << 20;
+
+/// Most records of a batch.
+pub(crate) const MOST_RECORDS: usize = 1 << 14;
+
+/// Most rounds of loops in an invocation: lavapipe leaves every loop after 65535 rounds of all of them, and says nothing.
+const MOST_ROUNDS: usize = 60_000;
+
+/// Rounds of loops that a chunk takes at most.
+fn rounds(recipe: &Recipe) -> usize {
+    CHUNK * (recipe.places() + 17) + recipe.places() + 8 * recipe.octaves()
+}
+
+/// Words of the parameters before those of the recipe's lists.
+const FIXED_WORDS: usize = 24;
+
+impl Gpu {
+    /// Sums of the squared differences of some records: record by record, in each the places of the curve; `progress` hears of
+    /// records as they are done.
+    ///
+    /// # Errors
+    /// The device is lost, refuses or is out of memory, or one record needs more memory than it may have. Nothing of the
+    /// records is kept.
+    pub fn sums(
+        &mut self,
+        recipe: &Recipe,
+        first: u64,
+        count: usize,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Vec<u128>, GpuError> {
+        let made = self.batches(recipe, first, count, progress);
+        made.map_err(|error| self.settled(error))
+    }
+
+    /// Halves its batches of records for good, after memory ran out; `false` where the last one was the least already.
+    pub(crate) fn halve_batches(&mut self) -> bool {
+        let halves = self.lanes > 1;
+        // Also where it ran out before a batch was begun.
+        self.lanes /= 2;
+        self.most_lanes = self.lanes.max(1);
+        halves
+    }
+
+    fn batches(
+        &mut self,
+        recipe: &Recipe,
+        first: u64,
+        count: usize,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Vec<u128>, GpuError> {
+        let ring_bytes = 4 * recipe.depth() as u64;
+        let budget = MOST_BYTES.min(self.device.limits().max_storage_buffer_binding_size);
+        if ring_bytes > budget {
+            return Err(GpuError::TooLong { bytes: ring_bytes, most: budget });
+        }
+        let drift_bytes = 4 * recipe.drift.len() as u64;
+        let most = self.device.limits().max_storage_buffer_binding_size;
+        if drift_bytes > most {
+            return Err(GpuError::TooLong { bytes: drift_bytes, most });
+        }
+        if rounds(recipe) > MOST_ROUNDS {
+            let places = recipe.places();
+            return Err(GpuError::Refused(format!("{places} averaging times are more than a device takes")));
+        }
+        let pipeline = self.pipeline(&source::allan(recipe, self.variant))?;
+        let drift = self.upload("drift", bytemuck::cast_slice(&recipe.drift), BufferUsages::STORAGE)?;
+        let most = self.most_lanes.min((budget / ring_bytes) as usize).max(1);
+        let mut sums = Vec::with_capacity(count * recipe.places());
+        let mut done = 0;
+        while done < count {
+            let at = first + done as u64;
+            // A batch has one upper half of record numbers.
+            let to_half = (1 << 32) - (at & u64::from(u32::MAX));
+            let lanes = most.min(count - done).min(to_half as usize);
+            self.lanes = lanes;
+            sums.extend(self.batch(recipe, &pipeline, &drift, at, lanes)?);
+            progress(lanes as u64);
+            done += lanes;
+        }
+        Ok(sums)
+    }
+
+    fn batch(
+        &mut self,
+        recipe: &Recipe,
+        pipeline: &wgpu::ComputePipeline,
+        drift: &wgpu::Buffer,
+        first: u64,
+        lanes: usize,
+    ) -> Result<Vec<u128>, GpuError> {
+        let size = |words: usize| 4 * (words * lanes) as u64;
+        let rings = self.buffer("rings", size(recipe.depth()), BufferUsages::STORAGE)?;
+        let state_words = STATE_WORDS + 12 * recipe.octaves();
+        let state = self.buffer("state", size(state_words), BufferUsages::STORAGE)?;
+        let sums_size = size(3 * recipe.places());
+        let sums = self.buffer("sums", sums_size, BufferUsages::STORAGE | BufferUsages::COPY_SRC)?;
+        let read = self.buffer("read", sums_size, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
+        let chunks = (recipe.samples as usize / CHUNK + 1) as u32;
+        let most = (MOST_ROUNDS / rounds(recipe)) as u32;
+        let (mut from, mut tile, mut wrong) = (0, 1, false);
+        while from < chunks {
+            let started = Instant::now();
+            let to = chunks.min(from + tile);
+            let words = parameters(recipe, first, lanes as u32, [from, to]);
+            let parameters =
+                self.upload("parameters", bytemuck::cast_slice(&words), BufferUsages::UNIFORM)?;
+            let mut resources = vec![
+                (0, self.normal_table.as_entire_binding()),
+                (1, parameters.as_entire_binding()),
+                (2, rings.as_entire_binding()),
+                (3, sums.as_entire_binding()),
+                (4, state.as_entire_binding()),
+            ];
+            if !recipe.drift.is_empty() {
+                resources.push((5, drift.as_entire_binding()));
+            }
+            let bind_group = self.bind_group(pipeline, resources);
+            let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+            {
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(0, &bind_group, &[]);
+                pass.dispatch_workgroups((lanes as u32).div_ceil(self.variant.workgroup), 1, 1);
+            }
+            if to == chunks {
+                encoder.copy_buffer_to_buffer(&sums, 0, &read, 0, sums_size);
+            }
+            let submission = self.submit(encoder, lanes as u64 * u64::from(to - from))?;
+            wrong |= submission.wrong;
+            if to == chunks {
+                read.map_async(wgpu::MapMode::Read, .., |_| {});
+            }
+            self.wait(&submission)?;
+            let factor = (TILE_SECONDS / started.elapsed().as_secs_f64().max(1e-6)).clamp(0.5, 2.0);
+            tile = ((f64::from(tile) * factor) as u32).clamp(1, most);
+            from = to;
+        }
+        let bytes = self.mapped(&read)?;
+        let words: &[u32] = bytemuck::cast_slice(&bytes);
+        let sum = |lane: usize, place: usize| -> u128 {
+            (0..3).map(|word| u128::from(words[(3 * place + word) * lanes + lane]) << (32 * word)).sum()
+        };
+        let places = recipe.places();
+        let mut all: Vec<u128> =
+            (0..lanes).flat_map(|lane| (0..places).map(move |place| sum(lane, place))).collect();
+        if wrong {
+            all[0] ^= 1;
+        }
+        Ok(all)
+    }
+}
+
+/// The words that the shader reads: see `Parameters` there.
+fn parameters(recipe: &Recipe, first: u64, lanes: u32, chunks: [u32; 2]) -> Vec<u32> {
+    let [loss, step, start] = recipe.markov.unwrap_or_default();
+    let [sine_step, amplitude] = recipe.sine.unwrap_or_default();
+    let [interval, residual_amplitude, residual_noise] = recipe.switching.unwrap_or_default();
+    let mut words = vec![
+        recipe.key[0],
+        recipe.key[1],
+        recipe.samples,
+        recipe.white,
+        recipe.rate_scale,
+        recipe.walk,
+        loss,
+        step,
+        start,
+        sine_step,
+        amplitude,
+        recipe.quantisation,
+        recipe.pulse.unwrap_or(0),
+        interval,
+        residual_amplitude,
+        residual_noise,
+        first as u32,
+        (first >> 32) as u32,
+        lanes,
+        chunks[0],
+        chunks[1],
+    ];
+    words.resize(FIXED_WORDS, 0);
+    // Octave o has place o.
+    words.push(0);
+    words.extend(&recipe.flicker);
+    words.resize(FIXED_WORDS + 4 * source::flicker_vectors(recipe), 0);
+    let (mut ring, mut place) = (0, 0);
+    for level in &recipe.levels {
+        let depth = level.depth(recipe.order) as u32;
+        words.extend([level.stride, ring, depth, place]);
+        ring += depth;
+        place += level.spans.len() as u32;
+    }
+    words.extend(recipe.levels.iter().flat_map(|level| &level.spans));
+    words.resize(words.len().next_multiple_of(4), 0);
+    words
+}

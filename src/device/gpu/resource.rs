@@ -1,0 +1,116 @@
+//! What a device holds: buffers, pipelines and how they are bound.
+
+use std::sync::Arc;
+
+use wgpu::BufferUsages;
+
+use crate::device::gpu::{Gpu, GpuError, source};
+use crate::kernel::launch::Sampled;
+
+impl Gpu {
+    /// A buffer of zeros.
+    pub(crate) fn buffer(
+        &self,
+        label: &str,
+        size: u64,
+        usage: BufferUsages,
+    ) -> Result<wgpu::Buffer, GpuError> {
+        let label = Some(label);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label,
+            size,
+            usage,
+            mapped_at_creation: false,
+        });
+        // One that memory was too short for must not get into any work.
+        self.heard.failure()?;
+        Ok(buffer)
+    }
+
+    /// A buffer with these words in it.
+    pub(crate) fn upload(
+        &self,
+        label: &str,
+        words: &[u8],
+        usage: BufferUsages,
+    ) -> Result<wgpu::Buffer, GpuError> {
+        let buffer = self.buffer(label, words.len() as u64, usage | BufferUsages::COPY_DST)?;
+        self.queue.write_buffer(&buffer, 0, words);
+        self.heard.failure()?;
+        Ok(buffer)
+    }
+
+    /// What the device has written into a buffer that is mapped.
+    pub(crate) fn mapped(&self, buffer: &wgpu::Buffer) -> Result<wgpu::BufferView, GpuError> {
+        buffer.get_mapped_range(..).map_err(|error| GpuError::Refused(error.to_string()))
+    }
+
+    /// A buffer with the table of a launch.
+    pub(crate) fn table(&mut self, table: &Arc<[u32]>) -> Result<wgpu::Buffer, GpuError> {
+        if let Some((held, buffer)) = &self.table
+            && Arc::ptr_eq(held, table)
+        {
+            return Ok(buffer.clone());
+        }
+        let buffer = self.upload("table", bytemuck::cast_slice(table), BufferUsages::STORAGE)?;
+        self.table = Some((Arc::clone(table), buffer.clone()));
+        Ok(buffer)
+    }
+
+    /// The pipeline of a kernel, made once.
+    pub(crate) fn pipeline_of(
+        &mut self,
+        sampled: Sampled,
+        histogram: bool,
+    ) -> Result<wgpu::ComputePipeline, GpuError> {
+        if let Some(pipeline) = self.pipelines.get(&(sampled, histogram)) {
+            return Ok(pipeline.clone());
+        }
+        let pipeline = self.pipeline(&source::moments(sampled, histogram, self.variant))?;
+        self.pipelines.insert((sampled, histogram), pipeline.clone());
+        Ok(pipeline)
+    }
+
+    pub(crate) fn pipeline(&self, source: &str) -> Result<wgpu::ComputePipeline, GpuError> {
+        let descriptor =
+            wgpu::ShaderModuleDescriptor { label: None, source: wgpu::ShaderSource::Wgsl(source.into()) };
+        let module = if self.variant.checked {
+            self.device.create_shader_module(descriptor)
+        } else {
+            // SAFETY: no index of the kernels leaves its array and no loop is endless; the identity suite runs both
+            // forms and finds the same bits.
+            unsafe {
+                self.device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked())
+            }
+        };
+        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: None,
+            layout: None,
+            module: &module,
+            entry_point: Some("main"),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                zero_initialize_workgroup_memory: self.variant.checked,
+                ..Default::default()
+            },
+            cache: None,
+        });
+        self.heard.failure()?;
+        Ok(pipeline)
+    }
+
+    pub(crate) fn bind_group(
+        &self,
+        pipeline: &wgpu::ComputePipeline,
+        resources: Vec<(u32, wgpu::BindingResource)>,
+    ) -> wgpu::BindGroup {
+        let entries: Vec<wgpu::BindGroupEntry> = resources
+            .into_iter()
+            .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
+            .collect();
+        self.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &entries,
+        })
+    }
+}

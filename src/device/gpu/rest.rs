@@ -1,0 +1,46 @@
+//! Dividing jobs into tiles.
+
+use crate::device::Job;
+use crate::device::gpu::tile::{Part, Piece};
+
+/// Most pieces of a tile: bounds the buffer that its histograms take.
+const MOST_PIECES: usize = 1024;
+
+/// The trials of some jobs that are still to be handed out, tile by tile.
+pub(crate) struct Rest<'a> {
+    jobs: &'a [Job<'a>],
+    job: usize,
+    done: u64,
+}
+
+impl<'a> Rest<'a> {
+    pub(crate) fn of(jobs: &'a [Job<'a>]) -> Rest<'a> {
+        Rest { jobs, job: 0, done: 0 }
+    }
+
+    /// The next parts, of `steps` steps together, or as many as are left; one trial at least.
+    pub(crate) fn take(&mut self, steps: u64) -> Vec<Part<'a>> {
+        let mut parts: Vec<Part<'a>> = Vec::new();
+        let (mut room, mut pieces) = (steps, 0);
+        while room > 0 && pieces < MOST_PIECES && self.job < self.jobs.len() {
+            let Job { launch, block } = self.jobs[self.job];
+            let first = block.first + self.done;
+            // A piece has one upper half of trial numbers: it ends where the lower half does.
+            let to_half = (1 << 32) - (first & u64::from(u32::MAX));
+            let steps = launch.steps();
+            let count = (room / steps).max(1).min(block.trials() - self.done).min(to_half);
+            let piece = Piece { first, count, to: self.job };
+            match parts.last_mut() {
+                Some(part) if std::ptr::eq(part.launch, launch) => part.pieces.push(piece),
+                _ => parts.push(Part { launch, pieces: vec![piece] }),
+            }
+            pieces += 1;
+            room = room.saturating_sub(count * steps);
+            self.done += count;
+            if self.done == block.trials() {
+                (self.job, self.done) = (self.job + 1, 0);
+            }
+        }
+        parts
+    }
+}

@@ -1,0 +1,197 @@
+//! Choosing a device: `auto`, `cpu`, `gpu`, a width of the CPU, or part of an adapter's name or its PCI address.
+
+use crate::device::Device;
+use crate::device::cpu::Cpu;
+use crate::device::gpu::adapter::Adapter;
+use crate::device::gpu::{Gpu, GpuError};
+use crate::kernel::width::Width;
+use crate::verify::self_test;
+
+/// Why no device is there as asked for.
+#[derive(Debug, thiserror::Error)]
+pub enum SelectError {
+    /// A GPU was asked for, and no adapter is a real one.
+    #[error(
+        "no GPU was found\nuse --device cpu, or install a Vulkan driver; `sagnac devices` lists what is there"
+    )]
+    NoGpu,
+    /// No width and no adapter has the name.
+    #[error("no device is called `{name}`; there are {}", known.join(", "))]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// The names that there are.
+        known: Vec<String>,
+    },
+    /// The adapter that was asked for does not open or run.
+    #[error("{name} cannot be used: {source}")]
+    Gpu {
+        /// Of the adapter.
+        name: String,
+        /// What it says.
+        source: GpuError,
+    },
+    /// The adapter failed its self-test: it computes other bits than the CPU.
+    #[error(
+        "{name} computes other bits than the CPU in {kernel}: it is not used\nupdate its driver, or use --device cpu"
+    )]
+    Untrusted {
+        /// Of the adapter.
+        name: String,
+        /// The first kernel that differs.
+        kernel: &'static str,
+    },
+    /// The threads that were asked for cannot be started.
+    #[error("cannot start threads: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}
+
+impl SelectError {
+    /// Whether the user asked for what is not there, and not the machine failed.
+    pub fn is_usage(&self) -> bool {
+        matches!(self, SelectError::NoGpu | SelectError::Unknown { .. })
+    }
+}
+
+/// A device and why it was taken, in one line.
+pub struct Selection {
+    /// Ready to run.
+    pub device: Device,
+    /// Why it and no other, for people.
+    pub reason: String,
+}
+
+/// Every adapter of this machine, without a self-test: what a check of identity compares.
+///
+/// # Errors
+/// One of them cannot be opened.
+pub fn every_adapter() -> Result<Vec<Device>, SelectError> {
+    let open = |adapter: &Adapter| match Gpu::open(adapter, adapter.variant()) {
+        Ok(gpu) => Ok(Device::Gpu(Box::new(gpu))),
+        Err(source) => Err(SelectError::Gpu { name: adapter.name(), source }),
+    };
+    Adapter::all().iter().map(open).collect()
+}
+
+/// The device that `wanted` means. `auto` is a real GPU that passes its self-test, else the CPU. The CPU, also where it has to
+/// take the place of a GPU, has this many `threads`, for 0 as many as it runs at once.
+///
+/// # Errors
+/// No such device, or it does not work, or it computes other bits than the CPU.
+pub fn select(wanted: &str, threads: usize) -> Result<Selection, SelectError> {
+    match wanted {
+        "cpu" => cpu(Width::widest(), threads, "as asked"),
+        "auto" => auto(threads),
+        "gpu" => {
+            let adapters = Adapter::all();
+            let adapter = adapters.iter().find(|adapter| !adapter.is_software()).or(adapters.first());
+            open(adapter.ok_or(SelectError::NoGpu)?, threads, "as asked")
+        }
+        part => {
+            let is_wanted = |width: &Width| width.name().eq_ignore_ascii_case(part);
+            if let Some(width) = Width::available().into_iter().find(is_wanted) {
+                return cpu(width, threads, "as asked");
+            }
+            let adapters = Adapter::all();
+            let is_meant = |adapter: &&Adapter| means(part, &adapter.name(), &adapter.pci_address());
+            match adapters.iter().find(is_meant) {
+                Some(adapter) => open(adapter, threads, "as asked"),
+                None => {
+                    let widths = Width::available().into_iter().map(Width::name);
+                    let known = ["auto", "cpu", "gpu"].into_iter().chain(widths).map(str::to_owned);
+                    let known = known.chain(adapters.iter().map(Adapter::name)).collect();
+                    Err(SelectError::Unknown { name: part.to_owned(), known })
+                }
+            }
+        }
+    }
+}
+
+/// Whether `wanted` is part of an adapter's name, or its PCI address.
+fn means(wanted: &str, name: &str, pci_address: &str) -> bool {
+    // Nothing is part of every name, and some adapters have no address, but nobody means the first adapter by it.
+    let is_named = name.to_lowercase().contains(&wanted.to_lowercase());
+    !wanted.trim().is_empty() && (is_named || pci_address.eq_ignore_ascii_case(wanted))
+}
+
+fn auto(threads: usize) -> Result<Selection, SelectError> {
+    let adapters = Adapter::all();
+    let Some(adapter) = adapters.iter().find(|adapter| !adapter.is_software()) else {
+        return match adapters.first() {
+            None => cpu(Width::widest(), threads, "no GPU was found"),
+            Some(software) => {
+                let reason = format!("the only adapter, {}, is a software rasteriser", software.name());
+                cpu(Width::widest(), threads, &reason)
+            }
+        };
+    };
+    or_cpu(open(adapter, threads, "a GPU that passed its self-test"), threads)
+}
+
+/// The CPU in place of a GPU that cannot be used, and why.
+fn or_cpu(opened: Result<Selection, SelectError>, threads: usize) -> Result<Selection, SelectError> {
+    match opened {
+        Err(error) => cpu(Width::widest(), threads, &error.to_string().replace('\n', "; ")),
+        selected => selected,
+    }
+}
+
+fn cpu(width: Width, threads: usize, reason: &str) -> Result<Selection, SelectError> {
+    Ok(Selection { device: Device::Cpu(Cpu::new(width, threads)?), reason: reason.to_owned() })
+}
+
+fn open(adapter: &Adapter, threads: usize, reason: &str) -> Result<Selection, SelectError> {
+    let opened = Gpu::open(adapter, adapter.variant());
+    let gpu = opened.map_err(|source| SelectError::Gpu { name: adapter.name(), source })?;
+    Ok(Selection { device: trusted(gpu.with_threads(threads))?, reason: reason.to_owned() })
+}
+
+/// A device that was lost, opened again on its adapter.
+///
+/// # Errors
+/// It cannot be opened, or fails its self-test.
+pub(crate) fn reopen(lost: &Gpu) -> Result<Device, SelectError> {
+    let opened = lost.opened_again();
+    trusted(opened.map_err(|source| SelectError::Gpu { name: lost.name().to_owned(), source })?)
+}
+
+/// A GPU that has passed its self-test.
+///
+/// # Errors
+/// It computes other bits than the CPU, or fails.
+pub fn trusted(gpu: Gpu) -> Result<Device, SelectError> {
+    let name = gpu.name().to_owned();
+    let mut device = Device::Gpu(Box::new(gpu));
+    match self_test(&mut device) {
+        Ok(None) => Ok(device),
+        Ok(Some(kernel)) => Err(SelectError::Untrusted { name, kernel }),
+        Err(source) => Err(SelectError::Gpu { name, source }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn auto_takes_the_cpu_for_a_gpu_that_cannot_be_trusted_and_says_why() {
+        let untrusted = SelectError::Untrusted { name: "Some GPU".to_owned(), kernel: "sine" };
+        let Selection { device, reason } = or_cpu(Err(untrusted), 0).unwrap();
+        assert!(matches!(device, Device::Cpu(_)), "{}", device.name());
+        assert!(reason.contains("Some GPU computes other bits than the CPU in sine"), "{reason}");
+        assert!(!reason.contains('\n'), "{reason:?}");
+    }
+
+    #[test]
+    fn equal_adapters_are_told_apart_by_their_pci_address() {
+        let name = "NVIDIA L4 (Vulkan)";
+        let meant = |wanted: &str| {
+            ["0000:3b:00.0", "0000:af:00.0", ""].map(|pci_address| means(wanted, name, pci_address))
+        };
+        assert_eq!(meant("nvidia l4"), [true, true, true]);
+        assert_eq!(meant("0000:AF:00.0"), [false, true, false], "as nvidia-smi writes it");
+        assert_eq!(meant("00.0"), [false; 3], "a part of an address means none");
+        assert_eq!(meant(" "), [false; 3]);
+        assert_eq!(meant(""), [false; 3]);
+    }
+}

@@ -1,0 +1,228 @@
+//! Lists of ticks to fit: numbers, `"n+1"`, ranges `"-7..0"`, where n is the length of the gap.
+
+use crate::kernel::gap_fill::shape::MAX_SIDE;
+use std::fmt;
+use std::ops::Range;
+
+use toml::Spanned;
+
+use crate::key::scalar::Scalar;
+use crate::source::diagnose::Fault;
+
+/// Ticks farther than this from the gap are refused: a fit over them says nothing about the gap.
+pub(crate) const FARTHEST: i64 = MAX_SIDE as i64;
+
+/// What is accepted in a list of ticks.
+const ACCEPTED: &str =
+    "accepted: whole numbers such as -1, texts such as \"n+1\", inclusive ranges such as \"-7..0\"";
+
+/// One tick: `offset`, or `n + offset`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Tick {
+    after_gap: bool,
+    offset: i64,
+}
+
+impl Tick {
+    fn parse(text: &str) -> Option<Tick> {
+        let plain: String = text.replace('−', "-").split_whitespace().collect();
+        let parse = |digits: &str| digits.parse::<i32>().ok().map(i64::from);
+        match plain.strip_prefix('n') {
+            Some("") => Some(Tick { after_gap: true, offset: 0 }),
+            Some(offset) if offset.starts_with(['+', '-']) => {
+                Some(Tick { after_gap: true, offset: parse(offset)? })
+            }
+            Some(_) => None,
+            None => Some(Tick { after_gap: false, offset: parse(&plain)? }),
+        }
+    }
+
+    /// The number of the tick at a gap of `n`.
+    fn at(self, n: i64) -> i64 {
+        if self.after_gap { n + self.offset } else { self.offset }
+    }
+}
+
+/// Which list, as it decides which ticks make sense.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Purpose {
+    Residual,
+    Extrapolation,
+}
+
+impl fmt::Display for Purpose {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Purpose::Residual => "switching.fit_ticks",
+            Purpose::Extrapolation => "switching.extrapolation_ticks",
+        })
+    }
+}
+
+/// The ticks that a polynomial is fitted to, still open in n.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct TickList {
+    pub(crate) purpose: Purpose,
+    /// Of the whole list; empty at 0 if the list is the default one.
+    pub(crate) span: Range<usize>,
+    /// First and last tick of each inclusive range.
+    ranges: Vec<Spanned<(Tick, Tick)>>,
+}
+
+impl TickList {
+    /// The list as `written`, or the default of its `purpose`.
+    pub(crate) fn read(
+        purpose: Purpose,
+        written: Option<&Spanned<Vec<Spanned<Scalar>>>>,
+    ) -> Result<TickList, Fault> {
+        let Some(written) = written else {
+            return Ok(TickList::default_for(purpose));
+        };
+        let ranges = written.get_ref().iter().map(|item| {
+            let range = match item.get_ref() {
+                Scalar::Integer(i) => Some(Tick { after_gap: false, offset: *i }).map(|tick| (tick, tick)),
+                Scalar::Text(text) => match text.split_once("..") {
+                    Some((from, to)) => Tick::parse(from).zip(Tick::parse(to)),
+                    None => Tick::parse(text).map(|tick| (tick, tick)),
+                },
+                Scalar::Float(_) | Scalar::Bool(_) => None,
+            };
+            let fault = || {
+                let message = format!("{purpose}: {} names no tick", item.get_ref());
+                Fault::new(item.span(), message, "not a tick", ACCEPTED)
+            };
+            Ok(Spanned::new(item.span(), range.ok_or_else(fault)?))
+        });
+        Ok(TickList { purpose, span: written.span(), ranges: ranges.collect::<Result<_, Fault>>()? })
+    }
+
+    fn default_for(purpose: Purpose) -> TickList {
+        let plain = |offset| Tick { after_gap: false, offset };
+        let after = |offset| Tick { after_gap: true, offset };
+        let ranges = match purpose {
+            Purpose::Residual => vec![(plain(-1), plain(0)), (after(1), after(2))],
+            Purpose::Extrapolation => vec![(plain(-3), plain(0))],
+        };
+        let ranges = ranges.into_iter().map(|range| Spanned::new(0..0, range)).collect();
+        TickList { purpose, span: 0..0, ranges }
+    }
+
+    /// The ticks at a gap of `gap_ticks`, ascending.
+    pub(crate) fn resolve(&self, gap_ticks: u32) -> Result<Vec<i32>, Fault> {
+        let mut ticks = self.as_written(gap_ticks)?;
+        ticks.sort_unstable();
+        Ok(ticks)
+    }
+
+    /// The same, but refused where they are not written in that order: weights that are given go with the ticks as they stand.
+    pub(crate) fn resolve_in_order(&self, gap_ticks: u32) -> Result<Vec<i32>, Fault> {
+        let ticks = self.as_written(gap_ticks)?;
+        if ticks.is_sorted() {
+            return Ok(ticks);
+        }
+        let message = format!("{}: ticks {ticks:?} do not rise (at gap_ticks = {gap_ticks})", self.purpose);
+        let help = "write ticks from the earliest to the latest, and each weight at the place of its tick";
+        Err(Fault::new(self.span.clone(), message, "not in the order of time", help))
+    }
+
+    fn as_written(&self, gap_ticks: u32) -> Result<Vec<i32>, Fault> {
+        let n = i64::from(gap_ticks);
+        let mut ticks = Vec::new();
+        for item in &self.ranges {
+            let (from, to) = (item.get_ref().0.at(n), item.get_ref().1.at(n));
+            let refuse = |what: String, label: &str, help: String| {
+                let message = format!("{}: {what} (at gap_ticks = {n})", self.purpose);
+                Err(Fault::new(item.span(), message, label, help))
+            };
+            if let Some(far) =
+                [from, to].into_iter().find(|tick| !(1 - FARTHEST..=n + FARTHEST).contains(tick))
+            {
+                let help = format!("accepted: ticks {} … 0 and n+1 … n+{FARTHEST}", 1 - FARTHEST);
+                let what = format!("tick {far} is more than {FARTHEST} ticks from the gap");
+                return refuse(what, "too far from the gap", help);
+            }
+            if from > to {
+                return refuse(
+                    format!("the range {from}..{to} runs backwards"),
+                    "an empty range",
+                    format!("write {to}..{from}"),
+                );
+            }
+            for tick in from..=to {
+                if (1..=n).contains(&tick) {
+                    let what = format!("tick {tick} lies inside the gap, which is ticks 1 … {n}");
+                    let help =
+                        "take ticks before the gap, 0 and down, or after it, \"n+1\" and up".to_owned();
+                    return refuse(what, "inside the gap", help);
+                }
+                if self.purpose == Purpose::Extrapolation && tick > 0 {
+                    let what = format!("tick {tick} comes after the gap, an extrapolation cannot know it");
+                    return refuse(what, "after the gap", "accepted: ticks up to 0".to_owned());
+                }
+                // Bounded above by FARTHEST on either side, so it fits.
+                let tick = tick as i32;
+                if ticks.contains(&tick) {
+                    return refuse(
+                        format!("tick {tick} is listed twice"),
+                        "listed before",
+                        "leave it out here".into(),
+                    );
+                }
+                ticks.push(tick);
+            }
+        }
+        Ok(ticks)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn list(purpose: Purpose, items: &[Scalar]) -> Result<TickList, Fault> {
+        let items = items.iter().map(|item| Spanned::new(3..7, item.clone())).collect();
+        TickList::read(purpose, Some(&Spanned::new(0..9, items)))
+    }
+
+    fn text(text: &str) -> Scalar {
+        Scalar::Text(text.to_owned())
+    }
+
+    #[test]
+    fn lists_follow_the_gap() {
+        let written =
+            list(Purpose::Residual, &[text("n+1..n + 2"), Scalar::Integer(-1), text("−3"), text("0")])
+                .unwrap();
+        assert_eq!(written.resolve(3).unwrap(), [-3, -1, 0, 4, 5]);
+        assert_eq!(written.resolve(1).unwrap(), [-3, -1, 0, 2, 3]);
+        assert_eq!(TickList::default_for(Purpose::Residual).resolve(2).unwrap(), [-1, 0, 3, 4]);
+        assert_eq!(TickList::default_for(Purpose::Extrapolation).resolve(2).unwrap(), [-3, -2, -1, 0]);
+    }
+
+    #[test]
+    fn lists_that_make_no_sense_are_refused() {
+        let table = [
+            (text("n"), "tick 3 lies inside the gap"),
+            (text("-1..4"), "tick 1 lies inside the gap"),
+            (text("0..-3"), "the range 0..-3 runs backwards"),
+            (text("-64"), "tick -64 is more than 64 ticks"),
+            (text("n+1..n+2000000000"), "more than 64 ticks"),
+            (Scalar::Integer(i64::MIN), "more than 64 ticks"),
+            (Scalar::Integer(i64::MAX), "more than 64 ticks"),
+        ];
+        for (item, piece) in table {
+            let fault = list(Purpose::Residual, &[item]).unwrap().resolve(3).unwrap_err();
+            assert!(format!("{fault:?}").contains(piece), "{fault:?}");
+        }
+        let twice = list(Purpose::Residual, &[Scalar::Integer(4), text("n+1")]).unwrap();
+        assert!(twice.resolve(2).is_ok());
+        assert!(format!("{:?}", twice.resolve(3).unwrap_err()).contains("tick 4 is listed twice"));
+        let turned = list(Purpose::Residual, &[text("n+1"), Scalar::Integer(0)]).unwrap();
+        assert!(format!("{:?}", turned.resolve_in_order(3).unwrap_err()).contains("[4, 0] do not rise"));
+        let late = list(Purpose::Extrapolation, &[text("n+1")]).unwrap();
+        assert!(format!("{:?}", late.resolve(3).unwrap_err()).contains("comes after the gap"));
+        for item in ["n1", "m+1", "1..2..3", "", "n+", "5 ms", "-7..=0"] {
+            assert!(list(Purpose::Residual, &[text(item)]).is_err(), "{item}");
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! A point of a study of Allan curves, ready to be sampled.
+
+use crate::key::file::Streams;
+use crate::kinds::allan::lower::refusal::RecordsError;
+use crate::kinds::allan::lower::{Asked, Records};
+use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
+use crate::store::Address;
+use crate::tally::id::Id;
+use crate::theory::allan::estimator::{Difference, Estimator, Stride};
+
+/// Records of one point, and where their sums are kept.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoweredCurve {
+    /// The noise in fixed point, with its closed forms.
+    pub records: Records,
+    /// Where the sums of its records are kept.
+    pub address: Address,
+}
+
+impl LoweredCurve {
+    /// Lowers a point of a study with this seed.
+    ///
+    /// # Errors
+    /// The point cannot be represented: see [`RecordsError`].
+    pub fn new(
+        point: &RecordPoint,
+        estimator: Estimator,
+        seed: u64,
+        streams: Streams,
+    ) -> Result<LoweredCurve, RecordsError> {
+        let inputs = &point.inputs;
+        let id = id(inputs, seed, streams);
+        let key = match streams {
+            Streams::Independent => id.key(),
+            Streams::Common => Id::of(&format!("streams\nkind=allan\nseed={seed}\n")).key(),
+        };
+        let samples = inputs.samples();
+        let process = inputs.noise.process(inputs.sample_s, samples);
+        let asked = Asked {
+            process: &process,
+            readout_lsb: inputs.noise.readout_lsb,
+            mean_rate: inputs.rate,
+            switching: inputs.noise.switched(inputs.sample_s),
+            samples,
+            estimator,
+            ms: &point.ms,
+            key,
+        };
+        let records = Records::new(&asked)?;
+        let [difference, stride] = names(estimator);
+        let estimate =
+            Id::of(&format!("estimate\ndifference={difference}\nstride={stride}\nms={:?}\n", point.ms));
+        let address = Address { point: id, estimate, digest: records.digest() };
+        Ok(LoweredCurve { records, address })
+    }
+}
+
+/// What an estimator is called in identities.
+fn names(estimator: Estimator) -> [String; 2] {
+    let difference = match estimator.difference {
+        Difference::Second => "second",
+        Difference::Third => "third",
+    };
+    let stride = match estimator.stride {
+        Stride::Sample => "1".to_owned(),
+        Stride::Cluster => "m".to_owned(),
+        Stride::Part(parts) => format!("m/{parts}"),
+    };
+    [difference.to_owned(), stride]
+}
+
+/// The identity of what determines the draws.
+fn id(inputs: &RecordInputs, seed: u64, streams: Streams) -> Id {
+    let RecordInputs { sample_s, rate, noise, .. } = inputs;
+    // Only whole pulses see a constant rate.
+    let rate = if noise.readout_lsb > 0.0 { *rate } else { 0.0 };
+    Id::of(&format!(
+        "point\nkind=allan\nseed={seed}\nstreams={}\nsample_s={sample_s:.11e}\nsamples={}\nrate={rate:.11e}\n\
+         {}",
+        streams.name(),
+        inputs.samples(),
+        noise.canonical(),
+    ))
+}

@@ -1,0 +1,66 @@
+//! Whether every part of a noise model has units enough in its words.
+
+use crate::kinds::allan::lower::fixed::{Fixed, SIGMA_UNITS, TURN};
+use crate::kinds::allan::lower::model::{Markov, Model, Sine};
+use crate::kinds::allan::lower::refusal::{Lost, RecordsError};
+use crate::theory::allan::estimator::Difference;
+
+/// Fewest units of a standard deviation or an amplitude: it is then rounded by at most 1 %.
+const LEAST_UNITS: f64 = 50.0;
+/// Fewest LSB of the largest difference of a ramp or a warm-up, and of the range of an alternating drift.
+const LEAST_TREND: f64 = 128.0;
+/// Fewest units of 2^−32 turns that a sine turns in a sample.
+const LEAST_TURN: f64 = 64.0;
+
+impl Fixed {
+    /// Names the first part that is lost beside the `whole`, ″.
+    pub(crate) fn check(&self, model: &Model, whole: f64) -> Result<(), RecordsError> {
+        let Model { noise, .. } = model;
+        let lost = Lost { whole_arcsec: whole, samples: model.samples };
+        let check = |key, what, found: f64, unit, units: f64, least: f64| match found != 0.0 && units < least
+        {
+            true => Err(RecordsError::TooSmall { key, what, found, unit, lost }),
+            false => Ok(()),
+        };
+        let sigma =
+            |key, what, found, unit, word: u32| check(key, what, found, unit, word.into(), LEAST_UNITS);
+        const RATE: &str = "″ per sample";
+        let (key, what) = ("noise.quantisation", "quantisation noise");
+        sigma(key, what, noise.quantisation, "″", self.quantisation)?;
+        let (key, what) = ("noise.angle_random_walk", "white noise");
+        check(key, what, noise.white, RATE, noise.white / self.lsb_arcsec * SIGMA_UNITS, LEAST_UNITS)?;
+        let (key, what) = ("noise.bias_instability", "flicker noise");
+        for (&found, &word) in noise.octaves.iter().zip(core::iter::once(&self.white).chain(&self.flicker)) {
+            sigma(key, what, found, RATE, word)?;
+        }
+        sigma("noise.rate_random_walk", "a step of the rate", noise.walk, RATE, self.walk)?;
+        if let (Some(Markov { sigma: found, decay }), Some([loss, step, _])) = (noise.markov, self.markov) {
+            if f64::from(loss) < LEAST_UNITS {
+                return Err(RecordsError::MarkovTooSlow { samples: 1.0 / decay });
+            }
+            sigma("noise.markov", "Markov noise", found, RATE, step)?;
+        }
+        if let (Some(Sine { amplitude, turns }), Some([_, word])) = (model.sine, self.sine) {
+            if libm::fabs(turns - libm::round(turns)) * TURN < LEAST_TURN {
+                return Err(RecordsError::SineTooSlow { turns });
+            }
+            sigma("noise.sine", "an angle", amplitude, "″", word)?;
+        }
+        let m = model.longest(Difference::Second) as f64;
+        let ramp = libm::fabs(model.ramp) * m * m / self.lsb_arcsec;
+        check("noise.rate_ramp", "a ramp", model.ramp, "″ per sample²", ramp, LEAST_TREND)?;
+        for warm_up in &model.warm_ups {
+            let part = libm::expm1(-warm_up.decay * m);
+            let largest = libm::fabs(warm_up.reach) * part * part / self.lsb_arcsec;
+            check("noise.warm_up", "a rate", warm_up.rate(), RATE, largest, LEAST_TREND)?;
+        }
+        if let Some(switching) = model.switching {
+            let (key, what) = ("noise.switching.magnetic", "an alternating angle");
+            check(key, what, model.sawtooth, "″", model.sawtooth / self.lsb_arcsec, LEAST_TREND)?;
+            let [_, amplitude, noise] = self.switching.unwrap_or_default();
+            sigma("noise.switching.residual", "an amplitude", switching.residual, "″", amplitude)?;
+            sigma("noise.switching.residual_noise", "a noise", switching.residual_noise, "″", noise)?;
+        }
+        Ok(())
+    }
+}

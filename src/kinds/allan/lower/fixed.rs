@@ -1,0 +1,270 @@
+//! The words of a noise model, and the proof that they have room.
+
+use crate::kernel::moments::LIMIT;
+use crate::kernel::recipe::{FOUR_STREAMS, STREAMS};
+use crate::kinds::allan::lower::model::{DEVIATIONS, Markov, Model, Noise, Sine, WarmUp, reach};
+use crate::kinds::allan::lower::refusal::RecordsError;
+use crate::theory::allan::estimator::Difference;
+use crate::theory::allan::switching::Jumps;
+
+/// Units of standard deviations, and of those of Markov noise, per LSB or unit of the rate; of a sine's amplitude per LSB.
+pub(crate) const SIGMA_UNITS: f64 = 16.0;
+const MARKOV_UNITS: f64 = 4.0;
+const SINE_UNITS: f64 = 4.0;
+
+/// log2 of the fewest and the most LSB in a pulse.
+const PULSE_BITS: [f64; 2] = [4.0, 28.0];
+
+/// The holds of all octaves and streams are rounded down, by less than this many units of the rate in all.
+const HOLDS_ROUNDED: f64 = 128.0;
+
+/// A noise model in fixed point: the words of the kernel, but for what is the same in all records.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Fixed {
+    pub(crate) lsb_arcsec: f64,
+    pub(crate) white: u32,
+    pub(crate) rate_scale: u32,
+    pub(crate) walk: u32,
+    pub(crate) flicker: Vec<u32>,
+    pub(crate) markov: Option<[u32; 3]>,
+    pub(crate) sine: Option<[u32; 2]>,
+    pub(crate) quantisation: u32,
+    pub(crate) pulse: Option<u32>,
+    pub(crate) switching: Option<[u32; 3]>,
+    /// What a readout sees of a constant rate, 2^−32 LSB per sample; whole turns of the word are left out.
+    pub(crate) rate: u64,
+}
+
+impl Fixed {
+    /// The words in the finest unit of angle in which all has room.
+    ///
+    /// # Errors
+    /// A part has too few units in it.
+    pub(crate) fn new(model: &Model) -> Result<Fixed, RecordsError> {
+        let whole = libm::fmax(model.whole(Difference::Second), model.whole(Difference::Third));
+        if !whole.is_finite() {
+            let what = "differences of the angle of";
+            return Err(RecordsError::Impossible { key: "noise", what, found: whole });
+        }
+        if whole == 0.0 {
+            return Err(RecordsError::Nothing);
+        }
+        let finest = libm::floor(libm::log2(whole / LIMIT as f64));
+        let fixed = match model.readout_lsb > 0.0 {
+            false => coarser(libm::exp2(finest))
+                .map(|lsb| Fixed::at(model, lsb, None))
+                .find(|fixed| fixed.has_room(model)),
+            true => {
+                let [least, most] = PULSE_BITS;
+                let bits = libm::floor(libm::log2(model.readout_lsb) - finest).min(most);
+                let all = core::iter::successors(Some(bits), |bits| Some(bits - 1.0));
+                all.take_while(|&bits| bits >= least)
+                    .map(|bits| Fixed::at(model, model.readout_lsb / libm::exp2(bits), Some(bits as u32)))
+                    .find(|fixed| fixed.has_room(model))
+            }
+        };
+        let fixed = fixed.ok_or_else(|| {
+            let has_room = |lsb: &f64| Fixed::at(model, *lsb, None).has_room(model);
+            let unit_arcsec = coarser(libm::exp2(finest)).find(has_room).unwrap_or(f64::INFINITY);
+            RecordsError::ReadoutTooFine { readout_lsb: model.readout_lsb, unit_arcsec }
+        })?;
+        fixed.check(model, whole)?;
+        Ok(fixed)
+    }
+
+    /// The words in a unit of angle.
+    fn at(model: &Model, lsb_arcsec: f64, pulse: Option<u32>) -> Fixed {
+        let noise = &model.noise;
+        let largest = DEVIATIONS * noise.rate(model.samples) / lsb_arcsec;
+        let room =
+            |bits: &i32| 1.02 * largest * libm::exp2(f64::from(32 - bits)) + HOLDS_ROUNDED < RATE_LIMIT;
+        let rate_bits = (0..=30).find(room).unwrap_or(30);
+        let rate_unit = lsb_arcsec * libm::exp2(f64::from(rate_bits - 32));
+        let word = |sigma: f64, unit: f64| libm::round(sigma / unit * SIGMA_UNITS) as u32;
+        let octave_0 = noise.octaves.first().copied().unwrap_or(0.0);
+        let flicker = |(octave, sigma): (usize, &f64)| {
+            let streams = streams(octave);
+            word(sigma / libm::sqrt(streams), rate_unit)
+        };
+        let markov = noise.markov.map(|Markov { sigma, decay }| {
+            // Of a correlation shorter than a sample a last unit is left.
+            let loss = libm::round(-libm::expm1(-decay) * LOSS_UNIT).min(LOSS_UNIT - 1.0);
+            let spread = libm::sqrt(spread(loss));
+            let step = libm::round(sigma * spread / rate_unit * MARKOV_UNITS);
+            // Stationary with the step and loss that it really has.
+            let start = if loss > 0.0 { libm::round(step / spread) } else { 0.0 };
+            [loss as u32, step as u32, start as u32]
+        });
+        let sine = model.sine.map(|Sine { amplitude, turns }| {
+            let turns = (turns - libm::floor(turns)) * TURN;
+            [libm::round(turns) as u64 as u32, libm::round(amplitude / lsb_arcsec * SINE_UNITS) as u32]
+        });
+        let switching = model.switching.filter(|switching| switching.jumps().is_some()).map(|switching| {
+            let amplitude = libm::round(switching.residual / lsb_arcsec * SINE_UNITS);
+            [switching.interval as u32, amplitude as u32, word(switching.residual_noise, lsb_arcsec)]
+        });
+        let rate = match pulse {
+            Some(_) => model.mean_rate + model.unfinished().map(WarmUp::rate).sum::<f64>(),
+            None => 0.0,
+        };
+        Fixed {
+            lsb_arcsec,
+            white: word(libm::hypot(noise.white, octave_0), lsb_arcsec),
+            rate_scale: 1 << rate_bits,
+            walk: word(noise.walk, rate_unit),
+            flicker: noise.octaves.iter().enumerate().skip(1).map(flicker).collect(),
+            markov,
+            sine,
+            quantisation: word(noise.quantisation, lsb_arcsec),
+            pulse,
+            switching,
+            rate: libm::round(rate / lsb_arcsec * TURN) as i128 as u64,
+        }
+    }
+
+    /// A unit of the rate, LSB.
+    pub(crate) fn rate_unit(&self) -> f64 {
+        f64::from(self.rate_scale) / TURN
+    }
+
+    /// A pulse, LSB.
+    pub(crate) fn pulse_lsb(&self) -> Option<f64> {
+        self.pulse.map(|bits| libm::exp2(f64::from(bits)))
+    }
+
+    /// What the words of the random parts come to, LSB and samples: numbers that are rounded down on the way have the
+    /// variance 1/12 of that beside their own.
+    pub(crate) fn noise(&self) -> Noise {
+        let unit = self.rate_unit();
+        let rounded = |word: u32| {
+            let sigma = f64::from(word) / SIGMA_UNITS;
+            sigma * sigma + 1.0 / 12.0
+        };
+        let octave = |(octave, &word): (usize, &u32)| unit * libm::sqrt(streams(octave) * rounded(word));
+        let octaves = (1..).zip(&self.flicker).map(octave);
+        let rounded_rates = f64::from(u8::from(self.walk > 0) + u8::from(self.markov.is_some())) / 12.0;
+        let white = f64::from(self.white) / SIGMA_UNITS;
+        Noise {
+            quantisation: if self.quantisation > 0 { libm::sqrt(rounded(self.quantisation)) } else { 0.0 },
+            white: libm::sqrt(white * white + rounded_rates * unit * unit),
+            octaves: if self.flicker.is_empty() {
+                vec![]
+            } else {
+                core::iter::once(0.0).chain(octaves).collect()
+            },
+            walk: unit * f64::from(self.walk) / SIGMA_UNITS,
+            markov: self.markov.map(|[loss, step, _]| Markov {
+                sigma: unit * f64::from(step) / MARKOV_UNITS / libm::sqrt(spread(f64::from(loss))),
+                decay: -libm::log1p(-f64::from(loss) / LOSS_UNIT),
+            }),
+        }
+    }
+
+    /// Standard deviation of what is new in the angle from one sample to the next, LSB.
+    pub(crate) fn fresh(&self) -> f64 {
+        let unit = self.rate_unit();
+        let steps = [
+            f64::from(self.white) / SIGMA_UNITS,
+            unit * f64::from(self.walk) / SIGMA_UNITS,
+            unit * f64::from(self.markov.map_or(0, |[_, step, _]| step)) / MARKOV_UNITS,
+        ];
+        libm::sqrt(steps.iter().map(|step| step * step).sum())
+    }
+
+    /// Whether there is an angle to be rounded down, beside drift, sine and quantisation noise.
+    pub(crate) fn has_angle(&self) -> bool {
+        self.white > 0 || self.walk > 0 || !self.flicker.is_empty() || self.markov.is_some()
+    }
+
+    /// The sine of the words, LSB and samples.
+    pub(crate) fn wave(&self) -> Option<Sine> {
+        self.sine.map(|[step, amplitude]| Sine {
+            amplitude: f64::from(amplitude) / SINE_UNITS,
+            turns: f64::from(step) / TURN,
+        })
+    }
+
+    /// The fill residuals of the words, LSB.
+    pub(crate) fn jumps(&self) -> Option<Jumps> {
+        self.switching.map(|[interval, amplitude, sigma]| {
+            let [amplitude, sigma] = [f64::from(amplitude) / SINE_UNITS, f64::from(sigma) / SIGMA_UNITS];
+            Jumps { interval: interval.into(), variance: 0.5 * amplitude * amplitude + sigma * sigma }
+        })
+    }
+
+    /// By how much the markov noise at the start is off its stationary variance, as a part of it.
+    pub(crate) fn start_error(&self) -> f64 {
+        self.markov.map_or(0.0, |[loss, step, start]| {
+            let (step, start) = (f64::from(step), f64::from(start));
+            libm::fabs(start * start * spread(f64::from(loss)) / (step * step) - 1.0)
+        })
+    }
+
+    /// Bound of all differences of the record, LSB.
+    fn reach(&self, model: &Model, difference: Difference) -> f64 {
+        let m = model.longest(difference);
+        if m == 0 {
+            return 0.0;
+        }
+        let jumps = self.jumps().map_or(0.0, |jumps| jumps.largest_variance(difference, m));
+        let noise = DEVIATIONS * libm::sqrt(self.noise().variance(difference, m) + jumps);
+        let sine = self.wave().map_or(0.0, |sine| sine.largest(difference, m));
+        let trend = model.trend(difference) / self.lsb_arcsec;
+        let pulses = 0.5 * self.pulse_lsb().unwrap_or(0.0);
+        // Angle, sine, quantisation noise, drift and fill residuals are rounded, by less than one LSB each.
+        let rounded = if self.switching.is_some() { 5.0 } else { 4.0 };
+        noise + sine + trend + reach(difference) * (pulses + rounded)
+    }
+
+    /// The proof: differences fit 2^29, rates 2^31, and factors of products have a sign.
+    fn has_room(&self, model: &Model) -> bool {
+        let fits = |difference| self.reach(model, difference) < LIMIT as f64;
+        let rate = DEVIATIONS * self.noise().rate(model.samples) / self.rate_unit() + HOLDS_ROUNDED;
+        let mut words = vec![self.white, self.walk, self.quantisation];
+        words.extend(&self.flicker);
+        words.extend(self.markov.iter().flatten());
+        words.extend(self.sine.iter().map(|[_, amplitude]| amplitude));
+        words.extend(self.switching.iter().flatten());
+        fits(Difference::Second)
+            && fits(Difference::Third)
+            && rate < RATE_LIMIT
+            && words.iter().all(|&word| word < 1 << 31)
+    }
+}
+
+impl Model {
+    /// Warm-ups that the record is too short for: next to a constant rate, which no difference sees, they are small.
+    pub(crate) fn unfinished(&self) -> impl Iterator<Item = &WarmUp> {
+        self.warm_ups.iter().filter(|warm_up| warm_up.decay * (self.samples as f64) < 1.0)
+    }
+}
+
+impl WarmUp {
+    /// At the start, ″ per sample.
+    pub(crate) fn rate(&self) -> f64 {
+        self.reach * self.decay
+    }
+}
+
+/// Units of the sine's phase to the turn; units of the angle within an LSB.
+pub(crate) const TURN: f64 = 4_294_967_296.0;
+/// Units of what Markov noise loses.
+const LOSS_UNIT: f64 = 1_073_741_824.0;
+/// No rate reaches this many units.
+const RATE_LIMIT: f64 = 2_147_483_648.0;
+
+/// 1 − a² for a = 1 − loss.
+fn spread(loss: f64) -> f64 {
+    let part = loss / LOSS_UNIT;
+    part * (2.0 - part)
+}
+
+/// Streams of an octave.
+fn streams(octave: usize) -> f64 {
+    if octave < FOUR_STREAMS { 1.0 } else { STREAMS as f64 }
+}
+
+/// A unit of angle and all coarser ones.
+fn coarser(lsb: f64) -> impl Iterator<Item = f64> {
+    core::iter::successors(Some(lsb), |lsb| Some(2.0 * lsb))
+}

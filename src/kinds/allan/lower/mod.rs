@@ -1,0 +1,227 @@
+//! Lowering of a noise model to records: from Q, N, B, … in ″ and s to the words of a [`Recipe`].
+//!
+//! ```text
+//! Asked ─ model ─▶ Model ─ fixed ─▶ Fixed ─┬─ drift, levels ─▶ Recipe
+//!                                         └─ oracle ─▶ Oracle
+//! ```
+//!
+//! Words, unit of angle and headroom: `docs/numerics.md`, "Synthetic records".
+
+pub mod curve;
+pub mod drift;
+pub mod enough;
+pub mod fixed;
+pub mod levels;
+pub mod model;
+pub mod oracle;
+pub mod refusal;
+
+pub use crate::kinds::allan::lower::oracle::Oracle;
+pub use crate::kinds::allan::lower::refusal::{Lost, RecordsError};
+
+use crate::kernel::allan;
+use crate::kernel::recipe::Recipe;
+use crate::kinds::allan::lower::fixed::Fixed;
+use crate::kinds::allan::lower::levels::Places;
+use crate::kinds::allan::lower::model::Model;
+use crate::kinds::gap_fill::lower::words_of;
+use crate::tally::id::Id;
+use crate::theory::allan::estimator::{Difference, Estimator};
+use crate::theory::allan::process::Process;
+use crate::theory::allan::switching::Switching;
+
+/// The longest record: its drift takes 4 bytes a sample.
+pub const MOST_SAMPLES: u64 = 1 << 26;
+
+/// What records are asked for.
+#[derive(Debug, Clone)]
+pub struct Asked<'a> {
+    /// Any parts; at most one Markov noise and one sine. Octaves of bias instability are those that the record needs,
+    /// whatever the part says.
+    pub process: &'a Process,
+    /// Angle of a pulse, ″; 0 where the readout is not quantised.
+    pub readout_lsb: f64,
+    /// Constant rate of the gyro, ″/s: only a readout in whole pulses sees it.
+    pub mean_rate: f64,
+    /// Of a gyro that switches modes.
+    pub switching: Option<Switching>,
+    /// Rate samples N.
+    pub samples: u64,
+    /// Which differences, and how many of them.
+    pub estimator: Estimator,
+    /// Averaging factors, ascending.
+    pub ms: &'a [u64],
+    /// Of the point: the key of Philox.
+    pub key: [u32; 2],
+}
+
+/// Records of a noise model, ready to be made: the words that the kernel sees and what they come to.
+///
+/// The unit of angle and the draws depend on process, readout, rate, switching and length alone: another estimator or other averaging
+/// factors take other differences of the same angles.
+///
+/// ```
+/// use sagnac::device::cpu::{Cpu, Width};
+/// use sagnac::kinds::gap_fill::lower::{Asked, Records};
+/// use sagnac::theory::allan::{Estimator, Part, Process};
+///
+/// let white = Part::AngleRandomWalk { n: 0.04 };
+/// let records = Records::new(&Asked {
+///     process: &Process { sample_s: 1.0, parts: vec![white] },
+///     readout_lsb: 0.0,
+///     mean_rate: 0.0,
+///     switching: None,
+///     samples: 1000,
+///     estimator: Estimator::OVERLAPPING,
+///     ms: &[1, 10, 100],
+///     key: [1, 2],
+/// })?;
+/// let sums = Cpu::new(Width::widest(), 1)?.sums(records.recipe(), 0, 1, &|_| {});
+/// // σ²(1 s) of one record, and of all there could be.
+/// let (found, expected) = (records.variances(&sums)[0], records.oracle(0).value.unwrap());
+/// assert!((found / expected - 1.0).abs() < 0.2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Records {
+    recipe: Recipe,
+    estimator: Estimator,
+    sample_s: f64,
+    fixed: Fixed,
+    /// Whether a ramp, a warm-up or an alternating drift is part of it.
+    curved: bool,
+    ms: Vec<u64>,
+    terms: Vec<u64>,
+    /// Where the kernel has the sum of each averaging factor.
+    places: Vec<usize>,
+}
+
+impl Records {
+    /// Lowers a noise model.
+    ///
+    /// # Errors
+    /// It cannot be represented: see [`RecordsError`].
+    pub fn new(asked: &Asked) -> Result<Records, RecordsError> {
+        let Asked { samples, estimator, ms, .. } = *asked;
+        if !(2..=MOST_SAMPLES).contains(&samples) {
+            return Err(RecordsError::Length { samples });
+        }
+        let terms: Vec<u64> = ms.iter().map(|&m| estimator.terms(samples, m)).collect();
+        if ms.is_empty() {
+            return Err(RecordsError::NoAveraging);
+        }
+        if let Some(at) = terms.iter().position(|&terms| terms == 0) {
+            return Err(RecordsError::Averaging { m: ms[at], samples, spans: estimator.difference.spans() });
+        }
+        let model = Model::new(asked)?;
+        let fixed = Fixed::new(&model)?;
+        let Places { levels, places } = Places::of(estimator, ms);
+        let recipe = Recipe {
+            key: asked.key,
+            samples: samples as u32,
+            white: fixed.white,
+            rate_scale: fixed.rate_scale,
+            walk: fixed.walk,
+            flicker: fixed.flicker.clone(),
+            markov: fixed.markov,
+            sine: fixed.sine,
+            quantisation: fixed.quantisation,
+            pulse: fixed.pulse,
+            switching: fixed.switching,
+            drift: crate::kinds::allan::lower::drift::angles(&model, &fixed),
+            order: match estimator.difference {
+                Difference::Second => 2,
+                Difference::Third => 3,
+            },
+            levels,
+        };
+        Ok(Records {
+            recipe,
+            estimator,
+            sample_s: asked.process.sample_s,
+            fixed,
+            curved: model.is_curved(),
+            ms: ms.to_vec(),
+            terms,
+            places,
+        })
+    }
+
+    /// What the kernel takes.
+    pub fn recipe(&self) -> &Recipe {
+        &self.recipe
+    }
+
+    /// Averaging factors, as asked.
+    pub fn ms(&self) -> &[u64] {
+        &self.ms
+    }
+
+    /// Differences that each averaging factor has in a record.
+    pub fn terms(&self) -> &[u64] {
+        &self.terms
+    }
+
+    /// The unit of angle, ″.
+    pub fn lsb_arcsec(&self) -> f64 {
+        self.fixed.lsb_arcsec
+    }
+
+    /// The estimates of one record, (″/s)², for each averaging factor: from its sums, as the kernel gives them.
+    pub fn variances(&self, sums: &[u128]) -> Vec<f64> {
+        let one = |(at, &place): (usize, &usize)| {
+            sums[place] as f64 / self.terms[at] as f64 * self.variance_of_square(at)
+        };
+        self.places.iter().enumerate().map(one).collect()
+    }
+
+    /// The variance at `ms[at]` that a mean square of 1 LSB² is, (″/s)².
+    fn variance_of_square(&self, at: usize) -> f64 {
+        let per_tau = self.fixed.lsb_arcsec / (self.sample_s * self.ms[at] as f64);
+        per_tau * per_tau / self.estimator.difference.divisor()
+    }
+
+    /// Identity of the sums: of all words that determine them, the unit that they are read in, and the kernel's version.
+    pub fn digest(&self) -> Id {
+        let Recipe {
+            key,
+            samples,
+            white,
+            rate_scale,
+            walk,
+            ref flicker,
+            markov,
+            sine,
+            quantisation,
+            pulse,
+            switching,
+            ref drift,
+            order,
+            ref levels,
+        } = self.recipe;
+        let mut words = vec![allan::VERSION, key[0], key[1], samples, white, rate_scale, walk, quantisation];
+        words.push(flicker.len() as u32);
+        words.extend(flicker);
+        words.push(markov.is_some().into());
+        words.extend(markov.iter().flatten());
+        words.push(sine.is_some().into());
+        words.extend(sine.iter().flatten());
+        words.push(pulse.is_some().into());
+        words.extend(pulse);
+        words.push(drift.len() as u32);
+        words.extend(Id::of_words(drift.iter().copied()).0.chunks_exact(4).map(|bytes| {
+            let [a, b, c, d] = [bytes[0], bytes[1], bytes[2], bytes[3]];
+            u32::from_le_bytes([a, b, c, d])
+        }));
+        words.push(order);
+        for level in levels {
+            words.extend([level.stride, level.spans.len() as u32]);
+            words.extend(&level.spans);
+        }
+        words.extend(words_of(self.fixed.lsb_arcsec));
+        words.extend(words_of(self.sample_s));
+        // Records without are what they were before there was any.
+        words.extend(switching.iter().flatten());
+        Id::of_words(words)
+    }
+}

@@ -1,0 +1,259 @@
+//! A noise model kind by kind, for one sample of the record and not for a second.
+
+use core::f64::consts::PI;
+
+use crate::kinds::allan::lower::Asked;
+use crate::kinds::allan::lower::refusal::RecordsError;
+use crate::theory::allan::estimator::Difference;
+use crate::theory::allan::holds;
+use crate::theory::allan::part::{FLAT_LEVEL, Part};
+use crate::theory::allan::process::Process;
+use crate::theory::allan::switching::Switching;
+
+/// Standard deviations that differences and rates are given room for.
+pub(crate) const DEVIATIONS: f64 = 16.0;
+
+/// What is asked, angles in ″ and times in samples.
+pub(crate) struct Model {
+    pub(crate) samples: u64,
+    pub(crate) noise: Noise,
+    pub(crate) sine: Option<Sine>,
+    /// Acceleration, ″ per sample².
+    pub(crate) ramp: f64,
+    pub(crate) warm_ups: Vec<WarmUp>,
+    pub(crate) switching: Option<Switching>,
+    /// Largest angle of its alternating drift less its least, ″.
+    pub(crate) sawtooth: f64,
+    pub(crate) readout_lsb: f64,
+    /// ″ per sample; 0 where no readout sees it.
+    pub(crate) mean_rate: f64,
+}
+
+/// The random parts, as standard deviations in some unit of angle.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Noise {
+    /// Of every angle.
+    pub(crate) quantisation: f64,
+    /// Of every increment.
+    pub(crate) white: f64,
+    /// Of the rate of each octave of holds, from octave 0 on; empty without flicker.
+    pub(crate) octaves: Vec<f64>,
+    /// Of the step of the rate.
+    pub(crate) walk: f64,
+    pub(crate) markov: Option<Markov>,
+}
+
+/// Markov noise of the rate: r_k = e^{−decay}·r_{k−1} + …, of this stationary standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Markov {
+    pub(crate) sigma: f64,
+    pub(crate) decay: f64,
+}
+
+/// A sine of the angle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Sine {
+    pub(crate) amplitude: f64,
+    /// Turns of a sample.
+    pub(crate) turns: f64,
+}
+
+/// reach·(1 − e^{−decay·k}), ″.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct WarmUp {
+    pub(crate) reach: f64,
+    pub(crate) decay: f64,
+}
+
+impl Model {
+    pub(crate) fn new(asked: &Asked) -> Result<Model, RecordsError> {
+        let t0 = at_least("record.sample", "a sample of", asked.process.sample_s, f64::MIN_POSITIVE)?;
+        let readout_lsb = at_least("noise.readout_lsb", "a pulse of", asked.readout_lsb, 0.0)?;
+        let mean_rate = at_least("record.rate", "a rate of", asked.mean_rate, f64::MIN)?;
+        let mut model = Model {
+            samples: asked.samples,
+            noise: Noise { quantisation: 0.0, white: 0.0, octaves: vec![], walk: 0.0, markov: None },
+            sine: None,
+            ramp: 0.0,
+            warm_ups: vec![],
+            switching: None,
+            sawtooth: 0.0,
+            readout_lsb,
+            mean_rate: if readout_lsb > 0.0 { mean_rate * t0 } else { 0.0 },
+        };
+        let mut flicker = 0.0_f64;
+        for part in &asked.process.parts {
+            let noise = &mut model.noise;
+            match *part {
+                Part::Quantisation { q } => {
+                    let q = at_least("noise.quantisation", "a noise of", q, 0.0)?;
+                    noise.quantisation = libm::hypot(noise.quantisation, q);
+                }
+                Part::AngleRandomWalk { n } => {
+                    let n = at_least("noise.angle_random_walk", "a noise of", n, 0.0)?;
+                    noise.white = libm::hypot(noise.white, n * libm::sqrt(t0));
+                }
+                Part::BiasInstability { b, .. } => {
+                    let b = at_least("noise.bias_instability", "a noise of", b, 0.0)?;
+                    flicker = libm::hypot(flicker, b * t0);
+                }
+                Part::RateRandomWalk { k } => {
+                    let k = at_least("noise.rate_random_walk", "a noise of", k, 0.0)?;
+                    noise.walk = libm::hypot(noise.walk, k * t0 * libm::sqrt(t0));
+                }
+                Part::Markov { q_c, time_s } => {
+                    let key = "noise.markov";
+                    let q_c = at_least(key, "a noise of", q_c, 0.0)?;
+                    let time_s = at_least(key, "a correlation time of", time_s, f64::MIN_POSITIVE)?;
+                    let sigma = q_c * libm::sqrt(0.5 * time_s) * t0;
+                    let one = Markov { sigma, decay: t0 / time_s };
+                    if sigma > 0.0 && noise.markov.replace(one).is_some() {
+                        return Err(RecordsError::Several { key });
+                    }
+                }
+                Part::Sine { amplitude, frequency_hz } => {
+                    let key = "noise.sine";
+                    let amplitude = at_least(key, "an amplitude of", amplitude, 0.0)?;
+                    let frequency_hz = at_least(key, "a frequency of", frequency_hz, f64::MIN_POSITIVE)?;
+                    let amplitude = amplitude / (2.0 * PI * frequency_hz);
+                    let one = Sine { amplitude, turns: frequency_hz * t0 };
+                    if amplitude > 0.0 && model.sine.replace(one).is_some() {
+                        return Err(RecordsError::Several { key });
+                    }
+                }
+                Part::RateRamp { r } => {
+                    model.ramp += at_least("noise.rate_ramp", "a ramp of", r, f64::MIN)? * t0 * t0;
+                }
+                Part::WarmUp { amplitude, time_s } => {
+                    let key = "noise.warm_up";
+                    let amplitude = at_least(key, "an amplitude of", amplitude, f64::MIN)?;
+                    let time_s = at_least(key, "a time of", time_s, f64::MIN_POSITIVE)?;
+                    let one = WarmUp { reach: amplitude * time_s, decay: t0 / time_s };
+                    model.warm_ups.extend((amplitude != 0.0).then_some(one));
+                }
+            }
+        }
+        if let Some(switching) = asked.switching {
+            let switching = checked(switching, asked.samples)?.per_sample(t0);
+            model.sawtooth = switching.sawtooth_range(asked.samples);
+            model.switching = Some(switching);
+        }
+        if flicker > 0.0 {
+            let variances = holds::octaves(asked.samples).and_then(holds::variances);
+            let variances = variances.ok_or(RecordsError::Length { samples: asked.samples })?;
+            let sigma = |v: &f64| flicker * libm::sqrt(FLAT_LEVEL * v);
+            model.noise.octaves = variances.iter().map(sigma).collect();
+        }
+        Ok(model)
+    }
+
+    /// The longest averaging factor that a difference can have in the record: 0 if none.
+    pub(crate) fn longest(&self, difference: Difference) -> u64 {
+        self.samples / difference.spans()
+    }
+
+    /// Whether more than a constant rate is the same in all records.
+    pub(crate) fn is_curved(&self) -> bool {
+        self.ramp != 0.0 || !self.warm_ups.is_empty() || self.sawtooth != 0.0
+    }
+
+    /// Bound of all differences of ramp, warm-up and alternating drift, ″: the first two grow with m, and fall along the record.
+    pub(crate) fn trend(&self, difference: Difference) -> f64 {
+        let m = self.longest(difference) as f64;
+        let power = f64::from(difference.spans() as u32);
+        let ramp = if difference == Difference::Second { libm::fabs(self.ramp) * m * m } else { 0.0 };
+        let warm_up =
+            |one: &WarmUp| libm::fabs(one.reach) * libm::pow(libm::fabs(libm::expm1(-one.decay * m)), power);
+        // As many angles are added as taken away.
+        let sawtooth = self.sawtooth * 0.5 * reach(difference);
+        ramp + self.warm_ups.iter().map(warm_up).sum::<f64>() + sawtooth
+    }
+
+    /// Bound of all differences that the record has, ″.
+    pub(crate) fn whole(&self, difference: Difference) -> f64 {
+        let m = self.longest(difference);
+        if m == 0 {
+            return 0.0;
+        }
+        let jumps = self.switching.and_then(|switching| switching.jumps());
+        let jumps = jumps.map_or(0.0, |jumps| jumps.largest_variance(difference, m));
+        let noise = DEVIATIONS * libm::sqrt(self.noise.variance(difference, m) + jumps);
+        let sine = self.sine.map_or(0.0, |sine| sine.largest(difference, m));
+        // Of the readings some are too low by up to a pulse.
+        let pulses = 0.5 * self.readout_lsb * reach(difference);
+        noise + sine + self.trend(difference) + pulses
+    }
+}
+
+/// Σ|c| of a difference.
+pub(crate) fn reach(difference: Difference) -> f64 {
+    libm::exp2(difference.spans() as f64)
+}
+
+/// Switching that is possible in a record.
+fn checked(switching: Switching, samples: u64) -> Result<Switching, RecordsError> {
+    let Switching { interval, magnetic, residual, residual_noise } = switching;
+    if !(1..samples).contains(&interval) {
+        return Err(RecordsError::Interval { interval, samples });
+    }
+    at_least("noise.switching.magnetic", "a drift of", magnetic.amplitude, f64::MIN)?;
+    at_least("noise.switching.initial_magnetic", "a drift of", magnetic.initial, f64::MIN)?;
+    at_least("noise.switching.warm_up_time", "a time of", magnetic.time_s, f64::MIN_POSITIVE)?;
+    at_least("noise.switching.residual", "an amplitude of", residual, 0.0)?;
+    at_least("noise.switching.residual_noise", "a noise of", residual_noise, 0.0)?;
+    Ok(switching)
+}
+
+/// A finite number that is not below `least`.
+fn at_least(key: &'static str, what: &'static str, found: f64, least: f64) -> Result<f64, RecordsError> {
+    match found.is_finite() && found >= least {
+        true => Ok(found),
+        false => Err(RecordsError::Impossible { key, what, found }),
+    }
+}
+
+impl Noise {
+    /// The parts of which a closed form knows the distribution of every increment: all but holds and walk.
+    pub(crate) fn simple(&self) -> Process {
+        let mut parts =
+            vec![Part::Quantisation { q: self.quantisation }, Part::AngleRandomWalk { n: self.white }];
+        parts.extend(self.markov.map(Markov::part));
+        Process { sample_s: 1.0, parts }
+    }
+
+    /// Variance of a difference at `m`; it grows with m.
+    pub(crate) fn variance(&self, difference: Difference, m: u64) -> f64 {
+        let octave = |(o, sigma): (usize, &f64)| sigma * sigma * holds::mean_square(difference, 1 << o, m);
+        self.simple().variance(difference, m)
+            + Part::RateRandomWalk { k: self.walk }.variance(difference, 1.0, m)
+            + self.octaves.iter().enumerate().map(octave).sum::<f64>()
+    }
+
+    /// Standard deviation of the rate at the end of a record, octave 0 left out.
+    pub(crate) fn rate(&self, samples: u64) -> f64 {
+        let held: f64 = self.octaves.iter().skip(1).map(|sigma| sigma * sigma).sum();
+        let markov = self.markov.map_or(0.0, |markov| markov.sigma * markov.sigma);
+        libm::sqrt(held + self.walk * self.walk * samples as f64 + markov)
+    }
+}
+
+impl Markov {
+    /// As theory has it, t0 = 1.
+    pub(crate) fn part(self) -> Part {
+        Part::Markov { q_c: self.sigma * libm::sqrt(2.0 * self.decay), time_s: 1.0 / self.decay }
+    }
+}
+
+impl Sine {
+    /// As theory has it, t0 = 1; `None` of one that never moves.
+    pub(crate) fn part(self) -> Option<Part> {
+        let rate = 2.0 * PI * self.turns;
+        (rate > 0.0).then_some(Part::Sine { amplitude: self.amplitude * rate, frequency_hz: self.turns })
+    }
+
+    /// Bound of the differences at all averaging factors up to `m`: |2 sin x| is at most 2 and at most 2x.
+    pub(crate) fn largest(self, difference: Difference, m: u64) -> f64 {
+        let factor = (2.0 * PI * self.turns * m as f64).min(2.0);
+        self.amplitude * libm::pow(factor, difference.spans() as f64)
+    }
+}

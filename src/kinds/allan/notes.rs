@@ -1,0 +1,86 @@
+//! What should be known of a study of Allan curves besides its results.
+
+use crate::fit::choose::Terms;
+use crate::fit::term::Term;
+use crate::kinds::allan::point::Point;
+use crate::noise::Noise;
+use crate::quantity::number::significant;
+
+/// By how much of itself an interval may be rounded without a word.
+const ROUNDED: f64 = 1e-9;
+/// Most intervals of which it is said how they are rounded.
+const MOST_LISTED: usize = 3;
+/// °/√h of 1 ″/√s.
+const DEG_PER_SQRT_H: f64 = 1.0 / 60.0;
+
+/// Each in a sentence; `terms` are those that are fitted.
+pub(crate) fn of(terms: Option<&Terms>, points: &[Point]) -> Vec<String> {
+    let unfitted = terms.and_then(|terms| unfitted(terms, points));
+    let switching = terms.and_then(|_| switching(points));
+    rounded(points).into_iter().chain(unfitted).chain(switching).collect()
+}
+
+/// Intervals between switches that are no whole number of samples.
+fn rounded(points: &[Point]) -> Option<String> {
+    let mut intervals: Vec<String> = Vec::new();
+    for point in points {
+        let sample_s = point.inputs.sample_s;
+        let Some(asked) = point.inputs.noise.switching else { continue };
+        let taken_s = asked.interval(sample_s) as f64 * sample_s;
+        if (taken_s - asked.interval_s).abs() > ROUNDED * taken_s {
+            let interval = format!("{} s as {} s", significant(asked.interval_s, 6), significant(taken_s, 6));
+            if !intervals.contains(&interval) {
+                intervals.push(interval);
+            }
+        }
+    }
+    let more = intervals.len().saturating_sub(MOST_LISTED);
+    intervals.truncate(MOST_LISTED);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    (!intervals.is_empty()).then(|| {
+        format!("noise.switching.interval is taken as whole samples: {}{more}", intervals.join(", "))
+    })
+}
+
+/// What a fit makes of switches.
+fn switching(points: &[Point]) -> Option<String> {
+    let switched = || {
+        points.iter().filter_map(|point| {
+            Some((point.inputs.sample_s, point.inputs.noise.switched(point.inputs.sample_s)?))
+        })
+    };
+    let walks = switched().filter_map(|(t0, switching)| Some(switching.jumps()?.angle_random_walk(t0)));
+    let [least, most] = walks.fold([f64::INFINITY, 0.0_f64], |[least, most], n| [least.min(n), most.max(n)]);
+    let residuals = (most > 0.0).then(|| {
+        let [least, most] = [least, most].map(|n| significant(DEG_PER_SQRT_H * n, 3));
+        let n = if least == most { most } else { format!("{least} to {most}") };
+        format!("fill residuals as an angle random walk of {n} °/√h at averaging times above the interval")
+    });
+    let drift = switched().any(|(_, switching)| switching.drifts()).then(|| {
+        "the alternating drift, highest at averaging times from half an interval to a whole one, as B and K".to_owned()
+    });
+    let seen: Vec<String> = residuals.into_iter().chain(drift).collect();
+    (!seen.is_empty()).then(|| {
+        format!("switching is no term of the fit, other coefficients take it up: {}", seen.join(", "))
+    })
+}
+
+/// What the noise has and no fitted term covers.
+fn unfitted(terms: &Terms, points: &[Point]) -> Option<String> {
+    let lacks = |term: Term| !terms.all().contains(&term);
+    let any = |has: &dyn Fn(&Noise) -> bool| points.iter().any(|point| has(&point.inputs.noise));
+    let parts = [
+        ("an angle random walk", lacks(Term::AngleRandomWalk) && any(&|n| n.angle_random_walk > 0.0)),
+        ("quantisation", lacks(Term::Quantisation) && any(&|n| n.quantisation + n.readout_lsb > 0.0)),
+        ("a bias instability", lacks(Term::BiasInstability) && any(&|n| n.bias_instability > 0.0)),
+        ("a rate random walk", lacks(Term::RateRandomWalk) && any(&|n| n.rate_random_walk > 0.0)),
+        ("a rate ramp", lacks(Term::RateRamp) && any(&|n| n.rate_ramp != 0.0)),
+        ("Markov noise", lacks(Term::Markov) && any(&|n| n.markov.is_some())),
+        ("a sine", lacks(Term::Sine) && any(&|n| n.sine.is_some())),
+        ("a warm-up", any(&|n| n.warm_up.is_some())),
+    ];
+    let found: Vec<&str> = parts.into_iter().filter(|part| part.1).map(|part| part.0).collect();
+    (!found.is_empty()).then(|| {
+        format!("the noise has {}, which is not fitted: other coefficients take it up", found.join(", "))
+    })
+}

@@ -1,0 +1,303 @@
+//! Points of a study of Allan curves, each checked as a whole.
+
+use toml::Spanned;
+
+use crate::allan::deviation::Deviation;
+use crate::allan::tau::{TauError, Taus};
+use crate::key::file::SweepTable;
+use crate::key::file::allan::RecordTable;
+use crate::key::scalar::Scalar;
+use crate::key::setting::{Key, Setting, Swept};
+use crate::key::sweep::{self, Sweep};
+use crate::kinds::allan::estimate::Estimate;
+use crate::kinds::allan::lower::MOST_SAMPLES;
+use crate::noise::{self, Noise};
+use crate::quantity::number::significant;
+use crate::quantity::units::Dimension;
+use crate::source::diagnose::Fault;
+use crate::source::place::Places;
+use crate::theory::allan::estimator::{Difference, Stride};
+
+const MAGNETIC: &str = "noise.switching.magnetic";
+const WARM_UP_TIME: &str = "noise.switching.warm_up_time";
+/// The keys of what switches leave in a record.
+const LEFT_BY_SWITCHES: [&str; 4] = [
+    MAGNETIC,
+    "noise.switching.initial_magnetic",
+    "noise.switching.residual",
+    "noise.switching.residual_noise",
+];
+/// Fewest samples of a record.
+const FEWEST_SAMPLES: u64 = 16;
+/// By how much of itself a time in a list may miss a whole number of samples, of which decimal fractions have not all.
+const WHOLE: f64 = 1e-9;
+
+/// All that a record depends on, in ″ and s. Every number has 12 significant digits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inputs {
+    /// From one sample to the next, s.
+    pub sample_s: f64,
+    /// As it is asked for, s; a record has the nearest whole number of samples.
+    pub length_s: f64,
+    /// Constant rate, ″/s, which a readout in whole pulses sees.
+    pub rate: f64,
+    /// Its coefficients.
+    pub noise: Noise,
+}
+
+impl Inputs {
+    /// Rates of a record.
+    pub fn samples(&self) -> u64 {
+        libm::round(self.length_s / self.sample_s) as u64
+    }
+}
+
+/// One combination of swept values, with all that follows from it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Place in the order of points; the first sweep changes slowest.
+    pub index: usize,
+    /// Name of each swept key, and its value here, in the order of the sweeps.
+    pub swept: Vec<(&'static str, Swept)>,
+    /// All that the draws depend on.
+    pub inputs: Inputs,
+    /// Averaging factors, ascending.
+    pub ms: Vec<u64>,
+}
+
+static SAMPLE: Setting<Inputs> = Setting {
+    key: Key {
+        name: "record.sample",
+        label: "sampling time",
+        accepts: &[Dimension::Time],
+        limits: (1e-6, 1e6, "1 µs to 1e6 s"),
+    },
+    applies: |_| true,
+    set: |inputs, sample| inputs.sample_s = sample.value,
+};
+
+static LENGTH: Setting<Inputs> = Setting {
+    key: Key {
+        name: "record.length",
+        label: "length of the record",
+        accepts: &[Dimension::Time],
+        limits: (1e-6, 1e12, "1 µs to 1e12 s"),
+    },
+    applies: |_| true,
+    set: |inputs, length| inputs.length_s = length.value,
+};
+
+static RATE: Setting<Inputs> = Setting {
+    key: Key {
+        name: "record.rate",
+        label: "constant rate",
+        accepts: &[Dimension::DriftRate],
+        limits: (-1e9, 1e9, "-1e9 to 1e9 deg/h"),
+    },
+    applies: |_| true,
+    set: |inputs, rate| inputs.rate = rate.value,
+};
+
+/// Every key of the record itself.
+pub(crate) static SETTINGS: [&Setting<Inputs>; 3] = [&SAMPLE, &LENGTH, &RATE];
+
+/// The record that is written, without noise yet.
+pub(crate) fn read(table: &RecordTable, places: &mut Places) -> Result<Inputs, Fault> {
+    let mut inputs = Inputs { sample_s: 0.0, length_s: 0.0, rate: 0.0, noise: Noise::default() };
+    let written: [(&Setting<Inputs>, Option<&Spanned<Scalar>>); 3] =
+        [(&SAMPLE, Some(&table.sample)), (&LENGTH, Some(&table.length)), (&RATE, table.rate.as_ref())];
+    for (setting, value) in written {
+        if let Some(value) = value {
+            (setting.set)(&mut inputs, setting.read(value)?);
+            places.add(setting.name, value.span());
+        }
+    }
+    Ok(inputs)
+}
+
+/// What all points share, with the places to blame.
+pub(crate) struct Base<'a> {
+    pub(crate) inputs: Inputs,
+    /// The noise of each file of a sweep over them, with the keys beside it.
+    pub(crate) files: Vec<Noise>,
+    pub(crate) places: &'a Places,
+    pub(crate) sweeps: &'a [Sweep],
+    pub(crate) estimate: &'a Estimate,
+}
+
+impl Base<'_> {
+    /// Refuses sweeps over parts of the noise that there are not, or over a rate that nothing sees.
+    pub(crate) fn check_sweeps(&self, tables: &[SweepTable]) -> Result<(), Fault> {
+        let noises = self.noises();
+        let pulses = self.sweeps.iter().any(|sweep| sweep.key.name == "noise.readout_lsb")
+            || noises.iter().any(|noise| noise.readout_lsb > 0.0);
+        for (sweep, table) in self.sweeps.iter().zip(tables) {
+            if sweep.key.name == RATE.name && !pulses {
+                let message = "record.rate is swept, and only a readout in whole pulses sees a constant rate";
+                let help = "give noise.readout_lsb, or leave the sweep out";
+                return Err(Fault::new(table.key.span(), message, "nothing sees it", help));
+            }
+            let Some(setting) = noise::SETTINGS.iter().find(|setting| setting.name == sweep.key.name) else {
+                continue;
+            };
+            for noise in noises {
+                setting.check_applies(noise, &noise::SETTINGS, "[noise]", table.key.span())?;
+            }
+        }
+        Ok(())
+    }
+
+    /// All points, in order.
+    ///
+    /// # Errors
+    /// The first point that makes no sense.
+    pub(crate) fn points(&self) -> Result<Vec<Point>, Fault> {
+        (0..sweep::points(self.sweeps)).map(|index| self.point(index)).collect()
+    }
+
+    /// Refuses switches that change nothing at any point, and a warm-up of a drift that is not there.
+    pub(crate) fn check_switching(&self) -> Result<(), Fault> {
+        let is_swept = |names: &[&str]| self.sweeps.iter().any(|sweep| names.contains(&sweep.key.name));
+        let refuse = |names: &[&str], message: &str, label: &str, help: &str| {
+            Err(Fault::new(self.places.blame(&[], names), message, label, help))
+        };
+        for switching in self.noises().iter().filter_map(|noise| noise.switching) {
+            if switching.is_nothing() && !is_swept(&LEFT_BY_SWITCHES) {
+                let message = "[noise.switching] has switches that change nothing";
+                let help = "give magnetic = \"14 arcsec/s\", initial_magnetic, residual = \"10 arcsec\" or \
+                            residual_noise, not 0; or leave the table out";
+                let names = ["noise.switching", noise::FILE.name, "noise"];
+                return refuse(&names, message, "nothing alternates, nothing is left", help);
+            }
+            let warms_up = switching.warm_up_s.is_some() || is_swept(&[WARM_UP_TIME]);
+            if warms_up && switching.magnetic == 0.0 && !is_swept(&[MAGNETIC]) {
+                let message = "noise.switching.warm_up_time stands without magnetic";
+                let help = "give magnetic = \"14 arcsec/s\", or leave warm_up_time out: initial_magnetic is there at once";
+                return refuse(&[WARM_UP_TIME, noise::FILE.name, "noise"], message, "nothing warms up", help);
+            }
+        }
+        Ok(())
+    }
+
+    /// The noise that is written, or that of each file of a sweep over them.
+    fn noises(&self) -> &[Noise] {
+        if self.files.is_empty() { std::slice::from_ref(&self.inputs.noise) } else { &self.files }
+    }
+
+    fn point(&self, index: usize) -> Result<Point, Fault> {
+        let mut inputs = self.inputs.clone();
+        let swept = sweep::values_at(self.sweeps, index);
+        if let Some(noise) = self.file(&swept) {
+            inputs.noise = noise;
+        }
+        sweep::set(&mut inputs, &SETTINGS, &swept);
+        sweep::set(&mut inputs.noise, &noise::SETTINGS, &swept);
+        self.check(&inputs)?;
+        let ms = self.factors(&inputs, &swept)?;
+        Ok(Point { index, swept, inputs, ms })
+    }
+
+    /// The noise of the file that a sweep chooses.
+    fn file(&self, swept: &[(&'static str, Swept)]) -> Option<Noise> {
+        let (sweep, (_, name)) = self.sweeps.iter().zip(swept).find(|(sweep, _)| sweep.key.is_file())?;
+        let place = sweep.values.iter().position(|value| value == name)?;
+        self.files.get(place).cloned()
+    }
+
+    /// Limits that need more than one value.
+    fn check(&self, inputs: &Inputs) -> Result<(), Fault> {
+        let refuse = |names: &[&str], message: String, label: &str, help: &str| {
+            Err(Fault::new(self.places.blame(self.sweeps, names), message, label, help))
+        };
+        let Inputs { sample_s, length_s, noise, .. } = inputs;
+        let samples = inputs.samples();
+        if !(FEWEST_SAMPLES..=MOST_SAMPLES).contains(&samples) {
+            let label = if samples < FEWEST_SAMPLES { "too short" } else { "too long" };
+            let message = format!("record.length = {length_s} s is {samples} samples of {sample_s} s");
+            let [shortest, longest] =
+                [FEWEST_SAMPLES, MOST_SAMPLES].map(|samples| significant(samples as f64 * sample_s, 6));
+            let help = format!(
+                "accepted: {FEWEST_SAMPLES} to {MOST_SAMPLES} samples, {shortest} s to {longest} s here"
+            );
+            return refuse(&["record.length", "record.sample"], message, label, &help);
+        }
+        if let Some(sine) = noise.sine
+            && sine.frequency_hz * sample_s > 0.5
+        {
+            let nyquist = significant(0.5 / sample_s, 6);
+            let message = format!(
+                "noise.sine.frequency = {} Hz is above the Nyquist frequency of samples of {sample_s} s",
+                significant(sine.frequency_hz, 6)
+            );
+            let help = format!("accepted: up to {nyquist} Hz, or a shorter record.sample");
+            let names = ["noise.sine.frequency", "noise.sine", "record.sample"];
+            return refuse(&names, message, "too high for the samples", &help);
+        }
+        if let Some(switching) = noise.switching
+            && !(1..samples).contains(&switching.interval(*sample_s))
+        {
+            let interval = switching.interval(*sample_s);
+            let interval_s = significant(switching.interval_s, 6);
+            let message = match interval {
+                0 => format!(
+                    "noise.switching.interval = {interval_s} s is less than half a sample of {sample_s} s"
+                ),
+                _ => format!(
+                    "noise.switching.interval = {interval_s} s: no switch comes in a record of {length_s} s"
+                ),
+            };
+            let label = if interval == 0 { "too short" } else { "too long" };
+            let longest = significant((samples - 1) as f64 * sample_s, 6);
+            let help = format!("accepted: {sample_s} s to {longest} s here, or leave [noise.switching] out");
+            let names = ["noise.switching.interval", "noise.file", "record.length", "record.sample"];
+            return refuse(&names, message, label, &help);
+        }
+        let is_silent = noise.process(*sample_s, samples).parts.is_empty() && noise.readout_lsb == 0.0;
+        if is_silent && noise.switched(*sample_s).is_none() {
+            let message = "[noise] is empty: all records would be constant".to_owned();
+            let help = "add a coefficient as in angle_random_walk = \"0.00048 deg/sqrt(h)\", or file = \"noise.toml\"";
+            return refuse(&["noise"], message, "no noise", help);
+        }
+        Ok(())
+    }
+
+    /// The averaging factors of the point's records.
+    fn factors(&self, inputs: &Inputs, swept: &[(&'static str, Swept)]) -> Result<Vec<u64>, Fault> {
+        let Estimate { taus, estimator, .. } = self.estimate;
+        let place = || self.places.blame(&[], &["allan.tau"]);
+        if let Taus::Seconds(times) = taus {
+            for tau_s in times {
+                let m = tau_s / inputs.sample_s;
+                if (m - libm::round(m)).abs() > WHOLE * m {
+                    let message =
+                        format!("τ = {tau_s} s is no whole number of samples of {} s", inputs.sample_s);
+                    let help = "give multiples of record.sample, or tau = \"octave\"";
+                    return Err(Fault::new(place(), message, "between two samples", help));
+                }
+            }
+        }
+        let deviation = match estimator.difference {
+            Difference::Second => Deviation::Oadev,
+            Difference::Third => Deviation::Ohdev,
+        };
+        let angles = inputs.samples() as usize + 1;
+        let factors = taus.factors(angles, inputs.sample_s, deviation).map_err(|error| {
+            let message = error.to_string();
+            let message = message.lines().next().unwrap_or_default();
+            let help = match error {
+                TauError::Long { .. } => "leave it out, lengthen the record, or write tau = \"octave\"",
+                _ => "give multiples of record.sample, or tau = \"octave\"",
+            };
+            let at: String = swept.iter().map(|(key, value)| format!(", at {key} = {value}")).collect();
+            Fault::new(place(), format!("allan.tau: {message}{at}"), "not for this record", help)
+        })?;
+        let mut ms: Vec<u64> = factors.into_iter().map(|m| m as u64).collect();
+        if let (Taus::Decade(_), Stride::Part(parts)) = (taus, estimator.stride) {
+            // Differences are whole strides apart, and a factor without divisors would have strides of one sample.
+            let rounded = |m: &mut u64| *m -= *m % (1 << (*m / parts).max(1).ilog2());
+            ms.iter_mut().for_each(rounded);
+            ms.dedup();
+        }
+        Ok(ms)
+    }
+}

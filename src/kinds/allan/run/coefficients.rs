@@ -1,0 +1,252 @@
+//! coefficients.csv of a study of Allan curves: how well each coefficient is found again.
+
+use rayon::prelude::*;
+
+use crate::fit::choose::Terms;
+use crate::fit::coefficient::{Coefficient, Fit, Verdict};
+use crate::fit::covariance::Covariance;
+use crate::fit::curve::Curve;
+use crate::fit::fitter::{Errors, Fitter};
+use crate::fit::term::Term;
+use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
+use crate::kinds::allan::run::{Estimates, Plan, geometry};
+use crate::noise::Noise;
+use crate::quantity::number::significant;
+use crate::run::{column, swept_columns};
+use crate::table::{Cell, Column, Table, Unit};
+use crate::theory::allan::estimator::Stride;
+use crate::theory::allan::part::Part;
+
+/// What is found of one coefficient over all records.
+struct Found {
+    /// Of records where it is identified.
+    values: Vec<f64>,
+    /// Records with an interval, and those whose interval holds the truth.
+    intervals: usize,
+    covered: usize,
+    /// Records that could be fitted, and all of them.
+    fitted: usize,
+    records: usize,
+}
+
+impl Plan<'_> {
+    pub(crate) fn coefficient_columns(&self) -> Vec<Column> {
+        let mut columns = swept_columns(self.study);
+        columns.extend([
+            column("coefficient", "coefficient", Unit::NONE),
+            column("unit", "unit", Unit::NONE),
+            column("truth", "true value", Unit::NONE),
+            column("mean", "mean estimate", Unit::NONE),
+            column("sd", "standard deviation of estimates", Unit::NONE),
+            column("rmse", "rms error of estimates", Unit::NONE),
+            column("coverage95", "part of 95 % intervals that hold the truth", Unit::NONE),
+            column("relative_rmse", "rms error over true value", Unit::NONE),
+            column("identified", "part of records that show it", Unit::NONE),
+            column("trials", "records", Unit::NONE),
+            column("verdict", "verdict", Unit::NONE),
+        ]);
+        columns
+    }
+
+    /// A row for each coefficient that is fitted to the records of a point; `progress` hears of fits as they are done.
+    pub(crate) fn add_coefficients(
+        &self,
+        table: &mut Table,
+        point: &RecordPoint,
+        terms: &Terms,
+        estimates: &Estimates,
+        progress: &(dyn Fn(u64) + Sync),
+    ) {
+        let fits = self.fits(point, terms, estimates, progress);
+        for quantity in quantities(terms) {
+            let truth = quantity.truth(&point.inputs.noise);
+            let found = Found::of(&fits, quantity, truth);
+            let cells = point.swept.iter().map(|(_, value)| value.cell());
+            let cells = cells.chain(found.cells(quantity, truth));
+            table.columns.iter_mut().zip(cells).for_each(|(column, cell)| column.cells.push(cell));
+        }
+    }
+
+    /// Whether records are weighed by the covariance that they show together. Of overlapping estimates each record is fitted as
+    /// if nothing else were known of it; but groups side by side scatter more than the closed form says, and the closed form for
+    /// a time or frequency of its own takes a second for each record.
+    pub(crate) fn are_weighed_together(&self, terms: &Terms) -> bool {
+        self.allan.estimator.stride == Stride::Cluster || terms.all().iter().any(|term| term.has_shape())
+    }
+
+    /// The fit of each record, in their order; of records that are no curve none.
+    pub(crate) fn fits(
+        &self,
+        point: &RecordPoint,
+        terms: &Terms,
+        estimates: &Estimates,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Vec<Option<Fit>> {
+        let fitter = geometry(point, self.allan.estimator.difference)
+            .and_then(|geometry| Some((Fitter::new(&geometry, terms).ok()?, geometry)));
+        let Some((fitter, geometry)) = fitter else { return vec![None; estimates.count()] };
+        let fitted = geometry.ms().len();
+        let together = self.are_weighed_together(terms);
+        let covariance = if together { covariance(point, &geometry, estimates) } else { None };
+        let errors =
+            if terms.all().iter().any(|term| term.has_shape()) { Errors::Known } else { Errors::OfModel };
+        let fit = |record: &[f64]| {
+            progress(1);
+            match &covariance {
+                Some(covariance) => fitter.fit(&record[..fitted], covariance, errors).ok(),
+                None if together => None,
+                None => fitter.fit_record(&record[..fitted]).ok(),
+            }
+        };
+        estimates.records().map(fit).collect()
+    }
+}
+
+/// The covariance of the estimates of a point's records, as the records themselves show it beside the closed form of
+/// overlapping ones; `None` of too few records.
+fn covariance(point: &RecordPoint, geometry: &Curve, estimates: &Estimates) -> Option<Covariance> {
+    let RecordInputs { sample_s, noise, .. } = &point.inputs;
+    let mut process = noise.process(*sample_s, point.inputs.samples());
+    if noise.readout_lsb > 0.0 {
+        process.parts.push(Part::Quantisation { q: noise.readout_lsb / libm::sqrt(12.0) });
+    }
+    let jumps = noise.switched(*sample_s).and_then(|switching| switching.jumps());
+    process.parts.extend(jumps.map(|jumps| Part::AngleRandomWalk { n: jumps.angle_random_walk(*sample_s) }));
+    let model = Covariance::of_process(&process, geometry).ok()?;
+    let fitted = geometry.ms().len();
+    let rows: Vec<Vec<f64>> = estimates.records().map(|record| record[..fitted].to_vec()).collect();
+    Covariance::of_realisations(&rows, &model).ok()
+}
+
+/// A coefficient, or the time or frequency that goes with it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Quantity {
+    term: Term,
+    shape: bool,
+}
+
+fn quantities(terms: &Terms) -> impl Iterator<Item = Quantity> {
+    let of_term = |&term: &Term| {
+        let shape = term.has_shape().then_some(Quantity { term, shape: true });
+        core::iter::once(Quantity { term, shape: false }).chain(shape)
+    };
+    terms.all().iter().flat_map(of_term)
+}
+
+impl Quantity {
+    fn name(self) -> &'static str {
+        match (self.term, self.shape) {
+            (Term::Markov, true) => "markov_time",
+            (Term::Sine, true) => "sine_frequency",
+            (term, _) => term.symbol(),
+        }
+    }
+
+    /// The factor from ″ and s to the unit of data sheets, and that unit.
+    fn unit(self) -> (f64, &'static str) {
+        match (self.term, self.shape) {
+            (Term::Markov, true) => (1.0, "s"),
+            (Term::Sine, true) => (1.0, "Hz"),
+            (term, _) => {
+                let (factor, unit, _) = term.data_sheet_unit();
+                (factor, unit)
+            }
+        }
+    }
+
+    /// What it really is, in the unit of data sheets; absent where there is none of its term.
+    fn truth(self, noise: &Noise) -> Option<f64> {
+        let shape = self.shape;
+        let value = match self.term {
+            // A readout in whole pulses has the error of √12 part of one.
+            Term::Quantisation => libm::hypot(noise.quantisation, noise.readout_lsb / libm::sqrt(12.0)),
+            Term::AngleRandomWalk => noise.angle_random_walk,
+            Term::BiasInstability => noise.bias_instability,
+            Term::RateRandomWalk => noise.rate_random_walk,
+            Term::RateRamp => noise.rate_ramp.abs(),
+            Term::Markov => noise.markov.map_or(0.0, |m| if shape { m.time_s } else { m.amplitude }),
+            Term::Sine => noise.sine.map_or(0.0, |s| if shape { s.frequency_hz } else { s.amplitude }),
+        };
+        (!shape || value > 0.0).then_some(self.unit().0 * value)
+    }
+
+    /// Value and interval of a fit, in the unit of data sheets.
+    fn of(self, coefficient: &Coefficient) -> (Option<f64>, Option<[f64; 2]>) {
+        let factor = self.unit().0;
+        let (value, interval) = match self.shape {
+            true => {
+                (coefficient.shape.map(|shape| shape.value), coefficient.shape.map(|shape| shape.interval))
+            }
+            false => (coefficient.value, coefficient.interval),
+        };
+        (value.map(|value| factor * value), interval.map(|ends| ends.map(|end| factor * end)))
+    }
+}
+
+impl Found {
+    fn of(fits: &[Option<Fit>], quantity: Quantity, truth: Option<f64>) -> Found {
+        let mut found = Found { values: vec![], intervals: 0, covered: 0, fitted: 0, records: fits.len() };
+        for coefficient in fits.iter().flatten().filter_map(|fit| fit.coefficient(quantity.term)) {
+            found.fitted += 1;
+            let (value, interval) = quantity.of(coefficient);
+            if coefficient.verdict == Verdict::Identified {
+                found.values.extend(value);
+            }
+            if let Some([low, high]) = interval {
+                found.intervals += 1;
+                found.covered += usize::from(truth.is_some_and(|truth| low <= truth && truth <= high));
+            }
+        }
+        found
+    }
+
+    /// From the name of the coefficient on.
+    fn cells(&self, quantity: Quantity, truth: Option<f64>) -> [Cell; 11] {
+        let count = self.values.len() as f64;
+        let mean = (count > 0.0).then(|| self.values.iter().sum::<f64>() / count);
+        let spread = |about: f64, by: f64| {
+            libm::sqrt(self.values.iter().map(|x| (x - about) * (x - about)).sum::<f64>() / by)
+        };
+        let sd = mean.filter(|_| count > 1.0).map(|mean| spread(mean, count - 1.0));
+        let rmse = truth.filter(|_| count > 0.0).map(|truth| spread(truth, count));
+        // Where most records do not show it, those that do are the ones in which it came out too large.
+        let is_mostly_shown = 2 * self.values.len() >= self.records;
+        let relative = rmse
+            .zip(truth)
+            .filter(|(_, truth)| *truth > 0.0 && is_mostly_shown)
+            .map(|(rmse, truth)| rmse / truth);
+        let part = |of: usize, all: usize| (all > 0).then(|| of as f64 / all as f64);
+        let coverage = truth.and_then(|_| part(self.covered, self.intervals));
+        [
+            Cell::Text(quantity.name().to_owned()),
+            Cell::Text(quantity.unit().1.to_owned()),
+            truth.into(),
+            mean.into(),
+            sd.into(),
+            rmse.into(),
+            coverage.into(),
+            relative.into(),
+            part(self.values.len(), self.records).into(),
+            Cell::Integer(self.records as i64),
+            Cell::Text(self.verdict(truth)),
+        ]
+    }
+
+    fn verdict(&self, truth: Option<f64>) -> String {
+        if self.records == 0 {
+            return String::new();
+        }
+        let percent = |count: usize| significant(100.0 * count as f64 / self.records as f64, 3);
+        let shown = percent(self.values.len());
+        let verdict = match (self.values.len(), truth) {
+            (0, Some(truth)) if truth > 0.0 => "not identifiable from such a record".to_owned(),
+            (0, _) => "absent, and found in no record".to_owned(),
+            (_, Some(truth)) if truth > 0.0 => format!("identified in {shown} % of records"),
+            _ => format!("absent, but found in {shown} % of records"),
+        };
+        match self.records - self.fitted {
+            0 => verdict,
+            failed => format!("{verdict}; no fit in {} %", percent(failed)),
+        }
+    }
+}

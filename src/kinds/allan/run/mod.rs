@@ -1,0 +1,274 @@
+//! Running a study of Allan curves: records for what the store lacks, batch by batch.
+
+pub mod coefficients;
+pub mod curves;
+pub mod estimates;
+pub mod rows;
+pub mod sampling;
+
+use std::ops::Range;
+
+use crate::fit::curve::Curve;
+use crate::kinds::allan::Allan;
+use crate::kinds::allan::lower::curve::LoweredCurve;
+use crate::kinds::allan::lower::refusal::RecordsError;
+use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
+use crate::kinds::allan::run::estimates::Estimates;
+use crate::quantity::number::significant;
+use crate::run::{Progress, RunError, Tables};
+use crate::sampling::sampling::held_by_all;
+use crate::source::diagnose::StudyError;
+use crate::store::error::StoreError;
+use crate::store::index::Index;
+use crate::store::{Address, Store};
+use crate::study::Study;
+use crate::table::Table;
+use crate::tally::block::missing;
+use crate::tally::id::Id;
+use crate::tally::share::Share;
+use crate::theory::allan::estimator::{Difference, Estimator};
+
+/// Longest averaging time of the fit, as a part of the record: beyond it intervals of K come out too short.
+const LONGEST_FITTED: u64 = 8;
+
+/// Part of a deviation that needs no word.
+const NEGLIGIBLE: f64 = 1e-4;
+
+/// Most records of a point, all of which are in memory when its estimates are taken: 24 bytes each and averaging time.
+const MOST_RECORDS: u64 = 1 << 24;
+
+/// Most bytes of angles that a thread keeps for the records that it makes side by side.
+const MOST_BYTES: usize = 1 << 30;
+
+/// Most lanes of a thread.
+const LANES: usize = 16;
+
+/// A study of Allan curves whose every point is proven to fit.
+#[derive(Debug)]
+pub(crate) struct Plan<'a> {
+    study: &'a Study,
+    allan: &'a Allan,
+    points: Vec<Planned<'a>>,
+    /// By which part the deviation of the records is off most in the kernel's arithmetic, and at which τ, s.
+    off: (f64, f64),
+}
+
+/// A point that can be lowered. Its words are made anew whenever they are needed: drift takes 4 bytes a sample.
+#[derive(Debug)]
+struct Planned<'a> {
+    point: &'a RecordPoint,
+    address: Address,
+    samples: u64,
+    /// Integers of a record.
+    width: usize,
+}
+
+impl<'a> Plan<'a> {
+    /// Lowers every point.
+    pub(crate) fn new(study: &'a Study, allan: &'a Allan) -> Result<Plan<'a>, StudyError> {
+        if study.trials > MOST_RECORDS {
+            let message = format!("{} records of a point", study.trials);
+            let help = format!("accepted: up to {MOST_RECORDS} trials, which are records here");
+            return Err(study.error_at(study.place_of("trials"), message, help));
+        }
+        let mut plan = Plan { study, allan, points: vec![], off: (0.0, 0.0) };
+        for point in &allan.points {
+            let lowered = plan.lowered(point).map_err(|error| refused(study, point, &error))?;
+            let recipe = lowered.records.recipe();
+            plan.check_memory(point, 4 * LANES * recipe.depth())?;
+            plan.check_fit(point)?;
+            let off = off(point, &lowered, allan.estimator);
+            if off.0 > plan.off.0 {
+                plan.off = off;
+            }
+            let (samples, width) = (recipe.samples.into(), recipe.places());
+            plan.points.push(Planned { point, address: lowered.address, samples, width });
+        }
+        Ok(plan)
+    }
+
+    fn lowered(&self, point: &RecordPoint) -> Result<LoweredCurve, RecordsError> {
+        LoweredCurve::new(point, self.allan.estimator, self.study.seed, self.study.streams)
+    }
+
+    /// Records that the store lacks of a share.
+    pub(crate) fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
+        Ok(self.missing(store, share)?.iter().map(|(_, gap)| gap.end - gap.start).sum())
+    }
+
+    /// The records that the store lacks of a share.
+    fn missing(&self, store: &Store, share: Share) -> Result<Vec<(&Planned<'a>, Range<u64>)>, StoreError> {
+        let index = store.index()?;
+        let mut lacking = Vec::new();
+        for (turn, planned) in self.distinct() {
+            let gaps = missing(index.blocks(&planned.address)?, share.trials(self.study.trials, turn));
+            lacking.extend(gaps.into_iter().map(|gap| (planned, gap)));
+        }
+        Ok(lacking)
+    }
+
+    /// The points in their order, but such as differ in nothing that is drawn once.
+    fn distinct(&self) -> impl Iterator<Item = (usize, &Planned<'a>)> {
+        let is_first = |(turn, planned): &(usize, &Planned<'a>)| {
+            self.points[..*turn].iter().all(|before| before.address != planned.address)
+        };
+        self.points.iter().enumerate().filter(is_first)
+    }
+
+    /// The tables before anything is sampled.
+    pub(crate) fn blank_tables(&self) -> Tables {
+        let mut tables = self.empty_tables();
+        for planned in &self.points {
+            self.add(&mut tables, planned.point, None, &Estimates::default(), &|_| {});
+        }
+        tables
+    }
+
+    /// All estimates held. One point is in memory at a time.
+    pub(crate) fn tables(&self, store: &Store, progress: &(dyn Progress + Sync)) -> Result<Tables, RunError> {
+        let mut tables = self.empty_tables();
+        let unit = if self.allan.terms.is_some() { "fits" } else { "records" };
+        progress.start(unit, 0, self.all_records());
+        for planned in &self.points {
+            let lowered = self.lowered(planned.point)?;
+            let rows = store.rows(&planned.address, planned.width)?;
+            let estimates = Estimates::of(rows, |sums| lowered.records.variances(sums));
+            self.add(&mut tables, planned.point, Some(&lowered), &estimates, &|fits| progress.advance(fits));
+            if self.allan.terms.is_none() {
+                progress.advance(self.study.trials);
+            }
+        }
+        Ok(tables)
+    }
+
+    /// Records that tables are made of, with a fit of each where any are asked for.
+    fn all_records(&self) -> u64 {
+        self.study.trials * self.points.len() as u64
+    }
+
+    fn empty_tables(&self) -> Tables {
+        let coefficients = self.allan.terms.as_ref().map(|_| self.coefficient_columns());
+        Tables {
+            points: Table { columns: self.curve_columns() },
+            coefficients: coefficients.map(|columns| Table { columns }),
+            trajectories: None,
+        }
+    }
+
+    /// Adds the rows of a point with these estimates.
+    fn add(
+        &self,
+        tables: &mut Tables,
+        point: &RecordPoint,
+        lowered: Option<&LoweredCurve>,
+        estimates: &Estimates,
+        progress: &(dyn Fn(u64) + Sync),
+    ) {
+        self.add_curve(&mut tables.points, point, lowered, estimates);
+        if let (Some(table), Some(terms)) = (&mut tables.coefficients, &self.allan.terms) {
+            self.add_coefficients(table, point, terms, estimates, progress);
+        }
+    }
+
+    /// Records that every point has, where all have the same number.
+    pub(crate) fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
+        held_by_all(index, self.points.iter().map(|planned| &planned.address))
+    }
+
+    /// The identities of all points.
+    pub(crate) fn ids(&self) -> Vec<Id> {
+        self.points.iter().map(|planned| planned.address.point).collect()
+    }
+
+    /// What should be known besides the results.
+    pub(crate) fn notes(&self) -> Vec<String> {
+        let rounded = (self.off.0 > NEGLIGIBLE).then(|| {
+            format!(
+                "in 32-bit arithmetic the curve of the records is off by up to {} %, at τ = {} s: what is small beside the rest \
+                 of so long a record has few units; a coefficient known to better than that is not covered",
+                significant(100.0 * self.off.0, 2),
+                significant(self.off.1, 6)
+            )
+        });
+        let Some(terms) = &self.allan.terms else { return rounded.into_iter().collect() };
+        let longer = |point: &RecordPoint| point.ms.iter().any(|&m| !is_fitted(m, point.inputs.samples()));
+        let shortened =
+            self.allan.points.iter().any(longer).then(|| {
+                "coefficients are fitted to averaging times up to an eighth of the record".to_owned()
+            });
+        let together = self.are_weighed_together(terms).then(|| {
+            "records are weighed by the covariance that all of them show together, which a single one does not know"
+                .to_owned()
+        });
+        rounded.into_iter().chain(shortened).chain(together).collect()
+    }
+
+    /// Refuses records that take too much memory side by side.
+    fn check_memory(&self, point: &RecordPoint, bytes: usize) -> Result<(), StudyError> {
+        if bytes <= MOST_BYTES {
+            return Ok(());
+        }
+        let message = format!(
+            "records of {} samples need {} MiB on each thread for the longest averaging times",
+            point.inputs.samples(),
+            bytes >> 20
+        );
+        let help = "take overlap = \"m/64\" and tau = \"octave\" or \"decade10\", shorter averaging times, or a shorter record";
+        Err(crate::run::refused(self.study, &point.swept, "allan", &message, help))
+    }
+
+    /// Refuses a fit to fewer points than parameters.
+    fn check_fit(&self, point: &RecordPoint) -> Result<(), StudyError> {
+        let Some(terms) = &self.allan.terms else { return Ok(()) };
+        let points = point.ms.iter().filter(|&&m| is_fitted(m, point.inputs.samples())).count();
+        let parameters = terms.fewest_parameters();
+        if points >= parameters {
+            return Ok(());
+        }
+        let message = format!(
+            "there are {points} averaging times up to an eighth of the record, too few for {parameters} parameters"
+        );
+        let help = "take more averaging times, as of tau = \"decade10\", a longer record, or fewer terms";
+        Err(crate::run::refused(self.study, &point.swept, "allan.tau", &message, help))
+    }
+}
+
+/// By which part the deviation of a point's records differs most from that of its noise, and at which τ, s. Readouts in pulses
+/// have no other curve to compare with, and drift and switches are taken as they are rounded.
+fn off(point: &RecordPoint, lowered: &LoweredCurve, estimator: Estimator) -> (f64, f64) {
+    let RecordInputs { sample_s, noise, .. } = &point.inputs;
+    let switches = noise.switched(*sample_s).is_some();
+    if noise.readout_lsb > 0.0 || switches || !lowered.records.recipe().drift.is_empty() {
+        return (0.0, 0.0);
+    }
+    let samples = point.inputs.samples();
+    let process = noise.process(*sample_s, samples);
+    let at = |(at, &m): (usize, &u64)| {
+        let ratio = lowered.records.oracle(at).value? / process.expected(estimator, samples, m)?;
+        Some(((libm::sqrt(ratio) - 1.0).abs(), sample_s * m as f64))
+    };
+    point
+        .ms
+        .iter()
+        .enumerate()
+        .filter_map(at)
+        .fold((0.0, 0.0), |most, one| if one.0 > most.0 { one } else { most })
+}
+
+/// Whether a fit has this averaging factor.
+fn is_fitted(m: u64, samples: u64) -> bool {
+    LONGEST_FITTED * m <= samples
+}
+
+/// The averaging factors that a fit has of a point, without estimates.
+fn geometry(point: &RecordPoint, difference: Difference) -> Option<Curve> {
+    let samples = point.inputs.samples();
+    let ms: Vec<u64> = point.ms.iter().copied().filter(|&m| is_fitted(m, samples)).collect();
+    let nothing = vec![1.0; ms.len()];
+    Curve::new(point.inputs.sample_s, samples, difference, ms, nothing).ok()
+}
+
+/// The error of a point that cannot be sampled, at the key of the study that has to change.
+fn refused(study: &Study, point: &RecordPoint, error: &RecordsError) -> StudyError {
+    crate::run::refused(study, &point.swept, error.key(), &error.to_string(), error.help())
+}

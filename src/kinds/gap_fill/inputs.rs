@@ -1,0 +1,107 @@
+//! The physical inputs of one point, in ″ and s.
+
+use crate::key::file::motion::Phase;
+use crate::motion::Motion;
+use crate::quantity::units::round_12;
+
+/// All that the motion, the noise and the gap of one point depend on. Every number has 12 significant digits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inputs {
+    /// T, s.
+    pub tick_s: f64,
+    /// White, from tick to tick.
+    pub tick_noise: TickNoise,
+    /// Angle of a pulse, ″; 0 where the readout is not quantised.
+    pub readout_lsb: f64,
+    /// What the relock adds to the ticks n+1, n+2, …, ″.
+    pub relock: Vec<f64>,
+    /// What the base does.
+    pub motion: Motion,
+    /// n.
+    pub gap_ticks: u32,
+}
+
+/// Noise of the angle of one tick.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TickNoise {
+    /// σ, ″.
+    Std(f64),
+    /// N, ″/√s.
+    AngleRandomWalk(f64),
+}
+
+impl TickNoise {
+    /// From three standard deviations, ″.
+    pub(crate) fn from_three_sigma(three_sigma: f64) -> TickNoise {
+        TickNoise::Std(round_12(three_sigma / 3.0))
+    }
+}
+
+impl Inputs {
+    /// σ of the noise of one tick, ″: as given, or N·√T.
+    pub fn sigma_arcsec(&self) -> f64 {
+        match self.tick_noise {
+            TickNoise::Std(sigma) => sigma,
+            TickNoise::AngleRandomWalk(n) => n * libm::sqrt(self.tick_s),
+        }
+    }
+
+    /// Whether nothing turns, and nothing is added to the ticks.
+    pub(crate) fn is_nothing(&self) -> bool {
+        let added = self.relock.iter().any(|angle| *angle != 0.0);
+        self.motion == Motion::default() && self.sigma_arcsec() == 0.0 && self.readout_lsb == 0.0 && !added
+    }
+
+    /// Δt·ν with Δt = (n+1)T/2, from the middle of the gap to the nearest valid tick (our reading of Z(20)); absent where
+    /// the motion is not one tone of fixed frequency.
+    pub fn dt_nu(&self) -> Option<f64> {
+        let (_, frequency_hz) = self.motion.single_tone()?;
+        Some((f64::from(self.gap_ticks) + 1.0) / 2.0 * self.tick_s * frequency_hz)
+    }
+
+    /// A_Ω·T/σ, the angle of a tick at the peak of the rate by the standard deviation of its noise; absent where the motion
+    /// is not one tone of fixed frequency and amplitude, or there is no noise.
+    pub fn amplitude_noise(&self) -> Option<f64> {
+        let (rate, _) = self.motion.single_tone()?;
+        let sigma = self.sigma_arcsec();
+        (sigma > 0.0).then(|| rate * self.tick_s / sigma)
+    }
+}
+
+impl Phase {
+    /// As study files call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Phase::Uniform => "uniform",
+            Phase::ZeroCrossing => "zero-crossing",
+            Phase::Extremum => "extremum",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::motion::Tone;
+
+    #[test]
+    fn derived_quantities_follow_the_theory() {
+        let mut inputs = Inputs {
+            tick_s: 0.005,
+            tick_noise: TickNoise::AngleRandomWalk(2.0),
+            readout_lsb: 0.0,
+            relock: vec![],
+            motion: Motion::of_tone(Tone::of_angle(90.0, 20.0)),
+            gap_ticks: 3,
+        };
+        assert!((inputs.sigma_arcsec() - 0.141_421_356).abs() < 1e-9);
+        assert!((inputs.motion.single_tone().unwrap().0 - 11_309.733_553).abs() < 1e-6);
+        assert!((inputs.dt_nu().unwrap() - 0.2).abs() < 1e-15);
+        inputs.tick_noise = TickNoise::from_three_sigma(1.6);
+        inputs.motion = Motion::of_tone(Tone::of_rate(12000.0, 20.0));
+        assert_eq!(
+            (inputs.sigma_arcsec(), inputs.motion.single_tone()),
+            (0.533_333_333_333, Some((12000.0, 20.0)))
+        );
+    }
+}

@@ -1,0 +1,170 @@
+//! One estimate of a point: the proof that it fits, and what it comes to exactly.
+
+use crate::kernel::gap_fill;
+use crate::kernel::moments::{LIMIT, level};
+use crate::kernel::normal::REACH;
+use crate::key::file::switching::Error;
+use crate::kinds::gap_fill::lower::fixed::Fixed;
+use crate::kinds::gap_fill::lower::refusal::LowerError;
+use crate::kinds::gap_fill::lower::response::Functional;
+use crate::kinds::gap_fill::lower::weights::Rows;
+use crate::kinds::gap_fill::lower::{readout, words_of};
+use crate::store::Address;
+use crate::tally::id::Id;
+
+/// The exact values of an estimate for the lowered parameters, in ″.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Oracle {
+    /// Absent where there is no closed form.
+    pub rms: Option<f64>,
+    /// Largest error of the motion alone, where it is known.
+    pub max: Option<f64>,
+    /// Standard deviation of E² in a trial whose place in the record is given, ″²: where every place comes equally often, the
+    /// noise alone scatters.
+    pub noise_of_square: Option<f64>,
+    /// No sampled rms is farther from `rms` than this for rounding in the kernel.
+    pub rounding: f64,
+}
+
+/// One estimate of a point.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Which error of the filler it is.
+    pub error: Error,
+    /// Where its tallies are kept.
+    pub address: Address,
+    /// Its closed form for the lowered words.
+    pub oracle: Oracle,
+    /// ″ per unit of the tally.
+    pub unit_arcsec: f64,
+    /// Where its histogram starts.
+    pub bin_base: u32,
+    /// The weights in whole numbers.
+    pub rows: Rows,
+    /// Bits that its sum is rounded by.
+    pub(crate) shift: u32,
+}
+
+/// Most of the rms that rounding may be in an estimate of a filler that was designed for the least: beyond it the weights cancel
+/// the motion to below what the arithmetic can hold.
+const MOST_ROUNDING: f64 = 0.1;
+
+/// Whose an estimate is.
+pub(crate) struct Owner<'a> {
+    pub(crate) point: Id,
+    pub(crate) key: [u32; 2],
+    pub(crate) filler: &'a str,
+    /// What the filler is, whatever its name.
+    pub(crate) definition: &'a str,
+    /// Whether its weights were chosen for the least error.
+    pub(crate) designed: bool,
+    pub(crate) error: Error,
+}
+
+impl Estimate {
+    /// Lowers one estimate.
+    pub(crate) fn new(owner: &Owner, fixed: &Fixed, rows: Rows) -> Result<Estimate, LowerError> {
+        let scale = rows.denominator as f64;
+        let sigma = fixed.sigma_lsb();
+        // Reading whole pulses changes each tick by less than one.
+        let pulse = fixed.readout.map_or(0.0, |readout| libm::exp2(f64::from(readout.bits)));
+        let drawn = fixed.has_amplitudes() || fixed.has_frequencies();
+        let functionals = functionals(&rows, owner.error, fixed.gap_ticks);
+        let (mut bound, mut terms, mut rounding) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for f in &functionals {
+            let response = fixed.response(f);
+            let gain = f.gain();
+            // Each tick and the gap is rounded once, by half an LSB at most, and the sine is wrong by 2^−29.5; a drawn
+            // amplitude or frequency has factors that are rounded to an eighth of an LSB besides.
+            let factors = if drawn { 0.25 * (gain + scale * f64::from(f.gap)) } else { 0.0 };
+            let own = 0.5 * (gain + scale)
+                + libm::exp2(if drawn { -28.0 } else { -29.5 }) * response.terms
+                + factors;
+            rounding = rounding.max(own);
+            bound = bound.max(response.bound + (REACH * sigma + pulse) * gain + own);
+            terms = terms.max(response.terms + (REACH * sigma + pulse + 1.0) * gain + scale);
+        }
+        // Below 2^59 the shift stays below 32, which `bits_from` asks for.
+        if terms >= libm::exp2(59.0) {
+            let (filler, error, bits) = (owner.filler.to_owned(), owner.error.name(), libm::log2(terms));
+            return Err(LowerError::TooLarge { filler, error, bits });
+        }
+        let shift = libm::ceil(libm::log2((bound + 1.0) / (LIMIT as f64 - 1.0))).max(0.0);
+        let (shift, unit) = (shift as u32, libm::exp2(shift));
+        let unit_arcsec = fixed.lsb_arcsec / scale * unit;
+        let rounding = (rounding / unit + if shift > 0 { 0.5 } else { 0.0 }) * unit_arcsec;
+
+        // The whole gap is the last row. Errors in a gap of one tick are those of the extrapolation without their sign.
+        let whole = &functionals[functionals.len() - 1];
+        let response = fixed.response(whole);
+        let noise = sigma * whole.noise_gain();
+        let known = owner.error != Error::InGap || fixed.gap_ticks == 1;
+        let quantised = readout::variance(fixed, whole);
+        let rms_with = |more: f64| {
+            libm::sqrt(response.mean * response.mean + response.variance + noise * noise + more) / unit
+        };
+        let oracle = Oracle {
+            rms: quantised.filter(|_| known).map(|(variance, _)| rms_with(variance) * unit_arcsec),
+            noise_of_square: fixed
+                .profile
+                .as_ref()
+                .filter(|profile| profile.every && known && fixed.readout.is_none())
+                .map(|_| {
+                    let square = response.mean * response.mean + response.variance;
+                    let (n, unit) = (noise * noise, unit_arcsec / unit);
+                    libm::sqrt(4.0 * square * n + 2.0 * n * n) * unit * unit
+                }),
+            max: response.largest.filter(|_| known).map(|largest| largest / unit * unit_arcsec),
+            rounding: rounding
+                + quantised.map_or(0.0, |(variance, tail)| {
+                    tail / (2.0 * rms_with(variance) * unit).max(1e-9) / unit * unit_arcsec
+                }),
+        };
+        // Where the variance of the readout is not known, about that of independent fractions.
+        let about =
+            quantised.map_or(pulse * pulse / 6.0 * whole.noise_gain() * whole.noise_gain(), |(x, _)| x);
+        // A record may have most of its motion in few places: then its own level says where bins are needed.
+        let tail = response.level.map_or(0.0, |motion| 0.125 * libm::hypot(motion, 3.0 * noise) / unit);
+        let bin_base = level(libm::floor((0.25 * rms_with(about)).max(tail)) as u32);
+        let lost = oracle.rms.is_some_and(|rms| oracle.rounding > MOST_ROUNDING * rms);
+        // Without motion nothing is cancelled, and what pulses leave of nothing may be 0.
+        if owner.designed && lost && response.terms > whole.gain() {
+            let (filler, sigma_arcsec) = (owner.filler.to_owned(), sigma * fixed.lsb_arcsec);
+            return Err(LowerError::SingularCovariance { filler, sigma_arcsec });
+        }
+        let words = [gap_fill::VERSION, owner.key[0], owner.key[1]]
+            .into_iter()
+            .chain(fixed.words(&rows.ticks))
+            .chain(rows.ticks.iter().map(|&tick| tick as u32))
+            .chain(rows.numerators.iter().flatten().map(|&w| w as u32))
+            .chain([rows.denominator as u32, shift, bin_base])
+            .chain(words_of(unit_arcsec));
+        let address = Address {
+            point: owner.point,
+            estimate: owner.estimate_id(&rows.ticks),
+            digest: Id::of_words(words),
+        };
+        Ok(Estimate { error: owner.error, address, oracle, unit_arcsec, bin_base, rows, shift })
+    }
+
+    pub(crate) fn weight(&self, row: usize, tick: i32) -> u32 {
+        let place = self.rows.ticks.iter().position(|&own| own == tick);
+        place.map_or(0, |k| self.rows.numerators[row][k] as u32)
+    }
+}
+
+impl Owner<'_> {
+    fn estimate_id(&self, ticks: &[i32]) -> Id {
+        let (definition, error) = (self.definition, self.error.name());
+        Id::of(&format!("estimate\nfiller={definition}\nerror={error}\nticks={ticks:?}\n"))
+    }
+}
+
+/// The sums of an estimate: one, or for errors in the gap one for each of its first ticks.
+pub(crate) fn functionals(rows: &Rows, error: Error, gap_ticks: i32) -> Vec<Functional<'_>> {
+    let first = if error == Error::InGap { 1 } else { gap_ticks };
+    (first..)
+        .zip(&rows.numerators)
+        .map(|(gap, weights)| Functional { ticks: &rows.ticks, weights, scale: rows.denominator, gap })
+        .collect()
+}

@@ -1,0 +1,299 @@
+//! The sampled quantities of a point in fixed point: the very words that the kernel sees, before they are put in order.
+
+use std::sync::Arc;
+
+use crate::kernel::gap_fill::shape::MARGIN;
+use crate::kernel::normal::SIGMA;
+use crate::kernel::sine::ONE;
+use crate::key::file::motion::Phase;
+use crate::kinds::gap_fill::lower::physical::{Physical, PhysicalTone, ToneKind};
+use crate::motion::Value;
+use crate::theory::cholesky::semidefinite;
+use crate::theory::gap::tick_phase;
+
+/// Units of the kernel's parameters per LSB.
+pub(crate) const ANGLE_UNITS: f64 = 4.0;
+pub(crate) const SIGMA_UNITS: f64 = 16.0;
+const PEAK_UNITS: f64 = 32.0;
+
+/// Amplitude of a Rayleigh-distributed tone in units of the kernel's sine: its normal numbers have another unit.
+pub(crate) const RAYLEIGH_UNIT: f64 = SIGMA as f64 / ONE as f64;
+
+/// A point in fixed point.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Fixed {
+    pub(crate) lsb_arcsec: f64,
+    pub(crate) gap_ticks: i32,
+    pub(crate) sigma: u32,
+    pub(crate) tones: Vec<FixedTone>,
+    /// Integer lower triangular factor of the Gaussian motion's covariance, in the order of [`gaussian_place`], for as many
+    /// ticks on either side as are asked for.
+    pub(crate) gaussian: Option<Vec<Vec<i32>>>,
+    pub(crate) profile: Option<FixedProfile>,
+    /// Rate, acceleration and relock, LSB per tick.
+    pub(crate) rate: f64,
+    pub(crate) acceleration: f64,
+    pub(crate) relock: Vec<f64>,
+    /// log2 of a pulse in LSB, and the noise over the gap.
+    pub(crate) readout: Option<Readout>,
+}
+
+/// A tone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct FixedTone {
+    pub(crate) motion: ToneMotion,
+    pub(crate) phase: u32,
+    pub(crate) phase_spread: u32,
+    /// Least part of the amplitude and how far it is spread, in 2^−31.
+    pub(crate) part: [u32; 2],
+    pub(crate) rayleigh: bool,
+}
+
+/// What a tone turns through.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum ToneMotion {
+    /// At a fixed frequency νT: the peak angle of a tick, LSB.
+    Fixed { amplitude: f64, nu_t: f64 },
+    /// At a frequency that is drawn: the words of the kernel.
+    Drawn { peak: u32, low: u32, width: u32, of_angle: bool },
+}
+
+/// A recorded profile.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct FixedProfile {
+    /// Angle since the start at the boundaries of ticks, LSB; wraps.
+    pub(crate) angles: Arc<[u32]>,
+    pub(crate) positions: usize,
+    pub(crate) every: bool,
+}
+
+/// Whole pulses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Readout {
+    pub(crate) bits: u32,
+    /// Noise over the whole gap, 2^−4 LSB.
+    pub(crate) gap_sigma: u32,
+}
+
+impl Fixed {
+    /// The words for a unit of angle; `sides` is how many ticks on either side the Gaussian motion reaches.
+    pub(crate) fn new(physical: &Physical, lsb_arcsec: f64, sides: usize) -> Fixed {
+        let n = physical.gap_ticks as i32;
+        let sigma = libm::round(physical.sigma_arcsec / lsb_arcsec * SIGMA_UNITS) as u32;
+        let gap_sigma =
+            libm::round(physical.sigma_arcsec * libm::sqrt(f64::from(n)) / lsb_arcsec * SIGMA_UNITS) as u32;
+        let profile = physical.profile.as_ref().map(|profile| {
+            let mut sum = 0.0;
+            let ends = profile.ticks.iter().map(|angle| {
+                sum += angle;
+                // Only differences are used, so the angle may wrap.
+                libm::round(sum / lsb_arcsec) as i64 as u32
+            });
+            let angles = core::iter::once(0).chain(ends).collect();
+            FixedProfile { angles, positions: profile.positions, every: profile.every }
+        });
+        Fixed {
+            lsb_arcsec,
+            gap_ticks: n,
+            sigma,
+            tones: physical.tones.iter().map(|tone| FixedTone::new(tone, lsb_arcsec)).collect(),
+            gaussian: physical.gaussian.as_ref().map(|g| factor(&g.covariance, n, sides, lsb_arcsec)),
+            profile,
+            rate: physical.rate_arcsec / lsb_arcsec,
+            acceleration: physical.acceleration_arcsec / lsb_arcsec,
+            relock: physical.relock.iter().map(|angle| angle / lsb_arcsec).collect(),
+            readout: (physical.readout_lsb > 0.0).then(|| Readout {
+                bits: libm::round(libm::log2(physical.readout_lsb / lsb_arcsec)) as u32,
+                gap_sigma,
+            }),
+        }
+    }
+
+    pub(crate) fn has_amplitudes(&self) -> bool {
+        self.tones.iter().any(|tone| tone.rayleigh || tone.part[1] > 0)
+    }
+
+    pub(crate) fn has_frequencies(&self) -> bool {
+        self.tones.iter().any(|tone| matches!(tone.motion, ToneMotion::Drawn { .. }))
+    }
+
+    pub(crate) fn has_constants(&self) -> bool {
+        self.rate != 0.0 || self.acceleration != 0.0 || !self.relock.is_empty()
+    }
+
+    /// What is the same in all trials over a tick, in 2^−32 LSB.
+    pub(crate) fn tick_constant(&self, tick: i32) -> i64 {
+        let relock = if tick > self.gap_ticks {
+            self.relock.get((tick - self.gap_ticks - 1) as usize).copied().unwrap_or(0.0)
+        } else {
+            0.0
+        };
+        let from_middle = f64::from(tick) - 0.5 * (f64::from(self.gap_ticks) + 1.0);
+        libm::round((self.rate + self.acceleration * from_middle + relock) * libm::exp2(32.0)) as i64
+    }
+
+    /// The same over the first `ticks` of the gap.
+    pub(crate) fn gap_constant(&self, ticks: i32) -> i64 {
+        (1..=ticks).map(|tick| self.tick_constant(tick)).sum()
+    }
+
+    /// The words that determine an estimate which reads `ticks`, but for its weights.
+    pub(crate) fn words(&self, ticks: &[i32]) -> Vec<u32> {
+        let n = self.gap_ticks;
+        let mut words = vec![n as u32, self.sigma];
+        let all = || ticks.iter().copied().chain(1..=n);
+        for tone in &self.tones {
+            words.extend([
+                tone.phase,
+                tone.phase_spread,
+                tone.part[0],
+                tone.part[1],
+                u32::from(tone.rayleigh),
+            ]);
+            match tone.motion {
+                ToneMotion::Fixed { .. } => {
+                    let parts = all().flat_map(|tick| tone.tick_words(tick, n));
+                    words.extend(parts.map(|word| word as u32));
+                }
+                ToneMotion::Drawn { peak, low, width, of_angle } => {
+                    words.extend([peak, low, width, u32::from(of_angle)]);
+                }
+            }
+        }
+        if let Some(factor) = &self.gaussian {
+            let rows = all().flat_map(|tick| &factor[gaussian_place(tick, n)]);
+            words.extend(rows.map(|&word| word as u32));
+        }
+        if let Some(profile) = &self.profile {
+            let content = crate::tally::id::Id::of_words(profile.angles.iter().copied());
+            words.extend(content.key());
+            words.push(u32::from(profile.every));
+        }
+        words.extend(all().flat_map(|tick| long_words(self.tick_constant(tick))));
+        words.extend(self.readout.iter().flat_map(|readout| [readout.bits, readout.gap_sigma]));
+        words
+    }
+}
+
+impl FixedTone {
+    fn new(tone: &PhysicalTone, lsb_arcsec: f64) -> FixedTone {
+        let (phase, phase_spread) = match tone.phase {
+            Phase::Uniform => (0, u32::MAX),
+            Phase::ZeroCrossing => (0, 0),
+            Phase::Extremum => (1 << 30, 0),
+        };
+        let whole = (1_u32 << 31) - 1;
+        let part = match tone.value {
+            Value::Fixed(_) | Value::Rayleigh(_) => [whole, 0],
+            Value::Uniform([low, _]) => {
+                let low = libm::round(low * f64::from(whole)) as u32;
+                [low, whole - low]
+            }
+        };
+        let rayleigh = matches!(tone.value, Value::Rayleigh(_));
+        let scale = if rayleigh { 1.0 / RAYLEIGH_UNIT } else { 1.0 } / lsb_arcsec;
+        let motion = match tone.kind {
+            ToneKind::Fixed { tick_arcsec, nu_t } => {
+                ToneMotion::Fixed { amplitude: tick_arcsec * scale, nu_t }
+            }
+            ToneKind::Drawn { arcsec, of_angle, nu_t } => {
+                let half_turns = nu_t.map(|nu_t| libm::round(0.5 * nu_t * libm::exp2(32.0)) as u32);
+                // A_Ω T sinc νT is 2/π A_Ω T times the ratio that the kernel has.
+                let factor = if of_angle { 1.0 } else { core::f64::consts::FRAC_2_PI };
+                ToneMotion::Drawn {
+                    peak: libm::round(arcsec * scale * factor * PEAK_UNITS) as u32,
+                    low: half_turns[0],
+                    width: half_turns[1] - half_turns[0],
+                    of_angle,
+                }
+            }
+        };
+        FixedTone { motion, phase, phase_spread, part, rayleigh }
+    }
+
+    /// A tone of fixed frequency over a tick, at sine 1 and at cosine 1 of the phase at the middle of the gap.
+    pub(crate) fn tick_words(&self, tick: i32, gap_ticks: i32) -> [i32; 2] {
+        let ToneMotion::Fixed { amplitude, nu_t } = self.motion else { return [0; 2] };
+        let phase = tick_phase(f64::from(tick), gap_ticks as u32, nu_t);
+        let word = |part: f64| libm::round(part * amplitude * ANGLE_UNITS) as i32;
+        [word(libm::cos(phase)), word(libm::sin(phase))]
+    }
+
+    /// The same over the first `ticks` of the gap; over all of it the parts at cosine 1 cancel.
+    pub(crate) fn gap_words(&self, ticks: i32, gap_ticks: i32) -> [i32; 2] {
+        let ToneMotion::Fixed { amplitude, nu_t } = self.motion else { return [0; 2] };
+        let phases = (1..=ticks).map(|tick| tick_phase(f64::from(tick), gap_ticks as u32, nu_t));
+        let word = |part: f64| libm::round(part * amplitude * ANGLE_UNITS) as i32;
+        let cosines: f64 = phases.clone().map(libm::cos).sum();
+        let sines: f64 = if ticks == gap_ticks { 0.0 } else { phases.map(libm::sin).sum() };
+        [word(cosines), word(sines)]
+    }
+}
+
+impl FixedProfile {
+    /// The angle of a tick with the gap at one of the positions, LSB.
+    pub(crate) fn tick(&self, position: usize, tick: i32) -> i32 {
+        let end = (position + MARGIN).wrapping_add_signed(tick as isize);
+        self.angles[end].wrapping_sub(self.angles[end - 1]) as i32
+    }
+
+    /// The angle over the first `ticks` of the gap.
+    pub(crate) fn gap(&self, position: usize, ticks: i32) -> i32 {
+        let start = position + MARGIN;
+        self.angles[start + ticks as usize].wrapping_sub(self.angles[start]) as i32
+    }
+}
+
+/// The place of a tick among the Gaussian draws: the gap first, then outward, after and before it in turn. A tick farther
+/// out comes later, so that its being there changes no nearer one.
+pub(crate) fn gaussian_place(tick: i32, gap_ticks: i32) -> usize {
+    (match tick {
+        1.. if tick <= gap_ticks => tick - 1,
+        1.. => gap_ticks + 2 * (tick - gap_ticks - 1),
+        _ => gap_ticks + 2 * -tick + 1,
+    }) as usize
+}
+
+fn factor(covariance: &[f64], gap_ticks: i32, sides: usize, lsb_arcsec: f64) -> Vec<Vec<i32>> {
+    let mut ticks: Vec<i32> = (1..=gap_ticks).collect();
+    for k in 0..sides as i32 {
+        ticks.extend([gap_ticks + 1 + k, -k]);
+    }
+    let between = |i: usize, j: usize| covariance[ticks[i].abs_diff(ticks[j]) as usize];
+    let word = |x: f64| libm::round(x / lsb_arcsec * SIGMA_UNITS) as i32;
+    semidefinite(ticks.len(), between).into_iter().map(|row| row.into_iter().map(word).collect()).collect()
+}
+
+/// The two words of a 64-bit constant.
+pub(crate) fn long_words(x: i64) -> [u32; 2] {
+    [x as u32, (x >> 32) as u32]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::theory::minimum_variance::Band;
+
+    #[test]
+    fn the_factor_of_gaussian_motion_times_its_transpose_is_the_covariance() {
+        let lsb = libm::exp2(-16.0);
+        for (band, gap_ticks, sides) in [([18.0, 22.0], 3, 8), ([1.0, 60.0], 2, 4), ([20.0, 20.0], 1, 3)] {
+            let [low_hz, high_hz] = band;
+            let covariance = Band { low_hz, high_hz }.covariance(12_000.0, 0.005, 64);
+            let factor = factor(&covariance, gap_ticks, sides, lsb);
+            let mut ticks: Vec<i32> = (1 - sides as i32..=gap_ticks + sides as i32).collect();
+            ticks.sort_by_key(|&tick| gaussian_place(tick, gap_ticks));
+            assert_eq!(ticks.len(), factor.len());
+            let unit = lsb / SIGMA_UNITS;
+            for (i, j) in (0..ticks.len()).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+                let product: f64 =
+                    factor[i].iter().zip(&factor[j]).map(|(&a, &b)| f64::from(a) * f64::from(b)).sum();
+                let (found, expected) =
+                    (product * unit * unit, covariance[ticks[i].abs_diff(ticks[j]) as usize]);
+                // A tick moved by 2 LSB: pivots below that are left out.
+                let tolerance = 4.0 * lsb * libm::sqrt(covariance[0]);
+                assert!((found - expected).abs() < tolerance, "{band:?}, {i}, {j}: {found}, not {expected}");
+            }
+        }
+    }
+}

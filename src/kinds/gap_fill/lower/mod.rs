@@ -1,0 +1,157 @@
+//! Lowering: a point of a study becomes the fixed-point parameters of its kernel, with a proof that they fit.
+//!
+//! Everything here is f64 through `libm`, in a fixed order, so that the words are the same on every machine. The
+//! oracle of each estimate is taken from the *lowered* parameters: it is exact for what is sampled.
+//!
+//! ```text
+//! Inputs ─ physical ─▶ Physical ─ unit ─▶ Fixed ─┬─ weights, response, readout ─▶ Estimates
+//!                                               └─ launch ─▶ Launch
+//! ```
+//!
+//! One point of a sweep, with its closed forms and no trial:
+//!
+//! ```
+//! use sagnac::kinds::gap_fill::lower::Lowered;
+//! use sagnac::study::Study;
+//!
+//! let study = Study::parse("error_vs_dtnu.toml", include_str!("../../studies/error_vs_dtnu.toml"))?;
+//! let asked = study.gap_fill().unwrap();
+//! let point = asked.points.iter().find(|point| point.inputs.gap_ticks == 3).unwrap();
+//! let lowered = Lowered::new(point, &asked.fillers, &asked.errors, study.seed, study.streams)?;
+//! let residual = &lowered.fillers[0][0];
+//! // 12000 ″/s at 2 Hz, by the constant: 2.067 ″/√2 of motion and 0.8 ″ of noise.
+//! assert!((residual.oracle.rms.unwrap() - 1.666).abs() < 5e-4);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod estimate;
+pub mod fixed;
+pub mod launch;
+pub mod physical;
+pub mod readout;
+pub mod refusal;
+pub mod residual;
+pub mod response;
+pub mod unit;
+pub mod weights;
+
+pub use crate::kinds::allan::lower::curve::LoweredCurve;
+pub use crate::kinds::allan::lower::refusal::RecordsError;
+pub use crate::kinds::allan::lower::{Asked, Records};
+pub use crate::kinds::gap_fill::lower::estimate::{Estimate, Oracle};
+pub use crate::kinds::gap_fill::lower::refusal::{Lost, LowerError};
+pub use crate::kinds::gap_fill::lower::residual::{Residual, ResidualTone};
+pub use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
+pub use crate::kinds::switched_run::lower::oracle::RunOracle;
+pub use crate::kinds::switched_run::lower::{FilledRun, LoweredRun, RunEstimate, RunLowerError};
+
+use crate::filler::{Filler, Method};
+use crate::kernel::moments::MAX_ESTIMATES;
+use crate::key::file::Streams;
+use crate::key::file::switching::Error;
+use crate::kinds::gap_fill::lower::estimate::Owner;
+use crate::kinds::gap_fill::lower::fixed::Fixed;
+use crate::kinds::gap_fill::lower::physical::Physical;
+use crate::kinds::gap_fill::point::Point;
+use crate::tally::id::Id;
+
+/// A point, ready to be sampled.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lowered {
+    /// Of the point: what its draws and tallies are found by.
+    pub id: Id,
+    key: [u32; 2],
+    fixed: Fixed,
+    /// The estimates of each filler: its errors, in the order of the kernel.
+    pub fillers: Vec<Vec<Estimate>>,
+}
+
+impl Lowered {
+    /// Lowers a point of a study with this seed.
+    ///
+    /// # Errors
+    /// The point cannot be represented: see [`LowerError`].
+    pub fn new(
+        point: &Point,
+        fillers: &[Filler],
+        errors: &[Error],
+        seed: u64,
+        streams: Streams,
+    ) -> Result<Lowered, LowerError> {
+        let physical = Physical::of(&point.inputs)?;
+        let id = physical.id(&point.inputs, seed, streams);
+        let key = match streams {
+            Streams::Independent => id.key(),
+            Streams::Common => Id::of(&format!("streams\nkind=gap-fill\nseed={seed}\n")).key(),
+        };
+        let n = point.inputs.gap_ticks as i32;
+        let reach = |tick: i32| if tick > 0 { tick - n } else { 1 - tick };
+        let ticks = point
+            .fills
+            .iter()
+            .flat_map(|fill| fill.fit_ticks.iter().chain(fill.extrapolation_ticks.iter().flatten()));
+        let sides = ticks.map(|&tick| reach(tick)).max().unwrap_or(1) as usize;
+        let lsb_arcsec = crate::kinds::gap_fill::lower::unit::lsb(&physical)?;
+        let fixed = Fixed::new(&physical, lsb_arcsec, sides);
+        let statistics = Statistics::of(&point.inputs);
+        let estimates = |filler: &Filler, fill: &crate::filler::Fill| {
+            let definition = definition(filler);
+            let mut estimates = Vec::new();
+            for &error in errors {
+                let ticks = match error {
+                    Error::Residual => Some(&fill.fit_ticks),
+                    Error::Extrapolation | Error::InGap => fill.extrapolation_ticks.as_ref(),
+                };
+                let Some(ticks) = ticks else { continue };
+                let Some(rows) = Rows::of(filler, error, ticks, &statistics)? else { continue };
+                let designed = matches!(filler.method, Method::MinimumVariance(_));
+                let owner =
+                    Owner { point: id, key, filler: &filler.name, definition: &definition, designed, error };
+                estimates.push(Estimate::new(&owner, &fixed, rows)?);
+            }
+            Ok(estimates)
+        };
+        let fillers = fillers
+            .iter()
+            .zip(&point.fills)
+            .map(|(filler, fill)| estimates(filler, fill))
+            .collect::<Result<Vec<_>, LowerError>>()?;
+        Ok(Lowered { id, key, fixed, fillers })
+    }
+
+    /// Most fillers with the errors of one of them that a launch can have.
+    pub fn most_fillers(&self, filler: usize) -> usize {
+        MAX_ESTIMATES / self.fillers[filler].len().max(1)
+    }
+
+    /// Whether two fillers have the same errors and so can share a launch.
+    pub fn alike(&self, a: usize, b: usize) -> bool {
+        let errors = |filler: usize| self.fillers[filler].iter().map(|estimate| estimate.error);
+        errors(a).eq(errors(b))
+    }
+
+    /// The fewest trials, `asked` or more, that the point can have: whole replays of a profile that is taken in turn.
+    pub fn trials(&self, asked: u64) -> u64 {
+        match &self.fixed.profile {
+            Some(profile) if profile.every => asked.next_multiple_of(profile.positions as u64),
+            _ => asked,
+        }
+    }
+}
+
+/// What a filler is, whatever its name: part of the identity of its estimates.
+pub(crate) fn definition(filler: &Filler) -> String {
+    match &filler.method {
+        Method::Polynomial(order) => format!("polynomial order={order}"),
+        Method::MinimumVariance(None) => "minimum-variance".to_owned(),
+        Method::MinimumVariance(Some(band)) => {
+            format!("minimum-variance band_hz={:.11e} {:.11e}", band.low_hz, band.high_hz)
+        }
+        Method::Weights { residual, extrapolation } => format!("weights {residual:?} {extrapolation:?}"),
+    }
+}
+
+/// The bits of a number.
+pub(crate) fn words_of(x: f64) -> [u32; 2] {
+    [x.to_bits() as u32, (x.to_bits() >> 32) as u32]
+}

@@ -1,0 +1,226 @@
+//! What a point's draws and truth depend on, by what it comes to: a motion given as a rate or as an angle is the same
+//! motion. Every number has 12 significant digits.
+
+use std::fmt::Write as _;
+
+use crate::kernel::gap_fill::shape::MARGIN;
+use crate::kernel::normal::REACH;
+use crate::key::file::Streams;
+use crate::key::file::motion::{Phase, Position};
+use crate::kinds::gap_fill::inputs::Inputs;
+use crate::kinds::gap_fill::lower::refusal::LowerError;
+use crate::motion::vibration::Acceleration;
+use crate::motion::{Frequency, Gaussian, Value};
+use crate::quantity::units::round_12;
+use crate::tally::id::Id;
+use crate::theory::gap::tick_amplitude;
+
+/// Most ticks of a profile: a place in it is chosen by 32 random bits, which favour no place by more than 1/1000.
+const MOST_PROFILE_TICKS: usize = 1 << 22;
+
+/// The canonical inputs, angles in ″ per tick.
+#[derive(Debug, Clone)]
+pub(crate) struct Physical {
+    pub(crate) gap_ticks: u32,
+    pub(crate) sigma_arcsec: f64,
+    /// 0 where the readout is not quantised.
+    pub(crate) readout_lsb: f64,
+    pub(crate) relock: Vec<f64>,
+    pub(crate) tones: Vec<PhysicalTone>,
+    pub(crate) gaussian: Option<PhysicalGaussian>,
+    pub(crate) profile: Option<PhysicalProfile>,
+    /// ΩT and αT².
+    pub(crate) rate_arcsec: f64,
+    pub(crate) acceleration_arcsec: f64,
+}
+
+/// One tone.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PhysicalTone {
+    /// What gives it, for refusals.
+    pub(crate) key: &'static str,
+    pub(crate) kind: ToneKind,
+    /// How the amplitude is drawn, as parts of its scale.
+    pub(crate) value: Value,
+    pub(crate) phase: Phase,
+}
+
+/// What a tone turns through in a tick.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum ToneKind {
+    /// Angle with the peak of the rate in the middle, negative where sinc(νT) is, at νT.
+    Fixed { tick_arcsec: f64, nu_t: f64 },
+    /// A_Ω T at amplitudes of the rate, 2A at those of the angle, and νT between two ends.
+    Drawn { arcsec: f64, of_angle: bool, nu_t: [f64; 2] },
+}
+
+/// Stationary Gaussian motion: the covariance of tick angles by lag, ″², as far as any tick can be from another.
+#[derive(Debug, Clone)]
+pub(crate) struct PhysicalGaussian {
+    /// What gives it, for refusals.
+    pub(crate) key: &'static str,
+    pub(crate) covariance: Vec<f64>,
+}
+
+/// A recorded profile.
+#[derive(Debug, Clone)]
+pub(crate) struct PhysicalProfile {
+    pub(crate) ticks: Vec<f64>,
+    pub(crate) every: bool,
+    /// Places that the gap can have.
+    pub(crate) positions: usize,
+}
+
+impl Physical {
+    pub(crate) fn of(inputs: &Inputs) -> Result<Physical, LowerError> {
+        let tick_s = round_12(inputs.tick_s);
+        let motion = &inputs.motion;
+        // Where one frequency is drawn, the kernel draws all of them: a fixed one from a band without width.
+        let drawn = motion.tones.iter().any(|tone| matches!(tone.frequency, Frequency::Band(_)));
+        // The tone of a sine through the suspension is the last one.
+        let sine = motion.vibration.iter().filter(|v| matches!(v.acceleration, Acceleration::Sine { .. }));
+        let written = motion.tones.len() - sine.count();
+        let key = |index: usize| match (index < written, written) {
+            (false, _) => "motion.suspension",
+            (true, 1) => "motion.amplitude",
+            (true, _) => "motion.tones",
+        };
+        let tones = motion
+            .tones
+            .iter()
+            .enumerate()
+            .map(|(index, tone)| {
+                let scale = tone.amplitude.value.scale();
+                let value = match tone.amplitude.value {
+                    Value::Fixed(_) => Value::Fixed(1.0),
+                    Value::Uniform([low, high]) => {
+                        Value::Uniform([if high > 0.0 { round_12(low / high) } else { 1.0 }, 1.0])
+                    }
+                    Value::Rayleigh(_) => Value::Rayleigh(1.0),
+                };
+                let kind = match tone.frequency {
+                    Frequency::Fixed(nu) if !drawn => {
+                        let nu_t = round_12(tick_s * round_12(nu));
+                        let rate = round_12(scale * tone.rate_factor(nu));
+                        ToneKind::Fixed { tick_arcsec: round_12(rate * tick_amplitude(tick_s, nu_t)), nu_t }
+                    }
+                    Frequency::Fixed(_) | Frequency::Band(_) => {
+                        let band = tone.band();
+                        let of_angle = tone.amplitude.of_angle;
+                        ToneKind::Drawn {
+                            arcsec: round_12(if of_angle { 2.0 * scale } else { scale * tick_s }),
+                            of_angle,
+                            nu_t: [band.low_hz, band.high_hz].map(|nu| round_12(tick_s * nu)),
+                        }
+                    }
+                };
+                PhysicalTone { key: key(index), kind, value, phase: tone.phase }
+            })
+            .collect();
+        let lags = 2 * MARGIN + inputs.gap_ticks as usize;
+        let gaussian = motion.gaussian.as_ref().map(|gaussian| PhysicalGaussian {
+            key: match gaussian {
+                Gaussian::Band { .. } | Gaussian::Psd(_) => "motion.gaussian",
+                Gaussian::Vibration { .. } => "motion.suspension",
+            },
+            covariance: gaussian.covariance(tick_s, lags),
+        });
+        let profile = motion.profile.as_ref().map(|profile| {
+            let (file, count) = (profile.file.clone(), profile.record.whole_ticks(tick_s));
+            if count > MOST_PROFILE_TICKS {
+                return Err(LowerError::ProfileTooLong { file, ticks: count, most: MOST_PROFILE_TICKS });
+            }
+            let needed = 2 * MARGIN + inputs.gap_ticks as usize;
+            let Some(rest) = count.checked_sub(needed) else {
+                let gap_ticks = inputs.gap_ticks;
+                return Err(LowerError::ProfileTooShort { file, ticks: count, gap_ticks, margin: MARGIN });
+            };
+            let ticks = profile.record.tick_angles(tick_s);
+            Ok(PhysicalProfile { ticks, every: profile.position == Position::Every, positions: rest + 1 })
+        });
+        Ok(Physical {
+            gap_ticks: inputs.gap_ticks,
+            sigma_arcsec: round_12(inputs.sigma_arcsec()),
+            readout_lsb: inputs.readout_lsb,
+            relock: inputs.relock.clone(),
+            tones,
+            gaussian,
+            profile: profile.transpose()?,
+            rate_arcsec: round_12(motion.rate * tick_s),
+            acceleration_arcsec: round_12(motion.acceleration * tick_s * tick_s),
+        })
+    }
+
+    /// Largest angle of a tick that each part of the motion can have, ″, with the key that gives it.
+    pub(crate) fn tick_sizes(&self) -> Vec<(&'static str, f64)> {
+        let mut sizes = Vec::new();
+        for tone in &self.tones {
+            let arcsec = match tone.kind {
+                ToneKind::Fixed { tick_arcsec, .. } => tick_arcsec.abs(),
+                ToneKind::Drawn { arcsec, .. } => arcsec,
+            };
+            // Of two normal numbers.
+            let reach = if let Value::Rayleigh(_) = tone.value { 2.0 * REACH } else { 1.0 };
+            sizes.push((tone.key, arcsec * reach));
+        }
+        if let Some(gaussian) = &self.gaussian {
+            sizes.push((gaussian.key, REACH * libm::sqrt(gaussian.covariance[0])));
+        }
+        if let Some(profile) = &self.profile {
+            sizes.push(("motion.profile", profile.ticks.iter().fold(0.0, |most, x| most.max(x.abs()))));
+        }
+        sizes
+    }
+
+    /// Largest angle of a tick by what is the same in all trials, ″.
+    pub(crate) fn constant_size(&self) -> f64 {
+        let farthest = (2 * MARGIN) as f64 + f64::from(self.gap_ticks);
+        let relock = self.relock.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        self.rate_arcsec.abs() + self.acceleration_arcsec.abs() * farthest + relock
+    }
+
+    /// The identity of the point in a study of this seed: whatever determines draws and truth.
+    pub(crate) fn id(&self, inputs: &Inputs, seed: u64, streams: Streams) -> Id {
+        let Physical { gap_ticks, sigma_arcsec, readout_lsb, .. } = self;
+        let mut text = format!(
+            "point\nkind=gap-fill\nseed={seed}\nstreams={}\ngap_ticks={gap_ticks}\nsigma_arcsec={sigma_arcsec:.11e}\n\
+             readout_lsb={readout_lsb:.11e}\nrelock={:?}\nrate_arcsec={:.11e}\nacceleration_arcsec={:.11e}\n",
+            streams.name(),
+            self.relock,
+            self.rate_arcsec,
+            self.acceleration_arcsec,
+        );
+        let mut line = |line: std::fmt::Arguments| {
+            // Writing to a text does not fail.
+            let _ = writeln!(text, "{line}");
+        };
+        for tone in &self.tones {
+            line(format_args!("tone={:?} {:?} {}", tone.kind, tone.value, tone.phase.name()));
+        }
+        match &inputs.motion.gaussian {
+            Some(Gaussian::Band { rms, band }) => line(format_args!(
+                "gaussian={:.11e} {:.11e} {:.11e}",
+                round_12(rms * inputs.tick_s),
+                round_12(band.low_hz * inputs.tick_s),
+                round_12(band.high_hz * inputs.tick_s)
+            )),
+            Some(Gaussian::Psd(psd)) => {
+                line(format_args!("psd={:?} tick_s={:.11e}", psd.points(), inputs.tick_s))
+            }
+            Some(Gaussian::Vibration { suspension, acceleration, scale }) => line(format_args!(
+                "suspension={:?} acceleration={:?} scale={scale:.11e} tick_s={:.11e}",
+                suspension.modes(),
+                acceleration.points(),
+                inputs.tick_s
+            )),
+            None => {}
+        }
+        if let Some(profile) = &self.profile {
+            let content = Id::of_words(
+                profile.ticks.iter().flat_map(|angle| crate::kinds::gap_fill::lower::words_of(*angle)),
+            );
+            line(format_args!("profile={content} every={}", profile.every));
+        }
+        Id::of(&text)
+    }
+}

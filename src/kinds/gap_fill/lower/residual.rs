@@ -1,0 +1,82 @@
+//! What a filler leaves at a switch, as a function of the phase of the motion there: what whole runs add up.
+
+use crate::kernel::relock_ticks::MAX_TICKS;
+use crate::key::file::switching::Error;
+use crate::kinds::gap_fill::lower::estimate::{Estimate, functionals};
+use crate::kinds::gap_fill::lower::fixed::ToneMotion;
+use crate::kinds::gap_fill::lower::{Lowered, readout};
+
+/// The residual of a switch, ″.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Residual {
+    /// Sines of the phases of tones.
+    pub tones: Vec<ResidualTone>,
+    /// What every switch leaves.
+    pub constant_arcsec: f64,
+    /// Of what is normally distributed, or taken as that: noise, Gaussian motion, fractions of a pulse, drawn amplitudes
+    /// and frequencies, profiles.
+    pub variance_arcsec2: f64,
+    /// Weights of the filler on the ticks n+1, n+2, … as far as a relock can reach.
+    pub after: Vec<f64>,
+}
+
+impl Residual {
+    /// Root mean square over switches, ″.
+    pub fn rms(&self) -> f64 {
+        let squares = self.tones.iter().map(|tone| 0.5 * tone.amplitude_arcsec * tone.amplitude_arcsec);
+        let swinging: f64 = squares.sum();
+        libm::sqrt(self.constant_arcsec * self.constant_arcsec + self.variance_arcsec2 + swinging)
+    }
+}
+
+/// What is left of a tone of random phase.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResidualTone {
+    /// Of the angle that is left, ″.
+    pub amplitude_arcsec: f64,
+    /// Its place among the tones of the motion.
+    pub tone: usize,
+}
+
+impl Lowered {
+    /// The residual of a filler, of the same words that its trials are sampled with; `None` where it has none.
+    pub fn residual(&self, filler: usize) -> Option<Residual> {
+        let estimate: &Estimate =
+            self.fillers[filler].iter().find(|estimate| estimate.error == Error::Residual)?;
+        let fixed = &self.fixed;
+        let all = functionals(&estimate.rows, Error::Residual, fixed.gap_ticks);
+        let f = all.last()?;
+        let whole = fixed.response(f);
+        let (mut mean, mut variance) = (whole.mean, whole.variance);
+        let mut tones = Vec::new();
+        for (place, tone) in fixed.tones.iter().enumerate() {
+            let plain =
+                matches!(tone.motion, ToneMotion::Fixed { .. }) && tone.part[1] == 0 && !tone.rayleigh;
+            if plain && tone.phase_spread != 0 {
+                let part = tone.response(f, fixed.gap_ticks);
+                // What swings evenly has twice the variance as the square of its amplitude.
+                mean -= part.mean;
+                variance -= part.variance;
+                tones.push((place, libm::sqrt(2.0 * part.variance)));
+            }
+        }
+        let sigma = fixed.sigma_lsb() * f.noise_gain();
+        let fractions = readout::about(fixed, f);
+        let unit = fixed.lsb_arcsec / estimate.rows.denominator as f64;
+        // Differences of equal numbers may miss 0.
+        let normal = variance.max(0.0) + sigma * sigma + fractions;
+        let weight = |tick: i32| {
+            let place = f.ticks.iter().position(|&own| own == tick);
+            place.map_or(0.0, |place| f.weights[place] as f64 / f.scale as f64)
+        };
+        let after = (1..=MAX_TICKS as i32).map(|k| weight(fixed.gap_ticks + k));
+        let tones =
+            tones.into_iter().map(|(tone, size)| ResidualTone { tone, amplitude_arcsec: size * unit });
+        Some(Residual {
+            tones: tones.filter(|tone| tone.amplitude_arcsec > 0.0).collect(),
+            constant_arcsec: mean * unit,
+            variance_arcsec2: normal * unit * unit,
+            after: after.collect(),
+        })
+    }
+}

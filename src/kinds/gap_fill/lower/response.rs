@@ -1,0 +1,276 @@
+//! What a weighted sum of ticks less the gap comes to, exactly, for the lowered motion: the oracle of an estimate, and the
+//! bounds that prove that it fits.
+
+use core::f64::consts::PI;
+
+use crate::kernel::normal::REACH;
+use crate::kinds::gap_fill::lower::fixed::{
+    ANGLE_UNITS, Fixed, FixedProfile, FixedTone, RAYLEIGH_UNIT, SIGMA_UNITS, ToneMotion, gaussian_place,
+};
+use crate::tally::stats::LEVEL;
+use crate::theory::quadrature;
+
+/// Σ w P − D Σ_{j ≤ gap} P_j, the weights being whole numbers on ticks.
+#[derive(Debug, Clone)]
+pub(crate) struct Functional<'a> {
+    pub(crate) ticks: &'a [i32],
+    pub(crate) weights: &'a [i64],
+    pub(crate) scale: i64,
+    /// Ticks of the gap, counted from its start.
+    pub(crate) gap: i32,
+}
+
+/// What it comes to for the motion, without noise, in LSB.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Response {
+    pub(crate) mean: f64,
+    pub(crate) variance: f64,
+    /// No error of the motion is larger.
+    pub(crate) bound: f64,
+    /// The largest error, where it is known and not only bounded.
+    pub(crate) largest: Option<f64>,
+    /// The 99.73 % level of |error|, where the motion is so far from a sine or a Gaussian that the rms does not tell it.
+    pub(crate) level: Option<f64>,
+    /// Σ|w||P| + D|Σ P|: no accumulator holds more on the way.
+    pub(crate) terms: f64,
+}
+
+impl Functional<'_> {
+    pub(crate) fn gain(&self) -> f64 {
+        self.weights.iter().map(|w| w.abs() as f64).sum()
+    }
+
+    pub(crate) fn noise_gain(&self) -> f64 {
+        libm::sqrt(self.weights.iter().map(|&w| w as f64 * w as f64).sum())
+    }
+
+    /// Σ w x(tick) − D x(gap) of a quantity by tick and by length of gap.
+    fn of(&self, tick: impl Fn(i32) -> f64, gap: f64) -> f64 {
+        let filled: f64 = self.ticks.iter().zip(self.weights).map(|(&t, &w)| w as f64 * tick(t)).sum();
+        filled - self.scale as f64 * gap
+    }
+
+    /// Σ|w||x(tick)| + D|x(gap)|.
+    fn terms_of(&self, tick: impl Fn(i32) -> f64, gap: f64) -> f64 {
+        let filled: f64 =
+            self.ticks.iter().zip(self.weights).map(|(&t, &w)| w.abs() as f64 * tick(t).abs()).sum();
+        filled + self.scale as f64 * gap.abs()
+    }
+}
+
+impl Fixed {
+    /// The response of the whole motion.
+    pub(crate) fn response(&self, f: &Functional) -> Response {
+        let lsb = |x: i64| x as f64 / libm::exp2(32.0);
+        let constant = f.of(|tick| lsb(self.tick_constant(tick)), lsb(self.gap_constant(f.gap)));
+        let terms = f.terms_of(|tick| lsb(self.tick_constant(tick)), lsb(self.gap_constant(f.gap)));
+        let (bound, largest) = (constant.abs(), Some(constant));
+        let mut sum = Response { mean: constant, variance: 0.0, bound, largest, level: None, terms };
+        // `largest` is the mean with its sign until the parts that swing about it are added at the end.
+        let mut swing = 0.0;
+        for tone in &self.tones {
+            let part = tone.response(f, self.gap_ticks);
+            sum.mean += part.mean;
+            sum.variance += part.variance;
+            sum.bound += part.bound;
+            sum.terms += part.terms;
+            let fixed =
+                tone.part[1] == 0 && !tone.rayleigh && matches!(tone.motion, ToneMotion::Fixed { .. });
+            sum.largest = sum.largest.filter(|_| fixed).map(|fixed_sum| fixed_sum + part.mean);
+            swing += if tone.phase_spread != 0 { part.bound } else { 0.0 };
+        }
+        sum.largest = sum.largest.map(|fixed| fixed.abs() + swing);
+        if let Some(factor) = &self.gaussian {
+            let part = gaussian_response(factor, f, self.gap_ticks);
+            sum.variance += part.variance;
+            sum.bound += part.bound;
+            sum.terms += part.terms;
+            sum.largest = None;
+        }
+        if let Some(profile) = &self.profile {
+            let part = profile.response(f, constant);
+            sum.mean += part.mean;
+            sum.variance += part.variance;
+            sum.bound += part.bound;
+            sum.terms += part.terms;
+            sum.largest = part.largest;
+            sum.level = part.level;
+        }
+        sum
+    }
+
+    /// Standard deviation of the noise of a tick, LSB.
+    pub(crate) fn sigma_lsb(&self) -> f64 {
+        f64::from(self.sigma) / SIGMA_UNITS
+    }
+}
+
+impl FixedTone {
+    pub(crate) fn response(&self, f: &Functional, n: i32) -> Response {
+        match self.motion {
+            ToneMotion::Fixed { .. } => {
+                let tick = |tick, i: usize| f64::from(self.tick_words(tick, n)[i]) / ANGLE_UNITS;
+                let gap = self.gap_words(f.gap, n).map(|word| f64::from(word) / ANGLE_UNITS);
+                let [a, b] = [0, 1].map(|i| f.of(|t| tick(t, i), gap[i]));
+                let terms = [0, 1].map(|i| f.terms_of(|t| tick(t, i), gap[i])).iter().sum();
+                let e = self.fixed_phase(a, b);
+                self.parts(
+                    [0.5 * (a * a + b * b), e, e * e],
+                    [libm::hypot(a, b), e.abs()],
+                    a.abs() + b.abs(),
+                    terms,
+                )
+            }
+            ToneMotion::Drawn { low, width, .. } => {
+                let ends = [f64::from(low), f64::from(low) + f64::from(width)];
+                let span = f.ticks.iter().map(|&tick| f64::from(tick.abs())).fold(f64::from(n), f64::max);
+                // Turns of the fastest term over the band.
+                let turns = (ends[1] - ends[0]) / libm::exp2(32.0) * 4.0 * (span + 1.0);
+                let panels = 1.0 + libm::ceil(turns);
+                let mean = |g: &dyn Fn([f64; 2]) -> f64| {
+                    quadrature::mean(ends[0], ends[1], panels, |word| g(self.at(f, n, word)))
+                };
+                let swinging = mean(&|[a, b]| 0.5 * (a * a + b * b));
+                let fixed = mean(&|[a, b]| self.fixed_phase(a, b));
+                let fixed_square = mean(&|[a, b]| {
+                    let e = self.fixed_phase(a, b);
+                    e * e
+                });
+                // Bounded by a grid and by how fast the response can change between its points.
+                let peak = self.peak_at(ends[0]).max(self.peak_at(ends[1]));
+                let gain = f.gain() + f.scale as f64 * f64::from(f.gap);
+                let size = peak * gain;
+                let steps = 64 * panels as usize;
+                let step = (ends[1] - ends[0]) / steps as f64;
+                // The phases turn by at most `reach`, and neither π·sin(x)/2x nor sin(x) is steeper than 1.
+                let reach = f.ticks.iter().map(|tick| (2 * tick - n - 1).abs()).fold(n - 1, i32::max);
+                let slope = gain * (peak * f64::from(reach) + self.full_peak()) * 2.0 * PI / libm::exp2(32.0);
+                let greatest = (0..=steps)
+                    .map(|i| self.at(f, n, ends[0] + step * i as f64))
+                    .fold(0.0, |most: f64, [a, b]| most.max(libm::hypot(a, b)));
+                let bound = size.min(greatest + slope * step);
+                let sum = size.min(core::f64::consts::SQRT_2 * bound);
+                self.parts([swinging, fixed, fixed_square], [bound, bound], sum, 2.0 * size)
+            }
+        }
+    }
+
+    /// The response at a frequency, in turns per half tick in 2^−32, as factors of the sine and cosine at the middle.
+    fn at(&self, f: &Functional, n: i32, word: f64) -> [f64; 2] {
+        let peak = self.peak_at(word);
+        let half_turn = 2.0 * PI * word / libm::exp2(32.0);
+        let phase = |tick: i32| half_turn * f64::from(2 * tick - n - 1);
+        let gap = |part: fn(f64) -> f64| (1..=f.gap).map(|tick| part(phase(tick))).sum::<f64>();
+        [
+            peak * f.of(|tick| libm::cos(phase(tick)), gap(libm::cos)),
+            peak * f.of(|tick| libm::sin(phase(tick)), gap(libm::sin)),
+        ]
+    }
+
+    /// The peak angle of a tick at that frequency, LSB.
+    fn peak_at(&self, word: f64) -> f64 {
+        let ToneMotion::Drawn { of_angle, .. } = self.motion else { return 0.0 };
+        // πνT.
+        let x = 2.0 * PI * word / libm::exp2(32.0);
+        let ratio = match (of_angle, x == 0.0) {
+            (true, _) => libm::sin(x),
+            (false, true) => 0.5 * PI,
+            (false, false) => 0.5 * PI * libm::sin(x) / x,
+        };
+        self.full_peak() * ratio
+    }
+
+    /// How far it swings at that frequency over so many ticks on end, LSB.
+    pub(crate) fn swing_at(&self, word: f64, ticks: i32) -> f64 {
+        let x = 2.0 * PI * word / libm::exp2(32.0);
+        let ratio = if libm::sin(x) == 0.0 {
+            f64::from(ticks)
+        } else {
+            libm::sin(f64::from(ticks) * x) / libm::sin(x)
+        };
+        (self.peak_at(word) * ratio).abs()
+    }
+
+    /// The same where the ratio is 1.
+    fn full_peak(&self) -> f64 {
+        let ToneMotion::Drawn { peak, .. } = self.motion else { return 0.0 };
+        f64::from(peak) / 32.0
+    }
+
+    /// a sin φ + b cos φ at the phase that is fixed.
+    fn fixed_phase(&self, a: f64, b: f64) -> f64 {
+        let phase = f64::from(self.phase) / libm::exp2(32.0) * 2.0 * PI;
+        a * libm::sin(phase) + b * libm::cos(phase)
+    }
+
+    /// Takes the amplitude into account. `squares`: ½(a² + b²), then the mean and the mean square at the fixed phase;
+    /// `bounds`: at any phase and at the fixed one; `sum`: |a| + |b|.
+    fn parts(&self, squares: [f64; 3], bounds: [f64; 2], sum: f64, terms: f64) -> Response {
+        let [swinging, fixed, fixed_square] = squares;
+        if self.rayleigh {
+            let unit = RAYLEIGH_UNIT;
+            return Response {
+                mean: 0.0,
+                variance: 2.0 * swinging * unit * unit,
+                bound: REACH * unit * sum,
+                largest: None,
+                level: None,
+                terms: REACH * unit * terms,
+            };
+        }
+        let whole = libm::exp2(31.0);
+        let [low, width] = self.part.map(|word| f64::from(word) / whole);
+        let (mean_part, mean_square) = (low + 0.5 * width, low * low + low * width + width * width / 3.0);
+        let (mean, square, bound) = if self.phase_spread != 0 {
+            (0.0, swinging * mean_square, bounds[0])
+        } else {
+            (fixed * mean_part, fixed_square * mean_square, bounds[1])
+        };
+        Response { mean, variance: (square - mean * mean).max(0.0), bound, largest: None, level: None, terms }
+    }
+}
+
+fn gaussian_response(factor: &[Vec<i32>], f: &Functional, n: i32) -> Response {
+    let word = |tick: i32, i: usize| {
+        factor[gaussian_place(tick, n)].get(i).map_or(0.0, |&word| f64::from(word) / SIGMA_UNITS)
+    };
+    let mut sum = Response { mean: 0.0, variance: 0.0, bound: 0.0, largest: None, level: None, terms: 0.0 };
+    for i in 0..factor.len() {
+        let gap: f64 = (1..=f.gap).map(|tick| word(tick, i)).sum();
+        let r = f.of(|tick| word(tick, i), gap);
+        sum.variance += r * r;
+        sum.bound += REACH * r.abs();
+        sum.terms += REACH * f.terms_of(|tick| word(tick, i), gap);
+    }
+    sum
+}
+
+impl FixedProfile {
+    fn response(&self, f: &Functional, constant: f64) -> Response {
+        let (mut sum, mut square, mut terms) = (0.0, 0.0, 0.0_f64);
+        let (mut least, mut greatest) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut sizes = Vec::with_capacity(self.positions);
+        for position in 0..self.positions {
+            let tick = |tick: i32| f64::from(self.tick(position, tick));
+            let gap = f64::from(self.gap(position, f.gap));
+            let e = f.of(tick, gap);
+            sum += e;
+            square += e * e;
+            (least, greatest) = (least.min(e), greatest.max(e));
+            sizes.push((e + constant).abs());
+            terms = terms.max(f.terms_of(tick, gap));
+        }
+        let count = self.positions as f64;
+        let mean = sum / count;
+        let rank = ((LEVEL * count) as usize).min(self.positions - 1);
+        let level = *sizes.select_nth_unstable_by(rank, f64::total_cmp).1;
+        Response {
+            mean,
+            variance: (square / count - mean * mean).max(0.0),
+            bound: least.abs().max(greatest.abs()),
+            largest: Some((least + constant).abs().max((greatest + constant).abs())),
+            level: Some(level),
+            terms,
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! The unit of angle of a point, from its physical inputs alone: another filler never changes it.
+
+use crate::kernel::moments::LIMIT;
+use crate::kernel::normal::REACH;
+use crate::kinds::gap_fill::lower::fixed::Fixed;
+use crate::kinds::gap_fill::lower::physical::Physical;
+use crate::kinds::gap_fill::lower::refusal::{Lost, LowerError};
+use crate::kinds::gap_fill::lower::response::Functional;
+use crate::theory::gap::polynomial_weights;
+
+/// Fewest units of 2^−4 LSB of σ: it is then rounded by at most 1 %.
+const LEAST_SIGMA: f64 = 50.0;
+
+/// Fewest LSB of the peak angle of a tick: its words are then rounded by less than 0.1 %. Motion without noise has more
+/// even where the longest gap leaves the least room.
+const LEAST_MOTION: f64 = 128.0;
+
+/// Headroom kept for fillers other than the three polynomials on their default ticks.
+const RESERVE: f64 = 4.0;
+
+/// Finest LSB is 2^−24 ″, coarsest 2^24 ″.
+const FINEST: i32 = 24;
+
+/// Ticks on either side that the default fillers reach.
+const DEFAULT_SIDES: usize = 4;
+
+/// The unit of angle, ″: the worst error of the three polynomials on their default ticks leaves a factor [`RESERVE`] to the
+/// limit. A power of two, or with whole pulses a pulse divided by one.
+///
+/// # Errors
+/// Noise, motion or pulses have too few units.
+pub(crate) fn lsb(physical: &Physical) -> Result<f64, LowerError> {
+    let sizes = physical.tick_sizes();
+    let whole = sizes.iter().map(|(_, size)| size).sum::<f64>()
+        + physical.constant_size()
+        + REACH * physical.sigma_arcsec
+        + physical.readout_lsb;
+    let n = physical.gap_ticks as i32;
+    let mut worst = f64::from(n + 1) * whole;
+    if whole > 0.0 {
+        // In a provisional unit, in which all words fit for certain.
+        let provisional = worst / libm::exp2(26.0);
+        let fixed = Fixed::new(physical, provisional, DEFAULT_SIDES);
+        for order in 0..3 {
+            for ticks in [[-1, 0, n + 1, n + 2], [-3, -2, -1, 0]] {
+                // Four ticks always determine a quadratic.
+                let Some(weights) = polynomial_weights(&ticks, order, physical.gap_ticks) else { continue };
+                let functional = Functional {
+                    ticks: &ticks,
+                    weights: &weights.numerators,
+                    scale: weights.denominator,
+                    gap: n,
+                };
+                let noise = (REACH * physical.sigma_arcsec + physical.readout_lsb) * functional.gain();
+                worst = worst.max(fixed.response(&functional).bound * provisional + noise);
+            }
+        }
+    }
+    let bits = libm::floor(libm::log2(LIMIT as f64 / (RESERVE * worst)));
+    let mut lsb = libm::exp2(-bits.clamp(-f64::from(FINEST), f64::from(FINEST)));
+    if physical.readout_lsb > 0.0 {
+        let steps = libm::floor(libm::log2(physical.readout_lsb / lsb));
+        if steps < 0.0 {
+            let (readout_lsb, unit_arcsec) = (physical.readout_lsb, lsb);
+            return Err(LowerError::ReadoutTooFine { readout_lsb, unit_arcsec });
+        }
+        lsb = physical.readout_lsb / libm::exp2(steps.min(f64::from(FINEST)));
+    }
+    let finest = lsb <= libm::exp2(-f64::from(FINEST));
+    let lost = if finest { Lost::BelowFinest } else { Lost::Beside { whole_arcsec: whole } };
+    let sigma_arcsec = physical.sigma_arcsec;
+    if sigma_arcsec > 0.0
+        && libm::round(sigma_arcsec / lsb * crate::kinds::gap_fill::lower::fixed::SIGMA_UNITS) < LEAST_SIGMA
+    {
+        return Err(LowerError::NoiseTooSmall { sigma_arcsec, lost });
+    }
+    for (key, tick_arcsec) in sizes {
+        if tick_arcsec > 0.0 && tick_arcsec / lsb < LEAST_MOTION {
+            return Err(LowerError::MotionTooSmall { key, tick_arcsec, lost });
+        }
+    }
+    Ok(lsb)
+}

@@ -1,0 +1,84 @@
+//! The noise of a gap-fill study from `[noise]`: what of it matters over a gap, and what does not.
+
+use crate::key::file::{GyroTable, StudyFile};
+use crate::key::sweep::Sweep;
+use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
+use crate::kinds::gap_fill::keys::{GAP_TICKS, READOUT_LSB, TICK};
+use crate::noise::{self, Noise};
+use crate::quantity::number::significant;
+use crate::quantity::units::round_12;
+use crate::source::diagnose::{Fault, Wrong};
+use crate::source::place::Places;
+use crate::source::text_file::Files;
+
+/// The noise of `[noise]`, where the study has it in place of `gyro.tick_noise`.
+pub(crate) fn read(
+    file: &StudyFile,
+    gyro: &GyroTable,
+    files: &Files,
+    places: &mut Places,
+) -> Result<Option<Noise>, Wrong> {
+    const ACCEPTED: &str = "accepted: gyro.tick_noise = { std = \"0.53 arcsec\" }, or the coefficients of a record as in\n\
+                            [noise]\nfile = \"noise.toml\"";
+    match (&gyro.tick_noise, &file.noise) {
+        (Some(_), None) => Ok(None),
+        (None, Some(table)) => {
+            places.add("gyro.tick_noise", table.span());
+            places.add("gyro.readout_lsb", table.span());
+            Ok(Some(noise::read(table, files, places)?.noise))
+        }
+        (Some(tick_noise), Some(_)) => {
+            let message = "gyro.tick_noise stands beside [noise]";
+            Err(Fault::new(tick_noise.span(), message, "a second noise", ACCEPTED).into())
+        }
+        (None, None) => {
+            let place = file.gyro.as_ref().map_or(0..0, |gyro| gyro.span());
+            Err(Fault::new(place, "the key `tick_noise` is missing", "in this table", ACCEPTED).into())
+        }
+    }
+}
+
+/// N is the noise of ticks, and Q that of a readout in whole pulses of √12·Q, whose error it is.
+pub(crate) fn set(inputs: &mut Inputs, noise: &Noise) {
+    inputs.tick_noise = TickNoise::AngleRandomWalk(noise.angle_random_walk);
+    inputs.readout_lsb = match noise.readout_lsb {
+        0.0 => of_quantisation(noise),
+        lsb => lsb,
+    };
+}
+
+/// The pulse whose error is Q, ″.
+fn of_quantisation(noise: &Noise) -> f64 {
+    round_12(libm::sqrt(12.0) * noise.quantisation)
+}
+
+/// What a gap leaves out: of each part the angle that it could turn through in the longest gap of the study.
+pub(crate) fn left_out(noise: &Noise, inputs: &Inputs, sweeps: &[Sweep]) -> Option<String> {
+    let longest = |name: &str, written: f64| {
+        let values = sweeps.iter().filter(|sweep| sweep.key.name == name).flat_map(|sweep| &sweep.values);
+        values.filter_map(|value| Some(value.quantity()?.value)).fold(written, f64::max)
+    };
+    let tick_s = longest(TICK.name, inputs.tick_s);
+    let gap_s = tick_s * longest(GAP_TICKS.name, f64::from(inputs.gap_ticks));
+    // Pulses that are given have an error of their own.
+    let is_read = inputs.readout_lsb != of_quantisation(noise) || longest(READOUT_LSB.name, 0.0) > 0.0;
+    let quantisation = (is_read && noise.quantisation > 0.0).then_some(("quantisation", noise.quantisation));
+    let parts: Vec<String> = noise
+        .over(gap_s)
+        .into_iter()
+        .chain(quantisation)
+        .map(|(name, arcsec)| format!("{name} ({} ″)", significant(arcsec, 2)))
+        .collect();
+    let readout = longest(READOUT_LSB.name, inputs.readout_lsb);
+    let sigma = Inputs { tick_s, ..inputs.clone() }.sigma_arcsec();
+    (!parts.is_empty()).then(|| {
+        format!(
+            "of [noise] a gap of up to {} s has angle random walk, {} ″ in a tick{}; left out, with the angle \
+             that it makes meanwhile: {}",
+            significant(gap_s, 4),
+            significant(sigma, 3),
+            if readout > 0.0 { format!(", and pulses of {} ″", significant(readout, 3)) } else { String::new() },
+            parts.join(", ")
+        )
+    })
+}

@@ -1,0 +1,259 @@
+//! Points: every combination of swept values, each checked as a whole.
+
+use crate::filler::read::{Extrapolation, Written};
+use crate::filler::ticks::TickList;
+use crate::filler::{Fill, Method};
+use crate::kernel::gap_fill::shape::MAX_SIDE;
+use crate::key::setting::Swept;
+use crate::key::sweep::{self, Sweep};
+use crate::kinds::gap_fill::inputs::Inputs;
+use crate::kinds::gap_fill::keys::{NOISE_RANDOM_WALK, SETTINGS};
+use crate::kinds::suspension::named;
+use crate::motion::vibration::GYRO;
+use crate::motion::{Frequency, Gaussian, Tone};
+use crate::quantity::number::significant;
+use crate::source::diagnose::Fault;
+use crate::source::place::Places;
+use crate::theory::minimum_variance::Band;
+
+/// Highest vibration frequency, in tick rates; above it the gyro sees nothing of the vibration but aliases.
+const MOST_TICK_RATES: f64 = 10.0;
+/// Highest amplitude of the rate, ″/s.
+const MOST_RATE: f64 = 1e9;
+/// Highest σ of one tick, ″.
+const MOST_SIGMA: f64 = 1e6;
+
+/// One combination of swept values, with all that follows from it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Place in the order of points; the first sweep changes slowest.
+    pub index: usize,
+    /// Name of each swept key, and its value here, in the order of the sweeps.
+    pub swept: Vec<(&'static str, Swept)>,
+    /// All that the draws depend on.
+    pub inputs: Inputs,
+    /// The ticks of each filler, in the order of the fillers.
+    pub fills: Vec<Fill>,
+}
+
+/// What all points share, with the places to blame.
+pub(crate) struct Base<'a> {
+    pub(crate) inputs: Inputs,
+    pub(crate) places: &'a Places,
+    pub(crate) sweeps: &'a [Sweep],
+    pub(crate) fillers: &'a [Written],
+    pub(crate) fit_ticks: TickList,
+    pub(crate) extrapolation_ticks: TickList,
+}
+
+impl Base<'_> {
+    /// All points, in order.
+    ///
+    /// # Errors
+    /// The first point that makes no sense.
+    pub(crate) fn points(&self) -> Result<Vec<Point>, Fault> {
+        (0..sweep::points(self.sweeps)).map(|index| self.point(index)).collect()
+    }
+
+    fn point(&self, index: usize) -> Result<Point, Fault> {
+        let mut inputs = self.inputs.clone();
+        let swept = sweep::values_at(self.sweeps, index);
+        sweep::set(&mut inputs, &SETTINGS, &swept);
+        if let Some(mut vibration) = inputs.motion.vibration.clone() {
+            vibration.suspension = named(&swept, GYRO.name).unwrap_or(vibration.suspension);
+            vibration.check(inputs.tick_s, MOST_TICK_RATES, self.places, self.sweeps)?;
+            vibration.add_to(&mut inputs.motion);
+            inputs.motion.vibration = Some(vibration);
+        }
+        self.check(&inputs)?;
+        let fills =
+            self.fillers.iter().map(|written| self.fill(written, &inputs)).collect::<Result<_, _>>()?;
+        Ok(Point { index, swept, inputs, fills })
+    }
+
+    /// Limits that need more than one value.
+    fn check(&self, inputs: &Inputs) -> Result<(), Fault> {
+        let refuse = |names: &[&str], message, label, accepted: &str| {
+            let place = self.places.blame(self.sweeps, names);
+            Err(Fault::new(place, message, label, format!("accepted: {accepted}")))
+        };
+        for tone in &inputs.motion.tones {
+            self.check_tone(tone, inputs)?;
+        }
+        if let Some(Gaussian::Band { band, .. }) = &inputs.motion.gaussian {
+            let names = ["motion.gaussian.low", "motion.gaussian.high", "motion.gaussian", "gyro.tick"];
+            self.check_band("motion.gaussian", *band, inputs, &names)?;
+        }
+        if let Some(Gaussian::Psd(psd)) = &inputs.motion.gaussian
+            && let [.., [high_hz, _]] = psd.points()
+        {
+            let band = Band { low_hz: 0.0, high_hz: *high_hz };
+            let names = ["motion.gaussian", "gyro.tick"];
+            self.check_band("motion.gaussian.psd", band, inputs, &names)?;
+        }
+        for Written { filler, span, .. } in self.fillers {
+            if let Method::MinimumVariance(Some(band)) = &filler.method {
+                above_nyquist(&filler.name, *band, inputs).map_or(Ok(()), |(message, accepted)| {
+                    Err(Fault::new(span.clone(), message, "too high for the ticks", accepted))
+                })?;
+            }
+        }
+        let rate = inputs.motion.rate.abs();
+        let turned = inputs.motion.acceleration.abs() * inputs.tick_s * MAX_SIDE as f64;
+        if turned > MOST_RATE {
+            let message =
+                format!("motion.acceleration changes the rate by {turned:.3e} arcsec/s in {MAX_SIDE} ticks");
+            return refuse(&["motion.acceleration", "gyro.tick"], message, "too large", "up to 1e9 arcsec/s");
+        }
+        debug_assert!(rate <= MOST_RATE, "a key's limit");
+        let sigma = inputs.sigma_arcsec();
+        if sigma > MOST_SIGMA {
+            let message =
+                format!("gyro.tick_noise comes to {sigma:.3e} arcsec per tick of {} s", inputs.tick_s);
+            return refuse(
+                &[NOISE_RANDOM_WALK.name, "gyro.tick"],
+                message,
+                "too large",
+                "0 to 1e6 arcsec per tick",
+            );
+        }
+        Ok(())
+    }
+
+    /// Limits of a tone.
+    fn check_tone(&self, tone: &Tone, inputs: &Inputs) -> Result<(), Fault> {
+        let refuse = |names: &[&str], message, label, accepted: &str| {
+            let place = self.places.blame(self.sweeps, names);
+            Err(Fault::new(place, message, label, format!("accepted: {accepted}")))
+        };
+        let tick_s = inputs.tick_s;
+        let names = ["motion.frequency", "motion.tones", "gyro.tick"];
+        if let Frequency::Band(band) = tone.frequency {
+            let names = ["motion.frequency.low", "motion.frequency.high", "motion.frequency", "motion.tones"];
+            self.check_band("motion.frequency", band, inputs, &names)?;
+        }
+        let highest = tone.band().high_hz;
+        if highest * tick_s > MOST_TICK_RATES {
+            let tick_rate = significant(1.0 / tick_s, 6);
+            let message = format!(
+                "motion.frequency = {highest} Hz is absurd at a tick rate of {tick_rate} Hz (gyro.tick = {tick_s} s)"
+            );
+            let most = significant(MOST_TICK_RATES / tick_s, 6);
+            let accepted = format!("up to {MOST_TICK_RATES} times the tick rate, {most} Hz here");
+            return refuse(&names, message, "too fast for the ticks", &accepted);
+        }
+        let drawn = inputs.motion.tones.iter().any(|tone| matches!(tone.frequency, Frequency::Band(_)));
+        if drawn && highest * tick_s > 0.5 {
+            let message = format!(
+                "a tone of {highest} Hz beside one of drawn frequency is above the Nyquist frequency"
+            );
+            let accepted = format!("up to {} Hz here", significant(0.5 / tick_s, 6));
+            return refuse(&names, message, "too fast for the ticks", &accepted);
+        }
+        let rate = tone.amplitude.value.scale() * tone.rate_factor(highest);
+        if rate > MOST_RATE {
+            let message = format!("motion.amplitude comes to {rate:.3e} arcsec/s at {highest} Hz");
+            let names = ["motion.amplitude", "motion.frequency", "motion.tones", "motion.suspension"];
+            return refuse(&names, message, "too large", "0 to 1e9 arcsec/s");
+        }
+        Ok(())
+    }
+
+    /// A band has its ends in order and below the Nyquist frequency of the ticks.
+    fn check_band(&self, key: &str, band: Band, inputs: &Inputs, names: &[&str]) -> Result<(), Fault> {
+        let place = self.places.blame(self.sweeps, names);
+        if band.low_hz > band.high_hz {
+            let message = format!("{key}: the band runs from {} Hz down to {} Hz", band.low_hz, band.high_hz);
+            return Err(Fault::new(place, message, "backwards", "keep the lower end below the upper one"));
+        }
+        above_nyquist(key, band, inputs).map_or(Ok(()), |(message, accepted)| {
+            Err(Fault::new(place, message, "too high for the ticks", accepted))
+        })
+    }
+
+    /// The ticks of one filler at this point, enough of them, and as many as it has weights.
+    fn fill(&self, written: &Written, inputs: &Inputs) -> Result<Fill, Fault> {
+        let Written { filler, fit_ticks, extrapolation, span } = written;
+        let n = inputs.gap_ticks;
+        let fit = fit_ticks.as_ref().unwrap_or(&self.fit_ticks);
+        let given = matches!(filler.method, Method::Weights { .. });
+        let resolved = |list: &TickList| if given { list.resolve_in_order(n) } else { list.resolve(n) };
+        let fit_ticks = resolved(fit)?;
+        let (list, extrapolation_ticks) = match extrapolation {
+            Extrapolation::None => (None, None),
+            Extrapolation::Common => {
+                (Some(&self.extrapolation_ticks), Some(resolved(&self.extrapolation_ticks)?))
+            }
+            Extrapolation::Own(list) => (Some(list), Some(resolved(list)?)),
+            Extrapolation::OfFit => {
+                let before: Vec<i32> = fit_ticks.iter().copied().filter(|tick| *tick <= 0).collect();
+                (Some(fit), Some(before))
+            }
+        };
+        for (list, ticks) in [(Some(fit), Some(&fit_ticks)), (list, extrapolation_ticks.as_ref())] {
+            let (Some(list), Some(ticks)) = (list, ticks) else { continue };
+            let (needed, found, name) = (filler.least_ticks(), ticks.len(), &filler.name);
+            if found < needed {
+                let plural = if needed == 1 { "" } else { "s" };
+                let message = format!(
+                    "the fit is singular: {name} needs {needed} tick{plural}, {} has {found}",
+                    list.purpose
+                );
+                let help = format!("list at least {needed} tick{plural}, or leave out the filler \"{name}\"");
+                return Err(Fault::new(list.span.clone(), message, "too few ticks", help));
+            }
+        }
+        if let Method::Weights { residual, extrapolation } = &filler.method {
+            check_weights("weights", residual, &fit_ticks, n, span)?;
+            if let (Some(weights), Some(ticks)) = (extrapolation, &extrapolation_ticks) {
+                check_weights("extrapolation_weights", weights, ticks, n, span)?;
+            }
+        }
+        Ok(Fill { fit_ticks, extrapolation_ticks })
+    }
+}
+
+/// What is wrong with a band that reaches above half the tick rate, and what is accepted.
+fn above_nyquist(name: &str, band: Band, inputs: &Inputs) -> Option<(String, String)> {
+    let nyquist = significant(0.5 / inputs.tick_s, 6);
+    (band.high_hz * inputs.tick_s > 0.5).then(|| {
+        let high = significant(band.high_hz, 6);
+        let tick_s = inputs.tick_s;
+        let message =
+            format!("{name}: the band reaches {high} Hz, above the Nyquist frequency of ticks of {tick_s} s");
+        (message, format!("accepted: up to {nyquist} Hz, or a shorter gyro.tick"))
+    })
+}
+
+/// Largest difference between the sum of weights and n that rounding in a text explains.
+const SUM_TOLERANCE: f64 = 1e-6;
+
+/// There is one weight for each tick, and they sum to n.
+fn check_weights(
+    key: &str,
+    weights: &[f64],
+    ticks: &[i32],
+    n: u32,
+    span: &std::ops::Range<usize>,
+) -> Result<(), Fault> {
+    let at = format!("(at gap_ticks = {n})");
+    if weights.len() != ticks.len() {
+        let message = format!("{} {key} stand for {} ticks {ticks:?} {at}", weights.len(), ticks.len());
+        return Err(Fault::new(
+            span.clone(),
+            message,
+            "not one for each tick",
+            "write a weight for each tick",
+        ));
+    }
+    let sum: f64 = weights.iter().sum();
+    if (sum - f64::from(n)).abs() > SUM_TOLERANCE {
+        let short = significant(sum - f64::from(n), 6);
+        let message = format!("the {key} sum to {}, not to n = {n} {at}", significant(sum, 9));
+        let help = format!(
+            "a constant rate Ω would leave an error of {short}·Ω·T at every switch: scale the weights to sum to {n}"
+        );
+        return Err(Fault::new(span.clone(), message, "a biased filler", help));
+    }
+    Ok(())
+}

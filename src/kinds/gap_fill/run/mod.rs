@@ -1,0 +1,300 @@
+//! Running a gap-fill study: launches for what the store lacks, batch by batch.
+
+pub mod rows;
+pub mod stop;
+
+use std::time::Instant;
+
+use crate::run::{Done, NORMAL_95, Progress, RunError};
+use crate::sampling::sampling::{Beside, Work, lacking, sample};
+use crate::sampling::worker::Worker;
+use rayon::prelude::*;
+
+use crate::filler::{Filler, Method};
+use crate::key::file::switching::Error;
+use crate::kinds::gap_fill::GapFill;
+use crate::kinds::gap_fill::lower::Lowered;
+use crate::kinds::gap_fill::lower::refusal::LowerError;
+use crate::kinds::gap_fill::point::Point;
+use crate::motion::Frequency;
+use crate::source::diagnose::StudyError;
+use crate::store::Store;
+use crate::store::error::StoreError;
+use crate::study::Study;
+use crate::tally::block::{Block, base_log2, row_log2};
+use crate::tally::id::Id;
+use crate::tally::share::Share;
+
+/// A study whose every point is proven to fit.
+#[derive(Debug)]
+pub(crate) struct Plan<'a> {
+    study: &'a Study,
+    gap_fill: &'a GapFill,
+    points: Vec<Lowered>,
+}
+
+/// Most trials of a record that is replayed: places are taken by the lower half of the trial's number.
+const MOST_REPLAYED: u64 = 1 << 32;
+
+/// log2 of the trials after which the stop rule first decides.
+const FEWEST_LOG2: u32 = 10;
+
+/// From so many steps on, about a second, before the first decision one trial in so many is sampled first.
+const TRIED_FROM: f64 = 2e8;
+const TRIED: u64 = 16;
+
+impl<'a> Plan<'a> {
+    /// Lowers every point.
+    ///
+    /// # Errors
+    /// A point cannot be represented; the error points at the key to change.
+    pub(crate) fn new(study: &'a Study, gap_fill: &'a GapFill) -> Result<Plan<'a>, StudyError> {
+        let lower = |point: &Point| {
+            Lowered::new(point, &gap_fill.fillers, &gap_fill.errors, study.seed, study.streams)
+                .map_err(|error| refused(study, point, &error))
+        };
+        // The first error is told, whichever thread found it.
+        let points: Vec<Result<Lowered, StudyError>> = gap_fill.points.par_iter().map(lower).collect();
+        let points = points.into_iter().collect::<Result<_, _>>()?;
+        let plan = Plan { study, gap_fill, points };
+        if plan.replays() && study.trials > MOST_REPLAYED {
+            let message = format!("{} trials of a record that is replayed over every place", study.trials);
+            let help = format!("accepted: up to {MOST_REPLAYED} trials, or position = \"random\"");
+            return Err(study.error_at(study.place_of("motion.profile"), message, help));
+        }
+        Ok(plan)
+    }
+
+    /// Samples what the store lacks of a share. `progress` hears how many trials there are in all and, as it comes, what is done.
+    ///
+    /// With a precision, a point stops after 1, 2, 4, … base blocks of trials and 1024 at least, where all errors of all its fillers are known
+    /// as well as is asked: a rule that depends on nothing but the study. Fillers of a point keep the same trials, so
+    /// that they are compared on the same draws. A share knows nothing of the others and takes all its trials.
+    ///
+    /// # Errors
+    /// The device or the disk fails.
+    pub(crate) fn run(
+        &self,
+        store: &mut Store,
+        worker: &mut Worker,
+        share: Share,
+        progress: &(dyn Progress + Sync),
+    ) -> Result<Done, RunError> {
+        let mut wanted = if share.is_whole() { self.first_wanted() } else { self.most_trials() };
+        let started = Instant::now();
+        let mut stopped = false;
+        // How many more rounds there will be can be told from errors only.
+        let after = if self.decides(share) { f64::INFINITY } else { 0.0 };
+        let mut beside = Beside { after, ..Beside::default() };
+        let mut held = 0;
+        // Of much work before the first decision some is done first, to tell how much there will be.
+        let work = |trials: &[u64]| -> f64 {
+            let of_point = |(point, &trials): (&Lowered, &u64)| trials as f64 * steps(point) as f64;
+            self.points.iter().zip(trials).map(of_point).sum()
+        };
+        let mut tries = self.decides(share) && work(&wanted) >= TRIED_FROM;
+        for round in 0.. {
+            let asked = match tries {
+                true => wanted.iter().map(|trials| (trials / TRIED).max(1)).collect(),
+                false => wanted.clone(),
+            };
+            let missing = self.missing(store, &asked, share)?;
+            let left: u64 = missing.iter().map(Work::trials).sum();
+            if round == 0 {
+                // Also of what a precision may leave out: earlier runs may have found that they needed it.
+                let most = self.most_trials();
+                let all = self.launched_trials(&most, share);
+                let lacking: u64 = match asked == most {
+                    true => left,
+                    false => self.missing(store, &most, share)?.iter().map(Work::trials).sum(),
+                };
+                held = all.saturating_sub(lacking);
+                progress.start("trials", held, all.max(lacking));
+                progress.cost(0.0, after);
+            }
+            let sampled = sample(&missing, &mut beside, store, worker, progress, started)?;
+            stopped = sampled < left;
+            if stopped || !share.is_whole() {
+                break;
+            }
+            let expected = match std::mem::take(&mut tries) {
+                true => {
+                    let each = self.expected(&asked, store)?.into_iter().zip(&wanted);
+                    Some(each.map(|(expected, &wanted)| expected.max(wanted)).collect())
+                }
+                false => self.raise(&mut wanted, store)?,
+            };
+            let Some(expected) = expected else {
+                progress.expect(held + beside.trials);
+                break;
+            };
+            beside.after = work(&expected) - work(&wanted);
+            progress.expect(self.launched_trials(&expected, share).max(held + beside.trials));
+        }
+        Ok(Done {
+            trials: beside.trials,
+            seconds: started.elapsed().as_secs_f64(),
+            stopped,
+            degraded: vec![],
+        })
+    }
+
+    /// Trials that the store lacks of a share; with a precision, before it can be told whether more are needed.
+    pub(crate) fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
+        let mut wanted = if share.is_whole() { self.first_wanted() } else { self.most_trials() };
+        loop {
+            let work = self.missing(store, &wanted, share)?;
+            let left = work.iter().map(Work::trials).sum();
+            if left > 0 || !share.is_whole() || self.raise(&mut wanted, store)?.is_none() {
+                return Ok(left);
+            }
+        }
+    }
+
+    /// Whether the stop rule decides: a share has no say.
+    fn decides(&self, share: Share) -> bool {
+        self.gap_fill.precision.is_some() && share.is_whole()
+    }
+
+    /// The trials of each point if no precision ends it.
+    pub(crate) fn most_trials(&self) -> Vec<u64> {
+        self.points.iter().map(|point| point.trials(self.study.trials)).collect()
+    }
+
+    /// The trials of each point after which the stop rule first decides; all where there is none.
+    fn first_wanted(&self) -> Vec<u64> {
+        let mut wanted = self.most_trials();
+        if self.gap_fill.precision.is_some() {
+            // Before that many trials a standard error is not known well enough to stop by.
+            wanted.iter_mut().for_each(|most| *most = (*most).min(1 << base_log2(*most).max(FEWEST_LOG2)));
+        }
+        wanted
+    }
+
+    /// Trials of all launches of a share where each point has as many as `trials` says: those of a point with many fillers
+    /// count more than once.
+    fn launched_trials(&self, trials: &[u64], share: Share) -> u64 {
+        let points = self.points.iter().zip(trials).enumerate();
+        let of_point = |(turn, (point, &trials)): (usize, (&Lowered, &u64))| {
+            let launches = launches(point).len() as u64;
+            let trials = share.trials(trials, turn);
+            launches * (trials.end - trials.start)
+        };
+        points.map(of_point).sum()
+    }
+
+    /// What should be known besides the results.
+    pub(crate) fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError> {
+        let mut notes = self.absent();
+        notes.extend(self.designed_anew());
+        let (imprecise, fillers) = self.imprecise(store)?;
+        if imprecise > 0 {
+            let trials = self.study.trials;
+            notes.push(format!(
+                "{imprecise} of {fillers} fillers at points are not as precise as asked after {trials} trials"
+            ));
+        }
+        Ok(notes)
+    }
+
+    /// That fillers have other weights at each point, which firmware cannot have.
+    fn designed_anew(&self) -> Option<String> {
+        let is_free = |filler: &&Filler| filler.method == Method::MinimumVariance(None);
+        let free: Vec<&str> =
+            self.gap_fill.fillers.iter().filter(is_free).map(|filler| filler.name.as_str()).collect();
+        let design = |key: &str| key.starts_with("motion.") || key.starts_with("gyro.");
+        let sweeps = &self.study.sweeps;
+        let varies = sweeps.iter().any(|sweep| sweep.values.len() > 1 && design(sweep.key.name));
+        let tones = &self.gap_fill.inputs.motion.tones;
+        let is_tuned = tones.iter().any(|tone| matches!(tone.frequency, Frequency::Fixed(_)));
+        let how = match (varies, is_tuned) {
+            (true, _) => {
+                "anew for the motion and noise of each point, the best there could be; firmware has one set of weights"
+            }
+            (false, true) => {
+                "for exactly this frequency, which firmware does not know: it has one set of weights"
+            }
+            (false, false) => return None,
+        };
+        (!free.is_empty())
+            .then(|| format!("{} without a band: designed {how}, that of a band", free.join(", ")))
+    }
+
+    /// Errors that were asked for and that a filler does not have, each in a sentence.
+    fn absent(&self) -> Vec<String> {
+        let mut sentences = Vec::new();
+        for (index, filler) in self.gap_fill.fillers.iter().enumerate() {
+            let has = |error: Error| {
+                let all =
+                    |point: &Lowered| point.fillers[index].iter().any(|estimate| estimate.error == error);
+                self.points.iter().all(all)
+            };
+            let lacks: Vec<&str> =
+                self.gap_fill.errors.iter().filter(|error| !has(**error)).map(|error| error.name()).collect();
+            if !lacks.is_empty() {
+                let name = &filler.name;
+                sentences
+                    .push(format!("the weights of `{name}` do not give its errors: {}", lacks.join(", ")));
+            }
+        }
+        sentences
+    }
+
+    /// What the store lacks of a share of the trials that are wanted.
+    fn missing(&self, store: &Store, wanted: &[u64], share: Share) -> Result<Vec<Work>, StoreError> {
+        let index = store.index()?;
+        let mut all = Vec::new();
+        for (turn, (point, &trials)) in self.points.iter().zip(wanted).enumerate() {
+            let trials = share.trials(trials, turn);
+            let most = point.trials(self.study.trials);
+            // The stop rule looks at the first trials only, and so needs rows that end with them.
+            let log2 = if self.decides(share) { base_log2(most) } else { row_log2(most, 1) };
+            let mut lacks = Vec::new();
+            for estimates in &point.fillers {
+                let addresses = estimates.iter().map(|estimate| &estimate.address);
+                lacks.push(lacking(&index, addresses, trials.clone(), log2)?);
+            }
+            for (blocks, fillers) in grouped(point, lacks).into_iter().filter(|group| !group.0.is_empty()) {
+                let addresses = point.launched(&fillers).map(|estimate| estimate.address).collect();
+                all.push(Work { launch: point.launch(&fillers), addresses, blocks });
+            }
+        }
+        Ok(all)
+    }
+
+    /// The identities of all points.
+    pub(crate) fn ids(&self) -> Vec<Id> {
+        self.points.iter().map(|point| point.id).collect()
+    }
+}
+
+/// The fillers of a point, in the launches that sample all of them together.
+fn launches(point: &Lowered) -> Vec<Vec<usize>> {
+    let groups = grouped(point, (0..point.fillers.len()).map(|_| Vec::new()));
+    groups.into_iter().map(|(_, fillers)| fillers).collect()
+}
+
+/// Steps of a trial of a point, over all its launches.
+fn steps(point: &Lowered) -> u64 {
+    launches(point).iter().map(|fillers| point.launch(fillers).steps()).sum()
+}
+
+/// Fillers of a point that lack the same blocks share a launch.
+fn grouped(point: &Lowered, lacking: impl IntoIterator<Item = Vec<Block>>) -> Vec<(Vec<Block>, Vec<usize>)> {
+    let mut groups: Vec<(Vec<Block>, Vec<usize>)> = Vec::new();
+    for (filler, blocks) in lacking.into_iter().enumerate() {
+        let joins = |group: &&mut (Vec<Block>, Vec<usize>)| {
+            group.0 == blocks && group.1.len() < point.most_fillers(filler) && point.alike(group.1[0], filler)
+        };
+        match groups.iter_mut().find(joins) {
+            Some(group) => group.1.push(filler),
+            None => groups.push((blocks, vec![filler])),
+        }
+    }
+    groups
+}
+
+/// The error of a point that cannot be sampled, at the key of the study that has to change.
+pub(crate) fn refused(study: &Study, point: &Point, error: &LowerError) -> StudyError {
+    crate::run::refused(study, &point.swept, error.key(), &error.to_string(), error.help())
+}

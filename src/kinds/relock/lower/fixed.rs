@@ -1,0 +1,273 @@
+//! A relock in fixed point: its units, its words, and what the words come to without compensation.
+
+use crate::kernel::normal::REACH;
+use crate::kernel::relock_ticks::{MAX_TICKS, Method, Parameters, Shape};
+use crate::key::file::relock::FirstHalf;
+use crate::kinds::relock::inputs::Relock;
+use crate::kinds::relock::lower::refusal::RelockError;
+use crate::theory::relock;
+
+/// Largest detuning, units.
+const MOST_DETUNING: f64 = 536_870_912.0;
+
+/// Fewest units of the largest miss.
+const LEAST_MISS: f64 = 1_048_576.0;
+
+/// Largest rotation that the loop can fake in a tick, LSB.
+const MOST_FAKED: f64 = 67_108_864.0;
+/// Largest sum of all ticks with their compensation, LSB.
+pub const MOST_LEFT: f64 = 268_435_456.0;
+
+/// Most units of the beat in a tick, and the fewest in a count: its fraction is where a count falls.
+const MOST_BEAT: f64 = 134_217_728.0;
+const LEAST_COUNT: f64 = 256.0;
+
+/// Fewest units of a standard deviation, in 2^−4, and of a width: both are then rounded by at most 1 %.
+const LEAST_SIGMA: f64 = 50.0;
+const LEAST_WIDTH: f64 = 50.0;
+
+/// Slowest and fastest loop, ticks.
+const SLOWEST: f64 = 100.0;
+const FASTEST: f64 = 0.05;
+
+/// A relock in fixed point, for all of its [`MAX_TICKS`] ticks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FixedRelock {
+    /// ″.
+    pub lsb_arcsec: f64,
+    /// Parts of the wavelength in a unit of detunings.
+    unit: f64,
+    miss: u32,
+    half_wave: u32,
+    dac_step: u32,
+    hysteresis: u32,
+    square_shift: u32,
+    drift: Vec<u32>,
+    temperature: u32,
+    sign: u32,
+    half_bias: u32,
+    lost: [Vec<u32>; 2],
+    counted: u32,
+    beat_log: u32,
+    means: [Vec<u32>; 2],
+    adc_sigma: u32,
+    adc_half: u32,
+    adc_shown: u32,
+    detuning_log: u32,
+}
+
+impl FixedRelock {
+    /// # Errors
+    /// It cannot be represented: see [`RelockError`].
+    pub fn new(inputs: &Relock, tick_s: f64) -> Result<FixedRelock, RelockError> {
+        let Relock { loop_s, curvature, temperature_error, adc_noise, adc_step, .. } = *inputs;
+        check_loop(loop_s, tick_s)?;
+        let largest = inputs.largest_miss();
+        if largest == 0.0 {
+            return Err(RelockError::NoMiss);
+        }
+        let part = curvature * largest * largest;
+        if part >= 1.0 {
+            return Err(RelockError::NoBias { largest, part });
+        }
+        let shown = largest + REACH * adc_noise + adc_step;
+        let unit = unit_of_detuning(shown, adc_step)?;
+        if largest / unit < LEAST_MISS {
+            return Err(RelockError::TooSmall { key: "relock.miss", found: largest, largest: shown });
+        }
+        let sigma = |key, found: f64| {
+            let units = libm::round(16.0 * found / unit);
+            word_above(found, units, LEAST_SIGMA, RelockError::TooSmall { key, found, largest: shown })
+        };
+        let width = |key, found: f64, width: f64| {
+            let units = libm::round(width / unit);
+            word_above(found, units, LEAST_WIDTH, RelockError::TooSmall { key, found, largest: shown })
+        };
+        let square_shift = libm::floor(libm::log2(2_147_483_648.0 / (largest / unit)));
+        // Units of the square that the kernel multiplies by, of 2^32 each.
+        let square = libm::exp2(2.0 * square_shift - 64.0) / (unit * unit);
+
+        let bias = inputs.bias_frequency_hz * inputs.pulse_weight_arcsec;
+        let of_one = relock::Relock { tick_s, loop_s, bias, curvature, miss: 1.0 };
+        let ticks = || 1..=MAX_TICKS as u32;
+        let at_largest = largest * largest;
+        let faked: Vec<f64> = ticks().map(|i| tick_s * of_one.apparent_drift(i)).collect();
+        let count = if inputs.count_step > 0.0 { inputs.count_step } else { 1.0 };
+        let counts = inputs.bias_frequency_hz * tick_s / count;
+        let wrong = REACH * temperature_error;
+        // No compensation is larger: of the frequency |y_1|, of the detuning Z(13) at the least ratio of the halves.
+        let [first, second] = of_one.lost(1).map(|lost| 0.5 * lost * at_largest);
+        let by_frequency =
+            bias * tick_s * (first + second + wrong) + 2.0 * inputs.count_step * inputs.pulse_weight_arcsec;
+        let least = unit.max(adc_step) / shown;
+        let by_detuning =
+            curvature * bias * tick_s * shown * shown * -libm::log(least) * (1.0 + least) * (1.0 + least)
+                / 4.0;
+        let compensation = by_frequency.max(by_detuning * (1.0 + wrong));
+        let sum = faked.iter().sum::<f64>() * at_largest + MAX_TICKS as f64 * compensation;
+        let bits = libm::floor(libm::log2((MOST_LEFT / sum).min(MOST_FAKED / (faked[0] * at_largest))));
+        let lsb_arcsec = libm::exp2(-bits);
+
+        let pulse = count * inputs.pulse_weight_arcsec;
+        let beat_bits = libm::floor(libm::log2((MOST_BEAT / counts).min(pulse / lsb_arcsec)));
+        let whole = inputs.count_step > 0.0;
+        if whole && counts < 2.0 {
+            return Err(RelockError::BiasTooSlow { counts: 0.5 * counts });
+        }
+        if beat_bits < libm::log2(LEAST_COUNT) {
+            return Err(RelockError::BiasTooFast { counts });
+        }
+        let beat = libm::exp2(beat_bits);
+        let half_bias = libm::round(0.5 * counts * beat);
+        let lost = |half: usize| {
+            ticks().map(|i| word(counts * beat * 0.5 * of_one.lost(i)[half] / square)).collect()
+        };
+        let means = |half: usize| {
+            let of =
+                |i| libm::round(of_one.detuning_means(i)[half] * 2_147_483_648.0).min(f64::from(i32::MAX));
+            ticks().map(|i| of(i) as u32).collect()
+        };
+        let step_units = libm::round(adc_step / unit);
+        let per_square = curvature * bias * tick_s * unit * unit / lsb_arcsec;
+        // One unit of a logarithm is 2^−26, and each is floored: half a unit is given back.
+        let log_word = |log: f64, floors: f64| libm::round(log * 67_108_864.0 + floors) as i64 as u32;
+        Ok(FixedRelock {
+            lsb_arcsec,
+            unit,
+            miss: libm::round(inputs.miss / unit) as i32 as u32,
+            half_wave: sigma("relock.half_wave_error", inputs.half_wave_error)?,
+            dac_step: width("relock.dac_step", inputs.dac_step, inputs.dac_step)?,
+            hysteresis: width("relock.hysteresis", inputs.hysteresis, 2.0 * inputs.hysteresis)?,
+            square_shift: square_shift as u32,
+            drift: faked.iter().map(|faked| word(faked / lsb_arcsec / square)).collect(),
+            temperature: word(temperature_error * libm::exp2(34.0)),
+            sign: if inputs.first_half == FirstHalf::Positive { 1 << 31 } else { 0 },
+            half_bias: half_bias as u32,
+            lost: [lost(0), lost(1)],
+            counted: if whole { !((1 << beat_bits as u32) - 1) } else { u32::MAX },
+            beat_log: log_word(libm::log2(pulse / beat / lsb_arcsec), 0.5),
+            means: [means(0), means(1)],
+            adc_sigma: sigma("relock.adc_noise", adc_noise)?,
+            adc_half: step_units as u32 / 2,
+            adc_shown: if adc_step > 0.0 { !(step_units as u32 - 1) } else { u32::MAX },
+            detuning_log: log_word(
+                0.5 * libm::log2(per_square * core::f64::consts::LN_2 / 4.0) - 13.0 - 31.0,
+                1.5,
+            ),
+        })
+    }
+
+    /// The parameters of the first ticks.
+    pub fn words(&self, shape: Shape) -> Vec<u32> {
+        let only = |method: Method, word: &[u32]| if shape.method == method { word.to_vec() } else { vec![] };
+        let frequency = |words: &[u32]| only(Method::Frequency, words);
+        let detuning = |words: &[u32]| only(Method::Detuning, words);
+        let signed = |words: &[u32]| -> Vec<u32> {
+            let sign = |word: &u32| if self.sign > 0 { word.wrapping_neg() } else { *word };
+            words[..shape.ticks].iter().map(sign).collect()
+        };
+        Parameters {
+            miss: &[self.miss],
+            half_wave: &[self.half_wave],
+            dac_step: &[self.dac_step],
+            hysteresis: &[self.hysteresis],
+            square_shift: &[self.square_shift],
+            drift: &signed(&self.drift),
+            temperature: &[self.temperature],
+            sign: &[self.sign],
+            half_bias: &frequency(&[self.half_bias]),
+            lost_first: &frequency(&self.lost[0][..shape.ticks]),
+            lost_second: &frequency(&self.lost[1][..shape.ticks]),
+            counted: &frequency(&[self.counted]),
+            beat_log: &frequency(&[self.beat_log]),
+            mean_first: &detuning(&self.means[0][..shape.ticks]),
+            mean_second: &detuning(&self.means[1][..shape.ticks]),
+            adc_sigma: &detuning(&[self.adc_sigma]),
+            adc_half: &detuning(&[self.adc_half]),
+            adc_shown: &detuning(&[self.adc_shown]),
+            detuning_log: &detuning(&[self.detuning_log]),
+        }
+        .words()
+    }
+
+    /// ⟨Δλ0²⟩ and ⟨Δλ0⁴⟩ of the words, in units.
+    fn moments_of_miss(&self) -> [f64; 2] {
+        let mean = f64::from(self.miss as i32);
+        let sigma = f64::from(self.half_wave) / 16.0;
+        let widths = [self.dac_step, self.hysteresis].map(f64::from);
+        let [dac, hysteresis] = widths.map(|width| width * width);
+        let variance = sigma * sigma + (dac + hysteresis) / 12.0;
+        // An even spread of width w has the fourth cumulant −w⁴/120.
+        let fourth = -(dac * dac + hysteresis * hysteresis) / 120.0;
+        let square = mean * mean;
+        [square + variance, square * square + 6.0 * square * variance + 3.0 * variance * variance + fourth]
+    }
+
+    /// Mean and rms of the sum of the ticks with these weights, uncompensated, ″; of the words, and so exact.
+    pub fn faked(&self, weights: &[f64]) -> (f64, f64) {
+        let sum: f64 = weights.iter().zip(&self.drift).map(|(weight, word)| weight * f64::from(*word)).sum();
+        let sign = if self.sign > 0 { -1.0 } else { 1.0 };
+        let scale = sign * sum * libm::exp2(2.0 * f64::from(self.square_shift) - 64.0) * self.lsb_arcsec;
+        let [second, fourth] = self.moments_of_miss();
+        (scale * second, scale.abs() * libm::sqrt(fourth))
+    }
+
+    /// No such sum is farther from that of exact arithmetic, ″: the miss is rounded by half a unit, its square down, each tick
+    /// to the LSB.
+    pub fn rounding(&self, weights: &[f64]) -> f64 {
+        let of_square = libm::exp2(f64::from(self.square_shift) - 33.0) + libm::exp2(-32.0);
+        let each = self.drift.iter().map(|word| 0.5 + f64::from(*word) * of_square);
+        let sum: f64 = weights.iter().zip(each).map(|(weight, each)| weight.abs() * each).sum();
+        (sum + 0.5) * self.lsb_arcsec
+    }
+
+    /// Standard deviation of the part by which f0 is taken wrong, of the word.
+    pub fn wrong(&self) -> f64 {
+        f64::from(self.temperature) * libm::exp2(-34.0)
+    }
+
+    /// What the detuning leaves, without noise and steps of the ADC, is within this of 0, or of what a wrong f0 leaves, ″: the
+    /// means are rounded to half a unit, logarithms to 2^−26.
+    pub fn rounding_by_detuning(&self, weights: &[f64]) -> f64 {
+        let largest = libm::exp2(31.0 - f64::from(self.square_shift));
+        let bound = |i: usize| {
+            let [plus, minus] =
+                [0, 1].map(|half| largest * f64::from(self.means[half][i]) * libm::exp2(-31.0));
+            let decay = libm::log(plus / minus);
+            let of_means = 1.0 / plus + (0.5 / plus + 0.5 / minus + 3e-8) / decay;
+            f64::from(self.drift[i]) * libm::exp2(-2.0) * (of_means + 1e-7) + 2.0
+        };
+        let sum: f64 = weights.iter().enumerate().map(|(i, weight)| weight.abs() * bound(i)).sum();
+        sum * self.lsb_arcsec + self.rounding(weights)
+    }
+}
+
+fn check_loop(loop_s: f64, tick_s: f64) -> Result<(), RelockError> {
+    match loop_s / tick_s {
+        ticks if ticks > SLOWEST => Err(RelockError::LoopTooSlow { loop_s, tick_s }),
+        ticks if ticks < FASTEST => Err(RelockError::LoopTooFast { loop_s, tick_s }),
+        _ => Ok(()),
+    }
+}
+
+/// The unit of detunings of which `shown` is the largest: a power of two, or a step of the ADC divided by one.
+fn unit_of_detuning(shown: f64, adc_step: f64) -> Result<f64, RelockError> {
+    let finest = shown / MOST_DETUNING;
+    if adc_step == 0.0 {
+        return Ok(libm::exp2(libm::ceil(libm::log2(finest))));
+    }
+    let bits = libm::floor(libm::log2(adc_step / finest));
+    if bits < 1.0 {
+        return Err(RelockError::TooSmall { key: "relock.adc_step", found: adc_step, largest: shown });
+    }
+    Ok(adc_step / libm::exp2(bits))
+}
+
+fn word(x: f64) -> u32 {
+    libm::round(x) as u32
+}
+
+/// The word of `units`, which are not less than `least` but where `found` is 0.
+fn word_above(found: f64, units: f64, least: f64, error: RelockError) -> Result<u32, RelockError> {
+    if found == 0.0 || units >= least { Ok(units as u32) } else { Err(error) }
+}

@@ -1,0 +1,162 @@
+//! Lowering of a relock: words of the kernel, and the estimates of each compensation.
+
+pub mod fixed;
+pub mod refusal;
+
+pub use crate::kinds::relock::lower::fixed::{FixedRelock, MOST_LEFT};
+pub use crate::kinds::relock::lower::refusal::RelockError;
+
+use std::sync::Arc;
+
+use crate::kernel::launch::{Launch, Sampled};
+use crate::kernel::moments::{MAX_ESTIMATES, Trials, level};
+use crate::kernel::relock::{Parameters, Shape, WEIGHT_BITS};
+use crate::kernel::relock_ticks::{self, MAX_TICKS, Method};
+use crate::kernel::width::Width;
+use crate::key::file::Streams;
+use crate::kinds::gap_fill::lower::words_of;
+use crate::kinds::relock::RelockPoint;
+use crate::kinds::relock::inputs::Compensation;
+use crate::store::Address;
+use crate::tally::id::Id;
+
+/// Trials that say where histograms start.
+pub(crate) const PILOT: u64 = 1024;
+
+/// What is left of some ticks.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RelockEstimate {
+    /// What was taken off.
+    pub compensation: Compensation,
+    /// Absent for all ticks together.
+    pub tick: Option<u32>,
+    /// Where its tallies are kept.
+    pub address: Address,
+    /// Mean and rms in closed form for the words, ″; absent where there is none.
+    pub oracle: Option<(f64, f64)>,
+    /// No sampled rms is farther from that for rounding in the kernel, ″.
+    pub rounding: f64,
+    /// Where its histogram starts.
+    pub bin_base: u32,
+    weights: [u32; MAX_TICKS],
+}
+
+/// A point of a relock study, ready to be sampled.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoweredRelock {
+    /// Of the point: what its draws and tallies are found by.
+    pub id: Id,
+    key: [u32; 2],
+    /// Its parameters in fixed point.
+    pub fixed: FixedRelock,
+    ticks: usize,
+    /// By compensation, then by tick, then all ticks.
+    pub estimates: Vec<RelockEstimate>,
+}
+
+impl LoweredRelock {
+    /// Lowers a point of a study with this seed.
+    ///
+    /// # Errors
+    /// It cannot be represented: see [`RelockError`].
+    pub fn new(point: &RelockPoint, seed: u64, streams: Streams) -> Result<LoweredRelock, RelockError> {
+        let inputs = &point.inputs;
+        let id = Id::of(&format!(
+            "point\nkind=relock\nseed={seed}\nstreams={}\ntick_s={:.11e}\n{}",
+            streams.name(),
+            inputs.tick_s,
+            inputs.relock.identity()
+        ));
+        let key = match streams {
+            Streams::Independent => id.key(),
+            Streams::Common => Id::of(&format!("streams\nkind=relock\nseed={seed}\n")).key(),
+        };
+        let fixed = FixedRelock::new(&inputs.relock, inputs.tick_s)?;
+        let ticks = inputs.relock.ticks as usize;
+        let mut lowered = LoweredRelock { id, key, fixed, ticks, estimates: vec![] };
+        for compensation in Compensation::ALL {
+            let sums = (1..=ticks as u32).map(Some).chain([None]);
+            let estimates: Vec<RelockEstimate> =
+                sums.map(|tick| lowered.estimate(point, compensation, tick)).collect();
+            for some in estimates.chunks(MAX_ESTIMATES) {
+                let some = lowered.with_histograms(some);
+                lowered.estimates.extend(some);
+            }
+        }
+        Ok(lowered)
+    }
+
+    fn estimate(&self, point: &RelockPoint, compensation: Compensation, tick: Option<u32>) -> RelockEstimate {
+        let relock = &point.inputs.relock;
+        let counts = |i: usize| tick.map_or(i < self.ticks, |tick| tick as usize == i + 1);
+        let weights: [f64; MAX_TICKS] = core::array::from_fn(|i| if counts(i) { 1.0 } else { 0.0 });
+        let (mean, rms) = self.fixed.faked(&weights);
+        let rounding = self.fixed.rounding(&weights);
+        let exact_detuning = relock.adc_noise == 0.0 && relock.adc_step == 0.0;
+        let (oracle, rounding) = match compensation {
+            Compensation::None => (Some((mean, rms)), rounding),
+            // The first tick has nothing to compare it with.
+            Compensation::Frequency if tick == Some(1) => (Some((mean, rms)), rounding),
+            Compensation::Detuning if exact_detuning => {
+                (Some((0.0, rms * self.fixed.wrong())), self.fixed.rounding_by_detuning(&weights))
+            }
+            Compensation::Frequency | Compensation::Detuning => (None, 0.0),
+        };
+        let estimate = match tick {
+            Some(tick) => format!("estimate\ncompensation={}\nticks={tick}\n", compensation.name()),
+            None => format!("estimate\ncompensation={}\nticks=1..={}\n", compensation.name(), self.ticks),
+        };
+        let weights = weights.map(|weight| weight as u32 * (1 << WEIGHT_BITS));
+        // Filled in when its histogram is known.
+        let address = Address { point: self.id, estimate: Id::of(&estimate), digest: self.id };
+        RelockEstimate { compensation, tick, address, oracle, rounding, bin_base: 0, weights }
+    }
+
+    /// The same estimates, whose histograms start at a quarter of the rms of their first trials.
+    fn with_histograms(&self, estimates: &[RelockEstimate]) -> Vec<RelockEstimate> {
+        let trials = Trials { first: 0, count: PILOT, histogram: false };
+        let tallies = self.launch(&estimates.iter().collect::<Vec<_>>()).tally(Width::widest(), trials);
+        let with = |(estimate, square): (&RelockEstimate, u128)| {
+            let rms = libm::sqrt(square as f64 / PILOT as f64);
+            let bin_base = level(libm::floor(0.25 * rms) as u32);
+            let method = method(estimate.compensation);
+            let ticks = relock_ticks::Shape { ticks: MAX_TICKS, method };
+            let words = [relock_ticks::VERSION, method as u32, bin_base]
+                .into_iter()
+                .chain(self.key)
+                .chain(words_of(self.fixed.lsb_arcsec))
+                .chain(self.fixed.words(ticks))
+                .chain(estimate.weights);
+            let address = Address { digest: Id::of_words(words), ..estimate.address };
+            RelockEstimate { bin_base, address, ..estimate.clone() }
+        };
+        estimates.iter().zip(tallies.iter().map(|tally| tally.square)).map(with).collect()
+    }
+
+    /// The launch that samples some of the estimates, of one compensation and at most [`MAX_ESTIMATES`].
+    pub fn launch(&self, estimates: &[&RelockEstimate]) -> Launch {
+        let method = estimates.first().map_or(Method::None, |estimate| method(estimate.compensation));
+        let ticks = relock_ticks::Shape { ticks: self.ticks, method };
+        let weight: Vec<u32> =
+            estimates.iter().flat_map(|estimate| estimate.weights[..self.ticks].to_vec()).collect();
+        let bin_base: Vec<u32> = estimates.iter().map(|estimate| estimate.bin_base).collect();
+        let words = Parameters {
+            key: &self.key,
+            relock: &self.fixed.words(ticks),
+            weight: &weight,
+            bin_base: &bin_base,
+        }
+        .words();
+        let shape = Shape { ticks, estimates: estimates.len() };
+        Launch { sampled: Sampled::Relock(shape), words, table: Arc::new([]) }
+    }
+}
+
+/// How the kernel takes it off.
+pub fn method(compensation: Compensation) -> Method {
+    match compensation {
+        Compensation::None => Method::None,
+        Compensation::Frequency => Method::Frequency,
+        Compensation::Detuning => Method::Detuning,
+    }
+}

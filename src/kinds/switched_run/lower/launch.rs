@@ -1,0 +1,108 @@
+//! The launches that sample the angles of runs.
+
+use crate::kernel::launch::{Launch, Sampled};
+use crate::kernel::moments::MAX_ESTIMATES;
+use crate::kernel::switched_run::shape::{Parameters, Shape};
+use crate::kinds::gap_fill::lower::fixed::long_words;
+use crate::kinds::switched_run::lower::FilledRun;
+use crate::kinds::switched_run::lower::fixed::{Fixed, FixedRow};
+use crate::kinds::switched_run::lower::warm_up::WarmUp;
+
+/// Angles at the end and the largest, before those at times.
+const ENDS: usize = 2;
+
+impl FilledRun {
+    /// The launches of the filler's runs, each with the places of its estimates.
+    pub fn launches(&self) -> Vec<(Launch, Vec<usize>)> {
+        let all: Vec<usize> = (0..self.estimates.len()).collect();
+        all.chunks(MAX_ESTIMATES).map(|places| (self.launch(places), places.to_vec())).collect()
+    }
+
+    fn launch(&self, places: &[usize]) -> Launch {
+        let fixed = &self.fixed;
+        let ends = places[0] == 0;
+        let times: Vec<usize> = places.iter().filter_map(|place| place.checked_sub(ENDS)).collect();
+        let shape = shape(fixed, ends, times.len());
+        let only = |wanted: bool, words: Vec<u32>| if wanted { words } else { vec![] };
+        let of_tones = |word: fn(&crate::kinds::switched_run::lower::fixed::FixedTone) -> u32| {
+            fixed.tones.iter().map(word).collect()
+        };
+        let of_times = |word: fn(&crate::kinds::switched_run::lower::fixed::FixedTime) -> u32| -> Vec<u32> {
+            times.iter().map(|&time| word(&fixed.times[time])).collect()
+        };
+        let of_warm_up =
+            |words: fn(&WarmUp) -> Vec<u32>| -> Vec<u32> { fixed.warm_up.iter().flat_map(words).collect() };
+        let mask = |yes: bool| if yes { u32::MAX } else { 0 };
+        let [amplitude, phase_step]: [Vec<u32>; 2] =
+            [of_tones(|tone| tone.amplitude), of_tones(|tone| tone.step)];
+        let switch_spread: Vec<u32> = fixed.tones.iter().map(|tone| mask(tone.each)).collect();
+        let run_spread: Vec<u32> = fixed.tones.iter().map(|tone| mask(!tone.each)).collect();
+        let bin_base: Vec<u32> = places.iter().map(|&place| self.estimates[place].bin_base).collect();
+        let (relock_weight, bits) =
+            fixed.relock.as_ref().map(|relock| relock.weights(fixed.lsb_arcsec)).unwrap_or_default();
+        let relock_bits = only(fixed.relock.is_some(), vec![bits]);
+        let words = Parameters {
+            key: &self.key,
+            intervals: &[fixed.ends.len() as u32],
+            walk_sigma: &only(shape.walk, fixed.walk.to_vec()),
+            noise: &only(shape.noise, vec![fixed.noise]),
+            warm_up_spread: &of_warm_up(|warm_up| vec![warm_up.spread_word()]),
+            halving_bits: &of_warm_up(|warm_up| vec![warm_up.halving_bits]),
+            halvings: &of_warm_up(|warm_up| vec![warm_up.interval_halvings()]),
+            time_bits: &of_warm_up(|warm_up| vec![warm_up.time_bits]),
+            heated: &of_warm_up(|warm_up| warm_up.heated().map(|word| word as u32).to_vec()),
+            relock: fixed.relock.as_ref().map_or(&[], |relock| &relock.words),
+            relock_weight: &relock_weight,
+            relock_bits: &relock_bits,
+            constant: &long_words(fixed.constant),
+            amplitude: &amplitude,
+            phase_step: &phase_step,
+            switch_spread: &switch_spread,
+            run_spread: &run_spread,
+            time_interval: &of_times(|time| time.row.switches as u32),
+            time_walk: &only(shape.walk, of_times(|time| time.walk)),
+            time_bridge: &only(shape.walk, of_times(|time| time.bridge)),
+            bin_base: &bin_base,
+        }
+        .words();
+        let rows = fixed.ends.iter().chain(times.iter().map(|&time| &fixed.times[time].row));
+        let table = rows.flat_map(|row| table_row(row, shape)).collect();
+        Launch { sampled: Sampled::SwitchedRun(shape), words, table }
+    }
+
+    /// The launch of trajectories, and its shape.
+    pub fn trajectories(&self) -> (Launch, Shape) {
+        let launch = self.launch(&[0, 1]);
+        (launch, shape(&self.fixed, true, 0))
+    }
+}
+
+fn shape(fixed: &Fixed, ends: bool, times: usize) -> Shape {
+    let deviates = |part: usize| fixed.ends.iter().any(|row| row.deviations[part] != 0);
+    Shape {
+        ends,
+        times,
+        walk: fixed.walk != [0, 0],
+        noise: fixed.noise != 0,
+        tones: fixed.tones.len(),
+        magnetic: deviates(0),
+        initial: deviates(1),
+        non_magnetic: deviates(2),
+        mode: fixed.mode,
+        warm_up: fixed.warm_up.is_some(),
+        relock: fixed.relock.as_ref().map(|relock| relock.shape),
+    }
+}
+
+fn table_row(row: &FixedRow, shape: Shape) -> Vec<u32> {
+    let words = [
+        (true, row.angle),
+        (shape.mode, row.magnetic),
+        (shape.magnetic, row.deviations[0]),
+        (shape.initial, row.deviations[1]),
+        (shape.non_magnetic, row.deviations[2]),
+        (shape.warm_up, row.heating[0]),
+        (shape.warm_up, row.heating[1]),
+    ];
+    words.into_iter().filter(|(has, _)| *has).map(|(_, word)| word as u32).collect()
+}

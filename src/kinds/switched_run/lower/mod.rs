@@ -1,0 +1,226 @@
+//! Lowering whole runs: the drift of each filler's runs in closed form, row by row, and what is random on top.
+//!
+//! Every part is held to a unit of 2^−29 of the largest angle that a run can reach, or finer.
+
+pub mod drift;
+pub mod fixed;
+pub mod launch;
+pub mod oracle;
+pub mod relocking;
+pub mod warm_up;
+
+pub use crate::kinds::switched_run::lower::oracle::RunOracle;
+
+use crate::drift::schedule::Schedule;
+use crate::filler::Filler;
+use crate::kernel::moments::level;
+use crate::kernel::switched_run;
+use crate::key::file::Streams;
+use crate::key::file::switching::Error;
+use crate::kinds::gap_fill::lower::refusal::LowerError;
+use crate::kinds::gap_fill::lower::residual::Residual;
+use crate::kinds::gap_fill::lower::{Lowered, definition, words_of};
+use crate::kinds::relock::lower::refusal::RelockError;
+use crate::kinds::switched_run::lower::drift::Drift;
+use crate::kinds::switched_run::lower::fixed::Fixed;
+use crate::kinds::switched_run::lower::relocking::FixedRelocking;
+use crate::kinds::switched_run::point::Point as RunPoint;
+use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
+use crate::store::Address;
+use crate::tally::id::Id;
+
+/// Why a run cannot be represented.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RunLowerError {
+    /// One of its switches cannot be.
+    #[error(transparent)]
+    Switch(#[from] LowerError),
+    /// One of its relocks cannot be.
+    #[error(transparent)]
+    Relock(#[from] RelockError),
+}
+
+impl RunLowerError {
+    /// The key of the study that has to change.
+    pub fn key(&self) -> &'static str {
+        match self {
+            RunLowerError::Switch(error) => error.key(),
+            RunLowerError::Relock(error) => error.key(),
+        }
+    }
+
+    /// What to do about it.
+    pub fn help(&self) -> &'static str {
+        match self {
+            RunLowerError::Switch(error) => error.help(),
+            RunLowerError::Relock(error) => error.help(),
+        }
+    }
+}
+
+/// A point of a study of whole runs, ready to be sampled.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoweredRun {
+    /// Of the point: what its draws and tallies are found by.
+    pub id: Id,
+    /// In the order of the study's fillers; one where it has none.
+    pub fillers: Vec<FilledRun>,
+}
+
+/// The runs of a point with one filler.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FilledRun {
+    key: [u32; 2],
+    fixed: Fixed,
+    /// What a switch leaves.
+    pub residual: Residual,
+    /// In the order of the study's angles.
+    pub estimates: Vec<RunEstimate>,
+    /// Where trajectories are kept.
+    pub trajectory: Address,
+}
+
+/// One angle of the runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunEstimate {
+    /// At the end, the largest or at one of the times.
+    pub angle: RunAngle,
+    /// Where its tallies are kept.
+    pub address: Address,
+    /// Absent of the largest, which has no closed form.
+    pub oracle: Option<RunOracle>,
+    /// ″ per unit of the tally.
+    pub unit_arcsec: f64,
+    /// Where its histogram starts.
+    pub bin_base: u32,
+}
+
+impl FilledRun {
+    /// Root mean square over switches of all that a switch adds, ″.
+    pub fn residual_rms(&self) -> f64 {
+        let relock = self.fixed.relock.as_ref();
+        let [mean, deviation] =
+            relock.map_or([0.0; 2], |relock| [relock.mean, libm::hypot(relock.deviation, relock.alike)]);
+        let about_zero = self.residual.rms();
+        libm::sqrt(
+            about_zero * about_zero
+                + 2.0 * mean * self.residual.constant_arcsec
+                + mean * mean
+                + deviation * deviation,
+        )
+    }
+
+    /// About the largest that a switch adds, ″: sines at their peaks and three standard deviations of the rest.
+    pub fn residual_max(&self) -> f64 {
+        let relock = self.fixed.relock.as_ref();
+        let [mean, deviation] =
+            relock.map_or([0.0; 2], |relock| [relock.mean, libm::hypot(relock.deviation, relock.alike)]);
+        let amplitudes: f64 = self.residual.tones.iter().map(|tone| tone.amplitude_arcsec).sum();
+        let normal = libm::sqrt(self.residual.variance_arcsec2 + deviation * deviation);
+        amplitudes + (self.residual.constant_arcsec + mean).abs() + SIGMAS * normal
+    }
+
+    /// About the rms of one of the angles, ″; of a compensated relock by its first trials.
+    pub fn expected_rms(&self, place: usize) -> f64 {
+        self.fixed.expected_rms(self.estimates[place].angle, place) * self.fixed.lsb_arcsec
+    }
+}
+
+/// Standard deviations that the paper takes as the largest error.
+const SIGMAS: f64 = 3.0;
+
+impl LoweredRun {
+    /// Lowers a point of a study with this seed.
+    ///
+    /// # Errors
+    /// The switch cannot be represented: see [`LowerError`] and [`RelockError`].
+    pub fn new(
+        point: &RunPoint,
+        study: &SwitchedRun,
+        seed: u64,
+        streams: Streams,
+    ) -> Result<LoweredRun, RunLowerError> {
+        let residuals = residuals(point, study, seed, streams)?;
+        let id = id(point, study, residuals.id, seed, streams);
+        let key = match streams {
+            Streams::Independent => id.key(),
+            Streams::Common => Id::of(&format!("streams\nkind=switched-run\nseed={seed}\n")).key(),
+        };
+        let drift = Drift::of(point, study);
+        let relocking = FixedRelocking::of(point)?;
+        let filled = |(definition, residual): (String, Residual)| {
+            let relock = relocking.as_ref().map(|relocking| relocking.with(&residual.after));
+            let fixed = Fixed::new(&drift, &residual, relock, point, study);
+            let of = |angle: String, more: Vec<u32>| {
+                let estimate = Id::of(&format!("estimate\nfiller={definition}\nangle={angle}\n"));
+                let words = [switched_run::VERSION, key[0], key[1]].into_iter().chain(fixed.words());
+                Address { point: id, estimate, digest: Id::of_words(words.chain(more)) }
+            };
+            let estimate = |(place, angle): (usize, RunAngle)| {
+                let oracle = fixed.oracle(angle, place);
+                let bin_base = level((0.25 * fixed.expected_rms(angle, place)) as u32);
+                let more = fixed.time_words(place).into_iter().chain([bin_base]);
+                RunEstimate {
+                    angle,
+                    address: of(angle.name(), more.chain(words_of(fixed.lsb_arcsec)).collect()),
+                    oracle,
+                    unit_arcsec: fixed.lsb_arcsec,
+                    bin_base,
+                }
+            };
+            let estimates = study.angles().into_iter().enumerate().map(estimate).collect();
+            let trajectory = of("trajectory".to_owned(), words_of(fixed.lsb_arcsec).to_vec());
+            FilledRun { key, estimates, trajectory, fixed, residual }
+        };
+        Ok(LoweredRun { id, fillers: residuals.of_fillers.into_iter().map(filled).collect() })
+    }
+}
+
+/// The residual of each filler by what the filler is, and the identity of the switch.
+struct Residuals {
+    id: String,
+    of_fillers: Vec<(String, Residual)>,
+}
+
+fn residuals(
+    point: &RunPoint,
+    study: &SwitchedRun,
+    seed: u64,
+    streams: Streams,
+) -> Result<Residuals, LowerError> {
+    let Some(fill) = &point.fill else {
+        let amplitude_arcsec = point.drift.residual_max;
+        let tone = crate::kinds::gap_fill::lower::residual::ResidualTone { amplitude_arcsec, tone: 0 };
+        let tones = if amplitude_arcsec > 0.0 { vec![tone] } else { vec![] };
+        let residual = Residual { tones, ..Residual::default() };
+        let id = format!("residual_max={amplitude_arcsec:.11e}");
+        return Ok(Residuals { id, of_fillers: vec![("none".to_owned(), residual)] });
+    };
+    let lowered = Lowered::new(fill, study.fillers(), &[Error::Residual], seed, streams)?;
+    // Delivered with the ticks, besides what it does to the filler.
+    let relock: f64 = fill.inputs.relock.iter().sum();
+    let of_filler = |(place, filler): (usize, &Filler)| {
+        let mut residual = lowered.residual(place).unwrap_or_default();
+        residual.constant_arcsec += relock;
+        (format!("{} ticks={:?}", definition(filler), fill.fills[place].fit_ticks), residual)
+    };
+    let of_fillers = study.fillers().iter().enumerate().map(of_filler).collect();
+    Ok(Residuals { id: lowered.id.to_string(), of_fillers })
+}
+
+/// The identity of what determines the draws and what they are added to.
+fn id(point: &RunPoint, study: &SwitchedRun, switch: String, seed: u64, streams: Streams) -> Id {
+    let Schedule { interval_s, duration_s } = point.schedule;
+    Id::of(&format!(
+        "point\nkind=switched-run\nseed={seed}\nstreams={}\ninterval_s={interval_s:.11e}\nduration_s={duration_s:.11e}\n\
+         first_mode={:?}\ntiming={:?}\nswitch={switch}\n{}{}",
+        streams.name(),
+        study.first_mode,
+        study.timing,
+        point.drift.canonical(),
+        point.relock.as_ref().map_or_else(String::new, |relocking| {
+            let (compensation, ticks) = (relocking.compensation.name(), relocking.relock.ticks);
+            format!("compensation={compensation}\nrelock_ticks={ticks}\n{}", relocking.relock.identity())
+        }),
+    ))
+}

@@ -1,0 +1,126 @@
+//! What angles of runs come to exactly, for the lowered parameters.
+
+use core::f64::consts::PI;
+
+use crate::kinds::gap_fill::lower::fixed::{ANGLE_UNITS, SIGMA_UNITS};
+use crate::kinds::switched_run::Angle as RunAngle;
+use crate::kinds::switched_run::lower::fixed::{Fixed, FixedRow};
+
+/// Mean and standard deviation of an angle, ″.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunOracle {
+    /// Over runs, signed.
+    pub mean: f64,
+    /// From run to run.
+    pub deviation: f64,
+    /// No sampled mean or rms is farther away than this for rounding in the kernel.
+    pub rounding: f64,
+}
+
+impl RunOracle {
+    /// √(mean² + deviation²), ″.
+    pub fn rms(&self) -> f64 {
+        libm::hypot(self.mean, self.deviation)
+    }
+}
+
+impl Fixed {
+    /// Of an angle of the study at its `place`; none where a compensated relock has no closed form.
+    pub(crate) fn oracle(&self, angle: RunAngle, place: usize) -> Option<RunOracle> {
+        if self.relock.as_ref().is_some_and(|relock| !relock.exact) {
+            return None;
+        }
+        self.about(angle, place)
+    }
+
+    /// The same, for a compensated relock by its first trials.
+    fn about(&self, angle: RunAngle, place: usize) -> Option<RunOracle> {
+        match angle {
+            RunAngle::Largest => None,
+            RunAngle::End => {
+                let [whole, last] = self.walk.map(square);
+                let walk = (self.ends.len() - 1) as f64 * whole + last;
+                self.ends.last().map(|row| self.at(row, walk))
+            }
+            RunAngle::At(_) => {
+                let time = place.checked_sub(2).and_then(|time| self.times.get(time))?;
+                let walk =
+                    time.row.switches as f64 * square(self.walk[0]) + square(time.walk) + square(time.bridge);
+                Some(self.at(&time.row, walk))
+            }
+        }
+    }
+
+    /// Where the drift is at `row`, with so much variance of the random walk, LSB².
+    fn at(&self, row: &FixedRow, walk: f64) -> RunOracle {
+        let switches = row.switches as f64;
+        let constant = self.constant as f64 / libm::exp2(32.0);
+        let deviations: f64 = row.deviations.iter().map(|&word| square(word.unsigned_abs())).sum();
+        let mut variance = walk + deviations + switches * square(self.noise);
+        let mut relocked = 0.0;
+        let mut rounded = 0.0;
+        if let Some(relock) = &self.relock {
+            let deviation = relock.deviation / self.lsb_arcsec;
+            let alike = switches * relock.alike / self.lsb_arcsec;
+            variance += switches * deviation * deviation + alike * alike;
+            relocked = switches * relock.mean / self.lsb_arcsec;
+            // Each switch is rounded to the LSB once more.
+            rounded = switches * (relock.rounding + 0.5 * self.lsb_arcsec);
+        }
+        for tone in &self.tones {
+            let amplitude = f64::from(tone.amplitude) / ANGLE_UNITS;
+            let times = if tone.each { switches } else { in_phase(tone.step, row.switches) };
+            variance += 0.5 * amplitude * amplitude * times;
+        }
+        let [heated, spread, rounding] = match &self.warm_up {
+            Some(warm_up) => {
+                let [mean, variance] = warm_up.moments(row.time_s, row.held_s);
+                let lsb = self.lsb_arcsec;
+                [mean / lsb, variance / (lsb * lsb), warm_up.rounding()]
+            }
+            None => [0.0; 3],
+        };
+        // Where the first mode is drawn, what is magnetic has either sign.
+        let magnetic = f64::from(row.magnetic) + heated;
+        let (mean, drawn) = if self.mode { (0.0, magnetic) } else { (heated, 0.0) };
+        RunOracle {
+            mean: (f64::from(row.angle) + mean + relocked + switches * constant) * self.lsb_arcsec,
+            deviation: libm::sqrt(variance + spread + drawn * drawn) * self.lsb_arcsec,
+            rounding: 2.0 * self.lsb_arcsec + rounding + rounded,
+        }
+    }
+
+    /// About the rms of an angle, LSB: where it is not known, the most at the end of any interval.
+    pub(crate) fn expected_rms(&self, angle: RunAngle, place: usize) -> f64 {
+        match self.about(angle, place) {
+            Some(oracle) => oracle.rms() / self.lsb_arcsec,
+            None => {
+                let walk = |row: &FixedRow| (row.switches + 1) as f64 * square(self.walk[0]);
+                let heated = |row: &FixedRow| {
+                    let usual = self.warm_up.as_ref().map(|warm_up| warm_up.usual(row.time_s, row.held_s));
+                    usual.unwrap_or(0.0).abs() / self.lsb_arcsec
+                };
+                let unheated = Fixed { warm_up: None, ends: vec![], times: vec![], ..self.clone() };
+                let rms = |row: &FixedRow| unheated.at(row, walk(row)).rms() / self.lsb_arcsec + heated(row);
+                self.ends.iter().map(rms).fold(0.0, f64::max)
+            }
+        }
+    }
+}
+
+/// The square of a standard deviation in 2^−4 LSB, LSB².
+fn square(word: u32) -> f64 {
+    let sigma = f64::from(word) / SIGMA_UNITS;
+    sigma * sigma
+}
+
+/// |Σ_{j<n} e^{2πi·j·step}|².
+fn in_phase(step: u32, n: usize) -> f64 {
+    let half = PI * f64::from(step) / libm::exp2(32.0);
+    let n = n as f64;
+    if step == 0 {
+        return n * n;
+    }
+    let ratio = libm::sin(n * half) / libm::sin(half);
+    ratio * ratio
+}

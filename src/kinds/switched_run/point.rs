@@ -1,0 +1,246 @@
+//! Points of a study of whole runs, each checked as a whole.
+
+use crate::drift::schedule::Schedule;
+use crate::drift::{self, Drift};
+use crate::kernel::switched_run::shape::MOST_INTERVALS;
+use crate::key::setting::Swept;
+use crate::key::sweep::{self, Sweep};
+use crate::kinds::gap_fill::{self, GapFill};
+use crate::kinds::relock::inputs::SETTINGS as RELOCK_SETTINGS;
+use crate::kinds::switched_run::relock::{self, Relocking};
+use crate::quantity::number::significant;
+use crate::quantity::units::round_12;
+use crate::source::diagnose::Fault;
+use crate::source::place::Places;
+use crate::theory::drift::magnetic::switches;
+
+/// By how much of itself an interval may miss a whole number of ticks, of which decimal fractions have not all.
+const WHOLE: f64 = 1e-9;
+
+/// Least product of an interval and a run in warm-up times of which the part that the warm-up leaves is right to 0.2 %.
+const LEAST_LEFT: f64 = 1e-5;
+
+/// Most of what a relock fakes that may come after the ticks that are followed.
+const MOST_LATE: f64 = 0.2;
+
+/// Time constants after which a loop is closed: e^−5 of the miss is left, e^−10 of what it fakes.
+const SETTLED: f64 = 5.0;
+
+/// One combination of swept values, with all that follows from it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Point {
+    /// Place in the order of points; the first sweep changes slowest.
+    pub index: usize,
+    /// Name of each swept key, and its value here, in the order of the sweeps.
+    pub swept: Vec<(&'static str, Swept)>,
+    /// The parts of the drift, with their spreads.
+    pub drift: Drift,
+    /// Of whole ticks.
+    pub schedule: Schedule,
+    /// The switch; absent where the residual is given by its largest value.
+    pub fill: Option<gap_fill::Point>,
+    /// The relock after each switch.
+    pub relock: Option<Relocking>,
+}
+
+impl Point {
+    /// Switches of the run.
+    pub fn switches(&self) -> u64 {
+        switches(self.schedule.interval_s, self.schedule.duration_s) as u64
+    }
+
+    /// The shortest interval that it can have, s: that of most switches, and no shorter than the ticks round a switch.
+    pub fn shortest_s(&self) -> f64 {
+        let most = self.schedule.duration_s / (MOST_INTERVALS - 1) as f64;
+        let Some(fill) = &self.fill else { return most };
+        let settled = self.relock.as_ref().map_or(0.0, |relocking| settled_s(relocking, fill));
+        most.max(ticks_round_a_switch(fill) * fill.inputs.tick_s).max(settled)
+    }
+
+    /// The same with another interval, rounded to whole ticks, and with the nearest time that an even number of them makes;
+    /// `None` for one that is too short, or longer than half the run.
+    pub fn with_interval(&self, interval_s: f64) -> Option<Point> {
+        let tick_s = self.fill.as_ref().map(|fill| fill.inputs.tick_s);
+        let interval_s =
+            round_12(tick_s.map_or(interval_s, |tick_s| libm::round(interval_s / tick_s) * tick_s));
+        let pairs = libm::round(0.5 * self.schedule.duration_s / interval_s);
+        let schedule = Schedule { interval_s, duration_s: round_12(2.0 * pairs * interval_s) };
+        let fits = (self.shortest_s()..=0.5 * self.schedule.duration_s).contains(&interval_s);
+        fits.then(|| Point { schedule, ..self.clone() })
+    }
+}
+
+/// Time from a switch on after which its loop is closed, s.
+fn settled_s(relocking: &Relocking, fill: &gap_fill::Point) -> f64 {
+    let gap_s = f64::from(fill.inputs.gap_ticks) * fill.inputs.tick_s;
+    let ticks_s = f64::from(relocking.relock.ticks) * fill.inputs.tick_s;
+    gap_s + ticks_s.max(SETTLED * relocking.relock.loop_s)
+}
+
+/// Ticks from the first that a filler reads to the last.
+fn ticks_round_a_switch(fill: &gap_fill::Point) -> f64 {
+    let ends = [0, fill.inputs.gap_ticks as i32];
+    let ticks = fill.fills.iter().flat_map(|fill| &fill.fit_ticks);
+    let [first, last] = ticks.fold(ends, |[first, last], &tick| [first.min(tick), last.max(tick)]);
+    f64::from(last - first + 1)
+}
+
+/// What all points share, with the places to blame.
+pub(crate) struct Base<'a> {
+    pub(crate) drift: Drift,
+    pub(crate) schedule: Schedule,
+    pub(crate) fill: Option<&'a GapFill>,
+    pub(crate) relock: Option<Relocking>,
+    pub(crate) times: &'a [f64],
+    pub(crate) places: &'a Places,
+    pub(crate) sweeps: &'a [Sweep],
+}
+
+impl Base<'_> {
+    /// All points, in order, and how intervals were rounded.
+    pub(crate) fn points(&self) -> Result<(Vec<Point>, Option<String>), Fault> {
+        let (mut points, mut rounded) = (Vec::new(), Vec::new());
+        for index in 0..sweep::points(self.sweeps) {
+            let point = self.point(index, &mut rounded)?;
+            points.push(point);
+        }
+        rounded.dedup();
+        let note = rounded.first().map(|first| match rounded.len() - 1 {
+            0 => format!("switching.interval is rounded to whole ticks: {first}"),
+            1 => format!("switching.interval is rounded to whole ticks: {first}, and 1 other"),
+            others => format!("switching.interval is rounded to whole ticks: {first}, and {others} others"),
+        });
+        Ok((points, note))
+    }
+
+    fn point(&self, index: usize, rounded: &mut Vec<String>) -> Result<Point, Fault> {
+        let swept = sweep::values_at(self.sweeps, index);
+        let (mut drift, mut schedule) = (self.drift.clone(), self.schedule);
+        sweep::set(&mut drift, &drift::SETTINGS, &swept);
+        sweep::set(&mut schedule, &drift::SCHEDULE_SETTINGS, &swept);
+        let fill = self.fill.map(|fill| fill.points[index].clone());
+        if let Some(fill) = &fill {
+            schedule.interval_s = self.whole_ticks(schedule.interval_s, fill, rounded)?;
+        }
+        let mut relock = self.relock.clone();
+        if let Some(relocking) = &mut relock {
+            sweep::set(&mut relocking.relock, &RELOCK_SETTINGS, &swept);
+            relocking.compensation = relock::swept(&swept).unwrap_or(relocking.compensation);
+        }
+        schedule.check(self.places, self.sweeps)?;
+        self.check_relock(relock.as_ref(), fill.as_ref(), schedule)?;
+        self.check(&drift, schedule)?;
+        Ok(Point { index, swept, drift, schedule, fill, relock })
+    }
+
+    /// The nearest interval of whole ticks.
+    fn whole_ticks(
+        &self,
+        interval_s: f64,
+        fill: &gap_fill::Point,
+        rounded: &mut Vec<String>,
+    ) -> Result<f64, Fault> {
+        let tick_s = fill.inputs.tick_s;
+        let ticks = libm::round(interval_s / tick_s);
+        let whole_s = round_12(ticks * tick_s);
+        if (whole_s - interval_s).abs() > WHOLE * interval_s {
+            rounded.push(format!("{} s to {} s", significant(interval_s, 9), significant(whole_s, 9)));
+        }
+        let used = ticks_round_a_switch(fill);
+        if ticks >= used {
+            return Ok(whole_s);
+        }
+        let [interval, least] = [interval_s, used * tick_s].map(|time| significant(time, 6));
+        let message =
+            format!("a switching interval of {interval} s is shorter than the ticks round a switch");
+        let place = self.places.blame(self.sweeps, &["switching.interval", "switching.fit_ticks"]);
+        Err(Fault::new(
+            place,
+            message,
+            "too short",
+            format!("accepted: {least} s and more with these fit ticks"),
+        ))
+    }
+
+    /// Refuses a loop that does not settle before the next switch.
+    fn check_relock(
+        &self,
+        relock: Option<&Relocking>,
+        fill: Option<&gap_fill::Point>,
+        schedule: Schedule,
+    ) -> Result<(), Fault> {
+        let (Some(relocking), Some(fill)) = (relock, fill) else { return Ok(()) };
+        let (ticks, late) = (relocking.relock.ticks, relocking.relock.late(fill.inputs.tick_s));
+        if late > MOST_LATE {
+            let percent = libm::round(100.0 * late);
+            let message = format!(
+                "{percent} % of what the relock fakes comes after tick {ticks}, which runs do not count"
+            );
+            let names = ["relock.ticks", "relock.loop_time", "relock"];
+            let help = "accepted: up to 20 %; follow up to 8 ticks, or take a faster loop";
+            return Err(Fault::new(self.places.blame(self.sweeps, &names), message, "too few ticks", help));
+        }
+        let least_s = settled_s(relocking, fill);
+        if schedule.interval_s >= least_s {
+            return Ok(());
+        }
+        let [interval, loop_time] =
+            [schedule.interval_s, relocking.relock.loop_s].map(|time| significant(time, 6));
+        let message =
+            format!("a loop of {loop_time} s does not settle within a switching interval of {interval} s");
+        let names = ["relock.loop_time", "switching.interval", "relock.ticks"];
+        let help = format!("accepted: an interval of at least {} s here", significant(least_s, 4));
+        Err(Fault::new(self.places.blame(self.sweeps, &names), message, "does not settle", help))
+    }
+
+    /// Limits that need more than one value.
+    fn check(&self, drift: &Drift, schedule: Schedule) -> Result<(), Fault> {
+        let refuse = |names: &[&str], message: String, label: &str, help: &str| {
+            Err(Fault::new(self.places.blame(self.sweeps, names), message, label, help))
+        };
+        let Schedule { interval_s, duration_s } = schedule;
+        let [interval, duration] = [interval_s, duration_s].map(|time| significant(time, 6));
+        if switches(interval_s, duration_s) >= MOST_INTERVALS as f64 {
+            let message =
+                format!("a run of {duration} s with a switch every {interval} s has too many switches");
+            let help = format!(
+                "accepted: up to {} switches, so an interval of at least {} s here",
+                MOST_INTERVALS - 1,
+                significant(duration_s / MOST_INTERVALS as f64, 4)
+            );
+            return refuse(&["switching.interval", "run.duration"], message, "too many switches", &help);
+        }
+        if let Some(late) = self.times.iter().find(|&&time| time > duration_s) {
+            let message = format!(
+                "run.times lists {} s, after the end of a run of {duration} s",
+                significant(*late, 6)
+            );
+            return refuse(
+                &["run.times", "run.duration"],
+                message,
+                "after the end",
+                "leave it out, or lengthen run.duration",
+            );
+        }
+        let [warm_ups, run] = [interval_s, duration_s].map(|time| time / drift.warm_up_s);
+        // What is left of the warm-up beside what exponentials are rounded by.
+        let left = warm_ups * run.min(1.0);
+        if drift.warm_up_spread > 0.0 && drift.warm_up_s > 0.0 && (left < LEAST_LEFT || warm_ups > 4.0) {
+            let message = format!(
+                "drift.warm_up_time_spread with an interval of {} and a run of {} warm-up times",
+                significant(warm_ups, 3),
+                significant(run, 3)
+            );
+            let names = ["drift.warm_up_time_spread", "switching.interval", "drift.warm_up_time"];
+            let help = "accepted with a spread: intervals up to 4 warm-up times, whose product with the run is 1e-5 at least; \
+                        leave the spread out";
+            return refuse(&names, message, "out of range", help);
+        }
+        if drift.warm_up_spread > 0.0 && drift.warm_up_s == 0.0 {
+            let message = "drift.warm_up_time_spread without drift.warm_up_time".to_owned();
+            let help = "add warm_up_time = \"3000 s\", or leave the spread out";
+            return refuse(&["drift.warm_up_time_spread"], message, "the spread of nothing", help);
+        }
+        Ok(())
+    }
+}

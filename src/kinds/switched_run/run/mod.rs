@@ -1,0 +1,176 @@
+//! Running a study of whole runs: what the store lacks is sampled, trajectories of the first runs besides.
+
+pub mod rows;
+pub mod trajectories;
+
+use std::time::Instant;
+
+use crate::kinds::switched_run::SwitchedRun;
+use crate::kinds::switched_run::lower::{FilledRun, LoweredRun, RunLowerError};
+use crate::kinds::switched_run::point::Point as RunPoint;
+use crate::run::{Done, NORMAL_95, Progress, RunError, Tables};
+use crate::sampling::sampling::{Beside, Work, held_by_all, lacking, sample};
+use crate::sampling::worker::Worker;
+use crate::source::diagnose::StudyError;
+use crate::store::Store;
+use crate::store::error::StoreError;
+use crate::store::index::Index;
+use crate::study::Study;
+use crate::tally::block::row_log2;
+use crate::tally::id::Id;
+use crate::tally::share::Share;
+
+/// A study whose every point is proven to fit.
+#[derive(Debug)]
+pub(crate) struct Plan<'a> {
+    study: &'a Study,
+    runs: &'a SwitchedRun,
+    points: Vec<LoweredRun>,
+}
+
+impl<'a> Plan<'a> {
+    /// Lowers every point.
+    pub(crate) fn new(study: &'a Study, runs: &'a SwitchedRun) -> Result<Plan<'a>, StudyError> {
+        let lower = |point: &RunPoint| {
+            LoweredRun::new(point, runs, study.seed, study.streams)
+                .map_err(|error| refused(study, point, &error))
+        };
+        let points = runs.points.iter().map(lower).collect::<Result<_, _>>()?;
+        Ok(Plan { study, runs, points })
+    }
+
+    /// Samples what the store lacks of a share. `progress` hears how many trials there are in all and, as it comes, what is done.
+    pub(crate) fn run(
+        &self,
+        store: &mut Store,
+        worker: &mut Worker,
+        share: Share,
+        progress: &(dyn Progress + Sync),
+    ) -> Result<Done, RunError> {
+        let started = Instant::now();
+        let work = self.missing(store, share)?;
+        let left: u64 = work.iter().map(Work::trials).sum();
+        let of_point = |(turn, point): (usize, &LoweredRun)| {
+            let trials = share.trials(self.study.trials, turn);
+            let launches: usize = point.fillers.iter().map(|filled| filled.launches().len()).sum();
+            launches as u64 * (trials.end - trials.start)
+        };
+        let all: u64 = self.points.iter().enumerate().map(of_point).sum();
+        progress.start("trials", all.saturating_sub(left), all.max(left));
+        let trials = sample(&work, &mut Beside::default(), store, worker, progress, started)?;
+        let stopped = trials < left;
+        if !stopped && makes_trajectories(share) {
+            crate::kinds::switched_run::run::trajectories::keep(self, store)?;
+        }
+        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
+    }
+
+    /// Trials that the store lacks of a share, trajectories among them.
+    pub(crate) fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
+        let sampled: u64 = self.missing(store, share)?.iter().map(Work::trials).sum();
+        let kept = if makes_trajectories(share) {
+            crate::kinds::switched_run::run::trajectories::lacks(self, store)?
+        } else {
+            0
+        };
+        Ok(sampled + kept)
+    }
+
+    /// What the store lacks of a share.
+    fn missing(&self, store: &Store, share: Share) -> Result<Vec<Work>, StoreError> {
+        let index = store.index()?;
+        let mut all = Vec::new();
+        for (turn, point) in self.points.iter().enumerate() {
+            let trials = share.trials(self.study.trials, turn);
+            for filled in &point.fillers {
+                for (launch, places) in filled.launches() {
+                    let addresses: Vec<_> =
+                        places.iter().map(|&place| filled.estimates[place].address).collect();
+                    let log2 = row_log2(self.study.trials, launch.steps());
+                    let blocks = lacking(&index, &addresses, trials.clone(), log2)?;
+                    if !blocks.is_empty() {
+                        all.push(Work { launch, addresses, blocks });
+                    }
+                }
+            }
+        }
+        Ok(all)
+    }
+
+    /// The runs of all points and fillers.
+    fn filled(&self) -> impl Iterator<Item = &FilledRun> {
+        self.points.iter().flat_map(|point| &point.fillers)
+    }
+
+    /// The tables before anything is sampled.
+    pub(crate) fn blank_tables(&self) -> Tables {
+        let trajectories =
+            (self.runs.trajectories > 0).then(|| crate::kinds::switched_run::run::trajectories::blank(self));
+        Tables { trajectories, ..Tables::of_points(self.blank_table()) }
+    }
+
+    /// All that is held.
+    pub(crate) fn tables(&self, store: &Store) -> Result<Tables, StoreError> {
+        let trajectories = (self.runs.trajectories > 0)
+            .then(|| crate::kinds::switched_run::run::trajectories::table(self, store))
+            .transpose()?;
+        Ok(Tables { trajectories, ..Tables::of_points(self.table(store)?) })
+    }
+
+    /// Trials that every estimate has, where all have the same number.
+    pub(crate) fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
+        let estimates = self.filled().flat_map(|filled| &filled.estimates);
+        held_by_all(index, estimates.map(|estimate| &estimate.address))
+    }
+
+    /// The identities of all points.
+    pub(crate) fn ids(&self) -> Vec<Id> {
+        self.points.iter().map(|point| point.id).collect()
+    }
+
+    /// What should be known besides the results.
+    pub(crate) fn notes(&self) -> Vec<String> {
+        late(self.runs)
+            .into_iter()
+            .chain(crate::kinds::switched_run::run::trajectories::thinned(self))
+            .chain(self.uneven())
+            .collect()
+    }
+
+    /// That some runs of a sweep over the interval end with one that none cancels.
+    fn uneven(&self) -> Option<String> {
+        let is_even = |point: &&RunPoint| {
+            let pairs = 0.5 * point.schedule.duration_s / point.schedule.interval_s;
+            (pairs - libm::round(pairs)).abs() <= 1e-9 * pairs
+        };
+        let points = &self.runs.points;
+        let uneven = points.len() - points.iter().filter(is_even).count();
+        let swept = self.study.sweeps.iter().any(|sweep| sweep.key.name == "switching.interval");
+        (swept && uneven > 0).then(|| {
+            format!(
+                "{uneven} of {} points have an odd or broken number of intervals: nothing cancels the magnetic drift of the last, which \
+                 can count for more than the interval",
+                points.len()
+            )
+        })
+    }
+}
+
+/// Whether a share makes the trajectories. They are few: the first one makes them all.
+fn makes_trajectories(share: Share) -> bool {
+    share.number() == 1
+}
+
+/// That ticks of the relock after the last that is followed would still count.
+pub(crate) fn late(runs: &SwitchedRun) -> Option<String> {
+    let relocks = runs.points.iter().filter_map(|point| {
+        let (relocking, fill) = point.relock.as_ref().zip(point.fill.as_ref())?;
+        Some((&relocking.relock, fill.inputs.tick_s))
+    });
+    crate::kinds::relock::run::late(relocks)
+}
+
+/// The error of a point that cannot be sampled, at the key of the study that has to change.
+fn refused(study: &Study, point: &RunPoint, error: &RunLowerError) -> StudyError {
+    crate::run::refused(study, &point.swept, error.key(), &error.to_string(), error.help())
+}

@@ -1,0 +1,156 @@
+//! Sample trajectories: the angle of the first runs just before and just after their switches.
+//!
+//! They are few and made on the processor, whatever the device: its bits are those of all.
+
+use crate::kernel::rows::Rows;
+use crate::kernel::switched_run::trajectory;
+use crate::kinds::switched_run::lower::FilledRun;
+use crate::kinds::switched_run::point::Point as RunPoint;
+use crate::kinds::switched_run::run::Plan;
+use crate::run::{column, swept_columns};
+use crate::store::error::StoreError;
+use crate::store::{Row, Store};
+use crate::table::{Cell, Table, Unit};
+use crate::tally::block::{Block, missing};
+
+/// Most switches that a trajectory shows: of more of them every second, third, … is taken.
+const MOST_SHOWN: u64 = 500;
+
+/// Offset of the angles in the store, which holds numbers that are not negative.
+const OFFSET: i64 = 1 << 31;
+
+/// How many the store lacks.
+pub(crate) fn lacks(plan: &Plan, store: &Store) -> Result<u64, StoreError> {
+    let wanted = plan.runs.trajectories.min(plan.study.trials);
+    let (index, mut lacking) = (store.index()?, 0);
+    for (_, filled) in filled(plan) {
+        let gaps = missing(index.blocks(&filled.trajectory)?, 0..wanted);
+        lacking += gaps.iter().map(|gap| gap.end - gap.start).sum::<u64>();
+    }
+    Ok(lacking)
+}
+
+/// Makes those that the store lacks.
+pub(crate) fn keep(plan: &Plan, store: &mut Store) -> Result<(), StoreError> {
+    let wanted = plan.runs.trajectories.min(plan.study.trials);
+    let index = store.index()?;
+    for (point, filled) in filled(plan) {
+        let held = index.blocks(&filled.trajectory)?;
+        let (launch, shape) = filled.trajectories();
+        let mut rows = Vec::new();
+        for trial in missing(held, 0..wanted).into_iter().flatten() {
+            let angles = trajectory(&launch, shape, trial);
+            let shown = shown(point);
+            let values: Vec<u128> =
+                places(&shown).map(|place| (i64::from(angles[place]) + OFFSET) as u128).collect();
+            let tally = Rows { width: values.len(), values };
+            rows.push(Row { address: filled.trajectory, block: Block { first: trial, log2: 0 }, tally });
+        }
+        if !rows.is_empty() {
+            store.insert(&rows, None)?;
+        }
+    }
+    Ok(())
+}
+
+/// The table before anything is made: a row for each point, filler and run.
+pub(crate) fn blank(plan: &Plan) -> Table {
+    let mut table = empty(plan);
+    for (at, (point, _)) in filled(plan).enumerate() {
+        for run in 1..=plan.runs.trajectories {
+            push(&mut table, point, filler(plan, at), run, 0.0, None);
+        }
+    }
+    table
+}
+
+/// All that are held and asked for.
+pub(crate) fn table(plan: &Plan, store: &Store) -> Result<Table, StoreError> {
+    let mut table = empty(plan);
+    for (at, (point, filled)) in filled(plan).enumerate() {
+        let shown = shown(point);
+        let width = places(&shown).count();
+        let held = store.rows(&filled.trajectory, width)?;
+        let rows = held.iter().flat_map(|rows| rows.values.chunks_exact(width));
+        for (run, values) in (1..=plan.runs.trajectories).zip(rows) {
+            let lsb = filled.estimates[0].unit_arcsec;
+            push(&mut table, point, filler(plan, at), run, 0.0, Some(0.0));
+            for (place, value) in places(&shown).zip(values) {
+                let interval = (place / 2 + 1) as f64 * point.schedule.interval_s;
+                let angle = (*value as i64 - OFFSET) as f64 * lsb;
+                let time = interval.min(point.schedule.duration_s);
+                push(&mut table, point, filler(plan, at), run, time, Some(angle));
+            }
+        }
+    }
+    Ok(table)
+}
+
+/// That not every switch is in the table.
+pub(crate) fn thinned(plan: &Plan) -> Option<String> {
+    let most = plan.runs.points.iter().map(RunPoint::switches).max()?;
+    (plan.runs.trajectories > 0 && most > MOST_SHOWN).then(|| {
+        format!(
+            "trajectories of runs with more than {MOST_SHOWN} switches show some of them only, evenly spread"
+        )
+    })
+}
+
+/// The switches that are shown, then the end: numbers of intervals from 0.
+fn shown(point: &RunPoint) -> Vec<u64> {
+    let switches = point.switches();
+    let stride = switches.div_ceil(MOST_SHOWN).max(1);
+    (0..switches).step_by(stride as usize).chain([switches]).collect()
+}
+
+/// Their places among the angles of a run: two at each switch, one at the end.
+fn places(shown: &[u64]) -> impl Iterator<Item = usize> {
+    let last = shown.last().copied().unwrap_or(0);
+    shown.iter().flat_map(move |&k| {
+        let first = 2 * k as usize;
+        first..if k == last { first + 1 } else { first + 2 }
+    })
+}
+
+fn filled<'a>(plan: &'a Plan) -> impl Iterator<Item = (&'a RunPoint, &'a FilledRun)> {
+    let points = plan.runs.points.iter().zip(&plan.points);
+    points.flat_map(|(point, lowered)| lowered.fillers.iter().map(move |filled| (point, filled)))
+}
+
+/// The name of the filler at a place of [`filled`].
+fn filler<'a>(plan: &'a Plan, at: usize) -> Option<&'a str> {
+    let fillers = plan.runs.fillers();
+    (!fillers.is_empty()).then(|| fillers[at % fillers.len()].name.as_str())
+}
+
+fn empty(plan: &Plan) -> Table {
+    let mut columns = swept_columns(plan.study);
+    if !plan.runs.fillers().is_empty() {
+        columns.push(column("filler", "filler", Unit::NONE));
+    }
+    columns.extend([
+        column("run", "run", Unit::NONE),
+        column("time", "time in the run", Unit::S),
+        column("error", "error of the angle", Unit::ARCSEC),
+    ]);
+    Table { columns }
+}
+
+fn push(
+    table: &mut Table,
+    point: &RunPoint,
+    filler: Option<&str>,
+    run: u64,
+    time_s: f64,
+    angle: Option<f64>,
+) {
+    let cells = point
+        .swept
+        .iter()
+        .map(|(_, value)| value.cell())
+        .chain(filler.map(|name| Cell::Text(name.to_owned())))
+        .chain([Cell::Text(run.to_string()), Some(time_s).into(), angle.into()]);
+    for (column, cell) in table.columns.iter_mut().zip(cells) {
+        column.cells.push(cell);
+    }
+}

@@ -1,0 +1,249 @@
+//! The motion of the base at one point, in ″ and s.
+
+pub mod read;
+pub mod read_psd;
+pub mod vibration;
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use crate::key::file::motion::{Phase, Position};
+use crate::motion::vibration::Vibration;
+use crate::record::Record;
+use crate::theory::autocovariance::autocovariance;
+use crate::theory::minimum_variance::Band;
+use crate::theory::psd::Psd;
+use crate::theory::suspension::Suspension;
+
+/// Everything that the base does, added up. The rate is meant at the middle of the gap.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Motion {
+    /// At most 8.
+    pub tones: Vec<Tone>,
+    /// At most one beside the tones.
+    pub gaussian: Option<Gaussian>,
+    /// A record, which stands without tones and Gaussian motion.
+    pub profile: Option<Profile>,
+    /// What shakes the base. At a point its tone or Gaussian motion is among the others.
+    pub vibration: Option<Vibration>,
+    /// Constant rate, ″/s.
+    pub rate: f64,
+    /// Angular acceleration, ″/s².
+    pub acceleration: f64,
+}
+
+/// One sinusoidal rate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tone {
+    /// Peak of the sine.
+    pub amplitude: Amplitude,
+    /// Fixed or drawn.
+    pub frequency: Frequency,
+    /// At the middle of the gap.
+    pub phase: Phase,
+}
+
+/// Amplitude of a tone: of its rate, ″/s, or of its angle, ″.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Amplitude {
+    /// Whether it is of the angle, ″, not of the rate, ″/s.
+    pub of_angle: bool,
+    /// Fixed or drawn.
+    pub value: Value,
+}
+
+/// A value that is fixed or drawn for each trial.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Value {
+    /// The same in all trials.
+    Fixed(f64),
+    /// Evenly between two ends.
+    Uniform([f64; 2]),
+    /// Rayleigh-distributed with this scale: with an even phase the rate is then normal with this standard deviation.
+    Rayleigh(f64),
+}
+
+/// Frequency of a tone, Hz.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Frequency {
+    /// The same in all trials.
+    Fixed(f64),
+    /// Drawn evenly from a band for each trial.
+    Band(Band),
+}
+
+/// Stationary Gaussian motion.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Gaussian {
+    /// Of this standard deviation of the rate, ″/s, spread evenly over a band.
+    Band {
+        /// Standard deviation of the rate, ″/s.
+        rms: f64,
+        /// Where it is, Hz.
+        band: Band,
+    },
+    /// Of this power spectral density of the rate, one-sided.
+    Psd(Arc<Psd>),
+    /// Through a suspension, of a base whose acceleration has `scale` times this density, in g²/Hz.
+    Vibration {
+        /// What turns acceleration into rotation.
+        suspension: Arc<Suspension>,
+        /// One-sided, g²/Hz.
+        acceleration: Arc<Psd>,
+        /// Factor to that density.
+        scale: f64,
+    },
+}
+
+/// A recorded motion that is replayed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile {
+    /// As the study names it.
+    pub file: String,
+    /// Its samples.
+    pub record: Arc<Record>,
+    /// Where the gap falls.
+    pub position: Position,
+}
+
+impl Tone {
+    /// Whether what a filler leaves of it is a sine of its phase, or normal.
+    pub(crate) fn is_plain(&self) -> bool {
+        let drawn = matches!(self.amplitude.value, Value::Uniform(_));
+        matches!(self.frequency, Frequency::Fixed(_)) && !drawn
+    }
+}
+
+impl Motion {
+    /// One tone and nothing else.
+    pub fn of_tone(tone: Tone) -> Motion {
+        Motion { tones: vec![tone], ..Motion::default() }
+    }
+
+    /// Rate amplitude, ″/s, and frequency, Hz, where the motion has exactly one tone, of fixed amplitude and frequency,
+    /// and nothing random beside it.
+    pub fn single_tone(&self) -> Option<(f64, f64)> {
+        let [tone] = self.tones[..] else { return None };
+        let (Value::Fixed(amplitude), Frequency::Fixed(frequency_hz)) =
+            (tone.amplitude.value, tone.frequency)
+        else {
+            return None;
+        };
+        let alone = self.gaussian.is_none() && self.profile.is_none();
+        alone.then(|| (amplitude * tone.rate_factor(frequency_hz), frequency_hz))
+    }
+
+    /// Standard deviation of the rate, ″/s; of a tone drawn from a band at its middle, of a profile over its ticks.
+    pub fn rate_rms(&self, tick_s: f64) -> f64 {
+        let mut square = 0.0;
+        for tone in &self.tones {
+            let band = tone.band();
+            let factor = tone.rate_factor(0.5 * (band.low_hz + band.high_hz));
+            square += 0.5 * tone.amplitude.value.mean_square() * factor * factor;
+        }
+        square += self.gaussian.as_ref().map_or(0.0, Gaussian::variance);
+        if let Some(profile) = &self.profile {
+            square += autocovariance(&profile.record.tick_angles(tick_s), 1)[0] / (tick_s * tick_s);
+        }
+        libm::sqrt(square)
+    }
+
+    /// Covariance of the angles of two ticks, ″², by their distance 0 … `lags` − 1; a constant rate and acceleration are
+    /// no part of it, and a phase counts as evenly drawn.
+    pub fn covariance(&self, tick_s: f64, lags: usize) -> Vec<f64> {
+        let mut sum = vec![0.0; lags];
+        let mut add = |part: Vec<f64>| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+        for tone in &self.tones {
+            add(tone.covariance(tick_s, lags));
+        }
+        if let Some(gaussian) = &self.gaussian {
+            add(gaussian.covariance(tick_s, lags));
+        }
+        if let Some(profile) = &self.profile {
+            add(autocovariance(&profile.record.tick_angles(tick_s), lags));
+        }
+        sum
+    }
+}
+
+impl Gaussian {
+    /// Variance of the rate, (″/s)².
+    pub fn variance(&self) -> f64 {
+        match self {
+            Gaussian::Band { rms, .. } => rms * rms,
+            Gaussian::Psd(psd) => psd.variance(),
+            Gaussian::Vibration { suspension, acceleration, scale } => {
+                scale * suspension.variance(acceleration)
+            }
+        }
+    }
+
+    /// Covariance of the angles of two ticks, ″², by their distance 0 … `lags` − 1.
+    pub fn covariance(&self, tick_s: f64, lags: usize) -> Vec<f64> {
+        match self {
+            // A sine of this rms at every frequency of the band.
+            Gaussian::Band { rms, band } => band.covariance(rms * core::f64::consts::SQRT_2, tick_s, lags),
+            Gaussian::Psd(psd) => psd.covariance(tick_s, lags),
+            Gaussian::Vibration { suspension, acceleration, scale } => {
+                let mut covariance = suspension.covariance(acceleration, tick_s, lags);
+                covariance.iter_mut().for_each(|value| *value *= scale);
+                covariance
+            }
+        }
+    }
+}
+
+impl Tone {
+    /// A tone of fixed rate amplitude, ″/s, and frequency, Hz, of random phase.
+    pub fn of_rate(amplitude: f64, frequency_hz: f64) -> Tone {
+        let amplitude = Amplitude { of_angle: false, value: Value::Fixed(amplitude) };
+        Tone { amplitude, frequency: Frequency::Fixed(frequency_hz), phase: Phase::Uniform }
+    }
+
+    /// A tone of fixed amplitude of the angle, ″, and frequency, Hz, of random phase.
+    pub fn of_angle(amplitude: f64, frequency_hz: f64) -> Tone {
+        let amplitude = Amplitude { of_angle: true, value: Value::Fixed(amplitude) };
+        Tone { amplitude, frequency: Frequency::Fixed(frequency_hz), phase: Phase::Uniform }
+    }
+
+    /// What the amplitude is multiplied with to be one of the rate.
+    pub fn rate_factor(&self, frequency_hz: f64) -> f64 {
+        if self.amplitude.of_angle { TAU * frequency_hz } else { 1.0 }
+    }
+
+    /// The frequencies it may have.
+    pub fn band(&self) -> Band {
+        match self.frequency {
+            Frequency::Fixed(nu) => Band { low_hz: nu, high_hz: nu },
+            Frequency::Band(band) => band,
+        }
+    }
+
+    fn covariance(&self, tick_s: f64, lags: usize) -> Vec<f64> {
+        let amplitude = libm::sqrt(self.amplitude.value.mean_square());
+        let band = self.band();
+        if self.amplitude.of_angle {
+            band.covariance_of_angle(amplitude, tick_s, lags)
+        } else {
+            band.covariance(amplitude, tick_s, lags)
+        }
+    }
+}
+
+impl Value {
+    /// The mean of its square over trials.
+    pub fn mean_square(self) -> f64 {
+        match self {
+            Value::Fixed(x) => x * x,
+            Value::Uniform([a, b]) => (a * a + a * b + b * b) / 3.0,
+            Value::Rayleigh(scale) => 2.0 * scale * scale,
+        }
+    }
+
+    /// The largest, or the scale of a Rayleigh distribution.
+    pub fn scale(self) -> f64 {
+        match self {
+            Value::Fixed(x) | Value::Uniform([_, x]) | Value::Rayleigh(x) => x,
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! Unit expressions: `deg/h/sqrt(Hz)`, `(deg/s)^2/Hz`, `°/√h`.
+//!
+//! ```text
+//! expression = power { ("/" | "*" | "·") power }        left to right
+//! power      = primary [ "^" ["-"] digits ]
+//! primary    = "(" expression ")" | "sqrt" "(" expression ")" | "√" primary | "1" | symbol
+//! ```
+
+use std::fmt;
+
+use crate::quantity::units::UnitError;
+
+/// Arcseconds in one radian: 180 · 3600 / π.
+const ARCSEC_PER_RAD: f64 = 206_264.806_247_096_36;
+
+/// Longest expression read: far above any sensible unit, and a bound on the depth of the recursion.
+const LONGEST: usize = 64;
+
+/// Powers of the base units ″, s, g and pulse, counted in halves so that roots stay whole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Exponents(pub(crate) [i32; 4]);
+
+impl Exponents {
+    const NONE: Exponents = Exponents([0; 4]);
+
+    /// `angle` and `time` in halves.
+    pub(crate) const fn angle_time(angle: i32, time: i32) -> Exponents {
+        Exponents([angle, time, 0, 0])
+    }
+
+    fn times(self, power: i32) -> Exponents {
+        Exponents(self.0.map(|halves| halves.saturating_mul(power)))
+    }
+
+    fn plus(self, other: Exponents) -> Exponents {
+        Exponents(std::array::from_fn(|i| self.0[i].saturating_add(other.0[i])))
+    }
+}
+
+impl fmt::Display for Exponents {
+    /// In base units: `″·s^-0.5`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let symbols = ["″", "s", "g", "pulse"];
+        let mut dot = "";
+        for (symbol, halves) in symbols.iter().zip(self.0).filter(|(_, halves)| *halves != 0) {
+            match halves {
+                2 => write!(f, "{dot}{symbol}")?,
+                _ => write!(f, "{dot}{symbol}^{}", f64::from(halves) / 2.0)?,
+            }
+            dot = "·";
+        }
+        Ok(())
+    }
+}
+
+/// A unit: its size in base units, and which.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Size {
+    pub(crate) factor: f64,
+    pub(crate) exponents: Exponents,
+}
+
+/// Every symbol, its size in base units and the powers (in halves) of ″, s, g, pulse.
+const SYMBOLS: [(&[&str], f64, [i32; 4]); 16] = [
+    (&["s"], 1.0, [0, 2, 0, 0]),
+    (&["ms"], 1e-3, [0, 2, 0, 0]),
+    (&["us", "µs", "μs"], 1e-6, [0, 2, 0, 0]),
+    (&["ns"], 1e-9, [0, 2, 0, 0]),
+    (&["min"], 60.0, [0, 2, 0, 0]),
+    (&["h"], 3600.0, [0, 2, 0, 0]),
+    (&["Hz"], 1.0, [0, -2, 0, 0]),
+    (&["kHz"], 1e3, [0, -2, 0, 0]),
+    (&["arcsec", "″", "\""], 1.0, [2, 0, 0, 0]),
+    (&["arcmin", "′"], 60.0, [2, 0, 0, 0]),
+    (&["deg", "°"], 3600.0, [2, 0, 0, 0]),
+    (&["rad"], ARCSEC_PER_RAD, [2, 0, 0, 0]),
+    (&["mrad"], ARCSEC_PER_RAD * 1e-3, [2, 0, 0, 0]),
+    (&["urad", "µrad", "μrad"], ARCSEC_PER_RAD * 1e-6, [2, 0, 0, 0]),
+    (&["g"], 1.0, [0, 0, 2, 0]),
+    (&["pulse", "pulses"], 1.0, [0, 0, 0, 2]),
+];
+
+/// Reads a whole unit expression.
+///
+/// # Errors
+/// A symbol that is no unit, or text that is no expression.
+pub(crate) fn parse(text: &str) -> Result<Size, UnitError> {
+    let malformed = || UnitError::Malformed { unit: text.to_owned() };
+    if text.chars().count() > LONGEST {
+        return Err(malformed());
+    }
+    let mut parser = Parser { whole: text, rest: text };
+    let size = parser.expression()?;
+    if parser.rest.trim_start().is_empty() { Ok(size) } else { Err(malformed()) }
+}
+
+struct Parser<'a> {
+    whole: &'a str,
+    rest: &'a str,
+}
+
+impl<'a> Parser<'a> {
+    fn expression(&mut self) -> Result<Size, UnitError> {
+        let mut product = self.power()?;
+        loop {
+            if self.eat("/") {
+                let Size { factor, exponents } = self.power()?;
+                product.factor /= factor;
+                product.exponents = product.exponents.plus(exponents.times(-1));
+            } else if self.eat("*") || self.eat("·") {
+                let Size { factor, exponents } = self.power()?;
+                product.factor *= factor;
+                product.exponents = product.exponents.plus(exponents);
+            } else {
+                return Ok(product);
+            }
+        }
+    }
+
+    fn power(&mut self) -> Result<Size, UnitError> {
+        let base = self.primary()?;
+        if !self.eat("^") {
+            return Ok(base);
+        }
+        let negative = self.eat("-");
+        let digits = self.take_while(|c| c.is_ascii_digit());
+        let power: i32 = digits.parse().map_err(|_| self.malformed())?;
+        let power = if negative { -power } else { power };
+        Ok(Size { factor: libm::pow(base.factor, f64::from(power)), exponents: base.exponents.times(power) })
+    }
+
+    fn primary(&mut self) -> Result<Size, UnitError> {
+        if self.eat("√") {
+            let under = self.primary()?;
+            return self.root(under);
+        }
+        if self.eat("(") {
+            return self.closed();
+        }
+        if self.eat("1") {
+            return Ok(Size { factor: 1.0, exponents: Exponents::NONE });
+        }
+        match self.symbol() {
+            "" => Err(self.malformed()),
+            "sqrt" if self.eat("(") => {
+                let under = self.closed()?;
+                self.root(under)
+            }
+            symbol => lookup(symbol).ok_or_else(|| UnitError::Unknown { unit: symbol.to_owned() }),
+        }
+    }
+
+    /// The rest of a parenthesis.
+    fn closed(&mut self) -> Result<Size, UnitError> {
+        let inner = self.expression()?;
+        if self.eat(")") { Ok(inner) } else { Err(self.malformed()) }
+    }
+
+    /// Fourth roots have no place in a gyro's data sheet and are refused.
+    fn root(&self, Size { factor, exponents }: Size) -> Result<Size, UnitError> {
+        if exponents.0.iter().any(|halves| halves % 2 != 0) {
+            return Err(self.malformed());
+        }
+        let exponents = Exponents(exponents.0.map(|halves| halves / 2));
+        Ok(Size { factor: libm::sqrt(factor), exponents })
+    }
+
+    /// A word, or one of the signs ″ " ′ °.
+    fn symbol(&mut self) -> &'a str {
+        self.rest = self.rest.trim_start();
+        match self.rest.chars().next() {
+            Some(sign @ ('″' | '"' | '′' | '°')) => self.split(sign.len_utf8()),
+            _ => self.take_while(char::is_alphabetic),
+        }
+    }
+
+    fn eat(&mut self, token: &str) -> bool {
+        let rest = self.rest.trim_start().strip_prefix(token);
+        self.rest = rest.unwrap_or(self.rest);
+        rest.is_some()
+    }
+
+    fn take_while(&mut self, keep: impl Fn(char) -> bool) -> &'a str {
+        let end = self.rest.find(|c| !keep(c)).unwrap_or(self.rest.len());
+        self.split(end)
+    }
+
+    fn split(&mut self, end: usize) -> &'a str {
+        let (head, tail) = self.rest.split_at(end);
+        self.rest = tail;
+        head
+    }
+
+    fn malformed(&self) -> UnitError {
+        UnitError::Malformed { unit: self.whole.to_owned() }
+    }
+}
+
+fn lookup(symbol: &str) -> Option<Size> {
+    let found = SYMBOLS.iter().find(|(names, ..)| names.contains(&symbol));
+    found.map(|&(_, factor, exponents)| Size { factor, exponents: Exponents(exponents) })
+}

@@ -1,0 +1,6 @@
+//! TODO-DOC quantity
+
+pub mod expression;
+pub mod number;
+pub mod percent;
+pub mod units;

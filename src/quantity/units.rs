@@ -1,0 +1,468 @@
+//! Quantities: a number with a unit as engineers write them, held in ″ and s.
+
+use std::fmt;
+
+use crate::quantity::expression::{self, Exponents};
+use crate::quantity::number::significant;
+use crate::table::{Cell, Unit};
+
+/// What a value of a study measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dimension {
+    /// A whole number, without unit.
+    Count,
+    /// A part of something: a number, or a text in percent.
+    Ratio,
+    /// In s.
+    Time,
+    /// In Hz.
+    Frequency,
+    /// In ″.
+    Angle,
+    /// In ″/s.
+    Rate,
+    /// A rate as small as the noise and drift of a gyro at rest.
+    DriftRate,
+    /// Angle over the root of time; also a rate over the root of frequency, two-sided: 1 °/h/√Hz = 1/60 °/√h.
+    AngleRandomWalk,
+    /// In ″/s².
+    AngularAcceleration,
+    /// Rate over the root of time.
+    RateRandomWalk,
+    /// Power spectral density of a rate, one-sided.
+    RateDensity,
+    /// A linear one, in g.
+    Acceleration,
+    /// Power spectral density of an acceleration, one-sided.
+    AccelerationDensity,
+    /// Rate by acceleration, of a suspension.
+    RatePerAcceleration,
+}
+
+impl Dimension {
+    /// All that is written with a unit.
+    const MEASURED: [Dimension; 11] = [
+        Dimension::Time,
+        Dimension::Frequency,
+        Dimension::Angle,
+        Dimension::Rate,
+        Dimension::AngleRandomWalk,
+        Dimension::AngularAcceleration,
+        Dimension::RateRandomWalk,
+        Dimension::RateDensity,
+        Dimension::Acceleration,
+        Dimension::AccelerationDensity,
+        Dimension::RatePerAcceleration,
+    ];
+
+    fn exponents(self) -> Exponents {
+        match self {
+            Dimension::Count | Dimension::Ratio => Exponents::angle_time(0, 0),
+            Dimension::Time => Exponents::angle_time(0, 2),
+            Dimension::Frequency => Exponents::angle_time(0, -2),
+            Dimension::Angle => Exponents::angle_time(2, 0),
+            Dimension::Rate | Dimension::DriftRate => Exponents::angle_time(2, -2),
+            Dimension::AngleRandomWalk => Exponents::angle_time(2, -1),
+            Dimension::AngularAcceleration => Exponents::angle_time(2, -4),
+            Dimension::RateRandomWalk => Exponents::angle_time(2, -3),
+            Dimension::RateDensity => Exponents::angle_time(4, -2),
+            Dimension::Acceleration => Exponents([0, 0, 2, 0]),
+            Dimension::AccelerationDensity => Exponents([0, 2, 4, 0]),
+            Dimension::RatePerAcceleration => Exponents([2, -2, -2, 0]),
+        }
+    }
+
+    /// For sentences: `an angle`.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Dimension::Count => "a whole number",
+            Dimension::Ratio => "a ratio",
+            Dimension::Time => "a time",
+            Dimension::Frequency => "a frequency",
+            Dimension::Angle => "an angle",
+            Dimension::Rate | Dimension::DriftRate => "an angular rate",
+            Dimension::AngleRandomWalk => "an angle random walk",
+            Dimension::AngularAcceleration => "an angular acceleration",
+            Dimension::RateRandomWalk => "a rate random walk",
+            Dimension::RateDensity => "a density of the rate",
+            Dimension::Acceleration => "an acceleration",
+            Dimension::AccelerationDensity => "a density of the acceleration",
+            Dimension::RatePerAcceleration => "a rate per acceleration",
+        }
+    }
+
+    /// Units a user may take, for sentences: `s, ms, …`.
+    pub(crate) fn units(self) -> &'static str {
+        self.accepted().0
+    }
+
+    /// Units a user may take, then one example.
+    fn accepted(self) -> (&'static str, &'static str) {
+        match self {
+            Dimension::Count => ("", "3"),
+            Dimension::Ratio => ("", "0.05 or \"5 %\""),
+            Dimension::Time => ("s, ms, µs (us), min, h", "\"5 ms\""),
+            Dimension::Frequency => ("Hz, kHz, 1/s", "\"20 Hz\""),
+            Dimension::Angle => ("arcsec (″), arcmin (′), deg (°), rad, mrad, µrad (urad)", "\"1.6 arcsec\""),
+            Dimension::Rate => ("arcsec/s, deg/s, deg/h, rad/s", "\"12000 arcsec/s\""),
+            Dimension::DriftRate => ("deg/h, arcsec/s, deg/s, rad/s", "\"0.002 deg/h\""),
+            Dimension::AngleRandomWalk => {
+                ("deg/sqrt(h), deg/√h, arcsec/sqrt(s), deg/h/sqrt(Hz)", "\"0.003 deg/sqrt(h)\"")
+            }
+            Dimension::AngularAcceleration => ("arcsec/s^2, deg/s^2, rad/s^2, deg/h/h", "\"100 deg/s^2\""),
+            Dimension::RateRandomWalk => {
+                ("deg/h/sqrt(h), deg/h/√h, arcsec/s/sqrt(s)", "\"0.001 deg/h/sqrt(h)\"")
+            }
+            Dimension::Acceleration => ("g", "\"1 g\""),
+            Dimension::AccelerationDensity => ("g^2/Hz", "\"0.01 g^2/Hz\""),
+            Dimension::RatePerAcceleration => ("arcsec/s/g, deg/s/g, rad/s/g", "\"20000 arcsec/s/g\""),
+            Dimension::RateDensity => ("(arcsec/s)^2/Hz, (deg/s)^2/Hz, (rad/s)^2/Hz", "\"0.1 (deg/s)^2/Hz\""),
+        }
+    }
+
+    /// The unit in which tables show values of this kind: that of data sheets for noise.
+    pub fn unit(self) -> Unit {
+        match self {
+            Dimension::DriftRate => Unit::DEG_PER_H,
+            Dimension::Count | Dimension::Ratio => Unit::NONE,
+            Dimension::Time => Unit::S,
+            Dimension::Frequency => Unit::HZ,
+            Dimension::Angle => Unit::ARCSEC,
+            Dimension::Rate => Unit::ARCSEC_PER_S,
+            Dimension::AngleRandomWalk => Unit::DEG_PER_SQRT_H,
+            Dimension::AngularAcceleration => Unit::ARCSEC_PER_S2,
+            Dimension::RateRandomWalk => Unit::DEG_PER_H_PER_SQRT_H,
+            Dimension::RateDensity => Unit::ARCSEC2_PER_S2_PER_HZ,
+            Dimension::Acceleration => Unit::G,
+            Dimension::AccelerationDensity => Unit::G2_PER_HZ,
+            Dimension::RatePerAcceleration => Unit::ARCSEC_PER_S_PER_G,
+        }
+    }
+}
+
+impl Dimension {
+    /// One base unit in the unit of tables.
+    fn base_shown(self) -> f64 {
+        match self {
+            // 1 ″/√s is 1/60 °/√h, 1 ″/s^1.5 is 60 °/h/√h; ″/s and °/h are the same.
+            Dimension::AngleRandomWalk => 1.0 / 60.0,
+            Dimension::RateRandomWalk => 60.0,
+            _ => 1.0,
+        }
+    }
+}
+
+/// The help that lists what may be written for `dimensions`.
+pub(crate) fn accepted(dimensions: &[Dimension]) -> String {
+    let each = dimensions.iter().map(|dimension| match dimension.accepted() {
+        ("", example) => format!("{}, for example {example}", dimension.name()),
+        (units, example) => format!("{} in {units}, for example {example}", dimension.name()),
+    });
+    format!("accepted: {}", each.collect::<Vec<_>>().join("; or "))
+}
+
+/// A value in base units: ″, s, their combinations, or a plain count.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantity {
+    /// Rounded to 12 significant digits, so that values which share an identity are the same bits.
+    pub value: f64,
+    /// What it measures, and so its base unit.
+    pub dimension: Dimension,
+}
+
+impl Quantity {
+    pub(crate) fn new(value: f64, dimension: Dimension) -> Quantity {
+        Quantity { value: round_12(value), dimension }
+    }
+
+    /// The value in the unit of tables.
+    pub fn shown(self) -> f64 {
+        self.value * self.dimension.base_shown()
+    }
+
+    /// The value as a cell of a table.
+    pub fn cell(self) -> Cell {
+        match self.dimension {
+            Dimension::Count => Cell::Integer(self.value as i64),
+            _ => Cell::Number(self.shown()),
+        }
+    }
+}
+
+impl fmt::Display for Quantity {
+    /// With its unit: `20 Hz`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let symbol = self.dimension.unit().symbol;
+        let space = if symbol.is_empty() { "" } else { " " };
+        write!(f, "{}{space}{symbol}", significant(self.shown(), 12))
+    }
+}
+
+/// Rounds to 12 significant decimal digits, through text: exact, and the same everywhere. −0 becomes 0.
+pub(crate) fn round_12(x: f64) -> f64 {
+    format!("{x:.11e}").parse().unwrap_or(x) + 0.0
+}
+
+/// Why a text is not the quantity it should be.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum UnitError {
+    /// A number alone: `"5"`.
+    #[error("\"{text}\" is a bare number, its unit is missing")]
+    BareNumber {
+        /// As written.
+        text: String,
+    },
+    /// No number to begin with: `"fast"`.
+    #[error("\"{text}\" does not begin with a number")]
+    NoNumber {
+        /// As written.
+        text: String,
+    },
+    /// A comma for the decimal point: `"5,0 deg/s"`.
+    #[error(
+        "\"{text}\" has a comma in its number: decimals take a point, thousands no sign, as in {instead}"
+    )]
+    Comma {
+        /// As written.
+        text: String,
+        /// What may be meant, as it should be written.
+        instead: String,
+    },
+    /// Too large a number, or none.
+    #[error("\"{text}\" is not a finite number")]
+    NotFinite {
+        /// As written.
+        text: String,
+    },
+    /// A word that is no unit: `"5 lightyear"`.
+    #[error("`{unit}` is not a known unit")]
+    Unknown {
+        /// The word.
+        unit: String,
+    },
+    /// Signs out of place: `"5 deg//h"`.
+    #[error("`{unit}` cannot be read as a unit")]
+    Malformed {
+        /// As written.
+        unit: String,
+    },
+    /// A quantity of another dimension than the key takes.
+    #[error("\"{text}\" is {found}")]
+    Dimension {
+        /// As written.
+        text: String,
+        /// What it is, as in "an angle".
+        found: String,
+    },
+}
+
+impl UnitError {
+    /// What stands there, in the few words that fit under a caret.
+    pub(crate) fn label(&self) -> &str {
+        match self {
+            UnitError::BareNumber { .. } => "a bare number",
+            UnitError::Dimension { found, .. } => found,
+            UnitError::Unknown { .. } | UnitError::Malformed { .. } => "no such unit",
+            UnitError::NoNumber { .. } | UnitError::NotFinite { .. } => "not a number with a unit",
+            UnitError::Comma { .. } => "a comma in a number",
+        }
+    }
+}
+
+/// Reads `"<number> <unit>"` as a quantity of one of the `wanted` dimensions.
+///
+/// The number may hold `_`, an exponent and the Unicode minus.
+///
+/// # Errors
+/// No number, no unit, an unknown unit, another dimension, or a value that is not finite.
+/// # Example
+/// ```
+/// use sagnac::study::{Dimension, parse_quantity};
+///
+/// assert_eq!(parse_quantity("5 ms", &[Dimension::Time])?.value, 0.005);
+/// // Rates are in ″/s, and 1 °/h is 1 ″/s; an angle random walk of 1 °/√h is 60 ″/√s.
+/// assert_eq!(parse_quantity("15.041 deg/h", &[Dimension::DriftRate])?.value, 15.041);
+/// assert_eq!(parse_quantity("0.003 deg/sqrt(h)", &[Dimension::AngleRandomWalk])?.value, 0.18);
+/// assert!(parse_quantity("5", &[Dimension::Time]).is_err());
+/// # Ok::<(), sagnac::quantity::units::UnitError>(())
+/// ```
+pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
+    let text = text.trim();
+    let owned = || text.to_owned();
+    let (number, unit) = text.split_at(number_length(text));
+    if let Some(instead) = without_comma(number, unit) {
+        return Err(UnitError::Comma { text: owned(), instead });
+    }
+    let unit = unit.trim();
+    let digits = number.replace('_', "").replace('−', "-");
+    let number: f64 = digits.parse().map_err(|_| UnitError::NoNumber { text: owned() })?;
+    if unit.is_empty() {
+        return Err(UnitError::BareNumber { text: owned() });
+    }
+    let (factor, dimension) = unit_of(unit, text, wanted)?;
+    let value = number * factor;
+    if value.is_finite() {
+        Ok(Quantity::new(value, dimension))
+    } else {
+        Err(UnitError::NotFinite { text: owned() })
+    }
+}
+
+/// Reads a unit alone: its size in base units, and which of the `wanted` dimensions it measures.
+///
+/// # Errors
+/// An unknown unit, or one of another dimension.
+pub(crate) fn parse_unit(unit: &str, wanted: &[Dimension]) -> Result<(f64, Dimension), UnitError> {
+    unit_of(unit, unit, wanted)
+}
+
+/// The same for the unit of a `text`, which an error about its dimension shows.
+fn unit_of(unit: &str, text: &str, wanted: &[Dimension]) -> Result<(f64, Dimension), UnitError> {
+    let size = expression::parse(unit)?;
+    let of_size = |dimension: &Dimension| dimension.exponents() == size.exponents;
+    if let Some(dimension) = wanted.iter().copied().find(of_size) {
+        return Ok((size.factor, dimension));
+    }
+    let known = Dimension::MEASURED.into_iter().find(of_size);
+    let found = known.map_or_else(|| format!("a quantity in {}", size.exponents), |d| d.name().to_owned());
+    Err(UnitError::Dimension { text: text.to_owned(), found })
+}
+
+/// What a number that goes on behind a comma may mean: decimals, or thousands where three digits follow.
+fn without_comma(number: &str, rest: &str) -> Option<String> {
+    let behind = rest.strip_prefix(',').filter(|behind| behind.starts_with(|c: char| c.is_ascii_digit()))?;
+    let digits = behind.bytes().take_while(u8::is_ascii_digit).count();
+    let decimals = (!behind[digits..].starts_with(['.', ','])).then(|| format!("\"{number}.{behind}\""));
+    // No thousands begin with a zero.
+    let leads = !number.trim_start_matches(['+', '-', '−']).starts_with('0');
+    let thousands = (digits == 3 && leads).then(|| format!("\"{number}{}\"", behind.replace(',', "")));
+    let readings: Vec<String> = decimals.into_iter().chain(thousands).collect();
+    (!readings.is_empty()).then(|| readings.join(" or "))
+}
+
+/// Bytes of the longest number at the start: sign, digits, fraction, exponent.
+fn number_length(text: &str) -> usize {
+    let skip = |at: usize, keep: &dyn Fn(char) -> bool, most: usize| {
+        let kept = text[at..].chars().take(most).take_while(|c| keep(*c));
+        at + kept.map(char::len_utf8).sum::<usize>()
+    };
+    let sign = |c: char| matches!(c, '+' | '-' | '−');
+    let digit = |c: char| c.is_ascii_digit() || c == '_';
+    let whole = skip(skip(0, &sign, 1), &digit, usize::MAX);
+    let point = skip(whole, &|c| c == '.', 1);
+    let mantissa = if point > whole { skip(point, &digit, usize::MAX) } else { whole };
+    let letter = skip(mantissa, &|c| matches!(c, 'e' | 'E'), 1);
+    let exponent_digits = skip(letter, &sign, 1);
+    let exponent = skip(exponent_digits, &digit, usize::MAX);
+    if letter > mantissa && exponent > exponent_digits { exponent } else { mantissa }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse_any(text: &str) -> Result<Quantity, UnitError> {
+        parse(text, &Dimension::MEASURED)
+    }
+
+    fn value(text: &str) -> f64 {
+        parse_any(text).unwrap_or_else(|error| panic!("{text}: {error}")).value
+    }
+
+    #[test]
+    fn quantities_come_out_in_arcseconds_and_seconds() {
+        let table = [
+            ("5 ms", 0.005),
+            ("5ms", 0.005),
+            ("50_000 µs", 0.05),
+            ("7 us", 7e-6),
+            ("7 μs", 7e-6),
+            ("2 min", 120.0),
+            ("1.5 h", 5400.0),
+            ("20 Hz", 20.0),
+            ("20 1/s", 20.0),
+            ("0.02 kHz", 20.0),
+            ("2e1 Hz", 20.0),
+            ("+2.5E-3 kHz", 2.5),
+            ("−3 ″", -3.0),
+            ("3 \"", 3.0),
+            ("2 ′", 120.0),
+            ("2 arcmin", 120.0),
+            ("1°", 3600.0),
+            ("1 rad", 206_264.806_247),
+            ("1 mrad", 206.264_806_247),
+            ("1 µrad", 0.206_264_806_247),
+            ("1 urad", 0.206_264_806_247),
+            ("1 deg/s", 3600.0),
+            ("1 °/h", 1.0),
+            ("1 deg/sqrt(h)", 60.0),
+            ("1 deg/√h", 60.0),
+            ("1 deg * h^-1", 1.0),
+            ("0.003 deg/sqrt(h)", 0.18),
+            ("1 deg/h/sqrt(Hz)", 1.0),
+            ("60 °/h/√(Hz)", value("1 °/√h")),
+        ];
+        for (text, expected) in table {
+            assert_eq!(value(text), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn densities_and_roots_reduce_to_base_units() {
+        let table = [
+            ("deg/h/sqrt(h)", 1.0 / 60.0, [2, -3, 0, 0]),
+            ("(deg/s)^2/Hz", 12_960_000.0, [4, -2, 0, 0]),
+            ("g^2/Hz", 1.0, [0, 2, 4, 0]),
+            ("arcsec/pulse", 1.0, [2, 0, 0, -2]),
+            ("pulses", 1.0, [0, 0, 0, 2]),
+            ("g·s/√(Hz)", 1.0, [0, 3, 2, 0]),
+        ];
+        for (text, factor, exponents) in table {
+            let size = expression::parse(text).unwrap();
+            assert!((size.factor / factor - 1.0).abs() < 1e-14, "{text}: {}", size.factor);
+            assert_eq!(size.exponents, Exponents(exponents), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_quantity_is_named() {
+        let table = [
+            ("20", "bare number"),
+            ("Hz", "does not begin with a number"),
+            ("", "does not begin with a number"),
+            ("nan Hz", "does not begin with a number"),
+            ("inf s", "does not begin with a number"),
+            ("1e999 Hz", "not a finite number"),
+            ("5,0 deg/s", "decimals take a point, thousands no sign, as in \"5.0 deg/s\""),
+            ("-0,5 ″", "as in \"-0.5 ″\""),
+            ("1,000,000 Hz", "as in \"1000000 Hz\""),
+            ("12,000 Hz", "as in \"12.000 Hz\" or \"12000 Hz\""),
+            ("12,000.5 Hz", "as in \"12000.5 Hz\""),
+            ("5, Hz", "cannot be read"),
+            ("5 sec", "`sec` is not a known unit"),
+            ("5 hz", "`hz` is not a known unit"),
+            ("5 deg/", "`deg/` cannot be read"),
+            ("5 deg/sqrt(h", "cannot be read"),
+            ("5 sqrt(sqrt(h))", "cannot be read"),
+            ("5 deg^99999999999", "cannot be read"),
+            ("5 deg deg", "cannot be read"),
+            ("3 deg/h^3", "is a quantity in ″·s^-3"),
+            ("3 g s", "cannot be read"),
+            ("3 g·s", "is a quantity in s·g"),
+        ];
+        for (text, piece) in table {
+            let error = parse_any(text).unwrap_err().to_string();
+            assert!(error.contains(piece), "{text}: {error}");
+        }
+        assert!(expression::parse(&"(".repeat(100_000)).is_err());
+        let error = parse("5 ms", &[Dimension::Frequency]).unwrap_err();
+        assert_eq!(error.to_string(), "\"5 ms\" is a time");
+    }
+
+    #[test]
+    fn values_keep_twelve_digits() {
+        assert_eq!(round_12(0.1 + 0.2), 0.3);
+        assert_eq!(round_12(1.0 / 3.0), 0.333_333_333_333);
+        assert_eq!(round_12(-2e300 / 3.0), -6.666_666_666_67e299);
+    }
+}

@@ -1,0 +1,4 @@
+//! TODO-DOC sampling
+
+pub mod sampling;
+pub mod worker;

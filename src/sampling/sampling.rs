@@ -1,0 +1,179 @@
+//! Sampling what the store lacks of some launches, batch by batch.
+
+use std::ops::Range;
+use std::time::Instant;
+
+use crate::device::Job;
+use crate::kernel::launch::Launch;
+use crate::kernel::moments::Moments;
+use crate::run::{BATCH_SECONDS, Progress, RunError};
+use crate::sampling::worker::Worker;
+use crate::store::error::StoreError;
+use crate::store::index::Index;
+use crate::store::{Address, Provenance, Row, Store};
+use crate::tally::block::{Block, cover, fold, missing};
+use crate::tally::stats::Estimates;
+
+/// A launch and the blocks of it that are missing.
+pub(crate) struct Work {
+    pub(crate) launch: Launch,
+    /// Where the tally of each estimate is kept.
+    pub(crate) addresses: Vec<Address>,
+    pub(crate) blocks: Vec<Block>,
+}
+
+impl Work {
+    /// Trials that are missing.
+    pub(crate) fn trials(&self) -> u64 {
+        self.blocks.iter().map(Block::trials).sum()
+    }
+}
+
+/// Most jobs of a batch: their tallies are held in memory together, some 30 KiB each.
+const MOST_JOBS: usize = 1024;
+
+/// Steps that take as long as to keep a row: small blocks, which come last, cost more than their trials.
+const STEPS_OF_ROW: f64 = 6000.0;
+
+/// Steps of the first batch.
+const FIRST_BATCH: u64 = 1 << 20;
+
+/// Most steps of a block: one that is lost with its batch, or that a signal waits for, takes seconds at most.
+const MOST_STEPS_LOG2: u32 = 30;
+
+/// The blocks of 2^`log2` trials and smaller that any of some estimates lacks of these `trials`.
+pub(crate) fn lacking<'a>(
+    index: &Index,
+    addresses: impl IntoIterator<Item = &'a Address>,
+    trials: Range<u64>,
+    log2: u32,
+) -> Result<Vec<Block>, StoreError> {
+    let mut blocks = Vec::new();
+    for address in addresses {
+        blocks.extend(
+            missing(index.blocks(address)?, trials.clone()).into_iter().flat_map(|gap| cover(gap, log2)),
+        );
+    }
+    // Those of one estimate may lie within those of another.
+    let blocks = fold(blocks.into_iter().map(|block| (block, ())).collect());
+    Ok(blocks.into_iter().map(|(block, ())| block).collect())
+}
+
+/// How many first trials all of some estimates have, where that is the same number of each.
+pub(crate) fn held_by_all<'a>(
+    index: &Index,
+    addresses: impl IntoIterator<Item = &'a Address>,
+) -> Result<Option<u64>, StoreError> {
+    let mut held = None;
+    for address in addresses {
+        let trials = index.trials(address)?;
+        if trials.is_none() || *held.get_or_insert(trials) != trials {
+            return Ok(None);
+        }
+    }
+    Ok(held.flatten())
+}
+
+/// What a run does beside the work at hand.
+#[derive(Debug, Default)]
+pub(crate) struct Beside {
+    /// Steps that it did before.
+    pub(crate) before: f64,
+    /// Trials of these.
+    pub(crate) trials: u64,
+    /// Steps that it will find to do when this is done, as far as that can be told: infinite where it cannot.
+    pub(crate) after: f64,
+}
+
+/// Trials and estimates of what the rows of a table show: the tally at an address, where its histogram starts, and its unit, ″.
+pub(crate) fn estimates<T: Sync>(
+    store: &Store,
+    rows: &[T],
+    of: impl Fn(&T) -> (Address, u32, f64) + Sync,
+) -> Result<Vec<(u64, Option<Estimates>)>, StoreError> {
+    let addresses: Vec<Address> = rows.iter().map(|row| of(row).0).collect();
+    store.of_totals(&addresses, |at, tally| {
+        let (_, bin_base, unit) = of(&rows[at]);
+        (tally.count, Estimates::of(tally, bin_base, unit))
+    })
+}
+
+/// Samples all of `work`, or what there is time for until `progress` stops it, in batches, each of which is kept as soon as it is
+/// done, and returns how many trials that were. `started` is when the run did; the work is then work `before`.
+pub(crate) fn sample(
+    work: &[Work],
+    beside: &mut Beside,
+    store: &mut Store,
+    worker: &mut Worker,
+    progress: &(dyn Progress + Sync),
+    started: Instant,
+) -> Result<u64, RunError> {
+    let mut rest: Vec<(&Work, Block)> = work
+        .iter()
+        .flat_map(|work| {
+            let log2 = MOST_STEPS_LOG2.saturating_sub(work.launch.steps().ilog2());
+            let blocks = work.blocks.iter().flat_map(move |block| cover(block.first..block.end(), log2));
+            blocks.map(move |block| (work, block))
+        })
+        .collect();
+    let cost = |(work, block): &(&Work, Block)| {
+        (block.trials() * work.launch.steps()) as f64 + STEPS_OF_ROW * work.addresses.len() as f64
+    };
+    let total = beside.before + rest.iter().map(cost).sum::<f64>() + beside.after;
+    interleave(&mut rest);
+    rest.reverse();
+    let (mut batch_steps, mut sampled) = (FIRST_BATCH, 0);
+    while !rest.is_empty() && !progress.stops() {
+        let batch_started = Instant::now();
+        let batch = take_batch(&mut rest, batch_steps);
+        let jobs: Vec<Job> = batch.iter().map(|&(work, block)| Job { launch: &work.launch, block }).collect();
+        let results = worker.tally(&jobs, &|trials| progress.advance(trials))?;
+        let rows: Vec<Row<Moments>> = batch
+            .iter()
+            .zip(results)
+            .flat_map(|(&(work, block), tallies)| {
+                let addressed = work.addresses.iter().zip(tallies);
+                addressed.map(move |(&address, tally)| Row { address, block, tally })
+            })
+            .collect();
+        sampled += batch.iter().map(|(_, block)| block.trials()).sum::<u64>();
+        beside.before += batch.iter().map(cost).sum::<f64>();
+        progress.cost(beside.before, total);
+        let (trials, seconds) = (beside.trials + sampled, started.elapsed().as_secs_f64());
+        store.insert(&rows, Some(&Provenance { device: worker.name(), trials, seconds }))?;
+        let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
+        batch_steps = ((batch_steps as f64 * factor) as u64).max(1);
+    }
+    beside.trials += sampled;
+    Ok(sampled)
+}
+
+/// Brings the blocks of all work forward together, each work in its order: what is done is then like what is left, also where
+/// points differ in what a trial takes, and a run that ends early has some trials of every point.
+fn interleave(rest: &mut Vec<(&Work, Block)>) {
+    let same = |a: &(&Work, Block), b: &(&Work, Block)| std::ptr::eq(a.0, b.0);
+    let mut placed: Vec<(f64, (&Work, Block))> = Vec::with_capacity(rest.len());
+    for group in rest.chunk_by(same) {
+        let trials: u64 = group.iter().map(|(_, block)| block.trials()).sum();
+        let mut before = 0;
+        for one in group {
+            placed.push(((before as f64 + 0.5 * one.1.trials() as f64) / trials as f64, *one));
+            before += one.1.trials();
+        }
+    }
+    placed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    *rest = placed.into_iter().map(|(_, block)| block).collect();
+}
+
+/// The next blocks, of so many steps together; one at least.
+fn take_batch<'a>(rest: &mut Vec<(&'a Work, Block)>, steps: u64) -> Vec<(&'a Work, Block)> {
+    let of = |(work, block): &(&Work, Block)| block.trials() * work.launch.steps();
+    let (mut batch, mut taken) = (Vec::new(), 0);
+    while batch.len() < MOST_JOBS
+        && let Some(next) = rest.pop_if(|next| taken == 0 || taken + of(next) <= steps)
+    {
+        taken += of(&next);
+        batch.push(next);
+    }
+    batch
+}

@@ -1,0 +1,316 @@
+//! What is wrong with a study, or a file that it names, where, and how to put it right.
+
+use std::fmt;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
+
+use crate::record::RecordError;
+
+use crate::key::expected::{Expected, Found, axis_of, found_at, joined};
+use crate::source::shown::Shown;
+
+/// Most files of a folder that help names.
+const MOST_FILES: usize = 4;
+
+/// Help where there is no better.
+const SCHEMA: &str = "`sagnac schema` prints what every key accepts";
+
+/// How messages of serde and toml about a value of the wrong type begin.
+const WRONG_TYPE: [&str; 3] = ["invalid type", "invalid length", "wanted "];
+
+/// The text of a study, or of a file that it names, with the name of that file.
+pub(crate) type Text = Arc<NamedSource<String>>;
+
+/// A fault at one place of a text, as found by code that does not hold its name.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Fault {
+    span: Range<usize>,
+    message: String,
+    label: String,
+    help: String,
+}
+
+/// What is wrong with a study, or with a file that it names.
+pub(crate) enum Wrong {
+    Study(Fault),
+    Elsewhere(StudyError),
+}
+
+impl From<Fault> for Wrong {
+    fn from(fault: Fault) -> Wrong {
+        Wrong::Study(fault)
+    }
+}
+
+impl From<RecordError> for Wrong {
+    fn from(error: RecordError) -> Wrong {
+        Wrong::Elsewhere(error.into())
+    }
+}
+
+impl Wrong {
+    /// With the text of the study; another file has its own.
+    pub(crate) fn within(self, text: &Text) -> StudyError {
+        match self {
+            Wrong::Study(fault) => fault.within(text),
+            Wrong::Elsewhere(error) => error,
+        }
+    }
+}
+
+impl Fault {
+    /// `message`: the whole finding; `label`: what stands at `span`; `help`: what is accepted.
+    pub(crate) fn new(
+        span: Range<usize>,
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Fault {
+        Fault { span, message: message.into(), label: label.into(), help: help.into() }
+    }
+
+    /// An error of the TOML text itself.
+    pub(crate) fn from_syntax(what: &str, error: &toml::de::Error) -> Fault {
+        let help = "a study is a TOML file; values with units stand in quotes, as in frequency = \"20 Hz\"";
+        let message = format!("{what} is not valid TOML: {}", error.message().replace('\n', "; "));
+        Fault::new(error.span().unwrap_or_default(), message, "here", help)
+    }
+
+    /// An error of well-formed TOML that is no study: a key unknown or missing, or a value of the wrong type.
+    ///
+    /// serde hands over such errors as text only, in words of the program; it sets every name in backticks, the
+    /// offending one first.
+    pub(crate) fn from_serde(error: &toml::de::Error, text: &str) -> Fault {
+        let span = error.span().unwrap_or_default();
+        let message = error.message();
+        let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+        match names[..] {
+            [found, ref known @ ..] if message.starts_with("unknown field") => Fault::new(
+                span,
+                format!("unknown key `{found}`"),
+                "not a key of this table",
+                choices(found, known),
+            ),
+            [found, ref known @ ..] if message.starts_with("unknown variant") => Fault::new(
+                span,
+                format!("unknown value \"{found}\""),
+                "not one of the choices",
+                choices(found, known),
+            ),
+            [missing] if message.starts_with("missing field") => Fault::missing(span, text, missing),
+            _ if WRONG_TYPE.iter().any(|start| message.starts_with(start)) => Fault::wrong_type(span, text),
+            _ => Fault::new(span, message, "wrong value", SCHEMA),
+        }
+    }
+
+    /// The table at `span` lacks the key `missing`.
+    fn missing(span: Range<usize>, text: &str, missing: &str) -> Fault {
+        let keys = found_at(text, &span).into_iter().map(|table| joined(&table.key, missing));
+        let expected = keys.filter_map(|key| Expected::of(&key)).next();
+        let key = expected.map_or(missing, |expected| expected.key);
+        let example = axis_of(key, text).or_else(|| expected.map(|expected| expected.example.to_owned()));
+        let help = example.map_or(SCHEMA.to_owned(), |example| format!("add it as in\n{example}"));
+        let label = if key == missing { "in this file" } else { "in this table" };
+        Fault::new(span, format!("the key `{key}` is missing"), label, help)
+    }
+
+    /// The table at `span` lacks a key that a study of this kind needs.
+    pub(crate) fn missing_key(key: &str, span: Range<usize>) -> Fault {
+        let help = Expected::of(key)
+            .map_or(SCHEMA.to_owned(), |expected| format!("add it as in\n{}", expected.example));
+        Fault::new(span, format!("the key `{key}` is missing"), "in this table", help)
+    }
+
+    /// A study of this kind lacks a table.
+    pub(crate) fn missing_table(table: &str, kind: &str, kind_span: Range<usize>) -> Fault {
+        let example = Expected::of_table(table, kind);
+        let help = example.map_or(SCHEMA.to_owned(), |example| format!("add it as in\n{example}"));
+        let message = format!("a study of kind = \"{kind}\" needs the table [{table}]");
+        Fault::new(kind_span, message, "of this kind", help)
+    }
+
+    /// The value at `span` is a text, a number, a list, … where another of these is needed.
+    fn wrong_type(span: Range<usize>, text: &str) -> Fault {
+        let found = found_at(text, &span).into_iter().next();
+        let expected = found.as_ref().and_then(|found| Expected::of(&found.key));
+        match (found, expected) {
+            (Some(Found { key, item, what }), Some(expected)) => {
+                let message = match item {
+                    true => format!("the list `{key}` cannot hold {what}"),
+                    false => format!("`{key}` is {what}, but has to be {}", expected.what),
+                };
+                Fault::new(span, message, what, format!("write it as in\n{}", expected.example))
+            }
+            _ => Fault::new(span, "no such value can stand here", "wrong value", SCHEMA),
+        }
+    }
+
+    /// The fault with the text it is about.
+    pub(crate) fn within(self, text: &Text) -> StudyError {
+        let end = first_line_end(text.inner(), &self.span);
+        let shown = Shown::new(text, self.span.start..end);
+        let Fault { message, label, help, .. } = self;
+        StudyError { message, label, help, shown: Some(shown) }
+    }
+}
+
+/// The end of `span`, or of its first line: a caret under a whole table points at nothing.
+fn first_line_end(text: &str, span: &Range<usize>) -> usize {
+    let marked = text.get(span.clone()).unwrap_or_default();
+    marked.find(['\r', '\n']).map_or(span.end, |length| span.start + length)
+}
+
+/// Why a study was refused: what was found and where, what is accepted, how to put it right.
+///
+/// A [`miette::Diagnostic`]; [`StudyError::render`] gives the text for a terminal.
+#[derive(Debug, Clone, thiserror::Error)]
+#[error("{message}")]
+pub struct StudyError {
+    message: String,
+    label: String,
+    help: String,
+    /// Absent where the file could not be read.
+    shown: Option<Shown>,
+}
+
+impl StudyError {
+    /// A file that could not be read: `what` it is, `the study`, and in `help` what to give instead.
+    pub(crate) fn unreadable(what: &str, path: &Path, error: &std::io::Error, help: &str) -> StudyError {
+        StudyError {
+            message: format!("cannot read {what} {}: {error}", path.display()),
+            label: String::new(),
+            help: help.to_owned(),
+            shown: None,
+        }
+    }
+
+    /// A folder in place of a study file: those in it are named.
+    pub(crate) fn of_folder(path: &Path) -> StudyError {
+        let entries = std::fs::read_dir(path).into_iter().flatten().filter_map(Result::ok);
+        let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+        files.retain(|file| file.extension().is_some_and(|end| end == "toml") && file.is_file());
+        files.sort();
+        let named: Vec<String> =
+            files.iter().take(MOST_FILES).map(|file| file.display().to_string()).collect();
+        let help = match files.len() {
+            0 => "give the path of a study file; `sagnac new gap-fill mine.toml` writes one".to_owned(),
+            count if count > MOST_FILES => {
+                format!("give one of its {count} files, such as {}", named.join(", "))
+            }
+            _ => format!("give one of its files: {}", named.join(", ")),
+        };
+        let message = format!("{} is a folder, not a study file", path.display());
+        StudyError { message, label: String::new(), help, shown: None }
+    }
+
+    /// The report for people: file, line, caret and help, `width` columns wide; escape codes only if `color`.
+    pub fn render(&self, color: bool, width: usize) -> String {
+        render(self, color, width).unwrap_or_else(|| format!("{self}\nhelp: {}\n", self.help))
+    }
+}
+
+/// The report of any diagnostic for people; `None` where its place is not in its text.
+pub(crate) fn render(diagnostic: &dyn Diagnostic, color: bool, width: usize) -> Option<String> {
+    let theme = if color { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
+    let handler = GraphicalReportHandler::new_themed(theme).with_links(color).with_width(width);
+    let mut report = String::new();
+    handler.render_report(&mut report, diagnostic).ok()?;
+    Some(report)
+}
+
+impl Diagnostic for StudyError {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        Some(Box::new(&self.help))
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.shown.as_ref().map(|shown| shown as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let span = self.shown.as_ref()?.span();
+        Some(Box::new(std::iter::once(LabeledSpan::new_with_span(Some(self.label.clone()), span))))
+    }
+}
+
+/// Most names that help lists: more than there are keys, but not more than a file may have columns.
+const MOST_CHOICES: usize = 200;
+
+/// Help for a wrong name: the nearest of `known` if one is near, and all of them.
+pub(crate) fn choices(found: &str, known: &[&str]) -> String {
+    let more = if known.len() > MOST_CHOICES { ", …" } else { "" };
+    let accepted = format!("accepted: {}{more}", known[..known.len().min(MOST_CHOICES)].join(", "));
+    match nearest(found, known) {
+        Some(name) => format!("did you mean `{name}`? {accepted}"),
+        None => accepted,
+    }
+}
+
+/// Longest name of which the nearest is looked for: that takes time and memory by the product of two lengths.
+const LONGEST_SLIP: usize = 100;
+
+/// Fewest letters that are taken for the beginning of a name.
+const LEAST_BEGINNING: usize = 3;
+
+/// The name most like `found`, where one is alike: a slip of the fingers, a name without its prefix, or the beginning of one.
+pub(crate) fn nearest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
+    if found.len() > LONGEST_SLIP {
+        return None;
+    }
+    let likeness = |name: &str| {
+        let bare = name.rsplit('.').next().unwrap_or(name);
+        let whole = strsim::normalized_damerau_levenshtein(found, name);
+        let begun = found.len() >= LEAST_BEGINNING && (bare.starts_with(found) || name.starts_with(found));
+        whole.max(strsim::normalized_damerau_levenshtein(found, bare)).max(if begun { 0.5 } else { 0.0 })
+    };
+    // Of several that are as near the first.
+    let best = known.iter().rev().copied().max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;
+    (likeness(best) >= 0.5).then_some(best)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_name_is_offered_only_when_it_is_near() {
+        let known = ["motion.frequency", "motion.amplitude", "gyro.tick"];
+        assert_eq!(nearest("motion.freqency", &known), Some("motion.frequency"));
+        assert_eq!(nearest("frequency", &known), Some("motion.frequency"));
+        assert_eq!(nearest("freq", &known), Some("motion.frequency"));
+        assert_eq!((nearest("fr", &known), nearest("temperature", &known)), (None, None));
+        assert_eq!(nearest("x", &[]), None);
+        assert_eq!(nearest(&"gyro.tick".repeat(1_000_000), &known), None);
+        assert!(choices("gx", &["g"; 1000]).ends_with("g, g, …"));
+    }
+
+    #[test]
+    fn an_error_renders_through_every_handler_of_miette() {
+        let text: Text = Arc::new(NamedSource::new("a.toml", "x = 1\ny = 2 µ\n".to_owned()));
+        let error = Fault::new(10..14, "bad y", "this one", "write 3").within(&text);
+        let plain = error.render(false, 80);
+        for piece in ["bad y", "a.toml:2:5", "this one", "write 3"] {
+            assert!(plain.contains(piece), "{piece} is missing in\n{plain}");
+        }
+        assert!(!plain.contains('\u{1b}') && error.render(true, 80).contains('\u{1b}'));
+        let mut narrated = String::new();
+        miette::NarratableReportHandler::new().render_report(&mut narrated, &error).unwrap();
+        assert!(narrated.contains("this one") && narrated.contains("line 2"), "{narrated}");
+        let mut ascii = String::new();
+        let handler = GraphicalReportHandler::new_themed(GraphicalTheme::none());
+        handler.render_report(&mut ascii, &error).unwrap();
+        assert!(ascii.contains("a.toml:2:5"), "{ascii}");
+        assert!(format!("{:?}", miette::Report::new(error)).contains("this one"));
+    }
+
+    #[test]
+    fn an_unreadable_file_has_no_caret_but_help() {
+        let error = std::io::Error::from(std::io::ErrorKind::NotFound);
+        let path = Path::new("no.toml");
+        let shown = StudyError::unreadable("the study", path, &error, "give another").render(false, 80);
+        assert!(shown.contains("the study no.toml") && shown.contains("give another"), "{shown}");
+    }
+}

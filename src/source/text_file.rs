@@ -1,0 +1,79 @@
+//! Files that are read as a whole.
+
+use std::cell::RefCell;
+use std::fs::File;
+use std::io::{Error, ErrorKind, Read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Most bytes of a study, or of a file of noise: nobody writes as many.
+pub(crate) const MOST_TOML: u64 = 16 << 20;
+
+/// Most bytes of a record, 2^28, so that it is read and refused in less than 1 GiB of memory.
+pub(crate) const MOST_RECORD: u64 = 1 << 28;
+
+/// The text of the file at `path`, which may be a pipe.
+///
+/// # Errors
+/// It cannot be read, or has as many bytes as `most`: a device may have no end.
+pub(crate) fn read_text(path: &Path, most: u64) -> Result<String, Error> {
+    let file = File::open(path)?;
+    let mut text = String::new();
+    if file.metadata()?.len() < most {
+        file.take(most).read_to_string(&mut text)?;
+        if (text.len() as u64) < most {
+            return Ok(text);
+        }
+    }
+    Err(Error::new(ErrorKind::FileTooLarge, format!("it is longer than {} MiB", most >> 20)))
+}
+
+/// The files that a study names, each read once: what is kept of a study is what was computed with, though a file changes meanwhile
+/// or is a pipe.
+pub(crate) struct Files {
+    folder: PathBuf,
+    read: RefCell<Vec<(PathBuf, Arc<str>)>>,
+}
+
+impl Files {
+    /// Of a study that lies in this folder.
+    pub(crate) fn of(folder: &Path) -> Files {
+        Files { folder: folder.to_owned(), read: RefCell::default() }
+    }
+
+    /// Where a file is.
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
+        self.folder.join(name)
+    }
+
+    /// The text of a file.
+    ///
+    /// # Errors
+    /// Those of [`read_text`].
+    pub(crate) fn text(&self, name: &str, most: u64) -> Result<Arc<str>, Error> {
+        let path = self.path(name);
+        let known = self.read.borrow().iter().find(|(known, _)| *known == path).map(|(_, text)| text.clone());
+        if let Some(text) = known {
+            return Ok(text);
+        }
+        let text: Arc<str> = read_text(&path, most)?.into();
+        self.read.borrow_mut().push((path, text.clone()));
+        Ok(text)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_is_too_long_or_has_no_end_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("text");
+        std::fs::write(&path, "0123456").unwrap();
+        assert_eq!(read_text(&path, 8).unwrap(), "0123456");
+        assert_eq!(read_text(&path, 7).unwrap_err().kind(), ErrorKind::FileTooLarge);
+        #[cfg(unix)]
+        assert_eq!(read_text(Path::new("/dev/zero"), 1 << 20).unwrap_err().kind(), ErrorKind::FileTooLarge);
+    }
+}

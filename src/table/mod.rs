@@ -1,0 +1,359 @@
+//! The table: named columns with units, the only thing that files, charts, reports and JSON read.
+
+pub mod describe;
+
+use std::io;
+
+pub use crate::quantity::number::{short, significant};
+
+/// What the numbers of a column are measured in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unit {
+    /// As it ends a column's name in files: `arcsec`, `hz`. Empty for a pure number.
+    pub suffix: &'static str,
+    /// As it stands on an axis: `″`, `Hz`.
+    pub symbol: &'static str,
+}
+
+impl Unit {
+    /// Counts, parts and names.
+    pub const NONE: Unit = Unit { suffix: "", symbol: "" };
+    /// Angles.
+    pub const ARCSEC: Unit = Unit { suffix: "arcsec", symbol: "″" };
+    /// Rates.
+    pub const ARCSEC_PER_S: Unit = Unit { suffix: "arcsec_per_s", symbol: "″/s" };
+    /// Angular accelerations; rate ramps.
+    pub const ARCSEC_PER_S2: Unit = Unit { suffix: "arcsec_per_s2", symbol: "″/s²" };
+    /// Angle random walk N.
+    pub const DEG_PER_SQRT_H: Unit = Unit { suffix: "deg_per_sqrt_h", symbol: "°/√h" };
+    /// Rate random walk K.
+    pub const DEG_PER_H_PER_SQRT_H: Unit = Unit { suffix: "deg_per_h_per_sqrt_h", symbol: "°/h/√h" };
+    /// The same number as in ″/s.
+    pub const DEG_PER_H: Unit = Unit { suffix: "deg_per_h", symbol: "°/h" };
+    /// Allan variances.
+    pub const DEG2_PER_H2: Unit = Unit { suffix: "deg2_per_h2", symbol: "(°/h)²" };
+    /// Densities of rate, one-sided.
+    pub const ARCSEC2_PER_S2_PER_HZ: Unit = Unit { suffix: "arcsec2_per_s2_per_hz", symbol: "(″/s)²/Hz" };
+    /// Response of a suspension.
+    pub const ARCSEC_PER_S_PER_G: Unit = Unit { suffix: "arcsec_per_s_per_g", symbol: "″/s/g" };
+    /// Accelerations.
+    pub const G: Unit = Unit { suffix: "g", symbol: "g" };
+    /// Densities of acceleration, one-sided.
+    pub const G2_PER_HZ: Unit = Unit { suffix: "g2_per_hz", symbol: "g²/Hz" };
+    /// Phases.
+    pub const DEG: Unit = Unit { suffix: "deg", symbol: "°" };
+    /// Frequencies.
+    pub const HZ: Unit = Unit { suffix: "hz", symbol: "Hz" };
+    /// Times.
+    pub const S: Unit = Unit { suffix: "s", symbol: "s" };
+
+    /// All units that a header may end in.
+    pub const ALL: [Unit; 14] = [
+        Unit::ARCSEC,
+        Unit::ARCSEC_PER_S,
+        Unit::ARCSEC_PER_S2,
+        Unit::DEG_PER_SQRT_H,
+        Unit::DEG_PER_H_PER_SQRT_H,
+        Unit::DEG_PER_H,
+        Unit::DEG2_PER_H2,
+        Unit::ARCSEC2_PER_S2_PER_HZ,
+        Unit::ARCSEC_PER_S_PER_G,
+        Unit::G,
+        Unit::G2_PER_HZ,
+        Unit::DEG,
+        Unit::HZ,
+        Unit::S,
+    ];
+}
+
+/// One cell. What is not known is [`Cell::Blank`], never 0.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cell {
+    /// Not known, or of no meaning in this row.
+    Blank,
+    /// A name.
+    Text(String),
+    /// A count.
+    Integer(i64),
+    /// A value in the unit of its column.
+    Number(f64),
+}
+
+impl Cell {
+    /// The cell as a number, where it is one.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Cell::Integer(i) => Some(*i as f64),
+            Cell::Number(x) => Some(*x),
+            Cell::Blank | Cell::Text(_) => None,
+        }
+    }
+
+    /// The cell as files show it: 9 significant digits for numbers, nothing for a blank.
+    pub fn text(&self) -> String {
+        match self {
+            Cell::Blank => String::new(),
+            Cell::Text(text) => text.clone(),
+            Cell::Integer(i) => i.to_string(),
+            Cell::Number(x) => significant(*x, 9),
+        }
+    }
+
+    /// Whether files show the cell as `value`, or it is the same number written differently, as `0.10` for 0.1.
+    fn shows(&self, value: &str) -> bool {
+        self.text() == value || self.number().is_some_and(|number| value.parse() == Ok(number))
+    }
+}
+
+impl From<Option<f64>> for Cell {
+    /// A value that is missing or not finite is blank.
+    fn from(value: Option<f64>) -> Cell {
+        value.filter(|x| x.is_finite()).map_or(Cell::Blank, Cell::Number)
+    }
+}
+
+/// One quantity over all rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Without the unit: `rms`, `motion.frequency`.
+    pub name: String,
+    /// For people: `rms error`, `vibration frequency`.
+    pub label: String,
+    /// Of all cells.
+    pub unit: Unit,
+    /// One for each row.
+    pub cells: Vec<Cell>,
+    /// Lower and upper ends of the uncertainty of each cell (95 %), where there is one.
+    pub band: Option<Vec<Option<(f64, f64)>>>,
+}
+
+impl Column {
+    /// The name with its unit, as the header of a file has it: `rms_arcsec`.
+    pub fn header(&self) -> String {
+        if self.unit.suffix.is_empty() {
+            self.name.clone()
+        } else {
+            format!("{}_{}", self.name, self.unit.suffix)
+        }
+    }
+
+    /// The label with the unit, as the title of an axis has it: `rms error, ″`.
+    pub fn title(&self) -> String {
+        if self.unit.symbol.is_empty() {
+            self.label.clone()
+        } else {
+            format!("{}, {}", self.label, self.unit.symbol)
+        }
+    }
+
+    /// A value of the column as a sentence has it: `vibration frequency 20 Hz`, `lost ticks n = 3`.
+    pub fn valued(&self, value: &str) -> String {
+        match self.unit.symbol {
+            "" => format!("{} = {value}", self.label),
+            symbol => format!("{} {value} {symbol}", self.label),
+        }
+    }
+}
+
+/// Why what the user named selects no single column, or no row.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ColumnError {
+    /// No column is called so.
+    #[error("no column is called `{name}`; there are {}", known.join(", "))]
+    Unknown {
+        /// As it was asked for.
+        name: String,
+        /// The columns that there are.
+        known: Vec<String>,
+    },
+    /// Several columns end so.
+    #[error("`{name}` may mean {}; write the whole name", candidates.join(" or "))]
+    Ambiguous {
+        /// As it was asked for.
+        name: String,
+        /// Those columns.
+        candidates: Vec<String>,
+    },
+    /// No row has the value.
+    #[error("no row has {column} = `{value}`; there are {}", known.join(", "))]
+    NoRow {
+        /// That was asked for.
+        column: String,
+        /// That was asked for.
+        value: String,
+        /// Values that the column has.
+        known: Vec<String>,
+    },
+}
+
+/// Columns of equal length.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Table {
+    /// Each of as many cells.
+    pub columns: Vec<Column>,
+}
+
+impl Table {
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, |column| column.cells.len())
+    }
+
+    /// The column a user means by `name`: its header or its name, each with or without the parts before any of its dots.
+    ///
+    /// # Errors
+    /// No such column, or several.
+    pub fn column(&self, name: &str) -> Result<&Column, ColumnError> {
+        find(&self.columns, name)
+    }
+
+    /// The rows in which every named column shows its value: (column, value as files show it).
+    ///
+    /// # Errors
+    /// A name selects no single column, or a value none of the rows left by those before it.
+    pub fn rows_where<N: AsRef<str>, V: AsRef<str>>(
+        &self,
+        filter: &[(N, V)],
+    ) -> Result<Vec<usize>, ColumnError> {
+        let mut rows: Vec<usize> = (0..self.rows()).collect();
+        for (name, value) in filter {
+            let (column, value) = (self.column(name.as_ref())?, value.as_ref());
+            let mut known: Vec<&Cell> = rows.iter().map(|&row| &column.cells[row]).collect();
+            rows.retain(|&row| column.cells[row].shows(value));
+            if rows.is_empty() && !known.is_empty() {
+                known.sort_by(|a, b| match (a.number(), b.number()) {
+                    (Some(a), Some(b)) => a.total_cmp(&b),
+                    _ => a.text().cmp(&b.text()),
+                });
+                known.dedup();
+                return Err(ColumnError::NoRow {
+                    column: name.as_ref().to_owned(),
+                    value: value.to_owned(),
+                    known: known.into_iter().map(Cell::text).collect(),
+                });
+            }
+        }
+        Ok(rows)
+    }
+
+    /// What such a filter chooses, as sentences and legends have it: `filler = const`.
+    ///
+    /// # Errors
+    /// A name selects no single column.
+    pub fn chosen<N: AsRef<str>, V: AsRef<str>>(
+        &self,
+        filter: &[(N, V)],
+    ) -> Result<Vec<String>, ColumnError> {
+        filter.iter().map(|(name, value)| Ok(self.column(name.as_ref())?.valued(value.as_ref()))).collect()
+    }
+
+    /// Writes the table as CSV: a header, then the rows; blanks stay empty.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn write_csv(&self, to: impl io::Write) -> io::Result<()> {
+        let mut writer = csv::Writer::from_writer(to);
+        writer.write_record(self.columns.iter().map(Column::header))?;
+        for row in 0..self.rows() {
+            writer.write_record(self.columns.iter().map(|column| column.cells[row].text()))?;
+        }
+        writer.flush()
+    }
+}
+
+/// The column that [`Table::column`] finds, among columns that need not be a table.
+pub(crate) fn find<'c>(columns: &'c [Column], name: &str) -> Result<&'c Column, ColumnError> {
+    let exact = |column: &&Column| column.header() == name || column.name == name;
+    if let Some(column) = columns.iter().find(exact) {
+        return Ok(column);
+    }
+    let is_end_of = |whole: &str| whole.strip_suffix(name).is_some_and(|before| before.ends_with('.'));
+    let bare = |column: &&Column| is_end_of(&column.name) || is_end_of(&column.header());
+    let found: Vec<&Column> = columns.iter().filter(bare).collect();
+    match found[..] {
+        [column] => Ok(column),
+        [] => Err(ColumnError::Unknown {
+            name: name.to_owned(),
+            known: columns.iter().map(Column::header).collect(),
+        }),
+        _ => Err(ColumnError::Ambiguous {
+            name: name.to_owned(),
+            candidates: found.iter().map(|column| column.header()).collect(),
+        }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(name: &str, unit: Unit) -> Column {
+        Column { name: name.to_owned(), label: name.to_owned(), unit, cells: vec![], band: None }
+    }
+
+    #[test]
+    fn a_name_finds_its_column_with_or_without_prefix_and_unit() {
+        let table =
+            Table { columns: vec![column("motion.frequency", Unit::HZ), column("rms", Unit::ARCSEC)] };
+        for name in ["motion.frequency_hz", "motion.frequency", "frequency_hz", "frequency"] {
+            assert_eq!(table.column(name).unwrap().header(), "motion.frequency_hz");
+        }
+        assert_eq!(table.column("rms").unwrap().header(), "rms_arcsec");
+        let table =
+            Table { columns: vec![column("motion.gaussian.rms", Unit::HZ), column("rms", Unit::ARCSEC)] };
+        assert_eq!(table.column("gaussian.rms").unwrap().name, "motion.gaussian.rms");
+        assert_eq!(table.column("rms").unwrap().name, "rms");
+        assert!(table.column("sian.rms").is_err());
+    }
+
+    #[test]
+    fn an_ambiguous_or_unknown_name_is_an_error_that_lists_the_choices() {
+        let table = Table { columns: vec![column("a.x", Unit::HZ), column("b.x", Unit::S)] };
+        assert_eq!(
+            table.column("x").unwrap_err().to_string(),
+            "`x` may mean a.x_hz or b.x_s; write the whole name"
+        );
+        assert_eq!(
+            table.column("y").unwrap_err().to_string(),
+            "no column is called `y`; there are a.x_hz, b.x_s"
+        );
+    }
+
+    #[test]
+    fn rows_are_chosen_by_the_values_that_files_show_and_a_value_that_is_not_there_is_told() {
+        let with = |name: &str, cells: Vec<Cell>| Column { cells, ..column(name, Unit::NONE) };
+        let text = |name: &str| Cell::Text(name.to_owned());
+        let table = Table {
+            columns: vec![
+                with("a.filler", vec![text("const"), text("const"), text("linear")]),
+                with("x", vec![Cell::Number(0.1), Cell::Number(1.0 / 3.0), Cell::Integer(2)]),
+            ],
+        };
+        assert_eq!(table.rows_where(&[("filler", "const")]), Ok(vec![0, 1]));
+        assert_eq!(table.rows_where(&[("filler", "const"), ("x", "0.333333333")]), Ok(vec![1]));
+        assert_eq!(
+            (table.rows_where(&[("x", "0.10")]), table.rows_where(&[("x", "2")])),
+            (Ok(vec![0]), Ok(vec![2]))
+        );
+        assert_eq!(table.rows_where::<&str, &str>(&[]), Ok(vec![0, 1, 2]));
+        let error = table.rows_where(&[("filler", "linear"), ("x", "0.1")]).unwrap_err();
+        assert_eq!(error.to_string(), "no row has x = `0.1`; there are 2");
+    }
+
+    #[test]
+    fn numbers_keep_nine_digits_and_blanks_stay_blank() {
+        assert_eq!(Cell::Number(77.569_123_456_7).text(), "77.5691235");
+        assert_eq!(Cell::Number(0.1).text(), "0.1");
+        assert_eq!(Cell::Number(1.5e-7).text(), "1.5e-7");
+        assert_eq!(Cell::Number(12000.0).text(), "12000");
+        assert_eq!(Cell::from(Some(f64::NAN)).text(), "");
+        assert_eq!(Cell::from(None).text(), "");
+    }
+
+    #[test]
+    fn a_value_is_said_with_label_and_unit() {
+        assert_eq!(column("upper frequency", Unit::HZ).valued("4.36"), "upper frequency 4.36 Hz");
+        assert_eq!(column("lost ticks n", Unit::NONE).valued("3"), "lost ticks n = 3");
+        assert_eq!(column("error", Unit::ARCSEC).title(), "error, ″");
+    }
+}

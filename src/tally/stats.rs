@@ -1,0 +1,398 @@
+//! From exact tallies to estimates with uncertainties.
+
+use std::cell::Cell;
+
+use crate::kernel::moments::{BIN_BITS, BINS, Moments, level_edge};
+
+/// The probability whose quantile is reported: 99.73 %, three standard deviations of a normal distribution.
+pub const LEVEL: f64 = 0.9973;
+
+/// What a tally says about an error, in the unit of its scale. Absent where the trials do not say it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimates {
+    /// Signed.
+    pub mean: f64,
+    /// Root mean square, the mean included.
+    pub rms: f64,
+    /// Standard error of `rms`, √(Var(E²)/n) / (2 rms); 0 where every trial has the same error, absent for one trial and
+    /// where the histogram does not tell.
+    pub rms_se: Option<f64>,
+    /// Largest |error| seen.
+    pub max: f64,
+    /// Level that 99.73 % of |error| stay below.
+    pub q9973: Option<Quantile>,
+}
+
+/// A quantile of |error| and its 95 % interval from order statistics, widened to the edges of bins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quantile {
+    /// In the unit of the scale.
+    pub value: f64,
+    /// Absent where the trials are too few to bound it.
+    pub low: Option<f64>,
+    /// The same.
+    pub high: Option<f64>,
+}
+
+impl Estimates {
+    /// The estimates of a tally whose histogram starts at level `bin_base`; one unit of the tally is `scale`.
+    ///
+    /// `None` without a trial.
+    pub fn of(tally: &Moments, bin_base: u32, scale: f64) -> Option<Estimates> {
+        if tally.count == 0 {
+            return None;
+        }
+        let n = tally.count as f64;
+        let second = tally.square as f64 / n;
+        let rms = libm::sqrt(second);
+        let max = f64::from(tally.least.unsigned_abs().max(tally.greatest.unsigned_abs()));
+        let edges = Edges { base: bin_base, max };
+        let rms_se = variance_of_square(tally, edges).filter(|_| tally.count > 1).map(|variance| {
+            // Where every error is 0, so is the variance.
+            if variance == 0.0 { 0.0 } else { libm::sqrt(variance / n) / (2.0 * rms) }
+        });
+        Some(Estimates {
+            mean: tally.sum as f64 / n * scale,
+            rms: rms * scale,
+            rms_se: rms_se.map(|se| se * scale),
+            max: max * scale,
+            q9973: quantile(tally, edges).map(|q| Quantile {
+                value: q.value * scale,
+                low: q.low.map(|x| x * scale),
+                high: q.high.map(|x| x * scale),
+            }),
+        })
+    }
+}
+
+/// Where the bins of a tally begin and end.
+#[derive(Clone, Copy)]
+struct Edges {
+    base: u32,
+    max: f64,
+}
+
+impl Edges {
+    /// Lower and upper edge of a bin; the last one ends at the largest |error|.
+    fn of(self, bin: usize) -> (f64, f64) {
+        let edge = |bin: usize| level_edge(self.base + bin as u32 - 1) as f64;
+        // An error of 0 is counted at the lowest level, as if it were 1.
+        let low = if bin == 0 || self.base + bin as u32 == 1 { 0.0 } else { edge(bin) };
+        let high = if bin == BINS - 1 { self.max } else { edge(bin + 1) };
+        (low.min(self.max), high.min(self.max))
+    }
+}
+
+/// Mean and variance of the error. The sums are whole numbers about the nearest one to the mean, so that a small
+/// variance beside a large mean does not cancel, and that of a constant is exactly 0.
+fn mean_and_variance(tally: &Moments) -> (f64, f64) {
+    let n = i128::from(tally.count);
+    let near = (2 * tally.sum + n).div_euclid(2 * n);
+    // With errors below 2^29 every term is below 2^124.
+    let square = tally.square as i128 - 2 * near * tally.sum + n * near * near;
+    let rest = (tally.sum - n * near) as f64 / n as f64;
+    (near as f64 + rest, square as f64 / n as f64 - rest * rest)
+}
+
+/// Var(E²), of which the sums give the part that a narrow distribution has, and the histogram the rest.
+///
+/// With E = m + d and σ² the variance of d it is 4m²σ² + 4m⟨d³⟩ + ⟨d⁴⟩ − σ⁴; m and σ² are exact.
+///
+/// - σ below a bin's width at m, |m|/128: ⟨d³⟩ and ⟨d⁴⟩ are taken as those of a normal distribution, 0 and 3σ⁴. A skewness
+///   γ would change the result by γσ/|m|, less than 0.8 % of γ.
+/// - Else, where all errors have one sign: ⟨d³⟩ and ⟨d⁴⟩ are those of the histogram.
+/// - Else the mean of (E² − ⟨E²⟩)² over the histogram: a distribution that reaches across 0 is wide, and its bins, 1/128
+///   of |E| wide, change the result by less than 0.1 %.
+///
+/// `None` without a histogram where one is needed, where its bins leave no variance although there is some, and where too
+/// much of it may come from errors beyond them.
+fn variance_of_square(tally: &Moments, edges: Edges) -> Option<f64> {
+    let (mean, variance) = mean_and_variance(tally);
+    let mean = mean.abs();
+    if variance == 0.0 {
+        return Some(0.0);
+    }
+    let narrow = mean / f64::from(1 << BIN_BITS);
+    let first_order = 4.0 * mean * mean * variance;
+    if variance < narrow * narrow {
+        return Some(first_order + 2.0 * variance * variance);
+    }
+    let result = if tally.least < 0 && tally.greatest > 0 {
+        let second = tally.square as f64 / tally.count as f64;
+        histogram_mean(tally, edges, |x, v, k| {
+            let t = x * x - second;
+            t * t + (4.0 * x * x + 2.0 * t) * v + k
+        })
+    } else {
+        let third = histogram_mean(tally, edges, |x, v, _| {
+            let d = x - mean;
+            d * d * d + 3.0 * d * v
+        });
+        let fourth = histogram_mean(tally, edges, |x, v, k| {
+            let d = x - mean;
+            d * d * d * d + 6.0 * d * d * v + k
+        });
+        first_order + 4.0 * mean * third + fourth - variance * variance
+    };
+    // What the open bin may add to the fourth moment, if all its errors are as large as the largest.
+    let open = tally.bins.last().filter(|_| is_open(BINS - 1, edges)).map_or(0.0, |&count| {
+        let (low, high) = edges.of(BINS - 1);
+        count as f64 / tally.count as f64 * (libm::pow(high, 4.0) - libm::pow(low, 4.0))
+    });
+    (result > 0.0 && !tally.bins.is_empty() && open <= OPEN_PART * result).then_some(result)
+}
+
+/// Most that errors beyond the histogram may make of the variance of E²: its root is then known to 10 %.
+const OPEN_PART: f64 = 0.2;
+
+/// Mean of a function over the histogram, each bin taken as filled evenly with whole numbers: `of` is given their mean
+/// and their second and fourth central moment.
+fn histogram_mean(tally: &Moments, edges: Edges, of: impl Fn(f64, f64, f64) -> f64) -> f64 {
+    let sum: f64 = filled(tally)
+        .map(|(bin, count)| {
+            let (low, high) = edges.of(bin);
+            // The upper edge belongs to the next bin, but for the largest |error| of all.
+            let last = if high < edges.max { high - 1.0 } else { edges.max };
+            let square = (last - low + 1.0) * (last - low + 1.0);
+            let (second, fourth) = ((square - 1.0) / 12.0, (square - 1.0) * (3.0 * square - 7.0) / 240.0);
+            count as f64 * of(0.5 * (low + last), second, fourth)
+        })
+        .sum();
+    sum / tally.count as f64
+}
+
+fn filled(tally: &Moments) -> impl Iterator<Item = (usize, u64)> + '_ {
+    tally.bins.iter().copied().enumerate().filter(|&(_, count)| count > 0)
+}
+
+/// The quantile at [`LEVEL`]; `None` without a histogram.
+fn quantile(tally: &Moments, edges: Edges) -> Option<Quantile> {
+    let n = tally.count;
+    let value = {
+        let rank = LEVEL * n as f64;
+        let (bin, within) = bin_of_rank(tally, rank)?;
+        if is_open(bin, edges) {
+            return None;
+        }
+        let (a, b) = edges.of(bin);
+        a + (b - a) * within
+    };
+    // Of n trials about n (1 − level) lie above the quantile; these many at least and at most, in 95 % of all cases.
+    let (fewest, most) = trials_above(n);
+    let low = bin_of_rank(tally, n.saturating_sub(most) as f64)
+        .filter(|_| most < n)
+        .map(|(bin, _)| edges.of(bin).0);
+    let high = (fewest > 0)
+        .then(|| bin_of_rank(tally, (n - fewest + 1) as f64))
+        .flatten()
+        .map(|(bin, _)| edges.of(bin).1);
+    Some(Quantile { value, low, high })
+}
+
+/// Whether the open last bin reaches so far that what lies in it is not known.
+fn is_open(bin: usize, edges: Edges) -> bool {
+    let (low, high) = edges.of(bin);
+    bin == BINS - 1 && high > low * (1.0 + 1.0 / f64::from(1 << BIN_BITS))
+}
+
+/// The bin that holds the `rank`-th smallest |error|, and how far into the bin it lies.
+fn bin_of_rank(tally: &Moments, rank: f64) -> Option<(usize, f64)> {
+    let mut below = 0.0;
+    for (bin, count) in filled(tally) {
+        let count = count as f64;
+        if below + count >= rank {
+            return Some((bin, ((rank - below) / count).clamp(0.0, 1.0)));
+        }
+        below += count;
+    }
+    None
+}
+
+/// How many of n trials lie above the quantile, at least and at most, in 95 % of all cases. It takes as long as thousands of trials, and
+/// most rows of a table have as many trials as the one before.
+fn trials_above(n: u64) -> (u64, u64) {
+    thread_local! {
+        static LAST: Cell<(u64, (u64, u64))> = const { Cell::new((0, (0, 0))) };
+    }
+    let (known, interval) = LAST.get();
+    if known == n {
+        return interval;
+    }
+    let interval = binomial_interval(n, 1.0 - LEVEL);
+    LAST.set((n, interval));
+    interval
+}
+
+/// The central 95 % of a binomial distribution: outside on either side lies at most 2.5 %.
+fn binomial_interval(n: u64, p: f64) -> (u64, u64) {
+    let mean = n as f64 * p;
+    let sd = libm::sqrt(mean * (1.0 - p));
+    if mean > 10_000.0 {
+        let half = 1.959_963_985 * sd + 0.5;
+        return (libm::floor(mean - half) as u64, (libm::ceil(mean + half) as u64).min(n));
+    }
+    let log_factorial = |k: u64| libm::lgamma(k as f64 + 1.0);
+    let probability = |k: u64| {
+        let choose = log_factorial(n) - log_factorial(k) - log_factorial(n - k);
+        libm::exp(choose + k as f64 * libm::log(p) + (n - k) as f64 * libm::log1p(-p))
+    };
+    let (mut below, mut fewest) = (0.0, None);
+    for k in 0..=n {
+        below += probability(k);
+        if fewest.is_none() && below > 0.025 {
+            fewest = Some(k);
+        }
+        if below >= 0.975 {
+            return (fewest.unwrap_or(0), k);
+        }
+    }
+    (fewest.unwrap_or(0), n)
+}
+
+/// Deviation of an estimate from its closed form in standard errors: `proven` bounds what rounding adds. `None` where that
+/// bound is so wide that the comparison says nothing.
+///
+/// ```
+/// use sagnac::tally::stats::z_score;
+///
+/// assert_eq!(z_score(1.02, 1.0, 0.01, 0.0), Some(2.0000000000000018));
+/// assert_eq!(z_score(1.02, 1.0, 0.0, 0.0), None);
+/// ```
+pub fn z_score(value: f64, oracle: f64, se: f64, proven: f64) -> Option<f64> {
+    let sigma = libm::hypot(se, proven);
+    (sigma > 0.0 && (proven <= se || proven <= 0.05 * oracle)).then(|| (value - oracle) / sigma)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernel::moments::{bin, level};
+    use crate::kernel::word::Scalar;
+
+    fn tally_of(errors: impl IntoIterator<Item = i32>, base: u32) -> Moments {
+        let mut tally = Moments::empty(true);
+        for error in errors {
+            tally.count += 1;
+            tally.sum += i128::from(error);
+            tally.square += (i64::from(error) * i64::from(error)) as u128;
+            tally.least = tally.least.min(error);
+            tally.greatest = tally.greatest.max(error);
+            tally.bins[bin(Scalar(error as u32), base).0 as usize] += 1;
+        }
+        tally
+    }
+
+    #[test]
+    fn the_standard_error_of_the_rms_is_that_of_a_sine_and_not_of_a_normal_distribution() {
+        let n = 100_000;
+        let sine =
+            (0..n).map(|k| (1e6 * libm::sin(f64::from(k) / f64::from(n) * core::f64::consts::TAU)) as i32);
+        let base = level(176_776);
+        let estimates = Estimates::of(&tally_of(sine, base), base, 0.5).unwrap();
+        let rms = 1e6 / libm::sqrt(2.0) * 0.5;
+        assert!((estimates.rms / rms - 1.0).abs() < 1e-5, "{estimates:?}");
+        // E⁴ of a sine is 3/8, so se = rms √(1/2) / (2 √n); a normal law would say rms √2 / (2 √n).
+        let expected = rms * libm::sqrt(0.5) / (2.0 * libm::sqrt(f64::from(n)));
+        assert!((estimates.rms_se.unwrap() / expected - 1.0).abs() < 0.01, "{estimates:?}, not {expected}");
+        assert_eq!(estimates.max, 5e5);
+    }
+
+    /// Errors with the quantiles of a standardised distribution at `mean` and with standard deviation `sd`.
+    fn spread(mean: f64, sd: f64, quantile: impl Fn(f64) -> f64) -> Moments {
+        const TRIALS: i32 = 100_000;
+        let base = level(libm::floor(0.25 * libm::hypot(mean, sd)) as u32);
+        let errors = (0..TRIALS).map(|k| mean + sd * quantile((f64::from(k) + 0.5) / f64::from(TRIALS)));
+        tally_of(errors.map(|error| libm::round(error) as i32), base)
+    }
+
+    #[test]
+    fn the_standard_error_of_the_rms_is_right_however_narrow_and_far_from_0_the_errors_lie() {
+        let even = |p: f64| libm::sqrt(12.0) * (p - 0.5);
+        let exponential = |p: f64| -libm::log1p(-p) - 1.0;
+        // Standard deviations from far below a bin to as wide as the mean; at 0.2 the even one has one sign, at 1 two.
+        for relative in [1e-6, 1e-5, 1e-3, 0.0077, 0.0079, 0.02, 0.1, 0.2, 1.0] {
+            // With their third and fourth standardised moments.
+            let cases: [(&str, Moments, f64, f64); 3] = [
+                ("even", spread(1e8, 1e8 * relative, even), 0.0, 1.8),
+                ("exponential", spread(1e8, 1e8 * relative * 0.3, exponential), 2.0, 9.0),
+                ("mirrored", spread(-1e8, -1e8 * relative * 0.3, exponential), 2.0, 9.0),
+            ];
+            for (name, tally, third, fourth) in cases {
+                let (m, s) = (1e8, 1e8 * relative * if name == "even" { 1.0 } else { 0.3 });
+                let variance =
+                    4.0 * m * m * s * s + 4.0 * m * third * s * s * s + (fourth - 1.0) * s * s * s * s;
+                let rms = libm::hypot(m, s);
+                let expected = libm::sqrt(variance / tally.count as f64) / (2.0 * rms);
+                let base = level(libm::floor(0.25 * rms) as u32);
+                let found = Estimates::of(&tally, base, 1.0).unwrap().rms_se.unwrap();
+                assert!((found / expected - 1.0).abs() < 0.01, "{name}, {relative}: {found}, not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn whole_numbers_of_few_units_have_the_standard_error_of_their_own_moments() {
+        let errors = [-3, -2, -2, -9, 2, -7, 4, 4, 3, 2, 5];
+        let moment = |power| errors.iter().map(|&e| f64::from(e).powi(power)).sum::<f64>() / 11.0;
+        let expected = libm::sqrt((moment(4) - moment(2) * moment(2)) / 11.0 / (4.0 * moment(2)));
+        let found = Estimates::of(&tally_of(errors, 0), 0, 1.0).unwrap().rms_se.unwrap();
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found}, not {expected}");
+    }
+
+    #[test]
+    fn the_standard_error_of_a_constant_is_exactly_0_and_that_of_an_unknown_variance_is_absent() {
+        for error in [77_569_123, -5, 0] {
+            let base = level(i32::unsigned_abs(error) / 4);
+            let estimates = Estimates::of(&tally_of([error; 1000], base), base, 0.1).unwrap();
+            assert_eq!(estimates.rms_se, Some(0.0), "{error}");
+        }
+        let mut without_histogram = tally_of([-5, 3, 8], 0);
+        without_histogram.bins.clear();
+        assert_eq!(Estimates::of(&without_histogram, 0, 1.0).unwrap().rms_se, None);
+    }
+
+    #[test]
+    fn the_quantile_of_an_even_spread_is_found_within_its_bounds() {
+        let n = 200_000;
+        let base = level(n as u32 / 8);
+        let q = Estimates::of(&tally_of(1..=n, base), base, 1.0).unwrap().q9973.unwrap();
+        let exact = LEVEL * f64::from(n);
+        assert!((q.value / exact - 1.0).abs() < 1e-3, "{q:?}");
+        let (low, high) = (q.low.unwrap(), q.high.unwrap());
+        assert!(low < exact && exact < high && high - low < 0.02 * exact, "{q:?}");
+    }
+
+    #[test]
+    fn a_quantile_that_few_trials_cannot_bound_has_no_upper_end() {
+        let base = level(12);
+        let q = Estimates::of(&tally_of(1..=100, base), base, 1.0).unwrap().q9973.unwrap();
+        assert_eq!(q.high, None);
+        assert!(q.low.is_some());
+    }
+
+    #[test]
+    fn what_lies_beyond_the_histogram_is_left_blank_and_not_guessed() {
+        // Bins end at 32: one of a hundred errors lies far beyond.
+        let tally = tally_of((0..10_000).map(|k| if k % 100 == 0 { 5000 } else { 1 + k % 20 }), level(1));
+        let found = Estimates::of(&tally, level(1), 1.0).unwrap();
+        assert_eq!((found.q9973, found.rms_se), (None, None));
+        assert_eq!(found.max, 5000.0);
+    }
+
+    #[test]
+    fn one_trial_and_no_trial_and_all_zero_are_answered_without_invention() {
+        assert_eq!(Estimates::of(&Moments::empty(true), 0, 1.0), None);
+        let one = Estimates::of(&tally_of([7], 0), 0, 1.0).unwrap();
+        assert_eq!((one.rms, one.rms_se), (7.0, None));
+        let zero = Estimates::of(&tally_of([0, 0, 0], 0), 0, 1.0).unwrap();
+        assert_eq!((zero.rms, zero.rms_se, zero.max), (0.0, Some(0.0), 0.0));
+    }
+
+    #[test]
+    fn binomial_intervals_are_those_of_the_tables() {
+        // scipy.stats.binom.ppf([0.025, 0.975], n, 0.0027)
+        for (n, interval) in [(100, (0, 2)), (1000, (0, 6)), (100_000, (238, 303)), (100_000, (238, 303))] {
+            assert_eq!(trials_above(n), interval, "n = {n}");
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! The part of a picture that two axes span.
+
+use crate::view::chart::scale::Range;
+
+/// A rectangle of the picture, in px.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Frame {
+    pub left: f64,
+    pub top: f64,
+    pub right: f64,
+    pub bottom: f64,
+}
+
+/// What two axes cover, and where that is in the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Area {
+    pub x: Range,
+    pub y: Range,
+    pub frame: Frame,
+}
+
+impl Area {
+    /// Where a point of the data stands in the picture.
+    pub fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        (self.across(x), self.down(y))
+    }
+
+    /// Where a value of the x axis stands.
+    pub fn across(&self, x: f64) -> f64 {
+        let Frame { left, right, .. } = self.frame;
+        left + self.x.fraction(x) * (right - left)
+    }
+
+    /// Where a value of the y axis stands.
+    pub fn down(&self, y: f64) -> f64 {
+        let Frame { top, bottom, .. } = self.frame;
+        bottom - self.y.fraction(y) * (bottom - top)
+    }
+}

@@ -1,0 +1,108 @@
+//! Cells of text with dots between them.
+
+/// A rectangle of cells, and a finer one of dots in which lines are drawn; signs stand before dots.
+pub(crate) struct Page {
+    pub(crate) columns: usize,
+    pub(crate) rows: usize,
+    unicode: bool,
+    signs: Vec<Option<Cell>>,
+    dots: Vec<Dots>,
+}
+
+/// What stands in a cell, and in which colour of a terminal.
+#[derive(Debug, Clone, Copy)]
+struct Cell {
+    sign: char,
+    colour: Option<usize>,
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Dots {
+    bits: u8,
+    colour: Option<usize>,
+}
+
+/// Codes of the colours, after those of the pictures as far as a terminal has them.
+const COLOURS: [&str; 8] = ["34", "31", "36", "35", "33", "94", "90", "32"];
+
+/// The bits of Braille by column and row.
+const BRAILLE: [[u8; 4]; 2] = [[0x01, 0x02, 0x04, 0x40], [0x08, 0x10, 0x20, 0x80]];
+
+impl Page {
+    pub(crate) fn new(columns: usize, rows: usize, unicode: bool) -> Page {
+        let cells = columns * rows;
+        Page { columns, rows, unicode, signs: vec![None; cells], dots: vec![Dots::default(); cells] }
+    }
+
+    /// Dots across and down in a cell.
+    fn fine(&self) -> (usize, usize) {
+        if self.unicode { (2, 4) } else { (1, 2) }
+    }
+
+    /// Puts a sign where a place is, (0, 0) being the lower left corner and (1, 1) the upper right one; outside there is nothing.
+    pub(crate) fn sign(&mut self, (x, y): (f64, f64), sign: char, colour: Option<usize>) {
+        let place = cell_of(x, self.columns).zip(cell_of(1.0 - y, self.rows));
+        if let Some((column, row)) = place {
+            self.signs[row * self.columns + column] = Some(Cell { sign, colour });
+        }
+    }
+
+    /// A straight line between two places, of every `step`-th dot.
+    pub(crate) fn line(&mut self, from: (f64, f64), to: (f64, f64), step: usize, colour: Option<usize>) {
+        let (fine_x, fine_y) = self.fine();
+        let size = [(self.columns * fine_x) as f64, (self.rows * fine_y) as f64];
+        let length = ((to.0 - from.0) * size[0]).abs().max(((to.1 - from.1) * size[1]).abs());
+        // What is far outside has no dots of its own.
+        let steps = length.ceil().clamp(1.0, 1e5) as usize;
+        for at in (0..=steps).step_by(step.max(1)) {
+            let part = at as f64 / steps as f64;
+            self.dot((from.0 + part * (to.0 - from.0), from.1 + part * (to.1 - from.1)), colour);
+        }
+    }
+
+    fn dot(&mut self, (x, y): (f64, f64), colour: Option<usize>) {
+        let (fine_x, fine_y) = self.fine();
+        let place = cell_of(x, self.columns * fine_x).zip(cell_of(1.0 - y, self.rows * fine_y));
+        if let Some((across, down)) = place {
+            let cell = &mut self.dots[down / fine_y * self.columns + across / fine_x];
+            cell.bits |= BRAILLE[across % fine_x][down % fine_y];
+            cell.colour = colour;
+        }
+    }
+
+    /// A row of cells, in colour where that is wanted.
+    pub(crate) fn row(&self, row: usize, color: bool) -> String {
+        let mut text = String::new();
+        for place in row * self.columns..(row + 1) * self.columns {
+            let dots = self.dots[place];
+            let cell =
+                self.signs[place].unwrap_or(Cell { sign: self.sign_of(dots.bits), colour: dots.colour });
+            text += &painted(cell.sign, cell.colour.filter(|_| color));
+        }
+        text
+    }
+
+    fn sign_of(&self, bits: u8) -> char {
+        match bits {
+            0 => ' ',
+            bits if self.unicode => char::from_u32(0x2800 + u32::from(bits)).unwrap_or(' '),
+            1 => '\'',
+            2 => '.',
+            _ => ':',
+        }
+    }
+}
+
+/// A sign in a colour, or as it is.
+pub(crate) fn painted(sign: char, colour: Option<usize>) -> String {
+    match colour {
+        Some(colour) if sign != ' ' => format!("\u{1b}[{}m{sign}\u{1b}[0m", COLOURS[colour % COLOURS.len()]),
+        _ => sign.to_string(),
+    }
+}
+
+/// The one of `count` cells in which a part of their length lies, the ends with the outer ones.
+fn cell_of(part: f64, count: usize) -> Option<usize> {
+    let inside = (-1e-9..=1.0 + 1e-9).contains(&part);
+    inside.then(|| ((part * count as f64) as usize).min(count.saturating_sub(1)))
+}

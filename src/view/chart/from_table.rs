@@ -1,0 +1,371 @@
+//! A figure from the columns of a table.
+
+use std::collections::BTreeMap;
+
+use crate::quantity::number::significant;
+use crate::table::{Cell, Column, Table, Unit};
+use crate::view::chart::figure::{
+    Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Parts, Series, SeriesPoint,
+};
+use crate::view::chart::mixed::check_curves;
+use crate::view::chart::scale::Scale;
+use crate::view::chart::spec::{ChartError, Notes, Spec};
+
+impl Figure {
+    /// The chart of `table` that `spec` describes. Curves stand in the order of their first rows, and points by rising x;
+    /// curves that coincide are merged by [`Figure::merge_coincident`].
+    ///
+    /// # Errors
+    /// A limit or a law in another unit than that of y, a column that is not there, holds text instead of numbers, or has no row with a
+    /// value asked for, a curve through rows that belong on several.
+    pub fn from_table(table: &Table, spec: &Spec) -> Result<(Figure, Notes), ChartError> {
+        let (x, y) = (table.column(&spec.x)?, numbers(table, &spec.y)?);
+        let beside =
+            [spec.limit.map(|limit| ("limit", limit.1)), spec.laws.first().map(|_| ("law", Unit::ARCSEC))];
+        check_unit(&spec.y, y, beside)?;
+        let laws = spec.laws.iter().map(|name| numbers(table, name)).collect::<Result<Vec<_>, _>>()?;
+        let oracle = format!("oracle_{}", y.name);
+        let oracle = table.columns.iter().find(|column| column.name == oracle);
+        let (colours, dashes) = match &spec.series[..] {
+            [] => (None, None),
+            [colour] => (Some(table.column(colour)?), None),
+            [colour, dash] => (Some(table.column(colour)?), Some(table.column(dash)?)),
+            more => return Err(ChartError::TooManySeries { found: more.len() }),
+        };
+        let rows = table.rows_where(&spec.filter)?;
+        check_curves(table, spec, &rows)?;
+        let mut figure = Figure {
+            title: spec.title.clone(),
+            subtitle: spec.subtitle.clone(),
+            x: named_axis(x, &rows).unwrap_or_else(|| axis(x, spec.x_scale)),
+            y: axis(y, spec.y_scale),
+            colours: grouping(colours, &rows),
+            dashes: grouping(dashes, &rows),
+            points: spec.points.clone(),
+            bands: spec.bands.clone(),
+            lines: "closed form".to_owned(),
+            series: vec![],
+            laws: vec![],
+            parts: Parts::default(),
+            limit: spec.limit.map(|(value, _)| limit(value, y)),
+            chosen: table.chosen(&spec.filter)?,
+        };
+        let names = figure.x.names.clone();
+        let mut notes = Notes::default();
+        let mut lines: BTreeMap<(usize, usize, usize), Vec<(f64, f64)>> = BTreeMap::new();
+        let place = |row: usize| match names.is_empty() {
+            true => x.cells[row].number(),
+            false => Some(1.0 + names.iter().position(|name| *name == x.cells[row].text())? as f64),
+        };
+        // Rows that have no place on an axis on which others have one are about something else, as the sum of all ticks.
+        let some = rows.iter().any(|&row| place(row).is_some());
+        for row in rows.into_iter().filter(|&row| !some || x.cells[row] != Cell::Blank) {
+            let colour = colours.map_or(0, |column| style(&figure.colours, &column.cells[row]));
+            let dash = dashes.map_or(0, |column| style(&figure.dashes, &column.cells[row]));
+            let series = curve(&mut figure.series, colour, dash);
+            let Some(x) = place(row) else {
+                notes.blank += 1;
+                continue;
+            };
+            series.law.extend(oracle.and_then(|oracle| oracle.cells[row].number()).map(|law| (x, law)));
+            for (law, column) in laws.iter().enumerate() {
+                let point = column.cells[row].number().map(|value| (x, value));
+                lines.entry((law, colour, dash)).or_default().extend(point);
+            }
+            match y.cells[row].number() {
+                Some(value) => {
+                    let band = y.band.as_ref().and_then(|band| band.get(row).copied().flatten());
+                    series.points.push(SeriesPoint { x, y: value, band });
+                }
+                None => notes.blank += 1,
+            }
+        }
+        for series in &mut figure.series {
+            series.points.sort_by(|a, b| a.x.total_cmp(&b.x));
+            series.law.sort_by(|a, b| a.0.total_cmp(&b.0));
+        }
+        figure.laws = laws.iter().map(|law| Law { label: law.label.clone(), lines: vec![] }).collect();
+        for ((law, colour, _), mut points) in lines {
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            figure.laws[law].lines.push(LawLine { colours: vec![colour], points });
+        }
+        notes.left_out = figure.left_out();
+        notes.merged = figure.merge_coincident();
+        notes.coincident = figure.coincident();
+        figure.merge_laws();
+        Ok((figure, notes))
+    }
+}
+
+/// The column of that name, if it holds numbers.
+pub(crate) fn numbers<'t>(table: &'t Table, name: &str) -> Result<&'t Column, ChartError> {
+    let column = table.column(name)?;
+    match column.cells.iter().find(|cell| matches!(cell, Cell::Text(_))) {
+        Some(text) => Err(ChartError::NotNumbers { column: name.to_owned(), example: text.text() }),
+        None => Ok(column),
+    }
+}
+
+/// Refuses the first thing that stands `beside` a column and is in another unit.
+pub(crate) fn check_unit<const N: usize>(
+    name: &str,
+    column: &Column,
+    beside: [Option<(&'static str, Unit)>; N],
+) -> Result<(), ChartError> {
+    match beside.into_iter().flatten().find(|(_, wanted)| column.unit != *wanted) {
+        Some((beside, wanted)) => {
+            let (column, unit) = (name.to_owned(), column.unit.symbol.to_owned());
+            Err(ChartError::OtherUnit { column, unit, beside, wanted: wanted.symbol })
+        }
+        None => Ok(()),
+    }
+}
+
+pub(crate) fn axis(column: &Column, scale: Scale) -> Axis {
+    let mut cells = column.cells.iter().filter(|cell| **cell != Cell::Blank).peekable();
+    let whole = cells.peek().is_some() && cells.all(|cell| matches!(cell, Cell::Integer(_)));
+    Axis { label: column.label.clone(), unit: column.unit.symbol.to_owned(), scale, whole, names: vec![] }
+}
+
+/// An axis on which the different texts of a column stand side by side, in the order of their first rows; none of numbers.
+fn named_axis(column: &Column, rows: &[usize]) -> Option<Axis> {
+    let mut names: Vec<String> = vec![];
+    for &row in rows {
+        match &column.cells[row] {
+            Cell::Text(name) if names.contains(name) => {}
+            Cell::Text(name) => names.push(name.clone()),
+            _ => {}
+        }
+    }
+    (!names.is_empty()).then(|| Axis { whole: true, names, ..axis(column, Scale::Linear) })
+}
+
+pub(crate) fn limit(value: f64, y: &Column) -> Limit {
+    let label = match y.unit.symbol {
+        "" => format!("limit {} %", significant(100.0 * value, 6)),
+        symbol => format!("limit {} {symbol}", significant(value, 6)),
+    };
+    Limit { value, label }
+}
+
+/// The different values of a column, in the order of their first rows.
+pub(crate) fn grouping(column: Option<&Column>, rows: &[usize]) -> Grouping {
+    let Some(column) = column else {
+        return Grouping::default();
+    };
+    let mut entries: Vec<Entry> = vec![];
+    for name in rows.iter().map(|&row| name(&column.cells[row])) {
+        if entries.iter().all(|entry| entry.name != name) {
+            entries.push(Entry { style: entries.len(), name });
+        }
+    }
+    Grouping { title: column.title(), entries }
+}
+
+/// A value as the legend names it.
+fn name(cell: &Cell) -> String {
+    if *cell == Cell::Blank { "(blank)".to_owned() } else { cell.text() }
+}
+
+pub(crate) fn style(grouping: &Grouping, cell: &Cell) -> usize {
+    let name = name(cell);
+    grouping.entries.iter().find(|entry| entry.name == name).map_or(0, |entry| entry.style)
+}
+
+/// The curve of these styles, a new one if there is none yet.
+fn curve(series: &mut Vec<Series>, colour: usize, dash: usize) -> &mut Series {
+    let place = series.iter().position(|s| (s.colour, s.dash) == (colour, dash)).unwrap_or_else(|| {
+        series.push(Series { colour, dash, points: vec![], law: vec![] });
+        series.len() - 1
+    });
+    &mut series[place]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
+        Column { name: name.to_owned(), label: name.to_owned(), unit, cells, band: None }
+    }
+
+    /// Two fillers that differ only at n = 2, and "copy", which equals "const".
+    fn table() -> Table {
+        let mut rows: Vec<(&str, i64, f64, f64)> = vec![];
+        for n in [2, 1] {
+            for x in [3.0, 1.0, 2.0] {
+                let y = x * n as f64;
+                rows.extend([("const", n, x, y), ("quad", n, x, y + (n - 1) as f64), ("copy", n, x, y)]);
+            }
+        }
+        let numbers =
+            |of: fn(&(&str, i64, f64, f64)) -> f64| rows.iter().map(|row| Cell::Number(of(row))).collect();
+        let mut rms = column("rms", Unit::ARCSEC, numbers(|row| row.3));
+        rms.band = Some(rows.iter().map(|row| Some((0.9 * row.3, 1.1 * row.3))).collect());
+        Table {
+            columns: vec![
+                column("filler", Unit::NONE, rows.iter().map(|row| Cell::Text(row.0.to_owned())).collect()),
+                column(
+                    "switching.gap_ticks",
+                    Unit::NONE,
+                    rows.iter().map(|row| Cell::Integer(row.1)).collect(),
+                ),
+                column("motion.frequency", Unit::HZ, numbers(|row| row.2)),
+                rms,
+                column("oracle_rms", Unit::ARCSEC, numbers(|row| 1.01 * row.3)),
+            ],
+        }
+    }
+
+    fn spec() -> Spec {
+        Spec {
+            title: "t".to_owned(),
+            subtitle: None,
+            x: "frequency".to_owned(),
+            y: "rms".to_owned(),
+            x_scale: Scale::Linear,
+            y_scale: Scale::Log,
+            series: vec!["filler".to_owned(), "gap_ticks".to_owned()],
+            apart: vec![],
+            filter: vec![],
+            limit: Some((10.0, Unit::ARCSEC)),
+            laws: vec![],
+            points: "Monte Carlo".to_owned(),
+            bands: "95 % band".to_owned(),
+        }
+    }
+
+    #[test]
+    fn rows_become_curves_in_order_of_appearance_sorted_by_x_with_band_law_unit_and_limit() {
+        let (figure, notes) = Figure::from_table(&table(), &spec()).unwrap();
+        assert_eq!(figure.x.title(), "motion.frequency, Hz");
+        assert_eq!(figure.limit.unwrap().label, "limit 10 ″");
+        let names = |grouping: &Grouping| grouping.entries.iter().map(|e| e.name.clone()).collect::<Vec<_>>();
+        assert_eq!(names(&figure.colours), ["const = copy", "quad"]);
+        assert_eq!(names(&figure.dashes), ["2", "1"]);
+        let first = &figure.series[0];
+        assert_eq!(
+            first.points.iter().map(|p| (p.x, p.y)).collect::<Vec<_>>(),
+            [(1.0, 2.0), (2.0, 4.0), (3.0, 6.0)]
+        );
+        assert_eq!(first.points[0].band, Some((1.8, 2.2)));
+        assert_eq!(first.law[0], (1.0, 2.02));
+        assert_eq!(notes.merged, ["const = copy"]);
+        assert_eq!(notes.coincident, ["const = copy, 1 and quad, 1"]);
+    }
+
+    #[test]
+    fn a_filter_keeps_its_rows_and_one_that_keeps_none_says_what_there_is() {
+        let with = |value: &str| Spec { filter: vec![("gap_ticks".to_owned(), value.to_owned())], ..spec() };
+        let (figure, _) = Figure::from_table(&table(), &with("1.0")).unwrap();
+        assert_eq!(figure.dashes.entries.len(), 1);
+        let error = Figure::from_table(&table(), &with("7")).unwrap_err();
+        assert_eq!(error.to_string(), "no row has gap_ticks = `7`; there are 1, 2");
+    }
+
+    #[test]
+    fn values_left_out_or_blank_are_counted_and_said() {
+        let mut table = table();
+        table.columns[3].cells[0] = Cell::Number(0.0);
+        table.columns[3].cells[1] = Cell::Blank;
+        let (_, notes) =
+            Figure::from_table(&table, &Spec { series: vec!["filler".to_owned()], ..spec() }).unwrap();
+        assert_eq!((notes.left_out, notes.blank), (1, 1));
+        let sentence = notes.sentence().unwrap();
+        assert!(sentence.starts_with("1 of the points cannot be shown on these axes"), "{sentence}");
+        assert_eq!(Notes::default().sentence(), None);
+    }
+
+    #[test]
+    fn rows_without_an_x_are_left_out_where_others_have_one_and_whole_numbers_stay_whole() {
+        let mut table = table();
+        let cells = |x: &mut Cell| *x = Cell::Integer(x.number().unwrap() as i64);
+        table.columns[2].cells.iter_mut().for_each(cells);
+        table.columns[2].cells[0] = Cell::Blank;
+        let spec = Spec { series: vec!["filler".to_owned(), "gap_ticks".to_owned()], ..spec() };
+        let (figure, notes) = Figure::from_table(&table, &spec).unwrap();
+        assert!(figure.x.whole);
+        assert_eq!(notes.blank, 0);
+        table.columns[2].cells.iter_mut().for_each(|x| *x = Cell::Blank);
+        let (_, notes) = Figure::from_table(&table, &spec).unwrap();
+        assert_eq!(notes.blank, table.rows());
+    }
+
+    #[test]
+    fn an_empty_table_makes_an_empty_figure() {
+        let mut table = table();
+        table.columns.iter_mut().for_each(|column| column.cells.clear());
+        let (figure, notes) = Figure::from_table(&table, &spec()).unwrap();
+        assert!(figure.series.is_empty() && notes.sentence().is_none());
+    }
+
+    #[test]
+    fn text_on_an_axis_and_a_third_grouping_are_refused() {
+        let text = Spec { y: "filler".to_owned(), ..spec() };
+        assert!(matches!(Figure::from_table(&table(), &text), Err(ChartError::NotNumbers { .. })));
+        let three = Spec { series: vec!["filler".to_owned(); 3], ..spec() };
+        assert_eq!(Figure::from_table(&table(), &three), Err(ChartError::TooManySeries { found: 3 }));
+    }
+
+    #[test]
+    fn texts_on_the_abscissa_stand_side_by_side_and_no_line_joins_them() {
+        let filter = vec![("frequency".to_owned(), "2".to_owned())];
+        let series = vec!["gap_ticks".to_owned()];
+        let spec =
+            Spec { x: "filler".to_owned(), x_scale: Scale::Log, series, filter, limit: None, ..spec() };
+        let (figure, _) = Figure::from_table(&table(), &spec).unwrap();
+        assert_eq!(
+            (&figure.x.names[..], figure.x.scale),
+            (&["const", "quad", "copy"].map(str::to_owned)[..], Scale::Linear)
+        );
+        let of = |series: &Series| series.points.iter().map(|point| (point.x, point.y)).collect::<Vec<_>>();
+        assert_eq!(of(&figure.series[0]), [(1.0, 4.0), (2.0, 5.0), (3.0, 4.0)]);
+        assert_eq!(of(&figure.series[1]), [(1.0, 2.0), (2.0, 2.0), (3.0, 2.0)]);
+        let svg = figure.svg();
+        for name in ["const", "quad", "copy"] {
+            assert_eq!(svg.matches(&format!(">{name}<")).count(), 1, "{name}");
+        }
+        // Whiskers have two ends, closed forms too; a line along the curve would have three places.
+        let lines = svg.split("<polyline points=\"").skip(1).map(|rest| rest.split('"').next().unwrap_or(""));
+        let longest = lines.map(|places| places.split(' ').count()).max();
+        assert_eq!(longest, Some(3), "the axes alone");
+    }
+
+    #[test]
+    fn laws_are_lines_of_each_curve_joined_where_they_are_one_and_coloured_where_they_are_of_one_colour() {
+        let mut table = table();
+        let fillers: Vec<String> = table.columns[0].cells.iter().map(Cell::text).collect();
+        let xs: Vec<f64> = table.columns[2].cells.iter().filter_map(Cell::number).collect();
+        let law = |of: fn(&str, f64) -> Option<f64>| {
+            let cells = fillers.iter().zip(&xs).map(|(filler, &x)| Cell::from(of(filler, x)));
+            cells.collect()
+        };
+        let named = |filler: &str, x: f64| Some(if filler == "quad" { x * x * x } else { x * x });
+        table.columns.push(column("named", Unit::ARCSEC, law(named)));
+        table.columns.push(column("not const", Unit::ARCSEC, law(|name, x| (name != "const").then_some(x))));
+        table.columns.push(column("none", Unit::ARCSEC, law(|_, _| None)));
+        let laws = ["named", "not const", "none"].map(str::to_owned).to_vec();
+        let (figure, _) = Figure::from_table(&table, &Spec { laws, ..spec() }).unwrap();
+        let lines: Vec<_> = figure
+            .laws
+            .iter()
+            .map(|law| {
+                let lines = law.lines.iter().map(|line| (line.colour(), line.points.len()));
+                (law.label.as_str(), lines.collect::<Vec<_>>())
+            })
+            .collect();
+        // "copy" is merged into "const", and with it the law that only the copy has.
+        assert_eq!(lines, [("named", vec![(Some(0), 3), (Some(1), 3)]), ("not const", vec![(None, 3)])]);
+    }
+
+    #[test]
+    fn limits_and_laws_are_drawn_on_angles_only() {
+        let frequency = Spec { y: "frequency".to_owned(), ..spec() };
+        let error = Figure::from_table(&table(), &frequency).unwrap_err().to_string();
+        assert_eq!(error, "`frequency` is in Hz, a limit in ″ cannot be drawn on it");
+        let law = Spec { limit: None, laws: vec!["rms".to_owned()], ..frequency.clone() };
+        let error = Figure::from_table(&table(), &law).unwrap_err().to_string();
+        assert_eq!(error, "`frequency` is in Hz, a law in ″ cannot be drawn on it");
+        assert!(Figure::from_table(&table(), &Spec { limit: None, ..frequency }).is_ok());
+    }
+}

@@ -1,0 +1,81 @@
+//! What all pictures share: their size, their titles, and the room for their axes.
+
+use crate::view::chart::area::Frame;
+use crate::view::chart::axes::TICK_SIZE;
+use crate::view::chart::canvas::{Canvas, Lettering};
+use crate::view::chart::palette::{INK, MUTED};
+use crate::view::chart::text;
+use crate::view::chart::ticks::Ticks;
+
+/// Width of every picture in CSS px.
+pub const WIDTH: f64 = 1000.0;
+/// Height of every picture in CSS px.
+pub const HEIGHT: f64 = 650.0;
+
+pub(crate) const MARGIN: f64 = 26.0;
+/// About as many labels as an axis has room for.
+pub(crate) const MOST_LABELS: usize = 9;
+
+const TITLE_SIZE: f64 = 20.0;
+const AXIS_TITLE: Lettering = Lettering { size: 14.5, bold: false, colour: INK, anchor: "middle" };
+
+/// The texts around a frame.
+#[derive(Debug, Clone)]
+pub(crate) struct Titles<'a> {
+    pub title: &'a str,
+    pub subtitle: Option<&'a str>,
+    /// Under the horizontal axis.
+    pub x: String,
+    /// Along the vertical axis.
+    pub y: String,
+}
+
+impl Titles<'_> {
+    /// The frame that leaves room for the titles, the labels of the vertical axis and `beside` px on the right.
+    pub fn frame(&self, y_ticks: &Ticks, beside: f64) -> Frame {
+        let labels =
+            y_ticks.major.iter().map(|(_, label)| text::width(label, TICK_SIZE, false)).fold(0.0, f64::max);
+        Frame {
+            left: MARGIN + AXIS_TITLE.size + 14.0 + labels + 10.0,
+            top: if self.subtitle.is_some() { 86.0 } else { 66.0 },
+            right: WIDTH - MARGIN - if beside > 0.0 { beside + MARGIN } else { 0.0 },
+            bottom: HEIGHT - 72.0,
+        }
+    }
+
+    pub fn draw(&self, canvas: &mut Canvas, frame: Frame) {
+        let room = WIDTH - 2.0 * MARGIN;
+        let wanted = text::width(self.title, TITLE_SIZE, true);
+        let size = (TITLE_SIZE * (room / wanted.max(1.0)).min(1.0)).max(14.0);
+        let title = Lettering { size, bold: true, colour: INK, anchor: "start" };
+        canvas.text((MARGIN, 40.0), &text::fitted(self.title, size, true, room), title);
+        if let Some(subtitle) = self.subtitle {
+            let lettering = Lettering { size: 13.5, bold: false, colour: MUTED, anchor: "start" };
+            canvas.text((MARGIN, 63.0), &text::fitted(subtitle, 13.5, false, room), lettering);
+        }
+        let Frame { left, top, right, bottom } = frame;
+        let fitted = |title: &str, room: f64| text::fitted(title, AXIS_TITLE.size, false, room);
+        canvas.text((0.5 * (left + right), HEIGHT - 20.0), &fitted(&self.x, right - left), AXIS_TITLE);
+        draw_axis_title(canvas, MARGIN + 0.8 * AXIS_TITLE.size, (top, bottom), &self.y);
+    }
+}
+
+/// Writes the title of a vertical axis upwards, its baseline at `x`, centred between two heights.
+pub(crate) fn draw_axis_title(canvas: &mut Canvas, x: f64, (top, bottom): (f64, f64), title: &str) {
+    let title = text::fitted(title, AXIS_TITLE.size, false, bottom - top);
+    canvas.upward_text((x, 0.5 * (top + bottom)), &title, AXIS_TITLE);
+}
+
+/// Says why the frame is empty: there is no `what`, or all `left_out` of them cannot be shown. `what` is one of them,
+/// `point`.
+pub(crate) fn draw_nothing(canvas: &mut Canvas, what: &str, left_out: usize, frame: Frame) {
+    let why = match left_out {
+        0 => format!("no {what}s"),
+        1 => format!("the only {what} cannot be shown on these axes"),
+        n => format!("none of the {n} {what}s can be shown on these axes"),
+    };
+    // Above the middle, where a limit would be.
+    let place = (0.5 * (frame.left + frame.right), frame.top + 0.3 * (frame.bottom - frame.top));
+    let lettering = Lettering { size: 16.0, bold: false, colour: MUTED, anchor: "middle" };
+    canvas.text_on_white(place, &why, lettering);
+}

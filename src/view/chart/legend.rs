@@ -1,0 +1,246 @@
+//! The legend: what colours, dashes and signs stand for, beside the plot.
+
+use crate::view::chart::canvas::{Canvas, Lettering, Stroke};
+use crate::view::chart::figure::{Figure, Grouping, Law, LawLine, Part, Series};
+use crate::view::chart::map::draw::{HATCH, hatching};
+use crate::view::chart::palette::{self, INK, MUTED};
+use crate::view::chart::text;
+
+const SIZE: f64 = 13.0;
+const ROW: f64 = 22.0;
+const SAMPLE: f64 = 36.0;
+const GAP: f64 = 10.0;
+/// Half the height of the sample of an area.
+const FILL: f64 = 7.0;
+/// Longer entries are shortened.
+const WIDEST_TEXT: f64 = 210.0;
+
+/// The legend of a figure, ready to be drawn.
+#[derive(Debug, Default)]
+pub(crate) struct Legend {
+    rows: Vec<Row>,
+}
+
+#[derive(Debug)]
+pub(crate) enum Row {
+    Heading(String),
+    Entry(Sample, String),
+    /// The next line of an entry.
+    Continued(String),
+    Remark(String),
+    Space,
+}
+
+/// A piece of what the entry stands for.
+#[derive(Debug, Default)]
+pub(crate) struct Sample {
+    pub line: Option<Stroke>,
+    /// Style and colour.
+    pub marker: Option<(usize, &'static str)>,
+    pub band: Option<&'static str>,
+    /// Colour of an area, and whether it is hatched.
+    pub fill: Option<(&'static str, bool)>,
+}
+
+impl Legend {
+    /// One part for the colours, one for dashes and markers, one for laws, one on how to read points, lines and bands,
+    /// one for the parts of a sum.
+    pub fn of(figure: &Figure) -> Legend {
+        let mut legend = Legend::default();
+        let own_dashes = !figure.dashes.entries.is_empty();
+        legend.grouping(&figure.colours, |style| {
+            let colour = palette::colour(style);
+            if own_dashes {
+                return Sample { line: Some(Stroke { colour, width: 3.5, dash: "" }), ..Sample::default() };
+            }
+            curve_sample(style, colour, has_line(figure, |series| series.colour == style))
+        });
+        legend.grouping(&figure.dashes, |style| {
+            curve_sample(style, MUTED, has_line(figure, |series| series.dash == style))
+        });
+        legend.part(None, law_rows(figure));
+        legend.part(None, reading_entries(figure));
+        legend.part(Some(&figure.parts.title), part_rows(figure));
+        let coincident = figure.coincident();
+        if !coincident.is_empty() {
+            legend.part(Some("the same curve"), coincident.into_iter().map(Row::Remark).collect());
+        }
+        legend.shown(&figure.chosen);
+        legend
+    }
+
+    fn grouping(&mut self, grouping: &Grouping, sample: impl Fn(usize) -> Sample) {
+        let entries =
+            grouping.entries.iter().map(|entry| Row::Entry(sample(entry.style), entry.name.clone()));
+        self.part(Some(&grouping.title), entries.collect());
+    }
+
+    /// How the rows of the table were chosen.
+    pub fn shown(&mut self, chosen: &[String]) {
+        self.part(Some("shown"), chosen.iter().cloned().map(Row::Remark).collect());
+    }
+
+    pub fn part(&mut self, heading: Option<&str>, rows: Vec<Row>) {
+        if rows.is_empty() {
+            return;
+        }
+        if !self.rows.is_empty() {
+            self.rows.push(Row::Space);
+        }
+        self.rows.extend(heading.filter(|text| !text.is_empty()).map(|text| Row::Heading(text.to_owned())));
+        self.rows.extend(rows);
+    }
+
+    /// The width that it takes, 0 if it is empty.
+    pub fn width(&self) -> f64 {
+        let of_row = |row: &Row| match row {
+            Row::Heading(text) => text::width(text, SIZE, true).min(WIDEST_TEXT + SAMPLE + GAP),
+            Row::Entry(_, text) | Row::Continued(text) => {
+                SAMPLE + GAP + text::width(text, SIZE, false).min(WIDEST_TEXT)
+            }
+            Row::Remark(text) => text::width(text, SIZE, false).min(WIDEST_TEXT + SAMPLE + GAP),
+            Row::Space => 0.0,
+        };
+        self.rows.iter().map(of_row).fold(0.0, f64::max)
+    }
+
+    /// Draws it downwards from its upper left corner; what does not fit above `bottom` is counted in a last row.
+    pub fn draw(&self, canvas: &mut Canvas, (left, top): (f64, f64), bottom: f64) {
+        let lettering = Lettering { size: SIZE, bold: false, colour: INK, anchor: "start" };
+        let mut y = top;
+        for (i, row) in self.rows.iter().enumerate() {
+            let middle = y + 0.5 * ROW;
+            let baseline = middle + 0.36 * SIZE;
+            let rest =
+                self.rows[i..].iter().filter(|row| matches!(row, Row::Entry(..) | Row::Remark(_))).count();
+            if y + 2.0 * ROW > bottom && rest > 1 {
+                canvas.text((left, baseline), &format!("… and {rest} more"), lettering);
+                return;
+            }
+            match row {
+                Row::Heading(text) => {
+                    let text = text::fitted(text, SIZE, true, WIDEST_TEXT + SAMPLE + GAP);
+                    canvas.text((left, baseline), &text, Lettering { bold: true, ..lettering });
+                }
+                Row::Entry(_, text) | Row::Continued(text) => {
+                    if let Row::Entry(sample, _) = row {
+                        sample.draw(canvas, left, middle);
+                    }
+                    let text = text::fitted(text, SIZE, false, WIDEST_TEXT);
+                    canvas.text((left + SAMPLE + GAP, baseline), &text, lettering);
+                }
+                Row::Remark(text) => {
+                    let text = text::fitted(text, SIZE, false, WIDEST_TEXT + SAMPLE + GAP);
+                    canvas.text((left, baseline), &text, Lettering { colour: MUTED, ..lettering });
+                }
+                Row::Space => {}
+            }
+            y += self.height_of(i);
+        }
+    }
+
+    /// The height that it takes, 0 if it is empty.
+    pub fn height(&self) -> f64 {
+        (0..self.rows.len()).map(|row| self.height_of(row)).sum()
+    }
+
+    /// From one row to the next.
+    fn height_of(&self, row: usize) -> f64 {
+        match (&self.rows[row], self.rows.get(row + 1)) {
+            (Row::Space, _) => 0.6 * ROW,
+            (_, Some(Row::Continued(_))) => 0.75 * ROW,
+            _ => ROW,
+        }
+    }
+}
+
+fn curve_sample(style: usize, colour: &'static str, has_line: bool) -> Sample {
+    let line = Stroke { colour, width: 1.6, dash: palette::dash(style) };
+    Sample { line: has_line.then_some(line), marker: Some((style, colour)), ..Sample::default() }
+}
+
+/// Whether a line is drawn for some of the series: beside closed forms, those without one are points alone.
+fn has_line(figure: &Figure, is_meant: impl Fn(&Series) -> bool) -> bool {
+    !figure.has_laws() || figure.series.iter().any(|series| is_meant(series) && !series.law.is_empty())
+}
+
+fn law_rows(figure: &Figure) -> Vec<Row> {
+    // The colour of its lines, where they have one.
+    let colour = |law: &Law| {
+        let mut colours = law.lines.iter().map(LawLine::colour);
+        let first = colours.next().flatten();
+        colours.all(|colour| colour == first).then_some(first).flatten()
+    };
+    let sample = |i, law| Sample { line: Some(law_stroke(i, colour(law))), ..Sample::default() };
+    let laws = figure.laws.iter().enumerate();
+    laws.flat_map(|(i, law)| wrapped_entry(sample(i, law), &law.label)).collect()
+}
+
+/// How the lines of a law are drawn: broad and pale, in the colour of the curves it is about if they have one.
+pub(crate) fn law_stroke(law: usize, colour: Option<usize>) -> Stroke {
+    let colour = colour.map_or(palette::PALE_MUTED, palette::pale);
+    Stroke { colour, width: 4.5, dash: palette::broad_dash(law) }
+}
+
+fn part_rows(figure: &Figure) -> Vec<Row> {
+    let sample = |i, part: &Part| Sample { line: Some(part_stroke(i, part)), ..Sample::default() };
+    let parts = figure.parts.lines.iter().enumerate();
+    parts.flat_map(|(i, part)| wrapped_entry(sample(i, part), &part.label)).collect()
+}
+
+/// How a part of a sum is drawn: dashed, thinner than the sum.
+pub(crate) fn part_stroke(index: usize, part: &Part) -> Stroke {
+    Stroke { colour: palette::colour(part.colour), width: 1.2, dash: palette::thin_dash(index) }
+}
+
+/// An entry with all of its text, in as many lines as it takes.
+pub(crate) fn wrapped_entry(sample: Sample, text: &str) -> Vec<Row> {
+    let mut lines = text::wrapped(text, SIZE, WIDEST_TEXT).into_iter();
+    let first = Row::Entry(sample, lines.next().unwrap_or_default());
+    std::iter::once(first).chain(lines.map(Row::Continued)).collect()
+}
+
+fn reading_entries(figure: &Figure) -> Vec<Row> {
+    let has_band = figure.series.iter().flat_map(|series| &series.points).any(|point| point.band.is_some());
+    let mut rows = vec![];
+    if !figure.points.is_empty() && !figure.series.is_empty() {
+        // As they are drawn: joined where there is no closed form.
+        let line = (!figure.has_laws()).then_some(Stroke { colour: MUTED, width: 1.8, dash: "" });
+        let sample = Sample { line, marker: Some((0, MUTED)), ..Sample::default() };
+        rows.push(Row::Entry(sample, figure.points.clone()));
+    }
+    // Where points are not said to be something else there is nothing to tell them from.
+    if figure.has_laws() && !figure.points.is_empty() {
+        let line = Stroke { colour: MUTED, width: 1.4, dash: "" };
+        rows.push(Row::Entry(Sample { line: Some(line), ..Sample::default() }, figure.lines.clone()));
+    }
+    if has_band {
+        rows.push(Row::Entry(Sample { band: Some(MUTED), ..Sample::default() }, figure.bands.clone()));
+    }
+    rows
+}
+
+impl Sample {
+    fn draw(&self, canvas: &mut Canvas, left: f64, middle: f64) {
+        let right = left + SAMPLE;
+        let (over, under) = (middle - FILL, middle + FILL);
+        if let Some((colour, hatched)) = self.fill {
+            canvas.block((left, over), (right, under), colour);
+            if hatched {
+                canvas.lines(hatching((left, over), (right, under)), HATCH);
+            }
+            let corners = [(left, over), (right, over), (right, under), (left, under), (left, over)];
+            canvas.line(&corners, Stroke { colour: MUTED, width: 0.8, dash: "" });
+        }
+        if let Some(colour) = self.band {
+            let (over, under) = (middle - 5.0, middle + 5.0);
+            canvas.area(&[(left, over), (right, over), (right, under), (left, under)], colour);
+        }
+        if let Some(stroke) = self.line {
+            canvas.line(&[(left, middle), (right, middle)], stroke);
+        }
+        if let Some((style, colour)) = self.marker {
+            canvas.marker((left + 0.5 * SAMPLE, middle), 4.2, style, colour);
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! The scale of the colours, beside the map.
+
+use crate::view::chart::axes::TICK_SIZE;
+use crate::view::chart::canvas::{Canvas, Lettering, Stroke};
+use crate::view::chart::layout::draw_axis_title;
+use crate::view::chart::map::colour_scale::colour;
+use crate::view::chart::map::limit_line;
+use crate::view::chart::palette::INK;
+use crate::view::chart::scale::Range;
+use crate::view::chart::text;
+use crate::view::chart::ticks::Ticks;
+
+const WIDTH: f64 = 22.0;
+/// From the bar to the labels of its ticks.
+const TO_LABELS: f64 = 9.0;
+/// From the labels to the baseline of the title.
+const TO_TITLE: f64 = 22.0;
+/// Pieces of one colour: finer than can be told apart.
+const PIECES: usize = 160;
+
+/// A bar with its ticks and title.
+#[derive(Debug)]
+pub(crate) struct ColourBar<'a> {
+    pub range: Range,
+    pub ticks: &'a Ticks,
+    pub title: &'a str,
+    /// Where the limit stands, if it is on the scale.
+    pub limit: Option<f64>,
+}
+
+impl ColourBar<'_> {
+    fn labels(&self) -> f64 {
+        self.ticks.major.iter().map(|(_, label)| text::width(label, TICK_SIZE, false)).fold(0.0, f64::max)
+    }
+
+    /// The width that it takes, with everything.
+    pub fn width(&self) -> f64 {
+        WIDTH + TO_LABELS + self.labels() + TO_TITLE
+    }
+
+    /// Draws it to the right of `left`.
+    pub fn draw(&self, canvas: &mut Canvas, left: f64, (top, bottom): (f64, f64)) {
+        let right = left + WIDTH;
+        let height = |fraction: f64| bottom - fraction * (bottom - top);
+        canvas.crisp_group("colour scale", |canvas| {
+            for piece in 0..PIECES {
+                let [low, high] = [piece, piece + 1].map(|piece| piece as f64 / PIECES as f64);
+                canvas.block((left, height(high)), (right, height(low)), &colour(0.5 * (low + high)));
+            }
+        });
+        let line = Stroke { colour: INK, width: 1.1, dash: "" };
+        canvas.line(&[(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], line);
+        for value in &self.ticks.minor {
+            let y = height(self.range.fraction(*value));
+            canvas.line(&[(right, y), (right + 3.0, y)], line);
+        }
+        let lettering = Lettering { size: TICK_SIZE, bold: false, colour: INK, anchor: "start" };
+        for (value, label) in &self.ticks.major {
+            let y = height(self.range.fraction(*value));
+            canvas.line(&[(right, y), (right + 6.0, y)], line);
+            canvas.text((right + TO_LABELS, y + 0.36 * TICK_SIZE), label, lettering);
+        }
+        if let Some(limit) = self.limit {
+            let y = height(self.range.fraction(limit));
+            limit_line::draw_line(canvas, &[(left - 4.0, y), (right + 4.0, y)]);
+        }
+        draw_axis_title(
+            canvas,
+            right + TO_LABELS + self.labels() + TO_TITLE - 3.0,
+            (top, bottom),
+            self.title,
+        );
+    }
+}

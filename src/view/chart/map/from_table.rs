@@ -1,0 +1,117 @@
+//! A map from the columns of a table.
+
+use crate::table::{Column, Table};
+use crate::view::chart::figure::{Entry, Grouping};
+use crate::view::chart::from_table::{axis, check_unit, grouping, limit, numbers, style};
+use crate::view::chart::map::grid::Grid;
+use crate::view::chart::map::spec::{MapNotes, MapSpec, Show};
+use crate::view::chart::map::winners::winners;
+use crate::view::chart::map::{Cells, Estimate, Layer, Map};
+use crate::view::chart::scale::Scale;
+use crate::view::chart::spec::ChartError;
+
+impl Map {
+    /// The map of `table` that `spec` describes, with a cell for each pair of values of x and y.
+    ///
+    /// # Errors
+    /// Two rows on one cell, or of one series where series compete; a limit in another unit than that of z; the same column for
+    /// both axes; a column that is not there, holds text instead of numbers, or has no row with a value asked for.
+    pub fn from_table(table: &Table, spec: &MapSpec) -> Result<(Map, MapNotes), ChartError> {
+        let (x, y, z) = (numbers(table, &spec.x)?, numbers(table, &spec.y)?, numbers(table, &spec.z)?);
+        check_unit(&spec.z, z, [spec.limit.map(|limit| ("limit", limit.1))])?;
+        if x.name == y.name {
+            return Err(ChartError::SameAxes { column: spec.y.clone() });
+        }
+        let of = match &spec.show {
+            Show::Values(_) => None,
+            Show::Winners(of) => Some(table.column(of)?),
+        };
+        let rows = table.rows_where(&spec.filter)?;
+        let competing = grouping(of, &rows);
+        let series_of = |row: usize| of.map_or(0, |of| style(&competing, &of.cells[row]));
+        let series = competing.entries.len().max(1);
+        let grid = Grid::new(table, &rows, (x, spec.x_scale), (y, spec.y_scale), series, series_of)?;
+        let mut notes = MapNotes { off_axes: grid.off_axes, ..MapNotes::default() };
+        let estimates = estimates(&grid, z, series);
+        let ((cells, layers), z_scale) = match &spec.show {
+            Show::Values(scale) => (heat(&grid, z, *scale, estimates, &mut notes), *scale),
+            Show::Winners(_) => (competition(&grid, z, competing, estimates, &mut notes), Scale::Linear),
+        };
+        let map = Map {
+            title: spec.title.clone(),
+            subtitle: spec.subtitle.clone(),
+            x: axis(x, spec.x_scale),
+            y: axis(y, spec.y_scale),
+            z: axis(z, z_scale),
+            cells,
+            layers,
+            limit: spec.limit.map(|(value, _)| limit(value, z)),
+            chosen: table.chosen(&spec.filter)?,
+            columns: grid.columns,
+            rows: grid.rows,
+        };
+        notes.within_limit = map.within_limit().map(|within| (within, map.known()));
+        Ok((map, notes))
+    }
+}
+
+/// What is known of each cell, for each of so many series.
+fn estimates(grid: &Grid, z: &Column, series: usize) -> Vec<Vec<Option<Estimate>>> {
+    let band = |row: usize| z.band.as_ref().and_then(|band| band.get(row).copied().flatten());
+    let estimate = |row: &Option<usize>| row.and_then(|row| Some((z.cells[row].number()?, band(row))));
+    grid.found.iter().take(series).map(|found| found.iter().map(estimate).collect()).collect()
+}
+
+/// The value of each cell that the scale can show.
+fn heat(
+    grid: &Grid,
+    z: &Column,
+    scale: Scale,
+    estimates: Vec<Vec<Option<Estimate>>>,
+    notes: &mut MapNotes,
+) -> (Cells, Vec<Layer>) {
+    let mut value = |row: &Option<usize>| {
+        let Some(row) = row else {
+            notes.no_row += 1;
+            return None;
+        };
+        let Some(value) = z.cells[*row].number() else {
+            notes.blank += 1;
+            return None;
+        };
+        if !scale.shows(value) {
+            notes.left_out += 1;
+        }
+        Some(value).filter(|value| scale.shows(*value))
+    };
+    let cells = grid.found.iter().flatten().map(&mut value).collect();
+    let layers = estimates.into_iter().map(|values| Layer { style: 0, name: String::new(), values });
+    (Cells::Values(cells), layers.collect())
+}
+
+/// The winner of each cell in which the value of everyone who competes is known.
+fn competition(
+    grid: &Grid,
+    z: &Column,
+    mut of: Grouping,
+    mut estimates: Vec<Vec<Option<Estimate>>>,
+    notes: &mut MapNotes,
+) -> (Cells, Vec<Layer>) {
+    for cell in 0..grid.columns.len() * grid.rows.len() {
+        if grid.found.iter().any(|found| found[cell].is_none()) {
+            notes.no_row += 1;
+        } else if estimates.iter().any(|values| values[cell].is_none()) {
+            notes.blank += 1;
+        }
+    }
+    estimates.truncate(of.entries.len());
+    let (won, merged) = winners(&mut of.entries, &estimates);
+    notes.merged = merged;
+    // Not those that stand for others, nor those of ties, which come last.
+    let layer = |entry: &Entry| {
+        let values = estimates.get_mut(entry.style).map(std::mem::take)?;
+        Some(Layer { style: entry.style, name: entry.name.clone(), values })
+    };
+    let layers = of.entries.iter().filter_map(layer).collect();
+    (Cells::Winners { of, won, banded: z.band.is_some() }, layers)
+}

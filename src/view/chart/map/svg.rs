@@ -1,0 +1,207 @@
+//! A map as SVG.
+
+use crate::view::chart::area::{Area, Frame};
+use crate::view::chart::canvas::{Canvas, Stroke};
+use crate::view::chart::layout::{HEIGHT, MARGIN, MOST_LABELS, Titles, WIDTH, draw_nothing};
+use crate::view::chart::legend::{Legend, Row, Sample, wrapped_entry};
+use crate::view::chart::map::colour_bar::ColourBar;
+use crate::view::chart::map::draw::{self, Edges};
+use crate::view::chart::map::{Axis, Cells, Map, Won, limit_line, share};
+use crate::view::chart::palette::{self, LIMIT, PALE_MUTED};
+use crate::view::chart::scale::{Range, Scale};
+use crate::view::chart::ticks::Ticks;
+use crate::view::chart::{axes, text};
+
+impl Map {
+    /// The map as SVG, [`WIDTH`] × [`HEIGHT`] CSS px. Equal maps give equal bytes on every machine.
+    pub fn svg(&self) -> String {
+        let (x, y) = (range(self.x.scale, &self.columns), range(self.y.scale, &self.rows));
+        let (x_ticks, y_ticks) = (ticks(&self.x, x, &self.columns), ticks(&self.y, y, &self.rows));
+        let colours = self.colours();
+        let colour_ticks = colours.ticks(MOST_LABELS);
+        let z_title = self.z.title();
+        let bar = matches!(self.cells, Cells::Values(_)).then_some(ColourBar {
+            range: colours,
+            ticks: &colour_ticks,
+            title: &z_title,
+            limit: self.limit_on(colours),
+        });
+        let legend = self.legend();
+        let titles = Titles {
+            title: &self.title,
+            subtitle: self.subtitle.as_deref(),
+            x: self.x.title(),
+            y: self.y.title(),
+        };
+        let frame = titles.frame(&y_ticks, legend.width().max(bar.as_ref().map_or(0.0, ColourBar::width)));
+        let area = Area { x, y, frame };
+        let edges = Edges::new(self, &area);
+
+        let mut canvas = Canvas::default();
+        canvas.open_picture(WIDTH, HEIGHT, text::FAMILY, &self.title);
+        titles.draw(&mut canvas, frame);
+        draw::draw_cells(&mut canvas, self, &edges, colours);
+        self.draw_over(&mut canvas, &area, &edges);
+        draw::draw_frame(&mut canvas, frame);
+        canvas.group("axes", |canvas| axes::draw_axes(canvas, &area, &x_ticks, &y_ticks));
+        if self.known() == 0 {
+            draw_nothing(&mut canvas, "value", 0, frame);
+        }
+        let Frame { top, right, bottom, .. } = frame;
+        let (left, mut legend_top) = (right + MARGIN, top);
+        if let Some(bar) = bar {
+            let under = if legend.height() > 0.0 { legend.height() + 0.7 * MARGIN } else { 0.0 };
+            legend_top = (bottom - under).max(top + 0.4 * (bottom - top)) + 0.7 * MARGIN;
+            bar.draw(&mut canvas, left, (top, legend_top - 0.7 * MARGIN));
+        }
+        canvas.group("legend", |canvas| legend.draw(canvas, (left, legend_top), HEIGHT - 0.5 * MARGIN));
+        canvas.close_picture();
+        canvas.finish()
+    }
+
+    /// The scale of the colours: exactly the values shown, or some about a single one.
+    fn colours(&self) -> Range {
+        let values: Vec<f64> = self.values().into_iter().flatten().collect();
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let scale = self.z.scale;
+        if low < high { Range { scale, low, high } } else { Range::around(scale, values) }
+    }
+
+    /// The limit, where the colours have it.
+    fn limit_on(&self, colours: Range) -> Option<f64> {
+        let limit = self.limit.as_ref()?.value;
+        (colours.low..=colours.high).contains(&limit).then_some(limit)
+    }
+
+    /// Draws what stands over the cells.
+    fn draw_over(&self, canvas: &mut Canvas, area: &Area, edges: &Edges) {
+        match (&self.cells, &self.limit) {
+            (Cells::Values(_), Some(limit)) => limit_line::draw(canvas, self, area, limit),
+            (Cells::Values(_), None) => {}
+            (Cells::Winners { won, .. }, limit) => {
+                if let Some(limit) = limit {
+                    draw::draw_hatching(canvas, edges, won, limit.value);
+                }
+                draw::draw_boundaries(canvas, edges, won);
+            }
+        }
+    }
+
+    fn legend(&self) -> Legend {
+        let mut legend = Legend::default();
+        if let Cells::Winners { of, won, banded } = &self.cells {
+            let won: Vec<Won> = won.iter().copied().flatten().collect();
+            let entry = |style: usize, name: &str| {
+                let fill = Some((palette::area_colour(style), false));
+                let cells = won.iter().filter(|won| won.style == style).count();
+                wrapped_entry(
+                    Sample { fill, ..Sample::default() },
+                    &format!("{name}: {}", share(cells, won.len())),
+                )
+            };
+            let judged = Row::Remark(format!("with the least {}", self.z.label));
+            let rows = of.entries.iter().flat_map(|of| entry(of.style, &of.name));
+            legend.part(Some(&of.title), std::iter::once(judged).chain(rows).collect());
+            legend.part(None, if *banded { close_rows(&won) } else { unjudged_rows() });
+        }
+        legend.part(None, self.limit_rows());
+        if self.known() < self.columns.len() * self.rows.len() {
+            legend.part(None, vec![Row::Remark("blank: not known".to_owned())]);
+        }
+        legend.shown(&self.chosen);
+        legend
+    }
+
+    /// What the limit is, and how many cells are within it.
+    fn limit_rows(&self) -> Vec<Row> {
+        let Some((limit, within)) = self.limit.as_ref().zip(self.within_limit()) else {
+            return vec![];
+        };
+        let known = self.known();
+        let (sample, text) = match self.cells {
+            Cells::Values(_) => {
+                let line = Some(Stroke { colour: LIMIT, width: 2.2, dash: "" });
+                (
+                    Sample { line, ..Sample::default() },
+                    format!("{}, within: {}", no_break(&limit.label), share(within, known)),
+                )
+            }
+            Cells::Winners { .. } => {
+                let fill = Some(("#ffffff", true));
+                let text = format!(
+                    "even the least is over the {}: {}",
+                    no_break(&limit.label),
+                    share(known - within, known)
+                );
+                (Sample { fill, ..Sample::default() }, text)
+            }
+        };
+        wrapped_entry(sample, &text)
+    }
+}
+
+/// A text that is not broken into lines.
+fn no_break(text: &str) -> String {
+    text.replace(' ', "\u{a0}")
+}
+
+/// How many winners may be none, if any.
+fn close_rows(won: &[Won]) -> Vec<Row> {
+    let close = won.iter().filter(|won| !won.certain).count();
+    if close == 0 {
+        return vec![];
+    }
+    let text = format!("paler: the 95 % bands of the best two overlap: {}", share(close, won.len()));
+    wrapped_entry(Sample { fill: Some((PALE_MUTED, false)), ..Sample::default() }, &text)
+}
+
+/// What is said of leads where no uncertainty is known.
+fn unjudged_rows() -> Vec<Row> {
+    let lines = ["no 95 % bands are known here:", "any lead is shown as certain"];
+    lines.map(|line| Row::Remark(line.to_owned())).into()
+}
+
+/// What an axis covers: the cells, from edge to edge.
+fn range(scale: Scale, values: &[f64]) -> Range {
+    match scale.edges(values)[..] {
+        [low, .., high] => Range { scale, low, high },
+        _ => Range::around(scale, []),
+    }
+}
+
+/// The ticks of an axis: those of its scale, or, of counts that are few and well apart, one at each.
+fn ticks(axis: &Axis, range: Range, cells: &[f64]) -> Ticks {
+    /// Least distance of two labels, in lengths of the axis.
+    const APART: f64 = 0.045;
+    let apart = cells.windows(2).all(|pair| range.fraction(pair[1]) - range.fraction(pair[0]) >= APART);
+    if cells.is_empty() || cells.len() > MOST_LABELS || !axis.whole || !apart {
+        return axis.ticks(range);
+    }
+    Ticks { major: cells.iter().map(|value| (*value, format!("{value:.0}"))).collect(), minor: vec![] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_counts_have_a_tick_each_and_other_values_those_of_their_scale() {
+        let labels_of = |whole: bool, values: &[f64]| -> Vec<String> {
+            let axis = Axis {
+                label: String::new(),
+                unit: String::new(),
+                scale: Scale::Linear,
+                whole,
+                names: vec![],
+            };
+            let range = range(axis.scale, values);
+            ticks(&axis, range, values).major.into_iter().map(|(_, label)| label).collect()
+        };
+        let labels = |values: &[f64]| labels_of(true, values);
+        assert_eq!(labels(&[1.0, 2.0, 3.0]), ["1", "2", "3"]);
+        assert_eq!(labels(&[3.0, 8.0, 13.0, 64.0]), ["3", "8", "13", "64"]);
+        assert_eq!(labels_of(false, &[1.0, 2.0, 3.0])[..2], ["0.5", "1.0"]);
+        assert_eq!(labels(&[1.0, 2.0, 100.0]), ["20", "40", "60", "80", "100", "120", "140"]);
+    }
+}

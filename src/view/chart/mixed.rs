@@ -1,0 +1,157 @@
+//! Curves that run through rows which belong on several.
+
+use std::collections::HashMap;
+
+use crate::table::{Cell, Column, Table};
+use crate::view::chart::spec::{ChartError, Spec};
+
+/// Follows from the swept keys, and first of all from the frequency.
+const DT_NU: &str = "dt_nu";
+const FREQUENCY: &str = "motion.frequency";
+
+/// Follows from them too, and first of all from the amplitude.
+const AMPLITUDE_NOISE: &str = "amplitude_noise";
+const AMPLITUDE: &str = "motion.amplitude";
+
+/// What follows from the study, so that no chance makes it the same.
+const COORDINATES: [&str; 3] = [DT_NU, AMPLITUDE_NOISE, "time"];
+
+/// Refuses curves along which more varies than one of the columns that tell rows apart, or whose abscissa stands still
+/// while that one varies.
+///
+/// # Errors
+/// A column that is not there, and the first such curve.
+pub(crate) fn check_curves(table: &Table, spec: &Spec, rows: &[usize]) -> Result<(), ChartError> {
+    let columns =
+        |names: &[String]| names.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>();
+    let (x, series, apart) = (table.column(&spec.x)?, columns(&spec.series)?, columns(&spec.apart)?);
+    let mut curves: Vec<Vec<usize>> = vec![];
+    let mut places = HashMap::new();
+    for &row in rows {
+        let key: Vec<String> = series.iter().map(|column| column.cells[row].text()).collect();
+        let place = *places.entry(key).or_insert(curves.len());
+        if place == curves.len() {
+            curves.push(vec![]);
+        }
+        curves[place].push(row);
+    }
+    let mixed = curves.iter().find_map(|rows| Some((rows[0], mixed(x, &apart, rows)?)));
+    let Some((row, (column, values))) = mixed else { return Ok(()) };
+    let names: Vec<String> = series.iter().map(|column| column.valued(&column.cells[row].text())).collect();
+    Err(ChartError::MixedCurve {
+        curve: names.join(", "),
+        column: column.name.clone(),
+        values: values.into(),
+    })
+}
+
+/// The column besides that along which the rows of one curve run, and two of its values.
+fn mixed<'t>(x: &Column, apart: &[&'t Column], rows: &[usize]) -> Option<(&'t Column, [String; 2])> {
+    let differ = |column: &Column, a: usize, b: usize| column.cells[a] != column.cells[b];
+    let found = |column: &'t Column, a: usize, b: usize| (column, [a, b].map(|row| column.cells[row].text()));
+    let mut varying: Vec<(&Column, usize)> = apart
+        .iter()
+        .filter_map(|column| Some((*column, *rows.iter().find(|&&row| differ(column, rows[0], row))?)))
+        .collect();
+    let named = |name: &str| varying.iter().position(|(column, _)| column.name == name);
+    let base = if x.name == AMPLITUDE_NOISE { AMPLITUDE } else { FREQUENCY };
+    let along = named(&x.name).or_else(|| named(base));
+    let along = (!varying.is_empty()).then(|| varying.remove(along.unwrap_or(0)));
+    if let Some((column, row)) = varying.first() {
+        return Some(found(column, rows[0], *row));
+    }
+    // An x that stands still, while another column varies; an estimate may be the same by chance.
+    let (column, row) = along?;
+    let coordinate =
+        COORDINATES.contains(&x.name.as_str()) || apart.iter().any(|column| column.name == x.name);
+    let known = x.cells[rows[0]] != Cell::Blank;
+    let still = coordinate && known && !rows.iter().any(|&row| differ(x, rows[0], row));
+    still.then(|| found(column, rows[0], row))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::Unit;
+    use crate::view::chart::scale::Scale;
+
+    /// Frequencies 1 and 2, gaps 1 and 2, two fillers; Δt·ν is their product, which no two points share.
+    fn table() -> Table {
+        let mut cells: [Vec<Cell>; 5] = Default::default();
+        for frequency in [1.0, 3.0] {
+            for gap in [1_i64, 2] {
+                for filler in ["const", "quad"] {
+                    let row = [
+                        Cell::Number(frequency),
+                        Cell::Integer(gap),
+                        Cell::Number(frequency * gap as f64),
+                        Cell::Text(filler.to_owned()),
+                        Cell::Blank,
+                    ];
+                    cells.iter_mut().zip(row).for_each(|(column, cell)| column.push(cell));
+                }
+            }
+        }
+        let names = ["motion.frequency", "switching.gap_ticks", "dt_nu", "filler", "rms"];
+        let column = |(name, cells): (&str, Vec<Cell>)| Column {
+            name: name.to_owned(),
+            label: name.to_owned(),
+            unit: Unit::NONE,
+            cells,
+            band: None,
+        };
+        Table { columns: names.into_iter().zip(cells).map(column).collect() }
+    }
+
+    /// What is said of a chart over `x` with these series and rows; nothing where it is drawn.
+    fn said(x: &str, series: &[&str], filter: &[(&str, &str)]) -> String {
+        let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<String>>();
+        let spec = Spec {
+            title: String::new(),
+            subtitle: None,
+            x: x.to_owned(),
+            y: "rms".to_owned(),
+            x_scale: Scale::Log,
+            y_scale: Scale::Log,
+            series: names(series),
+            apart: names(&["motion.frequency", "switching.gap_ticks", "filler"]),
+            filter: vec![],
+            limit: None,
+            laws: vec![],
+            points: String::new(),
+            bands: String::new(),
+        };
+        let table = table();
+        let rows = table.rows_where(filter).unwrap();
+        check_curves(&table, &spec, &rows).map_or_else(|error| error.to_string(), |()| String::new())
+    }
+
+    #[test]
+    fn a_curve_runs_along_one_of_the_columns_that_tell_rows_apart() {
+        for x in ["frequency", "dt_nu", "rms"] {
+            assert_eq!(said(x, &["filler", "gap_ticks"], &[]), "");
+            assert_eq!(said(x, &["filler"], &[("gap_ticks", "2")]), "");
+        }
+        assert_eq!(said("gap_ticks", &["frequency"], &[("filler", "quad")]), "");
+    }
+
+    #[test]
+    fn a_curve_through_rows_of_several_is_refused_with_what_tells_them_apart() {
+        let gaps =
+            "one curve, that of filler = const, runs through rows that differ in switching.gap_ticks (1, 2)";
+        for x in ["frequency", "dt_nu"] {
+            assert_eq!(said(x, &["filler"], &[]), gaps, "{x}");
+        }
+        assert!(said("rms", &["filler"], &[]).contains("switching.gap_ticks"));
+        assert!(said("gap_ticks", &["frequency"], &[]).contains("differ in filler (const, quad)"));
+        let only = said("dt_nu", &[], &[("filler", "quad")]);
+        assert!(only.starts_with("one curve runs through rows that differ in switching.gap_ticks"), "{only}");
+    }
+
+    #[test]
+    fn an_abscissa_that_stands_still_is_refused() {
+        let filter = [("frequency", "3"), ("gap_ticks", "1")];
+        assert!(said("frequency", &["gap_ticks"], &filter).contains("differ in filler"));
+        assert_eq!(said("rms", &["gap_ticks"], &filter), "", "estimates may be equal");
+    }
+}

@@ -1,0 +1,131 @@
+//! The looks that tell curves apart.
+
+use serde::Serialize;
+
+use crate::view::chart::map::colour_scale::VIRIDIS;
+
+/// Colours that differ for colour-blind readers and, in the first three, by lightness in greyscale (L* 29, 48, 69).
+/// After Paul Tol's schemes and Okabe and Ito.
+const COLOURS: [&str; 8] =
+    ["#004488", "#c24a00", "#4fb9a8", "#aa3377", "#e0a100", "#5aaae0", "#444444", "#999933"];
+
+/// The same for dark paper: lighter, in the same hues.
+const ON_DARK: [&str; 8] =
+    ["#6fa8ff", "#ff9457", "#63d3c2", "#e58cc4", "#f2c14a", "#a3dcff", "#bdbdbd", "#cfcf6b"];
+
+/// The colours with 28 % and with 62 % of white in them: for areas, and for what stands behind.
+const TINTS: [[&str; 8]; 2] = [
+    ["#4778a9", "#d37d47", "#80cdc0", "#c26c9d", "#e9bb47", "#88c2e9", "#787878", "#b6b66c"],
+    ["#9eb8d2", "#e8ba9e", "#bce4de", "#dfb1cb", "#f3db9e", "#c0dff3", "#b8b8b8", "#d8d8b1"],
+];
+
+/// Dash patterns, as `stroke-dasharray` has them.
+const DASHES: [&str; 6] = ["", "7 3", "2 2.5", "9 3 2 3", "14 4", "9 3 2 3 2 3"];
+
+/// The same for thin lines, none of them solid.
+const THIN_DASHES: [&str; 7] = ["6 3", "2 2", "8 3 2 3", "12 4", "8 3 2 3 2 3", "4 2", "12 3 4 3"];
+
+/// The same for broad lines.
+const BROAD_DASHES: [&str; 4] = ["", "12 5", "3 4", "12 4 3 4"];
+
+/// Markers of about equal area, as corners in units of the radius; a circle where there are none.
+const MARKERS: [&[(f64, f64)]; 6] = [
+    &[],
+    &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
+    &[(0.0, -1.3), (1.2, 0.85), (-1.2, 0.85)],
+    &[(0.0, -1.3), (1.3, 0.0), (0.0, 1.3), (-1.3, 0.0)],
+    &[(0.0, 1.3), (1.2, -0.85), (-1.2, -0.85)],
+    &[(0.0, -1.15), (1.1, -0.35), (0.7, 0.95), (-0.7, 0.95), (-1.1, -0.35)],
+];
+
+/// Text and axes.
+pub(crate) const INK: &str = "#222222";
+/// What is said beside the main thing.
+pub(crate) const MUTED: &str = "#5c5c5c";
+/// The same for what stands behind.
+pub(crate) const PALE_MUTED: &str = "#c1c1c1";
+/// Grid lines at the labelled ticks, and between them.
+pub(crate) const GRID: [&str; 2] = ["#d9dde1", "#eff1f3"];
+/// The limit line.
+pub(crate) const LIMIT: &str = "#b3001b";
+
+/// What pages need to draw as pictures do.
+#[derive(Debug, Serialize)]
+pub(crate) struct Looks {
+    dashes: &'static [&'static str],
+    thin_dashes: &'static [&'static str],
+    broad_dashes: &'static [&'static str],
+    markers: &'static [&'static [(f64, f64)]],
+    viridis: &'static [[u8; 3]],
+}
+
+pub(crate) const LOOKS: Looks = Looks {
+    dashes: &DASHES,
+    thin_dashes: &THIN_DASHES,
+    broad_dashes: &BROAD_DASHES,
+    markers: &MARKERS,
+    viridis: &VIRIDIS,
+};
+
+/// A style sheet with the colours of styles on light and on dark paper, of the class `c0` and so on.
+pub(crate) fn style_sheet() -> String {
+    let colours = COLOURS.iter().zip(ON_DARK).enumerate();
+    colours.map(|(style, (light, dark))| format!(".c{style}{{--c:light-dark({light},{dark})}}\n")).collect()
+}
+
+/// The colour of a style; they repeat.
+pub(crate) fn colour(style: usize) -> &'static str {
+    COLOURS[style % COLOURS.len()]
+}
+
+/// The colour of a style for a whole area.
+pub(crate) fn area_colour(style: usize) -> &'static str {
+    TINTS[0][style % COLOURS.len()]
+}
+
+/// The colour of a style for what stands behind.
+pub(crate) fn pale(style: usize) -> &'static str {
+    TINTS[1][style % COLOURS.len()]
+}
+
+/// The dash pattern of a style; they repeat.
+pub(crate) fn dash(style: usize) -> &'static str {
+    DASHES[style % DASHES.len()]
+}
+
+/// The dash pattern of a broad line; they repeat.
+pub(crate) fn broad_dash(style: usize) -> &'static str {
+    BROAD_DASHES[style % BROAD_DASHES.len()]
+}
+
+/// The dash pattern of a thin line; they repeat.
+pub(crate) fn thin_dash(style: usize) -> &'static str {
+    THIN_DASHES[style % THIN_DASHES.len()]
+}
+
+/// The corners of a style's marker; they repeat.
+pub(crate) fn marker(style: usize) -> &'static [(f64, f64)] {
+    MARKERS[style % MARKERS.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Red, green and blue of `#rrggbb`.
+    fn parts(colour: &str) -> [f64; 3] {
+        [1, 3, 5].map(|at| f64::from(u8::from_str_radix(&colour[at..at + 2], 16).unwrap()))
+    }
+
+    #[test]
+    fn tints_are_their_colours_with_white() {
+        for (tints, white) in TINTS.iter().zip([0.28, 0.62]) {
+            for (tint, colour) in tints.iter().zip(COLOURS) {
+                for (found, full) in parts(tint).into_iter().zip(parts(colour)) {
+                    let mixed = full * (1.0 - white) + 255.0 * white;
+                    assert!((found - mixed).abs() <= 0.5 + 1e-9, "{tint} of {colour}: {found}, not {mixed}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! A chart of any kind.
+
+use serde::Serialize;
+
+use crate::view::chart::console::Look;
+use crate::view::chart::figure::{Axis, Figure};
+use crate::view::chart::map::Map;
+
+/// What a chart shows, as a picture or, as JSON, for pages that draw it themselves.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Picture {
+    /// Curves y(x).
+    Curves(Figure),
+    /// Cells over x and y.
+    Map(Map),
+}
+
+impl Picture {
+    /// As SVG: equal pictures give equal bytes on every machine.
+    pub fn svg(&self) -> String {
+        match self {
+            Picture::Curves(figure) => figure.svg(),
+            Picture::Map(map) => map.svg(),
+        }
+    }
+
+    /// For a terminal.
+    pub fn text(&self, look: Look) -> String {
+        match self {
+            Picture::Curves(figure) => figure.text(look),
+            Picture::Map(map) => map.text(look),
+        }
+    }
+
+    /// What it answers.
+    pub fn title(&self) -> &str {
+        match self {
+            Picture::Curves(figure) => &figure.title,
+            Picture::Map(map) => &map.title,
+        }
+    }
+
+    /// The axis of what is shown: y of curves, z of maps.
+    pub fn shown(&self) -> &Axis {
+        match self {
+            Picture::Curves(figure) => &figure.y,
+            Picture::Map(map) => &map.z,
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! The data of a figure, drawn into the frame of its axes.
+
+use crate::view::chart::area::{Area, Frame};
+use crate::view::chart::canvas::{Canvas, Lettering, Stroke};
+use crate::view::chart::figure::{Figure, Limit, Series, SeriesPoint};
+use crate::view::chart::legend::{law_stroke, part_stroke};
+use crate::view::chart::palette::{self, LIMIT};
+use crate::view::chart::scale::{Range, Scale};
+use crate::view::chart::text;
+
+/// Most points of a line that all have markers.
+const MOST_MARKED: usize = 200;
+
+/// How many have of more points, at the most.
+const MARKED: usize = 40;
+
+/// Half the width of a closed form where names stand side by side.
+const LAW_WIDTH: f64 = 12.0;
+
+/// A figure with its axes laid out.
+#[derive(Debug)]
+pub(crate) struct Plot<'a> {
+    pub figure: &'a Figure,
+    pub area: Area,
+}
+
+/// The x range of a figure: its points and laws.
+pub(crate) fn x_range(figure: &Figure) -> Range {
+    let points = shown_points(figure).map(|point| point.x);
+    let laws = figure
+        .laws
+        .iter()
+        .flat_map(|law| &law.lines)
+        .flat_map(|line| &line.points)
+        .filter(|place| figure.shows(**place))
+        .map(|place| place.0);
+    figure.x.around(points.chain(laws))
+}
+
+/// The y range of a figure: its points, its limit and, no farther than is good for the points, bands and laws.
+pub(crate) fn y_range(figure: &Figure) -> Range {
+    let scale = figure.y.scale;
+    let points: Vec<f64> = shown_points(figure).map(|point| point.y).collect();
+    let bands = shown_points(figure).filter_map(|point| point.band).flat_map(|(lower, upper)| [lower, upper]);
+    let lines = figure.laws.iter().flat_map(|law| &law.lines).map(|line| &line.points);
+    let laws = figure.series.iter().map(|series| &series.law).chain(lines);
+    let laws = laws.flatten().filter(|place| figure.x.scale.shows(place.0)).map(|place| place.1);
+    let (low, high) = reach(scale, &points);
+    let beside = bands.chain(laws).filter(|&value| scale.shows(value)).map(|value| value.clamp(low, high));
+    let limit = figure.limit.iter().map(|limit| limit.value);
+    figure.y.around(points.iter().copied().chain(beside).chain(limit))
+}
+
+/// How far from the points the axis may reach for what stands beside them: one decade, or once their own span.
+fn reach(scale: Scale, points: &[f64]) -> (f64, f64) {
+    let low = points.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = points.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let room = (high - low).max(0.5 * low.abs().max(high.abs()));
+    match scale {
+        _ if points.is_empty() => (f64::NEG_INFINITY, f64::INFINITY),
+        Scale::Log => (low / 10.0, high * 10.0),
+        Scale::Linear => (low - room, high + room),
+    }
+}
+
+fn shown_points(figure: &Figure) -> impl Iterator<Item = &SeriesPoint> {
+    figure.series.iter().flat_map(|series| &series.points).filter(|point| figure.shows((point.x, point.y)))
+}
+
+impl Plot<'_> {
+    /// Draws laws, bands, parts, closed forms, limit and points, in this order from below.
+    pub fn draw(&self, canvas: &mut Canvas) {
+        let Frame { left, top, right, bottom } = self.area.frame;
+        canvas.open_window(left, top, right - left, bottom - top);
+        for (i, law) in self.figure.laws.iter().enumerate() {
+            canvas.group(&law.label, |canvas| {
+                for line in &law.lines {
+                    self.draw_line(canvas, &line.points, law_stroke(i, line.colour()));
+                }
+            });
+        }
+        self.figure.series.iter().for_each(|series| self.draw_bands(canvas, series));
+        for (i, part) in self.figure.parts.lines.iter().enumerate() {
+            canvas.group(&part.label, |canvas| {
+                self.draw_line(canvas, &part.points, part_stroke(i, part));
+            });
+        }
+        self.figure.series.iter().for_each(|series| self.draw_curve(canvas, series));
+        let limit = self.figure.limit.as_ref().filter(|limit| self.area.y.scale.shows(limit.value));
+        if let Some(limit) = limit {
+            let y = self.area.down(limit.value);
+            canvas.line(&[(left, y), (right, y)], Stroke { colour: LIMIT, width: 1.4, dash: "10 4" });
+        }
+        canvas.close_picture();
+        // Outside the window: markers on the frame stay whole.
+        for (i, series) in self.figure.series.iter().enumerate() {
+            // Larger under others that would hide it.
+            let size = 1.0 + 0.45 * self.figure.covering(i).count() as f64;
+            self.draw_markers(canvas, series, size);
+        }
+        if let Some(limit) = limit {
+            self.draw_limit_label(canvas, limit);
+        }
+    }
+
+    /// The stretches of a series between points that cannot be shown.
+    fn runs<'s>(&self, series: &'s Series) -> impl Iterator<Item = &'s [SeriesPoint]> {
+        let shown = |point: &SeriesPoint| self.figure.shows((point.x, point.y));
+        let joined = self.is_joined();
+        let runs = series.points.chunk_by(move |a, b| joined && shown(a) && shown(b));
+        runs.filter(move |run| run.iter().all(shown))
+    }
+
+    /// Whether one point leads to the next, as names do not.
+    fn is_joined(&self) -> bool {
+        self.figure.x.names.is_empty()
+    }
+
+    fn draw_bands(&self, canvas: &mut Canvas, series: &Series) {
+        let colour = palette::colour(series.colour);
+        for run in self.runs(series) {
+            for run in run.chunk_by(|a, b| a.band.is_some() && b.band.is_some()) {
+                let lower = run.iter().filter_map(|point| Some(self.area.place((point.x, point.band?.0))));
+                let upper =
+                    run.iter().rev().filter_map(|point| Some(self.area.place((point.x, point.band?.1))));
+                let corners: Vec<_> = lower.chain(upper).collect();
+                match corners[..] {
+                    [] => {}
+                    [lower, upper] => {
+                        let stroke = Stroke { colour, width: 1.4, dash: "" };
+                        canvas.line(&[lower, upper], stroke);
+                        for (x, y) in [lower, upper] {
+                            canvas.line(&[(x - 5.0, y), (x + 5.0, y)], stroke);
+                        }
+                    }
+                    _ => canvas.area(&corners, colour),
+                }
+            }
+        }
+    }
+
+    /// The closed form. Lines join the points where no series has one; beside closed forms they would pass for such.
+    fn draw_curve(&self, canvas: &mut Canvas, series: &Series) {
+        let (colour, dash) = (palette::colour(series.colour), palette::dash(self.figure.dash_of(series)));
+        if !self.is_joined() {
+            let stroke = Stroke { colour, width: 1.3, dash: "" };
+            for (x, y) in series
+                .law
+                .iter()
+                .filter(|place| self.figure.shows(**place))
+                .map(|&place| self.area.place(place))
+            {
+                canvas.line(&[(x - LAW_WIDTH, y), (x + LAW_WIDTH, y)], stroke);
+            }
+        } else if self.figure.has_laws() {
+            self.draw_line(canvas, &series.law, Stroke { colour, width: 1.3, dash });
+        } else {
+            let places: Vec<_> = series.points.iter().map(|point| (point.x, point.y)).collect();
+            self.draw_line(canvas, &places, Stroke { colour, width: 1.8, dash });
+        }
+    }
+
+    /// A line through data, interrupted where the axes cannot show it.
+    fn draw_line(&self, canvas: &mut Canvas, data: &[(f64, f64)], stroke: Stroke) {
+        let shown = |place: &(f64, f64)| self.figure.shows(*place);
+        for run in data.chunk_by(|a, b| shown(a) && shown(b)).filter(|run| run.len() > 1) {
+            let places: Vec<_> = run.iter().map(|&place| self.area.place(place)).collect();
+            canvas.line(&places, stroke);
+        }
+    }
+
+    fn draw_markers(&self, canvas: &mut Canvas, series: &Series, size: f64) {
+        let points: Vec<_> = self.runs(series).flatten().collect();
+        // Along a line that joins very many, some tell the curves apart.
+        let step = match points.len() {
+            many if many > MOST_MARKED && !self.figure.has_laws() => many.div_ceil(MARKED),
+            _ => 1,
+        };
+        // Smaller where many would touch.
+        let radius = (130.0 * step as f64 / points.len() as f64).clamp(1.5, 4.2);
+        let (style, colour) = (self.figure.dash_of(series), palette::colour(series.colour));
+        canvas.group(&self.figure.name(series), |canvas| {
+            for point in points.into_iter().step_by(step) {
+                canvas.marker(self.area.place((point.x, point.y)), size * radius, style, colour);
+            }
+        });
+    }
+
+    /// Writes the label over the limit line, at that end or in the middle where it covers the fewest points.
+    fn draw_limit_label(&self, canvas: &mut Canvas, limit: &Limit) {
+        const SIZE: f64 = 13.0;
+        let Frame { left, right, .. } = self.area.frame;
+        let y = self.area.down(limit.value) - 7.0;
+        let label = text::fitted(&limit.label, SIZE, true, right - left - 16.0);
+        let width = text::width(&label, SIZE, true);
+        let places: Vec<_> =
+            shown_points(self.figure).map(|point| self.area.place((point.x, point.y))).collect();
+        let covered = |start: f64| {
+            let near = |&&(px, py): &&(f64, f64)| {
+                (start - 20.0..start + width + 20.0).contains(&px)
+                    && (y - SIZE - 14.0..y + 14.0).contains(&py)
+            };
+            places.iter().filter(near).count()
+        };
+        let starts = [left + 10.0, right - width - 10.0, 0.5 * (left + right - width)];
+        let start = starts.into_iter().min_by_key(|&start| covered(start)).unwrap_or(left);
+        let lettering = Lettering { size: SIZE, bold: true, colour: LIMIT, anchor: "start" };
+        canvas.text_on_white((start, y), &label, lettering);
+    }
+}

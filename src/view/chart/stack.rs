@@ -1,0 +1,153 @@
+//! Several columns of a table as one, so that each is a curve.
+
+use crate::table::{Cell, Column, Table, Unit};
+use crate::view::chart::spec::ChartError;
+
+/// The column that names what a stacked value is.
+pub const CURVE: &str = "curve";
+
+/// What stands in labels between the quantity that columns share and what each of them is.
+const BETWEEN: &str = ": ";
+
+/// The table with the columns `names` one below the other, under the name of the first: all other columns are repeated for
+/// each, closed forms stay with their columns, and [`CURVE`] tells them apart by their labels. Of labels such as `drift: bound` and `drift: mean` the first part
+/// becomes that of the stacked column, else the word that all end with.
+///
+/// # Errors
+/// A name selects no single column, or one that is there already, or a column in another unit than that of the first.
+pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
+    let mut columns: Vec<&Column> = vec![];
+    for name in names {
+        let column = table.column(name)?;
+        if columns.iter().any(|earlier| earlier.name == column.name) {
+            return Err(ChartError::Twice { column: (*name).to_owned() });
+        }
+        if let Some(first) = columns.first().filter(|first| first.unit != column.unit) {
+            let (column, unit) = ((*name).to_owned(), column.unit.symbol.to_owned());
+            return Err(ChartError::OtherUnit { column, unit, beside: "curve", wanted: first.unit.symbol });
+        }
+        columns.push(column);
+    }
+    let Some(first) = columns.first() else { return Ok(table.clone()) };
+    let shared = first.label.split_once(BETWEEN).map(|(shared, _)| shared);
+    let shared = shared.filter(|shared| columns.iter().all(|column| part(column, shared).is_some()));
+    let label =
+        |column: &Column| shared.and_then(|shared| part(column, shared)).unwrap_or(&column.label).to_owned();
+    let heading = shared.unwrap_or("value").to_owned();
+    let quantity = shared.or_else(|| last_word(&columns)).unwrap_or("value").to_owned();
+    let rows = table.rows();
+    let law =
+        |column: &Column| table.columns.iter().find(|law| law.name == format!("oracle_{}", column.name));
+    let is_stacked = |column: &&Column| {
+        let is_law = |stacked: &&Column| law(stacked).is_some_and(|law| law.name == column.name);
+        columns.iter().any(|stacked| stacked.name == column.name || is_law(stacked))
+    };
+    let repeat = |column: &Column| Column {
+        cells: columns.iter().flat_map(|_| column.cells.clone()).collect(),
+        band: column.band.as_ref().map(|band| band.repeat(columns.len())),
+        ..column.clone()
+    };
+    let mut all: Vec<Column> =
+        table.columns.iter().filter(|column| !is_stacked(column)).map(repeat).collect();
+    let names = columns.iter().flat_map(|column| vec![Cell::Text(label(column)); rows]).collect();
+    let (name, label) = (CURVE.to_owned(), heading);
+    all.push(Column { name, label, unit: Unit::NONE, cells: names, band: None });
+    let band = |column: &Column| column.band.clone().unwrap_or(vec![None; rows]);
+    all.push(Column {
+        name: first.name.clone(),
+        label: quantity,
+        unit: first.unit,
+        cells: columns.iter().flat_map(|column| column.cells.clone()).collect(),
+        band: Some(columns.iter().flat_map(|column| band(column)).collect()),
+    });
+    if columns.iter().any(|column| law(column).is_some()) {
+        let cells = |column: &&Column| law(column).map_or(vec![Cell::Blank; rows], |law| law.cells.clone());
+        all.push(Column {
+            name: format!("oracle_{}", first.name),
+            label: "closed form".to_owned(),
+            unit: first.unit,
+            cells: columns.iter().flat_map(cells).collect(),
+            band: None,
+        });
+    }
+    Ok(Table { columns: all })
+}
+
+/// The word that the labels of all columns end with: `error` of `rms error` and `99.73 % error`.
+fn last_word<'c>(columns: &[&'c Column]) -> Option<&'c str> {
+    let words = |column: &&'c Column| column.label.rsplit_once(' ').map(|(_, last)| last);
+    let first = words(columns.first()?)?;
+    columns.iter().all(|column| words(column) == Some(first)).then_some(first)
+}
+
+/// What a column is of the quantity `shared`.
+fn part<'c>(column: &'c Column, shared: &str) -> Option<&'c str> {
+    column.label.strip_prefix(shared)?.strip_prefix(BETWEEN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table() -> Table {
+        let column = |name: &str, label: &str, unit, cells: [f64; 2]| Column {
+            name: name.to_owned(),
+            label: label.to_owned(),
+            unit,
+            cells: cells.map(Cell::Number).to_vec(),
+            band: (name == "rms").then(|| vec![Some((1.0, 2.0)), None]),
+        };
+        Table {
+            columns: vec![
+                column("run.duration", "run time", Unit::S, [1.0, 2.0]),
+                column("bound", "drift: bound", Unit::ARCSEC_PER_S, [3.0, 4.0]),
+                column("mean", "drift: mean", Unit::ARCSEC_PER_S, [5.0, 6.0]),
+                column("rms", "rms", Unit::ARCSEC_PER_S, [7.0, 8.0]),
+            ],
+        }
+    }
+
+    fn texts(table: &Table, name: &str) -> Vec<String> {
+        table.column(name).unwrap().cells.iter().map(Cell::text).collect()
+    }
+
+    #[test]
+    fn each_column_is_a_curve_of_the_quantity_that_the_labels_share() {
+        let stacked = stacked(&table(), &["bound", "mean_arcsec_per_s"]).unwrap();
+        assert_eq!(stacked.column("bound").unwrap().title(), "drift, ″/s");
+        assert_eq!(texts(&stacked, "bound"), ["3", "4", "5", "6"]);
+        assert_eq!(texts(&stacked, CURVE), ["bound", "bound", "mean", "mean"]);
+        assert_eq!(texts(&stacked, "duration"), ["1", "2", "1", "2"]);
+        assert_eq!(texts(&stacked, "rms"), ["7", "8", "7", "8"]);
+    }
+
+    #[test]
+    fn bands_stay_with_their_columns_and_labels_that_share_nothing_stay_whole() {
+        let stacked = stacked(&table(), &["mean", "rms"]).unwrap();
+        let column = stacked.column("mean").unwrap();
+        assert_eq!(column.band.as_deref(), Some(&[None, None, Some((1.0, 2.0)), None][..]));
+        assert_eq!((column.label.as_str(), texts(&stacked, CURVE)[2].as_str()), ("value", "rms"));
+        assert_eq!(texts(&stacked, CURVE)[0], "drift: mean");
+    }
+
+    #[test]
+    fn a_closed_form_is_that_of_its_own_column() {
+        let mut table = table();
+        let law = Column { name: "oracle_mean".to_owned(), ..table.columns[2].clone() };
+        table.columns.push(law);
+        let stacked = stacked(&table, &["bound", "mean"]).unwrap();
+        assert_eq!(texts(&stacked, "oracle_bound"), ["", "", "5", "6"]);
+        assert!(stacked.column("oracle_mean").is_err());
+    }
+
+    #[test]
+    fn another_unit_and_the_same_column_twice_are_refused() {
+        let error = |names: &[&str]| stacked(&table(), names).unwrap_err().to_string();
+        assert_eq!(error(&["bound", "duration"]), "`duration` is in s, a curve in ″/s cannot be drawn on it");
+        assert_eq!(
+            error(&["bound", "bound_arcsec_per_s"]),
+            "`bound_arcsec_per_s` stands twice among the columns of y"
+        );
+        assert!(error(&["bound", "none"]).contains("no column is called `none`"));
+    }
+}

@@ -1,0 +1,225 @@
+//! Ticks that people would choose, and their labels.
+//!
+//! A tick is `count · 10^exponent` with whole numbers, so that its label is exact and never 0.30000000000000004.
+
+use crate::view::chart::scale::{Range, Scale};
+
+/// The ticks of one axis.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Ticks {
+    /// Labelled.
+    pub major: Vec<(f64, String)>,
+    /// Not labelled.
+    pub minor: Vec<f64>,
+}
+
+/// The number `count · 10^exponent`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Decimal {
+    count: i64,
+    exponent: i32,
+}
+
+impl Decimal {
+    /// The nearest f64, by way of text: that conversion rounds correctly on every machine.
+    fn value(self) -> f64 {
+        format!("{}e{}", self.count, self.exponent).parse().unwrap_or(f64::NAN)
+    }
+}
+
+impl Range {
+    /// Ticks inside the range, with about `most` labels at most.
+    pub fn ticks(&self, most: usize) -> Ticks {
+        match self.scale {
+            Scale::Log => self.log_ticks(most),
+            Scale::Linear => self.linear_ticks(most),
+        }
+    }
+
+    fn holds(&self, tick: Decimal) -> bool {
+        (-1e-9..=1.0 + 1e-9).contains(&self.fraction(tick.value()))
+    }
+
+    /// Labels on the decades; under two decades, or of only two powers of ten, also on 2 and 5, then on every digit, then as on a linear axis, whichever
+    /// first gives three labels.
+    fn log_ticks(&self, most: usize) -> Ticks {
+        let [first, last] = [self.low, self.high].map(|end| libm::floor(libm::log10(end)) as i32);
+        let digits = |digits: &[i64]| -> Vec<Decimal> {
+            let all = (first..=last)
+                .flat_map(|exponent| digits.iter().map(move |&count| Decimal { count, exponent }));
+            all.filter(|tick| self.holds(*tick)).collect()
+        };
+        let decades = digits(&[1]);
+        if decades.len() > most {
+            let stride = decades.len().div_ceil(most) as i32;
+            let labelled: Vec<_> =
+                decades.iter().copied().filter(|tick| tick.exponent % stride == 0).collect();
+            return labelled_log(&labelled, &decades);
+        }
+        let every = digits(&[1, 2, 3, 4, 5, 6, 7, 8, 9]);
+        if libm::log10(self.high) - libm::log10(self.low) >= 2.0 && decades.len() > 2 {
+            return labelled_log(&decades, &every);
+        }
+        match [digits(&[1, 2, 5]), every.clone()].into_iter().find(|labels| labels.len() >= 3) {
+            Some(labels) => labelled_log(&labels, &every),
+            None => self.linear_ticks(most),
+        }
+    }
+
+    fn linear_ticks(&self, most: usize) -> Ticks {
+        let raw = (self.high / most as f64) - (self.low / most as f64);
+        let exponent = libm::floor(libm::log10(raw)) as i32;
+        let leading = raw / Decimal { count: 1, exponent }.value();
+        let step = |count, exponent| Decimal { count, exponent };
+        let (major, minor) = if leading <= 1.0 + 1e-9 {
+            (step(1, exponent), step(2, exponent - 1))
+        } else if leading <= 2.0 + 1e-9 {
+            (step(2, exponent), step(5, exponent - 1))
+        } else if leading <= 5.0 + 1e-9 {
+            (step(5, exponent), step(1, exponent))
+        } else {
+            (step(1, exponent + 1), step(2, exponent))
+        };
+        let labels = linear_labels(&self.multiples(major));
+        Ticks { minor: without(&self.multiples(minor), &labels), major: labels }
+    }
+
+    /// The multiples of `step` inside the range.
+    fn multiples(&self, step: Decimal) -> Vec<Decimal> {
+        let first = libm::floor(self.low / step.value()) as i64;
+        let last = libm::ceil(self.high / step.value()) as i64;
+        let all = (first..=last).map(|i| Decimal { count: i.saturating_mul(step.count), ..step });
+        all.filter(|tick| self.holds(*tick)).collect()
+    }
+}
+
+/// The values of `all` that carry no label.
+fn without(all: &[Decimal], labelled: &[(f64, String)]) -> Vec<f64> {
+    let values = all.iter().map(|tick| tick.value());
+    values
+        .filter(|value| labelled.iter().all(|(label, _)| (label - value).abs() > 1e-9 * value.abs()))
+        .collect()
+}
+
+/// Whether labels up to this size are easier to read in full than as powers of ten.
+fn plain(size: f64) -> bool {
+    size == 0.0 || (1e-3 * (1.0 - 1e-9)..=1e5 * (1.0 + 1e-9)).contains(&size)
+}
+
+/// Labels all alike: in full where that suits each of them, as powers of ten otherwise.
+fn labelled_log(labels: &[Decimal], all: &[Decimal]) -> Ticks {
+    let in_full = labels.iter().all(|tick| plain(tick.value()));
+    let text = |tick: Decimal| match (tick.count, tick.exponent) {
+        (_, exponent) if in_full => format!("{:.*}", (-exponent).max(0) as usize, tick.value()),
+        (count, exponent @ (0 | 1)) => format!("{count}{}", "0".repeat(exponent as usize)),
+        (1, exponent) => format!("10{}", superscript(exponent)),
+        (count, exponent) => format!("{count}·10{}", superscript(exponent)),
+    };
+    let major: Vec<_> = labels.iter().map(|&tick| (tick.value(), text(tick))).collect();
+    Ticks { minor: without(all, &major), major }
+}
+
+/// Labels with the decimals that their step asks for, over one common power of ten where the numbers are unwieldy.
+fn linear_labels(labels: &[Decimal]) -> Vec<(f64, String)> {
+    let largest = labels.iter().map(|tick| tick.value().abs()).fold(0.0, f64::max);
+    let power = if plain(largest) { 0 } else { libm::floor(libm::log10(largest) + 1e-9) as i32 };
+    let text = |tick: Decimal| {
+        let shown = Decimal { exponent: tick.exponent - power, ..tick };
+        let number = format!("{:.*}", (-shown.exponent).max(0) as usize, shown.value()).replace('-', "−");
+        match (tick.count, power) {
+            (0, _) => "0".to_owned(),
+            (_, 0) => number,
+            _ => format!("{number}·10{}", superscript(power)),
+        }
+    };
+    labels.iter().map(|&tick| (tick.value(), text(tick))).collect()
+}
+
+/// An exponent in raised figures.
+fn superscript(exponent: i32) -> String {
+    let raised = |figure: char| match figure {
+        '-' => '⁻',
+        '1' => '¹',
+        '2' => '²',
+        '3' => '³',
+        _ => figure.to_digit(10).and_then(|digit| char::from_u32(0x2070 + digit)).unwrap_or(figure),
+    };
+    exponent.to_string().chars().map(raised).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(scale: Scale, low: f64, high: f64) -> Vec<String> {
+        Range { scale, low, high }.ticks(9).major.into_iter().map(|(_, label)| label).collect()
+    }
+
+    #[test]
+    fn decades_are_labelled_in_full_and_have_minor_ticks_at_2_to_9() {
+        let ticks = Range { scale: Scale::Log, low: 0.01, high: 100.0 }.ticks(9);
+        let labels: Vec<_> = ticks.major.iter().map(|(_, label)| label.as_str()).collect();
+        assert_eq!(labels, ["0.01", "0.1", "1", "10", "100"]);
+        assert_eq!(ticks.minor.len(), 4 * 8);
+        assert_eq!(ticks.minor[..8], [0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09]);
+    }
+
+    #[test]
+    fn under_two_decades_2_and_5_are_labelled_too_and_under_half_a_decade_round_numbers() {
+        assert_eq!(labels(Scale::Log, 0.009, 0.45), ["0.01", "0.02", "0.05", "0.1", "0.2"]);
+        assert_eq!(labels(Scale::Log, 3.0, 9.5), ["3", "4", "5", "6", "7", "8", "9"]);
+        assert_eq!(labels(Scale::Log, 11.0, 19.0), ["11", "12", "13", "14", "15", "16", "17", "18", "19"]);
+    }
+
+    #[test]
+    fn many_decades_are_labelled_as_powers_with_an_even_stride() {
+        assert_eq!(
+            labels(Scale::Log, 1e-6, 200.0),
+            ["10⁻⁶", "10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²", "10⁻¹", "1", "10", "10²"]
+        );
+        let ticks = Range { scale: Scale::Log, low: 1e-12, high: 1e12 }.ticks(9);
+        let shown: Vec<_> = ticks.major.iter().map(|(_, label)| label.as_str()).collect();
+        assert_eq!(shown, ["10⁻¹²", "10⁻⁹", "10⁻⁶", "10⁻³", "1", "10³", "10⁶", "10⁹", "10¹²"]);
+        assert_eq!(ticks.minor.len(), 16);
+    }
+
+    #[test]
+    fn linear_labels_have_the_decimals_of_their_step() {
+        assert_eq!(labels(Scale::Linear, 0.0, 1.05), ["0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(
+            labels(Scale::Linear, -10.0, 35.0),
+            ["−10", "−5", "0", "5", "10", "15", "20", "25", "30", "35"]
+        );
+        assert_eq!(labels(Scale::Linear, 0.0, 2.5e6)[1..3], ["0.5·10⁶", "1.0·10⁶"]);
+        assert_eq!(labels(Scale::Linear, 1e-7, 1.4e-7)[0], "1.00·10⁻⁷");
+    }
+
+    #[test]
+    fn every_range_has_few_distinct_ticks_inside_it() {
+        for exponent in (-240..=240).step_by(24) {
+            for width in [1.0000001, 1.1, 1.7, 4.0, 30.0, 1e3, 1e9] {
+                for scale in [Scale::Log, Scale::Linear] {
+                    let low = Decimal { count: 3, exponent }.value();
+                    let range = Range { scale, low, high: low * width };
+                    let ticks = range.ticks(9);
+                    assert!((2..=12).contains(&ticks.major.len()), "{range:?}: {:?}", ticks.major);
+                    assert!(ticks.major.windows(2).all(|w| w[0].0 < w[1].0 && w[0].1 != w[1].1), "{ticks:?}");
+                    assert!(ticks.minor.len() <= 100, "{range:?}: {} minor ticks", ticks.minor.len());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_widest_and_the_smallest_ranges_have_ticks() {
+        for values in
+            [vec![1.1e-250, 9e249], vec![-9e249, 9e249], vec![5e-324], vec![1e15, 1e15 + 1.0], vec![0.0]]
+        {
+            for scale in [Scale::Log, Scale::Linear] {
+                let range = Range::around(scale, values.iter().copied());
+                let ticks = range.ticks(9);
+                assert!((2..=12).contains(&ticks.major.len()), "{values:?} {range:?}: {:?}", ticks.major);
+            }
+        }
+    }
+}

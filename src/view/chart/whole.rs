@@ -1,0 +1,84 @@
+//! Axes and their ticks, which for counts and names are at whole numbers only.
+
+use crate::view::chart::figure::Axis;
+use crate::view::chart::layout::MOST_LABELS;
+use crate::view::chart::scale::{Range, Scale};
+use crate::view::chart::ticks::Ticks;
+
+/// So many whole numbers have a label each.
+const FEW: f64 = 12.0;
+
+impl Axis {
+    /// What the axis covers to show `values`, with a margin. One that counts does not reach down to 0 because it is near.
+    pub(crate) fn around(&self, values: impl IntoIterator<Item = f64>) -> Range {
+        let values: Vec<f64> = values.into_iter().filter(|&value| self.scale.shows(value)).collect();
+        if !self.names.is_empty() {
+            return Range { scale: self.scale, low: 0.5, high: self.names.len() as f64 + 0.5 };
+        }
+        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        if self.whole && self.scale == Scale::Linear && 0.0 < low && low < high {
+            let margin = 0.05 * (high - low);
+            return Range { scale: self.scale, low: (low - margin).max(0.0), high: high + margin };
+        }
+        Range::around(self.scale, values)
+    }
+
+    /// The ticks in a range of the axis.
+    pub(crate) fn ticks(&self, range: Range) -> Ticks {
+        if !self.names.is_empty() {
+            let major = (1..).zip(&self.names).map(|(place, name)| (f64::from(place), name.clone()));
+            return Ticks { major: major.collect(), minor: vec![] };
+        }
+        let mut ticks = range.ticks(MOST_LABELS);
+        if !self.whole {
+            return ticks;
+        }
+        let [first, last] = [libm::ceil(range.low), libm::floor(range.high)];
+        if (1.0..FEW).contains(&(last - first)) {
+            let all = (first as i64..=last as i64).map(|count| (count as f64, count.to_string()));
+            return Ticks { major: all.collect(), minor: vec![] };
+        }
+        ticks.major.retain(|(value, _)| value.fract() == 0.0);
+        ticks.minor.retain(|value| value.fract() == 0.0);
+        ticks
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Labels, and the ticks without one, of an axis about these values.
+    fn ticks(scale: Scale, whole: bool, values: &[f64]) -> (Vec<String>, Vec<f64>) {
+        let axis = Axis { label: String::new(), unit: String::new(), scale, whole, names: vec![] };
+        let ticks = axis.ticks(axis.around(values.iter().copied()));
+        (ticks.major.into_iter().map(|(_, label)| label).collect(), ticks.minor)
+    }
+
+    #[test]
+    fn few_counts_have_a_label_each_and_no_tick_between_them() {
+        for scale in [Scale::Linear, Scale::Log] {
+            assert_eq!(ticks(scale, true, &[1.0, 2.0, 3.0]).0, ["1", "2", "3"], "{scale:?}");
+            let (labels, minor) = ticks(scale, true, &[1.0, 2.0, 5.0, 10.0]);
+            assert_eq!(
+                (labels.len(), labels[9].as_str(), minor.len()),
+                (10, "10", 0),
+                "{scale:?} {labels:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn many_counts_have_ticks_at_whole_numbers() {
+        for scale in [Scale::Linear, Scale::Log] {
+            for high in [16.0, 23.0, 64.0, 5000.0] {
+                let (labels, minor) = ticks(scale, true, &[1.0, high]);
+                assert!(labels.len() >= 3 && labels.iter().all(|label| !label.contains('.')), "{labels:?}");
+                assert!(minor.iter().all(|value| value.fract() == 0.0), "{scale:?} {high}: {minor:?}");
+            }
+        }
+        assert_eq!(ticks(Scale::Linear, false, &[1.0, 3.0]).0, ["1.0", "1.5", "2.0", "2.5", "3.0"]);
+        assert!(ticks(Scale::Linear, true, &[7.0]).0.contains(&"7".to_owned()));
+    }
+}

@@ -1,0 +1,6 @@
+//! TODO-DOC view
+
+pub mod chart;
+pub mod picture;
+pub mod report;
+pub mod verdict;

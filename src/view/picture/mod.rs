@@ -1,0 +1,308 @@
+//! The charts of a study: the pictures that it asks for, and what they say against their limits.
+//!
+//! ```text
+//! Study, Tables ─┬─ pictures ─▶ what is drawn
+//!                └─ shown ─ verdicts ─▶ Verdicts
+//! ```
+
+pub mod verdict;
+
+use std::borrow::Cow;
+
+use crate::chart::file::Source;
+use crate::chart::{Chart, Shows};
+use crate::key::file::Kind;
+use crate::key::setting::Swept;
+use crate::run::Tables;
+use crate::source::diagnose::StudyError;
+use crate::study::{self, Study};
+use crate::table::describe::bare;
+use crate::table::{Cell, ColumnError, Table};
+use crate::view::chart;
+use crate::view::chart::figure::Figure;
+use crate::view::chart::map::Map;
+use crate::view::chart::map::spec::{MapSpec, Show};
+use crate::view::chart::picture::Picture;
+use crate::view::chart::scale::Scale;
+use crate::view::chart::spec::{ChartError, Spec};
+use crate::view::chart::stack::CURVE;
+
+pub use crate::view::picture::verdict::{Verdict, verdicts};
+
+/// The names of a chart's files, without their endings.
+pub fn chart_stem(index: usize, charts: usize) -> String {
+    if charts == 1 { "chart".to_owned() } else { format!("chart-{}", index + 1) }
+}
+
+/// A chart with what belongs to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawn {
+    /// The name of its files, without their endings: `chart-1`.
+    pub stem: String,
+    /// What it shows.
+    pub picture: Picture,
+    /// A sentence on what is to be said of it.
+    pub note: Option<String>,
+}
+
+impl Drawn {
+    /// What is to be said of it, with its name.
+    pub fn sentence(&self) -> Option<String> {
+        self.note.as_ref().map(|note| format!("{}: {note}", self.stem))
+    }
+}
+
+/// All charts of a study, in its order.
+///
+/// # Errors
+/// The table does not have what a chart asks for; the error points at the name in the study. Those of
+/// [`Plan::blank_tables`](crate::run::Plan::blank_tables) show that before anything is sampled.
+pub fn pictures(study: &Study, tables: &Tables) -> Result<Vec<Drawn>, StudyError> {
+    let of = |(index, chart): (usize, &Chart)| {
+        let (picture, note) = picture(study, tables, chart)?;
+        Ok(Drawn { stem: chart_stem(index, study.charts.len()), picture, note })
+    };
+    study.charts.iter().enumerate().map(of).collect()
+}
+
+/// What a chart shows: of several columns a table in which they are one.
+#[derive(Debug)]
+pub struct Shown<'t> {
+    /// The rows of it, with a column that tells several apart.
+    pub table: Cow<'t, Table>,
+    /// The column of the estimates.
+    pub estimate: String,
+    /// The columns whose values are told apart.
+    pub series: Vec<String>,
+}
+
+impl Shown<'_> {
+    /// Whether names stand side by side on the abscissa.
+    pub fn is_named(&self, chart: &Chart) -> bool {
+        let x = self.table.column(&chart.x.name);
+        x.is_ok_and(|x| x.cells.iter().any(|cell| matches!(cell, Cell::Text(_))))
+    }
+}
+
+/// What each chart of a study shows.
+///
+/// # Errors
+/// The table does not have what a chart asks for.
+pub fn shown<'t>(study: &Study, tables: &'t Tables) -> Result<Vec<Shown<'t>>, StudyError> {
+    let of = |chart| shown_by(tables, chart).map_err(|error| refused(study, chart, &error));
+    study.charts.iter().map(of).collect()
+}
+
+fn shown_by<'t>(tables: &'t Tables, chart: &Chart) -> Result<Shown<'t>, ChartError> {
+    let table = tables.of(chart.source);
+    let series = chart.series().iter().map(|column| column.name.clone());
+    let estimate = chart.estimate().name.clone();
+    if chart.beside.is_empty() {
+        return Ok(Shown { table: Cow::Borrowed(table), estimate, series: series.collect() });
+    }
+    let names: Vec<&str> = chart.columns().map(|column| column.name.as_str()).collect();
+    let table = Cow::Owned(chart::stacked(table, &names)?);
+    Ok(Shown { table, estimate, series: std::iter::once(CURVE.to_owned()).chain(series).collect() })
+}
+
+/// One chart, and a sentence on what is to be said of it.
+///
+/// # Errors
+/// The table does not have what the chart asks for; the error points at the name in the study.
+fn picture(study: &Study, tables: &Tables, chart: &Chart) -> Result<(Picture, Option<String>), StudyError> {
+    let table = tables.of(chart.source);
+    let drawn = match &chart.shows {
+        Shows::Curves { .. } => shown_by(tables, chart)
+            .and_then(|shown| Figure::from_table(&shown.table, &curves(study, chart, &shown)))
+            .map(|(figure, notes)| (Picture::Curves(figure), notes.sentence())),
+        Shows::HeatMap { z_scale, .. } => map(study, table, chart, Show::Values(scale(*z_scale))),
+        Shows::WinnerMap { of, .. } => map(study, table, chart, Show::Winners(of.name.clone())),
+    };
+    drawn.map_err(|error| refused(study, chart, &error))
+}
+
+fn map(
+    study: &Study,
+    table: &Table,
+    chart: &Chart,
+    show: Show,
+) -> Result<(Picture, Option<String>), ChartError> {
+    let spec = MapSpec {
+        title: title(study, chart),
+        subtitle: subtitle(study),
+        x: chart.x.name.clone(),
+        y: chart.y.name.clone(),
+        z: chart.estimate().name.clone(),
+        x_scale: scale(chart.x_scale),
+        y_scale: scale(chart.y_scale),
+        show,
+        filter: filter(chart),
+        limit: chart.limit.map(|limit| (limit.value, limit.unit)),
+    };
+    let (map, notes) = Map::from_table(table, &spec)?;
+    Ok((Picture::Map(map), notes.sentence()))
+}
+
+fn curves(study: &Study, chart: &Chart, shown: &Shown) -> Spec {
+    Spec {
+        title: title(study, chart),
+        subtitle: subtitle(study),
+        x: chart.x.name.clone(),
+        y: shown.estimate.clone(),
+        x_scale: scale(chart.x_scale),
+        y_scale: scale(chart.y_scale),
+        series: shown.series.clone(),
+        apart: study
+            .sweeps
+            .iter()
+            .map(|sweep| sweep.key.name)
+            .chain(study::text_columns(study, chart.source))
+            .map(str::to_owned)
+            .collect(),
+        filter: filter(chart),
+        limit: chart.limit.map(|limit| (limit.value, limit.unit)),
+        laws: chart.laws().iter().map(|law| law.column().to_owned()).collect(),
+        points: points(study, chart).to_owned(),
+        bands: bands(study).to_owned(),
+    }
+}
+
+/// What the points of a chart are: columns of the oracle are not sampled.
+fn points(study: &Study, chart: &Chart) -> &'static str {
+    match (study.kind(), chart.source) {
+        _ if chart.y.name.starts_with("oracle") => "closed form",
+        (Kind::Allan, Source::Points) => "mean of records",
+        (_, Source::Trajectories) => "single runs",
+        (kind, _) if kind.is_exact() => "",
+        _ => "Monte Carlo",
+    }
+}
+
+/// What the bands are: of the mean of a rms, or where curves of single records lie.
+fn bands(study: &Study) -> &'static str {
+    match study.kind() {
+        Kind::GapFill | Kind::Relock | Kind::SwitchedRun => "95 % band",
+        Kind::Allan => "95 % of records",
+        Kind::DriftBudget | Kind::Suspension => "",
+    }
+}
+
+fn title(study: &Study, chart: &Chart) -> String {
+    chart.title.clone().unwrap_or_else(|| study.title.clone())
+}
+
+fn subtitle(study: &Study) -> Option<String> {
+    (!study.question.is_empty()).then(|| study.question.clone())
+}
+
+fn scale(scale: study::Scale) -> Scale {
+    match scale {
+        study::Scale::Log => Scale::Log,
+        study::Scale::Linear => Scale::Linear,
+    }
+}
+
+/// The rows of a chart: (column, value as files show it).
+pub fn filter(chart: &Chart) -> Vec<(String, String)> {
+    chart.rows.iter().map(|(column, value)| (column.name.clone(), value.text())).collect()
+}
+
+/// The same without the values of swept keys that nobody asked for: a table has a line for each.
+pub fn written(chart: &Chart) -> Vec<(String, String)> {
+    let asked = |row: &&(study::Named, Cell)| {
+        !row.0.span.is_empty() || ["error", "angle"].contains(&row.0.name.as_str())
+    };
+    chart.rows.iter().filter(asked).map(|(column, value)| (column.name.clone(), value.text())).collect()
+}
+
+/// A chart's error at the name in the study that caused it.
+pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
+    let named = || [&chart.x, chart.estimate()].into_iter().chain(chart.columns()).chain(chart.series());
+    let rows = || chart.rows.iter().map(|row| &row.0);
+    let place = |mut names: Box<dyn Iterator<Item = &study::Named> + '_>, name: &str| {
+        // A default is written nowhere; another name may be.
+        names
+            .find(|named| named.name == name && !named.span.is_empty())
+            .map_or(0..0, |named| named.span.clone())
+    };
+    let file = chart.source.file();
+    let mut column = format!("name a column of {file}, with or without its unit");
+    if let ChartError::Column(ColumnError::Unknown { name, known }) = error {
+        let is_called = |key: &&str| *key == name || key.ends_with(&format!(".{name}"));
+        let is_swept = |key: &&str| study::explain_key(key).is_some_and(|key| key.swept.is_some());
+        if let Some(key) = study::explained_keys().filter(is_called).find(is_swept) {
+            column = format!(
+                "{key} has a column where a [[sweep]] varies it; else {column}, or leave out the chart"
+            );
+        } else if let Some(nearest) = nearest_column(name, known) {
+            column = format!("did you mean `{nearest}`? {column}");
+        }
+    }
+    let (span, help) = match error {
+        ChartError::Column(ColumnError::Unknown { name, .. } | ColumnError::Ambiguous { name, .. })
+        | ChartError::NotNumbers { column: name, .. } => {
+            (place(Box::new(named().chain(rows())), name), column)
+        }
+        ChartError::Column(ColumnError::NoRow { column, .. }) => {
+            (place(Box::new(rows()), column), format!("`where` takes values that the column has in {file}"))
+        }
+        ChartError::OtherUnit { column, beside, wanted, .. } => {
+            let instead = match *wanted {
+                "" => "a relative column".to_owned(),
+                "″" => "an error in ″".to_owned(),
+                unit => format!("an estimate in {unit}"),
+            };
+            let help = format!("name {instead} instead, or leave out the {beside}");
+            (place(Box::new(std::iter::once(chart.estimate()).chain(chart.columns())), column), help)
+        }
+        ChartError::Twice { column } => {
+            // The first one that is called so may be the other.
+            let last = chart.beside.iter().rev().find(|named| named.name == *column);
+            (last.unwrap_or(&chart.y).span.clone(), "leave it out here".to_owned())
+        }
+        ChartError::SameAxes { .. } => (chart.y.span.clone(), "name another column as y".to_owned()),
+        ChartError::SeveralRows { column, values, .. } => {
+            let help = column.as_ref().zip(values.first()).map_or_else(
+                || "choose one of the rows in `where`".to_owned(),
+                |(column, value)| choose_one(study, column, value, |name| format!("make {name} an axis")),
+            );
+            (chart.estimate().span.clone(), help)
+        }
+        ChartError::MixedCurve { column, values, .. } => {
+            let otherwise = |name: &str| match chart.series().len() {
+                0 | 1 => format!("name {name} in `series` too"),
+                _ => "make a chart for each".to_owned(),
+            };
+            let written = chart.series().iter().rev().map(|named| &named.span).find(|span| !span.is_empty());
+            let first = values.first().map_or("", String::as_str);
+            (written.unwrap_or(&chart.y.span).clone(), choose_one(study, column, first, otherwise))
+        }
+        ChartError::TooManySeries { .. } => (0..0, column),
+    };
+    study.error_at(span, format!("chart: {error}"), help)
+}
+
+/// The column whose name is most like one that there is not, without its unit.
+fn nearest_column<'k>(name: &str, headers: &'k [String]) -> Option<&'k str> {
+    let bare = |header: &'k String| bare(header).min_by_key(|name| name.len()).unwrap_or(header);
+    study::nearest(name, &headers.iter().map(bare).collect::<Vec<_>>())
+}
+
+/// How to leave one of several rows that differ in `column`, and what to do else with its name.
+fn choose_one(study: &Study, column: &str, value: &str, otherwise: impl Fn(&str) -> String) -> String {
+    // As studies write it, with the unit that files leave out.
+    let swept = study.sweeps.iter().find(|sweep| sweep.key.name == column);
+    let shown = swept.and_then(|sweep| sweep.values.iter().find(|swept| swept.cell().text() == value));
+    let value = match shown {
+        Some(Swept::Quantity(quantity)) if quantity.dimension == study::Dimension::Count => {
+            quantity.to_string()
+        }
+        Some(swept) => format!("\"{swept}\""),
+        None => format!("\"{value}\""),
+    };
+    // The last part says enough where no other sweep ends alike; a key with dots stands in quotes.
+    let last = |key: &str| key.rsplit('.').next().map(str::to_owned).unwrap_or_default();
+    let alike = study.sweeps.iter().filter(|sweep| last(sweep.key.name) == last(column)).count();
+    let name = if alike > 1 { format!("\"{column}\"") } else { last(column) };
+    format!("choose one, as in where = {{ {name} = {value} }}, or {}", otherwise(&name))
+}

@@ -1,0 +1,133 @@
+//! What the charts with a limit say of their curves.
+
+use serde_json::{Map, Value, json};
+
+use crate::chart::{Chart, Limit, Shows};
+use crate::source::diagnose::StudyError;
+use crate::study::Study;
+use crate::table::{Column, Table};
+use crate::view::chart::spec::ChartError;
+use crate::view::picture::{Shown, chart_stem, filter, refused};
+use crate::view::verdict::{Answer, Question, verdict};
+
+/// The verdict of one chart, or of several that show the same.
+pub struct Verdict<'t> {
+    /// The names of their files.
+    charts: Vec<String>,
+    /// What is judged.
+    of: &'t Column,
+    limit: Limit,
+    /// The rows it is about: column, value as files show it.
+    rows: Vec<(&'t Column, String)>,
+    answers: Vec<Answer<'t>>,
+}
+
+/// The verdict of all curves with a limit, equal ones once; a map shows for itself where it is passed.
+///
+/// # Errors
+/// The table does not have what a chart asks for.
+pub fn verdicts<'t>(study: &Study, shown: &'t [Shown]) -> Result<Vec<Verdict<'t>>, StudyError> {
+    let mut all: Vec<Verdict> = Vec::new();
+    for (index, (chart, shown)) in study.charts.iter().zip(shown).enumerate() {
+        let Some(limit) = chart.limit.filter(|_| matches!(chart.shows, Shows::Curves { .. })) else {
+            continue;
+        };
+        let name = chart_stem(index, study.charts.len());
+        let found = of_chart(shown, chart, name, limit).map_err(|error| refused(study, chart, &error))?;
+        match all.iter_mut().find(|earlier| earlier.says_as_much_as(&found)) {
+            Some(earlier) => earlier.charts.extend(found.charts),
+            None => all.push(found),
+        }
+    }
+    Ok(all)
+}
+
+fn of_chart<'t>(
+    shown: &'t Shown,
+    chart: &Chart,
+    name: String,
+    limit: Limit,
+) -> Result<Verdict<'t>, ChartError> {
+    let table: &Table = &shown.table;
+    let rows = filter(chart);
+    let question = Question {
+        x: &chart.x.name,
+        y: &shown.estimate,
+        series: shown.series.iter().map(String::as_str).collect(),
+        filter: rows.clone(),
+        limit: limit.value,
+    };
+    let rows = rows.into_iter().map(|(column, value)| Ok((table.column(&column)?, value)));
+    Ok(Verdict {
+        charts: vec![name],
+        of: table.column(&shown.estimate)?,
+        limit,
+        rows: rows.collect::<Result<_, ChartError>>()?,
+        answers: verdict(table, &question)?,
+    })
+}
+
+impl Verdict<'_> {
+    fn says_as_much_as(&self, other: &Verdict) -> bool {
+        self.of.name == other.of.name
+            && self.rows == other.rows
+            && self.answers == other.answers
+            && self.limit == other.limit
+    }
+
+    /// A heading that says what is judged, and `besides` it what is to be known of that, and a sentence for each curve.
+    pub fn text(&self, besides: &str) -> String {
+        let sentences: String =
+            self.sentences().into_iter().map(|sentence| format!("  {sentence}\n")).collect();
+        format!("{}{besides}\n{sentences}", self.heading())
+    }
+
+    /// What is judged, and where it is drawn.
+    pub fn heading(&self) -> String {
+        let rows = self.rows.iter().map(|(column, value)| format!(", {}", column.valued(value)));
+        format!("{}: {} against the limit{}", self.charts.join(", "), self.of.label, rows.collect::<String>())
+    }
+
+    /// A sentence for each curve.
+    pub fn sentences(&self) -> Vec<String> {
+        let limit = self.limit.text();
+        self.answers.iter().map(|answer| answer.sentence(&limit)).collect()
+    }
+
+    /// How each curve stands to the limit.
+    pub fn answers(&self) -> &[Answer<'_>] {
+        &self.answers
+    }
+
+    /// What it is judged by.
+    pub fn limit(&self) -> Limit {
+        self.limit
+    }
+
+    /// What is judged, where, against which limit, and for each curve its outcome and places: an object for programs.
+    pub fn json(&self) -> Value {
+        let rows = self.rows.iter().map(|(column, value)| (column.header(), json!(value)));
+        let answers = self.answers.iter().map(|answer| {
+            let series = answer.series.iter().map(|(column, cell)| json!([column.header(), cell.text()]));
+            let places = |places: &[(&Column, f64)]| -> Vec<Value> {
+                places.iter().map(|(column, value)| json!([column.header(), value])).collect()
+            };
+            json!({
+                "series": series.collect::<Vec<_>>(),
+                "outcome": answer.outcome,
+                "at": places(&answer.at),
+                "until": places(&answer.until),
+                "again": answer.again,
+                "first": places(&answer.first),
+            })
+        });
+        let limit = format!("limit_{}", self.limit.unit.suffix);
+        json!({
+            "charts": self.charts,
+            "of": self.of.header(),
+            "where": rows.collect::<Map<_, _>>(),
+            (limit.trim_end_matches('_')): self.limit.value,
+            "series": answers.collect::<Vec<_>>(),
+        })
+    }
+}

@@ -1,0 +1,164 @@
+//! How well simulated values agree with their closed forms.
+
+use statrs::function::erf::erfc_inv;
+
+use crate::quantity::number::significant;
+use crate::table::{Cell, Column, Table};
+
+/// The deviations of one estimate from its closed form, in standard errors of the simulation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Agreement {
+    /// The column of the deviations: `z`.
+    pub column: String,
+    /// What deviates: `rms error`.
+    pub of: String,
+    /// Rows that have a closed form.
+    pub rows: usize,
+    /// Root mean square of the deviations: near 1 where nothing but chance is in them.
+    pub rms: f64,
+    /// The largest magnitude.
+    pub largest: f64,
+    /// Its row.
+    pub at: usize,
+    /// The 2.5 % and 97.5 % quantiles of the largest of so many independent standard normal magnitudes.
+    pub expected: (f64, f64),
+    /// What the largest of so many stays below in 999 of 1000 cases.
+    pub most: f64,
+}
+
+/// The agreement of every estimate of a table that has closed forms: the columns `z`, which is about the rms or, of Allan curves, the
+/// variance, and `z_<name>`.
+pub fn agreements(table: &Table) -> Vec<Agreement> {
+    let is_deviation = |column: &&Column| column.name == "z" || column.name.starts_with("z_");
+    table.columns.iter().filter(is_deviation).filter_map(|column| of_column(table, column)).collect()
+}
+
+fn of_column(table: &Table, column: &Column) -> Option<Agreement> {
+    let known: Vec<(usize, f64)> =
+        column.cells.iter().enumerate().filter_map(|(row, cell)| Some((row, cell.number()?))).collect();
+    let (at, largest) = *known.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+    let rows = known.len();
+    let squares: f64 = known.iter().map(|(_, z)| z * z).sum();
+    let of = column.name.strip_prefix("z_").map(str::to_owned).or_else(|| {
+        let judged = ["rms", "mean_avar"].into_iter();
+        judged
+            .filter_map(|name| table.columns.iter().find(|column| column.name == name))
+            .next()
+            .map(|c| c.label.clone())
+    });
+    Some(Agreement {
+        column: column.name.clone(),
+        of: of.unwrap_or_else(|| column.label.clone()),
+        rows,
+        rms: libm::sqrt(squares / rows as f64),
+        largest: largest.abs(),
+        at,
+        expected: (largest_normal(rows, 0.025), largest_normal(rows, 0.975)),
+        most: largest_normal(rows, 0.999),
+    })
+}
+
+/// The quantile p of the largest of n independent standard normal magnitudes: all n are below it with probability p.
+fn largest_normal(n: usize, p: f64) -> f64 {
+    // 1 − p^(1/n), also where that is tiny.
+    let beyond = -libm::expm1(libm::log(p) / n as f64);
+    std::f64::consts::SQRT_2 * erfc_inv(beyond)
+}
+
+impl Agreement {
+    /// Whether chance explains the largest deviation: in one of 1000 cases it would be as large.
+    pub fn holds(&self) -> bool {
+        self.largest <= self.most
+    }
+
+    /// The agreement as a sentence; `table` is the one that it is of.
+    pub fn sentence(&self, table: &Table) -> String {
+        let [rms, largest, low, high] =
+            [self.rms, self.largest, self.expected.0, self.expected.1].map(|z| significant(z, 3));
+        let rows = match self.rows {
+            1 => "one row has a closed form".to_owned(),
+            rows => format!("{rows} rows have a closed form"),
+        };
+        let place = place(table, self.at);
+        let place = if place.is_empty() { String::new() } else { format!(" ({place})") };
+        let judged =
+            if self.holds() { "" } else { " Chance makes it as large in less than one of 1000 cases." };
+        format!(
+            "{}: {rows}. The simulation is off by {rms} standard errors rms and at most {largest}{place}; of as many independent \
+             normal numbers the largest would be {low} to {high} in 95 of 100 cases.{judged}",
+            capitalised(&self.of)
+        )
+    }
+}
+
+/// What tells a row from others: its texts, and its values before them.
+fn place(table: &Table, row: usize) -> String {
+    let told = table.columns.iter().take_while(|column| column.name != "trials");
+    let unlike = told.filter(|column| column.cells.iter().any(|cell| *cell != column.cells[row]));
+    let value = |column: &Column| match &column.cells[row] {
+        Cell::Blank => None,
+        Cell::Text(text) => Some(text.clone()),
+        cell => Some(column.valued(&cell.number().map_or_else(String::new, |x| significant(x, 4)))),
+    };
+    unlike.filter_map(value).collect::<Vec<String>>().join(", ")
+}
+
+/// A text as the start of a sentence.
+pub(crate) fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::table::Unit;
+
+    fn table(z: &[Option<f64>]) -> Table {
+        let column = |name: &str, cells| Column {
+            name: name.to_owned(),
+            label: format!("the {name}"),
+            unit: Unit::NONE,
+            cells,
+            band: None,
+        };
+        let fillers = (0..z.len()).map(|row| Cell::Text(format!("filler {row}"))).collect();
+        let numbers = |value: f64| vec![Cell::Number(value); z.len()];
+        Table {
+            columns: vec![
+                column("filler", fillers),
+                column("trials", numbers(8.0)),
+                column("rms", numbers(1.0)),
+                column("z", z.iter().map(|z| Cell::from(*z)).collect()),
+            ],
+        }
+    }
+
+    #[test]
+    fn the_largest_of_many_is_where_the_normal_distribution_puts_it() {
+        // Of one magnitude: the quantiles of |z|.
+        assert!((largest_normal(1, 0.95) - 1.959_963_985).abs() < 1e-8);
+        // All of 100 within 3.3 with (1 − 2·Φ(−3.3))^100.
+        let p = libm::pow(libm::erf(3.3 / std::f64::consts::SQRT_2), 100.0);
+        assert!((largest_normal(100, p) - 3.3).abs() < 1e-9);
+    }
+
+    #[test]
+    fn deviations_are_summed_up_over_the_rows_that_have_a_closed_form() {
+        let table = table(&[Some(1.0), None, Some(-3.0), Some(2.0)]);
+        let found = agreements(&table);
+        assert_eq!((found.len(), found[0].rows, found[0].at, found[0].largest), (1, 3, 2, 3.0));
+        assert!((found[0].rms - libm::sqrt(14.0 / 3.0)).abs() < 1e-12 && found[0].holds());
+        let sentence = found[0].sentence(&table);
+        assert!(sentence.starts_with("The rms: 3 rows have a closed form."), "{sentence}");
+        assert!(sentence.contains("at most 3 (filler 2)"), "{sentence}");
+    }
+
+    #[test]
+    fn what_chance_does_not_explain_is_said_and_without_closed_forms_nothing_is() {
+        let table = table(&[Some(0.5), Some(6.0)]);
+        let found = agreements(&table);
+        assert!(!found[0].holds() && found[0].sentence(&table).ends_with("in less than one of 1000 cases."));
+        assert!(agreements(&self::table(&[None, None])).is_empty());
+    }
+}

@@ -1,0 +1,246 @@
+//! The data of a page: what its script draws and lists, as compressed JSON.
+
+use std::borrow::Cow;
+use std::io::{self, Write};
+
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use serde::Serialize;
+use serde_json::ser::Formatter;
+use serde_json::value::RawValue;
+
+use crate::chart::file::Source;
+use crate::quantity::number::significant;
+use crate::table::describe::File;
+use crate::table::{Cell, Column, Table};
+use crate::view::chart::palette::{LOOKS, Looks};
+use crate::view::chart::picture::Picture;
+use crate::view::report::Report;
+
+/// Significant digits: as many as files have.
+const DIGITS: usize = 9;
+
+/// Most cells of a table of a page, so that it stays below 1.5 MB and is drawn at once.
+const MOST_CELLS: usize = 80_000;
+
+/// Most points of all curves of a page.
+const MOST_POINTS: usize = 20_000;
+
+#[derive(Serialize)]
+struct Data {
+    looks: Looks,
+    charts: Vec<Chart>,
+    tables: Vec<Listed>,
+}
+
+#[derive(Serialize)]
+struct Chart {
+    stem: String,
+    picture: Box<RawValue>,
+}
+
+/// The part of a table that a page has.
+#[derive(Serialize)]
+pub(crate) struct Listed {
+    file: &'static str,
+    /// Of the whole table.
+    pub(crate) rows: usize,
+    pub(crate) all_columns: usize,
+    /// How many rows the page has.
+    shown: usize,
+    columns: Vec<Listing>,
+}
+
+#[derive(Serialize)]
+struct Listing {
+    header: String,
+    title: String,
+    /// What it means.
+    about: Option<&'static str>,
+    /// Whether it holds text.
+    text: bool,
+    /// Whether it tells rows apart.
+    tells: bool,
+    /// Its cells; one if all are the same.
+    cells: Box<RawValue>,
+}
+
+impl Listed {
+    pub(crate) fn file(&self) -> &'static str {
+        self.file
+    }
+
+    /// What the page leaves out, if anything.
+    pub(crate) fn left_out(&self) -> Option<String> {
+        let (rows, columns) = (self.shown, self.columns.len());
+        let part = match (rows < self.rows, columns < self.all_columns) {
+            (false, false) => return None,
+            (true, false) => format!("the first {rows} of {} rows", self.rows),
+            (false, true) => format!("the {columns} columns that charts show, of {}", self.all_columns),
+            (true, true) => format!(
+                "the first {rows} of {} rows and the {columns} columns that charts show, of {}",
+                self.rows, self.all_columns
+            ),
+        };
+        Some(format!("The page has {part}; all are in {}.", self.file))
+    }
+}
+
+/// The data of a page, and what of the report is among them.
+pub(crate) struct Packed {
+    pub(crate) text: String,
+    pub(crate) tables: Vec<Listed>,
+    /// Of curves one point in so many is there.
+    pub(crate) thinned: usize,
+}
+
+pub(crate) fn data(report: &Report) -> Packed {
+    let points: usize = report.charts.iter().map(|drawn| points(&drawn.picture)).sum();
+    let thinned = points.div_ceil(MOST_POINTS).max(1);
+    let charts = report
+        .charts
+        .iter()
+        .map(|drawn| Chart { stem: drawn.stem.clone(), picture: json(&one_in(thinned, &drawn.picture)) });
+    let tables: Vec<Listed> =
+        report.tables.iter().map(|(source, table)| listed(*source, table, report)).collect();
+    let data = Data { looks: LOOKS, charts: charts.collect(), tables };
+    Packed { text: packed(json(&data).get().as_bytes()), tables: data.tables, thinned }
+}
+
+/// The points of the curves of a picture.
+fn points(picture: &Picture) -> usize {
+    match picture {
+        Picture::Curves(figure) => figure.series.iter().map(|series| series.points.len()).sum(),
+        Picture::Map(_) => 0,
+    }
+}
+
+/// A picture with one in so many points of its curves, and of what stands beside them.
+fn one_in(step: usize, picture: &Picture) -> Cow<'_, Picture> {
+    let Picture::Curves(figure) = picture else { return Cow::Borrowed(picture) };
+    if step == 1 {
+        return Cow::Borrowed(picture);
+    }
+    let mut figure = figure.clone();
+    for series in &mut figure.series {
+        series.points = thin(&series.points, step);
+        series.law = thin(&series.law, step);
+    }
+    for line in figure.laws.iter_mut().flat_map(|law| &mut law.lines) {
+        line.points = thin(&line.points, step);
+    }
+    Cow::Owned(Picture::Curves(figure))
+}
+
+/// The first one, then one in so many, and the last.
+fn thin<T: Copy>(items: &[T], step: usize) -> Vec<T> {
+    let last = items.len().saturating_sub(1);
+    let kept = |(at, item): (usize, &T)| (at % step == 0 || at == last).then_some(*item);
+    items.iter().enumerate().filter_map(kept).collect()
+}
+
+fn listed(source: Source, table: &Table, report: &Report) -> Listed {
+    let file = File::of_study(report.source.kind, source);
+    // A column without a value, as Δt·ν of a motion that has many frequencies, takes room only.
+    let known = |column: &&Column| column.cells.iter().any(|cell| *cell != Cell::Blank);
+    let all: Vec<&Column> = table.columns.iter().filter(known).collect();
+    let small = table.rows() * all.len() <= MOST_CELLS;
+    let columns: Vec<&Column> =
+        all.iter().copied().filter(|column| small || is_charted(column, table, report)).collect();
+    let rows = table.rows().min(MOST_CELLS / columns.len().max(1));
+    let listing = |column: &&Column| {
+        let cells = &column.cells[..rows];
+        let one = cells.len() > 1 && cells.iter().all(|cell| *cell == cells[0]);
+        Listing {
+            header: column.header(),
+            title: title(column, table),
+            about: file.column(&column.name),
+            text: column.cells.iter().any(|cell| matches!(cell, Cell::Text(_))),
+            tells: tells(column),
+            cells: json(if one { &cells[..1] } else { cells }),
+        }
+    };
+    Listed {
+        file: source.file(),
+        rows: table.rows(),
+        all_columns: all.len(),
+        shown: rows,
+        columns: columns.iter().map(listing).collect(),
+    }
+}
+
+/// The heading of a column, which no other column of its table has.
+fn title(column: &Column, table: &Table) -> String {
+    let first = table.columns.iter().find(|other| other.title() == column.title());
+    match first {
+        // As the name of a tick and its number are.
+        Some(other) if other.name != column.name => {
+            Column { label: column.name.replace('_', " "), cells: vec![], band: None, ..column.clone() }
+                .title()
+        }
+        _ => column.title(),
+    }
+}
+
+/// Whether rows are told apart by a column: swept keys and texts.
+fn tells(column: &Column) -> bool {
+    column.name.contains('.') || column.cells.iter().any(|cell| matches!(cell, Cell::Text(_)))
+}
+
+/// Whether a column tells rows apart, or a chart shows it with its interval.
+fn is_charted(column: &Column, table: &Table, report: &Report) -> bool {
+    let shown = |label: &String| {
+        let column = |other: &&Column| other.label == *label;
+        table.columns.iter().find(column).map(|column| column.name.clone())
+    };
+    let is_bound = |name: &str| {
+        column.name.strip_prefix(name).is_some_and(|rest| ["", "_lo", "_hi", "_se"].contains(&rest))
+    };
+    let labels = report.charts.iter().flat_map(|drawn| match &drawn.picture {
+        Picture::Curves(figure) => [&figure.x.label, &figure.y.label],
+        Picture::Map(map) => [&map.z.label, &map.z.label],
+    });
+    tells(column) || labels.filter_map(shown).any(|name| is_bound(&name))
+}
+
+impl Serialize for Cell {
+    /// As JSON has it: null for a blank.
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Cell::Blank => serializer.serialize_none(),
+            Cell::Text(text) => serializer.serialize_str(text),
+            Cell::Integer(integer) => serializer.serialize_i64(*integer),
+            Cell::Number(number) => serializer.serialize_f64(*number),
+        }
+    }
+}
+
+/// Numbers as files show them.
+struct Rounded;
+
+impl Formatter for Rounded {
+    fn write_f64<W: ?Sized + Write>(&mut self, writer: &mut W, value: f64) -> io::Result<()> {
+        writer.write_all(significant(value, DIGITS).as_bytes())
+    }
+}
+
+/// A value as JSON. Numbers that are not finite become null.
+fn json(value: &(impl Serialize + ?Sized)) -> Box<RawValue> {
+    let mut text = Vec::new();
+    let mut serializer = serde_json::Serializer::with_formatter(&mut text, Rounded);
+    // Writing to memory cannot fail, nor do names that are no text occur.
+    let written = value.serialize(&mut serializer).ok();
+    let text =
+        written.and_then(|()| String::from_utf8(text).ok()).and_then(|text| RawValue::from_string(text).ok());
+    text.unwrap_or_default()
+}
+
+/// Compressed by gzip, as text.
+fn packed(text: &[u8]) -> String {
+    // The best there is takes three times as long for a third of a percent.
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+    let packed = encoder.write_all(text).and_then(|()| encoder.finish());
+    BASE64_STANDARD.encode(packed.unwrap_or_default())
+}

@@ -1,0 +1,40 @@
+//! What should be known of results besides them.
+
+use crate::quantity::number::short;
+use crate::run::{Plan, Tables};
+use crate::store::Store;
+use crate::store::error::StoreError;
+use crate::store::index::Index;
+use crate::study::Study;
+use crate::table::{Cell, Table};
+
+/// What should be known of results, each in a sentence, but of their charts: what is missing or was not done as asked, what the plan
+/// says, and that rows are from different numbers of trials.
+///
+/// `index` says what the store holds, `held` are the trials that [`Plan::held`] says, `lacking` those that are missing of the whole, `degraded` why some of a run was not done as
+/// asked.
+///
+/// # Errors
+/// A row of the store is damaged, or the disk fails.
+pub fn notes(
+    study: &Study,
+    plan: &Plan,
+    (store, index): (&Store, &Index),
+    tables: &Tables,
+    (held, lacking): (u64, u64),
+    degraded: &[String],
+) -> Result<Vec<String>, StoreError> {
+    let incomplete =
+        (lacking > 0).then(|| format!("the run is incomplete: {} trials are missing", short(lacking as f64)));
+    let uneven = if study.has_stop_rule() { None } else { uneven(&tables.points) };
+    let degraded = degraded.iter().cloned();
+    Ok(incomplete.into_iter().chain(degraded).chain(plan.notes(store, index, held)?).chain(uneven).collect())
+}
+
+/// That rows are of different numbers of trials.
+fn uneven(table: &Table) -> Option<String> {
+    let column = table.columns.iter().find(|column| column.name == "trials")?;
+    let trials = || column.cells.iter().filter_map(Cell::number);
+    let (least, most) = (trials().reduce(f64::min)?, trials().reduce(f64::max)?);
+    (least < most).then(|| format!("rows are from {} to {} trials", short(least), short(most)))
+}

@@ -1,0 +1,270 @@
+//! The page of one study.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::quantity::number::significant;
+use crate::study;
+use crate::table::Table;
+use crate::view::chart::palette::style_sheet;
+use crate::view::report::Report;
+use crate::view::report::agreement::{Agreement, agreements};
+use crate::view::report::data::{Listed, Packed, data};
+use crate::view::report::source::{Source, hexadecimal};
+
+/// How pages look, in light and dark, on paper and on phones.
+const STYLE: &str = include_str!("../../../assets/report/style.css");
+
+/// What draws the charts and sorts the tables. The parts stand in one scope, in this order.
+const SCRIPT: [&str; 9] = [
+    include_str!("../../../assets/report/elements.js"),
+    include_str!("../../../assets/report/numbers.js"),
+    include_str!("../../../assets/report/scale.js"),
+    include_str!("../../../assets/report/plot.js"),
+    include_str!("../../../assets/report/curves.js"),
+    include_str!("../../../assets/report/contour.js"),
+    include_str!("../../../assets/report/map.js"),
+    include_str!("../../../assets/report/table.js"),
+    include_str!("../../../assets/report/page.js"),
+];
+
+pub(crate) fn page(report: &Report) -> String {
+    let points =
+        report.tables.iter().find(|(source, _)| *source == study::Source::Points).map(|(_, table)| *table);
+    // Half of the time each, where there are many rows.
+    let (packed, digest) = rayon::join(|| data(report), || points.map(digest));
+    let Packed { text: packed, tables, thinned } = packed;
+    let agreements = points.map(agreements).unwrap_or_default();
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            (head(report.title))
+            body {
+                header {
+                    div.bar {
+                        span.brand { "sagnac " (env!("CARGO_PKG_VERSION")) }
+                        nav {
+                            @if !report.charts.is_empty() { a href="#charts" { "Charts" } }
+                            @if !agreements.is_empty() { a href="#closed-forms" { "Closed forms" } }
+                            a href="#tables" { "Tables" }
+                            a href="#source" { "How it was made" }
+                        }
+                        button #theme type="button" { "Dark" }
+                    }
+                    h1 { (report.title) }
+                    @if !report.question.is_empty() { p.question { (report.question) } }
+                }
+                main {
+                    (answer(report))
+                    noscript { p.note { "Charts and tables of this page are drawn by a script, which is switched off here." } }
+                    (charts(report, thinned))
+                    @if let Some(table) = points.filter(|_| !agreements.is_empty()) {
+                        (closed_forms(table, &agreements))
+                    }
+                    (listings(&tables))
+                    (source(&report.source, digest.as_deref()))
+                }
+                footer {
+                    "Made by sagnac " (env!("CARGO_PKG_VERSION")) ": Monte Carlo studies for laser gyroscopes. \
+                     The page needs no network."
+                }
+                div #tip role="status" aria-live="polite" {}
+                script #data type="application/gzip+base64" { (PreEscaped(packed)) }
+                script { (PreEscaped("\"use strict\";\n(() => {\n")) (PreEscaped(SCRIPT.concat())) (PreEscaped("})();\n")) }
+            }
+        }
+    };
+    page.into_string()
+}
+
+/// What stands before a page.
+pub(crate) fn head(title: &str) -> Markup {
+    html! {
+        head {
+            meta charset="utf-8";
+            meta name="viewport" content="width=device-width, initial-scale=1";
+            meta name="generator" content=(concat!("sagnac ", env!("CARGO_PKG_VERSION")));
+            // A browser would ask a server for one.
+            link rel="icon" href="data:,";
+            title { (title) }
+            style { (PreEscaped(STYLE)) (PreEscaped(style_sheet())) }
+        }
+    }
+}
+
+fn answer(report: &Report) -> Markup {
+    html! {
+        section #answer {
+            h2 { "Answer" }
+            @if !report.answer.headline.is_empty() { p.headline { (report.answer.headline) } }
+            @for (heading, sentences) in &report.answer.curves {
+                @if sentences.len() > 1 {
+                    details open[sentences.len() <= 4] {
+                        summary { (heading) }
+                        ul { @for sentence in sentences { li { (sentence) } } }
+                    }
+                }
+            }
+            @for note in report.notes { p.note { (note) } }
+        }
+    }
+}
+
+fn charts(report: &Report, thinned: usize) -> Markup {
+    html! {
+        @if !report.charts.is_empty() {
+            section #charts {
+                h2 { "Charts" }
+                p.hint {
+                    "Point at a chart or use the arrow keys to read values off, drag to enlarge a part, double click to see all again; \
+                     names in the legend switch curves off and on."
+                }
+                @if thinned > 1 {
+                    p.note { "Curves of so many points have one in " (thinned) " here; all are in the tables of the results folder and in its chart.svg." }
+                }
+                @for (at, drawn) in report.charts.iter().enumerate() {
+                    figure.chart data-chart=(at) {
+                        figcaption { h3 { (drawn.picture.title()) } }
+                        div.plot {}
+                        @if let Some(note) = &drawn.note { p.note { (note) } }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn closed_forms(table: &Table, agreements: &[Agreement]) -> Markup {
+    html! {
+        section #closed-forms {
+            h2 { "Closed forms" }
+            p {
+                "Where theory has a formula, every simulated value is held against it. The deviation z is the difference in standard errors \
+                 of the simulation."
+            }
+            @for agreement in agreements {
+                p.agreement .off[!agreement.holds()] {
+                    span.sign aria-hidden="true" { @if agreement.holds() { "✓" } @else { "!" } }
+                    (agreement.sentence(table))
+                }
+            }
+        }
+    }
+}
+
+fn listings(tables: &[Listed]) -> Markup {
+    html! {
+        section #tables {
+            h2 { "Tables" }
+            @for (at, table) in tables.iter().enumerate() {
+                div.table data-table=(at) {
+                    h3 { (table.file()) }
+                    @if let Some(sentence) = table.left_out() { p.note { (sentence) } }
+                    div.listing {}
+                }
+            }
+        }
+    }
+}
+
+fn source(source: &Source, digest: Option<&str>) -> Markup {
+    let trials: u64 = source.provenance.iter().map(|by| by.trials).sum();
+    html! {
+        section #source {
+            h2 { "How it was made" }
+            dl {
+                dt { "Study" } dd { (source.kind.name()) ", " (source.points) " " (if source.points == 1 { "point" } else { "points" }) }
+                @if let Some((seed, trials)) = source.sampled {
+                    dt { "Seed" } dd { (seed) }
+                    dt { "Trials at each point" }
+                    dd {
+                        @if source.stops { "at most " (grouped(trials)) ", fewer where a point is precise enough before" } @else { (grouped(trials)) }
+                        @if source.lacking > 0 { ", of which " (grouped(source.lacking)) " over all points are missing" }
+                    }
+                } @else {
+                    dt { "Trials" } dd { "none: every value is a formula" }
+                }
+                @if trials > 0 {
+                    dt { "Sampled" }
+                    dd {
+                        (grouped(trials)) " trials in all"
+                        @if source.counts_again { ", once for each part of the estimates that is sampled apart" }
+                        @for by in &source.provenance {
+                            br; (by.device) ": " (grouped(by.trials)) " in " (significant(by.seconds, 3)) " s"
+                            @if by.seconds > 0.0 { ", " (rate(by.trials as f64 / by.seconds)) " per second" }
+                        }
+                    }
+                }
+                dt { "Program" } dd { "sagnac " (env!("CARGO_PKG_VERSION")) @if !source.kernels.is_empty() { "; kernels " (source.kernels) } }
+                @if let Some(digest) = digest {
+                    dt { "SHA-256 of points.csv" } dd { code.digest { (digest) } }
+                }
+            }
+            p {
+                "The same study gives the same bits on any machine, device and number of threads. Save it as " code { "study.toml" }
+                @if !source.inputs.is_empty() { ", the files that it names in the folder " code { "inputs" } " beside it," }
+                " and run"
+            }
+            pre.command { code { "sagnac run study.toml --out again" } }
+            @if source.lacking > 0 {
+                p { "which samples all of it: " code { "again/points.csv" } " is then another one than that of so far, with the SHA-256 above." }
+            } @else {
+                p { "then " code { "again/points.csv" } " has the SHA-256 above." }
+            }
+            (file("study.toml", &source.study))
+            @for input in &source.inputs {
+                @match &input.text {
+                    Some(text) => { (file(&input.name, text)) }
+                    None => {
+                        p {
+                            code { (input.name) } " is in the folder of the results; its SHA-256 is " code.digest { (input.digest) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// SHA-256 of a table as its file.
+fn digest(table: &Table) -> String {
+    let mut bytes = Vec::new();
+    // Memory takes whatever is written to it.
+    let _ = table.write_csv(&mut bytes);
+    hexadecimal(&bytes)
+}
+
+/// A file to look at, and to save by its name.
+fn file(name: &str, text: &str) -> Markup {
+    html! {
+        details {
+            summary { (name) }
+            pre data-file=(name) { code { (text) } }
+        }
+    }
+}
+
+/// A number per second.
+fn rate(rate: f64) -> String {
+    if rate < 1e6 { significant(rate, 3) } else { format!("{} million", significant(rate / 1e6, 3)) }
+}
+
+/// A count with its thousands apart.
+fn grouped(count: u64) -> String {
+    let figures = count.to_string();
+    let first = figures.len() % 3;
+    let (head, tail) = figures.split_at(first);
+    let groups = tail.as_bytes().chunks(3).map(|group| String::from_utf8_lossy(group).into_owned());
+    let head = (!head.is_empty()).then(|| head.to_owned());
+    head.into_iter().chain(groups).collect::<Vec<_>>().join("\u{202f}")
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::view::report::page::grouped;
+
+    #[test]
+    fn counts_have_their_thousands_apart() {
+        let shown = [7, 999, 1000, 72_000_000].map(|count| grouped(count).replace('\u{202f}', " "));
+        assert_eq!(shown, ["7", "999", "1 000", "72 000 000"]);
+    }
+}

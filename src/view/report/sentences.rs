@@ -1,0 +1,425 @@
+//! Sentences that answer: where something is least, who wins, who stays within a limit.
+
+use crate::chart::Limit;
+use crate::quantity::number::significant;
+use crate::table::{Cell, Column, ColumnError, Table};
+use crate::view::chart::map::{Cells, Map, share};
+use crate::view::report::agreement::capitalised;
+use crate::view::verdict::{Answer as Judged, Outcome};
+
+/// What a table says about an estimate.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Best {
+    /// `The least rms error is`.
+    subject: String,
+    /// `2.1 ″ (95 %: 2 to 2.2): quadratic, frequency 4 Hz`.
+    pub(crate) value: String,
+    /// Its row, or one of several, where the estimate is the better the less it is and rows differ.
+    pub(crate) row: Option<usize>,
+}
+
+impl Best {
+    pub(crate) fn sentence(&self) -> String {
+        let end = if self.value.ends_with('…') { "" } else { "." };
+        format!("{} {}{end}", self.subject, self.value)
+    }
+}
+
+/// The rows that answer about an estimate: where it is least, or of one that is not the better the less it is, from where to where it runs.
+///
+/// `rows` are those that are compared, `by` the columns that tell them apart. None where no row has a value. Rows with the same value to
+/// the four digits that are said are counted.
+///
+/// # Errors
+/// A name selects no single column.
+pub(crate) fn best(
+    table: &Table,
+    estimate: &str,
+    rows: &[usize],
+    by: &[&str],
+) -> Result<Option<Best>, ColumnError> {
+    let column = table.column(estimate)?;
+    let by = by.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
+    let known: Vec<(usize, f64)> =
+        rows.iter().filter_map(|&row| Some((row, column.cells[row].number()?))).collect();
+    let order = |a: &&(usize, f64), b: &&(usize, f64)| a.1.total_cmp(&b.1);
+    let Some((least, most)) = known.iter().min_by(order).zip(known.iter().max_by(order)) else {
+        return Ok(None);
+    };
+    let place = |row: usize| {
+        let mut places: Vec<String> = Vec::new();
+        for column in by.iter().filter(|column| rows.iter().any(|&at| column.cells[at] != column.cells[row]))
+        {
+            // A count may have a column for its name too.
+            places.extend(named(column, &column.cells[row]).filter(|name| !places.contains(name)));
+        }
+        places.join(", ")
+    };
+    let shown = |value: f64| measured(column, value);
+    let label = &column.label;
+    let alike = known.iter().filter(|(_, other)| shown(*other) == shown(least.1)).count();
+    let band = column.band.as_ref().and_then(|band| band[least.0]);
+    let band = band.map_or(String::new(), |(low, high)| {
+        format!(" (95 %: {} to {})", significant(low, 4), significant(high, 4))
+    });
+    let least_of = |value: String| Best {
+        subject: format!("The least {label} is"),
+        value: format!("{}{band}{value}", shown(least.1)),
+        row: Some(least.0),
+    };
+    let told = |how: &str, value: String| Best { subject: format!("The {label} {how}"), value, row: None };
+    Ok(Some(match (known.len(), alike) {
+        (1, _) => told("is", format!("{}{band}", shown(least.1))),
+        (all, alike) if alike == all => told("is", format!("{} in all {all} rows", shown(least.1))),
+        _ if !less_is_better(table, estimate, rows)? => {
+            let end = |(row, value): &(usize, f64)| format!("{} ({})", shown(*value), place(*row));
+            told("runs from", format!("{} to {}", end(least), end(most)))
+        }
+        (_, 1) => least_of(format!(": {}", place(least.0))),
+        (_, alike) => least_of(format!(", in {alike} rows: {}, …", place(least.0))),
+    }))
+}
+
+/// Estimates that are the better the less they are, with or without `oracle_` before them: errors, drifts and deviations.
+const LESS_IS_BETTER: [&str; 21] = [
+    "rms",
+    "q9973",
+    "max",
+    "adev",
+    "mean_avar",
+    "rmse",
+    "relative_rmse",
+    "residual_rms",
+    "drift_rms",
+    "drift_q9973",
+    "bound",
+    "bound_non_magnetic",
+    "bound_quasi_non_magnetic",
+    "bound_magnetic",
+    "bound_residual",
+    "rms_drift",
+    "rms_drift_in_phase",
+    "rms_switching",
+    "switching_drift",
+    "optimum_bound",
+    "optimum_true_rms",
+];
+
+/// Whether less of an estimate is better in all rows chosen: it is such an estimate, and none of its values is negative.
+///
+/// # Errors
+/// Those of [`best`].
+pub(crate) fn less_is_better(table: &Table, estimate: &str, rows: &[usize]) -> Result<bool, ColumnError> {
+    let column = table.column(estimate)?;
+    let name = column.name.strip_prefix("oracle_").unwrap_or(&column.name);
+    let signed = rows.iter().filter_map(|&row| column.cells[row].number()).any(|value| value < 0.0);
+    Ok(LESS_IS_BETTER.contains(&name) && !signed)
+}
+
+/// The estimate of some rows side by side, which `by` tells apart: `rms angle left: 34.7 ″ (none), 20.4 ″ (frequency)`. None where a
+/// row has no value, or there is none.
+///
+/// # Errors
+/// A name selects no single column.
+pub(crate) fn side_by_side(
+    table: &Table,
+    estimate: &str,
+    rows: &[usize],
+    by: &[&str],
+) -> Result<Option<String>, ColumnError> {
+    let column = table.column(estimate)?;
+    let by = by.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
+    let differs = |by: &&&Column| rows.iter().any(|&row| by.cells[row] != by.cells[rows[0]]);
+    let of_row = |&row: &usize| {
+        let value = measured(column, column.cells[row].number()?);
+        let names: Vec<String> =
+            by.iter().filter(differs).filter_map(|by| named(by, &by.cells[row])).collect();
+        Some(if names.is_empty() { value } else { format!("{value} ({})", names.join(", ")) })
+    };
+    let told = rows.iter().map(of_row).collect::<Option<Vec<String>>>();
+    Ok(told.filter(|told| !told.is_empty()).map(|told| format!("{}: {}", column.label, told.join(", "))))
+}
+
+/// A value of a column with its unit.
+pub(crate) fn measured(column: &Column, value: f64) -> String {
+    format!("{} {}", significant(value, 4).replace('-', "−"), column.unit.symbol).trim_end().to_owned()
+}
+
+/// A value as a sentence has it; none of a blank.
+pub(crate) fn named(column: &Column, cell: &Cell) -> Option<String> {
+    match cell {
+        Cell::Blank => None,
+        Cell::Text(text) if text.parse::<f64>().is_ok() => Some(column.valued(text)),
+        Cell::Text(text) => Some(text.clone()),
+        cell => cell.number().map(|x| column.valued(&significant(x, 4))),
+    }
+}
+
+/// What a map shows, as a sentence: of a winner map who wins how many cells, of a heat map its least and greatest value.
+pub(crate) fn of_map(map: &Map) -> Option<String> {
+    let within = map.within_limit().zip(map.limit.as_ref()).map(|(within, limit)| {
+        let share = share(within, map.known());
+        match &map.cells {
+            Cells::Values(_) => format!("{share} are within the {}", limit.label),
+            Cells::Winners { .. } => format!("in {share} the least is within the {}", limit.label),
+        }
+    });
+    let found = match &map.cells {
+        Cells::Values(values) => {
+            let value = |(cell, value): (usize, &Option<f64>)| Some((cell, (*value)?));
+            let known = || values.iter().enumerate().filter_map(value);
+            let end = |(cell, value): (usize, f64)| {
+                let (x, y) = (map.columns[cell % map.columns.len()], map.rows[cell / map.columns.len()]);
+                let place = [(&map.x, x), (&map.y, y)].map(|(axis, at)| {
+                    let equals = if axis.unit.is_empty() { " =" } else { "" };
+                    format!("{}{equals} {} {}", axis.label, significant(at, 4), axis.unit)
+                        .trim_end()
+                        .to_owned()
+                });
+                let value = format!("{} {}", significant(value, 4), map.z.unit);
+                format!("{} at {}", value.trim_end(), place.join(", "))
+            };
+            let low = known().min_by(|a, b| a.1.total_cmp(&b.1))?;
+            let high = known().max_by(|a, b| a.1.total_cmp(&b.1))?;
+            format!("The {} runs from {} to {}", map.z.label, end(low), end(high))
+        }
+        Cells::Winners { of, won, .. } => {
+            let cells = |style: usize| won.iter().flatten().filter(|won| won.style == style).count();
+            let mut shares: Vec<(usize, &str)> =
+                of.entries.iter().map(|entry| (cells(entry.style), entry.name.as_str())).collect();
+            shares.retain(|(cells, _)| *cells > 0);
+            shares.sort_by_key(|(cells, _)| std::cmp::Reverse(*cells));
+            let known = map.known();
+            let ((cells, first), others) = shares.split_first()?;
+            let share = |cells: usize| share(cells, known);
+            let others = others.iter().map(|(cells, name)| format!(", in {} {name}", share(*cells)));
+            let others: String = others.collect();
+            format!("In {} {first} has the least {}{others}", share(*cells), map.z.label)
+        }
+    };
+    Some(std::iter::once(found).chain(within).collect::<Vec<String>>().join("; ") + ".")
+}
+
+/// How the curves stand to their limit, as a sentence: how many keep within it everywhere and nowhere, and of those that rise above it which one
+/// does last and which first; none without curves.
+pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
+    let (limit, most) = (&*limit.text(), |value: f64| Limit { value: rounded(value), ..limit }.text());
+    let is_always =
+        |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && !answer.open && answer.first.is_empty();
+    let is_never = |answer: &&Judged| answer.outcome == Outcome::AboveFrom;
+    // What the rest of these does is not known, as of a run that is incomplete: they have no place in an order.
+    let is_open =
+        |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && answer.open && answer.first.is_empty();
+    let mut always: Vec<&Judged> = answers.iter().filter(is_always).collect();
+    // The one with the most room first.
+    always.sort_by(|a, b| a.most.total_cmp(&b.most));
+    let never: Vec<&Judged> = answers.iter().filter(is_never).collect();
+    let mut open: Vec<&Judged> = answers.iter().filter(is_open).collect();
+    open.sort_by(|a, b| a.most.total_cmp(&b.most));
+    let is_partly = |answer: &&Judged| !is_always(answer) && !is_never(answer) && !is_open(answer);
+    let partly: Vec<&Judged> = answers.iter().filter(is_partly).collect();
+    let all = answers.len();
+    let counted = |curves: &[&Judged], [one, more]: [&str; 2], how: &str, named: String| {
+        let count = curves.len();
+        let verb = if count == 1 { one } else { more };
+        (count > 0).then(|| format!("{count} of {all} curves {verb} {how} ({named})"))
+    };
+    let with_most = |curves: &[&Judged]| {
+        let named = curves.iter().map(|one| format!("{}, at most {}", one.name(), most(one.most)));
+        listed(curves.len(), named, "; ")
+    };
+    let parts = match all {
+        0 => return None,
+        1 => return Some(capitalised(&answers[0].sentence(limit)) + "."),
+        _ if always.len() == all => {
+            return Some(format!("All {all} curves stay within {limit} ({}).", with_most(&always)));
+        }
+        _ if never.len() == all => return Some(format!("None of the {all} curves is within {limit}.")),
+        _ => [
+            counted(&always, ["stays", "stay"], &format!("within {limit}"), with_most(&always)),
+            counted(
+                &open,
+                ["stays", "stay"],
+                &format!("within {limit} as far as there are values"),
+                with_most(&open),
+            ),
+            order(&partly, limit, partly.len() + never.len() < all),
+            counted(&never, ["is", "are"], &format!("nowhere within {limit}"), names(&never)),
+        ],
+    };
+    let said: Vec<String> = parts.into_iter().flatten().collect();
+    Some(capitalised(&said.join("; ")) + ".")
+}
+
+/// Which of the curves that are within the limit in part is so longest or first, and which shortest or last. Curves that leave it and such
+/// that come to it have no common order, and are counted. `are_others` tells that some do not rise above it at all, so that none of these is the longest of all.
+fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
+    let at = |answer: &Judged| answer.at.first().map_or(0.0, |at| at.1);
+    // What has no values at first, or is within once more, has no place in an order.
+    let is_plain = |answer: &Judged| !answer.again && answer.first.is_empty();
+    let leaves = |answer: &&&Judged| {
+        let outcomes = [Outcome::Passes, Outcome::LastWithin, Outcome::WithinUpTo];
+        is_plain(answer) && outcomes.contains(&answer.outcome)
+    };
+    let comes = |answer: &&&Judged| is_plain(answer) && answer.outcome == Outcome::WithinFrom;
+    let greatest = curves.iter().max_by(|a, b| at(a).total_cmp(&at(b)))?;
+    let least = curves.iter().min_by(|a, b| at(a).total_cmp(&at(b)))?;
+    // All that are where one of them is, to the digits that are said.
+    let there = |one: &Judged| {
+        let place = one.place();
+        names(&curves.iter().copied().filter(|answer| answer.place() == place).collect::<Vec<_>>())
+    };
+    let (first, how, last, end) = if curves.iter().filter(leaves).count() == curves.len() {
+        ("longest", "up to", greatest, least)
+    } else if curves.iter().filter(comes).count() == curves.len() {
+        ("first", "from", least, greatest)
+    } else {
+        return Some(match curves[..] {
+            [one] => one.sentence(limit),
+            _ => format!("{} are within {limit} in part ({})", curves.len(), names(curves)),
+        });
+    };
+    let others = if are_others { "of the others " } else { "" };
+    let side = |one: &Judged| format!("{}, {how} {}", there(one), one.place());
+    Some(match last.place() == end.place() {
+        true => format!("{others}within {limit}: {}", side(last)),
+        false => {
+            let other = if first == "longest" { "shortest" } else { "last" };
+            format!("{others}{first} within {limit}: {}; {other}: {}", side(last), side(end))
+        }
+    })
+}
+
+/// The names of curves.
+fn names(curves: &[&Judged]) -> String {
+    // Names have commas of their own.
+    let between = if curves.len() > 2 { "; " } else { " and " };
+    listed(curves.len(), curves.iter().map(|answer| answer.name()), between)
+}
+
+/// A value to three digits.
+fn rounded(value: f64) -> f64 {
+    significant(value, 3).parse().unwrap_or(value)
+}
+
+/// Some texts, of more than four the first three.
+fn listed(count: usize, texts: impl Iterator<Item = String>, between: &str) -> String {
+    let shown: Vec<String> = texts.take(if count == 4 { 4 } else { 3 }).collect();
+    let more = if count > shown.len() { " and others" } else { "" };
+    format!("{}{more}", shown.join(between))
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::table::Unit;
+    use crate::view::verdict::{Question, verdict};
+
+    fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
+        Column { name: name.to_owned(), label: name.to_owned(), unit, cells, band: None }
+    }
+
+    /// Curves over the frequencies 1, 2, 4 Hz, with the values of an estimate.
+    pub fn table(estimate: &str, curves: &[(&str, [f64; 3])]) -> Table {
+        let names = curves.iter().flat_map(|(name, _)| vec![Cell::Text((*name).to_owned()); 3]).collect();
+        let xs = curves.iter().flat_map(|_| [1.0, 2.0, 4.0].map(Cell::Number)).collect();
+        let values = curves.iter().flat_map(|(_, values)| values.map(|x| Cell::from(Some(x)))).collect();
+        Table {
+            columns: vec![
+                column("filler", Unit::NONE, names),
+                column("frequency", Unit::HZ, xs),
+                column(estimate, Unit::ARCSEC, values),
+            ],
+        }
+    }
+
+    fn judged(curves: &[(&str, [f64; 3])]) -> String {
+        let table = table("rms", curves);
+        let question =
+            Question { x: "frequency", y: "rms", series: vec!["filler"], filter: vec![], limit: 10.0 };
+        of_verdict(&verdict(&table, &question).unwrap(), Limit { value: 10.0, unit: Unit::ARCSEC }).unwrap()
+    }
+
+    #[test]
+    fn curves_that_leave_the_limit_are_told_by_how_far_they_stay_and_equal_ones_together() {
+        let late = ("late", [1.0, 5.0, 20.0]);
+        let early = [("a", [5.0, 20.0, 40.0]), ("b", [5.0, 20.0, 40.0])];
+        assert_eq!(
+            judged(&[early[0], late, early[1]]),
+            "Longest within 10 ″: late, up to frequency 2.83 Hz; shortest: a and b, up to frequency 1.41 Hz."
+        );
+        assert_eq!(judged(&early), "Within 10 ″: a and b, up to frequency 1.41 Hz.");
+    }
+
+    #[test]
+    fn curves_that_are_within_everywhere_and_nowhere_are_counted() {
+        let (good, bad) = (("good", [1.0, 2.0, 3.0]), ("bad", [20.0, 30.0, 40.0]));
+        assert_eq!(
+            judged(&[good, ("fine", [1.0; 3])]),
+            "All 2 curves stay within 10 ″ (fine, at most 1 ″; good, at most 3 ″)."
+        );
+        assert_eq!(judged(&[good]), "Good: within 10 ″ up to the last point, frequency 4 Hz.");
+        assert_eq!(
+            judged(&[good, bad]),
+            "1 of 2 curves stays within 10 ″ (good, at most 3 ″); 1 of 2 curves is nowhere within 10 ″ (bad)."
+        );
+        assert_eq!(judged(&[bad, ("worse", [30.0; 3])]), "None of the 2 curves is within 10 ″.");
+    }
+
+    #[test]
+    fn curves_that_come_to_the_limit_and_that_leave_it_have_no_order() {
+        let (comes, leaves, between) =
+            (("comes", [20.0, 5.0, 2.0]), ("leaves", [2.0, 5.0, 20.0]), ("between", [20.0, 5.0, 20.0]));
+        assert_eq!(judged(&[comes, leaves]), "2 are within 10 ″ in part (comes and leaves).");
+        assert_eq!(
+            judged(&[comes, ("soon", [11.0, 5.0, 2.0])]),
+            "First within 10 ″: soon, from frequency 1.09 Hz; last: comes, from frequency 1.41 Hz."
+        );
+        assert_eq!(
+            judged(&[between, ("bad", [20.0; 3])]),
+            "Between: within 10 ″ from frequency 1.41 Hz to frequency 2.83 Hz; 1 of 2 curves is nowhere within 10 ″ (bad)."
+        );
+    }
+
+    #[test]
+    fn values_that_are_missing_at_the_end_are_not_taken_for_within() {
+        let open = ("open", [1.0, 2.0, f64::NAN]);
+        let said = judged(&[open, ("good", [1.0, 2.0, 3.0])]);
+        assert!(said.starts_with("1 of 2 curves stays within 10 ″ (good, at most 3 ″)"), "{said}");
+        assert!(
+            said.contains("1 of 2 curves stays within 10 ″ as far as there are values (open, at most 2 ″)"),
+            "{said}"
+        );
+        // Where its values end it has not risen above the limit, and has no place among those that do.
+        let early = judged(&[
+            open,
+            ("good", [1.0, 2.0, 3.0]),
+            ("early", [1.0, 20.0, 20.0]),
+            ("late", [1.0, 2.0, 20.0]),
+        ]);
+        assert!(early.contains("of the others longest within 10 ″: late, up to "), "{early}");
+        assert!(early.contains("; shortest: early, up to "), "{early}");
+    }
+
+    #[test]
+    fn what_is_least_is_told_of_errors_and_of_others_where_they_run() {
+        let curves = [("a", [3.0, 2.0, 5.0]), ("b", [4.0, 4.0, 4.0])];
+        let told = |estimate: &str| {
+            best(&table(estimate, &curves), estimate, &[0, 1, 2, 3, 4, 5], &["filler", "frequency"])
+                .unwrap()
+                .unwrap()
+                .sentence()
+        };
+        assert_eq!(told("rms"), "The least rms is 2 ″: a, frequency 2 Hz.");
+        let range = "The coverage95 runs from 2 ″ (a, frequency 2 Hz) to 5 ″ (a, frequency 4 Hz).";
+        assert_eq!(told("coverage95"), range);
+        let signed = table("rms", &[("a", [-3.0, 2.0, 5.0])]);
+        assert!(
+            best(&signed, "rms", &[0, 1, 2], &["frequency"])
+                .unwrap()
+                .unwrap()
+                .sentence()
+                .contains("from −3 ″")
+        );
+    }
+}

@@ -1,0 +1,283 @@
+//! The answer against a limit: how far along a curve what it shows stays within it.
+//!
+//! ```
+//! use sagnac::table::{Cell, Column, Table, Unit};
+//! use sagnac::view::verdict::{Outcome, Question, verdict};
+//!
+//! let column = |name: &str, values: [f64; 3]| Column {
+//!     name: name.to_owned(),
+//!     label: name.to_owned(),
+//!     unit: Unit::NONE,
+//!     cells: values.map(Cell::Number).to_vec(),
+//!     band: None,
+//! };
+//! let table = Table { columns: vec![column("x", [1.0, 2.0, 4.0]), column("y", [1.0, 5.0, 20.0])] };
+//! let question = Question { x: "x", y: "y", series: vec![], filter: vec![], limit: 10.0 };
+//! let answers = verdict(&table, &question)?;
+//! assert_eq!(answers[0].outcome, Outcome::Passes);
+//! // Straight in the logarithms of both: 5·(x/2)² is 10 at 2√2.
+//! assert!((answers[0].at[0].1 - 8_f64.sqrt()).abs() < 1e-9);
+//! # Ok::<(), sagnac::table::ColumnError>(())
+//! ```
+
+#[cfg(test)]
+pub mod tests;
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::quantity::number::significant;
+use crate::table::{Cell, Column, ColumnError, Table};
+
+/// What is asked of a table.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Question<'a> {
+    /// The column along which the curves run.
+    pub x: &'a str,
+    /// The column that is judged.
+    pub y: &'a str,
+    /// The columns that tell curves apart.
+    pub series: Vec<&'a str>,
+    /// Only rows with these values: (column, value as files show it).
+    pub filter: Vec<(String, String)>,
+    /// In the unit of y.
+    pub limit: f64,
+}
+
+/// The answer for one curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer<'t> {
+    /// Column and value of what tells the curve apart.
+    pub series: Vec<(&'t Column, &'t Cell)>,
+    /// What the curve does about the limit.
+    pub outcome: Outcome,
+    /// Where that is: column and value, in the order of the table; nowhere of what stands side by side.
+    pub at: Vec<(&'t Column, f64)>,
+    /// Its largest magnitude, in the unit of y.
+    pub most: f64,
+    /// Whether points of the curve beyond its last value have none, as of a run that is incomplete.
+    pub open: bool,
+    /// Of [`Outcome::WithinBetween`] where it rises above the limit again.
+    pub until: Vec<(&'t Column, f64)>,
+    /// Whether it is within the limit once more further on.
+    pub again: bool,
+    /// Where its first value is, if points before have none; else empty.
+    pub first: Vec<(&'t Column, f64)>,
+}
+
+/// How a curve stands to the limit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// It rises above the limit for the first time there, found between two points.
+    Passes,
+    /// It is above the limit from its first point on, which is there.
+    AboveFrom,
+    /// It stays within the limit up to the point there and is above at the next one; points that count have none between
+    /// them.
+    LastWithin,
+    /// It is above the limit at first, comes below it for the last time there, found between two points, and stays.
+    WithinFrom,
+    /// It is above the limit at first and at last, and within it from there on for a while.
+    WithinBetween,
+    /// It stays within the limit up to its last point, which is there.
+    WithinUpTo,
+}
+
+/// The answer for every curve, in the order of the table.
+///
+/// # Errors
+/// A name selects no single column, or a filter leaves no row.
+pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'t>>, ColumnError> {
+    let (x, y) = (table.column(question.x)?, table.column(question.y)?);
+    let mut series = question.series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
+    // Of names side by side each is judged for itself.
+    let named = x.cells.iter().any(|cell| matches!(cell, Cell::Text(_)));
+    if named {
+        series.push(x);
+    }
+    let mut curves: Vec<Vec<usize>> = Vec::new();
+    let mut place = BTreeMap::new();
+    // Of each curve the least and the greatest x without a value.
+    let mut blank: BTreeMap<Vec<String>, (f64, f64)> = BTreeMap::new();
+    for row in table.rows_where(&question.filter)? {
+        let key: Vec<String> = series.iter().map(|column| column.cells[row].text()).collect();
+        let Some(at) = x.cells[row].number().or(named.then_some(0.0)) else { continue };
+        if y.cells[row].number().is_none() {
+            let (least, greatest) = blank.entry(key).or_insert((at, at));
+            (*least, *greatest) = (least.min(at), greatest.max(at));
+        } else {
+            let next = curves.len();
+            let curve = *place.entry(key).or_insert(next);
+            if curve == next {
+                curves.push(Vec::new());
+            }
+            curves[curve].push(row);
+        }
+    }
+    let answer = |mut rows: Vec<usize>| {
+        rows.sort_by(|&a, &b| value(x, a).total_cmp(&value(x, b)));
+        let last = rows[rows.len() - 1];
+        // What has both signs is judged by its magnitude.
+        let is_above = |row: usize| value(y, row).abs() > question.limit;
+        let mut again = None;
+        let within_from = |at: usize| rows[at..].iter().any(|&row| !is_above(row));
+        let mut is_again = false;
+        let (outcome, before, after) = match rows.iter().position(|&row| is_above(row)) {
+            None => (Outcome::WithinUpTo, last, last),
+            Some(0) if !is_above(last) => {
+                // It is above somewhere, and not at its end.
+                let above = rows.iter().rposition(|&row| is_above(row)).unwrap_or(0);
+                (Outcome::WithinFrom, rows[above], rows[above + 1])
+            }
+            Some(0) => match rows.iter().position(|&row| !is_above(row)) {
+                None => (Outcome::AboveFrom, rows[0], rows[0]),
+                Some(within) => {
+                    // Its end is above.
+                    let above = within + rows[within..].iter().position(|&row| is_above(row)).unwrap_or(0);
+                    again = Some((rows[above - 1], rows[above]));
+                    is_again = within_from(above);
+                    (Outcome::WithinBetween, rows[within - 1], rows[within])
+                }
+            },
+            Some(i) => {
+                is_again = within_from(i);
+                match counts_between(table, rows[i - 1], rows[i]) {
+                    true => (Outcome::LastWithin, rows[i - 1], rows[i - 1]),
+                    false => (Outcome::Passes, rows[i - 1], rows[i]),
+                }
+            }
+        };
+        let crossing = |before: usize, after: usize| {
+            let part = fraction(value(y, before), value(y, after), question.limit);
+            coordinates(table, x, rows[0], last)
+                .map(|column| (column, between(value(column, before), value(column, after), part)))
+                .filter(|(_, value)| value.is_finite())
+                .collect::<Vec<_>>()
+        };
+        let at = crossing(before, after);
+        let until = again.map_or(vec![], |(before, after)| crossing(before, after));
+        let named: Vec<(&Column, &Cell)> =
+            series.iter().map(|column| (*column, &column.cells[rows[0]])).collect();
+        let key: Vec<String> = named.iter().map(|(_, cell)| cell.text()).collect();
+        let blank = blank.get(&key);
+        let open = blank.is_some_and(|(_, end)| *end > value(x, last));
+        let late = blank.is_some_and(|(start, _)| *start < value(x, rows[0]));
+        let first = if late { crossing(rows[0], rows[0]) } else { vec![] };
+        let most = rows.iter().map(|&row| value(y, row).abs()).fold(0.0, f64::max);
+        Answer { series: named, outcome, at, most, open, until, again: is_again, first }
+    };
+    Ok(curves.into_iter().map(answer).collect())
+}
+
+fn value(column: &Column, row: usize) -> f64 {
+    column.cells[row].number().unwrap_or(f64::NAN)
+}
+
+/// What tells where a curve from row `a` to row `b` is: x, and wherever it runs along, the frequency and Δt·ν.
+fn coordinates<'t>(table: &'t Table, x: &Column, a: usize, b: usize) -> impl Iterator<Item = &'t Column> {
+    let told = move |column: &Column| {
+        ["motion.frequency", "dt_nu"].contains(&column.name.as_str()) && column.cells[a] != column.cells[b]
+    };
+    table.columns.iter().filter(move |column| column.name == x.name || told(column))
+}
+
+/// The counts that follow from a row, and lead nowhere.
+const FOLLOWING: [&str; 4] = ["trials", "m", "terms", "switches"];
+
+/// Whether a count leads from one row to the other, so that nothing is between them.
+fn counts_between(table: &Table, a: usize, b: usize) -> bool {
+    table.columns.iter().filter(|column| !FOLLOWING.contains(&column.name.as_str())).any(|column| {
+        let (a, b) = (&column.cells[a], &column.cells[b]);
+        matches!((a, b), (Cell::Integer(_), Cell::Integer(_))) && a != b
+    })
+}
+
+/// How far the limit lies from a to b, of which one is beyond it; on a logarithmic scale where there is one.
+fn fraction(a: f64, b: f64, limit: f64) -> f64 {
+    let beyond = if a.abs() > b.abs() { a } else { b };
+    let limit = limit * beyond.signum();
+    match a == b {
+        true => 0.0,
+        false if a * b > 0.0 => libm::log(limit / a) / libm::log(b / a),
+        false => (limit - a) / (b - a),
+    }
+}
+
+fn between(a: f64, b: f64, part: f64) -> f64 {
+    if a > 0.0 && b > 0.0 { a * libm::pow(b / a, part) } else { a + (b - a) * part }
+}
+
+impl Answer<'_> {
+    /// What tells the curve apart, as a sentence has it: `quadratic, lost ticks n = 1`.
+    pub fn name(&self) -> String {
+        let name = |(column, cell): &(&Column, &Cell)| match cell {
+            Cell::Text(text) => text.clone(),
+            Cell::Number(number) => column.valued(&significant(*number, 6)),
+            cell => column.valued(&cell.text()),
+        };
+        let series: Vec<String> = self.series.iter().map(name).collect();
+        if series.is_empty() { "the curve".to_owned() } else { series.join(", ") }
+    }
+
+    /// Where its outcome is, as a sentence has it: `vibration frequency 20 Hz, Δt·ν = 0.2`.
+    pub fn place(&self) -> String {
+        places(&self.at)
+    }
+
+    /// Where it rises above the limit again, in the same way.
+    pub fn end(&self) -> String {
+        places(&self.until)
+    }
+
+    /// The answer as a sentence.
+    pub fn sentence(&self, limit: &str) -> String {
+        let (series, at, until) = (self.name(), self.place(), self.end());
+        let outcome = match self.outcome {
+            Outcome::AboveFrom if at.is_empty() => format!("above {limit}"),
+            _ if at.is_empty() => format!("within {limit}"),
+            Outcome::Passes => format!("rises above {limit} at {at}"),
+            Outcome::AboveFrom if self.first.is_empty() => {
+                format!("above {limit} from the first point on, {at}")
+            }
+            Outcome::AboveFrom => format!("above {limit} from its first value on, {at}"),
+            Outcome::WithinFrom => format!("within {limit} from {at} on"),
+            Outcome::WithinBetween => format!("within {limit} from {at} to {until}"),
+            Outcome::LastWithin => format!("within {limit} up to {at}"),
+            Outcome::WithinUpTo if self.open => {
+                format!("within {limit} up to the last point that has a value, {at}")
+            }
+            Outcome::WithinUpTo => format!("within {limit} up to the last point, {at}"),
+        };
+        let again = if self.again { ", and again further on" } else { "" };
+        let first = match (self.outcome, &self.first[..]) {
+            (_, []) => String::new(),
+            (Outcome::AboveFrom, _) => ", without one before".to_owned(),
+            (_, first) => format!(", without a value before {}", places(first)),
+        };
+        format!("{series}: {outcome}{again}{first}")
+    }
+}
+
+fn places(places: &[(&Column, f64)]) -> String {
+    let each = places.iter().map(|(column, value)| {
+        let named = |shown: &str| column.valued(shown);
+        match (column.unit.symbol, *value) {
+            ("s", 1e5..) => format!("{} {}", column.label, spoken(*value)),
+            ("s", 600.0..) => format!("{} ({})", named(&significant(*value, 3)), spoken(*value)),
+            _ => named(&significant(*value, 3)),
+        }
+    });
+    each.collect::<Vec<_>>().join(", ")
+}
+
+/// A long time in the unit that people would say: `52.2 min`, `20.1 h`.
+fn spoken(seconds: f64) -> String {
+    let (unit_s, unit) = match seconds {
+        172_800.0.. => (86_400.0, "d"),
+        7200.0.. => (3600.0, "h"),
+        _ => (60.0, "min"),
+    };
+    format!("{} {unit}", significant(seconds / unit_s, 3))
+}
