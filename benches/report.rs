@@ -1,6 +1,6 @@
 //! The page of a study: `cargo bench --bench report`.
 
-#[path = "../tests/report/fillers.rs"]
+#[path = "../tests/program/report/fillers.rs"]
 mod fillers;
 
 use fillers::{cells, column, spec};

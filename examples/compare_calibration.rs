@@ -16,7 +16,7 @@ use sagnac::fit::term::Term;
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;
 
-#[path = "../tests/noise/mod.rs"]
+#[path = "../tests/desks/noise.rs"]
 mod noise;
 
 const PAIRS: u64 = 1000;

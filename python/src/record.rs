@@ -4,7 +4,7 @@ use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::allan::angles::Angles;
-use sagnac::allan::curve::{self, Point, minimum};
+use sagnac::allan::curve::{Point, curve, minimum};
 use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::{Line, Trend};

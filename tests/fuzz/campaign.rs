@@ -11,7 +11,7 @@ use std::time::{Duration, Instant, SystemTime};
 use proptest::strategy::Strategy;
 use proptest::test_runner::{Config, RngAlgorithm, TestError, TestRng, TestRunner};
 
-use sagnac::limits::{self, Taken};
+use crate::limits::{self, Taken};
 
 /// How long inputs are made where nothing else is asked for.
 const SHORT: Duration = Duration::from_secs(10);

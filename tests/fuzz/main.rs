@@ -8,5 +8,4 @@ mod campaign;
 mod edits;
 mod limits;
 mod records;
-mod studies;
 mod tallies;

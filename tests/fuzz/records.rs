@@ -17,8 +17,8 @@ use sagnac::record::log::outliers;
 use sagnac::record::log::read::{Request, Timing};
 use tempfile::TempDir;
 
-use sagnac::campaign::{Outcome, Target, fuzz};
-use sagnac::edits;
+use crate::campaign::{Outcome, Target, fuzz};
+use crate::edits;
 
 const TARGET: Target = Target { name: "records", ending: "log", run };
 

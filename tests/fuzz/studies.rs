@@ -16,8 +16,8 @@ use sagnac::study::{Study, Subject};
 use sagnac::tally::share::Share;
 use toml::{Table, Value};
 
-use sagnac::campaign::{Outcome, Target, fuzz};
-use sagnac::edits;
+use crate::campaign::{Outcome, Target, fuzz};
+use crate::edits;
 
 const TARGET: Target = Target { name: "studies", ending: "toml", run };
 

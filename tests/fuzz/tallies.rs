@@ -6,8 +6,8 @@ use sagnac::kernel::moments::{BINS, Moments};
 use sagnac::kernel::rows::Rows;
 use sagnac::store::Tally;
 
-use sagnac::campaign::{Outcome, Target, fuzz};
-use sagnac::edits::{apply, edits};
+use crate::campaign::{Outcome, Target, fuzz};
+use crate::edits::{apply, edits};
 
 const TARGET: Target = Target { name: "tallies", ending: "bin", run };
 

@@ -3,6 +3,7 @@
 pub mod charts;
 
 use super::*;
+use crate::key::expected;
 use crate::table::{Cell, Unit};
 
 const SHIPPED: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/studies/error_vs_dtnu.toml"));

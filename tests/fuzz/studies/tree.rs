@@ -7,7 +7,7 @@ use sagnac::key::file::Kind;
 use toml::{Table, Value};
 
 use super::words::{self, NAMES};
-use sagnac::edits::LONGEST;
+use crate::edits::LONGEST;
 
 /// One edit; places are parts of whatever there is.
 #[derive(Debug, Clone)]

@@ -1,0 +1,84 @@
+//! Sampled noise in f64, straight from the definition of each part: what closed forms and fits are tried on.
+
+#![allow(dead_code, reason = "each test binary uses a part")]
+
+use core::f64::consts::{LN_2, PI, TAU};
+
+use rand::RngExt;
+use rand::rngs::StdRng;
+use sagnac::theory::allan::holds;
+use sagnac::theory::allan::part::Part;
+use sagnac::theory::allan::process::Process;
+
+/// A normal number, by Box and Muller.
+pub fn normal(rng: &mut StdRng) -> f64 {
+    let (radius, turn): (f64, f64) = (rng.random(), rng.random());
+    (-2.0 * (1.0 - radius).ln()).sqrt() * (TAU * turn).cos()
+}
+
+/// The angles of one part of a record of `samples` rates, one more than these.
+pub fn angles(part: Part, t0: f64, samples: usize, rng: &mut StdRng) -> Vec<f64> {
+    let held = |rates: &mut dyn FnMut(usize) -> f64| {
+        let mut angle = 0.0;
+        let rest = (0..samples).map(|k| {
+            angle += t0 * rates(k);
+            angle
+        });
+        core::iter::once(0.0).chain(rest).collect()
+    };
+    match part {
+        Part::Quantisation { q } => (0..=samples).map(|_| q * normal(rng)).collect(),
+        Part::AngleRandomWalk { n } => held(&mut |_| n / t0.sqrt() * normal(rng)),
+        Part::BiasInstability { b, octaves } => {
+            let level = 2.0 * LN_2 / PI * b * b;
+            let mut rates = vec![0.0; samples];
+            for (o, variance) in holds::variances(octaves).unwrap().into_iter().enumerate() {
+                let length = 1_usize << o;
+                let streams = if o < 3 { 1 } else { 4 };
+                for _ in 0..streams {
+                    let offset = rng.random_range(0..length);
+                    let scale = (level * variance / f64::from(streams)).sqrt();
+                    let mut hold = scale * normal(rng);
+                    for (k, rate) in rates.iter_mut().enumerate() {
+                        if (k + offset).is_multiple_of(length) {
+                            hold = scale * normal(rng);
+                        }
+                        *rate += hold;
+                    }
+                }
+            }
+            held(&mut |k| rates[k])
+        }
+        Part::RateRandomWalk { k } => {
+            let mut rate = 0.0;
+            held(&mut |_| {
+                rate += k * t0.sqrt() * normal(rng);
+                rate
+            })
+        }
+        Part::Markov { q_c, time_s } => {
+            let (a, sigma) = ((-t0 / time_s).exp(), q_c * (0.5 * time_s).sqrt());
+            let mut rate = sigma * normal(rng);
+            held(&mut |_| {
+                rate = a * rate + sigma * (1.0 - a * a).sqrt() * normal(rng);
+                rate
+            })
+        }
+        Part::Sine { amplitude, frequency_hz } => {
+            let phase: f64 = rng.random();
+            let at = |k: usize| (TAU * (frequency_hz * t0 * k as f64 + phase)).cos();
+            (0..=samples).map(|k| -amplitude / (TAU * frequency_hz) * at(k)).collect()
+        }
+        Part::RateRamp { r } => (0..=samples).map(|k| 0.5 * r * (t0 * k as f64).powi(2)).collect(),
+        Part::WarmUp { amplitude, time_s } => {
+            (0..=samples).map(|k| -amplitude * time_s * (-t0 * k as f64 / time_s).exp_m1()).collect()
+        }
+    }
+}
+
+/// Those of all parts of a process together.
+pub fn record(process: &Process, samples: usize, rng: &mut StdRng) -> Vec<f64> {
+    let each: Vec<Vec<f64>> =
+        process.parts.iter().map(|&part| angles(part, process.sample_s, samples, rng)).collect();
+    (0..=samples).map(|k| each.iter().map(|theta| theta[k]).sum()).collect()
+}

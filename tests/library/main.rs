@@ -1,0 +1,37 @@
+//! Tests of the library `sagnac`. What they share is in `tests/desks`.
+
+#[path = "../desks/devices.rs"]
+mod devices;
+#[path = "../desks/fitted.rs"]
+mod fitted;
+#[path = "../desks/noise.rs"]
+mod noise;
+#[path = "../desks/reference/mod.rs"]
+mod reference;
+#[path = "../desks/stores.rs"]
+mod stores;
+#[path = "../desks/studies.rs"]
+mod studies;
+
+mod allan_closed_forms;
+mod allan_fit;
+mod allan_fit_records;
+mod allan_studies;
+mod compare_statistics;
+mod damage;
+mod device_faults;
+mod lowering;
+mod motions;
+mod oracles;
+mod pairs;
+mod published;
+mod record_lowering;
+mod record_oracles;
+mod record_switching;
+mod records;
+mod relock;
+mod switched_run;
+mod twins;
+
+/// The root of the repository.
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");

@@ -1,0 +1,168 @@
+//! Synthetic records and their Allan sums: the same bits in every width, shader and division.
+
+use std::sync::Arc;
+
+use crate::devices::{adapters, open};
+use sagnac::device::cpu::Cpu;
+use sagnac::device::gpu::source::Variant;
+use sagnac::kernel::allan;
+use sagnac::kernel::recipe::{Level, Recipe};
+use sagnac::kernel::width::Width;
+use sagnac::verify::recipes::{NamedRecords, THINNED, lgk_400, named_records};
+
+/// Octaves that a record of `samples` has room for; `overlap` differences in an averaging time, or all.
+fn levels(samples: u32, order: u32, overlap: Option<u32>) -> Vec<Level> {
+    let mut levels: Vec<Level> = Vec::new();
+    for m in (0..31).map(|octave| 1 << octave).take_while(|m| order * m <= samples) {
+        let stride = overlap.map_or(1, |overlap| (m / overlap).max(1));
+        match levels.last_mut() {
+            Some(level) if level.stride == stride => level.spans.push(m / stride),
+            _ => levels.push(Level { stride, spans: vec![m / stride] }),
+        }
+    }
+    levels
+}
+
+/// White noise, and nothing else.
+fn white(samples: u32) -> Recipe {
+    Recipe {
+        key: [0x1234_5678, 0x9abc_def0],
+        samples,
+        white: 16 * 1000,
+        rate_scale: 1 << 24,
+        walk: 0,
+        flicker: vec![],
+        markov: None,
+        sine: None,
+        quantisation: 0,
+        pulse: None,
+        switching: None,
+        drift: Arc::new([]),
+        order: 2,
+        levels: levels(samples, 2, None),
+    }
+}
+
+/// Records that differ in all that the kernel distinguishes.
+fn recipes() -> Vec<(&'static str, Recipe)> {
+    let drift = |samples: u32| (0..=samples).map(|k| k.wrapping_mul(k) / 7).collect();
+    let everything = Recipe {
+        walk: 16 * 40,
+        flicker: vec![16 * 3000; 9],
+        markov: Some([1 << 22, 4 * 500, 4 * 8000]),
+        sine: Some([0x0123_4567, 4 * 5000]),
+        quantisation: 16 * 77,
+        pulse: Some(5),
+        switching: Some([63, 4 * 30_000, 16 * 900]),
+        drift: drift(1000),
+        ..white(1000)
+    };
+    let named = named_records().into_iter().map(|named| (named.name, named.lowered().recipe().clone()));
+    let made = vec![
+        ("white", white(5000)),
+        ("one sample", white(2)),
+        ("a whole chunk", white(63)),
+        ("a chunk and one", white(64)),
+        ("walk", Recipe { walk: 16 * 30, ..white(300) }),
+        ("flicker of two octaves", Recipe { flicker: vec![16 * 3000; 1], ..white(300) }),
+        ("flicker of short holds", Recipe { flicker: vec![16 * 3000; 5], ..white(700) }),
+        ("flicker", Recipe { flicker: (1..=23).map(|o| 16 * (4000 - 100 * o)).collect(), ..white(9000) }),
+        ("Markov", Recipe { markov: Some([1 << 29, 4 * 900, 4 * 1000]), ..white(300) }),
+        ("sine", Recipe { sine: Some([0xfff0_0000, 4 * 30_000]), ..white(300) }),
+        ("quantisation", Recipe { white: 0, quantisation: 16 * 500, ..white(300) }),
+        ("pulses", Recipe { pulse: Some(12), ..white(300) }),
+        ("drift", Recipe { drift: drift(300), ..white(300) }),
+        ("switches", Recipe { switching: Some([40, 4 * 30_000, 16 * 900]), ..white(300) }),
+        ("a switch after every sample", Recipe { switching: Some([1, 4 * 3000, 0]), ..white(300) }),
+        ("switches with noise alone", Recipe { switching: Some([64, 0, 16 * 900]), ..white(1000) }),
+        ("a switch after the record", Recipe { switching: Some([301, 4 * 3000, 0]), ..white(300) }),
+        ("Hadamard", Recipe { order: 3, levels: levels(3000, 3, None), ..white(3000) }),
+        ("some of the differences", Recipe { levels: levels(20_000, 2, Some(16)), ..white(20_000) }),
+        ("without overlap", Recipe { levels: levels(2000, 2, Some(1)), ..white(2000) }),
+        (
+            "any averaging factors",
+            Recipe {
+                levels: vec![
+                    Level { stride: 1, spans: vec![1, 3, 7, 100] },
+                    Level { stride: 7, spans: vec![1, 30] },
+                    Level { stride: 100, spans: vec![1, 5] },
+                ],
+                ..white(1500)
+            },
+        ),
+        ("everything", everything.clone()),
+        (
+            "everything, Hadamard, from far on",
+            Recipe { order: 3, levels: levels(1000, 3, Some(8)), ..everything },
+        ),
+    ];
+    made.into_iter().chain(named).collect()
+}
+
+/// Records of each recipe: more than the lanes of any width, and not a multiple of them.
+const COUNT: usize = 37;
+
+#[test]
+fn records_are_the_same_in_every_width_and_division() {
+    for (name, recipe) in recipes() {
+        for first in [0, (1 << 32) - 20] {
+            let reference = allan::sums(Width::PORTABLE, &recipe, first, 20);
+            let beyond = allan::sums(Width::PORTABLE, &recipe, first + 20, COUNT - 20);
+            let reference = [reference, beyond].concat();
+            assert_eq!(reference.len(), COUNT * recipe.places(), "{name}");
+            for width in Width::available() {
+                for threads in [1, 3] {
+                    let cpu = Cpu::new(width, threads).unwrap();
+                    let found = cpu.sums(&recipe, first, COUNT, &|_| {});
+                    assert!(found == reference, "{name} from {first}: {}, {threads} threads", width.name());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn records_are_the_same_in_every_shader() {
+    for adapter in adapters() {
+        for int64 in [true, false] {
+            for (checked, workgroup) in [(true, 64), (false, 32)] {
+                if int64 && !adapter.has_int64() {
+                    continue;
+                }
+                let mut gpu = open(&adapter, Variant { int64, checked, workgroup });
+                for (name, recipe) in recipes() {
+                    let first = (1 << 32) - 20;
+                    let reference =
+                        Cpu::new(Width::widest(), 0).unwrap().sums(&recipe, first, COUNT, &|_| {});
+                    let found = gpu.sums(&recipe, first, COUNT, &|_| {}).unwrap();
+                    assert!(
+                        found == reference,
+                        "{name}: {}, 64 bits {int64}, checked {checked}, workgroup {workgroup}",
+                        gpu.name()
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_record_of_many_dispatches_is_the_same() {
+    let (name, samples) = ("lgk-400", 60_000);
+    let switching = None;
+    let named =
+        NamedRecords { name, parts: lgk_400(), readout_lsb: 0.0, switching, samples, estimator: THINNED };
+    let records = named.lowered();
+    let recipe = records.recipe();
+    let reference = Cpu::new(Width::widest(), 0).unwrap().sums(recipe, 5, 3, &|_| {});
+    for adapter in adapters() {
+        for int64 in [true, false] {
+            if int64 && !adapter.has_int64() {
+                continue;
+            }
+            let mut gpu = open(&adapter, Variant { int64, checked: false, workgroup: 64 });
+            let found = gpu.sums(recipe, 5, 3, &|_| {}).unwrap();
+            assert!(found == reference, "{}, 64 bits {int64}", gpu.name());
+        }
+    }
+}

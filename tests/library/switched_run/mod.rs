@@ -1,0 +1,6 @@
+//! Whole runs: the same bits everywhere, the closed forms, an independent sampler, and what is refused.
+
+mod closed_forms;
+mod identity;
+mod sampler;
+mod texts;

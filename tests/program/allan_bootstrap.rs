@@ -1,0 +1,153 @@
+//! Intervals of coefficients from simulated records of the fit: how often they cover the truth, and what is said of them.
+
+use crate::desk::Desk;
+use crate::fitted::{QNB, covers, is_identified, share};
+use crate::logs::{desk_with, noise};
+use sagnac::device::cpu::Cpu;
+use sagnac::fit::choose::Terms;
+use sagnac::fit::coefficient::Fit;
+use sagnac::fit::curve::Curve;
+use sagnac::fit::fitter::{Fitter, fit_record};
+use sagnac::fit::realisations;
+use sagnac::kernel::width::Width;
+use sagnac::kinds::allan::lower::{Asked, Records};
+use sagnac::theory::allan::estimator::{Difference, Estimator};
+use sagnac::theory::allan::part::Part;
+use sagnac::theory::allan::process::Process;
+
+const SAMPLES: u64 = 4096;
+const RECORDS: usize = 300;
+const REALISATIONS: usize = 200;
+
+/// A gyro whose record of 4096 s shows Q and N well, and of B that it is there.
+const TRUTH: [f64; 3] = [0.11, 0.0288, 0.005];
+
+fn cpu() -> Cpu {
+    Cpu::new(Width::widest(), 0).unwrap()
+}
+
+/// Curves of records of that gyro.
+fn curves() -> Vec<Curve> {
+    let [q, n, b] = TRUTH;
+    let parts =
+        vec![Part::Quantisation { q }, Part::AngleRandomWalk { n }, Part::BiasInstability { b, octaves: 24 }];
+    let process = Process { sample_s: 1.0, parts };
+    let ms: Vec<u64> = (0..10).map(|octave| 1 << octave).collect();
+    let records = Records::new(&Asked {
+        process: &process,
+        readout_lsb: 0.0,
+        mean_rate: 0.0,
+        switching: None,
+        samples: SAMPLES,
+        estimator: Estimator::OVERLAPPING,
+        ms: &ms,
+        key: [2024, 7],
+    })
+    .unwrap();
+    let sums = cpu().sums(records.recipe(), 0, RECORDS, &|_| {});
+    let curve =
+        |sums| Curve::new(1.0, SAMPLES, Difference::Second, ms.clone(), records.variances(sums)).unwrap();
+    sums.chunks_exact(records.recipe().places()).map(curve).collect()
+}
+
+#[test]
+fn intervals_from_simulated_records_cover_the_truth() {
+    let (curves, cpu) = (curves(), cpu());
+    let fitter = Fitter::new(&curves[0], &Terms::Given(QNB.to_vec())).unwrap();
+    let fit = |curve: &Curve| {
+        let first = fitter.fit_record(curve.variances()).unwrap();
+        let rows = realisations(&cpu, curve, &first, REALISATIONS, &|_| {}).unwrap();
+        fitter.fit_realised(curve.variances(), &first, &rows).unwrap()
+    };
+    let fits: Vec<Fit> = curves.iter().map(fit).collect();
+    for (term, truth) in QNB.into_iter().zip(TRUTH) {
+        let coverage = share(&fits, |fit| covers(fit, term, truth));
+        println!(
+            "{}: found in {}, covered {coverage}",
+            term.symbol(),
+            share(&fits, |fit| is_identified(fit, term))
+        );
+        // Three standard errors of a share of 5 % beside 2 %.
+        let three_errors = 3.0 * (0.05 * 0.95 / RECORDS as f64).sqrt();
+        assert!((coverage - 0.95).abs() < 0.02 + three_errors, "{term:?}: {coverage}");
+    }
+}
+
+#[test]
+fn realisations_follow_from_the_record_and_more_of_them_go_on_from_the_first() {
+    let curve = &curves()[0];
+    let first = fit_record(curve, &Terms::Given(QNB.to_vec())).unwrap();
+    let rows = |curve: &Curve, count| realisations(&cpu(), curve, &first, count, &|_| {}).unwrap();
+    let few = rows(curve, 3);
+    assert_eq!(few, rows(curve, 5)[..3]);
+    let mut variances = curve.variances().to_vec();
+    variances[0] *= 1.0 + 1e-15;
+    assert_ne!(few, rows(&curve.with(&variances).unwrap(), 3));
+    // They are records of the fit: each estimate is that within five standard errors of 400.
+    let rows = rows(curve, 400);
+    for (at, &m) in curve.ms().iter().enumerate() {
+        let mean = rows.iter().map(|row| row[at]).sum::<f64>() / 400.0;
+        let square = rows.iter().map(|row| (row[at] - mean).powi(2)).sum::<f64>() / 400.0;
+        let expected = first.process.expected(Estimator::OVERLAPPING, SAMPLES, m).unwrap();
+        let z = (mean - expected) / (square / 400.0).sqrt();
+        assert!(z.abs() < 5.0, "m = {m}: {mean}, not {expected}: {z} standard errors");
+    }
+}
+
+fn white() -> Desk {
+    desk_with("rest.csv", noise(20_000).map(|y| format!("{y}\n")).collect::<String>())
+}
+
+/// What the program prints, and its coefficients.
+fn outputs(desk: &Desk, words: &str) -> (String, String) {
+    let words = format!("allan rest.csv --data rate --unit deg/h --rate 1Hz --out out {words}");
+    (desk.done(&words).stdout, desk.read("out/coefficients.csv"))
+}
+
+#[test]
+fn every_output_says_where_the_intervals_come_from() {
+    let desk = white();
+    let (report, csv) = outputs(&desk, "");
+    assert!(report.contains("95 % intervals from 1000 simulated records of the fit"), "{report}");
+    assert!(
+        csv.lines().any(|line| line.starts_with("1,N,") && line.ends_with("identified,bootstrap of 1000")),
+        "{csv}"
+    );
+    assert!(desk.read("out/noise.toml").contains("# 95 % intervals from 1000 simulated records of the fit."));
+    assert_eq!(outputs(&desk, ""), (report, csv.clone()), "the same record");
+
+    let (report, closed) = outputs(&desk, "--bootstrap 0");
+    assert!(report.contains("95 % intervals in closed form"), "{report}");
+    assert!(closed.lines().any(|line| line.starts_with("1,N,") && line.ends_with("identified,closed form")));
+    assert_ne!(closed.replace("closed form", "bootstrap of 1000"), csv);
+
+    let json = |words: &str| -> serde_json::Value {
+        let document: serde_json::Value = serde_json::from_str(&outputs(&desk, words).0).unwrap();
+        document["columns"][0]["coefficient_intervals"].clone()
+    };
+    let found = json("--json --bootstrap 500");
+    assert_eq!(
+        (found["from"].as_str(), found["simulated_records"].as_u64()),
+        (Some("bootstrap of 500"), Some(500))
+    );
+    let found = json("--json --bootstrap 0");
+    assert_eq!((found["from"].as_str(), found["simulated_records"].as_u64()), (Some("closed form"), Some(0)));
+    assert!(json("--json --fit none").is_null());
+    desk.fails(
+        "allan rest.csv --data rate --unit deg/h --rate 1Hz --bootstrap 10",
+        2,
+        &["--bootstrap", "give 0, or at least 200"],
+    );
+}
+
+#[test]
+fn a_fit_that_cannot_be_simulated_has_its_intervals_in_closed_form() {
+    // Noise of 0.02 ″ in samples of a rate that ends at 11 °/s.
+    let rate = |(k, y): (usize, f64)| format!("{}\n", 10.0 * k as f64 + 0.035 * y);
+    let desk = desk_with("ramp.csv", noise(4096).enumerate().map(rate).collect::<String>());
+    let ended = desk.done("allan ramp.csv --data rate --unit arcsec/s --rate 1Hz --fit N,R --unit-check off");
+    let note =
+        "intervals of coefficients are in closed form: the fit cannot be simulated: noise.angle_random_walk";
+    assert!(ended.stderr.contains(note), "{}", ended.stderr);
+    assert!(ended.stdout.contains("95 % intervals in closed form"), "{}", ended.stdout);
+}

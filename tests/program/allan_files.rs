@@ -1,0 +1,270 @@
+//! What `sagnac allan` leaves for others: the fit in its chart, `noise.toml` for studies, `imu.yaml` for Kalibr.
+
+use std::collections::BTreeMap;
+
+use crate::desk::{Desk, Ended};
+use crate::logs::desk_with;
+use rand::SeedableRng;
+use rand::rngs::StdRng;
+use sagnac::theory::allan::part::Part;
+use sagnac::theory::allan::process::Process;
+use toml::{Table, Value};
+
+const GYRO: [Part; 3] = [
+    Part::Quantisation { q: 0.11 },
+    Part::AngleRandomWalk { n: 0.0288 },
+    Part::BiasInstability { b: 0.00164, octaves: 24 },
+];
+
+/// N = 0.02 ″/√s and K = 0.002 ″/s^1.5, in °/√h and °/h/√h.
+const WALK: [Part; 2] = [Part::AngleRandomWalk { n: 0.02 }, Part::RateRandomWalk { k: 0.002 }];
+
+/// Rates in °/h, 1 Hz.
+fn rates(parts: &[Part], samples: usize, seed: u64) -> Vec<f64> {
+    let process = Process { sample_s: 1.0, parts: parts.to_vec() };
+    let angles = crate::noise::record(&process, samples, &mut StdRng::seed_from_u64(seed));
+    angles.windows(2).map(|pair| pair[1] - pair[0]).collect()
+}
+
+/// A log of these columns under a header.
+fn log(header: &str, columns: &[Vec<f64>]) -> String {
+    let row = |i: usize| columns.iter().map(|column| column[i].to_string()).collect::<Vec<_>>().join(",");
+    let rows = (0..columns[0].len()).map(|i| row(i) + "\n");
+    format!("{header}\n{}", rows.collect::<String>())
+}
+
+fn gyro() -> Desk {
+    desk_with("gyro.csv", log("gz [deg/h]", &[rates(&GYRO, 32_400, 3)]))
+}
+
+fn allan(desk: &Desk, words: &str) -> Ended {
+    desk.done(&format!("allan {words} --data rate --rate 1Hz --out out"))
+}
+
+fn noise_of(desk: &Desk, name: &str) -> Table {
+    let text = desk.read(&format!("out/{name}"));
+    text.parse().unwrap_or_else(|error| panic!("{name}: {error}\n{text}"))
+}
+
+/// Coefficients as files have them: column and name to value, upper end and unit.
+fn coefficients(desk: &Desk) -> BTreeMap<(String, String), (String, String, String)> {
+    let text = desk.read("out/coefficients.csv");
+    let rows = csv::Reader::from_reader(text.as_bytes()).into_deserialize::<BTreeMap<String, String>>();
+    rows.map(Result::unwrap)
+        .map(|row| {
+            let of = |name: &str| row[name].clone();
+            ((of("column"), of("coefficient")), (of("value"), of("upper"), of("unit")))
+        })
+        .collect()
+}
+
+/// The number in front of a unit.
+fn number(quantity: &Value, unit: &str) -> f64 {
+    let text = quantity.as_str().unwrap();
+    let number = text.strip_suffix(unit).unwrap_or_else(|| panic!("`{text}` is not in {unit}"));
+    number.trim().parse().unwrap()
+}
+
+fn names(table: &Table) -> Vec<&str> {
+    table.keys().map(String::as_str).collect()
+}
+
+#[test]
+fn the_chart_of_one_column_has_the_fit_and_its_parts() {
+    let desk = gyro();
+    allan(&desk, "gyro.csv --deviation oadev,hdev");
+    let svg = desk.read("out/chart.svg").replace('\u{a0}', " ");
+    for piece in [">measured<", ">fit<", ">parts of the fit of oadev<"] {
+        assert!(svg.contains(piece), "{piece} is missing in the chart");
+    }
+    for (name, unit) in [("Q", "″"), ("N", "°/√h"), ("B", "°/h")] {
+        let label = svg.lines().find(|line| line.contains(&format!(">{name} = "))).unwrap_or_default();
+        assert!(label.contains(unit), "{name} in {unit}: `{label}`");
+    }
+    assert!(!svg.contains(">K = "), "K is not identified");
+    allan(&desk, "gyro.csv --fit none");
+    let svg = desk.read("out/chart.svg");
+    assert!(!svg.contains(">fit<") && !svg.contains(">measured<") && !svg.contains("parts of"));
+    // Of angles there is no closed form.
+    allan(&desk, "gyro.csv --deviation oadev,tdev");
+    assert!(desk.read("out/chart.svg").contains(">parts of the fit<"));
+    let svg = desk.read("out/chart-tdev.svg");
+    assert!(!svg.contains(">fit<") && !svg.contains("parts of"));
+}
+
+#[test]
+fn the_axes_are_those_of_the_curve_and_its_fit_and_not_of_the_parts() {
+    let desk = gyro();
+    let labels = || -> Vec<String> {
+        let svg = desk.read("out/chart.svg");
+        let text = |line: &str| Some(line.split_once('>')?.1.split_once('<')?.0.to_owned());
+        let of_axis = |line: &&str| line.contains("<text") && line.contains("font-size=\"13\"");
+        svg.lines().filter(of_axis).filter_map(text).filter(|text| text.parse::<f64>().is_ok()).collect()
+    };
+    allan(&desk, "gyro.csv");
+    let with_parts = labels();
+    allan(&desk, "gyro.csv --fit none");
+    assert_eq!(with_parts, labels());
+}
+
+#[test]
+fn several_columns_have_their_fits_and_no_parts() {
+    let columns = [rates(&GYRO, 20_000, 4), rates(&WALK, 20_000, 5)];
+    let desk = desk_with("gyro.csv", log("gx [deg/h],gy [deg/h]", &columns));
+    allan(&desk, "gyro.csv --column gx,gy");
+    let svg = desk.read("out/chart.svg");
+    assert!(svg.contains(">fit<") && !svg.contains("parts of") && !svg.contains(">N"));
+}
+
+#[test]
+fn noise_toml_has_the_identified_coefficients_and_says_the_rest() {
+    let desk = gyro();
+    allan(&desk, "gyro.csv");
+    let (found, noise) = (coefficients(&desk), noise_of(&desk, "noise.toml"));
+    assert_eq!(names(&noise), ["angle_random_walk", "bias_instability", "quantisation"]);
+    for (key, name) in [("quantisation", "Q"), ("angle_random_walk", "N"), ("bias_instability", "B")] {
+        let (value, _, unit) = &found[&("gz".to_owned(), name.to_owned())];
+        let (written, value) = (number(&noise[key], unit), value.parse::<f64>().unwrap());
+        assert!((written / value - 1.0).abs() < 1e-5, "{key}: {written}, not {value} {unit}");
+    }
+    let text = desk.read("out/noise.toml");
+    let first =
+        "# Noise of column gz of gyro.csv: 32400 samples of 1 s, fitted by sagnac allan; no trend removed.";
+    assert_eq!(text.lines().next(), Some(first));
+    let intervals = text.lines().filter(|line| line.starts_with("# 95 % interval of ")).count();
+    assert_eq!(intervals, 3, "{text}");
+    let not_identified = text.lines().find(|line| line.starts_with("# Not identified: ")).unwrap();
+    let (_, most, unit) = &found[&("gz".to_owned(), "K".to_owned())];
+    let most: f64 = most.parse().unwrap();
+    let bound = not_identified.split_once("K at most ").unwrap().1.split_once(&format!(" {unit}")).unwrap().0;
+    assert!((bound.parse::<f64>().unwrap() / most - 1.0).abs() < 1e-5, "{not_identified}, not {most}");
+}
+
+#[test]
+fn markov_noise_and_sines_have_their_times_and_frequencies() {
+    let (sigma, time_s) = (0.02, 100.0);
+    let parts = [
+        Part::AngleRandomWalk { n: 0.03 },
+        Part::Markov { q_c: sigma * f64::sqrt(2.0 / time_s), time_s },
+        Part::Sine { amplitude: 0.1, frequency_hz: 0.02 },
+    ];
+    let desk = desk_with("gyro.csv", log("gz [deg/h]", &[rates(&parts, 40_000, 6)]));
+    allan(&desk, "gyro.csv --fit N,markov,sine");
+    let noise = noise_of(&desk, "noise.toml");
+    let near = |found: f64, expected: f64| {
+        assert!((found / expected - 1.0).abs() < 0.3, "{found}, not {expected}: {noise}");
+    };
+    near(number(&noise["markov"]["amplitude"], "deg/h"), sigma);
+    near(number(&noise["markov"]["time"], "s"), time_s);
+    near(number(&noise["sine"]["amplitude"], "deg/h"), 0.1);
+    near(number(&noise["sine"]["frequency"], "Hz"), 0.02);
+    let svg = desk.read("out/chart.svg").replace('\u{a0}', " ");
+    assert!(svg.contains("Markov: σ = ") && svg.contains("sine: Ω = "));
+}
+
+#[test]
+fn each_column_has_its_noise_file_and_old_ones_go() {
+    let columns = [rates(&GYRO, 8000, 7), rates(&GYRO, 8000, 8), rates(&GYRO, 8000, 9)];
+    let header = "g/x\u{7}= 1,g?x = 1,gz";
+    let desk = desk_with("gyro.csv", log(header, &columns));
+    allan(&desk, "gyro.csv --column 1,2,3 --unit deg/h");
+    let files = || -> Vec<String> {
+        desk.names("out").into_iter().filter(|name| name.starts_with("noise")).collect()
+    };
+    assert_eq!(files(), ["noise_2_g_x___1.toml", "noise_g_x___1.toml", "noise_gz.toml"]);
+    // TOML has no control characters in comments.
+    for name in files() {
+        let noise = noise_of(&desk, &name);
+        assert!(noise.contains_key("angle_random_walk") && !noise.contains_key("x"), "{noise}");
+    }
+    desk.write("out/noise_mine.toml", "rate_ramp = \"1 deg/h/h\"\n");
+    allan(&desk, "gyro.csv --column 3 --unit deg/h");
+    assert_eq!(files(), ["noise.toml", "noise_mine.toml"]);
+    let plain = allan(&desk, "gyro.csv --column 3 --unit none");
+    assert!(plain.stderr.contains("note: gz: no noise.toml"), "{}", plain.stderr);
+    assert_eq!(files(), ["noise_mine.toml"]);
+    allan(&desk, "gyro.csv --column 3 --unit deg/h");
+    allan(&desk, "gyro.csv --column 3 --unit deg/h --fit none");
+    assert_eq!(files(), ["noise_mine.toml"]);
+}
+
+/// The entries of a flat YAML file, comments left out.
+fn entries(text: &str) -> BTreeMap<String, String> {
+    let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
+    let entry =
+        |line: &str| line.split_once(':').map(|(key, value)| (key.to_owned(), value.trim().to_owned()));
+    lines.filter_map(entry).collect()
+}
+
+#[test]
+fn imu_yaml_has_n_and_k_in_rad_and_says_what_is_missing() {
+    let columns = [rates(&WALK, 30_000, 10), rates(&WALK, 30_000, 11), rates(&GYRO, 30_000, 12)];
+    let desk = desk_with("gyro.csv", log("gx [deg/h],gy [deg/h],gz [deg/h]", &columns));
+    let ended = allan(&desk, "gyro.csv --column gx --kalibr imu.yaml");
+    assert!(ended.stderr.contains("what Kalibr reads is in imu.yaml"), "{}", ended.stderr);
+    let text = desk.read("imu.yaml");
+    let found = entries(&text);
+    let keys: Vec<&str> = found.keys().map(String::as_str).collect();
+    assert_eq!(
+        keys,
+        ["gyroscope_noise_density", "gyroscope_random_walk", "rostopic", "update_rate"],
+        "{text}"
+    );
+    assert_eq!((found["rostopic"].as_str(), found["update_rate"].as_str()), ("/imu0", "1.0"));
+    // 1 °/√h is π/180/60 rad/√s, 1 °/h/√h π/180/3600/60 rad/s^1.5.
+    let in_degrees = |column: &str, name: &str| -> f64 {
+        coefficients(&desk)[&(column.to_owned(), name.to_owned())].0.parse().unwrap()
+    };
+    let degree = core::f64::consts::PI / 180.0;
+    for (key, name, factor) in
+        [("gyroscope_noise_density", "N", degree / 60.0), ("gyroscope_random_walk", "K", degree / 216_000.0)]
+    {
+        let (found, expected): (f64, f64) = (found[key].parse().unwrap(), factor * in_degrees("gx", name));
+        assert!((found / expected - 1.0).abs() < 1e-5, "{key}: {found}, not {expected}");
+    }
+    assert!(text.contains("#accelerometer_noise_density:") && text.contains("#accelerometer_random_walk:"));
+
+    allan(&desk, "gyro.csv --column gx,gy,gz --kalibr imu.yaml");
+    let text = desk.read("imu.yaml");
+    let largest = if in_degrees("gx", "K") > in_degrees("gy", "K") { "gx" } else { "gy" };
+    assert!(text.contains("largest of the columns gx, gy, gz"), "{text}");
+    assert!(text.contains("N of gz") && text.contains(&format!("K of {largest}")), "{text}");
+
+    let ended = allan(&desk, "gyro.csv --column gz --kalibr imu.yaml");
+    let text = desk.read("imu.yaml");
+    assert!(!entries(&text).contains_key("gyroscope_random_walk"), "{text}");
+    assert!(
+        text.contains("#gyroscope_random_walk:") && text.contains("K is not identified, and at most"),
+        "{text}"
+    );
+    assert!(
+        ended.stderr.contains("note: gyroscope_random_walk is left out: K is not identified, and at most")
+    );
+    let ended = allan(&desk, "gyro.csv --column gz --kalibr imu.yaml --fit Q,N");
+    assert!(desk.read("imu.yaml").contains("K was not fitted"));
+    assert!(ended.stderr.contains("--fit has no K"), "{}", ended.stderr);
+}
+
+#[test]
+fn what_cannot_be_in_an_imu_yaml_is_refused() {
+    let text = log("gz [deg/h]", &[rates(&GYRO, 500, 13)]);
+    let desk = desk_with("gyro.csv", &text);
+    desk.write("other.csv", &text);
+    let start = "allan gyro.csv --data rate --rate 1Hz --kalibr imu.yaml";
+    desk.fails(&format!("{start} --unit none"), 2, &["not plain numbers", "--unit"]);
+    desk.fails(&format!("{start} --fit none"), 2, &["needs coefficients"]);
+    desk.fails(&format!("{start} other.csv"), 2, &["several logs", "one by one"]);
+    assert_eq!(desk.names("."), ["gyro.csv", "other.csv"], "something was left behind");
+    let steady = (0..100).map(|i| 0.5 * f64::from(i)).collect();
+    desk.write("steady.csv", &log("gz [arcsec]", &[steady]));
+    desk.fails(
+        "allan steady.csv --data angle --rate 1Hz --kalibr imu.yaml",
+        3,
+        &["nothing to write: gz: no coefficients"],
+    );
+    desk.fails(
+        &format!("{start} --out out --kalibr no/where.yaml").replace(" --kalibr imu.yaml", ""),
+        6,
+        &["no/where"],
+    );
+}

@@ -1,0 +1,275 @@
+//! `sagnac compare` as a user meets it: tables, files, pictures and sentences, and what it refuses.
+
+use std::collections::BTreeMap;
+
+use crate::desk::{Desk, Ended, unwrapped};
+use crate::logs::desk_with;
+use rand::SeedableRng;
+use rand::rngs::StdRng;
+use serde_json::Value;
+
+const RATE: &str = "--data rate --unit deg/h --rate 1Hz";
+
+/// White rates of standard deviation `sigma`.
+fn white(count: usize, sigma: f64, seed: u64) -> Vec<f64> {
+    let mut rng = StdRng::seed_from_u64(seed);
+    (0..count).map(|_| sigma * crate::noise::normal(&mut rng)).collect()
+}
+
+fn lines(rates: &[f64]) -> String {
+    rates.iter().map(|rate| format!("{rate:.6}\n")).collect()
+}
+
+/// Two logs a.csv and b.csv.
+fn two(a: impl AsRef<[u8]>, b: impl AsRef<[u8]>) -> Desk {
+    let desk = desk_with("a.csv", a);
+    std::fs::write(desk.path("b.csv"), b).unwrap();
+    desk
+}
+
+fn done(desk: &Desk, words: &str) -> Ended {
+    desk.done(&format!("compare {words}"))
+}
+
+fn refused(desk: &Desk, words: &str, code: i32, pieces: &[&str]) {
+    desk.fails(&format!("compare {words}"), code, pieces);
+    assert!(!desk.path("results").exists(), "compare {words} left results");
+}
+
+fn table(desk: &Desk, name: &str) -> Vec<BTreeMap<String, String>> {
+    csv::Reader::from_reader(desk.read(name).as_bytes()).deserialize().map(Result::unwrap).collect()
+}
+
+fn number(row: &BTreeMap<String, String>, column: &str) -> f64 {
+    row[column].parse().unwrap_or_else(|_| panic!("{column} of {row:?}"))
+}
+
+#[test]
+fn half_the_noise_is_found_in_table_csv_json_sentences_and_pictures() {
+    let desk = two(lines(&white(4096, 6.0, 1)), lines(&white(4096, 3.0, 2)));
+    let ended = done(&desk, &format!("a.csv b.csv {RATE}"));
+    for piece in [
+        "A  a.csv, 1: 4096 samples at 1 Hz, 68 min",
+        "no trend was removed",
+        "ratio",
+        "lower",
+        "The noise is not the same: p < 1e-12",
+        "times the angle random walk N of a",
+        "would have been enough",
+        "results/a_vs_b",
+    ] {
+        let said = format!("{}{}", ended.stdout, ended.stderr);
+        assert!(said.contains(piece), "{piece} is missing in\n{said}");
+    }
+    let ratios = table(&desk, "results/a_vs_b/compare.csv");
+    assert_eq!(ratios.len(), 12);
+    assert_eq!(
+        (ratios[3]["tau_s"].as_str(), ratios[3]["m_a"].as_str(), ratios[3]["m_b"].as_str()),
+        ("8", "8", "8")
+    );
+    assert!(number(&ratios[0], "lower") < 0.5 && number(&ratios[0], "upper") > 0.5, "{:?}", ratios[0]);
+    assert_eq!((ratios[0]["unit"].as_str(), ratios[0]["verdict"].as_str()), ("deg/h", "B lower"));
+    let coefficients = table(&desk, "results/a_vs_b/coefficients.csv");
+    let n = &coefficients[0];
+    assert_eq!(
+        (n["coefficient"].as_str(), n["unit"].as_str(), n["verdict"].as_str()),
+        ("N", "deg/sqrt(h)", "B lower")
+    );
+    // 6 °/h in samples of 1 s are 0.1 °/√h.
+    assert!(
+        (number(n, "a") / 0.1 - 1.0).abs() < 0.05 && (number(n, "ratio") / 0.5 - 1.0).abs() < 0.1,
+        "{n:?}"
+    );
+    let [low, high] = ["lower", "upper"].map(|end| number(n, end));
+    assert!(low < -0.05 && -0.05 < high && high < 0.0, "{n:?}");
+    assert!(number(n, "p") < 1e-12 && number(n, "length_needed_s") < 4096.0, "{n:?}");
+    for (name, piece) in [
+        ("chart-1.svg", ">a<"),
+        ("chart-1.svg", ">b<"),
+        ("chart-2.svg", "equal"),
+        ("chart-2.svg", "ratio of the fits"),
+        ("chart-2.svg", "b / a"),
+    ] {
+        assert!(desk.read(&format!("results/a_vs_b/{name}")).contains(piece), "{piece} is missing in {name}");
+    }
+    for name in ["chart-1.png", "chart-2.png"] {
+        assert!(desk.path("results/a_vs_b").join(name).exists(), "{name}");
+    }
+    let document: Value =
+        serde_json::from_str(&done(&desk, &format!("a.csv b.csv {RATE} --json")).stdout).unwrap();
+    assert_eq!(document["b"]["samples"], 4096);
+    assert!((document["coefficients"][0]["a"].as_f64().unwrap() / number(n, "a") - 1.0).abs() < 1e-8);
+    assert_eq!(document["ratios"].as_array().unwrap().len(), 12);
+    assert_eq!(document["same_noise"]["by"], "chi_squared");
+}
+
+#[test]
+fn the_headers_of_the_files_are_the_documented_ones() {
+    let desk = two(lines(&white(200, 1.0, 1)), lines(&white(200, 1.0, 2)));
+    done(&desk, &format!("a.csv b.csv {RATE} --out out --quiet"));
+    let header = |name: &str| desk.read(name).lines().next().unwrap().to_owned();
+    assert_eq!(header("out/compare.csv"), "tau_s,m_a,m_b,a,b,ratio,lower,upper,unit,p,verdict");
+    assert_eq!(
+        header("out/coefficients.csv"),
+        "coefficient,unit,a,b,difference,lower,upper,p,length_needed_s,verdict,ratio,ratio_lower,ratio_upper,\
+         a_at_most,b_at_most,length_beyond_s"
+    );
+}
+
+#[test]
+fn equal_noise_is_not_told_apart_and_the_length_that_would_is_named() {
+    let desk = two(lines(&white(4096, 6.0, 1)), lines(&white(2048, 6.0, 2)));
+    let ended = done(&desk, &format!("a.csv b.csv {RATE}"));
+    for piece in ["Nothing speaks against the same noise: p = 0.", "N is not told apart", "% apart"] {
+        assert!(ended.stdout.contains(piece), "{piece} is missing in\n{}", ended.stdout);
+    }
+    let n = &table(&desk, "results/a_vs_b/coefficients.csv")[0];
+    assert_eq!(n["verdict"], "not told apart");
+    assert!(number(n, "p") > 0.05 && number(n, "lower") < 0.0 && number(n, "upper") > 0.0, "{n:?}");
+    let length =
+        ["length_needed_s", "length_beyond_s"].into_iter().find_map(|name| n[name].parse::<f64>().ok());
+    assert!(length.unwrap() > 4096.0, "{n:?}");
+}
+
+#[test]
+fn one_record_twice_is_said_to_be_one() {
+    let desk = two(lines(&white(4096, 6.0, 1)), "");
+    let ended = done(&desk, &format!("a.csv a.csv {RATE}"));
+    assert!(ended.stdout.contains("A and B are one record"), "{}", ended.stdout);
+    for row in table(&desk, "results/a_vs_a/compare.csv") {
+        assert_eq!((row["ratio"].as_str(), row["p"].as_str()), ("1", "1"), "{row:?}");
+    }
+    let n = &table(&desk, "results/a_vs_a/coefficients.csv")[0];
+    assert_eq!((n["p"].as_str(), n["difference"].as_str(), n["verdict"].as_str()), ("1", "0", "equal"));
+    assert!(n["length_needed_s"].is_empty() && n["length_beyond_s"].is_empty(), "{n:?}");
+}
+
+#[test]
+fn two_columns_of_one_log_are_called_by_their_names() {
+    let (x, y) = (white(4096, 1.0, 1), white(4096, 2.0, 2));
+    let text: String = x.iter().zip(&y).map(|(x, y)| format!("{x},{y}\n")).collect();
+    let desk = desk_with("log.csv", format!("gx [deg/h],gy [deg/h]\n{text}"));
+    let ended = done(&desk, "log.csv log.csv --data rate --rate 1Hz --column gx,gy");
+    assert!(
+        ended.stdout.contains("log gy has 1.97 times") && ended.stdout.contains("of log gx"),
+        "{}",
+        ended.stdout
+    );
+    // One name holds for both.
+    let ended = done(&desk, "log.csv log.csv --data rate --rate 1Hz --column gy");
+    assert!(ended.stdout.contains("are one record"), "{}", ended.stdout);
+}
+
+#[test]
+fn logs_at_other_rates_meet_at_the_times_that_both_have() {
+    let stamped = |step: f64, rates: &[f64]| -> String {
+        let rows: String =
+            rates.iter().enumerate().map(|(i, y)| format!("{:.4},{y}\n", step * i as f64)).collect();
+        format!("t [s],g [deg/h]\n{rows}")
+    };
+    // The same white noise: a tenth of the step has √10 of the standard deviation.
+    let desk = two(stamped(0.1, &white(20_000, 10.0_f64.sqrt(), 1)), stamped(1.0, &white(2000, 1.0, 2)));
+    let ended = done(&desk, "a.csv b.csv --data rate --time t");
+    assert!(ended.stdout.contains("Nothing speaks against the same noise"), "{}", ended.stdout);
+    let rows = table(&desk, "results/a_vs_b/compare.csv");
+    assert_eq!(
+        (rows[0]["tau_s"].as_str(), rows[0]["m_a"].as_str(), rows[0]["m_b"].as_str()),
+        ("1", "10", "1")
+    );
+    assert_eq!((rows[9]["m_a"].as_str(), rows[9]["m_b"].as_str(), rows.len()), ("5120", "512", 10));
+    // Times that are no multiples of each other.
+    std::fs::write(desk.path("b.csv"), stamped(0.73, &white(2000, (1.0_f64 / 0.73).sqrt(), 2))).unwrap();
+    let ended = done(&desk, "a.csv b.csv --data rate --time t");
+    for piece in ["averaging times of the records are up to", "% apart"] {
+        assert!(ended.stderr.contains(piece), "{piece} is missing in\n{}", ended.stderr);
+    }
+    // And none in common.
+    std::fs::write(desk.path("b.csv"), stamped(5000.0, &white(50, 1.0, 2))).unwrap();
+    std::fs::remove_dir_all(desk.path("results")).unwrap();
+    refused(
+        &desk,
+        "a.csv b.csv --data rate --time t",
+        3,
+        &["no averaging time in common", "steps of 0.1 s up to τ = 1000 s", "5000 s"],
+    );
+}
+
+#[test]
+fn gaps_and_outliers_are_said_and_no_fit_leaves_the_curves() {
+    let mut rates = white(2000, 1.0, 1);
+    rates[700] = 50.0;
+    let a = lines(&rates).replacen(&format!("{:.6}\n", rates[300]), "nan\n", 1);
+    let desk = two(a, lines(&white(2000, 1.0, 2)));
+    let ended = done(&desk, &format!("a.csv b.csv {RATE} --fit none --remove-outliers"));
+    for piece in ["a: 1 of 2000 samples are missing", "a: 1 outlier: taken for gaps"] {
+        assert!(ended.stderr.contains(piece), "{piece} is missing in\n{}", ended.stderr);
+    }
+    assert!(ended.stdout.contains("the least p of 10 averaging times"), "{}", ended.stdout);
+    assert!(table(&desk, "results/a_vs_b/coefficients.csv").is_empty());
+    // Terms that were given are there whether or not the records show them.
+    std::fs::write(desk.path("a.csv"), lines(&white(2000, 1.0, 3))).unwrap();
+    done(&desk, &format!("a.csv b.csv {RATE} --fit N,K"));
+    let rows = table(&desk, "results/a_vs_b/coefficients.csv");
+    assert_eq!((rows[1]["coefficient"].as_str(), rows[1]["verdict"].as_str()), ("K", "in neither record"));
+    assert!(
+        rows[1]["a"].is_empty() && rows[1]["p"].is_empty() && number(&rows[1], "a_at_most") > 0.0,
+        "{rows:?}"
+    );
+}
+
+#[test]
+fn noise_that_only_one_record_shows_has_a_p_and_no_value_of_the_other() {
+    // A random walk of the rate beside the white noise, or none.
+    let mut walk = 0.0;
+    let walking: Vec<f64> = white(8192, 1.0, 1)
+        .iter()
+        .zip(white(8192, 0.02, 3))
+        .map(|(white, step)| {
+            walk += step;
+            white + walk
+        })
+        .collect();
+    let desk = two(lines(&walking), lines(&white(8192, 1.0, 2)));
+    let ended = done(&desk, &format!("a.csv b.csv {RATE}"));
+    assert!(
+        ended.stdout.contains("a has more rate random walk K than b, which shows none: at most"),
+        "{}",
+        ended.stdout
+    );
+    let rows = table(&desk, "results/a_vs_b/coefficients.csv");
+    let k = rows.iter().find(|row| row["coefficient"] == "K").unwrap();
+    assert!(k["b"].is_empty() && k["difference"].is_empty() && number(k, "upper") < 0.0, "{k:?}");
+    assert!(number(k, "p") < 0.05 && k["verdict"] == "B lower", "{k:?}");
+    assert!((number(k, "a") / (60.0 * 0.02) - 1.0).abs() < 0.5, "{k:?}");
+}
+
+#[test]
+fn logs_that_cannot_be_compared_are_refused_with_what_to_do() {
+    let desk = two(lines(&white(200, 1.0, 1)), "1\n2\n");
+    refused(&desk, &format!("a.csv b.csv {RATE}"), 3, &["b.csv:1:1", "has 2 samples, at least 16"]);
+    refused(&desk, &format!("other.csv a.csv {RATE}"), 3, &["cannot read other.csv"]);
+    refused(&desk, &format!("a.csv {RATE}"), 2, &["<B>"]);
+    refused(&desk, "a.csv b.csv --data rate --unit deg/h", 2, &["--rate 100Hz, or --time COLUMN"]);
+    refused(
+        &desk,
+        &format!("a.csv b.csv {RATE} --column 1,2,3"),
+        2,
+        &["more than two columns", "--column gx,gy"],
+    );
+    let of = |unit: &str| format!("g [{unit}]\n{}", lines(&white(200, 1.0, 1)));
+    let desk = two(of("deg/h"), of("none"));
+    refused(
+        &desk,
+        "a.csv b.csv --data rate --rate 1Hz",
+        3,
+        &["b.csv has plain numbers, a.csv has angular rates", "--unit"],
+    );
+}
+
+#[test]
+fn the_help_has_examples() {
+    let help = done(&desk_with("a", ""), "--help").stdout;
+    for piece in ["Examples:", "sagnac compare before.csv after.csv", "--column gx,gy", "--fit"] {
+        assert!(unwrapped(&help).contains(piece), "{piece} is missing in\n{help}");
+    }
+}

@@ -1,0 +1,246 @@
+//! `sagnac design` as a user meets it: the recommendation, its evidence, and what is refused.
+
+use crate::desk::Desk;
+use serde_json::Value;
+
+/// The paper's case, one hour.
+const PAPER: &str = r#"title = "The paper's gyro"
+kind = "switched-run"
+trials = 4096
+[drift]
+magnetic = "14 arcsec/s"
+warm_up_time = "3000 s"
+non_magnetic = "0.05 arcsec/s"
+residual_max = "10 arcsec"
+[switching]
+interval = "40 s"
+[run]
+duration = "1 h"
+"#;
+
+/// Two fillers, ten minutes.
+const FILLED: &str = r#"title = "Two fillers"
+kind = "switched-run"
+trials = 8192
+[gyro]
+tick = "5 ms"
+tick_noise = { three_sigma = "1.6 arcsec" }
+[motion]
+amplitude = "12000 arcsec/s"
+frequency = "20 Hz"
+[drift]
+magnetic = "14 arcsec/s"
+warm_up_time = "3000 s"
+[switching]
+interval = "40 s"
+gap_ticks = 1
+fillers = ["const", "quadratic"]
+[run]
+duration = "10 min"
+"#;
+
+fn designed(desk: &Desk, options: &str) -> Value {
+    let ended = desk.done(&format!("design study.toml --device cpu --json --out out {options}"));
+    serde_json::from_str(&ended.stdout).unwrap_or_else(|error| panic!("{error}:\n{}", ended.stdout))
+}
+
+fn number(found: &Value, key: &str) -> f64 {
+    found[key].as_f64().unwrap_or_else(|| panic!("{key} is no number: {found:#}"))
+}
+
+/// A study of which there is no design: exit 3, its place, every piece, and nothing left behind.
+fn refused(text: &str, place: &str, pieces: &[&str]) {
+    let desk = Desk::with(text);
+    let place = format!("[study.toml:{place}]");
+    let all: Vec<&str> = [place.as_str(), "help:"].iter().chain(pieces).copied().collect();
+    desk.fails("design study.toml --device cpu --trials 100", 3, &all);
+    assert_eq!(desk.names("."), ["study.toml"], "something was left behind");
+}
+
+#[test]
+fn the_best_interval_of_the_papers_gyro_is_that_of_the_closed_form() {
+    let desk = Desk::with(PAPER);
+    let found = designed(&desk, "--by drift_rms");
+    let [low, best, high] = ["interval_lo_s", "interval_s", "interval_hi_s"].map(|key| number(&found, key));
+    assert!(low <= best && best <= high, "{best} s is not within {low} to {high} s");
+    // [2σ²t/(A²(1 − e^{−t/τ})²)]^{1/3}, σ = 10/√2.
+    let warmed = 1.0 - (-3600.0_f64 / 3000.0).exp();
+    let exact = (2.0 * 50.0 * 3600.0 / (14.0 * warmed).powi(2)).cbrt();
+    assert!((15.55..15.65).contains(&exact), "{exact}");
+    assert!(low < exact && exact < high, "{exact:.2} s is not within {low:.2} to {high:.2} s");
+    assert!((high / low).ln() < 0.06, "{low:.2} to {high:.2} s says little");
+    let drift = number(&found, "drift");
+    assert!((drift / 0.0365 - 1.0).abs() < 0.03, "{drift}");
+    // Z(7): 0.4979 ″/s at 44.80 s.
+    let bound = ["interval_by_paper_rule_s", "bound_by_paper_rule"].map(|key| number(&found, key));
+    assert!((bound[0] - 44.80).abs() < 0.01 && (bound[1] - 0.4979).abs() < 1e-4, "{bound:?}");
+    let by_rule = number(&found, "drift_by_paper_rule");
+    assert!(by_rule > 1.6 * drift && by_rule < 0.2 * bound[1], "{by_rule} beside {drift}");
+    for tried in found["fillers"][0]["tried"].as_array().unwrap() {
+        let [drift, low, high, exact] =
+            ["drift", "drift_lo", "drift_hi", "closed_form_rms"].map(|key| number(tried, key));
+        // 95 % intervals of 18 candidates on the same random numbers: 5 standard errors.
+        let se = (high - low) / (2.0 * 1.96);
+        assert!((drift - exact).abs() < 5.0 * se, "{drift} instead of {exact}, standard error {se}: {tried}");
+    }
+}
+
+#[test]
+fn the_recommendation_has_the_documented_keys_and_files() {
+    let desk = Desk::with(FILLED);
+    let found = designed(&desk, "");
+    assert_eq!(desk.names("out"), ["design.csv", "design.json", "design.png", "design.svg"]);
+    assert_eq!(serde_json::from_str::<Value>(&desk.read("out/design.json")).unwrap(), found);
+    for key in [
+        "interval_s",
+        "interval_lo_s",
+        "interval_hi_s",
+        "drift",
+        "drift_lo",
+        "drift_hi",
+        "drift_by_paper_rule",
+        "interval_by_paper_rule_s",
+        "bound_by_paper_rule",
+        "duration_s",
+        "trials",
+        "seed",
+        "non_magnetic_left_out",
+    ] {
+        assert!(number(&found, key) >= 0.0, "{key}");
+    }
+    assert_eq!([&found["estimate"], &found["unit"]], ["drift_q9973", "deg/h"]);
+    assert_eq!(found["filler"], "quadratic");
+    let fillers = found["fillers"].as_array().unwrap();
+    assert_eq!(fillers.iter().map(|filler| &filler["filler"]).collect::<Vec<_>>(), ["const", "quadratic"]);
+    assert_eq!(number(&fillers[1], "drift"), number(&found, "drift"));
+    assert!(number(&fillers[0], "drift") > 2.0 * number(&found, "drift"), "the constant leaves more");
+    let rows = desk.read("out/design.csv").lines().count() - 1;
+    let tried: usize = fillers.iter().map(|filler| filler["tried"].as_array().unwrap().len()).sum();
+    assert_eq!(rows, tried, "each candidate has a row");
+    // Every interval is a whole number of ticks.
+    for tried in fillers.iter().flat_map(|filler| filler["tried"].as_array().unwrap()) {
+        let ticks = number(tried, "interval_s") / 0.005;
+        assert!((ticks - ticks.round()).abs() < 1e-6, "{ticks} ticks");
+    }
+}
+
+#[test]
+fn a_design_says_in_words_what_its_json_says() {
+    let desk = Desk::with(FILLED);
+    let ended = desk.done("design study.toml --device cpu --quiet --out out");
+    assert_eq!(ended.stderr, "");
+    let said = &ended.stdout;
+    for piece in [
+        "Switch every ",
+        " s with the quadratic filler: 99.73 % drift ",
+        "The next filler, const, leaves ",
+        "The paper's bound",
+    ] {
+        assert!(said.contains(piece), "`{piece}` is missing:\n{said}");
+    }
+    let json: Value = serde_json::from_str(&desk.read("out/design.json")).unwrap();
+    let word = said.split_whitespace().nth(2).unwrap();
+    let [said, found] = [word.parse().unwrap(), number(&json, "interval_s")];
+    assert!((said / found - 1.0_f64).abs() < 1e-3, "{said} s, {found} s");
+}
+
+#[test]
+fn a_design_is_the_same_on_any_number_of_threads_and_any_width() {
+    let desk = Desk::with(FILLED);
+    designed(&desk, "--trials 1024");
+    let [json, table] = ["out/design.json", "out/design.csv"].map(|name| desk.read(name));
+    let command = "design study.toml --device cpu --trials 1024 --quiet --out one";
+    desk.sagnac_with(command, &[("RAYON_NUM_THREADS", "1")]);
+    desk.done("design study.toml --device portable --trials 1024 --quiet --out portable");
+    for folder in ["one", "portable"] {
+        assert_eq!(desk.read(&format!("{folder}/design.json")), json, "{folder}");
+        assert_eq!(desk.read(&format!("{folder}/design.csv")), table, "{folder}");
+    }
+}
+
+#[test]
+fn a_study_that_sweeps_the_interval_has_those_tried_and_no_others() {
+    let list = "[[sweep]]\nkey = \"switching.interval\"\nlist = [\"30 s\", \"10 s\", \"20 s\", \"15 s\"]\n";
+    let desk = Desk::with(&format!("{PAPER}{list}"));
+    let found = designed(&desk, "--by drift_rms");
+    let tried = found["fillers"][0]["tried"].as_array().unwrap().iter();
+    assert_eq!(tried.map(|tried| number(tried, "interval_s")).collect::<Vec<_>>(), [10.0, 15.0, 20.0, 30.0]);
+    assert_eq!(number(&found, "interval_s"), 15.0);
+    // Four are too few for the law of the drift.
+    assert!(found["interval_lo_s"].is_null() && found["interval_hi_s"].is_null(), "{found:#}");
+}
+
+/// 184.56 intervals of 19.506 s make an hour: what the last one leaves may cancel the rest.
+#[test]
+fn intervals_of_a_sweep_are_tried_in_even_numbers() {
+    let sweep = "[[sweep]]\nkey = \"switching.interval\"\n\
+                 list = [\"10 s\", \"13 s\", \"16.1 s\", \"19.506 s\", \"25 s\", \"1700 s\", \"1900 s\"]\n";
+    let desk = Desk::with(&format!("{PAPER}{sweep}"));
+    let ended = desk.done("design study.toml --device cpu --trials 4096 --by drift_rms --json");
+    let found: serde_json::Value = serde_json::from_str(&ended.stdout).unwrap();
+    let tried = found["fillers"][0]["tried"].as_array().unwrap();
+    assert_eq!(tried.len(), 6, "{found:#}");
+    for tried in tried {
+        let (switches, drift) = (number(tried, "switches"), number(tried, "drift"));
+        assert!(switches % 2.0 == 1.0, "{switches} switches: an odd number of intervals");
+        let closed = number(tried, "closed_form_rms");
+        assert!((drift / closed - 1.0).abs() < 0.1, "{drift}, not {closed}");
+    }
+    assert_eq!(number(&found, "interval_s"), 16.1);
+    let notes = found["notes"].to_string();
+    assert!(notes.contains("to a tenth: 1 of the 7 intervals of the study"), "{notes}");
+}
+
+#[test]
+fn a_best_interval_at_the_end_of_what_was_tried_is_called_that() {
+    let residuals_alone =
+        PAPER.replace("magnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"\nnon_", "non_");
+    let desk = Desk::with(&residuals_alone);
+    let ended = desk.done("design study.toml --device cpu --quiet --trials 1024");
+    assert!(ended.stdout.contains("It is the shortest or longest that was tried"), "{}", ended.stdout);
+    let table = desk.read("results/study/design/design.csv");
+    let intervals: Vec<&str> = table.lines().skip(1).map(|line| line.split(',').nth(1).unwrap()).collect();
+    let mut once = intervals.clone();
+    once.dedup();
+    assert_eq!(intervals, once, "an interval is there twice");
+}
+
+#[test]
+fn other_kinds_other_sweeps_and_gyros_without_drift_are_refused() {
+    let budget = PAPER.replace("switched-run", "drift-budget").replace("trials = 4096\n", "");
+    refused(
+        &budget,
+        "2:8",
+        &["kind = \"drift-budget\" has no switching interval", "kind = \"switched-run\""],
+    );
+    let sweep = |key: &str, list: &str| format!("{PAPER}[[sweep]]\nkey = \"{key}\"\nlist = {list}\n");
+    refused(
+        &sweep("drift.magnetic", "[\"7 arcsec/s\", \"14 arcsec/s\"]"),
+        "15:8",
+        &["drift.magnetic is swept", "a design is for one gyro", "give one value"],
+    );
+    refused(&sweep("run.duration", "[\"1 h\", \"2 h\"]"), "15:8", &["run.duration is swept"]);
+    let nothing = PAPER
+        .replace("magnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"\n", "")
+        .replace("residual_max = \"10 arcsec\"\n", "");
+    refused(&nothing, "5:16", &["there is no drift and no residual", "give drift.magnetic"]);
+}
+
+#[test]
+fn options_that_make_no_sense_end_with_2() {
+    let desk = Desk::with(PAPER);
+    desk.fails("design study.toml --by best", 2, &["drift_q9973, drift_rms, largest_q9973, largest_rms"]);
+    desk.fails("design study.toml --trials 0", 2, &["--trials"]);
+    desk.fails("design study.toml --device abacus", 2, &["no device is called `abacus`"]);
+    desk.fails("design none.toml", 3, &["cannot read the study none.toml"]);
+    assert_eq!(desk.names("."), ["study.toml"]);
+}
+
+#[test]
+fn a_compensated_relock_has_a_design_too_whose_interval_lets_the_loop_settle() {
+    let relock = "[relock]\nmiss = 0.05\nhalf_wave_error = 0.005\nloop_time = \"31 ms\"\nbias_frequency = \"80 kHz\"\n\
+                  pulse_weight = \"2.6 arcsec\"\ncurvature = 40\nadc_noise = 0.0002\nticks = 8\ncompensation = \"detuning\"\n";
+    let found = designed(&Desk::with(&format!("{FILLED}{relock}")), "");
+    assert!(number(&found, "interval_s") > 0.17, "{found:#}");
+    assert!(number(&found, "drift") <= number(&found, "drift_by_paper_rule"), "{found:#}");
+}

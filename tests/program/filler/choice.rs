@@ -1,0 +1,147 @@
+//! Which point and which fillers: of a study, or of options alone.
+
+use serde_json::Value;
+
+use super::fillers::{STUDY, SWEEPS, entry, near, swept, tables};
+use crate::desk::Desk;
+
+#[test]
+fn the_point_of_a_study_with_sweeps_is_the_one_asked_for_or_the_first_of_those_with_its_weights() {
+    let desk = Desk::with(&swept());
+    for at in ["--at motion.frequency=25Hz --at gap_ticks=2", "--at frequency=25 --at switching.gap_ticks=2"]
+    {
+        let json = tables(&desk, &format!("study.toml {at}"));
+        assert_eq!(json["gap_ticks"], 2);
+        assert_eq!(json["at"]["motion.frequency"], "25 Hz");
+        near(&entry(&json, "quadratic", "residual")["weights"], &[-0.5, 1.5, 1.5, -0.5], 0.0);
+    }
+    let json = tables(&desk, "study.toml --at gap_ticks=3");
+    assert_eq!(json["at"]["motion.frequency"], "20 Hz");
+    near(&entry(&json, "quadratic", "residual")["amplitude_arcsec"], &[26.848], 5e-4);
+    let shown = desk.done("filler study.toml --at gap_ticks=3").stdout;
+    assert!(shown.contains("at motion.frequency = 20 Hz, switching.gap_ticks = 3"), "{shown}");
+    assert!(desk.read("results/study/filler/sagnac_filler.h").contains("Point: motion.frequency = 20 Hz, "));
+}
+
+#[test]
+fn a_point_is_asked_for_where_weights_differ_and_by_the_keys_that_matter() {
+    let desk = Desk::with(&swept());
+    desk.fails("filler study.toml", 2, &["weights differ", "--at", "switching.gap_ticks = 1, 2, 3"]);
+    let said = desk.sagnac("filler study.toml").stderr;
+    assert!(!said.contains("frequency"), "{said}");
+    // Designed from the study's own motion a filler depends on its frequency, and a band is one for all.
+    let own = |more: &str| {
+        let filler = format!(r#"{{ kind = "minimum-variance"{more} }}"#);
+        let (before, after) = SWEEPS.split_once("[[sweep]]\nkey = \"switching").unwrap();
+        assert!(after.contains("gap_ticks"));
+        let text = STUDY.split_once("fillers = [").unwrap().0;
+        Desk::with(&format!("{text}fillers = [{filler}]{before}"))
+    };
+    own("").fails("filler study.toml", 2, &["weights differ", "motion.frequency = 20 Hz, 25 Hz"]);
+    own("").done("filler study.toml --at frequency=25Hz");
+    let pieces =
+        ["no point has motion.frequency = 21 Hz; there are 20 Hz, 25 Hz", "add the value to the sweep"];
+    own("").fails("filler study.toml --at frequency=21Hz", 2, &pieces);
+    let banded = own(r#", band = ["18 Hz", "22 Hz"]"#);
+    banded.done("filler study.toml");
+    let pieces = ["the same at every motion.frequency: leave --at frequency=21Hz out"];
+    banded.fails("filler study.toml --at frequency=21Hz", 2, &pieces);
+}
+
+#[test]
+fn a_filler_is_chosen_by_its_name() {
+    let desk = Desk::with(STUDY);
+    let json = tables(&desk, "study.toml --filler mv8+2 --filler const");
+    let names: Vec<&str> =
+        json["fillers"].as_array().unwrap().iter().map(|filler| filler["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["const", "mv8+2"]);
+    let header = desk.read("results/study/filler/sagnac_filler.h");
+    assert!(header.contains("sagnac_mv8_2 = {") && !header.contains("sagnac_linear"), "{header}");
+}
+
+#[test]
+fn mistakes_are_told_with_what_is_there_and_leave_nothing_behind() {
+    let desk = Desk::with(&swept());
+    desk.fails("filler study.toml --filler cubic", 2, &["cubic", "it has const, linear, quadratic"]);
+    let unswept = ["does not sweep `tick`", "it sweeps motion.frequency, switching.gap_ticks"];
+    desk.fails("filler study.toml --at tick=5ms", 2, &unswept);
+    let missed = ["no point has switching.gap_ticks = 4", "there are 1, 2, 3"];
+    desk.fails("filler study.toml --at gap_ticks=4", 2, &missed);
+    desk.fails("filler study.toml --at gap_ticks", 2, &["give a key and a value"]);
+    desk.fails("filler nowhere.toml", 3, &["cannot read the study nowhere.toml"]);
+    desk.fails("filler", 2, &["<STUDY|FILLER>"]);
+    desk.fails("filler study.toml study.toml", 2, &["is no filler", "one study file", "minimum-variance"]);
+    desk.fails("filler study.toml --gap-ticks 3", 2, &["--gap-ticks describes a filler without a study"]);
+    desk.fails("filler study.toml --test-vectors 0", 2, &["--test-vectors"]);
+    std::fs::write(desk.path("file"), "").unwrap();
+    let file = "filler study.toml --at gap_ticks=3 --out file/folder";
+    desk.fails(file, 6, &["cannot write", "file/folder"]);
+    let invalid = STUDY.replace("gap_ticks = 3", "gap_ticks = 0");
+    Desk::with(&invalid).fails("filler study.toml", 3, &["switching.gap_ticks", "study.toml:"]);
+    let alone = Desk::with(STUDY);
+    alone.fails("filler study.toml --at gap_ticks=3", 2, &["the study has one point"]);
+    alone.fails("filler study.toml --filler both --filler bth", 2, &["--filler bth"]);
+    for desk in [desk, alone] {
+        assert!(!desk.path("results").exists(), "something was left behind");
+    }
+}
+
+#[test]
+fn polynomials_need_no_study_and_no_tick() {
+    let desk = Desk::with(STUDY);
+    let json = tables(&desk, "quadratic --gap-ticks 3");
+    assert_eq!((json["fillers"].as_array().unwrap().len(), &json["tick_s"]), (1, &Value::Null));
+    near(&entry(&json, "quadratic", "extrapolation")["weights"], &[6.35, -9.05, -6.95, 12.65], 1e-12);
+    assert!(!desk.read("results/quadratic/filler/sagnac_filler.h").contains("T = "));
+    assert!(desk.read("results/quadratic/filler/response.svg").contains("cycles per tick"));
+    let of_5_ms = "linear const --gap-ticks 3 --tick 5ms --noise 1arcsec";
+    let ticks = "--fit-ticks -3..0,n+1,n+2 --extrapolation-ticks=-1,0";
+    let json = tables(&desk, &format!("{of_5_ms} {ticks}"));
+    assert_eq!(json["tick_s"], 0.005);
+    let linear = entry(&json, "linear", "residual");
+    assert_eq!(linear["ticks"], serde_json::json!([-3, -2, -1, 0, 4, 5]));
+    // A line through two ticks: tick j is P₀ + j (P₀ − P₋₁), over three ticks −6 and 9.
+    near(&entry(&json, "linear", "extrapolation")["weights"], &[-6.0, 9.0], 0.0);
+    near(&entry(&json, "linear", "extrapolation")["rms_arcsec"], &[117_f64.sqrt()], 2e-3);
+    assert!(desk.path("results/linear+const/filler/sagnac_filler.h").exists());
+}
+
+#[test]
+fn minimum_variance_from_options_is_that_of_the_study_that_says_the_same() {
+    let desk = Desk::with(STUDY);
+    let said = tables(&desk, "study.toml");
+    let said = entry(&said, "mv8+2", "residual");
+    let words = "minimum-variance --gap-ticks 3 --fit-ticks=-7..0,n+1,n+2 --tick 5ms";
+    let more = "--amplitude 12000arcsec/s --noise 0.5333333333333333arcsec";
+    let of = |band: &str| tables(&desk, &format!("{words} {more} --band {band}"));
+    let json = of("18Hz,22Hz");
+    assert_eq!(entry(&json, "minimum-variance", "residual")["numerators"], said["numerators"]);
+    // The table of theory: 8 + 2 ticks for 18–22 Hz, and for 20 Hz alone.
+    near(&entry(&json, "minimum-variance", "residual")["rms_arcsec"], &[2.16], 5e-3);
+    near(&entry(&of("20Hz"), "minimum-variance", "residual")["rms_arcsec"], &[1.13], 5e-3);
+}
+
+#[test]
+fn mistakes_in_options_are_told_in_terms_of_options() {
+    let desk = Desk::with(STUDY);
+    for (words, pieces) in [
+        ("quadratic", &["--gap-ticks is missing", "--gap-ticks 3"][..]),
+        ("quadratic --gap-ticks 65", &["--gap-ticks = 65", "1 … 64"]),
+        ("quadratic --gap-ticks 3 --tick 5", &["--tick", "unit is missing"]),
+        ("quadratic --gap-ticks 3 --noise 1Hz", &["--noise", "1Hz"]),
+        ("quadratic --gap-ticks 3 --fit-ticks -1,0,2,5", &["--fit-ticks: tick 2 lies inside the gap"]),
+        ("quadratic --gap-ticks 3 --fit-ticks -1,0", &["needs 3 ticks, --fit-ticks has 2"]),
+        ("quadratic quadratic --gap-ticks 3", &["quadratic", "twice"]),
+        ("cubic --gap-ticks 3", &["`cubic` is none", "const, linear, quadratic, minimum-variance"]),
+        ("const --gap-ticks 3 --at gap_ticks=3", &["--at", "none is given"]),
+        ("minimum-variance --gap-ticks 3", &["--tick is missing"]),
+        ("minimum-variance --gap-ticks 3 --tick 5ms --noise 1arcsec", &["--band is missing", "18 Hz,22 Hz"]),
+        (
+            "minimum-variance --gap-ticks 3 --tick 5ms --noise 1arcsec --amplitude 1deg/s --band 22Hz,18Hz",
+            &["runs from 22 Hz down to 18 Hz"],
+        ),
+    ] {
+        desk.fails(&format!("filler {words}"), 2, pieces);
+    }
+    assert!(!desk.path("results").exists(), "something was left behind");
+}

@@ -1,0 +1,6 @@
+//! `sagnac filler` as a user meets it: the weights of theory, the files, the C header against the test vectors.
+
+mod choice;
+mod fillers;
+mod vectors;
+mod weights;

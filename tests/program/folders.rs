@@ -1,0 +1,246 @@
+//! Folders of results: which ones charts and pages can be made of, and what the answer on a page is.
+
+use std::fs::{create_dir_all, write};
+
+use crate::desk::{Desk, STUDY, replaced, with};
+
+const SWEEP: &str = "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"5 Hz\", \"20 Hz\"]\n";
+
+const RELOCK: &str = "title = \"Relock\"\nkind = \"relock\"\n[gyro]\ntick = \"5 ms\"\n[relock]\nmiss = 0.06\nloop_time = \"12 ms\"\n\
+                      bias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40\n";
+
+/// The first sentence of the page of a study.
+fn headline(desk: &Desk) -> String {
+    desk.done("run study.toml --device cpu --trials 5000");
+    let page = desk.read("results/study/report.html");
+    let (_, from) = page.split_once("<p class=\"headline\">").unwrap();
+    from.split_once("</p>").unwrap().0.to_owned()
+}
+
+#[test]
+fn a_chart_of_no_results_is_refused_with_what_there_is() {
+    let desk = Desk::with(&with(SWEEP));
+    desk.done("run study.toml --device cpu --trials 1000");
+    desk.fails("chart nowhere", 2, &["there is no folder nowhere", "`sagnac run` wrote"]);
+    desk.fails("chart study.toml", 2, &["study.toml is a file, not a folder of results"]);
+    desk.fails("chart results", 2, &["holds folders of results", "give one of them: results/study"]);
+    create_dir_all(desk.path("compared")).unwrap();
+    desk.fails("chart compared", 2, &["compared has no resolved_study.toml"]);
+    write(desk.path("compared/compare.csv"), "").unwrap();
+    desk.fails("chart compared", 2, &["compared holds what `sagnac compare` wrote"]);
+    desk.fails("chart results/study --chart 2", 2, &["the study has no chart of its own"]);
+    desk.fails(
+        "chart results/study --kind heat-map --x frequency",
+        2,
+        &["the chart needs --y and --z", "the study sweeps motion.frequency", "rms_arcsec"],
+    );
+    assert!(desk.done("chart --help").stdout.contains("report.html, keeps the charts of the study"));
+}
+
+#[test]
+fn a_gallery_says_which_folders_it_leaves_out() {
+    let desk = Desk::with(STUDY);
+    desk.done("run study.toml --device cpu --trials 1000");
+    assert!(!desk.done("report results").stderr.contains("left out"));
+    for (folder, file) in
+        [("log", "curve.csv"), ("a_vs_b", "compare.csv"), ("runs/design", "design.json"), ("own", "x")]
+    {
+        create_dir_all(desk.path(&format!("results/{folder}"))).unwrap();
+        write(desk.path(&format!("results/{folder}/{file}")), "").unwrap();
+    }
+    let said = desk.done("report results").stderr;
+    assert!(said.contains("a_vs_b (sagnac compare), log (sagnac allan), runs (sagnac design)\n"), "{said}");
+    assert!(!said.contains("own"), "{said}");
+    assert!(!desk.done("report results --quiet").stderr.contains("left out"));
+}
+
+#[test]
+fn a_results_folder_that_is_a_file_is_said_to_be_one() {
+    let desk = Desk::with(STUDY);
+    let run = "run study.toml --device cpu --trials 1000 --out";
+    desk.fails(
+        &format!("{run} study.toml"),
+        6,
+        &["study.toml: it is a file", "name a folder with --out DIR"],
+    );
+    desk.fails(&format!("{run} study.toml/deep"), 6, &["a part of its path is a file"]);
+}
+
+#[test]
+fn the_answer_says_where_the_least_filler_is_none_that_firmware_has() {
+    let fillers =
+        |more: &str| replaced("[\"const\", \"quadratic\"]", &format!("[\"const\", \"quadratic\", {more}]"));
+    let own = "{ kind = \"minimum-variance\", name = \"own\" }";
+    let said = headline(&Desk::with(&fillers(own)));
+    assert!(
+        said.contains(": own. That filler is designed for exactly this frequency, which firmware does not know; of the others the"),
+        "{said}"
+    );
+    assert!(said.contains("the least is ") && said.contains(": quadratic (error = residual)."), "{said}");
+    let banded = "{ kind = \"minimum-variance\", name = \"own band\", band = [\"18 Hz\", \"22 Hz\"] }";
+    let said = headline(&Desk::with(&fillers(banded)));
+    assert!(said.contains(": own band (error = residual).") && !said.contains("designed"), "{said}");
+    // A verdict, in which one name begins as the other does.
+    let chart = format!("{SWEEP}[chart]\nx = \"frequency\"\ny = \"q9973\"\nlimit = \"40 arcsec\"\n");
+    let said = headline(&Desk::with(&format!("{}{chart}", fillers(&format!("{own}, {banded}")))));
+    assert!(
+        said.ends_with(
+            "Without a band own is designed for the very motion of each point, which firmware does not know."
+        ),
+        "{said}"
+    );
+}
+
+#[test]
+fn the_answer_of_a_relock_is_what_is_left_of_all_ticks_and_its_columns_have_names_of_their_own() {
+    let desk = Desk::with(RELOCK);
+    let said = headline(&desk);
+    assert!(
+        said.starts_with("All ticks together, rms angle left: ") && said.contains(" ″ (frequency), "),
+        "{said}"
+    );
+    let shown = desk.done("run study.toml --device cpu --trials 5000").stdout;
+    let heading: Vec<&str> = shown.lines().nth(3).unwrap().split_whitespace().collect();
+    assert_eq!(heading, ["tick", "none", "frequency", "detuning"], "{shown}");
+    assert_eq!(shown.lines().filter(|line| line.trim_start().starts_with("all ")).count(), 1, "{shown}");
+    // A chart of one tick, and of one compensation.
+    let chart = "[chart]\nx = \"tick_number\"\ny = \"rms\"\n";
+    desk.write("study.toml", &format!("{RELOCK}{chart}where = {{ tick = \"3\" }}\n"));
+    assert!(headline(&desk).starts_with("The least rms angle left is "));
+    desk.write("study.toml", &format!("{RELOCK}{chart}where = {{ compensation = \"none\" }}\n"));
+    let said = headline(&desk);
+    assert!(said.starts_with("All ticks together, rms angle left: ") && !said.contains('('), "{said}");
+}
+
+#[test]
+fn the_answer_over_what_a_gyro_meets_is_the_filler_that_is_best_at_worst() {
+    let chart = "[chart]\nx = \"frequency\"\ny = \"rms\"\nseries = [\"filler\"]\n";
+    let desk = Desk::with(&with(&format!("{SWEEP}{chart}")));
+    let said = headline(&desk);
+    assert!(said.starts_with("The rms error of quadratic is at most "), "{said}");
+    assert!(
+        said.contains("at vibration frequency 20 Hz, the least of 2 curves; next is const, at most "),
+        "{said}"
+    );
+    desk.write("study.toml", &with(&format!("{SWEEP}{chart}limit = \"1000 arcsec\"\n")));
+    let said = headline(&desk);
+    assert!(said.starts_with("All 2 curves stay within 1000 ″ (quadratic, at most "), "{said}");
+}
+
+#[test]
+fn a_filler_that_is_designed_for_the_band_of_the_motion_is_one_that_firmware_can_have() {
+    let of = |motion: &str, design: &str| {
+        let fillers = format!(
+            "fillers = [\"const\", {{ kind = \"minimum-variance\", name = \"mv\", fit_ticks = [\"-3..0\", \"n+1..n+2\"]{design} }}]"
+        );
+        let study = STUDY.replace("fillers = [\"const\", \"quadratic\"]", &fillers);
+        headline(&Desk::with(&study.replace("frequency = \"20 Hz\"", &format!("frequency = {motion}"))))
+    };
+    let band = "[\"18 Hz\", \"22 Hz\"]";
+    let drawn = of(band, "");
+    assert!(drawn.contains(": mv") && !drawn.contains("designed"), "{drawn}");
+    assert_eq!(drawn, of(band, &format!(", band = {band}")));
+    assert!(
+        of("\"20 Hz\"", "").contains("designed for exactly this frequency, which firmware does not know")
+    );
+}
+
+/// Two gyros at rest, of files in a folder beside the study.
+const GYROS: &str = "title = \"Two gyros\"\nkind = \"allan\"\ntrials = 64\n[record]\nsample = \"1 s\"\nlength = \"10 min\"\n[noise]\n\
+                     [allan]\ntau = \"octave\"\n[[sweep]]\nkey = \"noise.file\"\nlist = [\"gyros/a.toml\", \"gyros/b.toml\"]\n";
+
+/// A folder with that study and its files.
+fn gyros(desk: &Desk, folder: &str, walk: &str) {
+    std::fs::create_dir_all(desk.path(&format!("{folder}/gyros"))).unwrap();
+    desk.write(&format!("{folder}/study.toml"), GYROS);
+    desk.write(&format!("{folder}/gyros/a.toml"), &format!("angle_random_walk = \"{walk} deg/sqrt(h)\"\n"));
+    desk.write(&format!("{folder}/gyros/b.toml"), "angle_random_walk = \"0.002 deg/sqrt(h)\"\n");
+}
+
+#[test]
+fn a_folder_of_results_holds_the_files_of_its_study_and_can_be_moved() {
+    let desk = Desk::with(STUDY);
+    gyros(&desk, "there", "0.001");
+    desk.done("run there/study.toml --device cpu --out there/results");
+    std::fs::rename(desk.path("there/results"), desk.path("moved")).unwrap();
+    std::fs::remove_dir_all(desk.path("there")).unwrap();
+    let points = desk.read("moved/points.csv");
+    assert_eq!(desk.names("moved/inputs"), ["a.toml", "b.toml"]);
+    desk.done("check moved");
+    desk.done("report moved");
+    desk.done("chart moved --x tau --y adev --series noise.file");
+    desk.done("run moved/resolved_study.toml --device cpu");
+    desk.done("run moved/resolved_study.toml --device cpu --trials 64 --out again");
+    assert_eq!((desk.read("moved/points.csv"), desk.read("again/points.csv")), (points.clone(), points));
+    let here = desk.path("").display().to_string();
+    for file in ["moved/report.html", "moved/resolved_study.toml", "again/report.html"] {
+        assert!(!desk.read(file).contains(&*here), "{file} names the folder of this machine");
+    }
+    assert!(desk.read("moved/report.html").contains("inputs/b.toml"));
+}
+
+#[test]
+fn folders_of_earlier_versions_name_files_by_their_whole_paths_and_are_read_too() {
+    let desk = Desk::with(STUDY);
+    gyros(&desk, "there", "0.001");
+    desk.done("run there/study.toml --device cpu --out old");
+    let points = desk.read("old/points.csv");
+    let there = desk.path("there").display().to_string();
+    let study = desk.read("old/resolved_study.toml").replace("inputs/", &format!("{there}/gyros/"));
+    desk.write("old/resolved_study.toml", &study);
+    std::fs::remove_dir_all(desk.path("old/inputs")).unwrap();
+    desk.done("chart old --x tau --y adev --series noise.file");
+    desk.done("check old");
+    desk.done("report old");
+    assert_eq!(desk.names("old/inputs"), ["a.toml", "b.toml"]);
+    assert_eq!(desk.read("old/points.csv"), points);
+}
+
+#[test]
+fn a_run_says_which_file_is_another_one_than_before() {
+    let desk = Desk::with(STUDY);
+    gyros(&desk, "one", "0.001");
+    gyros(&desk, "other", "0.003");
+    desk.done("run one/study.toml --device cpu --out out");
+    let said = desk.done("run other/study.toml --device cpu --out out").stderr;
+    assert!(said.contains("note: inputs/a.toml is another one than in the earlier run"), "{said}");
+    assert!(!said.contains("inputs/b.toml"), "{said}");
+}
+
+#[test]
+fn a_folder_in_a_bad_way_keeps_no_other_from_its_page() {
+    let desk = Desk::with(&with(SWEEP));
+    for folder in ["a", "b", "c"] {
+        desk.done(&format!("run study.toml --device cpu --trials 1000 --out all/{folder}"));
+        std::fs::remove_file(desk.path(&format!("all/{folder}/report.html"))).unwrap();
+    }
+    desk.write("all/b/resolved_study.toml", "title = 5");
+    desk.fails("report all", 3, &["all/b/resolved_study.toml:1"]);
+    for (file, is_there) in
+        [("a/report.html", true), ("b/report.html", false), ("c/report.html", true), ("gallery.html", true)]
+    {
+        assert_eq!(desk.path(&format!("all/{file}")).exists(), is_there, "{file}");
+    }
+    desk.fails("report all/a/points.csv", 2, &["is a file, not a folder of results"]);
+}
+
+#[test]
+fn shards_from_folders_of_their_own_merge_where_their_files_are_the_same() {
+    let desk = Desk::with(STUDY);
+    for (folder, walk) in [("one", "0.001"), ("two", "0.001"), ("other", "0.003")] {
+        gyros(&desk, folder, walk);
+    }
+    desk.done("run one/study.toml --device cpu --out whole");
+    desk.done("run one/study.toml --device cpu --shard 1/2 --out a");
+    desk.done("run two/study.toml --device cpu --shard 2/2 --out b");
+    desk.done("run other/study.toml --device cpu --shard 2/2 --out c");
+    desk.done("merge a b --out merged");
+    assert_eq!(desk.read("merged/points.csv"), desk.read("whole/points.csv"));
+    assert_eq!(desk.names("merged/inputs"), ["a.toml", "b.toml"]);
+    desk.fails(
+        "merge a c --out none",
+        2,
+        &["c/inputs/a.toml is not what a/resolved_study.toml was run with"],
+    );
+    assert!(!desk.path("none").exists());
+}

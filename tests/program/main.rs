@@ -1,0 +1,45 @@
+//! Tests that run the program `sagnac` as a user would. What they share is in `tests/desks`.
+
+#[path = "../desks/desk.rs"]
+mod desk;
+#[path = "../desks/devices.rs"]
+mod devices;
+#[path = "../desks/fitted.rs"]
+mod fitted;
+#[path = "../desks/logs.rs"]
+mod logs;
+#[path = "../desks/noise.rs"]
+mod noise;
+#[path = "../desks/stores.rs"]
+mod stores;
+#[path = "../desks/studies.rs"]
+mod studies;
+
+mod allan;
+mod allan_bootstrap;
+mod allan_files;
+mod answers;
+mod bad_logs;
+mod bad_motions;
+mod bad_relocks;
+mod bad_runs;
+mod bad_studies;
+mod cli;
+mod compare;
+mod descriptions;
+mod design;
+mod documents;
+mod exact_studies;
+mod filler;
+mod folders;
+mod full_disks;
+mod help;
+mod kills;
+mod report;
+mod shards;
+mod stops;
+mod terminal;
+mod verdicts;
+
+/// The root of the repository.
+const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
