@@ -20,6 +20,7 @@ mod allan_studies;
 mod compare_statistics;
 mod damage;
 mod device_faults;
+mod imports;
 mod lowering;
 mod motions;
 mod oracles;
