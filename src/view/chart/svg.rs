@@ -147,10 +147,10 @@ mod tests {
     fn the_picture_is_the_golden_one_byte_for_byte() {
         let svg = figure().svg();
         if svg != include_str!("golden.svg") {
-            let new = concat!(env!("CARGO_MANIFEST_DIR"), "/src/chart/golden.new.svg");
+            let new = concat!(env!("CARGO_MANIFEST_DIR"), "/src/view/chart/golden.new.svg");
             std::fs::write(new, svg).unwrap();
             panic!(
-                "the picture is not src/chart/golden.svg; review {new} and rename it, or mend the drawing"
+                "the picture is not src/view/chart/golden.svg; review {new} and rename it, or mend the drawing"
             );
         }
     }

@@ -209,10 +209,10 @@ fn the_pictures_are_the_golden_ones_byte_for_byte() {
     for (name, spec, golden) in goldens {
         let svg = Map::from_table(&table(), &spec).unwrap().0.svg();
         if svg != golden {
-            let new = format!("{}/src/chart/map/{name}.new.svg", env!("CARGO_MANIFEST_DIR"));
+            let new = format!("{}/src/view/chart/map/{name}.new.svg", env!("CARGO_MANIFEST_DIR"));
             std::fs::write(&new, svg).unwrap();
             panic!(
-                "the picture is not src/chart/map/{name}.svg; review {new} and rename it, or mend the drawing"
+                "the picture is not src/view/chart/map/{name}.svg; review {new} and rename it, or mend the drawing"
             );
         }
     }
