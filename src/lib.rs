@@ -7,17 +7,12 @@
 //! What the program `sagnac` does is here as a library; this is `sagnac run` without its files:
 //!
 //! ```
-//! use sagnac::{backend, run, crate::tally::share::Share, crate::store::Store, crate::study::Study};
-//!
-//! /// Nobody wants to hear how it goes on.
-//! struct Silent;
-//!
-//! impl crate::run::Progress for Silent {
-//!     fn start(&self, _: &'static str, _: u64, _: u64) {}
-//!     fn advance(&self, _: u64) {}
-//!     fn note(&self, _: &str) {}
-//!     fn finish(&self) {}
-//! }
+//! use sagnac::device::select::select;
+//! use sagnac::progress::Silent;
+//! use sagnac::run::Plan;
+//! use sagnac::store::Store;
+//! use sagnac::study::Study;
+//! use sagnac::tally::share::Share;
 //!
 //! let study = Study::parse("gap.toml", r#"
 //!     title = "A gap of three ticks"
@@ -34,10 +29,10 @@
 //!     fillers = ["const", "quadratic"]
 //!     errors = ["residual"]
 //! "#)?;
-//! let plan = crate::run::Plan::new(&study)?;
+//! let plan = Plan::new(&study)?;
 //! let folder = tempfile::tempdir()?;
 //! let mut store = Store::open(folder.path(), &plan.identity())?;
-//! let mut device = crate::device::select("cpu", 1)?.device;
+//! let mut device = select("cpu", 1)?.device;
 //! let done = plan.run(&mut store, &mut device, Share::WHOLE, &Silent)?;
 //! assert_eq!(done.trials, 4096);
 //!
@@ -75,6 +70,7 @@ pub mod key;
 pub mod kinds;
 pub mod motion;
 pub mod noise;
+pub mod progress;
 pub mod quantity;
 pub mod record;
 pub mod run;

@@ -1,7 +1,6 @@
 //! `sagnac chart`.
 
 use std::path::PathBuf;
-use std::time::Duration;
 
 use clap::Args;
 use sagnac::run::RESOLVED;
@@ -126,9 +125,9 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
     let written = folders::study(&options.folder)?;
     let asked = changed(&written, options)?;
     let study = Study::parse(&format!("{} with the chart asked for", path.display()), &asked)?;
-    let (plan, _) = checked(&study)?;
+    let plan = checked(&study)?;
     let store = held(&options.folder, &plan)?;
-    let tables = plan.tables(&store, &Shown::new(options.progress.how(options.quiet), Duration::ZERO))?;
+    let tables = plan.tables(&store, &Shown::new(options.progress.how(options.quiet)))?;
     let drawn = pictures(&study, &tables)?;
     for drawn in &drawn {
         write_pictures(&options.folder, &options.name, &drawn.picture.svg())?;
@@ -235,7 +234,7 @@ fn check_axes(chart: &Table, study: &Study) -> Result<(), Failure> {
         return Ok(());
     }
     let keys: Vec<String> = keys.into_iter().map(|key| format!("--{key}")).collect();
-    let (plan, _) = checked(study)?;
+    let plan = checked(study)?;
     let columns: Vec<String> = plan.blank_tables().points.columns.iter().map(Column::header).collect();
     let swept = match &study.sweeps[..] {
         [] => "the study sweeps nothing".to_owned(),

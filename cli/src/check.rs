@@ -1,7 +1,6 @@
 //! `sagnac check`.
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use clap::Args;
 use sagnac::run::{Plan, RESOLVED};
@@ -106,7 +105,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
             }
         }
         let tables =
-            plan.tables(&store, &Shown::new(if quiet { How::None } else { How::Auto }, Duration::ZERO))?;
+            plan.tables(&store, &Shown::new(if quiet { How::None } else { How::Auto }))?;
         for (source, table) in tables.all() {
             let name = source.file();
             let path = folder.join(name);

@@ -62,7 +62,7 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
     let mut study = study(options)?;
     study.trials = options.trials.unwrap_or(study.trials);
     study.seed = options.seed.unwrap_or(study.seed);
-    let (plan, behind) = checked(&study)?;
+    let plan = checked(&study)?;
     // Before anything is taken over: a mistyped name or another study leaves nothing behind. One is open at a time, as there
     // may be thousands.
     let mut shares = BTreeSet::new();
@@ -90,7 +90,7 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
     let lacking = plan.lacks(&store, Share::WHOLE)?;
     let results = Results { study: &study, plan: &plan, folder: &options.out, done: None, lacking };
     let out = Out { json: options.json, quiet: options.quiet, plot: options.plot };
-    let progress = Shown::new(options.progress.how(options.quiet), behind);
+    let progress = Shown::new(options.progress.how(options.quiet));
     if let Some(document) = results.show(&store, out, &progress)? {
         print_json(&document)?;
     }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use pyo3::prelude::*;
-use sagnac::run::Progress;
+use sagnac::progress::Progress;
 
 /// Between two calls of the function.
 const INTERVAL: Duration = Duration::from_millis(100);
@@ -71,22 +71,11 @@ impl Progress for Listener {
         self.tell();
     }
 
-    fn expect(&self, total: u64) {
-        self.total.store(total, Ordering::Relaxed);
-    }
-
     fn advance(&self, more: u64) {
-        self.done.fetch_add(more, Ordering::Relaxed);
-        if self.is_due() {
+        let done = self.done.fetch_add(more, Ordering::Relaxed) + more;
+        if done == self.total.load(Ordering::Relaxed) || self.is_due() {
             self.tell();
         }
-    }
-
-    /// Each of these sentences is a note of the results too.
-    fn note(&self, _sentence: &str) {}
-
-    fn finish(&self) {
-        self.tell();
     }
 
     fn stops(&self) -> bool {

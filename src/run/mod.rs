@@ -12,6 +12,7 @@ use crate::kernel::{
 };
 use crate::key::setting::Swept;
 use crate::kinds::allan::lower::refusal::RecordsError;
+use crate::progress::Progress;
 pub use crate::run::keep::{KeepError, keep};
 use crate::sampling::worker::Worker;
 use crate::source::diagnose::StudyError;
@@ -113,9 +114,6 @@ impl Tables {
     }
 }
 
-/// How long a batch should take: results are on disk this often.
-pub(crate) const BATCH_SECONDS: f64 = 0.3;
-
 /// Half the width of a 95 % interval in standard errors.
 pub(crate) const NORMAL_95: f64 = 1.959_963_985;
 
@@ -183,7 +181,7 @@ impl<'a> Plan<'a> {
         store: &mut Store,
         device: &mut Device,
         share: Share,
-        progress: &(dyn Progress + Sync),
+        progress: &dyn Progress,
     ) -> Result<Done, RunError> {
         let mut worker = Worker::new(device, progress);
         let done = match &self.work {
@@ -193,7 +191,6 @@ impl<'a> Plan<'a> {
             Work::Relock(plan) => plan.run(store, &mut worker, share, progress)?,
             Work::Exact(_) => Done { trials: 0, seconds: 0.0, stopped: false, degraded: vec![] },
         };
-        progress.finish();
         Ok(Done { degraded: worker.into_notes(), ..done })
     }
 
@@ -237,16 +234,14 @@ impl<'a> Plan<'a> {
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    pub fn tables(&self, store: &Store, progress: &(dyn Progress + Sync)) -> Result<Tables, RunError> {
-        let tables = match &self.work {
+    pub fn tables(&self, store: &Store, progress: &dyn Progress) -> Result<Tables, RunError> {
+        Ok(match &self.work {
             Work::GapFill(plan) => Tables::of_points(plan.table(store)?),
             Work::Allan(plan) => plan.tables(store, progress)?,
             Work::SwitchedRun(plan) => plan.tables(store)?,
             Work::Exact(table) => Tables::of_points(table.clone()),
             Work::Relock(plan) => Tables::of_points(plan.table(store)?),
-        };
-        progress.finish();
-        Ok(tables)
+        })
     }
 
     /// Trials that a study has which repeats this one: what all points have, where they have the same number and that is more
@@ -307,26 +302,6 @@ impl<'a> Plan<'a> {
             )),
         }
         Ok(notes)
-    }
-}
-
-/// Who hears how a run goes on, and may end it.
-pub trait Progress {
-    /// `done` of `total` of these units are there already: `trials`, or `samples`.
-    fn start(&self, unit: &'static str, done: u64, total: u64);
-    /// There will be `total` in all, as it seems now: a precision may end points sooner.
-    fn expect(&self, _total: u64) {}
-    /// So many more are done.
-    fn advance(&self, more: u64);
-    /// How much is done of the work since the start, by what it costs: units may differ in that.
-    fn cost(&self, _done: f64, _total: f64) {}
-    /// Something to be known at once, in a sentence.
-    fn note(&self, sentence: &str);
-    /// All is done, or the run has ended early.
-    fn finish(&self);
-    /// Whether to end before all is done, with what was sampled kept. A run asks after every batch, some times a second.
-    fn stops(&self) -> bool {
-        false
     }
 }
 

@@ -6,7 +6,8 @@ use std::time::Instant;
 use crate::device::Job;
 use crate::kernel::launch::Launch;
 use crate::kernel::moments::Moments;
-use crate::run::{BATCH_SECONDS, Progress, RunError};
+use crate::progress::Progress;
+use crate::run::RunError;
 use crate::sampling::worker::Worker;
 use crate::store::error::StoreError;
 use crate::store::index::Index;
@@ -32,8 +33,8 @@ impl Work {
 /// Most jobs of a batch: their tallies are held in memory together, some 30 KiB each.
 const MOST_JOBS: usize = 1024;
 
-/// Steps that take as long as to keep a row: small blocks, which come last, cost more than their trials.
-const STEPS_OF_ROW: f64 = 6000.0;
+/// How long a batch should take: results are on disk this often.
+pub(crate) const BATCH_SECONDS: f64 = 0.3;
 
 /// Steps of the first batch.
 const FIRST_BATCH: u64 = 1 << 20;
@@ -74,17 +75,6 @@ pub(crate) fn held_by_all<'a>(
     Ok(held.flatten())
 }
 
-/// What a run does beside the work at hand.
-#[derive(Debug, Default)]
-pub(crate) struct Beside {
-    /// Steps that it did before.
-    pub(crate) before: f64,
-    /// Trials of these.
-    pub(crate) trials: u64,
-    /// Steps that it will find to do when this is done, as far as that can be told: infinite where it cannot.
-    pub(crate) after: f64,
-}
-
 /// Trials and estimates of what the rows of a table show: the tally at an address, where its histogram starts, and its unit, ″.
 pub(crate) fn estimates<T: Sync>(
     store: &Store,
@@ -98,14 +88,14 @@ pub(crate) fn estimates<T: Sync>(
     })
 }
 
-/// Samples all of `work`, or what there is time for until `progress` stops it, in batches, each of which is kept as soon as it is
-/// done, and returns how many trials that were. `started` is when the run did; the work is then work `before`.
+/// Samples all of `work` in batches, each of which is kept as soon as it is done, or as much as there is time for until `progress`
+/// stops it; returns the trials sampled. The run `started` then, and has sampled so many trials `before`.
 pub(crate) fn sample(
     work: &[Work],
-    beside: &mut Beside,
+    before: u64,
     store: &mut Store,
     worker: &mut Worker,
-    progress: &(dyn Progress + Sync),
+    progress: &dyn Progress,
     started: Instant,
 ) -> Result<u64, RunError> {
     let mut rest: Vec<(&Work, Block)> = work
@@ -116,10 +106,6 @@ pub(crate) fn sample(
             blocks.map(move |block| (work, block))
         })
         .collect();
-    let cost = |(work, block): &(&Work, Block)| {
-        (block.trials() * work.launch.steps()) as f64 + STEPS_OF_ROW * work.addresses.len() as f64
-    };
-    let total = beside.before + rest.iter().map(cost).sum::<f64>() + beside.after;
     interleave(&mut rest);
     rest.reverse();
     let (mut batch_steps, mut sampled) = (FIRST_BATCH, 0);
@@ -137,14 +123,11 @@ pub(crate) fn sample(
             })
             .collect();
         sampled += batch.iter().map(|(_, block)| block.trials()).sum::<u64>();
-        beside.before += batch.iter().map(cost).sum::<f64>();
-        progress.cost(beside.before, total);
-        let (trials, seconds) = (beside.trials + sampled, started.elapsed().as_secs_f64());
+        let (trials, seconds) = (before + sampled, started.elapsed().as_secs_f64());
         store.insert(&rows, Some(&Provenance { device: worker.name(), trials, seconds }))?;
         let factor = (BATCH_SECONDS / batch_started.elapsed().as_secs_f64().max(1e-3)).clamp(0.25, 4.0);
         batch_steps = ((batch_steps as f64 * factor) as u64).max(1);
     }
-    beside.trials += sampled;
     Ok(sampled)
 }
 

@@ -10,7 +10,7 @@ use crate::device::{Device, Job};
 use crate::kernel::moments::Moments;
 use crate::kernel::recipe::Recipe;
 use crate::kernel::width::Width;
-use crate::run::Progress;
+use crate::progress::Progress;
 
 /// How often a device that is lost is opened again: one that is lost in batch after batch is no good.
 const MOST_LOSSES: u32 = 3;
@@ -21,7 +21,7 @@ const MOST_LOSSES: u32 = 3;
 /// more. Where that does not help, at its fourth loss, and where it refuses, the processor takes its place for good.
 pub(crate) struct Worker<'a> {
     device: &'a mut Device,
-    progress: &'a (dyn Progress + Sync),
+    progress: &'a dyn Progress,
     /// For records that are too long for the device.
     beside: Option<Cpu>,
     /// How often the device was lost.
@@ -33,7 +33,7 @@ pub(crate) struct Worker<'a> {
 
 impl<'a> Worker<'a> {
     /// `progress` hears at once of what goes wrong.
-    pub(crate) fn new(device: &'a mut Device, progress: &'a (dyn Progress + Sync)) -> Worker<'a> {
+    pub(crate) fn new(device: &'a mut Device, progress: &'a dyn Progress) -> Worker<'a> {
         let names = vec![device.name()];
         Worker { device, progress, beside: None, losses: 0, names, notes: vec![] }
     }

@@ -6,20 +6,13 @@
 //! Two halves of a study, merged twice over, are the whole:
 //!
 //! ```
-//! # use sagnac::{backend, run::{Plan, Progress}, share::Share, study::Study};
+//! # use sagnac::{device::select::select, progress::Silent, run::Plan, study::Study, tally::share::Share};
 //! use sagnac::store::{FILE, Source, Store};
-//! # struct Silent;
-//! # impl Progress for Silent {
-//! #     fn start(&self, _: &'static str, _: u64, _: u64) {}
-//! #     fn advance(&self, _: u64) {}
-//! #     fn note(&self, _: &str) {}
-//! #     fn finish(&self) {}
-//! # }
 //! # let text = "title = \"Noise\"\nkind = \"gap-fill\"\ntrials = 1000\n[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"1 arcsec\" }\n\
 //! #     [motion]\nrate = \"0 deg/s\"\n[switching]\ngap_ticks = 2\nfillers = [\"const\"]\nerrors = [\"residual\"]\n";
 //! # let study = Study::parse("noise.toml", text)?;
 //! # let plan = Plan::new(&study)?;
-//! # let mut device = backend::select("cpu", 1)?.device;
+//! # let mut device = select("cpu", 1)?.device;
 //! # let folder = tempfile::tempdir()?;
 //! for number in [1, 2] {
 //!     let mut half = Store::open(&folder.path().join(number.to_string()), &plan.identity())?;

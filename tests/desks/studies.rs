@@ -9,20 +9,12 @@ use sagnac::kernel::width::Width;
 use sagnac::kinds::gap_fill::GapFill;
 use sagnac::kinds::gap_fill::lower::Lowered;
 use sagnac::kinds::gap_fill::point::Point;
-use sagnac::run::{Plan, Progress};
+pub use sagnac::progress::Silent;
+use sagnac::run::Plan;
 use sagnac::store::Store;
 use sagnac::study::Study;
 use sagnac::table::{Cell, Table};
 use sagnac::tally::share::Share;
-
-pub struct Silent;
-
-impl Progress for Silent {
-    fn start(&self, _: &'static str, _: u64, _: u64) {}
-    fn advance(&self, _: u64) {}
-    fn note(&self, _: &str) {}
-    fn finish(&self) {}
-}
 
 /// The study of a text; `name` may hold a folder, where records are then looked for.
 pub fn parsed(name: &str, text: &str) -> Study {

@@ -9,7 +9,8 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 use proptest::prelude::*;
 use proptest::sample::Index;
 use sagnac::device::{Device, select};
-use sagnac::run::{Plan, Progress, RESOLVED, keep};
+use sagnac::progress::Silent;
+use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::source::diagnose::StudyError;
 use sagnac::store::Store;
 use sagnac::study::{Study, Subject};
@@ -206,20 +207,11 @@ fn sample(study: &Study) {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::open(folder.path(), &plan.identity()).unwrap();
     let mut device = DEVICE.lock().unwrap_or_else(PoisonError::into_inner);
-    plan.run(&mut store, &mut device, Share::WHOLE, &Nobody).unwrap();
+    plan.run(&mut store, &mut device, Share::WHOLE, &Silent).unwrap();
     let (rows, blank) =
-        (plan.tables(&store, &Nobody).unwrap().points.rows(), plan.blank_tables().points.rows());
+        (plan.tables(&store, &Silent).unwrap().points.rows(), plan.blank_tables().points.rows());
     assert_eq!(rows, blank, "rows with trials and without");
     let index = store.index().unwrap();
     plan.notes(&store, &index, plan.held(&index).unwrap()).unwrap();
 }
 
-/// Hears of no progress.
-struct Nobody;
-
-impl Progress for Nobody {
-    fn start(&self, _unit: &'static str, _done: u64, _total: u64) {}
-    fn advance(&self, _more: u64) {}
-    fn finish(&self) {}
-    fn note(&self, _sentence: &str) {}
-}

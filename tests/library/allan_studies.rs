@@ -9,19 +9,11 @@ use sagnac::device::cpu::Cpu;
 use sagnac::device::gpu::source::Variant;
 use sagnac::kernel::width::Width;
 use sagnac::kinds::allan::lower::curve::LoweredCurve;
-use sagnac::run::{Plan, Progress, RESOLVED, Tables, keep};
+use sagnac::progress::Silent;
+use sagnac::run::{Plan, RESOLVED, Tables, keep};
 use sagnac::store::Store;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
-
-struct Silent;
-
-impl Progress for Silent {
-    fn start(&self, _: &'static str, _: u64, _: u64) {}
-    fn advance(&self, _: u64) {}
-    fn note(&self, _: &str) {}
-    fn finish(&self) {}
-}
 
 fn cpu() -> Device {
     Device::Cpu(Cpu::new(Width::widest(), 0).unwrap())

@@ -3,7 +3,6 @@
 pub mod report;
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use sagnac::analysis::design::{Design, DesignError, Measure, design as find};
@@ -104,7 +103,7 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     if !options.quiet {
         say!("device: {}, {reason}", device.name());
     }
-    let shown = Shown::new(options.progress.how(options.quiet), Duration::ZERO);
+    let shown = Shown::new(options.progress.how(options.quiet));
     let found =
         find(&study, options.by.measure(), &mut device, &shown).map_err(|error| failure(&study, error))?;
     shown.clear();

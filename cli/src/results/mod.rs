@@ -3,7 +3,6 @@
 pub mod summary;
 
 use std::path::Path;
-use std::time::Duration;
 
 use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
 use sagnac::store::index::Index;
@@ -25,10 +24,6 @@ use crate::look;
 use crate::output::{print, write};
 use crate::progress::{How, Shown};
 
-/// What it takes to show anything at all, and a row of a table besides.
-const SHOWING: Duration = Duration::from_millis(200);
-const SHOWING_A_ROW: Duration = Duration::from_micros(25);
-
 /// A table as the bytes of its file.
 ///
 /// # Errors
@@ -45,13 +40,6 @@ pub fn csv(table: &Table, path: &Path) -> Result<Vec<u8>, Failure> {
 /// The folder is in use, of another study or kernel, or damaged.
 pub fn held(folder: &Path, plan: &Plan) -> Result<Store, Failure> {
     Ok(store::Source::open(folder)?.into_store(&plan.identity())?)
-}
-
-/// How long such tables, charts and page take when all is sampled and fitted, to within a factor of two or so, which is little beside
-/// what goes before.
-pub fn behind(tables: &Tables) -> Duration {
-    let rows: usize = tables.all().map(|(_, table)| table.rows()).sum();
-    SHOWING + rows as u32 * SHOWING_A_ROW
 }
 
 /// Trials that results which are there lack of the whole. Rows of all that is asked for tell that nothing is missing without another look
@@ -101,7 +89,7 @@ pub fn report(
 ) -> Result<Card, Failure> {
     // Folders of earlier versions lack what the study names.
     keep(study, folder)?;
-    let tables = plan.tables(store, &Shown::new(progress, Duration::ZERO))?;
+    let tables = plan.tables(store, &Shown::new(progress))?;
     let lacking = lacking(study, plan, store, &tables)?;
     let results = Results { study, plan, folder, done: None, lacking };
     let charts = pictures(study, &tables)?;

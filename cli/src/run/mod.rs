@@ -22,10 +22,10 @@ use crate::failure::Failure;
 use crate::output::{print, print_json};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
-use crate::results::{Out, Results, behind};
+use crate::results::{Out, Results};
 use crate::run::share::Shard;
 pub use crate::run::stop::Cause;
-use crate::run::stop::{Stop, Watch};
+use crate::run::stop::Stop;
 use crate::whole;
 use sagnac::quantity::number::short;
 
@@ -148,11 +148,11 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     let mut device = device(&plans, options)?;
     let mut documents: Vec<Value> = Vec::new();
     let mut ended = Ok(());
-    for (at, ((folder, study), (plan, behind))) in studies.iter().zip(&plans).enumerate() {
+    for (at, ((folder, study), plan)) in studies.iter().zip(&plans).enumerate() {
         if at > 0 && !options.json && !options.quiet {
             print("\n")?;
         }
-        match run_study(study, (plan, *behind), folder, device.as_mut(), &course, options) {
+        match run_study(study, plan, folder, device.as_mut(), &course, options) {
             Ok(document) => documents.extend(document),
             Err(failure) => {
                 ended = Err(failure);
@@ -222,8 +222,8 @@ fn folder(options: &Options, study: &Path, share: Share) -> PathBuf {
 }
 
 /// The device that is asked for, if there is anything to sample.
-fn device(plans: &[(Plan, Duration)], options: &Options) -> Result<Option<Device>, Failure> {
-    if !plans.iter().any(|(plan, _)| plan.is_sampled()) {
+fn device(plans: &[Plan], options: &Options) -> Result<Option<Device>, Failure> {
+    if !plans.iter().any(Plan::is_sampled) {
         return Ok(None);
     }
     let Selection { device, reason } = select(&options.device.name, options.device.threads.unwrap_or(0))?;
@@ -233,18 +233,17 @@ fn device(plans: &[(Plan, Duration)], options: &Options) -> Result<Option<Device
     Ok(Some(device))
 }
 
-/// The plan of a study, and how long it will take to show what was sampled. Finds what would otherwise fail after the sampling.
-pub fn checked(study: &Study) -> Result<(Plan<'_>, Duration), Failure> {
+/// The plan of a study. Finds what would otherwise fail after the sampling.
+pub fn checked(study: &Study) -> Result<Plan<'_>, Failure> {
     let plan = Plan::new(study)?;
-    let blank = plan.blank_tables();
-    pictures(study, &blank)?;
-    Ok((plan, behind(&blank)))
+    pictures(study, &plan.blank_tables())?;
+    Ok(plan)
 }
 
 /// Runs one study, and returns its results as JSON where the options ask for that.
 fn run_study(
     study: &Study,
-    (plan, behind): (&Plan, Duration),
+    plan: &Plan,
     folder: &Path,
     device: Option<&mut Device>,
     course: &Course,
@@ -257,18 +256,15 @@ fn run_study(
         say!("note: {name} is another one than in the earlier run: what it changes is sampled anew");
     }
     store.note_share(course.share)?;
-    // A share shows nothing.
-    let behind = if course.share.is_whole() { behind } else { Duration::ZERO };
-    let shown = Shown::new(options.progress.how(options.quiet), behind);
+    let shown = Shown::new(options.progress.how(options.quiet)).until(&course.stop);
     let device = device.filter(|_| plan.is_sampled());
     let name = device.as_ref().map(|device| device.name());
     let done = device.map(|device| {
-        let watch = Watch::new(&shown, &course.stop);
-        let done = course.stop.sampling(|| plan.run(&mut store, device, course.share, &watch))?;
+        let done = course.stop.sampling(|| plan.run(&mut store, device, course.share, &shown))?;
         let cause = course.stop.cause().filter(|cause| done.stopped || *cause != Cause::TimeLimit);
         match cause {
             Some(cause) => {
-                Err(Failure::Stopped { cause, reached: watch.reached(), folder: folder.to_owned() })
+                Err(Failure::Stopped { cause, reached: shown.reached(), folder: folder.to_owned() })
             }
             None => Ok(done),
         }

@@ -1,14 +1,13 @@
 //! What ends a run before its time: signals and the time limit.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::time::{Duration, Instant};
 
-use sagnac::run::Progress;
 #[cfg(unix)]
 use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
 
-use crate::progress::{Shown, leave};
+use crate::progress::leave;
 
 /// Elsewhere none comes: an interruption leaves at once, and what was sampled is kept.
 #[cfg(not(unix))]
@@ -115,62 +114,5 @@ impl Stop {
         let done = work();
         self.sampling.store(false, Ordering::SeqCst);
         done
-    }
-}
-
-/// Shows progress, remembers it, and stops it.
-pub struct Watch<'a> {
-    shown: &'a Shown,
-    stop: &'a Stop,
-    unit: std::sync::OnceLock<&'static str>,
-    done: AtomicU64,
-    total: AtomicU64,
-}
-
-impl<'a> Watch<'a> {
-    pub fn new(shown: &'a Shown, stop: &'a Stop) -> Watch<'a> {
-        let [done, total] = [AtomicU64::new(0), AtomicU64::new(0)];
-        Watch { shown, stop, unit: std::sync::OnceLock::new(), done, total }
-    }
-
-    /// How far it came: done, of all, in this unit.
-    pub fn reached(&self) -> (u64, u64, &'static str) {
-        let [done, total] = [&self.done, &self.total].map(|count| count.load(Ordering::Relaxed));
-        (done, total, self.unit.get().unwrap_or(&"trials"))
-    }
-}
-
-impl Progress for Watch<'_> {
-    fn start(&self, unit: &'static str, done: u64, total: u64) {
-        self.unit.get_or_init(|| unit);
-        self.done.store(done, Ordering::Relaxed);
-        self.total.store(total, Ordering::Relaxed);
-        self.shown.start(unit, done, total);
-    }
-
-    /// What is said of a run that was stopped counts all that there may be, as the next one does when it begins.
-    fn expect(&self, total: u64) {
-        self.shown.expect(total);
-    }
-
-    fn advance(&self, more: u64) {
-        self.done.fetch_add(more, Ordering::Relaxed);
-        self.shown.advance(more);
-    }
-
-    fn cost(&self, done: f64, total: f64) {
-        self.shown.cost(done, total);
-    }
-
-    fn note(&self, sentence: &str) {
-        self.shown.note(sentence);
-    }
-
-    fn finish(&self) {
-        self.shown.finish();
-    }
-
-    fn stops(&self) -> bool {
-        self.stop.cause().is_some()
     }
 }

@@ -10,17 +10,10 @@
 //! switches.
 //!
 //! ```
-//! use sagnac::device;
 //! use sagnac::analysis::design::{Measure, design};
+//! use sagnac::device::select::select;
 //! use sagnac::study::Study;
-//! # use sagnac::run::Progress;
-//! # struct Silent;
-//! # impl Progress for Silent {
-//! #     fn start(&self, _: &'static str, _: u64, _: u64) {}
-//! #     fn advance(&self, _: u64) {}
-//! #     fn note(&self, _: &str) {}
-//! #     fn finish(&self) {}
-//! # }
+//! use sagnac::progress::Silent;
 //!
 //! let study = Study::parse("hour.toml", r#"
 //!     title = "The paper's hour"
@@ -36,7 +29,7 @@
 //!     [run]
 //!     duration = "1 h"
 //! "#)?;
-//! let mut device = backend::select("cpu", 2)?.device;
+//! let mut device = select("cpu", 2)?.device;
 //! let found = design(&study, Measure::DriftRms, &mut device, &Silent)?;
 //! let best = found.best().best();
 //! // In closed form 15.6 s, and 0.0365 °/h rms.
@@ -61,6 +54,7 @@ use crate::key::file::switching::Timing;
 use crate::kinds::switched_run::lower::RunLowerError;
 use crate::kinds::switched_run::run::late;
 use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
+use crate::progress::Progress;
 use crate::quantity::number::significant;
 use crate::run::NORMAL_95;
 use crate::sampling::worker::Worker;
@@ -261,7 +255,7 @@ pub enum DesignError {
     },
 }
 
-/// Runs all candidates; `progress` hears of how many runs there are, then of those that are done.
+/// Runs all candidates; `progress` counts the switches of their runs.
 ///
 /// # Errors
 /// The study is of another kind or sweeps more than the interval, has nothing to choose by, or the device fails.
@@ -269,7 +263,7 @@ pub fn design(
     study: &Study,
     measure: Measure,
     device: &mut Device,
-    progress: &(dyn crate::run::Progress + Sync),
+    progress: &dyn Progress,
 ) -> Result<Design, DesignError> {
     let Some(runs) = study.switched_run() else {
         return Err(DesignError::Kind { kind: study.kind().name() });
@@ -282,39 +276,34 @@ pub fn design(
     let maker = Maker { runs: &runs, seed: study.seed, swept: !study.sweeps.is_empty() };
     let chosen = maker.choose()?;
     let trials = crate::analysis::design::sampling::trials(study.trials);
-    // And the optimum of each filler, and what the paper's rule would choose.
-    let total: usize = chosen.iter().map(|candidates| candidates.len() + 2).sum();
-    progress.start("trials", 0, total as u64 * trials);
+    // The optimum of each filler and what the paper's rule would choose join as they are found.
+    let mut total = chosen.iter().flatten().map(|candidate| candidate.switches * trials).sum::<u64>();
+    progress.start("switches", 0, total);
     let mut worker = Worker::new(device, progress);
-    let steps = |candidate: &Candidate| {
-        candidate.filled.launches().first().map_or(0.0, |(launch, _)| launch.steps() as f64)
-    };
-    // The two that are not known yet are near the middle of the others.
-    let of_filler = |candidates: &Vec<Candidate>| {
-        let known: f64 = candidates.iter().map(steps).sum();
-        known * (1.0 + 2.0 / candidates.len().max(1) as f64)
-    };
-    let (mut cost, all) = (0.0, chosen.iter().map(of_filler).sum());
-    let mut sampled = |candidate: &Candidate| {
-        let parts =
-            crate::analysis::design::sampling::parts(&candidate.filled, trials, &mut worker, progress)?;
-        cost += steps(candidate);
-        progress.cost(cost, all);
+    let mut done = 0;
+    let mut sampled = |candidate: &Candidate, joins: bool| {
+        let switches = candidate.switches * trials;
+        if joins {
+            total += switches;
+            progress.start("switches", done, total);
+        }
+        done += switches;
+        let parts = crate::analysis::design::sampling::parts(candidate, trials, &mut worker, progress)?;
         of_parts(candidate, &parts, measure, trials)
     };
     let mut fillers = Vec::new();
     for (place, candidates) in chosen.iter().enumerate() {
-        let mut tried = candidates.iter().map(&mut sampled).collect::<Result<Vec<Tried>, _>>()?;
+        let mut tried = candidates.iter().map(|candidate| sampled(candidate, false)).collect::<Result<Vec<Tried>, _>>()?;
         let fitted = crate::analysis::design::optimum::of(&tried);
         if let Some(candidate) = maker.at(fitted.interval_s, place)?.filter(|_| !maker.swept) {
-            insert(&mut tried, sampled(&candidate)?);
+            insert(&mut tried, sampled(&candidate, true)?);
         }
         let point = &runs.points[0];
         let papers_rule = match crate::analysis::design::paper::optimum(point, &candidates[0].filled) {
             None => None,
             Some((residual_max, Minimum { interval_s, bound })) => {
                 let candidate = maker.at(interval_s, place)?;
-                let tried = candidate.as_ref().map(&mut sampled).transpose()?;
+                let tried = candidate.as_ref().map(|candidate| sampled(candidate, true)).transpose()?;
                 tried.map(|tried| PapersRule { residual_max, interval_s, bound, tried })
             }
         };
@@ -327,7 +316,6 @@ pub fn design(
         let (residual_rms, residual_max) = (filled.residual_rms(), filled.residual_max());
         fillers.push(Filler { name, residual_rms, residual_max, tried, best, optimum, papers_rule });
     }
-    progress.finish();
     let of = |place: &usize| fillers[*place].best().drift.value;
     let best = (0..fillers.len()).min_by(|a, b| of(a).total_cmp(&of(b))).unwrap_or(0);
     let point = &runs.points[0];

@@ -1,10 +1,10 @@
 //! Runs of one candidate, in parts.
 
+use crate::analysis::design::candidates::Candidate;
 use crate::device::Job;
 use crate::device::gpu::GpuError;
 use crate::kernel::moments::Moments;
-use crate::kinds::switched_run::lower::FilledRun;
-use crate::run::Progress;
+use crate::progress::Progress;
 use crate::sampling::worker::Worker;
 use crate::tally::block::Block;
 
@@ -18,10 +18,10 @@ pub(crate) fn trials(asked: u64) -> u64 {
 
 /// Of each part the tallies at the end and of the largest angle.
 pub(crate) fn parts(
-    filled: &FilledRun,
+    Candidate { filled, switches, .. }: &Candidate,
     trials: u64,
     worker: &mut Worker,
-    progress: &(dyn Progress + Sync),
+    progress: &dyn Progress,
 ) -> Result<Vec<[Moments; 2]>, GpuError> {
     let of_part = trials / PARTS;
     let log2 = of_part.ilog2();
@@ -29,7 +29,7 @@ pub(crate) fn parts(
     let Some((launch, _)) = launches.first() else { return Ok(vec![]) };
     let block = |part: u64| Block { first: part * of_part, log2 };
     let jobs: Vec<Job> = (0..PARTS).map(|part| Job { launch, block: block(part) }).collect();
-    let results = worker.tally(&jobs, &|trials| progress.advance(trials))?;
+    let results = worker.tally(&jobs, &|trials| progress.advance(trials * switches))?;
     Ok(results
         .into_iter()
         .map(|tallies| {

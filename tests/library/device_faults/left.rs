@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rusqlite::types::Value;
 use sagnac::device::Device;
-use sagnac::run::{Done, Plan, Progress, Tables};
+use sagnac::progress::Progress;
+use sagnac::run::{Done, Plan, Tables};
 use sagnac::store::Store;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
@@ -24,16 +25,12 @@ impl Progress for Heard {
         self.done.store(done, Ordering::Relaxed);
         self.total.store(total, Ordering::Relaxed);
     }
-    fn expect(&self, total: u64) {
-        self.total.store(total, Ordering::Relaxed);
-    }
     fn advance(&self, more: u64) {
         self.done.fetch_add(more, Ordering::Relaxed);
     }
     fn note(&self, sentence: &str) {
         self.notes.lock().unwrap().push(sentence.to_owned());
     }
-    fn finish(&self) {}
 }
 
 /// All that a run leaves.

@@ -15,7 +15,8 @@ use crate::kinds::allan::lower::refusal::RecordsError;
 use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
 use crate::kinds::allan::run::estimates::Estimates;
 use crate::quantity::number::significant;
-use crate::run::{Progress, RunError, Tables};
+use crate::progress::Progress;
+use crate::run::{RunError, Tables};
 use crate::sampling::sampling::held_by_all;
 use crate::source::diagnose::StudyError;
 use crate::store::error::StoreError;
@@ -125,7 +126,7 @@ impl<'a> Plan<'a> {
     }
 
     /// All estimates held. One point is in memory at a time.
-    pub(crate) fn tables(&self, store: &Store, progress: &(dyn Progress + Sync)) -> Result<Tables, RunError> {
+    pub(crate) fn tables(&self, store: &Store, progress: &dyn Progress) -> Result<Tables, RunError> {
         let mut tables = self.empty_tables();
         let unit = if self.allan.terms.is_some() { "fits" } else { "records" };
         progress.start(unit, 0, self.all_records());

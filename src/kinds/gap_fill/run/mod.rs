@@ -5,8 +5,9 @@ pub mod stop;
 
 use std::time::Instant;
 
-use crate::run::{Done, NORMAL_95, Progress, RunError};
-use crate::sampling::sampling::{Beside, Work, lacking, sample};
+use crate::progress::Progress;
+use crate::run::{Done, NORMAL_95, RunError};
+use crate::sampling::sampling::{Work, lacking, sample};
 use crate::sampling::worker::Worker;
 use rayon::prelude::*;
 
@@ -38,10 +39,6 @@ const MOST_REPLAYED: u64 = 1 << 32;
 
 /// log2 of the trials after which the stop rule first decides.
 const FEWEST_LOG2: u32 = 10;
-
-/// From so many steps on, about a second, before the first decision one trial in so many is sampled first.
-const TRIED_FROM: f64 = 2e8;
-const TRIED: u64 = 16;
 
 impl<'a> Plan<'a> {
     /// Lowers every point.
@@ -78,81 +75,38 @@ impl<'a> Plan<'a> {
         store: &mut Store,
         worker: &mut Worker,
         share: Share,
-        progress: &(dyn Progress + Sync),
+        progress: &dyn Progress,
     ) -> Result<Done, RunError> {
-        let mut wanted = if share.is_whole() { self.first_wanted() } else { self.most_trials() };
-        let started = Instant::now();
-        let mut stopped = false;
-        // How many more rounds there will be can be told from errors only.
-        let after = if self.decides(share) { f64::INFINITY } else { 0.0 };
-        let mut beside = Beside { after, ..Beside::default() };
-        let mut held = 0;
-        // Of much work before the first decision some is done first, to tell how much there will be.
-        let work = |trials: &[u64]| -> f64 {
-            let of_point = |(point, &trials): (&Lowered, &u64)| trials as f64 * steps(point) as f64;
-            self.points.iter().zip(trials).map(of_point).sum()
-        };
-        let mut tries = self.decides(share) && work(&wanted) >= TRIED_FROM;
-        for round in 0.. {
-            let asked = match tries {
-                true => wanted.iter().map(|trials| (trials / TRIED).max(1)).collect(),
-                false => wanted.clone(),
-            };
-            let missing = self.missing(store, &asked, share)?;
+        let mut wanted = self.first_wanted(share);
+        let (started, mut trials) = (Instant::now(), 0);
+        let stopped = loop {
+            let missing = self.missing(store, &wanted, share)?;
             let left: u64 = missing.iter().map(Work::trials).sum();
-            if round == 0 {
-                // Also of what a precision may leave out: earlier runs may have found that they needed it.
-                let most = self.most_trials();
-                let all = self.launched_trials(&most, share);
-                let lacking: u64 = match asked == most {
-                    true => left,
-                    false => self.missing(store, &most, share)?.iter().map(Work::trials).sum(),
-                };
-                held = all.saturating_sub(lacking);
-                progress.start("trials", held, all.max(lacking));
-                progress.cost(0.0, after);
+            let all = self.launched_trials(&wanted, share).max(left);
+            progress.start("trials", all - left, all);
+            let sampled = sample(&missing, trials, store, worker, progress, started)?;
+            trials += sampled;
+            if sampled < left || !self.raise(&mut wanted, store, share)? {
+                break sampled < left;
             }
-            let sampled = sample(&missing, &mut beside, store, worker, progress, started)?;
-            stopped = sampled < left;
-            if stopped || !share.is_whole() {
-                break;
-            }
-            let expected = match std::mem::take(&mut tries) {
-                true => {
-                    let each = self.expected(&asked, store)?.into_iter().zip(&wanted);
-                    Some(each.map(|(expected, &wanted)| expected.max(wanted)).collect())
-                }
-                false => self.raise(&mut wanted, store)?,
-            };
-            let Some(expected) = expected else {
-                progress.expect(held + beside.trials);
-                break;
-            };
-            beside.after = work(&expected) - work(&wanted);
-            progress.expect(self.launched_trials(&expected, share).max(held + beside.trials));
-        }
-        Ok(Done {
-            trials: beside.trials,
-            seconds: started.elapsed().as_secs_f64(),
-            stopped,
-            degraded: vec![],
-        })
+        };
+        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
     }
 
     /// Trials that the store lacks of a share; with a precision, before it can be told whether more are needed.
     pub(crate) fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
-        let mut wanted = if share.is_whole() { self.first_wanted() } else { self.most_trials() };
+        let mut wanted = self.first_wanted(share);
         loop {
             let work = self.missing(store, &wanted, share)?;
             let left = work.iter().map(Work::trials).sum();
-            if left > 0 || !share.is_whole() || self.raise(&mut wanted, store)?.is_none() {
+            if left > 0 || !self.raise(&mut wanted, store, share)? {
                 return Ok(left);
             }
         }
     }
 
     /// Whether the stop rule decides: a share has no say.
-    fn decides(&self, share: Share) -> bool {
+    pub(crate) fn decides(&self, share: Share) -> bool {
         self.gap_fill.precision.is_some() && share.is_whole()
     }
 
@@ -162,9 +116,9 @@ impl<'a> Plan<'a> {
     }
 
     /// The trials of each point after which the stop rule first decides; all where there is none.
-    fn first_wanted(&self) -> Vec<u64> {
+    fn first_wanted(&self, share: Share) -> Vec<u64> {
         let mut wanted = self.most_trials();
-        if self.gap_fill.precision.is_some() {
+        if self.decides(share) {
             // Before that many trials a standard error is not known well enough to stop by.
             wanted.iter_mut().for_each(|most| *most = (*most).min(1 << base_log2(*most).max(FEWEST_LOG2)));
         }
@@ -272,11 +226,6 @@ impl<'a> Plan<'a> {
 fn launches(point: &Lowered) -> Vec<Vec<usize>> {
     let groups = grouped(point, (0..point.fillers.len()).map(|_| Vec::new()));
     groups.into_iter().map(|(_, fillers)| fillers).collect()
-}
-
-/// Steps of a trial of a point, over all its launches.
-fn steps(point: &Lowered) -> u64 {
-    launches(point).iter().map(|fillers| point.launch(fillers).steps()).sum()
 }
 
 /// Fillers of a point that lack the same blocks share a launch.

@@ -6,36 +6,34 @@ use crate::kinds::gap_fill::precision::Precision;
 use crate::kinds::gap_fill::run::{NORMAL_95, Plan};
 use crate::store::Store;
 use crate::store::error::StoreError;
+use crate::tally::share::Share;
 use crate::tally::stats::Estimates;
 
 impl Plan<'_> {
-    /// Doubles the trials of points where a filler is not precise enough yet. Where there are such, returns how many each
-    /// point is expected to need in the end.
-    pub(crate) fn raise(&self, wanted: &mut [u64], store: &Store) -> Result<Option<Vec<u64>>, StoreError> {
-        let expected = self.expected(wanted, store)?;
+    /// Doubles the trials of points where an error is not known precisely enough; returns whether there were any.
+    pub(crate) fn raise(
+        &self,
+        wanted: &mut [u64],
+        store: &Store,
+        share: Share,
+    ) -> Result<bool, StoreError> {
+        let Some(precision) = self.gap_fill.precision.as_ref().filter(|_| self.decides(share)) else {
+            return Ok(false);
+        };
         let mut raised = false;
-        for ((point, wanted), expected) in self.points.iter().zip(wanted).zip(&expected) {
-            if *expected > *wanted {
-                *wanted = (2 * *wanted).min(point.trials(self.study.trials));
+        for (point, wanted) in self.points.iter().zip(wanted) {
+            let most = point.trials(self.study.trials);
+            let mut estimates = point.fillers.iter().flatten().take_while(|_| *wanted < most);
+            let is_imprecise = estimates.try_fold(false, |is_imprecise, estimate| {
+                let within = |tally| known(precision, estimate, &tally);
+                Ok(is_imprecise || !within(store.total_within(&estimate.address, *wanted)?))
+            })?;
+            if is_imprecise {
+                *wanted = (2 * *wanted).min(most);
                 raised = true;
             }
         }
-        Ok(raised.then_some(expected))
-    }
-
-    /// How many trials each point will need, as its first ones show: these where they are enough.
-    pub(crate) fn expected(&self, trials: &[u64], store: &Store) -> Result<Vec<u64>, StoreError> {
-        let mut expected = trials.to_vec();
-        let Some(precision) = &self.gap_fill.precision else { return Ok(expected) };
-        for ((point, &trials), expected) in self.points.iter().zip(trials).zip(&mut expected) {
-            let most = point.trials(self.study.trials);
-            let estimates = point.fillers.iter().flatten();
-            for estimate in estimates.take_while(|_| trials < most) {
-                let tally = store.total_within(&estimate.address, trials)?;
-                *expected = (*expected).max(enough(precision, estimate, tally, trials, most));
-            }
-        }
-        Ok(expected)
+        Ok(raised)
     }
 
     /// Fillers at points whose errors are not as precise as is asked, and how many there are in all.
@@ -55,17 +53,6 @@ impl Plan<'_> {
         }
         Ok((imprecise, all))
     }
-}
-
-/// How many trials make an estimate as precise as is asked, at most `most`, if those to come are like the `trials` of its
-/// tally: these, doubled until they are enough.
-fn enough(precision: &Precision, estimate: &Estimate, mut tally: Moments, mut trials: u64, most: u64) -> u64 {
-    while trials < most && !known(precision, estimate, &tally) {
-        let again = tally.clone();
-        tally.merge(&again);
-        trials = (2 * trials).min(most);
-    }
-    trials
 }
 
 /// Whether a tally gives the error of an estimate as precisely as is asked.

@@ -9,8 +9,9 @@ use crate::kinds::relock::RelockStudy;
 use crate::kinds::relock::inputs::{Compensation, Relock};
 use crate::kinds::relock::lower::{LoweredRelock, RelockEstimate};
 use crate::quantity::number::significant;
-use crate::run::{Done, NORMAL_95, Progress, RunError};
-use crate::sampling::sampling::{Beside, Work, held_by_all, lacking, sample};
+use crate::progress::Progress;
+use crate::run::{Done, NORMAL_95, RunError};
+use crate::sampling::sampling::{Work, held_by_all, lacking, sample};
 use crate::sampling::worker::Worker;
 use crate::source::diagnose::StudyError;
 use crate::store::Store;
@@ -54,7 +55,7 @@ impl<'a> Plan<'a> {
         store: &mut Store,
         worker: &mut Worker,
         share: Share,
-        progress: &(dyn Progress + Sync),
+        progress: &dyn Progress,
     ) -> Result<Done, RunError> {
         let started = Instant::now();
         let work = self.missing(store, share)?;
@@ -65,7 +66,7 @@ impl<'a> Plan<'a> {
         };
         let all: u64 = self.points.iter().enumerate().map(of_point).sum();
         progress.start("trials", all.saturating_sub(left), all.max(left));
-        let trials = sample(&work, &mut Beside::default(), store, worker, progress, started)?;
+        let trials = sample(&work, 0, store, worker, progress, started)?;
         let seconds = started.elapsed().as_secs_f64();
         Ok(Done { trials, seconds, stopped: trials < left, degraded: vec![] })
     }

@@ -8,8 +8,9 @@ use std::time::Instant;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::lower::{FilledRun, LoweredRun, RunLowerError};
 use crate::kinds::switched_run::point::Point as RunPoint;
-use crate::run::{Done, NORMAL_95, Progress, RunError, Tables};
-use crate::sampling::sampling::{Beside, Work, held_by_all, lacking, sample};
+use crate::progress::Progress;
+use crate::run::{Done, NORMAL_95, RunError, Tables};
+use crate::sampling::sampling::{Work, held_by_all, lacking, sample};
 use crate::sampling::worker::Worker;
 use crate::source::diagnose::StudyError;
 use crate::store::Store;
@@ -45,7 +46,7 @@ impl<'a> Plan<'a> {
         store: &mut Store,
         worker: &mut Worker,
         share: Share,
-        progress: &(dyn Progress + Sync),
+        progress: &dyn Progress,
     ) -> Result<Done, RunError> {
         let started = Instant::now();
         let work = self.missing(store, share)?;
@@ -57,7 +58,7 @@ impl<'a> Plan<'a> {
         };
         let all: u64 = self.points.iter().enumerate().map(of_point).sum();
         progress.start("trials", all.saturating_sub(left), all.max(left));
-        let trials = sample(&work, &mut Beside::default(), store, worker, progress, started)?;
+        let trials = sample(&work, 0, store, worker, progress, started)?;
         let stopped = trials < left;
         if !stopped && makes_trajectories(share) {
             crate::kinds::switched_run::run::trajectories::keep(self, store)?;

@@ -1,0 +1,260 @@
+//! Progress on the standard error stream: a bar on a terminal, now and then a line elsewhere.
+
+use std::io::IsTerminal;
+use std::sync::{Mutex, OnceLock};
+use std::time::{Duration, Instant};
+
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use sagnac::progress::Progress;
+use sagnac::quantity::number::short;
+
+use crate::look;
+use crate::run::stop::Stop;
+
+/// Between lines where there is no terminal.
+const LINE: Duration = Duration::from_secs(10);
+
+// As a group it would be called as the options are that it stands among, which debug builds refuse.
+#[derive(Debug, Args)]
+#[group(skip)]
+pub struct Options {
+    /// Progress on the standard error stream: a bar on a terminal, else lines; bar, plain (a line every 10 s), none
+    #[arg(
+        help_heading = "Output",
+        long,
+        value_enum,
+        value_name = "HOW",
+        default_value = "auto",
+        hide_possible_values = true
+    )]
+    progress: How,
+}
+
+impl Options {
+    /// How it is shown to someone who wants to hear of errors only, or of more.
+    pub fn how(&self, quiet: bool) -> How {
+        match self.progress {
+            How::Auto if quiet => How::None,
+            asked => asked,
+        }
+    }
+}
+
+/// What is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum How {
+    Auto,
+    Bar,
+    Plain,
+    None,
+}
+
+/// The bar that is on the terminal.
+static ON_TERMINAL: Mutex<Option<ProgressBar>> = Mutex::new(None);
+
+/// Prints something beside the bar, which makes room for it meanwhile.
+pub fn aside(print: impl FnOnce()) {
+    let bar = ON_TERMINAL.lock().ok().and_then(|bar| bar.clone());
+    match bar {
+        Some(bar) => bar.suspend(print),
+        None => print(),
+    }
+}
+
+/// Takes the bar from the terminal, for good.
+pub fn leave() {
+    let bar = ON_TERMINAL.lock().ok().and_then(|mut bar| bar.take());
+    if let Some(bar) = bar {
+        bar.finish_and_clear();
+    }
+}
+
+/// From so many columns on a bar of 30 leaves room for all there is to say; else it is as wide as the rest leaves it, without the rate.
+const ROOMY: usize = 108;
+
+/// How progress is shown. A bar stays until it is cleared or dropped: tables and charts are made when all is sampled.
+pub struct Shown {
+    how: How,
+    /// Counts and measures the rate, also where it is not drawn.
+    bar: ProgressBar,
+    /// The unit of the first phase.
+    unit: OnceLock<&'static str>,
+    /// When the next line is due.
+    next: Mutex<Instant>,
+    stop: Option<Stop>,
+}
+
+impl Shown {
+    /// As it is asked for. Without a terminal lines take the place of a bar: control characters are no text.
+    pub fn new(how: How) -> Shown {
+        let bare =
+            !std::io::stderr().is_terminal() || std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+        let how = match how {
+            How::Auto | How::Bar if bare => How::Plain,
+            How::Auto => How::Bar,
+            asked => asked,
+        };
+        let bar = match how {
+            How::Bar => drawn(),
+            _ => ProgressBar::hidden(),
+        };
+        Shown { how, bar, unit: OnceLock::new(), next: Mutex::new(Instant::now() + LINE), stop: None }
+    }
+
+    /// The same progress, which asks the run to stop as soon as there is a cause.
+    pub fn until(mut self, stop: &Stop) -> Shown {
+        self.stop = Some(stop.clone());
+        self
+    }
+
+    /// How far the first phase came: done, of all, in this unit.
+    pub fn reached(&self) -> (u64, u64, &'static str) {
+        (self.bar.position(), self.bar.length().unwrap_or(0), self.unit.get().unwrap_or(&"trials"))
+    }
+
+    /// Makes room for other output.
+    pub fn clear(&self) {
+        if self.how == How::Bar {
+            leave();
+        }
+    }
+}
+
+impl Drop for Shown {
+    fn drop(&mut self) {
+        self.clear();
+    }
+}
+
+/// A bar on the terminal.
+fn drawn() -> ProgressBar {
+    type Out<'a> = &'a mut dyn std::fmt::Write;
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(10));
+    let template = match look::error_columns() >= ROOMY {
+        true => "{bar:30} {percent:>3} %  {done} {msg}  {rate}  {left}",
+        false => "{wide_bar} {percent:>3} %  {done} {msg}  {left}",
+    };
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        let done = |state: &ProgressState, to: Out| {
+            let [done, all] = [state.pos(), state.len().unwrap_or(0)].map(|units| short(units as f64));
+            let _ = write!(to, "{done} of {all}");
+        };
+        // When all is done the rate would only fall.
+        let goes_on = |state: &ProgressState| state.len().is_some_and(|len| state.pos() < len);
+        let rate = move |state: &ProgressState, to: Out| {
+            let _ = if goes_on(state) { write!(to, "{}/s", short(state.per_sec())) } else { Ok(()) };
+        };
+        let left = |state: &ProgressState, to: Out| {
+            let _ = left(state.eta()).map_or(Ok(()), |left| write!(to, "{left}"));
+        };
+        bar.set_style(style.with_key("done", done).with_key("rate", rate).with_key("left", left));
+    }
+    if let Ok(mut shown) = ON_TERMINAL.lock() {
+        *shown = Some(bar.clone());
+    }
+    bar
+}
+
+/// The time left in words; none as long as there is no rate to tell it from.
+fn left(time: Duration) -> Option<String> {
+    (!time.is_zero()).then(|| format!("{} left", words(time)))
+}
+
+impl Progress for Shown {
+    fn start(&self, unit: &'static str, done: u64, total: u64) {
+        let first = *self.unit.get_or_init(|| unit);
+        let bar = &self.bar;
+        // More work of the same kind keeps its rate.
+        if bar.message() == unit && bar.position() == done {
+            return bar.set_length(total);
+        }
+        bar.reset();
+        bar.set_message(unit);
+        bar.set_length(total);
+        bar.set_position(done);
+        // The estimate of the rate takes note of the position before it forgets all else.
+        bar.tick();
+        bar.reset_eta();
+        match self.how {
+            How::Bar => bar.enable_steady_tick(Duration::from_millis(100)),
+            How::Plain if unit == first && done < total => {
+                say!("{} of {} {unit} done", short(done as f64), short(total as f64));
+            }
+            _ => {}
+        }
+    }
+
+    fn advance(&self, more: u64) {
+        self.bar.inc(more);
+        // A thread that finds another one printing has nothing to add.
+        let Some(mut next) = self.next.try_lock().ok().filter(|_| self.how == How::Plain) else { return };
+        if Instant::now() >= *next {
+            *next = Instant::now() + LINE;
+            let bar = &self.bar;
+            let percent = 100.0 * bar.position() as f64 / bar.length().unwrap_or(0).max(1) as f64;
+            let left = left(bar.eta()).map_or_else(String::new, |left| format!(", {left}"));
+            say!("{percent:.0} %, {} {}/s{left}", short(bar.per_sec()), bar.message());
+        }
+    }
+
+    fn note(&self, sentence: &str) {
+        if self.how != How::None {
+            say!("note: {sentence}");
+        }
+    }
+
+    fn stops(&self) -> bool {
+        self.stop.as_ref().is_some_and(|stop| stop.cause().is_some())
+    }
+}
+
+/// A time to within a few percent: `74 s`, `2 min 10 s`, `3 h 20 min`, `2 d 5 h`.
+fn words(time: Duration) -> String {
+    let seconds = time.as_secs_f64().round() as u64;
+    let two = |large: u64, small: u64, names: [&str; 2]| match (seconds / large, seconds % large / small) {
+        (whole, 0) => format!("{whole} {}", names[0]),
+        (whole, rest) => format!("{whole} {} {rest} {}", names[0], names[1]),
+    };
+    match seconds {
+        0..100 => format!("{seconds} s"),
+        100..3600 => two(60, 1, ["min", "s"]),
+        3600..172_800 => two(3600, 60, ["h", "min"]),
+        _ => two(86_400, 3600, ["d", "h"]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_told_in_the_units_that_suit_them() {
+        let said = [0.4, 74.4, 130.0, 180.0, 12_000.0, 7200.0, 190_800.0];
+        let said = said.map(|seconds| words(Duration::from_secs_f64(seconds)));
+        assert_eq!(said, ["0 s", "74 s", "2 min 10 s", "3 min", "3 h 20 min", "2 h", "2 d 5 h"]);
+    }
+
+    #[test]
+    fn what_earlier_runs_did_is_no_part_of_the_rate() {
+        let shown = Shown::new(How::None);
+        shown.start("trials", 900_000_000, 1_000_000_000);
+        assert_eq!(left(shown.bar.eta()), None);
+        for _ in 0..20 {
+            std::thread::sleep(Duration::from_millis(2));
+            shown.advance(10);
+        }
+        assert!(shown.bar.per_sec() < 1e6, "{}", shown.bar.per_sec());
+        assert_eq!(shown.reached(), (900_000_200, 1_000_000_000, "trials"));
+    }
+
+    #[test]
+    fn more_work_of_a_phase_keeps_its_count() {
+        let shown = Shown::new(How::None);
+        shown.start("trials", 0, 10);
+        shown.advance(10);
+        shown.start("trials", 10, 30);
+        shown.advance(5);
+        assert_eq!(shown.reached(), (15, 30, "trials"));
+    }
+}

@@ -1,0 +1,30 @@
+//! Progress: what a run tells its caller while it goes on, and how the caller stops it.
+
+/// Receives progress; may ask the run to stop.
+///
+/// All methods have a default that does nothing, so a listener implements only what it needs. Threads call them at the same time.
+pub trait Progress: Sync {
+    /// A phase of work starts, or its total becomes known better: `done` of its `total` units are finished. Units of one phase
+    /// take about the same time each, or are mixed evenly over the phase, so that the time left follows from their rate.
+    ///
+    /// `unit` is `trials`, `samples`, `switches`, `records` or `fits`. With a precision, the total is that of the current
+    /// round, and each further round raises it.
+    fn start(&self, _unit: &'static str, _done: u64, _total: u64) {}
+
+    /// `more` units are finished.
+    fn advance(&self, _more: u64) {}
+
+    /// Something to know at once, in one sentence; the results repeat it in their notes.
+    fn note(&self, _sentence: &str) {}
+
+    /// Whether to stop early. A run asks after every batch, a few times a second, and keeps what it sampled.
+    fn stops(&self) -> bool {
+        false
+    }
+}
+
+/// Ignores all progress and never stops a run.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl Progress for Silent {}
