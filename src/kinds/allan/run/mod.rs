@@ -56,7 +56,7 @@ pub(crate) struct Plan<'a> {
 
 /// A point that can be lowered. Its words are made anew whenever they are needed: drift takes 4 bytes a sample.
 #[derive(Debug)]
-struct Planned<'a> {
+pub(crate) struct Planned<'a> {
     point: &'a RecordPoint,
     address: Address,
     samples: u64,
