@@ -104,8 +104,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
                 return say_sound(folder, &report, &about, quiet).map(|()| State::Sound);
             }
         }
-        let tables =
-            plan.tables(&store, &Shown::new(if quiet { How::None } else { How::Auto }))?;
+        let tables = plan.tables(&store, &Shown::new(if quiet { How::None } else { How::Auto }))?;
         for (source, table) in tables.all() {
             let name = source.file();
             let path = folder.join(name);

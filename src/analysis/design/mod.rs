@@ -293,7 +293,10 @@ pub fn design(
     };
     let mut fillers = Vec::new();
     for (place, candidates) in chosen.iter().enumerate() {
-        let mut tried = candidates.iter().map(|candidate| sampled(candidate, false)).collect::<Result<Vec<Tried>, _>>()?;
+        let mut tried = candidates
+            .iter()
+            .map(|candidate| sampled(candidate, false))
+            .collect::<Result<Vec<Tried>, _>>()?;
         let fitted = crate::analysis::design::optimum::of(&tried);
         if let Some(candidate) = maker.at(fitted.interval_s, place)?.filter(|_| !maker.swept) {
             insert(&mut tried, sampled(&candidate, true)?);

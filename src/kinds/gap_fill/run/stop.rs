@@ -11,12 +11,7 @@ use crate::tally::stats::Estimates;
 
 impl Plan<'_> {
     /// Doubles the trials of points where an error is not known precisely enough; returns whether there were any.
-    pub(crate) fn raise(
-        &self,
-        wanted: &mut [u64],
-        store: &Store,
-        share: Share,
-    ) -> Result<bool, StoreError> {
+    pub(crate) fn raise(&self, wanted: &mut [u64], store: &Store, share: Share) -> Result<bool, StoreError> {
         let Some(precision) = self.gap_fill.precision.as_ref().filter(|_| self.decides(share)) else {
             return Ok(false);
         };
