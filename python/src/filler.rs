@@ -1,5 +1,6 @@
 //! Weights of fillers.
 
+use sagnac::kinds::gap_fill::GapFill;
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
@@ -83,8 +84,8 @@ pub fn of_study<'py>(
 }
 
 fn at_point(study: &Study, at: &[String], names: &[String]) -> Result<Firmware, Failure> {
-    let Some(gap_fill) = study.gap_fill() else {
-        let kind = study.kind().name();
+    let Some(gap_fill) = study.asked::<GapFill>() else {
+        let kind = study.kind().name;
         let message =
             format!("a study of kind = \"{kind}\" has no fillers\ngive a study of kind = \"gap-fill\"");
         return Err(Failure::Usage(message));

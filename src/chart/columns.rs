@@ -2,9 +2,9 @@
 
 use crate::chart::Named;
 use crate::chart::file::ChartTable;
+use crate::chart::law::Law;
 use crate::key::file::either::Either;
 use crate::key::scalar::Scalar;
-use crate::kinds::gap_fill::law::Law;
 use crate::source::diagnose::Fault;
 
 /// Most columns that are shown at once.

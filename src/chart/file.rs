@@ -11,10 +11,10 @@ use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
+use crate::chart::law::Law;
 use crate::key::file::ValueSchema;
 use crate::key::file::either::Either;
 use crate::key::scalar::Scalar;
-use crate::kinds::gap_fill::law::Law;
 
 /// A chart of the estimates: curves, or a map over two columns. Columns are named without prefix and unit: "frequency",
 /// "rms".

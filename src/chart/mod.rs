@@ -1,30 +1,27 @@
 //! Charts as asked for: names of columns, not yet looked up in a table.
 
 pub mod columns;
-pub mod default;
 pub mod file;
+pub mod ground;
+pub mod law;
 pub mod rows;
+pub mod supplied;
 
 use std::ops::Range;
 
 use toml::Spanned;
 
 use crate::chart::columns as chart_columns;
-use crate::chart::default::default_for;
 pub use crate::chart::file::Source;
 use crate::chart::file::{ChartKind, ChartTable, Charts, Scale};
-use crate::chart::rows::{ANGLE, COMPENSATION, DT_NU, ERROR, FILLER, Known, chooser, coordinate, row};
-use crate::key::file::switching::Error;
+use crate::chart::ground::{Ground, Text};
+use crate::chart::law::Law;
+use crate::chart::rows::{FILLER, chooser, coordinate, row};
 use crate::key::scalar::{self, Scalar};
 use crate::key::sweep::Sweep;
-use crate::kinds::gap_fill::keys::FREQUENCY;
-use crate::kinds::gap_fill::law::Law;
-use crate::kinds::switched_run::Angle as RunAngle;
 use crate::quantity::number::significant;
 use crate::quantity::percent::percent;
-use crate::quantity::units::Dimension;
 use crate::source::diagnose::Fault;
-use crate::study::{Study, Subject};
 use crate::table::{Cell, Unit};
 
 /// A name of a column, and where it stands in the study, so that an unknown one can be pointed at.
@@ -91,11 +88,6 @@ impl Limit {
             symbol => format!("{} {symbol}", significant(self.value, 6)),
         }
     }
-}
-
-/// The columns of text of one of a study's tables, by which rows are told apart besides the swept keys.
-pub fn text_columns(study: &Study, source: Source) -> Vec<&'static str> {
-    Known::of(&study.subject, source).text_names()
 }
 
 /// What a chart shows.
@@ -168,25 +160,29 @@ impl Chart {
 /// A key that the kind of chart lacks or does not have, not one or two `series`, an `of` or a `where` that names another
 /// column than a swept key or one of text, axes of a map or below a law that are not known beforehand, a `limit` of
 /// another dimension or not above 0, a value in `where` that its column does not take.
-pub(crate) fn read_all(charts: Charts, sweeps: &[Sweep], subject: &Subject) -> Result<Vec<Chart>, Fault> {
-    let read = |table| read(table, sweeps, subject);
+pub(crate) fn read_all(
+    charts: Charts,
+    sweeps: &[Sweep],
+    grounds: &[Ground],
+    supplied: impl FnOnce() -> Option<Chart>,
+) -> Result<Vec<Chart>, Fault> {
+    let read = |table| read(table, sweeps, grounds);
     match charts {
-        Charts::Default => Ok(default_for(sweeps, subject).into_iter().collect()),
+        Charts::Default => Ok(supplied().into_iter().collect()),
         Charts::One(table) => Ok(vec![read(*table)?]),
         Charts::Several(tables) => tables.into_iter().map(read).collect(),
     }
 }
 
-fn read(mut table: ChartTable, sweeps: &[Sweep], subject: &Subject) -> Result<Chart, Fault> {
-    let source = source(&table, subject)?;
-    let known = Known::of(subject, source);
-    let limit = table.limit.as_ref().map(|limit| read_limit(limit, subject, source)).transpose()?;
+fn read(mut table: ChartTable, sweeps: &[Sweep], grounds: &[Ground]) -> Result<Chart, Fault> {
+    let ground = ground(&table, grounds)?;
+    let limit = table.limit.as_ref().map(|limit| read_limit(limit, ground)).transpose()?;
     let (y, beside) = chart_columns::read(&table)?;
-    let shows = shows(&mut table, &y, &beside, sweeps, &known)?;
+    let shows = shows(&mut table, &y, &beside, sweeps, ground)?;
     let mut rows = Vec::new();
     let mut chosen: Vec<String> = Vec::new();
     for (name, value) in table.rows.unwrap_or_default() {
-        let (column, cell) = row(&name, &value, sweeps, &known)?;
+        let (column, cell) = row(&name, &value, sweeps, ground)?;
         if chosen.contains(&column) {
             let message = format!("`where` gives {column} twice");
             return Err(Fault::new(name.span(), message, "one of the two", "leave one of them out"));
@@ -199,16 +195,15 @@ fn read(mut table: ChartTable, sweeps: &[Sweep], subject: &Subject) -> Result<Ch
         chosen.push(column);
         rows.push((Named::from(name), cell));
     }
-    // Trajectories start at 0, and their angles have both signs.
-    let usual_scale = |name: &str| match source {
-        Source::Trajectories => Scale::Linear,
-        _ => scale_over(name, sweeps, &known),
+    let usual_scale = |name: &str| match ground.is_linear {
+        true => Scale::Linear,
+        false => scale_over(name, sweeps, ground),
     };
     let chart = Chart {
         title: table.title,
         x_scale: table.x_scale.unwrap_or_else(|| usual_scale(table.x.get_ref())),
         y_scale: table.y_scale.unwrap_or_else(|| usual_scale(&y.name)),
-        source,
+        source: ground.source,
         x: table.x.into(),
         y,
         beside,
@@ -221,34 +216,24 @@ fn read(mut table: ChartTable, sweeps: &[Sweep], subject: &Subject) -> Result<Ch
         let mut drawn = std::iter::once(&chart.x).chain(chart.series());
         chosen.iter().any(|name| name == column) || drawn.any(|named| named.name == column)
     };
-    let supplied = usual_rows(&known).into_iter().filter(|(column, _)| !is_named(&column.name));
+    let supplied = usual_rows(ground).into_iter().filter(|(column, _)| !is_named(&column.name));
     let supplied: Vec<(Named, Cell)> = supplied.collect();
     Ok(Chart { rows: chart.rows.into_iter().chain(supplied).collect(), ..chart })
 }
 
-/// Which of a study's tables is drawn.
-fn source(table: &ChartTable, subject: &Subject) -> Result<Source, Fault> {
-    match (&table.table, subject) {
-        (None, _) => Ok(Source::Points),
-        (Some(written), Subject::Allan(allan))
-            if *written.get_ref() == Source::Coefficients && allan.terms.is_none() =>
-        {
-            let message = "the chart is of coefficients, and none are fitted";
-            let help = "add them as in\n[allan]\nfit = \"auto\"";
-            Err(Fault::new(written.span(), message, "an empty table", help))
-        }
-        (Some(written), Subject::SwitchedRun(run))
-            if *written.get_ref() == Source::Trajectories && run.trajectories == 0 =>
-        {
-            let message = "the chart is of trajectories, and none are kept";
-            let help = "add them as in\n[run]\ntrajectories = 20";
-            Err(Fault::new(written.span(), message, "an empty table", help))
-        }
-        (Some(written), subject) if !subject.sources().contains(written.get_ref()) => {
-            let message = "a study of this kind has no such table";
-            Err(Fault::new(written.span(), message, "no such table", "leave chart.table out"))
-        }
-        (Some(written), _) => Ok(*written.get_ref()),
+/// The table of results that is drawn.
+fn ground<'g>(table: &ChartTable, grounds: &'g [Ground]) -> Result<&'g Ground, Fault> {
+    let (source, span) = match &table.table {
+        None => (Source::Points, 0..0),
+        Some(written) => (*written.get_ref(), written.span()),
+    };
+    let Some(ground) = grounds.iter().find(|ground| ground.source == source) else {
+        let message = "a study of this kind has no such table";
+        return Err(Fault::new(span, message, "no such table", "leave chart.table out"));
+    };
+    match ground.absent {
+        Some((message, help)) => Err(Fault::new(span, message, "an empty table", help)),
+        None => Ok(ground),
     }
 }
 
@@ -258,7 +243,7 @@ fn shows(
     y: &Named,
     beside: &[Named],
     sweeps: &[Sweep],
-    known: &Known,
+    ground: &Ground,
 ) -> Result<Shows, Fault> {
     let kind = table.kind.as_ref().map_or(ChartKind::Curves, |kind| *kind.get_ref());
     let maps = [ChartKind::HeatMap, ChartKind::WinnerMap];
@@ -268,11 +253,11 @@ fn shows(
     only_for(kind, &[ChartKind::Curves], "series", table.series.as_ref())?;
     only_for(kind, &[ChartKind::Curves], "laws", table.laws.as_ref())?;
     if kind == ChartKind::Curves {
-        let laws = laws(table, sweeps, known)?;
+        let laws = laws(table, sweeps, ground)?;
         if !beside.is_empty() {
             chart_columns::check_beside(table, &laws)?;
         }
-        let mut series = series(table.series.take(), table.x.get_ref(), sweeps, known)?;
+        let mut series = series(table.series.take(), table.x.get_ref(), sweeps, ground)?;
         if !beside.is_empty() {
             series.truncate(1);
         }
@@ -290,21 +275,21 @@ fn shows(
     let x = Named::from(table.x.clone());
     for (name, axis) in [("x", &x), ("y", y)] {
         let cannot = format!("a map cannot have as its {name}");
-        coordinate(sweeps, known, &axis.name, axis.span.clone(), &cannot)?;
+        coordinate(sweeps, ground, &axis.name, axis.span.clone(), &cannot)?;
     }
     if kind == ChartKind::HeatMap {
         let z_scale = table.z_scale.as_ref().map_or(Scale::default(), |scale| *scale.get_ref());
         return Ok(Shows::HeatMap { z, z_scale });
     }
     let of = match table.of.take() {
-        None if known.fillers.is_empty() => {
+        None if ground.values(FILLER).is_none() => {
             let span = table.kind.as_ref().map_or(0..0, Spanned::span);
             let message = "a winner map needs of, the swept key whose values compete";
             return Err(Fault::new(span, message, "the winner of what?", "add it as in\nof = \"length\""));
         }
         None => Named::default(FILLER),
         Some(of) => {
-            let name = chooser(sweeps, known, of.get_ref(), of.span(), "a winner map cannot compare by")?;
+            let name = chooser(sweeps, ground, of.get_ref(), of.span(), "a winner map cannot compare by")?;
             Named { name, span: of.span() }
         }
     };
@@ -333,15 +318,15 @@ fn series(
     written: Option<Spanned<Vec<Spanned<String>>>>,
     x: &str,
     sweeps: &[Sweep],
-    known: &Known,
+    ground: &Ground,
 ) -> Result<Vec<Named>, Fault> {
     match written {
-        None => Ok(match known.text_names().first() {
+        None => Ok(match ground.text_names().first() {
             // Side by side they are told apart already.
             Some(name) if *name == x => vec![],
             Some(name) => vec![Named::default(name)],
             None => {
-                let across = coordinate(sweeps, known, x, 0..0, "no axis over").ok();
+                let across = coordinate(sweeps, ground, x, 0..0, "no axis over").ok();
                 let others =
                     sweeps.iter().map(|sweep| sweep.key.name).filter(|name| Some(*name) != across.as_deref());
                 others.take(2).map(Named::default).collect()
@@ -358,7 +343,7 @@ fn series(
     }
 }
 
-fn laws(table: &ChartTable, sweeps: &[Sweep], known: &Known) -> Result<Vec<Law>, Fault> {
+fn laws(table: &ChartTable, sweeps: &[Sweep], ground: &Ground) -> Result<Vec<Law>, Fault> {
     let mut laws = Vec::new();
     for law in table.laws.iter().flat_map(|laws| laws.get_ref()) {
         if laws.contains(law.get_ref()) {
@@ -368,52 +353,41 @@ fn laws(table: &ChartTable, sweeps: &[Sweep], known: &Known) -> Result<Vec<Law>,
         laws.push(*law.get_ref());
     }
     for law in table.laws.iter().flat_map(|laws| laws.get_ref()) {
-        let of_relock = law.get_ref().is_of_relock();
-        let fits =
-            if of_relock { known.text_names().contains(&COMPENSATION) } else { !known.fillers.is_empty() };
-        if !fits {
-            let of = if of_relock { "of relock" } else { "of gap fillers" };
-            let message = format!("chart.laws: \"{}\" is a law {of}", law.get_ref().name());
+        if !ground.laws.contains(law.get_ref()) {
+            let message =
+                format!("chart.laws: \"{}\" is a law of {}", law.get_ref().name(), law.get_ref().subject());
             return Err(Fault::new(law.span(), message, "not of this kind of study", "leave it out"));
         }
     }
     if !laws.is_empty() {
-        coordinate(sweeps, known, table.x.get_ref(), table.x.span(), "laws cannot be drawn over")?;
+        coordinate(sweeps, ground, table.x.get_ref(), table.x.span(), "laws cannot be drawn over")?;
     }
     Ok(laws)
 }
 
-/// The scale of an axis over this column where none is written: that of its sweep, of Δt·ν that of the frequency.
-pub(crate) fn scale_over(name: &str, sweeps: &[Sweep], known: &Known) -> Scale {
-    let column = coordinate(sweeps, known, name, 0..0, "no axis over").ok();
-    let key = column.as_deref().map(|column| if column == DT_NU { FREQUENCY.name } else { column });
+/// The scale of an axis over this column where none is written: that of its sweep, or of the sweep that it follows.
+pub(crate) fn scale_over(name: &str, sweeps: &[Sweep], ground: &Ground) -> Scale {
+    let column = coordinate(sweeps, ground, name, 0..0, "no axis over").ok();
+    let follows = |column: &str| ground.numbers.iter().find(|number| number.name == column)?.follows;
+    let key = column.as_deref().map(|column| follows(column).unwrap_or(column));
     let sweep = sweeps.iter().find(|sweep| Some(sweep.key.name) == key);
     sweep.map_or(Scale::default(), |sweep| sweep.scale)
 }
 
-/// The rows that are meant where nothing is said: of errors the residual, of angles that at the end.
-pub(crate) fn usual_rows(known: &Known) -> Vec<(Named, Cell)> {
-    let usual = [(ERROR, Error::Residual.name().to_owned()), (ANGLE, RunAngle::End.name())];
-    let has = |column: &str| known.text_names().contains(&column);
-    let rows = usual.into_iter().filter(|(column, _)| has(column));
-    rows.map(|(column, value)| (Named::default(column), Cell::Text(value))).collect()
+/// The rows that are meant where nothing is said.
+pub(crate) fn usual_rows(ground: &Ground) -> Vec<(Named, Cell)> {
+    let usual = |text: &Text| Some((Named::default(text.name), Cell::Text(text.usual.clone()?)));
+    ground.texts.iter().filter_map(usual).collect()
 }
 
 const PERCENT: &str = "accepted: a part in percent such as \"10 %\", of a relative column";
 
 /// A limit in the unit of what the table is about.
-fn read_limit(given: &Spanned<Scalar>, subject: &Subject, source: Source) -> Result<Limit, Fault> {
-    let dimensions: &[Dimension] = match (subject, source) {
-        (Subject::SwitchedRun(_), _) => &[Dimension::DriftRate, Dimension::Angle],
-        (Subject::Allan(_), Source::Points | Source::Trajectories) => &[Dimension::DriftRate],
-        (Subject::GapFill(_) | Subject::Relock(_), _) => &[Dimension::Angle],
-        (Subject::DriftBudget(_), _) => &[Dimension::Rate, Dimension::Time],
-        (Subject::Suspension(_), _) => &[Dimension::RatePerAcceleration],
-        (Subject::Allan(_), Source::Coefficients) => {
-            return Ok(Limit { value: percent("chart.limit", given, PERCENT)?, unit: Unit::NONE });
-        }
-    };
-    let limit = scalar::quantity("chart.limit", given, dimensions)?;
+fn read_limit(given: &Spanned<Scalar>, ground: &Ground) -> Result<Limit, Fault> {
+    if ground.limits.is_empty() {
+        return Ok(Limit { value: percent("chart.limit", given, PERCENT)?, unit: Unit::NONE });
+    }
+    let limit = scalar::quantity("chart.limit", given, ground.limits)?;
     if limit.value > 0.0 {
         return Ok(Limit { value: limit.value, unit: limit.dimension.unit() });
     }

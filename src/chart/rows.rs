@@ -4,114 +4,16 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use crate::chart::file::Source;
-use crate::fit::term::Term;
-use crate::key::file::switching::Error;
+use crate::chart::ground::Ground;
 use crate::key::scalar::{self, Scalar};
 use crate::key::setting::Swept;
 use crate::key::sweep::Sweep;
-use crate::kinds::relock::inputs::Compensation;
-use crate::kinds::switched_run::Angle as RunAngle;
 use crate::quantity::units::Dimension;
 use crate::source::diagnose::{Fault, choices};
-use crate::study::Subject;
 use crate::table::{self, Cell, Column, ColumnError, Unit};
 
-/// The columns of text of a gap-fill table.
+/// The column of the names of fillers.
 pub(crate) const FILLER: &str = "filler";
-pub(crate) const ERROR: &str = "error";
-
-/// The column of text of a table of whole runs: which angle.
-pub(crate) const ANGLE: &str = "angle";
-
-/// The column of text of a table of trajectories.
-pub(crate) const RUN: &str = "run";
-
-/// The column of the time in a run.
-pub(crate) const TIME: &str = "time";
-/// The columns of text of a relock table.
-pub(crate) const COMPENSATION: &str = "compensation";
-pub(crate) const TICK: &str = "tick";
-
-/// The tick of a relock as a number: blank for all together.
-pub(crate) const TICK_NUMBER: &str = "tick_number";
-
-/// What [`TICK`] is for all ticks together.
-pub(crate) const ALL_TICKS: &str = "all";
-
-/// What [`TICK`] takes.
-const TICKS: [&str; 9] = ["1", "2", "3", "4", "5", "6", "7", "8", ALL_TICKS];
-
-/// The column of text of a table of coefficients.
-pub(crate) const COEFFICIENT: &str = "coefficient";
-
-/// The column of averaging times.
-pub(crate) const TAU: &str = "tau";
-
-/// The column of Δt·ν, which follows from the inputs of a point.
-pub(crate) const DT_NU: &str = "dt_nu";
-
-/// The column of A_Ω·T/σ, which does too.
-const AMPLITUDE_NOISE: &str = "amplitude_noise";
-
-/// The columns of a table that are known before anything is sampled, besides swept keys.
-pub(crate) struct Known {
-    /// Of text, by which rows are told apart, each with the values that it takes.
-    pub(crate) texts: Vec<(&'static str, Vec<String>)>,
-    /// The names of fillers, where there is a column of them.
-    pub(crate) fillers: Vec<String>,
-    /// Of numbers.
-    pub(crate) numbers: &'static [&'static str],
-}
-
-impl Known {
-    /// Those of one of the tables of a study.
-    pub(crate) fn of(subject: &Subject, source: Source) -> Known {
-        match (subject, source) {
-            (Subject::GapFill(gap_fill), _) => Known {
-                texts: vec![(ERROR, Error::ALL.map(|error| error.name().to_owned()).to_vec())],
-                fillers: gap_fill.fillers.iter().map(|filler| filler.name.clone()).collect(),
-                numbers: &[DT_NU, AMPLITUDE_NOISE],
-            },
-            (Subject::Allan(_), Source::Points | Source::Trajectories) => {
-                Known { texts: vec![], fillers: vec![], numbers: &[TAU] }
-            }
-            (Subject::Relock(relock), _) => {
-                let ticks = TICKS[..relock.inputs.relock.ticks as usize].iter().chain([&ALL_TICKS]);
-                let ticks = ticks.map(|tick| (*tick).to_owned());
-                let compensations = Compensation::ALL.map(|kind| kind.name().to_owned()).to_vec();
-                Known {
-                    texts: vec![(COMPENSATION, compensations), (TICK, ticks.collect())],
-                    fillers: vec![],
-                    numbers: &[TICK_NUMBER],
-                }
-            }
-            (Subject::DriftBudget(_) | Subject::Suspension(_), _) => {
-                Known { texts: vec![], fillers: vec![], numbers: &[] }
-            }
-            (Subject::Allan(_), Source::Coefficients) => {
-                let names = Term::ALL.map(Term::symbol).into_iter().chain(["markov_time", "sine_frequency"]);
-                let names = names.map(str::to_owned).collect();
-                Known { texts: vec![(COEFFICIENT, names)], fillers: vec![], numbers: &[] }
-            }
-            (Subject::SwitchedRun(run), source) => Known {
-                texts: vec![if source == Source::Trajectories {
-                    (RUN, (1..=run.trajectories).map(|number| number.to_string()).collect())
-                } else {
-                    (ANGLE, run.angles().iter().map(RunAngle::name).collect())
-                }],
-                fillers: run.fillers().iter().map(|filler| filler.name.clone()).collect(),
-                numbers: &[TIME],
-            },
-        }
-    }
-
-    /// The names of the columns of text.
-    pub(crate) fn text_names(&self) -> Vec<&'static str> {
-        let fillers = (!self.fillers.is_empty()).then_some(FILLER);
-        fillers.into_iter().chain(self.texts.iter().map(|(name, _)| *name)).collect()
-    }
-}
 
 /// Most values of a sweep that a message lists.
 const MOST_LISTED: usize = 12;
@@ -122,13 +24,15 @@ const MOST_LISTED: usize = 12;
 /// It means no such column, or several; `cannot` begins the message: "`where` cannot choose rows by".
 pub(crate) fn chooser(
     sweeps: &[Sweep],
-    known: &Known,
+    ground: &Ground,
     name: &str,
     span: Range<usize>,
     cannot: &str,
 ) -> Result<String, Fault> {
-    let taus = known.numbers.iter().copied().filter(|name| *name == TAU);
-    input(sweeps, &known.text_names().into_iter().chain(taus).collect::<Vec<_>>(), name, span, cannot)
+    let texts = ground.texts.iter().map(|text| (text.name, Unit::NONE));
+    let numbers =
+        ground.numbers.iter().filter(|number| number.chooses).map(|number| (number.name, number.unit));
+    input(sweeps, &texts.chain(numbers).collect::<Vec<_>>(), name, span, cannot)
 }
 
 /// The column of numbers known before anything is sampled that `name` at `span` means: a swept key, or one that follows
@@ -138,18 +42,19 @@ pub(crate) fn chooser(
 /// As those of [`chooser`].
 pub(crate) fn coordinate(
     sweeps: &[Sweep],
-    known: &Known,
+    ground: &Ground,
     name: &str,
     span: Range<usize>,
     cannot: &str,
 ) -> Result<String, Fault> {
-    input(sweeps, known.numbers, name, span, cannot)
+    let numbers: Vec<_> = ground.numbers.iter().map(|number| (number.name, number.unit)).collect();
+    input(sweeps, &numbers, name, span, cannot)
 }
 
 /// The column that `name` means among the swept keys and some `more`.
 fn input(
     sweeps: &[Sweep],
-    more: &[&str],
+    more: &[(&str, Unit)],
     name: &str,
     span: Range<usize>,
     cannot: &str,
@@ -157,7 +62,7 @@ fn input(
     let unit = |sweep: &Sweep| sweep.values.first().map_or(Unit::NONE, Swept::unit);
     let swept = sweeps.iter().map(|sweep| (sweep.key.name, unit(sweep)));
     let columns: Vec<Column> = swept
-        .chain(more.iter().map(|name| (*name, if [TAU, TIME].contains(name) { Unit::S } else { Unit::NONE })))
+        .chain(more.iter().copied())
         .map(|(name, unit)| Column {
             name: name.to_owned(),
             label: name.to_owned(),
@@ -174,7 +79,10 @@ fn input(
             let known: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
             let label = match more {
                 [] => "not swept".to_owned(),
-                more => format!("neither swept nor {}", more.join(" nor ")),
+                more => {
+                    let names: Vec<&str> = more.iter().map(|(name, _)| *name).collect();
+                    format!("neither swept nor {}", names.join(" nor "))
+                }
             };
             Fault::new(span, format!("{cannot} `{name}`"), label, choices(name, &known))
         }
@@ -187,16 +95,13 @@ pub(crate) fn row(
     name: &Spanned<String>,
     value: &Spanned<Scalar>,
     sweeps: &[Sweep],
-    known: &Known,
+    ground: &Ground,
 ) -> Result<(String, Cell), Fault> {
-    let column = chooser(sweeps, known, name.get_ref(), name.span(), "`where` cannot choose rows by")?;
-    let of_texts = || known.texts.iter().find(|(text, _)| *text == column);
+    let column = chooser(sweeps, ground, name.get_ref(), name.span(), "`where` cannot choose rows by")?;
     let cell = if let Some(sweep) = sweeps.iter().find(|sweep| sweep.key.name == column) {
         swept_value(sweep, value)?.cell()
-    } else if column == FILLER {
-        text(FILLER, value, known.fillers.iter().map(String::as_str))?
-    } else if let Some((column, values)) = of_texts() {
-        text(column, value, values.iter().map(String::as_str))?
+    } else if let Some(values) = ground.values(&column) {
+        text(&column, value, values.iter().map(String::as_str))?
     } else {
         // Whether the table has that τ shows when the chart is drawn without estimates.
         scalar::quantity(&column, value, &[Dimension::Time])?.cell()

@@ -4,9 +4,7 @@ use std::ops::Range;
 
 use toml::de::{DeTable, DeValue};
 
-use crate::chart::default::estimate;
-use crate::chart::rows::{TAU, TICK_NUMBER};
-use crate::key::file::Kind;
+use crate::kinds::KINDS;
 
 /// What a key holds, and how it may be written.
 pub(crate) struct Expected {
@@ -290,18 +288,13 @@ impl Expected {
 pub(crate) fn axis_of(key: &str, text: &str) -> Option<String> {
     let study: toml::Table = text.parse().ok()?;
     let kind = study.get("kind").and_then(toml::Value::as_str);
-    let kind = Kind::ALL.into_iter().find(|known| Some(known.name()) == kind)?;
+    let kind = KINDS.into_iter().find(|known| Some(known.name) == kind)?;
     match key {
         "chart.x" => {
             let swept = || study.get("sweep")?.as_array()?.first()?.get("key")?.as_str();
-            let own = match kind {
-                Kind::Allan => Some(TAU),
-                Kind::Relock => Some(TICK_NUMBER),
-                _ => None,
-            };
-            Some(format!("x = \"{}\"", own.or_else(swept)?))
+            Some(format!("x = \"{}\"", kind.look.along.or_else(swept)?))
         }
-        "chart.y" => Some(format!("y = \"{}\"", estimate(kind))),
+        "chart.y" => Some(format!("y = \"{}\"", kind.look.estimate)),
         _ => None,
     }
 }

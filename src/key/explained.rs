@@ -3,10 +3,11 @@
 use serde_json::Value;
 
 use crate::key::expected::{Expected, KEYS};
-use crate::key::file::{Kind, schema};
+use crate::key::file::schema;
 use crate::key::setting::Key;
+use crate::kinds::KINDS;
 use crate::quantity::units;
-use crate::study::keys;
+use crate::study::kind::Kind;
 
 /// A key of a study file, in words.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -22,7 +23,7 @@ pub struct Explained {
     /// As a study file has it.
     pub example: &'static str,
     /// The kinds of studies that have it.
-    pub kinds: Vec<Kind>,
+    pub kinds: Vec<&'static Kind>,
     /// Dimensions, units and range of its values, where it can be swept.
     pub swept: Option<Swept>,
 }
@@ -58,12 +59,12 @@ pub fn explain_key(key: &str) -> Option<Explained> {
     let node = key.split('.').try_fold(&schema, |node, name| property(&schema, node, name))?;
     let table = key.split('.').next().unwrap_or(key);
     // A table of its own belongs to some kinds, all else to every one.
-    let of_kinds = Kind::ALL.iter().any(|kind| kind.tables().contains(&table));
-    let has = |kind: &Kind| match table {
-        "precision" => *kind == Kind::GapFill,
-        _ => !of_kinds || kind.tables().contains(&table),
+    let of_kinds = KINDS.iter().any(|kind| kind.tables.contains(&table));
+    let has = |kind: &&Kind| match table {
+        "precision" => kind.name == "gap-fill",
+        _ => !of_kinds || kind.tables.contains(&table),
     };
-    let setting = |kind: Kind| keys(kind).into_iter().find(|setting| setting.name == *key);
+    let setting = |kind: &Kind| (kind.keys)().into_iter().find(|setting| setting.name == *key);
     let of_setting = |setting: &Key| Swept {
         label: setting.label,
         accepted: if setting.is_name() { String::new() } else { units::accepted(setting.accepts) },
@@ -75,44 +76,9 @@ pub fn explain_key(key: &str) -> Option<Explained> {
         holds: what,
         choices: choices(&schema, node),
         example,
-        kinds: Kind::ALL.into_iter().filter(has).collect(),
-        swept: Kind::ALL.into_iter().find_map(setting).map(of_setting),
+        kinds: KINDS.into_iter().filter(has).collect(),
+        swept: KINDS.into_iter().find_map(setting).map(of_setting),
     })
-}
-
-/// What a study of this kind simulates, and the columns of its results that say what came of it, in sentences.
-pub fn explain_kind(kind: Kind) -> &'static str {
-    match kind {
-        Kind::GapFill => {
-            "Samples mode switches: the motion, the noise and the readout of the ticks around each, of which those that are lost are \
-             filled in by every filler. points.csv has for each point, filler and error the `rms`, the level `q9973` that 99.73 % \
-             of errors stay below and the `max`, with their uncertainty, and the closed form `oracle_rms` where there is one."
-        }
-        Kind::Allan => {
-            "Makes records of a gyro at rest with the noise of [noise], takes the Allan curve of each and fits its coefficients. \
-             points.csv has the mean curve, `adev` over `tau`, with the band of single records, `adev_lo` to `adev_hi`; \
-             coefficients.csv how well each coefficient is found again: `mean`, `rmse`, `coverage95`."
-        }
-        Kind::SwitchedRun => {
-            "Samples whole runs of a gyro that switches modes: the magnetic drift, which turns its sign with every switch, and what \
-             the switches leave. points.csv has how wrong the angle is at the end and before, `rms` and `q9973` in ″, and the same \
-             over the time, `drift_rms` and `drift_q9973` in °/h. `sagnac design` finds the best interval of such a study."
-        }
-        Kind::Relock => {
-            "Samples mode switches with their errors, the perimeter loop that settles after each, and the rotation that it fakes in \
-             the first ticks. points.csv has for each `compensation` and `tick` what is left of that: `mean`, `rms`, `max` and \
-             `q9973`, ″."
-        }
-        Kind::DriftBudget => {
-            "Samples nothing: formulas of the drift of a gyro that switches modes. points.csv has the paper's `bound`, Z(7), what a \
-             run really adds up, `mean_drift` and `rms_drift`, and the intervals at which these are least, `optimum` and \
-             `optimum_true`."
-        }
-        Kind::Suspension => {
-            "Samples nothing: the response of an elastic suspension to a vibration of its base. points.csv has the rate by the \
-             acceleration, `response`, and its `phase` at each frequency that is swept."
-        }
-    }
 }
 
 /// The node itself and what it refers to or chooses from, to the bottom.
@@ -167,7 +133,7 @@ mod tests {
             let said = !found.meaning.is_empty() || !found.choices.is_empty() || found.swept.is_some();
             assert!(said || UNSAID.contains(&key), "nothing is said of {key}");
         }
-        for key in Kind::ALL.into_iter().flat_map(keys) {
+        for key in KINDS.into_iter().flat_map(|kind| (kind.keys)()) {
             // The ends of bands are swept only.
             assert!(
                 explain_key(key.name).is_some() || key.name.ends_with("low") || key.name.ends_with("high"),
@@ -183,8 +149,8 @@ mod tests {
     #[test]
     fn the_columns_that_kinds_are_explained_by_are_there() {
         use crate::table::describe::File;
-        for kind in Kind::ALL {
-            let text = explain_kind(kind);
+        for kind in KINDS {
+            let text = kind.about;
             for name in text.split('`').skip(1).step_by(2).filter(|name| !name.contains(' ')) {
                 let files = [File::Points(kind), File::Coefficients];
                 assert!(files.iter().any(|file| file.column(name).is_some()), "{kind:?}: {name}");
@@ -204,7 +170,10 @@ mod tests {
         let phase = explain_key("motion.phase").unwrap();
         let words: Vec<&str> = phase.choices.iter().map(|(word, _)| word.as_str()).collect();
         assert_eq!(words, ["uniform", "zero-crossing", "extremum"]);
-        assert_eq!(explain_key("relock.miss").unwrap().kinds, [Kind::Relock, Kind::SwitchedRun]);
+        assert_eq!(
+            explain_key("relock.miss").unwrap().kinds.iter().map(|kind| kind.name).collect::<Vec<_>>(),
+            ["switched-run", "relock"]
+        );
         assert_eq!(explain_key("title").unwrap().kinds.len(), 6);
         assert_eq!(explain_key("motion.amplitud"), None);
     }

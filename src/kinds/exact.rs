@@ -1,34 +1,75 @@
-//! Studies whose every value is a closed form: points become a table at once.
+//! Studies whose every value is a closed form: their points become a table at once.
 
 use crate::key::setting::Swept;
-use crate::kinds::drift_budget::DriftBudget;
-use crate::kinds::suspension::SuspensionStudy;
-use crate::run::swept_columns;
+use crate::progress::Progress;
+use crate::run::{Done, RunError, Tables, swept_columns};
+use crate::sampling::plan::Plan;
+use crate::sampling::worker::Worker;
+use crate::store::Store;
+use crate::store::error::StoreError;
+use crate::store::index::Index;
 use crate::study::Study;
 use crate::table::{Cell, Column, Table};
+use crate::tally::id::Id;
+use crate::tally::share::Share;
 
-/// The table of a study of the drift budget, a row for each point.
-pub(crate) fn of_budget(study: &Study, budget: &DriftBudget) -> Table {
-    let rows =
-        budget.points.iter().map(|point| (&point.swept[..], crate::kinds::drift_budget::table::row(point)));
-    table(study, crate::kinds::drift_budget::table::columns(), rows)
-}
+/// The plan of such a study: its table is all there is.
+#[derive(Debug)]
+pub(crate) struct Exact(Table);
 
-/// The table of a study of a suspension, a row for each point.
-pub(crate) fn of_suspension(study: &Study, suspension: &SuspensionStudy) -> Table {
-    let rows =
-        suspension.points.iter().map(|point| (&point.swept[..], crate::kinds::suspension::table::row(point)));
-    table(study, crate::kinds::suspension::table::columns(), rows)
-}
-
-type Row<'p> = (&'p [(&'static str, Swept)], Vec<Cell>);
-
-fn table<'p>(study: &Study, columns: Vec<Column>, rows: impl Iterator<Item = Row<'p>>) -> Table {
-    let mut all = swept_columns(study);
-    all.extend(columns);
-    for (swept, cells) in rows {
-        let cells = swept.iter().map(|(_, value)| value.cell()).chain(cells);
-        all.iter_mut().zip(cells).for_each(|(column, cell)| column.cells.push(cell));
+impl Exact {
+    /// A row for each point: its swept values, then the cells of the columns.
+    pub(crate) fn new<'p>(
+        study: &Study,
+        columns: Vec<Column>,
+        rows: impl Iterator<Item = (&'p [(&'static str, Swept)], Vec<Cell>)>,
+    ) -> Exact {
+        let mut all = swept_columns(study);
+        all.extend(columns);
+        for (swept, cells) in rows {
+            let cells = swept.iter().map(|(_, value)| value.cell()).chain(cells);
+            all.iter_mut().zip(cells).for_each(|(column, cell)| column.cells.push(cell));
+        }
+        Exact(Table { columns: all })
     }
-    Table { columns: all }
+}
+
+impl Plan for Exact {
+    fn is_sampled(&self) -> bool {
+        false
+    }
+
+    fn run(
+        &self,
+        _: &mut Store,
+        _: &mut Worker,
+        _: Share,
+        _: &dyn Progress,
+    ) -> Result<Done, RunError> {
+        Ok(Done { trials: 0, seconds: 0.0, stopped: false, degraded: vec![] })
+    }
+
+    fn lacks(&self, _: &Store, _: Share) -> Result<u64, StoreError> {
+        Ok(0)
+    }
+
+    fn tables(&self, _: Option<&Store>, _: &dyn Progress) -> Result<Tables, RunError> {
+        Ok(Tables::of_points(self.0.clone()))
+    }
+
+    fn held(&self, _: &Index) -> Result<Option<u64>, StoreError> {
+        Ok(None)
+    }
+
+    fn ids(&self) -> Vec<Id> {
+        vec![]
+    }
+
+    fn notes(&self, _: &Store) -> Result<Vec<String>, StoreError> {
+        Ok(vec!["all values are closed forms: trials, seed and device have no use here".to_owned()])
+    }
+
+    fn all_trials(&self) -> u64 {
+        u64::MAX
+    }
 }

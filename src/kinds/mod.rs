@@ -1,4 +1,6 @@
-//! TODO-DOC kinds
+//! The kinds of studies, each in a folder with all that is particular to it.
+//!
+//! All else knows them only as entries of [`KINDS`].
 
 pub mod allan;
 pub mod drift_budget;
@@ -7,3 +9,15 @@ pub mod gap_fill;
 pub mod relock;
 pub mod suspension;
 pub mod switched_run;
+
+use crate::study::kind::Kind;
+
+/// Every kind of study.
+pub static KINDS: [&Kind; 6] = [
+    &gap_fill::kind::GAP_FILL,
+    &allan::kind::ALLAN,
+    &switched_run::kind::SWITCHED_RUN,
+    &relock::kind::RELOCK,
+    &drift_budget::kind::DRIFT_BUDGET,
+    &suspension::kind::SUSPENSION,
+];

@@ -77,7 +77,13 @@ mod tests {
         assert!(keep(&second, there).unwrap().is_empty());
         assert_eq!(second.resolved(8), kept);
         let noise = |study: &Study| {
-            study.allan().unwrap().points.iter().map(|point| point.inputs.noise.clone()).collect::<Vec<_>>()
+            study
+                .asked::<crate::kinds::allan::Allan>()
+                .unwrap()
+                .points
+                .iter()
+                .map(|point| point.inputs.noise.clone())
+                .collect::<Vec<_>>()
         };
         assert_eq!(noise(&first), noise(&second));
         // What was read is kept, whatever has become of the file.

@@ -7,19 +7,17 @@ use std::collections::HashSet;
 use crate::chart::file::Source;
 use crate::device::Device;
 use crate::device::gpu::GpuError;
-use crate::kernel::{
-    allan as allan_kernel, gap_fill as gap_fill_kernel, relock_ticks, switched_run as run_kernel,
-};
 use crate::key::setting::Swept;
 use crate::kinds::allan::lower::refusal::RecordsError;
-use crate::progress::Progress;
+use crate::progress::{Progress, Silent};
 pub use crate::run::keep::{KeepError, keep};
+use crate::sampling::plan;
 use crate::sampling::worker::Worker;
 use crate::source::diagnose::StudyError;
 use crate::store::error::StoreError;
 use crate::store::index::Index;
 use crate::store::{Identity, Store};
-use crate::study::{Study, Subject};
+use crate::study::Study;
 use crate::table::{Column, Table, Unit};
 use crate::tally::id::Id;
 use crate::tally::share::Share;
@@ -42,17 +40,7 @@ pub enum RunError {
 #[derive(Debug)]
 pub struct Plan<'a> {
     study: &'a Study,
-    work: Work<'a>,
-}
-
-#[derive(Debug)]
-enum Work<'a> {
-    GapFill(crate::kinds::gap_fill::run::Plan<'a>),
-    Allan(crate::kinds::allan::run::Plan<'a>),
-    SwitchedRun(crate::kinds::switched_run::run::Plan<'a>),
-    Relock(crate::kinds::relock::run::Plan<'a>),
-    /// Closed forms: the table is all there is.
-    Exact(Table),
+    work: Box<dyn plan::Plan + 'a>,
 }
 
 /// What a run did.
@@ -123,47 +111,21 @@ impl<'a> Plan<'a> {
     /// # Errors
     /// A point cannot be represented; the error points at the key to change.
     pub fn new(study: &'a Study) -> Result<Plan<'a>, StudyError> {
-        let work = match &study.subject {
-            Subject::GapFill(gap_fill) => {
-                Work::GapFill(crate::kinds::gap_fill::run::Plan::new(study, gap_fill)?)
-            }
-            Subject::Allan(allan) => Work::Allan(crate::kinds::allan::run::Plan::new(study, allan)?),
-            Subject::SwitchedRun(runs) => {
-                Work::SwitchedRun(crate::kinds::switched_run::run::Plan::new(study, runs)?)
-            }
-            Subject::Relock(relock) => Work::Relock(crate::kinds::relock::run::Plan::new(study, relock)?),
-            Subject::DriftBudget(budget) => Work::Exact(crate::kinds::exact::of_budget(study, budget)),
-            Subject::Suspension(suspension) => {
-                Work::Exact(crate::kinds::exact::of_suspension(study, suspension))
-            }
-        };
-        Ok(Plan { study, work })
+        Ok(Plan { study, work: study.subject().plan(study)? })
     }
 
     /// Whether there is anything to sample, for which a device is needed.
     pub fn is_sampled(&self) -> bool {
-        !matches!(self.work, Work::Exact(_))
+        self.work.is_sampled()
     }
 
     /// What makes the results those of this study.
     pub fn identity(&self) -> Identity {
         Identity {
-            kind: self.study.kind().name().to_owned(),
+            kind: self.study.kind().name.to_owned(),
             seed: self.study.seed,
             streams: self.study.streams.name().to_owned(),
-            kernels: self.kernels(),
-        }
-    }
-
-    /// The kernels that sample it, with their versions.
-    fn kernels(&self) -> String {
-        let relock = format!("relock {}", relock_ticks::VERSION);
-        match &self.work {
-            Work::GapFill(_) => format!("gap_fill {}", gap_fill_kernel::VERSION),
-            Work::Allan(_) => format!("allan {}", allan_kernel::VERSION),
-            Work::SwitchedRun(_) => format!("switched_run {}, {relock}", run_kernel::VERSION),
-            Work::Relock(_) => relock,
-            Work::Exact(_) => "none".to_owned(),
+            kernels: (self.study.kind().kernels)(),
         }
     }
 
@@ -184,25 +146,13 @@ impl<'a> Plan<'a> {
         progress: &dyn Progress,
     ) -> Result<Done, RunError> {
         let mut worker = Worker::new(device, progress);
-        let done = match &self.work {
-            Work::GapFill(plan) => plan.run(store, &mut worker, share, progress)?,
-            Work::Allan(plan) => plan.run(store, &mut worker, share, progress)?,
-            Work::SwitchedRun(plan) => plan.run(store, &mut worker, share, progress)?,
-            Work::Relock(plan) => plan.run(store, &mut worker, share, progress)?,
-            Work::Exact(_) => Done { trials: 0, seconds: 0.0, stopped: false, degraded: vec![] },
-        };
+        let done = self.work.run(store, &mut worker, share, progress)?;
         Ok(Done { degraded: worker.into_notes(), ..done })
     }
 
     /// Whether so many sampled trials are more than all points have: estimates of a point that are not sampled together count each.
     pub fn counts_again(&self, sampled: u64) -> bool {
-        let all = match &self.work {
-            Work::GapFill(plan) => plan.most_trials().iter().sum(),
-            Work::SwitchedRun(plan) => self.study.trials.saturating_mul(plan.ids().len() as u64),
-            Work::Relock(plan) => self.study.trials.saturating_mul(plan.ids().len() as u64),
-            Work::Allan(_) | Work::Exact(_) => u64::MAX,
-        };
-        sampled > all
+        sampled > self.work.all_trials()
     }
 
     /// Trials that the store still lacks of a share, over all points.
@@ -210,24 +160,13 @@ impl<'a> Plan<'a> {
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
     pub fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
-        match &self.work {
-            Work::GapFill(plan) => plan.lacks(store, share),
-            Work::Allan(plan) => plan.lacks(store, share),
-            Work::SwitchedRun(plan) => plan.lacks(store, share),
-            Work::Relock(plan) => plan.lacks(store, share),
-            Work::Exact(_) => Ok(0),
-        }
+        self.work.lacks(store, share)
     }
 
     /// The tables before anything is sampled: all rows, without estimates.
     pub fn blank_tables(&self) -> Tables {
-        match &self.work {
-            Work::GapFill(plan) => Tables::of_points(plan.blank_table()),
-            Work::Allan(plan) => plan.blank_tables(),
-            Work::SwitchedRun(plan) => plan.blank_tables(),
-            Work::Exact(table) => Tables::of_points(table.clone()),
-            Work::Relock(plan) => Tables::of_points(plan.blank_table()),
-        }
+        let nothing = Tables::of_points(Table::default());
+        self.work.tables(None, &Silent).unwrap_or(nothing)
     }
 
     /// All estimates held; `progress` hears of fits.
@@ -250,14 +189,7 @@ impl<'a> Plan<'a> {
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
     pub fn held(&self, index: &Index) -> Result<u64, StoreError> {
-        let held = match &self.work {
-            Work::GapFill(plan) => plan.held(index)?,
-            Work::Allan(plan) => plan.held(index)?,
-            Work::SwitchedRun(plan) => plan.held(index)?,
-            Work::Relock(plan) => plan.held(index)?,
-            Work::Exact(_) => None,
-        };
-        Ok(held.unwrap_or(0).max(self.study.trials))
+        Ok(self.work.held(index)?.unwrap_or(0).max(self.study.trials))
     }
 
     /// What should be known besides the results, each in a sentence, of a store that holds what `index` says, and so many trials as
@@ -267,31 +199,13 @@ impl<'a> Plan<'a> {
     /// A row of the store is damaged, or the disk fails.
     pub fn notes(&self, store: &Store, index: &Index, held: u64) -> Result<Vec<String>, StoreError> {
         let mut notes = self.study.notes().to_vec();
-        notes.extend(match &self.work {
-            Work::GapFill(plan) => plan.notes(store)?,
-            Work::Allan(plan) => plan.notes(),
-            Work::SwitchedRun(plan) => plan.notes(),
-            Work::Relock(plan) => plan.notes(),
-            Work::Exact(_) => {
-                vec!["all values are closed forms: trials, seed and device have no use here".to_owned()]
-            }
-        });
+        notes.extend(self.work.notes(store)?);
         if held > self.study.trials {
-            let why = match &self.work {
-                Work::GapFill(plan) if plan.replays() => "whole replays of the record",
-                _ => "the folder holds them already",
-            };
+            let why = self.work.surplus();
             notes.push(format!("{held} trials a point, not {}: {why}", self.study.trials));
         }
         let points = index.points();
-        let asked = match &self.work {
-            Work::GapFill(plan) => plan.ids(),
-            Work::Allan(plan) => plan.ids(),
-            Work::SwitchedRun(plan) => plan.ids(),
-            Work::Relock(plan) => plan.ids(),
-            Work::Exact(_) => vec![],
-        };
-        let asked: HashSet<Id> = asked.into_iter().collect();
+        let asked: HashSet<Id> = self.work.ids().into_iter().collect();
         match points.iter().filter(|id| !asked.contains(id)).count() {
             0 => {}
             1 => notes.push(

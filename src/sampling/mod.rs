@@ -1,4 +1,5 @@
-//! TODO-DOC sampling
+//! Sampling what a store lacks, batch by batch, on a device whose failures end no run.
 
+pub mod plan;
 pub mod sampling;
 pub mod worker;

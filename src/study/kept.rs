@@ -81,7 +81,7 @@ impl Study {
         let mut edits = Vec::new();
         for (key, value, written) in [("trials", trials, written_trials), ("seed", self.seed, seed)] {
             match written {
-                _ if self.kind().is_exact() => {}
+                _ if self.kind.is_exact => {}
                 None => edits.push((after_kind..after_kind, format!("{line_end}{key} = {value}\n"))),
                 Some(written) if *written.get_ref() != value => {
                     edits.push((written.span(), value.to_string()))

@@ -7,9 +7,11 @@
 //! Whatever is wrong is found here, before any work, and told with its place in the file.
 
 pub mod kept;
+pub mod kind;
 #[cfg(test)]
 pub mod tests;
 
+use std::any::Any;
 use std::ops::{Range, RangeInclusive};
 use std::path::Path;
 use std::sync::Arc;
@@ -19,15 +21,16 @@ use serde::Deserialize;
 use toml::Spanned;
 
 pub use crate::chart::file::{Scale, Source};
-pub use crate::chart::{Chart, Limit, Named, Shows, text_columns};
+pub use crate::chart::law::Law;
+pub use crate::chart::{Chart, Limit, Named, Shows};
 pub use crate::drift::Drift;
 pub use crate::drift::schedule::Schedule;
 pub use crate::filler::{Fill, Filler, Method, POLYNOMIALS};
-pub use crate::key::explained::{Explained, Swept as SweptKey, explain_key, explain_kind, explained_keys};
+pub use crate::key::explained::{Explained, Swept as SweptKey, explain_key, explained_keys};
 pub use crate::key::file::motion::{Phase, Position};
 pub use crate::key::file::relock::FirstHalf;
 pub use crate::key::file::switching::{Error, FirstMode, Timing};
-pub use crate::key::file::{Kind, Streams, schema};
+pub use crate::key::file::{Streams, schema};
 pub use crate::key::setting::{Key, Swept};
 pub use crate::key::sweep::Sweep;
 pub use crate::kinds::allan::Allan;
@@ -35,7 +38,6 @@ pub use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoin
 pub use crate::kinds::drift_budget::{DriftBudget, Point as BudgetPoint};
 pub use crate::kinds::gap_fill::GapFill;
 pub use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
-pub use crate::kinds::gap_fill::law::Law;
 pub use crate::kinds::gap_fill::point::Point;
 pub use crate::kinds::gap_fill::precision::Precision;
 pub use crate::kinds::relock::inputs::{Compensation, Relock};
@@ -51,13 +53,19 @@ pub use crate::quantity::units::{Dimension, Quantity, UnitError, parse as parse_
 pub use crate::source::diagnose::StudyError;
 pub(crate) use crate::source::diagnose::{Fault, Text, nearest};
 pub use crate::study::kept::Input;
+pub use crate::study::kind::Kind;
 
+use crate::chart;
+use crate::chart::ground::Ground;
 use crate::key::file::StudyFile;
 use crate::key::scalar::Scalar;
+use crate::kinds::KINDS;
 use crate::source::diagnose::Wrong;
+use crate::source::diagnose::choices;
 use crate::source::place::Places;
 use crate::source::text_file::{Files, MOST_TOML};
 use crate::study::kept::Written;
+use crate::study::kind::{Reading, Subject};
 
 /// Most trials at one point, 2^40.
 pub const MOST_TRIALS: u64 = 1 << 40;
@@ -79,40 +87,11 @@ pub struct Study {
     pub sweeps: Vec<Sweep>,
     /// As written, or those that this kind is supplied with.
     pub charts: Vec<Chart>,
-    /// What is studied.
-    pub subject: Subject,
+    kind: &'static Kind,
+    subject: Box<dyn Subject>,
     text: Text,
     places: Places,
     written: Written,
-}
-
-/// What is studied, by its kind.
-#[derive(Debug, Clone)]
-pub enum Subject {
-    /// Errors of gap fillers at a switch.
-    GapFill(Box<GapFill>),
-    /// Allan curves of simulated records.
-    Allan(Allan),
-    /// Angles of whole runs.
-    SwitchedRun(Box<SwitchedRun>),
-    /// Ticks after a switch.
-    Relock(RelockStudy),
-    /// The bound Z(7), in closed form.
-    DriftBudget(DriftBudget),
-    /// Response of a mount, in closed form.
-    Suspension(SuspensionStudy),
-}
-
-impl Subject {
-    /// The tables of results that studies of this kind can have.
-    pub(crate) fn sources(&self) -> &'static [Source] {
-        match self {
-            Subject::GapFill(_) => &[Source::Points],
-            Subject::Allan(_) => &[Source::Points, Source::Coefficients],
-            Subject::SwitchedRun(_) => &[Source::Points, Source::Trajectories],
-            Subject::Relock(_) | Subject::DriftBudget(_) | Subject::Suspension(_) => &[Source::Points],
-        }
-    }
 }
 
 impl Study {
@@ -146,45 +125,31 @@ impl Study {
         Study::check(&text).map_err(|wrong| wrong.within(&text))
     }
 
-    /// Which kind it is, as `kind = …` writes it.
-    pub fn kind(&self) -> Kind {
-        match self.subject {
-            Subject::GapFill(_) => Kind::GapFill,
-            Subject::Allan(_) => Kind::Allan,
-            Subject::SwitchedRun(_) => Kind::SwitchedRun,
-            Subject::Relock(_) => Kind::Relock,
-            Subject::DriftBudget(_) => Kind::DriftBudget,
-            Subject::Suspension(_) => Kind::Suspension,
-        }
+    /// The kind that it is of.
+    pub fn kind(&self) -> &'static Kind {
+        self.kind
     }
 
-    /// What a gap-fill study asks; `None` of another kind.
-    pub fn gap_fill(&self) -> Option<&GapFill> {
-        match &self.subject {
-            Subject::GapFill(gap_fill) => Some(gap_fill),
-            _ => None,
-        }
+    /// The question of a study of the kind that `T` belongs to, such as [`GapFill`](crate::kinds::gap_fill::GapFill); `None` of
+    /// another kind.
+    pub fn asked<T: 'static>(&self) -> Option<&T> {
+        (self.subject() as &dyn Any).downcast_ref()
     }
 
-    /// What a study of Allan curves asks; `None` of another kind.
-    pub fn allan(&self) -> Option<&Allan> {
-        match &self.subject {
-            Subject::Allan(allan) => Some(allan),
-            _ => None,
-        }
+    pub(crate) fn subject(&self) -> &dyn Subject {
+        self.subject.as_ref()
     }
 
-    /// What a study of whole runs asks; `None` of another kind.
-    pub fn switched_run(&self) -> Option<&SwitchedRun> {
-        match &self.subject {
-            Subject::SwitchedRun(run) => Some(run),
-            _ => None,
-        }
+    /// The columns of text of one of its tables, by which rows are told apart besides the swept keys.
+    pub fn text_columns(&self, source: Source) -> Vec<&'static str> {
+        let grounds = self.subject.grounds();
+        let ground = grounds.iter().find(|ground| ground.source == source);
+        ground.map(Ground::text_names).unwrap_or_default()
     }
 
     /// Whether points stop at a precision rather than after a number of trials.
     pub fn has_stop_rule(&self) -> bool {
-        self.gap_fill().is_some_and(|gap_fill| gap_fill.precision.is_some())
+        self.subject.has_stop_rule()
     }
 
     /// Takes all trials at every point, whatever precision the study asks for.
@@ -201,21 +166,13 @@ impl Study {
                 "write it as a value, precision = { rms = \"0.5 %\" }, or remove it",
             ));
         }
-        if let Subject::GapFill(gap_fill) = &mut self.subject {
-            gap_fill.precision = None;
-        }
+        self.subject.drop_stop_rule();
         Ok(())
     }
 
     /// What of the inputs is left out, rounded or assumed, each in a sentence.
     pub fn notes(&self) -> &[String] {
-        match &self.subject {
-            Subject::GapFill(gap_fill) => &gap_fill.notes,
-            Subject::Allan(allan) => &allan.notes,
-            Subject::SwitchedRun(run) => &run.notes,
-            Subject::Suspension(suspension) => &suspension.notes,
-            Subject::Relock(_) | Subject::DriftBudget(_) => &[],
-        }
+        self.subject.notes()
     }
 
     /// The laws that any chart draws, each once.
@@ -252,9 +209,9 @@ impl Study {
             .map_err(|error| Fault::from_syntax("the study", &error))?;
         let file = StudyFile::deserialize(toml).map_err(|error| Fault::from_serde(&error, text.inner()))?;
         let files = Files::of(Path::new(text.name()).parent().unwrap_or(Path::new("")));
-        let kind = *file.kind.get_ref();
-        check_tables(&file)?;
-        let sweeps = crate::key::sweep::read_all(&file.sweep, &keys(kind))?;
+        let kind = read_kind(&file.kind)?;
+        check_tables(&file, kind)?;
+        let sweeps = crate::key::sweep::read_all(&file.sweep, &(kind.keys)())?;
         let mut written = Written {
             seed: read_count("seed", file.seed.as_ref(), 0..=i64::MAX)?,
             trials: read_count("trials", file.trials.as_ref(), 1..=MOST_TRIALS as i64)?,
@@ -270,43 +227,22 @@ impl Study {
         if let Some(precision) = &file.precision {
             places.add("precision", precision.span());
         }
-        if kind.is_exact() {
+        if kind.is_exact {
             check_exact(&file)?;
         }
-        let subject = match kind {
-            Kind::GapFill => {
-                Subject::GapFill(Box::new(crate::kinds::gap_fill::read(&file, &sweeps, &files, &mut places)?))
-            }
-            Kind::Allan => Subject::Allan(crate::kinds::allan::read(&file, &sweeps, &files, &mut places)?),
-            Kind::SwitchedRun => Subject::SwitchedRun(Box::new(crate::kinds::switched_run::read(
-                &file,
-                &sweeps,
-                &files,
-                &mut places,
-            )?)),
-            Kind::Relock => Subject::Relock(crate::kinds::relock::read(&file, &sweeps, &mut places)?),
-            Kind::DriftBudget => {
-                Subject::DriftBudget(crate::kinds::drift_budget::read(&file, &sweeps, &mut places)?)
-            }
-            Kind::Suspension => {
-                Subject::Suspension(crate::kinds::suspension::read(&file, &sweeps, &mut places)?)
-            }
-        };
+        let subject = (kind.read)(&Reading { file: &file, sweeps: &sweeps, files: &files }, &mut places)?;
         written.inputs = crate::study::kept::inputs(&file, &sweeps, &files);
-        let default_trials = match kind {
-            Kind::Allan => 1000,
-            Kind::SwitchedRun => 100_000,
-            _ => 1_000_000,
-        };
-        let charts = crate::chart::read_all(file.chart, &sweeps, &subject)?;
+        let charts =
+            chart::read_all(file.chart, &sweeps, &subject.grounds(), || subject.default_chart(&sweeps))?;
         Ok(Study {
             title: file.title,
             question: file.question,
             seed: written.seed.as_ref().map_or(1, |seed| *seed.get_ref()),
-            trials: written.trials.as_ref().map_or(default_trials, |trials| *trials.get_ref()),
+            trials: written.trials.as_ref().map_or(kind.trials, |trials| *trials.get_ref()),
             streams: file.streams,
             sweeps,
             charts,
+            kind,
             subject,
             text: text.clone(),
             places,
@@ -315,22 +251,20 @@ impl Study {
     }
 }
 
-/// The keys that a study of this kind can sweep.
-pub fn keys(kind: Kind) -> Vec<&'static Key> {
-    match kind {
-        Kind::GapFill => crate::kinds::gap_fill::keys(),
-        Kind::Allan => crate::kinds::allan::keys(),
-        Kind::SwitchedRun => crate::kinds::switched_run::keys(),
-        Kind::Relock => crate::kinds::relock::keys(),
-        Kind::DriftBudget => crate::kinds::drift_budget::keys(),
-        Kind::Suspension => crate::kinds::suspension::keys(),
-    }
+/// The kind that a file names.
+fn read_kind(written: &Spanned<String>) -> Result<&'static Kind, Fault> {
+    let found = written.get_ref();
+    KINDS.iter().copied().find(|kind| kind.name == found).ok_or_else(|| {
+        let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+        let message = format!("unknown value \"{found}\"");
+        Fault::new(written.span(), message, "not one of the choices", choices(found, &names))
+    })
 }
 
 /// Refuses what means nothing where nothing is sampled.
 fn check_exact(file: &StudyFile) -> Result<(), Fault> {
     let Some(precision) = &file.precision else { return Ok(()) };
-    let kind = file.kind.get_ref().name();
+    let kind = file.kind.get_ref();
     let message = format!("precision is no key of a study of kind = \"{kind}\", which is exact");
     Err(Fault::new(precision.span(), message, "not of this kind", "leave it out"))
 }
@@ -350,17 +284,16 @@ pub(crate) fn needed<'a, T>(
     name: &'static str,
     file: &StudyFile,
 ) -> Result<&'a Spanned<T>, Fault> {
-    table.ok_or_else(|| Fault::missing_table(name, file.kind.get_ref().name(), file.kind.span()))
+    table.ok_or_else(|| Fault::missing_table(name, file.kind.get_ref(), file.kind.span()))
 }
 
 /// Refuses tables that belong to other kinds.
-fn check_tables(file: &StudyFile) -> Result<(), Fault> {
-    let kind = *file.kind.get_ref();
-    match file.tables().into_iter().find(|(name, place)| place.is_some() && !kind.tables().contains(name)) {
+fn check_tables(file: &StudyFile, kind: &Kind) -> Result<(), Fault> {
+    match file.tables().into_iter().find(|(name, place)| place.is_some() && !kind.tables.contains(name)) {
         Some((name, place)) => {
-            let message = format!("[{name}] is no table of a study of kind = \"{}\"", kind.name());
-            let others = Kind::ALL.into_iter().filter(|other| other.tables().contains(&name));
-            let others: Vec<String> = others.map(|other| format!("kind = \"{}\"", other.name())).collect();
+            let message = format!("[{name}] is no table of a study of kind = \"{}\"", kind.name);
+            let others = KINDS.iter().filter(|other| other.tables.contains(&name));
+            let others: Vec<String> = others.map(|other| format!("kind = \"{}\"", other.name)).collect();
             let help = format!("leave it out, or write {}", others.join(" or "));
             Err(Fault::new(place.unwrap_or_default(), message, "not of this kind", help))
         }

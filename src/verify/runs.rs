@@ -1,6 +1,7 @@
 //! Named runs that differ in all that the kernel distinguishes.
 
 use crate::kernel::launch::Launch;
+use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::lower::LoweredRun;
 use crate::study::Study;
 
@@ -105,7 +106,7 @@ fn launches(tables: &[&str]) -> Vec<Launch> {
         Ok(study) => study,
         Err(error) => panic!("{}", error.render(false, 100)),
     };
-    let Some(runs) = study.switched_run() else { return vec![] };
+    let Some(runs) = study.asked::<SwitchedRun>() else { return vec![] };
     let lowered = LoweredRun::new(&runs.points[0], runs, study.seed, study.streams);
     let lowered = lowered.unwrap_or_else(|error| panic!("a named run does not lower: {error}"));
     let of_filled = lowered.fillers.iter().flat_map(|filled| filled.launches());

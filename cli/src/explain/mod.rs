@@ -5,8 +5,9 @@ pub mod glossary;
 use std::collections::BTreeMap;
 
 use clap::Args;
-use sagnac::key::explained::{Explained, explain_key, explain_kind, explained_keys};
-use sagnac::key::file::Kind;
+use sagnac::key::explained::{Explained, explain_key, explained_keys};
+use sagnac::kinds::KINDS;
+use sagnac::study::kind::Kind;
 use sagnac::table::describe::{File, meanings};
 
 use crate::explain::glossary::{TERMS, Term};
@@ -67,7 +68,7 @@ fn folded(name: &str) -> String {
 
 /// What is known of kinds, terms, keys, words and columns that are called so. Keys that only end so come behind words.
 fn all_of(what: &str, is_called: impl Fn(&str) -> bool) -> Vec<String> {
-    let kinds = Kind::ALL.into_iter().filter(|kind| is_called(kind.name())).map(of_kind);
+    let kinds = KINDS.into_iter().filter(|kind| is_called(kind.name)).map(of_kind);
     let terms = TERMS.iter().filter(|term| term.names.iter().any(|name| is_called(name))).map(of_term);
     let whole: Vec<&str> = explained_keys().filter(|key| is_called(key)).collect();
     let ends = |key: &&str| key.match_indices('.').any(|(dot, _)| is_called(&key[dot + 1..]));
@@ -82,9 +83,9 @@ fn of_term(term: &Term) -> String {
 }
 
 /// A kind of study.
-fn of_kind(kind: Kind) -> String {
-    let name = kind.name();
-    let mut text = format!("{name} (kind of study)\n{}", filled(explain_kind(kind)));
+fn of_kind(kind: &Kind) -> String {
+    let name = kind.name;
+    let mut text = format!("{name} (kind of study)\n{}", filled(kind.about));
     text +=
         &filled(&format!("`sagnac new {name}` writes one with its keys explained, `sagnac run` runs it."));
     text + &format!("  Example:\n    kind = \"{name}\"\n")
@@ -134,7 +135,7 @@ fn of_key(key: &Explained) -> String {
         }
         line(&format!("Can be swept as key = \"{}\": {}.", key.key, swept.label));
     }
-    let kinds: Vec<&str> = key.kinds.iter().map(|kind| kind.name()).collect();
+    let kinds: Vec<&str> = key.kinds.iter().map(|kind| kind.name).collect();
     let table = key.key.split_once('.').map_or_else(String::new, |(table, _)| {
         format!(" with a table [{table}], as far as they have a use for it")
     });
@@ -174,7 +175,7 @@ fn subjects() -> String {
         let place = tables.iter().find(|(_, (known, _))| *known == table).map_or(at, |(place, _)| *place);
         tables.entry(place).or_insert((table, vec![])).1.push(rest);
     }
-    let kinds: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
+    let kinds: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
     let mut text =
         format!("Kinds of studies, as in `sagnac explain gap-fill`\n{}\n", filled(&kinds.join(", ")));
     text += "Keys of study files, as in `sagnac explain motion.amplitude`\n";
@@ -183,7 +184,7 @@ fn subjects() -> String {
         text += &filled(&format!("{table}: {}", keys.join(", ")));
     }
     text += "\nColumns of results, as in `sagnac explain rms`\n";
-    for file in File::ALL {
+    for file in File::all() {
         let columns: Vec<&str> = file.columns().iter().map(|(name, _)| *name).collect();
         text += &filled(&format!("{}: {}", file.title(), columns.join(", ")));
     }
@@ -198,8 +199,8 @@ fn subjects() -> String {
 
 /// A name that is not known, with those that are most like it.
 fn unknown(what: &str) -> String {
-    let columns = File::ALL.into_iter().flat_map(|file| file.columns().iter().map(|(name, _)| *name));
-    let kinds = Kind::ALL.iter().map(|kind| kind.name());
+    let columns = File::all().into_iter().flat_map(|file| file.columns().iter().map(|(name, _)| *name));
+    let kinds = KINDS.iter().map(|kind| kind.name);
     let terms = TERMS.iter().flat_map(|term| term.names).copied();
     let mut known: Vec<&str> = explained_keys().chain(columns).chain(kinds).chain(terms).collect();
     known.sort_unstable();

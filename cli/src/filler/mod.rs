@@ -4,6 +4,7 @@ pub mod alone;
 pub mod options;
 pub mod text;
 
+use sagnac::kinds::gap_fill::GapFill;
 use std::path::Path;
 
 use sagnac::analysis::firmware::choice::{choose_fillers, choose_point};
@@ -20,10 +21,10 @@ pub fn filler(options: &Options) -> Result<(), Failure> {
     let source = options.source()?;
     let study = options.study(&source)?;
     let failure = |error| options.failure(&source, error);
-    let Some(gap_fill) = study.gap_fill() else {
+    let Some(gap_fill) = study.asked::<GapFill>() else {
         let message = format!(
             "a study of kind = \"{}\" has no fillers\ngive a study of kind = \"gap-fill\"",
-            study.kind().name()
+            study.kind().name
         );
         return Err(Failure::Usage(message));
     };

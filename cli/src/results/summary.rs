@@ -1,8 +1,8 @@
 //! The results of a study in a terminal.
 
+use sagnac::chart::Chart;
 use sagnac::chart::file::Source;
-use sagnac::chart::{Chart, text_columns};
-use sagnac::key::file::Kind;
+
 use sagnac::quantity::number::significant;
 use sagnac::run::Tables;
 use sagnac::study::Study;
@@ -31,19 +31,19 @@ pub(crate) fn summary(
         text += &format!("{}\n", study.question);
     }
     let failed = |error: ColumnError| Failure::Picture(error.to_string());
-    let shown = match (study.kind(), study.charts.iter().zip(curves).next()) {
+    let shown = match (study.kind().name, study.charts.iter().zip(curves).next()) {
         (_, Some((chart, shown))) if !(chart.is_supplied() && study.sweeps.is_empty()) => {
             of_chart(study, shown, chart).map_err(|error| refused(study, chart, &error))?
         }
-        (Kind::SwitchedRun, _) if study.sweeps.is_empty() => angles(&tables.points),
-        (Kind::GapFill, _) if study.sweeps.is_empty() => one_point(&tables.points).map_err(failed)?,
+        ("switched-run", _) if study.sweeps.is_empty() => angles(&tables.points),
+        ("gap-fill", _) if study.sweeps.is_empty() => one_point(&tables.points).map_err(failed)?,
         _ => undrawn(study, &tables.points).map_err(failed)?,
     };
     text += &format!("\n{shown}");
     if let Some(coefficients) = &tables.coefficients {
         text += &format!("\n{}", coefficients_found(study, coefficients));
     }
-    if study.kind() == Kind::DriftBudget {
+    if study.kind().name == "drift-budget" {
         let failed = |error: ColumnError| Failure::Picture(error.to_string());
         text += &format!("\n{}", optima(study, &tables.points).map_err(failed)?);
     }
@@ -73,35 +73,38 @@ fn columns(table: &Table) -> String {
 
 /// The points of a study without a chart as a grid, as after sweeps over names alone.
 fn undrawn(study: &Study, table: &Table) -> Result<String, ColumnError> {
-    let (estimate, rows) = match study.kind() {
-        Kind::GapFill | Kind::Relock => ("rms", vec![]),
-        Kind::SwitchedRun => ("drift_q9973", vec![("angle".to_owned(), "end".to_owned())]),
-        Kind::Allan => ("adev", vec![]),
-        Kind::DriftBudget | Kind::Suspension => return Ok(columns(table)),
+    let kind = study.kind();
+    if kind.is_exact {
+        return Ok(columns(table));
+    }
+    let (estimate, rows) = match kind.name {
+        "switched-run" => ("drift_q9973", vec![("angle".to_owned(), "end".to_owned())]),
+        "allan" => ("adev", vec![]),
+        _ => ("rms", vec![]),
     };
-    let tau = (study.kind() == Kind::Allan).then_some("tau");
-    let tick = (study.kind() == Kind::Relock).then_some("tick");
+    let tau = (kind.name == "allan").then_some("tau");
+    let tick = (kind.name == "relock").then_some("tick");
     let swept = study.sweeps.iter().map(|sweep| sweep.key.name);
     let across: Vec<&str> = tau.into_iter().chain(swept).chain(tick).collect();
-    pivot(table, &across, estimate, &[], &text_columns(study, Source::Points), &rows)
+    pivot(table, &across, estimate, &[], &study.text_columns(Source::Points), &rows)
 }
 
 /// The rows of a chart as a grid.
 fn of_chart(study: &Study, shown: &Curves, chart: &Chart) -> Result<String, ChartError> {
     let table: &Table = &shown.table;
     let sweeps: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
-    let across = match study.kind() {
+    let across = match study.kind().name {
         // Compensations side by side, and ticks below each other.
-        Kind::Relock => sweeps.into_iter().chain(["tick"]).collect(),
-        kind if kind != Kind::Allan && !sweeps.is_empty() => sweeps,
-        Kind::Allan => {
+        "relock" => sweeps.into_iter().chain(["tick"]).collect(),
+        kind if kind != "allan" && !sweeps.is_empty() => sweeps,
+        "allan" => {
             let x = table.column(&chart.x.name)?.name.as_str();
             std::iter::once(x).chain(sweeps.into_iter().filter(|sweep| *sweep != x)).collect()
         }
         _ => vec![chart.x.name.as_str()],
     };
     let series: Vec<&str> = shown.series.iter().map(String::as_str).collect();
-    let texts = text_columns(study, chart.source);
+    let texts = study.text_columns(chart.source);
     Ok(pivot(table, &across, &shown.estimate, &series, &texts, &written(chart))?)
 }
 

@@ -265,8 +265,8 @@ pub fn design(
     device: &mut Device,
     progress: &dyn Progress,
 ) -> Result<Design, DesignError> {
-    let Some(runs) = study.switched_run() else {
-        return Err(DesignError::Kind { kind: study.kind().name() });
+    let Some(runs) = study.asked::<SwitchedRun>() else {
+        return Err(DesignError::Kind { kind: study.kind().name });
     };
     if let Some(sweep) = study.sweeps.iter().find(|sweep| sweep.key.name != "switching.interval") {
         return Err(DesignError::Swept { key: sweep.key.name });

@@ -38,7 +38,7 @@ impl Alone {
     /// # use sagnac::study::Study;
     /// let text = Alone { gap_ticks: 3, ..Alone::default() }.study(&["quadratic"]);
     /// let study = Study::parse("quadratic", &text)?;
-    /// let gap_fill = study.gap_fill().unwrap();
+    /// let gap_fill = study.asked::<sagnac::kinds::gap_fill::GapFill>().unwrap();
     /// let firmware = Firmware::new(&study, &gap_fill.points[0], &gap_fill.fillers)?;
     /// assert_eq!(firmware.designs[0].interpolation.whole().values().collect::<Vec<_>>(), [-1.0, 2.5, 2.5, -1.0]);
     /// # Ok::<(), sagnac::source::diagnose::StudyError>(())

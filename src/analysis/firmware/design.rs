@@ -4,6 +4,7 @@ use crate::analysis::firmware::rule::Rule;
 use crate::filler::{Fill, Filler, Method};
 use crate::key::file::switching::Error;
 use crate::key::setting::Swept;
+use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::lower::refusal::LowerError;
@@ -211,5 +212,5 @@ fn too_large(study: &Study, filler: &Filler) -> StudyError {
 
 /// The fillers of a study, in the order of the ticks of its points.
 fn fillers_of(study: &Study) -> &[Filler] {
-    study.gap_fill().map_or(&[], |gap_fill| &gap_fill.fillers)
+    study.asked::<GapFill>().map_or(&[], |gap_fill| &gap_fill.fillers)
 }

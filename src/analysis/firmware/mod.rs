@@ -15,7 +15,7 @@
 //! # use sagnac::study::Study;
 //! # let text = include_str!("../../studies/error_vs_dtnu.toml");
 //! let study = Study::parse("study.toml", text)?;
-//! let gap_fill = study.gap_fill().unwrap();
+//! let gap_fill = study.asked::<sagnac::kinds::gap_fill::GapFill>().unwrap();
 //! let firmware = Firmware::new(&study, &gap_fill.points[0], &gap_fill.fillers)?;
 //! let quadratic = &firmware.designs[2];
 //! // The first point has a gap of one tick: (−1, 4, 4, −1)/6.

@@ -10,6 +10,7 @@ pub mod relock;
 pub mod suspension;
 pub mod switching;
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use schemars::JsonSchema;
@@ -19,6 +20,8 @@ use toml::Spanned;
 
 use crate::chart::file::Charts;
 use crate::key::scalar::Scalar;
+use crate::kinds::KINDS;
+use crate::study::kind::Kind;
 
 use crate::key::file::allan::{AllanTable, NoiseTable, RecordTable};
 use crate::key::file::drift::{DriftTable, RunTable};
@@ -43,8 +46,8 @@ pub(crate) struct StudyFile {
     /// What the study is to answer, in one sentence.
     #[serde(default)]
     pub(crate) question: String,
-    #[schemars(with = "Kind")]
-    pub(crate) kind: Spanned<Kind>,
+    #[schemars(with = "KindName")]
+    pub(crate) kind: Spanned<String>,
     /// Seed of all random numbers; 1 if absent.
     #[serde(default)]
     #[schemars(with = "i64", range(min = 0))]
@@ -124,22 +127,20 @@ pub(crate) struct PrecisionTable {
     pub(crate) q9973: Option<Spanned<Scalar>>,
 }
 
-/// What is studied.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Kind {
-    /// The angle lost or won when the ticks missing at a mode switch are filled in.
-    GapFill,
-    /// The Allan curve of a gyro at rest, and the coefficients fitted to it.
-    Allan,
-    /// The angle that a gyro which switches modes has wrong after a whole run.
-    SwitchedRun,
-    /// The rotation faked by the perimeter loop after a mode switch, and what compensations leave of it.
-    Relock,
-    /// The bound of the drift of a gyro that switches modes, and the switching interval at which it is least, in closed form.
-    DriftBudget,
-    /// The rotation of a gyro on its suspension under vibration, in closed form.
-    Suspension,
+/// The name of a kind of study.
+struct KindName;
+
+impl JsonSchema for KindName {
+    fn schema_name() -> Cow<'static, str> {
+        "Kind".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        let of_kind =
+            |kind: &&Kind| json!({ "description": kind.subject, "type": "string", "const": kind.name });
+        let kinds: Vec<_> = KINDS.iter().map(of_kind).collect();
+        schemars::json_schema!({ "description": "What is studied.", "oneOf": kinds })
+    }
 }
 
 impl StudyFile {
@@ -157,41 +158,6 @@ impl StudyFile {
             ("noise", self.noise.as_ref().map(Spanned::span)),
             ("allan", self.allan.as_ref().map(Spanned::span)),
         ]
-    }
-}
-
-impl Kind {
-    /// Every kind.
-    pub const ALL: [Kind; 6] =
-        [Kind::GapFill, Kind::Allan, Kind::Relock, Kind::DriftBudget, Kind::Suspension, Kind::SwitchedRun];
-
-    /// The tables that a study of this kind may have.
-    pub(crate) fn tables(self) -> &'static [&'static str] {
-        match self {
-            Kind::GapFill => &["gyro", "motion", "switching", "noise"],
-            Kind::Allan => &["record", "noise", "allan"],
-            Kind::SwitchedRun => &["gyro", "motion", "switching", "noise", "drift", "relock", "run"],
-            Kind::Relock => &["gyro", "relock"],
-            Kind::DriftBudget => &["drift", "switching", "run"],
-            Kind::Suspension => &["suspension"],
-        }
-    }
-
-    /// As study files call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Kind::GapFill => "gap-fill",
-            Kind::Allan => "allan",
-            Kind::SwitchedRun => "switched-run",
-            Kind::Relock => "relock",
-            Kind::DriftBudget => "drift-budget",
-            Kind::Suspension => "suspension",
-        }
-    }
-
-    /// Whether every value is a closed form: nothing is sampled.
-    pub fn is_exact(self) -> bool {
-        matches!(self, Kind::DriftBudget | Kind::Suspension)
     }
 }
 
@@ -311,20 +277,13 @@ pub(crate) enum ValueSchema {
 
 /// Which tables each kind needs.
 fn tables_of_kinds(schema: &mut schemars::Schema) {
-    let needs = |kind: Kind, tables: &[&str]| {
+    let needs = |kind: &&Kind| {
         json!({
-            "if": { "properties": { "kind": { "const": kind.name() } } },
-            "then": { "required": tables },
+            "if": { "properties": { "kind": { "const": kind.name } } },
+            "then": { "required": kind.needs },
         })
     };
-    let kinds = [
-        needs(Kind::GapFill, &["gyro", "motion", "switching"]),
-        needs(Kind::Allan, &["record", "noise"]),
-        needs(Kind::SwitchedRun, &["switching", "run"]),
-        needs(Kind::Relock, &["gyro", "relock"]),
-        needs(Kind::DriftBudget, &["drift", "switching", "run"]),
-        needs(Kind::Suspension, &["suspension"]),
-    ];
+    let kinds: Vec<_> = KINDS.iter().map(needs).collect();
     schema.insert("allOf".to_owned(), json!(kinds));
 }
 

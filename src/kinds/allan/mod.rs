@@ -1,6 +1,7 @@
 //! Studies of Allan curves: the record, its noise, and what is estimated of it.
 
 pub mod estimate;
+pub mod kind;
 pub mod lower;
 pub mod notes;
 pub mod point;

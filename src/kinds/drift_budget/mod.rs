@@ -1,5 +1,6 @@
 //! Studies of the drift budget: the bound of the paper, its optimum, and what a run really adds up, in closed form.
 
+pub mod kind;
 pub mod table;
 
 use toml::Spanned;

@@ -2,6 +2,7 @@
 
 pub mod inputs;
 pub mod keys;
+pub mod kind;
 pub mod law;
 pub mod lower;
 pub mod notes;
@@ -12,9 +13,9 @@ pub mod run;
 
 use toml::Spanned;
 
+pub use crate::chart::law::Law;
 pub use crate::filler::{Fill, Filler, Method, POLYNOMIALS};
 pub use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
-pub use crate::kinds::gap_fill::law::Law;
 pub use crate::kinds::gap_fill::point::Point;
 pub use crate::kinds::gap_fill::precision::Precision;
 pub use crate::motion::vibration::{Acceleration, Vibration};
@@ -24,7 +25,7 @@ use crate::filler::ticks::{Purpose, TickList};
 use crate::kernel::gap_fill::shape::MAX_SIDE;
 use crate::key::file::motion::Position;
 use crate::key::file::switching::{Error, SwitchingTable};
-use crate::key::file::{Kind, StudyFile, TickNoiseTable};
+use crate::key::file::{StudyFile, TickNoiseTable};
 use crate::key::scalar::{self, Scalar};
 use crate::key::setting::{Key, Setting};
 use crate::key::sweep::Sweep;
@@ -68,7 +69,7 @@ pub(crate) fn read(
     let table = needed(file.switching.as_ref(), "switching", file)?;
     let switching = table.get_ref();
     let fillers = needed_key(switching.fillers.as_ref(), "switching.fillers", table)?;
-    if *file.kind.get_ref() == Kind::GapFill {
+    if file.kind.get_ref() == "gap-fill" {
         refuse_keys_of_runs(switching)?;
     }
     let (inputs, mut notes) = read_inputs(file, sweeps, files, places)?;

@@ -1,6 +1,7 @@
 //! Relock studies: what the closing perimeter loop fakes after a mode switch, and what compensations leave of it.
 
 pub mod inputs;
+pub mod kind;
 pub mod lower;
 pub mod run;
 

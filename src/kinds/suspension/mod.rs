@@ -1,5 +1,6 @@
 //! Studies of a suspension: its response over the frequency of a vibration, in closed form.
 
+pub mod kind;
 pub mod read;
 pub mod table;
 

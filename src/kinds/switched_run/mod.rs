@@ -1,5 +1,6 @@
 //! Studies of whole runs of a gyro that switches modes.
 
+pub mod kind;
 pub mod lower;
 pub mod point;
 pub mod relock;

@@ -4,6 +4,7 @@ pub mod charts;
 
 use super::*;
 use crate::key::expected;
+use crate::kinds::gap_fill::GapFill;
 use crate::table::{Cell, Unit};
 
 const SHIPPED: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/studies/error_vs_dtnu.toml"));
@@ -22,11 +23,11 @@ fillers = ["const", "quadratic"]
 "#;
 
 fn points(study: &Study) -> &[Point] {
-    &study.gap_fill().unwrap().points
+    &study.asked::<GapFill>().unwrap().points
 }
 
 fn inputs(study: &Study) -> &Inputs {
-    &study.gap_fill().unwrap().inputs
+    &study.asked::<GapFill>().unwrap().inputs
 }
 
 /// BASE with `old` replaced.

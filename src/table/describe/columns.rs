@@ -1,18 +1,17 @@
 //! The texts.
 
-use crate::key::file::Kind;
 use crate::table::describe::File;
 
 type Columns = &'static [(&'static str, &'static str)];
 
 pub(crate) fn of(file: File) -> Columns {
     match file {
-        File::Points(Kind::GapFill) => GAP_FILL,
-        File::Points(Kind::Allan) => ALLAN,
-        File::Points(Kind::Relock) => RELOCK,
-        File::Points(Kind::SwitchedRun) => SWITCHED_RUN,
-        File::Points(Kind::DriftBudget) => DRIFT_BUDGET,
-        File::Points(Kind::Suspension) => SUSPENSION,
+        File::Points(kind) if kind.name == "gap-fill" => GAP_FILL,
+        File::Points(kind) if kind.name == "allan" => ALLAN,
+        File::Points(kind) if kind.name == "relock" => RELOCK,
+        File::Points(kind) if kind.name == "switched-run" => SWITCHED_RUN,
+        File::Points(kind) if kind.name == "drift-budget" => DRIFT_BUDGET,
+        File::Points(_) => SUSPENSION,
         File::Coefficients => COEFFICIENTS,
         File::Trajectories => TRAJECTORIES,
         File::Design => DESIGN,

@@ -6,15 +6,17 @@
 pub mod columns;
 
 use crate::chart::file::Source;
-use crate::key::file::Kind;
-use crate::study;
+use crate::kinds::KINDS;
+use crate::kinds::allan::kind::ALLAN;
+use crate::kinds::switched_run::kind::SWITCHED_RUN;
+use crate::study::kind::Kind;
 use crate::table::Unit;
 
 /// A file of results with columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum File {
     /// `points.csv` of a study of this kind.
-    Points(Kind),
+    Points(&'static Kind),
     /// `coefficients.csv` of a study of Allan curves.
     Coefficients,
     /// `trajectories.csv` of a study of whole runs.
@@ -37,26 +39,24 @@ pub enum File {
 
 impl File {
     /// All files that have columns.
-    pub const ALL: [File; 15] = [
-        File::Points(Kind::GapFill),
-        File::Points(Kind::Allan),
-        File::Points(Kind::Relock),
-        File::Points(Kind::SwitchedRun),
-        File::Points(Kind::DriftBudget),
-        File::Points(Kind::Suspension),
-        File::Coefficients,
-        File::Trajectories,
-        File::Design,
-        File::LogCurve,
-        File::LogCoefficients,
-        File::Compare,
-        File::CompareCoefficients,
-        File::Weights,
-        File::TestVectors,
-    ];
+    pub fn all() -> Vec<File> {
+        let points = KINDS.into_iter().map(File::Points);
+        let others = [
+            File::Coefficients,
+            File::Trajectories,
+            File::Design,
+            File::LogCurve,
+            File::LogCoefficients,
+            File::Compare,
+            File::CompareCoefficients,
+            File::Weights,
+            File::TestVectors,
+        ];
+        points.chain(others).collect()
+    }
 
     /// The file of one of the tables of a study.
-    pub fn of_study(kind: Kind, source: Source) -> File {
+    pub fn of_study(kind: &'static Kind, source: Source) -> File {
         match source {
             Source::Points => File::Points(kind),
             Source::Coefficients => File::Coefficients,
@@ -67,7 +67,7 @@ impl File {
     /// For people: `points.csv of a gap-fill study`.
     pub fn title(self) -> String {
         match self {
-            File::Points(kind) => format!("points.csv of kind = \"{}\"", kind.name()),
+            File::Points(kind) => format!("points.csv of kind = \"{}\"", kind.name),
             File::Coefficients => "coefficients.csv of kind = \"allan\"".to_owned(),
             File::Trajectories => "trajectories.csv of kind = \"switched-run\"".to_owned(),
             File::Design => "design.csv of `sagnac design`".to_owned(),
@@ -91,8 +91,9 @@ impl File {
     ///
     /// # Example
     /// ```
-    /// # use sagnac::{study::Kind, table::describe::File};
-    /// let points = File::Points(Kind::GapFill);
+    /// # use sagnac::kinds::gap_fill::kind::GAP_FILL;
+    /// # use sagnac::table::describe::File;
+    /// let points = File::Points(&GAP_FILL);
     /// assert!(points.column("rms_arcsec").unwrap().starts_with("Root mean square"));
     /// assert_eq!(points.column("motion.frequency_hz"), Some("vibration frequency"));
     /// assert_eq!(points.column("adev"), None);
@@ -109,11 +110,11 @@ impl File {
     fn swept(self, name: &str) -> Option<&'static str> {
         let kind = match self {
             File::Points(kind) => kind,
-            File::Coefficients => Kind::Allan,
-            File::Trajectories => Kind::SwitchedRun,
+            File::Coefficients => &ALLAN,
+            File::Trajectories => &SWITCHED_RUN,
             _ => return None,
         };
-        let keys = study::keys(kind);
+        let keys = (kind.keys)();
         let of = |name: &str| keys.iter().find(|key| key.name == name).map(|key| key.label);
         of(name).or_else(|| bare(name).find_map(of))
     }
@@ -127,7 +128,7 @@ pub(crate) fn bare(header: &str) -> impl Iterator<Item = &str> {
 /// The meanings of a column in all files that have one called so: each text once, with the files.
 pub fn meanings(name: &str) -> Vec<(&'static str, Vec<File>)> {
     let mut found: Vec<(&'static str, Vec<File>)> = Vec::new();
-    for file in File::ALL {
+    for file in File::all() {
         let Some(text) = file.column(name) else { continue };
         match found.iter_mut().find(|(known, _)| *known == text) {
             Some((_, files)) => files.push(file),

@@ -11,7 +11,6 @@ use std::borrow::Cow;
 
 use crate::chart::file::Source;
 use crate::chart::{Chart, Shows};
-use crate::key::file::Kind;
 use crate::key::setting::Swept;
 use crate::run::Tables;
 use crate::source::diagnose::StudyError;
@@ -156,34 +155,24 @@ fn curves(study: &Study, chart: &Chart, shown: &Shown) -> Spec {
             .sweeps
             .iter()
             .map(|sweep| sweep.key.name)
-            .chain(study::text_columns(study, chart.source))
+            .chain(study.text_columns(chart.source))
             .map(str::to_owned)
             .collect(),
         filter: filter(chart),
         limit: chart.limit.map(|limit| (limit.value, limit.unit)),
         laws: chart.laws().iter().map(|law| law.column().to_owned()).collect(),
         points: points(study, chart).to_owned(),
-        bands: bands(study).to_owned(),
+        bands: study.kind().look.bands.to_owned(),
     }
 }
 
 /// What the points of a chart are: columns of the oracle are not sampled.
 fn points(study: &Study, chart: &Chart) -> &'static str {
-    match (study.kind(), chart.source) {
+    match chart.source {
         _ if chart.y.name.starts_with("oracle") => "closed form",
-        (Kind::Allan, Source::Points) => "mean of records",
-        (_, Source::Trajectories) => "single runs",
-        (kind, _) if kind.is_exact() => "",
-        _ => "Monte Carlo",
-    }
-}
-
-/// What the bands are: of the mean of a rms, or where curves of single records lie.
-fn bands(study: &Study) -> &'static str {
-    match study.kind() {
-        Kind::GapFill | Kind::Relock | Kind::SwitchedRun => "95 % band",
-        Kind::Allan => "95 % of records",
-        Kind::DriftBudget | Kind::Suspension => "",
+        Source::Points => study.kind().look.points,
+        Source::Trajectories => "single runs",
+        Source::Coefficients => "Monte Carlo",
     }
 }
 

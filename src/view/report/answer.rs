@@ -1,9 +1,10 @@
 //! The answer of a study to its question.
 
+use crate::chart::Chart;
 use crate::chart::file::Source;
-use crate::chart::{Chart, text_columns};
 use crate::filler::{Filler, Method};
-use crate::key::file::Kind;
+use crate::kinds::gap_fill::GapFill;
+use crate::kinds::switched_run::SwitchedRun;
 use crate::motion::Frequency;
 use crate::quantity::number::short;
 use crate::run::Tables;
@@ -105,7 +106,8 @@ fn of_chart(
     let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
     let by = apart(study, chart.source, series.collect());
     let rows = filter(chart);
-    let is_by_tick = chart.x.name == "tick_number" || (shown.is_named(chart) && study.kind() == Kind::Relock);
+    let is_by_tick = chart.x.name == "tick_number"
+        || (shown.is_named(chart) && study.kind().look.along == Some("tick_number"));
     if is_by_tick && rows.iter().all(|(column, _)| !column.starts_with("tick")) {
         // The least of all ticks says nothing of a compensation: what it leaves of their sum does.
         let all = [&rows[..], &[("tick".to_owned(), "all".to_owned())]].concat();
@@ -204,7 +206,7 @@ fn leading(
 /// The names of fillers whose weights firmware cannot have, and why: designed without a band they follow the motion of each point, or
 /// one frequency to the last digit. Of a motion that is drawn from a band they are those of the band.
 fn free_fillers(study: &Study) -> Option<(Vec<&str>, &'static str)> {
-    let gap_fill = study.gap_fill().or_else(|| study.switched_run()?.fill.as_ref())?;
+    let gap_fill = study.asked::<GapFill>().or_else(|| study.asked::<SwitchedRun>()?.fill.as_ref())?;
     let is_free = |filler: &&Filler| filler.method == Method::MinimumVariance(None);
     let free: Vec<&str> =
         gap_fill.fillers.iter().filter(is_free).map(|filler| filler.name.as_str()).collect();
@@ -259,19 +261,13 @@ fn of_each(chart: &Chart, shown: &Shown) -> Result<Vec<String>, ColumnError> {
 
 /// The best row of a study without a chart of its own.
 fn undrawn(study: &Study, tables: &Tables) -> Option<String> {
-    let row = |column: &str, value: &str| vec![(column.to_owned(), value.to_owned())];
-    let (estimate, rows) = match study.kind() {
-        Kind::GapFill => ("q9973", row("error", "residual")),
-        Kind::Relock => ("rms", vec![]),
-        Kind::SwitchedRun => ("drift_q9973", row("angle", "end")),
-        Kind::Allan => ("adev", vec![]),
-        Kind::DriftBudget => ("optimum", vec![]),
-        Kind::Suspension => ("response", vec![]),
-    };
+    let look = &study.kind().look;
+    let (estimate, rows) = look.answer;
+    let rows: Vec<_> = rows.iter().map(|&(column, value)| (column.to_owned(), value.to_owned())).collect();
     // Errors and angles that the study leaves out have no rows.
     let has = |rows: &Vec<(String, String)>| tables.points.rows_where(rows).is_ok();
     let rows = Some(rows).filter(has).unwrap_or_default();
-    let by = apart(study, Source::Points, if study.kind() == Kind::Allan { vec!["tau"] } else { vec![] });
+    let by = apart(study, Source::Points, look.along.into_iter().collect());
     // Every study of the kind has the columns.
     let sentence = leading(study, &tables.points, estimate, &rows, &by).ok().flatten()?;
     match tables.points.chosen(&rows) {
@@ -285,7 +281,7 @@ fn undrawn(study: &Study, tables: &Tables) -> Option<String> {
 /// The columns that tell rows apart, each once, with those of a chart first.
 fn apart<'n>(study: &'n Study, source: Source, mut columns: Vec<&'n str>) -> Vec<&'n str> {
     let sweeps = study.sweeps.iter().map(|sweep| sweep.key.name);
-    for name in text_columns(study, source).into_iter().chain(sweeps) {
+    for name in study.text_columns(source).into_iter().chain(sweeps) {
         // A chart may name a column by its end.
         if !columns.iter().any(|column| name == *column || name.ends_with(&format!(".{column}"))) {
             columns.push(name);

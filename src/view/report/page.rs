@@ -172,7 +172,7 @@ fn source(source: &Source, digest: Option<&str>) -> Markup {
         section #source {
             h2 { "How it was made" }
             dl {
-                dt { "Study" } dd { (source.kind.name()) ", " (source.points) " " (if source.points == 1 { "point" } else { "points" }) }
+                dt { "Study" } dd { (source.kind.name) ", " (source.points) " " (if source.points == 1 { "point" } else { "points" }) }
                 @if let Some((seed, trials)) = source.sampled {
                     dt { "Seed" } dd { (seed) }
                     dt { "Trials at each point" }

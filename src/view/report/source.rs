@@ -2,12 +2,12 @@
 
 use sha2::{Digest, Sha256};
 
-use crate::key::file::Kind;
 use crate::run::Plan;
 use crate::store::error::StoreError;
 use crate::store::{Provenance, Store};
 use crate::study::Study;
 use crate::study::kept::Input;
+use crate::study::kind::Kind;
 
 /// What was simulated, and by whom.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Source {
     /// The files that it names.
     pub inputs: Vec<Named>,
     /// What it is about.
-    pub kind: Kind,
+    pub kind: &'static Kind,
     /// Seed and trials at each point; none of closed forms.
     pub sampled: Option<(u64, u64)>,
     /// Whether points stop at a precision, so that the trials are the most there are.

@@ -16,8 +16,10 @@ use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
 use crate::kinds::allan::run::estimates::Estimates;
 use crate::progress::Progress;
 use crate::quantity::number::significant;
-use crate::run::{RunError, Tables};
+use crate::run::{Done, RunError, Tables};
+use crate::sampling::plan;
 use crate::sampling::sampling::held_by_all;
+use crate::sampling::worker::Worker;
 use crate::source::diagnose::StudyError;
 use crate::store::error::StoreError;
 use crate::store::index::Index;
@@ -92,11 +94,6 @@ impl<'a> Plan<'a> {
         LoweredCurve::new(point, self.allan.estimator, self.study.seed, self.study.streams)
     }
 
-    /// Records that the store lacks of a share.
-    pub(crate) fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
-        Ok(self.missing(store, share)?.iter().map(|(_, gap)| gap.end - gap.start).sum())
-    }
-
     /// The records that the store lacks of a share.
     fn missing(&self, store: &Store, share: Share) -> Result<Vec<(&Planned<'a>, Range<u64>)>, StoreError> {
         let index = store.index()?;
@@ -114,32 +111,6 @@ impl<'a> Plan<'a> {
             self.points[..*turn].iter().all(|before| before.address != planned.address)
         };
         self.points.iter().enumerate().filter(is_first)
-    }
-
-    /// The tables before anything is sampled.
-    pub(crate) fn blank_tables(&self) -> Tables {
-        let mut tables = self.empty_tables();
-        for planned in &self.points {
-            self.add(&mut tables, planned.point, None, &Estimates::default(), &|_| {});
-        }
-        tables
-    }
-
-    /// All estimates held. One point is in memory at a time.
-    pub(crate) fn tables(&self, store: &Store, progress: &dyn Progress) -> Result<Tables, RunError> {
-        let mut tables = self.empty_tables();
-        let unit = if self.allan.terms.is_some() { "fits" } else { "records" };
-        progress.start(unit, 0, self.all_records());
-        for planned in &self.points {
-            let lowered = self.lowered(planned.point)?;
-            let rows = store.rows(&planned.address, planned.width)?;
-            let estimates = Estimates::of(rows, |sums| lowered.records.variances(sums));
-            self.add(&mut tables, planned.point, Some(&lowered), &estimates, &|fits| progress.advance(fits));
-            if self.allan.terms.is_none() {
-                progress.advance(self.study.trials);
-            }
-        }
-        Ok(tables)
     }
 
     /// Records that tables are made of, with a fit of each where any are asked for.
@@ -171,39 +142,6 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Records that every point has, where all have the same number.
-    pub(crate) fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
-        held_by_all(index, self.points.iter().map(|planned| &planned.address))
-    }
-
-    /// The identities of all points.
-    pub(crate) fn ids(&self) -> Vec<Id> {
-        self.points.iter().map(|planned| planned.address.point).collect()
-    }
-
-    /// What should be known besides the results.
-    pub(crate) fn notes(&self) -> Vec<String> {
-        let rounded = (self.off.0 > NEGLIGIBLE).then(|| {
-            format!(
-                "in 32-bit arithmetic the curve of the records is off by up to {} %, at τ = {} s: what is small beside the rest \
-                 of so long a record has few units; a coefficient known to better than that is not covered",
-                significant(100.0 * self.off.0, 2),
-                significant(self.off.1, 6)
-            )
-        });
-        let Some(terms) = &self.allan.terms else { return rounded.into_iter().collect() };
-        let longer = |point: &RecordPoint| point.ms.iter().any(|&m| !is_fitted(m, point.inputs.samples()));
-        let shortened =
-            self.allan.points.iter().any(longer).then(|| {
-                "coefficients are fitted to averaging times up to an eighth of the record".to_owned()
-            });
-        let together = self.are_weighed_together(terms).then(|| {
-            "records are weighed by the covariance that all of them show together, which a single one does not know"
-                .to_owned()
-        });
-        rounded.into_iter().chain(shortened).chain(together).collect()
-    }
-
     /// Refuses records that take too much memory side by side.
     fn check_memory(&self, point: &RecordPoint, bytes: usize) -> Result<(), StudyError> {
         if bytes <= MOST_BYTES {
@@ -231,6 +169,79 @@ impl<'a> Plan<'a> {
         );
         let help = "take more averaging times, as of tau = \"decade10\", a longer record, or fewer terms";
         Err(crate::run::refused(self.study, &point.swept, "allan.tau", &message, help))
+    }
+}
+
+impl plan::Plan for Plan<'_> {
+    fn run(
+        &self,
+        store: &mut Store,
+        worker: &mut Worker,
+        share: Share,
+        progress: &dyn Progress,
+    ) -> Result<Done, RunError> {
+        self.sample(store, worker, share, progress)
+    }
+
+    fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
+        Ok(self.missing(store, share)?.iter().map(|(_, gap)| gap.end - gap.start).sum())
+    }
+
+    fn tables(&self, store: Option<&Store>, progress: &dyn Progress) -> Result<Tables, RunError> {
+        let mut tables = self.empty_tables();
+        let Some(store) = store else {
+            for planned in &self.points {
+                self.add(&mut tables, planned.point, None, &Estimates::default(), &|_| {});
+            }
+            return Ok(tables);
+        };
+        // One point is in memory at a time.
+        let unit = if self.allan.terms.is_some() { "fits" } else { "records" };
+        progress.start(unit, 0, self.all_records());
+        for planned in &self.points {
+            let lowered = self.lowered(planned.point)?;
+            let rows = store.rows(&planned.address, planned.width)?;
+            let estimates = Estimates::of(rows, |sums| lowered.records.variances(sums));
+            self.add(&mut tables, planned.point, Some(&lowered), &estimates, &|fits| progress.advance(fits));
+            if self.allan.terms.is_none() {
+                progress.advance(self.study.trials);
+            }
+        }
+        Ok(tables)
+    }
+
+    fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
+        held_by_all(index, self.points.iter().map(|planned| &planned.address))
+    }
+
+    fn ids(&self) -> Vec<Id> {
+        self.points.iter().map(|planned| planned.address.point).collect()
+    }
+
+    fn notes(&self, _: &Store) -> Result<Vec<String>, StoreError> {
+        let rounded = (self.off.0 > NEGLIGIBLE).then(|| {
+            format!(
+                "in 32-bit arithmetic the curve of the records is off by up to {} %, at τ = {} s: what is small beside the rest \
+                 of so long a record has few units; a coefficient known to better than that is not covered",
+                significant(100.0 * self.off.0, 2),
+                significant(self.off.1, 6)
+            )
+        });
+        let Some(terms) = &self.allan.terms else { return Ok(rounded.into_iter().collect()) };
+        let longer = |point: &RecordPoint| point.ms.iter().any(|&m| !is_fitted(m, point.inputs.samples()));
+        let shortened =
+            self.allan.points.iter().any(longer).then(|| {
+                "coefficients are fitted to averaging times up to an eighth of the record".to_owned()
+            });
+        let together = self.are_weighed_together(terms).then(|| {
+            "records are weighed by the covariance that all of them show together, which a single one does not know"
+                .to_owned()
+        });
+        Ok(rounded.into_iter().chain(shortened).chain(together).collect())
+    }
+
+    fn all_trials(&self) -> u64 {
+        u64::MAX
     }
 }
 

@@ -18,7 +18,7 @@ const FIRST_BATCH: u64 = 1 << 22;
 
 impl Plan<'_> {
     /// Samples what the store lacks of a share, each batch kept as soon as it is done.
-    pub(crate) fn run(
+    pub(crate) fn sample(
         &self,
         store: &mut Store,
         worker: &mut Worker,

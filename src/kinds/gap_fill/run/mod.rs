@@ -6,8 +6,9 @@ pub mod stop;
 use std::time::Instant;
 
 use crate::progress::Progress;
-use crate::run::{Done, NORMAL_95, RunError};
-use crate::sampling::sampling::{Work, lacking, sample};
+use crate::run::{Done, NORMAL_95, RunError, Tables};
+use crate::sampling::plan;
+use crate::sampling::sampling::{Work, held_by_all, lacking, sample};
 use crate::sampling::worker::Worker;
 use rayon::prelude::*;
 
@@ -21,6 +22,7 @@ use crate::motion::Frequency;
 use crate::source::diagnose::StudyError;
 use crate::store::Store;
 use crate::store::error::StoreError;
+use crate::store::index::Index;
 use crate::study::Study;
 use crate::tally::block::{Block, base_log2, row_log2};
 use crate::tally::id::Id;
@@ -62,49 +64,6 @@ impl<'a> Plan<'a> {
         Ok(plan)
     }
 
-    /// Samples what the store lacks of a share. `progress` hears how many trials there are in all and, as it comes, what is done.
-    ///
-    /// With a precision, a point stops after 1, 2, 4, … base blocks of trials and 1024 at least, where all errors of all its fillers are known
-    /// as well as is asked: a rule that depends on nothing but the study. Fillers of a point keep the same trials, so
-    /// that they are compared on the same draws. A share knows nothing of the others and takes all its trials.
-    ///
-    /// # Errors
-    /// The device or the disk fails.
-    pub(crate) fn run(
-        &self,
-        store: &mut Store,
-        worker: &mut Worker,
-        share: Share,
-        progress: &dyn Progress,
-    ) -> Result<Done, RunError> {
-        let mut wanted = self.first_wanted(share);
-        let (started, mut trials) = (Instant::now(), 0);
-        let stopped = loop {
-            let missing = self.missing(store, &wanted, share)?;
-            let left: u64 = missing.iter().map(Work::trials).sum();
-            let all = self.launched_trials(&wanted, share).max(left);
-            progress.start("trials", all - left, all);
-            let sampled = sample(&missing, trials, store, worker, progress, started)?;
-            trials += sampled;
-            if sampled < left || !self.raise(&mut wanted, store, share)? {
-                break sampled < left;
-            }
-        };
-        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
-    }
-
-    /// Trials that the store lacks of a share; with a precision, before it can be told whether more are needed.
-    pub(crate) fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
-        let mut wanted = self.first_wanted(share);
-        loop {
-            let work = self.missing(store, &wanted, share)?;
-            let left = work.iter().map(Work::trials).sum();
-            if left > 0 || !self.raise(&mut wanted, store, share)? {
-                return Ok(left);
-            }
-        }
-    }
-
     /// Whether the stop rule decides: a share has no say.
     pub(crate) fn decides(&self, share: Share) -> bool {
         self.gap_fill.precision.is_some() && share.is_whole()
@@ -135,20 +94,6 @@ impl<'a> Plan<'a> {
             launches * (trials.end - trials.start)
         };
         points.map(of_point).sum()
-    }
-
-    /// What should be known besides the results.
-    pub(crate) fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError> {
-        let mut notes = self.absent();
-        notes.extend(self.designed_anew());
-        let (imprecise, fillers) = self.imprecise(store)?;
-        if imprecise > 0 {
-            let trials = self.study.trials;
-            notes.push(format!(
-                "{imprecise} of {fillers} fillers at points are not as precise as asked after {trials} trials"
-            ));
-        }
-        Ok(notes)
     }
 
     /// That fillers have other weights at each point, which firmware cannot have.
@@ -215,10 +160,85 @@ impl<'a> Plan<'a> {
         }
         Ok(all)
     }
+}
 
-    /// The identities of all points.
-    pub(crate) fn ids(&self) -> Vec<Id> {
+impl plan::Plan for Plan<'_> {
+    /// With a precision, a point stops after 1, 2, 4, … base blocks of trials and 1024 at least, where all errors of all its fillers are known
+    /// as well as is asked: a rule that depends on nothing but the study. Fillers of a point keep the same trials, so
+    /// that they are compared on the same draws. A share knows nothing of the others and takes all its trials.
+    fn run(
+        &self,
+        store: &mut Store,
+        worker: &mut Worker,
+        share: Share,
+        progress: &dyn Progress,
+    ) -> Result<Done, RunError> {
+        let mut wanted = self.first_wanted(share);
+        let (started, mut trials) = (Instant::now(), 0);
+        let stopped = loop {
+            let missing = self.missing(store, &wanted, share)?;
+            let left: u64 = missing.iter().map(Work::trials).sum();
+            let all = self.launched_trials(&wanted, share).max(left);
+            progress.start("trials", all - left, all);
+            let sampled = sample(&missing, trials, store, worker, progress, started)?;
+            trials += sampled;
+            if sampled < left || !self.raise(&mut wanted, store, share)? {
+                break sampled < left;
+            }
+        };
+        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
+    }
+
+    fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
+        let mut wanted = self.first_wanted(share);
+        loop {
+            let work = self.missing(store, &wanted, share)?;
+            let left = work.iter().map(Work::trials).sum();
+            if left > 0 || !self.raise(&mut wanted, store, share)? {
+                return Ok(left);
+            }
+        }
+    }
+
+    fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError> {
+        let mut notes = self.absent();
+        notes.extend(self.designed_anew());
+        let (imprecise, fillers) = self.imprecise(store)?;
+        if imprecise > 0 {
+            let trials = self.study.trials;
+            notes.push(format!(
+                "{imprecise} of {fillers} fillers at points are not as precise as asked after {trials} trials"
+            ));
+        }
+        Ok(notes)
+    }
+
+    fn ids(&self) -> Vec<Id> {
         self.points.iter().map(|point| point.id).collect()
+    }
+
+    fn tables(&self, store: Option<&Store>, _: &dyn Progress) -> Result<Tables, RunError> {
+        Ok(Tables::of_points(match store {
+            Some(store) => self.table(store)?,
+            None => self.blank_table(),
+        }))
+    }
+
+    fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
+        // With a precision `trials` is the most there may be, and so part of the rule.
+        if self.gap_fill.precision.is_some() {
+            return Ok(None);
+        }
+        let estimates = self.points.iter().flat_map(|point| &point.fillers).flatten();
+        held_by_all(index, estimates.map(|estimate| &estimate.address))
+    }
+
+    fn all_trials(&self) -> u64 {
+        self.most_trials().iter().sum()
+    }
+
+    fn surplus(&self) -> &'static str {
+        if self.replays() { "whole replays of the record" } else { "the folder holds them already" }
     }
 }
 

@@ -5,10 +5,9 @@ use crate::kinds::gap_fill::lower::estimate::Estimate;
 use crate::kinds::gap_fill::point::Point;
 use crate::kinds::gap_fill::run::{NORMAL_95, Plan};
 use crate::run::{column, swept_columns};
-use crate::sampling::sampling::{estimates, held_by_all};
+use crate::sampling::sampling::estimates;
 use crate::store::Store;
 use crate::store::error::StoreError;
-use crate::store::index::Index;
 use crate::study::Study;
 use crate::table::{Cell, Column, Table, Unit};
 use crate::tally::stats::{Estimates, z_score};
@@ -36,19 +35,6 @@ impl Plan<'_> {
             columns.push(point, &filler.name, estimate, trials, found);
         }
         Ok(self.with_laws(columns.table))
-    }
-
-    /// Trials that every estimate has, where all have the same number.
-    ///
-    /// # Errors
-    /// A row of the store is damaged, or the disk fails.
-    pub(crate) fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
-        // With a precision `trials` is the most there may be, and so part of the rule.
-        if self.gap_fill.precision.is_some() {
-            return Ok(None);
-        }
-        let estimates = self.points.iter().flat_map(|point| &point.fillers).flatten();
-        held_by_all(index, estimates.map(|estimate| &estimate.address))
     }
 
     /// Whether a record is replayed over all its places, which gives whole replays only.

@@ -10,7 +10,8 @@ use crate::kinds::relock::inputs::{Compensation, Relock};
 use crate::kinds::relock::lower::{LoweredRelock, RelockEstimate};
 use crate::progress::Progress;
 use crate::quantity::number::significant;
-use crate::run::{Done, NORMAL_95, RunError};
+use crate::run::{Done, NORMAL_95, RunError, Tables};
+use crate::sampling::plan;
 use crate::sampling::sampling::{Work, held_by_all, lacking, sample};
 use crate::sampling::worker::Worker;
 use crate::source::diagnose::StudyError;
@@ -46,11 +47,28 @@ impl<'a> Plan<'a> {
         Ok(Plan { study, relock, points })
     }
 
-    /// Samples what the store lacks of a share.
-    ///
-    /// # Errors
-    /// The device or the disk fails.
-    pub(crate) fn run(
+    /// What the store lacks of a share.
+    fn missing(&self, store: &Store, share: Share) -> Result<Vec<Work>, StoreError> {
+        let index = store.index()?;
+        let mut all = Vec::new();
+        for (turn, point) in self.points.iter().enumerate() {
+            let trials = share.trials(self.study.trials, turn);
+            for estimates in launched(point) {
+                let addresses: Vec<_> = estimates.iter().map(|estimate| estimate.address).collect();
+                let launch = point.launch(&estimates);
+                let log2 = row_log2(self.study.trials, launch.steps());
+                let blocks = lacking(&index, &addresses, trials.clone(), log2)?;
+                if !blocks.is_empty() {
+                    all.push(Work { launch, addresses, blocks });
+                }
+            }
+        }
+        Ok(all)
+    }
+}
+
+impl plan::Plan for Plan<'_> {
+    fn run(
         &self,
         store: &mut Store,
         worker: &mut Worker,
@@ -71,49 +89,33 @@ impl<'a> Plan<'a> {
         Ok(Done { trials, seconds, stopped: trials < left, degraded: vec![] })
     }
 
-    /// Trials that the store lacks of a share.
-    pub(crate) fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
+    fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
         Ok(self.missing(store, share)?.iter().map(Work::trials).sum())
     }
 
-    /// What the store lacks of a share.
-    fn missing(&self, store: &Store, share: Share) -> Result<Vec<Work>, StoreError> {
-        let index = store.index()?;
-        let mut all = Vec::new();
-        for (turn, point) in self.points.iter().enumerate() {
-            let trials = share.trials(self.study.trials, turn);
-            for estimates in launched(point) {
-                let addresses: Vec<_> = estimates.iter().map(|estimate| estimate.address).collect();
-                let launch = point.launch(&estimates);
-                let log2 = row_log2(self.study.trials, launch.steps());
-                let blocks = lacking(&index, &addresses, trials.clone(), log2)?;
-                if !blocks.is_empty() {
-                    all.push(Work { launch, addresses, blocks });
-                }
-            }
-        }
-        Ok(all)
-    }
-
-    /// Trials that every estimate has, where all have the same number.
-    ///
-    /// # Errors
-    /// A row of the store is damaged, or the disk fails.
-    pub(crate) fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
+    fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
         let estimates = self.points.iter().flat_map(|point| &point.estimates);
         held_by_all(index, estimates.map(|estimate| &estimate.address))
     }
 
-    /// The identities of all points.
-    pub(crate) fn ids(&self) -> Vec<Id> {
+    fn ids(&self) -> Vec<Id> {
         self.points.iter().map(|point| point.id).collect()
     }
 
-    /// What should be known besides the results.
-    pub(crate) fn notes(&self) -> Vec<String> {
-        late(self.relock.points.iter().map(|point| (&point.inputs.relock, point.inputs.tick_s)))
-            .into_iter()
-            .collect()
+    fn notes(&self, _: &Store) -> Result<Vec<String>, StoreError> {
+        let relocks = self.relock.points.iter().map(|point| (&point.inputs.relock, point.inputs.tick_s));
+        Ok(late(relocks).into_iter().collect())
+    }
+
+    fn tables(&self, store: Option<&Store>, _: &dyn Progress) -> Result<Tables, RunError> {
+        Ok(Tables::of_points(match store {
+            Some(store) => self.table(store)?,
+            None => self.blank_table(),
+        }))
+    }
+
+    fn all_trials(&self) -> u64 {
+        self.study.trials.saturating_mul(self.points.len() as u64)
     }
 }
 

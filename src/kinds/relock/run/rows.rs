@@ -1,6 +1,6 @@
 //! The table of a relock study: a row for each point, compensation and tick, and one for all ticks together.
 
-use crate::kinds::gap_fill::law::Law;
+use crate::chart::law::Law;
 use crate::kinds::relock::inputs::Compensation;
 use crate::kinds::relock::lower::RelockEstimate;
 use crate::kinds::relock::run::{NORMAL_95, Plan};

@@ -10,6 +10,7 @@ use crate::kinds::switched_run::lower::{FilledRun, LoweredRun, RunLowerError};
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::progress::Progress;
 use crate::run::{Done, NORMAL_95, RunError, Tables};
+use crate::sampling::plan;
 use crate::sampling::sampling::{Work, held_by_all, lacking, sample};
 use crate::sampling::worker::Worker;
 use crate::source::diagnose::StudyError;
@@ -40,43 +41,6 @@ impl<'a> Plan<'a> {
         Ok(Plan { study, runs, points })
     }
 
-    /// Samples what the store lacks of a share. `progress` hears how many trials there are in all and, as it comes, what is done.
-    pub(crate) fn run(
-        &self,
-        store: &mut Store,
-        worker: &mut Worker,
-        share: Share,
-        progress: &dyn Progress,
-    ) -> Result<Done, RunError> {
-        let started = Instant::now();
-        let work = self.missing(store, share)?;
-        let left: u64 = work.iter().map(Work::trials).sum();
-        let of_point = |(turn, point): (usize, &LoweredRun)| {
-            let trials = share.trials(self.study.trials, turn);
-            let launches: usize = point.fillers.iter().map(|filled| filled.launches().len()).sum();
-            launches as u64 * (trials.end - trials.start)
-        };
-        let all: u64 = self.points.iter().enumerate().map(of_point).sum();
-        progress.start("trials", all.saturating_sub(left), all.max(left));
-        let trials = sample(&work, 0, store, worker, progress, started)?;
-        let stopped = trials < left;
-        if !stopped && makes_trajectories(share) {
-            crate::kinds::switched_run::run::trajectories::keep(self, store)?;
-        }
-        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
-    }
-
-    /// Trials that the store lacks of a share, trajectories among them.
-    pub(crate) fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
-        let sampled: u64 = self.missing(store, share)?.iter().map(Work::trials).sum();
-        let kept = if makes_trajectories(share) {
-            crate::kinds::switched_run::run::trajectories::lacks(self, store)?
-        } else {
-            0
-        };
-        Ok(sampled + kept)
-    }
-
     /// What the store lacks of a share.
     fn missing(&self, store: &Store, share: Share) -> Result<Vec<Work>, StoreError> {
         let index = store.index()?;
@@ -103,41 +67,6 @@ impl<'a> Plan<'a> {
         self.points.iter().flat_map(|point| &point.fillers)
     }
 
-    /// The tables before anything is sampled.
-    pub(crate) fn blank_tables(&self) -> Tables {
-        let trajectories =
-            (self.runs.trajectories > 0).then(|| crate::kinds::switched_run::run::trajectories::blank(self));
-        Tables { trajectories, ..Tables::of_points(self.blank_table()) }
-    }
-
-    /// All that is held.
-    pub(crate) fn tables(&self, store: &Store) -> Result<Tables, StoreError> {
-        let trajectories = (self.runs.trajectories > 0)
-            .then(|| crate::kinds::switched_run::run::trajectories::table(self, store))
-            .transpose()?;
-        Ok(Tables { trajectories, ..Tables::of_points(self.table(store)?) })
-    }
-
-    /// Trials that every estimate has, where all have the same number.
-    pub(crate) fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
-        let estimates = self.filled().flat_map(|filled| &filled.estimates);
-        held_by_all(index, estimates.map(|estimate| &estimate.address))
-    }
-
-    /// The identities of all points.
-    pub(crate) fn ids(&self) -> Vec<Id> {
-        self.points.iter().map(|point| point.id).collect()
-    }
-
-    /// What should be known besides the results.
-    pub(crate) fn notes(&self) -> Vec<String> {
-        late(self.runs)
-            .into_iter()
-            .chain(crate::kinds::switched_run::run::trajectories::thinned(self))
-            .chain(self.uneven())
-            .collect()
-    }
-
     /// That some runs of a sweep over the interval end with one that none cancels.
     fn uneven(&self) -> Option<String> {
         let is_even = |point: &&RunPoint| {
@@ -154,6 +83,71 @@ impl<'a> Plan<'a> {
                 points.len()
             )
         })
+    }
+}
+
+impl plan::Plan for Plan<'_> {
+    fn run(
+        &self,
+        store: &mut Store,
+        worker: &mut Worker,
+        share: Share,
+        progress: &dyn Progress,
+    ) -> Result<Done, RunError> {
+        let started = Instant::now();
+        let work = self.missing(store, share)?;
+        let left: u64 = work.iter().map(Work::trials).sum();
+        let of_point = |(turn, point): (usize, &LoweredRun)| {
+            let trials = share.trials(self.study.trials, turn);
+            let launches: usize = point.fillers.iter().map(|filled| filled.launches().len()).sum();
+            launches as u64 * (trials.end - trials.start)
+        };
+        let all: u64 = self.points.iter().enumerate().map(of_point).sum();
+        progress.start("trials", all.saturating_sub(left), all.max(left));
+        let trials = sample(&work, 0, store, worker, progress, started)?;
+        let stopped = trials < left;
+        if !stopped && makes_trajectories(share) {
+            trajectories::keep(self, store)?;
+        }
+        Ok(Done { trials, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
+    }
+
+    fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
+        let sampled: u64 = self.missing(store, share)?.iter().map(Work::trials).sum();
+        let kept = if makes_trajectories(share) {
+            trajectories::lacks(self, store)?
+        } else {
+            0
+        };
+        Ok(sampled + kept)
+    }
+
+    fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
+        let estimates = self.filled().flat_map(|filled| &filled.estimates);
+        held_by_all(index, estimates.map(|estimate| &estimate.address))
+    }
+
+    fn ids(&self) -> Vec<Id> {
+        self.points.iter().map(|point| point.id).collect()
+    }
+
+    fn notes(&self, _: &Store) -> Result<Vec<String>, StoreError> {
+        Ok(late(self.runs).into_iter().chain(trajectories::thinned(self)).chain(self.uneven()).collect())
+    }
+
+    fn tables(&self, store: Option<&Store>, _: &dyn Progress) -> Result<Tables, RunError> {
+        let keeps = self.runs.trajectories > 0;
+        let (points, trajectories) = match store {
+            Some(store) => {
+                (self.table(store)?, keeps.then(|| trajectories::table(self, store)).transpose()?)
+            }
+            None => (self.blank_table(), keeps.then(|| trajectories::blank(self))),
+        };
+        Ok(Tables { trajectories, ..Tables::of_points(points) })
+    }
+
+    fn all_trials(&self) -> u64 {
+        self.study.trials.saturating_mul(self.points.len() as u64)
     }
 }
 

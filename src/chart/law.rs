@@ -1,0 +1,64 @@
+//! Laws that a chart draws beside the estimates.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A law of error, as published or put right, drawn beside curves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Law {
+    /// Z(20): first dropped Taylor term at an extremum of the rate; the error of one tick, not of the whole gap.
+    TaylorExtremum,
+    /// Z(20): the same near a zero crossing of the rate, for linear and quadratic.
+    TaylorZeroCrossing,
+    /// Noise of const over the gap as published: A_n √n / 2, A_n = 3σ of one tick.
+    NoiseAsPublished,
+    /// Noise of const over the gap by Z(18): A_n n / 2 for a fit to four ticks.
+    Noise,
+    /// The paper's tables 1 and 2: what was measured after a switch, and what the paper's compensations leave of it. Of
+    /// kind = "relock".
+    ZeemanTables,
+}
+
+impl Law {
+    /// As study files call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Law::TaylorExtremum => "taylor-extremum",
+            Law::TaylorZeroCrossing => "taylor-zero-crossing",
+            Law::NoiseAsPublished => "noise-as-published",
+            Law::Noise => "noise",
+            Law::ZeemanTables => "zeeman-tables",
+        }
+    }
+
+    /// The estimates that it is about.
+    pub(crate) fn subject(self) -> &'static str {
+        match self {
+            Law::ZeemanTables => "relock",
+            _ => "gap fillers",
+        }
+    }
+
+    /// The name of its column in the table.
+    pub fn column(self) -> &'static str {
+        match self {
+            Law::TaylorExtremum => "law_taylor_extremum",
+            Law::TaylorZeroCrossing => "law_taylor_zero_crossing",
+            Law::NoiseAsPublished => "law_noise_as_published",
+            Law::Noise => "law_noise",
+            Law::ZeemanTables => "law_zeeman_tables",
+        }
+    }
+
+    /// For people. Z(20) is about one tick, the charts about the whole gap, and the noise is 3σ: each label says so.
+    pub fn label(self) -> &'static str {
+        match self {
+            Law::TaylorExtremum => "Taylor term of one tick at an extremum, as published, Z(20)",
+            Law::TaylorZeroCrossing => "Taylor term of one tick at a zero crossing, as published, Z(20)",
+            Law::NoiseAsPublished => "3σ noise of const as published, growing as √n",
+            Law::Noise => "3σ noise of const by Z(18), growing as n",
+            Law::ZeemanTables => "the paper's tables 1 and 2",
+        }
+    }
+}

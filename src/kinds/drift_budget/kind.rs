@@ -1,0 +1,57 @@
+//! The entry of drift-budget studies in the list of kinds.
+
+use crate::chart::Chart;
+use crate::chart::file::Source;
+use crate::chart::ground::Ground;
+use crate::chart::supplied::over_first_number;
+use crate::key::sweep::Sweep;
+use crate::kinds::drift_budget::{DriftBudget, keys, read, table};
+use crate::kinds::exact::Exact;
+use crate::quantity::units::Dimension;
+use crate::sampling::plan::Plan;
+use crate::source::diagnose::StudyError;
+use crate::study::Study;
+use crate::study::kind::{Kind, Look, Subject};
+
+/// The bound of the drift of a gyro that switches modes, and the switching interval at which it is least.
+pub static DRIFT_BUDGET: Kind = Kind {
+    name: "drift-budget",
+    subject: "The bound of the drift of a gyro that switches modes, and the switching interval at which it is least, in closed form.",
+    about: "Samples nothing: formulas of the drift of a gyro that switches modes. points.csv has the paper's `bound`, Z(7), what a \
+            run really adds up, `mean_drift` and `rms_drift`, and the intervals at which these are least, `optimum` and \
+            `optimum_true`.",
+    template: include_str!("template.toml"),
+    is_exact: true,
+    trials: 1_000_000,
+    tables: &["drift", "switching", "run"],
+    needs: &["drift", "switching", "run"],
+    keys,
+    kernels: || "none".to_owned(),
+    look: Look { estimate: "bound", answer: ("optimum", &[]), along: None, points: "", bands: "" },
+    read: |reading, places| Ok(Box::new(read(reading.file, reading.sweeps, places)?)),
+};
+
+impl DriftBudget {
+    fn ground() -> Ground {
+        Ground::of(Source::Points, &[Dimension::Rate, Dimension::Time])
+    }
+}
+
+impl Subject for DriftBudget {
+    fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
+        let rows = self.points.iter().map(|point| (&point.swept[..], table::row(point)));
+        Ok(Box::new(Exact::new(study, table::columns(), rows)))
+    }
+
+    fn grounds(&self) -> Vec<Ground> {
+        vec![DriftBudget::ground()]
+    }
+
+    fn default_chart(&self, sweeps: &[Sweep]) -> Option<Chart> {
+        over_first_number(sweeps, &DriftBudget::ground(), DRIFT_BUDGET.look.estimate)
+    }
+
+    fn boxed(&self) -> Box<dyn Subject> {
+        Box::new(self.clone())
+    }
+}

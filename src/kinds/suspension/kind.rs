@@ -1,0 +1,60 @@
+//! The entry of suspension studies in the list of kinds.
+
+use crate::chart::Chart;
+use crate::chart::file::Source;
+use crate::chart::ground::Ground;
+use crate::chart::supplied::over_first_number;
+use crate::key::sweep::Sweep;
+use crate::kinds::exact::Exact;
+use crate::kinds::suspension::{SuspensionStudy, keys, read, table};
+use crate::quantity::units::Dimension;
+use crate::sampling::plan::Plan;
+use crate::source::diagnose::StudyError;
+use crate::study::Study;
+use crate::study::kind::{Kind, Look, Subject};
+
+/// The rotation of a gyro on its suspension under vibration.
+pub static SUSPENSION: Kind = Kind {
+    name: "suspension",
+    subject: "The rotation of a gyro on its suspension under vibration, in closed form.",
+    about: "Samples nothing: the response of an elastic suspension to a vibration of its base. points.csv has the rate by the \
+            acceleration, `response`, and its `phase` at each frequency that is swept.",
+    template: include_str!("template.toml"),
+    is_exact: true,
+    trials: 1_000_000,
+    tables: &["suspension"],
+    needs: &["suspension"],
+    keys,
+    kernels: || "none".to_owned(),
+    look: Look { estimate: "response", answer: ("response", &[]), along: None, points: "", bands: "" },
+    read: |reading, places| Ok(Box::new(read(reading.file, reading.sweeps, places)?)),
+};
+
+impl SuspensionStudy {
+    fn ground() -> Ground {
+        Ground::of(Source::Points, &[Dimension::RatePerAcceleration])
+    }
+}
+
+impl Subject for SuspensionStudy {
+    fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
+        let rows = self.points.iter().map(|point| (&point.swept[..], table::row(point)));
+        Ok(Box::new(Exact::new(study, table::columns(), rows)))
+    }
+
+    fn grounds(&self) -> Vec<Ground> {
+        vec![SuspensionStudy::ground()]
+    }
+
+    fn default_chart(&self, sweeps: &[Sweep]) -> Option<Chart> {
+        over_first_number(sweeps, &SuspensionStudy::ground(), SUSPENSION.look.estimate)
+    }
+
+    fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    fn boxed(&self) -> Box<dyn Subject> {
+        Box::new(self.clone())
+    }
+}

@@ -1,0 +1,67 @@
+//! A study whose every point is proven to fit: what a run asks of any kind.
+
+use std::fmt;
+
+use crate::progress::Progress;
+use crate::run::{Done, RunError, Tables};
+use crate::sampling::worker::Worker;
+use crate::store::Store;
+use crate::store::error::StoreError;
+use crate::store::index::Index;
+use crate::tally::id::Id;
+use crate::tally::share::Share;
+
+/// The plan of a study of some kind.
+pub(crate) trait Plan: fmt::Debug {
+    /// Whether there is anything to sample.
+    fn is_sampled(&self) -> bool {
+        true
+    }
+
+    /// Samples what the store lacks of a share. `progress` hears how much there is in all and, as it comes, what is done.
+    ///
+    /// # Errors
+    /// The device or the disk fails.
+    fn run(
+        &self,
+        store: &mut Store,
+        worker: &mut Worker,
+        share: Share,
+        progress: &dyn Progress,
+    ) -> Result<Done, RunError>;
+
+    /// Trials that the store lacks of a share.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError>;
+
+    /// The tables of all that the store holds; without a store all rows without estimates.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    fn tables(&self, store: Option<&Store>, progress: &dyn Progress) -> Result<Tables, RunError>;
+
+    /// Trials that every estimate has, where all have the same number.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    fn held(&self, index: &Index) -> Result<Option<u64>, StoreError>;
+
+    /// The identities of all points.
+    fn ids(&self) -> Vec<Id>;
+
+    /// What should be known besides the results, each in a sentence.
+    ///
+    /// # Errors
+    /// A row of the store is damaged, or the disk fails.
+    fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError>;
+
+    /// Trials of all points, each counted once.
+    fn all_trials(&self) -> u64;
+
+    /// Why points have more trials than the study asks for.
+    fn surplus(&self) -> &'static str {
+        "the folder holds them already"
+    }
+}

@@ -1,0 +1,114 @@
+//! A kind of study, as all that does not know it in particular sees it.
+
+use std::any::Any;
+use std::fmt;
+
+use crate::chart::Chart;
+use crate::chart::ground::Ground;
+use crate::key::file::StudyFile;
+use crate::key::setting::Key;
+use crate::key::sweep::Sweep;
+use crate::sampling::plan::Plan;
+use crate::source::diagnose::{StudyError, Wrong};
+use crate::source::place::Places;
+use crate::source::text_file::Files;
+use crate::study::Study;
+
+/// An entry of the list of kinds. Help, schema, documents, verification and tests iterate that list.
+pub struct Kind {
+    /// The name in study files: `gap-fill`.
+    pub name: &'static str,
+    /// The subject of such a study, in one sentence.
+    pub subject: &'static str,
+    /// A description of the simulation and of the columns of its results that hold the answer.
+    pub about: &'static str,
+    /// A study of this kind with every key explained.
+    pub template: &'static str,
+    /// Whether every value is a closed form, so that nothing is sampled.
+    pub is_exact: bool,
+    /// The trials at each point if the study does not say.
+    pub(crate) trials: u64,
+    /// The tables of study files that belong to it.
+    pub(crate) tables: &'static [&'static str],
+    /// Those of them that it needs.
+    pub(crate) needs: &'static [&'static str],
+    /// The keys that a sweep may vary.
+    pub(crate) keys: fn() -> Vec<&'static Key>,
+    /// The kernels that sample it, with their versions.
+    pub(crate) kernels: fn() -> String,
+    /// The appearance of its results.
+    pub(crate) look: Look,
+    /// Reads what is of this kind in a file.
+    pub(crate) read: fn(&Reading, &mut Places) -> Result<Box<dyn Subject>, Wrong>,
+}
+
+/// How results of a kind are presented where a chart does not say.
+pub(crate) struct Look {
+    /// The column that charts show.
+    pub(crate) estimate: &'static str,
+    /// The column by which the best row is told, in which rows.
+    pub(crate) answer: (&'static str, &'static [(&'static str, &'static str)]),
+    /// The column that charts have along x where nothing is swept, and that tells rows apart; often none.
+    pub(crate) along: Option<&'static str>,
+    /// What the points of a chart are, and what its bands are.
+    pub(crate) points: &'static str,
+    pub(crate) bands: &'static str,
+}
+
+impl PartialEq for Kind {
+    fn eq(&self, other: &Kind) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Eq for Kind {}
+
+impl fmt::Debug for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+/// What a kind reads its part of a study from.
+pub(crate) struct Reading<'a> {
+    pub(crate) file: &'a StudyFile,
+    pub(crate) sweeps: &'a [Sweep],
+    pub(crate) files: &'a Files,
+}
+
+/// What a study of some kind asks.
+pub(crate) trait Subject: Any + fmt::Debug + Send + Sync {
+    /// Lowers every point.
+    ///
+    /// # Errors
+    /// A point cannot be represented; the error points at the key to change.
+    fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError>;
+
+    /// The tables of its results, as far as they are known before anything is sampled.
+    fn grounds(&self) -> Vec<Ground>;
+
+    /// The chart of a study that asks for none.
+    fn default_chart(&self, sweeps: &[Sweep]) -> Option<Chart>;
+
+    /// What of the inputs is left out, rounded or assumed, each in a sentence.
+    fn notes(&self) -> &[String] {
+        &[]
+    }
+
+    /// Whether points stop at a precision.
+    fn has_stop_rule(&self) -> bool {
+        false
+    }
+
+    /// Takes all trials at every point.
+    fn drop_stop_rule(&mut self) {}
+
+    /// A copy.
+    fn boxed(&self) -> Box<dyn Subject>;
+}
+
+impl Clone for Box<dyn Subject> {
+    fn clone(&self) -> Self {
+        self.as_ref().boxed()
+    }
+}
