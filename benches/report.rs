@@ -4,7 +4,6 @@
 mod fillers;
 
 use fillers::{cells, column, spec};
-use sagnac::key::file::Kind;
 use sagnac::study;
 use sagnac::table::{Table, Unit};
 use sagnac::view::chart::figure::Figure;
@@ -45,7 +44,7 @@ fn page(bencher: divan::Bencher, points: usize) {
             source: Source {
                 inputs: vec![],
                 study: String::new(),
-                kind: Kind::GapFill,
+                kind: &sagnac::kinds::gap_fill::kind::GAP_FILL,
                 sampled: Some((1, 1000)),
                 stops: false,
                 lacking: 0,

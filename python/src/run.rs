@@ -72,7 +72,7 @@ pub fn run<'py>(
     let done = ran.done.as_ref().map(|(done, _)| done);
     document.set_item("title", &ran.study.title)?;
     document.set_item("question", &ran.study.question)?;
-    document.set_item("kind", ran.study.kind().name())?;
+    document.set_item("kind", ran.study.kind().name)?;
     document.set_item("seed", sampled.map(|()| ran.study.seed))?;
     document.set_item("trials", sampled.map(|()| ran.study.trials))?;
     document.set_item("device", ran.done.as_ref().map(|(_, device)| device))?;
@@ -155,6 +155,7 @@ impl Asked {
         let is_sampled = plan.is_sampled();
         drop(judged);
         drop(curves);
+        drop(plan);
         Ok(Ran { is_sampled, tables, pictures, report, verdicts, notes, done, study })
     }
 

@@ -23,7 +23,7 @@ pub fn parsed(name: &str, text: &str) -> Study {
 
 /// What a gap-fill study asks.
 pub fn gap_fill(study: &Study) -> &GapFill {
-    study.gap_fill().unwrap()
+    study.asked::<sagnac::kinds::gap_fill::GapFill>().unwrap()
 }
 
 /// A point of it, ready to be sampled.

@@ -13,7 +13,9 @@ use sagnac::progress::Silent;
 use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::source::diagnose::StudyError;
 use sagnac::store::Store;
-use sagnac::study::{Study, Subject};
+use sagnac::kinds::allan::Allan;
+use sagnac::kinds::switched_run::SwitchedRun;
+use sagnac::study::Study;
 use sagnac::tally::share::Share;
 use toml::{Table, Value};
 
@@ -124,7 +126,7 @@ fn shortened(study: Table) -> Table {
 fn run(bytes: &[u8]) -> Vec<Outcome> {
     let outcome = match read(bytes) {
         // The time that it takes goes by the points, and is no surprise.
-        Ok(study) if points(&study) > MOST_POINTS => Ok(format!("{} of many points", study.kind().name())),
+        Ok(study) if points(&study) > MOST_POINTS => Ok(format!("{} of many points", study.kind().name)),
         Ok(study) => planned(&study),
         Err(error) => Err(error),
     };
@@ -140,13 +142,12 @@ fn run(bytes: &[u8]) -> Vec<Outcome> {
 
 /// Points of the study, those that are fitted counted as several.
 fn points(study: &Study) -> usize {
-    match &study.subject {
-        Subject::GapFill(gap_fill) => gap_fill.points.len(),
-        Subject::Relock(relock) => relock.points.len(),
-        Subject::Allan(allan) => allan.points.len() * if allan.terms.is_some() { 8 } else { 2 },
-        Subject::SwitchedRun(runs) => runs.points.len(),
-        Subject::DriftBudget(_) | Subject::Suspension(_) => 1,
-    }
+    let weight = match study.asked::<Allan>() {
+        Some(allan) if allan.terms.is_some() => 8,
+        Some(_) => 2,
+        None => 1,
+    };
+    weight * study.sweeps.iter().map(|sweep| sweep.values.len()).product::<usize>()
 }
 
 fn read(bytes: &[u8]) -> Result<Study, StudyError> {
@@ -182,19 +183,16 @@ fn planned(study: &Study) -> Result<String, StudyError> {
     if is_cheap(study) && tables.points.rows() <= 16 {
         sample(study);
     }
-    Ok(study.kind().name().to_owned())
+    Ok(study.kind().name.to_owned())
 }
 
 /// Whether a few trials take no time worth naming.
 fn is_cheap(study: &Study) -> bool {
-    match &study.subject {
-        Subject::GapFill(_) | Subject::Relock(_) => true,
-        Subject::Allan(allan) => {
-            allan.points.iter().map(|point| point.inputs.samples()).sum::<u64>() < 50_000
-        }
-        Subject::SwitchedRun(runs) => runs.points.iter().map(|point| point.switches()).sum::<u64>() < 5_000,
-        Subject::DriftBudget(_) | Subject::Suspension(_) => false,
-    }
+    let records = study.asked::<Allan>().map(|allan| allan.points.iter().map(|point| point.inputs.samples()).sum::<u64>());
+    let runs = study.asked::<SwitchedRun>().map(|runs| runs.points.iter().map(|point| point.switches()).sum::<u64>());
+    !study.kind().is_exact
+        && records.is_none_or(|samples| samples < 50_000)
+        && runs.is_none_or(|switches| switches < 5_000)
 }
 
 /// Runs the study with some trials, and makes its tables.

@@ -363,7 +363,7 @@ fn points_keep_their_identities() {
     );
     let points = [LGV_1, &everything, &switched].map(|noise| {
         let study = parsed("a.toml", &text("", noise, ""));
-        let allan = study.allan().unwrap();
+        let allan = study.asked::<sagnac::kinds::allan::Allan>().unwrap();
         let lowered =
             LoweredCurve::new(&allan.points[0], allan.estimator, study.seed, study.streams).unwrap();
         lowered.address.point.to_string()

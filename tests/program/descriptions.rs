@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 
 use crate::desk::Desk;
 use sagnac::chart::file::Source;
-use sagnac::key::file::Kind;
 use sagnac::run::Plan;
-use sagnac::study::{Study, keys};
+use sagnac::study::{Study, explain_key, explained_keys};
 use sagnac::table::describe::{File, meanings};
 
 fn root() -> &'static Path {
@@ -83,7 +82,7 @@ fn written_by_commands() -> Vec<(File, String)> {
 
 #[test]
 fn every_column_that_is_written_is_described_and_every_description_is_of_such_a_column() {
-    let mut unwritten: BTreeSet<(String, &str)> = File::ALL
+    let mut unwritten: BTreeSet<(String, &str)> = File::all()
         .into_iter()
         .flat_map(|file| file.columns().iter().map(move |(name, _)| (file.title(), *name)))
         .collect();
@@ -101,14 +100,13 @@ fn every_column_that_is_written_is_described_and_every_description_is_of_such_a_
 
 #[test]
 fn every_key_that_can_be_swept_is_described_as_a_column() {
-    for kind in Kind::ALL {
-        for key in keys(kind) {
-            assert_eq!(
-                File::Points(kind).column(key.name),
-                Some(key.label),
-                "{} of {}",
-                key.name,
-                kind.name()
+    for key in explained_keys().filter_map(explain_key) {
+        for kind in &key.kinds {
+            let label = key.swept.as_ref().map(|swept| swept.label);
+            assert!(
+                label.is_none() || File::Points(kind).column(key.key) == label,
+                "{} of {kind:?}",
+                key.key
             );
         }
     }
@@ -116,12 +114,12 @@ fn every_key_that_can_be_swept_is_described_as_a_column() {
 
 #[test]
 fn a_column_is_found_by_name_or_header_and_told_by_file_where_meanings_differ() {
-    let points = File::Points(Kind::GapFill);
+    let points = File::Points(&sagnac::kinds::gap_fill::kind::GAP_FILL);
     assert!(points.column("rms").is_some() && points.column("rms_arcsec") == points.column("rms"));
     assert_eq!(points.column("motion.frequency_hz"), Some("vibration frequency"));
     assert_eq!(points.column("no_such_column"), None);
-    let faked = File::Points(Kind::Relock).column("drift_arcsec_per_s");
-    assert!(faked.is_some() && faked == File::Points(Kind::Relock).column("drift"));
+    let faked = File::Points(&sagnac::kinds::relock::kind::RELOCK).column("drift_arcsec_per_s");
+    assert!(faked.is_some() && faked == File::Points(&sagnac::kinds::relock::kind::RELOCK).column("drift"));
     let tau: Vec<usize> = meanings("tau_s").iter().map(|(_, files)| files.len()).collect();
     assert_eq!(tau, [3], "one text for the averaging time");
     assert!(meanings("mean").len() > 2, "the mean of what depends on the file");

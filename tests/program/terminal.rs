@@ -4,7 +4,7 @@ use std::process::Command;
 
 use crate::desk::{Desk, PROGRAM};
 use sagnac::key::explained::explained_keys;
-use sagnac::key::file::Kind;
+use sagnac::kinds::KINDS;
 use sagnac::run::Plan;
 use sagnac::study::Study;
 
@@ -75,12 +75,12 @@ fn progress_is_lines_without_a_terminal_and_nothing_where_none_is_asked_for() {
 
 #[test]
 fn every_kind_has_a_study_to_begin_with_that_runs_and_a_file_that_is_there_stays() {
-    for kind in Kind::ALL.map(Kind::name) {
+    for kind in KINDS.map(|kind| kind.name) {
         let desk = Desk::with("mine");
         let said = desk.done(&format!("new {kind}")).stdout;
         assert!(said.contains(&format!("sagnac run {kind}.toml")), "{said}");
         let study = Study::read(&desk.path(&format!("{kind}.toml"))).unwrap();
-        assert_eq!(study.kind().name(), kind);
+        assert_eq!(study.kind().name, kind);
         desk.done(&format!("run {kind}.toml --trials 64 --device cpu --plot"));
         desk.fails(
             &format!("new {kind} study.toml"),
@@ -104,7 +104,7 @@ fn with_option(text: &str, line: &str) -> String {
 
 #[test]
 fn every_optional_line_of_a_study_to_begin_with_is_valid() {
-    for kind in Kind::ALL.map(Kind::name) {
+    for kind in KINDS.map(|kind| kind.name) {
         let desk = Desk::with("");
         desk.done(&format!("new {kind} new.toml"));
         let text = desk.read("new.toml");
@@ -143,7 +143,7 @@ fn keys_columns_and_exit_codes_are_explained_and_near_names_are_offered() {
     says("q9973_arcsec", &["99.73 % of errors stay below", "points.csv of kind = \"gap-fill\""]);
     says("tau_s", &["Averaging time", "curve.csv of `sagnac allan`"]);
     says("motion.frequency_hz", &["vibration frequency"]);
-    for kind in Kind::ALL.map(|kind| kind.name()) {
+    for kind in KINDS.map(|kind| kind.name) {
         says(kind, &[&*format!("{kind} (kind of study)"), "points.csv", &*format!("sagnac new {kind}")]);
     }
     says("GAP_FILL", &["gap-fill (kind of study)"]);

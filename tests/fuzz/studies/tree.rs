@@ -3,7 +3,7 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
-use sagnac::key::file::Kind;
+use sagnac::kinds::KINDS;
 use toml::{Table, Value};
 
 use super::words::{self, NAMES};
@@ -49,7 +49,7 @@ pub fn edits() -> impl Strategy<Value = Vec<Edit>> {
         6 => 1_i64..12,
         1 => select(&[0, -1, 100, 316, 317, 1000, 10_000, 10_001, i64::MAX][..]),
     ];
-    let kinds: Vec<&str> = Kind::ALL.into_iter().map(Kind::name).collect();
+    let kinds: Vec<&str> = KINDS.into_iter().map(|kind| kind.name).collect();
     let names = || select(NAMES.as_slice());
     let edit = prop_oneof![
         4 => (index(), words::value()).prop_map(|(at, value)| Edit::Replace(at, value)),

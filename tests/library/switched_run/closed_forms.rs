@@ -22,7 +22,7 @@ fn runs_without_spreads_and_residuals_are_those_of_the_reference() {
             &format!("duration = \"{t} s\"\n"),
             "",
         );
-        let runs = study.switched_run().unwrap();
+        let runs = study.asked::<sagnac::kinds::switched_run::SwitchedRun>().unwrap();
         let lowered = LoweredRun::new(&runs.points[0], runs, 1, study.streams).unwrap();
         let filled = &lowered.fillers[0];
         let (launch, shape) = filled.trajectories();
@@ -324,7 +324,7 @@ fn another_number_of_relock_ticks_is_another_point() {
     let id = |ticks: u32| {
         let study = filled_text(1000, "amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"\n", "");
         let study = parsed("runs.toml", &format!("{study}{RELOCK}ticks = {ticks}\n"));
-        let runs = study.switched_run().unwrap();
+        let runs = study.asked::<sagnac::kinds::switched_run::SwitchedRun>().unwrap();
         LoweredRun::new(&runs.points[0], runs, 1, study.streams).unwrap().id
     };
     assert_ne!(id(4), id(8));

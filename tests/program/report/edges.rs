@@ -1,6 +1,5 @@
 //! Reports of what is little, nothing or very much.
 
-use sagnac::key::file::Kind;
 use sagnac::study;
 use sagnac::table::Table;
 use sagnac::view::chart::figure::Figure;
@@ -27,7 +26,7 @@ fn page_of(table: &Table, spec: &Spec) -> String {
     let source = Source {
         study: "kind = \"gap-fill\"\n".to_owned(),
         inputs: vec![],
-        kind: Kind::GapFill,
+        kind: &sagnac::kinds::gap_fill::kind::GAP_FILL,
         sampled: Some((1, 1000)),
         stops: false,
         lacking: 0,
