@@ -39,13 +39,7 @@ impl Plan for Exact {
         false
     }
 
-    fn run(
-        &self,
-        _: &mut Store,
-        _: &mut Worker,
-        _: Share,
-        _: &dyn Progress,
-    ) -> Result<Done, RunError> {
+    fn run(&self, _: &mut Store, _: &mut Worker, _: Share, _: &dyn Progress) -> Result<Done, RunError> {
         Ok(Done { trials: 0, seconds: 0.0, stopped: false, degraded: vec![] })
     }
 

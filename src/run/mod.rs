@@ -174,13 +174,7 @@ impl<'a> Plan<'a> {
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
     pub fn tables(&self, store: &Store, progress: &dyn Progress) -> Result<Tables, RunError> {
-        Ok(match &self.work {
-            Work::GapFill(plan) => Tables::of_points(plan.table(store)?),
-            Work::Allan(plan) => plan.tables(store, progress)?,
-            Work::SwitchedRun(plan) => plan.tables(store)?,
-            Work::Exact(table) => Tables::of_points(table.clone()),
-            Work::Relock(plan) => Tables::of_points(plan.table(store)?),
-        })
+        self.work.tables(Some(store), progress)
     }
 
     /// Trials that a study has which repeats this one: what all points have, where they have the same number and that is more

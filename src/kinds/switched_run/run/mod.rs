@@ -114,11 +114,7 @@ impl plan::Plan for Plan<'_> {
 
     fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
         let sampled: u64 = self.missing(store, share)?.iter().map(Work::trials).sum();
-        let kept = if makes_trajectories(share) {
-            trajectories::lacks(self, store)?
-        } else {
-            0
-        };
+        let kept = if makes_trajectories(share) { trajectories::lacks(self, store)? } else { 0 };
         Ok(sampled + kept)
     }
 
@@ -138,9 +134,7 @@ impl plan::Plan for Plan<'_> {
     fn tables(&self, store: Option<&Store>, _: &dyn Progress) -> Result<Tables, RunError> {
         let keeps = self.runs.trajectories > 0;
         let (points, trajectories) = match store {
-            Some(store) => {
-                (self.table(store)?, keeps.then(|| trajectories::table(self, store)).transpose()?)
-            }
+            Some(store) => (self.table(store)?, keeps.then(|| trajectories::table(self, store)).transpose()?),
             None => (self.blank_table(), keeps.then(|| trajectories::blank(self))),
         };
         Ok(Tables { trajectories, ..Tables::of_points(points) })
