@@ -12,9 +12,8 @@ use sagnac::tally::share::Share;
 
 use crate::failure::{self, Failure};
 use crate::folders;
-use crate::output::print;
+use crate::output::{csv, print};
 use crate::progress::{How, Shown};
-use crate::results::csv;
 
 const EXAMPLES: &str = "\
 Examples:

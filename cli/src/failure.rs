@@ -4,7 +4,9 @@ use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use sagnac::allan::tau::TauError;
 use sagnac::analysis::firmware::choice::ChoiceError;
+use sagnac::analysis::log::kalibr::KalibrError;
 use sagnac::device::gpu::GpuError;
 use sagnac::device::select::SelectError;
 use sagnac::record::log::error::LogError;
@@ -111,6 +113,24 @@ impl From<ChoiceError> for Failure {
         match error {
             ChoiceError::Asked(message) => Failure::Usage(message),
             ChoiceError::Study(error) => Failure::Study(error),
+        }
+    }
+}
+
+impl From<TauError> for Failure {
+    fn from(error: TauError) -> Failure {
+        match error {
+            TauError::NoTime { .. } => Failure::Usage(error.to_string()),
+            _ => Failure::Record(error.to_string()),
+        }
+    }
+}
+
+impl From<KalibrError> for Failure {
+    fn from(error: KalibrError) -> Failure {
+        match error {
+            KalibrError::Plain { .. } => Failure::Usage(error.to_string()),
+            KalibrError::NoCoefficients { .. } => Failure::Record(error.to_string()),
         }
     }
 }

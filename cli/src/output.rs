@@ -4,6 +4,7 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 
 use sagnac::store::whole::write_whole;
+use sagnac::table::Table;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -44,6 +45,26 @@ fn failure(error: io::Error) -> Failure {
 /// The file cannot be written.
 pub fn write(path: &Path, contents: &[u8]) -> Result<(), Failure> {
     write_whole(path, contents).map_err(|source| Failure::Write { path: path.to_owned(), source })
+}
+
+/// Writes a table as CSV, in a folder that is made where there is none.
+///
+/// # Errors
+/// The folder or the file cannot be written.
+pub fn write_table(path: &Path, table: &Table) -> Result<(), Failure> {
+    let folder = path.parent().unwrap_or(path);
+    std::fs::create_dir_all(folder).map_err(|source| Failure::Write { path: folder.to_owned(), source })?;
+    write(path, &csv(table, path)?)
+}
+
+/// A table as the bytes of its file.
+///
+/// # Errors
+/// None but of the memory that it is written to.
+pub fn csv(table: &Table, path: &Path) -> Result<Vec<u8>, Failure> {
+    let mut csv = Vec::new();
+    table.write_csv(&mut csv).map_err(|source| Failure::Write { path: path.to_owned(), source })?;
+    Ok(csv)
 }
 
 /// Makes a limit on the size of files an error like any other; by itself it would end the program.

@@ -1,17 +1,13 @@
 //! How recorded logs are read: the options that every command on logs has.
 
-use std::path::Path;
-
 use clap::{Args, ValueEnum};
-use sagnac::allan::angles::Angles;
 use sagnac::allan::trend::Trend;
+use sagnac::analysis::log::Treatment;
 use sagnac::fit::choose::Terms;
 use sagnac::fit::term::Term;
 use sagnac::quantity::units::{Dimension, parse as parse_quantity};
-use sagnac::record::log::channel::{Channel, Log};
 use sagnac::record::log::check::UnitCheck;
 use sagnac::record::log::measure::{Data, Unit};
-use sagnac::record::log::outliers::Outliers;
 use sagnac::record::log::read::{Request, Timing};
 
 use crate::failure::Failure;
@@ -41,16 +37,16 @@ pub struct Reading {
     column: Vec<String>,
     /// Leave out the beginning, as in "30 min"
     #[arg(long, value_name = "TIME", default_value = "0 s", value_parser = seconds)]
-    pub skip: f64,
+    skip: f64,
     /// Leave out what is later than this after the start of the file
     #[arg(long, value_name = "TIME", value_parser = seconds)]
-    pub until: Option<f64>,
+    until: Option<f64>,
     /// Remove a straight line from the rate: with it goes the rate ramp R, and K comes out too low
     #[arg(help_heading = "Reading the log", long, value_name = "TREND", default_value = "none")]
     detrend: Detrend,
     /// Take outliers for gaps: samples more than 8 standard deviations from the median of their neighbours
     #[arg(long)]
-    pub remove_outliers: bool,
+    remove_outliers: bool,
     /// Refuse rates that look as if in another unit: see docs/reference.md
     #[arg(help_heading = "Reading the log", long, value_name = "SWITCH", default_value = "on")]
     unit_check: Switch,
@@ -145,39 +141,26 @@ impl Reading {
         Ok(Request { columns: self.column.clone(), timing, data, unit })
     }
 
-    pub fn trend(&self) -> Trend {
+    fn trend(&self) -> Trend {
         match self.detrend {
             Detrend::None => Trend::None,
             Detrend::Linear => Trend::Linear,
         }
     }
 
-    /// The log at `path`, cut and checked.
-    ///
-    /// # Errors
-    /// A log that is refused.
-    pub fn log(&self, path: &Path, request: &Request) -> Result<Log, Failure> {
-        let mut log = Log::read(path, request)?;
-        if self.skip > 0.0 || self.until.is_some() {
-            log.cut(self.skip, self.until)?;
-        }
-        let check = match self.unit_check {
+    /// What is done to each log before it is analysed.
+    pub fn treatment(&self) -> Treatment {
+        let unit_check = match self.unit_check {
             Switch::On => UnitCheck::On,
             Switch::Off => UnitCheck::Off,
         };
-        log.check(check)?;
-        Ok(log)
-    }
-
-    /// The angles of a column, and the outliers among its rates or increments: left out where that is asked for.
-    pub fn angles(&self, channel: &Channel, data: Data, step_s: f64) -> (Angles, Outliers) {
-        let samples = channel.view(data, step_s);
-        let outliers = samples.outliers();
-        let angles = match self.remove_outliers {
-            true => samples.angles_without(&outliers, self.trend()),
-            false => samples.angles(self.trend()),
-        };
-        (angles, outliers)
+        Treatment {
+            skip_s: self.skip,
+            until_s: self.until,
+            trend: self.trend(),
+            outliers_removed: self.remove_outliers,
+            unit_check,
+        }
     }
 }
 

@@ -1,12 +1,11 @@
 //! Weights of fillers.
 
-use sagnac::kinds::gap_fill::GapFill;
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::analysis::firmware::alone::{Alone, KINDS};
-use sagnac::analysis::firmware::choice::{choose_fillers, choose_point};
+use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::firmware::design::Firmware;
 use sagnac::source::diagnose::StudyError;
 use sagnac::study::Study;
@@ -59,9 +58,9 @@ pub fn of_kinds<'py>(py: Python<'py>, kinds: Vec<String>, made: Made) -> PyResul
         let Made { gap_ticks, tick, fit_ticks, extrapolation_ticks, band, amplitude, noise } = made;
         let alone = Alone { gap_ticks, tick, fit_ticks, extrapolation_ticks, band, amplitude, noise };
         let study = Study::parse("arguments", &alone.study(&kinds)).map_err(|error| in_arguments(&error))?;
-        let mut firmware = at_point(&study, &[], &[]).map_err(|failure| match failure {
-            Failure::Study(error) => in_arguments(&error),
-            other => other,
+        let mut firmware = Firmware::choose(&study, &[], &[]).map_err(|error| match error {
+            ChoiceError::Study(error) => in_arguments(&error),
+            other => other.into(),
         })?;
         if !has_tick {
             firmware.tick_s = None;
@@ -79,20 +78,8 @@ pub fn of_study<'py>(
     at: Vec<String>,
     fillers: Vec<String>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let firmware = compute(py, || at_point(&Study::read(&path)?, &at, &fillers))?;
+    let firmware = compute(py, || Ok(Firmware::choose(&Study::read(&path)?, &at, &fillers)?))?;
     document(py, &firmware)
-}
-
-fn at_point(study: &Study, at: &[String], names: &[String]) -> Result<Firmware, Failure> {
-    let Some(gap_fill) = study.asked::<GapFill>() else {
-        let kind = study.kind().name;
-        let message =
-            format!("a study of kind = \"{kind}\" has no fillers\ngive a study of kind = \"gap-fill\"");
-        return Err(Failure::Usage(message));
-    };
-    let fillers = choose_fillers(gap_fill, names)?;
-    let point = choose_point(study, gap_fill, at, &fillers)?;
-    Ok(Firmware::new(study, point, &fillers)?)
 }
 
 fn document<'py>(py: Python<'py>, firmware: &Firmware) -> PyResult<Bound<'py, PyDict>> {

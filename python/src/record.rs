@@ -7,7 +7,8 @@ use sagnac::allan::angles::Angles;
 use sagnac::allan::curve::{Point, curve, minimum};
 use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
-use sagnac::allan::trend::{Line, Trend};
+use sagnac::allan::trend::Trend;
+use sagnac::analysis::log::{Treatment, slope};
 use sagnac::fit::choose::Terms;
 use sagnac::fit::curve::FitError;
 use sagnac::fit::noise::{DataSheet, Simulated};
@@ -109,18 +110,19 @@ impl Reading {
         if let Some(fault) = samples.fault(check) {
             return Err(Failure::Record(in_words(fault, &unit)));
         }
-        let outliers = samples.outliers();
-        let angles = match self.remove_outliers {
-            true => samples.angles_without(&outliers, self.trend()),
-            false => samples.angles(self.trend()),
+        let treatment = Treatment {
+            skip_s: 0.0,
+            until_s: None,
+            trend: self.trend(),
+            outliers_removed: self.remove_outliers,
+            unit_check: check,
         };
-        let Line { slope, .. } = angles.removed();
-        let per_sample = if data == Data::Rate { unit.factor } else { unit.factor / self.step_s };
+        let (angles, outliers) = treatment.angles(&samples);
         Ok(Record {
             outliers,
             missing: samples.missing(),
             mean_rate: samples.mean_rate(),
-            slope: slope * per_sample / self.step_s,
+            slope: slope(&angles, &samples),
             unit: match unit.is_angular {
                 true => sagnac::allan::unit::Unit::Angular,
                 false => sagnac::allan::unit::Unit::Plain,

@@ -1,5 +1,6 @@
-//! TODO-DOC analysis
+//! What is done with records and designs beside studies: noise of logs, comparison of logs, switching interval, firmware.
 
 pub mod compare;
 pub mod design;
 pub mod firmware;
+pub mod log;

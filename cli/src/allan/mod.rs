@@ -1,23 +1,20 @@
 //! `sagnac allan`.
 
-pub mod analysis;
-pub mod files;
-pub mod kalibr;
-pub mod noise_file;
 pub mod options;
-pub mod picture;
 pub mod report;
 
 use std::path::{Path, PathBuf};
 
-use sagnac::view::chart;
+use sagnac::analysis::log::{Analysis, figures, kalibr, noise_file, notes, tables};
+use sagnac::progress::{Progress, Silent};
 use serde_json::Value;
 
-use crate::allan::analysis::Analysis;
 pub use crate::allan::options::Options;
+use crate::charts::write_pictures;
 use crate::failure::Failure;
 use crate::look;
-use crate::output::{print, print_json, write};
+use crate::output::{print, print_json, write, write_table};
+use crate::progress::{How, Shown};
 
 /// Analyses the logs one after the other.
 pub fn allan(options: &Options) -> Result<(), Failure> {
@@ -26,21 +23,21 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
     let folders = folders(options)?;
     let mut documents: Vec<Value> = Vec::new();
     for (path, folder) in options.files.iter().zip(&folders) {
-        let analysis = Analysis::of(path, &request, options)?;
+        let treatment = options.reading.treatment();
+        let log = treatment.read(path, &request)?;
+        let progress: &dyn Progress = if options.is_silent() { &Silent } else { &Shown::new(How::Plain) };
+        let analysis = Analysis::of(&log, path, &treatment, &options.asked(), progress)?;
         save(&analysis, folder)?;
         if let Some(path) = &options.kalibr {
-            write(path, crate::allan::kalibr::text(&analysis)?.as_bytes())?;
+            write(path, kalibr::text(&analysis)?.as_bytes())?;
         }
         if options.json {
-            documents.push(crate::allan::files::document(&analysis));
+            documents.push(tables::document(&analysis));
         } else if !options.quiet {
-            let about_kalibr =
-                options.kalibr.as_ref().map_or(Ok(vec![]), |_| crate::allan::kalibr::notes(&analysis))?;
-            let notes = crate::allan::report::notes(&analysis).into_iter().chain(about_kalibr);
+            let about_kalibr = options.kalibr.as_ref().map_or(Ok(vec![]), |_| kalibr::notes(&analysis))?;
+            let notes = notes::notes(&analysis).into_iter().chain(about_kalibr);
             notes.for_each(|note| say!("note: {note}"));
-            if let Some((_, Some(figure))) =
-                crate::allan::picture::figures(&analysis).first().filter(|_| options.plot)
-            {
+            if let Some((_, Some(figure))) = figures::figures(&analysis).first().filter(|_| options.plot) {
                 print(&format!("{}\n", figure.text(look::of_output())))?;
             }
             print(&crate::allan::report::report(&analysis))?;
@@ -83,35 +80,38 @@ fn folders(options: &Options) -> Result<Vec<PathBuf>, Failure> {
 
 /// Writes tables, noise and charts, and removes what an earlier run left that is there no more.
 fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
+    write_table(&folder.join("curve.csv"), &tables::table(analysis))?;
+    write_table(&folder.join("coefficients.csv"), &tables::coefficients(analysis))?;
+    let noise = noise_file::files(analysis);
+    remove_others(folder, &noise)?;
+    noise.iter().try_for_each(|(name, text)| write(&folder.join(name), text.as_bytes()))?;
+    for (stem, figure) in figures::figures(analysis) {
+        if let Some(figure) = figure {
+            write_pictures(folder, stem, &figure.svg())?;
+            continue;
+        }
+        for path in ["svg", "png"].map(|ending| folder.join(format!("{stem}.{ending}"))) {
+            if path.exists() {
+                std::fs::remove_file(&path).map_err(|source| Failure::Write { path, source })?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Removes files of ours that are not among those written now.
+fn remove_others(folder: &Path, written: &[(String, String)]) -> Result<(), Failure> {
     let failed = |path: &Path| {
         let path = path.to_owned();
         move |source| Failure::Write { path, source }
     };
-    std::fs::create_dir_all(folder).map_err(failed(folder))?;
-    let mut csv = Vec::new();
-    let path = folder.join("curve.csv");
-    crate::allan::files::table(analysis).write_csv(&mut csv).map_err(failed(&path))?;
-    write(&path, &csv)?;
-    let mut csv = Vec::new();
-    let path = folder.join("coefficients.csv");
-    crate::allan::files::coefficients(analysis).write_csv(&mut csv).map_err(failed(&path))?;
-    write(&path, &csv)?;
-    crate::allan::noise_file::save(analysis, folder)?;
-    for (stem, figure) in crate::allan::picture::figures(analysis) {
-        let [svg_path, png_path] = ["svg", "png"].map(|ending| folder.join(format!("{stem}.{ending}")));
-        match figure {
-            Some(figure) => {
-                let svg = figure.svg();
-                let png = chart::png(&svg, 2.0)
-                    .map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
-                write(&svg_path, svg.as_bytes())?;
-                write(&png_path, &png)?;
-            }
-            None => {
-                for path in [svg_path, png_path].iter().filter(|path| path.exists()) {
-                    std::fs::remove_file(path).map_err(failed(path))?;
-                }
-            }
+    for entry in std::fs::read_dir(folder).map_err(failed(folder))? {
+        let entry = entry.map_err(failed(folder))?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let is_named = name == "noise.toml" || name.starts_with("noise_") && name.ends_with(".toml");
+        let is_ours = || std::fs::read_to_string(entry.path()).is_ok_and(|text| noise_file::is_ours(&text));
+        if is_named && !written.iter().any(|(other, _)| *other == name) && is_ours() {
+            std::fs::remove_file(entry.path()).map_err(failed(&entry.path()))?;
         }
     }
     Ok(())

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
-use sagnac::fit::noise::Simulated;
+use sagnac::analysis::log::Asked;
 use sagnac::fit::realisations::LEAST_REALISATIONS;
 use sagnac::record::log::read::Request;
 
@@ -63,9 +63,15 @@ pub struct Options {
 }
 
 impl Options {
-    /// How many records of so many samples are simulated for the intervals of coefficients.
-    pub fn simulated(&self, samples: usize) -> Simulated {
-        Simulated::of(self.bootstrap, samples)
+    /// What is computed of each log.
+    pub fn asked(&self) -> Asked {
+        Asked {
+            taus: self.tau.clone(),
+            deviations: self.deviation.clone(),
+            confidence: self.confidence,
+            terms: self.reading.terms(),
+            simulated: self.bootstrap,
+        }
     }
 
     /// Whether people hear nothing but errors.

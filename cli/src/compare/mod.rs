@@ -1,32 +1,29 @@
 //! `sagnac compare`.
 
-pub mod analysis;
-pub mod files;
 pub mod options;
-pub mod picture;
 pub mod report;
-pub mod rows;
-pub mod words;
 
 use std::path::{Path, PathBuf};
 
-use sagnac::table::Table;
-use sagnac::view::chart;
+use sagnac::analysis::compare::logs::{Analysis, CompareError};
+use sagnac::analysis::compare::{figures, tables};
+use sagnac::record::log::channel::Log;
+use sagnac::record::log::read::Request;
 
-use crate::compare::analysis::Analysis;
+use crate::charts::write_pictures;
 pub use crate::compare::options::Options;
 use crate::failure::Failure;
-use crate::output::{print, print_json, write};
+use crate::output::{print, print_json, write_table};
 
 /// Compares two logs.
 pub fn compare(options: &Options) -> Result<(), Failure> {
-    let analysis = Analysis::of(options)?;
+    let analysis = analysis(options)?;
     let stem = |path: &Path| path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let default = || Path::new("results").join(format!("{}_vs_{}", stem(&options.a), stem(&options.b)));
     let folder: PathBuf = options.out.clone().unwrap_or_else(default);
     save(&analysis, &folder)?;
     if options.json {
-        print_json(&crate::compare::files::document(&analysis))
+        print_json(&tables::document(&analysis))
     } else if !options.quiet {
         crate::compare::report::notes(&analysis).iter().for_each(|note| say!("note: {note}"));
         print(&crate::compare::report::report(&analysis))?;
@@ -37,25 +34,30 @@ pub fn compare(options: &Options) -> Result<(), Failure> {
     }
 }
 
+/// Reads and compares the logs.
+fn analysis(options: &Options) -> Result<Analysis, Failure> {
+    let reading = &options.reading;
+    let (request, treatment, columns) = (reading.request()?, reading.treatment(), reading.columns());
+    if columns.len() > 2 {
+        let message = "--column names more than two columns\ngive one of each log, as in --column gx,gy";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    let log = |path: &Path, column: Option<&String>| -> Result<Log, Failure> {
+        let request = Request { columns: column.cloned().into_iter().collect(), ..request.clone() };
+        Ok(treatment.read(path, &request)?)
+    };
+    let (a, b) = (log(&options.a, columns.first())?, log(&options.b, columns.last())?);
+    let logs = [(options.a.as_path(), &a), (options.b.as_path(), &b)];
+    Analysis::of(logs, &treatment, reading.terms().as_ref()).map_err(|error| match &error {
+        CompareError::Units { .. } => Failure::Record(format!("{error} with --unit")),
+        CompareError::NoCommonTime(_) => Failure::Record(error.to_string()),
+    })
+}
+
 /// Writes the tables and the charts.
 fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(|source| Failure::Write { path: folder.to_owned(), source })?;
-    let table = |name: &str, table: Table| {
-        let (path, mut csv) = (folder.join(name), Vec::new());
-        table.write_csv(&mut csv).map_err(|source| Failure::Write { path: path.clone(), source })?;
-        write(&path, &csv)
-    };
-    table("compare.csv", crate::compare::files::ratios(analysis))?;
-    table("coefficients.csv", crate::compare::files::coefficients(analysis))?;
-    for (stem, figure) in [
-        ("chart-1", crate::compare::picture::curves(analysis)),
-        ("chart-2", crate::compare::picture::ratio(analysis)),
-    ] {
-        let svg = figure.svg();
-        let png = chart::png(&svg, 2.0)
-            .map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
-        write(&folder.join(format!("{stem}.svg")), svg.as_bytes())?;
-        write(&folder.join(format!("{stem}.png")), &png)?;
-    }
-    Ok(())
+    write_table(&folder.join("compare.csv"), &tables::ratios(analysis))?;
+    write_table(&folder.join("coefficients.csv"), &tables::coefficients(analysis))?;
+    write_pictures(folder, "chart-1", &figures::curves(analysis).svg())?;
+    write_pictures(folder, "chart-2", &figures::ratio(analysis).svg())
 }

@@ -1,12 +1,12 @@
 //! What `sagnac compare` says to people.
 
+use sagnac::analysis::compare::logs::{Analysis, Side};
 use sagnac::analysis::compare::ratio::{NEAREST, Ratio};
+use sagnac::analysis::compare::rows::Row;
+use sagnac::analysis::compare::words::{duration, length, probability, sentences, times};
 use sagnac::quantity::number::significant;
 use sagnac::record::log::measure::Data;
 
-use crate::compare::analysis::{Analysis, Side};
-use crate::compare::rows::Row;
-use crate::compare::words::{duration, length, sentences, times};
 use crate::terminal::aligned;
 
 /// What should be known besides the results.
@@ -131,9 +131,7 @@ fn coefficients(analysis: &Analysis) -> String {
             (None, Some(most)) => format!("< {}", significant(most, 3)),
             (value, _) => number(value),
         };
-        let p = found.p.map_or_else(String::new, |p| {
-            crate::compare::words::probability(p).replace("p ", "").replace("= ", "")
-        });
+        let p = found.p.map_or_else(String::new, |p| probability(p).replace("p ", "").replace("= ", ""));
         [
             row.name.to_owned(),
             row.symbol.to_owned(),

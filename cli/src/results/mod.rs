@@ -21,18 +21,8 @@ use serde_json::{Value, json};
 use crate::charts::draw;
 use crate::failure::Failure;
 use crate::look;
-use crate::output::{print, write};
+use crate::output::{print, write, write_table};
 use crate::progress::{How, Shown};
-
-/// A table as the bytes of its file.
-///
-/// # Errors
-/// None but of the memory that it is written to.
-pub fn csv(table: &Table, path: &Path) -> Result<Vec<u8>, Failure> {
-    let mut csv = Vec::new();
-    table.write_csv(&mut csv).map_err(|source| Failure::Write { path: path.to_owned(), source })?;
-    Ok(csv)
-}
 
 /// The store of results that are there; of closed forms an empty one.
 ///
@@ -121,9 +111,7 @@ impl Results<'_> {
         let Results { study, plan, folder, .. } = self;
         let tables = plan.tables(store, progress)?;
         for (source, table) in tables.all() {
-            let name = source.file();
-            let path = folder.join(name);
-            write(&path, &csv(table, &path)?)?;
+            write_table(&folder.join(source.file()), table)?;
         }
         let index = store.index()?;
         let held = plan.held(&index)?;

@@ -36,10 +36,15 @@
 
 pub mod difference;
 pub mod estimate;
+pub mod figures;
 pub mod fisher;
 pub mod length;
+pub mod logs;
 pub mod ratio;
+pub mod rows;
 pub mod same;
+pub mod tables;
+pub mod words;
 
 pub use crate::analysis::compare::difference::{Difference, LEAST_P, Quantity, SIGNIFICANT};
 pub use crate::analysis::compare::length::Length;

@@ -41,6 +41,7 @@
 pub mod candidates;
 pub mod optimum;
 pub mod paper;
+pub mod report;
 pub mod sampling;
 
 pub use crate::analysis::design::optimum::Optimum;

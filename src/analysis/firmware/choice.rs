@@ -1,6 +1,6 @@
 //! Which point of a study, and which of its fillers.
 
-use crate::analysis::firmware::design::rules;
+use crate::analysis::firmware::design::{Firmware, rules};
 use crate::filler::Filler;
 use crate::key::setting::Swept;
 use crate::key::sweep::Sweep;
@@ -180,6 +180,24 @@ fn swept(sweep: &Sweep, asked: f64) -> Result<Quantity, String> {
             let asked = format!("{} {unit}", significant(asked, 6));
             Err(format!("no point has {} = {}; {there}", sweep.key.name, asked.trim_end()))
         }
+    }
+}
+
+impl Firmware {
+    /// Those of the fillers of these names, all where none is named, at the point of a study that [`choose_point`] finds.
+    ///
+    /// # Errors
+    /// A study without fillers, names or values that it does not have, and those of [`Firmware::new`].
+    pub fn choose(study: &Study, at: &[String], names: &[String]) -> Result<Firmware, ChoiceError> {
+        let Some(gap_fill) = study.asked::<GapFill>() else {
+            let kind = study.kind().name;
+            return Err(ChoiceError::Asked(format!(
+                "a study of kind = \"{kind}\" has no fillers\ngive a study of kind = \"gap-fill\""
+            )));
+        };
+        let fillers = choose_fillers(gap_fill, names)?;
+        let point = choose_point(study, gap_fill, at, &fillers)?;
+        Ok(Firmware::new(study, point, &fillers)?)
     }
 }
 

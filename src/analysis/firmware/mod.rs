@@ -28,6 +28,7 @@ pub mod alone;
 pub mod choice;
 pub mod csv;
 pub mod design;
+pub mod document;
 pub mod header;
 pub mod response;
 pub mod rule;

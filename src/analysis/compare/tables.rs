@@ -1,16 +1,16 @@
 //! The results of `sagnac compare` as tables and as JSON.
 
-use sagnac::allan::curve::Point;
-use sagnac::allan::deviation::Deviation;
-use sagnac::analysis::compare::length::Length;
-use sagnac::analysis::compare::ratio::Ratio;
-use sagnac::analysis::compare::same::By;
-use sagnac::table::{Cell, Column, Table, Unit};
+use crate::allan::curve::Point;
+use crate::allan::deviation::Deviation;
+use crate::analysis::compare::length::Length;
+use crate::analysis::compare::ratio::Ratio;
+use crate::analysis::compare::same::By;
+use crate::table::{Cell, Column, Table, Unit};
 use serde_json::{Value, json};
 
-use crate::compare::analysis::{Analysis, Side};
-use crate::compare::rows::Row;
-use crate::compare::words::sentences;
+use crate::analysis::compare::logs::{Analysis, Side};
+use crate::analysis::compare::rows::Row;
+use crate::analysis::compare::words::sentences;
 
 /// Every ratio: `compare.csv`.
 pub fn ratios(analysis: &Analysis) -> Table {

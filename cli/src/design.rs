@@ -1,25 +1,23 @@
 //! `sagnac design`.
 
-pub mod report;
-
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use sagnac::analysis::design::report;
 use sagnac::analysis::design::{Design, DesignError, Measure, design as find};
 use sagnac::device::select::{Selection, select};
+use sagnac::quantity::number::{short, significant};
 use sagnac::study::Study;
 use sagnac::table::Table;
 use sagnac::view::chart::figure::Figure;
-use sagnac::view::chart::scale::Scale;
-use sagnac::view::chart::spec::Spec;
 
 use crate::charts::write_pictures;
 use crate::failure::Failure;
-use crate::output::{print, print_json, write};
+use crate::output::{print, print_json, write, write_table};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
+use crate::terminal::aligned;
 use crate::{look, whole};
-use sagnac::quantity::number::short;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -110,10 +108,10 @@ pub fn design(options: &Options) -> Result<(), Failure> {
     let stem = options.study.file_stem().unwrap_or_default();
     let folder =
         options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(options.by.folder()));
-    let table = crate::design::report::table(&found);
+    let table = report::table(&found);
     let figure = write_all(&study, &found, &table, &folder)?;
     if options.json {
-        return print_json(&crate::design::report::json(&study, &found));
+        return print_json(&report::json(&study, &found));
     }
     if !options.quiet {
         for note in &found.notes {
@@ -122,9 +120,9 @@ pub fn design(options: &Options) -> Result<(), Failure> {
         if options.plot {
             print(&format!("{}\n", figure.text(look::of_output())))?;
         }
-        print(&crate::design::report::summary(&found, &table))?;
+        print(&summary(&found, &table))?;
     }
-    print(&crate::design::report::recommendation(&found))?;
+    print(&report::recommendation(&found))?;
     if !options.quiet {
         say!(
             "{} runs at each interval; table and chart are in {}",
@@ -153,33 +151,50 @@ fn failure(study: &Study, error: DesignError) -> Failure {
 }
 
 fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Result<Figure, Failure> {
-    let failed = |path: &Path| {
-        let path = path.to_owned();
-        move |source| Failure::Write { path, source }
-    };
-    std::fs::create_dir_all(folder).map_err(failed(folder))?;
-    let (path, mut csv) = (folder.join("design.csv"), Vec::new());
-    table.write_csv(&mut csv).map_err(failed(&path))?;
-    write(&path, &csv)?;
-    let json = serde_json::to_vec_pretty(&crate::design::report::json(study, found));
+    write_table(&folder.join("design.csv"), table)?;
+    let json = serde_json::to_vec_pretty(&report::json(study, found));
     write(&folder.join("design.json"), &json.map_err(|error| Failure::Picture(error.to_string()))?)?;
-    let spec = Spec {
-        title: study.title.clone(),
-        subtitle: Some(crate::design::report::headline(found)),
-        x: "interval".to_owned(),
-        y: found.measure.name().to_owned(),
-        x_scale: Scale::Log,
-        y_scale: Scale::Log,
-        series: if found.fillers.len() > 1 { vec!["filler".to_owned()] } else { vec![] },
-        apart: vec!["filler".to_owned()],
-        filter: vec![],
-        limit: None,
-        laws: vec![],
-        points: "Monte Carlo".to_owned(),
-        bands: "95 % band".to_owned(),
-    };
-    let (figure, _) =
-        Figure::from_table(table, &spec).map_err(|error| Failure::Picture(error.to_string()))?;
+    let figure = report::figure(study, found, table).map_err(|error| Failure::Picture(error.to_string()))?;
     write_pictures(folder, "design", &figure.svg())?;
     Ok(figure)
+}
+
+/// A line for each filler at its best interval.
+fn summary(found: &Design, table: &Table) -> String {
+    let mut lines = vec![
+        [
+            "filler",
+            "best interval, s",
+            "95 % interval, s",
+            "switches",
+            found.measure.label(),
+            "times the least",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
+    ];
+    for filler in &found.fillers {
+        let best = filler.best();
+        let range = match report::range(filler) {
+            Some((lo, hi)) => format!("{} to {}", significant(lo, 4), significant(hi, 4)),
+            None if filler.is_at_edge() => "at the end of what was tried".to_owned(),
+            None => "too few were tried near it".to_owned(),
+        };
+        let worse = found.worse_by(filler);
+        lines.push(vec![
+            report::called(filler).to_owned(),
+            significant(best.interval_s, 4),
+            range,
+            best.switches.to_string(),
+            format!("{} °/h", significant(best.drift.value, 3)),
+            significant(worse.value, 3),
+        ]);
+    }
+    let tried = table.rows();
+    format!(
+        "{tried} candidates, {} runs each of about {} s\n{}",
+        found.trials,
+        significant(found.duration_s, 6),
+        aligned(&lines)
+    )
 }

@@ -1,13 +1,13 @@
 //! What a comparison says in sentences.
 
-use sagnac::analysis::compare::difference::Quantity;
-use sagnac::analysis::compare::length::Length;
-use sagnac::analysis::compare::same::By;
-use sagnac::fit::term::Term;
-use sagnac::quantity::number::significant;
+use crate::analysis::compare::difference::Quantity;
+use crate::analysis::compare::length::Length;
+use crate::analysis::compare::same::By;
+use crate::fit::term::Term;
+use crate::quantity::number::significant;
 
-use crate::compare::analysis::Analysis;
-use crate::compare::rows::{Row, Verdict};
+use crate::analysis::compare::logs::Analysis;
+use crate::analysis::compare::rows::{Row, Verdict};
 
 /// Smaller probabilities are not said: they are of tails that no approximation knows.
 const LEAST_SAID: f64 = 1e-12;

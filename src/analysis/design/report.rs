@@ -1,13 +1,14 @@
 //! What a design says: the recommendation in words, all that was tried as a table, both as JSON.
 
-use sagnac::analysis::design::paper::PapersRule;
-use sagnac::analysis::design::{Design, Filler, Found};
-use sagnac::quantity::number::significant;
-use sagnac::study::Study;
-use sagnac::table::{Cell, Column, Table, Unit};
+use crate::analysis::design::paper::PapersRule;
+use crate::analysis::design::{Design, Filler, Found};
+use crate::quantity::number::significant;
+use crate::study::Study;
+use crate::table::{Cell, Column, Table, Unit};
+use crate::view::chart::figure::Figure;
+use crate::view::chart::scale::Scale;
+use crate::view::chart::spec::{ChartError, Spec};
 use serde_json::{Value, json};
-
-use crate::terminal::aligned;
 
 /// All that was tried: a row for each filler and interval.
 pub fn table(found: &Design) -> Table {
@@ -52,52 +53,12 @@ pub fn table(found: &Design) -> Table {
 }
 
 /// As tables call the filler.
-fn called(filler: &Filler) -> &str {
+pub fn called(filler: &Filler) -> &str {
     filler.name.as_deref().unwrap_or("as given")
 }
 
-/// A line for each filler at its best interval.
-pub fn summary(found: &Design, table: &Table) -> String {
-    let mut lines = vec![
-        [
-            "filler",
-            "best interval, s",
-            "95 % interval, s",
-            "switches",
-            found.measure.label(),
-            "times the least",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-    ];
-    for filler in &found.fillers {
-        let best = filler.best();
-        let range = match range(filler) {
-            Some((lo, hi)) => format!("{} to {}", significant(lo, 4), significant(hi, 4)),
-            None if filler.is_at_edge() => "at the end of what was tried".to_owned(),
-            None => "too few were tried near it".to_owned(),
-        };
-        let worse = found.worse_by(filler);
-        lines.push(vec![
-            called(filler).to_owned(),
-            significant(best.interval_s, 4),
-            range,
-            best.switches.to_string(),
-            format!("{} °/h", significant(best.drift.value, 3)),
-            significant(worse.value, 3),
-        ]);
-    }
-    let tried = table.rows();
-    format!(
-        "{tried} candidates, {} runs each of about {} s\n{}",
-        found.trials,
-        significant(found.duration_s, 6),
-        aligned(&lines)
-    )
-}
-
 /// The 95 % interval of the best switching interval.
-fn range(filler: &Filler) -> Option<(f64, f64)> {
+pub fn range(filler: &Filler) -> Option<(f64, f64)> {
     filler.optimum.lo_s.zip(filler.optimum.hi_s)
 }
 
@@ -111,6 +72,29 @@ pub fn headline(found: &Design) -> String {
         found.measure.label(),
         significant(best.best().drift.value, 3)
     )
+}
+
+/// Drift over the interval, of each filler.
+///
+/// # Errors
+/// Values that cannot be drawn.
+pub fn figure(study: &Study, found: &Design, table: &Table) -> Result<Figure, ChartError> {
+    let spec = Spec {
+        title: study.title.clone(),
+        subtitle: Some(headline(found)),
+        x: "interval".to_owned(),
+        y: found.measure.name().to_owned(),
+        x_scale: Scale::Log,
+        y_scale: Scale::Log,
+        series: if found.fillers.len() > 1 { vec!["filler".to_owned()] } else { vec![] },
+        apart: vec!["filler".to_owned()],
+        filter: vec![],
+        limit: None,
+        laws: vec![],
+        points: "Monte Carlo".to_owned(),
+        bands: "95 % band".to_owned(),
+    };
+    Ok(Figure::from_table(table, &spec)?.0)
 }
 
 /// The recommendation in words, with what speaks for it.

@@ -1,31 +1,37 @@
 //! Coefficients of two logs in the units of data sheets.
 
-use sagnac::allan::unit::Unit;
-use sagnac::analysis::compare::Comparison;
-use sagnac::analysis::compare::difference::{Difference, Quantity, SIGNIFICANT};
-use sagnac::analysis::compare::length::Length;
-use sagnac::fit::noise::data_sheet_unit;
-use sagnac::fit::term::Term;
+use crate::allan::unit::Unit;
+use crate::analysis::compare::Comparison;
+use crate::analysis::compare::difference::{Difference, Quantity, SIGNIFICANT};
+use crate::analysis::compare::length::Length;
+use crate::fit::noise::data_sheet_unit;
+use crate::fit::term::Term;
 
 /// What two logs say of one coefficient.
 #[derive(Debug, Clone)]
 pub struct Row {
+    /// Which one.
     pub quantity: Quantity,
     /// As files have it.
     pub name: &'static str,
+    /// As files have it.
     pub unit: &'static str,
     /// For people.
     pub symbol: &'static str,
     /// In this unit, but for p and the ratio.
     pub found: Difference,
+    /// Of records that tell the values apart.
     pub length: Length,
 }
 
 /// What the p of a row says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
+    /// The second record has more of it.
     Higher,
+    /// The second record has less of it.
     Lower,
+    /// The records do not show a difference.
     NotToldApart,
     /// Both values are the same number.
     Equal,
@@ -47,6 +53,7 @@ impl Verdict {
 }
 
 impl Row {
+    /// What its p says.
     pub fn verdict(&self) -> Verdict {
         match self.found.p {
             None => Verdict::Neither,

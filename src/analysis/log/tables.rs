@@ -1,17 +1,17 @@
 //! The results of `sagnac allan` as a table and as JSON.
 
-use sagnac::allan::curve::Point;
-use sagnac::allan::deviation::Deviation;
-use sagnac::allan::trend::Trend;
-use sagnac::fit::noise::Row;
-use sagnac::table::{Cell, Column, Table, Unit};
+use crate::allan::curve::Point;
+use crate::allan::deviation::Deviation;
+use crate::allan::trend::Trend;
+use crate::fit::noise::Row;
+use crate::table::{Cell, Column, Table, Unit};
 use serde_json::{Value, json};
 
-use crate::allan::analysis::{self, Analysis, Curve};
+use crate::analysis::log::{self, Analysis, Curve};
 
 /// All curves, one row for each deviation and τ: `curve.csv`.
 pub fn table(analysis: &Analysis) -> Table {
-    let rows: Vec<(&analysis::Column, &Curve, &Point)> = analysis
+    let rows: Vec<(&log::Column, &Curve, &Point)> = analysis
         .columns
         .iter()
         .flat_map(|column| column.curves.iter().map(move |curve| (column, curve)))
@@ -19,7 +19,7 @@ pub fn table(analysis: &Analysis) -> Table {
         .collect();
     let treatment = analysis.treatment.summary();
     let text = |text: &str| if text.is_empty() { Cell::Blank } else { Cell::Text(text.to_owned()) };
-    let column = |name: &str, unit: Unit, cell: &dyn Fn(&analysis::Column, &Curve, &Point) -> Cell| Column {
+    let column = |name: &str, unit: Unit, cell: &dyn Fn(&log::Column, &Curve, &Point) -> Cell| Column {
         name: name.to_owned(),
         label: name.to_owned(),
         unit,
@@ -55,7 +55,7 @@ struct Line<'a> {
 }
 
 /// The coefficients of a column and the minimum of its curve.
-fn lines(column: &analysis::Column) -> Vec<Line<'_>> {
+fn lines(column: &log::Column) -> Vec<Line<'_>> {
     let line = |row: &Row, intervals: &str| Line {
         column: &column.name,
         row: row.clone(),
@@ -92,7 +92,7 @@ pub fn coefficients(analysis: &Analysis) -> Table {
 }
 
 /// The minimum of the first curve that has one, as a row of its own: the in-run stability of data sheets, not B.
-fn stability(column: &analysis::Column) -> Vec<Row> {
+fn stability(column: &log::Column) -> Vec<Row> {
     let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle());
     let Some((curve, minimum)) = curve.and_then(|curve| Some((curve, curve.minimum?))) else { return vec![] };
     let (unit, symbol) = (column.unit.in_files(curve.deviation), column.unit.symbol(curve.deviation));
@@ -148,7 +148,7 @@ pub fn document(analysis: &Analysis) -> Value {
     })
 }
 
-fn of_column(analysis: &Analysis, column: &analysis::Column) -> Value {
+fn of_column(analysis: &Analysis, column: &log::Column) -> Value {
     /// Enough to find them; a document with millions helps nobody.
     const MOST: usize = 100;
     let outliers = &column.outliers;
@@ -176,7 +176,7 @@ fn of_column(analysis: &Analysis, column: &analysis::Column) -> Value {
     })
 }
 
-fn of_curve(column: &analysis::Column, curve: &Curve) -> Value {
+fn of_curve(column: &log::Column, curve: &Curve) -> Value {
     let points: Vec<Value> = curve.points.iter().map(of_point).collect();
     let minimum = curve.minimum.filter(|_| !curve.deviation.is_of_angle()).map(|minimum| {
         let mut point = of_point(&minimum.point);

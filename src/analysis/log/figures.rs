@@ -1,18 +1,18 @@
 //! The charts of `sagnac allan`.
 
-use sagnac::allan::deviation::Deviation;
-use sagnac::fit::coefficient::Coefficient;
-use sagnac::fit::noise::data_sheet_unit;
-use sagnac::fit::term::Term;
-use sagnac::quantity::number::significant;
-use sagnac::theory::allan::estimator::{Difference, Estimator, Stride};
-use sagnac::theory::allan::process::Process;
-use sagnac::theory::allan::{self, holds};
-use sagnac::view::chart::figure::{Axis, Entry, Figure, Grouping, Part, Parts, Series, SeriesPoint};
-use sagnac::view::chart::scale::Scale;
+use crate::allan::deviation::Deviation;
+use crate::fit::coefficient::Coefficient;
+use crate::fit::noise::data_sheet_unit;
+use crate::fit::term::Term;
+use crate::quantity::number::significant;
+use crate::theory::allan::estimator::{Difference, Estimator, Stride};
+use crate::theory::allan::process::Process;
+use crate::theory::allan::{self, holds};
+use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Part, Parts, Series, SeriesPoint};
+use crate::view::chart::scale::Scale;
 
-use crate::allan::analysis::{Analysis, Column, Curve};
-use crate::allan::report::heading;
+use crate::analysis::log::notes::heading;
+use crate::analysis::log::{Analysis, Column, Curve};
 
 /// Places of a line from one octave of τ to the next: of a sine, whose hump has ripples, and of all else.
 const PLACES: [f64; 2] = [64.0, 12.0];

@@ -1,16 +1,16 @@
 //! The charts of `sagnac compare`.
 
-use sagnac::allan::curve::Point;
-use sagnac::allan::deviation::Deviation;
-use sagnac::analysis::compare::ratio::Ratio;
-use sagnac::view::chart::figure::{Axis, Entry, Figure, Grouping, Limit, Parts, Series, SeriesPoint};
-use sagnac::view::chart::scale::Scale;
+use crate::allan::curve::Point;
+use crate::allan::deviation::Deviation;
+use crate::analysis::compare::ratio::Ratio;
+use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Limit, Parts, Series, SeriesPoint};
+use crate::view::chart::scale::Scale;
 
-use crate::allan::analysis::Curve;
-use crate::allan::picture::line;
-use crate::compare::analysis::Analysis;
-use crate::compare::rows::{Row, Verdict};
-use crate::compare::words::{duration, probability, times};
+use crate::analysis::compare::logs::Analysis;
+use crate::analysis::compare::rows::{Row, Verdict};
+use crate::analysis::compare::words::{duration, probability, times};
+use crate::analysis::log::Curve;
+use crate::analysis::log::figures::line;
 
 /// Averaging times that differ by less are the same.
 const SAME: f64 = 1e-4;

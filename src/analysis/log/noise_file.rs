@@ -1,35 +1,22 @@
 //! `noise.toml`: the identified coefficients of a column as studies read them.
 
-use std::path::Path;
+use crate::allan::unit::Unit;
+use crate::fit::coefficient::Coefficient;
+use crate::fit::noise::data_sheet_unit;
+use crate::fit::term::Term;
+use crate::quantity::number::significant;
 
-use sagnac::allan::unit::Unit;
-use sagnac::fit::coefficient::Coefficient;
-use sagnac::fit::noise::data_sheet_unit;
-use sagnac::fit::term::Term;
-use sagnac::quantity::number::significant;
-
-use crate::allan::analysis::{Analysis, Column};
-use crate::allan::report::one_line;
-use crate::failure::Failure;
-use crate::output::write;
+use crate::analysis::log::notes::one_line;
+use crate::analysis::log::{Analysis, Column};
 
 /// With the end of the first line, what tells files of ours from others.
 const START: &str = "# Noise of column ";
 const FITTED: &str = ", fitted by sagnac allan";
 
-/// Writes a file for each column with coefficients, and removes those of an earlier run that are written no more.
-///
-/// # Errors
-/// A file that cannot be written or removed.
-pub fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
-    let written: Vec<(String, String)> = analysis
-        .columns
-        .iter()
-        .zip(names(&analysis.columns))
-        .filter_map(|(column, name)| Some((name, text(analysis, column)?)))
-        .collect();
-    remove_others(folder, &written)?;
-    written.iter().try_for_each(|(name, text)| write(&folder.join(name), text.as_bytes()))
+/// Name and text of a file for each column with coefficients.
+pub fn files(analysis: &Analysis) -> Vec<(String, String)> {
+    let named = analysis.columns.iter().zip(names(&analysis.columns));
+    named.filter_map(|(column, name)| Some((name, text(analysis, column)?))).collect()
 }
 
 /// `noise.toml`, or with several columns `noise_<column>.toml`.
@@ -116,24 +103,7 @@ fn entry(coefficient: &Coefficient) -> Option<String> {
     })
 }
 
-/// Removes files of ours that are not among those written now.
-fn remove_others(folder: &Path, written: &[(String, String)]) -> Result<(), Failure> {
-    let failed = |path: &Path| {
-        let path = path.to_owned();
-        move |source| Failure::Write { path, source }
-    };
-    for entry in std::fs::read_dir(folder).map_err(failed(folder))? {
-        let entry = entry.map_err(failed(folder))?;
-        let name = entry.file_name().to_string_lossy().into_owned();
-        let is_named = name == "noise.toml" || name.starts_with("noise_") && name.ends_with(".toml");
-        let is_ours = || std::fs::read_to_string(entry.path()).is_ok_and(|text| is_ours(&text));
-        if is_named && !written.iter().any(|(other, _)| *other == name) && is_ours() {
-            std::fs::remove_file(entry.path()).map_err(failed(&entry.path()))?;
-        }
-    }
-    Ok(())
-}
-
-fn is_ours(text: &str) -> bool {
+/// Whether such a file holds this text: a user's own `noise.toml` is left alone.
+pub fn is_ours(text: &str) -> bool {
     text.lines().next().is_some_and(|line| line.starts_with(START) && line.contains(FITTED))
 }

@@ -3,15 +3,13 @@
 //! Kalibr's model is a white rate and a bias that walks, both by the root of their two-sided density per Hz: N in rad/√s
 //! and K in rad/s^1.5. It has no other terms.
 
-use sagnac::allan::unit::Unit;
-use sagnac::fit::coefficient::Fit;
-use sagnac::fit::term::Term;
-use sagnac::quantity::number::significant;
+use crate::allan::unit::Unit;
+use crate::fit::coefficient::Fit;
+use crate::fit::term::Term;
+use crate::quantity::number::significant;
 
-use crate::allan::analysis::{Analysis, Column};
-use crate::allan::report::{heading, one_line};
-use crate::failure::Failure;
-
+use crate::analysis::log::notes::{heading, one_line};
+use crate::analysis::log::{Analysis, Column};
 /// rad of 1 ″.
 const RADIANS: f64 = core::f64::consts::PI / 648_000.0;
 
@@ -37,11 +35,30 @@ enum Found<'a> {
     NotFitted,
 }
 
+/// Why there is no file.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum KalibrError {
+    /// A column without a unit of angle.
+    #[error("an imu.yaml needs rates or angles: {column} is plain numbers\ngive their unit, as in deg/s")]
+    Plain {
+        /// Which one.
+        column: String,
+    },
+    /// A column without noise.
+    #[error("there is nothing to write to an imu.yaml: {column}: no coefficients: {why}")]
+    NoCoefficients {
+        /// Which one.
+        column: String,
+        /// Why it has none.
+        why: String,
+    },
+}
+
 /// The text of the file.
 ///
 /// # Errors
 /// A column of plain numbers, or one whose noise cannot be told.
-pub fn text(analysis: &Analysis) -> Result<String, Failure> {
+pub fn text(analysis: &Analysis) -> Result<String, KalibrError> {
     let mut text = format!(
         "# Gyroscope noise from sagnac allan, {}; {}.\n",
         one_line(&heading(analysis)),
@@ -68,7 +85,7 @@ pub fn text(analysis: &Analysis) -> Result<String, Failure> {
 ///
 /// # Errors
 /// Those of [`text`].
-pub fn notes(analysis: &Analysis) -> Result<Vec<String>, Failure> {
+pub fn notes(analysis: &Analysis) -> Result<Vec<String>, KalibrError> {
     let mut notes = Vec::new();
     for key in &KEYS {
         let (name, symbol) = (key.name, key.term.symbol());
@@ -80,13 +97,13 @@ pub fn notes(analysis: &Analysis) -> Result<Vec<String>, Failure> {
                 significant(most, 4),
                 key.unit
             )),
-            Found::NotFitted => notes.push(format!("{name} is left out: --fit has no {symbol}")),
+            Found::NotFitted => notes.push(format!("{name} is left out: the fit has no {symbol}")),
         }
     }
     Ok(notes)
 }
 
-fn found<'a>(key: &Key, analysis: &'a Analysis) -> Result<Found<'a>, Failure> {
+fn found<'a>(key: &Key, analysis: &'a Analysis) -> Result<Found<'a>, KalibrError> {
     let mut largest: Option<(f64, &str)> = None;
     let mut bounds: Vec<Option<f64>> = Vec::new();
     for column in &analysis.columns {
@@ -106,20 +123,17 @@ fn found<'a>(key: &Key, analysis: &'a Analysis) -> Result<Found<'a>, Failure> {
     })
 }
 
-fn fit(column: &Column) -> Result<&Fit, Failure> {
+fn fit(column: &Column) -> Result<&Fit, KalibrError> {
     let name = &column.name;
     let why = match (&column.noise, column.unit) {
         (_, Unit::Plain) => {
-            let message = format!(
-                "--kalibr needs rates or angles: {name} is plain numbers\ngive their --unit, as in deg/s"
-            );
-            return Err(Failure::Usage(message));
+            return Err(KalibrError::Plain { column: name.clone() });
         }
         (Ok(Some(noise)), _) => return Ok(&noise.fit),
         (Ok(None), _) => "none were asked for",
         (Err(why), _) => why,
     };
-    Err(Failure::Record(format!("--kalibr has nothing to write: {name}: no coefficients: {why}")))
+    Err(KalibrError::NoCoefficients { column: name.clone(), why: why.to_owned() })
 }
 
 fn line(key: &Key, found: &Found, several: bool) -> String {

@@ -2,39 +2,69 @@
 
 use std::path::{Path, PathBuf};
 
-use sagnac::allan::angles::Angles;
-use sagnac::allan::unit::Unit;
-use sagnac::analysis::compare::{Comparison, compare};
-use sagnac::record::log::measure::Data;
-use sagnac::record::log::outliers::Outliers;
-use sagnac::record::log::read::Request;
+use crate::allan::angles::Angles;
+use crate::allan::unit::Unit;
+use crate::analysis::compare::{Comparison, NoCommonTime, compare};
+use crate::fit::choose::Terms;
+use crate::record::log::channel::Log;
+use crate::record::log::measure::Data;
+use crate::record::log::outliers::Outliers;
 
-use crate::allan::analysis::Treatment;
-use crate::compare::options::Options;
-use crate::compare::rows::{Row, rows};
-use crate::failure::Failure;
+use crate::analysis::compare::rows::{Row, rows};
+use crate::analysis::log::Treatment;
+
+/// Why two logs cannot be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum CompareError {
+    /// Only one of them is in a unit of angle.
+    #[error(
+        "{} has plain numbers, {} has angular rates: they cannot be compared\ngive the unit of both",
+        plain.display(), angular.display()
+    )]
+    Units {
+        /// The log of plain numbers.
+        plain: PathBuf,
+        /// The other one.
+        angular: PathBuf,
+    },
+    /// No averaging time is in both.
+    #[error(transparent)]
+    NoCommonTime(#[from] NoCommonTime),
+}
 
 /// Everything that is said of two logs.
+#[derive(Debug)]
 pub struct Analysis {
+    /// The logs.
     pub sides: [Side; 2],
+    /// Of both.
     pub unit: Unit,
     /// Whether both are one record, so that nothing can differ.
     pub is_one_record: bool,
+    /// What they say of each other.
     pub comparison: Comparison,
     /// Coefficients in the units of data sheets, or why there are none.
     pub rows: Result<Vec<Row>, String>,
 }
 
 /// A log.
+#[derive(Debug)]
 pub struct Side {
+    /// Its file.
     pub path: PathBuf,
+    /// The column that is compared.
     pub column: String,
     /// What it is called beside the other one.
     pub label: String,
+    /// What its samples are.
     pub data: Data,
+    /// How many there are, missing ones among them.
     pub samples: usize,
+    /// From sample to sample, s.
     pub step_s: f64,
+    /// Samples that are missing.
     pub missing: usize,
+    /// Of the rates or increments as they stand in the file.
     pub outliers: Outliers,
     /// What the header says of the unit, where that is something else.
     pub overruled: Option<String>,
@@ -44,15 +74,15 @@ pub struct Side {
 }
 
 impl Side {
+    /// From the first sample to the end of the last, s.
     pub fn length_s(&self) -> f64 {
         self.samples as f64 * self.step_s
     }
 
-    fn of(path: &Path, request: &Request, options: &Options) -> Result<Side, Failure> {
-        let log = options.reading.log(path, request)?;
+    fn of((path, log): (&Path, &Log), treatment: &Treatment) -> Side {
         let channel = &log.channels[0];
-        let (angles, outliers) = options.reading.angles(channel, log.data, log.step_s);
-        Ok(Side {
+        let (angles, outliers) = treatment.angles(&channel.view(log.data, log.step_s));
+        Side {
             path: path.to_owned(),
             column: channel.name.clone(),
             label: String::new(),
@@ -63,43 +93,30 @@ impl Side {
             outliers,
             overruled: channel.unit_in_header.clone().filter(|text| *text != channel.unit.text),
             unit: if channel.unit.is_angular { Unit::Angular } else { Unit::Plain },
-            treatment: Treatment::of(&log, &options.reading),
+            treatment: Treatment { skip_s: log.start_s, ..*treatment },
             angles,
-        })
+        }
     }
 }
 
 impl Analysis {
-    /// Reads and compares the logs.
+    /// Compares the first columns of two logs, which were read from these paths with this treatment; without `terms` their
+    /// curves only.
     ///
     /// # Errors
-    /// A log that is refused, and logs that have nothing in common to compare.
-    pub fn of(options: &Options) -> Result<Analysis, Failure> {
-        let request = options.reading.request()?;
-        let columns = options.reading.columns();
-        if columns.len() > 2 {
-            let message = "--column names more than two columns\ngive one of each log, as in --column gx,gy";
-            return Err(Failure::Usage(message.to_owned()));
-        }
-        let side = |path: &Path, column: Option<&String>| {
-            let request = Request { columns: column.cloned().into_iter().collect(), ..request.clone() };
-            Side::of(path, &request, options)
-        };
-        let mut a = side(&options.a, columns.first())?;
-        let mut b = side(&options.b, columns.last())?;
+    /// Logs that have nothing in common to compare.
+    pub fn of(
+        logs: [(&Path, &Log); 2],
+        treatment: &Treatment,
+        terms: Option<&Terms>,
+    ) -> Result<Analysis, CompareError> {
+        let [mut a, mut b] = logs.map(|log| Side::of(log, treatment));
         if a.unit != b.unit {
-            let (plain, angular) = if a.unit == Unit::Plain { (&a, &b) } else { (&b, &a) };
-            return Err(Failure::Record(format!(
-                "{} has plain numbers, {} has angular rates: they cannot be compared\n\
-                 give the unit of both with --unit",
-                plain.path.display(),
-                angular.path.display()
-            )));
+            let (plain, angular) = if a.unit == Unit::Plain { (a, b) } else { (b, a) };
+            return Err(CompareError::Units { plain: plain.path, angular: angular.path });
         }
         [a.label, b.label] = labels(&a, &b);
-        let terms = options.reading.terms();
-        let comparison = compare(&a.angles, &b.angles, terms.as_ref())
-            .map_err(|error| Failure::Record(error.to_string()))?;
+        let comparison = compare(&a.angles, &b.angles, terms)?;
         let rows = rows(&comparison, a.unit);
         Ok(Analysis { unit: a.unit, is_one_record: is_one_record(&a, &b), comparison, rows, sides: [a, b] })
     }

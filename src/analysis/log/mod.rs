@@ -1,0 +1,278 @@
+//! The noise of a recorded log: its deviations, its coefficients, and what is to be known of both.
+//!
+//! ```text
+//! Log, Asked ─ of ─▶ Analysis ─┬─ tables ─▶ curve.csv, coefficients.csv, JSON
+//!                              ├─ figures ─▶ charts
+//!                              ├─ noise_file ─▶ noise.toml, for studies
+//!                              └─ kalibr ─▶ imu.yaml
+//! ```
+
+pub mod figures;
+pub mod kalibr;
+pub mod noise_file;
+pub mod notes;
+pub mod tables;
+
+use std::path::{Path, PathBuf};
+
+use crate::allan::angles::Angles;
+use crate::allan::curve::{Minimum, Point, curve, minimum};
+use crate::allan::deviation::Deviation;
+use crate::allan::tau::{TauError, Taus};
+use crate::allan::trend::{Line, Trend};
+use crate::allan::unit::Unit;
+use crate::fit::choose::Terms;
+use crate::fit::noise::{DataSheet, Row, Simulated};
+use crate::progress::Progress;
+use crate::quantity::number::significant;
+use crate::record::log::channel::Log;
+use crate::record::log::check::UnitCheck;
+use crate::record::log::error::LogError;
+use crate::record::log::measure::Data;
+use crate::record::log::outliers::Outliers;
+use crate::record::log::read::Request;
+use crate::record::log::samples::Samples;
+
+/// Simulated samples that take long enough to be announced.
+const LONG: usize = 1_000_000_000;
+
+/// What an analysis computes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Asked {
+    /// Averaging times.
+    pub taus: Taus,
+    /// Deviations, each a curve.
+    pub deviations: Vec<Deviation>,
+    /// Probability of the intervals of deviations.
+    pub confidence: f64,
+    /// Terms to fit, if any.
+    pub terms: Option<Terms>,
+    /// Simulated records for the intervals of coefficients, 0 for intervals in closed form; by default as many as take seconds.
+    pub simulated: Option<usize>,
+}
+
+/// What was found in one file.
+#[derive(Debug)]
+pub struct Analysis {
+    /// The log.
+    pub path: PathBuf,
+    /// What its samples are.
+    pub data: Data,
+    /// How many there are, missing ones among them.
+    pub samples: usize,
+    /// From sample to sample, s.
+    pub step_s: f64,
+    /// Probability of the intervals of deviations.
+    pub confidence: f64,
+    /// What was done to it before.
+    pub treatment: Treatment,
+    /// The columns that were asked for.
+    pub columns: Vec<Column>,
+}
+
+/// One column of the file.
+#[derive(Debug)]
+pub struct Column {
+    /// Without unit.
+    pub name: String,
+    /// Of its curves.
+    pub unit: Unit,
+    /// What the header says of the unit, where that is something else.
+    pub overruled: Option<String>,
+    /// Samples missing in the file.
+    pub missing: usize,
+    /// Of the rates or increments as they stand in the file.
+    pub outliers: Outliers,
+    /// In the unit of the curve; absent for plain numbers that are no rates.
+    pub mean_rate: Option<f64>,
+    /// Slope that was removed, in the unit of the curve per s.
+    pub slope: f64,
+    /// One for each deviation.
+    pub curves: Vec<Curve>,
+    /// Absent where it was not asked for; else why it cannot be told.
+    pub noise: Result<Option<DataSheet>, String>,
+}
+
+impl Column {
+    /// The noise, where there is one.
+    pub fn noise(&self) -> Option<&DataSheet> {
+        self.noise.as_ref().ok()?.as_ref()
+    }
+
+    /// Its coefficients; none without.
+    pub fn coefficients(&self) -> &[Row] {
+        self.noise().map_or(&[], |noise| &noise.rows)
+    }
+}
+
+/// A deviation of a column.
+#[derive(Debug)]
+pub struct Curve {
+    /// Which one.
+    pub deviation: Deviation,
+    /// In the order of τ.
+    pub points: Vec<Point>,
+    /// The lowest point.
+    pub minimum: Option<Minimum>,
+}
+
+/// What is done to a log before its curves are taken.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Treatment {
+    /// Time left out at the start, s.
+    pub skip_s: f64,
+    /// End of what is used, from the start of the file, s.
+    pub until_s: Option<f64>,
+    /// What is removed from the rate.
+    pub trend: Trend,
+    /// Whether outliers are taken for gaps.
+    pub outliers_removed: bool,
+    /// Whether rates that look as if in another unit are refused.
+    pub unit_check: UnitCheck,
+}
+
+impl Treatment {
+    /// Reads the log at `path`, cuts and checks it.
+    ///
+    /// # Errors
+    /// A log that is refused.
+    pub fn read(&self, path: &Path, request: &Request) -> Result<Log, LogError> {
+        let mut log = Log::read(path, request)?;
+        if self.skip_s > 0.0 || self.until_s.is_some() {
+            log.cut(self.skip_s, self.until_s)?;
+        }
+        log.check(self.unit_check)?;
+        Ok(log)
+    }
+
+    /// The angles of some samples, and the outliers among their rates or increments: left out where that is asked for.
+    pub fn angles(&self, samples: &Samples) -> (Angles, Outliers) {
+        let outliers = samples.outliers();
+        let angles = match self.outliers_removed {
+            true => samples.angles_without(&outliers, self.trend),
+            false => samples.angles(self.trend),
+        };
+        (angles, outliers)
+    }
+
+    /// What was left out, in a few words.
+    pub fn left_out(&self) -> String {
+        let part = |time_s: f64, words: &str| format!("{words} {} s", significant(time_s, 9));
+        let parts = [
+            (self.skip_s > 0.0).then(|| part(self.skip_s, "from")),
+            self.until_s.map(|until_s| part(until_s, "until")),
+            self.outliers_removed.then(|| "outliers removed".to_owned()),
+        ];
+        parts.into_iter().flatten().map(|part| format!("; {part}")).collect()
+    }
+
+    /// All of it in a few words, for every output.
+    pub fn summary(&self) -> String {
+        let trend = match self.trend {
+            Trend::None => "; no trend removed",
+            Trend::Linear => "; linear trend removed: no R, K too low",
+        };
+        (self.left_out() + trend).trim_start_matches("; ").to_owned()
+    }
+
+    /// What the trend does to the coefficients R and K.
+    pub fn effect(&self, length_s: f64) -> String {
+        match self.trend {
+            Trend::None => {
+                "no trend was removed: a rate ramp R and a rate random walk K show as they were recorded"
+                    .to_owned()
+            }
+            Trend::Linear => format!(
+                "a linear trend was removed: the rate ramp R is gone with it, and above τ = {} s, a tenth of the record, \
+                 the curve and with it the rate random walk K come out too low",
+                significant(0.1 * length_s, 6)
+            ),
+        }
+    }
+}
+
+impl Analysis {
+    /// Analyses a log that was read from `path` with this treatment; `progress` hears of simulations that take long.
+    ///
+    /// # Errors
+    /// Averaging times that the log does not have.
+    pub fn of(
+        log: &Log,
+        path: &Path,
+        treatment: &Treatment,
+        asked: &Asked,
+        progress: &dyn Progress,
+    ) -> Result<Analysis, TauError> {
+        let column = |at: usize| column(log, at, treatment, asked, progress);
+        let columns = (0..log.channels.len()).map(column).collect::<Result<_, _>>()?;
+        Ok(Analysis {
+            path: path.to_owned(),
+            data: log.data,
+            samples: log.samples(),
+            step_s: log.step_s,
+            confidence: asked.confidence,
+            treatment: Treatment { skip_s: log.start_s, ..*treatment },
+            columns,
+        })
+    }
+
+    /// From the first sample to the end of the last, s.
+    pub fn length_s(&self) -> f64 {
+        self.samples as f64 * self.step_s
+    }
+
+    /// `95 %`
+    pub fn percent(&self) -> String {
+        format!("{} %", significant(100.0 * self.confidence, 6))
+    }
+}
+
+fn column(
+    log: &Log,
+    at: usize,
+    treatment: &Treatment,
+    asked: &Asked,
+    progress: &dyn Progress,
+) -> Result<Column, TauError> {
+    let (data, step_s) = (log.data, log.step_s);
+    let channel = &log.channels[at];
+    let samples = channel.view(data, step_s);
+    let (angles, outliers) = treatment.angles(&samples);
+    let curves = asked.deviations.iter().map(|&deviation| {
+        let factors = asked.taus.factors(angles.len(), step_s, deviation)?;
+        let points = curve(&angles, deviation, &factors, asked.confidence);
+        Ok(Curve { deviation, minimum: minimum(&points), points })
+    });
+    let curves = curves.collect::<Result<_, TauError>>()?;
+    let unit = if channel.unit.is_angular { Unit::Angular } else { Unit::Plain };
+    let count = angles.len().saturating_sub(1);
+    let simulated = Simulated::of(asked.simulated, count);
+    let records = simulated.records;
+    if asked.terms.is_some() && count.saturating_mul(records) > LONG {
+        progress.note(&format!(
+            "{}: simulating {records} records of {count} samples for the intervals of coefficients; in closed form they take no \
+             time",
+            channel.name
+        ));
+    }
+    let noise = asked.terms.as_ref().map(|terms| DataSheet::of(&angles, terms, unit, simulated)).transpose();
+    Ok(Column {
+        name: channel.name.clone(),
+        unit,
+        overruled: channel.unit_in_header.clone().filter(|text| *text != channel.unit.text),
+        missing: channel.missing(),
+        mean_rate: samples.mean_rate(),
+        slope: slope(&angles, &samples),
+        curves,
+        outliers,
+        noise,
+    })
+}
+
+/// The slope that was removed from some samples, in the unit of the curve per s.
+pub fn slope(angles: &Angles, samples: &Samples) -> f64 {
+    let Line { slope, .. } = angles.removed();
+    let factor = samples.unit.factor;
+    let per_sample = if samples.data == Data::Rate { factor } else { factor / samples.step_s };
+    slope * per_sample / samples.step_s
+}
