@@ -33,6 +33,7 @@ mod exact_studies;
 mod filler;
 mod folders;
 mod full_disks;
+mod goldens;
 mod help;
 mod kills;
 mod report;
