@@ -122,7 +122,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
         }
     }
     for fault in faults.iter().take(MOST_TOLD) {
-        say!("error: {fault}");
+        say!("error: {}", failure::in_options(fault));
     }
     if !faults.is_empty() {
         about = failure::faults(faults.len());

@@ -13,6 +13,7 @@ use sagnac::record::log::error::LogError;
 use sagnac::run::keep::KeepError;
 use sagnac::run::{RESOLVED, RunError};
 use sagnac::source::diagnose::StudyError;
+use sagnac::source::setting::spelled;
 use sagnac::store::error::StoreError;
 use sagnac::tally::share::Share;
 
@@ -40,13 +41,13 @@ pub enum Failure {
     #[error(transparent)]
     Study(#[from] StudyError),
     #[error(transparent)]
-    Log(#[from] LogError),
+    Log(LogError),
     /// A log that does not have what it is asked for.
     #[error("{0}")]
     Record(String),
-    #[error(transparent)]
+    #[error("{}", in_options(.0))]
     Select(#[from] SelectError),
-    #[error(transparent)]
+    #[error("{}", in_options(.0))]
     Store(#[from] StoreError),
     #[error("{0}\nchoose another device with --device; `sagnac devices` lists what is there")]
     Gpu(#[from] GpuError),
@@ -108,10 +109,45 @@ pub fn faults(count: usize) -> String {
     if count == 1 { "1 fault".to_owned() } else { format!("{count} faults") }
 }
 
+/// Settings that the library names and the program has options for.
+const OPTIONS: [&str; 14] = [
+    "at",
+    "bootstrap",
+    "column",
+    "data",
+    "device",
+    "filler",
+    "out",
+    "rate",
+    "salvage",
+    "scale",
+    "tau",
+    "time_unit",
+    "unit",
+    "unit_check",
+];
+
+/// A setting as an option.
+fn option(name: &str, value: &str) -> Option<String> {
+    let name = OPTIONS.contains(&name).then(|| name.replace('_', "-"))?;
+    Some(if value == "true" { format!("--{name}") } else { format!("--{name} {value}") })
+}
+
+/// A message of the library in terms of options.
+pub fn in_options(message: &dyn std::fmt::Display) -> String {
+    spelled(&message.to_string(), &option)
+}
+
+impl From<LogError> for Failure {
+    fn from(error: LogError) -> Failure {
+        Failure::Log(error.spelled(&option))
+    }
+}
+
 impl From<ChoiceError> for Failure {
     fn from(error: ChoiceError) -> Failure {
         match error {
-            ChoiceError::Asked(message) => Failure::Usage(message),
+            ChoiceError::Asked(message) => Failure::Usage(in_options(&message)),
             ChoiceError::Study(error) => Failure::Study(error),
         }
     }
@@ -120,8 +156,8 @@ impl From<ChoiceError> for Failure {
 impl From<TauError> for Failure {
     fn from(error: TauError) -> Failure {
         match error {
-            TauError::NoTime { .. } => Failure::Usage(error.to_string()),
-            _ => Failure::Record(error.to_string()),
+            TauError::NoTime { .. } => Failure::Usage(in_options(&error)),
+            _ => Failure::Record(in_options(&error)),
         }
     }
 }
@@ -129,7 +165,7 @@ impl From<TauError> for Failure {
 impl From<KalibrError> for Failure {
     fn from(error: KalibrError) -> Failure {
         match error {
-            KalibrError::Plain { .. } => Failure::Usage(error.to_string()),
+            KalibrError::Plain { .. } => Failure::Usage(in_options(&error)),
             KalibrError::NoCoefficients { .. } => Failure::Record(error.to_string()),
         }
     }

@@ -10,7 +10,7 @@ use sagnac::record::log::check::UnitCheck;
 use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::read::{Request, Timing};
 
-use crate::failure::Failure;
+use crate::failure::{Failure, in_options};
 
 #[derive(Debug, Args)]
 pub struct Reading {
@@ -127,8 +127,9 @@ impl Reading {
             (None, Some(scale)) => Some(Unit::parse_scale(scale, data)),
             (None, None) => None,
         };
-        let unit =
-            unit.transpose().map_err(|wrong| Failure::Usage(format!("{}\n{}", wrong.message, wrong.help)))?;
+        let unit = unit
+            .transpose()
+            .map_err(|wrong| Failure::Usage(in_options(&format!("{}\n{}", wrong.message, wrong.help))))?;
         let timing = match (&self.rate, &self.time) {
             (Some(rate), _) => Timing::Step(step(rate)?),
             (None, Some(column)) => Timing::Stamps { column: column.clone(), unit: self.time_unit.clone() },

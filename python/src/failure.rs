@@ -8,6 +8,7 @@ use sagnac::device::select::SelectError;
 use sagnac::run::RunError;
 use sagnac::run::keep::KeepError;
 use sagnac::source::diagnose::StudyError as Refused;
+use sagnac::source::setting::spelled;
 use sagnac::store::error::StoreError;
 
 import_exception!(sagnac.errors, DeviceError);
@@ -109,21 +110,24 @@ impl From<ChoiceError> for Failure {
     }
 }
 
-/// Options of the program and the arguments that stand for them.
-const NAMES: [(&str, &str); 6] = [
-    ("--device ", "device="),
-    ("--out ", "out="),
-    ("--tau ", "taus="),
-    ("--at ", "at="),
-    ("--filler ", "fillers="),
-    ("--bootstrap ", "bootstrap="),
+/// Settings that the library names, and the arguments that stand for them.
+const ARGUMENTS: [(&str, &str); 10] = [
+    ("at", "at"),
+    ("bootstrap", "bootstrap"),
+    ("data", "kind"),
+    ("device", "device"),
+    ("filler", "fillers"),
+    ("out", "out"),
+    ("scale", "unit"),
+    ("tau", "taus"),
+    ("unit", "unit"),
+    ("unit_check", "unit_check"),
 ];
 
-/// A message of the library in terms of arguments; commands in backticks are those of a shell.
+/// A message of the library in terms of arguments.
 pub fn in_python(message: &str) -> String {
-    let part = |(place, part): (usize, &str)| match place % 2 {
-        0 => NAMES.iter().fold(part.to_owned(), |said, (option, argument)| said.replace(option, argument)),
-        _ => part.to_owned(),
-    };
-    message.split('`').enumerate().map(part).collect::<Vec<_>>().join("`")
+    spelled(message, &|name, value| {
+        let (_, argument) = ARGUMENTS.iter().find(|(known, _)| *known == name)?;
+        Some(format!("{argument}={value}"))
+    })
 }

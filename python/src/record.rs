@@ -23,7 +23,7 @@ use sagnac::record::log::samples::{Fault, Samples};
 use sagnac::theory::allan::estimator::Estimator;
 
 use super::compute::compute_on;
-use super::failure::Failure;
+use super::failure::{Failure, in_python};
 
 /// What the samples are and what is done to them.
 #[derive(FromPyObject)]
@@ -96,7 +96,8 @@ impl Reading {
             true => Unit::parse_scale(&self.unit, data).map_err(|_| wrong),
             false => Err(wrong),
         });
-        let unit = unit.map_err(|wrong| Failure::Usage(told(&wrong.message, &wrong.help)))?;
+        let unit =
+            unit.map_err(|wrong| Failure::Usage(in_python(&format!("{}\n{}", wrong.message, wrong.help))))?;
         if values.len() > MOST_SAMPLES {
             let found = format!("the array has {} samples, more than {MOST_SAMPLES}", values.len());
             return Err(Failure::Record(format!("{found}\nanalyse a part of it, or average neighbours")));
@@ -130,13 +131,6 @@ impl Reading {
             angles,
         })
     }
-}
-
-/// A message about units in terms of arguments.
-fn told(message: &str, help: &str) -> String {
-    let names =
-        [("--data ", "kind="), ("--unit none", "unit=\"none\""), ("--unit ", "unit="), ("--scale ", "unit=")];
-    names.iter().fold(format!("{message}\n{help}"), |said, (option, argument)| said.replace(option, argument))
 }
 
 /// Why samples are refused.
@@ -283,7 +277,7 @@ pub fn fit<'py>(
     document.set_item("rows", rows.collect::<Vec<_>>())?;
     document.set_item("intervals", sheet.intervals.name())?;
     let why = match &sheet.intervals {
-        sagnac::fit::noise::Intervals::ClosedForm { why } => why.as_deref().map(super::failure::in_python),
+        sagnac::fit::noise::Intervals::ClosedForm { why } => why.as_deref().map(in_python),
         sagnac::fit::noise::Intervals::Bootstrap { .. } => None,
     };
     document.set_item("without_bootstrap", why)?;

@@ -22,14 +22,14 @@ pub const MOST_FOR_ALL: usize = 200_000;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TauError {
     /// Not a positive number.
-    #[error("τ = {tau_s} s is no time\ngive positive numbers of seconds, as in --tau 1,10,100")]
+    #[error("τ = {tau_s} s is no time\ngive positive numbers of seconds, as in `tau = 1,10,100`")]
     NoTime {
         /// What was asked for, s.
         tau_s: f64,
     },
     /// No whole sample.
     #[error(
-        "τ = {tau_s} s is shorter than the sampling step of {step_s} s\ngive multiples of the step, or --tau octave"
+        "τ = {tau_s} s is shorter than the sampling step of {step_s} s\ngive multiples of the step, or `tau = octave`"
     )]
     Short {
         /// What was asked for, s.
@@ -41,7 +41,7 @@ pub enum TauError {
     #[error(
         "τ = {tau_s} s is too long for a record of {length_s} s: {deviation} needs a record of {} τ, \
          here τ ≤ {longest_s} s\n\
-         leave it out, record longer, or give --tau octave",
+         leave it out, record longer, or give `tau = octave`",
         deviation.largest_factor_of_length()
     )]
     Long {
@@ -56,8 +56,8 @@ pub enum TauError {
     },
     /// Too much work.
     #[error(
-        "--tau all is for at most {MOST_FOR_ALL} samples, the record has {samples}: its work grows with their square\n\
-         give --tau decade20, whose points are as good as all of them on a chart"
+        "`tau = all` is for at most {MOST_FOR_ALL} samples, the record has {samples}: its work grows with their square\n\
+         give `tau = decade20`, whose points are as good as all of them on a chart"
     )]
     TooMany {
         /// Of the record.

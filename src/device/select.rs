@@ -12,7 +12,7 @@ use crate::verify::self_test;
 pub enum SelectError {
     /// A GPU was asked for, and no adapter is a real one.
     #[error(
-        "no GPU was found\nuse --device cpu, or install a Vulkan driver; `sagnac devices` lists what is there"
+        "no GPU was found\nuse `device = cpu`, or install a Vulkan driver; `sagnac devices` lists what is there"
     )]
     NoGpu,
     /// No width and no adapter has the name.
@@ -33,7 +33,7 @@ pub enum SelectError {
     },
     /// The adapter failed its self-test: it computes other bits than the CPU.
     #[error(
-        "{name} computes other bits than the CPU in {kernel}: it is not used\nupdate its driver, or use --device cpu"
+        "{name} computes other bits than the CPU in {kernel}: it is not used\nupdate its driver, or use `device = cpu`"
     )]
     Untrusted {
         /// Of the adapter.

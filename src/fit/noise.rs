@@ -106,7 +106,7 @@ impl Simulated {
             None => Simulated {
                 records: 0,
                 without: Some(format!(
-                    "simulating {USUAL_REALISATIONS} records of {samples} samples takes long: --bootstrap {USUAL_REALISATIONS} \
+                    "simulating {USUAL_REALISATIONS} records of {samples} samples takes long: `bootstrap = {USUAL_REALISATIONS}` \
                      asks for it"
                 )),
             },

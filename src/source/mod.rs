@@ -2,5 +2,6 @@
 
 pub mod diagnose;
 pub mod place;
+pub mod setting;
 pub mod shown;
 pub mod text_file;

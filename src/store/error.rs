@@ -14,7 +14,7 @@ use crate::tally::id::Id;
 pub enum StoreError {
     /// The folder cannot be made or opened.
     #[error(
-        "cannot use the results folder {path}: {source}\nmake it writable or choose another one with --out DIR"
+        "cannot use the results folder {path}: {source}\nmake it writable or choose another one with `out = DIR`"
     )]
     Folder {
         /// Of the folder.
@@ -33,7 +33,7 @@ pub enum StoreError {
     },
     /// Another program writes to it.
     #[error(
-        "{path} is in use by {holder}\nwait for it to end; a run can go to another folder with --out DIR"
+        "{path} is in use by {holder}\nwait for it to end; a run can go to another folder with `out = DIR`"
     )]
     Busy {
         /// Of the folder.
@@ -51,7 +51,7 @@ pub enum StoreError {
     },
     /// A read-only disk or file.
     #[error(
-        "{path} cannot be written: it or its disk is read-only\nmake it writable, or choose another folder with --out DIR"
+        "{path} cannot be written: it or its disk is read-only\nmake it writable, or choose another folder with `out = DIR`"
     )]
     ReadOnly {
         /// Of the file.
@@ -79,7 +79,7 @@ pub enum StoreError {
     },
     /// A file that is not ours, or whose head is damaged.
     #[error(
-        "{path} is no database of results ({what})\nit is another program's, or its beginning is damaged: restore it from a copy, or choose another folder with --out DIR"
+        "{path} is no database of results ({what})\nit is another program's, or its beginning is damaged: restore it from a copy, or choose another folder with `out = DIR`"
     )]
     Foreign {
         /// Of the file.
@@ -89,7 +89,7 @@ pub enum StoreError {
     },
     /// Written by a later or earlier program in another layout.
     #[error(
-        "{path} is of schema version {found}, this program writes version {SCHEMA_VERSION}\nuse the program that wrote it, or choose another folder with --out DIR and run again"
+        "{path} is of schema version {found}, this program writes version {SCHEMA_VERSION}\nuse the program that wrote it, or choose another folder with `out = DIR` and run again"
     )]
     Schema {
         /// Of the database.
@@ -100,7 +100,7 @@ pub enum StoreError {
     /// Computed by kernels that give other numbers.
     #[error(
         "{path} was computed by {program} with the kernels {found}; those of this program, {ours}, give other numbers\n\
-         use the program that wrote it, or choose another folder with --out DIR and run again"
+         use the program that wrote it, or choose another folder with `out = DIR` and run again"
     )]
     Kernels {
         /// Of the database.
@@ -114,7 +114,7 @@ pub enum StoreError {
     },
     /// A folder that belongs to another study.
     #[error(
-        "{path} holds results of another study (seed {seed}, streams {streams}, kind {kind})\nchoose another folder with --out DIR, or remove this one"
+        "{path} holds results of another study (seed {seed}, streams {streams}, kind {kind})\nchoose another folder with `out = DIR`, or remove this one"
     )]
     OtherStudy {
         /// Of the database.
@@ -167,8 +167,8 @@ pub enum StoreError {
 }
 
 /// What to do about damage.
-const SALVAGE: &str = "take what is sound to a new folder with `sagnac merge --salvage THIS --out NEW` and run that again, or \
-                       restore the folder from a copy";
+const SALVAGE: &str = "merge this folder into a new one without what is damaged, `salvage = true`, and run that again, or restore \
+                       the folder from a copy";
 
 impl StoreError {
     /// What SQLite says, in our words.

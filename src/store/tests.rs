@@ -140,7 +140,7 @@ fn a_folder_of_another_kernel_version_is_refused_and_told_which() {
     drop(Store::open(folder.path(), &identity()).unwrap());
     let newer = Identity { kernels: "gap_fill 3".to_owned(), ..identity() };
     let error = Store::open(folder.path(), &newer).unwrap_err().to_string();
-    for piece in ["by sagnac 0", "kernels gap_fill 2", "this program, gap_fill 3", "--out DIR"] {
+    for piece in ["by sagnac 0", "kernels gap_fill 2", "this program, gap_fill 3", "`out = DIR`"] {
         assert!(error.contains(piece), "{error}");
     }
 }

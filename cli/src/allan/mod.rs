@@ -11,7 +11,7 @@ use serde_json::Value;
 
 pub use crate::allan::options::Options;
 use crate::charts::write_pictures;
-use crate::failure::Failure;
+use crate::failure::{Failure, in_options};
 use crate::look;
 use crate::output::{print, print_json, write, write_table};
 use crate::progress::{How, Shown};
@@ -36,7 +36,7 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
         } else if !options.quiet {
             let about_kalibr = options.kalibr.as_ref().map_or(Ok(vec![]), |_| kalibr::notes(&analysis))?;
             let notes = notes::notes(&analysis).into_iter().chain(about_kalibr);
-            notes.for_each(|note| say!("note: {note}"));
+            notes.for_each(|note| say!("note: {}", in_options(&note)));
             if let Some((_, Some(figure))) = figures::figures(&analysis).first().filter(|_| options.plot) {
                 print(&format!("{}\n", figure.text(look::of_output())))?;
             }

@@ -44,7 +44,7 @@ pub fn choose_point<'s>(
     let mut chosen: Vec<Option<Quantity>> = vec![None; study.sweeps.len()];
     let weights = |point: &Point| Ok::<_, ChoiceError>((point.inputs.tick_s, rules(study, point, fillers)?));
     for asked in at {
-        let refused = |message: String| ChoiceError::Asked(format!("--at {asked}: {message}"));
+        let refused = |message: String| ChoiceError::Asked(format!("`at = {asked}`: {message}"));
         let (place, value) = find(study, asked).map_err(refused)?;
         match swept(&study.sweeps[place], value) {
             Ok(value) => chosen[place] = Some(value),
@@ -52,7 +52,7 @@ pub fn choose_point<'s>(
                 let key = study.sweeps[place].key.name;
                 let help = match changes_weights(gap_fill, place, weights)? {
                     true => format!("the weights depend on it: add the value to the sweep over {key}"),
-                    false => format!("the weights are the same at every {key}: leave --at {asked} out"),
+                    false => format!("the weights are the same at every {key}: leave `at = {asked}` out"),
                 };
                 return Err(refused(format!("{message}\n{help}")));
             }
@@ -109,7 +109,9 @@ fn ambiguous(study: &Study, chosen: &[Option<Quantity>], matters: &[bool]) -> St
     let asked = asked.filter(|((_, chosen), matters)| chosen.is_none() && (**matters || !any));
     let each: String =
         asked.map(|((sweep, _), _)| format!("\n  {} = {}", sweep.key.name, values(sweep))).collect();
-    format!("the weights differ between the points of the study\nchoose one with --at KEY=VALUE, from{each}")
+    format!(
+        "the weights differ between the points of the study\nchoose one with `at = KEY=VALUE`, from{each}"
+    )
 }
 
 /// The values of a sweep, or the ends of many.
@@ -136,10 +138,10 @@ fn shown(value: &Quantity) -> String {
 fn find(study: &Study, asked: &str) -> Result<(usize, f64), String> {
     let names: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
     if names.is_empty() {
-        return Err("the study has one point\nleave --at out".to_owned());
+        return Err("the study has one point\nask for no other".to_owned());
     }
     let Some((key, value)) = asked.split_once('=') else {
-        return Err("give a key and a value, such as --at frequency=\"20 Hz\"".to_owned());
+        return Err("give a key and a value, such as `at = frequency=\"20 Hz\"`".to_owned());
     };
     let key = key.trim();
     let named = |name: &str| name == key || name.strip_suffix(key).is_some_and(|rest| rest.ends_with('.'));
@@ -210,7 +212,7 @@ pub fn choose_fillers(gap_fill: &GapFill, names: &[String]) -> Result<Vec<Filler
     if let Some(unknown) = names.iter().find(unknown) {
         let known: Vec<&str> = gap_fill.fillers.iter().map(|filler| filler.name.as_str()).collect();
         let known = known.join(", ");
-        let message = format!("--filler {unknown}: the study has no such filler; it has {known}");
+        let message = format!("`filler = {unknown}`: the study has no such filler; it has {known}");
         return Err(ChoiceError::Asked(message));
     }
     let wanted = |filler: &&Filler| names.is_empty() || names.contains(&filler.name);

@@ -42,7 +42,7 @@ impl Log {
     /// A fault of a column, and what to do about it.
     fn told(&self, channel: &Channel, fault: Fault) -> (String, String) {
         let (name, file) = (&channel.name, &self.file);
-        let help_off = "if the unit is right, say --unit-check off";
+        let help_off = "if the unit is right, say `unit_check = off`";
         match fault {
             Fault::TooFew { there } => {
                 let samples = if there == 1 { "sample" } else { "samples" };
@@ -60,7 +60,7 @@ impl Log {
                     .to_owned(),
             ),
             Fault::DegreesAsRadians { mean } => {
-                let other = if self.data == Data::Rate { "--unit deg/s" } else { "--unit deg" };
+                let other = if self.data == Data::Rate { "`unit = deg/s`" } else { "`unit = deg`" };
                 let message = format!(
                     "column {name} of {file} looks like degrees taken for radians: its mean is {}, \
                      in degrees it would be {}, as a gyro at rest shows of the Earth's 15.04 °/h",
@@ -71,7 +71,11 @@ impl Log {
             }
             Fault::NeverAtRest { mean } => (
                 format!("column {name} of {file} has a mean rate of {}: no gyro at rest has", rate(mean)),
-                format!("is {} its unit? is --data right? {help_off}", channel.unit.text),
+                format!(
+                    "is {} its unit? is `data = {}` right? {help_off}",
+                    channel.unit.text,
+                    self.data.name()
+                ),
             ),
         }
     }

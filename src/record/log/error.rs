@@ -8,6 +8,7 @@ use miette::{
 };
 
 use crate::source::diagnose::render;
+use crate::source::setting::spelled;
 
 /// Characters of a line that an error shows on each side of its cell.
 const SHOWN: usize = 60;
@@ -87,6 +88,14 @@ impl LogError {
             help: help.into(),
             place: place.into().map(Box::new),
         }
+    }
+
+    /// The same error with its settings as a front end spells them, see [`spelled`](crate::source::setting::spelled).
+    pub fn spelled(mut self, spell: &dyn Fn(&str, &str) -> Option<String>) -> LogError {
+        for text in [&mut self.message, &mut self.label, &mut self.help] {
+            *text = spelled(text, spell);
+        }
+        self
     }
 
     /// The report for people: file, line, caret and help, `width` columns wide; escape codes only if `color`.

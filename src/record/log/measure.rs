@@ -69,7 +69,7 @@ impl Unit {
         parse_unit(text, &[wanted])
             .map(|(factor, _)| Unit { text: text.to_owned(), factor, is_angular: true })
             .map_err(|error| UnitMismatch {
-                message: format!("the unit of --data {}: {error}", data.name()),
+                message: format!("the unit of `data = {}`: {error}", data.name()),
                 help: expected(data),
             })
     }
@@ -83,11 +83,11 @@ impl Unit {
             message,
             help: match data {
                 Data::Rate => {
-                    "write the rate of a pulse, as in --scale \"0.01 deg/s/LSB\"; pulses counted in each \
-                               sample are --data increment"
+                    "write the rate of a pulse, as in `scale = \"0.01 deg/s/LSB\"`; pulses counted in each \
+                               sample are `data = increment`"
                         .to_owned()
                 }
-                _ => "write the angle of a pulse, as in --scale \"0.5 arcsec/pulse\"".to_owned(),
+                _ => "write the angle of a pulse, as in `scale = \"0.5 arcsec/pulse\"`".to_owned(),
             },
         };
         let size = text.trim().rsplit_once('/').filter(|(_, per)| PULSES.contains(&per.trim()));
@@ -95,7 +95,7 @@ impl Unit {
             return Err(wrong(format!("the scale \"{text}\" is not the size of a pulse")));
         };
         let quantity = parse_quantity(size, &[data.dimension()])
-            .map_err(|error| wrong(format!("the scale of --data {}: {error}", data.name())))?;
+            .map_err(|error| wrong(format!("the scale of `data = {}`: {error}", data.name())))?;
         if quantity.value == 0.0 {
             return Err(wrong(format!("the scale \"{text}\" is 0")));
         }
@@ -106,11 +106,11 @@ impl Unit {
 /// What may be written for the unit of this data.
 pub(crate) fn expected(data: Data) -> String {
     match data {
-        Data::Rate => "accepted: --unit deg/h, deg/s, rad/s, arcsec/s, or --unit none for plain numbers; angles are \
-                       --data increment or --data angle"
+        Data::Rate => "accepted: `unit = deg/h`, deg/s, rad/s, arcsec/s, or `unit = none` for plain numbers; angles are \
+                       `data = increment` or `data = angle`"
             .to_owned(),
-        _ => "accepted: --unit arcsec, deg, rad, mrad, urad, --unit none for plain numbers, or for pulses --scale \
-              \"0.5 arcsec/pulse\"; rates are --data rate"
+        _ => "accepted: `unit = arcsec`, deg, rad, mrad, urad, `unit = none` for plain numbers, or for pulses `scale = \
+              \"0.5 arcsec/pulse\"`; rates are `data = rate`"
             .to_owned(),
     }
 }
@@ -151,7 +151,7 @@ mod tests {
             ("0.5 arcsec/pulse", Data::Rate),
             ("0.5 arcsec/volt", Data::Angle),
         ] {
-            assert!(Unit::parse_scale(text, data).unwrap_err().help.contains("--scale"), "{text}");
+            assert!(Unit::parse_scale(text, data).unwrap_err().help.contains("`scale = "), "{text}");
         }
     }
 }

@@ -207,7 +207,7 @@ impl Reader<'_> {
     fn stamps(&self, word: &str, unit: Option<&str>) -> Result<When, LogError> {
         let column = self.find(word)?;
         let of_header = self.names().and_then(|names| names[column].unit.as_deref());
-        let help = "give its unit as in --time-unit ms; accepted: s, ms, us, ns, min, h";
+        let help = "give its unit as in `time_unit = ms`; accepted: s, ms, us, ns, min, h";
         let Some(text) = unit.or(of_header) else {
             let message = format!("the time column `{word}` has no unit");
             return Err(LogError::new(message, "its unit is missing", help, self.place(Some(column))));
@@ -235,7 +235,7 @@ impl Reader<'_> {
         match others[..] {
             [only] => Ok(vec![only]),
             [] => {
-                let help = "add a column of samples, or leave out --time and give --rate";
+                let help = "add a column of samples, or give `rate = 100Hz` in place of a time column";
                 Err(LogError::new(
                     "there is no column besides the time",
                     "the only one",
@@ -246,7 +246,7 @@ impl Reader<'_> {
             _ => {
                 let message = format!("the file has {} columns, which of them?", self.columns());
                 let list = listed(self.names(), self.columns());
-                let help = format!("name one or several as in --column 2,3; there are {list}");
+                let help = format!("name one or several as in `column = 2,3`; there are {list}");
                 Err(LogError::new(message, "these are the columns", help, self.place(None)))
             }
         }

@@ -227,7 +227,7 @@ fn a_mean_rate_that_only_degrees_explain_is_refused_in_radians() {
     };
     assert_eq!(check("deg/s", UnitCheck::On), Ok(()));
     let said = check("rad/s", UnitCheck::On).unwrap_err();
-    for piece in ["looks like degrees taken for radians", "12 °/h", "--unit deg/s", "--unit-check off"] {
+    for piece in ["looks like degrees taken for radians", "12 °/h", "`unit = deg/s`", "`unit_check = off`"] {
         assert!(said.contains(piece), "{piece} is missing in\n{said}");
     }
     assert_eq!(check("rad/s", UnitCheck::Off), Ok(()));

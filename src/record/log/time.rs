@@ -53,7 +53,7 @@ impl TimeFault {
             TimeFault::Missing { .. } => [
                 "the time is missing".to_owned(),
                 "no number".to_owned(),
-                "remove the row, or give --rate instead of --time".to_owned(),
+                "remove the row, or give `rate = 100Hz` in place of stamps".to_owned(),
             ],
             TimeFault::NotIncreasing { row } => [
                 format!("the time does not increase: {} after {}", shown(row), shown(row.saturating_sub(1))),
@@ -68,8 +68,8 @@ impl TimeFault {
                 ),
                 "not on the grid".to_owned(),
                 format!(
-                    "steps within {} % of whole multiples of the median are taken; resample the log, or give --rate \
-                     instead of --time if the stamps are only rounded or late",
+                    "steps within {} % of whole multiples of the median are taken; resample the log, or give `rate = 100Hz` \
+                     in place of stamps if the stamps are only rounded or late",
                     100.0 * JITTER
                 ),
             ],

@@ -250,19 +250,19 @@ const DESIGN: Columns = &[
     ("drift_q9973_hi", "Upper end of the 95 % interval of `drift_q9973`, °/h."),
     (
         "drift_rms",
-        "Root mean square drift with that interval, °/h, without the non-magnetic drift (`--by drift_rms`).",
+        "Root mean square drift with that interval, °/h, without the non-magnetic drift (measure `drift_rms`).",
     ),
     ("drift_rms_lo", "Lower end of the 95 % interval of `drift_rms`, °/h."),
     ("drift_rms_hi", "Upper end of the 95 % interval of `drift_rms`, °/h."),
     (
         "largest_q9973",
-        "99.73 % level of the largest angle of a run by its duration, °/h (`--by largest_q9973`).",
+        "99.73 % level of the largest angle of a run by its duration, °/h (measure `largest_q9973`).",
     ),
     ("largest_q9973_lo", "Lower end of the 95 % interval of `largest_q9973`, °/h."),
     ("largest_q9973_hi", "Upper end of the 95 % interval of `largest_q9973`, °/h."),
     (
         "largest_rms",
-        "Root mean square of the largest angle of a run by its duration, °/h (`--by largest_rms`).",
+        "Root mean square of the largest angle of a run by its duration, °/h (measure `largest_rms`).",
     ),
     ("largest_rms_lo", "Lower end of the 95 % interval of `largest_rms`, °/h."),
     ("largest_rms_hi", "Upper end of the 95 % interval of `largest_rms`, °/h."),

@@ -76,7 +76,7 @@ impl File {
             File::Compare => "compare.csv of `sagnac compare`".to_owned(),
             File::CompareCoefficients => "coefficients.csv of `sagnac compare`".to_owned(),
             File::Weights => "weights.csv of `sagnac filler`".to_owned(),
-            File::TestVectors => "test_vectors.csv of `sagnac filler --test-vectors`".to_owned(),
+            File::TestVectors => "test_vectors.csv of `sagnac filler`".to_owned(),
         }
     }
 
