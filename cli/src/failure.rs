@@ -183,7 +183,7 @@ impl From<RunError> for Failure {
         match error {
             RunError::Store(error) => Failure::Store(error),
             RunError::Gpu(error) => Failure::Interrupted(error),
-            RunError::Records(error) => Failure::Record(error.to_string()),
+            RunError::Refused(error) => Failure::Record(error.to_string()),
         }
     }
 }

@@ -53,7 +53,7 @@ impl From<Failure> for PyErr {
             Failure::Run(RunError::Gpu(error)) => DeviceError::new_err(format!(
                 "{error}\nwhat was computed is kept where out= is given: run again to go on, or use device=\"cpu\""
             )),
-            Failure::Run(RunError::Records(error)) => RecordError::new_err(error.to_string()),
+            Failure::Run(RunError::Refused(error)) => RecordError::new_err(error.to_string()),
             Failure::Write(message) => StorageError::new_err(message),
             Failure::Threads(message) => DeviceError::new_err(format!("cannot start threads: {message}")),
             Failure::Python(error) => error,

@@ -3,8 +3,8 @@
 use crate::device::cpu::Cpu;
 use crate::fit::coefficient::Fit;
 use crate::fit::curve::Curve;
-use crate::kinds::allan::lower::refusal::RecordsError;
 use crate::kinds::allan::lower::{Asked, Records};
+use crate::study::refusal::Refusal;
 use crate::tally::id::Id;
 use crate::theory::allan::estimator::{Estimator, Stride};
 use crate::theory::allan::process::Process;
@@ -27,14 +27,14 @@ const SEEN: f64 = 1e-6;
 /// done.
 ///
 /// # Errors
-/// A fit that cannot be represented in the kernel's fixed point: see [`RecordsError`].
+/// A fit that cannot be represented in the kernel's fixed point: see [`Refusal`].
 pub fn realisations(
     cpu: &Cpu,
     curve: &Curve,
     fit: &Fit,
     count: usize,
     progress: &(dyn Fn(u64) + Sync),
-) -> Result<Vec<Vec<f64>>, RecordsError> {
+) -> Result<Vec<Vec<f64>>, Refusal> {
     let process = seen(&fit.process, curve);
     let records = Records::new(&Asked {
         process: &process,

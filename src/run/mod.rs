@@ -8,7 +8,6 @@ use crate::chart::file::Source;
 use crate::device::Device;
 use crate::device::gpu::GpuError;
 use crate::key::setting::Swept;
-use crate::kinds::allan::lower::refusal::RecordsError;
 use crate::progress::{Progress, Silent};
 pub use crate::run::keep::{KeepError, keep};
 use crate::sampling::plan;
@@ -18,6 +17,7 @@ use crate::store::error::StoreError;
 use crate::store::index::Index;
 use crate::store::{Identity, Store};
 use crate::study::Study;
+use crate::study::refusal::Refusal;
 use crate::table::{Column, Table, Unit};
 use crate::tally::id::Id;
 use crate::tally::share::Share;
@@ -33,7 +33,7 @@ pub enum RunError {
     Gpu(#[from] GpuError),
     /// Of a point that was lowered before: not on the same machine.
     #[error(transparent)]
-    Records(#[from] RecordsError),
+    Refused(#[from] Refusal),
 }
 
 /// A study whose every point is proven to fit.
@@ -211,19 +211,6 @@ impl<'a> Plan<'a> {
         }
         Ok(notes)
     }
-}
-
-/// The error of a point that cannot be sampled, at the `key` of the study that has to change.
-pub(crate) fn refused(
-    study: &Study,
-    swept: &[(&'static str, Swept)],
-    key: &str,
-    message: &str,
-    help: &str,
-) -> StudyError {
-    let at: Vec<String> = swept.iter().map(|(key, value)| format!("{key} = {value}")).collect();
-    let place = if at.is_empty() { String::new() } else { format!(", at {}", at.join(", ")) };
-    study.error_at(study.place_of(key), format!("{message}{place}"), help)
 }
 
 /// An empty column.

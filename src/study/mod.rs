@@ -8,6 +8,7 @@
 
 pub mod kept;
 pub mod kind;
+pub mod refusal;
 #[cfg(test)]
 pub mod tests;
 
@@ -66,6 +67,7 @@ use crate::source::place::Places;
 use crate::source::text_file::{Files, MOST_TOML};
 use crate::study::kept::Written;
 use crate::study::kind::{Reading, Subject};
+use crate::study::refusal::Refusal;
 
 /// Most trials at one point, 2^40.
 pub const MOST_TRIALS: u64 = 1 << 40;
@@ -196,6 +198,14 @@ impl Study {
         help: impl Into<String>,
     ) -> StudyError {
         Fault::new(span, message, "here", help).within(&self.text)
+    }
+
+    /// The error of a point at these swept values, which cannot be sampled, at the key that has to change.
+    pub(crate) fn refused(&self, swept: &[(&'static str, Swept)], refusal: &Refusal) -> StudyError {
+        let at: Vec<String> = swept.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+        let place = if at.is_empty() { String::new() } else { format!(", at {}", at.join(", ")) };
+        let Refusal { key, message, help } = refusal;
+        self.error_at(self.place_of(key), format!("{message}{place}"), *help)
     }
 
     /// Where the values of `key` are written, for an error about them: of a sweep over it, else its own. A table such as

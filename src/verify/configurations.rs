@@ -9,10 +9,10 @@ use crate::key::file::motion::{Phase, Position};
 use crate::key::file::switching::Error;
 use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
 use crate::kinds::gap_fill::lower::Lowered;
-use crate::kinds::gap_fill::lower::refusal::LowerError;
 use crate::kinds::gap_fill::point::Point;
 use crate::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 use crate::record::Record;
+use crate::study::refusal::Refusal;
 use crate::theory::minimum_variance::Band;
 
 /// A gap-fill point that identity is checked on.
@@ -73,7 +73,7 @@ impl Configuration {
     ///
     /// # Errors
     /// It cannot be represented.
-    pub fn lower(&self) -> Result<Lowered, LowerError> {
+    pub fn lower(&self) -> Result<Lowered, Refusal> {
         Lowered::new(&self.point(), &self.fillers, &self.errors, 1, Streams::Independent)
     }
 

@@ -1,7 +1,7 @@
 //! Named synthetic records that differ in all that the kernel of records distinguishes.
 
-use crate::kinds::allan::lower::refusal::RecordsError;
 use crate::kinds::allan::lower::{Asked, Records};
+use crate::study::refusal::Refusal;
 use crate::theory::allan::estimator::{Difference, Estimator, Stride};
 use crate::theory::allan::part::Part;
 use crate::theory::allan::process::Process;
@@ -42,7 +42,7 @@ impl NamedRecords {
     ///
     /// # Errors
     /// They cannot be represented.
-    pub fn lower(&self) -> Result<Records, RecordsError> {
+    pub fn lower(&self) -> Result<Records, Refusal> {
         let octaves = (0..63).map(|octave| 1 << octave);
         let ms: Vec<u64> = octaves.take_while(|&m| self.estimator.terms(self.samples, m) > 0).collect();
         Records::new(&Asked {

@@ -13,9 +13,9 @@ use sagnac::kernel::width::Width;
 use sagnac::kernel::word::Scalar;
 use sagnac::kinds::gap_fill::inputs::TickNoise;
 use sagnac::kinds::gap_fill::lower::Lowered;
-use sagnac::kinds::gap_fill::lower::refusal::LowerError;
 use sagnac::motion::{Motion, Tone};
 use sagnac::run::Plan;
+use sagnac::study::refusal::Refusal;
 use sagnac::tally::block::cover;
 use sagnac::verify::configurations::Configuration;
 
@@ -143,7 +143,7 @@ fn sums_are_those_of_128_bits_however_large_the_errors() {
     assert!(nearest > 0.5, "none of the configurations came near the limit: {nearest}");
 }
 
-fn lower(configuration: &Configuration) -> Result<Lowered, LowerError> {
+fn lower(configuration: &Configuration) -> Result<Lowered, Refusal> {
     configuration.lower()
 }
 
@@ -151,8 +151,8 @@ fn lower(configuration: &Configuration) -> Result<Lowered, LowerError> {
 fn noise_that_the_arithmetic_would_lose_is_refused_by_name() {
     let tiny = Configuration::new("tiny noise", |c| c.inputs.tick_noise = TickNoise::Std(1e-9));
     let error = lower(&tiny).unwrap_err();
-    assert!(matches!(error, LowerError::NoiseTooSmall { .. }), "{error}");
-    assert!(error.to_string().starts_with(error.key()) && error.key() == "gyro.tick_noise", "{error}");
+    assert!(error.to_string().contains("of noise per tick"), "{error}");
+    assert!(error.to_string().starts_with(error.key) && error.key == "gyro.tick_noise", "{error}");
 
     let changes =
         [&papers_point("1")[..], &[("three_sigma = \"1.6 arcsec\"", "std = \"1e-9 arcsec\"")]].concat();
@@ -186,9 +186,9 @@ fn motion_that_the_arithmetic_would_lose_is_refused_by_name() {
         [(1e-2, 1.0, "beside motion and noise of up to 6."), (1e-4, 0.0, "2^-24 ″"), (1e-9, 0.0, "2^-24 ″")]
     {
         let error = lower(&motion(rate, sigma)).unwrap_err();
-        assert!(matches!(error, LowerError::MotionTooSmall { .. }), "{rate} ″/s beside {sigma} ″: {error}");
+        assert!(error.to_string().contains("of motion per tick"), "{rate} ″/s beside {sigma} ″: {error}");
         let shown = error.to_string();
-        assert!(shown.starts_with(error.key()) && shown.contains(cause), "{shown}");
+        assert!(shown.starts_with(error.key) && shown.contains(cause), "{shown}");
     }
     for (rate, sigma) in [(10.0, 1.0), (1e-1, 0.0), (0.0, 1.0), (0.0, 0.0)] {
         lower(&motion(rate, sigma)).unwrap_or_else(|error| panic!("{rate} ″/s beside {sigma} ″: {error}"));
@@ -232,8 +232,9 @@ fn a_vibration_of_whole_turns_in_a_tick_leaves_no_motion() {
 fn ticks_that_determine_no_polynomial_are_refused_by_name() {
     let singular = Configuration::new("two ticks", |c| c.fit_ticks = vec![0, 4]);
     let error = lower(&singular).unwrap_err();
-    assert_eq!(error, LowerError::Singular { filler: "quadratic".to_owned(), ticks: vec![0, 4] });
-    assert!(error.to_string().starts_with(error.key()), "{error}");
+    let said = error.to_string();
+    assert!(said.contains("`quadratic` does not determine its polynomial from ticks [0, 4]"), "{said}");
+    assert!(error.to_string().starts_with(error.key), "{error}");
 }
 
 #[test]
@@ -244,9 +245,6 @@ fn weights_beyond_64_bits_are_refused_by_name() {
         c.extrapolation_ticks = vec![-1_000_002, -1_000_001, -1_000_000];
     });
     let error = lower(&distant).unwrap_err();
-    assert!(
-        matches!(&error, LowerError::TooLarge { filler, error: "extrapolation", .. } if filler == "quadratic"),
-        "{error}"
-    );
-    assert!(error.to_string().starts_with(error.key()), "{error}");
+    assert!(error.to_string().contains("the extrapolation of `quadratic`"), "{error}");
+    assert!(error.to_string().starts_with(error.key), "{error}");
 }

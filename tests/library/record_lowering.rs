@@ -7,8 +7,8 @@ use rand::{RngExt, SeedableRng};
 use sagnac::device::cpu::Cpu;
 use sagnac::kernel::recipe::Recipe;
 use sagnac::kernel::width::Width;
-use sagnac::kinds::allan::lower::refusal::RecordsError;
 use sagnac::kinds::allan::lower::{Asked, Records};
+use sagnac::study::refusal::Refusal;
 use sagnac::theory::allan::estimator::{Difference, Estimator};
 use sagnac::theory::allan::holds;
 use sagnac::theory::allan::part::{FLAT_LEVEL, Part};
@@ -41,7 +41,7 @@ impl Model {
         }
     }
 
-    fn lower(&self) -> Result<Records, RecordsError> {
+    fn lower(&self) -> Result<Records, Refusal> {
         Records::new(&Asked {
             process: &self.process,
             readout_lsb: self.readout_lsb,
@@ -456,8 +456,8 @@ fn no_model_leaves_the_room_that_there_is() {
                 let readout = ("noise.readout_lsb", readout_lsb > 0.0);
                 let nothing = ("noise", chosen.is_empty());
                 let mut keys = chosen.iter().map(|c| (c.0, true)).chain([readout, nothing]);
-                assert!(keys.any(|key| key == (error.key(), true)), "{model:?}: {error}");
-                *refused.entry(error.key()).or_insert(0) += 1;
+                assert!(keys.any(|key| key == (error.key, true)), "{model:?}: {error}");
+                *refused.entry(error.key).or_insert(0) += 1;
             }
         }
     }
@@ -505,9 +505,9 @@ fn what_cannot_be_made_is_refused_by_the_name_of_its_key() {
     ];
     for (key, model) in table {
         let error = model.lower().map(|records| records.recipe().clone()).expect_err(key);
-        assert_eq!(error.key(), key, "{error}");
-        assert!(error.to_string().starts_with(&format!("{key}: ")) && !error.help().is_empty(), "{error}");
-        println!("{error}; {}", error.help());
+        assert_eq!(error.key, key, "{error}");
+        assert!(error.to_string().starts_with(&format!("{key}: ")) && !error.help.is_empty(), "{error}");
+        println!("{error}; {}", error.help);
     }
 }
 

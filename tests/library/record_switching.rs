@@ -4,8 +4,8 @@ use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use sagnac::device::cpu::Cpu;
 use sagnac::kernel::width::Width;
-use sagnac::kinds::allan::lower::refusal::RecordsError;
 use sagnac::kinds::allan::lower::{Asked, Records};
+use sagnac::study::refusal::Refusal;
 use sagnac::theory::allan::estimator::{Difference, Estimator};
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;
@@ -41,7 +41,7 @@ impl Model {
         Process { sample_s: SAMPLE_S, parts: self.parts.clone() }
     }
 
-    fn lower(&self) -> Result<Records, RecordsError> {
+    fn lower(&self) -> Result<Records, Refusal> {
         Records::new(&Asked {
             process: &self.process(),
             readout_lsb: self.readout_lsb,
@@ -269,8 +269,8 @@ fn what_cannot_be_made_is_refused_by_the_name_of_its_key() {
     ];
     for (key, model) in table {
         let error = model.lower().map(|records| records.recipe().clone()).expect_err(key);
-        assert_eq!(error.key(), key, "{error}");
-        assert!(error.to_string().starts_with(&format!("{key}: ")) && !error.help().is_empty(), "{error}");
+        assert_eq!(error.key, key, "{error}");
+        assert!(error.to_string().starts_with(&format!("{key}: ")) && !error.help.is_empty(), "{error}");
     }
 }
 

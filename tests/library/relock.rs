@@ -8,9 +8,9 @@ use sagnac::kernel::width::Width;
 use sagnac::key::file::Streams;
 use sagnac::key::file::relock::FirstHalf;
 use sagnac::kinds::relock::inputs::{Compensation, Relock};
-use sagnac::kinds::relock::lower::refusal::RelockError;
 use sagnac::kinds::relock::lower::{LoweredRelock, RelockEstimate};
 use sagnac::kinds::relock::{RelockInputs, RelockPoint};
+use sagnac::study::refusal::Refusal;
 use sagnac::tally::block::cover;
 use sagnac::tally::stats::Estimates;
 use sagnac::verify::relocks::relock;
@@ -251,7 +251,7 @@ fn relocks_that_make_no_sense_are_refused_by_name() {
         let point = RelockPoint { swept: vec![], inputs: with(change) };
         LoweredRelock::new(&point, 7, Streams::Independent).unwrap_err()
     };
-    let cases: [(&str, RelockError); 9] = [
+    let cases: [(&str, Refusal); 9] = [
         ("relock.loop_time", error(&|relock| relock.loop_s = 0.6)),
         ("relock.loop_time", error(&|relock| relock.loop_s = 0.0001)),
         ("relock.curvature", error(&|relock| relock.curvature = 400.0)),
@@ -269,9 +269,9 @@ fn relocks_that_make_no_sense_are_refused_by_name() {
         ),
     ];
     for (key, error) in cases {
-        assert_eq!(error.key(), key, "{error}");
+        assert_eq!(error.key, key, "{error}");
         assert!(error.to_string().contains(key), "{error}");
-        assert!(!error.help().is_empty());
+        assert!(!error.help.is_empty());
     }
 }
 

@@ -52,7 +52,6 @@ use crate::device::Device;
 use crate::device::gpu::GpuError;
 use crate::kernel::moments::Moments;
 use crate::key::file::switching::Timing;
-use crate::kinds::switched_run::lower::RunLowerError;
 use crate::kinds::switched_run::run::late;
 use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
 use crate::progress::Progress;
@@ -60,6 +59,7 @@ use crate::quantity::number::significant;
 use crate::run::NORMAL_95;
 use crate::sampling::worker::Worker;
 use crate::study::Study;
+use crate::study::refusal::Refusal;
 use crate::tally::stats::Estimates;
 use crate::theory::drift::budget::Optimum as Minimum;
 
@@ -242,7 +242,7 @@ pub enum DesignError {
     },
     /// A run at one of the intervals does not fit into fixed point.
     #[error(transparent)]
-    Lower(#[from] RunLowerError),
+    Lower(#[from] Refusal),
     /// The device failed.
     #[error(transparent)]
     Gpu(#[from] GpuError),

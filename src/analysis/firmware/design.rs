@@ -7,13 +7,12 @@ use crate::key::setting::Swept;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::lower::Lowered;
-use crate::kinds::gap_fill::lower::refusal::LowerError;
 use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
 use crate::kinds::gap_fill::point::Point;
-use crate::kinds::gap_fill::run::refused;
 use crate::quantity::number::significant;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
+use crate::study::refusal::Refusal;
 use crate::theory::gap::{Weights, sine_response, tick_amplitude};
 
 /// The fillers of one point of a study.
@@ -143,7 +142,7 @@ pub fn rules(
                 Ok(None) => Rows::of(filler, error, ticks, &statistics),
                 by_tick => by_tick,
             };
-            let rows = rows.map_err(|error| refused(study, point, &error))?;
+            let rows = rows.map_err(|refusal| study.refused(&point.swept, &refusal))?;
             rows.map(|rows| Rule::new(&rows).ok_or_else(|| too_large(study, filler))).transpose()
         };
         let ticks = fill.extrapolation_ticks.as_deref();
@@ -157,7 +156,7 @@ pub fn rules(
 }
 
 /// Takes the rms of each error from the oracle; returns why there is none.
-fn add_rms(designs: &mut [Design], lowered: &Result<Lowered, LowerError>) -> Option<String> {
+fn add_rms(designs: &mut [Design], lowered: &Result<Lowered, Refusal>) -> Option<String> {
     let lowered = match lowered {
         Ok(lowered) => lowered,
         Err(error) => return Some(error.to_string()),

@@ -1,10 +1,10 @@
 //! A point of a study of Allan curves, ready to be sampled.
 
 use crate::key::file::Streams;
-use crate::kinds::allan::lower::refusal::RecordsError;
 use crate::kinds::allan::lower::{Asked, Records};
 use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
 use crate::store::Address;
+use crate::study::refusal::Refusal;
 use crate::tally::id::Id;
 use crate::theory::allan::estimator::{Difference, Estimator, Stride};
 
@@ -21,13 +21,13 @@ impl LoweredCurve {
     /// Lowers a point of a study with this seed.
     ///
     /// # Errors
-    /// The point cannot be represented: see [`RecordsError`].
+    /// The point cannot be represented: see [`Refusal`].
     pub fn new(
         point: &RecordPoint,
         estimator: Estimator,
         seed: u64,
         streams: Streams,
-    ) -> Result<LoweredCurve, RecordsError> {
+    ) -> Result<LoweredCurve, Refusal> {
         let inputs = &point.inputs;
         let id = id(inputs, seed, streams);
         let key = match streams {

@@ -2,7 +2,8 @@
 
 use crate::kinds::allan::lower::fixed::{Fixed, SIGMA_UNITS, TURN};
 use crate::kinds::allan::lower::model::{Markov, Model, Sine};
-use crate::kinds::allan::lower::refusal::{Lost, RecordsError};
+use crate::quantity::number::significant;
+use crate::study::refusal::{Refusal, shown};
 use crate::theory::allan::estimator::Difference;
 
 /// Fewest units of a standard deviation or an amplitude: it is then rounded by at most 1 %.
@@ -14,13 +15,20 @@ const LEAST_TURN: f64 = 64.0;
 
 impl Fixed {
     /// Names the first part that is lost beside the `whole`, ″.
-    pub(crate) fn check(&self, model: &Model, whole: f64) -> Result<(), RecordsError> {
+    pub(crate) fn check(&self, model: &Model, whole: f64) -> Result<(), Refusal> {
         let Model { noise, .. } = model;
-        let lost = Lost { whole_arcsec: whole, samples: model.samples };
-        let check = |key, what, found: f64, unit, units: f64, least: f64| match found != 0.0 && units < least
-        {
-            true => Err(RecordsError::TooSmall { key, what, found, unit, lost }),
-            false => Ok(()),
+        let check = |key, what: &str, found: f64, unit: &str, units: f64, least: f64| {
+            if found == 0.0 || units >= least {
+                return Ok(());
+            }
+            let lost = format!(
+                "{what} of {} {unit} is lost beside differences of the angle of up to {} ″ over {} samples in 32-bit arithmetic",
+                shown(found),
+                shown(whole),
+                model.samples
+            );
+            let help = "make it larger, or 0; or what is large beside it smaller, or the record shorter";
+            Err(Refusal::new(key, lost, help))
         };
         let sigma =
             |key, what, found, unit, word: u32| check(key, what, found, unit, word.into(), LEAST_UNITS);
@@ -36,13 +44,23 @@ impl Fixed {
         sigma("noise.rate_random_walk", "a step of the rate", noise.walk, RATE, self.walk)?;
         if let (Some(Markov { sigma: found, decay }), Some([loss, step, _])) = (noise.markov, self.markov) {
             if f64::from(loss) < LEAST_UNITS {
-                return Err(RecordsError::MarkovTooSlow { samples: 1.0 / decay });
+                let found = format!(
+                    "a correlation time of {} samples is too long for 32-bit arithmetic, which takes 2 * 10^7",
+                    shown(1.0 / decay)
+                );
+                return Err(Refusal::new("noise.markov", found, "take a rate random walk in its place"));
             }
             sigma("noise.markov", "Markov noise", found, RATE, step)?;
         }
         if let (Some(Sine { amplitude, turns }), Some([_, word])) = (model.sine, self.sine) {
             if libm::fabs(turns - libm::round(turns)) * TURN < LEAST_TURN {
-                return Err(RecordsError::SineTooSlow { turns });
+                let found = format!(
+                    "{} periods a sample are too near a whole number: from sample to sample the phase must turn by more than \
+                     2^-26",
+                    significant(turns, 12)
+                );
+                let help = "take another frequency, or a rate ramp in its place";
+                return Err(Refusal::new("noise.sine", found, help));
             }
             sigma("noise.sine", "an angle", amplitude, "″", word)?;
         }

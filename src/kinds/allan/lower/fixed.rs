@@ -2,8 +2,10 @@
 
 use crate::kernel::moments::LIMIT;
 use crate::kernel::recipe::{FOUR_STREAMS, STREAMS};
+use crate::kinds::allan::lower::model::impossible;
 use crate::kinds::allan::lower::model::{DEVIATIONS, Markov, Model, Noise, Sine, WarmUp, reach};
-use crate::kinds::allan::lower::refusal::RecordsError;
+use crate::quantity::number::significant;
+use crate::study::refusal::{Refusal, shown};
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::switching::Jumps;
 
@@ -40,14 +42,15 @@ impl Fixed {
     ///
     /// # Errors
     /// A part has too few units in it.
-    pub(crate) fn new(model: &Model) -> Result<Fixed, RecordsError> {
+    pub(crate) fn new(model: &Model) -> Result<Fixed, Refusal> {
         let whole = libm::fmax(model.whole(Difference::Second), model.whole(Difference::Third));
         if !whole.is_finite() {
             let what = "differences of the angle of";
-            return Err(RecordsError::Impossible { key: "noise", what, found: whole });
+            return Err(impossible("noise", what, whole));
         }
         if whole == 0.0 {
-            return Err(RecordsError::Nothing);
+            let help = "give at least one noise that is not 0";
+            return Err(Refusal::new("noise", "all of it is 0, and there is no readout", help));
         }
         let finest = libm::floor(libm::log2(whole / LIMIT as f64));
         let fixed = match model.readout_lsb > 0.0 {
@@ -66,7 +69,13 @@ impl Fixed {
         let fixed = fixed.ok_or_else(|| {
             let has_room = |lsb: &f64| Fixed::at(model, *lsb, None).has_room(model);
             let unit_arcsec = coarser(libm::exp2(finest)).find(has_room).unwrap_or(f64::INFINITY);
-            RecordsError::ReadoutTooFine { readout_lsb: model.readout_lsb, unit_arcsec }
+            let found = format!(
+                "a pulse of {} ″ is less than 16 units of {} ″ of the 32-bit arithmetic that the angles of the record leave",
+                shown(model.readout_lsb),
+                significant(unit_arcsec, 3)
+            );
+            let help = "leave readout_lsb out if pulses as fine as this change nothing; or take a shorter record";
+            Refusal::new("noise.readout_lsb", found, help)
         })?;
         fixed.check(model, whole)?;
         Ok(fixed)

@@ -14,10 +14,10 @@ pub mod fixed;
 pub mod levels;
 pub mod model;
 pub mod oracle;
-pub mod refusal;
 
+use crate::kinds::allan::lower::model::too_long;
 pub use crate::kinds::allan::lower::oracle::Oracle;
-pub use crate::kinds::allan::lower::refusal::{Lost, RecordsError};
+use crate::study::refusal::Refusal;
 
 use crate::kernel::allan;
 use crate::kernel::recipe::Recipe;
@@ -100,18 +100,24 @@ impl Records {
     /// Lowers a noise model.
     ///
     /// # Errors
-    /// It cannot be represented: see [`RecordsError`].
-    pub fn new(asked: &Asked) -> Result<Records, RecordsError> {
+    /// It cannot be represented: see [`Refusal`].
+    pub fn new(asked: &Asked) -> Result<Records, Refusal> {
         let Asked { samples, estimator, ms, .. } = *asked;
         if !(2..=MOST_SAMPLES).contains(&samples) {
-            return Err(RecordsError::Length { samples });
+            return Err(too_long(samples));
         }
         let terms: Vec<u64> = ms.iter().map(|&m| estimator.terms(samples, m)).collect();
         if ms.is_empty() {
-            return Err(RecordsError::NoAveraging);
+            let help = "give at least one averaging time";
+            return Err(Refusal::new("allan.tau", "no averaging time is asked for", help));
         }
         if let Some(at) = terms.iter().position(|&terms| terms == 0) {
-            return Err(RecordsError::Averaging { m: ms[at], samples, spans: estimator.difference.spans() });
+            let found = format!(
+                "an averaging time of {} samples has no difference in a record of {samples}, which needs {} of them",
+                ms[at],
+                estimator.difference.spans()
+            );
+            return Err(Refusal::new("allan.tau", found, "leave it out, or take a longer record"));
         }
         let model = Model::new(asked)?;
         let fixed = Fixed::new(&model)?;

@@ -3,7 +3,8 @@
 use core::f64::consts::PI;
 
 use crate::kinds::allan::lower::Asked;
-use crate::kinds::allan::lower::refusal::RecordsError;
+use crate::kinds::allan::lower::MOST_SAMPLES;
+use crate::study::refusal::Refusal;
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::holds;
 use crate::theory::allan::part::{FLAT_LEVEL, Part};
@@ -66,7 +67,7 @@ pub(crate) struct WarmUp {
 }
 
 impl Model {
-    pub(crate) fn new(asked: &Asked) -> Result<Model, RecordsError> {
+    pub(crate) fn new(asked: &Asked) -> Result<Model, Refusal> {
         let t0 = at_least("record.sample", "a sample of", asked.process.sample_s, f64::MIN_POSITIVE)?;
         let readout_lsb = at_least("noise.readout_lsb", "a pulse of", asked.readout_lsb, 0.0)?;
         let mean_rate = at_least("record.rate", "a rate of", asked.mean_rate, f64::MIN)?;
@@ -108,7 +109,11 @@ impl Model {
                     let sigma = q_c * libm::sqrt(0.5 * time_s) * t0;
                     let one = Markov { sigma, decay: t0 / time_s };
                     if sigma > 0.0 && noise.markov.replace(one).is_some() {
-                        return Err(RecordsError::Several { key });
+                        return Err(Refusal::new(
+                            key,
+                            "a record has at most one of them",
+                            "leave one of them out",
+                        ));
                     }
                 }
                 Part::Sine { amplitude, frequency_hz } => {
@@ -118,7 +123,11 @@ impl Model {
                     let amplitude = amplitude / (2.0 * PI * frequency_hz);
                     let one = Sine { amplitude, turns: frequency_hz * t0 };
                     if amplitude > 0.0 && model.sine.replace(one).is_some() {
-                        return Err(RecordsError::Several { key });
+                        return Err(Refusal::new(
+                            key,
+                            "a record has at most one of them",
+                            "leave one of them out",
+                        ));
                     }
                 }
                 Part::RateRamp { r } => {
@@ -140,7 +149,7 @@ impl Model {
         }
         if flicker > 0.0 {
             let variances = holds::octaves(asked.samples).and_then(holds::variances);
-            let variances = variances.ok_or(RecordsError::Length { samples: asked.samples })?;
+            let variances = variances.ok_or_else(|| too_long(asked.samples))?;
             let sigma = |v: &f64| flicker * libm::sqrt(FLAT_LEVEL * v);
             model.noise.octaves = variances.iter().map(sigma).collect();
         }
@@ -191,10 +200,12 @@ pub(crate) fn reach(difference: Difference) -> f64 {
 }
 
 /// Switching that is possible in a record.
-fn checked(switching: Switching, samples: u64) -> Result<Switching, RecordsError> {
+fn checked(switching: Switching, samples: u64) -> Result<Switching, Refusal> {
     let Switching { interval, magnetic, residual, residual_noise } = switching;
     if !(1..samples).contains(&interval) {
-        return Err(RecordsError::Interval { interval, samples });
+        let found = format_args!("switches {interval} samples apart in a record of {samples}");
+        let help = "switch at least once in the record, after one sample or more";
+        return Err(Refusal::new("noise.switching.interval", found, help));
     }
     at_least("noise.switching.magnetic", "a drift of", magnetic.amplitude, f64::MIN)?;
     at_least("noise.switching.initial_magnetic", "a drift of", magnetic.initial, f64::MIN)?;
@@ -204,11 +215,23 @@ fn checked(switching: Switching, samples: u64) -> Result<Switching, RecordsError
     Ok(switching)
 }
 
+/// A value without meaning: negative, or not finite.
+pub(crate) fn impossible(key: &'static str, what: &str, found: f64) -> Refusal {
+    let help = "give a finite number that is not negative, and times, frequencies and samples above 0";
+    Refusal::new(key, format_args!("{what} {found} is not possible"), help)
+}
+
+/// A record of one sample, or longer than 2^26.
+pub(crate) fn too_long(samples: u64) -> Refusal {
+    let found = format_args!("{samples} samples; a record has 2 to {MOST_SAMPLES}");
+    Refusal::new("record.length", found, "take a shorter record, or a longer sample")
+}
+
 /// A finite number that is not below `least`.
-fn at_least(key: &'static str, what: &'static str, found: f64, least: f64) -> Result<f64, RecordsError> {
+fn at_least(key: &'static str, what: &'static str, found: f64, least: f64) -> Result<f64, Refusal> {
     match found.is_finite() && found >= least {
         true => Ok(found),
-        false => Err(RecordsError::Impossible { key, what, found }),
+        false => Err(impossible(key, what, found)),
     }
 }
 

@@ -11,7 +11,6 @@ use std::ops::Range;
 use crate::fit::curve::Curve;
 use crate::kinds::allan::Allan;
 use crate::kinds::allan::lower::curve::LoweredCurve;
-use crate::kinds::allan::lower::refusal::RecordsError;
 use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
 use crate::kinds::allan::run::estimates::Estimates;
 use crate::progress::Progress;
@@ -25,6 +24,7 @@ use crate::store::error::StoreError;
 use crate::store::index::Index;
 use crate::store::{Address, Store};
 use crate::study::Study;
+use crate::study::refusal::Refusal;
 use crate::table::Table;
 use crate::tally::block::missing;
 use crate::tally::id::Id;
@@ -76,7 +76,7 @@ impl<'a> Plan<'a> {
         }
         let mut plan = Plan { study, allan, points: vec![], off: (0.0, 0.0) };
         for point in &allan.points {
-            let lowered = plan.lowered(point).map_err(|error| refused(study, point, &error))?;
+            let lowered = plan.lowered(point).map_err(|refusal| study.refused(&point.swept, &refusal))?;
             let recipe = lowered.records.recipe();
             plan.check_memory(point, 4 * LANES * recipe.depth())?;
             plan.check_fit(point)?;
@@ -90,7 +90,7 @@ impl<'a> Plan<'a> {
         Ok(plan)
     }
 
-    fn lowered(&self, point: &RecordPoint) -> Result<LoweredCurve, RecordsError> {
+    fn lowered(&self, point: &RecordPoint) -> Result<LoweredCurve, Refusal> {
         LoweredCurve::new(point, self.allan.estimator, self.study.seed, self.study.streams)
     }
 
@@ -153,7 +153,7 @@ impl<'a> Plan<'a> {
             bytes >> 20
         );
         let help = "take overlap = \"m/64\" and tau = \"octave\" or \"decade10\", shorter averaging times, or a shorter record";
-        Err(crate::run::refused(self.study, &point.swept, "allan", &message, help))
+        Err(self.study.refused(&point.swept, &Refusal { key: "allan", message, help }))
     }
 
     /// Refuses a fit to fewer points than parameters.
@@ -168,7 +168,7 @@ impl<'a> Plan<'a> {
             "there are {points} averaging times up to an eighth of the record, too few for {parameters} parameters"
         );
         let help = "take more averaging times, as of tau = \"decade10\", a longer record, or fewer terms";
-        Err(crate::run::refused(self.study, &point.swept, "allan.tau", &message, help))
+        Err(self.study.refused(&point.swept, &Refusal { key: "allan.tau", message, help }))
     }
 }
 
@@ -278,9 +278,4 @@ fn geometry(point: &RecordPoint, difference: Difference) -> Option<Curve> {
     let ms: Vec<u64> = point.ms.iter().copied().filter(|&m| is_fitted(m, samples)).collect();
     let nothing = vec![1.0; ms.len()];
     Curve::new(point.inputs.sample_s, samples, difference, ms, nothing).ok()
-}
-
-/// The error of a point that cannot be sampled, at the key of the study that has to change.
-fn refused(study: &Study, point: &RecordPoint, error: &RecordsError) -> StudyError {
-    crate::run::refused(study, &point.swept, error.key(), &error.to_string(), error.help())
 }

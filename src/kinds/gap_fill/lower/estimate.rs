@@ -5,11 +5,12 @@ use crate::kernel::moments::{LIMIT, level};
 use crate::kernel::normal::REACH;
 use crate::key::file::switching::Error;
 use crate::kinds::gap_fill::lower::fixed::Fixed;
-use crate::kinds::gap_fill::lower::refusal::LowerError;
 use crate::kinds::gap_fill::lower::response::Functional;
 use crate::kinds::gap_fill::lower::weights::Rows;
+use crate::kinds::gap_fill::lower::weights::singular_covariance;
 use crate::kinds::gap_fill::lower::{readout, words_of};
 use crate::store::Address;
+use crate::study::refusal::Refusal;
 use crate::tally::id::Id;
 
 /// The exact values of an estimate for the lowered parameters, in ″.
@@ -63,7 +64,7 @@ pub(crate) struct Owner<'a> {
 
 impl Estimate {
     /// Lowers one estimate.
-    pub(crate) fn new(owner: &Owner, fixed: &Fixed, rows: Rows) -> Result<Estimate, LowerError> {
+    pub(crate) fn new(owner: &Owner, fixed: &Fixed, rows: Rows) -> Result<Estimate, Refusal> {
         let scale = rows.denominator as f64;
         let sigma = fixed.sigma_lsb();
         // Reading whole pulses changes each tick by less than one.
@@ -86,8 +87,12 @@ impl Estimate {
         }
         // Below 2^59 the shift stays below 32, which `bits_from` asks for.
         if terms >= libm::exp2(59.0) {
-            let (filler, error, bits) = (owner.filler.to_owned(), owner.error.name(), libm::log2(terms));
-            return Err(LowerError::TooLarge { filler, error, bits });
+            let (filler, error, bits) = (owner.filler, owner.error.name(), libm::log2(terms));
+            let found = format!(
+                "the weighted sum of the {error} of `{filler}` reaches 2^{bits:.0}, more than its 64-bit sum can hold"
+            );
+            let help = "leave the filler out, move its ticks nearer to the gap, or shorten the gap";
+            return Err(Refusal::new("switching.fillers", found, help));
         }
         let shift = libm::ceil(libm::log2((bound + 1.0) / (LIMIT as f64 - 1.0))).max(0.0);
         let (shift, unit) = (shift as u32, libm::exp2(shift));
@@ -129,8 +134,7 @@ impl Estimate {
         let lost = oracle.rms.is_some_and(|rms| oracle.rounding > MOST_ROUNDING * rms);
         // Without motion nothing is cancelled, and what pulses leave of nothing may be 0.
         if owner.designed && lost && response.terms > whole.gain() {
-            let (filler, sigma_arcsec) = (owner.filler.to_owned(), sigma * fixed.lsb_arcsec);
-            return Err(LowerError::SingularCovariance { filler, sigma_arcsec });
+            return Err(singular_covariance(owner.filler, sigma * fixed.lsb_arcsec));
         }
         let words = [gap_fill::VERSION, owner.key[0], owner.key[1]]
             .into_iter()

@@ -29,21 +29,19 @@ pub mod fixed;
 pub mod launch;
 pub mod physical;
 pub mod readout;
-pub mod refusal;
 pub mod residual;
 pub mod response;
 pub mod unit;
 pub mod weights;
 
 pub use crate::kinds::allan::lower::curve::LoweredCurve;
-pub use crate::kinds::allan::lower::refusal::RecordsError;
 pub use crate::kinds::allan::lower::{Asked, Records};
 pub use crate::kinds::gap_fill::lower::estimate::{Estimate, Oracle};
-pub use crate::kinds::gap_fill::lower::refusal::{Lost, LowerError};
 pub use crate::kinds::gap_fill::lower::residual::{Residual, ResidualTone};
 pub use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
 pub use crate::kinds::switched_run::lower::oracle::RunOracle;
-pub use crate::kinds::switched_run::lower::{FilledRun, LoweredRun, RunEstimate, RunLowerError};
+pub use crate::kinds::switched_run::lower::{FilledRun, LoweredRun, RunEstimate};
+use crate::study::refusal::Refusal;
 
 use crate::filler::{Filler, Method};
 use crate::kernel::moments::MAX_ESTIMATES;
@@ -70,14 +68,14 @@ impl Lowered {
     /// Lowers a point of a study with this seed.
     ///
     /// # Errors
-    /// The point cannot be represented: see [`LowerError`].
+    /// The point cannot be represented: see [`Refusal`].
     pub fn new(
         point: &Point,
         fillers: &[Filler],
         errors: &[Error],
         seed: u64,
         streams: Streams,
-    ) -> Result<Lowered, LowerError> {
+    ) -> Result<Lowered, Refusal> {
         let physical = Physical::of(&point.inputs)?;
         let id = physical.id(&point.inputs, seed, streams);
         let key = match streams {
@@ -115,7 +113,7 @@ impl Lowered {
             .iter()
             .zip(&point.fills)
             .map(|(filler, fill)| estimates(filler, fill))
-            .collect::<Result<Vec<_>, LowerError>>()?;
+            .collect::<Result<Vec<_>, Refusal>>()?;
         Ok(Lowered { id, key, fixed, fillers })
     }
 

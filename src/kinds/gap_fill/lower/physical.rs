@@ -8,10 +8,10 @@ use crate::kernel::normal::REACH;
 use crate::key::file::Streams;
 use crate::key::file::motion::{Phase, Position};
 use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::gap_fill::lower::refusal::LowerError;
 use crate::motion::vibration::Acceleration;
 use crate::motion::{Frequency, Gaussian, Value};
 use crate::quantity::units::round_12;
+use crate::study::refusal::Refusal;
 use crate::tally::id::Id;
 use crate::theory::gap::tick_amplitude;
 
@@ -72,7 +72,7 @@ pub(crate) struct PhysicalProfile {
 }
 
 impl Physical {
-    pub(crate) fn of(inputs: &Inputs) -> Result<Physical, LowerError> {
+    pub(crate) fn of(inputs: &Inputs) -> Result<Physical, Refusal> {
         let tick_s = round_12(inputs.tick_s);
         let motion = &inputs.motion;
         // Where one frequency is drawn, the kernel draws all of them: a fixed one from a band without width.
@@ -128,12 +128,17 @@ impl Physical {
         let profile = motion.profile.as_ref().map(|profile| {
             let (file, count) = (profile.file.clone(), profile.record.whole_ticks(tick_s));
             if count > MOST_PROFILE_TICKS {
-                return Err(LowerError::ProfileTooLong { file, ticks: count, most: MOST_PROFILE_TICKS });
+                let found = format!("the record `{file}` has {count} ticks, more than {MOST_PROFILE_TICKS}");
+                return Err(Refusal::new("motion.profile", found, "cut the record, or take a longer tick"));
             }
             let needed = 2 * MARGIN + inputs.gap_ticks as usize;
             let Some(rest) = count.checked_sub(needed) else {
                 let gap_ticks = inputs.gap_ticks;
-                return Err(LowerError::ProfileTooShort { file, ticks: count, gap_ticks, margin: MARGIN });
+                let found = format!(
+                    "the record `{file}` has {count} whole ticks, too few for a gap of {gap_ticks} with {MARGIN} ticks on either side"
+                );
+                let help = "record for longer, or take a shorter tick or gap";
+                return Err(Refusal::new("motion.profile", found, help));
             };
             let ticks = profile.record.tick_angles(tick_s);
             Ok(PhysicalProfile { ticks, every: profile.position == Position::Every, positions: rest + 1 })

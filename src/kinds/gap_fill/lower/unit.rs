@@ -4,8 +4,9 @@ use crate::kernel::moments::LIMIT;
 use crate::kernel::normal::REACH;
 use crate::kinds::gap_fill::lower::fixed::Fixed;
 use crate::kinds::gap_fill::lower::physical::Physical;
-use crate::kinds::gap_fill::lower::refusal::{Lost, LowerError};
 use crate::kinds::gap_fill::lower::response::Functional;
+use crate::quantity::number::significant;
+use crate::study::refusal::{Refusal, shown};
 use crate::theory::gap::polynomial_weights;
 
 /// Fewest units of 2^−4 LSB of σ: it is then rounded by at most 1 %.
@@ -29,7 +30,7 @@ const DEFAULT_SIDES: usize = 4;
 ///
 /// # Errors
 /// Noise, motion or pulses have too few units.
-pub(crate) fn lsb(physical: &Physical) -> Result<f64, LowerError> {
+pub(crate) fn lsb(physical: &Physical) -> Result<f64, Refusal> {
     let sizes = physical.tick_sizes();
     let whole = sizes.iter().map(|(_, size)| size).sum::<f64>()
         + physical.constant_size()
@@ -62,21 +63,39 @@ pub(crate) fn lsb(physical: &Physical) -> Result<f64, LowerError> {
         let steps = libm::floor(libm::log2(physical.readout_lsb / lsb));
         if steps < 0.0 {
             let (readout_lsb, unit_arcsec) = (physical.readout_lsb, lsb);
-            return Err(LowerError::ReadoutTooFine { readout_lsb, unit_arcsec });
+            let found = format!(
+                "a pulse of {} ″ is less than a unit of {} ″ of the 32-bit arithmetic that this motion leaves",
+                shown(readout_lsb),
+                significant(unit_arcsec, 3)
+            );
+            let help = "leave readout_lsb out: pulses as fine as this change nothing";
+            return Err(Refusal::new("gyro.readout_lsb", found, help));
         }
         lsb = physical.readout_lsb / libm::exp2(steps.min(f64::from(FINEST)));
     }
     let finest = lsb <= libm::exp2(-f64::from(FINEST));
-    let lost = if finest { Lost::BelowFinest } else { Lost::Beside { whole_arcsec: whole } };
+    let lost = match finest {
+        true => "are too few units of 2^-24 ″, the finest unit of angle".to_owned(),
+        false => format!(
+            "are lost beside motion and noise of up to {} ″ per tick in 32-bit arithmetic",
+            shown(whole)
+        ),
+    };
     let sigma_arcsec = physical.sigma_arcsec;
     if sigma_arcsec > 0.0
         && libm::round(sigma_arcsec / lsb * crate::kinds::gap_fill::lower::fixed::SIGMA_UNITS) < LEAST_SIGMA
     {
-        return Err(LowerError::NoiseTooSmall { sigma_arcsec, lost });
+        let found = format!("{} ″ of noise per tick {lost}", shown(sigma_arcsec));
+        return Err(Refusal::new("gyro.tick_noise", found, "make the noise larger, or 0"));
     }
     for (key, tick_arcsec) in sizes {
         if tick_arcsec > 0.0 && tick_arcsec / lsb < LEAST_MOTION {
-            return Err(LowerError::MotionTooSmall { key, tick_arcsec, lost });
+            let help = match finest {
+                true => "make the motion larger, or 0",
+                false => "make the motion larger, or 0; or the noise smaller, or the gap shorter",
+            };
+            let found = format!("{} ″ of motion per tick {lost}", shown(tick_arcsec));
+            return Err(Refusal::new(key, found, help));
         }
     }
     Ok(lsb)

@@ -7,7 +7,7 @@ use crate::filler::{Filler, Method};
 use crate::kernel::gap_fill::shape::MARGIN;
 use crate::key::file::switching::Error;
 use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::gap_fill::lower::refusal::LowerError;
+use crate::study::refusal::{Refusal, shown};
 use crate::theory::gap::{Weights, polynomial_weights};
 use crate::theory::minimum_variance::minimum_variance_weights;
 
@@ -25,6 +25,16 @@ pub struct Rows {
     pub exact: bool,
 }
 
+/// Motion without noise that fewer ticks determine than the filler has: many weights would be equally good.
+pub(crate) fn singular_covariance(filler: &str, sigma_arcsec: f64) -> Refusal {
+    let found = format!(
+        "the covariance of the ticks of `{filler}` is singular, a noise of {} ″ is too small beside the motion to choose weights by",
+        shown(sigma_arcsec)
+    );
+    let help = "give the noise that the gyro really has, fewer fit ticks, or a wider band to design for";
+    Refusal::new("gyro.tick_noise", found, help)
+}
+
 impl Rows {
     /// The weights of a filler for one of its errors, on `ticks`; `None` where the filler has no such error.
     ///
@@ -35,7 +45,7 @@ impl Rows {
         error: Error,
         ticks: &[i32],
         statistics: &Statistics,
-    ) -> Result<Option<Rows>, LowerError> {
+    ) -> Result<Option<Rows>, Refusal> {
         let n = statistics.inputs.gap_ticks;
         let lengths = if error == Error::InGap { 1..=n } else { n..=n };
         Rows::over(lengths, filler, error, ticks, statistics)
@@ -52,7 +62,7 @@ impl Rows {
         error: Error,
         ticks: &[i32],
         statistics: &Statistics,
-    ) -> Result<Option<Rows>, LowerError> {
+    ) -> Result<Option<Rows>, Refusal> {
         let Some(mut rows) = Rows::over(1..=statistics.inputs.gap_ticks, filler, error, ticks, statistics)?
         else {
             return Ok(None);
@@ -72,11 +82,15 @@ impl Rows {
         error: Error,
         ticks: &[i32],
         statistics: &Statistics,
-    ) -> Result<Option<Rows>, LowerError> {
+    ) -> Result<Option<Rows>, Refusal> {
         match &filler.method {
             Method::Polynomial(order) => {
                 let rows = lengths.map(|length| polynomial_weights(ticks, *order, length));
-                let singular = || LowerError::Singular { filler: filler.name.clone(), ticks: ticks.to_vec() };
+                let singular = || {
+                    let found =
+                        format!("`{}` does not determine its polynomial from ticks {ticks:?}", filler.name);
+                    Refusal::new("switching.fillers", found, "give it more ticks, or a lower order")
+                };
                 let rows = rows.collect::<Option<Vec<Weights>>>().ok_or_else(singular)?;
                 Ok(Some(exact(ticks, rows)))
             }
@@ -86,14 +100,11 @@ impl Rows {
                     .map(|length| {
                         let weights =
                             minimum_variance_weights(ticks, length, &design.covariance, &design.noise);
-                        let singular = || LowerError::SingularCovariance {
-                            filler: filler.name.clone(),
-                            sigma_arcsec: statistics.inputs.sigma_arcsec(),
-                        };
+                        let singular = || singular_covariance(&filler.name, statistics.inputs.sigma_arcsec());
                         let bounded = |w: &Vec<f64>| w.iter().all(|w| w.abs() < LARGEST_WEIGHT);
                         Ok((length, weights.filter(bounded).ok_or_else(singular)?))
                     })
-                    .collect::<Result<Vec<_>, LowerError>>()?;
+                    .collect::<Result<Vec<_>, Refusal>>()?;
                 Ok(Some(nearest(ticks, &rows)))
             }
             Method::Weights { residual, extrapolation } => {

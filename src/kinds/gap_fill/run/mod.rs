@@ -16,7 +16,6 @@ use crate::filler::{Filler, Method};
 use crate::key::file::switching::Error;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::lower::Lowered;
-use crate::kinds::gap_fill::lower::refusal::LowerError;
 use crate::kinds::gap_fill::point::Point;
 use crate::motion::Frequency;
 use crate::source::diagnose::StudyError;
@@ -50,7 +49,7 @@ impl<'a> Plan<'a> {
     pub(crate) fn new(study: &'a Study, gap_fill: &'a GapFill) -> Result<Plan<'a>, StudyError> {
         let lower = |point: &Point| {
             Lowered::new(point, &gap_fill.fillers, &gap_fill.errors, study.seed, study.streams)
-                .map_err(|error| refused(study, point, &error))
+                .map_err(|refusal| study.refused(&point.swept, &refusal))
         };
         // The first error is told, whichever thread found it.
         let points: Vec<Result<Lowered, StudyError>> = gap_fill.points.par_iter().map(lower).collect();
@@ -261,9 +260,4 @@ fn grouped(point: &Lowered, lacking: impl IntoIterator<Item = Vec<Block>>) -> Ve
         }
     }
     groups
-}
-
-/// The error of a point that cannot be sampled, at the key of the study that has to change.
-pub(crate) fn refused(study: &Study, point: &Point, error: &LowerError) -> StudyError {
-    crate::run::refused(study, &point.swept, error.key(), &error.to_string(), error.help())
 }

@@ -4,7 +4,8 @@ use crate::kernel::normal::REACH;
 use crate::kernel::relock_ticks::{MAX_TICKS, Method, Parameters, Shape};
 use crate::key::file::relock::FirstHalf;
 use crate::kinds::relock::inputs::Relock;
-use crate::kinds::relock::lower::refusal::RelockError;
+use crate::quantity::number::significant;
+use crate::study::refusal::{Refusal, shown};
 use crate::theory::relock;
 
 /// Largest detuning, units.
@@ -58,30 +59,38 @@ pub struct FixedRelock {
 
 impl FixedRelock {
     /// # Errors
-    /// It cannot be represented: see [`RelockError`].
-    pub fn new(inputs: &Relock, tick_s: f64) -> Result<FixedRelock, RelockError> {
+    /// It cannot be represented: see [`Refusal`].
+    pub fn new(inputs: &Relock, tick_s: f64) -> Result<FixedRelock, Refusal> {
         let Relock { loop_s, curvature, temperature_error, adc_noise, adc_step, .. } = *inputs;
         check_loop(loop_s, tick_s)?;
         let largest = inputs.largest_miss();
         if largest == 0.0 {
-            return Err(RelockError::NoMiss);
+            let message = "relock.miss is 0, and so are its errors: there is nothing to relock".to_owned();
+            let help = "give a miss, or one of half_wave_error, dac_step and hysteresis";
+            return Err(Refusal { key: "relock.miss", message, help });
         }
         let part = curvature * largest * largest;
         if part >= 1.0 {
-            return Err(RelockError::NoBias { largest, part });
+            let found = format!(
+                "a miss of up to {} leaves no bias, χ·Δλ² = {}",
+                significant(largest, 4),
+                significant(part, 4)
+            );
+            let help = "make the miss, its errors or the curvature smaller: Z(2) holds for small detunings";
+            return Err(Refusal::new("relock.curvature", found, help));
         }
-        let shown = largest + REACH * adc_noise + adc_step;
-        let unit = unit_of_detuning(shown, adc_step)?;
+        let reach = largest + REACH * adc_noise + adc_step;
+        let unit = unit_of_detuning(reach, adc_step)?;
         if largest / unit < LEAST_MISS {
-            return Err(RelockError::TooSmall { key: "relock.miss", found: largest, largest: shown });
+            return Err(too_small("relock.miss", largest, reach));
         }
         let sigma = |key, found: f64| {
             let units = libm::round(16.0 * found / unit);
-            word_above(found, units, LEAST_SIGMA, RelockError::TooSmall { key, found, largest: shown })
+            word_above(found, units, LEAST_SIGMA, || too_small(key, found, reach))
         };
         let width = |key, found: f64, width: f64| {
             let units = libm::round(width / unit);
-            word_above(found, units, LEAST_WIDTH, RelockError::TooSmall { key, found, largest: shown })
+            word_above(found, units, LEAST_WIDTH, || too_small(key, found, reach))
         };
         let square_shift = libm::floor(libm::log2(2_147_483_648.0 / (largest / unit)));
         // Units of the square that the kernel multiplies by, of 2^32 each.
@@ -99,9 +108,9 @@ impl FixedRelock {
         let [first, second] = of_one.lost(1).map(|lost| 0.5 * lost * at_largest);
         let by_frequency =
             bias * tick_s * (first + second + wrong) + 2.0 * inputs.count_step * inputs.pulse_weight_arcsec;
-        let least = unit.max(adc_step) / shown;
+        let least = unit.max(adc_step) / reach;
         let by_detuning =
-            curvature * bias * tick_s * shown * shown * -libm::log(least) * (1.0 + least) * (1.0 + least)
+            curvature * bias * tick_s * reach * reach * -libm::log(least) * (1.0 + least) * (1.0 + least)
                 / 4.0;
         let compensation = by_frequency.max(by_detuning * (1.0 + wrong));
         let sum = faked.iter().sum::<f64>() * at_largest + MAX_TICKS as f64 * compensation;
@@ -112,10 +121,15 @@ impl FixedRelock {
         let beat_bits = libm::floor(libm::log2((MOST_BEAT / counts).min(pulse / lsb_arcsec)));
         let whole = inputs.count_step > 0.0;
         if whole && counts < 2.0 {
-            return Err(RelockError::BiasTooSlow { counts: 0.5 * counts });
+            let found = format!("{} counts in half a tick, less than one", shown(0.5 * counts));
+            let help =
+                "make relock.bias_frequency or gyro.tick larger, or relock.count_step smaller, 0 for none";
+            return Err(Refusal::new("relock.bias_frequency", found, help));
         }
         if beat_bits < libm::log2(LEAST_COUNT) {
-            return Err(RelockError::BiasTooFast { counts });
+            let found = format!("{} counts in a tick are too many for 32-bit arithmetic", shown(counts));
+            let help = "make gyro.tick smaller, or relock.count_step larger, or 0 for none";
+            return Err(Refusal::new("relock.bias_frequency", found, help));
         }
         let beat = libm::exp2(beat_bits);
         let half_bias = libm::round(0.5 * counts * beat);
@@ -242,23 +256,38 @@ impl FixedRelock {
     }
 }
 
-fn check_loop(loop_s: f64, tick_s: f64) -> Result<(), RelockError> {
-    match loop_s / tick_s {
-        ticks if ticks > SLOWEST => Err(RelockError::LoopTooSlow { loop_s, tick_s }),
-        ticks if ticks < FASTEST => Err(RelockError::LoopTooFast { loop_s, tick_s }),
-        _ => Ok(()),
+fn check_loop(loop_s: f64, tick_s: f64) -> Result<(), Refusal> {
+    let (found, tick, ticks) = (shown(loop_s), shown(tick_s), loop_s / tick_s);
+    let refuse = |message, help| Err(Refusal { key: "relock.loop_time", message, help });
+    if ticks > SLOWEST {
+        let message = format!(
+            "relock.loop_time = {found} s does not settle in the ticks that it is followed for, of {tick} s"
+        );
+        return refuse(message, "accepted: up to 100 ticks; the paper's values are 1 to 6");
     }
+    if ticks < FASTEST {
+        let message = format!("relock.loop_time = {found} s is over within the first tick, of {tick} s");
+        return refuse(message, "accepted: from a 20th of a tick");
+    }
+    Ok(())
 }
 
-/// The unit of detunings of which `shown` is the largest: a power of two, or a step of the ADC divided by one.
-fn unit_of_detuning(shown: f64, adc_step: f64) -> Result<f64, RelockError> {
-    let finest = shown / MOST_DETUNING;
+/// An error that has too few units beside the miss.
+fn too_small(key: &'static str, found: f64, largest: f64) -> Refusal {
+    let found =
+        format!("{} is lost beside detunings of up to {} in 32-bit arithmetic", shown(found), shown(largest));
+    Refusal::new(key, found, "make it larger, or 0; or what is large beside it smaller")
+}
+
+/// The unit of detunings of which `largest` is the largest: a power of two, or a step of the ADC divided by one.
+fn unit_of_detuning(largest: f64, adc_step: f64) -> Result<f64, Refusal> {
+    let finest = largest / MOST_DETUNING;
     if adc_step == 0.0 {
         return Ok(libm::exp2(libm::ceil(libm::log2(finest))));
     }
     let bits = libm::floor(libm::log2(adc_step / finest));
     if bits < 1.0 {
-        return Err(RelockError::TooSmall { key: "relock.adc_step", found: adc_step, largest: shown });
+        return Err(too_small("relock.adc_step", adc_step, largest));
     }
     Ok(adc_step / libm::exp2(bits))
 }
@@ -268,6 +297,6 @@ fn word(x: f64) -> u32 {
 }
 
 /// The word of `units`, which are not less than `least` but where `found` is 0.
-fn word_above(found: f64, units: f64, least: f64, error: RelockError) -> Result<u32, RelockError> {
-    if found == 0.0 || units >= least { Ok(units as u32) } else { Err(error) }
+fn word_above(found: f64, units: f64, least: f64, error: impl FnOnce() -> Refusal) -> Result<u32, Refusal> {
+    if found == 0.0 || units >= least { Ok(units as u32) } else { Err(error()) }
 }

@@ -1,10 +1,9 @@
 //! Lowering of a relock: words of the kernel, and the estimates of each compensation.
 
 pub mod fixed;
-pub mod refusal;
 
 pub use crate::kinds::relock::lower::fixed::{FixedRelock, MOST_LEFT};
-pub use crate::kinds::relock::lower::refusal::RelockError;
+use crate::study::refusal::Refusal;
 
 use std::sync::Arc;
 
@@ -58,8 +57,8 @@ impl LoweredRelock {
     /// Lowers a point of a study with this seed.
     ///
     /// # Errors
-    /// It cannot be represented: see [`RelockError`].
-    pub fn new(point: &RelockPoint, seed: u64, streams: Streams) -> Result<LoweredRelock, RelockError> {
+    /// It cannot be represented: see [`Refusal`].
+    pub fn new(point: &RelockPoint, seed: u64, streams: Streams) -> Result<LoweredRelock, Refusal> {
         let inputs = &point.inputs;
         let id = Id::of(&format!(
             "point\nkind=relock\nseed={seed}\nstreams={}\ntick_s={:.11e}\n{}",

@@ -39,9 +39,8 @@ impl<'a> Plan<'a> {
     pub(crate) fn new(study: &'a Study, relock: &'a RelockStudy) -> Result<Plan<'a>, StudyError> {
         let mut points = Vec::new();
         for point in &relock.points {
-            let lowered = LoweredRelock::new(point, study.seed, study.streams).map_err(|error| {
-                crate::run::refused(study, &point.swept, error.key(), &error.to_string(), error.help())
-            })?;
+            let lowered = LoweredRelock::new(point, study.seed, study.streams)
+                .map_err(|refusal| study.refused(&point.swept, &refusal))?;
             points.push(lowered);
         }
         Ok(Plan { study, relock, points })

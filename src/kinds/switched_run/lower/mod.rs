@@ -17,46 +17,16 @@ use crate::kernel::moments::level;
 use crate::kernel::switched_run;
 use crate::key::file::Streams;
 use crate::key::file::switching::Error;
-use crate::kinds::gap_fill::lower::refusal::LowerError;
 use crate::kinds::gap_fill::lower::residual::Residual;
 use crate::kinds::gap_fill::lower::{Lowered, definition, words_of};
-use crate::kinds::relock::lower::refusal::RelockError;
 use crate::kinds::switched_run::lower::drift::Drift;
 use crate::kinds::switched_run::lower::fixed::Fixed;
 use crate::kinds::switched_run::lower::relocking::FixedRelocking;
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
 use crate::store::Address;
+use crate::study::refusal::Refusal;
 use crate::tally::id::Id;
-
-/// Why a run cannot be represented.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum RunLowerError {
-    /// One of its switches cannot be.
-    #[error(transparent)]
-    Switch(#[from] LowerError),
-    /// One of its relocks cannot be.
-    #[error(transparent)]
-    Relock(#[from] RelockError),
-}
-
-impl RunLowerError {
-    /// The key of the study that has to change.
-    pub fn key(&self) -> &'static str {
-        match self {
-            RunLowerError::Switch(error) => error.key(),
-            RunLowerError::Relock(error) => error.key(),
-        }
-    }
-
-    /// What to do about it.
-    pub fn help(&self) -> &'static str {
-        match self {
-            RunLowerError::Switch(error) => error.help(),
-            RunLowerError::Relock(error) => error.help(),
-        }
-    }
-}
 
 /// A point of a study of whole runs, ready to be sampled.
 #[derive(Debug, Clone, PartialEq)]
@@ -133,13 +103,13 @@ impl LoweredRun {
     /// Lowers a point of a study with this seed.
     ///
     /// # Errors
-    /// The switch cannot be represented: see [`LowerError`] and [`RelockError`].
+    /// The switch cannot be represented: see [`Refusal`].
     pub fn new(
         point: &RunPoint,
         study: &SwitchedRun,
         seed: u64,
         streams: Streams,
-    ) -> Result<LoweredRun, RunLowerError> {
+    ) -> Result<LoweredRun, Refusal> {
         let residuals = residuals(point, study, seed, streams)?;
         let id = id(point, study, residuals.id, seed, streams);
         let key = match streams {
@@ -187,7 +157,7 @@ fn residuals(
     study: &SwitchedRun,
     seed: u64,
     streams: Streams,
-) -> Result<Residuals, LowerError> {
+) -> Result<Residuals, Refusal> {
     let Some(fill) = &point.fill else {
         let amplitude_arcsec = point.drift.residual_max;
         let tone = crate::kinds::gap_fill::lower::residual::ResidualTone { amplitude_arcsec, tone: 0 };

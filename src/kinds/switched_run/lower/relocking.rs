@@ -10,10 +10,10 @@ use crate::kernel::relock_ticks::{self, Shape};
 use crate::kernel::width::Width;
 use crate::kinds::relock::inputs::{Compensation, Relock};
 use crate::kinds::relock::lower::fixed::{FixedRelock, MOST_LEFT};
-use crate::kinds::relock::lower::refusal::RelockError;
 use crate::kinds::relock::lower::{PILOT, method};
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::kinds::switched_run::relock::Relocking;
+use crate::study::refusal::Refusal;
 
 /// The relock of a point, for any filler.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,7 +25,7 @@ pub(crate) struct FixedRelocking {
 }
 
 impl FixedRelocking {
-    pub(crate) fn of(point: &RunPoint) -> Result<Option<FixedRelocking>, RelockError> {
+    pub(crate) fn of(point: &RunPoint) -> Result<Option<FixedRelocking>, Refusal> {
         let (Some(Relocking { relock, compensation }), Some(fill)) = (&point.relock, &point.fill) else {
             return Ok(None);
         };

@@ -6,7 +6,7 @@ pub mod trajectories;
 use std::time::Instant;
 
 use crate::kinds::switched_run::SwitchedRun;
-use crate::kinds::switched_run::lower::{FilledRun, LoweredRun, RunLowerError};
+use crate::kinds::switched_run::lower::{FilledRun, LoweredRun};
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::progress::Progress;
 use crate::run::{Done, NORMAL_95, RunError, Tables};
@@ -35,7 +35,7 @@ impl<'a> Plan<'a> {
     pub(crate) fn new(study: &'a Study, runs: &'a SwitchedRun) -> Result<Plan<'a>, StudyError> {
         let lower = |point: &RunPoint| {
             LoweredRun::new(point, runs, study.seed, study.streams)
-                .map_err(|error| refused(study, point, &error))
+                .map_err(|refusal| study.refused(&point.swept, &refusal))
         };
         let points = runs.points.iter().map(lower).collect::<Result<_, _>>()?;
         Ok(Plan { study, runs, points })
@@ -157,9 +157,4 @@ pub(crate) fn late(runs: &SwitchedRun) -> Option<String> {
         Some((&relocking.relock, fill.inputs.tick_s))
     });
     crate::kinds::relock::run::late(relocks)
-}
-
-/// The error of a point that cannot be sampled, at the key of the study that has to change.
-fn refused(study: &Study, point: &RunPoint, error: &RunLowerError) -> StudyError {
-    crate::run::refused(study, &point.swept, error.key(), &error.to_string(), error.help())
 }
