@@ -145,7 +145,7 @@ fn failure(study: &Study, error: DesignError) -> Failure {
             at("run.duration", "lengthen the run, or sweep switching.interval")
         }
         DesignError::TooFew { .. } => at("trials", "take more: 100_000 are usual"),
-        DesignError::Lower(lower) => at(lower.key(), lower.help()),
+        DesignError::Lower(lower) => at(lower.key, lower.help),
         DesignError::Gpu(error) => Failure::Gpu(error.clone()),
     }
 }
