@@ -1,37 +1,25 @@
 //! Laws that a chart draws beside the estimates.
 
-use schemars::JsonSchema;
-use serde::Deserialize;
+use crate::key::holds::words;
 
-/// A law of error, as published or put right, drawn beside curves.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Law {
-    /// Z(20): first dropped Taylor term at an extremum of the rate; the error of one tick, not of the whole gap.
-    TaylorExtremum,
-    /// Z(20): the same near a zero crossing of the rate, for linear and quadratic.
-    TaylorZeroCrossing,
-    /// Noise of const over the gap as published: A_n √n / 2, A_n = 3σ of one tick.
-    NoiseAsPublished,
-    /// Noise of const over the gap by Z(18): A_n n / 2 for a fit to four ticks.
-    Noise,
-    /// The paper's tables 1 and 2: what was measured after a switch, and what the paper's compensations leave of it. Of
-    /// kind = "relock".
-    ZeemanTables,
+words! {
+    /// A law of error, as published or put right, drawn beside curves.
+    pub enum Law {
+        /// Z(20): first dropped Taylor term at an extremum of the rate; the error of one tick, not of the whole gap.
+        TaylorExtremum = "taylor-extremum",
+        /// Z(20): the same near a zero crossing of the rate, for linear and quadratic.
+        TaylorZeroCrossing = "taylor-zero-crossing",
+        /// Noise of const over the gap as published: A_n √n / 2, A_n = 3σ of one tick.
+        NoiseAsPublished = "noise-as-published",
+        /// Noise of const over the gap by Z(18): A_n n / 2 for a fit to four ticks.
+        Noise = "noise",
+        /// The paper's tables 1 and 2: what was measured after a switch, and what the paper's compensations leave of it. Of
+        /// kind = "relock".
+        ZeemanTables = "zeeman-tables",
+    }
 }
 
 impl Law {
-    /// As study files call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Law::TaylorExtremum => "taylor-extremum",
-            Law::TaylorZeroCrossing => "taylor-zero-crossing",
-            Law::NoiseAsPublished => "noise-as-published",
-            Law::Noise => "noise",
-            Law::ZeemanTables => "zeeman-tables",
-        }
-    }
-
     /// The estimates that it is about.
     pub(crate) fn subject(self) -> &'static str {
         match self {

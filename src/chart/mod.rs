@@ -9,18 +9,21 @@ pub mod supplied;
 
 use std::ops::Range;
 
-use toml::Spanned;
-
 use crate::chart::columns as chart_columns;
 pub use crate::chart::file::Source;
-use crate::chart::file::{ChartKind, ChartTable, Charts, Scale};
+use crate::chart::file::{
+    CHART, ChartKind, KIND, LAWS, LIMIT, OF, SERIES, TABLE, TITLE, WHERE, X, X_SCALE, Y, Y_SCALE, Z, Z_SCALE,
+};
 use crate::chart::ground::{Ground, Text};
 use crate::chart::law::Law;
 use crate::chart::rows::{FILLER, chooser, coordinate, row};
-use crate::key::scalar::{self, Scalar};
+use crate::key::given::Given;
+use crate::key::holds::unlimited;
+use crate::key::row::Key;
+use crate::key::scale::Scale;
 use crate::key::sweep::Sweep;
+use crate::key::table::Table;
 use crate::quantity::number::significant;
-use crate::quantity::percent::percent;
 use crate::source::diagnose::Fault;
 use crate::table::{Cell, Unit};
 
@@ -39,9 +42,9 @@ impl Named {
     }
 }
 
-impl From<Spanned<String>> for Named {
-    fn from(name: Spanned<String>) -> Named {
-        Named { span: name.span(), name: name.into_inner() }
+impl From<Given<'_>> for Named {
+    fn from(given: Given) -> Named {
+        Named { span: given.span(), name: given.text().to_owned() }
     }
 }
 
@@ -161,50 +164,65 @@ impl Chart {
 /// column than a swept key or one of text, axes of a map or below a law that are not known beforehand, a `limit` of
 /// another dimension or not above 0, a value in `where` that its column does not take.
 pub(crate) fn read_all(
-    charts: Charts,
+    study: &Table,
     sweeps: &[Sweep],
     grounds: &[Ground],
+    usual: [Option<&str>; 2],
     supplied: impl FnOnce() -> Option<Chart>,
 ) -> Result<Vec<Chart>, Fault> {
-    let read = |table| read(table, sweeps, grounds);
-    match charts {
-        Charts::Default => Ok(supplied().into_iter().collect()),
-        Charts::One(table) => Ok(vec![read(*table)?]),
-        Charts::Several(tables) => tables.into_iter().map(read).collect(),
-    }
+    let Some(charts) = study.get(&CHART) else {
+        return Ok(supplied().into_iter().collect());
+    };
+    let tables = if charts.is_list() { charts.items() } else { vec![charts] };
+    tables.iter().filter_map(Given::table).map(|table| read(&table, sweeps, grounds, usual)).collect()
 }
 
-fn read(mut table: ChartTable, sweeps: &[Sweep], grounds: &[Ground]) -> Result<Chart, Fault> {
-    let ground = ground(&table, grounds)?;
-    let limit = table.limit.as_ref().map(|limit| read_limit(limit, ground)).transpose()?;
-    let (y, beside) = chart_columns::read(&table)?;
-    let shows = shows(&mut table, &y, &beside, sweeps, ground)?;
+/// A column that a chart needs; in the example it has the `usual` name.
+fn axis<'a>(table: &Table<'a>, key: &'static Key, usual: Option<&str>) -> Result<Given<'a>, Fault> {
+    table.get(key).ok_or_else(|| {
+        let example = usual.map_or(key.example.to_owned(), |name| format!("{} = \"{name}\"", key.last()));
+        Fault::missing_key(key.name, &example, table.span.clone())
+    })
+}
+
+fn read(
+    table: &Table,
+    sweeps: &[Sweep],
+    grounds: &[Ground],
+    [usual_x, usual_y]: [Option<&str>; 2],
+) -> Result<Chart, Fault> {
+    let ground = ground(table, grounds)?;
+    let limit = table.get(&LIMIT).map(|limit| read_limit(limit, ground)).transpose()?;
+    let x = Named::from(axis(table, &X, usual_x)?);
+    let (y, beside) = chart_columns::read(axis(table, &Y, usual_y)?)?;
+    let shows = shows(table, &x, &y, &beside, sweeps, ground)?;
     let mut rows = Vec::new();
     let mut chosen: Vec<String> = Vec::new();
-    for (name, value) in table.rows.unwrap_or_default() {
-        let (column, cell) = row(&name, &value, sweeps, ground)?;
+    for (name, value) in table.get(&WHERE).and_then(|rows| rows.table()).iter().flat_map(|rows| rows.entries) {
+        let name = Named { name: name.get_ref().to_string(), span: name.span() };
+        let (column, cell) = row(&name, Given { key: &WHERE, value }, sweeps, ground)?;
         if chosen.contains(&column) {
             let message = format!("`where` gives {column} twice");
-            return Err(Fault::new(name.span(), message, "one of the two", "leave one of them out"));
+            return Err(Fault::new(name.span, message, "one of the two", "leave one of them out"));
         }
         if matches!(&shows, Shows::WinnerMap { of, .. } if of.name == column) {
             let message = format!("`where` leaves one {column} only, and nothing to compare it with");
             let help = format!("leave {column} out of `where`, or name another column as `of`");
-            return Err(Fault::new(name.span(), message, "what the winner map compares", help));
+            return Err(Fault::new(name.span, message, "what the winner map compares", help));
         }
         chosen.push(column);
-        rows.push((Named::from(name), cell));
+        rows.push((name, cell));
     }
     let usual_scale = |name: &str| match ground.is_linear {
         true => Scale::Linear,
         false => scale_over(name, sweeps, ground),
     };
     let chart = Chart {
-        title: table.title,
-        x_scale: table.x_scale.unwrap_or_else(|| usual_scale(table.x.get_ref())),
-        y_scale: table.y_scale.unwrap_or_else(|| usual_scale(&y.name)),
+        title: table.get(&TITLE).map(|title| title.text().to_owned()),
+        x_scale: table.get(&X_SCALE).map_or_else(|| usual_scale(&x.name), |scale| Scale::of(Some(scale))),
+        y_scale: table.get(&Y_SCALE).map_or_else(|| usual_scale(&y.name), |scale| Scale::of(Some(scale))),
         source: ground.source,
-        x: table.x.into(),
+        x,
         y,
         beside,
         shows,
@@ -222,11 +240,8 @@ fn read(mut table: ChartTable, sweeps: &[Sweep], grounds: &[Ground]) -> Result<C
 }
 
 /// The table of results that is drawn.
-fn ground<'g>(table: &ChartTable, grounds: &'g [Ground]) -> Result<&'g Ground, Fault> {
-    let (source, span) = match &table.table {
-        None => (Source::Points, 0..0),
-        Some(written) => (*written.get_ref(), written.span()),
-    };
+fn ground<'g>(table: &Table, grounds: &'g [Ground]) -> Result<&'g Ground, Fault> {
+    let (source, span) = (Source::of(table.get(&TABLE)), table.span_of(&TABLE).unwrap_or_default());
     let Some(ground) = grounds.iter().find(|ground| ground.source == source) else {
         let message = "a study of this kind has no such table";
         return Err(Fault::new(span, message, "no such table", "leave chart.table out"));
@@ -239,57 +254,60 @@ fn ground<'g>(table: &ChartTable, grounds: &'g [Ground]) -> Result<&'g Ground, F
 
 /// What a table asks to be shown, by its kind.
 fn shows(
-    table: &mut ChartTable,
+    table: &Table,
+    x: &Named,
     y: &Named,
     beside: &[Named],
     sweeps: &[Sweep],
     ground: &Ground,
 ) -> Result<Shows, Fault> {
-    let kind = table.kind.as_ref().map_or(ChartKind::Curves, |kind| *kind.get_ref());
+    let kind = ChartKind::of(table.get(&KIND));
+    let kind_span = || table.span_of(&KIND).unwrap_or_default();
     let maps = [ChartKind::HeatMap, ChartKind::WinnerMap];
-    only_for(kind, &maps, "z", table.z.as_ref())?;
-    only_for(kind, &maps[..1], "z_scale", table.z_scale.as_ref())?;
-    only_for(kind, &maps[1..], "of", table.of.as_ref())?;
-    only_for(kind, &[ChartKind::Curves], "series", table.series.as_ref())?;
-    only_for(kind, &[ChartKind::Curves], "laws", table.laws.as_ref())?;
+    for (key, kinds) in [
+        (&Z, &maps[..]),
+        (&Z_SCALE, &maps[..1]),
+        (&OF, &maps[1..]),
+        (&SERIES, &[ChartKind::Curves]),
+        (&LAWS, &[ChartKind::Curves]),
+    ] {
+        only_for(kind, kinds, table.get(key))?;
+    }
     if kind == ChartKind::Curves {
-        let laws = laws(table, sweeps, ground)?;
+        let laws = laws(table, x, sweeps, ground)?;
         if !beside.is_empty() {
             chart_columns::check_beside(table, &laws)?;
         }
-        let mut series = series(table.series.take(), table.x.get_ref(), sweeps, ground)?;
+        let mut series = series(table.get(&SERIES), &x.name, sweeps, ground)?;
         if !beside.is_empty() {
             series.truncate(1);
         }
         return Ok(Shows::Curves { series, laws });
     }
-    if !beside.is_empty() {
+    if let (Some(y), false) = (table.get(&Y), beside.is_empty()) {
         let message = format!("a chart of kind = \"{}\" has one column y", kind.name());
-        return Err(Fault::new(table.y.span(), message, "a list", "name one column"));
+        return Err(y.fault(message, "a list", "name one column"));
     }
-    let Some(z) = table.z.take().map(Named::from) else {
-        let span = table.kind.as_ref().map_or(0..0, Spanned::span);
+    let Some(z) = table.get(&Z).map(Named::from) else {
         let message = format!("a chart of kind = \"{}\" needs z, the column that it shows", kind.name());
-        return Err(Fault::new(span, message, "a map of what?", "add it as in\nz = \"q9973\""));
+        return Err(Fault::new(kind_span(), message, "a map of what?", "add it as in\nz = \"q9973\""));
     };
-    let x = Named::from(table.x.clone());
-    for (name, axis) in [("x", &x), ("y", y)] {
+    for (name, axis) in [("x", x), ("y", y)] {
         let cannot = format!("a map cannot have as its {name}");
         coordinate(sweeps, ground, &axis.name, axis.span.clone(), &cannot)?;
     }
     if kind == ChartKind::HeatMap {
-        let z_scale = table.z_scale.as_ref().map_or(Scale::default(), |scale| *scale.get_ref());
-        return Ok(Shows::HeatMap { z, z_scale });
+        return Ok(Shows::HeatMap { z, z_scale: Scale::of(table.get(&Z_SCALE)) });
     }
-    let of = match table.of.take() {
+    let of = match table.get(&OF) {
         None if ground.values(FILLER).is_none() => {
-            let span = table.kind.as_ref().map_or(0..0, Spanned::span);
             let message = "a winner map needs of, the swept key whose values compete";
-            return Err(Fault::new(span, message, "the winner of what?", "add it as in\nof = \"length\""));
+            let help = "add it as in\nof = \"length\"";
+            return Err(Fault::new(kind_span(), message, "the winner of what?", help));
         }
         None => Named::default(FILLER),
         Some(of) => {
-            let name = chooser(sweeps, ground, of.get_ref(), of.span(), "a winner map cannot compare by")?;
+            let name = chooser(sweeps, ground, of.text(), of.span(), "a winner map cannot compare by")?;
             Named { name, span: of.span() }
         }
     };
@@ -297,31 +315,21 @@ fn shows(
 }
 
 /// Refuses a key that is written but belongs to other kinds.
-fn only_for<T>(
-    kind: ChartKind,
-    kinds: &[ChartKind],
-    key: &str,
-    written: Option<&Spanned<T>>,
-) -> Result<(), Fault> {
+fn only_for(kind: ChartKind, kinds: &[ChartKind], written: Option<Given>) -> Result<(), Fault> {
     let Some(written) = written.filter(|_| !kinds.contains(&kind)) else {
         return Ok(());
     };
     let others: Vec<String> = kinds.iter().map(|kind| format!("kind = \"{}\"", kind.name())).collect();
-    let message = format!("chart.{key} is no key of a chart of kind = \"{}\"", kind.name());
+    let message = format!("{} is no key of a chart of kind = \"{}\"", written.key.name, kind.name());
     let help = format!("leave it out, or write {}", others.join(" or "));
-    Err(Fault::new(written.span(), message, "not of this kind", help))
+    Err(written.fault(message, "not of this kind", help))
 }
 
 /// The columns that tell curves apart. Where none are written, and a table has neither fillers nor coefficients, swept keys
 /// other than x do.
-fn series(
-    written: Option<Spanned<Vec<Spanned<String>>>>,
-    x: &str,
-    sweeps: &[Sweep],
-    ground: &Ground,
-) -> Result<Vec<Named>, Fault> {
-    match written {
-        None => Ok(match ground.text_names().first() {
+fn series(written: Option<Given>, x: &str, sweeps: &[Sweep], ground: &Ground) -> Result<Vec<Named>, Fault> {
+    let Some(written) = written else {
+        return Ok(match ground.text_names().first() {
             // Side by side they are told apart already.
             Some(name) if *name == x => vec![],
             Some(name) => vec![Named::default(name)],
@@ -331,36 +339,36 @@ fn series(
                     sweeps.iter().map(|sweep| sweep.key.name).filter(|name| Some(*name) != across.as_deref());
                 others.take(2).map(Named::default).collect()
             }
-        }),
-        Some(names) if (1..=2).contains(&names.get_ref().len()) => {
-            Ok(names.into_inner().into_iter().map(Named::from).collect())
-        }
-        Some(names) => {
-            let message = format!("series names {} columns", names.get_ref().len());
-            let help = "accepted: one name (colour) or two (colour, dash), as in [\"filler\", \"gap_ticks\"]";
-            Err(Fault::new(names.span(), message, "not one or two names", help))
-        }
+        });
+    };
+    let names: Vec<Named> = written.items().into_iter().map(Named::from).collect();
+    if (1..=2).contains(&names.len()) {
+        return Ok(names);
     }
+    let message = format!("series names {} columns", names.len());
+    let help = "accepted: one name (colour) or two (colour, dash), as in [\"filler\", \"gap_ticks\"]";
+    Err(written.fault(message, "not one or two names", help))
 }
 
-fn laws(table: &ChartTable, sweeps: &[Sweep], ground: &Ground) -> Result<Vec<Law>, Fault> {
+fn laws(table: &Table, x: &Named, sweeps: &[Sweep], ground: &Ground) -> Result<Vec<Law>, Fault> {
+    let written = table.get(&LAWS).map(|laws| laws.items()).unwrap_or_default();
     let mut laws = Vec::new();
-    for law in table.laws.iter().flat_map(|laws| laws.get_ref()) {
-        if laws.contains(law.get_ref()) {
-            let message = format!("chart.laws lists \"{}\" twice", law.get_ref().name());
-            return Err(Fault::new(law.span(), message, "listed before", "leave it out here"));
+    for item in &written {
+        let law = Law::of(Some(*item));
+        if laws.contains(&law) {
+            let message = format!("chart.laws lists \"{}\" twice", law.name());
+            return Err(item.fault(message, "listed before", "leave it out here"));
         }
-        laws.push(*law.get_ref());
+        laws.push(law);
     }
-    for law in table.laws.iter().flat_map(|laws| laws.get_ref()) {
-        if !ground.laws.contains(law.get_ref()) {
-            let message =
-                format!("chart.laws: \"{}\" is a law of {}", law.get_ref().name(), law.get_ref().subject());
-            return Err(Fault::new(law.span(), message, "not of this kind of study", "leave it out"));
+    for (item, law) in written.iter().zip(&laws) {
+        if !ground.laws.contains(law) {
+            let message = format!("chart.laws: \"{}\" is a law of {}", law.name(), law.subject());
+            return Err(item.fault(message, "not of this kind of study", "leave it out"));
         }
     }
     if !laws.is_empty() {
-        coordinate(sweeps, ground, table.x.get_ref(), table.x.span(), "laws cannot be drawn over")?;
+        coordinate(sweeps, ground, &x.name, x.span.clone(), "laws cannot be drawn over")?;
     }
     Ok(laws)
 }
@@ -383,15 +391,15 @@ pub(crate) fn usual_rows(ground: &Ground) -> Vec<(Named, Cell)> {
 const PERCENT: &str = "accepted: a part in percent such as \"10 %\", of a relative column";
 
 /// A limit in the unit of what the table is about.
-fn read_limit(given: &Spanned<Scalar>, ground: &Ground) -> Result<Limit, Fault> {
+fn read_limit(given: Given, ground: &Ground) -> Result<Limit, Fault> {
     if ground.limits.is_empty() {
-        return Ok(Limit { value: percent("chart.limit", given, PERCENT)?, unit: Unit::NONE });
+        return Ok(Limit { value: given.percent(PERCENT)?, unit: Unit::NONE });
     }
-    let limit = scalar::quantity("chart.limit", given, ground.limits)?;
+    let limit = given.read(&unlimited(ground.limits))?;
     if limit.value > 0.0 {
         return Ok(Limit { value: limit.value, unit: limit.dimension.unit() });
     }
     let message = format!("chart.limit = {limit}, and no error stays within that");
     let help = format!("accepted: {} above 0, or no limit", limit.dimension.name());
-    Err(Fault::new(given.span(), message, "not above 0", help))
+    Err(given.fault(message, "not above 0", help))
 }

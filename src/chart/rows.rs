@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use toml::Spanned;
-
+use crate::chart::Named;
 use crate::chart::ground::Ground;
-use crate::key::scalar::{self, Scalar};
+use crate::key::given::Given;
+use crate::key::holds::{Holds, unlimited};
 use crate::key::setting::Swept;
 use crate::key::sweep::Sweep;
 use crate::quantity::units::Dimension;
@@ -14,6 +14,9 @@ use crate::table::{self, Cell, Column, ColumnError, Unit};
 
 /// The column of the names of fillers.
 pub(crate) const FILLER: &str = "filler";
+
+/// Values of τ.
+const TIMES: Holds = unlimited(&[Dimension::Time]);
 
 /// Most values of a sweep that a message lists.
 const MOST_LISTED: usize = 12;
@@ -92,28 +95,28 @@ fn input(
 
 /// The column that one entry of `where` names, and its value there.
 pub(crate) fn row(
-    name: &Spanned<String>,
-    value: &Spanned<Scalar>,
+    name: &Named,
+    value: Given,
     sweeps: &[Sweep],
     ground: &Ground,
 ) -> Result<(String, Cell), Fault> {
-    let column = chooser(sweeps, ground, name.get_ref(), name.span(), "`where` cannot choose rows by")?;
+    let column = chooser(sweeps, ground, &name.name, name.span.clone(), "`where` cannot choose rows by")?;
     let cell = if let Some(sweep) = sweeps.iter().find(|sweep| sweep.key.name == column) {
         swept_value(sweep, value)?.cell()
     } else if let Some(values) = ground.values(&column) {
         text(&column, value, values.iter().map(String::as_str))?
     } else {
         // Whether the table has that τ shows when the chart is drawn without estimates.
-        scalar::quantity(&column, value, &[Dimension::Time])?.cell()
+        value.read(&TIMES)?.cell()
     };
     Ok((column, cell))
 }
 
 /// The value of a sweep that is meant: the one which tables show like the one given.
-fn swept_value<'s>(sweep: &'s Sweep, given: &Spanned<Scalar>) -> Result<&'s Swept, Fault> {
-    let wanted = match given.get_ref() {
-        Scalar::Text(name) if sweep.key.is_name() => Swept::Name(name.clone()),
-        _ => Swept::Quantity(sweep.key.read(given)?),
+fn swept_value<'s>(sweep: &'s Sweep, given: Given) -> Result<&'s Swept, Fault> {
+    let wanted = match sweep.key.is_name() {
+        true => Swept::Name(given.text().to_owned()),
+        false => Swept::Quantity(given.of(sweep.key).quantity()?),
     };
     let is_meant =
         |value: &&Swept| value.unit() == wanted.unit() && value.cell().text() == wanted.cell().text();
@@ -122,23 +125,16 @@ fn swept_value<'s>(sweep: &'s Sweep, given: &Spanned<Scalar>) -> Result<&'s Swep
         let more = if sweep.values.len() > MOST_LISTED { ", …" } else { "" };
         let message = format!("no point has {} = {wanted}", sweep.key.name);
         let help = format!("accepted: {}{more}", listed.join(", "));
-        Fault::new(given.span(), message, "not among the swept values", help)
+        given.fault(message, "not among the swept values", help)
     })
 }
 
 /// One of the texts that a column takes.
-fn text<'a>(
-    column: &str,
-    given: &Spanned<Scalar>,
-    known: impl Iterator<Item = &'a str>,
-) -> Result<Cell, Fault> {
+fn text<'a>(column: &str, given: Given, known: impl Iterator<Item = &'a str>) -> Result<Cell, Fault> {
     let known: Vec<&str> = known.collect();
-    match given.get_ref() {
-        Scalar::Text(text) if known.contains(&text.as_str()) => Ok(Cell::Text(text.clone())),
-        other => {
-            let found = if let Scalar::Text(text) = other { text } else { "" };
-            let message = format!("no row has {column} = {other}");
-            Err(Fault::new(given.span(), message, "not in this study", choices(found, &known)))
-        }
+    if given.is_text() && known.contains(&given.text()) {
+        return Ok(Cell::Text(given.text().to_owned()));
     }
+    let message = format!("no row has {column} = {given}");
+    Err(given.fault(message, "not in this study", choices(given.text(), &known)))
 }

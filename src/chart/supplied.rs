@@ -1,9 +1,10 @@
 //! Parts of the charts that kinds supply to studies which ask for none.
 
-use crate::chart::file::{Scale, Source};
+use crate::chart::file::Source;
 use crate::chart::ground::Ground;
 use crate::chart::rows::FILLER;
 use crate::chart::{Chart, Named, Shows, scale_over, usual_rows};
+use crate::key::scale::Scale;
 use crate::key::sweep::Sweep;
 use crate::table::Cell;
 

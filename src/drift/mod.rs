@@ -2,16 +2,10 @@
 
 pub mod schedule;
 
-pub use crate::drift::schedule::Schedule;
-pub(crate) use crate::drift::schedule::{SETTINGS as SCHEDULE_SETTINGS, read as read_schedule};
-
-use toml::Spanned;
-
-use crate::key::file::drift::DriftTable;
-use crate::key::setting::{Key, Setting};
+use crate::key::holds::{Holds, measure};
+use crate::key::row::keys;
+use crate::key::setting::Setting;
 use crate::quantity::units::Dimension;
-use crate::source::diagnose::Fault;
-use crate::source::place::Places;
 use crate::theory::drift::magnetic::Magnetic;
 
 /// Parts of the drift in ″ and s, each with its standard deviation from run to run; 0 is absent. Every number has 12
@@ -84,100 +78,57 @@ impl Drift {
     }
 }
 
-/// Declares the setting of a part.
-macro_rules! setting {
-    ($name:ident, $key:literal, $label:literal, $dimension:ident, $limits:expr, $field:ident) => {
-        static $name: Setting<Drift> = Setting {
-            key: Key { name: $key, label: $label, accepts: &[Dimension::$dimension], limits: $limits },
-            applies: |_| true,
-            set: |drift, quantity| drift.$field = quantity.value,
-        };
-    };
+const RATES: Holds = measure(&[Dimension::Rate], -1e6, 1e6, "-1e6 to 1e6 arcsec/s");
+const SPREADS: Holds = measure(&[Dimension::Rate], 0.0, 1e6, "0 to 1e6 arcsec/s");
+const TIMES: Holds = measure(&[Dimension::Time], 1e-3, 1e9, "1 ms to 1e9 s");
+const PARTS: Holds = measure(&[Dimension::Ratio], 0.0, 0.5, "0 to 0.5, or 0 % to 50 %");
+const N: Holds = measure(&[Dimension::AngleRandomWalk], 0.0, 1e9, "0 to 1e9 arcsec/sqrt(s)");
+const ANGLES: Holds = measure(&[Dimension::Angle], 0.0, 1e6, "0 to 1e6 arcsec");
+
+keys! {
+    /// The parts of a drift.
+    pub(crate) static KEYS;
+    /// The drift of a gyro that switches modes; what is absent is not there. Spreads are standard deviations from run to run,
+    /// normally distributed.
+    pub(crate) DRIFT = "drift", "", Holds::Table, "[drift]\nmagnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"";
+    /// A = A_qm·A_T, the magnetic drift that comes with the warm-up: "14 arcsec/s".
+    MAGNETIC = "drift.magnetic", "magnetic drift A", RATES, r#"magnetic = "14 arcsec/s""#;
+    /// τ, time constant of the warm-up: "3000 s".
+    WARM_UP = "drift.warm_up_time", "warm-up time τ", TIMES, r#"warm_up_time = "3000 s""#;
+    /// Ω_nm, which does not change its sign: "0.05 arcsec/s".
+    NON_MAGNETIC = "drift.non_magnetic", "non-magnetic drift", RATES, r#"non_magnetic = "0.05 arcsec/s""#;
+    /// Ω_m0, the magnetic drift from the start.
+    INITIAL = "drift.initial_magnetic", "initial magnetic drift", RATES, r#"initial_magnetic = "1 arcsec/s""#;
+    /// δP_max, the largest error of the angle at a switch: "10 arcsec". Of kind = "switched-run" where no fillers give it: the
+    /// amplitude of a residual that is a sine of the phase of the switch.
+    pub(crate) RESIDUAL_MAX = "drift.residual_max", "largest residual of a switch", ANGLES, r#"residual_max = "10 arcsec""#;
 }
 
-const SIGNED: (f64, f64, &str) = (-1e6, 1e6, "-1e6 to 1e6 arcsec/s");
-const SPREADS: (f64, f64, &str) = (0.0, 1e6, "0 to 1e6 arcsec/s");
+keys! {
+    /// What differs from run to run.
+    pub(crate) static SPREAD_KEYS;
+    /// Standard deviation of drift.magnetic.
+    MAGNETIC_SPREAD = "drift.magnetic_spread", "spread of A", SPREADS, r#"magnetic_spread = "1 arcsec/s""#;
+    /// Standard deviation of drift.warm_up_time as a part of it, its logarithm being normally distributed: "5 %".
+    WARM_UP_SPREAD = "drift.warm_up_time_spread", "spread of τ", PARTS, r#"warm_up_time_spread = "5 %""#;
+    /// Standard deviation of drift.non_magnetic.
+    NON_MAGNETIC_SPREAD = "drift.non_magnetic_spread", "spread of the non-magnetic drift", SPREADS, r#"non_magnetic_spread = "0.01 arcsec/s""#;
+    /// Standard deviation of drift.initial_magnetic.
+    INITIAL_SPREAD = "drift.initial_magnetic_spread", "spread of the initial magnetic drift", SPREADS, r#"initial_magnetic_spread = "0.1 arcsec/s""#;
+    /// Angle random walk N: "0.003 deg/sqrt(h)".
+    RANDOM_WALK = "drift.angle_random_walk", "angle random walk N", N, r#"angle_random_walk = "0.003 deg/sqrt(h)""#;
+}
 
-setting!(MAGNETIC, "drift.magnetic", "magnetic drift A", Rate, SIGNED, magnetic);
-setting!(MAGNETIC_SPREAD, "drift.magnetic_spread", "spread of A", Rate, SPREADS, magnetic_spread);
-setting!(WARM_UP, "drift.warm_up_time", "warm-up time τ", Time, (1e-3, 1e9, "1 ms to 1e9 s"), warm_up_s);
-setting!(
-    WARM_UP_SPREAD,
-    "drift.warm_up_time_spread",
-    "spread of τ",
-    Ratio,
-    (0.0, 0.5, "0 to 0.5, or 0 % to 50 %"),
-    warm_up_spread
-);
-setting!(NON_MAGNETIC, "drift.non_magnetic", "non-magnetic drift", Rate, SIGNED, non_magnetic);
-setting!(
-    NON_MAGNETIC_SPREAD,
-    "drift.non_magnetic_spread",
-    "spread of the non-magnetic drift",
-    Rate,
-    SPREADS,
-    non_magnetic_spread
-);
-setting!(INITIAL, "drift.initial_magnetic", "initial magnetic drift", Rate, SIGNED, initial_magnetic);
-setting!(
-    INITIAL_SPREAD,
-    "drift.initial_magnetic_spread",
-    "spread of the initial magnetic drift",
-    Rate,
-    SPREADS,
-    initial_magnetic_spread
-);
-setting!(
-    RANDOM_WALK,
-    "drift.angle_random_walk",
-    "angle random walk N",
-    AngleRandomWalk,
-    (0.0, 1e9, "0 to 1e9 arcsec/sqrt(s)"),
-    angle_random_walk
-);
-setting!(
-    RESIDUAL_MAX,
-    "drift.residual_max",
-    "largest residual of a switch",
-    Angle,
-    (0.0, 1e6, "0 to 1e6 arcsec"),
-    residual_max
-);
-
-/// Every key of the drift that a sweep may vary.
-pub(crate) static SETTINGS: [&Setting<Drift>; 10] = [
-    &MAGNETIC,
-    &MAGNETIC_SPREAD,
-    &WARM_UP,
-    &WARM_UP_SPREAD,
-    &NON_MAGNETIC,
-    &NON_MAGNETIC_SPREAD,
-    &INITIAL,
-    &INITIAL_SPREAD,
-    &RANDOM_WALK,
-    &RESIDUAL_MAX,
+/// What each key sets.
+pub(crate) static SETTINGS: [Setting<Drift>; 10] = [
+    Setting::new(&MAGNETIC, |drift, rate| drift.magnetic = rate.value),
+    Setting::new(&MAGNETIC_SPREAD, |drift, rate| drift.magnetic_spread = rate.value),
+    Setting::new(&WARM_UP, |drift, time| drift.warm_up_s = time.value),
+    Setting::new(&WARM_UP_SPREAD, |drift, part| drift.warm_up_spread = part.value),
+    Setting::new(&NON_MAGNETIC, |drift, rate| drift.non_magnetic = rate.value),
+    Setting::new(&NON_MAGNETIC_SPREAD, |drift, rate| drift.non_magnetic_spread = rate.value),
+    Setting::new(&INITIAL, |drift, rate| drift.initial_magnetic = rate.value),
+    Setting::new(&INITIAL_SPREAD, |drift, rate| drift.initial_magnetic_spread = rate.value),
+    Setting::new(&RANDOM_WALK, |drift, n| drift.angle_random_walk = n.value),
+    Setting::new(&RESIDUAL_MAX, |drift, angle| drift.residual_max = angle.value),
 ];
-
-/// The drift that is written.
-pub(crate) fn read(table: &DriftTable, places: &mut Places) -> Result<Drift, Fault> {
-    let written = [
-        (&MAGNETIC, &table.magnetic),
-        (&MAGNETIC_SPREAD, &table.magnetic_spread),
-        (&WARM_UP, &table.warm_up_time),
-        (&WARM_UP_SPREAD, &table.warm_up_time_spread),
-        (&NON_MAGNETIC, &table.non_magnetic),
-        (&NON_MAGNETIC_SPREAD, &table.non_magnetic_spread),
-        (&INITIAL, &table.initial_magnetic),
-        (&INITIAL_SPREAD, &table.initial_magnetic_spread),
-        (&RANDOM_WALK, &table.angle_random_walk),
-        (&RESIDUAL_MAX, &table.residual_max),
-    ];
-    let mut drift = Drift::default();
-    for (setting, value) in written {
-        if let Some(value) = value {
-            (setting.set)(&mut drift, setting.read(value)?);
-            places.add(setting.name, Spanned::span(value));
-        }
-    }
-    Ok(drift)
-}

@@ -1,14 +1,13 @@
 //! When a gyro switches, and how long it runs.
 
-use toml::Spanned;
-
-use crate::key::scalar::Scalar;
-use crate::key::setting::{Key, Setting};
+use crate::key::holds::{Holds, measure};
+use crate::key::places::Places;
+use crate::key::row::keys;
+use crate::key::setting::Setting;
 use crate::key::sweep::Sweep;
 use crate::quantity::number::significant;
 use crate::quantity::units::Dimension;
 use crate::source::diagnose::Fault;
-use crate::source::place::Places;
 
 /// In s, with 12 significant digits.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -19,46 +18,26 @@ pub struct Schedule {
     pub duration_s: f64,
 }
 
-pub(crate) static INTERVAL: Setting<Schedule> = Setting {
-    key: Key {
-        name: "switching.interval",
-        label: "switching interval",
-        accepts: &[Dimension::Time],
-        limits: (1e-3, 1e9, "1 ms to 1e9 s"),
-    },
-    applies: |_| true,
-    set: |schedule, interval| schedule.interval_s = interval.value,
-};
+const TIMES: Holds = measure(&[Dimension::Time], 1e-3, 1e9, "1 ms to 1e9 s");
 
-static DURATION: Setting<Schedule> = Setting {
-    key: Key {
-        name: "run.duration",
-        label: "run time",
-        accepts: &[Dimension::Time],
-        limits: (1e-3, 1e9, "1 ms to 1e9 s"),
-    },
-    applies: |_| true,
-    set: |schedule, duration| schedule.duration_s = duration.value,
-};
-
-/// Every key of the schedule that a sweep may vary.
-pub(crate) static SETTINGS: [&Setting<Schedule>; 2] = [&INTERVAL, &DURATION];
-
-/// The schedule that is written; an interval of 0 where it is not.
-pub(crate) fn read(
-    interval: Option<&Spanned<Scalar>>,
-    duration: &Spanned<Scalar>,
-    places: &mut Places,
-) -> Result<Schedule, Fault> {
-    let mut schedule = Schedule::default();
-    for (setting, value) in [(&INTERVAL, interval), (&DURATION, Some(duration))] {
-        if let Some(value) = value {
-            (setting.set)(&mut schedule, setting.read(value)?);
-            places.add(setting.name, value.span());
-        }
-    }
-    Ok(schedule)
+keys! {
+    /// The keys of the schedule.
+    pub(crate) static KEYS;
+    /// The mode switches of a run.
+    SWITCHING = "switching", "", Holds::Table, "[switching]\ninterval = \"40 s\"";
+    /// MT, from one switch to the next: "40 s".
+    INTERVAL = "switching.interval", "switching interval", TIMES, r#"interval = "40 s""#, required;
+    /// A whole run.
+    RUN = "run", "", Holds::Table, "[run]\nduration = \"1 h\"";
+    /// t, from switching on: "1 h".
+    DURATION = "run.duration", "run time", TIMES, r#"duration = "1 h""#, required;
 }
+
+/// What each key sets.
+pub(crate) static SETTINGS: [Setting<Schedule>; 2] = [
+    Setting::new(&INTERVAL, |schedule, interval| schedule.interval_s = interval.value),
+    Setting::new(&DURATION, |schedule, duration| schedule.duration_s = duration.value),
+];
 
 impl Schedule {
     /// Refuses a run that is shorter than an interval.

@@ -1,5 +1,6 @@
 //! Fillers: ways to fill the gap, as a study names them.
 
+pub mod keys;
 pub mod read;
 pub mod ticks;
 

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use toml::Spanned;
 
-use crate::key::scalar::Scalar;
+use crate::key::given::Given;
 use crate::source::diagnose::Fault;
 
 /// Ticks farther than this from the gap are refused: a fit over them says nothing about the gap.
@@ -71,26 +71,19 @@ pub(crate) struct TickList {
 
 impl TickList {
     /// The list as `written`, or the default of its `purpose`.
-    pub(crate) fn read(
-        purpose: Purpose,
-        written: Option<&Spanned<Vec<Spanned<Scalar>>>>,
-    ) -> Result<TickList, Fault> {
+    pub(crate) fn read(purpose: Purpose, written: Option<Given>) -> Result<TickList, Fault> {
         let Some(written) = written else {
             return Ok(TickList::default_for(purpose));
         };
-        let ranges = written.get_ref().iter().map(|item| {
-            let range = match item.get_ref() {
-                Scalar::Integer(i) => Some(Tick { after_gap: false, offset: *i }).map(|tick| (tick, tick)),
-                Scalar::Text(text) => match text.split_once("..") {
+        let ranges = written.items().into_iter().map(|item| {
+            let range = match item.integer() {
+                Some(i) => Some(Tick { after_gap: false, offset: i }).map(|tick| (tick, tick)),
+                None => match item.text().split_once("..") {
                     Some((from, to)) => Tick::parse(from).zip(Tick::parse(to)),
-                    None => Tick::parse(text).map(|tick| (tick, tick)),
+                    None => Tick::parse(item.text()).map(|tick| (tick, tick)),
                 },
-                Scalar::Float(_) | Scalar::Bool(_) => None,
             };
-            let fault = || {
-                let message = format!("{purpose}: {} names no tick", item.get_ref());
-                Fault::new(item.span(), message, "not a tick", ACCEPTED)
-            };
+            let fault = || item.fault(format!("{purpose}: {item} names no tick"), "not a tick", ACCEPTED);
             Ok(Spanned::new(item.span(), range.ok_or_else(fault)?))
         });
         Ok(TickList { purpose, span: written.span(), ranges: ranges.collect::<Result<_, Fault>>()? })
@@ -178,21 +171,19 @@ impl TickList {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::filler::keys::FIT_TICKS;
+    use crate::key::table::Table;
 
-    fn list(purpose: Purpose, items: &[Scalar]) -> Result<TickList, Fault> {
-        let items = items.iter().map(|item| Spanned::new(3..7, item.clone())).collect();
-        TickList::read(purpose, Some(&Spanned::new(0..9, items)))
-    }
-
-    fn text(text: &str) -> Scalar {
-        Scalar::Text(text.to_owned())
+    fn list(purpose: Purpose, items: &str) -> Result<TickList, Fault> {
+        let text = format!("fit_ticks = [{items}]");
+        let root = toml::de::DeTable::parse(&text).unwrap();
+        TickList::read(purpose, Table::root("switching", &root).get(&FIT_TICKS))
     }
 
     #[test]
     fn lists_follow_the_gap() {
         let written =
-            list(Purpose::Residual, &[text("n+1..n + 2"), Scalar::Integer(-1), text("−3"), text("0")])
-                .unwrap();
+            list(Purpose::Residual, "'n+1..n + 2', -1, '−3', '0'").unwrap();
         assert_eq!(written.resolve(3).unwrap(), [-3, -1, 0, 4, 5]);
         assert_eq!(written.resolve(1).unwrap(), [-3, -1, 0, 2, 3]);
         assert_eq!(TickList::default_for(Purpose::Residual).resolve(2).unwrap(), [-1, 0, 3, 4]);
@@ -202,27 +193,27 @@ mod tests {
     #[test]
     fn lists_that_make_no_sense_are_refused() {
         let table = [
-            (text("n"), "tick 3 lies inside the gap"),
-            (text("-1..4"), "tick 1 lies inside the gap"),
-            (text("0..-3"), "the range 0..-3 runs backwards"),
-            (text("-64"), "tick -64 is more than 64 ticks"),
-            (text("n+1..n+2000000000"), "more than 64 ticks"),
-            (Scalar::Integer(i64::MIN), "more than 64 ticks"),
-            (Scalar::Integer(i64::MAX), "more than 64 ticks"),
+            ("'n'", "tick 3 lies inside the gap"),
+            ("'-1..4'", "tick 1 lies inside the gap"),
+            ("'0..-3'", "the range 0..-3 runs backwards"),
+            ("'-64'", "tick -64 is more than 64 ticks"),
+            ("'n+1..n+2000000000'", "more than 64 ticks"),
+            ("-9223372036854775808", "more than 64 ticks"),
+            ("9223372036854775807", "more than 64 ticks"),
         ];
         for (item, piece) in table {
-            let fault = list(Purpose::Residual, &[item]).unwrap().resolve(3).unwrap_err();
+            let fault = list(Purpose::Residual, item).unwrap().resolve(3).unwrap_err();
             assert!(format!("{fault:?}").contains(piece), "{fault:?}");
         }
-        let twice = list(Purpose::Residual, &[Scalar::Integer(4), text("n+1")]).unwrap();
+        let twice = list(Purpose::Residual, "4, 'n+1'").unwrap();
         assert!(twice.resolve(2).is_ok());
         assert!(format!("{:?}", twice.resolve(3).unwrap_err()).contains("tick 4 is listed twice"));
-        let turned = list(Purpose::Residual, &[text("n+1"), Scalar::Integer(0)]).unwrap();
+        let turned = list(Purpose::Residual, "'n+1', 0").unwrap();
         assert!(format!("{:?}", turned.resolve_in_order(3).unwrap_err()).contains("[4, 0] do not rise"));
-        let late = list(Purpose::Extrapolation, &[text("n+1")]).unwrap();
+        let late = list(Purpose::Extrapolation, "'n+1'").unwrap();
         assert!(format!("{:?}", late.resolve(3).unwrap_err()).contains("comes after the gap"));
         for item in ["n1", "m+1", "1..2..3", "", "n+", "5 ms", "-7..=0"] {
-            assert!(list(Purpose::Residual, &[text(item)]).is_err(), "{item}");
+            assert!(list(Purpose::Residual, &format!("'{item}'")).is_err(), "{item}");
         }
     }
 }

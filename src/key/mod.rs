@@ -1,8 +1,14 @@
-//! TODO-DOC key
+//! Keys of study files: one row declares all that is known of a key.
 
-pub mod expected;
+pub mod common;
 pub mod explained;
-pub mod file;
-pub mod scalar;
+pub(crate) mod given;
+pub mod holds;
+pub(crate) mod places;
+pub(crate) mod reading;
+pub mod row;
+pub mod scale;
+pub(crate) mod schema;
 pub mod setting;
 pub mod sweep;
+pub(crate) mod table;

@@ -6,13 +6,43 @@ use std::path::Path;
 
 use toml::Spanned;
 
-use crate::chart::file::Scale;
-use crate::key::file::{SpacingTable, SweepTable};
-use crate::key::scalar::{self, Scalar};
-use crate::key::setting as key;
-use crate::key::setting::{Key, Setting, Swept};
+use crate::key::given::Given;
+use crate::key::holds::Holds;
+use crate::key::row::{Key, keys};
+use crate::key::scale::Scale;
+use crate::key::setting::Swept;
+use crate::key::table::Table;
 use crate::quantity::units::Quantity;
 use crate::source::diagnose::{Fault, choices};
+
+keys! {
+    /// The keys of sweeps.
+    pub(crate) static KEYS;
+    /// Each varies one key; several multiply, the first being the slowest to change.
+    SWEEP = "sweep", "", Holds::List(&Holds::Table), "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"2 Hz\", \"5 Hz\"]";
+    /// The key to vary: "motion.frequency".
+    KEY = "sweep.key", "", Holds::Text, "key = \"motion.frequency\"", required;
+    /// The values one by one.
+    LIST = "sweep.list", "", Holds::List(&Holds::Any), "list = [\"2 Hz\", \"5 Hz\"]";
+    /// Values at equal differences, both ends included.
+    LINEAR = "sweep.linear", "", Holds::Table, "linear = { from = \"2 Hz\", to = \"40 Hz\", points = 20 }";
+    /// The first value, of the key that is swept.
+    LINEAR_FROM = "sweep.linear.from", "", Holds::Any, "from = \"2 Hz\"", required;
+    /// The last value.
+    LINEAR_TO = "sweep.linear.to", "", Holds::Any, "to = \"40 Hz\"", required;
+    /// How many values.
+    LINEAR_POINTS = "sweep.linear.points", "", POINTS, "points = 20", required;
+    /// Values at equal ratios, both ends included.
+    LOG = "sweep.log", "", Holds::Table, "log = { from = \"2 Hz\", to = \"40 Hz\", points = 24 }";
+    /// The first value, above 0, of the key that is swept.
+    LOG_FROM = "sweep.log.from", "", Holds::Any, "from = \"2 Hz\"", required;
+    /// The last value, above 0.
+    LOG_TO = "sweep.log.to", "", Holds::Any, "to = \"40 Hz\"", required;
+    /// How many values.
+    LOG_POINTS = "sweep.log.points", "", POINTS, "points = 24", required;
+}
+
+const POINTS: Holds = Holds::Whole(1, MOST_VALUES as i64);
 
 /// Most values of one sweep.
 const MOST_VALUES: usize = 10_000;
@@ -30,28 +60,31 @@ pub struct Sweep {
     pub(crate) files: Vec<Spanned<String>>,
     /// Of an axis over them: linear where they are evenly spaced, or not all above 0.
     pub(crate) scale: Scale,
+    /// Of the name of the key, in the text.
+    pub(crate) key_span: Range<usize>,
     /// Of the values, in the text.
     pub(crate) span: Range<usize>,
 }
 
-/// All sweeps of a study over some of these keys, in the order written.
+/// All sweeps of a study, in the order written; its kind has these `keys`, and sweeps may vary some of them.
 ///
 /// # Errors
 /// Besides those of each sweep: one target swept twice, too many points.
-pub(crate) fn read_all(tables: &[SweepTable], keys: &[&'static Key]) -> Result<Vec<Sweep>, Fault> {
+pub(crate) fn read_all(
+    study: &Table,
+    keys: &[&'static Key],
+    sweepable: &[&'static Key],
+) -> Result<Vec<Sweep>, Fault> {
     let mut sweeps: Vec<Sweep> = Vec::new();
     let mut points = 1_usize;
-    for table in tables {
-        let sweep = read(table, key::find(&table.key, keys)?)?;
-        let target = sweep.key.target();
-        if let Some(earlier) = sweeps.iter().find(|earlier| earlier.key.target() == target) {
+    let tables = study.get(&SWEEP).map(|given| given.items()).unwrap_or_default();
+    for table in tables.iter().filter_map(Given::table) {
+        let name = table.needed(&KEY)?;
+        let sweep = Written { key: find(name, keys, sweepable)?, name, table }.read()?;
+        let target = target(sweep.key, keys);
+        if let Some(earlier) = sweeps.iter().find(|earlier| self::target(earlier.key, keys) == target) {
             let message = format!("{} is swept although {} is already", sweep.key.name, earlier.key.name);
-            return Err(Fault::new(
-                table.key.span(),
-                message,
-                "the second sweep",
-                "join the two lists, or drop one",
-            ));
+            return Err(name.fault(message, "the second sweep", "join the two lists, or drop one"));
         }
         // Both factors are bounded, so the product fits.
         points *= sweep.values.len();
@@ -62,6 +95,28 @@ pub(crate) fn read_all(tables: &[SweepTable], keys: &[&'static Key]) -> Result<V
         sweeps.push(sweep);
     }
     Ok(sweeps)
+}
+
+/// What a key sets: of a table with one of several keys, all set the same.
+fn target(key: &'static Key, keys: &[&'static Key]) -> &'static str {
+    let forms = keys.iter().find(|table| table.name == key.table() && matches!(table.holds, Holds::OneOf));
+    forms.map_or(key.name, |forms| forms.name)
+}
+
+/// The key that a sweep names.
+fn find(name: Given, keys: &[&'static Key], sweepable: &[&'static Key]) -> Result<&'static Key, Fault> {
+    let wanted = name.text();
+    if let Some(key) = sweepable.iter().find(|key| key.name == wanted) {
+        return Ok(key);
+    }
+    let names: Vec<&str> = sweepable.iter().map(|key| key.name).collect();
+    if let Some(key) = keys.iter().find(|key| key.name == wanted) {
+        let message = format!("{wanted} {} and cannot be swept", key.fixed());
+        let help = format!("sweepable keys are {}", names.join(", "));
+        return Err(name.fault(message, key.fixed(), help));
+    }
+    let message = format!("there is no key `{wanted}` to sweep");
+    Err(name.fault(message, "unknown key", choices(wanted, &names)))
 }
 
 /// Points of all sweeps.
@@ -81,184 +136,180 @@ pub(crate) fn values_at(sweeps: &[Sweep], index: usize) -> Vec<(&'static str, Sw
     swept
 }
 
-/// Puts the quantities among swept values into `inputs`.
-pub(crate) fn set<I>(inputs: &mut I, settings: &[&'static Setting<I>], swept: &[(&'static str, Swept)]) {
-    for (name, value) in swept {
-        let setting = settings.iter().find(|setting| setting.name == *name);
-        if let (Some(setting), Some(quantity)) = (setting, value.quantity()) {
-            (setting.set)(inputs, quantity);
-        }
-    }
+/// A sweep as it is written.
+struct Written<'a> {
+    key: &'static Key,
+    /// The key's name.
+    name: Given<'a>,
+    table: Table<'a>,
 }
 
-fn read(table: &SweepTable, key: &'static Key) -> Result<Sweep, Fault> {
-    if key.is_file() {
-        return of_files(table, key);
-    }
-    if key.is_name() {
-        return of_names(table, key);
-    }
-    let (span, values) = match (&table.list, &table.linear, &table.log) {
-        (Some(list), None, None) => (list.span(), listed(key, list)?),
-        (None, Some(linear), None) => (linear.span(), spaced(key, linear, Spacing::Linear)?),
-        (None, None, Some(log)) => (log.span(), spaced(key, log, Spacing::Log)?),
-        _ => {
-            let message = format!("the sweep over {} needs exactly one of list, linear, log", key.name);
-            let help = "accepted: list = [ … ], or linear = { from = …, to = …, points = … }, or log = { … }";
-            return Err(Fault::new(table.key.span(), message, "in this sweep", help));
+impl Written<'_> {
+    fn read(&self) -> Result<Sweep, Fault> {
+        let [list, linear, log] = [&LIST, &LINEAR, &LOG].map(|key| self.table.get(key));
+        if self.key.is_name() {
+            return match (list, linear, log) {
+                (Some(list), None, None) => self.of_names(list),
+                _ => Err(self.lists_names()),
+            };
         }
-    };
-    let linear = table.linear.is_some() || values.iter().any(|value| value.value <= 0.0);
-    let scale = if linear { Scale::Linear } else { Scale::Log };
-    let values = values.into_iter().map(Swept::Quantity).collect();
-    Ok(Sweep { key, values, files: vec![], scale, span })
-}
-
-/// A sweep over files, each known by its name without folders and ending.
-fn of_files(table: &SweepTable, key: &'static Key) -> Result<Sweep, Fault> {
-    let (Some(list), None, None) = (&table.list, &table.linear, &table.log) else {
-        let message = format!("the sweep over {} needs list, it is over files", key.name);
-        let help = "write it as in list = [\"lgk-400.toml\", \"lgv-1.toml\"]";
-        return Err(Fault::new(table.key.span(), message, "in this sweep", help));
-    };
-    count(key, list)?;
-    let (mut values, mut files) = (Vec::new(), Vec::new());
-    for item in list.get_ref() {
-        let Scalar::Text(path) = item.get_ref() else {
-            let message = format!("{}: {} is no name of a file", key.name, item.get_ref());
-            return Err(Fault::new(
-                item.span(),
-                message,
-                item.get_ref().kind(),
-                "accepted: a text in quotes",
-            ));
-        };
-        let stem = Path::new(path).file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let value = Swept::Name(stem);
-        if values.contains(&value) {
-            let message = format!("the sweep over {} takes the name {value} twice", key.name);
-            let help = "tables tell files apart by their names: give them different ones";
-            return Err(Fault::new(item.span(), message, "listed before", help));
-        }
-        values.push(value);
-        files.push(Spanned::new(item.span(), path.clone()));
-    }
-    Ok(Sweep { key, values, files, scale: Scale::Linear, span: list.span() })
-}
-
-/// A sweep over some of the names that a key accepts.
-fn of_names(table: &SweepTable, key: &'static Key) -> Result<Sweep, Fault> {
-    let known: Vec<&str> = key.names().collect();
-    let (Some(list), None, None) = (&table.list, &table.linear, &table.log) else {
-        let message = format!("the sweep over {} needs list, it is over names", key.name);
-        let quoted: Vec<String> = known.iter().map(|name| format!("\"{name}\"")).collect();
-        let help = format!("write it as in list = [{}]", quoted.join(", "));
-        return Err(Fault::new(table.key.span(), message, "in this sweep", help));
-    };
-    count(key, list)?;
-    let mut values = Vec::new();
-    for item in list.get_ref() {
-        let value = match item.get_ref() {
-            Scalar::Text(name) if known.contains(&name.as_str()) => Swept::Name(name.clone()),
-            other => {
-                let found = if let Scalar::Text(name) = other { name } else { "" };
-                let message = format!("{}: there is no {other}", key.name);
-                return Err(Fault::new(item.span(), message, "not one of the names", choices(found, &known)));
+        let (span, values) = match (list, linear, log) {
+            (Some(list), None, None) => (list.span(), self.listed(list)?),
+            (None, Some(spaced), None) => {
+                (spaced.span(), self.spaced(spaced, &LINEAR_FROM, &LINEAR_TO, &LINEAR_POINTS, false)?)
+            }
+            (None, None, Some(spaced)) => {
+                (spaced.span(), self.spaced(spaced, &LOG_FROM, &LOG_TO, &LOG_POINTS, true)?)
+            }
+            _ => {
+                let message = format!("the sweep over {} needs exactly one of list, linear, log", self.key.name);
+                let help =
+                    "accepted: list = [ … ], or linear = { from = …, to = …, points = … }, or log = { … }";
+                return Err(self.name.fault(message, "in this sweep", help));
             }
         };
-        if values.contains(&value) {
-            let message = format!("the sweep over {} takes {value} twice", key.name);
-            return Err(Fault::new(item.span(), message, "listed before", "leave it out here"));
-        }
-        values.push(value);
+        let is_linear = linear.is_some() || values.iter().any(|value| value.value <= 0.0);
+        let scale = if is_linear { Scale::Linear } else { Scale::Log };
+        let values = values.into_iter().map(Swept::Quantity).collect();
+        Ok(Sweep { key: self.key, values, files: vec![], scale, key_span: self.name.span(), span })
     }
-    Ok(Sweep { key, values, files: vec![], scale: Scale::Linear, span: list.span() })
-}
 
-/// One value or more, and not too many.
-fn count(key: &Key, list: &Spanned<Vec<Spanned<Scalar>>>) -> Result<(), Fault> {
-    let fault = |message, label| {
-        Err(Fault::new(list.span(), message, label, "give one value or more, 10000 at most"))
-    };
-    match list.get_ref().len() {
-        0 => fault(format!("the sweep over {} is empty", key.name), "no values"),
-        count if count > MOST_VALUES => {
-            fault(format!("the sweep over {} has {count} values", key.name), "too many values")
-        }
-        _ => Ok(()),
-    }
-}
-
-fn listed(key: &Key, list: &Spanned<Vec<Spanned<Scalar>>>) -> Result<Vec<Quantity>, Fault> {
-    count(key, list)?;
-    let mut seen = HashSet::new();
-    let mut values: Vec<Quantity> = Vec::new();
-    for item in list.get_ref() {
-        let value = key.read(item)?;
-        if let Some(first) = values.first() {
-            same_dimension(key, *first, value, item)?;
-        }
-        if !seen.insert(value.value.to_bits()) {
-            let message = format!("the sweep over {} takes {value} twice", key.name);
-            return Err(Fault::new(item.span(), message, "listed before", "leave it out here"));
-        }
-        values.push(value);
-    }
-    Ok(values)
-}
-
-#[derive(Clone, Copy)]
-enum Spacing {
-    Linear,
-    Log,
-}
-
-fn spaced(key: &Key, table: &Spanned<SpacingTable>, spacing: Spacing) -> Result<Vec<Quantity>, Fault> {
-    let SpacingTable { from, to, points } = table.get_ref();
-    let (first, last) = (key.read(from)?, key.read(to)?);
-    same_dimension(key, first, last, to)?;
-    let count = scalar::whole("points", points, 1..=MOST_VALUES as i64)?;
-    if (count == 1) != (first == last) {
-        let message = format!("points = {count} cannot go from {first} to {last}");
-        let help = "equal ends need points = 1, different ends points = 2 or more";
-        return Err(Fault::new(points.span(), message, "does not suit the ends", help));
-    }
-    for (end, written) in [(first, from), (last, to)] {
-        if matches!(spacing, Spacing::Log) && end.value <= 0.0 {
-            let message = format!("a log sweep over {} cannot hold {end}", key.name);
-            return Err(Fault::new(written.span(), message, "not above 0", "use a value above 0, or linear"));
-        }
-    }
-    let (a, b) = (first.value, last.value);
-    let value_at = |i: i64| {
-        let share = i as f64 / (count - 1) as f64;
-        let value = match spacing {
-            _ if i == 0 => a,
-            _ if i == count - 1 => b,
-            Spacing::Linear => a + (b - a) * share,
-            Spacing::Log => libm::exp(libm::log(a) + (libm::log(b) - libm::log(a)) * share),
+    /// That names and files have no steps between them.
+    fn lists_names(&self) -> Fault {
+        let (over, example) = match self.key.is_file() {
+            true => ("files", "\"lgk-400.toml\", \"lgv-1.toml\"".to_owned()),
+            false => {
+                let quoted: Vec<String> =
+                    self.key.names().iter().map(|name| format!("\"{name}\"")).collect();
+                ("names", quoted.join(", "))
+            }
         };
-        Quantity::new(value, first.dimension)
-    };
-    let values: Vec<Quantity> = (0..count).map(value_at).collect();
-    if let Some(part) = values.iter().find(|value| key.is_whole() && value.value.fract() != 0.0) {
-        let message = format!("{} takes whole numbers only, this sweep gives {}", key.name, part.value);
-        let help = "choose points so that the steps are whole, or give a list";
-        return Err(Fault::new(table.span(), message, "fractions between the ends", help));
+        let message = format!("the sweep over {} needs list, it is over {over}", self.key.name);
+        self.name.fault(message, "in this sweep", format!("write it as in list = [{example}]"))
     }
-    if values.windows(2).any(|pair| pair[0] == pair[1]) {
-        let message = format!("the sweep over {} takes the same value twice", key.name);
-        return Err(Fault::new(table.span(), message, "the ends are too close", "use fewer points"));
-    }
-    Ok(values)
-}
 
-/// One sweep is one column, and a column has one unit.
-fn same_dimension(key: &Key, first: Quantity, value: Quantity, at: &Spanned<Scalar>) -> Result<(), Fault> {
-    if first.dimension == value.dimension {
-        return Ok(());
+    /// A sweep over some of the names that a key accepts, or over files, each known by its name without folders and ending.
+    fn of_names(&self, list: Given) -> Result<Sweep, Fault> {
+        self.count(list)?;
+        let (key, known) = (self.key, self.key.names());
+        let (mut values, mut files) = (Vec::new(), Vec::new());
+        for item in list.items() {
+            let text = item.text();
+            if key.is_file() && !item.is_text() {
+                let message = format!("{}: {item} is no name of a file", key.name);
+                return Err(item.fault(message, item.form(), "accepted: a text in quotes"));
+            }
+            if !key.is_file() && !known.contains(&text) {
+                let message = format!("{}: there is no {item}", key.name);
+                return Err(item.fault(message, "not one of the names", choices(text, &known)));
+            }
+            let value = match key.is_file() {
+                true => Path::new(text).file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+                false => text.to_owned(),
+            };
+            let value = Swept::Name(value);
+            if values.contains(&value) {
+                let (what, help) = match key.is_file() {
+                    true => ("the name ", "tables tell files apart by their names: give them different ones"),
+                    false => ("", "leave it out here"),
+                };
+                let message = format!("the sweep over {} takes {what}{value} twice", key.name);
+                return Err(item.fault(message, "listed before", help));
+            }
+            values.push(value);
+            if key.is_file() {
+                files.push(Spanned::new(item.span(), text.to_owned()));
+            }
+        }
+        Ok(Sweep { key, values, files, scale: Scale::Linear, key_span: self.name.span(), span: list.span() })
     }
-    let (found, wanted) = (value.dimension.name(), first.dimension.name());
-    let message = format!("the sweep over {} mixes {wanted} and {found}", key.name);
-    Err(Fault::new(at.span(), message, found, format!("write {wanted}, as the first value is")))
+
+    /// One value or more, and not too many.
+    fn count(&self, list: Given) -> Result<(), Fault> {
+        let fault =
+            |message: String, label| Err(list.fault(message, label, "give one value or more, 10000 at most"));
+        match list.items().len() {
+            0 => fault(format!("the sweep over {} is empty", self.key.name), "no values"),
+            count if count > MOST_VALUES => {
+                fault(format!("the sweep over {} has {count} values", self.key.name), "too many values")
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn listed(&self, list: Given) -> Result<Vec<Quantity>, Fault> {
+        self.count(list)?;
+        let mut seen = HashSet::new();
+        let mut values: Vec<Quantity> = Vec::new();
+        for item in list.items() {
+            let value = item.of(self.key).quantity()?;
+            if let Some(first) = values.first() {
+                self.same_dimension(*first, value, item)?;
+            }
+            if !seen.insert(value.value.to_bits()) {
+                let message = format!("the sweep over {} takes {value} twice", self.key.name);
+                return Err(item.fault(message, "listed before", "leave it out here"));
+            }
+            values.push(value);
+        }
+        Ok(values)
+    }
+
+    fn spaced(
+        &self,
+        spaced: Given,
+        from: &'static Key,
+        to: &'static Key,
+        points: &'static Key,
+        is_log: bool,
+    ) -> Result<Vec<Quantity>, Fault> {
+        let (from, to) = (self.table.needed(from)?.of(self.key), self.table.needed(to)?.of(self.key));
+        let (first, last) = (from.quantity()?, to.quantity()?);
+        self.same_dimension(first, last, to)?;
+        let points = self.table.needed(points)?;
+        let count = points.whole()?;
+        if (count == 1) != (first == last) {
+            let message = format!("points = {count} cannot go from {first} to {last}");
+            let help = "equal ends need points = 1, different ends points = 2 or more";
+            return Err(points.fault(message, "does not suit the ends", help));
+        }
+        for (end, written) in [(first, from), (last, to)] {
+            if is_log && end.value <= 0.0 {
+                let message = format!("a log sweep over {} cannot hold {end}", self.key.name);
+                return Err(written.fault(message, "not above 0", "use a value above 0, or linear"));
+            }
+        }
+        let (a, b) = (first.value, last.value);
+        let value_at = |i: i64| {
+            let share = i as f64 / (count - 1) as f64;
+            let value = match i {
+                0 => a,
+                _ if i == count - 1 => b,
+                _ if is_log => libm::exp(libm::log(a) + (libm::log(b) - libm::log(a)) * share),
+                _ => a + (b - a) * share,
+            };
+            Quantity::new(value, first.dimension)
+        };
+        let values: Vec<Quantity> = (0..count).map(value_at).collect();
+        if let Some(part) = values.iter().find(|value| self.key.is_whole() && value.value.fract() != 0.0) {
+            let message = format!("{} takes whole numbers only, this sweep gives {}", self.key.name, part.value);
+            let help = "choose points so that the steps are whole, or give a list";
+            return Err(spaced.fault(message, "fractions between the ends", help));
+        }
+        if values.windows(2).any(|pair| pair[0] == pair[1]) {
+            let message = format!("the sweep over {} takes the same value twice", self.key.name);
+            return Err(spaced.fault(message, "the ends are too close", "use fewer points"));
+        }
+        Ok(values)
+    }
+
+    /// One sweep is one column, and a column has one unit.
+    fn same_dimension(&self, first: Quantity, value: Quantity, at: Given) -> Result<(), Fault> {
+        if first.dimension == value.dimension {
+            return Ok(());
+        }
+        let (found, wanted) = (value.dimension.name(), first.dimension.name());
+        let message = format!("the sweep over {} mixes {wanted} and {found}", self.key.name);
+        Err(at.fault(message, found, format!("write {wanted}, as the first value is")))
+    }
 }

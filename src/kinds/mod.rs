@@ -6,6 +6,7 @@ pub mod allan;
 pub mod drift_budget;
 pub mod exact;
 pub mod gap_fill;
+pub(crate) mod gyro;
 pub mod relock;
 pub mod suspension;
 pub mod switched_run;

@@ -1,13 +1,15 @@
 //! The motion of the base at one point, in ″ and s.
 
+pub mod keys;
 pub mod read;
 pub mod read_psd;
+pub(crate) mod suspension;
 pub mod vibration;
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use crate::key::file::motion::{Phase, Position};
+use crate::motion::keys::{Phase, Position};
 use crate::motion::vibration::Vibration;
 use crate::record::Record;
 use crate::theory::autocovariance::autocovariance;

@@ -2,88 +2,61 @@
 
 use std::sync::Arc;
 
-use toml::Spanned;
-
 use crate::kernel::gap_fill::shape::MAX_TONES;
-use crate::key::file::either::Either;
-use crate::key::file::motion::{
-    AmplitudeTable, Ends, GaussianTable, MotionTable, Phase, ProfileTable, ToneTable,
+use crate::key::given::Given;
+use crate::key::reading::Reading;
+use crate::key::row::Key;
+use crate::key::table::Table;
+use crate::motion::keys::{
+    ACCELERATION, AMPLITUDE, FREQUENCY, GAUSSIAN, GAUSSIAN_BAND, GAUSSIAN_PSD, GAUSSIAN_RMS, MOTION, OF_SEVERAL,
+    ONE, POSITION, PROFILE, PROFILE_FILE, Phase, Position, RATE, RATE_DENSITIES, TONES, ToneKeys,
 };
-use crate::key::file::suspension::VibrationTable;
-use crate::key::scalar::Scalar;
-use crate::key::setting::Key;
-use crate::key::sweep::Sweep;
-use crate::kinds::gap_fill::keys::{ACCELERATION, AMPLITUDE, FREQUENCY, GAUSSIAN_RMS, RATE};
 use crate::motion::read_psd::read_psd;
 use crate::motion::vibration::{self, Acceleration, Vibration};
 use crate::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
-use crate::quantity::units::Dimension;
+use crate::quantity::units::{Dimension, Quantity};
 use crate::record::Record;
 use crate::source::diagnose::{Fault, Wrong};
-use crate::source::place::Places;
-use crate::source::text_file::{Files, MOST_RECORD};
+use crate::source::text_file::MOST_RECORD;
 use crate::theory::minimum_variance::Band;
 
 /// What a motion may be, for messages.
 const FORMS: &str = "accepted: amplitude and frequency; tones = [{ amplitude = …, frequency = … }, …]; gaussian = { rms \
                      = …, band = […] }; profile = { file = … }; suspension = { gyro = …, sine = … }; rate or acceleration";
 
-/// The motion that is written; `files` have its record. Notes the place of each key.
-pub(crate) fn read(
-    written: &Spanned<MotionTable>,
-    sweeps: &[Sweep],
-    places: &mut Places,
-    files: &Files,
-) -> Result<Motion, Wrong> {
-    let table = written.get_ref();
-    let mut motion = Motion { tones: tones(table, places)?, ..Motion::default() };
-    if let Some(gaussian) = &table.gaussian {
-        places.add("motion.gaussian", gaussian.span());
-        motion.gaussian = Some(read_gaussian(gaussian)?);
+/// The motion that is written. Notes the place of each key.
+pub(crate) fn read(reading: &mut Reading) -> Result<Motion, Wrong> {
+    let mut motion = Motion { tones: tones(reading)?, ..Motion::default() };
+    reading.note(&[&TONES, &AMPLITUDE, &FREQUENCY, &GAUSSIAN, &PROFILE, &RATE, &ACCELERATION]);
+    motion.gaussian = reading.get(&GAUSSIAN).map(|table| gaussian(table, reading)).transpose()?;
+    motion.vibration = vibration::read(reading)?;
+    if let Some(vibration) = &motion.vibration {
+        check_beside(&motion, vibration, reading)?;
     }
-    if let Some(suspension) = &table.suspension {
-        let vibration = vibration::read(suspension, sweeps, places)?;
-        check_beside(&motion, &vibration, suspension)?;
-        motion.vibration = Some(vibration);
-    }
-    if let Some(profile) = &table.profile {
-        places.add("motion.profile", profile.span());
+    if let Some(profile) = reading.get(&PROFILE) {
         if !motion.tones.is_empty() || motion.gaussian.is_some() || motion.vibration.is_some() {
             let message = "motion.profile stands beside other vibration, a record is all of it";
-            return Err(Fault::new(
-                profile.span(),
-                message,
-                "besides another motion",
-                "leave one of them out",
-            )
-            .into());
+            return Err(profile.fault(message, "besides another motion", "leave one of them out").into());
         }
-        motion.profile = Some(read_profile(profile, files)?);
+        motion.profile = Some(read_profile(reading)?);
     }
-    for (key, written, to) in [
-        (&RATE, &table.rate, &mut motion.rate),
-        (&ACCELERATION, &table.acceleration, &mut motion.acceleration),
-    ] {
-        if let Some(written) = written {
-            places.add(key.name, written.span());
-            *to = key.read(written)?.value;
+    for (key, to) in [(&RATE, &mut motion.rate), (&ACCELERATION, &mut motion.acceleration)] {
+        if let Some(written) = reading.get(key) {
+            *to = written.quantity()?.value;
         }
     }
-    let nothing = motion == Motion::default() && table.rate.is_none() && table.acceleration.is_none();
-    if nothing {
+    let written = [&RATE, &ACCELERATION].into_iter().any(|key| reading.get(key).is_some());
+    if motion == Motion::default() && !written {
         let message = "[motion] is empty, there is no motion to fill in";
+        let span = reading.table.span_of(&MOTION).unwrap_or_default();
         let help = format!("{FORMS}; rate = \"0 deg/s\" for none");
-        return Err(Fault::new(written.span(), message, "nothing here", help).into());
+        return Err(Fault::new(span, message, "nothing here", help).into());
     }
     Ok(motion)
 }
 
 /// Refuses a vibration whose part of the motion is taken.
-fn check_beside(
-    motion: &Motion,
-    vibration: &Vibration,
-    written: &Spanned<VibrationTable>,
-) -> Result<(), Fault> {
+fn check_beside(motion: &Motion, vibration: &Vibration, reading: &Reading) -> Result<(), Fault> {
     let message = match vibration.acceleration {
         Acceleration::Random { .. } if motion.gaussian.is_some() => {
             "motion.suspension.random stands beside motion.gaussian".to_owned()
@@ -93,177 +66,121 @@ fn check_beside(
         }
         _ => return Ok(()),
     };
-    Err(Fault::new(written.span(), message, "besides another motion", "leave one of them out"))
+    let span = reading.table.span_of(vibration::KEYS.table).unwrap_or_default();
+    Err(Fault::new(span, message, "besides another motion", "leave one of them out"))
 }
 
-fn tones(table: &MotionTable, places: &mut Places) -> Result<Vec<Tone>, Fault> {
-    let MotionTable { amplitude, frequency, phase, tones, .. } = table;
-    if let Some(tones) = tones {
-        places.add("motion.tones", tones.span());
-        let alone = [
-            amplitude.as_ref().map(Spanned::span),
-            frequency.as_ref().map(Spanned::span),
-            phase.as_ref().map(Spanned::span),
-        ];
-        if let Some(span) = alone.into_iter().flatten().next() {
+fn tones(reading: &Reading) -> Result<Vec<Tone>, Fault> {
+    let single = [ONE.amplitude, ONE.frequency, ONE.phase].map(|key| reading.get(key));
+    if let Some(tones) = reading.get(&TONES) {
+        if let Some(single) = single.into_iter().flatten().next() {
             let message = "motion.tones stands beside the amplitude, frequency or phase of a single tone";
-            return Err(Fault::new(span, message, "besides tones", "put it into tones, or leave tones out"));
+            return Err(single.fault(message, "besides tones", "put it into tones, or leave tones out"));
         }
-        let list = tones.get_ref();
-        let refuse = |message: String, label| {
-            Err(Fault::new(tones.span(), message, label, format!("accepted: 1 to {MAX_TONES} tones")))
-        };
-        match list.len() {
-            0 => return refuse("motion.tones is empty".to_owned(), "no tone"),
+        let list = tones.items();
+        let (message, label) = match list.len() {
+            0 => ("motion.tones is empty".to_owned(), "no tone"),
             count if count > MAX_TONES => {
-                return refuse(
-                    format!("motion.tones has {count} tones, more than {MAX_TONES}"),
-                    "too many tones",
-                );
+                (format!("motion.tones has {count} tones, more than {MAX_TONES}"), "too many tones")
             }
-            _ => {}
-        }
-        return list
-            .iter()
-            .map(|tone| {
-                let ToneTable { amplitude, frequency, phase } = tone.get_ref();
-                read_tone("motion.tones", amplitude, frequency, phase.as_ref())
-            })
-            .collect();
+            _ => {
+                let tables = list.iter().filter_map(Given::table);
+                return tables.map(|table| read_tone(&table, &OF_SEVERAL)).collect();
+            }
+        };
+        return Err(tones.fault(message, label, format!("accepted: 1 to {MAX_TONES} tones")));
     }
-    match (amplitude, frequency) {
-        (Some(amplitude), Some(frequency)) => {
-            places.add(AMPLITUDE.name, amplitude.span());
-            places.add(FREQUENCY.name, frequency.span());
-            Ok(vec![read_tone("motion", amplitude, frequency, phase.as_ref())?])
-        }
-        (Some(only), None) => Err(lacking(only.span(), "motion.frequency", "frequency = \"20 Hz\"")),
-        (None, Some(only)) => Err(lacking(only.span(), "motion.amplitude", "amplitude = \"12000 arcsec/s\"")),
-        (None, None) => match phase {
-            Some(phase) => Err(lacking(phase.span(), "motion.amplitude", "amplitude = \"12000 arcsec/s\"")),
-            None => Ok(vec![]),
-        },
+    match single {
+        [Some(_), Some(_), _] => Ok(vec![read_tone(&reading.table, &ONE)?]),
+        [Some(only), None, _] => Err(lacking(only, ONE.frequency)),
+        [None, Some(only), _] | [None, None, Some(only)] => Err(lacking(only, ONE.amplitude)),
+        [None, None, None] => Ok(vec![]),
     }
 }
 
-fn lacking(span: std::ops::Range<usize>, key: &str, example: &str) -> Fault {
-    let message = format!("{key} is missing: a tone has an amplitude and a frequency");
-    Fault::new(span, message, "only this one", format!("add for example {example}"))
+fn lacking(only: Given, key: &Key) -> Fault {
+    let message = format!("{} is missing: a tone has an amplitude and a frequency", key.name);
+    only.fault(message, "only this one", format!("add for example {}", key.example))
 }
 
-fn read_tone(
-    table: &str,
-    amplitude: &Spanned<Either<AmplitudeTable>>,
-    frequency: &Spanned<Either<Ends>>,
-    phase: Option<&Spanned<Phase>>,
-) -> Result<Tone, Fault> {
-    let name = |key: &str| format!("{table}.{key}");
-    let frequency = match frequency.get_ref() {
-        Either::One(scalar) => {
-            let given = Spanned::new(frequency.span(), scalar.clone());
-            Frequency::Fixed(FREQUENCY.read_as(&name("frequency"), &given)?.value)
-        }
-        Either::Other(ends) => Frequency::Band(band(&name("frequency"), ends, frequency.span())?),
+fn read_tone(table: &Table, keys: &ToneKeys) -> Result<Tone, Fault> {
+    let frequency = table.needed(keys.frequency)?;
+    let frequency = match frequency.is_list() {
+        true => Frequency::Band(band(frequency)?),
+        false => Frequency::Fixed(frequency.quantity()?.value),
     };
-    let amplitude_ = read_amplitude(&name("amplitude"), amplitude)?;
-    let fixed = phase.filter(|phase| *phase.get_ref() != Phase::Uniform);
-    if let (Value::Rayleigh(_), Some(phase)) = (amplitude_.value, fixed) {
+    let amplitude = read_amplitude(table, keys)?;
+    let written = table.get(keys.phase);
+    let phase = Phase::of(written);
+    if let (Value::Rayleigh(_), Some(written), true) = (amplitude.value, written, phase != Phase::Uniform) {
         let message =
             "a Rayleigh-distributed amplitude goes with a random phase: it is narrow-band Gaussian motion";
-        return Err(Fault::new(
-            phase.span(),
-            message,
-            "a fixed phase",
-            "leave the phase out, or draw the amplitude uniformly",
-        ));
+        let help = "leave the phase out, or draw the amplitude uniformly";
+        return Err(written.fault(message, "a fixed phase", help));
     }
-    Ok(Tone {
-        amplitude: amplitude_,
-        frequency,
-        phase: phase.map_or(Phase::Uniform, |phase| *phase.get_ref()),
-    })
+    Ok(Tone { amplitude, frequency, phase })
 }
 
-fn read_amplitude(name: &str, written: &Spanned<Either<AmplitudeTable>>) -> Result<Amplitude, Fault> {
-    let of = |quantity: crate::quantity::units::Quantity| quantity.dimension == Dimension::Angle;
-    match written.get_ref() {
-        Either::One(scalar) => {
-            let quantity = AMPLITUDE.read_as(name, &Spanned::new(written.span(), scalar.clone()))?;
-            Ok(Amplitude { of_angle: of(quantity), value: Value::Fixed(quantity.value) })
-        }
-        Either::Other(AmplitudeTable { uniform: Some(ends), rayleigh: None }) => {
-            let [low, high] = pair(name, &AMPLITUDE, ends.get_ref(), ends.span())?;
-            Ok(Amplitude { of_angle: of(low), value: Value::Uniform([low.value, high.value]) })
-        }
-        Either::Other(AmplitudeTable { uniform: None, rayleigh: Some(scale) }) => {
-            let quantity = AMPLITUDE.read_as(&format!("{name}.rayleigh"), scale)?;
-            Ok(Amplitude { of_angle: of(quantity), value: Value::Rayleigh(quantity.value) })
-        }
-        Either::Other(_) => {
-            let message = format!("{name} needs exactly one of uniform, rayleigh");
-            let help = "accepted: \"12000 arcsec/s\", { uniform = [\"8000 arcsec/s\", \"12000 arcsec/s\"] }, \
-                        { rayleigh = \"8000 arcsec/s\" }";
-            Err(Fault::new(written.span(), message, "not exactly one", help))
-        }
+fn read_amplitude(table: &Table, keys: &ToneKeys) -> Result<Amplitude, Fault> {
+    let of = |quantity: Quantity, value| Amplitude { of_angle: quantity.dimension == Dimension::Angle, value };
+    if let Some(ends) = table.get(keys.uniform) {
+        let [low, high] = pair(ends)?;
+        return Ok(of(low, Value::Uniform([low.value, high.value])));
     }
+    if let Some(scale) = table.get(keys.rayleigh) {
+        let scale = scale.quantity()?;
+        return Ok(of(scale, Value::Rayleigh(scale.value)));
+    }
+    let amplitude = table.needed(keys.amplitude)?.quantity()?;
+    Ok(of(amplitude, Value::Fixed(amplitude.value)))
 }
 
-/// Two values of a key's kind, the lower one first.
-fn pair(
-    name: &str,
-    key: &Key,
-    ends: &[Spanned<Scalar>],
-    span: std::ops::Range<usize>,
-) -> Result<[crate::quantity::units::Quantity; 2], Fault> {
-    let [low, high] = ends else {
-        let message = format!("{name} needs two ends, not {}", ends.len());
-        return Err(Fault::new(span, message, "not two values", "write the lower end and the upper end"));
+/// Two values, the lower one first.
+fn pair(ends: Given) -> Result<[Quantity; 2], Fault> {
+    let name = ends.key.name;
+    let items = ends.items().iter().map(Given::quantity).collect::<Result<Vec<_>, _>>()?;
+    let [low, high] = items[..] else {
+        return Err(ends.fault(format!("{name} needs two ends"), "not two values", ends.key.example));
     };
-    let [low, high] = [key.read_as(name, low)?, key.read_as(name, high)?];
     if low.dimension != high.dimension {
         let message = format!("{name} mixes a rate and an angle");
-        return Err(Fault::new(span, message, "two kinds", "write both as rates, or both as angles"));
+        return Err(ends.fault(message, "two kinds", "write both as rates, or both as angles"));
     }
     if low.value > high.value {
         let message = format!("{name} runs from {low} down to {high}");
-        return Err(Fault::new(span, message, "backwards", "write the lower end first"));
+        return Err(ends.fault(message, "backwards", "write the lower end first"));
     }
     Ok([low, high])
 }
 
 /// A band of frequencies.
-pub(crate) fn band(name: &str, ends: &Ends, span: std::ops::Range<usize>) -> Result<Band, Fault> {
-    let [low, high] = pair(name, &FREQUENCY, ends, span)?;
+pub(crate) fn band(ends: Given) -> Result<Band, Fault> {
+    let [low, high] = pair(ends)?;
     Ok(Band { low_hz: low.value, high_hz: high.value })
 }
 
-fn read_gaussian(written: &Spanned<GaussianTable>) -> Result<Gaussian, Fault> {
-    match written.get_ref() {
-        GaussianTable { rms: Some(rms), band: Some(ends), psd: None } => Ok(Gaussian::Band {
-            rms: GAUSSIAN_RMS.read(rms)?.value,
-            band: band("motion.gaussian.band", ends.get_ref(), ends.span())?,
-        }),
-        GaussianTable { rms: None, band: None, psd: Some(psd) } => {
-            Ok(Gaussian::Psd(Arc::new(read_psd("motion.gaussian.psd", psd, Dimension::RateDensity)?)))
-        }
+fn gaussian(table: Given, reading: &Reading) -> Result<Gaussian, Fault> {
+    match [&GAUSSIAN_RMS, &GAUSSIAN_BAND, &GAUSSIAN_PSD].map(|key| reading.get(key)) {
+        [Some(rms), Some(ends), None] => Ok(Gaussian::Band { rms: rms.quantity()?.value, band: band(ends)? }),
+        [None, None, Some(psd)] => Ok(Gaussian::Psd(Arc::new(read_psd(psd, &RATE_DENSITIES)?))),
         _ => {
             let message = "motion.gaussian needs rms and band, or psd";
-            let help = "accepted: { rms = \"8485 arcsec/s\", band = [\"18 Hz\", \"22 Hz\"] } or { psd = [[\"1 Hz\", \
-                        \"10 (deg/s)^2/Hz\"], …] }";
-            Err(Fault::new(written.span(), message, "neither of the two", help))
+            let help = format!("accepted: {}, or gaussian = {{ {} }}", GAUSSIAN.example, GAUSSIAN_PSD.example);
+            Err(table.fault(message, "neither of the two", help))
         }
     }
 }
 
-fn read_profile(written: &Spanned<ProfileTable>, files: &Files) -> Result<Profile, Wrong> {
-    let ProfileTable { file, position } = written.get_ref();
-    let path = files.path(file.get_ref());
-    let text = files.text(file.get_ref(), MOST_RECORD).map_err(|error| {
+fn read_profile(reading: &Reading) -> Result<Profile, Wrong> {
+    let file = reading.table.needed(&PROFILE_FILE)?;
+    let path = reading.files.path(file.text());
+    let text = reading.files.text(file.text(), MOST_RECORD).map_err(|error| {
         let message = format!("cannot read the record {}: {error}", path.display());
         let help = "give the path, from the folder of the study, of a record (CSV, UTF-8) with the columns \
                     `time [s]` and `rate [deg/s]`";
-        Fault::new(file.span(), message, "not readable", help)
+        file.fault(message, "not readable", help)
     })?;
     let record = Record::parse(&path.display().to_string(), &text)?;
-    Ok(Profile { file: file.get_ref().clone(), record: Arc::new(record), position: *position })
+    let position = Position::of(reading.get(&POSITION));
+    Ok(Profile { file: file.text().to_owned(), record: Arc::new(record), position })
 }

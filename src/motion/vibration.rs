@@ -2,19 +2,19 @@
 
 use std::sync::Arc;
 
-use toml::Spanned;
-
-use crate::key::file::suspension::VibrationTable;
-use crate::key::setting::{Key, Setting};
+use crate::key::places::Places;
+use crate::key::reading::Reading;
 use crate::key::sweep::Sweep;
-use crate::kinds::gap_fill::inputs::Inputs;
-use crate::kinds::suspension::read::{GYROS, read as read_suspension};
+use crate::motion::keys::{
+    ACCELERATION_DENSITIES, ALIAS, GYRO, MODE_FREQUENCY, MODE_Q, MODE_RESPONSE, MODES, RANDOM, RANDOM_PSD,
+    RANDOM_RMS, SINE, SINE_ACCELERATION, SINE_FREQUENCY, SUSPENSION,
+};
 use crate::motion::read_psd::read_psd;
+use crate::motion::suspension::SuspensionKeys;
 use crate::motion::{Gaussian, Motion, Tone};
 use crate::quantity::number::significant;
-use crate::quantity::units::{Dimension, round_12};
+use crate::quantity::units::round_12;
 use crate::source::diagnose::Fault;
-use crate::source::place::Places;
 use crate::theory::psd::Psd;
 use crate::theory::suspension::Suspension;
 
@@ -48,110 +48,37 @@ pub enum Acceleration {
     },
 }
 
-pub(crate) static GYRO: Key =
-    Key { name: "motion.suspension.gyro", label: "gyro", accepts: &[], limits: (0.0, 0.0, GYROS) };
-
-pub(crate) static SINE_ACCELERATION: Setting<Inputs> = Setting {
-    key: Key {
-        name: "motion.suspension.sine.acceleration",
-        label: "amplitude of the acceleration",
-        accepts: &[Dimension::Acceleration],
-        limits: (0.0, 1e6, "0 to 1e6 g"),
-    },
-    applies: is_sine,
-    set: |inputs, acceleration| {
-        if let Some(Acceleration::Sine { amplitude_g, .. }) = acceleration_of(inputs) {
-            *amplitude_g = acceleration.value;
-        }
-    },
+/// The keys of the suspension that the base shakes.
+pub(crate) const KEYS: SuspensionKeys = SuspensionKeys {
+    table: &SUSPENSION,
+    gyro: &GYRO,
+    modes: &MODES,
+    mode: [&MODE_FREQUENCY, &MODE_Q, &MODE_RESPONSE],
 };
 
-pub(crate) static SINE_FREQUENCY: Setting<Inputs> = Setting {
-    key: Key {
-        name: "motion.suspension.sine.frequency",
-        label: "vibration frequency",
-        accepts: &[Dimension::Frequency],
-        limits: (1e-9, 1e7, "1e-9 Hz to 1e7 Hz, and at most 10 times the tick rate"),
-    },
-    applies: is_sine,
-    set: |inputs, frequency| {
-        if let Some(Acceleration::Sine { frequency_hz, .. }) = acceleration_of(inputs) {
-            *frequency_hz = frequency.value;
-        }
-    },
-};
-
-pub(crate) static RANDOM_RMS: Setting<Inputs> = Setting {
-    key: Key {
-        name: "motion.suspension.random.rms",
-        label: "rms acceleration",
-        accepts: &[Dimension::Acceleration],
-        limits: (0.0, 1e6, "0 to 1e6 g"),
-    },
-    applies: |inputs| {
-        let vibration = inputs.motion.vibration.as_ref();
-        vibration.is_some_and(|vibration| matches!(vibration.acceleration, Acceleration::Random { .. }))
-    },
-    set: |inputs, rms| {
-        if let Some(Acceleration::Random { rms_g, .. }) = acceleration_of(inputs) {
-            *rms_g = Some(rms.value);
-        }
-    },
-};
-
-fn is_sine(inputs: &Inputs) -> bool {
-    let vibration = inputs.motion.vibration.as_ref();
-    vibration.is_some_and(|vibration| matches!(vibration.acceleration, Acceleration::Sine { .. }))
-}
-
-fn acceleration_of(inputs: &mut Inputs) -> Option<&mut Acceleration> {
-    inputs.motion.vibration.as_mut().map(|vibration| &mut vibration.acceleration)
-}
-
-/// The vibration that is written.
-pub(crate) fn read(
-    table: &Spanned<VibrationTable>,
-    sweeps: &[Sweep],
-    places: &mut Places,
-) -> Result<Vibration, Fault> {
-    let VibrationTable { gyro, modes, sine, random, alias } = table.get_ref();
-    let suspension = read_suspension(GYRO.name, gyro, modes, table.span(), sweeps)?;
-    for (key, span) in [
-        (GYRO.name, gyro.as_ref().map(Spanned::span)),
-        ("motion.suspension.modes", modes.as_ref().map(Spanned::span)),
-    ] {
-        span.into_iter().for_each(|span| places.add(key, span));
-    }
-    let acceleration = match (sine, random) {
-        (Some(sine), None) => {
-            let (amplitude, frequency) = (&sine.get_ref().acceleration, &sine.get_ref().frequency);
-            places.add(SINE_ACCELERATION.name, amplitude.span());
-            places.add(SINE_FREQUENCY.name, frequency.span());
-            Acceleration::Sine {
-                amplitude_g: SINE_ACCELERATION.read(amplitude)?.value,
-                frequency_hz: SINE_FREQUENCY.read(frequency)?.value,
-            }
-        }
-        (None, Some(random)) => {
-            let (psd, rms) = (&random.get_ref().psd, &random.get_ref().rms);
-            places.add("motion.suspension.random.psd", psd.span());
-            let key = "motion.suspension.random.psd";
-            let psd = read_psd(key, psd, Dimension::AccelerationDensity)?;
-            Acceleration::Random {
-                psd: Arc::new(psd),
-                rms_g: rms.as_ref().map(|rms| RANDOM_RMS.read(rms)).transpose()?.map(|rms| rms.value),
-            }
-        }
+/// The vibration that is written, if any.
+pub(crate) fn read(reading: &mut Reading) -> Result<Option<Vibration>, Fault> {
+    let Some(table) = reading.get(&SUSPENSION) else { return Ok(None) };
+    let suspension = KEYS.read(reading)?;
+    let acceleration = match (reading.get(&SINE), reading.get(&RANDOM)) {
+        (Some(_), None) => Acceleration::Sine {
+            amplitude_g: reading.table.needed(&SINE_ACCELERATION)?.quantity()?.value,
+            frequency_hz: reading.table.needed(&SINE_FREQUENCY)?.quantity()?.value,
+        },
+        (None, Some(_)) => Acceleration::Random {
+            psd: Arc::new(read_psd(reading.table.needed(&RANDOM_PSD)?, &ACCELERATION_DENSITIES)?),
+            rms_g: reading.get(&RANDOM_RMS).map(|rms| rms.quantity()).transpose()?.map(|rms| rms.value),
+        },
         _ => {
             let message = "motion.suspension needs exactly one of sine, random";
-            let help = "accepted: sine = { acceleration = \"1 g\", frequency = \"700 Hz\" }, or random = { psd = \
-                        [[\"20 Hz\", \"0.01 g^2/Hz\"], [\"2000 Hz\", \"0.01 g^2/Hz\"]] }";
-            return Err(Fault::new(table.span(), message, "not exactly one", help));
+            let help = format!("accepted: {}, or {}", SINE.example, RANDOM.example);
+            return Err(table.fault(message, "not exactly one", help));
         }
     };
-    // Behind its parts: for an error about the whole of it the first that is written is pointed at.
-    places.add("motion.suspension", table.span());
-    Ok(Vibration { suspension, acceleration, alias: alias.as_ref().is_some_and(|alias| *alias.get_ref()) })
+    // The table behind its parts: for an error about the whole of it the first that is written is pointed at.
+    reading.note(&[&GYRO, &MODES, &SINE_ACCELERATION, &SINE_FREQUENCY, &RANDOM_PSD, &SUSPENSION]);
+    let alias = reading.get(&ALIAS).is_some_and(|alias| alias.flag());
+    Ok(Some(Vibration { suspension, acceleration, alias }))
 }
 
 impl Vibration {

@@ -1,8 +1,7 @@
 //! The noise of a gyro by its coefficients, as `[noise]` and noise.toml have it.
 
-pub mod read;
-
-pub(crate) use crate::noise::read::{FILE, SETTINGS, read, read_file};
+pub(crate) mod keys;
+pub(crate) mod read;
 
 use crate::theory::allan::part::Part;
 use crate::theory::allan::process::Process;

@@ -2,5 +2,4 @@
 
 pub mod expression;
 pub mod number;
-pub mod percent;
 pub mod units;

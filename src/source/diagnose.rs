@@ -9,17 +9,10 @@ use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, Na
 
 use crate::record::RecordError;
 
-use crate::key::expected::{Expected, Found, axis_of, found_at, joined};
 use crate::source::shown::Shown;
 
 /// Most files of a folder that help names.
 const MOST_FILES: usize = 4;
-
-/// Help where there is no better.
-const SCHEMA: &str = "`sagnac schema` prints what every key accepts";
-
-/// How messages of serde and toml about a value of the wrong type begin.
-const WRONG_TYPE: [&str; 3] = ["invalid type", "invalid length", "wanted "];
 
 /// The text of a study, or of a file that it names, with the name of that file.
 pub(crate) type Text = Arc<NamedSource<String>>;
@@ -79,73 +72,16 @@ impl Fault {
         Fault::new(error.span().unwrap_or_default(), message, "here", help)
     }
 
-    /// An error of well-formed TOML that is no study: a key unknown or missing, or a value of the wrong type.
-    ///
-    /// serde hands over such errors as text only, in words of the program; it sets every name in backticks, the
-    /// offending one first.
-    pub(crate) fn from_serde(error: &toml::de::Error, text: &str) -> Fault {
-        let span = error.span().unwrap_or_default();
-        let message = error.message();
-        let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
-        match names[..] {
-            [found, ref known @ ..] if message.starts_with("unknown field") => Fault::new(
-                span,
-                format!("unknown key `{found}`"),
-                "not a key of this table",
-                choices(found, known),
-            ),
-            [found, ref known @ ..] if message.starts_with("unknown variant") => Fault::new(
-                span,
-                format!("unknown value \"{found}\""),
-                "not one of the choices",
-                choices(found, known),
-            ),
-            [missing] if message.starts_with("missing field") => Fault::missing(span, text, missing),
-            _ if WRONG_TYPE.iter().any(|start| message.starts_with(start)) => Fault::wrong_type(span, text),
-            _ => Fault::new(span, message, "wrong value", SCHEMA),
-        }
-    }
-
-    /// The table at `span` lacks the key `missing`.
-    fn missing(span: Range<usize>, text: &str, missing: &str) -> Fault {
-        let keys = found_at(text, &span).into_iter().map(|table| joined(&table.key, missing));
-        let expected = keys.filter_map(|key| Expected::of(&key)).next();
-        let key = expected.map_or(missing, |expected| expected.key);
-        let example = axis_of(key, text).or_else(|| expected.map(|expected| expected.example.to_owned()));
-        let help = example.map_or(SCHEMA.to_owned(), |example| format!("add it as in\n{example}"));
-        let label = if key == missing { "in this file" } else { "in this table" };
-        Fault::new(span, format!("the key `{key}` is missing"), label, help)
-    }
-
-    /// The table at `span` lacks a key that a study of this kind needs.
-    pub(crate) fn missing_key(key: &str, span: Range<usize>) -> Fault {
-        let help = Expected::of(key)
-            .map_or(SCHEMA.to_owned(), |expected| format!("add it as in\n{}", expected.example));
-        Fault::new(span, format!("the key `{key}` is missing"), "in this table", help)
+    /// The table at `span` lacks a key.
+    pub(crate) fn missing_key(key: &str, example: &str, span: Range<usize>) -> Fault {
+        let label = if key.contains('.') { "in this table" } else { "in this file" };
+        Fault::new(span, format!("the key `{key}` is missing"), label, format!("add it as in\n{example}"))
     }
 
     /// A study of this kind lacks a table.
-    pub(crate) fn missing_table(table: &str, kind: &str, kind_span: Range<usize>) -> Fault {
-        let example = Expected::of_table(table, kind);
-        let help = example.map_or(SCHEMA.to_owned(), |example| format!("add it as in\n{example}"));
+    pub(crate) fn missing_table(table: &str, example: &str, kind: &str, kind_span: Range<usize>) -> Fault {
         let message = format!("a study of kind = \"{kind}\" needs the table [{table}]");
-        Fault::new(kind_span, message, "of this kind", help)
-    }
-
-    /// The value at `span` is a text, a number, a list, … where another of these is needed.
-    fn wrong_type(span: Range<usize>, text: &str) -> Fault {
-        let found = found_at(text, &span).into_iter().next();
-        let expected = found.as_ref().and_then(|found| Expected::of(&found.key));
-        match (found, expected) {
-            (Some(Found { key, item, what }), Some(expected)) => {
-                let message = match item {
-                    true => format!("the list `{key}` cannot hold {what}"),
-                    false => format!("`{key}` is {what}, but has to be {}", expected.what),
-                };
-                Fault::new(span, message, what, format!("write it as in\n{}", expected.example))
-            }
-            _ => Fault::new(span, "no such value can stand here", "wrong value", SCHEMA),
-        }
+        Fault::new(kind_span, message, "of this kind", format!("add it as in\n{example}"))
     }
 
     /// The fault with the text it is about.

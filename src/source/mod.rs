@@ -1,7 +1,6 @@
 //! TODO-DOC source
 
 pub mod diagnose;
-pub mod place;
 pub mod setting;
 pub mod shown;
 pub mod text_file;

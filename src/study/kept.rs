@@ -7,8 +7,9 @@ use std::sync::Arc;
 
 use toml::Spanned;
 
-use crate::key::file::StudyFile;
+use crate::key::row::Key;
 use crate::key::sweep::Sweep;
+use crate::key::table::Table;
 use crate::kinds::gap_fill::precision::NONE as NO_PRECISION;
 use crate::source::text_file::{Files, MOST_RECORD};
 use crate::study::Study;
@@ -40,11 +41,15 @@ pub struct Input {
 }
 
 /// The files that a study names. One that could not be read has been told of, or nothing needs it.
-pub(crate) fn inputs(file: &StudyFile, sweeps: &[Sweep], files: &Files) -> Vec<Spanned<Input>> {
-    let profile = file.motion.iter().filter_map(|motion| motion.get_ref().profile.as_ref());
-    let noise = file.noise.iter().filter_map(|noise| noise.get_ref().file.as_ref());
-    let swept = sweeps.iter().flat_map(|sweep| &sweep.files);
-    let named = profile.map(|profile| &profile.get_ref().file).chain(noise).chain(swept);
+pub(crate) fn inputs(
+    study: &Table,
+    keys: &[&'static Key],
+    sweeps: &[Sweep],
+    files: &Files,
+) -> Vec<Spanned<Input>> {
+    let written = keys.iter().filter(|key| key.is_file()).filter_map(|key| study.get(key));
+    let written = written.map(|given| Spanned::new(given.span(), given.text().to_owned()));
+    let named = written.chain(sweeps.iter().flat_map(|sweep| sweep.files.clone()));
     let mut inputs: Vec<Spanned<Input>> = Vec::new();
     for file in named {
         let Ok(text) = files.text(file.get_ref(), MOST_RECORD) else { continue };

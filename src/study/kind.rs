@@ -5,13 +5,11 @@ use std::fmt;
 
 use crate::chart::Chart;
 use crate::chart::ground::Ground;
-use crate::key::file::StudyFile;
-use crate::key::setting::Key;
+use crate::key::reading::Reading;
+use crate::key::row::Key;
 use crate::key::sweep::Sweep;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::{StudyError, Wrong};
-use crate::source::place::Places;
-use crate::source::text_file::Files;
 use crate::study::Study;
 
 /// An entry of the list of kinds. Help, schema, documents, verification and tests iterate that list.
@@ -28,18 +26,18 @@ pub struct Kind {
     pub is_exact: bool,
     /// The trials at each point if the study does not say.
     pub(crate) trials: u64,
-    /// The tables of study files that belong to it.
-    pub(crate) tables: &'static [&'static str],
-    /// Those of them that it needs.
+    /// The tables that it needs.
     pub(crate) needs: &'static [&'static str],
-    /// The keys that a sweep may vary.
+    /// Its keys, besides those that every study has.
     pub(crate) keys: fn() -> Vec<&'static Key>,
+    /// The keys that a sweep may vary.
+    pub(crate) sweepable: fn() -> Vec<&'static Key>,
     /// The kernels that sample it, with their versions.
     pub(crate) kernels: fn() -> String,
     /// The appearance of its results.
     pub(crate) look: Look,
-    /// Reads what is of this kind in a file.
-    pub(crate) read: fn(&Reading, &mut Places) -> Result<Box<dyn Subject>, Wrong>,
+    /// Reads what is of this kind in a study.
+    pub(crate) read: fn(&mut Reading) -> Result<Box<dyn Subject>, Wrong>,
 }
 
 /// How results of a kind are presented where a chart does not say.
@@ -67,13 +65,6 @@ impl fmt::Debug for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name)
     }
-}
-
-/// What a kind reads its part of a study from.
-pub(crate) struct Reading<'a> {
-    pub(crate) file: &'a StudyFile,
-    pub(crate) sweeps: &'a [Sweep],
-    pub(crate) files: &'a Files,
 }
 
 /// What a study of some kind asks.

@@ -7,32 +7,37 @@
 //! Whatever is wrong is found here, before any work, and told with its place in the file.
 
 pub mod kept;
+pub mod keys;
 pub mod kind;
 pub mod refusal;
 #[cfg(test)]
 pub mod tests;
 
 use std::any::Any;
-use std::ops::{Range, RangeInclusive};
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
 use miette::NamedSource;
-use serde::Deserialize;
 use toml::Spanned;
+use toml::de::DeTable;
 
-pub use crate::chart::file::{Scale, Source};
+pub use crate::chart::file::Source;
 pub use crate::chart::law::Law;
 pub use crate::chart::{Chart, Limit, Named, Shows};
 pub use crate::drift::Drift;
 pub use crate::drift::schedule::Schedule;
 pub use crate::filler::{Fill, Filler, Method, POLYNOMIALS};
-pub use crate::key::explained::{Explained, Swept as SweptKey, explain_key, explained_keys};
-pub use crate::key::file::motion::{Phase, Position};
-pub use crate::key::file::relock::FirstHalf;
-pub use crate::key::file::switching::{Error, FirstMode, Timing};
-pub use crate::key::file::{Streams, schema};
-pub use crate::key::setting::{Key, Swept};
+pub use crate::filler::keys::Error;
+pub use crate::key::common::{MOST_TRIALS, Streams};
+pub use crate::key::explained::{Explained, Swept as SweptKey};
+pub use crate::key::row::Key;
+pub use crate::key::scale::Scale;
+pub use crate::key::setting::Swept;
+pub use crate::kinds::relock::inputs::FirstHalf;
+pub use crate::kinds::switched_run::{FirstMode, Timing};
+pub use crate::motion::keys::{Phase, Position};
+pub use crate::study::keys::{explain_key, explained_keys, schema};
 pub use crate::key::sweep::Sweep;
 pub use crate::kinds::allan::Allan;
 pub use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
@@ -58,19 +63,17 @@ pub use crate::study::kind::Kind;
 
 use crate::chart;
 use crate::chart::ground::Ground;
-use crate::key::file::StudyFile;
-use crate::key::scalar::Scalar;
-use crate::kinds::KINDS;
+use crate::key::common::{KIND, QUESTION, SEED, STREAMS, TITLE, TRIALS};
+use crate::key::places::Places;
+use crate::key::reading::Reading;
+use crate::key::table::Table;
+use crate::key::sweep::read_all as read_sweeps;
+use crate::kinds::gap_fill::keys::PRECISION;
 use crate::source::diagnose::Wrong;
-use crate::source::diagnose::choices;
-use crate::source::place::Places;
 use crate::source::text_file::{Files, MOST_TOML};
 use crate::study::kept::Written;
-use crate::study::kind::{Reading, Subject};
+use crate::study::kind::Subject;
 use crate::study::refusal::Refusal;
-
-/// Most trials at one point, 2^40.
-pub const MOST_TRIALS: u64 = 1 << 40;
 
 /// A study that makes sense: every value is within its limits at every point.
 #[derive(Debug, Clone)]
@@ -215,109 +218,45 @@ impl Study {
     }
 
     fn check(text: &Text) -> Result<Study, Wrong> {
-        let toml = toml::Deserializer::parse(text.inner())
-            .map_err(|error| Fault::from_syntax("the study", &error))?;
-        let file = StudyFile::deserialize(toml).map_err(|error| Fault::from_serde(&error, text.inner()))?;
+        let root = DeTable::parse(text.inner()).map_err(|error| Fault::from_syntax("the study", &error))?;
+        let table = Table::root("", &root);
+        let (kind, keys) = keys::checked(&table)?;
         let files = Files::of(Path::new(text.name()).parent().unwrap_or(Path::new("")));
-        let kind = read_kind(&file.kind)?;
-        check_tables(&file, kind)?;
-        let sweeps = crate::key::sweep::read_all(&file.sweep, &(kind.keys)())?;
-        let mut written = Written {
-            seed: read_count("seed", file.seed.as_ref(), 0..=i64::MAX)?,
-            trials: read_count("trials", file.trials.as_ref(), 1..=MOST_TRIALS as i64)?,
-            inputs: vec![],
-            kind_end: file.kind.span().end,
-            precision: file.precision.as_ref().map(Spanned::span),
+        let sweeps = read_sweeps(&table, &keys.keys, &keys.sweepable)?;
+        let count = |key: &'static Key| -> Result<Option<Spanned<u64>>, Fault> {
+            let Some(given) = table.get(key) else { return Ok(None) };
+            Ok(Some(Spanned::new(given.span(), given.whole()?.cast_unsigned())))
         };
-        let mut places = Places::default();
-        places.add("kind", file.kind.span());
-        if let Some(trials) = &written.trials {
-            places.add("trials", trials.span());
-        }
-        if let Some(precision) = &file.precision {
-            places.add("precision", precision.span());
-        }
-        if kind.is_exact {
-            check_exact(&file)?;
-        }
-        let subject = (kind.read)(&Reading { file: &file, sweeps: &sweeps, files: &files }, &mut places)?;
-        written.inputs = crate::study::kept::inputs(&file, &sweeps, &files);
-        let charts =
-            chart::read_all(file.chart, &sweeps, &subject.grounds(), || subject.default_chart(&sweeps))?;
+        let (seed, trials) = (count(&SEED)?, count(&TRIALS)?);
+        let mut reading =
+            Reading { table: table.clone(), sweeps: &sweeps, files: &files, places: Places::default() };
+        reading.note(&[&KIND, &TRIALS, &PRECISION]);
+        let subject = (kind.read)(&mut reading)?;
+        let places = reading.places;
+        let usual = [kind.look.along.or(sweeps.first().map(|sweep| sweep.key.name)), Some(kind.look.estimate)];
+        let charts = chart::read_all(&table, &sweeps, &subject.grounds(), usual, || {
+            subject.default_chart(&sweeps)
+        })?;
+        let written_text = |key| table.get(key).map_or(String::new(), |given| given.text().to_owned());
         Ok(Study {
-            title: file.title,
-            question: file.question,
-            seed: written.seed.as_ref().map_or(1, |seed| *seed.get_ref()),
-            trials: written.trials.as_ref().map_or(kind.trials, |trials| *trials.get_ref()),
-            streams: file.streams,
-            sweeps,
+            title: written_text(&TITLE),
+            question: written_text(&QUESTION),
+            seed: seed.as_ref().map_or(1, |seed| *seed.get_ref()),
+            trials: trials.as_ref().map_or(kind.trials, |trials| *trials.get_ref()),
+            streams: Streams::of(table.get(&STREAMS)),
             charts,
             kind,
             subject,
             text: text.clone(),
             places,
-            written,
+            written: Written {
+                seed,
+                trials,
+                inputs: kept::inputs(&table, &keys.keys, &sweeps, &files),
+                kind_end: table.span_of(&KIND).unwrap_or_default().end,
+                precision: table.span_of(&PRECISION),
+            },
+            sweeps,
         })
     }
-}
-
-/// The kind that a file names.
-fn read_kind(written: &Spanned<String>) -> Result<&'static Kind, Fault> {
-    let found = written.get_ref();
-    KINDS.iter().copied().find(|kind| kind.name == found).ok_or_else(|| {
-        let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
-        let message = format!("unknown value \"{found}\"");
-        Fault::new(written.span(), message, "not one of the choices", choices(found, &names))
-    })
-}
-
-/// Refuses what means nothing where nothing is sampled.
-fn check_exact(file: &StudyFile) -> Result<(), Fault> {
-    let Some(precision) = &file.precision else { return Ok(()) };
-    let kind = file.kind.get_ref();
-    let message = format!("precision is no key of a study of kind = \"{kind}\", which is exact");
-    Err(Fault::new(precision.span(), message, "not of this kind", "leave it out"))
-}
-
-/// The key of a table that a study of this kind needs.
-pub(crate) fn needed_key<'a, T, U>(
-    value: Option<&'a Spanned<T>>,
-    key: &'static str,
-    table: &Spanned<U>,
-) -> Result<&'a Spanned<T>, Fault> {
-    value.ok_or_else(|| Fault::missing_key(key, table.span()))
-}
-
-/// The table that a study of this kind needs.
-pub(crate) fn needed<'a, T>(
-    table: Option<&'a Spanned<T>>,
-    name: &'static str,
-    file: &StudyFile,
-) -> Result<&'a Spanned<T>, Fault> {
-    table.ok_or_else(|| Fault::missing_table(name, file.kind.get_ref(), file.kind.span()))
-}
-
-/// Refuses tables that belong to other kinds.
-fn check_tables(file: &StudyFile, kind: &Kind) -> Result<(), Fault> {
-    match file.tables().into_iter().find(|(name, place)| place.is_some() && !kind.tables.contains(name)) {
-        Some((name, place)) => {
-            let message = format!("[{name}] is no table of a study of kind = \"{}\"", kind.name);
-            let others = KINDS.iter().filter(|other| other.tables.contains(&name));
-            let others: Vec<String> = others.map(|other| format!("kind = \"{}\"", other.name)).collect();
-            let help = format!("leave it out, or write {}", others.join(" or "));
-            Err(Fault::new(place.unwrap_or_default(), message, "not of this kind", help))
-        }
-        None => Ok(()),
-    }
-}
-
-/// A whole number that is not negative, where it is written.
-fn read_count(
-    key: &str,
-    given: Option<&Spanned<Scalar>>,
-    range: RangeInclusive<i64>,
-) -> Result<Option<Spanned<u64>>, Fault> {
-    let Some(given) = given else { return Ok(None) };
-    let count = crate::key::scalar::whole(key, given, range)?;
-    Ok(Some(Spanned::new(given.span(), count.cast_unsigned())))
 }

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use crate::filler::{Fill, Filler, Method};
 use crate::kernel::launch::Launch;
-use crate::key::file::Streams;
-use crate::key::file::motion::{Phase, Position};
-use crate::key::file::switching::Error;
+use crate::key::common::Streams;
+use crate::motion::keys::{Phase, Position};
+use crate::filler::keys::Error;
 use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::point::Point;

@@ -1,8 +1,8 @@
 //! Named relocks that differ in all that the kernel distinguishes.
 
 use crate::kernel::launch::Launch;
-use crate::key::file::Streams;
-use crate::key::file::relock::FirstHalf;
+use crate::key::common::Streams;
+use crate::kinds::relock::inputs::FirstHalf;
 use crate::kinds::relock::inputs::{Compensation, Relock};
 use crate::kinds::relock::lower::{LoweredRelock, RelockEstimate};
 use crate::kinds::relock::{RelockInputs, RelockPoint};

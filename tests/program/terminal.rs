@@ -3,7 +3,7 @@
 use std::process::Command;
 
 use crate::desk::{Desk, PROGRAM};
-use sagnac::key::explained::explained_keys;
+use sagnac::study::explained_keys;
 use sagnac::kinds::KINDS;
 use sagnac::run::Plan;
 use sagnac::study::Study;

@@ -5,9 +5,9 @@ pub mod glossary;
 use std::collections::BTreeMap;
 
 use clap::Args;
-use sagnac::key::explained::{Explained, explain_key, explained_keys};
 use sagnac::kinds::KINDS;
 use sagnac::study::kind::Kind;
+use sagnac::study::{Explained, explain_key, explained_keys};
 use sagnac::table::describe::{File, meanings};
 
 use crate::explain::glossary::{TERMS, Term};
@@ -93,10 +93,10 @@ fn of_kind(kind: &Kind) -> String {
 
 /// Words that keys take, but for the kinds, which are told at length.
 fn of_words(is_called: impl Fn(&str) -> bool) -> Vec<String> {
-    let mut found: Vec<(String, String, Vec<&str>)> = Vec::new();
+    let mut found: Vec<(&str, String, Vec<&str>)> = Vec::new();
     for key in explained_keys().filter(|key| *key != "kind").filter_map(explain_key) {
         for (word, meaning) in
-            key.choices.into_iter().filter(|(word, meaning)| is_called(word) && !meaning.is_empty())
+            key.choices.into_iter().filter(|(word, _)| is_called(word))
         {
             match found.iter_mut().find(|(known, said, _)| *known == word && *said == meaning) {
                 Some((_, _, keys)) => keys.push(key.key),
@@ -104,7 +104,7 @@ fn of_words(is_called: impl Fn(&str) -> bool) -> Vec<String> {
             }
         }
     }
-    let text = |(word, meaning, keys): (String, String, Vec<&str>)| {
+    let text = |(word, meaning, keys): (&str, String, Vec<&str>)| {
         let says = filled(&format!("{meaning} A value of {}.", keys.join(", ")));
         format!("{word} (word of a study file)\n{says}")
     };
@@ -135,7 +135,7 @@ fn of_key(key: &Explained) -> String {
         }
         line(&format!("Can be swept as key = \"{}\": {}.", key.key, swept.label));
     }
-    let kinds: Vec<&str> = key.kinds.iter().map(|kind| kind.name).collect();
+    let kinds = &key.kinds;
     let table = key.key.split_once('.').map_or_else(String::new, |(table, _)| {
         format!(" with a table [{table}], as far as they have a use for it")
     });

@@ -2,7 +2,7 @@
 
 use sagnac::analysis::firmware::design::{Closed, Design, Firmware};
 use sagnac::analysis::firmware::rule::Rule;
-use sagnac::key::file::switching::Error;
+use sagnac::filler::keys::Error;
 use sagnac::quantity::number::significant;
 use sagnac::theory::gap::Weights;
 

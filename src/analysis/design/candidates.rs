@@ -2,7 +2,7 @@
 
 use crate::analysis::design::DesignError;
 use crate::drift::schedule::Schedule;
-use crate::key::file::Streams;
+use crate::key::common::Streams;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::lower::{FilledRun, LoweredRun};
 use crate::kinds::switched_run::point::Point as RunPoint;

@@ -51,7 +51,7 @@ use crate::analysis::design::candidates::{Candidate, Maker, even};
 use crate::device::Device;
 use crate::device::gpu::GpuError;
 use crate::kernel::moments::Moments;
-use crate::key::file::switching::Timing;
+use crate::kinds::switched_run::Timing;
 use crate::kinds::switched_run::run::late;
 use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
 use crate::progress::Progress;

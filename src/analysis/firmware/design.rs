@@ -2,7 +2,7 @@
 
 use crate::analysis::firmware::rule::Rule;
 use crate::filler::{Fill, Filler, Method};
-use crate::key::file::switching::Error;
+use crate::filler::keys::Error;
 use crate::key::setting::Swept;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::Inputs;

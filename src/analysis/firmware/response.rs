@@ -1,7 +1,7 @@
 //! The response of fillers over frequency, as a chart.
 
 use crate::analysis::firmware::design::{Firmware, response};
-use crate::key::file::switching::Error;
+use crate::filler::keys::Error;
 use crate::quantity::number::significant;
 use crate::theory::gap::Weights;
 use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Parts, Series, SeriesPoint};

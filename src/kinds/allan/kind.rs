@@ -1,14 +1,15 @@
 //! The entry of studies of Allan curves in the list of kinds.
 
-use crate::chart::file::{Scale, Source};
+use crate::chart::file::Source;
 use crate::chart::ground::{Ground, Number, Text};
 use crate::chart::supplied::at_first;
 use crate::chart::{Chart, Named};
 use crate::fit::term::Term;
 use crate::kernel::allan::VERSION;
+use crate::key::scale::Scale;
 use crate::key::sweep::Sweep;
 use crate::kinds::allan::run::Plan as Planned;
-use crate::kinds::allan::{Allan, keys, read};
+use crate::kinds::allan::{Allan, keys, read, sweepable};
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
@@ -26,9 +27,9 @@ pub static ALLAN: Kind = Kind {
     template: include_str!("template.toml"),
     is_exact: false,
     trials: 1000,
-    tables: &["record", "noise", "allan"],
     needs: &["record", "noise"],
     keys,
+    sweepable,
     kernels: || format!("allan {VERSION}"),
     look: Look {
         estimate: "adev",
@@ -37,7 +38,7 @@ pub static ALLAN: Kind = Kind {
         points: "mean of records",
         bands: "95 % of records",
     },
-    read: |reading, places| Ok(Box::new(read(reading.file, reading.sweeps, reading.files, places)?)),
+    read: |reading| Ok(Box::new(read(reading)?)),
 };
 
 /// The column of averaging times.

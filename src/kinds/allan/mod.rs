@@ -1,7 +1,8 @@
 //! Studies of Allan curves: the record, its noise, and what is estimated of it.
 
-pub mod estimate;
 pub mod kind;
+pub mod estimate;
+pub(crate) mod keys;
 pub mod lower;
 pub mod notes;
 pub mod point;
@@ -11,15 +12,13 @@ pub use crate::kinds::allan::point::{Inputs, Point};
 
 use crate::fit::choose::Terms;
 use crate::fit::term::Term;
-use crate::key::file::StudyFile;
-use crate::key::setting::Key;
-use crate::key::sweep::Sweep;
-use crate::noise::read::WrittenNoise;
+use crate::key::reading::Reading;
+use crate::key::row::Key;
+use crate::key::setting;
+use crate::noise::keys::FILE;
+use crate::noise::read::{WrittenNoise, read_file};
 use crate::noise::{self, Noise};
-use crate::source::diagnose::{Fault, Wrong};
-use crate::source::place::Places;
-use crate::source::text_file::Files;
-use crate::study::needed;
+use crate::source::diagnose::Wrong;
 use crate::theory::allan::estimator::Estimator;
 
 /// What a study of Allan curves asks.
@@ -35,53 +34,42 @@ pub struct Allan {
     pub notes: Vec<String>,
 }
 
-/// Every key that a sweep may vary.
+/// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {
-    let record = crate::kinds::allan::point::SETTINGS.iter().map(|setting| &setting.key);
-    record.chain(noise::SETTINGS.iter().map(|setting| &setting.key)).chain([&noise::FILE]).collect()
+    [keys::KEYS, noise::keys::KEYS].concat()
 }
 
-/// Reads what is of this kind in a file, and notes where it stands.
-pub(crate) fn read(
-    file: &StudyFile,
-    sweeps: &[Sweep],
-    files: &Files,
-    places: &mut Places,
-) -> Result<Allan, Wrong> {
-    if let Some(precision) = &file.precision {
-        let message = "precision is no key of a study of kind = \"allan\"";
-        let help = "leave it out: trials says how many records are made";
-        return Err(Fault::new(precision.span(), message, "not of this kind", help).into());
-    }
-    let record = needed(file.record.as_ref(), "record", file)?;
-    let inputs = crate::kinds::allan::point::read(record.get_ref(), places)?;
-    let WrittenNoise { noise, written } =
-        noise::read(needed(file.noise.as_ref(), "noise", file)?, files, places)?;
-    if let Some(allan) = &file.allan {
-        places.add("allan", allan.span());
-    }
-    let estimate = crate::kinds::allan::estimate::read(file.allan.as_ref(), places)?;
-    let of_file = |file| -> Result<Noise, Wrong> {
-        let mut noise = noise::read_file(file, files)?;
+/// Every key that a sweep may vary.
+pub(crate) fn sweepable() -> Vec<&'static Key> {
+    setting::keys(&keys::SETTINGS).chain(setting::keys(&noise::keys::SETTINGS)).chain([&FILE]).collect()
+}
+
+/// Reads what is of this kind.
+pub(crate) fn read(reading: &mut Reading) -> Result<Allan, Wrong> {
+    let mut inputs = Inputs { sample_s: 0.0, length_s: 0.0, rate: 0.0, noise: Noise::default() };
+    reading.set(&mut inputs, &keys::SETTINGS)?;
+    let WrittenNoise { noise, written } = noise::read::read(reading)?;
+    reading.note(&[&keys::ALLAN, &keys::TAU]);
+    let estimate = estimate::read(&reading.table)?;
+    let mut files = Vec::new();
+    for file in reading.sweep(&FILE).into_iter().flat_map(|sweep| &sweep.files) {
+        let mut noise = read_file(file.get_ref(), file.span(), reading.files)?;
         // Keys of the study hold beside any file.
         written.iter().for_each(|(setting, quantity)| (setting.set)(&mut noise, *quantity));
-        Ok(noise)
-    };
-    let of_files = sweeps.iter().filter(|sweep| sweep.key.name == noise::FILE.name);
-    let files =
-        of_files.flat_map(|sweep| &sweep.files).map(of_file).collect::<Result<Vec<Noise>, Wrong>>()?;
-    let base = crate::kinds::allan::point::Base {
+        files.push(noise);
+    }
+    let base = point::Base {
         inputs: Inputs { noise, ..inputs },
         files,
-        places,
-        sweeps,
+        places: &reading.places,
+        sweeps: reading.sweeps,
         estimate: &estimate,
     };
-    base.check_sweeps(&file.sweep)?;
+    base.check_sweeps()?;
     base.check_switching()?;
     let points = base.points()?;
     let terms = estimate.terms.map(|terms| with_shapes(terms, &points));
-    let notes = crate::kinds::allan::notes::of(terms.as_ref(), &points);
+    let notes = notes::of(terms.as_ref(), &points);
     Ok(Allan { estimator: estimate.estimator, terms, points, notes })
 }
 

@@ -1,32 +1,24 @@
 //! Points of a study of Allan curves, each checked as a whole.
 
-use toml::Spanned;
-
 use crate::allan::deviation::Deviation;
 use crate::allan::tau::{TauError, Taus};
-use crate::key::file::SweepTable;
-use crate::key::file::allan::RecordTable;
-use crate::key::scalar::Scalar;
-use crate::key::setting::{Key, Setting, Swept};
+use crate::key::places::Places;
+use crate::key::setting::{self, Swept};
 use crate::key::sweep::{self, Sweep};
 use crate::kinds::allan::estimate::Estimate;
+use crate::kinds::allan::keys::{RATE, SETTINGS};
 use crate::kinds::allan::lower::MOST_SAMPLES;
-use crate::noise::{self, Noise};
+use crate::noise::Noise;
+use crate::noise::keys::{
+    FILE, INITIAL_MAGNETIC, MAGNETIC, READOUT_LSB, RESIDUAL, RESIDUAL_NOISE, SETTINGS as NOISE_SETTINGS,
+    SWITCHING_WARM_UP,
+};
 use crate::quantity::number::significant;
-use crate::quantity::units::Dimension;
 use crate::source::diagnose::Fault;
-use crate::source::place::Places;
 use crate::theory::allan::estimator::{Difference, Stride};
 
-const MAGNETIC: &str = "noise.switching.magnetic";
-const WARM_UP_TIME: &str = "noise.switching.warm_up_time";
 /// The keys of what switches leave in a record.
-const LEFT_BY_SWITCHES: [&str; 4] = [
-    MAGNETIC,
-    "noise.switching.initial_magnetic",
-    "noise.switching.residual",
-    "noise.switching.residual_noise",
-];
+static LEFT_BY_SWITCHES: [&str; 4] = [MAGNETIC.name, INITIAL_MAGNETIC.name, RESIDUAL.name, RESIDUAL_NOISE.name];
 /// Fewest samples of a record.
 const FEWEST_SAMPLES: u64 = 16;
 /// By how much of itself a time in a list may miss a whole number of samples, of which decimal fractions have not all.
@@ -65,56 +57,6 @@ pub struct Point {
     pub ms: Vec<u64>,
 }
 
-static SAMPLE: Setting<Inputs> = Setting {
-    key: Key {
-        name: "record.sample",
-        label: "sampling time",
-        accepts: &[Dimension::Time],
-        limits: (1e-6, 1e6, "1 µs to 1e6 s"),
-    },
-    applies: |_| true,
-    set: |inputs, sample| inputs.sample_s = sample.value,
-};
-
-static LENGTH: Setting<Inputs> = Setting {
-    key: Key {
-        name: "record.length",
-        label: "length of the record",
-        accepts: &[Dimension::Time],
-        limits: (1e-6, 1e12, "1 µs to 1e12 s"),
-    },
-    applies: |_| true,
-    set: |inputs, length| inputs.length_s = length.value,
-};
-
-static RATE: Setting<Inputs> = Setting {
-    key: Key {
-        name: "record.rate",
-        label: "constant rate",
-        accepts: &[Dimension::DriftRate],
-        limits: (-1e9, 1e9, "-1e9 to 1e9 deg/h"),
-    },
-    applies: |_| true,
-    set: |inputs, rate| inputs.rate = rate.value,
-};
-
-/// Every key of the record itself.
-pub(crate) static SETTINGS: [&Setting<Inputs>; 3] = [&SAMPLE, &LENGTH, &RATE];
-
-/// The record that is written, without noise yet.
-pub(crate) fn read(table: &RecordTable, places: &mut Places) -> Result<Inputs, Fault> {
-    let mut inputs = Inputs { sample_s: 0.0, length_s: 0.0, rate: 0.0, noise: Noise::default() };
-    let written: [(&Setting<Inputs>, Option<&Spanned<Scalar>>); 3] =
-        [(&SAMPLE, Some(&table.sample)), (&LENGTH, Some(&table.length)), (&RATE, table.rate.as_ref())];
-    for (setting, value) in written {
-        if let Some(value) = value {
-            (setting.set)(&mut inputs, setting.read(value)?);
-            places.add(setting.name, value.span());
-        }
-    }
-    Ok(inputs)
-}
-
 /// What all points share, with the places to blame.
 pub(crate) struct Base<'a> {
     pub(crate) inputs: Inputs,
@@ -127,21 +69,22 @@ pub(crate) struct Base<'a> {
 
 impl Base<'_> {
     /// Refuses sweeps over parts of the noise that there are not, or over a rate that nothing sees.
-    pub(crate) fn check_sweeps(&self, tables: &[SweepTable]) -> Result<(), Fault> {
+    pub(crate) fn check_sweeps(&self) -> Result<(), Fault> {
         let noises = self.noises();
-        let pulses = self.sweeps.iter().any(|sweep| sweep.key.name == "noise.readout_lsb")
+        let pulses = self.sweeps.iter().any(|sweep| sweep.key.name == READOUT_LSB.name)
             || noises.iter().any(|noise| noise.readout_lsb > 0.0);
-        for (sweep, table) in self.sweeps.iter().zip(tables) {
+        for sweep in self.sweeps {
             if sweep.key.name == RATE.name && !pulses {
                 let message = "record.rate is swept, and only a readout in whole pulses sees a constant rate";
                 let help = "give noise.readout_lsb, or leave the sweep out";
-                return Err(Fault::new(table.key.span(), message, "nothing sees it", help));
+                return Err(Fault::new(sweep.key_span.clone(), message, "nothing sees it", help));
             }
-            let Some(setting) = noise::SETTINGS.iter().find(|setting| setting.name == sweep.key.name) else {
+            let mut settings = NOISE_SETTINGS.iter();
+            let Some(setting) = settings.find(|setting| setting.key.name == sweep.key.name) else {
                 continue;
             };
             for noise in noises {
-                setting.check_applies(noise, &noise::SETTINGS, "[noise]", table.key.span())?;
+                setting.check_applies(noise, &NOISE_SETTINGS, "[noise]", sweep.key_span.clone())?;
             }
         }
         Ok(())
@@ -166,14 +109,14 @@ impl Base<'_> {
                 let message = "[noise.switching] has switches that change nothing";
                 let help = "give magnetic = \"14 arcsec/s\", initial_magnetic, residual = \"10 arcsec\" or \
                             residual_noise, not 0; or leave the table out";
-                let names = ["noise.switching", noise::FILE.name, "noise"];
+                let names = ["noise.switching", FILE.name, "noise"];
                 return refuse(&names, message, "nothing alternates, nothing is left", help);
             }
-            let warms_up = switching.warm_up_s.is_some() || is_swept(&[WARM_UP_TIME]);
-            if warms_up && switching.magnetic == 0.0 && !is_swept(&[MAGNETIC]) {
+            let warms_up = switching.warm_up_s.is_some() || is_swept(&[SWITCHING_WARM_UP.name]);
+            if warms_up && switching.magnetic == 0.0 && !is_swept(&[MAGNETIC.name]) {
                 let message = "noise.switching.warm_up_time stands without magnetic";
                 let help = "give magnetic = \"14 arcsec/s\", or leave warm_up_time out: initial_magnetic is there at once";
-                return refuse(&[WARM_UP_TIME, noise::FILE.name, "noise"], message, "nothing warms up", help);
+                return refuse(&[SWITCHING_WARM_UP.name, FILE.name, "noise"], message, "nothing warms up", help);
             }
         }
         Ok(())
@@ -190,8 +133,8 @@ impl Base<'_> {
         if let Some(noise) = self.file(&swept) {
             inputs.noise = noise;
         }
-        sweep::set(&mut inputs, &SETTINGS, &swept);
-        sweep::set(&mut inputs.noise, &noise::SETTINGS, &swept);
+        setting::set(&mut inputs, &SETTINGS, &swept);
+        setting::set(&mut inputs.noise, &NOISE_SETTINGS, &swept);
         self.check(&inputs)?;
         let ms = self.factors(&inputs, &swept)?;
         Ok(Point { index, swept, inputs, ms })

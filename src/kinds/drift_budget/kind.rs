@@ -5,7 +5,7 @@ use crate::chart::file::Source;
 use crate::chart::ground::Ground;
 use crate::chart::supplied::over_first_number;
 use crate::key::sweep::Sweep;
-use crate::kinds::drift_budget::{DriftBudget, keys, read, table};
+use crate::kinds::drift_budget::{DriftBudget, keys, read, sweepable, table};
 use crate::kinds::exact::Exact;
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
@@ -23,12 +23,12 @@ pub static DRIFT_BUDGET: Kind = Kind {
     template: include_str!("template.toml"),
     is_exact: true,
     trials: 1_000_000,
-    tables: &["drift", "switching", "run"],
     needs: &["drift", "switching", "run"],
     keys,
+    sweepable,
     kernels: || "none".to_owned(),
     look: Look { estimate: "bound", answer: ("optimum", &[]), along: None, points: "", bands: "" },
-    read: |reading, places| Ok(Box::new(read(reading.file, reading.sweeps, places)?)),
+    read: |reading| Ok(Box::new(read(reading)?)),
 };
 
 impl DriftBudget {

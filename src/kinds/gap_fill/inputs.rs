@@ -1,6 +1,5 @@
 //! The physical inputs of one point, in ″ and s.
 
-use crate::key::file::motion::Phase;
 use crate::motion::Motion;
 use crate::quantity::units::round_12;
 
@@ -65,17 +64,6 @@ impl Inputs {
         let (rate, _) = self.motion.single_tone()?;
         let sigma = self.sigma_arcsec();
         (sigma > 0.0).then(|| rate * self.tick_s / sigma)
-    }
-}
-
-impl Phase {
-    /// As study files call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Phase::Uniform => "uniform",
-            Phase::ZeroCrossing => "zero-crossing",
-            Phase::Extremum => "extremum",
-        }
     }
 }
 

@@ -1,249 +1,60 @@
-//! The keys of a gap-fill study that hold a physical value: what each accepts, within which limits, and what it sets.
-//!
-//! A new key that sweeps may vary is one entry here.
+//! The keys of a gap-fill study that no other part has, and what sweeps may vary of its inputs besides the motion.
 
-use crate::kernel::gap_fill::shape::MAX_SIDE;
-use crate::key::setting::{Key, Setting};
+use crate::filler::keys::GAP_TICKS;
+use crate::key::holds::{Holds, measure};
+use crate::key::row::keys;
+use crate::key::setting::Setting;
 use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
-use crate::motion::vibration::{RANDOM_RMS, SINE_ACCELERATION, SINE_FREQUENCY};
-use crate::motion::{Frequency, Gaussian, Value};
+use crate::kinds::gyro::TICK;
 use crate::quantity::units::Dimension;
 
-/// Longest gap, ticks.
-pub(crate) const LONGEST_GAP: i64 = MAX_SIDE as i64;
+const ANGLES: Holds = measure(&[Dimension::Angle], 0.0, 1e6, "0 to 1e6 arcsec");
+const THREE_SIGMAS: Holds = measure(&[Dimension::Angle], 0.0, 3e6, "0 to 3e6 arcsec");
+const N: Holds = measure(&[Dimension::AngleRandomWalk], 0.0, 1e9, "0 to 1e9 arcsec/sqrt(s)");
+const PULSES: Holds = measure(&[Dimension::Angle], 1e-6, 1e6, "1e-6 to 1e6 arcsec");
+const RELOCKS: Holds = measure(&[Dimension::Angle], -1e6, 1e6, "-1e6 to 1e6 arcsec");
+const TABLE: Holds = Holds::Table;
 
-pub(crate) static TICK: Setting<Inputs> = Setting {
-    key: Key {
-        name: "gyro.tick",
-        label: "tick",
-        accepts: &[Dimension::Time],
-        limits: (1e-6, 1e3, "1 µs to 1000 s"),
-    },
-    applies: always,
-    set: |inputs, tick| inputs.tick_s = tick.value,
-};
-
-pub(crate) static NOISE_STD: Setting<Inputs> = Setting {
-    key: Key {
-        name: "gyro.tick_noise.std",
-        label: "tick noise σ",
-        accepts: &[Dimension::Angle],
-        limits: (0.0, 1e6, "0 to 1e6 arcsec"),
-    },
-    applies: always,
-    set: |inputs, sigma| inputs.tick_noise = TickNoise::Std(sigma.value),
-};
-
-pub(crate) static NOISE_THREE_SIGMA: Setting<Inputs> = Setting {
-    key: Key {
-        name: "gyro.tick_noise.three_sigma",
-        label: "tick noise 3σ",
-        accepts: &[Dimension::Angle],
-        limits: (0.0, 3e6, "0 to 3e6 arcsec"),
-    },
-    applies: always,
-    set: |inputs, three_sigma| inputs.tick_noise = TickNoise::from_three_sigma(three_sigma.value),
-};
-
-pub(crate) static NOISE_RANDOM_WALK: Setting<Inputs> = Setting {
-    key: Key {
-        name: "gyro.tick_noise.angle_random_walk",
-        label: "angle random walk",
-        accepts: &[Dimension::AngleRandomWalk],
-        limits: (0.0, 1e9, "0 to 1e9 arcsec/sqrt(s)"),
-    },
-    applies: always,
-    set: |inputs, n| inputs.tick_noise = TickNoise::AngleRandomWalk(n.value),
-};
-
-pub(crate) static READOUT_LSB: Setting<Inputs> = Setting {
-    key: Key {
-        name: "gyro.readout_lsb",
-        label: "pulse weight",
-        accepts: &[Dimension::Angle],
-        limits: (1e-6, 1e6, "1e-6 to 1e6 arcsec"),
-    },
-    applies: always,
-    set: |inputs, lsb| inputs.readout_lsb = lsb.value,
-};
-
-pub(crate) static AMPLITUDE: Setting<Inputs> = Setting {
-    key: Key {
-        name: "motion.amplitude",
-        label: "vibration amplitude",
-        accepts: &[Dimension::Rate, Dimension::Angle],
-        limits: (0.0, 1e9, "0 to 1e9 arcsec/s, or an angle of 0 to 1e9 arcsec"),
-    },
-    applies: |inputs| matches!(inputs.motion.tones[..], [tone] if matches!(tone.amplitude.value, Value::Fixed(_))),
-    set: |inputs, amplitude| {
-        if let [tone] = &mut inputs.motion.tones[..] {
-            tone.amplitude.value = Value::Fixed(amplitude.value);
-            tone.amplitude.of_angle = amplitude.dimension == Dimension::Angle;
-        }
-    },
-};
-
-pub(crate) static FREQUENCY: Setting<Inputs> = Setting {
-    key: Key {
-        name: "motion.frequency",
-        label: "vibration frequency",
-        accepts: &[Dimension::Frequency],
-        limits: (1e-9, 1e7, "1e-9 Hz to 1e7 Hz, and at most 10 times the tick rate"),
-    },
-    applies: |inputs| matches!(inputs.motion.tones[..], [tone] if matches!(tone.frequency, Frequency::Fixed(_))),
-    set: |inputs, frequency| {
-        if let [tone] = &mut inputs.motion.tones[..] {
-            tone.frequency = Frequency::Fixed(frequency.value);
-        }
-    },
-};
-
-/// Limits of the ends of a band.
-const BAND: (f64, f64, &str) = (1e-9, 1e7, "1e-9 Hz to 1e7 Hz, and at most half the tick rate");
-
-static FREQUENCY_LOW: Setting<Inputs> = Setting {
-    key: Key {
-        name: "motion.frequency.low",
-        label: "lower frequency",
-        accepts: &[Dimension::Frequency],
-        limits: BAND,
-    },
-    applies: has_frequency_band,
-    set: |inputs, low| {
-        if let [tone] = &mut inputs.motion.tones[..]
-            && let Frequency::Band(band) = &mut tone.frequency
-        {
-            band.low_hz = low.value;
-        }
-    },
-};
-
-static FREQUENCY_HIGH: Setting<Inputs> = Setting {
-    key: Key {
-        name: "motion.frequency.high",
-        label: "upper frequency",
-        accepts: &[Dimension::Frequency],
-        limits: BAND,
-    },
-    applies: has_frequency_band,
-    set: |inputs, high| {
-        if let [tone] = &mut inputs.motion.tones[..]
-            && let Frequency::Band(band) = &mut tone.frequency
-        {
-            band.high_hz = high.value;
-        }
-    },
-};
-
-pub(crate) static GAUSSIAN_RMS: Setting<Inputs> = Setting {
-    key: Key {
-        name: "motion.gaussian.rms",
-        label: "rms rate",
-        accepts: &[Dimension::Rate],
-        limits: (0.0, 1e9, "0 to 1e9 arcsec/s"),
-    },
-    applies: has_gaussian_band,
-    set: |inputs, new| {
-        if let Some(Gaussian::Band { rms, .. }) = &mut inputs.motion.gaussian {
-            *rms = new.value;
-        }
-    },
-};
-
-static GAUSSIAN_LOW: Setting<Inputs> = Setting {
-    key: Key {
-        name: "motion.gaussian.low",
-        label: "lower frequency",
-        accepts: &[Dimension::Frequency],
-        limits: BAND,
-    },
-    applies: has_gaussian_band,
-    set: |inputs, low| {
-        if let Some(Gaussian::Band { band, .. }) = &mut inputs.motion.gaussian {
-            band.low_hz = low.value;
-        }
-    },
-};
-
-static GAUSSIAN_HIGH: Setting<Inputs> = Setting {
-    key: Key {
-        name: "motion.gaussian.high",
-        label: "upper frequency",
-        accepts: &[Dimension::Frequency],
-        limits: BAND,
-    },
-    applies: has_gaussian_band,
-    set: |inputs, high| {
-        if let Some(Gaussian::Band { band, .. }) = &mut inputs.motion.gaussian {
-            band.high_hz = high.value;
-        }
-    },
-};
-
-pub(crate) static RATE: Setting<Inputs> = Setting {
-    key: Key {
-        name: "motion.rate",
-        label: "constant rate",
-        accepts: &[Dimension::Rate],
-        limits: (-1e9, 1e9, "-1e9 to 1e9 arcsec/s"),
-    },
-    applies: always,
-    set: |inputs, rate| inputs.motion.rate = rate.value,
-};
-
-pub(crate) static ACCELERATION: Setting<Inputs> = Setting {
-    key: Key {
-        name: "motion.acceleration",
-        label: "angular acceleration",
-        accepts: &[Dimension::AngularAcceleration],
-        limits: (-1e12, 1e12, "-1e12 to 1e12 arcsec/s^2"),
-    },
-    applies: always,
-    set: |inputs, acceleration| inputs.motion.acceleration = acceleration.value,
-};
-
-fn always(_: &Inputs) -> bool {
-    true
+keys! {
+    /// The keys of the gyro, but for its tick.
+    pub(crate) static KEYS;
+    /// The gyro.
+    pub(crate) GYRO = "gyro", "", TABLE, "[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"0.53 arcsec\" }";
+    /// Noise of the angle of one tick, independent from tick to tick; in exactly one of three forms. Absent where [noise] gives it.
+    pub(crate) TICK_NOISE = "gyro.tick_noise", "", Holds::OneOf, "tick_noise = { std = \"0.53 arcsec\" }   # std = \"0 arcsec\" where there is none, as beside readout_lsb alone";
+    /// Standard deviation, an angle: "0.53 arcsec".
+    NOISE_STD = "gyro.tick_noise.std", "tick noise σ", ANGLES, r#"std = "0.53 arcsec""#;
+    /// Three standard deviations, an angle: "1.6 arcsec".
+    NOISE_THREE_SIGMA = "gyro.tick_noise.three_sigma", "tick noise 3σ", THREE_SIGMAS, r#"three_sigma = "1.6 arcsec""#;
+    /// Angle random walk N, from which the standard deviation is N·√tick: "0.003 deg/sqrt(h)".
+    pub(crate) NOISE_RANDOM_WALK = "gyro.tick_noise.angle_random_walk", "angle random walk", N, r#"angle_random_walk = "0.003 deg/sqrt(h)""#;
+    /// Angle of a pulse, where whole pulses are read: "3.2 arcsec". Not quantised if absent.
+    pub(crate) READOUT_LSB = "gyro.readout_lsb", "pulse weight", PULSES, r#"readout_lsb = "3.2 arcsec""#;
+    /// What the uncorrected relock adds to the ticks n+1, n+2, …: ["20.3 arcsec", "14.8 arcsec"].
+    pub(crate) RELOCK = "gyro.relock", "", Holds::List(&RELOCKS), r#"relock = ["20.3 arcsec", "14.8 arcsec"]"#;
 }
 
-fn has_frequency_band(inputs: &Inputs) -> bool {
-    matches!(inputs.motion.tones[..], [tone] if matches!(tone.frequency, Frequency::Band(_)))
+keys! {
+    /// Where sampling stops.
+    pub(crate) static PRECISION_KEYS;
+    /// How precise a point has to be known to stop before all `trials`: "0.5 %", half the 95 % interval of the rms as a part of it, or
+    /// of other estimates by name. "none": all trials.
+    pub(crate) PRECISION = "precision", "", Holds::Either(&[Holds::Percent, TABLE]), r#"precision = "0.5 %""#;
+    /// Of the rms: "0.5 %".
+    pub(crate) PRECISION_RMS = "precision.rms", "", Holds::Percent, r#"rms = "0.5 %""#;
+    /// Of the 99.73 % level: "2 %".
+    pub(crate) PRECISION_Q9973 = "precision.q9973", "", Holds::Percent, r#"q9973 = "2 %""#;
 }
 
-fn has_gaussian_band(inputs: &Inputs) -> bool {
-    matches!(inputs.motion.gaussian, Some(Gaussian::Band { .. }))
-}
-
-pub(crate) static GAP_TICKS: Setting<Inputs> = Setting {
-    key: Key {
-        name: "switching.gap_ticks",
-        label: "lost ticks n",
-        accepts: &[Dimension::Count],
-        limits: (1.0, LONGEST_GAP as f64, "1 to 64"),
-    },
-    applies: always,
+/// What sweeps may vary besides the motion.
+pub(crate) static SETTINGS: [Setting<Inputs>; 6] = [
+    Setting::new(&TICK, |inputs, tick| inputs.tick_s = tick.value),
+    Setting::new(&NOISE_STD, |inputs, sigma| inputs.tick_noise = TickNoise::Std(sigma.value)),
+    Setting::new(&NOISE_THREE_SIGMA, |inputs, three_sigma| {
+        inputs.tick_noise = TickNoise::from_three_sigma(three_sigma.value);
+    }),
+    Setting::new(&NOISE_RANDOM_WALK, |inputs, n| inputs.tick_noise = TickNoise::AngleRandomWalk(n.value)),
+    Setting::new(&READOUT_LSB, |inputs, lsb| inputs.readout_lsb = lsb.value),
     // Within its limits a count converts exactly.
-    set: |inputs, n| inputs.gap_ticks = n.value as u32,
-};
-
-/// Every key that a sweep may vary.
-pub(crate) static SETTINGS: [&Setting<Inputs>; 18] = [
-    &TICK,
-    &NOISE_STD,
-    &NOISE_THREE_SIGMA,
-    &NOISE_RANDOM_WALK,
-    &READOUT_LSB,
-    &AMPLITUDE,
-    &FREQUENCY,
-    &FREQUENCY_LOW,
-    &FREQUENCY_HIGH,
-    &GAUSSIAN_RMS,
-    &GAUSSIAN_LOW,
-    &GAUSSIAN_HIGH,
-    &RATE,
-    &ACCELERATION,
-    &SINE_ACCELERATION,
-    &SINE_FREQUENCY,
-    &RANDOM_RMS,
-    &GAP_TICKS,
+    Setting::new(&GAP_TICKS, |inputs, n| inputs.gap_ticks = n.value as u32),
 ];

@@ -7,11 +7,11 @@ use crate::chart::rows::FILLER;
 use crate::chart::supplied::{at_first, side_by_side};
 use crate::chart::{Chart, Named, scale_over, usual_rows};
 use crate::kernel::gap_fill::VERSION;
-use crate::key::file::switching::Error;
+use crate::filler::keys::Error;
 use crate::key::sweep::Sweep;
-use crate::kinds::gap_fill::keys::FREQUENCY;
+use crate::motion::keys::FREQUENCY;
 use crate::kinds::gap_fill::run::Plan as Planned;
-use crate::kinds::gap_fill::{GapFill, keys, read};
+use crate::kinds::gap_fill::{GapFill, keys, read, sweepable};
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
@@ -29,9 +29,9 @@ pub static GAP_FILL: Kind = Kind {
     template: include_str!("template.toml"),
     is_exact: false,
     trials: 1_000_000,
-    tables: &["gyro", "motion", "switching", "noise"],
     needs: &["gyro", "motion", "switching"],
     keys,
+    sweepable,
     kernels: || format!("gap_fill {VERSION}"),
     look: Look {
         estimate: "rms",
@@ -40,7 +40,7 @@ pub static GAP_FILL: Kind = Kind {
         points: "Monte Carlo",
         bands: "95 % band",
     },
-    read: |reading, places| Ok(Box::new(read(reading.file, reading.sweeps, reading.files, places)?)),
+    read: |reading| Ok(Box::new(read(reading)?)),
 };
 
 /// The column of errors.
@@ -50,7 +50,7 @@ const ERROR: &str = "error";
 const DT_NU: &str = "dt_nu";
 
 const NUMBERS: &[Number] = &[
-    Number { name: DT_NU, unit: Unit::NONE, follows: Some(FREQUENCY.key.name), chooses: false },
+    Number { name: DT_NU, unit: Unit::NONE, follows: Some(FREQUENCY.name), chooses: false },
     Number { name: "amplitude_noise", unit: Unit::NONE, follows: None, chooses: false },
 ];
 
@@ -84,7 +84,7 @@ impl Subject for GapFill {
     fn default_chart(&self, sweeps: &[Sweep]) -> Option<Chart> {
         let ground = self.ground();
         let mut names: Vec<&str> = sweeps.iter().map(|sweep| sweep.key.name).collect();
-        let frequency = names.iter().position(|name| *name == FREQUENCY.key.name);
+        let frequency = names.iter().position(|name| *name == FREQUENCY.name);
         let Some(swept) = frequency.or_else(|| sweeps.iter().position(|sweep| !sweep.key.is_name())) else {
             return Some(side_by_side(sweeps, &ground, ["rms", "q9973"]));
         };

@@ -1,8 +1,8 @@
 //! Gap-fill studies: the motion, the mode switch and the fillers to compare.
 
+pub mod kind;
 pub mod inputs;
 pub mod keys;
-pub mod kind;
 pub mod law;
 pub mod lower;
 pub mod notes;
@@ -10,8 +10,6 @@ pub mod of_noise;
 pub mod point;
 pub mod precision;
 pub mod run;
-
-use toml::Spanned;
 
 pub use crate::chart::law::Law;
 pub use crate::filler::{Fill, Filler, Method, POLYNOMIALS};
@@ -21,21 +19,19 @@ pub use crate::kinds::gap_fill::precision::Precision;
 pub use crate::motion::vibration::{Acceleration, Vibration};
 pub use crate::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 
+use crate::filler::keys::{ERRORS, EXTRAPOLATION_TICKS, Error, FILLERS, FIT_TICKS, GAP_TICKS, OF_ONE_SWITCH};
 use crate::filler::ticks::{Purpose, TickList};
 use crate::kernel::gap_fill::shape::MAX_SIDE;
-use crate::key::file::motion::Position;
-use crate::key::file::switching::{Error, SwitchingTable};
-use crate::key::file::{StudyFile, TickNoiseTable};
-use crate::key::scalar::{self, Scalar};
-use crate::key::setting::{Key, Setting};
-use crate::key::sweep::Sweep;
-use crate::kinds::gap_fill::keys::SETTINGS;
-use crate::kinds::suspension::read::assumed;
-use crate::quantity::units::Dimension;
+use crate::key::given::Given;
+use crate::key::reading::Reading;
+use crate::key::row::Key;
+use crate::key::setting;
+use crate::kinds::gap_fill::keys::{PRECISION, RELOCK, SETTINGS, TICK_NOISE};
+use crate::kinds::{gap_fill, gyro};
+use crate::motion::keys::{GYRO as SUSPENDED_GYRO, Position, SUSPENSION};
+use crate::motion::{self, vibration};
 use crate::source::diagnose::{Fault, Wrong};
-use crate::source::place::Places;
-use crate::source::text_file::Files;
-use crate::study::{needed, needed_key};
+use crate::{filler, noise};
 
 /// What a gap-fill study asks.
 #[derive(Debug, Clone)]
@@ -54,200 +50,122 @@ pub struct GapFill {
     pub notes: Vec<String>,
 }
 
-/// Every key that a sweep may vary.
-pub(crate) fn keys() -> Vec<&'static Key> {
-    SETTINGS.iter().map(|setting| &setting.key).chain([&crate::motion::vibration::GYRO]).collect()
+/// Every key of a switch and its fillers, which whole runs have too.
+pub(crate) fn keys_of_fill() -> Vec<&'static Key> {
+    [gap_fill::keys::KEYS, gyro::KEYS, motion::keys::KEYS, filler::keys::KEYS, noise::keys::KEYS].concat()
 }
 
-/// Reads what is of this kind in a file, and notes where it stands.
-pub(crate) fn read(
-    file: &StudyFile,
-    sweeps: &[Sweep],
-    files: &Files,
-    places: &mut Places,
-) -> Result<GapFill, Wrong> {
-    let table = needed(file.switching.as_ref(), "switching", file)?;
-    let switching = table.get_ref();
-    let fillers = needed_key(switching.fillers.as_ref(), "switching.fillers", table)?;
-    if file.kind.get_ref() == "gap-fill" {
-        refuse_keys_of_runs(switching)?;
-    }
-    let (inputs, mut notes) = read_inputs(file, sweeps, files, places)?;
+/// Every key of this kind.
+pub(crate) fn keys() -> Vec<&'static Key> {
+    [&gap_fill::keys::PRECISION_KEYS, &keys_of_fill()[..], OF_ONE_SWITCH].concat()
+}
+
+/// Every key that a sweep may vary.
+pub(crate) fn sweepable() -> Vec<&'static Key> {
+    // The gap comes last, as it does in a study.
+    let [gyro @ .., gap] = &SETTINGS;
+    let gyro = gyro.iter().map(|setting| setting.key);
+    gyro.chain(setting::keys(&motion::keys::SETTINGS)).chain([gap.key, &SUSPENDED_GYRO]).collect()
+}
+
+/// Reads what is of this kind.
+pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
+    let fillers = reading.table.needed(&FILLERS)?;
+    let (inputs, mut notes) = read_inputs(reading)?;
     let written_fillers = crate::filler::read::read(fillers)?;
-    let errors = read_errors(switching.errors.as_ref())?;
-    for (sweep, table) in sweeps.iter().zip(&file.sweep) {
-        if file.noise.is_some() && sweep.key.target() == "gyro.tick_noise" {
+    let errors = read_errors(reading.get(&ERRORS))?;
+    for sweep in reading.sweeps {
+        let fault = |message: String, label: &str, help: &str| {
+            Err(Wrong::from(Fault::new(sweep.key_span.clone(), message, label, help)))
+        };
+        if reading.get(&noise::keys::NOISE).is_some() && sweep.key.table() == TICK_NOISE.name {
             let message = format!("{} is swept beside [noise]", sweep.key.name);
-            let help = "leave one of them out";
-            return Err(Fault::new(table.key.span(), message, "a second noise", help).into());
+            return fault(message, "a second noise", "leave one of them out");
         }
-        if let Some(setting) = SETTINGS.iter().find(|setting| setting.name == sweep.key.name) {
-            setting.check_applies(&inputs, &SETTINGS, "the motion", table.key.span())?;
+        let mut settings = motion::keys::SETTINGS.iter();
+        if let Some(setting) = settings.find(|setting| setting.key.name == sweep.key.name) {
+            let span = sweep.key_span.clone();
+            setting.check_applies(&inputs.motion, &motion::keys::SETTINGS, "the motion", span)?;
         }
-        if sweep.key.name == crate::motion::vibration::GYRO.name && inputs.motion.vibration.is_none() {
-            let message = "motion.suspension.gyro is swept, but the motion has no suspension";
-            let help = "add one as in\n[motion.suspension]\nsine = { acceleration = \"1 g\", frequency = \"700 Hz\" }";
-            return Err(Fault::new(table.key.span(), message, "not in this study", help).into());
+        if sweep.key.name == SUSPENDED_GYRO.name && inputs.motion.vibration.is_none() {
+            let message = "motion.suspension.gyro is swept, but the motion has no suspension".to_owned();
+            let help = format!("add one as in\n[motion]\n{}", SUSPENSION.example);
+            return fault(message, "not in this study", &help);
         }
     }
     let base = crate::kinds::gap_fill::point::Base {
         inputs: inputs.clone(),
-        places,
-        sweeps,
+        places: &reading.places,
+        sweeps: reading.sweeps,
         fillers: &written_fillers,
-        fit_ticks: TickList::read(Purpose::Residual, switching.fit_ticks.as_ref())?,
-        extrapolation_ticks: TickList::read(Purpose::Extrapolation, switching.extrapolation_ticks.as_ref())?,
+        fit_ticks: TickList::read(Purpose::Residual, reading.get(&FIT_TICKS))?,
+        extrapolation_ticks: TickList::read(Purpose::Extrapolation, reading.get(&EXTRAPOLATION_TICKS))?,
     };
     let points = base.points()?;
     notes.extend(crate::kinds::gap_fill::notes::of_motion(&inputs, &points));
-    let precision =
-        file.precision.as_ref().map(crate::kinds::gap_fill::precision::read).transpose()?.flatten();
+    let precision = crate::kinds::gap_fill::precision::read(&reading.table)?;
     notes.extend(precision.as_ref().and_then(crate::kinds::gap_fill::precision::finer_than_bins));
-    if let (Some(written), Some(Profile { position: Position::Every, .. })) =
-        (file.precision.as_ref().filter(|_| precision.is_some()), &inputs.motion.profile)
+    if let (Some(_), Some(written), Some(Profile { position: Position::Every, .. })) =
+        (&precision, reading.get(&PRECISION), &inputs.motion.profile)
     {
         let message = "precision stands beside position = \"every\", which is exact in whole replays only";
         let help = "leave precision out, or take position = \"random\"";
-        return Err(Fault::new(written.span(), message, "cannot stop early", help).into());
+        return Err(written.fault(message, "cannot stop early", help).into());
     }
     let fillers = written_fillers.into_iter().map(|written| written.filler).collect();
     Ok(GapFill { inputs, fillers, errors, precision, points, notes })
 }
 
-/// Refuses what only runs of many switches have.
-fn refuse_keys_of_runs(switching: &SwitchingTable) -> Result<(), Fault> {
-    let of_runs = [
-        ("switching.interval", switching.interval.as_ref().map(Spanned::span)),
-        ("switching.first_mode", switching.first_mode.as_ref().map(Spanned::span)),
-        ("switching.timing", switching.timing.as_ref().map(Spanned::span)),
-    ];
-    let written = of_runs.into_iter().find_map(|(key, span)| Some((key, span?)));
-    written.map_or(Ok(()), |(key, span)| {
-        let message = format!("{key} is no key of a study of kind = \"gap-fill\", which is about one switch");
-        Err(Fault::new(span, message, "not of this kind", "leave it out"))
-    })
-}
-
 /// The inputs as written, and what they leave out or assume.
-fn read_inputs(
-    file: &StudyFile,
-    sweeps: &[Sweep],
-    files: &Files,
-    places: &mut Places,
-) -> Result<(Inputs, Vec<String>), Wrong> {
-    let gyro = needed(file.gyro.as_ref(), "gyro", file)?.get_ref();
-    let motion = needed(file.motion.as_ref(), "motion", file)?;
-    let suspension = motion.get_ref().suspension.as_ref().map(Spanned::get_ref);
-    let table = needed(file.switching.as_ref(), "switching", file)?;
-    let switching = table.get_ref();
-    let motion = crate::motion::read::read(motion, sweeps, places, files)?;
+fn read_inputs(reading: &mut Reading) -> Result<(Inputs, Vec<String>), Wrong> {
+    reading.table.needed(&GAP_TICKS)?;
+    let motion = crate::motion::read::read(reading)?;
     // Each number is overwritten by its key.
     let mut inputs = Inputs {
         tick_s: 0.0,
         tick_noise: TickNoise::Std(0.0),
         readout_lsb: 0.0,
-        relock: read_relock(gyro.relock.as_ref())?,
+        relock: read_relock(reading.get(&RELOCK))?,
         motion,
         gap_ticks: 0,
     };
-    let noise = crate::kinds::gap_fill::of_noise::read(file, gyro, files, places)?;
+    let noise = crate::kinds::gap_fill::of_noise::read(reading)?;
     if let Some(noise) = &noise {
         crate::kinds::gap_fill::of_noise::set(&mut inputs, noise);
     }
-    let written = [
-        Some((&crate::kinds::gap_fill::keys::TICK, &gyro.tick)),
-        gyro.tick_noise.as_ref().map(noise_form).transpose()?,
-        gyro.readout_lsb.as_ref().map(|lsb| (&crate::kinds::gap_fill::keys::READOUT_LSB, lsb)),
-        Some((
-            &crate::kinds::gap_fill::keys::GAP_TICKS,
-            needed_key(switching.gap_ticks.as_ref(), "switching.gap_ticks", table)?,
-        )),
-    ];
-    for (setting, value) in written.into_iter().flatten() {
-        (setting.set)(&mut inputs, setting.read(value)?);
-        places.add(setting.name, value.span());
-    }
-    if let Some(relock) = &gyro.relock {
-        places.add("gyro.relock", relock.span());
-    }
-    if let Some(fillers) = &switching.fillers {
-        places.add("switching.fillers", fillers.span());
-    }
-    for (key, list) in [
-        ("switching.fit_ticks", &switching.fit_ticks),
-        ("switching.extrapolation_ticks", &switching.extrapolation_ticks),
-    ] {
-        if let Some(list) = list {
-            places.add(key, list.span());
-        }
-    }
-    let left_out =
-        noise.and_then(|noise| crate::kinds::gap_fill::of_noise::left_out(&noise, &inputs, sweeps));
-    let assumed =
-        suspension.and_then(|table| assumed(crate::motion::vibration::GYRO.name, &table.gyro, sweeps));
+    reading.set(&mut inputs, &SETTINGS)?;
+    reading.note(&[&RELOCK, &FILLERS, &FIT_TICKS, &EXTRAPOLATION_TICKS]);
+    let left_out = noise
+        .and_then(|noise| crate::kinds::gap_fill::of_noise::left_out(&noise, &inputs, reading.sweeps));
+    let assumed = reading.get(&SUSPENSION).and_then(|_| vibration::KEYS.assumed(reading));
     Ok((inputs, left_out.into_iter().chain(assumed).collect()))
 }
 
-type Written<'a> = (&'static Setting<Inputs>, &'a Spanned<Scalar>);
-
-fn noise_form(table: &Spanned<TickNoiseTable>) -> Result<Written<'_>, Fault> {
-    let TickNoiseTable { std, three_sigma, angle_random_walk } = table.get_ref();
-    match (std, three_sigma, angle_random_walk) {
-        (Some(std), None, None) => Ok((&crate::kinds::gap_fill::keys::NOISE_STD, std)),
-        (None, Some(three_sigma), None) => {
-            Ok((&crate::kinds::gap_fill::keys::NOISE_THREE_SIGMA, three_sigma))
-        }
-        (None, None, Some(random_walk)) => {
-            Ok((&crate::kinds::gap_fill::keys::NOISE_RANDOM_WALK, random_walk))
-        }
-        _ => {
-            let help = "accepted: { std = \"0.53 arcsec\" }, \"0 arcsec\" where there is none, { three_sigma = \"1.6 arcsec\" } or \
-                        { angle_random_walk = \"0.003 deg/sqrt(h)\" }";
-            let message = "gyro.tick_noise needs exactly one of std, three_sigma, angle_random_walk";
-            Err(Fault::new(table.span(), message, "not exactly one", help))
-        }
-    }
-}
-
 /// Angles that the relock adds to ticks.
-fn read_relock(list: Option<&Spanned<Vec<Spanned<Scalar>>>>) -> Result<Vec<f64>, Fault> {
+fn read_relock(list: Option<Given>) -> Result<Vec<f64>, Fault> {
     let Some(list) = list else { return Ok(vec![]) };
-    if list.get_ref().len() > MAX_SIDE {
-        let message = format!("gyro.relock lists {} ticks", list.get_ref().len());
-        return Err(Fault::new(
-            list.span(),
-            message,
-            "too many",
-            format!("accepted: up to {MAX_SIDE} ticks"),
-        ));
+    let items = list.items();
+    if items.len() > MAX_SIDE {
+        let message = format!("gyro.relock lists {} ticks", items.len());
+        return Err(list.fault(message, "too many", format!("accepted: up to {MAX_SIDE} ticks")));
     }
-    let angle = |item: &Spanned<Scalar>| {
-        let quantity = scalar::quantity("gyro.relock", item, &[Dimension::Angle])?;
-        if quantity.value.abs() <= MOST_RELOCK {
-            return Ok(quantity.value);
-        }
-        let message = format!("gyro.relock = {quantity} is out of range");
-        Err(Fault::new(item.span(), message, "too large", "accepted: -1e6 to 1e6 arcsec"))
-    };
-    list.get_ref().iter().map(angle).collect()
+    items.iter().map(|angle| Ok(angle.quantity()?.value)).collect()
 }
 
-/// Largest angle of the relock in one tick, ″.
-const MOST_RELOCK: f64 = 1e6;
-
-fn read_errors(list: Option<&Spanned<Vec<Spanned<Error>>>>) -> Result<Vec<Error>, Fault> {
+fn read_errors(list: Option<Given>) -> Result<Vec<Error>, Fault> {
     let Some(list) = list else { return Ok(vec![Error::Residual, Error::Extrapolation]) };
     let help = "accepted: one or more of \"residual\", \"extrapolation\", \"in-gap\", each once";
-    if list.get_ref().is_empty() {
-        return Err(Fault::new(list.span(), "switching.errors is empty", "no error", help));
-    }
     let mut errors = Vec::new();
-    for error in list.get_ref() {
-        if errors.contains(error.get_ref()) {
-            let message = format!("switching.errors lists \"{}\" twice", error.get_ref().name());
-            return Err(Fault::new(error.span(), message, "listed before", help));
+    for item in list.items() {
+        let error = Error::of(Some(item));
+        if errors.contains(&error) {
+            let message = format!("switching.errors lists \"{}\" twice", error.name());
+            return Err(item.fault(message, "listed before", help));
         }
-        errors.push(*error.get_ref());
+        errors.push(error);
+    }
+    if errors.is_empty() {
+        return Err(list.fault("switching.errors is empty", "no error", help));
     }
     // In the order of the kernel, so that tables do not depend on how they are listed.
     Ok(Error::ALL.into_iter().filter(|error| errors.contains(error)).collect())

@@ -1,38 +1,34 @@
 //! The noise of a gap-fill study from `[noise]`: what of it matters over a gap, and what does not.
 
-use crate::key::file::{GyroTable, StudyFile};
+use crate::filler::keys::GAP_TICKS;
+use crate::key::reading::Reading;
 use crate::key::sweep::Sweep;
 use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
-use crate::kinds::gap_fill::keys::{GAP_TICKS, READOUT_LSB, TICK};
+use crate::kinds::gap_fill::keys::{GYRO, READOUT_LSB, TICK_NOISE};
+use crate::kinds::gyro::TICK;
+use crate::noise::keys::NOISE;
 use crate::noise::{self, Noise};
 use crate::quantity::number::significant;
 use crate::quantity::units::round_12;
 use crate::source::diagnose::{Fault, Wrong};
-use crate::source::place::Places;
-use crate::source::text_file::Files;
 
 /// The noise of `[noise]`, where the study has it in place of `gyro.tick_noise`.
-pub(crate) fn read(
-    file: &StudyFile,
-    gyro: &GyroTable,
-    files: &Files,
-    places: &mut Places,
-) -> Result<Option<Noise>, Wrong> {
+pub(crate) fn read(reading: &mut Reading) -> Result<Option<Noise>, Wrong> {
     const ACCEPTED: &str = "accepted: gyro.tick_noise = { std = \"0.53 arcsec\" }, or the coefficients of a record as in\n\
                             [noise]\nfile = \"noise.toml\"";
-    match (&gyro.tick_noise, &file.noise) {
+    match (reading.get(&TICK_NOISE), reading.get(&NOISE)) {
         (Some(_), None) => Ok(None),
         (None, Some(table)) => {
-            places.add("gyro.tick_noise", table.span());
-            places.add("gyro.readout_lsb", table.span());
-            Ok(Some(noise::read(table, files, places)?.noise))
+            reading.places.add(TICK_NOISE.name, table.span());
+            reading.places.add(READOUT_LSB.name, table.span());
+            Ok(Some(noise::read::read(reading)?.noise))
         }
         (Some(tick_noise), Some(_)) => {
             let message = "gyro.tick_noise stands beside [noise]";
-            Err(Fault::new(tick_noise.span(), message, "a second noise", ACCEPTED).into())
+            Err(tick_noise.fault(message, "a second noise", ACCEPTED).into())
         }
         (None, None) => {
-            let place = file.gyro.as_ref().map_or(0..0, |gyro| gyro.span());
+            let place = reading.table.span_of(&GYRO).unwrap_or_default();
             Err(Fault::new(place, "the key `tick_noise` is missing", "in this table", ACCEPTED).into())
         }
     }

@@ -6,14 +6,12 @@ use crate::filler::{Fill, Method};
 use crate::kernel::gap_fill::shape::MAX_SIDE;
 use crate::key::setting::Swept;
 use crate::key::sweep::{self, Sweep};
+use crate::key::{places::Places, setting};
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::keys::{NOISE_RANDOM_WALK, SETTINGS};
-use crate::kinds::suspension::named;
-use crate::motion::vibration::GYRO;
-use crate::motion::{Frequency, Gaussian, Tone};
+use crate::motion::{self, Frequency, Gaussian, Tone, vibration};
 use crate::quantity::number::significant;
 use crate::source::diagnose::Fault;
-use crate::source::place::Places;
 use crate::theory::minimum_variance::Band;
 
 /// Highest vibration frequency, in tick rates; above it the gyro sees nothing of the vibration but aliases.
@@ -58,9 +56,10 @@ impl Base<'_> {
     fn point(&self, index: usize) -> Result<Point, Fault> {
         let mut inputs = self.inputs.clone();
         let swept = sweep::values_at(self.sweeps, index);
-        sweep::set(&mut inputs, &SETTINGS, &swept);
+        setting::set(&mut inputs, &SETTINGS, &swept);
+        setting::set(&mut inputs.motion, &motion::keys::SETTINGS, &swept);
         if let Some(mut vibration) = inputs.motion.vibration.clone() {
-            vibration.suspension = named(&swept, GYRO.name).unwrap_or(vibration.suspension);
+            vibration.suspension = vibration::KEYS.swept(&swept).unwrap_or(vibration.suspension);
             vibration.check(inputs.tick_s, MOST_TICK_RATES, self.places, self.sweeps)?;
             vibration.add_to(&mut inputs.motion);
             inputs.motion.vibration = Some(vibration);

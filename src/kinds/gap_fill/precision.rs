@@ -1,13 +1,9 @@
 //! The precision at which sampling stops.
 
-use toml::Spanned;
-
 use crate::kernel::moments::BIN_BITS;
-use crate::key::file::PrecisionTable;
-use crate::key::file::either::Either;
-use crate::key::scalar::Scalar;
+use crate::key::table::Table;
+use crate::kinds::gap_fill::keys::{PRECISION, PRECISION_Q9973, PRECISION_RMS};
 use crate::quantity::number::significant;
-use crate::quantity::percent::percent;
 use crate::source::diagnose::Fault;
 
 /// Half the 95 % interval of an estimate, as a part of it, that is precise enough; sampling of a filler at a point stops
@@ -26,23 +22,19 @@ const HELP: &str = "accepted: a part in percent such as \"0.5 %\", of the rms; o
 pub(crate) const NONE: &str = "none";
 
 /// A bare part is that of the rms.
-pub(crate) fn read(written: &Spanned<Either<PrecisionTable>>) -> Result<Option<Precision>, Fault> {
-    let precision = match written.get_ref() {
-        Either::One(Scalar::Text(text)) if text == NONE => return Ok(None),
-        Either::One(part) => {
-            let part = Spanned::new(written.span(), part.clone());
-            Precision { rms: Some(percent("precision", &part, HELP)?), q9973: None }
-        }
-        Either::Other(PrecisionTable { rms: None, q9973: None }) => {
-            return Err(Fault::new(written.span(), "precision names no estimate", "empty", HELP));
-        }
-        Either::Other(PrecisionTable { rms, q9973 }) => {
-            let read =
-                |name, part: &Option<_>| part.as_ref().map(|part| percent(name, part, HELP)).transpose();
-            Precision { rms: read("precision.rms", rms)?, q9973: read("precision.q9973", q9973)? }
-        }
-    };
-    Ok(Some(precision))
+pub(crate) fn read(study: &Table) -> Result<Option<Precision>, Fault> {
+    let Some(written) = study.get(&PRECISION) else { return Ok(None) };
+    if written.text() == NONE {
+        return Ok(None);
+    }
+    if written.table().is_none() {
+        return Ok(Some(Precision { rms: Some(written.percent(HELP)?), q9973: None }));
+    }
+    let part = |key| study.get(key).map(|part| part.percent(HELP)).transpose();
+    match (part(&PRECISION_RMS)?, part(&PRECISION_Q9973)?) {
+        (None, None) => Err(written.fault("precision names no estimate", "empty", HELP)),
+        (rms, q9973) => Ok(Some(Precision { rms, q9973 })),
+    }
 }
 
 /// The widest bin of the histogram as a part of the level.

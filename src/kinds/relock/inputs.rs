@@ -1,16 +1,35 @@
 //! The perimeter loop after a mode switch: its inputs and their keys, for every kind of study that has it.
 
-use serde::Deserialize;
-use toml::Spanned;
-
 use crate::kernel::normal::REACH;
 use crate::kernel::relock_ticks::MAX_TICKS;
-use crate::key::file::relock::{FirstHalf, RelockTable};
-use crate::key::scalar::{self, Scalar};
-use crate::key::setting::{Key, Setting};
+use crate::key::holds::{Holds, measure, unlimited, words};
+use crate::key::reading::Reading;
+use crate::key::row::keys;
+use crate::key::setting::Setting;
 use crate::quantity::units::Dimension;
 use crate::source::diagnose::Fault;
-use crate::source::place::Places;
+
+words! {
+    /// Which half-period of the bias a tick begins with.
+    pub enum FirstHalf {
+        /// The sign of Z(11).
+        Negative = "negative",
+        /// The opposite sign.
+        Positive = "positive",
+    }
+}
+
+words! {
+    /// What is taken off the ticks after a switch.
+    pub enum Compensation {
+        /// Nothing.
+        None = "none",
+        /// From the frequency of the bias, from the second tick on: Z(11).
+        Frequency = "frequency",
+        /// From the detuning: Z(13).
+        Detuning = "detuning",
+    }
+}
 
 /// Relock after a mode switch; 0 is absent. Detunings are parts of the wavelength. Every number has 12 significant digits.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,33 +64,6 @@ pub struct Relock {
     pub first_half: FirstHalf,
     /// A_I/Δλ.
     pub signal_gain: Option<f64>,
-}
-
-/// What is taken off the ticks after a switch.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Compensation {
-    /// Nothing.
-    #[default]
-    None,
-    /// From the frequency of the bias, from the second tick on: Z(11).
-    Frequency,
-    /// From the detuning: Z(13).
-    Detuning,
-}
-
-impl Compensation {
-    /// All of them, as tables list them.
-    pub const ALL: [Compensation; 3] = [Compensation::None, Compensation::Frequency, Compensation::Detuning];
-
-    /// As study files and tables call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Compensation::None => "none",
-            Compensation::Frequency => "frequency",
-            Compensation::Detuning => "detuning",
-        }
-    }
 }
 
 impl Relock {
@@ -121,88 +113,79 @@ impl Relock {
     }
 }
 
-/// Declares the setting of a number.
-macro_rules! setting {
-    ($name:ident, $key:literal, $label:literal, $dimension:ident, $limits:expr, $field:ident) => {
-        static $name: Setting<Relock> = Setting {
-            key: Key { name: $key, label: $label, accepts: &[Dimension::$dimension], limits: $limits },
-            applies: |_| true,
-            set: |relock, quantity| relock.$field = quantity.value,
-        };
-    };
+const MISSES: Holds = measure(&[Dimension::Ratio], -1.0, 1.0, "-1 to 1, parts of the wavelength");
+const DETUNINGS: Holds = measure(&[Dimension::Ratio], 0.0, 1.0, "0 to 1, parts of the wavelength");
+const TIMES: Holds = measure(&[Dimension::Time], 1e-6, 1e3, "1 µs to 1000 s");
+const BIASES: Holds = measure(&[Dimension::Frequency], 1e-3, 1e9, "0.001 Hz to 1e9 Hz");
+const PULSES: Holds = measure(&[Dimension::Angle], 1e-6, 1e6, "1e-6 to 1e6 arcsec");
+const CURVATURES: Holds = measure(&[Dimension::Ratio], 1e-6, 1e9, "1e-6 to 1e9");
+const PARTS: Holds = measure(&[Dimension::Ratio], 0.0, 0.05, "0 to 0.05, or 0 % to 5 %");
+const COUNTS: Holds = measure(&[Dimension::Ratio], 0.0, 1e6, "0 to 1e6 periods");
+
+keys! {
+    /// The keys of the loop.
+    pub(crate) static KEYS;
+    /// The perimeter loop after a mode switch: where it starts, and what is measured while it settles. Detunings are parts of the
+    /// wavelength, numbers without unit; what is absent is 0.
+    pub(crate) RELOCK = "relock", "", Holds::Table, "[relock]\nmiss = 0.05\nloop_time = \"12 ms\"\nbias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40";
+    /// Δλ0, the detuning that a switch leaves: 0.05.
+    MISS = "relock.miss", "miss Δλ0", MISSES, "miss = 0.05", required;
+    /// Error of the half-wave voltage U_λ/2: standard deviation of the miss, normally distributed.
+    HALF_WAVE = "relock.half_wave_error", "error of U_λ/2", DETUNINGS, "half_wave_error = 0.005";
+    /// Step of the DAC: the miss is evenly spread by half of it to either side.
+    DAC_STEP = "relock.dac_step", "step of the DAC", DETUNINGS, "dac_step = 0.002";
+    /// Hysteresis of the piezo: the miss is evenly spread by it to either side.
+    HYSTERESIS = "relock.hysteresis", "hysteresis of the piezo", DETUNINGS, "hysteresis = 0.005";
+    /// τ_L, time constant of the closed loop: "12 ms".
+    LOOP_TIME = "relock.loop_time", "time constant of the loop", TIMES, r#"loop_time = "12 ms""#, required;
+    /// f0, frequency of the bias at no detuning: "80 kHz".
+    BIAS = "relock.bias_frequency", "frequency of the bias", BIASES, r#"bias_frequency = "80 kHz""#, required;
+    /// Angle of a period of the beat: "2.6 arcsec".
+    PULSE = "relock.pulse_weight", "pulse weight", PULSES, r#"pulse_weight = "2.6 arcsec""#, required;
+    /// χ of f = f0 (1 − χΔλ²), Z(2): 40.
+    CURVATURE = "relock.curvature", "curvature χ", CURVATURES, "curvature = 40", required;
+    /// Error of f0 from its temperature curve, standard deviation as a part of it: "0.1 %".
+    TEMPERATURE = "relock.temperature_error", "error of f0", PARTS, r#"temperature_error = "0.1 %""#;
+    /// Noise of the mean detuning over half a tick, standard deviation.
+    ADC_NOISE = "relock.adc_noise", "noise of the detuning", DETUNINGS, "adc_noise = 0.0001";
+    /// Step of the ADC, to which that is rounded.
+    ADC_STEP = "relock.adc_step", "step of the ADC", DETUNINGS, "adc_step = 0.0002";
+    /// What is counted of the beat in half a tick, in periods: whole ones, 1, if absent; 0 for no rounding.
+    COUNT_STEP = "relock.count_step", "step of the count", COUNTS, "count_step = 1";
+    /// Ticks from the closing of the loop on, 1 to 8; 4 if absent.
+    TICKS = "relock.ticks", "", Holds::Whole(1, MAX_TICKS as i64), "ticks = 4";
+    /// Which half-period of the bias a tick begins with; the negative one if absent.
+    FIRST_HALF = "relock.first_half", "", Holds::Word(FirstHalf::WORDS), r#"first_half = "negative""#;
 }
 
-const DETUNING: (f64, f64, &str) = (0.0, 1.0, "0 to 1, parts of the wavelength");
+keys! {
+    /// What is only of kind = "relock".
+    pub(crate) static SIGNAL_KEYS;
+    /// A_I/Δλ of Z(1), 4·a_I·c/Δν, in any unit; a column of its signal.
+    SIGNAL_GAIN = "relock.signal_gain", "", unlimited(&[Dimension::Ratio]), "signal_gain = 20";
+}
 
-setting!(MISS, "relock.miss", "miss Δλ0", Ratio, (-1.0, 1.0, "-1 to 1, parts of the wavelength"), miss);
-setting!(HALF_WAVE, "relock.half_wave_error", "error of U_λ/2", Ratio, DETUNING, half_wave_error);
-setting!(DAC_STEP, "relock.dac_step", "step of the DAC", Ratio, DETUNING, dac_step);
-setting!(HYSTERESIS, "relock.hysteresis", "hysteresis of the piezo", Ratio, DETUNING, hysteresis);
-setting!(
-    LOOP_TIME,
-    "relock.loop_time",
-    "time constant of the loop",
-    Time,
-    (1e-6, 1e3, "1 µs to 1000 s"),
-    loop_s
-);
-setting!(
-    BIAS,
-    "relock.bias_frequency",
-    "frequency of the bias",
-    Frequency,
-    (1e-3, 1e9, "0.001 Hz to 1e9 Hz"),
-    bias_frequency_hz
-);
-setting!(
-    PULSE,
-    "relock.pulse_weight",
-    "pulse weight",
-    Angle,
-    (1e-6, 1e6, "1e-6 to 1e6 arcsec"),
-    pulse_weight_arcsec
-);
-setting!(CURVATURE, "relock.curvature", "curvature χ", Ratio, (1e-6, 1e9, "1e-6 to 1e9"), curvature);
-setting!(
-    TEMPERATURE,
-    "relock.temperature_error",
-    "error of f0",
-    Ratio,
-    (0.0, 0.05, "0 to 0.05, or 0 % to 5 %"),
-    temperature_error
-);
-setting!(ADC_NOISE, "relock.adc_noise", "noise of the detuning", Ratio, DETUNING, adc_noise);
-setting!(ADC_STEP, "relock.adc_step", "step of the ADC", Ratio, DETUNING, adc_step);
-setting!(
-    COUNT_STEP,
-    "relock.count_step",
-    "step of the count",
-    Ratio,
-    (0.0, 1e6, "0 to 1e6 periods"),
-    count_step
-);
-
-/// Every key of it that a sweep may vary.
-pub(crate) static SETTINGS: [&Setting<Relock>; 12] = [
-    &MISS,
-    &HALF_WAVE,
-    &DAC_STEP,
-    &HYSTERESIS,
-    &LOOP_TIME,
-    &BIAS,
-    &PULSE,
-    &CURVATURE,
-    &TEMPERATURE,
-    &ADC_NOISE,
-    &ADC_STEP,
-    &COUNT_STEP,
+/// What each key sets.
+pub(crate) static SETTINGS: [Setting<Relock>; 12] = [
+    Setting::new(&MISS, |relock, miss| relock.miss = miss.value),
+    Setting::new(&HALF_WAVE, |relock, error| relock.half_wave_error = error.value),
+    Setting::new(&DAC_STEP, |relock, step| relock.dac_step = step.value),
+    Setting::new(&HYSTERESIS, |relock, hysteresis| relock.hysteresis = hysteresis.value),
+    Setting::new(&LOOP_TIME, |relock, time| relock.loop_s = time.value),
+    Setting::new(&BIAS, |relock, frequency| relock.bias_frequency_hz = frequency.value),
+    Setting::new(&PULSE, |relock, weight| relock.pulse_weight_arcsec = weight.value),
+    Setting::new(&CURVATURE, |relock, curvature| relock.curvature = curvature.value),
+    Setting::new(&TEMPERATURE, |relock, error| relock.temperature_error = error.value),
+    Setting::new(&ADC_NOISE, |relock, noise| relock.adc_noise = noise.value),
+    Setting::new(&ADC_STEP, |relock, step| relock.adc_step = step.value),
+    Setting::new(&COUNT_STEP, |relock, step| relock.count_step = step.value),
 ];
 
 /// Ticks where none are written: the paper's.
-const TICKS: u32 = 4;
+const PAPER_TICKS: u32 = 4;
 
 /// The relock that is written.
-pub(crate) fn read(table: &RelockTable, places: &mut Places) -> Result<Relock, Fault> {
+pub(crate) fn read(reading: &mut Reading) -> Result<Relock, Fault> {
     let mut relock = Relock {
         miss: 0.0,
         half_wave_error: 0.0,
@@ -216,36 +199,17 @@ pub(crate) fn read(table: &RelockTable, places: &mut Places) -> Result<Relock, F
         adc_noise: 0.0,
         adc_step: 0.0,
         count_step: 1.0,
-        ticks: TICKS,
-        first_half: table.first_half,
+        ticks: PAPER_TICKS,
+        first_half: FirstHalf::of(reading.get(&FIRST_HALF)),
         signal_gain: None,
     };
-    let written: [(&Setting<Relock>, Option<&Spanned<Scalar>>); 12] = [
-        (&MISS, Some(&table.miss)),
-        (&HALF_WAVE, table.half_wave_error.as_ref()),
-        (&DAC_STEP, table.dac_step.as_ref()),
-        (&HYSTERESIS, table.hysteresis.as_ref()),
-        (&LOOP_TIME, Some(&table.loop_time)),
-        (&BIAS, Some(&table.bias_frequency)),
-        (&PULSE, Some(&table.pulse_weight)),
-        (&CURVATURE, Some(&table.curvature)),
-        (&TEMPERATURE, table.temperature_error.as_ref()),
-        (&ADC_NOISE, table.adc_noise.as_ref()),
-        (&ADC_STEP, table.adc_step.as_ref()),
-        (&COUNT_STEP, table.count_step.as_ref()),
-    ];
-    for (setting, value) in written {
-        if let Some(value) = value {
-            (setting.set)(&mut relock, setting.read(value)?);
-            places.add(setting.name, value.span());
-        }
+    reading.set(&mut relock, &SETTINGS)?;
+    reading.note(&[&TICKS]);
+    if let Some(ticks) = reading.get(&TICKS) {
+        relock.ticks = ticks.whole()? as u32;
     }
-    if let Some(ticks) = &table.ticks {
-        relock.ticks = scalar::whole("relock.ticks", ticks, 1..=MAX_TICKS as i64)? as u32;
-        places.add("relock.ticks", ticks.span());
-    }
-    if let Some(gain) = &table.signal_gain {
-        relock.signal_gain = Some(scalar::ratio("relock.signal_gain", gain)?.value);
+    if let Some(gain) = reading.get(&SIGNAL_GAIN) {
+        relock.signal_gain = Some(gain.quantity()?.value);
     }
     Ok(relock)
 }

@@ -1,15 +1,16 @@
 //! The entry of relock studies in the list of kinds.
 
-use crate::chart::file::{Scale, Source};
+use crate::chart::file::Source;
 use crate::chart::ground::{Ground, Number, Text};
 use crate::chart::law::Law;
 use crate::chart::supplied::at_first;
 use crate::chart::{Chart, Named, scale_over};
 use crate::kernel::relock_ticks::VERSION;
+use crate::key::scale::Scale;
 use crate::key::sweep::Sweep;
 use crate::kinds::relock::inputs::Compensation;
 use crate::kinds::relock::run::Plan as Planned;
-use crate::kinds::relock::{RelockStudy, keys, read};
+use crate::kinds::relock::{RelockStudy, keys, read, sweepable};
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
@@ -27,9 +28,9 @@ pub static RELOCK: Kind = Kind {
     template: include_str!("template.toml"),
     is_exact: false,
     trials: 1_000_000,
-    tables: &["gyro", "relock"],
     needs: &["gyro", "relock"],
     keys,
+    sweepable,
     kernels,
     look: Look {
         estimate: "rms",
@@ -38,7 +39,7 @@ pub static RELOCK: Kind = Kind {
         points: "Monte Carlo",
         bands: "95 % band",
     },
-    read: |reading, places| Ok(Box::new(read(reading.file, reading.sweeps, places)?)),
+    read: |reading| Ok(Box::new(read(reading)?)),
 };
 
 /// The kernel, with its version.

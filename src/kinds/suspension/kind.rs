@@ -6,7 +6,7 @@ use crate::chart::ground::Ground;
 use crate::chart::supplied::over_first_number;
 use crate::key::sweep::Sweep;
 use crate::kinds::exact::Exact;
-use crate::kinds::suspension::{SuspensionStudy, keys, read, table};
+use crate::kinds::suspension::{SuspensionStudy, keys, read, sweepable, table};
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
@@ -22,12 +22,12 @@ pub static SUSPENSION: Kind = Kind {
     template: include_str!("template.toml"),
     is_exact: true,
     trials: 1_000_000,
-    tables: &["suspension"],
     needs: &["suspension"],
     keys,
+    sweepable,
     kernels: || "none".to_owned(),
     look: Look { estimate: "response", answer: ("response", &[]), along: None, points: "", bands: "" },
-    read: |reading, places| Ok(Box::new(read(reading.file, reading.sweeps, places)?)),
+    read: |reading| Ok(Box::new(read(reading)?)),
 };
 
 impl SuspensionStudy {

@@ -1,20 +1,18 @@
 //! Studies of a suspension: its response over the frequency of a vibration, in closed form.
 
 pub mod kind;
-pub mod read;
 pub mod table;
 
 use std::sync::Arc;
 
-pub(crate) use crate::kinds::suspension::read::{GYROS, assumed, read as read_suspension};
-
-use crate::key::file::StudyFile;
-use crate::key::setting::{Key, Setting, Swept};
-use crate::key::sweep::{self, Sweep};
+use crate::key::holds::{Holds, measure};
+use crate::key::reading::Reading;
+use crate::key::row::{Key, keys};
+use crate::key::setting::{self, Setting, Swept};
+use crate::key::sweep;
+use crate::motion::suspension::{GYROS, MODE_FREQUENCIES, QS, RESPONSES, SuspensionKeys};
 use crate::quantity::units::Dimension;
 use crate::source::diagnose::Wrong;
-use crate::source::place::Places;
-use crate::study::{needed, needed_key};
 use crate::theory::suspension::Suspension;
 
 /// What a study of a suspension asks.
@@ -37,58 +35,64 @@ pub struct Point {
     pub frequency_hz: f64,
 }
 
-static FREQUENCY: Setting<Point> = Setting {
-    key: Key {
-        name: "suspension.frequency",
-        label: "vibration frequency",
-        accepts: &[Dimension::Frequency],
-        limits: (1e-6, 1e7, "1e-6 Hz to 1e7 Hz"),
-    },
-    applies: |_| true,
-    set: |point, frequency| point.frequency_hz = frequency.value,
+keys! {
+    /// The keys of the suspension.
+    static KEYS;
+    /// The suspension of a gyro: one that is known by name, or its modes.
+    SUSPENSION = "suspension", "", Holds::Table, "[suspension]\ngyro = \"LGK-400\"\nfrequency = \"380 Hz\"";
+    /// "LGK-400" or "LGV-1": frequencies as published, Q factors and responses assumed.
+    GYRO = "suspension.gyro", "gyro", GYROS, r#"gyro = "LGK-400""#;
+    /// Or its modes, second-order resonances, the useful one first.
+    MODES = "suspension.modes", "", Holds::List(&Holds::Table), r#"modes = [{ frequency = "380 Hz", q = 100, response = "20000 arcsec/s/g" }]"#;
+    /// Natural frequency: "380 Hz".
+    MODE_FREQUENCY = "suspension.modes.frequency", "", MODE_FREQUENCIES, r#"frequency = "380 Hz""#, required;
+    /// Q factor, a number.
+    MODE_Q = "suspension.modes.q", "", QS, "q = 100", required;
+    /// Amplitude of the rate per acceleration at resonance, of this mode alone; negative where it turns the other way:
+    /// "20000 arcsec/s/g".
+    MODE_RESPONSE = "suspension.modes.response", "", RESPONSES, r#"response = "20000 arcsec/s/g""#, required;
+    /// Frequency of the vibration: "380 Hz". Absent where it is swept.
+    FREQUENCY = "suspension.frequency", "vibration frequency", FREQUENCIES, r#"frequency = "380 Hz""#;
+}
+
+const FREQUENCIES: Holds = measure(&[Dimension::Frequency], 1e-6, 1e7, "1e-6 Hz to 1e7 Hz");
+
+const OF_SUSPENSION: SuspensionKeys = SuspensionKeys {
+    table: &SUSPENSION,
+    gyro: &GYRO,
+    modes: &MODES,
+    mode: [&MODE_FREQUENCY, &MODE_Q, &MODE_RESPONSE],
 };
 
-static GYRO: Key = Key { name: "suspension.gyro", label: "gyro", accepts: &[], limits: (0.0, 0.0, GYROS) };
+static SETTINGS: [Setting<Point>; 1] =
+    [Setting::new(&FREQUENCY, |point, frequency| point.frequency_hz = frequency.value)];
+
+/// Every key of this kind.
+pub(crate) fn keys() -> Vec<&'static Key> {
+    KEYS.to_vec()
+}
 
 /// Every key that a sweep may vary.
-pub(crate) fn keys() -> Vec<&'static Key> {
-    vec![&FREQUENCY.key, &GYRO]
+pub(crate) fn sweepable() -> Vec<&'static Key> {
+    vec![&FREQUENCY, &GYRO]
 }
 
-/// Reads what is of this kind in a file, and notes where it stands.
-pub(crate) fn read(
-    file: &StudyFile,
-    sweeps: &[Sweep],
-    places: &mut Places,
-) -> Result<SuspensionStudy, Wrong> {
-    let table = needed(file.suspension.as_ref(), "suspension", file)?;
-    places.add("suspension", table.span());
-    let written = table.get_ref();
-    let suspension = read_suspension(GYRO.name, &written.gyro, &written.modes, table.span(), sweeps)?;
+/// Reads what is of this kind.
+pub(crate) fn read(reading: &mut Reading) -> Result<SuspensionStudy, Wrong> {
+    reading.note(&[&SUSPENSION]);
+    let suspension = OF_SUSPENSION.read(reading)?;
     let mut point = Point { swept: vec![], suspension, frequency_hz: 0.0 };
-    let swept = sweeps.iter().any(|sweep| sweep.key.name == FREQUENCY.name);
-    if let Some(frequency) = &written.frequency {
-        (FREQUENCY.set)(&mut point, FREQUENCY.read(frequency)?);
-    } else if !swept {
-        needed_key(written.frequency.as_ref(), FREQUENCY.name, table)?;
+    if reading.sweep(&FREQUENCY).is_none() {
+        reading.table.needed(&FREQUENCY)?;
     }
-    let points = (0..sweep::points(sweeps)).map(|index| {
-        let mut point = Point { swept: sweep::values_at(sweeps, index), ..point.clone() };
-        let swept = point.swept.clone();
-        sweep::set(&mut point, &[&FREQUENCY], &swept);
-        if let Some(named) = named(&swept, GYRO.name) {
-            point.suspension = named;
-        }
+    reading.set(&mut point, &SETTINGS)?;
+    let points = (0..sweep::points(reading.sweeps)).map(|index| {
+        let swept = sweep::values_at(reading.sweeps, index);
+        let mut point = Point { swept: swept.clone(), ..point.clone() };
+        setting::set(&mut point, &SETTINGS, &swept);
+        point.suspension = OF_SUSPENSION.swept(&swept).unwrap_or(point.suspension);
         point
     });
-    let notes = assumed(GYRO.name, &written.gyro, sweeps).into_iter().collect();
-    Ok(SuspensionStudy { points: points.collect(), notes })
-}
-
-/// The suspension that a sweep over names under this key chooses.
-pub(crate) fn named(swept: &[(&'static str, Swept)], key: &str) -> Option<Arc<Suspension>> {
-    swept.iter().find_map(|(name, value)| match value {
-        Swept::Name(gyro) if *name == key => Suspension::named(gyro).map(Arc::new),
-        _ => None,
-    })
+    let points = points.collect();
+    Ok(SuspensionStudy { points, notes: OF_SUSPENSION.assumed(reading).into_iter().collect() })
 }

@@ -9,7 +9,7 @@ use crate::kernel::switched_run::VERSION;
 use crate::key::sweep::Sweep;
 use crate::kinds::relock;
 use crate::kinds::switched_run::run::Plan as Planned;
-use crate::kinds::switched_run::{Angle, SwitchedRun, keys, read};
+use crate::kinds::switched_run::{Angle, SwitchedRun, keys, read, sweepable};
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
@@ -27,9 +27,9 @@ pub static SWITCHED_RUN: Kind = Kind {
     template: include_str!("template.toml"),
     is_exact: false,
     trials: 100_000,
-    tables: &["gyro", "motion", "switching", "noise", "drift", "relock", "run"],
     needs: &["switching", "run"],
     keys,
+    sweepable,
     kernels: || format!("switched_run {VERSION}, {}", relock::kind::kernels()),
     look: Look {
         estimate: "drift_q9973",
@@ -38,7 +38,7 @@ pub static SWITCHED_RUN: Kind = Kind {
         points: "Monte Carlo",
         bands: "95 % band",
     },
-    read: |reading, places| Ok(Box::new(read(reading.file, reading.sweeps, reading.files, places)?)),
+    read: |reading| Ok(Box::new(read(reading)?)),
 };
 
 /// The column of angles.

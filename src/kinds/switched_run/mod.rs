@@ -7,27 +7,60 @@ pub mod relock;
 pub mod run;
 pub mod times;
 
-use toml::Spanned;
-
 pub use crate::kinds::switched_run::point::Point;
 pub use crate::kinds::switched_run::relock::Relocking;
 
-use crate::drift::{self, Drift};
+use crate::drift::schedule::{self, Schedule};
+use crate::drift::{self, DRIFT, Drift, RESIDUAL_MAX};
 use crate::filler::Filler;
-use crate::key::file::StudyFile;
-use crate::key::file::drift::DriftTable;
-use crate::key::file::switching::SwitchingTable;
-use crate::key::scalar;
-use crate::key::setting::Key;
+use crate::filler::keys::{EXTRAPOLATION_TICKS, FILLERS, FIT_TICKS, GAP_TICKS};
+use crate::key::holds::{Holds, unlimited, words};
+use crate::key::places::Places;
+use crate::key::reading::Reading;
+use crate::key::row::{Key, keys};
+use crate::key::setting;
 use crate::key::sweep::Sweep;
 use crate::kinds::gap_fill::{self, GapFill};
+use crate::motion::keys::MOTION;
+use crate::noise::keys::NOISE;
 use crate::quantity::number::significant;
+use crate::quantity::units::Dimension;
 use crate::source::diagnose::{Fault, Wrong};
-use crate::source::place::Places;
-use crate::source::text_file::Files;
-use crate::study::{needed, needed_key};
 
-pub use crate::key::file::switching::{FirstMode, Timing};
+words! {
+    /// Sign of the magnetic drift in the first interval of a run.
+    pub enum FirstMode {
+        /// Its own: a magnetic drift above 0 adds to the angle.
+        Positive = "positive",
+        /// The opposite.
+        Negative = "negative",
+        /// Another in each run.
+        Random = "random",
+    }
+}
+
+words! {
+    /// Where in the motion the switches of a run fall; where the motion has a fixed phase, always there.
+    pub enum Timing {
+        /// At random, each by itself.
+        Random = "random",
+        /// Exactly an interval apart, so that the phase goes on by as much from switch to switch; that of the first is random.
+        Periodic = "periodic",
+    }
+}
+
+keys! {
+    /// The keys that no other kind has.
+    static KEYS;
+    /// Sign of the magnetic drift in the first interval; positive if absent.
+    FIRST_MODE = "switching.first_mode", "", Holds::Word(FirstMode::WORDS), r#"first_mode = "positive""#;
+    /// Where in the motion the switches fall; random if absent. Where the motion has a fixed phase, they always fall there.
+    TIMING = "switching.timing", "", Holds::Word(Timing::WORDS), r#"timing = "random""#;
+    /// Times at which the angle is wanted besides the end: ["10 min", "30 min"].
+    pub(crate) TIMES = "run.times", "", Holds::List(&unlimited(&[Dimension::Time])), r#"times = ["10 min", "30 min"]"#;
+    /// How many runs are kept as trajectories; none if absent.
+    TRAJECTORIES = "run.trajectories", "", Holds::Whole(0, 1000), "trajectories = 20";
+}
 
 /// What a study of whole runs asks.
 #[derive(Debug, Clone)]
@@ -85,66 +118,42 @@ impl SwitchedRun {
     }
 }
 
-/// Most runs that are kept as trajectories.
-const MOST_TRAJECTORIES: i64 = 1000;
-
-/// Every key that a sweep may vary.
+/// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {
-    let drift = drift::SETTINGS.iter().map(|setting| &setting.key);
-    let schedule = drift::SCHEDULE_SETTINGS.iter().map(|setting| &setting.key);
-    schedule.chain(drift).chain(gap_fill::keys()).chain(crate::kinds::switched_run::relock::keys()).collect()
+    let run = [schedule::KEYS, drift::KEYS, drift::SPREAD_KEYS, KEYS].concat();
+    [&run[..], &gap_fill::keys_of_fill(), &relock::keys()].concat()
 }
 
-/// Reads what is of this kind in a file, and notes where it stands.
-pub(crate) fn read(
-    file: &StudyFile,
-    sweeps: &[Sweep],
-    files: &Files,
-    places: &mut Places,
-) -> Result<SwitchedRun, Wrong> {
-    let switching = needed(file.switching.as_ref(), "switching", file)?;
-    let run = needed(file.run.as_ref(), "run", file)?;
-    refuse_keys(file, switching.get_ref())?;
-    let interval = needed_key(switching.get_ref().interval.as_ref(), "switching.interval", switching)?;
-    let schedule = drift::read_schedule(Some(interval), &run.get_ref().duration, places)?;
-    let nothing = DriftTable::default();
-    let table = file.drift.as_ref().map_or(&nothing, Spanned::get_ref);
-    let drift = drift::read(table, places)?;
-    if let Some(table) = &file.drift {
-        places.add("drift", table.span());
-    }
-    let fill = read_fill(file, switching, &drift, sweeps, files, places)?;
-    let relock = crate::kinds::switched_run::relock::read(file, fill.as_ref(), sweeps, places)?;
-    let times = crate::kinds::switched_run::times::read(run.get_ref().times.as_ref(), places)?;
-    let trajectories = match &run.get_ref().trajectories {
-        Some(given) => scalar::whole("run.trajectories", given, 0..=MOST_TRAJECTORIES)?.cast_unsigned(),
+/// Every key that a sweep may vary.
+pub(crate) fn sweepable() -> Vec<&'static Key> {
+    let run = setting::keys(&schedule::SETTINGS).chain(setting::keys(&drift::SETTINGS));
+    run.chain(gap_fill::sweepable()).chain(relock::sweepable()).collect()
+}
+
+/// Reads what is of this kind.
+pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
+    let (mut drift, mut schedule) = (Drift::default(), Schedule::default());
+    reading.set(&mut schedule, &schedule::SETTINGS)?;
+    reading.set(&mut drift, &drift::SETTINGS)?;
+    reading.note(&[&DRIFT]);
+    let fill = read_fill(reading, &drift)?;
+    let relock = relock::read(reading, fill.as_ref())?;
+    let times = times::read(reading)?;
+    let trajectories = match reading.get(&TRAJECTORIES) {
+        Some(given) => given.whole()?.cast_unsigned(),
         None => 0,
     };
-    let base = crate::kinds::switched_run::point::Base {
-        drift,
-        schedule,
-        fill: fill.as_ref(),
-        relock,
-        times: &times,
-        places,
-        sweeps,
-    };
+    let (places, sweeps) = (&reading.places, reading.sweeps);
+    let base = point::Base { drift, schedule, fill: fill.as_ref(), relock, times: &times, places, sweeps };
     let (points, rounded) = base.points()?;
     check_size(&points, fill.as_ref(), sweeps)?;
     check_moves(&points, places, sweeps)?;
     let fill_notes = fill.as_ref().map_or(&[][..], |fill| &fill.notes);
-    let timing = switching.get_ref().timing.as_ref().map(|timing| *timing.get_ref()).unwrap_or_default();
+    let timing = Timing::of(reading.get(&TIMING));
     let residuals = fill.as_ref().map_or(vec![], |fill| of_residuals(fill, timing));
-    let notes = rounded.into_iter().chain(fill_notes.iter().cloned()).chain(residuals);
-    Ok(SwitchedRun {
-        first_mode: switching.get_ref().first_mode.as_ref().map(|mode| *mode.get_ref()).unwrap_or_default(),
-        timing,
-        notes: notes.collect(),
-        fill,
-        times,
-        trajectories,
-        points,
-    })
+    let notes = rounded.into_iter().chain(fill_notes.iter().cloned()).chain(residuals).collect();
+    let first_mode = FirstMode::of(reading.get(&FIRST_MODE));
+    Ok(SwitchedRun { first_mode, timing, notes, fill, times, trajectories, points })
 }
 
 /// Most intervals of all points and fillers together: each has a row in memory.
@@ -177,60 +186,31 @@ fn check_moves(points: &[Point], places: &Places, sweeps: &[Sweep]) -> Result<()
     Err(Fault::new(places.blame(sweeps, &["drift", "kind"]), message, "no drift", help))
 }
 
-/// Refuses what only studies of one switch have.
-fn refuse_keys(file: &StudyFile, switching: &SwitchingTable) -> Result<(), Fault> {
-    let refuse = |place, key: &str, help: &str| {
-        let message = format!("{key} is no key of a study of kind = \"switched-run\"");
-        Err(Fault::new(place, message, "not of this kind", help))
-    };
-    if let Some(precision) = &file.precision {
-        return refuse(precision.span(), "precision", "leave it out: trials says how many runs are made");
-    }
-    if let Some(errors) = &switching.errors {
-        return refuse(errors.span(), "switching.errors", "leave it out: what adds up are residuals");
-    }
-    Ok(())
-}
-
 /// The switch, where fillers are given.
-fn read_fill(
-    file: &StudyFile,
-    switching: &Spanned<SwitchingTable>,
-    drift: &Drift,
-    sweeps: &[Sweep],
-    files: &Files,
-    places: &mut Places,
-) -> Result<Option<GapFill>, Wrong> {
-    let SwitchingTable { gap_ticks, fit_ticks, extrapolation_ticks, fillers, .. } = switching.get_ref();
-    if fillers.is_some() {
-        if drift.residual_max != 0.0 || sweeps.iter().any(|sweep| sweep.key.name == "drift.residual_max") {
-            let place = places.blame(sweeps, &["drift.residual_max"]);
+fn read_fill(reading: &mut Reading, drift: &Drift) -> Result<Option<GapFill>, Wrong> {
+    if reading.get(&FILLERS).is_some() {
+        if drift.residual_max != 0.0 || reading.sweep(&RESIDUAL_MAX).is_some() {
+            let place = reading.places.blame(reading.sweeps, &[RESIDUAL_MAX.name]);
             let message = "drift.residual_max stands beside switching.fillers, which give the residual";
             let help = "leave drift.residual_max out, or take [gyro], [motion] and fillers out";
             return Err(Fault::new(place, message, "a second residual", help).into());
         }
-        return Ok(Some(gap_fill::read(file, sweeps, files, places)?));
+        return Ok(Some(gap_fill::read(reading)?));
     }
-    let of_fill = [
-        ("[gyro]", file.gyro.as_ref().map(Spanned::span)),
-        ("[motion]", file.motion.as_ref().map(Spanned::span)),
-        ("[noise]", file.noise.as_ref().map(Spanned::span)),
-        ("switching.gap_ticks", gap_ticks.as_ref().map(Spanned::span)),
-        ("switching.fit_ticks", fit_ticks.as_ref().map(Spanned::span)),
-        ("switching.extrapolation_ticks", extrapolation_ticks.as_ref().map(Spanned::span)),
-    ];
-    if let Some((name, Some(place))) = of_fill.into_iter().find(|(_, place)| place.is_some()) {
+    let of_fill = [&gap_fill::keys::GYRO, &MOTION, &NOISE, &GAP_TICKS, &FIT_TICKS, &EXTRAPOLATION_TICKS];
+    if let Some(written) = of_fill.into_iter().find_map(|key| reading.get(key)) {
+        let name = written.key.name;
+        let name = if written.key.holds.is_table() { format!("[{name}]") } else { name.to_owned() };
         let message = format!("{name} says how residuals come about, but switching.fillers is missing");
         let help = "add fillers = [\"const\", \"quadratic\"] to [switching], or leave it out and give drift.residual_max";
-        return Err(Fault::new(place, message, "of no use without fillers", help).into());
+        return Err(written.fault(message, "of no use without fillers", help).into());
     }
-    let of_gap_fill: Vec<&str> = gap_fill::keys().iter().map(|key| key.name).collect();
-    for (sweep, table) in sweeps.iter().zip(&file.sweep) {
-        if of_gap_fill.contains(&sweep.key.name) {
+    for sweep in reading.sweeps {
+        if gap_fill::sweepable().iter().any(|key| key.name == sweep.key.name) {
             let message = format!("{} is swept, but there are no fillers", sweep.key.name);
             let help =
                 "add [gyro], [motion] and switching.fillers, or sweep a key of [drift], [run] or [switching]";
-            return Err(Fault::new(table.key.span(), message, "not in this study", help).into());
+            return Err(Fault::new(sweep.key_span.clone(), message, "not in this study", help).into());
         }
     }
     Ok(None)

@@ -1,17 +1,18 @@
 //! Points of a study of whole runs, each checked as a whole.
 
-use crate::drift::schedule::Schedule;
+use crate::drift::schedule::{self, Schedule};
 use crate::drift::{self, Drift};
 use crate::kernel::switched_run::shape::MOST_INTERVALS;
 use crate::key::setting::Swept;
+use crate::key::setting;
 use crate::key::sweep::{self, Sweep};
+use crate::key::places::Places;
 use crate::kinds::gap_fill::{self, GapFill};
 use crate::kinds::relock::inputs::SETTINGS as RELOCK_SETTINGS;
 use crate::kinds::switched_run::relock::{self, Relocking};
 use crate::quantity::number::significant;
 use crate::quantity::units::round_12;
 use crate::source::diagnose::Fault;
-use crate::source::place::Places;
 use crate::theory::drift::magnetic::switches;
 
 /// By how much of itself an interval may miss a whole number of ticks, of which decimal fractions have not all.
@@ -116,15 +117,15 @@ impl Base<'_> {
     fn point(&self, index: usize, rounded: &mut Vec<String>) -> Result<Point, Fault> {
         let swept = sweep::values_at(self.sweeps, index);
         let (mut drift, mut schedule) = (self.drift.clone(), self.schedule);
-        sweep::set(&mut drift, &drift::SETTINGS, &swept);
-        sweep::set(&mut schedule, &drift::SCHEDULE_SETTINGS, &swept);
+        setting::set(&mut drift, &drift::SETTINGS, &swept);
+        setting::set(&mut schedule, &schedule::SETTINGS, &swept);
         let fill = self.fill.map(|fill| fill.points[index].clone());
         if let Some(fill) = &fill {
             schedule.interval_s = self.whole_ticks(schedule.interval_s, fill, rounded)?;
         }
         let mut relock = self.relock.clone();
         if let Some(relocking) = &mut relock {
-            sweep::set(&mut relocking.relock, &RELOCK_SETTINGS, &swept);
+            setting::set(&mut relocking.relock, &RELOCK_SETTINGS, &swept);
             relocking.compensation = relock::swept(&swept).unwrap_or(relocking.compensation);
         }
         schedule.check(self.places, self.sweeps)?;

@@ -1,36 +1,32 @@
 //! The times at which the angle of a run is wanted.
 
-use toml::Spanned;
-
-use crate::key::scalar::{self, Scalar};
-use crate::quantity::units::Dimension;
+use crate::key::reading::Reading;
+use crate::kinds::switched_run::TIMES;
 use crate::source::diagnose::Fault;
-use crate::source::place::Places;
 
 /// Most times of a study.
 const MOST_TIMES: usize = 100;
 
 /// Times in s, each once.
-pub(crate) fn read(
-    list: Option<&Spanned<Vec<Spanned<Scalar>>>>,
-    places: &mut Places,
-) -> Result<Vec<f64>, Fault> {
-    let Some(list) = list else { return Ok(vec![]) };
-    places.add("run.times", list.span());
-    if list.get_ref().len() > MOST_TIMES {
-        let message = format!("run.times lists {} times", list.get_ref().len());
+pub(crate) fn read(reading: &mut Reading) -> Result<Vec<f64>, Fault> {
+    reading.note(&[&TIMES]);
+    let Some(list) = reading.get(&TIMES) else { return Ok(vec![]) };
+    let items = list.items();
+    if items.len() > MOST_TIMES {
+        let message = format!("run.times lists {} times", items.len());
         let help = format!("accepted: up to {MOST_TIMES}; trajectories show all of a run");
-        return Err(Fault::new(list.span(), message, "too many", help));
+        return Err(list.fault(message, "too many", help));
     }
     let mut times = Vec::new();
-    for given in list.get_ref() {
-        let time = scalar::quantity("run.times", given, &[Dimension::Time])?;
-        let fault = |message, label, help| Err(Fault::new(given.span(), message, label, help));
+    for given in items {
+        let time = given.quantity()?;
         if time.value <= 0.0 {
-            return fault(format!("run.times lists {time}"), "not above 0", "give times after the start");
+            let message = format!("run.times lists {time}");
+            return Err(given.fault(message, "not above 0", "give times after the start"));
         }
         if times.contains(&time.value) {
-            return fault(format!("run.times lists {time} twice"), "listed before", "leave it out here");
+            let message = format!("run.times lists {time} twice");
+            return Err(given.fault(message, "listed before", "leave it out here"));
         }
         times.push(time.value);
     }

@@ -3,7 +3,7 @@
 use crate::kernel::gap_fill;
 use crate::kernel::moments::{LIMIT, level};
 use crate::kernel::normal::REACH;
-use crate::key::file::switching::Error;
+use crate::filler::keys::Error;
 use crate::kinds::gap_fill::lower::fixed::Fixed;
 use crate::kinds::gap_fill::lower::response::Functional;
 use crate::kinds::gap_fill::lower::weights::Rows;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::kernel::gap_fill::shape::MARGIN;
 use crate::kernel::normal::SIGMA;
 use crate::kernel::sine::ONE;
-use crate::key::file::motion::Phase;
+use crate::motion::keys::Phase;
 use crate::kinds::gap_fill::lower::physical::{Physical, PhysicalTone, ToneKind};
 use crate::motion::Value;
 use crate::theory::cholesky::semidefinite;

@@ -3,7 +3,7 @@
 use crate::kernel::gap_fill::shape::{Parameters, Shape};
 use crate::kernel::launch::{Launch, Sampled};
 use crate::kernel::moments::MAX_ESTIMATES;
-use crate::key::file::switching::Error;
+use crate::filler::keys::Error;
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::lower::estimate::Estimate;
 use crate::kinds::gap_fill::lower::fixed::{Fixed, ToneMotion, gaussian_place, long_words};

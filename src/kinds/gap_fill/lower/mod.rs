@@ -45,8 +45,8 @@ use crate::study::refusal::Refusal;
 
 use crate::filler::{Filler, Method};
 use crate::kernel::moments::MAX_ESTIMATES;
-use crate::key::file::Streams;
-use crate::key::file::switching::Error;
+use crate::key::common::Streams;
+use crate::filler::keys::Error;
 use crate::kinds::gap_fill::lower::estimate::Owner;
 use crate::kinds::gap_fill::lower::fixed::Fixed;
 use crate::kinds::gap_fill::lower::physical::Physical;

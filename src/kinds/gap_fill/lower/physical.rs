@@ -5,8 +5,8 @@ use std::fmt::Write as _;
 
 use crate::kernel::gap_fill::shape::MARGIN;
 use crate::kernel::normal::REACH;
-use crate::key::file::Streams;
-use crate::key::file::motion::{Phase, Position};
+use crate::key::common::Streams;
+use crate::motion::keys::{Phase, Position};
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::motion::vibration::Acceleration;
 use crate::motion::{Frequency, Gaussian, Value};

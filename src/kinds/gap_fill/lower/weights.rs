@@ -5,7 +5,7 @@ use core::ops::RangeInclusive;
 
 use crate::filler::{Filler, Method};
 use crate::kernel::gap_fill::shape::MARGIN;
-use crate::key::file::switching::Error;
+use crate::filler::keys::Error;
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::study::refusal::{Refusal, shown};
 use crate::theory::gap::{Weights, polynomial_weights};

@@ -13,7 +13,7 @@ use crate::sampling::worker::Worker;
 use rayon::prelude::*;
 
 use crate::filler::{Filler, Method};
-use crate::key::file::switching::Error;
+use crate::filler::keys::Error;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::point::Point;

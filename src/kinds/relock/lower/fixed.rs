@@ -2,7 +2,7 @@
 
 use crate::kernel::normal::REACH;
 use crate::kernel::relock_ticks::{MAX_TICKS, Method, Parameters, Shape};
-use crate::key::file::relock::FirstHalf;
+use crate::kinds::relock::inputs::FirstHalf;
 use crate::kinds::relock::inputs::Relock;
 use crate::quantity::number::significant;
 use crate::study::refusal::{Refusal, shown};

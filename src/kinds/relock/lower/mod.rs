@@ -12,7 +12,7 @@ use crate::kernel::moments::{MAX_ESTIMATES, Trials, level};
 use crate::kernel::relock::{Parameters, Shape, WEIGHT_BITS};
 use crate::kernel::relock_ticks::{self, MAX_TICKS, Method};
 use crate::kernel::width::Width;
-use crate::key::file::Streams;
+use crate::key::common::Streams;
 use crate::kinds::gap_fill::lower::words_of;
 use crate::kinds::relock::RelockPoint;
 use crate::kinds::relock::inputs::Compensation;

@@ -1,6 +1,6 @@
 //! The drift of a run in closed form, ″: what is the same in all runs, and how it deviates.
 
-use crate::key::file::switching::FirstMode;
+use crate::kinds::switched_run::FirstMode;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::theory::drift::magnetic::{signed_decay, signed_time, switches};

@@ -2,7 +2,7 @@
 
 use crate::kernel::moments::LIMIT;
 use crate::kernel::normal::REACH;
-use crate::key::file::switching::{FirstMode, Timing};
+use crate::kinds::switched_run::{FirstMode, Timing};
 use crate::kinds::gap_fill::lower::fixed::{ANGLE_UNITS, SIGMA_UNITS, long_words};
 use crate::kinds::gap_fill::lower::residual::Residual;
 use crate::kinds::switched_run::SwitchedRun;

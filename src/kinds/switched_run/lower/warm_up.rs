@@ -3,7 +3,7 @@
 use core::f64::consts::LOG2_E;
 
 use crate::kernel::normal::REACH;
-use crate::key::file::switching::FirstMode;
+use crate::kinds::switched_run::FirstMode;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::lower::drift::Row;
 use crate::kinds::switched_run::point::Point as RunPoint;

@@ -1,0 +1,35 @@
+//! Keys that studies of every kind have.
+
+use crate::key::holds::{Holds, words};
+use crate::key::row::keys;
+
+words! {
+    /// Whether the points of a study share their random numbers.
+    pub enum Streams {
+        /// Every point draws its own random numbers.
+        Independent = "independent",
+        /// A trial sees the same random numbers at every point: smooth curves, paired differences.
+        Common = "common",
+    }
+}
+
+/// Most trials at one point, 2^40.
+pub const MOST_TRIALS: u64 = 1 << 40;
+
+keys! {
+    /// The keys at the top of every study.
+    pub(crate) static KEYS;
+    /// Shown above charts and reports.
+    pub(crate) TITLE = "title", "", Holds::Text, r#"title = "Error of the gap fillers""#, required;
+    /// The question that the study answers, in one sentence.
+    pub(crate) QUESTION = "question", "", Holds::Text, r#"question = "Which filler is good enough?""#;
+    /// What is studied.
+    pub(crate) KIND = "kind", "", Holds::Text, r#"kind = "gap-fill""#, required;
+    /// Seed of all random numbers; 1 if absent.
+    pub(crate) SEED = "seed", "", Holds::Whole(0, i64::MAX), "seed = 1";
+    /// Monte Carlo trials at each point; 1 000 000 if absent, 100 000 runs of kind = "switched-run", and 1000 records of
+    /// kind = "allan"; unused where all is in closed form.
+    pub(crate) TRIALS = "trials", "", Holds::Whole(1, MOST_TRIALS as i64), "trials = 1_000_000";
+    /// Whether the points share their random numbers.
+    pub(crate) STREAMS = "streams", "", Holds::Word(Streams::WORDS), r#"streams = "independent""#;
+}

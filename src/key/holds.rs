@@ -1,0 +1,167 @@
+//! What keys hold, and words as the values of a key.
+
+use crate::quantity::units::Dimension;
+
+/// The shape of a key's value, and its limits.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Holds {
+    Text,
+    /// One of some words.
+    Word(&'static [Word]),
+    /// One of some names, which a sweep may vary.
+    Name(&'static [&'static str]),
+    /// The path of a file, from the folder of the study.
+    File,
+    Flag,
+    /// A whole number from the first to the second.
+    Whole(i64, i64),
+    Measure(Measure),
+    /// A part in percent.
+    Percent,
+    /// One value, whose meaning depends on others.
+    Any,
+    List(&'static Holds),
+    /// A list of two.
+    Pair(&'static Holds),
+    /// One of several shapes.
+    Either(&'static [Holds]),
+    /// The keys whose names go on from this one's.
+    Table,
+    /// A table with exactly one of its keys.
+    OneOf,
+    /// A table whose keys are free, each with one value.
+    Free,
+}
+
+/// A quantity, and the limits of it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Measure {
+    /// The dimensions that it may have.
+    pub(crate) accepts: &'static [Dimension],
+    /// Lowest and highest value in base units.
+    pub(crate) limits: (f64, f64),
+    /// The limits for people; empty where there are none.
+    pub(crate) range: &'static str,
+}
+
+/// A word as a value, and what it means.
+#[derive(Debug)]
+pub(crate) struct Word {
+    pub(crate) word: &'static str,
+    pub(crate) meaning: &'static str,
+}
+
+/// A quantity of one of some dimensions within limits.
+pub(crate) const fn measure(
+    accepts: &'static [Dimension],
+    low: f64,
+    high: f64,
+    range: &'static str,
+) -> Holds {
+    Holds::Measure(Measure { accepts, limits: (low, high), range })
+}
+
+/// A quantity without limits.
+pub(crate) const fn unlimited(accepts: &'static [Dimension]) -> Holds {
+    measure(accepts, f64::NEG_INFINITY, f64::INFINITY, "")
+}
+
+impl Holds {
+    /// The quantity that is held, also in lists or among other shapes.
+    pub(crate) fn measured(&self) -> Option<Measure> {
+        match self {
+            Holds::Measure(measure) => Some(*measure),
+            Holds::List(inner) | Holds::Pair(inner) => inner.measured(),
+            Holds::Either(shapes) => shapes.iter().find_map(Holds::measured),
+            _ => None,
+        }
+    }
+
+    /// The words that are held.
+    pub(crate) fn words(&self) -> &'static [Word] {
+        match self {
+            Holds::Word(words) => words,
+            Holds::List(inner) => inner.words(),
+            Holds::Either(shapes) => {
+                shapes.iter().map(Holds::words).find(|words| !words.is_empty()).unwrap_or_default()
+            }
+            _ => &[],
+        }
+    }
+
+    /// Whether the value may be a table with keys of its own.
+    pub(crate) fn is_table(&self) -> bool {
+        match self {
+            Holds::Table | Holds::OneOf => true,
+            Holds::List(inner) => inner.is_table(),
+            Holds::Either(shapes) => shapes.iter().any(Holds::is_table),
+            _ => false,
+        }
+    }
+
+    /// For sentences: `a text in quotes`.
+    pub(crate) fn described(&self) -> String {
+        match self {
+            Holds::Text | Holds::Word(_) | Holds::Name(_) | Holds::File => "a text in quotes".to_owned(),
+            Holds::Flag => "true or false".to_owned(),
+            Holds::Whole(..) => "a whole number".to_owned(),
+            Holds::Measure(Measure { accepts: [Dimension::Ratio], .. }) => {
+                "a number, or percent in quotes".to_owned()
+            }
+            Holds::Measure(_) => "a number with its unit, in quotes".to_owned(),
+            Holds::Percent => "a part in percent in quotes".to_owned(),
+            Holds::Any => "one value".to_owned(),
+            Holds::List(Holds::Table) => "a list of tables in brackets".to_owned(),
+            Holds::List(Holds::Pair(_)) => "a list of pairs in brackets".to_owned(),
+            Holds::List(Holds::Text | Holds::Word(_)) => "a list of texts in brackets".to_owned(),
+            Holds::List(Holds::Measure(_)) => "a list of quantities in brackets".to_owned(),
+            Holds::List(_) => "a list in brackets".to_owned(),
+            Holds::Pair(_) => "a list of two ends".to_owned(),
+            Holds::Either(shapes) => {
+                shapes.iter().map(Holds::described).collect::<Vec<_>>().join(", or ")
+            }
+            Holds::Table => "a table".to_owned(),
+            Holds::OneOf => "a table of one key".to_owned(),
+            Holds::Free => "a table of columns and values".to_owned(),
+        }
+    }
+}
+
+/// Declares an enum whose values are words of a key: each with its meaning, which is its doc, and the word. The first is the default.
+macro_rules! words {
+    ($(#[doc = $doc:literal])+ $vis:vis enum $name:ident {
+        $($(#[doc = $meaning:literal])+ $variant:ident = $word:literal,)+
+    }) => {
+        $(#[doc = $doc])+
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        $vis enum $name { $($(#[doc = $meaning])+ $variant),+ }
+
+        #[allow(dead_code, reason = "not every set of words is iterated")]
+        impl $name {
+            /// All of them.
+            $vis const ALL: [$name; [$($word),+].len()] = [$($name::$variant),+];
+            pub(crate) const WORDS: &'static [$crate::key::holds::Word] =
+                &[$($crate::key::holds::Word { word: $word, meaning: concat!($($meaning),+) }),+];
+
+            /// As study files call it.
+            $vis fn name(self) -> &'static str {
+                $name::WORDS[self as usize].word
+            }
+
+            /// The one that is written, or the first.
+            pub(crate) fn of(given: Option<$crate::key::given::Given>) -> $name {
+                let named = |given: $crate::key::given::Given| {
+                    $name::ALL.into_iter().find(|known| known.name() == given.text())
+                };
+                given.and_then(named).unwrap_or_default()
+            }
+        }
+
+        impl Default for $name {
+            fn default() -> $name {
+                $name::ALL[0]
+            }
+        }
+    };
+}
+pub(crate) use words;

@@ -1,0 +1,265 @@
+//! The keys of `[motion]`, and what they set.
+
+use crate::key::holds::{Holds, measure, unlimited, words};
+use crate::key::row::{Key, keys};
+use crate::key::setting::Setting;
+use crate::motion::suspension::{GYROS, MODE_FREQUENCIES, QS, RESPONSES};
+use crate::motion::vibration::Acceleration;
+use crate::motion::{Frequency, Gaussian, Motion, Value};
+use crate::quantity::units::Dimension;
+
+words! {
+    /// Phase of the rate at the middle of the gap.
+    pub enum Phase {
+        /// Random, another in each trial.
+        Uniform = "uniform",
+        /// The rate passes through zero.
+        ZeroCrossing = "zero-crossing",
+        /// The rate is greatest.
+        Extremum = "extremum",
+    }
+}
+
+words! {
+    /// Where in a recorded profile the gap falls.
+    pub enum Position {
+        /// Anywhere, at random.
+        Random = "random",
+        /// At every tick in turn; the trials are rounded up to whole replays.
+        Every = "every",
+    }
+}
+
+const RATES: Holds = measure(&[Dimension::Rate], 0.0, 1e9, "0 to 1e9 arcsec/s");
+const AMPLITUDES: Holds = measure(
+    &[Dimension::Rate, Dimension::Angle],
+    0.0,
+    1e9,
+    "0 to 1e9 arcsec/s, or an angle of 0 to 1e9 arcsec",
+);
+/// Limits of a frequency of motion, and of the ends of a band that one is drawn from.
+pub(crate) const FREQUENCIES: Holds =
+    measure(&[Dimension::Frequency], 1e-9, 1e7, "1e-9 Hz to 1e7 Hz, and at most 10 times the tick rate");
+/// Limits of the ends of a band.
+const BANDS: Holds =
+    measure(&[Dimension::Frequency], 1e-9, 1e7, "1e-9 Hz to 1e7 Hz, and at most half the tick rate");
+const ACCELERATIONS: Holds = measure(&[Dimension::Acceleration], 0.0, 1e6, "0 to 1e6 g");
+
+const ONE_AMPLITUDE: Holds = Holds::Either(&[AMPLITUDES, Holds::OneOf]);
+const ONE_FREQUENCY: Holds = Holds::Either(&[FREQUENCIES, Holds::Pair(&FREQUENCIES)]);
+
+keys! {
+    /// Every key of the motion.
+    pub(crate) static KEYS;
+    /// The motion of the base: one tone (amplitude, frequency, phase) or several, Gaussian motion, vibration through the
+    /// suspension, or a recorded profile; a constant rate and an angular acceleration on top.
+    pub(crate) MOTION = "motion", "", Holds::Table, "[motion]\namplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"";
+    /// Amplitude of the rate, "12000 arcsec/s", or of the angle, "90 arcsec", then times 2πν at each point; or drawn for
+    /// each trial.
+    pub(crate) AMPLITUDE = "motion.amplitude", "vibration amplitude", ONE_AMPLITUDE, r#"amplitude = "12000 arcsec/s""#;
+    /// Drawn evenly between two ends: ["8000 arcsec/s", "12000 arcsec/s"].
+    UNIFORM = "motion.amplitude.uniform", "", Holds::Pair(&AMPLITUDES), r#"uniform = ["8000 arcsec/s", "12000 arcsec/s"]"#;
+    /// Rayleigh-distributed with this scale, the standard deviation of the rate; the phase is then uniform.
+    RAYLEIGH = "motion.amplitude.rayleigh", "", AMPLITUDES, r#"rayleigh = "8000 arcsec/s""#;
+    /// Frequency ν of the vibration, "20 Hz"; or the band it is drawn from for each trial, ["18 Hz", "22 Hz"].
+    pub(crate) FREQUENCY = "motion.frequency", "vibration frequency", ONE_FREQUENCY, r#"frequency = "20 Hz""#;
+    /// Phase of the rate at the middle of the gap; uniform if absent.
+    PHASE = "motion.phase", "", Holds::Word(Phase::WORDS), r#"phase = "uniform""#;
+    /// Several tones of independent phases, at most 8, instead of one.
+    pub(crate) TONES = "motion.tones", "", Holds::List(&Holds::Table), r#"tones = [{ amplitude = "12000 arcsec/s", frequency = "20 Hz" }]"#;
+    /// As motion.amplitude.
+    TONE_AMPLITUDE = "motion.tones.amplitude", "", ONE_AMPLITUDE, r#"amplitude = "12000 arcsec/s""#, required;
+    /// As motion.amplitude.uniform.
+    TONE_UNIFORM = "motion.tones.amplitude.uniform", "", Holds::Pair(&AMPLITUDES), r#"uniform = ["8000 arcsec/s", "12000 arcsec/s"]"#;
+    /// As motion.amplitude.rayleigh.
+    TONE_RAYLEIGH = "motion.tones.amplitude.rayleigh", "", AMPLITUDES, r#"rayleigh = "8000 arcsec/s""#;
+    /// As motion.frequency.
+    TONE_FREQUENCY = "motion.tones.frequency", "", ONE_FREQUENCY, r#"frequency = "20 Hz""#, required;
+    /// As motion.phase.
+    TONE_PHASE = "motion.tones.phase", "", Holds::Word(Phase::WORDS), r#"phase = "uniform""#;
+    /// Stationary Gaussian motion: of rms and band, or of a density.
+    pub(crate) GAUSSIAN = "motion.gaussian", "", Holds::Table, r#"gaussian = { rms = "8485 arcsec/s", band = ["18 Hz", "22 Hz"] }"#;
+    /// Standard deviation of the rate: "8485 arcsec/s".
+    pub(crate) GAUSSIAN_RMS = "motion.gaussian.rms", "rms rate", RATES, r#"rms = "8485 arcsec/s""#;
+    /// Band over which it is spread evenly: ["18 Hz", "22 Hz"].
+    pub(crate) GAUSSIAN_BAND = "motion.gaussian.band", "", Holds::Pair(&FREQUENCIES), r#"band = ["18 Hz", "22 Hz"]"#;
+    /// One-sided power spectral density of the rate, straight lines in log–log between its points and nothing outside:
+    /// [["1 Hz", "10 (deg/s)^2/Hz"], ["50 Hz", "0.1 (deg/s)^2/Hz"]].
+    pub(crate) GAUSSIAN_PSD = "motion.gaussian.psd", "", Holds::List(&Holds::Pair(&Holds::Any)), r#"psd = [["1 Hz", "10 (deg/s)^2/Hz"], ["50 Hz", "0.1 (deg/s)^2/Hz"]]"#;
+    /// A recorded motion that is replayed.
+    pub(crate) PROFILE = "motion.profile", "", Holds::Table, r#"profile = { file = "base.csv" }"#;
+    /// CSV file with columns of time and rate, their units in brackets in the header; beside the study file.
+    pub(crate) PROFILE_FILE = "motion.profile.file", "", Holds::File, r#"file = "base.csv""#, required;
+    /// Where in the recorded profile the gap falls; at random if absent.
+    pub(crate) POSITION = "motion.profile.position", "", Holds::Word(Position::WORDS), r#"position = "random""#;
+    /// Vibration of the base, as the gyro turns under it on its suspension: a sine or random, and only one of them.
+    pub(crate) SUSPENSION = "motion.suspension", "", Holds::Table, r#"suspension = { gyro = "LGK-400", sine = { acceleration = "1 g", frequency = "700 Hz" }, alias = true }"#;
+    /// "LGK-400" or "LGV-1": frequencies as published, Q factors and responses assumed.
+    pub(crate) GYRO = "motion.suspension.gyro", "gyro", GYROS, r#"gyro = "LGK-400""#;
+    /// Or its modes, the useful one first.
+    pub(crate) MODES = "motion.suspension.modes", "", Holds::List(&Holds::Table), r#"modes = [{ frequency = "380 Hz", q = 100, response = "20000 arcsec/s/g" }]"#;
+    /// Natural frequency: "380 Hz".
+    pub(crate) MODE_FREQUENCY = "motion.suspension.modes.frequency", "", MODE_FREQUENCIES, r#"frequency = "380 Hz""#, required;
+    /// Q factor, a number.
+    pub(crate) MODE_Q = "motion.suspension.modes.q", "", QS, "q = 100", required;
+    /// Amplitude of the rate per acceleration at resonance, of this mode alone; negative where it turns the other way:
+    /// "20000 arcsec/s/g".
+    pub(crate) MODE_RESPONSE = "motion.suspension.modes.response", "", RESPONSES, r#"response = "20000 arcsec/s/g""#, required;
+    /// A sine of random phase.
+    pub(crate) SINE = "motion.suspension.sine", "", Holds::Table, r#"sine = { acceleration = "1 g", frequency = "700 Hz" }"#;
+    /// Amplitude: "1 g".
+    pub(crate) SINE_ACCELERATION = "motion.suspension.sine.acceleration", "amplitude of the acceleration", ACCELERATIONS, r#"acceleration = "1 g""#, required;
+    /// Frequency of the vibration: "700 Hz".
+    pub(crate) SINE_FREQUENCY = "motion.suspension.sine.frequency", "vibration frequency", FREQUENCIES, r#"frequency = "700 Hz""#, required;
+    /// Stationary Gaussian vibration.
+    pub(crate) RANDOM = "motion.suspension.random", "", Holds::Table, r#"random = { psd = [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]] }"#;
+    /// One-sided power spectral density of the acceleration, straight lines in log–log between its points and nothing
+    /// outside: [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]].
+    pub(crate) RANDOM_PSD = "motion.suspension.random.psd", "", Holds::List(&Holds::Pair(&Holds::Any)), r#"psd = [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]]"#, required;
+    /// Standard deviation that the density is scaled to: "5 g". The area under it if absent.
+    pub(crate) RANDOM_RMS = "motion.suspension.random.rms", "rms acceleration", ACCELERATIONS, r#"rms = "5 g""#;
+    /// Whether resonances and vibration may lie above half the tick rate, and so show in the ticks at lower frequencies.
+    pub(crate) ALIAS = "motion.suspension.alias", "", Holds::Flag, "alias = true";
+    /// Constant rate on top: "10 deg/s".
+    pub(crate) RATE = "motion.rate", "constant rate", measure(&[Dimension::Rate], -1e9, 1e9, "-1e9 to 1e9 arcsec/s"), r#"rate = "10 deg/s""#;
+    /// Constant angular acceleration on top, the rate being meant at the middle of the gap: "100 deg/s^2".
+    pub(crate) ACCELERATION = "motion.acceleration", "angular acceleration", measure(&[Dimension::AngularAcceleration], -1e12, 1e12, "-1e12 to 1e12 arcsec/s^2"), r#"acceleration = "100 deg/s^2""#;
+}
+
+keys! {
+    /// The ends of bands, which only sweeps name.
+    pub(crate) static ENDS;
+    /// The lower end of the band that a tone is drawn from.
+    FREQUENCY_LOW = "motion.frequency.low", "lower frequency", BANDS, r#"low = "18 Hz""#;
+    /// The upper end of the band that a tone is drawn from.
+    FREQUENCY_HIGH = "motion.frequency.high", "upper frequency", BANDS, r#"high = "22 Hz""#;
+    /// The lower end of the band of Gaussian motion.
+    GAUSSIAN_LOW = "motion.gaussian.low", "lower frequency", BANDS, r#"low = "18 Hz""#;
+    /// The upper end of the band of Gaussian motion.
+    GAUSSIAN_HIGH = "motion.gaussian.high", "upper frequency", BANDS, r#"high = "22 Hz""#;
+}
+
+/// The density of a spectrum; what it may be says its reader.
+pub(crate) const RATE_DENSITIES: Holds = unlimited(&[Dimension::RateDensity]);
+pub(crate) const ACCELERATION_DENSITIES: Holds = unlimited(&[Dimension::AccelerationDensity]);
+
+/// The keys of a tone.
+pub(crate) struct ToneKeys {
+    pub(crate) amplitude: &'static Key,
+    pub(crate) uniform: &'static Key,
+    pub(crate) rayleigh: &'static Key,
+    pub(crate) frequency: &'static Key,
+    pub(crate) phase: &'static Key,
+}
+
+/// Of the only tone.
+pub(crate) const ONE: ToneKeys = ToneKeys {
+    amplitude: &AMPLITUDE,
+    uniform: &UNIFORM,
+    rayleigh: &RAYLEIGH,
+    frequency: &FREQUENCY,
+    phase: &PHASE,
+};
+
+/// Of one of several tones.
+pub(crate) const OF_SEVERAL: ToneKeys = ToneKeys {
+    amplitude: &TONE_AMPLITUDE,
+    uniform: &TONE_UNIFORM,
+    rayleigh: &TONE_RAYLEIGH,
+    frequency: &TONE_FREQUENCY,
+    phase: &TONE_PHASE,
+};
+
+/// What sweeps may vary of a motion, besides the gyro on whose suspension it works.
+pub(crate) static SETTINGS: [Setting<Motion>; 12] = [
+    Setting::of(
+        &AMPLITUDE,
+        |motion| matches!(motion.tones[..], [tone] if matches!(tone.amplitude.value, Value::Fixed(_))),
+        |motion, amplitude| {
+            if let [tone] = &mut motion.tones[..] {
+                tone.amplitude.value = Value::Fixed(amplitude.value);
+                tone.amplitude.of_angle = amplitude.dimension == Dimension::Angle;
+            }
+        },
+    ),
+    Setting::of(
+        &FREQUENCY,
+        |motion| matches!(motion.tones[..], [tone] if matches!(tone.frequency, Frequency::Fixed(_))),
+        |motion, frequency| {
+            if let [tone] = &mut motion.tones[..] {
+                tone.frequency = Frequency::Fixed(frequency.value);
+            }
+        },
+    ),
+    Setting::of(&FREQUENCY_LOW, has_drawn_frequency, |motion, low| {
+        if let [Frequency::Band(band)] = &mut frequencies(motion)[..] {
+            band.low_hz = low.value;
+        }
+    }),
+    Setting::of(&FREQUENCY_HIGH, has_drawn_frequency, |motion, high| {
+        if let [Frequency::Band(band)] = &mut frequencies(motion)[..] {
+            band.high_hz = high.value;
+        }
+    }),
+    Setting::of(&GAUSSIAN_RMS, has_gaussian_band, |motion, new| {
+        if let Some(Gaussian::Band { rms, .. }) = &mut motion.gaussian {
+            *rms = new.value;
+        }
+    }),
+    Setting::of(&GAUSSIAN_LOW, has_gaussian_band, |motion, low| {
+        if let Some(Gaussian::Band { band, .. }) = &mut motion.gaussian {
+            band.low_hz = low.value;
+        }
+    }),
+    Setting::of(&GAUSSIAN_HIGH, has_gaussian_band, |motion, high| {
+        if let Some(Gaussian::Band { band, .. }) = &mut motion.gaussian {
+            band.high_hz = high.value;
+        }
+    }),
+    Setting::new(&RATE, |motion, rate| motion.rate = rate.value),
+    Setting::new(&ACCELERATION, |motion, acceleration| motion.acceleration = acceleration.value),
+    Setting::of(&SINE_ACCELERATION, is_shaken_by_a_sine, |motion, acceleration| {
+        if let Some(Acceleration::Sine { amplitude_g, .. }) = acceleration_of(motion) {
+            *amplitude_g = acceleration.value;
+        }
+    }),
+    Setting::of(&SINE_FREQUENCY, is_shaken_by_a_sine, |motion, frequency| {
+        if let Some(Acceleration::Sine { frequency_hz, .. }) = acceleration_of(motion) {
+            *frequency_hz = frequency.value;
+        }
+    }),
+    Setting::of(
+        &RANDOM_RMS,
+        |motion| {
+            let vibration = motion.vibration.as_ref();
+            vibration.is_some_and(|vibration| matches!(vibration.acceleration, Acceleration::Random { .. }))
+        },
+        |motion, rms| {
+            if let Some(Acceleration::Random { rms_g, .. }) = acceleration_of(motion) {
+                *rms_g = Some(rms.value);
+            }
+        },
+    ),
+];
+
+/// The frequencies of all tones.
+fn frequencies(motion: &mut Motion) -> Vec<&mut Frequency> {
+    motion.tones.iter_mut().map(|tone| &mut tone.frequency).collect()
+}
+
+fn has_drawn_frequency(motion: &Motion) -> bool {
+    matches!(motion.tones[..], [tone] if matches!(tone.frequency, Frequency::Band(_)))
+}
+
+fn has_gaussian_band(motion: &Motion) -> bool {
+    matches!(motion.gaussian, Some(Gaussian::Band { .. }))
+}
+
+fn is_shaken_by_a_sine(motion: &Motion) -> bool {
+    let vibration = motion.vibration.as_ref();
+    vibration.is_some_and(|vibration| matches!(vibration.acceleration, Acceleration::Sine { .. }))
+}
+
+fn acceleration_of(motion: &mut Motion) -> Option<&mut Acceleration> {
+    motion.vibration.as_mut().map(|vibration| &mut vibration.acceleration)
+}

@@ -1,0 +1,127 @@
+//! The keys of `[noise]` and of noise.toml, and what they set.
+
+use crate::key::holds::{Holds, measure};
+use crate::key::row::keys;
+use crate::key::setting::Setting;
+use crate::noise::{Noise, Switching};
+use crate::quantity::units::Dimension;
+
+const ANGLES: Holds = measure(&[Dimension::Angle], 0.0, 1e6, "0 to 1e6 arcsec");
+const RATES: Holds = measure(&[Dimension::DriftRate], 0.0, 1e6, "0 to 1e6 deg/h");
+const SIGNED_RATES: Holds = measure(&[Dimension::DriftRate], -1e6, 1e6, "-1e6 to 1e6 deg/h");
+const TIMES: Holds = measure(&[Dimension::Time], 1e-6, 1e9, "1e-6 s to 1e9 s");
+const N: Holds = measure(&[Dimension::AngleRandomWalk], 0.0, 1e9, "0 to 1e9 arcsec/sqrt(s)");
+const K: Holds = measure(&[Dimension::RateRandomWalk], 0.0, 1e9, "0 to 6e10 deg/h/sqrt(h)");
+const R: Holds = measure(&[Dimension::AngularAcceleration], -1e9, 1e9, "-3.6e12 to 3.6e12 deg/h/h");
+const SINES: Holds =
+    measure(&[Dimension::Frequency], 1e-9, 1e6, "1e-9 Hz to 1e6 Hz, and at most half the sampling rate");
+
+keys! {
+    /// Every key of the noise.
+    pub(crate) static KEYS;
+    /// The noise of the gyro, by the coefficients of IEEE Std 647 and 952; what is absent is not there. `sagnac allan` writes
+    /// such tables as noise.toml. A gap-fill study may have it in place of gyro.tick_noise.
+    pub(crate) NOISE = "noise", "", Holds::Table, "[noise]\nangle_random_walk = \"0.00048 deg/sqrt(h)\"";
+    /// A noise.toml, from the folder of the study; keys beside it replace those in it.
+    pub(crate) FILE = "noise.file", "noise file", Holds::File, r#"file = "noise.toml""#;
+    /// Quantisation noise Q, rms error of the angle: "0.11 arcsec".
+    QUANTISATION = "noise.quantisation", "quantisation noise Q", ANGLES, r#"quantisation = "0.11 arcsec""#;
+    /// Angle of a pulse, where whole pulses are read: "0.38 arcsec".
+    pub(crate) READOUT_LSB = "noise.readout_lsb", "pulse weight", ANGLES, r#"readout_lsb = "0.38 arcsec""#;
+    /// Angle random walk N: "0.00048 deg/sqrt(h)".
+    ANGLE_RANDOM_WALK = "noise.angle_random_walk", "angle random walk N", N, r#"angle_random_walk = "0.00048 deg/sqrt(h)""#;
+    /// Bias instability B, the flat level over 0.664: "0.00164 deg/h".
+    BIAS_INSTABILITY = "noise.bias_instability", "bias instability B", RATES, r#"bias_instability = "0.00164 deg/h""#;
+    /// Rate random walk K: "0.001 deg/h/sqrt(h)".
+    RATE_RANDOM_WALK = "noise.rate_random_walk", "rate random walk K", K, r#"rate_random_walk = "0.001 deg/h/sqrt(h)""#;
+    /// Rate ramp R: "0.0001 deg/h/h".
+    RATE_RAMP = "noise.rate_ramp", "rate ramp R", R, r#"rate_ramp = "0.0001 deg/h/h""#;
+    /// Exponentially correlated noise of the rate.
+    MARKOV = "noise.markov", "", Holds::Table, r#"markov = { amplitude = "0.002 deg/h", time = "300 s" }"#;
+    /// Its rms: "0.002 deg/h".
+    MARKOV_AMPLITUDE = "noise.markov.amplitude", "rms of the Markov noise", RATES, r#"amplitude = "0.002 deg/h""#, required;
+    /// Correlation time: "300 s".
+    MARKOV_TIME = "noise.markov.time", "correlation time", TIMES, r#"time = "300 s""#, required;
+    /// A sine of the rate, with a random phase in each record.
+    SINE = "noise.sine", "", Holds::Table, r#"sine = { amplitude = "0.01 deg/h", frequency = "0.01 Hz" }"#;
+    /// Its peak: "0.01 deg/h".
+    SINE_AMPLITUDE = "noise.sine.amplitude", "peak of the sine", RATES, r#"amplitude = "0.01 deg/h""#, required;
+    /// Its frequency: "0.01 Hz".
+    SINE_FREQUENCY = "noise.sine.frequency", "frequency of the sine", SINES, r#"frequency = "0.01 Hz""#, required;
+    /// An exponential decay of the rate from the start of the record on.
+    WARM_UP = "noise.warm_up", "", Holds::Table, r#"warm_up = { amplitude = "0.1 deg/h", time = "20 min" }"#;
+    /// The rate at the start: "0.1 deg/h".
+    WARM_UP_AMPLITUDE = "noise.warm_up.amplitude", "warm-up", SIGNED_RATES, r#"amplitude = "0.1 deg/h""#, required;
+    /// Time constant: "20 min".
+    WARM_UP_TIME = "noise.warm_up.time", "time of the warm-up", TIMES, r#"time = "20 min""#, required;
+    /// A gyro that switches modes, the first time one interval after the start of the record: what that leaves in its angle.
+    pub(crate) SWITCHING = "noise.switching", "", Holds::Table, r#"switching = { interval = "40 s", residual = "10 arcsec" }"#;
+    /// From one switch to the next: "40 s". Taken as the nearest whole number of samples.
+    INTERVAL = "noise.switching.interval", "interval between switches", TIMES, r#"interval = "40 s""#, required;
+    /// Magnetic drift A of a warm gyro, which turns its sign with every switch: "14 arcsec/s".
+    pub(crate) MAGNETIC = "noise.switching.magnetic", "magnetic drift A", SIGNED_RATES, r#"magnetic = "14 arcsec/s""#;
+    /// Time constant with which A comes in from the start on: "50 min"; it is there at once if absent.
+    pub(crate) SWITCHING_WARM_UP = "noise.switching.warm_up_time", "time of the magnetic warm-up", TIMES, r#"warm_up_time = "50 min""#;
+    /// Magnetic drift at the start, which A adds to: "0.1 deg/h".
+    pub(crate) INITIAL_MAGNETIC = "noise.switching.initial_magnetic", "magnetic drift Ω_m0 at the start", SIGNED_RATES, r#"initial_magnetic = "0.1 deg/h""#;
+    /// Amplitude D of what the filler leaves at a switch, D sin φ with a random φ at each: "10 arcsec".
+    pub(crate) RESIDUAL = "noise.switching.residual", "amplitude of fill residuals D", ANGLES, r#"residual = "10 arcsec""#;
+    /// Standard deviation of the noise that it leaves beside that: "2 arcsec".
+    pub(crate) RESIDUAL_NOISE = "noise.switching.residual_noise", "noise of fill residuals", ANGLES, r#"residual_noise = "2 arcsec""#;
+}
+
+/// What each coefficient sets; a part that is not there comes to be with its first key.
+pub(crate) static SETTINGS: [Setting<Noise>; 18] = [
+    Setting::new(&QUANTISATION, |noise, q| noise.quantisation = q.value),
+    Setting::new(&READOUT_LSB, |noise, lsb| noise.readout_lsb = lsb.value),
+    Setting::new(&ANGLE_RANDOM_WALK, |noise, n| noise.angle_random_walk = n.value),
+    Setting::new(&BIAS_INSTABILITY, |noise, b| noise.bias_instability = b.value),
+    Setting::new(&RATE_RANDOM_WALK, |noise, k| noise.rate_random_walk = k.value),
+    Setting::new(&RATE_RAMP, |noise, r| noise.rate_ramp = r.value),
+    Setting::of(&MARKOV_AMPLITUDE, has_markov, |noise, rms| {
+        noise.markov.get_or_insert_default().amplitude = rms.value;
+    }),
+    Setting::of(&MARKOV_TIME, has_markov, |noise, time| {
+        noise.markov.get_or_insert_default().time_s = time.value;
+    }),
+    Setting::of(&SINE_AMPLITUDE, has_sine, |noise, peak| {
+        noise.sine.get_or_insert_default().amplitude = peak.value;
+    }),
+    Setting::of(&SINE_FREQUENCY, has_sine, |noise, frequency| {
+        noise.sine.get_or_insert_default().frequency_hz = frequency.value;
+    }),
+    Setting::of(&WARM_UP_AMPLITUDE, has_warm_up, |noise, rate| {
+        noise.warm_up.get_or_insert_default().amplitude = rate.value;
+    }),
+    Setting::of(&WARM_UP_TIME, has_warm_up, |noise, time| {
+        noise.warm_up.get_or_insert_default().time_s = time.value;
+    }),
+    Setting::of(&INTERVAL, switches, |noise, time| of_switching(noise).interval_s = time.value),
+    Setting::of(&MAGNETIC, switches, |noise, rate| of_switching(noise).magnetic = rate.value),
+    Setting::of(&SWITCHING_WARM_UP, switches, |noise, time| {
+        of_switching(noise).warm_up_s = Some(time.value);
+    }),
+    Setting::of(&INITIAL_MAGNETIC, switches, |noise, rate| of_switching(noise).initial_magnetic = rate.value),
+    Setting::of(&RESIDUAL, switches, |noise, d| of_switching(noise).residual = d.value),
+    Setting::of(&RESIDUAL_NOISE, switches, |noise, sigma| of_switching(noise).residual_noise = sigma.value),
+];
+
+fn has_markov(noise: &Noise) -> bool {
+    noise.markov.is_some()
+}
+
+fn has_sine(noise: &Noise) -> bool {
+    noise.sine.is_some()
+}
+
+fn has_warm_up(noise: &Noise) -> bool {
+    noise.warm_up.is_some()
+}
+
+fn switches(noise: &Noise) -> bool {
+    noise.switching.is_some()
+}
+
+fn of_switching(noise: &mut Noise) -> &mut Switching {
+    noise.switching.get_or_insert_default()
+}
