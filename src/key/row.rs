@@ -33,7 +33,9 @@ macro_rules! keys {
                 required: $crate::key::row::keys!(@ $($required)?),
             };
         )+
-        $(#[doc = $about])* $list_vis static $list: &[&$crate::key::row::Key] = &[$(&$name),+];
+        $(#[doc = $about])*
+        #[allow(dead_code, reason = "keys that only sweeps name are in no kind's list")]
+        $list_vis static $list: &[&$crate::key::row::Key] = &[$(&$name),+];
     };
     (@) => { false };
     (@ required) => { true };

@@ -136,7 +136,7 @@ mod tests {
             "{swept:?}"
         );
         let phase = explain_key("motion.phase").unwrap();
-        let words: Vec<&str> = phase.choices.iter().map(|(word, _)| word.as_str()).collect();
+        let words: Vec<&str> = phase.choices.iter().map(|(word, _)| *word).collect();
         assert_eq!(words, ["uniform", "zero-crossing", "extremum"]);
         assert_eq!(
             explain_key("relock.miss").unwrap().kinds.iter().map(|kind| kind.name).collect::<Vec<_>>(),

@@ -58,7 +58,7 @@ fn what_belongs_to_other_kinds_is_refused() {
     refused(
         &replaced("tick = \"5 ms\"", "tick = \"5 ms\"\nreadout_lsb = \"3 arcsec\""),
         "5:15",
-        &["gyro.readout_lsb is no key", "the tick alone"],
+        &["gyro.readout_lsb is no key", "kind = \"gap-fill\""],
     );
     refused(
         &format!("{STUDY}[record]\nsample = \"1 s\"\nlength = \"1 h\""),

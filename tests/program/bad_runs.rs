@@ -223,7 +223,7 @@ fn times_that_no_run_has_and_times_listed_twice_are_refused() {
     refused(&with("[\"0 s\"]"), "11:10", &["run.times lists 0 s", "not above 0"]);
     refused(&with("[\"-1 s\"]"), "11:10", &["run.times lists -1 s", "not above 0"]);
     refused(&with("[60]"), "11:10", &["a bare number", "accepted: a time"]);
-    refused(&with("\"5 min\""), "11:9", &["has to be a list of times in brackets"]);
+    refused(&with("\"5 min\""), "11:9", &["has to be a list of quantities in brackets"]);
     let many: Vec<String> = (1..=101).map(|second| format!("\"{second} s\"")).collect();
     refused(&with(&format!("[{}]", many.join(", "))), "11:9", &["lists 101 times", "accepted: up to 100"]);
 }
@@ -265,19 +265,19 @@ fn what_belongs_to_other_kinds_is_refused() {
     refused(
         &format!("precision = \"1 %\"\n{BUDGET}"),
         "1:13",
-        &["precision is no key", "trials says how many runs"],
+        &["precision is no key", "kind = \"gap-fill\""],
     );
     refused(
         &replaced(FILLED, "fillers", "errors = [\"residual\"]\nfillers"),
         "12:10",
-        &["switching.errors is no key", "what adds up are residuals"],
+        &["switching.errors is no key", "kind = \"gap-fill\""],
     );
     let gap_fill =
         replaced(&replaced(FILLED, "switched-run", "gap-fill"), "[run]\nduration = \"10 min\"\n", "");
     refused(
         &gap_fill,
         "10:12",
-        &["switching.interval is no key", "\"gap-fill\", which is about one switch", "leave it out"],
+        &["switching.interval is no key", "\"gap-fill\"", "leave it out"],
     );
     let without = replaced(&gap_fill, "interval = \"40 s\"\n", "");
     for (key, value, place) in [("first_mode", "positive", "10:14"), ("timing", "random", "10:10")] {
@@ -287,8 +287,8 @@ fn what_belongs_to_other_kinds_is_refused() {
             place,
             &[
                 &format!("switching.{key} is no key"),
-                "\"gap-fill\", which is about one switch",
-                "leave it out",
+                "\"gap-fill\"",
+                "leave it out, or write kind = \"switched-run\"",
             ],
         );
         let budget = replaced(BUDGET, "switched-run", "drift-budget");
