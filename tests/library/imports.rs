@@ -15,12 +15,8 @@ const ORDER: &[&str] = &[
 const EXCEPTIONS: &[(&str, &str)] = &[
     ("quantity", "table"),
     ("source", "record"),
-    ("table", "key"),
     ("table", "chart"),
     ("table", "study"),
-    ("chart", "fit"),
-    ("chart", "kinds"),
-    ("chart", "study"),
     ("device", "verify"),
     ("fit", "kinds"),
     ("sampling", "run"),
