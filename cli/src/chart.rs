@@ -130,7 +130,7 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
     let tables = plan.tables(&store, &Shown::new(options.progress.how(options.quiet)))?;
     let drawn = pictures(&study, &tables)?;
     for drawn in &drawn {
-        write_pictures(&options.folder, &options.name, &drawn.picture.svg())?;
+        write_pictures(&options.folder, &options.name, &drawn.picture)?;
     }
     if options.quiet {
         return Ok(());

@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 use rayon::prelude::*;
-use sagnac::view::chart;
+use sagnac::view::chart::picture::Picture;
 use sagnac::view::picture::{Drawn, chart_stem};
 
 use crate::failure::Failure;
@@ -16,7 +16,7 @@ use crate::output::write;
 /// One cannot be drawn or written.
 pub fn draw(pictures: &[Drawn], folder: &Path) -> Result<(), Failure> {
     // Side by side: one of 10,000 points takes half a second.
-    pictures.par_iter().try_for_each(|drawn| write_pictures(folder, &drawn.stem, &drawn.picture.svg()))?;
+    pictures.par_iter().try_for_each(|drawn| write_pictures(folder, &drawn.stem, &drawn.picture))?;
     remove_undrawn(folder, pictures.len())
 }
 
@@ -24,10 +24,10 @@ pub fn draw(pictures: &[Drawn], folder: &Path) -> Result<(), Failure> {
 ///
 /// # Errors
 /// It cannot be drawn or written.
-pub fn write_pictures(folder: &Path, stem: &str, svg: &str) -> Result<(), Failure> {
+pub fn write_pictures(folder: &Path, stem: &str, picture: &Picture) -> Result<(), Failure> {
     let png =
-        chart::png(svg, 2.0).map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
-    write(&folder.join(format!("{stem}.svg")), svg.as_bytes())?;
+        picture.png(2.0).map_err(|error| Failure::Picture(format!("cannot draw {stem}.png: {error}")))?;
+    write(&folder.join(format!("{stem}.svg")), picture.svg().as_bytes())?;
     write(&folder.join(format!("{stem}.png")), &png)
 }
 

@@ -10,6 +10,7 @@ use sagnac::quantity::number::{short, significant};
 use sagnac::study::Study;
 use sagnac::table::Table;
 use sagnac::view::chart::figure::Figure;
+use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
 use crate::failure::Failure;
@@ -155,7 +156,7 @@ fn write_all(study: &Study, found: &Design, table: &Table, folder: &Path) -> Res
     let json = serde_json::to_vec_pretty(&report::json(study, found));
     write(&folder.join("design.json"), &json.map_err(|error| Failure::Picture(error.to_string()))?)?;
     let figure = report::figure(study, found, table).map_err(|error| Failure::Picture(error.to_string()))?;
-    write_pictures(folder, "design", &figure.svg())?;
+    write_pictures(folder, "design", &Picture::Curves(figure.clone()))?;
     Ok(figure)
 }
 

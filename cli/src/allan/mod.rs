@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use sagnac::analysis::log::{Analysis, figures, kalibr, noise_file, notes, tables};
 use sagnac::progress::{Progress, Silent};
+use sagnac::view::chart::picture::Picture;
 use serde_json::Value;
 
 pub use crate::allan::options::Options;
@@ -87,7 +88,7 @@ fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
     noise.iter().try_for_each(|(name, text)| write(&folder.join(name), text.as_bytes()))?;
     for (stem, figure) in figures::figures(analysis) {
         if let Some(figure) = figure {
-            write_pictures(folder, stem, &figure.svg())?;
+            write_pictures(folder, stem, &Picture::Curves(figure))?;
             continue;
         }
         for path in ["svg", "png"].map(|ending| folder.join(format!("{stem}.{ending}"))) {

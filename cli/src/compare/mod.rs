@@ -9,6 +9,7 @@ use sagnac::analysis::compare::logs::{Analysis, CompareError};
 use sagnac::analysis::compare::{figures, tables};
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::read::Request;
+use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
 pub use crate::compare::options::Options;
@@ -58,6 +59,6 @@ fn analysis(options: &Options) -> Result<Analysis, Failure> {
 fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
     write_table(&folder.join("compare.csv"), &tables::ratios(analysis))?;
     write_table(&folder.join("coefficients.csv"), &tables::coefficients(analysis))?;
-    write_pictures(folder, "chart-1", &figures::curves(analysis).svg())?;
-    write_pictures(folder, "chart-2", &figures::ratio(analysis).svg())
+    write_pictures(folder, "chart-1", &Picture::Curves(figures::curves(analysis)))?;
+    write_pictures(folder, "chart-2", &Picture::Curves(figures::ratio(analysis)))
 }

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::firmware::design::Firmware;
+use sagnac::view::chart::picture::Picture;
 
 use crate::charts::write_pictures;
 use crate::failure::Failure;
@@ -48,7 +49,7 @@ fn write_all(firmware: &Firmware, folder: &Path, test_vectors: Option<u32>) -> R
     firmware.write_weights(&mut csv).map_err(failed(&path))?;
     write(&path, &csv)?;
     write(&folder.join("sagnac_filler.h"), firmware.header().as_bytes())?;
-    write_pictures(folder, "response", &firmware.response().svg())?;
+    write_pictures(folder, "response", &Picture::Curves(firmware.response()))?;
     let path = folder.join("test_vectors.csv");
     if let Some(count) = test_vectors {
         let mut csv = Vec::new();

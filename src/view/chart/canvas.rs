@@ -1,14 +1,59 @@
-//! Writing SVG.
+//! A picture under construction: a list of shapes, which is written as SVG here and painted as PNG in `png.rs`.
 
+use std::borrow::Cow;
 use std::fmt::{self, Display, Write as _};
 
+use crate::view::chart::area::Frame;
+use crate::view::chart::layout::{HEIGHT, WIDTH};
 use crate::view::chart::palette;
+use crate::view::chart::text;
 
-/// SVG text under construction, one element a line.
-#[derive(Debug, Default)]
+/// The shapes of a picture, from the lowest to the uppermost.
+#[derive(Debug)]
 pub(crate) struct Canvas {
-    svg: String,
-    depth: usize,
+    /// For those who cannot see it.
+    name: String,
+    pub shapes: Vec<Shape>,
+}
+
+/// A colour as `#rrggbb`.
+pub(crate) type Colour = Cow<'static, str>;
+
+/// A place in the picture, in px.
+type Place = (f64, f64);
+
+#[derive(Debug)]
+pub(crate) enum Shape {
+    /// Begins a part outside of which nothing shows.
+    Window(Frame),
+    /// Begins a named part.
+    Group {
+        name: String,
+        /// Edges are not smoothed, so that no seam shows between areas that touch.
+        crisp: bool,
+    },
+    /// Ends the part begun last.
+    End,
+    /// A filled polygon.
+    Block { corners: [Place; 4], colour: Colour },
+    /// Separate straight lines with round ends.
+    Lines { lines: Vec<[Place; 2]>, stroke: Stroke },
+    /// A line through two or more places.
+    Line { places: Vec<Place>, stroke: Stroke },
+    /// A translucent polygon.
+    Area { corners: Vec<Place>, colour: &'static str },
+    /// Its corners, none of a circle, and the width of its white rim.
+    Marker { middle: Place, radius: f64, corners: Vec<Place>, colour: &'static str, rim: Option<f64> },
+    /// A text with its baseline at a place.
+    Text { place: Place, text: String, lettering: Lettering, set: Set },
+}
+
+/// How a text is set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Set {
+    Level,
+    Upwards,
+    OnWhite,
 }
 
 /// How a line is drawn.
@@ -75,147 +120,190 @@ impl Display for Corners<'_> {
 /// Radius of a marker below which it is small.
 const SMALL_MARKER: f64 = 2.4;
 
+/// Opacity of a translucent area.
+pub(crate) const TRANSLUCENT: f64 = 0.22;
+
+/// Width of the white rim of texts.
+pub(crate) const TEXT_RIM: f64 = 4.0;
+
 impl Canvas {
-    /// The finished text.
-    pub fn finish(self) -> String {
-        self.svg
+    pub fn new(name: &str) -> Canvas {
+        Canvas { name: name.to_owned(), shapes: vec![] }
     }
 
-    fn put(&mut self, line: fmt::Arguments<'_>) {
-        // Writing to a String cannot fail.
-        let _ = writeln!(self.svg, "{:indent$}{line}", "", indent = 2 * self.depth);
+    /// Draws a part outside of whose frame nothing shows; places keep their meaning.
+    pub fn window(&mut self, frame: Frame, draw: impl FnOnce(&mut Canvas)) {
+        self.part(Shape::Window(frame), draw);
     }
 
-    /// Opens the picture, white, with `name` for those who cannot see it.
-    pub fn open_picture(&mut self, width: f64, height: f64, family: &str, name: &str) {
-        let (w, h) = (Px(width), Px(height));
-        let name = Escaped(name);
-        self.put(format_args!(
-            r#"<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}" font-family="{family}" role="img" aria-label="{name}">"#
-        ));
-        self.depth += 1;
-        self.put(format_args!(r##"<rect width="{w}" height="{h}" fill="#ffffff"/>"##));
-    }
-
-    /// Opens a part of the picture outside of which nothing shows; places keep their meaning. A nested picture clips
-    /// as a `clipPath` does, and needs no id.
-    pub fn open_window(&mut self, left: f64, top: f64, width: f64, height: f64) {
-        let [x, y, w, h] = [left, top, width, height].map(Px);
-        self.put(format_args!(r#"<svg x="{x}" y="{y}" width="{w}" height="{h}" viewBox="{x} {y} {w} {h}">"#));
-        self.depth += 1;
-    }
-
-    /// Closes the picture or a window.
-    pub fn close_picture(&mut self) {
-        self.depth = self.depth.saturating_sub(1);
-        self.put(format_args!("</svg>"));
-    }
-
-    /// A named part.
+    /// Draws a named part.
     pub fn group(&mut self, name: &str, draw: impl FnOnce(&mut Canvas)) {
-        self.put(format_args!(r#"<g aria-label="{}">"#, Escaped(name)));
-        self.depth += 1;
-        draw(self);
-        self.depth -= 1;
-        self.put(format_args!("</g>"));
+        self.part(Shape::Group { name: name.to_owned(), crisp: false }, draw);
     }
 
-    /// A named part whose edges are not smoothed, so that no seam shows between areas that touch.
+    /// Draws a named part whose edges are not smoothed.
     pub fn crisp_group(&mut self, name: &str, draw: impl FnOnce(&mut Canvas)) {
-        self.put(format_args!(r#"<g aria-label="{}" shape-rendering="crispEdges">"#, Escaped(name)));
-        self.depth += 1;
+        self.part(Shape::Group { name: name.to_owned(), crisp: true }, draw);
+    }
+
+    fn part(&mut self, start: Shape, draw: impl FnOnce(&mut Canvas)) {
+        self.shapes.push(start);
         draw(self);
-        self.depth -= 1;
-        self.put(format_args!("</g>"));
+        self.shapes.push(Shape::End);
     }
 
-    /// A filled rectangle between two corners; those that touch are written with the same corners.
-    pub fn block(&mut self, (left, top): (f64, f64), (right, bottom): (f64, f64), colour: &str) {
+    /// A filled rectangle between two corners; those that touch are drawn with the same corners.
+    pub fn block(&mut self, (left, top): Place, (right, bottom): Place, colour: impl Into<Colour>) {
         let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
-        self.put(format_args!(r#"<polygon points="{}" fill="{colour}"/>"#, Corners(&corners)));
+        self.shapes.push(Shape::Block { corners, colour: colour.into() });
     }
 
-    /// Many straight lines, in one element; none where there is none.
-    pub fn lines(&mut self, lines: impl IntoIterator<Item = [(f64, f64); 2]>, stroke: Stroke) {
-        let Stroke { colour, width, .. } = stroke;
-        let mut path = String::new();
-        for [(x0, y0), (x1, y1)] in lines {
-            let [x0, y0, x1, y1] = [x0, y0, x1, y1].map(Px);
-            // Writing to a String cannot fail.
-            let _ = write!(path, "M{x0},{y0}L{x1},{y1}");
-        }
-        if !path.is_empty() {
-            let width = Px(width);
-            self.put(format_args!(
-                r#"<path d="{path}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linecap="round"/>"#
-            ));
+    /// Separate straight lines; nothing where there is none.
+    pub fn lines(&mut self, lines: impl IntoIterator<Item = [Place; 2]>, stroke: Stroke) {
+        let lines: Vec<_> = lines.into_iter().collect();
+        if !lines.is_empty() {
+            self.shapes.push(Shape::Lines { lines, stroke });
         }
     }
 
     /// A line through two or more places.
-    pub fn line(&mut self, places: &[(f64, f64)], stroke: Stroke) {
-        let Stroke { colour, width, dash } = stroke;
-        let dash = if dash.is_empty() { String::new() } else { format!(r#" stroke-dasharray="{dash}""#) };
-        let (corners, width) = (Corners(places), Px(width));
-        self.put(format_args!(
-            r#"<polyline points="{corners}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linejoin="round"{dash}/>"#
-        ));
+    pub fn line(&mut self, places: &[Place], stroke: Stroke) {
+        self.shapes.push(Shape::Line { places: places.to_vec(), stroke });
     }
 
     /// A translucent area.
-    pub fn area(&mut self, corners: &[(f64, f64)], colour: &str) {
-        let corners = Corners(corners);
-        self.put(format_args!(r#"<polygon points="{corners}" fill="{colour}" fill-opacity="0.22"/>"#));
+    pub fn area(&mut self, corners: &[Place], colour: &'static str) {
+        self.shapes.push(Shape::Area { corners: corners.to_vec(), colour });
     }
 
     /// A marker with a white rim, so that neighbours stay apart; the rims of small ones would hide each other.
-    pub fn marker(&mut self, (x, y): (f64, f64), radius: f64, style: usize, colour: &str) {
-        let looks = match radius < SMALL_MARKER {
-            true => format!(r#"fill="{colour}""#),
-            false => format!(r##"fill="{colour}" stroke="#ffffff" stroke-width="{}""##, Px(0.2 * radius)),
-        };
-        match palette::marker(style) {
-            [] => self.put(format_args!(
-                r#"<circle cx="{}" cy="{}" r="{}" {looks}/>"#,
-                Px(x),
-                Px(y),
-                Px(radius)
-            )),
-            corners => {
-                let corners: Vec<_> =
-                    corners.iter().map(|(dx, dy)| (x + radius * dx, y + radius * dy)).collect();
-                self.put(format_args!(r#"<polygon points="{}" {looks}/>"#, Corners(&corners)));
-            }
-        }
+    pub fn marker(&mut self, middle: Place, radius: f64, style: usize, colour: &'static str) {
+        let corner = |(dx, dy): &Place| (middle.0 + radius * dx, middle.1 + radius * dy);
+        let corners = palette::marker(style).iter().map(corner).collect();
+        let rim = (radius >= SMALL_MARKER).then_some(0.2 * radius);
+        self.shapes.push(Shape::Marker { middle, radius, corners, colour, rim });
     }
 
     /// A text with its baseline at a place.
-    pub fn text(&mut self, (x, y): (f64, f64), text: &str, lettering: Lettering) {
-        self.place_text(format_args!(r#"x="{}" y="{}""#, Px(x), Px(y)), text, lettering);
+    pub fn text(&mut self, place: Place, text: &str, lettering: Lettering) {
+        self.set(Set::Level, place, text, lettering);
     }
 
     /// A text that reads upwards.
-    pub fn upward_text(&mut self, (x, y): (f64, f64), text: &str, lettering: Lettering) {
-        self.place_text(
-            format_args!(r#"transform="translate({} {}) rotate(-90)""#, Px(x), Px(y)),
-            text,
-            lettering,
-        );
+    pub fn upward_text(&mut self, place: Place, text: &str, lettering: Lettering) {
+        self.set(Set::Upwards, place, text, lettering);
     }
 
     /// A text with a white rim, legible over lines.
-    pub fn text_on_white(&mut self, (x, y): (f64, f64), text: &str, lettering: Lettering) {
-        let rim = r##"stroke="#ffffff" stroke-width="4" stroke-linejoin="round" paint-order="stroke""##;
-        self.place_text(format_args!(r#"x="{}" y="{}" {rim}"#, Px(x), Px(y)), text, lettering);
+    pub fn text_on_white(&mut self, place: Place, text: &str, lettering: Lettering) {
+        self.set(Set::OnWhite, place, text, lettering);
     }
 
-    fn place_text(&mut self, place: fmt::Arguments<'_>, text: &str, lettering: Lettering) {
-        let Lettering { size, bold, colour, anchor } = lettering;
-        let weight = if bold { r#" font-weight="bold""# } else { "" };
-        let (size, text) = (Px(size), Escaped(text));
-        self.put(format_args!(
-            r#"<text {place} font-size="{size}"{weight} fill="{colour}" text-anchor="{anchor}">{text}</text>"#
-        ));
+    fn set(&mut self, set: Set, place: Place, text: &str, lettering: Lettering) {
+        self.shapes.push(Shape::Text { place, text: text.to_owned(), lettering, set });
+    }
+
+    /// The picture as SVG, one element a line. Windows are nested pictures, which clip as a `clipPath` does and need no id.
+    pub fn svg(&self) -> String {
+        let mut svg = String::new();
+        let mut depth = 0;
+        // Writing to a String cannot fail.
+        let mut put = |depth: usize, line: fmt::Arguments<'_>| {
+            let _ = writeln!(svg, "{:indent$}{line}", "", indent = 2 * depth);
+        };
+        let (w, h, family, name) = (Px(WIDTH), Px(HEIGHT), text::FAMILY, Escaped(&self.name));
+        put(
+            0,
+            format_args!(
+                r#"<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}" font-family="{family}" role="img" aria-label="{name}">"#
+            ),
+        );
+        put(1, format_args!(r##"<rect width="{w}" height="{h}" fill="#ffffff"/>"##));
+        let mut open = vec![];
+        for shape in &self.shapes {
+            if let Shape::End = shape {
+                depth -= 1;
+                put(1 + depth, format_args!("</{}>", open.pop().unwrap_or("g")));
+                continue;
+            }
+            put(1 + depth, format_args!("{}", Element(shape)));
+            match shape {
+                Shape::Window(_) => open.push("svg"),
+                Shape::Group { .. } => open.push("g"),
+                _ => continue,
+            }
+            depth += 1;
+        }
+        put(0, format_args!("</svg>"));
+        svg
+    }
+}
+
+/// A shape as an element of SVG, or the start of one.
+struct Element<'a>(&'a Shape);
+
+impl Display for Element<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Shape::Window(Frame { left, top, right, bottom }) => {
+                let [x, y, w, h] = [*left, *top, right - left, bottom - top].map(Px);
+                write!(f, r#"<svg x="{x}" y="{y}" width="{w}" height="{h}" viewBox="{x} {y} {w} {h}">"#)
+            }
+            Shape::Group { name, crisp } => {
+                let crisp = if *crisp { r#" shape-rendering="crispEdges""# } else { "" };
+                write!(f, r#"<g aria-label="{}"{crisp}>"#, Escaped(name))
+            }
+            Shape::End => Ok(()),
+            Shape::Block { corners, colour } => {
+                write!(f, r#"<polygon points="{}" fill="{colour}"/>"#, Corners(corners))
+            }
+            Shape::Lines { lines, stroke: Stroke { colour, width, .. } } => {
+                f.write_str("<path d=\"")?;
+                for [(x0, y0), (x1, y1)] in lines {
+                    write!(f, "M{},{}L{},{}", Px(*x0), Px(*y0), Px(*x1), Px(*y1))?;
+                }
+                let width = Px(*width);
+                write!(f, r#"" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linecap="round"/>"#)
+            }
+            Shape::Line { places, stroke: Stroke { colour, width, dash } } => {
+                let dash =
+                    if dash.is_empty() { String::new() } else { format!(r#" stroke-dasharray="{dash}""#) };
+                let (corners, width) = (Corners(places), Px(*width));
+                write!(
+                    f,
+                    r#"<polyline points="{corners}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linejoin="round"{dash}/>"#
+                )
+            }
+            Shape::Area { corners, colour } => {
+                let corners = Corners(corners);
+                write!(f, r#"<polygon points="{corners}" fill="{colour}" fill-opacity="{TRANSLUCENT}"/>"#)
+            }
+            Shape::Marker { middle: (x, y), radius, corners, colour, rim } => {
+                let rim = rim
+                    .map(|width| format!(r##" stroke="#ffffff" stroke-width="{}""##, Px(width)))
+                    .unwrap_or_default();
+                if corners.is_empty() {
+                    let (x, y, r) = (Px(*x), Px(*y), Px(*radius));
+                    return write!(f, r#"<circle cx="{x}" cy="{y}" r="{r}" fill="{colour}"{rim}/>"#);
+                }
+                write!(f, r#"<polygon points="{}" fill="{colour}"{rim}/>"#, Corners(corners))
+            }
+            Shape::Text { place: (x, y), text, lettering, set } => {
+                let (x, y) = (Px(*x), Px(*y));
+                match set {
+                    Set::Level => write!(f, r#"<text x="{x}" y="{y}""#)?,
+                    Set::Upwards => write!(f, r#"<text transform="translate({x} {y}) rotate(-90)""#)?,
+                    Set::OnWhite => write!(
+                        f,
+                        r##"<text x="{x}" y="{y}" stroke="#ffffff" stroke-width="{TEXT_RIM}" stroke-linejoin="round" paint-order="stroke""##
+                    )?,
+                }
+                let Lettering { size, bold, colour, anchor } = lettering;
+                let weight = if *bold { r#" font-weight="bold""# } else { "" };
+                let (size, text) = (Px(*size), Escaped(text));
+                write!(f, r#" font-size="{size}"{weight} fill="{colour}" text-anchor="{anchor}">{text}</text>"#)
+            }
+        }
     }
 }
 

@@ -1,8 +1,8 @@
-//! Charts: a table becomes a [`Figure`] of curves or a [`Map`], these an SVG, an SVG a PNG.
+//! Charts: a table becomes a [`Figure`] of curves or a [`Map`], these a list of shapes, which is written as SVG or painted as PNG.
 //!
 //! ```text
-//! Table ─ Spec ────▶ Figure ─ svg() ─▶ SVG text ─ png() ─▶ PNG bytes
-//!       └ MapSpec ─▶ Map ────┘
+//! Table ─ Spec ────▶ Figure ─▶ Canvas ─┬─ svg() ─▶ SVG text
+//!       └ MapSpec ─▶ Map ──────┘       └─ png() ─▶ PNG bytes
 //! ```
 //!
 //! The same figure gives the same SVG on every machine: logarithms are libm's, coordinates are rounded to 0.01 px,
@@ -83,6 +83,7 @@ pub mod mixed;
 pub mod palette;
 pub mod picture;
 pub mod plot;
+#[cfg(feature = "png")]
 pub mod png;
 pub mod scale;
 pub mod spec;
@@ -100,7 +101,8 @@ pub use crate::view::chart::layout::{HEIGHT, WIDTH};
 pub use crate::view::chart::map::spec::{MapNotes, MapSpec, Show};
 pub use crate::view::chart::map::{Cells, Estimate, Layer, Map, Won};
 pub use crate::view::chart::picture::Picture;
-pub use crate::view::chart::png::{PngError, png};
+#[cfg(feature = "png")]
+pub use crate::view::chart::png::PngError;
 pub use crate::view::chart::scale::Scale;
 pub use crate::view::chart::spec::{ChartError, Notes, Spec};
 pub use crate::view::chart::stack::{CURVE, stacked};

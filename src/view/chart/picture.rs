@@ -5,6 +5,8 @@ use serde::Serialize;
 use crate::view::chart::console::Look;
 use crate::view::chart::figure::{Axis, Figure};
 use crate::view::chart::map::Map;
+#[cfg(feature = "png")]
+use crate::view::chart::png::PngError;
 
 /// What a chart shows, as a picture or, as JSON, for pages that draw it themselves.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -22,6 +24,18 @@ impl Picture {
         match self {
             Picture::Curves(figure) => figure.svg(),
             Picture::Map(map) => map.svg(),
+        }
+    }
+
+    /// As PNG, with `scale` pixels per CSS pixel.
+    ///
+    /// # Errors
+    /// A scale that makes no picture of 1 to 20000 pixels each way.
+    #[cfg(feature = "png")]
+    pub fn png(&self, scale: f32) -> Result<Vec<u8>, PngError> {
+        match self {
+            Picture::Curves(figure) => figure.png(scale),
+            Picture::Map(map) => map.png(scale),
         }
     }
 

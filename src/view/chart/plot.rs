@@ -70,28 +70,28 @@ fn shown_points(figure: &Figure) -> impl Iterator<Item = &SeriesPoint> {
 impl Plot<'_> {
     /// Draws laws, bands, parts, closed forms, limit and points, in this order from below.
     pub fn draw(&self, canvas: &mut Canvas) {
-        let Frame { left, top, right, bottom } = self.area.frame;
-        canvas.open_window(left, top, right - left, bottom - top);
-        for (i, law) in self.figure.laws.iter().enumerate() {
-            canvas.group(&law.label, |canvas| {
-                for line in &law.lines {
-                    self.draw_line(canvas, &line.points, law_stroke(i, line.colour()));
-                }
-            });
-        }
-        self.figure.series.iter().for_each(|series| self.draw_bands(canvas, series));
-        for (i, part) in self.figure.parts.lines.iter().enumerate() {
-            canvas.group(&part.label, |canvas| {
-                self.draw_line(canvas, &part.points, part_stroke(i, part));
-            });
-        }
-        self.figure.series.iter().for_each(|series| self.draw_curve(canvas, series));
+        let Frame { left, right, .. } = self.area.frame;
         let limit = self.figure.limit.as_ref().filter(|limit| self.area.y.scale.shows(limit.value));
-        if let Some(limit) = limit {
-            let y = self.area.down(limit.value);
-            canvas.line(&[(left, y), (right, y)], Stroke { colour: LIMIT, width: 1.4, dash: "10 4" });
-        }
-        canvas.close_picture();
+        canvas.window(self.area.frame, |canvas| {
+            for (i, law) in self.figure.laws.iter().enumerate() {
+                canvas.group(&law.label, |canvas| {
+                    for line in &law.lines {
+                        self.draw_line(canvas, &line.points, law_stroke(i, line.colour()));
+                    }
+                });
+            }
+            self.figure.series.iter().for_each(|series| self.draw_bands(canvas, series));
+            for (i, part) in self.figure.parts.lines.iter().enumerate() {
+                canvas.group(&part.label, |canvas| {
+                    self.draw_line(canvas, &part.points, part_stroke(i, part));
+                });
+            }
+            self.figure.series.iter().for_each(|series| self.draw_curve(canvas, series));
+            if let Some(limit) = limit {
+                let y = self.area.down(limit.value);
+                canvas.line(&[(left, y), (right, y)], Stroke { colour: LIMIT, width: 1.4, dash: "10 4" });
+            }
+        });
         // Outside the window: markers on the frame stay whole.
         for (i, series) in self.figure.series.iter().enumerate() {
             // Larger under others that would hide it.

@@ -3,10 +3,12 @@
 use crate::view::chart::area::Area;
 use crate::view::chart::canvas::Canvas;
 use crate::view::chart::figure::Figure;
-use crate::view::chart::layout::{HEIGHT, MARGIN, Titles, WIDTH, draw_nothing};
+use crate::view::chart::layout::{HEIGHT, MARGIN, Titles, draw_nothing};
 use crate::view::chart::legend::Legend;
 use crate::view::chart::plot::{self, Plot};
-use crate::view::chart::{axes, text};
+#[cfg(feature = "png")]
+use crate::view::chart::png::PngError;
+use crate::view::chart::axes;
 
 impl Figure {
     /// The figure as SVG, [`WIDTH`] × [`HEIGHT`] CSS px. Equal figures give equal bytes on every machine.
@@ -35,11 +37,22 @@ impl Figure {
     ///     limit: Some(Limit { value: 10.0, label: "limit 10 ″".into() }),
     ///     chosen: vec![],
     /// };
-    /// let picture = png(&figure.svg(), 2.0)?;
-    /// # assert!(picture.len() > 1000);
-    /// # Ok::<(), PngError>(())
+    /// assert!(figure.svg().starts_with("<svg"));
     /// ```
     pub fn svg(&self) -> String {
+        self.canvas().svg()
+    }
+
+    /// The figure as PNG, with `scale` pixels per CSS pixel, lettered with the bundled font.
+    ///
+    /// # Errors
+    /// A scale that makes no picture of 1 to 20000 pixels each way.
+    #[cfg(feature = "png")]
+    pub fn png(&self, scale: f32) -> Result<Vec<u8>, PngError> {
+        self.canvas().png(scale)
+    }
+
+    fn canvas(&self) -> Canvas {
         let (x, y) = (plot::x_range(self), plot::y_range(self));
         let (mut x_ticks, y_ticks) = (self.x.ticks(x), self.y.ticks(y));
         if !self.x.names.is_empty() {
@@ -57,8 +70,7 @@ impl Figure {
         let area = Area { x, y, frame };
         let plot = Plot { figure: self, area };
 
-        let mut canvas = Canvas::default();
-        canvas.open_picture(WIDTH, HEIGHT, text::FAMILY, &self.title);
+        let mut canvas = Canvas::new(&self.title);
         titles.draw(&mut canvas, frame);
         canvas.group("grid", |canvas| axes::draw_grid(canvas, &area, &x_ticks, &y_ticks));
         canvas.group("axes", |canvas| {
@@ -73,8 +85,7 @@ impl Figure {
         canvas.group("legend", |canvas| {
             legend.draw(canvas, (frame.right + MARGIN, frame.top), HEIGHT - 0.5 * MARGIN);
         });
-        canvas.close_picture();
-        canvas.finish()
+        canvas
     }
 }
 
@@ -84,10 +95,10 @@ mod tests {
     use crate::view::chart::figure::{
         Axis, Entry, Grouping, Law, LawLine, Limit, Part, Parts, Series, SeriesPoint,
     };
-    use crate::view::chart::png;
     use crate::view::chart::scale::Scale;
-    use resvg::tiny_skia::Pixmap;
-    use resvg::usvg::roxmltree::Document;
+    use roxmltree::Document;
+    #[cfg(feature = "png")]
+    use tiny_skia::Pixmap;
 
     fn grouping(title: &str, names: &[&str]) -> Grouping {
         let entries = names.iter().enumerate().map(|(style, name)| Entry { style, name: (*name).to_owned() });
@@ -215,7 +226,8 @@ mod tests {
     #[test]
     fn equal_figures_give_equal_bytes() {
         assert_eq!(figure().svg(), figure().svg());
-        assert_eq!(png(&figure().svg(), 1.0).unwrap(), png(&figure().svg(), 1.0).unwrap());
+        #[cfg(feature = "png")]
+        assert_eq!(figure().png(1.0).unwrap(), figure().png(1.0).unwrap());
     }
 
     #[test]
@@ -241,9 +253,10 @@ mod tests {
         }
     }
 
+    #[cfg(feature = "png")]
     #[test]
     fn the_png_has_the_colours_of_its_curves_and_mostly_white() {
-        let pixmap = Pixmap::decode_png(&png(&figure().svg(), 2.0).unwrap()).unwrap();
+        let pixmap = Pixmap::decode_png(&figure().png(2.0).unwrap()).unwrap();
         assert_eq!((pixmap.width(), pixmap.height()), (2000, 1300));
         let share = |red, green, blue| {
             let alike = pixmap

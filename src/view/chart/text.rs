@@ -1,43 +1,32 @@
-//! The bundled font, and how wide text is in it.
+//! How wide text is in DejaVu Sans.
 
-use std::sync::{Arc, LazyLock};
-
-use resvg::usvg::{self, fontdb};
-
-use crate::view::chart::canvas::Escaped;
+use std::ops::Range;
 
 /// The font's name, for a picture to ask for, and what comes near where it is not installed.
 pub(crate) const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 
-/// DejaVu Sans, regular and bold, and no font of the system's: those differ from machine to machine.
-static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
-    let mut fonts = fontdb::Database::new();
-    fonts.load_font_data(
-        include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/fonts/DejaVuSans.ttf")).to_vec(),
-    );
-    fonts.load_font_data(
-        include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/fonts/DejaVuSans-Bold.ttf")).to_vec(),
-    );
-    fonts.set_sans_serif_family("DejaVu Sans");
-    // What usvg falls back on for a family that is not there.
-    fonts.set_serif_family("DejaVu Sans");
-    Arc::new(fonts)
-});
+/// The advances of DejaVu Sans, regular, then bold: for each of [`KNOWN`] a u16 in units of the font, with the lowest byte
+/// first. A test in `png.rs` makes them from the fonts.
+pub(crate) const ADVANCES: &[u8] =
+    include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/fonts/advances"));
 
-/// Options that read SVG with the bundled font only.
-pub(crate) fn options() -> usvg::Options<'static> {
-    usvg::Options { fontdb: FONTS.clone(), font_family: "DejaVu Sans".to_owned(), ..usvg::Options::default() }
-}
+/// The code points whose advances are kept; others are taken to be as wide as the widest letter.
+pub(crate) const KNOWN: Range<u32> = 0x20..0x2800;
 
-/// The width of a text in px, rounded up to a whole one; 0 for text without any.
+pub(crate) const UNITS_PER_EM: u16 = 2048;
+
+/// The width of a text in px, rounded up to a whole one; 0 for text without any. Kerning, which brings letters closer
+/// together, is left out.
 pub(crate) fn width(text: &str, size: f64, bold: bool) -> f64 {
-    let weight = if bold { "bold" } else { "normal" };
-    let svg = format!(
-        r#"<svg xmlns="http://www.w3.org/2000/svg"><text font-family="{FAMILY}" font-size="{size}" font-weight="{weight}">{}</text></svg>"#,
-        Escaped(text)
-    );
-    usvg::Tree::from_str(&svg, &options())
-        .map_or(0.0, |tree| libm::ceil(f64::from(tree.root().abs_bounding_box().width())))
+    let known = KNOWN.len();
+    let advance = |letter: char| {
+        let place = (u32::from(letter).checked_sub(KNOWN.start)? as usize).min(known);
+        let at = 2 * (place + if bold { known } else { 0 });
+        let bytes = ADVANCES.get(at..at + 2).filter(|_| place < known);
+        Some(bytes.map_or(UNITS_PER_EM, |bytes| u16::from_le_bytes([bytes[0], bytes[1]])))
+    };
+    let units: f64 = text.chars().filter_map(advance).map(f64::from).sum();
+    libm::ceil(units * size / f64::from(UNITS_PER_EM))
 }
 
 /// `text`, shortened with an ellipsis until it is at most `room` px wide.

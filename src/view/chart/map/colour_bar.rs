@@ -45,7 +45,7 @@ impl ColourBar<'_> {
         canvas.crisp_group("colour scale", |canvas| {
             for piece in 0..PIECES {
                 let [low, high] = [piece, piece + 1].map(|piece| piece as f64 / PIECES as f64);
-                canvas.block((left, height(high)), (right, height(low)), &colour(0.5 * (low + high)));
+                canvas.block((left, height(high)), (right, height(low)), colour(0.5 * (low + high)));
             }
         });
         let line = Stroke { colour: INK, width: 1.1, dash: "" };

@@ -1,7 +1,7 @@
 //! The cells of a map, drawn into the frame of its axes.
 
 use crate::view::chart::area::{Area, Frame};
-use crate::view::chart::canvas::{Canvas, Stroke};
+use crate::view::chart::canvas::{Canvas, Colour, Stroke};
 use crate::view::chart::map::colour_scale::colour;
 use crate::view::chart::map::{Cells, Map, Won};
 use crate::view::chart::palette::{self, INK};
@@ -32,7 +32,7 @@ impl Edges {
         (cell % columns, cell / columns)
     }
 
-    fn block(&self, canvas: &mut Canvas, cell: usize, colour: &str) {
+    fn block(&self, canvas: &mut Canvas, cell: usize, colour: impl Into<Colour>) {
         let (column, row) = self.place(cell);
         canvas.block((self.xs[column], self.ys[row + 1]), (self.xs[column + 1], self.ys[row]), colour);
     }
@@ -44,7 +44,7 @@ pub(crate) fn draw_cells(canvas: &mut Canvas, map: &Map, edges: &Edges, range: R
         Cells::Values(values) => {
             for (cell, value) in values.iter().enumerate() {
                 if let Some(value) = value {
-                    edges.block(canvas, cell, &colour(range.fraction(*value)));
+                    edges.block(canvas, cell, colour(range.fraction(*value)));
                 }
             }
         }

@@ -2,19 +2,34 @@
 
 use crate::view::chart::area::{Area, Frame};
 use crate::view::chart::canvas::{Canvas, Stroke};
-use crate::view::chart::layout::{HEIGHT, MARGIN, MOST_LABELS, Titles, WIDTH, draw_nothing};
+use crate::view::chart::layout::{HEIGHT, MARGIN, MOST_LABELS, Titles, draw_nothing};
 use crate::view::chart::legend::{Legend, Row, Sample, wrapped_entry};
 use crate::view::chart::map::colour_bar::ColourBar;
 use crate::view::chart::map::draw::{self, Edges};
 use crate::view::chart::map::{Axis, Cells, Map, Won, limit_line, share};
 use crate::view::chart::palette::{self, LIMIT, PALE_MUTED};
+#[cfg(feature = "png")]
+use crate::view::chart::png::PngError;
 use crate::view::chart::scale::{Range, Scale};
 use crate::view::chart::ticks::Ticks;
-use crate::view::chart::{axes, text};
+use crate::view::chart::axes;
 
 impl Map {
     /// The map as SVG, [`WIDTH`] × [`HEIGHT`] CSS px. Equal maps give equal bytes on every machine.
     pub fn svg(&self) -> String {
+        self.canvas().svg()
+    }
+
+    /// The map as PNG, with `scale` pixels per CSS pixel, lettered with the bundled font.
+    ///
+    /// # Errors
+    /// A scale that makes no picture of 1 to 20000 pixels each way.
+    #[cfg(feature = "png")]
+    pub fn png(&self, scale: f32) -> Result<Vec<u8>, PngError> {
+        self.canvas().png(scale)
+    }
+
+    fn canvas(&self) -> Canvas {
         let (x, y) = (range(self.x.scale, &self.columns), range(self.y.scale, &self.rows));
         let (x_ticks, y_ticks) = (ticks(&self.x, x, &self.columns), ticks(&self.y, y, &self.rows));
         let colours = self.colours();
@@ -37,8 +52,7 @@ impl Map {
         let area = Area { x, y, frame };
         let edges = Edges::new(self, &area);
 
-        let mut canvas = Canvas::default();
-        canvas.open_picture(WIDTH, HEIGHT, text::FAMILY, &self.title);
+        let mut canvas = Canvas::new(&self.title);
         titles.draw(&mut canvas, frame);
         draw::draw_cells(&mut canvas, self, &edges, colours);
         self.draw_over(&mut canvas, &area, &edges);
@@ -55,8 +69,7 @@ impl Map {
             bar.draw(&mut canvas, left, (top, legend_top - 0.7 * MARGIN));
         }
         canvas.group("legend", |canvas| legend.draw(canvas, (left, legend_top), HEIGHT - 0.5 * MARGIN));
-        canvas.close_picture();
-        canvas.finish()
+        canvas
     }
 
     /// The scale of the colours: exactly the values shown, or some about a single one.

@@ -1,6 +1,6 @@
 //! Maps as a whole: from a table to a picture.
 
-use resvg::usvg::roxmltree::Document;
+use roxmltree::Document;
 
 use super::*;
 use crate::table::{Cell, Column, Table, Unit};
