@@ -8,14 +8,14 @@ use crate::fit::term::Term;
 /// What a term has to take off χ² to be chosen.
 ///
 /// The best square of a surplus term is 0 half the time, and else it takes a χ² of one degree of freedom off: more than
-/// 4 with a probability of 2.3 %. The skewed estimates of one record stay near that (`tests/allan_fit_records.rs`). AIC's 2
+/// 4 with a probability of 2.3 %. The skewed estimates of one record stay near that (`tests/library/allan_fit_records.rs`). AIC's 2
 /// would let in 8 %; BIC's logarithm of the number of points has no meaning where points are correlated and as many as
 /// one likes.
 pub const PENALTY: f64 = 4.0;
 
 /// The same for Markov noise and a sine, whose time or frequency is chosen to take off the most.
 ///
-/// In 300 records of 4096 samples of white noise Markov noise was found in none, a sine in 4 (`tests/allan_fit_records.rs`).
+/// In 300 records of 4096 samples of white noise Markov noise was found in none, a sine in 4 (`tests/library/allan_fit_records.rs`).
 pub const PENALTY_OF_SHAPE: f64 = 10.0;
 
 /// By how much χ² with its penalties has to rise without a term for the term to be identified.

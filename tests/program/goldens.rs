@@ -35,7 +35,8 @@ fn digests(study: &Path) -> BTreeMap<String, String> {
 fn the_tables_of_shipped_studies_are_the_golden_ones_byte_for_byte() {
     let root = Path::new(crate::ROOT);
     let files = std::fs::read_dir(root.join("studies")).unwrap().map(|entry| entry.unwrap().path());
-    let studies: Vec<PathBuf> = files.filter(|path| path.extension().is_some_and(|end| end == "toml")).collect();
+    let studies: Vec<PathBuf> =
+        files.filter(|path| path.extension().is_some_and(|end| end == "toml")).collect();
     let found: BTreeMap<String, String> = studies.iter().flat_map(|study| digests(study)).collect();
     let golden = std::fs::read_to_string(root.join(GOLDEN)).unwrap_or_default();
     let golden: BTreeMap<String, String> = golden
@@ -53,6 +54,10 @@ fn the_tables_of_shipped_studies_are_the_golden_ones_byte_for_byte() {
             text
         });
         std::fs::write(root.join(NEW), text).unwrap();
-        panic!("{} of {} tables differ from {GOLDEN}: {other:?}; the present ones are in {NEW}", other.len(), found.len());
+        panic!(
+            "{} of {} tables differ from {GOLDEN}: {other:?}; the present ones are in {NEW}",
+            other.len(),
+            found.len()
+        );
     }
 }
