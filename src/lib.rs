@@ -52,7 +52,7 @@
 //! | [`crate::kinds::gap_fill::lower::Lowered`], [`crate::kinds::allan::lower::Records`] | one point in fixed point, with closed forms |
 //! | [`crate::device::select`], [`crate::verify::verify`] | the device that samples, and whether its bits are the right ones |
 //! | [`crate::view::chart::figure::Figure`], [`crate::view::chart::map::Map`], [`crate::view::report::Report`] | pictures of a table, and the page that has all of them |
-//! | [`crate::table::describe`] | what the columns mean |
+//! | [`crate::described`] | what the columns mean |
 //! | [`crate::record::log::channel::Log`], [`allan`], [`fit`], [`compare`] | recorded data |
 //! | [`crate::analysis::firmware::design::Firmware`], [`crate::analysis::design::design`] | fillers for firmware, and how often to switch |
 //! | [`theory`] | the closed forms by themselves |
@@ -62,6 +62,7 @@ pub use sagnac_kernel as kernel;
 pub mod allan;
 pub mod analysis;
 pub mod chart;
+pub mod described;
 pub mod device;
 pub mod drift;
 pub mod filler;

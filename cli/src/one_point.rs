@@ -1,18 +1,18 @@
 //! What a study of one point says to people: its fillers side by side, and the best of them for each error.
 
 use sagnac::quantity::number::significant;
-use sagnac::table::{Column, ColumnError, Table};
+use sagnac::table::{Column, Role, Table};
 
 use crate::terminal::aligned;
 
-/// A line for each filler and a pair of columns, rms and 99.73 % level, for each error; then the filler of the least 99.73 %
-/// level, and how far the next one is.
-///
-/// # Errors
-/// The table has not the columns of a gap-fill study.
-pub fn one_point(table: &Table) -> Result<String, ColumnError> {
-    let (fillers, errors) = (table.column("filler")?, table.column("error")?);
-    let (rms, level) = (table.column("rms")?, table.column("q9973")?);
+/// A line for each filler, with the estimates of a summary for each error; then the filler with the least of the last of them, the
+/// 99.73 % level, and how far the next one is.
+pub fn one_point(table: &Table) -> String {
+    let keys: Vec<&Column> = table.columns.iter().filter(|column| column.role == Role::Key).collect();
+    let estimates: Vec<&Column> = table.columns.iter().filter(|column| column.brief).collect();
+    let ([fillers, errors], Some(level)) = (&keys[..], estimates.last()) else { return String::new() };
+    // What labels say of every estimate goes without saying.
+    let name = |column: &Column| column.label.trim_end_matches(" error").to_owned();
     let distinct = |cells: &[sagnac::table::Cell]| {
         let mut texts: Vec<String> = Vec::new();
         for text in cells.iter().map(sagnac::table::Cell::text) {
@@ -27,9 +27,10 @@ pub fn one_point(table: &Table) -> Result<String, ColumnError> {
         (0..table.rows())
             .find(|&row| fillers.cells[row].text() == filler && errors.cells[row].text() == error)
     };
-    let mut header = vec!["filler".to_owned()];
+    let mut header = vec![fillers.label.clone()];
     for kind in &kinds {
-        header.extend([format!("{kind} rms, ″"), format!("{kind} 99.73 %, ″")]);
+        let heading = |column: &&Column| format!("{kind} {}, {}", name(column), column.unit.symbol);
+        header.extend(estimates.iter().map(heading));
     }
     let mut lines = vec![header];
     for name in &names {
@@ -39,7 +40,7 @@ pub fn one_point(table: &Table) -> Result<String, ColumnError> {
                 let number = row_of(name, kind).and_then(|row| column.cells[row].number());
                 number.map_or_else(String::new, |x| significant(x, 4))
             };
-            line.extend([cell(rms), cell(level)]);
+            line.extend(estimates.iter().map(|column| cell(column)));
         }
         lines.push(line);
     }
@@ -47,10 +48,10 @@ pub fn one_point(table: &Table) -> Result<String, ColumnError> {
     for kind in &kinds {
         let levels = names.iter().filter_map(|name| Level::of(name, level, row_of(name, kind)?));
         if let Some(sentence) = least(levels.collect()) {
-            text += &format!("\nleast 99.73 % {kind}: {sentence}");
+            text += &format!("\nleast {} {kind}: {sentence}", name(level));
         }
     }
-    Ok(text + "\n")
+    text + "\n"
 }
 
 /// The 99.73 % level of one filler.

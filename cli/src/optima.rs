@@ -2,21 +2,20 @@
 
 use sagnac::quantity::number::significant;
 use sagnac::study::Study;
-use sagnac::table::{Column, ColumnError, Table};
+use sagnac::table::{Column, ColumnError, Role, Table};
 
 /// Most budgets that have a line each.
 const MOST_LINES: usize = 6;
 
-/// A line for each budget: which interval has the least bound, and which the least rms drift, with what is left there. Of more
-/// budgets the table has to do.
+/// A line for each budget: at which interval its errors are least, and what is left there. Of more budgets the table has to do.
 ///
 /// # Errors
-/// The table is not that of a drift budget.
+/// The table lacks a swept key.
 pub fn optima(study: &Study, table: &Table) -> Result<String, ColumnError> {
     let others = study.sweeps.iter().filter(|sweep| sweep.key.name != "switching.interval");
     let others = others.map(|sweep| table.column(sweep.key.name)).collect::<Result<Vec<_>, _>>()?;
-    let bound = [table.column("optimum")?, table.column("optimum_bound")?];
-    let truly = [table.column("optimum_true")?, table.column("optimum_true_rms")?];
+    let least = table.columns.iter().filter(|column| column.role == Role::Least);
+    let least: Vec<_> = least.filter_map(|column| Some((column, table.referred(column)?))).collect();
     let mut lines: Vec<String> = Vec::new();
     for row in 0..table.rows() {
         let value = |column: &Column| {
@@ -24,12 +23,13 @@ pub fn optima(study: &Study, table: &Table) -> Result<String, ColumnError> {
             cell.number().map_or_else(|| cell.text(), |x| significant(x, 4))
         };
         let at: String = others.iter().map(|column| format!(", {}", column.valued(&value(column)))).collect();
-        let best = |what: &str, [interval, least]: [&Column; 2]| {
+        let best = |(least, interval): &(&Column, &Column)| {
             let known = interval.cells[row].number().is_some() && least.cells[row].number().is_some();
-            known.then(|| format!("{what} at {} s, {} ″/s", value(interval), value(least)))
+            let what = least.label.split_once(": ").map_or(least.label.as_str(), |(_, what)| what);
+            let (interval, unit) = (value(interval), least.unit.symbol);
+            known.then(|| format!("{what} at {interval} s, {} {unit}", value(least)))
         };
-        let found = [best("least bound", bound), best("least rms drift left by switching", truly)];
-        let found: Vec<String> = found.into_iter().flatten().collect();
+        let found: Vec<String> = least.iter().filter_map(best).collect();
         let line = format!("best interval{at}: {}\n", found.join("; "));
         if !found.is_empty() && !lines.contains(&line) {
             lines.push(line);

@@ -32,6 +32,8 @@ pub(crate) struct Text {
     pub(crate) values: Vec<String>,
     /// What is meant where a chart says nothing.
     pub(crate) usual: Option<String>,
+    /// What stands for all other values together.
+    pub(crate) whole: Option<&'static str>,
 }
 
 /// A column of numbers.
@@ -65,6 +67,6 @@ impl Ground {
 impl Text {
     /// A column of text without usual value.
     pub(crate) fn new(name: &'static str, values: impl IntoIterator<Item = impl Into<String>>) -> Text {
-        Text { name, values: values.into_iter().map(Into::into).collect(), usual: None }
+        Text { name, values: values.into_iter().map(Into::into).collect(), usual: None, whole: None }
     }
 }

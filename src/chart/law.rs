@@ -1,6 +1,7 @@
 //! Laws that a chart draws beside the estimates.
 
 use crate::key::holds::words;
+use crate::table::{About, Role, Unit};
 
 words! {
     /// A law of error, as published or put right, drawn beside curves.
@@ -26,6 +27,31 @@ impl Law {
             Law::ZeemanTables => "relock",
             _ => "gap fillers",
         }
+    }
+
+    /// Its column in the table.
+    pub(crate) fn about(self) -> About {
+        let meaning = match self {
+            Law::TaylorExtremum => {
+                "A law of the chart, ″: the first Taylor term that the filler drops at an extremum of the rate, of a single tick as \
+                 published in Z(20)."
+            }
+            Law::TaylorZeroCrossing => {
+                "A law of the chart, ″: the first Taylor term that the filler drops near a zero crossing of the rate, of a single \
+                 tick as published in Z(20)."
+            }
+            Law::NoiseAsPublished => {
+                "A law of the chart, ″: 3 σ of the constant filler as published, which grows as √n with the lost ticks."
+            }
+            Law::Noise => {
+                "A law of the chart, ″: 3 σ of the constant filler as it should be by Z(18), which grows as n with the lost ticks."
+            }
+            Law::ZeemanTables => {
+                "A law of the chart, ″: tables 1 and 2 of the paper, measured and compensated."
+            }
+        };
+        let (name, label) = (self.column(), self.label());
+        About { unit: Unit::ARCSEC, label, role: Role::Law, meaning, ..About::named(name) }
     }
 
     /// The name of its column in the table.

@@ -70,8 +70,7 @@ fn input(
             name: name.to_owned(),
             label: name.to_owned(),
             unit,
-            cells: vec![],
-            band: None,
+            ..Column::default()
         })
         .collect();
     let found = table::find(&columns, name).map_err(|error| match error {

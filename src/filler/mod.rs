@@ -6,6 +6,9 @@ pub mod ticks;
 
 use crate::theory::minimum_variance::Band;
 
+/// The key of a study that lists its fillers.
+pub const FILLERS: &str = "switching.fillers";
+
 /// A way to fill the gap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filler {

@@ -1,15 +1,13 @@
 //! Studies whose every value is a closed form: their points become a table at once.
 
-use crate::key::setting::Swept;
 use crate::progress::Progress;
-use crate::run::{Done, RunError, Tables, swept_columns};
+use crate::run::{Done, RunError, Tables};
 use crate::sampling::plan::Plan;
 use crate::sampling::worker::Worker;
 use crate::store::Store;
 use crate::store::error::StoreError;
 use crate::store::index::Index;
-use crate::study::Study;
-use crate::table::{Cell, Column, Table};
+use crate::table::Table;
 use crate::tally::id::Id;
 use crate::tally::share::Share;
 
@@ -18,19 +16,8 @@ use crate::tally::share::Share;
 pub(crate) struct Exact(Table);
 
 impl Exact {
-    /// A row for each point: its swept values, then the cells of the columns.
-    pub(crate) fn new<'p>(
-        study: &Study,
-        columns: Vec<Column>,
-        rows: impl Iterator<Item = (&'p [(&'static str, Swept)], Vec<Cell>)>,
-    ) -> Exact {
-        let mut all = swept_columns(study);
-        all.extend(columns);
-        for (swept, cells) in rows {
-            let cells = swept.iter().map(|(_, value)| value.cell()).chain(cells);
-            all.iter_mut().zip(cells).for_each(|(column, cell)| column.cells.push(cell));
-        }
-        Exact(Table { columns: all })
+    pub(crate) fn new(table: Table) -> Exact {
+        Exact(table)
     }
 }
 

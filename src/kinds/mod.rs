@@ -10,6 +10,7 @@ pub(crate) mod gyro;
 pub mod relock;
 pub mod suspension;
 pub mod switched_run;
+pub(crate) mod table;
 
 use crate::study::kind::Kind;
 

@@ -7,7 +7,6 @@ use std::collections::HashSet;
 use crate::chart::file::Source;
 use crate::device::Device;
 use crate::device::gpu::GpuError;
-use crate::key::setting::Swept;
 use crate::progress::{Progress, Silent};
 pub use crate::run::keep::{KeepError, keep};
 use crate::sampling::plan;
@@ -18,7 +17,7 @@ use crate::store::index::Index;
 use crate::store::{Identity, Store};
 use crate::study::Study;
 use crate::study::refusal::Refusal;
-use crate::table::{Column, Table, Unit};
+use crate::table::Table;
 use crate::tally::id::Id;
 use crate::tally::share::Share;
 
@@ -101,9 +100,6 @@ impl Tables {
         other.unwrap_or(&self.points)
     }
 }
-
-/// Half the width of a 95 % interval in standard errors.
-pub(crate) const NORMAL_95: f64 = 1.959_963_985;
 
 impl<'a> Plan<'a> {
     /// Lowers every point.
@@ -211,18 +207,4 @@ impl<'a> Plan<'a> {
         }
         Ok(notes)
     }
-}
-
-/// An empty column.
-pub(crate) fn column(name: &str, label: &str, unit: Unit) -> Column {
-    Column { name: name.to_owned(), label: label.to_owned(), unit, cells: vec![], band: None }
-}
-
-/// Empty columns of the swept keys.
-pub(crate) fn swept_columns(study: &Study) -> Vec<Column> {
-    let of_sweep = |sweep: &crate::key::sweep::Sweep| {
-        let unit = sweep.values.first().map_or(Unit::NONE, Swept::unit);
-        column(sweep.key.name, sweep.key.label, unit)
-    };
-    study.sweeps.iter().map(of_sweep).collect()
 }

@@ -8,6 +8,7 @@ use crate::kernel::launch::Launch;
 use crate::kernel::moments::Moments;
 use crate::progress::Progress;
 use crate::run::RunError;
+use crate::sampling::found::Found;
 use crate::sampling::worker::Worker;
 use crate::store::error::StoreError;
 use crate::store::index::Index;
@@ -80,11 +81,11 @@ pub(crate) fn estimates<T: Sync>(
     store: &Store,
     rows: &[T],
     of: impl Fn(&T) -> (Address, u32, f64) + Sync,
-) -> Result<Vec<(u64, Option<Estimates>)>, StoreError> {
+) -> Result<Vec<Found>, StoreError> {
     let addresses: Vec<Address> = rows.iter().map(|row| of(row).0).collect();
     store.of_totals(&addresses, |at, tally| {
         let (_, bin_base, unit) = of(&rows[at]);
-        (tally.count, Estimates::of(tally, bin_base, unit))
+        Found { trials: tally.count, estimates: Estimates::of(tally, bin_base, unit) }
     })
 }
 

@@ -4,6 +4,7 @@ use std::any::Any;
 use std::fmt;
 
 use crate::chart::Chart;
+use crate::chart::file::Source;
 use crate::chart::ground::Ground;
 use crate::key::reading::Reading;
 use crate::key::row::Key;
@@ -11,6 +12,7 @@ use crate::key::sweep::Sweep;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::{StudyError, Wrong};
 use crate::study::Study;
+use crate::table::About;
 
 /// An entry of the list of kinds. Help, schema, documents, verification and tests iterate that list.
 pub struct Kind {
@@ -32,6 +34,8 @@ pub struct Kind {
     pub(crate) keys: fn() -> Vec<&'static Key>,
     /// The keys that a sweep may vary.
     pub(crate) sweepable: fn() -> Vec<&'static Key>,
+    /// The columns of each of its tables besides swept keys.
+    pub(crate) columns: &'static [(Source, fn() -> Vec<About>)],
     /// The kernels that sample it, with their versions.
     pub(crate) kernels: fn() -> String,
     /// The appearance of its results.

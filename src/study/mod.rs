@@ -145,11 +145,14 @@ impl Study {
         self.subject.as_ref()
     }
 
+    /// What is known of one of its tables before anything is sampled.
+    pub(crate) fn ground(&self, source: Source) -> Option<Ground> {
+        self.subject.grounds().into_iter().find(|ground| ground.source == source)
+    }
+
     /// The columns of text of one of its tables, by which rows are told apart besides the swept keys.
     pub fn text_columns(&self, source: Source) -> Vec<&'static str> {
-        let grounds = self.subject.grounds();
-        let ground = grounds.iter().find(|ground| ground.source == source);
-        ground.map(Ground::text_names).unwrap_or_default()
+        self.ground(source).map(|ground| ground.text_names()).unwrap_or_default()
     }
 
     /// Whether points stop at a precision rather than after a number of trials.

@@ -1,70 +1,13 @@
 //! The table: named columns with units, the only thing that files, charts, reports and JSON read.
 
-pub mod describe;
+pub mod column;
+pub mod unit;
 
 use std::io;
 
-pub use crate::quantity::number::{short, significant};
-
-/// What the numbers of a column are measured in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Unit {
-    /// As it ends a column's name in files: `arcsec`, `hz`. Empty for a pure number.
-    pub suffix: &'static str,
-    /// As it stands on an axis: `″`, `Hz`.
-    pub symbol: &'static str,
-}
-
-impl Unit {
-    /// Counts, parts and names.
-    pub const NONE: Unit = Unit { suffix: "", symbol: "" };
-    /// Angles.
-    pub const ARCSEC: Unit = Unit { suffix: "arcsec", symbol: "″" };
-    /// Rates.
-    pub const ARCSEC_PER_S: Unit = Unit { suffix: "arcsec_per_s", symbol: "″/s" };
-    /// Angular accelerations; rate ramps.
-    pub const ARCSEC_PER_S2: Unit = Unit { suffix: "arcsec_per_s2", symbol: "″/s²" };
-    /// Angle random walk N.
-    pub const DEG_PER_SQRT_H: Unit = Unit { suffix: "deg_per_sqrt_h", symbol: "°/√h" };
-    /// Rate random walk K.
-    pub const DEG_PER_H_PER_SQRT_H: Unit = Unit { suffix: "deg_per_h_per_sqrt_h", symbol: "°/h/√h" };
-    /// The same number as in ″/s.
-    pub const DEG_PER_H: Unit = Unit { suffix: "deg_per_h", symbol: "°/h" };
-    /// Allan variances.
-    pub const DEG2_PER_H2: Unit = Unit { suffix: "deg2_per_h2", symbol: "(°/h)²" };
-    /// Densities of rate, one-sided.
-    pub const ARCSEC2_PER_S2_PER_HZ: Unit = Unit { suffix: "arcsec2_per_s2_per_hz", symbol: "(″/s)²/Hz" };
-    /// Response of a suspension.
-    pub const ARCSEC_PER_S_PER_G: Unit = Unit { suffix: "arcsec_per_s_per_g", symbol: "″/s/g" };
-    /// Accelerations.
-    pub const G: Unit = Unit { suffix: "g", symbol: "g" };
-    /// Densities of acceleration, one-sided.
-    pub const G2_PER_HZ: Unit = Unit { suffix: "g2_per_hz", symbol: "g²/Hz" };
-    /// Phases.
-    pub const DEG: Unit = Unit { suffix: "deg", symbol: "°" };
-    /// Frequencies.
-    pub const HZ: Unit = Unit { suffix: "hz", symbol: "Hz" };
-    /// Times.
-    pub const S: Unit = Unit { suffix: "s", symbol: "s" };
-
-    /// All units that a header may end in.
-    pub const ALL: [Unit; 14] = [
-        Unit::ARCSEC,
-        Unit::ARCSEC_PER_S,
-        Unit::ARCSEC_PER_S2,
-        Unit::DEG_PER_SQRT_H,
-        Unit::DEG_PER_H_PER_SQRT_H,
-        Unit::DEG_PER_H,
-        Unit::DEG2_PER_H2,
-        Unit::ARCSEC2_PER_S2_PER_HZ,
-        Unit::ARCSEC_PER_S_PER_G,
-        Unit::G,
-        Unit::G2_PER_HZ,
-        Unit::DEG,
-        Unit::HZ,
-        Unit::S,
-    ];
-}
+use crate::quantity::number::significant;
+pub use crate::table::column::{About, ColumnOf, Role};
+pub use crate::table::unit::Unit;
 
 /// One cell. What is not known is [`Cell::Blank`], never 0.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,8 +55,26 @@ impl From<Option<f64>> for Cell {
     }
 }
 
+impl From<f64> for Cell {
+    fn from(value: f64) -> Cell {
+        Some(value).into()
+    }
+}
+
+impl From<u64> for Cell {
+    fn from(count: u64) -> Cell {
+        Cell::Integer(count as i64)
+    }
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Cell {
+        Cell::Text(text.to_owned())
+    }
+}
+
 /// One quantity over all rows.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Column {
     /// Without the unit: `rms`, `motion.frequency`.
     pub name: String,
@@ -121,6 +82,14 @@ pub struct Column {
     pub label: String,
     /// Of all cells.
     pub unit: Unit,
+    /// What the column is to the rows.
+    pub role: Role,
+    /// The name of the column that the role refers to; empty of none.
+    pub of: String,
+    /// What its cells mean, in a sentence.
+    pub meaning: String,
+    /// Whether a summary of a few columns has it.
+    pub brief: bool,
     /// One for each row.
     pub cells: Vec<Cell>,
     /// Lower and upper ends of the uncertainty of each cell (95 %), where there is one.
@@ -247,6 +216,26 @@ impl Table {
         filter.iter().map(|(name, value)| Ok(self.column(name.as_ref())?.valued(value.as_ref()))).collect()
     }
 
+    /// The first column of that role.
+    pub fn of_role(&self, role: Role) -> Option<&Column> {
+        self.columns.iter().find(|column| column.role == role)
+    }
+
+    /// The column that tells rows apart by what this key of the study lists, as fillers.
+    pub fn listed_by(&self, key: &str) -> Option<&Column> {
+        self.columns.iter().find(|column| column.role == Role::Key && column.of == key)
+    }
+
+    /// The column of that role for another column, as its closed form or standard error.
+    pub fn beside(&self, column: &Column, role: Role) -> Option<&Column> {
+        self.columns.iter().find(|other| other.role == role && other.of == column.name)
+    }
+
+    /// The column that the role of another one refers to.
+    pub fn referred(&self, column: &Column) -> Option<&Column> {
+        self.columns.iter().find(|other| other.name == column.of)
+    }
+
     /// Writes the table as CSV: a header, then the rows; blanks stay empty.
     ///
     /// # Errors
@@ -288,7 +277,7 @@ mod tests {
     use super::*;
 
     fn column(name: &str, unit: Unit) -> Column {
-        Column { name: name.to_owned(), label: name.to_owned(), unit, cells: vec![], band: None }
+        Column { name: name.to_owned(), label: name.to_owned(), unit, ..Column::default() }
     }
 
     #[test]

@@ -7,6 +7,9 @@ use crate::kernel::moments::{BIN_BITS, BINS, Moments, level_edge};
 /// The probability whose quantile is reported: 99.73 %, three standard deviations of a normal distribution.
 pub const LEVEL: f64 = 0.9973;
 
+/// Half the width of a 95 % interval in standard errors.
+pub(crate) const NORMAL_95: f64 = 1.959_963_985;
+
 /// What a tally says about an error, in the unit of its scale. Absent where the trials do not say it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimates {

@@ -5,9 +5,13 @@ use std::path::{Path, PathBuf};
 
 use crate::desk::Desk;
 use sagnac::chart::file::Source;
+use sagnac::described::{By, File, files, meanings};
+use sagnac::kinds::gap_fill::kind::GAP_FILL;
+use sagnac::kinds::relock::kind::RELOCK;
 use sagnac::run::Plan;
+use sagnac::study::kind::Kind;
 use sagnac::study::{Study, explain_key, explained_keys};
-use sagnac::table::describe::{File, meanings};
+use sagnac::table::Role;
 
 fn root() -> &'static Path {
     Path::new(crate::ROOT)
@@ -30,6 +34,11 @@ fn shipped() -> Vec<PathBuf> {
     studies
 }
 
+/// points.csv of a kind.
+fn points(kind: &'static Kind) -> File {
+    File::of_study(kind, Source::Points).unwrap()
+}
+
 /// The headers of all tables of the shipped studies, with their files.
 fn written_by_studies() -> Vec<(File, String)> {
     let mut headers = Vec::new();
@@ -40,9 +49,12 @@ fn written_by_studies() -> Vec<(File, String)> {
                 .into_iter()
                 .chain([(Source::Trajectories, tables.trajectories.as_ref())]);
         for (source, table) in named {
-            let file = File::of_study(study.kind(), source);
-            headers
-                .extend(table.iter().flat_map(|table| &table.columns).map(|column| (file, column.header())));
+            let Some(file) = File::of_study(study.kind(), source) else {
+                assert!(table.is_none());
+                continue;
+            };
+            let columns = table.iter().flat_map(|table| &table.columns);
+            headers.extend(columns.map(|column| (file.clone(), column.header())));
         }
     }
     headers
@@ -63,39 +75,62 @@ fn written_by_commands() -> Vec<(File, String)> {
             "design {studies}/design_point.toml --trials 64 --device cpu --by {by} --out {by}"
         ));
     }
+    let all = files();
+    let command = |command: &str, name: &str| {
+        let is = |by: By| matches!(by, By::Command(by) if by == format!("sagnac {command}"));
+        all.iter().find(|file| is(file.by) && file.name == name).unwrap().clone()
+    };
     let files = [
-        (File::LogCurve, "allan/curve.csv"),
-        (File::LogCoefficients, "allan/coefficients.csv"),
-        (File::Compare, "compare/compare.csv"),
-        (File::CompareCoefficients, "compare/coefficients.csv"),
-        (File::Weights, "filler/weights.csv"),
-        (File::TestVectors, "filler/test_vectors.csv"),
+        ("allan", "curve.csv", "allan"),
+        ("allan", "coefficients.csv", "allan"),
+        ("compare", "compare.csv", "compare"),
+        ("compare", "coefficients.csv", "compare"),
+        ("filler", "weights.csv", "filler"),
+        ("filler", "test_vectors.csv", "filler"),
     ];
-    let designs = by.map(|by| (File::Design, format!("{by}/design.csv")));
-    let files = files.map(|(file, path)| (file, path.to_owned())).into_iter().chain(designs);
+    let files = files.into_iter().chain(by.map(|by| ("design", "design.csv", by)));
+    let files = files.map(|(by, name, folder)| (command(by, name), format!("{folder}/{name}")));
     let headers = files.map(|(file, path)| {
         let mut reader = csv::Reader::from_path(desk.path(&path)).unwrap();
         (file, reader.headers().unwrap().iter().map(str::to_owned).collect::<Vec<_>>())
     });
-    headers.flat_map(|(file, headers)| headers.into_iter().map(move |header| (file, header))).collect()
+    headers
+        .flat_map(|(file, headers)| headers.into_iter().map(move |header| (file.clone(), header)))
+        .collect()
 }
 
 #[test]
 fn every_column_that_is_written_is_described_and_every_description_is_of_such_a_column() {
-    let mut unwritten: BTreeSet<(String, &str)> = File::all()
-        .into_iter()
-        .flat_map(|file| file.columns().iter().map(move |(name, _)| (file.title(), *name)))
+    let mut unwritten: BTreeSet<(String, &str)> = files()
+        .iter()
+        .flat_map(|file| file.columns.iter().map(move |column| (file.title(), column.name)))
         .collect();
     for (file, header) in written_by_studies().into_iter().chain(written_by_commands()) {
         let text = file.column(&header);
         assert!(text.is_some_and(|text| !text.is_empty()), "{header} of {} is not described", file.title());
-        for (name, known) in file.columns() {
-            if Some(*known) == text {
-                unwritten.remove(&(file.title(), *name));
-            }
+        for column in file.columns.iter().filter(|column| Some(column.meaning) == text) {
+            unwritten.remove(&(file.title(), column.name));
         }
     }
     assert!(unwritten.is_empty(), "described, but never written: {unwritten:?}");
+}
+
+#[test]
+fn every_role_refers_to_a_column_of_its_file() {
+    for file in files() {
+        for column in &file.columns {
+            let found = file.columns.iter().any(|other| other.name == column.of);
+            let is_right = match column.role {
+                Role::Lower | Role::Upper | Role::StandardError | Role::Oracle | Role::Z | Role::Least => {
+                    found
+                }
+                // These refer to keys of the study.
+                Role::Key | Role::Coordinate => column.of.is_empty() || explain_key(column.of).is_some(),
+                _ => column.of.is_empty(),
+            };
+            assert!(is_right, "{} of {} refers to `{}`", column.name, file.title(), column.of);
+        }
+    }
 }
 
 #[test]
@@ -103,23 +138,19 @@ fn every_key_that_can_be_swept_is_described_as_a_column() {
     for key in explained_keys().filter_map(explain_key) {
         for kind in &key.kinds {
             let label = key.swept.as_ref().map(|swept| swept.label);
-            assert!(
-                label.is_none() || File::Points(kind).column(key.key) == label,
-                "{} of {kind:?}",
-                key.key
-            );
+            assert!(label.is_none() || points(kind).column(key.key) == label, "{} of {kind:?}", key.key);
         }
     }
 }
 
 #[test]
 fn a_column_is_found_by_name_or_header_and_told_by_file_where_meanings_differ() {
-    let points = File::Points(&sagnac::kinds::gap_fill::kind::GAP_FILL);
+    let points = self::points(&GAP_FILL);
     assert!(points.column("rms").is_some() && points.column("rms_arcsec") == points.column("rms"));
     assert_eq!(points.column("motion.frequency_hz"), Some("vibration frequency"));
     assert_eq!(points.column("no_such_column"), None);
-    let faked = File::Points(&sagnac::kinds::relock::kind::RELOCK).column("drift_arcsec_per_s");
-    assert!(faked.is_some() && faked == File::Points(&sagnac::kinds::relock::kind::RELOCK).column("drift"));
+    let faked = self::points(&RELOCK).column("drift_arcsec_per_s");
+    assert!(faked.is_some() && faked == self::points(&RELOCK).column("drift"));
     let tau: Vec<usize> = meanings("tau_s").iter().map(|(_, files)| files.len()).collect();
     assert_eq!(tau, [3], "one text for the averaging time");
     assert!(meanings("mean").len() > 2, "the mean of what depends on the file");

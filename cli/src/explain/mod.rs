@@ -7,8 +7,8 @@ use std::collections::BTreeMap;
 use clap::Args;
 use sagnac::kinds::KINDS;
 use sagnac::study::kind::Kind;
+use sagnac::described::{files, meanings};
 use sagnac::study::{Explained, explain_key, explained_keys};
-use sagnac::table::describe::{File, meanings};
 
 use crate::explain::glossary::{TERMS, Term};
 use crate::failure::{EXIT_CODES, Failure};
@@ -149,7 +149,7 @@ fn of_column(name: &str) -> Option<String> {
     let found = meanings(name);
     let is_key = explain_key(name).is_some()
         && found.iter().all(|(_, files)| {
-            files.iter().all(|file| !file.columns().iter().any(|(known, _)| *known == name))
+            files.iter().all(|file| !file.columns.iter().any(|column| column.name == name))
         });
     if found.is_empty() || is_key {
         return None;
@@ -184,8 +184,8 @@ fn subjects() -> String {
         text += &filled(&format!("{table}: {}", keys.join(", ")));
     }
     text += "\nColumns of results, as in `sagnac explain rms`\n";
-    for file in File::all() {
-        let columns: Vec<&str> = file.columns().iter().map(|(name, _)| *name).collect();
+    for file in files() {
+        let columns: Vec<&str> = file.columns.iter().map(|column| column.name).collect();
         text += &filled(&format!("{}: {}", file.title(), columns.join(", ")));
     }
     let terms: Vec<&str> = TERMS.iter().map(|term| term.names[0]).collect();
@@ -199,7 +199,7 @@ fn subjects() -> String {
 
 /// A name that is not known, with those that are most like it.
 fn unknown(what: &str) -> String {
-    let columns = File::all().into_iter().flat_map(|file| file.columns().iter().map(|(name, _)| *name));
+    let columns = files().into_iter().flat_map(|file| file.columns).map(|column| column.name);
     let kinds = KINDS.iter().map(|kind| kind.name);
     let terms = TERMS.iter().flat_map(|term| term.names).copied();
     let mut known: Vec<&str> = explained_keys().chain(columns).chain(kinds).chain(terms).collect();

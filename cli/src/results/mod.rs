@@ -8,7 +8,7 @@ use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
 use sagnac::store::index::Index;
 use sagnac::store::{self, Store};
 use sagnac::study::Study;
-use sagnac::table::{Cell, Table};
+use sagnac::table::{Cell, Role, Table};
 use sagnac::tally::share::Share;
 use sagnac::view::picture::verdict::{Verdict, verdicts};
 use sagnac::view::picture::{Drawn, Shown as Curves, pictures, shown};
@@ -38,7 +38,7 @@ pub fn held(folder: &Path, plan: &Plan) -> Result<Store, Failure> {
 /// # Errors
 /// A row of the store is damaged, or the disk fails.
 pub fn lacking(study: &Study, plan: &Plan, store: &Store, tables: &Tables) -> Result<u64, Failure> {
-    let trials = tables.points.columns.iter().find(|column| column.name == "trials");
+    let trials = tables.points.of_role(Role::Trials);
     let has_all = |cell: &Cell| cell.number().is_some_and(|trials| trials >= study.trials as f64);
     match trials {
         Some(trials) if !study.has_stop_rule() && trials.cells.iter().all(has_all) => Ok(0),

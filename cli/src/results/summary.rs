@@ -36,7 +36,7 @@ pub(crate) fn summary(
             of_chart(study, shown, chart).map_err(|error| refused(study, chart, &error))?
         }
         ("switched-run", _) if study.sweeps.is_empty() => angles(&tables.points),
-        ("gap-fill", _) if study.sweeps.is_empty() => one_point(&tables.points).map_err(failed)?,
+        ("gap-fill", _) if study.sweeps.is_empty() => one_point(&tables.points),
         _ => undrawn(study, &tables.points).map_err(failed)?,
     };
     text += &format!("\n{shown}");
@@ -105,15 +105,12 @@ fn of_chart(study: &Study, shown: &Curves, chart: &Chart) -> Result<String, Char
     };
     let series: Vec<&str> = shown.series.iter().map(String::as_str).collect();
     let texts = study.text_columns(chart.source);
-    Ok(pivot(table, &across, &shown.estimate, &series, &texts, &written(chart))?)
+    Ok(pivot(table, &across, &shown.estimate, &series, &texts, &written(study, chart))?)
 }
 
 /// The angles of the runs of one point, a line each.
 fn angles(table: &Table) -> String {
-    const SHOWN: [&str; 7] =
-        ["filler", "angle", "switches", "mean", "drift_mean", "drift_rms", "drift_q9973"];
-    let is_shown = |column: &&Column| SHOWN.contains(&column.name.as_str());
-    let columns: Vec<&Column> = table.columns.iter().filter(is_shown).collect();
+    let columns: Vec<&Column> = table.columns.iter().filter(|column| column.brief).collect();
     let cell = |cell: &Cell| cell.number().map_or_else(|| cell.text(), |x| significant(x, 4));
     let line = |row: usize| columns.iter().map(|column| cell(&column.cells[row])).collect();
     let heading: Vec<String> = columns.iter().map(|column| column.title()).collect();
@@ -129,8 +126,8 @@ fn coefficients_found(study: &Study, table: &Table) -> String {
         return format!("coefficients of {} points are in coefficients.csv\n", points_of(study));
     }
     let swept = study.sweeps.len();
-    let shown = |name: &str| !["relative_rmse", "identified", "trials"].contains(&name);
-    let columns: Vec<&Column> = table.columns.iter().filter(|column| shown(&column.name)).collect();
+    let (keys, own) = table.columns.split_at(swept);
+    let columns: Vec<&Column> = keys.iter().chain(own.iter().filter(|column| column.brief)).collect();
     let heading = |(at, column): (usize, &&Column)| {
         if at < swept { column.title() } else { column.name.clone() }
     };

@@ -20,7 +20,7 @@ pub fn ratios(analysis: &Analysis) -> Table {
         label: name.to_owned(),
         unit,
         cells: analysis.comparison.ratios.iter().map(cell).collect(),
-        band: None,
+        ..Column::default()
     };
     let none = Unit::NONE;
     Table {
@@ -48,7 +48,7 @@ pub fn coefficients(analysis: &Analysis) -> Table {
         label: name.to_owned(),
         unit,
         cells: rows.iter().map(|row| cell(row)).collect(),
-        band: None,
+        ..Column::default()
     };
     let none = Unit::NONE;
     Table {

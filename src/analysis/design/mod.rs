@@ -56,11 +56,10 @@ use crate::kinds::switched_run::run::late;
 use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
 use crate::progress::Progress;
 use crate::quantity::number::significant;
-use crate::run::NORMAL_95;
 use crate::sampling::worker::Worker;
 use crate::study::Study;
 use crate::study::refusal::Refusal;
-use crate::tally::stats::Estimates;
+use crate::tally::stats::{Estimates, NORMAL_95};
 use crate::theory::drift::budget::Optimum as Minimum;
 
 /// What is to be least.

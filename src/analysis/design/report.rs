@@ -16,8 +16,7 @@ pub fn table(found: &Design) -> Table {
         name: name.to_owned(),
         label: label.to_owned(),
         unit,
-        cells: vec![],
-        band: None,
+        ..Column::default()
     };
     let name = found.measure.name();
     let mut columns = [

@@ -3,42 +3,75 @@
 use std::io;
 
 use crate::analysis::firmware::design::Firmware;
+use crate::filler::FILLERS;
+use crate::kinds::gap_fill::columns::FILLER;
+use crate::table::column::columns_of;
+use crate::table::{Cell, ColumnOf, Role, Table, Unit};
+
+/// A row before it becomes cells.
+pub(crate) struct Row<'a> {
+    filler: &'a str,
+    error: &'static str,
+    /// The lost tick, or `sum`.
+    row: String,
+    tick: i32,
+    numerator: i64,
+    denominator: i64,
+}
+
+/// The columns in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
+    type Of<'a> = ColumnOf<Row<'a>>;
+    vec![
+        Of::new("filler", Unit::NONE, "filler", |row| row.filler.into())
+            .is_of(FILLERS, Role::Key, FILLER),
+        Of::new("error", Unit::NONE, "error", |row| row.error.into())
+            .is(Role::Key, "`extrapolation`: the weights deliver E_j while the gap is open; `residual`: they give I_j once the ticks after \
+                it are known."),
+        Of::new("row", Unit::NONE, "row", |row| row.row.as_str().into())
+            .is(Role::Key, "The lost tick that the weights give, from 1, or `sum`, all of them together."),
+        Of::new("tick", Unit::NONE, "tick", |row| Cell::Integer(row.tick.into()))
+            .is(Role::Coordinate, "The valid tick that is weighted: up to 0 before the gap, from n+1 on behind it."),
+        Of::new("numerator", Unit::NONE, "numerator", |row| Cell::Integer(row.numerator))
+            .is(Role::Estimate, "The weight as a whole number over `denominator`."),
+        Of::new("denominator", Unit::NONE, "denominator", |row| Cell::Integer(row.denominator))
+            .is(Role::Estimate, "Common denominator of a filler's weights."),
+        // With all digits of an f64.
+        Of::new("weight", Unit::NONE, "weight", |row| Cell::Text((row.numerator as f64 / row.denominator as f64).to_string()))
+            .is(Role::Estimate, "The weight as a number."),
+    ]
+}
 
 impl Firmware {
-    /// Writes a line for each weight: of each lost tick, and of their sum. `row` is the lost tick, or `sum`; the weight is
-    /// the quotient, with all digits of an f64.
+    /// Writes a line for each weight: of each lost tick, and of their sum.
     ///
     /// # Errors
     /// Those of the writer.
     pub fn write_weights(&self, to: impl io::Write) -> io::Result<()> {
-        let mut writer = csv::Writer::from_writer(to);
-        writer.write_record(["filler", "error", "row", "tick", "numerator", "denominator", "weight"])?;
+        let mut rows = Vec::new();
         for design in &self.designs {
             for (error, rule, _) in design.rules() {
-                let mut rows = Vec::new();
+                let mut weights = Vec::new();
                 if rule.rows.len() == self.gap_ticks as usize {
                     let by_tick = (1..).zip(&rule.rows);
-                    rows.extend(by_tick.map(|(j, row): (u32, _)| {
+                    weights.extend(by_tick.map(|(j, row): (u32, _)| {
                         (j.to_string(), row.iter().map(|w| i64::from(*w)).collect::<Vec<_>>())
                     }));
                 }
-                rows.push(("sum".to_owned(), rule.whole().numerators));
-                for (row, numerators) in rows {
-                    for (tick, w) in rule.ticks.iter().zip(numerators) {
-                        let weight = w as f64 / f64::from(rule.denominator);
-                        writer.write_record([
-                            &design.name,
-                            error.name(),
-                            &row,
-                            &tick.to_string(),
-                            &w.to_string(),
-                            &rule.denominator.to_string(),
-                            &weight.to_string(),
-                        ])?;
-                    }
+                weights.push(("sum".to_owned(), rule.whole().numerators));
+                for (row, numerators) in weights {
+                    rows.extend(rule.ticks.iter().zip(numerators).map(|(&tick, numerator)| Row {
+                        filler: &design.name,
+                        error: error.name(),
+                        row: row.clone(),
+                        tick,
+                        numerator,
+                        denominator: rule.denominator.into(),
+                    }));
                 }
             }
         }
-        writer.flush()
+        Table { columns: columns_of(&columns(), &rows) }.write_csv(to)
     }
 }

@@ -7,6 +7,8 @@ use rand::rand_core::Rng;
 use crate::analysis::firmware::design::{Design, Firmware};
 use crate::analysis::firmware::rule::Rule;
 use crate::kernel::philox::Philox;
+use crate::kinds::gap_fill::columns::FILLER;
+use crate::table::{About, Cell, Column, Role, Table};
 use crate::tally::id::Id;
 
 /// Inputs on all ticks that any of the fillers reads.
@@ -69,36 +71,94 @@ impl Firmware {
     /// # Errors
     /// Those of the writer.
     pub fn write_vectors(&self, vectors: &Vectors, to: impl io::Write) -> io::Result<()> {
-        let mut writer = csv::Writer::from_writer(to);
-        let mut header = vec!["filler".to_owned()];
-        header.extend(vectors.ticks.iter().map(|tick| format!("P[{tick}]")));
-        for name in ["E", "I"] {
-            header.extend((1..=self.gap_ticks).map(|j| format!("{name}[{j}]")));
-        }
-        header.extend(["sum_E", "sum_I", "dP"].map(str::to_owned));
-        writer.write_record(&header)?;
-        for design in &self.designs {
-            for inputs in &vectors.inputs {
-                let mut line = vec![design.name.clone()];
-                line.extend(inputs.iter().map(i32::to_string));
-                let mut sums = Vec::new();
-                for rule in [design.extrapolation.as_ref(), Some(&design.interpolation)] {
-                    let read = |rule: &Rule| rule.fill(&vectors.read(rule, inputs));
-                    let values = rule.map(read);
-                    let value = |j: usize| {
-                        values.as_ref().filter(|v| v.len() == self.gap_ticks as usize).map(|v| v[j])
-                    };
-                    line.extend((0..self.gap_ticks as usize).map(|j| text(value(j))));
-                    sums.push(values.map(|values| values.iter().sum::<i64>()));
-                }
-                let correction = sums[0].zip(sums[1]).map(|(e, i)| e - i);
-                line.extend([sums[0], sums[1], correction].map(text));
-                writer.write_record(&line)?;
-            }
-        }
-        writer.flush()
+        let lost = self.gap_ticks as usize;
+        let rows: Vec<Row> = self
+            .designs
+            .iter()
+            .flat_map(|design| vectors.inputs.iter().map(move |inputs| (design, inputs)))
+            .map(|(design, inputs)| {
+                let fill = |rule: &Rule| rule.fill(&vectors.read(rule, inputs));
+                let delivered = design.extrapolation.as_ref().map(fill);
+                Row { filler: &design.name, inputs, delivered, known: fill(&design.interpolation) }
+            })
+            .collect();
+        let of = |about: About, cell: &dyn Fn(&Row) -> Cell| about.with(rows.iter().map(cell).collect());
+        let at = |about: About, tick: &str, cell: &dyn Fn(&Row) -> Cell| {
+            let name = about.name.replace('…', tick);
+            Column { name, ..of(about, cell) }
+        };
+        // Rules that give the gap as a whole have no values of single ticks.
+        let single =
+            |values: &[i64], j: usize| whole(values.get(j - 1).filter(|_| values.len() == lost).copied());
+        let inputs = vectors.ticks.iter().enumerate();
+        let mut columns = vec![of(FILLER_COLUMN, &|row| row.filler.into())];
+        columns.extend(inputs.map(|(place, tick)| {
+            at(INPUT, &tick.to_string(), &|row| Cell::Integer(row.inputs[place].into()))
+        }));
+        columns.extend((1..=lost).map(|j| {
+            at(DELIVERED, &j.to_string(), &|row| single(row.delivered.as_deref().unwrap_or_default(), j))
+        }));
+        columns.extend((1..=lost).map(|j| at(KNOWN, &j.to_string(), &|row| single(&row.known, j))));
+        columns.extend([
+            of(SUM_DELIVERED, &|row| whole(row.delivered())),
+            of(SUM_KNOWN, &|row| Cell::Integer(row.known())),
+            of(CORRECTION, &|row| whole(row.delivered().map(|sum| sum - row.known()))),
+        ]);
+        Table { columns }.write_csv(to)
     }
 }
+
+/// A row before it becomes cells.
+struct Row<'a> {
+    filler: &'a str,
+    inputs: &'a [i32],
+    delivered: Option<Vec<i64>>,
+    known: Vec<i64>,
+}
+
+impl Row<'_> {
+    fn delivered(&self) -> Option<i64> {
+        self.delivered.as_ref().map(|values| values.iter().sum())
+    }
+
+    fn known(&self) -> i64 {
+        self.known.iter().sum()
+    }
+}
+
+/// A number, or a blank where there is none.
+fn whole(value: Option<i64>) -> Cell {
+    value.map_or(Cell::Blank, Cell::Integer)
+}
+
+const fn about(name: &'static str, role: Role, meaning: &'static str) -> About {
+    About { role, meaning, ..About::named(name) }
+}
+
+const FILLER_COLUMN: About = about("filler", Role::Key, FILLER);
+const INPUT: About =
+    about("P[…]", Role::Estimate, "Angle of this valid tick, a whole number of units: an input.");
+const DELIVERED: About = about(
+    "E[…]",
+    Role::Estimate,
+    "What is delivered in place of this lost tick while the gap is open; blank where the filler has no extrapolation.",
+);
+const KNOWN: About = about(
+    "I[…]",
+    Role::Estimate,
+    "What the filler makes of this lost tick once the ticks after the gap are known.",
+);
+const SUM_DELIVERED: About = about("sum_E", Role::Estimate, "Sum of all E.");
+const SUM_KNOWN: About = about("sum_I", Role::Estimate, "Sum of all I.");
+const CORRECTION: About = about(
+    "dP",
+    Role::Estimate,
+    "ΔP, the correction once the gap is closed, as `sagnac_correction` of the C header gives it.",
+);
+
+/// The columns in the order of the file.
+pub(crate) const COLUMNS: [About; 7] =
+    [FILLER_COLUMN, INPUT, DELIVERED, KNOWN, SUM_DELIVERED, SUM_KNOWN, CORRECTION];
 
 impl Vectors {
     /// Of some inputs those on the ticks of a rule.
@@ -106,9 +166,4 @@ impl Vectors {
         let of = |tick| self.ticks.iter().zip(inputs).find(|(own, _)| *own == tick).map(|(_, p)| *p);
         rule.ticks.iter().filter_map(of).collect()
     }
-}
-
-/// A number, or nothing where there is none.
-fn text(value: Option<i64>) -> String {
-    value.map_or_else(String::new, |value| value.to_string())
 }

@@ -24,7 +24,7 @@ pub fn table(analysis: &Analysis) -> Table {
         label: name.to_owned(),
         unit,
         cells: rows.iter().map(|(column, curve, point)| cell(column, curve, point)).collect(),
-        band: None,
+        ..Column::default()
     };
     let none = Unit::NONE;
     Table {
@@ -75,7 +75,7 @@ pub fn coefficients(analysis: &Analysis) -> Table {
         label: name.to_owned(),
         unit: Unit::NONE,
         cells: lines.iter().map(cell).collect(),
-        band: None,
+        ..Column::default()
     };
     Table {
         columns: vec![

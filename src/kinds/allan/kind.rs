@@ -8,6 +8,7 @@ use crate::fit::term::Term;
 use crate::kernel::allan::VERSION;
 use crate::key::scale::Scale;
 use crate::key::sweep::Sweep;
+use crate::kinds::allan::columns;
 use crate::kinds::allan::run::Plan as Planned;
 use crate::kinds::allan::{Allan, keys, read, sweepable};
 use crate::quantity::units::Dimension;
@@ -16,6 +17,7 @@ use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::study::kind::{Kind, Look, Subject};
 use crate::table::Unit;
+use crate::table::column::abouts;
 
 /// Allan curves of simulated records.
 pub static ALLAN: Kind = Kind {
@@ -30,6 +32,10 @@ pub static ALLAN: Kind = Kind {
     needs: &["record", "noise"],
     keys,
     sweepable,
+    columns: &[
+        (Source::Points, || abouts(&columns::columns())),
+        (Source::Coefficients, || abouts(&columns::coefficient_columns())),
+    ],
     kernels: || format!("allan {VERSION}"),
     look: Look {
         estimate: "adev",

@@ -1,5 +1,6 @@
 //! Studies of Allan curves: the record, its noise, and what is estimated of it.
 
+pub(crate) mod columns;
 pub mod kind;
 pub mod estimate;
 pub(crate) mod keys;

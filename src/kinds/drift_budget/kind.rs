@@ -5,13 +5,16 @@ use crate::chart::file::Source;
 use crate::chart::ground::Ground;
 use crate::chart::supplied::over_first_number;
 use crate::key::sweep::Sweep;
-use crate::kinds::drift_budget::{DriftBudget, keys, read, sweepable, table};
+use crate::kinds::drift_budget::columns::{self, Row};
+use crate::kinds::drift_budget::{DriftBudget, keys, read, sweepable};
 use crate::kinds::exact::Exact;
+use crate::kinds::table::table;
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::study::kind::{Kind, Look, Subject};
+use crate::table::column::abouts;
 
 /// The bound of the drift of a gyro that switches modes, and the switching interval at which it is least.
 pub static DRIFT_BUDGET: Kind = Kind {
@@ -26,6 +29,7 @@ pub static DRIFT_BUDGET: Kind = Kind {
     needs: &["drift", "switching", "run"],
     keys,
     sweepable,
+    columns: &[(Source::Points, || abouts(&columns::columns()))],
     kernels: || "none".to_owned(),
     look: Look { estimate: "bound", answer: ("optimum", &[]), along: None, points: "", bands: "" },
     read: |reading| Ok(Box::new(read(reading)?)),
@@ -39,8 +43,8 @@ impl DriftBudget {
 
 impl Subject for DriftBudget {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
-        let rows = self.points.iter().map(|point| (&point.swept[..], table::row(point)));
-        Ok(Box::new(Exact::new(study, table::columns(), rows)))
+        let rows: Vec<Row> = self.points.iter().map(Row::of).collect();
+        Ok(Box::new(Exact::new(table(&study.sweeps, &columns::columns(), &rows, |row| &row.point.swept))))
     }
 
     fn grounds(&self) -> Vec<Ground> {

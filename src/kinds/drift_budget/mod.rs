@@ -1,7 +1,7 @@
 //! Studies of the drift budget: the bound of the paper, its optimum, and what a run really adds up, in closed form.
 
+pub(crate) mod columns;
 pub mod kind;
-pub mod table;
 
 use crate::drift::schedule::{SETTINGS as SCHEDULE_SETTINGS, Schedule};
 use crate::drift::{self as parts, Drift, RESIDUAL_MAX};

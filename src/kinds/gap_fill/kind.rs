@@ -2,7 +2,6 @@
 
 use crate::chart::file::Source;
 use crate::chart::ground::{Ground, Number, Text};
-use crate::chart::law::Law;
 use crate::chart::rows::FILLER;
 use crate::chart::supplied::{at_first, side_by_side};
 use crate::chart::{Chart, Named, scale_over, usual_rows};
@@ -10,6 +9,7 @@ use crate::kernel::gap_fill::VERSION;
 use crate::filler::keys::Error;
 use crate::key::sweep::Sweep;
 use crate::motion::keys::FREQUENCY;
+use crate::kinds::gap_fill::columns;
 use crate::kinds::gap_fill::run::Plan as Planned;
 use crate::kinds::gap_fill::{GapFill, keys, read, sweepable};
 use crate::quantity::units::Dimension;
@@ -32,6 +32,7 @@ pub static GAP_FILL: Kind = Kind {
     needs: &["gyro", "motion", "switching"],
     keys,
     sweepable,
+    columns: &[(Source::Points, columns::described)],
     kernels: || format!("gap_fill {VERSION}"),
     look: Look {
         estimate: "rms",
@@ -54,8 +55,6 @@ const NUMBERS: &[Number] = &[
     Number { name: "amplitude_noise", unit: Unit::NONE, follows: None, chooses: false },
 ];
 
-const LAWS: &[Law] = &[Law::TaylorExtremum, Law::TaylorZeroCrossing, Law::NoiseAsPublished, Law::Noise];
-
 impl GapFill {
     fn ground(&self) -> Ground {
         let errors = Text {
@@ -65,7 +64,7 @@ impl GapFill {
         Ground {
             texts: vec![Text::new(FILLER, self.fillers.iter().map(|filler| &filler.name)), errors],
             numbers: NUMBERS,
-            laws: LAWS,
+            laws: columns::LAWS,
             ..Ground::of(Source::Points, &[Dimension::Angle])
         }
     }

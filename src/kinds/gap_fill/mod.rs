@@ -1,6 +1,7 @@
 //! Gap-fill studies: the motion, the mode switch and the fillers to compare.
 
 pub mod kind;
+pub(crate) mod columns;
 pub mod inputs;
 pub mod keys;
 pub mod law;

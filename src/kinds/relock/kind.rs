@@ -8,6 +8,7 @@ use crate::chart::{Chart, Named, scale_over};
 use crate::kernel::relock_ticks::VERSION;
 use crate::key::scale::Scale;
 use crate::key::sweep::Sweep;
+use crate::kinds::relock::columns::{self, ALL_TICKS};
 use crate::kinds::relock::inputs::Compensation;
 use crate::kinds::relock::run::Plan as Planned;
 use crate::kinds::relock::{RelockStudy, keys, read, sweepable};
@@ -31,6 +32,7 @@ pub static RELOCK: Kind = Kind {
     needs: &["gyro", "relock"],
     keys,
     sweepable,
+    columns: &[(Source::Points, columns::described)],
     kernels,
     look: Look {
         estimate: "rms",
@@ -53,9 +55,6 @@ const TICK: &str = "tick";
 /// The tick as a number: blank for all together.
 const TICK_NUMBER: &str = "tick_number";
 
-/// The value of [`TICK`] for all ticks together.
-const ALL_TICKS: &str = "all";
-
 impl RelockStudy {
     fn ground(&self) -> Ground {
         const NUMBERS: &[Number] =
@@ -64,7 +63,7 @@ impl RelockStudy {
         Ground {
             texts: vec![
                 Text::new(COMPENSATION, Compensation::ALL.map(Compensation::name)),
-                Text::new(TICK, ticks),
+                Text { whole: Some(ALL_TICKS), ..Text::new(TICK, ticks) },
             ],
             numbers: NUMBERS,
             laws: &[Law::ZeemanTables],

@@ -1,5 +1,6 @@
 //! Relock studies: what the closing perimeter loop fakes after a mode switch, and what compensations leave of it.
 
+pub(crate) mod columns;
 pub mod inputs;
 pub mod kind;
 pub mod lower;

@@ -6,12 +6,15 @@ use crate::chart::ground::Ground;
 use crate::chart::supplied::over_first_number;
 use crate::key::sweep::Sweep;
 use crate::kinds::exact::Exact;
-use crate::kinds::suspension::{SuspensionStudy, keys, read, sweepable, table};
+use crate::kinds::suspension::columns;
+use crate::kinds::suspension::{SuspensionStudy, keys, read, sweepable};
+use crate::kinds::table::table;
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::study::kind::{Kind, Look, Subject};
+use crate::table::column::abouts;
 
 /// The rotation of a gyro on its suspension under vibration.
 pub static SUSPENSION: Kind = Kind {
@@ -25,6 +28,7 @@ pub static SUSPENSION: Kind = Kind {
     needs: &["suspension"],
     keys,
     sweepable,
+    columns: &[(Source::Points, || abouts(&columns::columns()))],
     kernels: || "none".to_owned(),
     look: Look { estimate: "response", answer: ("response", &[]), along: None, points: "", bands: "" },
     read: |reading| Ok(Box::new(read(reading)?)),
@@ -38,8 +42,8 @@ impl SuspensionStudy {
 
 impl Subject for SuspensionStudy {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
-        let rows = self.points.iter().map(|point| (&point.swept[..], table::row(point)));
-        Ok(Box::new(Exact::new(study, table::columns(), rows)))
+        let table = table(&study.sweeps, &columns::columns(), &self.points, |point| &point.swept);
+        Ok(Box::new(Exact::new(table)))
     }
 
     fn grounds(&self) -> Vec<Ground> {

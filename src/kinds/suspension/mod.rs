@@ -1,7 +1,7 @@
 //! Studies of a suspension: its response over the frequency of a vibration, in closed form.
 
 pub mod kind;
-pub mod table;
+pub(crate) mod columns;
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use crate::key::sweep;
 use crate::motion::suspension::{GYROS, MODE_FREQUENCIES, QS, RESPONSES, SuspensionKeys};
 use crate::quantity::units::Dimension;
 use crate::source::diagnose::Wrong;
-use crate::theory::suspension::Suspension;
+use crate::theory::suspension::{Response, Suspension};
 
 /// What a study of a suspension asks.
 #[derive(Debug, Clone)]
@@ -33,6 +33,12 @@ pub struct Point {
     pub suspension: Arc<Suspension>,
     /// Of the vibration.
     pub frequency_hz: f64,
+}
+
+impl Point {
+    pub(crate) fn response(&self) -> Response {
+        self.suspension.response(self.frequency_hz)
+    }
 }
 
 keys! {

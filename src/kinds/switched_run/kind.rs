@@ -8,6 +8,7 @@ use crate::chart::{Chart, Named, scale_over, usual_rows};
 use crate::kernel::switched_run::VERSION;
 use crate::key::sweep::Sweep;
 use crate::kinds::relock;
+use crate::kinds::switched_run::columns;
 use crate::kinds::switched_run::run::Plan as Planned;
 use crate::kinds::switched_run::{Angle, SwitchedRun, keys, read, sweepable};
 use crate::quantity::units::Dimension;
@@ -30,6 +31,7 @@ pub static SWITCHED_RUN: Kind = Kind {
     needs: &["switching", "run"],
     keys,
     sweepable,
+    columns: &[(Source::Points, columns::described), (Source::Trajectories, columns::trajectories_described)],
     kernels: || format!("switched_run {VERSION}, {}", relock::kind::kernels()),
     look: Look {
         estimate: "drift_q9973",

@@ -1,5 +1,6 @@
 //! Studies of whole runs of a gyro that switches modes.
 
+pub(crate) mod columns;
 pub mod kind;
 pub mod lower;
 pub mod point;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::quantity::number::significant;
-use crate::table::{Cell, Column, Table, Unit};
+use crate::table::{Cell, Column, Role, Table, Unit};
 use crate::view::chart::figure::{
     Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Parts, Series, SeriesPoint,
 };
@@ -24,8 +24,7 @@ impl Figure {
             [spec.limit.map(|limit| ("limit", limit.1)), spec.laws.first().map(|_| ("law", Unit::ARCSEC))];
         check_unit(&spec.y, y, beside)?;
         let laws = spec.laws.iter().map(|name| numbers(table, name)).collect::<Result<Vec<_>, _>>()?;
-        let oracle = format!("oracle_{}", y.name);
-        let oracle = table.columns.iter().find(|column| column.name == oracle);
+        let oracle = table.beside(y, Role::Oracle);
         let (colours, dashes) = match &spec.series[..] {
             [] => (None, None),
             [colour] => (Some(table.column(colour)?), None),
@@ -186,7 +185,7 @@ mod tests {
     use super::*;
 
     fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
-        Column { name: name.to_owned(), label: name.to_owned(), unit, cells, band: None }
+        Column { name: name.to_owned(), label: name.to_owned(), unit, cells, ..Column::default() }
     }
 
     /// Two fillers that differ only at n = 2, and "copy", which equals "const".
@@ -200,6 +199,7 @@ mod tests {
         }
         let numbers =
             |of: fn(&(&str, i64, f64, f64)) -> f64| rows.iter().map(|row| Cell::Number(of(row))).collect();
+        let (role, of) = (Role::Oracle, "rms".to_owned());
         let mut rms = column("rms", Unit::ARCSEC, numbers(|row| row.3));
         rms.band = Some(rows.iter().map(|row| Some((0.9 * row.3, 1.1 * row.3))).collect());
         Table {
@@ -212,7 +212,7 @@ mod tests {
                 ),
                 column("motion.frequency", Unit::HZ, numbers(|row| row.2)),
                 rms,
-                column("oracle_rms", Unit::ARCSEC, numbers(|row| 1.01 * row.3)),
+                Column { role, of, ..column("oracle_rms", Unit::ARCSEC, numbers(|row| 1.01 * row.3)) },
             ],
         }
     }

@@ -2,19 +2,8 @@
 
 use std::collections::HashMap;
 
-use crate::table::{Cell, Column, Table};
+use crate::table::{Cell, Column, Role, Table};
 use crate::view::chart::spec::{ChartError, Spec};
-
-/// Follows from the swept keys, and first of all from the frequency.
-const DT_NU: &str = "dt_nu";
-const FREQUENCY: &str = "motion.frequency";
-
-/// Follows from them too, and first of all from the amplitude.
-const AMPLITUDE_NOISE: &str = "amplitude_noise";
-const AMPLITUDE: &str = "motion.amplitude";
-
-/// What follows from the study, so that no chance makes it the same.
-const COORDINATES: [&str; 3] = [DT_NU, AMPLITUDE_NOISE, "time"];
 
 /// Refuses curves along which more varies than one of the columns that tell rows apart, or whose abscissa stands still
 /// while that one varies.
@@ -35,7 +24,11 @@ pub(crate) fn check_curves(table: &Table, spec: &Spec, rows: &[usize]) -> Result
         }
         curves[place].push(row);
     }
-    let mixed = curves.iter().find_map(|rows| Some((rows[0], mixed(x, &apart, rows)?)));
+    // The key that x runs along with; of an estimate that of the first coordinate.
+    let coordinate = |column: &&Column| column.role == Role::Coordinate && !column.of.is_empty();
+    let base = Some(x).filter(coordinate).or_else(|| table.columns.iter().find(coordinate));
+    let base = base.map_or("", |column| column.of.as_str());
+    let mixed = curves.iter().find_map(|rows| Some((rows[0], mixed(x, base, &apart, rows)?)));
     let Some((row, (column, values))) = mixed else { return Ok(()) };
     let names: Vec<String> = series.iter().map(|column| column.valued(&column.cells[row].text())).collect();
     Err(ChartError::MixedCurve {
@@ -46,7 +39,12 @@ pub(crate) fn check_curves(table: &Table, spec: &Spec, rows: &[usize]) -> Result
 }
 
 /// The column besides that along which the rows of one curve run, and two of its values.
-fn mixed<'t>(x: &Column, apart: &[&'t Column], rows: &[usize]) -> Option<(&'t Column, [String; 2])> {
+fn mixed<'t>(
+    x: &Column,
+    base: &str,
+    apart: &[&'t Column],
+    rows: &[usize],
+) -> Option<(&'t Column, [String; 2])> {
     let differ = |column: &Column, a: usize, b: usize| column.cells[a] != column.cells[b];
     let found = |column: &'t Column, a: usize, b: usize| (column, [a, b].map(|row| column.cells[row].text()));
     let mut varying: Vec<(&Column, usize)> = apart
@@ -54,7 +52,6 @@ fn mixed<'t>(x: &Column, apart: &[&'t Column], rows: &[usize]) -> Option<(&'t Co
         .filter_map(|column| Some((*column, *rows.iter().find(|&&row| differ(column, rows[0], row))?)))
         .collect();
     let named = |name: &str| varying.iter().position(|(column, _)| column.name == name);
-    let base = if x.name == AMPLITUDE_NOISE { AMPLITUDE } else { FREQUENCY };
     let along = named(&x.name).or_else(|| named(base));
     let along = (!varying.is_empty()).then(|| varying.remove(along.unwrap_or(0)));
     if let Some((column, row)) = varying.first() {
@@ -62,8 +59,8 @@ fn mixed<'t>(x: &Column, apart: &[&'t Column], rows: &[usize]) -> Option<(&'t Co
     }
     // An x that stands still, while another column varies; an estimate may be the same by chance.
     let (column, row) = along?;
-    let coordinate =
-        COORDINATES.contains(&x.name.as_str()) || apart.iter().any(|column| column.name == x.name);
+    // What follows from the study is the same by no chance.
+    let coordinate = x.role == Role::Coordinate || apart.iter().any(|column| column.name == x.name);
     let known = x.cells[rows[0]] != Cell::Blank;
     let still = coordinate && known && !rows.iter().any(|&row| differ(x, rows[0], row));
     still.then(|| found(column, rows[0], row))
@@ -98,9 +95,12 @@ mod tests {
             label: name.to_owned(),
             unit: Unit::NONE,
             cells,
-            band: None,
+            ..Column::default()
         };
-        Table { columns: names.into_iter().zip(cells).map(column).collect() }
+        let mut columns: Vec<Column> = names.into_iter().zip(cells).map(column).collect();
+        columns[2].role = Role::Coordinate;
+        columns[2].of = names[0].to_owned();
+        Table { columns }
     }
 
     /// What is said of a chart over `x` with these series and rows; nothing where it is drawn.

@@ -21,7 +21,7 @@
 //!     label: name.to_owned(),
 //!     unit,
 //!     cells: values.iter().map(|x| Cell::Number(*x)).collect(),
-//!     band: None,
+//!     ..Column::default()
 //! };
 //! let table = Table {
 //!     columns: vec![

@@ -1,6 +1,6 @@
 //! Several columns of a table as one, so that each is a curve.
 
-use crate::table::{Cell, Column, Table, Unit};
+use crate::table::{Cell, Column, Role, Table};
 use crate::view::chart::spec::ChartError;
 
 /// The column that names what a stacked value is.
@@ -36,8 +36,7 @@ pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
     let heading = shared.unwrap_or("value").to_owned();
     let quantity = shared.or_else(|| last_word(&columns)).unwrap_or("value").to_owned();
     let rows = table.rows();
-    let law =
-        |column: &Column| table.columns.iter().find(|law| law.name == format!("oracle_{}", column.name));
+    let law = |column: &Column| table.beside(column, Role::Oracle);
     let is_stacked = |column: &&Column| {
         let is_law = |stacked: &&Column| law(stacked).is_some_and(|law| law.name == column.name);
         columns.iter().any(|stacked| stacked.name == column.name || is_law(stacked))
@@ -51,14 +50,13 @@ pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
         table.columns.iter().filter(|column| !is_stacked(column)).map(repeat).collect();
     let names = columns.iter().flat_map(|column| vec![Cell::Text(label(column)); rows]).collect();
     let (name, label) = (CURVE.to_owned(), heading);
-    all.push(Column { name, label, unit: Unit::NONE, cells: names, band: None });
+    all.push(Column { name, label, role: Role::Key, cells: names, ..Column::default() });
     let band = |column: &Column| column.band.clone().unwrap_or(vec![None; rows]);
     all.push(Column {
-        name: first.name.clone(),
         label: quantity,
-        unit: first.unit,
         cells: columns.iter().flat_map(|column| column.cells.clone()).collect(),
         band: Some(columns.iter().flat_map(|column| band(column)).collect()),
+        ..(*first).clone()
     });
     if columns.iter().any(|column| law(column).is_some()) {
         let cells = |column: &&Column| law(column).map_or(vec![Cell::Blank; rows], |law| law.cells.clone());
@@ -66,8 +64,10 @@ pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
             name: format!("oracle_{}", first.name),
             label: "closed form".to_owned(),
             unit: first.unit,
+            role: Role::Oracle,
+            of: first.name.clone(),
             cells: columns.iter().flat_map(cells).collect(),
-            band: None,
+            ..Column::default()
         });
     }
     Ok(Table { columns: all })
@@ -88,6 +88,7 @@ fn part<'c>(column: &'c Column, shared: &str) -> Option<&'c str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::table::Unit;
 
     fn table() -> Table {
         let column = |name: &str, label: &str, unit, cells: [f64; 2]| Column {
@@ -96,6 +97,7 @@ mod tests {
             unit,
             cells: cells.map(Cell::Number).to_vec(),
             band: (name == "rms").then(|| vec![Some((1.0, 2.0)), None]),
+            ..Column::default()
         };
         Table {
             columns: vec![
@@ -133,7 +135,8 @@ mod tests {
     #[test]
     fn a_closed_form_is_that_of_its_own_column() {
         let mut table = table();
-        let law = Column { name: "oracle_mean".to_owned(), ..table.columns[2].clone() };
+        let (role, of) = (Role::Oracle, "mean".to_owned());
+        let law = Column { name: "oracle_mean".to_owned(), role, of, ..table.columns[2].clone() };
         table.columns.push(law);
         let stacked = stacked(&table, &["bound", "mean"]).unwrap();
         assert_eq!(texts(&stacked, "oracle_bound"), ["", "", "5", "6"]);

@@ -15,8 +15,8 @@ use crate::key::setting::Swept;
 use crate::run::Tables;
 use crate::source::diagnose::StudyError;
 use crate::study::{self, Study};
-use crate::table::describe::bare;
-use crate::table::{Cell, ColumnError, Table};
+use crate::table::unit::bare;
+use crate::table::{Cell, ColumnError, Role, Table};
 use crate::view::chart;
 use crate::view::chart::figure::Figure;
 use crate::view::chart::map::Map;
@@ -161,15 +161,16 @@ fn curves(study: &Study, chart: &Chart, shown: &Shown) -> Spec {
         filter: filter(chart),
         limit: chart.limit.map(|limit| (limit.value, limit.unit)),
         laws: chart.laws().iter().map(|law| law.column().to_owned()).collect(),
-        points: points(study, chart).to_owned(),
+        points: points(study, chart, shown).to_owned(),
         bands: study.kind().look.bands.to_owned(),
     }
 }
 
 /// What the points of a chart are: columns of the oracle are not sampled.
-fn points(study: &Study, chart: &Chart) -> &'static str {
+fn points(study: &Study, chart: &Chart, shown: &Shown) -> &'static str {
+    let is_oracle = shown.table.column(&shown.estimate).is_ok_and(|column| column.role == Role::Oracle);
     match chart.source {
-        _ if chart.y.name.starts_with("oracle") => "closed form",
+        _ if is_oracle => "closed form",
         Source::Points => study.kind().look.points,
         Source::Trajectories => "single runs",
         Source::Coefficients => "Monte Carlo",
@@ -196,11 +197,12 @@ pub fn filter(chart: &Chart) -> Vec<(String, String)> {
     chart.rows.iter().map(|(column, value)| (column.name.clone(), value.text())).collect()
 }
 
-/// The same without the values of swept keys that nobody asked for: a table has a line for each.
-pub fn written(chart: &Chart) -> Vec<(String, String)> {
-    let asked = |row: &&(study::Named, Cell)| {
-        !row.0.span.is_empty() || ["error", "angle"].contains(&row.0.name.as_str())
-    };
+/// The same without the values that were supplied, but for those that every chart of the table has: a table has a line for each.
+pub fn written(study: &Study, chart: &Chart) -> Vec<(String, String)> {
+    let ground = study.ground(chart.source);
+    let texts = ground.map_or(vec![], |ground| ground.texts);
+    let is_usual = |name: &str| texts.iter().any(|text| text.name == name && text.usual.is_some());
+    let asked = |(name, _): &&(study::Named, Cell)| !name.span.is_empty() || is_usual(&name.name);
     chart.rows.iter().filter(asked).map(|(column, value)| (column.name.clone(), value.text())).collect()
 }
 

@@ -3,7 +3,7 @@
 use statrs::function::erf::erfc_inv;
 
 use crate::quantity::number::significant;
-use crate::table::{Cell, Column, Table};
+use crate::table::{Cell, Column, Role, Table};
 
 /// The deviations of one estimate from its closed form, in standard errors of the simulation.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,11 +26,10 @@ pub struct Agreement {
     pub most: f64,
 }
 
-/// The agreement of every estimate of a table that has closed forms: the columns `z`, which is about the rms or, of Allan curves, the
-/// variance, and `z_<name>`.
+/// The agreement of every estimate of a table that has closed forms.
 pub fn agreements(table: &Table) -> Vec<Agreement> {
-    let is_deviation = |column: &&Column| column.name == "z" || column.name.starts_with("z_");
-    table.columns.iter().filter(is_deviation).filter_map(|column| of_column(table, column)).collect()
+    let deviations = table.columns.iter().filter(|column| column.role == Role::Z);
+    deviations.filter_map(|column| of_column(table, column)).collect()
 }
 
 fn of_column(table: &Table, column: &Column) -> Option<Agreement> {
@@ -39,16 +38,9 @@ fn of_column(table: &Table, column: &Column) -> Option<Agreement> {
     let (at, largest) = *known.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
     let rows = known.len();
     let squares: f64 = known.iter().map(|(_, z)| z * z).sum();
-    let of = column.name.strip_prefix("z_").map(str::to_owned).or_else(|| {
-        let judged = ["rms", "mean_avar"].into_iter();
-        judged
-            .filter_map(|name| table.columns.iter().find(|column| column.name == name))
-            .next()
-            .map(|c| c.label.clone())
-    });
     Some(Agreement {
         column: column.name.clone(),
-        of: of.unwrap_or_else(|| column.label.clone()),
+        of: table.referred(column).unwrap_or(column).label.clone(),
         rows,
         rms: libm::sqrt(squares / rows as f64),
         largest: largest.abs(),
@@ -93,7 +85,7 @@ impl Agreement {
 
 /// What tells a row from others: its texts, and its values before them.
 fn place(table: &Table, row: usize) -> String {
-    let told = table.columns.iter().take_while(|column| column.name != "trials");
+    let told = table.columns.iter().take_while(|column| column.role != Role::Trials);
     let unlike = told.filter(|column| column.cells.iter().any(|cell| *cell != column.cells[row]));
     let value = |column: &Column| match &column.cells[row] {
         Cell::Blank => None,
@@ -112,24 +104,24 @@ pub(crate) fn capitalised(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::Unit;
 
     fn table(z: &[Option<f64>]) -> Table {
-        let column = |name: &str, cells| Column {
+        let column = |name: &str, role, cells| Column {
             name: name.to_owned(),
             label: format!("the {name}"),
-            unit: Unit::NONE,
+            role,
+            of: if role == Role::Z { "rms".to_owned() } else { String::new() },
             cells,
-            band: None,
+            ..Column::default()
         };
         let fillers = (0..z.len()).map(|row| Cell::Text(format!("filler {row}"))).collect();
         let numbers = |value: f64| vec![Cell::Number(value); z.len()];
         Table {
             columns: vec![
-                column("filler", fillers),
-                column("trials", numbers(8.0)),
-                column("rms", numbers(1.0)),
-                column("z", z.iter().map(|z| Cell::from(*z)).collect()),
+                column("filler", Role::Key, fillers),
+                column("trials", Role::Trials, numbers(8.0)),
+                column("rms", Role::Error, numbers(1.0)),
+                column("z", Role::Z, z.iter().map(|z| Cell::from(*z)).collect()),
             ],
         }
     }

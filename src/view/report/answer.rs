@@ -2,7 +2,7 @@
 
 use crate::chart::Chart;
 use crate::chart::file::Source;
-use crate::filler::{Filler, Method};
+use crate::filler::{FILLERS, Filler, Method};
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::motion::Frequency;
@@ -10,7 +10,7 @@ use crate::quantity::number::short;
 use crate::run::Tables;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
-use crate::table::{Column, ColumnError, Table};
+use crate::table::{Column, ColumnError, Role, Table};
 use crate::view::chart::picture::Picture;
 use crate::view::chart::spec::ChartError;
 use crate::view::picture::verdict::Verdict;
@@ -106,11 +106,14 @@ fn of_chart(
     let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
     let by = apart(study, chart.source, series.collect());
     let rows = filter(chart);
-    let is_by_tick = chart.x.name == "tick_number"
-        || (shown.is_named(chart) && study.kind().look.along == Some("tick_number"));
-    if is_by_tick && rows.iter().all(|(column, _)| !column.starts_with("tick")) {
+    let ground = study.ground(chart.source);
+    let whole = ground.and_then(|ground| ground.texts.iter().find_map(|text| Some((text.name, text.whole?))));
+    let is_by_part =
+        shown.is_named(chart) || shown.table.column(&chart.x.name).is_ok_and(|x| x.role == Role::Coordinate);
+    let whole = whole.filter(|(name, _)| is_by_part && rows.iter().all(|(column, _)| column != name));
+    if let Some((name, whole)) = whole {
         // The least of all ticks says nothing of a compensation: what it leaves of their sum does.
-        let all = [&rows[..], &[("tick".to_owned(), "all".to_owned())]].concat();
+        let all = [&rows[..], &[(name.to_owned(), whole.to_owned())]].concat();
         let sums = shown.table.rows_where(&all).unwrap_or_default();
         let beside = side_by_side(&shown.table, &shown.estimate, &sums, &by)?;
         if let Some(beside) = beside.filter(|_| sums.len() <= MOST_BESIDE) {
@@ -162,9 +165,9 @@ fn interval_for_each(chart: &Chart, shown: &Shown) -> Result<Option<String>, Col
 
 /// Whether the abscissa is what a gyro meets and nobody chooses, so that the worst counts there.
 fn is_environment(chart: &Chart, shown: &Shown) -> bool {
-    // A chart may name a column by its end.
-    let x = shown.table.column(&chart.x.name).map_or("", |column| &column.name);
-    x.starts_with("motion.") || ["dt_nu", "amplitude_noise"].contains(&x)
+    let Ok(x) = shown.table.column(&chart.x.name) else { return false };
+    let key = if x.role == Role::Coordinate { &x.of } else { &x.name };
+    key.starts_with("motion.")
 }
 
 /// What the curves of a chart say of an estimate that is the better the less it is; nothing of another one.
@@ -190,7 +193,7 @@ fn leading(
     let Some(first) = best(table, estimate, &rows, by)? else { return Ok(None) };
     let sentence = first.sentence();
     let Some((row, (free, why))) = first.row.zip(free_fillers(study)) else { return Ok(Some(sentence)) };
-    let filler = table.column("filler")?;
+    let Some(filler) = table.listed_by(FILLERS) else { return Ok(Some(sentence)) };
     let is_free = |row: usize| free.contains(&filler.cells[row].text().as_str());
     if !is_free(row) {
         return Ok(Some(sentence));
@@ -231,7 +234,8 @@ fn with_caveat(
 ) -> Result<Option<String>, ColumnError> {
     let Some(headline) = headline else { return Ok(None) };
     let Some((mut free, why)) = free_fillers(study) else { return Ok(Some(headline)) };
-    let (filler, rows) = (table.column("filler")?, table.rows_where(filter)?);
+    let Some(filler) = table.listed_by(FILLERS) else { return Ok(Some(headline)) };
+    let rows = table.rows_where(filter)?;
     free.retain(|name| rows.iter().any(|&row| filler.cells[row].text() == *name));
     Ok(Some(match &free[..] {
         [] => headline,

@@ -13,8 +13,7 @@ use serde_json::value::RawValue;
 
 use crate::chart::file::Source;
 use crate::quantity::number::significant;
-use crate::table::describe::File;
-use crate::table::{Cell, Column, Table};
+use crate::table::{Cell, Column, Role, Table};
 use crate::view::chart::palette::{LOOKS, Looks};
 use crate::view::chart::picture::Picture;
 use crate::view::report::Report;
@@ -29,10 +28,10 @@ const MOST_CELLS: usize = 80_000;
 const MOST_POINTS: usize = 20_000;
 
 #[derive(Serialize)]
-struct Data {
+struct Data<'t> {
     looks: Looks,
     charts: Vec<Chart>,
-    tables: Vec<Listed>,
+    tables: Vec<Listed<'t>>,
 }
 
 #[derive(Serialize)]
@@ -43,22 +42,22 @@ struct Chart {
 
 /// The part of a table that a page has.
 #[derive(Serialize)]
-pub(crate) struct Listed {
+pub(crate) struct Listed<'t> {
     file: &'static str,
     /// Of the whole table.
     pub(crate) rows: usize,
     pub(crate) all_columns: usize,
     /// How many rows the page has.
     shown: usize,
-    columns: Vec<Listing>,
+    columns: Vec<Listing<'t>>,
 }
 
 #[derive(Serialize)]
-struct Listing {
+struct Listing<'t> {
     header: String,
     title: String,
     /// What it means.
-    about: Option<&'static str>,
+    about: &'t str,
     /// Whether it holds text.
     text: bool,
     /// Whether it tells rows apart.
@@ -67,7 +66,7 @@ struct Listing {
     cells: Box<RawValue>,
 }
 
-impl Listed {
+impl Listed<'_> {
     pub(crate) fn file(&self) -> &'static str {
         self.file
     }
@@ -89,14 +88,14 @@ impl Listed {
 }
 
 /// The data of a page, and what of the report is among them.
-pub(crate) struct Packed {
+pub(crate) struct Packed<'t> {
     pub(crate) text: String,
-    pub(crate) tables: Vec<Listed>,
+    pub(crate) tables: Vec<Listed<'t>>,
     /// Of curves one point in so many is there.
     pub(crate) thinned: usize,
 }
 
-pub(crate) fn data(report: &Report) -> Packed {
+pub(crate) fn data<'t>(report: &'t Report<'t>) -> Packed<'t> {
     let points: usize = report.charts.iter().map(|drawn| points(&drawn.picture)).sum();
     let thinned = points.div_ceil(MOST_POINTS).max(1);
     let charts = report
@@ -141,8 +140,7 @@ fn thin<T: Copy>(items: &[T], step: usize) -> Vec<T> {
     items.iter().enumerate().filter_map(kept).collect()
 }
 
-fn listed(source: Source, table: &Table, report: &Report) -> Listed {
-    let file = File::of_study(report.source.kind, source);
+fn listed<'t>(source: Source, table: &'t Table, report: &Report) -> Listed<'t> {
     // A column without a value, as Δt·ν of a motion that has many frequencies, takes room only.
     let known = |column: &&Column| column.cells.iter().any(|cell| *cell != Cell::Blank);
     let all: Vec<&Column> = table.columns.iter().filter(known).collect();
@@ -150,13 +148,13 @@ fn listed(source: Source, table: &Table, report: &Report) -> Listed {
     let columns: Vec<&Column> =
         all.iter().copied().filter(|column| small || is_charted(column, table, report)).collect();
     let rows = table.rows().min(MOST_CELLS / columns.len().max(1));
-    let listing = |column: &&Column| {
+    let listing = |column: &&'t Column| {
         let cells = &column.cells[..rows];
         let one = cells.len() > 1 && cells.iter().all(|cell| *cell == cells[0]);
         Listing {
             header: column.header(),
             title: title(column, table),
-            about: file.column(&column.name),
+            about: &column.meaning,
             text: column.cells.iter().any(|cell| matches!(cell, Cell::Text(_))),
             tells: tells(column),
             cells: json(if one { &cells[..1] } else { cells }),
@@ -177,8 +175,7 @@ fn title(column: &Column, table: &Table) -> String {
     match first {
         // As the name of a tick and its number are.
         Some(other) if other.name != column.name => {
-            Column { label: column.name.replace('_', " "), cells: vec![], band: None, ..column.clone() }
-                .title()
+            Column { label: column.name.replace('_', " "), cells: vec![], ..column.clone() }.title()
         }
         _ => column.title(),
     }
@@ -186,23 +183,21 @@ fn title(column: &Column, table: &Table) -> String {
 
 /// Whether rows are told apart by a column: swept keys and texts.
 fn tells(column: &Column) -> bool {
-    column.name.contains('.') || column.cells.iter().any(|cell| matches!(cell, Cell::Text(_)))
+    column.role == Role::Key || column.cells.iter().any(|cell| matches!(cell, Cell::Text(_)))
 }
 
 /// Whether a column tells rows apart, or a chart shows it with its interval.
 fn is_charted(column: &Column, table: &Table, report: &Report) -> bool {
-    let shown = |label: &String| {
-        let column = |other: &&Column| other.label == *label;
-        table.columns.iter().find(column).map(|column| column.name.clone())
-    };
-    let is_bound = |name: &str| {
-        column.name.strip_prefix(name).is_some_and(|rest| ["", "_lo", "_hi", "_se"].contains(&rest))
+    let shown = |label: &String| table.columns.iter().find(|other| other.label == *label);
+    let belongs = |to: &Column| {
+        let bounds = matches!(column.role, Role::Lower | Role::Upper | Role::StandardError);
+        column.name == to.name || (bounds && column.of == to.name)
     };
     let labels = report.charts.iter().flat_map(|drawn| match &drawn.picture {
         Picture::Curves(figure) => [&figure.x.label, &figure.y.label],
         Picture::Map(map) => [&map.z.label, &map.z.label],
     });
-    tells(column) || labels.filter_map(shown).any(|name| is_bound(&name))
+    tells(column) || labels.filter_map(shown).any(belongs)
 }
 
 impl Serialize for Cell {

@@ -6,7 +6,7 @@ use crate::store::Store;
 use crate::store::error::StoreError;
 use crate::store::index::Index;
 use crate::study::Study;
-use crate::table::{Cell, Table};
+use crate::table::{Cell, Role, Table};
 
 /// What should be known of results, each in a sentence, but of their charts: what is missing or was not done as asked, what the plan
 /// says, and that rows are from different numbers of trials.
@@ -33,7 +33,7 @@ pub fn notes(
 
 /// That rows are of different numbers of trials.
 fn uneven(table: &Table) -> Option<String> {
-    let column = table.columns.iter().find(|column| column.name == "trials")?;
+    let column = table.of_role(Role::Trials)?;
     let trials = || column.cells.iter().filter_map(Cell::number);
     let (least, most) = (trials().reduce(f64::min)?, trials().reduce(f64::max)?);
     (least < most).then(|| format!("rows are from {} to {} trials", short(least), short(most)))

@@ -2,7 +2,7 @@
 
 use crate::chart::Limit;
 use crate::quantity::number::significant;
-use crate::table::{Cell, Column, ColumnError, Table};
+use crate::table::{Cell, Column, ColumnError, Role, Table};
 use crate::view::chart::map::{Cells, Map, share};
 use crate::view::report::agreement::capitalised;
 use crate::view::verdict::{Answer as Judged, Outcome};
@@ -80,40 +80,15 @@ pub(crate) fn best(
     }))
 }
 
-/// Estimates that are the better the less they are, with or without `oracle_` before them: errors, drifts and deviations.
-const LESS_IS_BETTER: [&str; 21] = [
-    "rms",
-    "q9973",
-    "max",
-    "adev",
-    "mean_avar",
-    "rmse",
-    "relative_rmse",
-    "residual_rms",
-    "drift_rms",
-    "drift_q9973",
-    "bound",
-    "bound_non_magnetic",
-    "bound_quasi_non_magnetic",
-    "bound_magnetic",
-    "bound_residual",
-    "rms_drift",
-    "rms_drift_in_phase",
-    "rms_switching",
-    "switching_drift",
-    "optimum_bound",
-    "optimum_true_rms",
-];
-
 /// Whether less of an estimate is better in all rows chosen: it is such an estimate, and none of its values is negative.
 ///
 /// # Errors
 /// Those of [`best`].
 pub(crate) fn less_is_better(table: &Table, estimate: &str, rows: &[usize]) -> Result<bool, ColumnError> {
     let column = table.column(estimate)?;
-    let name = column.name.strip_prefix("oracle_").unwrap_or(&column.name);
+    let estimate = if column.role == Role::Oracle { table.referred(column) } else { Some(column) };
     let signed = rows.iter().filter_map(|&row| column.cells[row].number()).any(|value| value < 0.0);
-    Ok(LESS_IS_BETTER.contains(&name) && !signed)
+    Ok(estimate.is_some_and(|column| column.role.less_is_better()) && !signed)
 }
 
 /// The estimate of some rows side by side, which `by` tells apart: `rms angle left: 34.7 ″ (none), 20.4 ″ (frequency)`. None where a
@@ -316,11 +291,12 @@ pub(crate) mod tests {
     use crate::view::verdict::{Question, verdict};
 
     fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
-        Column { name: name.to_owned(), label: name.to_owned(), unit, cells, band: None }
+        Column { name: name.to_owned(), label: name.to_owned(), unit, cells, ..Column::default() }
     }
 
     /// Curves over the frequencies 1, 2, 4 Hz, with the values of an estimate.
     pub fn table(estimate: &str, curves: &[(&str, [f64; 3])]) -> Table {
+        let role = if estimate == "rms" { Role::Error } else { Role::Estimate };
         let names = curves.iter().flat_map(|(name, _)| vec![Cell::Text((*name).to_owned()); 3]).collect();
         let xs = curves.iter().flat_map(|_| [1.0, 2.0, 4.0].map(Cell::Number)).collect();
         let values = curves.iter().flat_map(|(_, values)| values.map(|x| Cell::from(Some(x)))).collect();
@@ -328,7 +304,7 @@ pub(crate) mod tests {
             columns: vec![
                 column("filler", Unit::NONE, names),
                 column("frequency", Unit::HZ, xs),
-                column(estimate, Unit::ARCSEC, values),
+                Column { role, ..column(estimate, Unit::ARCSEC, values) },
             ],
         }
     }

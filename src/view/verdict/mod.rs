@@ -9,7 +9,7 @@
 //!     label: name.to_owned(),
 //!     unit: Unit::NONE,
 //!     cells: values.map(Cell::Number).to_vec(),
-//!     band: None,
+//!     ..Column::default()
 //! };
 //! let table = Table { columns: vec![column("x", [1.0, 2.0, 4.0]), column("y", [1.0, 5.0, 20.0])] };
 //! let question = Question { x: "x", y: "y", series: vec![], filter: vec![], limit: 10.0 };
@@ -28,7 +28,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::quantity::number::significant;
-use crate::table::{Cell, Column, ColumnError, Table};
+use crate::table::{Cell, Column, ColumnError, Role, Table};
 
 /// What is asked of a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -175,20 +175,20 @@ fn value(column: &Column, row: usize) -> f64 {
     column.cells[row].number().unwrap_or(f64::NAN)
 }
 
-/// What tells where a curve from row `a` to row `b` is: x, and wherever it runs along, the frequency and Δt·ν.
+/// What tells where a curve from row `a` to row `b` is: x, and what varies of coordinates and the keys that they run along with, as
+/// Δt·ν and the frequency.
 fn coordinates<'t>(table: &'t Table, x: &Column, a: usize, b: usize) -> impl Iterator<Item = &'t Column> {
+    let coordinates = || table.columns.iter().filter(|column| column.role == Role::Coordinate);
     let told = move |column: &Column| {
-        ["motion.frequency", "dt_nu"].contains(&column.name.as_str()) && column.cells[a] != column.cells[b]
+        let with = |other: &Column| !other.of.is_empty() && [&other.name, &other.of].contains(&&column.name);
+        column.cells[a] != column.cells[b] && coordinates().any(with)
     };
     table.columns.iter().filter(move |column| column.name == x.name || told(column))
 }
 
-/// The counts that follow from a row, and lead nowhere.
-const FOLLOWING: [&str; 4] = ["trials", "m", "terms", "switches"];
-
 /// Whether a count leads from one row to the other, so that nothing is between them.
 fn counts_between(table: &Table, a: usize, b: usize) -> bool {
-    table.columns.iter().filter(|column| !FOLLOWING.contains(&column.name.as_str())).any(|column| {
+    table.columns.iter().filter(|column| !matches!(column.role, Role::Trials | Role::Count)).any(|column| {
         let (a, b) = (&column.cells[a], &column.cells[b]);
         matches!((a, b), (Cell::Integer(_), Cell::Integer(_))) && a != b
     })

@@ -7,15 +7,16 @@ fn table() -> Table {
         label: label.to_owned(),
         unit,
         cells,
-        band: None,
+        ..Column::default()
     };
     let numbers = |values: [f64; 6]| values.map(Cell::Number).to_vec();
+    let (role, of) = (Role::Coordinate, "motion.frequency".to_owned());
     let fillers = ["a", "a", "a", "b", "b", "b"].map(|name| Cell::Text(name.to_owned())).to_vec();
     Table {
         columns: vec![
             column("motion.frequency", "frequency", Unit::HZ, numbers([4.0, 1.0, 2.0, 1.0, 2.0, 4.0])),
             column("gap_ticks", "n", Unit::NONE, [4, 1, 2, 1, 2, 4].map(Cell::Integer).to_vec()),
-            column("dt_nu", "Δt·ν", Unit::NONE, numbers([0.5; 6])),
+            Column { role, of, ..column("dt_nu", "Δt·ν", Unit::NONE, numbers([0.5; 6])) },
             column("filler", "filler", Unit::NONE, fillers),
             column("q9973", "level", Unit::ARCSEC, numbers([40.0, 5.0, 20.0, 0.1, 0.2, 0.3])),
             column("rms", "rms", Unit::ARCSEC, numbers([9.0, 2.0, 8.0, 0.1, 0.2, 0.3])),
@@ -149,8 +150,7 @@ fn long_times_are_told_as_people_say_them() {
         name: "length".to_owned(),
         label: "length".to_owned(),
         unit: Unit { suffix: "s", symbol: "s" },
-        cells: vec![],
-        band: None,
+        ..Column::default()
     };
     let said = [599.0, 3131.0, 72_400.0, 1.728e6].map(|value| places(&[(&column, value)]));
     assert_eq!(said, ["length 599 s", "length 3130 s (52.2 min)", "length 72400 s (20.1 h)", "length 20 d"]);

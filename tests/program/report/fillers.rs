@@ -1,11 +1,15 @@
 //! Errors of three fillers over the frequency, as a table and its chart.
 
-use sagnac::table::{Cell, Column, Table, Unit};
+use sagnac::table::{Cell, Column, Role, Table, Unit};
 use sagnac::view::chart::scale::Scale;
 use sagnac::view::chart::spec::Spec;
 
 pub fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
-    Column { name: name.to_owned(), label: name.to_owned(), unit, cells, band: None }
+    Column { name: name.to_owned(), label: name.to_owned(), unit, cells, ..Column::default() }
+}
+
+fn of(role: Role, column: Column) -> Column {
+    Column { role, ..column }
 }
 
 /// A value for each of so many points and each of the three fillers.
@@ -23,12 +27,23 @@ pub fn table(points: usize, error: impl Fn(usize, usize) -> Option<f64>) -> Tabl
         rows(points).map(|row| Cell::Text(["const", "linear", "quadratic"][row.1].to_owned())).collect();
     let mut rms = column("rms", Unit::ARCSEC, cells(points, &error));
     let band = |(point, filler)| error(point, filler).map(|rms| (0.99 * rms, 1.01 * rms));
+    rms.role = Role::Error;
     rms.band = Some(rows(points).map(band).collect());
     Table {
         columns: vec![
-            column("motion.frequency", Unit::HZ, cells(points, |point, _| Some(1.0 + 0.01 * point as f64))),
-            column("filler", Unit::NONE, names),
-            column("trials", Unit::NONE, rows(points).map(|_| Cell::Integer(1000)).collect()),
+            of(
+                Role::Key,
+                column(
+                    "motion.frequency",
+                    Unit::HZ,
+                    cells(points, |point, _| Some(1.0 + 0.01 * point as f64)),
+                ),
+            ),
+            of(Role::Key, column("filler", Unit::NONE, names)),
+            of(
+                Role::Trials,
+                column("trials", Unit::NONE, rows(points).map(|_| Cell::Integer(1000)).collect()),
+            ),
             rms,
         ],
     }

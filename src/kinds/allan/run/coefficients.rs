@@ -8,17 +8,16 @@ use crate::fit::covariance::Covariance;
 use crate::fit::curve::Curve;
 use crate::fit::fitter::{Errors, Fitter};
 use crate::fit::term::Term;
+use crate::kinds::allan::columns::CoefficientRow;
 use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
 use crate::kinds::allan::run::{Estimates, Plan, geometry};
 use crate::noise::Noise;
 use crate::quantity::number::significant;
-use crate::run::{column, swept_columns};
-use crate::table::{Cell, Column, Table, Unit};
 use crate::theory::allan::estimator::Stride;
 use crate::theory::allan::part::Part;
 
 /// What is found of one coefficient over all records.
-struct Found {
+pub(crate) struct Found {
     /// Of records where it is identified.
     values: Vec<f64>,
     /// Records with an interval, and those whose interval holds the truth.
@@ -30,41 +29,19 @@ struct Found {
 }
 
 impl Plan<'_> {
-    pub(crate) fn coefficient_columns(&self) -> Vec<Column> {
-        let mut columns = swept_columns(self.study);
-        columns.extend([
-            column("coefficient", "coefficient", Unit::NONE),
-            column("unit", "unit", Unit::NONE),
-            column("truth", "true value", Unit::NONE),
-            column("mean", "mean estimate", Unit::NONE),
-            column("sd", "standard deviation of estimates", Unit::NONE),
-            column("rmse", "rms error of estimates", Unit::NONE),
-            column("coverage95", "part of 95 % intervals that hold the truth", Unit::NONE),
-            column("relative_rmse", "rms error over true value", Unit::NONE),
-            column("identified", "part of records that show it", Unit::NONE),
-            column("trials", "records", Unit::NONE),
-            column("verdict", "verdict", Unit::NONE),
-        ]);
-        columns
-    }
-
     /// A row for each coefficient that is fitted to the records of a point; `progress` hears of fits as they are done.
-    pub(crate) fn add_coefficients(
+    pub(crate) fn coefficients<'p>(
         &self,
-        table: &mut Table,
-        point: &RecordPoint,
+        point: &'p RecordPoint,
         terms: &Terms,
         estimates: &Estimates,
         progress: &(dyn Fn(u64) + Sync),
-    ) {
+    ) -> impl Iterator<Item = CoefficientRow<'p>> + use<'p> {
         let fits = self.fits(point, terms, estimates, progress);
-        for quantity in quantities(terms) {
+        quantities(terms.all()).into_iter().map(move |quantity| {
             let truth = quantity.truth(&point.inputs.noise);
-            let found = Found::of(&fits, quantity, truth);
-            let cells = point.swept.iter().map(|(_, value)| value.cell());
-            let cells = cells.chain(found.cells(quantity, truth));
-            table.columns.iter_mut().zip(cells).for_each(|(column, cell)| column.cells.push(cell));
-        }
+            CoefficientRow { point, quantity, truth, found: Found::of(&fits, quantity, truth) }
+        })
     }
 
     /// Whether records are weighed by the covariance that they show together. Of overlapping estimates each record is fitted as
@@ -120,21 +97,22 @@ fn covariance(point: &RecordPoint, geometry: &Curve, estimates: &Estimates) -> O
 
 /// A coefficient, or the time or frequency that goes with it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Quantity {
+pub(crate) struct Quantity {
     term: Term,
     shape: bool,
 }
 
-fn quantities(terms: &Terms) -> impl Iterator<Item = Quantity> {
+/// The coefficients of some terms, each followed by the time or frequency that goes with it.
+fn quantities(terms: &[Term]) -> Vec<Quantity> {
     let of_term = |&term: &Term| {
         let shape = term.has_shape().then_some(Quantity { term, shape: true });
         core::iter::once(Quantity { term, shape: false }).chain(shape)
     };
-    terms.all().iter().flat_map(of_term)
+    terms.iter().flat_map(of_term).collect()
 }
 
 impl Quantity {
-    fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match (self.term, self.shape) {
             (Term::Markov, true) => "markov_time",
             (Term::Sine, true) => "sine_frequency",
@@ -143,7 +121,7 @@ impl Quantity {
     }
 
     /// The factor from ″ and s to the unit of data sheets, and that unit.
-    fn unit(self) -> (f64, &'static str) {
+    pub(crate) fn unit(self) -> (f64, &'static str) {
         match (self.term, self.shape) {
             (Term::Markov, true) => (1.0, "s"),
             (Term::Sine, true) => (1.0, "Hz"),
@@ -200,39 +178,45 @@ impl Found {
         found
     }
 
-    /// From the name of the coefficient on.
-    fn cells(&self, quantity: Quantity, truth: Option<f64>) -> [Cell; 11] {
+    pub(crate) fn mean(&self) -> Option<f64> {
         let count = self.values.len() as f64;
-        let mean = (count > 0.0).then(|| self.values.iter().sum::<f64>() / count);
-        let spread = |about: f64, by: f64| {
-            libm::sqrt(self.values.iter().map(|x| (x - about) * (x - about)).sum::<f64>() / by)
-        };
-        let sd = mean.filter(|_| count > 1.0).map(|mean| spread(mean, count - 1.0));
-        let rmse = truth.filter(|_| count > 0.0).map(|truth| spread(truth, count));
-        // Where most records do not show it, those that do are the ones in which it came out too large.
-        let is_mostly_shown = 2 * self.values.len() >= self.records;
-        let relative = rmse
-            .zip(truth)
-            .filter(|(_, truth)| *truth > 0.0 && is_mostly_shown)
-            .map(|(rmse, truth)| rmse / truth);
-        let part = |of: usize, all: usize| (all > 0).then(|| of as f64 / all as f64);
-        let coverage = truth.and_then(|_| part(self.covered, self.intervals));
-        [
-            Cell::Text(quantity.name().to_owned()),
-            Cell::Text(quantity.unit().1.to_owned()),
-            truth.into(),
-            mean.into(),
-            sd.into(),
-            rmse.into(),
-            coverage.into(),
-            relative.into(),
-            part(self.values.len(), self.records).into(),
-            Cell::Integer(self.records as i64),
-            Cell::Text(self.verdict(truth)),
-        ]
+        (count > 0.0).then(|| self.values.iter().sum::<f64>() / count)
     }
 
-    fn verdict(&self, truth: Option<f64>) -> String {
+    fn spread(&self, about: f64, by: f64) -> f64 {
+        libm::sqrt(self.values.iter().map(|x| (x - about) * (x - about)).sum::<f64>() / by)
+    }
+
+    pub(crate) fn deviation(&self) -> Option<f64> {
+        let count = self.values.len() as f64;
+        self.mean().filter(|_| count > 1.0).map(|mean| self.spread(mean, count - 1.0))
+    }
+
+    pub(crate) fn rmse(&self, truth: Option<f64>) -> Option<f64> {
+        let count = self.values.len() as f64;
+        truth.filter(|_| count > 0.0).map(|truth| self.spread(truth, count))
+    }
+
+    pub(crate) fn relative_rmse(&self, truth: Option<f64>) -> Option<f64> {
+        // Where most records do not show it, those that do are the ones in which it came out too large.
+        let is_mostly_shown = 2 * self.values.len() >= self.records;
+        let truth = truth.filter(|truth| *truth > 0.0 && is_mostly_shown)?;
+        Some(self.rmse(Some(truth))? / truth)
+    }
+
+    pub(crate) fn coverage(&self, truth: Option<f64>) -> Option<f64> {
+        truth.and_then(|_| part(self.covered, self.intervals))
+    }
+
+    pub(crate) fn identified(&self) -> Option<f64> {
+        part(self.values.len(), self.records)
+    }
+
+    pub(crate) fn records(&self) -> u64 {
+        self.records as u64
+    }
+
+    pub(crate) fn verdict(&self, truth: Option<f64>) -> String {
         if self.records == 0 {
             return String::new();
         }
@@ -249,4 +233,8 @@ impl Found {
             failed => format!("{verdict}; no fit in {} %", percent(failed)),
         }
     }
+}
+
+fn part(of: usize, all: usize) -> Option<f64> {
+    (all > 0).then(|| of as f64 / all as f64)
 }

@@ -1,97 +1,45 @@
 //! points.csv of a study of Allan curves: a row for each point and averaging time.
 
-use crate::key::setting::Swept;
+use crate::kinds::allan::columns::Row;
 use crate::kinds::allan::lower::curve::LoweredCurve;
 use crate::kinds::allan::lower::oracle::Oracle;
 use crate::kinds::allan::point::Point as RecordPoint;
 use crate::kinds::allan::run::{Estimates, Plan};
-use crate::run::{column, swept_columns};
-use crate::table::{Cell, Column, Table, Unit};
-use crate::tally::stats::z_score;
-use crate::theory::allan::estimator::Difference;
 
 /// Fewest records of which 95 % are told from the others.
 const FEWEST_IN_BAND: usize = 40;
 
 /// The estimates of many records at one averaging time.
-struct Scatter {
-    mean: Option<f64>,
+pub(crate) struct Scatter {
+    pub(crate) mean: Option<f64>,
     /// Standard error of the mean.
-    error: Option<f64>,
+    pub(crate) error: Option<f64>,
     /// 95 % of the records are between.
-    band: Option<(f64, f64)>,
+    pub(crate) band: Option<(f64, f64)>,
 }
 
 impl Plan<'_> {
     /// A row for each averaging factor of a point.
-    pub(crate) fn add_curve(
+    pub(crate) fn curve<'p>(
         &self,
-        table: &mut Table,
-        point: &RecordPoint,
+        point: &'p RecordPoint,
         lowered: Option<&LoweredCurve>,
         estimates: &Estimates,
-    ) {
-        for (at, &m) in point.ms.iter().enumerate() {
-            let found = Scatter::of(estimates.at(at));
-            let tau_s = point.inputs.sample_s * m as f64;
-            let terms = self.allan.estimator.terms(point.inputs.samples(), m);
+    ) -> Vec<Row<'p>> {
+        let row = |(at, &m): (usize, &u64)| {
             let oracle = lowered.map(|lowered| lowered.records.oracle(at));
             let Oracle { value, rounding } = oracle.unwrap_or(Oracle { value: None, rounding: 0.0 });
-            // The standard error of a few records scatters too much itself.
-            let known = found.mean.zip(found.error).zip(value).filter(|_| found.band.is_some());
-            let z = known.and_then(|((mean, error), value)| z_score(mean, value, error, rounding));
-            let band = found.band.map(|(low, high)| (libm::sqrt(low), libm::sqrt(high)));
-            let cells = point.swept.iter().map(|(_, value)| Swept::cell(value)).chain([
-                Cell::Number(tau_s),
-                Cell::Integer(m as i64),
-                Cell::Integer(terms as i64),
-                Cell::Integer(estimates.count() as i64),
-                found.mean.into(),
-                found.error.into(),
-                found.band.map(|band| band.0).into(),
-                found.band.map(|band| band.1).into(),
-                value.into(),
-                z.into(),
-                found.mean.map(libm::sqrt).into(),
-                band.map(|band| band.0).into(),
-                band.map(|band| band.1).into(),
-                value.map(libm::sqrt).into(),
-            ]);
-            for (column, cell) in table.columns.iter_mut().zip(cells) {
-                column.cells.push(cell);
-                if let Some(bands) = &mut column.band {
-                    bands.push(band);
-                }
+            Row {
+                point,
+                m,
+                terms: self.allan.estimator.terms(point.inputs.samples(), m),
+                records: estimates.count() as u64,
+                scatter: Scatter::of(estimates.at(at)),
+                oracle: value,
+                rounding,
             }
-        }
-    }
-
-    pub(crate) fn curve_columns(&self) -> Vec<Column> {
-        let (variance, deviation) = match self.allan.estimator.difference {
-            Difference::Second => ("Allan variance", "Allan deviation σ(τ)"),
-            Difference::Third => ("Hadamard variance", "Hadamard deviation σ(τ)"),
         };
-        let square = |name: &str, what: &str| column(name, &format!("{what} {variance}"), Unit::DEG2_PER_H2);
-        let of_deviation =
-            |name: &str, what: &str| column(name, &format!("{deviation}{what}"), Unit::DEG_PER_H);
-        let mut columns = swept_columns(self.study);
-        columns.extend([
-            column("tau", "averaging time τ", Unit::S),
-            column("m", "averaging factor m", Unit::NONE),
-            column("terms", "differences", Unit::NONE),
-            column("trials", "records", Unit::NONE),
-            square("mean_avar", "mean"),
-            square("mean_avar_se", "standard error of the mean"),
-            square("lo", "95 % band of records (lower),"),
-            square("hi", "95 % band of records (upper),"),
-            square("oracle_avar", "closed form of the"),
-            column("z", "deviation from the closed form, standard errors", Unit::NONE),
-            Column { band: Some(vec![]), ..of_deviation("adev", "") },
-            of_deviation("adev_lo", ", 95 % band of records (lower)"),
-            of_deviation("adev_hi", ", 95 % band of records (upper)"),
-            of_deviation("oracle_adev", " (closed form)"),
-        ]);
-        columns
+        point.ms.iter().enumerate().map(row).collect()
     }
 }
 

@@ -10,9 +10,11 @@ use std::ops::Range;
 
 use crate::fit::curve::Curve;
 use crate::kinds::allan::Allan;
+use crate::kinds::allan::columns::{CoefficientRow, Row, coefficient_columns, columns};
 use crate::kinds::allan::lower::curve::LoweredCurve;
 use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
 use crate::kinds::allan::run::estimates::Estimates;
+use crate::kinds::table::table;
 use crate::progress::Progress;
 use crate::quantity::number::significant;
 use crate::run::{Done, RunError, Tables};
@@ -25,7 +27,6 @@ use crate::store::index::Index;
 use crate::store::{Address, Store};
 use crate::study::Study;
 use crate::study::refusal::Refusal;
-use crate::table::Table;
 use crate::tally::block::missing;
 use crate::tally::id::Id;
 use crate::tally::share::Share;
@@ -64,6 +65,13 @@ pub(crate) struct Planned<'a> {
     samples: u64,
     /// Integers of a record.
     width: usize,
+}
+
+/// The rows of both tables.
+#[derive(Default)]
+struct Rows<'p> {
+    points: Vec<Row<'p>>,
+    coefficients: Vec<CoefficientRow<'p>>,
 }
 
 impl<'a> Plan<'a> {
@@ -118,27 +126,31 @@ impl<'a> Plan<'a> {
         self.study.trials * self.points.len() as u64
     }
 
-    fn empty_tables(&self) -> Tables {
-        let coefficients = self.allan.terms.as_ref().map(|_| self.coefficient_columns());
-        Tables {
-            points: Table { columns: self.curve_columns() },
-            coefficients: coefficients.map(|columns| Table { columns }),
-            trajectories: None,
+    fn tables_of(&self, rows: &Rows) -> Tables {
+        let sweeps = &self.study.sweeps;
+        let mut points = table(sweeps, &columns(), &rows.points, |row| &row.point.swept);
+        if self.allan.estimator.difference == Difference::Third {
+            for column in &mut points.columns {
+                column.label = column.label.replace("Allan", "Hadamard");
+            }
         }
+        let fitted = || table(sweeps, &coefficient_columns(), &rows.coefficients, |row| &row.point.swept);
+        let coefficients = self.allan.terms.as_ref().map(|_| fitted());
+        Tables { coefficients, ..Tables::of_points(points) }
     }
 
     /// Adds the rows of a point with these estimates.
-    fn add(
+    fn add<'p>(
         &self,
-        tables: &mut Tables,
-        point: &RecordPoint,
+        rows: &mut Rows<'p>,
+        point: &'p RecordPoint,
         lowered: Option<&LoweredCurve>,
         estimates: &Estimates,
         progress: &(dyn Fn(u64) + Sync),
     ) {
-        self.add_curve(&mut tables.points, point, lowered, estimates);
-        if let (Some(table), Some(terms)) = (&mut tables.coefficients, &self.allan.terms) {
-            self.add_coefficients(table, point, terms, estimates, progress);
+        rows.points.extend(self.curve(point, lowered, estimates));
+        if let Some(terms) = &self.allan.terms {
+            rows.coefficients.extend(self.coefficients(point, terms, estimates, progress));
         }
     }
 
@@ -188,12 +200,12 @@ impl plan::Plan for Plan<'_> {
     }
 
     fn tables(&self, store: Option<&Store>, progress: &dyn Progress) -> Result<Tables, RunError> {
-        let mut tables = self.empty_tables();
+        let mut all = Rows::default();
         let Some(store) = store else {
             for planned in &self.points {
-                self.add(&mut tables, planned.point, None, &Estimates::default(), &|_| {});
+                self.add(&mut all, planned.point, None, &Estimates::default(), &|_| {});
             }
-            return Ok(tables);
+            return Ok(self.tables_of(&all));
         };
         // One point is in memory at a time.
         let unit = if self.allan.terms.is_some() { "fits" } else { "records" };
@@ -202,12 +214,12 @@ impl plan::Plan for Plan<'_> {
             let lowered = self.lowered(planned.point)?;
             let rows = store.rows(&planned.address, planned.width)?;
             let estimates = Estimates::of(rows, |sums| lowered.records.variances(sums));
-            self.add(&mut tables, planned.point, Some(&lowered), &estimates, &|fits| progress.advance(fits));
+            self.add(&mut all, planned.point, Some(&lowered), &estimates, &|fits| progress.advance(fits));
             if self.allan.terms.is_none() {
                 progress.advance(self.study.trials);
             }
         }
-        Ok(tables)
+        Ok(self.tables_of(&all))
     }
 
     fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {

@@ -6,7 +6,7 @@ pub mod stop;
 use std::time::Instant;
 
 use crate::progress::Progress;
-use crate::run::{Done, NORMAL_95, RunError, Tables};
+use crate::run::{Done, RunError, Tables};
 use crate::sampling::plan;
 use crate::sampling::sampling::{Work, held_by_all, lacking, sample};
 use crate::sampling::worker::Worker;

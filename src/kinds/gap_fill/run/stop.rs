@@ -3,11 +3,11 @@
 use crate::kernel::moments::Moments;
 use crate::kinds::gap_fill::lower::estimate::Estimate;
 use crate::kinds::gap_fill::precision::Precision;
-use crate::kinds::gap_fill::run::{NORMAL_95, Plan};
+use crate::kinds::gap_fill::run::Plan;
 use crate::store::Store;
 use crate::store::error::StoreError;
 use crate::tally::share::Share;
-use crate::tally::stats::Estimates;
+use crate::tally::stats::{Estimates, NORMAL_95};
 
 impl Plan<'_> {
     /// Doubles the trials of points where an error is not known precisely enough; returns whether there were any.

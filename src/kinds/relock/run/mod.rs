@@ -10,7 +10,7 @@ use crate::kinds::relock::inputs::{Compensation, Relock};
 use crate::kinds::relock::lower::{LoweredRelock, RelockEstimate};
 use crate::progress::Progress;
 use crate::quantity::number::significant;
-use crate::run::{Done, NORMAL_95, RunError, Tables};
+use crate::run::{Done, RunError, Tables};
 use crate::sampling::plan;
 use crate::sampling::sampling::{Work, held_by_all, lacking, sample};
 use crate::sampling::worker::Worker;

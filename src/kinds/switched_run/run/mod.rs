@@ -9,7 +9,7 @@ use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::lower::{FilledRun, LoweredRun};
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::progress::Progress;
-use crate::run::{Done, NORMAL_95, RunError, Tables};
+use crate::run::{Done, RunError, Tables};
 use crate::sampling::plan;
 use crate::sampling::sampling::{Work, held_by_all, lacking, sample};
 use crate::sampling::worker::Worker;

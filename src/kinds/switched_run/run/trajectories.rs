@@ -4,13 +4,14 @@
 
 use crate::kernel::rows::Rows;
 use crate::kernel::switched_run::trajectory;
+use crate::kinds;
+use crate::kinds::switched_run::columns::{Moment, trajectory_columns, trajectory_filler};
 use crate::kinds::switched_run::lower::FilledRun;
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::kinds::switched_run::run::Plan;
-use crate::run::{column, swept_columns};
 use crate::store::error::StoreError;
 use crate::store::{Row, Store};
-use crate::table::{Cell, Table, Unit};
+use crate::table::Table;
 use crate::tally::block::{Block, missing};
 
 /// Most switches that a trajectory shows: of more of them every second, third, … is taken.
@@ -55,35 +56,41 @@ pub(crate) fn keep(plan: &Plan, store: &mut Store) -> Result<(), StoreError> {
 
 /// The table before anything is made: a row for each point, filler and run.
 pub(crate) fn blank(plan: &Plan) -> Table {
-    let mut table = empty(plan);
+    let mut moments = Vec::new();
     for (at, (point, _)) in filled(plan).enumerate() {
-        for run in 1..=plan.runs.trajectories {
-            push(&mut table, point, filler(plan, at), run, 0.0, None);
-        }
+        let filler = filler(plan, at);
+        let runs = 1..=plan.runs.trajectories;
+        moments.extend(runs.map(|run| Moment { point, filler, run, time_s: 0.0, angle: None }));
     }
-    table
+    table_of(plan, &moments)
 }
 
 /// All that are held and asked for.
 pub(crate) fn table(plan: &Plan, store: &Store) -> Result<Table, StoreError> {
-    let mut table = empty(plan);
+    let mut moments = Vec::new();
     for (at, (point, filled)) in filled(plan).enumerate() {
-        let shown = shown(point);
+        let (filler, shown) = (filler(plan, at), shown(point));
         let width = places(&shown).count();
         let held = store.rows(&filled.trajectory, width)?;
         let rows = held.iter().flat_map(|rows| rows.values.chunks_exact(width));
         for (run, values) in (1..=plan.runs.trajectories).zip(rows) {
             let lsb = filled.estimates[0].unit_arcsec;
-            push(&mut table, point, filler(plan, at), run, 0.0, Some(0.0));
-            for (place, value) in places(&shown).zip(values) {
+            moments.push(Moment { point, filler, run, time_s: 0.0, angle: Some(0.0) });
+            moments.extend(places(&shown).zip(values).map(|(place, value)| {
                 let interval = (place / 2 + 1) as f64 * point.schedule.interval_s;
                 let angle = (*value as i64 - OFFSET) as f64 * lsb;
-                let time = interval.min(point.schedule.duration_s);
-                push(&mut table, point, filler(plan, at), run, time, Some(angle));
-            }
+                let time_s = interval.min(point.schedule.duration_s);
+                Moment { point, filler, run, time_s, angle: Some(angle) }
+            }));
         }
     }
-    Ok(table)
+    Ok(table_of(plan, &moments))
+}
+
+fn table_of(plan: &Plan, moments: &[Moment]) -> Table {
+    let filler = (!plan.runs.fillers().is_empty()).then(trajectory_filler);
+    let columns: Vec<_> = filler.into_iter().chain(trajectory_columns()).collect();
+    kinds::table::table(&plan.study.sweeps, &columns, moments, |moment| &moment.point.swept)
 }
 
 /// That not every switch is in the table.
@@ -121,36 +128,4 @@ fn filled<'a>(plan: &'a Plan) -> impl Iterator<Item = (&'a RunPoint, &'a FilledR
 fn filler<'a>(plan: &'a Plan, at: usize) -> Option<&'a str> {
     let fillers = plan.runs.fillers();
     (!fillers.is_empty()).then(|| fillers[at % fillers.len()].name.as_str())
-}
-
-fn empty(plan: &Plan) -> Table {
-    let mut columns = swept_columns(plan.study);
-    if !plan.runs.fillers().is_empty() {
-        columns.push(column("filler", "filler", Unit::NONE));
-    }
-    columns.extend([
-        column("run", "run", Unit::NONE),
-        column("time", "time in the run", Unit::S),
-        column("error", "error of the angle", Unit::ARCSEC),
-    ]);
-    Table { columns }
-}
-
-fn push(
-    table: &mut Table,
-    point: &RunPoint,
-    filler: Option<&str>,
-    run: u64,
-    time_s: f64,
-    angle: Option<f64>,
-) {
-    let cells = point
-        .swept
-        .iter()
-        .map(|(_, value)| value.cell())
-        .chain(filler.map(|name| Cell::Text(name.to_owned())))
-        .chain([Cell::Text(run.to_string()), Some(time_s).into(), angle.into()]);
-    for (column, cell) in table.columns.iter_mut().zip(cells) {
-        column.cells.push(cell);
-    }
 }

@@ -8,7 +8,7 @@ use crate::view::chart::scale::Scale;
 use crate::view::chart::spec::ChartError;
 
 fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
-    Column { name: name.to_owned(), label: format!("the {name}"), unit, cells, band: None }
+    Column { name: name.to_owned(), label: format!("the {name}"), unit, cells, ..Column::default() }
 }
 
 /// Frequencies 1, 10, 100 Hz and amplitudes 1, 10 ″/s; "copy" is "const", and "quad" is better from 10 Hz on.

@@ -1,0 +1,124 @@
+//! The columns of every file of results: `sagnac explain`, reports and documents read from here what they mean.
+
+mod commands;
+
+use crate::analysis::firmware;
+use crate::chart::file::Source;
+use crate::kinds::KINDS;
+use crate::study::kind::Kind;
+use crate::table::About;
+use crate::table::column::abouts;
+use crate::table::unit::bare;
+
+/// A file of results with columns.
+#[derive(Debug, Clone)]
+pub struct File {
+    /// Its name: `points.csv`.
+    pub name: &'static str,
+    /// What writes it.
+    pub by: By,
+    /// Its columns besides swept keys, in the order of the file.
+    pub columns: Vec<About>,
+}
+
+/// What writes a file of results.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum By {
+    /// A study of this kind, as this one of its tables.
+    Study(&'static Kind, Source),
+    /// A command: `sagnac allan`.
+    Command(&'static str),
+}
+
+/// All files that have columns.
+pub fn files() -> Vec<File> {
+    let command = |name, command, columns| File { name, by: By::Command(command), columns };
+    let of_kinds = KINDS.iter().flat_map(|kind| {
+        let columns = kind.columns.iter();
+        columns.map(|(source, columns)| File { name: source.file(), by: By::Study(kind, *source), columns: columns() })
+    });
+    of_kinds
+        .chain([
+            command("design.csv", "sagnac design", listed(commands::DESIGN)),
+            command("curve.csv", "sagnac allan", listed(commands::LOG_CURVE)),
+            command("coefficients.csv", "sagnac allan", listed(commands::LOG_COEFFICIENTS)),
+            command("compare.csv", "sagnac compare", listed(commands::COMPARE)),
+            command("coefficients.csv", "sagnac compare", listed(commands::COMPARE_COEFFICIENTS)),
+            command("weights.csv", "sagnac filler", abouts(&firmware::csv::columns())),
+            command("test_vectors.csv", "sagnac filler", firmware::vectors::COLUMNS.to_vec()),
+        ])
+        .collect()
+}
+
+fn listed(texts: &[(&'static str, &'static str)]) -> Vec<About> {
+    let about = |&(name, meaning)| About { meaning, ..About::named(name) };
+    texts.iter().map(about).collect()
+}
+
+impl File {
+    /// The file of one of the tables of a study; `None` where studies of the kind have no such table.
+    pub fn of_study(kind: &'static Kind, source: Source) -> Option<File> {
+        files().into_iter().find(|file| file.by == By::Study(kind, source))
+    }
+
+    /// For people: `points.csv of kind = "gap-fill"`.
+    pub fn title(&self) -> String {
+        match self.by {
+            By::Study(kind, _) => format!("{} of kind = \"{}\"", self.name, kind.name),
+            By::Command(command) => format!("{} of `{command}`", self.name),
+        }
+    }
+
+    /// What the column called `name` means in this file, by its header or its name without unit; of a swept key its label.
+    /// `None` of a column that the file cannot have.
+    ///
+    /// # Example
+    /// ```
+    /// # use sagnac::{chart::file::Source, described::File, kinds::gap_fill::kind::GAP_FILL};
+    /// let points = File::of_study(&GAP_FILL, Source::Points).unwrap();
+    /// assert!(points.column("rms_arcsec").unwrap().starts_with("Root mean square"));
+    /// assert_eq!(points.column("motion.frequency_hz"), Some("vibration frequency"));
+    /// assert_eq!(points.column("adev"), None);
+    /// ```
+    pub fn column(&self, name: &str) -> Option<&'static str> {
+        let own = self.columns.iter().find(|column| column.is_called(name));
+        own.map(|column| column.meaning).or_else(|| self.swept(name))
+    }
+
+    /// What a swept key is that heads a column of this file.
+    fn swept(&self, name: &str) -> Option<&'static str> {
+        let By::Study(kind, _) = self.by else { return None };
+        let keys = (kind.keys)();
+        let of = |name: &str| keys.iter().find(|key| key.name == name).map(|key| key.label);
+        of(name).or_else(|| bare(name).find_map(of))
+    }
+}
+
+/// The meanings of a column in all files that have one called so: each text once, with the files.
+pub fn meanings(name: &str) -> Vec<(&'static str, Vec<File>)> {
+    let mut found: Vec<(&'static str, Vec<File>)> = Vec::new();
+    for file in files() {
+        let Some(text) = file.column(name) else { continue };
+        match found.iter_mut().find(|(known, _)| *known == text) {
+            Some((_, files)) => files.push(file),
+            None => found.push((text, vec![file])),
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_columns_that_kinds_are_explained_by_are_there() {
+        let files = files();
+        for kind in KINDS {
+            for name in kind.about.split('`').skip(1).step_by(2).filter(|name| !name.contains(' ')) {
+                let mut own = files.iter().filter(|file| matches!(file.by, By::Study(of, _) if of == kind));
+                assert!(own.any(|file| file.column(name).is_some()), "{kind:?}: {name}");
+            }
+        }
+    }
+}

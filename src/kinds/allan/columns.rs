@@ -1,0 +1,119 @@
+//! The columns of a study of Allan curves: a row for each point and averaging time; and of the coefficients found.
+
+use crate::kinds::allan::point::Point;
+use crate::kinds::allan::run::coefficients::{Found, Quantity};
+use crate::kinds::allan::run::curves::Scatter;
+use crate::table::column::Band;
+use crate::table::{Cell, ColumnOf, Role, Unit};
+use crate::tally::stats::z_score;
+
+/// A row before it becomes cells.
+pub(crate) struct Row<'a> {
+    pub(crate) point: &'a Point,
+    pub(crate) m: u64,
+    pub(crate) terms: u64,
+    pub(crate) records: u64,
+    pub(crate) scatter: Scatter,
+    /// The variance in closed form, and what rounding in the kernel adds at most.
+    pub(crate) oracle: Option<f64>,
+    pub(crate) rounding: f64,
+}
+
+impl Row<'_> {
+    fn z(&self) -> Option<f64> {
+        let Scatter { mean, error, band } = &self.scatter;
+        // The standard error of a few records scatters too much itself.
+        band.and_then(|_| z_score((*mean)?, self.oracle?, (*error)?, self.rounding))
+    }
+
+    fn deviations(&self) -> Band {
+        self.scatter.band.map(|(low, high)| (libm::sqrt(low), libm::sqrt(high)))
+    }
+}
+
+/// The columns besides swept keys, in the order of the file. Labels are those of the Allan variance.
+#[rustfmt::skip]
+pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
+    type Of<'a> = ColumnOf<Row<'a>>;
+    vec![
+        Of::new("tau", Unit::S, "averaging time τ", |row| (row.point.inputs.sample_s * row.m as f64).into())
+            .is(Role::Coordinate, "Averaging time τ, s."),
+        Of::new("m", Unit::NONE, "averaging factor m", |row| row.m.into())
+            .is(Role::Count, "Averaging time in samples."),
+        Of::new("terms", Unit::NONE, "differences", |row| row.terms.into())
+            .is(Role::Count, "Differences that one record gives at this averaging time."),
+        Of::new("trials", Unit::NONE, "records", |row| row.records.into())
+            .is(Role::Trials, "Records that the estimates of the row are from."),
+        Of::new("mean_avar", Unit::DEG2_PER_H2, "mean Allan variance", |row| row.scatter.mean.into())
+            .is(Role::Error, "Mean Allan (or Hadamard) variance over the records, (°/h)²."),
+        Of::new("mean_avar_se", Unit::DEG2_PER_H2, "standard error of the mean Allan variance", |row| row.scatter.error.into())
+            .is_of("mean_avar", Role::StandardError, "Standard error (1 σ) of `mean_avar`, (°/h)²."),
+        Of::new("lo", Unit::DEG2_PER_H2, "95 % band of records (lower), Allan variance", |row| row.scatter.band.map(|band| band.0).into())
+            .is_of("mean_avar", Role::Lower, "95 % of single records have a variance above this and below `hi`, (°/h)²; blank of fewer \
+                than 40 records."),
+        Of::new("hi", Unit::DEG2_PER_H2, "95 % band of records (upper), Allan variance", |row| row.scatter.band.map(|band| band.1).into())
+            .is_of("mean_avar", Role::Upper, "95 % of single records have a variance below this and above `lo`, (°/h)²; blank of fewer \
+                than 40 records."),
+        Of::new("oracle_avar", Unit::DEG2_PER_H2, "closed form of the Allan variance", |row| row.oracle.into())
+            .is_of("mean_avar", Role::Oracle, "The variance in closed form for the noise as sampled, (°/h)²."),
+        Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", |row| row.z().into())
+            .is_of("mean_avar", Role::Z, "How many standard errors `mean_avar` is off `oracle_avar`: beyond ±5 something is wrong. Of 40 \
+                records and more."),
+        Of::new("adev", Unit::DEG_PER_H, "Allan deviation σ(τ)", |row| row.scatter.mean.map(libm::sqrt).into())
+            .is(Role::Error, "Allan (or Hadamard) deviation, the root of `mean_avar`, °/h.")
+            .within(Row::deviations),
+        Of::new("adev_lo", Unit::DEG_PER_H, "Allan deviation σ(τ), 95 % band of records (lower)", |row| row.deviations().map(|ends| ends.0).into())
+            .is_of("adev", Role::Lower, "95 % of single records have a deviation above this and below `adev_hi`, °/h."),
+        Of::new("adev_hi", Unit::DEG_PER_H, "Allan deviation σ(τ), 95 % band of records (upper)", |row| row.deviations().map(|ends| ends.1).into())
+            .is_of("adev", Role::Upper, "95 % of single records have a deviation below this and above `adev_lo`, °/h."),
+        Of::new("oracle_adev", Unit::DEG_PER_H, "Allan deviation σ(τ) (closed form)", |row| row.oracle.map(libm::sqrt).into())
+            .is_of("adev", Role::Oracle, "The root of `oracle_avar`, °/h."),
+    ]
+}
+
+/// A row of the coefficients before it becomes cells.
+pub(crate) struct CoefficientRow<'a> {
+    pub(crate) point: &'a Point,
+    pub(crate) quantity: Quantity,
+    pub(crate) truth: Option<f64>,
+    pub(crate) found: Found,
+}
+
+/// The columns of coefficients besides swept keys, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<CoefficientRow<'a>>> {
+    type Of<'a> = ColumnOf<CoefficientRow<'a>>;
+    vec![
+        Of::new("coefficient", Unit::NONE, "coefficient", |row| row.quantity.name().into())
+            .is(Role::Key, "Which one: Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`.")
+            .brief(),
+        Of::new("unit", Unit::NONE, "unit", |row| row.quantity.unit().1.into())
+            .is(Role::Note, "Unit of `truth`, `mean`, `sd` and `rmse`.")
+            .brief(),
+        Of::new("truth", Unit::NONE, "true value", |row| row.truth.into())
+            .is(Role::Estimate, "The coefficient that the study gives the gyro.")
+            .brief(),
+        Of::new("mean", Unit::NONE, "mean estimate", |row| row.found.mean().into())
+            .is(Role::Estimate, "Mean of the estimates, over records that show the coefficient.")
+            .brief(),
+        Of::new("sd", Unit::NONE, "standard deviation of estimates", |row| row.found.deviation().into())
+            .is(Role::Estimate, "Standard deviation of the estimates from record to record.")
+            .brief(),
+        Of::new("rmse", Unit::NONE, "rms error of estimates", |row| row.found.rmse(row.truth).into())
+            .is(Role::Error, "Root mean square of estimate less truth.")
+            .brief(),
+        Of::new("coverage95", Unit::NONE, "part of 95 % intervals that hold the truth", |row| row.found.coverage(row.truth).into())
+            .is(Role::Estimate, "Part of the 95 % intervals, bounds included, that hold the truth: 0.95 where they are right.")
+            .brief(),
+        Of::new("relative_rmse", Unit::NONE, "rms error over true value", |row| row.found.relative_rmse(row.truth).into())
+            .is(Role::Error, "`rmse` by `truth`: 0.1 is 10 %. Blank where fewer than half of the records show the coefficient: those would be \
+                the ones in which it came out too large."),
+        Of::new("identified", Unit::NONE, "part of records that show it", |row| row.found.identified().into())
+            .is(Role::Estimate, "Part of the records that show the coefficient, 0 to 1."),
+        Of::new("trials", Unit::NONE, "records", |row| row.found.records().into())
+            .is(Role::Trials, "Records."),
+        Of::new("verdict", Unit::NONE, "verdict", |row| Cell::Text(row.found.verdict(row.truth)))
+            .is(Role::Note, "What the records say of the coefficient, in words.")
+            .brief(),
+    ]
+}

@@ -1,0 +1,86 @@
+//! The columns of a gap-fill study: a row for each point, filler and error.
+
+use crate::chart::law::Law;
+use crate::filler::{FILLERS, Filler};
+use crate::kinds::gap_fill::lower::estimate::Estimate;
+use crate::kinds::gap_fill::point::Point;
+use crate::sampling::found::{self, Found};
+use crate::table::column::abouts;
+use crate::table::{About, ColumnOf, Role, Unit};
+
+/// What the column of fillers means, here and wherever else there is one.
+pub(crate) const FILLER: &str = "Name of the gap filler, as in `switching.fillers`.";
+
+/// The laws that a chart can draw, each in a column.
+pub(crate) const LAWS: &[Law] =
+    &[Law::TaylorExtremum, Law::TaylorZeroCrossing, Law::NoiseAsPublished, Law::Noise];
+
+/// A row before it becomes cells.
+pub(crate) struct Row<'a> {
+    pub(crate) point: &'a Point,
+    pub(crate) filler: &'a Filler,
+    pub(crate) estimate: &'a Estimate,
+    pub(crate) found: Found,
+}
+
+impl Row<'_> {
+    /// A law of the chart, ″.
+    pub(crate) fn law(&self, law: Law) -> Option<f64> {
+        law.arcsec(&self.point.inputs, self.filler, self.estimate.error, self.estimate.rows.ticks.len())
+    }
+
+    fn z(&self) -> Option<f64> {
+        self.found.z(self.estimate.oracle.rms, self.estimate.oracle.rounding)
+    }
+}
+
+/// The columns besides swept keys, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
+    type Of<'a> = ColumnOf<Row<'a>>;
+    vec![
+        Of::new("dt_nu", Unit::NONE, "Δt·ν", |row| row.point.inputs.dt_nu().into())
+            .is_of("motion.frequency", Role::Coordinate, "Δt·ν with Δt = (n+1)T/2, from the middle of the gap to the nearest valid sample; for \
+                one tone of fixed frequency, else blank."),
+        Of::new("amplitude_noise", Unit::NONE, "rate amplitude · T / σ", |row| row.point.inputs.amplitude_noise().into())
+            .is_of("motion.amplitude", Role::Coordinate, "A_Ω·T/σ, the angle of a tick at the peak of the rate by its noise (1 σ); for one \
+                tone of fixed frequency and amplitude, else blank."),
+        Of::new("filler", Unit::NONE, "filler", |row| row.filler.name.as_str().into())
+            .is_of(FILLERS, Role::Key, FILLER),
+        Of::new("error", Unit::NONE, "error", |row| row.estimate.error.name().into())
+            .is_of("switching.errors", Role::Key, "Which error: `residual`, left after the gap is closed and corrected; `extrapolation`, at its end before that; \
+                `in-gap`, the largest while it is open."),
+        Of::new("trials", Unit::NONE, "trials", |row| row.found.trials.into())
+            .is(Role::Trials, "How many trials the estimates of the row are from."),
+        Of::new("mean", Unit::ARCSEC, "mean error", |row| row.found.cell(|found| found.mean))
+            .is(Role::Estimate, "Mean error, ″, with its sign."),
+        Of::new("rms", Unit::ARCSEC, "rms error", |row| row.found.cell(|found| found.rms))
+            .is(Role::Error, "Root mean square error, ″, motion and noise together.")
+            .brief()
+            .within(|row| row.found.rms_band()),
+        Of::new("rms_se", Unit::ARCSEC, "standard error of the rms", |row| row.found.rms_se().into())
+            .is_of("rms", Role::StandardError, found::RMS_SE),
+        Of::new("max", Unit::ARCSEC, "largest error seen", |row| row.found.cell(|found| found.max))
+            .is(Role::Error, "The largest error seen, ″, of any sign; the noise reaches 6.3 standard deviations."),
+        Of::new("q9973", Unit::ARCSEC, "99.73 % error", |row| row.found.level(|q| Some(q.value)).into())
+            .is(Role::Error, "The level, ″, that 99.73 % of errors stay below in magnitude, 3 σ of a Gaussian.")
+            .brief()
+            .within(|row| row.found.level_band()),
+        Of::new("q9973_lo", Unit::ARCSEC, "99.73 % error (lower)", |row| row.found.level(|q| q.low).into())
+            .is_of("q9973", Role::Lower, found::LEVEL_LOWER),
+        Of::new("q9973_hi", Unit::ARCSEC, "99.73 % error (upper)", |row| row.found.level(|q| q.high).into())
+            .is_of("q9973", Role::Upper, found::LEVEL_UPPER),
+        Of::new("oracle_rms", Unit::ARCSEC, "rms error (closed form)", |row| row.estimate.oracle.rms.into())
+            .is_of("rms", Role::Oracle, "`rms` in closed form, ″, for the values as computed with; blank where there is none."),
+        Of::new("oracle_max", Unit::ARCSEC, "largest error of the motion (closed form)", |row| row.estimate.oracle.max.into())
+            .is_of("max", Role::Oracle, "The largest error of the motion in closed form, ″, without noise; of one tone of fixed amplitude."),
+        Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", |row| row.z().into())
+            .is_of("rms", Role::Z, found::Z),
+    ]
+}
+
+/// All that a file of such a study can have besides swept keys.
+pub(crate) fn described() -> Vec<About> {
+    let laws = LAWS.iter().map(|law| law.about());
+    abouts(&columns()).into_iter().chain(laws).collect()
+}

@@ -1,0 +1,141 @@
+//! The columns of a relock study: a row for each point, compensation and tick, and one for all ticks together.
+
+use crate::chart::law::Law;
+use crate::kinds::relock::inputs::Compensation;
+use crate::kinds::relock::lower::RelockEstimate;
+use crate::kinds::relock::{RelockInputs, RelockPoint};
+use crate::sampling::found::{self, Found};
+use crate::table::column::abouts;
+use crate::table::{About, Cell, ColumnOf, Role, Unit};
+use crate::theory::published::{RELOCK_TABLES, RELOCK_TICK_S, RelockRow};
+use crate::theory::relock::{Relock, detuning_signal};
+
+/// A row before it becomes cells.
+pub(crate) struct Row<'a> {
+    pub(crate) point: &'a RelockPoint,
+    pub(crate) estimate: &'a RelockEstimate,
+    pub(crate) found: Found,
+}
+
+impl Row<'_> {
+    /// A value of the tick of the row, from its relock for the miss as asked and its start, s.
+    fn of_tick(&self, value: impl Fn(&Relock, u32, f64) -> f64) -> Cell {
+        let RelockInputs { tick_s, relock } = &self.point.inputs;
+        let nominal = Relock {
+            tick_s: *tick_s,
+            loop_s: relock.loop_s,
+            bias: relock.bias_frequency_hz,
+            curvature: relock.curvature,
+            miss: relock.miss,
+        };
+        self.estimate.tick.map(|tick| value(&nominal, tick, f64::from(tick - 1) * tick_s)).into()
+    }
+
+    fn drift(&self) -> Cell {
+        let relock = &self.point.inputs.relock;
+        let weight = relock.sign() * relock.pulse_weight_arcsec;
+        self.of_tick(|nominal, tick, _| weight * nominal.apparent_drift(tick))
+    }
+
+    fn signal(&self) -> Cell {
+        let gain = self.point.inputs.relock.signal_gain;
+        gain.map_or(Cell::Blank, |gain| {
+            self.of_tick(|nominal, _, s| detuning_signal(gain, nominal.detuning(s)))
+        })
+    }
+
+    /// The paper's tables 1 and 2, a law of the chart.
+    pub(crate) fn published(&self) -> Option<f64> {
+        let RelockEstimate { compensation, tick, .. } = self.estimate;
+        published(&self.point.inputs, *compensation, *tick)
+    }
+
+    fn z(&self) -> Cell {
+        self.found.z(self.estimate.oracle.map(|oracle| oracle.1), self.estimate.rounding).into()
+    }
+}
+
+/// What the column of ticks is for all of them together.
+pub(crate) const ALL_TICKS: &str = "all";
+
+/// The columns besides swept keys, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
+    type Of<'a> = ColumnOf<Row<'a>>;
+    vec![
+        Of::new("compensation", Unit::NONE, "compensation", |row| row.estimate.compensation.name().into())
+            .is(Role::Key, "`none`, `frequency` or `detuning`: which compensation of the paper is taken off."),
+        Of::new("tick", Unit::NONE, "tick", |row| {
+            row.estimate.tick.map_or(ALL_TICKS.into(), |tick| Cell::Text(tick.to_string()))
+        })
+        .is(Role::Key, "Which tick after the switch, `1`, `2`, …, or `all` for their sum."),
+        Of::new("tick_number", Unit::NONE, "tick", |row| row.estimate.tick.map_or(Cell::Blank, |tick| u64::from(tick).into()))
+            .is(Role::Coordinate, "The same as a number, for charts over ticks; blank for all together."),
+        Of::new("trials", Unit::NONE, "trials", |row| row.found.trials.into())
+            .is(Role::Trials, "How many switches the estimates of the row are from."),
+        Of::new("mean", Unit::ARCSEC, "mean angle left", |row| row.found.cell(|found| found.mean))
+            .is(Role::Estimate, "Mean of the faked angle less its compensation, ″, with its sign."),
+        Of::new("rms", Unit::ARCSEC, "rms angle left", |row| row.found.cell(|found| found.rms))
+            .is(Role::Error, "Root mean square of the faked angle less its compensation, ″.")
+            .within(|row| row.found.rms_band()),
+        Of::new("rms_se", Unit::ARCSEC, "standard error of the rms", |row| row.found.rms_se().into())
+            .is_of("rms", Role::StandardError, found::RMS_SE),
+        Of::new("max", Unit::ARCSEC, "largest angle left", |row| row.found.cell(|found| found.max))
+            .is(Role::Error, "The largest angle left that was seen, ″, of any sign."),
+        Of::new("q9973", Unit::ARCSEC, "99.73 % angle left", |row| row.found.level(|q| Some(q.value)).into())
+            .is(Role::Error, "The level, ″, that 99.73 % of what is left stays below in magnitude.")
+            .within(|row| row.found.level_band()),
+        Of::new("q9973_lo", Unit::ARCSEC, "99.73 % angle left (lower)", |row| row.found.level(|q| q.low).into())
+            .is_of("q9973", Role::Lower, found::LEVEL_LOWER),
+        Of::new("q9973_hi", Unit::ARCSEC, "99.73 % angle left (upper)", |row| row.found.level(|q| q.high).into())
+            .is_of("q9973", Role::Upper, found::LEVEL_UPPER),
+        Of::new("oracle_mean", Unit::ARCSEC, "mean angle left (closed form)", |row| row.estimate.oracle.map(|oracle| oracle.0).into())
+            .is_of("mean", Role::Oracle, "`mean` in closed form, ″: uncompensated, the first tick by frequency, and by detuning without noise and \
+                steps."),
+        Of::new("oracle_rms", Unit::ARCSEC, "rms angle left (closed form)", |row| row.estimate.oracle.map(|oracle| oracle.1).into())
+            .is_of("rms", Role::Oracle, "`rms` in closed form, ″, where there is one."),
+        Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", Row::z)
+            .is_of("rms", Role::Z, found::Z),
+        Of::new("drift", Unit::ARCSEC_PER_S, "faked rate of the miss as asked", Row::drift)
+            .is(Role::Estimate, "ΔΩ_i, the rate that the loop fakes in this tick for the miss as asked, ″/s, Z(11)."),
+        Of::new("bias", Unit::HZ, "bias frequency at the start of the tick", |row| row.of_tick(|nominal, _, s| nominal.bias_at(s)))
+            .is(Role::Estimate, "f, the bias frequency at the start of the tick for the miss as asked, Hz, Z(2)."),
+        Of::new("bias_error", Unit::HZ, "error of the bias frequency", |row| row.of_tick(|nominal, tick, _| nominal.bias_error(tick)))
+            .is(Role::Estimate, "y_i, the error of the bias frequency in the tick for the miss as asked, Hz, Z(10)."),
+        Of::new("detuning", Unit::NONE, "detuning at the start of the tick", |row| row.of_tick(|nominal, _, s| nominal.detuning(s)))
+            .is(Role::Estimate, "Δλ, the detuning at the start of the tick for the miss as asked, parts of the wavelength, Z(12)."),
+        Of::new("detuning_plus", Unit::NONE, "mean detuning of the first half", |row| {
+            row.of_tick(|nominal, tick, _| nominal.detuning_means(tick)[0])
+        })
+            .is(Role::Estimate, "h_i⁺, the mean detuning of the first half of the tick, parts of the wavelength."),
+        Of::new("detuning_minus", Unit::NONE, "mean detuning of the second half", |row| {
+            row.of_tick(|nominal, tick, _| nominal.detuning_means(tick)[1])
+        })
+            .is(Role::Estimate, "h_i⁻, the mean detuning of the second half of the tick, parts of the wavelength."),
+        Of::new("signal", Unit::NONE, "signal of the detuning at the start of the tick", Row::signal)
+            .is(Role::Estimate, "A_I, the signal of the detuning at the start of the tick, in the unit of `relock.signal_gain`, Z(1)."),
+    ]
+}
+
+/// What the paper measured in a tick, or what its compensation leaves of that, ″, without sign; of ticks as long as its own.
+fn published(inputs: &RelockInputs, compensation: Compensation, tick: Option<u32>) -> Option<f64> {
+    let left = |row: RelockRow| match compensation {
+        Compensation::None => row.measured,
+        Compensation::Frequency => row.measured - row.by_frequency.unwrap_or(0.0),
+        Compensation::Detuning => row.measured - row.by_detuning,
+    };
+    // 1 °/h is 1 ″/s.
+    let angle = match tick {
+        Some(tick) => left(*RELOCK_TABLES.get(tick as usize - 1)?),
+        None if inputs.relock.ticks as usize == RELOCK_TABLES.len() => {
+            RELOCK_TABLES.into_iter().map(left).sum()
+        }
+        None => return None,
+    };
+    (inputs.tick_s == RELOCK_TICK_S).then_some((angle * RELOCK_TICK_S).abs())
+}
+
+/// All that a file of such a study can have besides swept keys.
+pub(crate) fn described() -> Vec<About> {
+    abouts(&columns()).into_iter().chain([Law::ZeemanTables.about()]).collect()
+}

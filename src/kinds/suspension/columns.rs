@@ -1,0 +1,20 @@
+//! The columns of a study of a suspension: a row for each point.
+
+use crate::kinds::suspension::Point;
+use crate::table::{ColumnOf, Role, Unit};
+
+/// The columns besides swept keys, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn columns() -> Vec<ColumnOf<Point>> {
+    type Of = ColumnOf<Point>;
+    vec![
+        Of::new("response", Unit::ARCSEC_PER_S_PER_G, "rate per acceleration", |point| point.response().amplitude().into())
+            .is(Role::Estimate, "Rate of the gyro per acceleration of the base, ″/s per g."),
+        Of::new("phase", Unit::DEG, "phase of the rate", |point| point.response().phase_deg().into())
+            .is(Role::Estimate, "Phase of the rate behind the acceleration, °."),
+        Of::new("normalised", Unit::NONE, "response by that of the useful mode", |point| {
+            (point.response().amplitude() / point.suspension.useful()).into()
+        })
+        .is(Role::Estimate, "`response` by that at the first mode."),
+    ]
+}

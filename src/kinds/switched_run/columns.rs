@@ -1,0 +1,179 @@
+//! The columns of a study of whole runs: a row for each point, filler and angle; and of their trajectories.
+
+use crate::filler::FILLERS;
+use crate::kinds::gap_fill::columns::FILLER;
+use crate::kinds::switched_run::Angle;
+use crate::kinds::switched_run::lower::{FilledRun, RunEstimate};
+use crate::kinds::switched_run::point::Point;
+use crate::sampling::found::{self, Found};
+use crate::table::column::{Band, abouts};
+use crate::table::{About, Cell, ColumnOf, Role, Unit};
+use crate::tally::stats::z_score;
+use crate::theory::drift::magnetic::switches;
+
+/// A row before it becomes cells.
+pub(crate) struct Row<'a> {
+    pub(crate) point: &'a Point,
+    pub(crate) filler: Option<&'a str>,
+    pub(crate) filled: &'a FilledRun,
+    pub(crate) estimate: &'a RunEstimate,
+    pub(crate) found: Found,
+}
+
+impl Row<'_> {
+    /// When the angle is read, s; the largest comes at another time in each run.
+    fn time_s(&self) -> Option<f64> {
+        match self.estimate.angle {
+            Angle::End => Some(self.point.schedule.duration_s),
+            Angle::At(time_s) => Some(time_s),
+            Angle::Largest => None,
+        }
+    }
+
+    /// Switches before the time of the row, or in all.
+    fn switches(&self) -> i64 {
+        match self.estimate.angle {
+            Angle::At(time_s) => switches(self.point.schedule.interval_s, time_s) as i64,
+            Angle::End | Angle::Largest => self.point.switches() as i64,
+        }
+    }
+
+    /// An angle over the time.
+    fn drift(&self, angle: Option<f64>) -> Cell {
+        angle.zip(self.time_s()).map(|(angle, time)| angle / time).into()
+    }
+
+    fn drift_band(&self, angles: Band) -> Band {
+        angles.zip(self.time_s()).map(|(band, time)| (band.0 / time, band.1 / time))
+    }
+
+    fn oracle_mean(&self) -> Option<f64> {
+        Some(self.estimate.oracle?.mean)
+    }
+
+    fn oracle_rms(&self) -> Option<f64> {
+        Some(self.estimate.oracle?.rms())
+    }
+
+    fn z(&self) -> Option<f64> {
+        self.found.z(self.oracle_rms(), self.estimate.oracle?.rounding)
+    }
+
+    fn z_mean(&self) -> Option<f64> {
+        let (found, oracle) =
+            self.found.estimates.zip(self.estimate.oracle).filter(|_| self.found.trials > 1)?;
+        let se = oracle.deviation / libm::sqrt(self.found.trials as f64);
+        z_score(found.mean, oracle.mean, se, oracle.rounding)
+    }
+}
+
+/// The column of fillers, of runs that have any.
+pub(crate) fn filler<'a>() -> ColumnOf<Row<'a>> {
+    ColumnOf::new("filler", Unit::NONE, "filler", |row: &Row| row.filler.map_or(Cell::Blank, Cell::from))
+        .is_of(FILLERS, Role::Key, FILLER)
+        .brief()
+}
+
+/// The other columns besides swept keys, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
+    type Of<'a> = ColumnOf<Row<'a>>;
+    vec![
+        Of::new("angle", Unit::NONE, "angle", |row| Cell::Text(row.estimate.angle.name()))
+            .is(Role::Key, "Which angle: `end` of the run, `largest` (just before or after a switch or at the end), `at 600 s`.")
+            .brief(),
+        Of::new("time", Unit::S, "time in the run", |row| row.time_s().into())
+            .is(Role::Coordinate, "When the angle is read, s; blank of the largest."),
+        Of::new("switches", Unit::NONE, "switches", |row| Cell::Integer(row.switches()))
+            .is(Role::Count, "Switches before the time of the row.")
+            .brief(),
+        Of::new("residual_rms", Unit::ARCSEC, "rms residual of a switch", |row| row.filled.residual_rms().into())
+            .is(Role::Error, "What one switch leaves, with its relock, ″ rms."),
+        Of::new("trials", Unit::NONE, "trials", |row| row.found.trials.into())
+            .is(Role::Trials, "Runs that the estimates of the row are from."),
+        Of::new("mean", Unit::ARCSEC, "mean error of the angle", |row| row.found.cell(|found| found.mean))
+            .is(Role::Estimate, "Mean error of the angle, ″, with its sign.")
+            .brief(),
+        Of::new("rms", Unit::ARCSEC, "rms error of the angle", |row| row.found.cell(|found| found.rms))
+            .is(Role::Error, "Root mean square error of the angle, ″.")
+            .within(|row| row.found.rms_band()),
+        Of::new("rms_se", Unit::ARCSEC, "standard error of the rms", |row| row.found.rms_se().into())
+            .is_of("rms", Role::StandardError, found::RMS_SE),
+        Of::new("max", Unit::ARCSEC, "largest error seen", |row| row.found.cell(|found| found.max))
+            .is(Role::Error, "The largest error of the angle seen, ″, of any sign."),
+        Of::new("q9973", Unit::ARCSEC, "99.73 % error of the angle", |row| row.found.level(|q| Some(q.value)).into())
+            .is(Role::Error, "The level, ″, that 99.73 % of runs stay below in magnitude.")
+            .within(|row| row.found.level_band()),
+        Of::new("q9973_lo", Unit::ARCSEC, "99.73 % error of the angle (lower)", |row| row.found.level(|q| q.low).into())
+            .is_of("q9973", Role::Lower, found::LEVEL_LOWER),
+        Of::new("q9973_hi", Unit::ARCSEC, "99.73 % error of the angle (upper)", |row| row.found.level(|q| q.high).into())
+            .is_of("q9973", Role::Upper, found::LEVEL_UPPER),
+        Of::new("drift_mean", Unit::DEG_PER_H, "mean drift", |row| row.drift(row.found.value(|found| found.mean)))
+            .is(Role::Estimate, "`mean` over the time, °/h; blank of the largest.")
+            .brief(),
+        Of::new("drift_rms", Unit::DEG_PER_H, "rms drift", |row| row.drift(row.found.value(|found| found.rms)))
+            .is(Role::Error, "`rms` over the time, °/h; blank of the largest.")
+            .brief()
+            .within(|row| row.drift_band(row.found.rms_band())),
+        Of::new("drift_q9973", Unit::DEG_PER_H, "99.73 % drift", |row| row.drift(row.found.level(|q| Some(q.value))))
+            .is(Role::Error, "`q9973` over the time, °/h: 99.73 % of runs drift by less. Blank of the largest.")
+            .brief()
+            .within(|row| row.drift_band(row.found.level_band())),
+        Of::new("drift_q9973_lo", Unit::DEG_PER_H, "99.73 % drift (lower)", |row| row.drift(row.found.level(|q| q.low)))
+            .is_of("drift_q9973", Role::Lower, "Lower end of the 95 % interval of `drift_q9973`, °/h."),
+        Of::new("drift_q9973_hi", Unit::DEG_PER_H, "99.73 % drift (upper)", |row| row.drift(row.found.level(|q| q.high)))
+            .is_of("drift_q9973", Role::Upper, "Upper end of the 95 % interval of `drift_q9973`, °/h."),
+        Of::new("oracle_mean", Unit::ARCSEC, "mean error of the angle (closed form)", |row| row.oracle_mean().into())
+            .is_of("mean", Role::Oracle, "`mean` in closed form, ″; none of the largest."),
+        Of::new("oracle_rms", Unit::ARCSEC, "rms error of the angle (closed form)", |row| row.oracle_rms().into())
+            .is_of("rms", Role::Oracle, "`rms` in closed form, ″; none of the largest."),
+        Of::new("oracle_drift_mean", Unit::DEG_PER_H, "mean drift (closed form)", |row| row.drift(row.oracle_mean()))
+            .is_of("drift_mean", Role::Oracle, "`drift_mean` in closed form, °/h."),
+        Of::new("oracle_drift_rms", Unit::DEG_PER_H, "rms drift (closed form)", |row| row.drift(row.oracle_rms()))
+            .is_of("drift_rms", Role::Oracle, "`drift_rms` in closed form, °/h."),
+        Of::new("z_mean", Unit::NONE, "deviation of the mean from the closed form, standard errors", |row| row.z_mean().into())
+            .is_of("mean", Role::Z, "How many standard errors `mean` is off `oracle_mean`: beyond ±5 something is wrong."),
+        Of::new("z", Unit::NONE, "deviation of the rms from the closed form, standard errors", |row| row.z().into())
+            .is_of("rms", Role::Z, found::Z),
+    ]
+}
+
+/// A row of the trajectories before it becomes cells.
+pub(crate) struct Moment<'a> {
+    pub(crate) point: &'a Point,
+    pub(crate) filler: Option<&'a str>,
+    pub(crate) run: u64,
+    pub(crate) time_s: f64,
+    /// ″; absent before anything is made.
+    pub(crate) angle: Option<f64>,
+}
+
+/// The column of fillers of trajectories, of runs that have any.
+pub(crate) fn trajectory_filler<'a>() -> ColumnOf<Moment<'a>> {
+    ColumnOf::new("filler", Unit::NONE, "filler", |row: &Moment| row.filler.map_or(Cell::Blank, Cell::from))
+        .is_of(FILLERS, Role::Key, FILLER)
+}
+
+/// The other columns of trajectories besides swept keys.
+#[rustfmt::skip]
+pub(crate) fn trajectory_columns<'a>() -> Vec<ColumnOf<Moment<'a>>> {
+    type Of<'a> = ColumnOf<Moment<'a>>;
+    vec![
+        Of::new("run", Unit::NONE, "run", |row| Cell::Text(row.run.to_string()))
+            .is_of("run.trajectories", Role::Key, "Number of the run, from 1: the first of those sampled."),
+        Of::new("time", Unit::S, "time in the run", |row| row.time_s.into())
+            .is(Role::Coordinate, "Time in the run, s."),
+        Of::new("error", Unit::ARCSEC, "error of the angle", |row| row.angle.into())
+            .is(Role::Estimate, "Error of the angle at that time, ″."),
+    ]
+}
+
+/// All that a file of such a study can have besides swept keys.
+pub(crate) fn described() -> Vec<About> {
+    [abouts(&[filler()]), abouts(&columns())].concat()
+}
+
+/// The same of trajectories.
+pub(crate) fn trajectories_described() -> Vec<About> {
+    [abouts(&[trajectory_filler()]), abouts(&trajectory_columns())].concat()
+}

@@ -1,0 +1,54 @@
+//! What the trials of a row of a table say.
+
+use crate::table::Cell;
+use crate::table::column::Band;
+use crate::tally::stats::{Estimates, NORMAL_95, Quantile, z_score};
+
+/// What the columns mean that every such table has.
+pub(crate) const RMS_SE: &str =
+    "Standard error (1 σ) of `rms`; 0 where every trial has the same error. The 95 % band is ±1.96 of these.";
+pub(crate) const LEVEL_LOWER: &str =
+    "Lower end of the 95 % interval of `q9973`; blank where the trials cannot bound it.";
+pub(crate) const LEVEL_UPPER: &str =
+    "Upper end of the 95 % interval of `q9973`; blank where the trials cannot bound it.";
+pub(crate) const Z: &str = "How many standard errors `rms` is off `oracle_rms`: beyond ±5 something is wrong. Blank without a closed form.";
+
+/// The trials of a row and the estimates from them, which are absent before anything is sampled.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Found {
+    pub(crate) trials: u64,
+    pub(crate) estimates: Option<Estimates>,
+}
+
+impl Found {
+    pub(crate) fn value(&self, of: fn(&Estimates) -> f64) -> Option<f64> {
+        self.estimates.as_ref().map(of)
+    }
+
+    pub(crate) fn cell(&self, of: fn(&Estimates) -> f64) -> Cell {
+        self.value(of).into()
+    }
+
+    pub(crate) fn rms_se(&self) -> Option<f64> {
+        self.estimates?.rms_se
+    }
+
+    /// The 99.73 % level.
+    pub(crate) fn level(&self, of: fn(&Quantile) -> Option<f64>) -> Option<f64> {
+        of(&self.estimates?.q9973?)
+    }
+
+    pub(crate) fn rms_band(&self) -> Band {
+        let (rms, half) = (self.estimates?.rms, NORMAL_95 * self.rms_se()?);
+        Some((rms - half, rms + half))
+    }
+
+    pub(crate) fn level_band(&self) -> Band {
+        self.level(|q| q.low).zip(self.level(|q| q.high))
+    }
+
+    /// By how many standard errors the rms is off its closed form.
+    pub(crate) fn z(&self, oracle: Option<f64>, rounding: f64) -> Option<f64> {
+        z_score(self.estimates?.rms, oracle?, self.rms_se()?, rounding)
+    }
+}

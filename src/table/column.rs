@@ -1,0 +1,154 @@
+//! Declared columns: one row for each says all that is known of it and makes its cells.
+
+use crate::table::unit::{Unit, bare};
+use crate::table::{Cell, Column};
+
+/// What a column is to the rows of its table. A role that refers to another column goes with the name of that one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Role {
+    /// Tells rows apart: a swept key, or a text such as the filler; refers to the key of the study that its values come from.
+    Key,
+    /// A number that follows from the keys and can be an abscissa, as τ or Δt·ν; refers to the key that it runs along with.
+    Coordinate,
+    /// An estimate, or a value in closed form.
+    #[default]
+    Estimate,
+    /// An estimate that is the better the less it is: an error, a drift, a deviation.
+    Error,
+    /// The least that an error can become; refers to the column that says where.
+    Least,
+    /// Lower end of the 95 % interval of an estimate.
+    Lower,
+    /// Upper end of the 95 % interval of an estimate.
+    Upper,
+    /// Standard error (1 σ) of an estimate.
+    StandardError,
+    /// Closed form of an estimate.
+    Oracle,
+    /// Deviation of an estimate from its closed form, in standard errors.
+    Z,
+    /// A published law that a chart draws beside the estimates.
+    Law,
+    /// Number of trials that the estimates of the row are from.
+    Trials,
+    /// Another count that follows from the row.
+    Count,
+    /// Words about the row.
+    Note,
+}
+
+/// What is known of a column without its rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct About {
+    /// Without the unit. One that ends in `[…]` stands for a column of each tick.
+    pub name: &'static str,
+    /// Of all cells.
+    pub unit: Unit,
+    /// For people.
+    pub label: &'static str,
+    /// What it is to the rows.
+    pub role: Role,
+    /// The column that its role refers to; empty of none.
+    pub of: &'static str,
+    /// What its cells mean, in a sentence.
+    pub meaning: &'static str,
+    /// Whether a summary of a few columns has it.
+    pub brief: bool,
+}
+
+impl Role {
+    /// Whether it is the better the less it is.
+    pub fn less_is_better(self) -> bool {
+        matches!(self, Role::Error | Role::Least)
+    }
+}
+
+impl About {
+    /// A column of which nothing is known but its name.
+    pub(crate) const fn named(name: &'static str) -> About {
+        About { name, unit: Unit::NONE, label: name, role: Role::Key, of: "", meaning: "", brief: false }
+    }
+
+    /// Whether `name` is that of the column, with or without its unit.
+    pub fn is_called(&self, name: &str) -> bool {
+        let is = |name: &str| match self.name.strip_suffix("…]") {
+            Some(start) => name.starts_with(start),
+            None => name == self.name,
+        };
+        is(name) || bare(name).any(is)
+    }
+
+    /// The column with these cells.
+    pub(crate) fn with(&self, cells: Vec<Cell>) -> Column {
+        Column {
+            name: self.name.to_owned(),
+            label: self.label.to_owned(),
+            unit: self.unit,
+            role: self.role,
+            of: self.of.to_owned(),
+            meaning: self.meaning.to_owned(),
+            brief: self.brief,
+            cells,
+            band: None,
+        }
+    }
+}
+
+/// A 95 % interval, where it is known.
+pub(crate) type Band = Option<(f64, f64)>;
+
+/// A column of a table whose rows are `R`.
+pub struct ColumnOf<R> {
+    /// All but its cells.
+    pub about: About,
+    cell: fn(&R) -> Cell,
+    band: Option<fn(&R) -> Band>,
+}
+
+impl<R> ColumnOf<R> {
+    /// A column whose cells `cell` makes; [`ColumnOf::is`] completes it.
+    pub(crate) const fn new(
+        name: &'static str,
+        unit: Unit,
+        label: &'static str,
+        cell: fn(&R) -> Cell,
+    ) -> ColumnOf<R> {
+        let about = About { unit, label, ..About::named(name) };
+        ColumnOf { about, cell, band: None }
+    }
+
+    /// The same with its role and meaning.
+    pub(crate) const fn is(self, role: Role, meaning: &'static str) -> ColumnOf<R> {
+        ColumnOf { about: About { role, meaning, ..self.about }, ..self }
+    }
+
+    /// The same with a role that refers to the column `of`.
+    pub(crate) const fn is_of(self, of: &'static str, role: Role, meaning: &'static str) -> ColumnOf<R> {
+        let column = self.is(role, meaning);
+        ColumnOf { about: About { of, ..column.about }, ..column }
+    }
+
+    /// The same as one of the few columns of a summary.
+    pub(crate) const fn brief(self) -> ColumnOf<R> {
+        ColumnOf { about: About { brief: true, ..self.about }, ..self }
+    }
+
+    /// The same with the 95 % interval of each cell.
+    pub(crate) const fn within(self, band: fn(&R) -> Band) -> ColumnOf<R> {
+        ColumnOf { band: Some(band), ..self }
+    }
+}
+
+/// The columns of these rows.
+pub(crate) fn columns_of<R>(columns: &[ColumnOf<R>], rows: &[R]) -> Vec<Column> {
+    let of = |column: &ColumnOf<R>| Column {
+        band: column.band.map(|band| rows.iter().map(band).collect()),
+        ..column.about.with(rows.iter().map(column.cell).collect())
+    };
+    columns.iter().map(of).collect()
+}
+
+/// What is known of some columns without their rows.
+pub(crate) fn abouts<R>(columns: &[ColumnOf<R>]) -> Vec<About> {
+    columns.iter().map(|column| column.about).collect()
+}

@@ -1,0 +1,66 @@
+//! The units of columns.
+
+/// What the numbers of a column are measured in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Unit {
+    /// As it ends a column's name in files: `arcsec`, `hz`. Empty for a pure number.
+    pub suffix: &'static str,
+    /// As it stands on an axis: `″`, `Hz`.
+    pub symbol: &'static str,
+}
+
+impl Unit {
+    /// Counts, parts and names.
+    pub const NONE: Unit = Unit { suffix: "", symbol: "" };
+    /// Angles.
+    pub const ARCSEC: Unit = Unit { suffix: "arcsec", symbol: "″" };
+    /// Rates.
+    pub const ARCSEC_PER_S: Unit = Unit { suffix: "arcsec_per_s", symbol: "″/s" };
+    /// Angular accelerations; rate ramps.
+    pub const ARCSEC_PER_S2: Unit = Unit { suffix: "arcsec_per_s2", symbol: "″/s²" };
+    /// Angle random walk N.
+    pub const DEG_PER_SQRT_H: Unit = Unit { suffix: "deg_per_sqrt_h", symbol: "°/√h" };
+    /// Rate random walk K.
+    pub const DEG_PER_H_PER_SQRT_H: Unit = Unit { suffix: "deg_per_h_per_sqrt_h", symbol: "°/h/√h" };
+    /// The same number as in ″/s.
+    pub const DEG_PER_H: Unit = Unit { suffix: "deg_per_h", symbol: "°/h" };
+    /// Allan variances.
+    pub const DEG2_PER_H2: Unit = Unit { suffix: "deg2_per_h2", symbol: "(°/h)²" };
+    /// Densities of rate, one-sided.
+    pub const ARCSEC2_PER_S2_PER_HZ: Unit = Unit { suffix: "arcsec2_per_s2_per_hz", symbol: "(″/s)²/Hz" };
+    /// Response of a suspension.
+    pub const ARCSEC_PER_S_PER_G: Unit = Unit { suffix: "arcsec_per_s_per_g", symbol: "″/s/g" };
+    /// Accelerations.
+    pub const G: Unit = Unit { suffix: "g", symbol: "g" };
+    /// Densities of acceleration, one-sided.
+    pub const G2_PER_HZ: Unit = Unit { suffix: "g2_per_hz", symbol: "g²/Hz" };
+    /// Phases.
+    pub const DEG: Unit = Unit { suffix: "deg", symbol: "°" };
+    /// Frequencies.
+    pub const HZ: Unit = Unit { suffix: "hz", symbol: "Hz" };
+    /// Times.
+    pub const S: Unit = Unit { suffix: "s", symbol: "s" };
+
+    /// All units that a header may end in.
+    pub const ALL: [Unit; 14] = [
+        Unit::ARCSEC,
+        Unit::ARCSEC_PER_S,
+        Unit::ARCSEC_PER_S2,
+        Unit::DEG_PER_SQRT_H,
+        Unit::DEG_PER_H_PER_SQRT_H,
+        Unit::DEG_PER_H,
+        Unit::DEG2_PER_H2,
+        Unit::ARCSEC2_PER_S2_PER_HZ,
+        Unit::ARCSEC_PER_S_PER_G,
+        Unit::G,
+        Unit::G2_PER_HZ,
+        Unit::DEG,
+        Unit::HZ,
+        Unit::S,
+    ];
+}
+
+/// The names that a header may have without its unit; the suffix of one unit may be the end of another.
+pub(crate) fn bare(header: &str) -> impl Iterator<Item = &str> {
+    Unit::ALL.iter().filter_map(move |unit| header.strip_suffix(unit.suffix)?.strip_suffix('_'))
+}
