@@ -2,7 +2,7 @@
 
 mod commands;
 
-use crate::analysis::firmware;
+use crate::analysis::{compare, firmware, log};
 use crate::chart::file::Source;
 use crate::kinds::KINDS;
 use crate::study::kind::Kind;
@@ -40,10 +40,10 @@ pub fn files() -> Vec<File> {
     of_kinds
         .chain([
             command("design.csv", "sagnac design", listed(commands::DESIGN)),
-            command("curve.csv", "sagnac allan", listed(commands::LOG_CURVE)),
-            command("coefficients.csv", "sagnac allan", listed(commands::LOG_COEFFICIENTS)),
-            command("compare.csv", "sagnac compare", listed(commands::COMPARE)),
-            command("coefficients.csv", "sagnac compare", listed(commands::COMPARE_COEFFICIENTS)),
+            command("curve.csv", "sagnac allan", abouts(&log::tables::curve_columns())),
+            command("coefficients.csv", "sagnac allan", abouts(&log::tables::coefficient_columns())),
+            command("compare.csv", "sagnac compare", abouts(&compare::tables::ratio_columns())),
+            command("coefficients.csv", "sagnac compare", abouts(&compare::tables::coefficient_columns())),
             command("weights.csv", "sagnac filler", abouts(&firmware::csv::columns())),
             command("test_vectors.csv", "sagnac filler", firmware::vectors::COLUMNS.to_vec()),
         ])

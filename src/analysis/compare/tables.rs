@@ -5,72 +5,102 @@ use crate::allan::deviation::Deviation;
 use crate::analysis::compare::length::Length;
 use crate::analysis::compare::ratio::Ratio;
 use crate::analysis::compare::same::By;
-use crate::table::{Cell, Column, Table, Unit};
+use crate::table::column::columns_of;
+use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use serde_json::{Value, json};
 
 use crate::analysis::compare::logs::{Analysis, Side};
 use crate::analysis::compare::rows::Row;
 use crate::analysis::compare::words::sentences;
 
+/// A row of `compare.csv`.
+pub(crate) struct RatioRow<'a> {
+    ratio: &'a Ratio,
+    unit: &'a str,
+}
+
+/// The columns of `compare.csv`, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn ratio_columns<'a>() -> Vec<ColumnOf<RatioRow<'a>>> {
+    type Of<'a> = ColumnOf<RatioRow<'a>>;
+    vec![
+        Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.ratio.tau_s()))
+            .is(Role::Coordinate, "Averaging time τ, s."),
+        Of::new("m_a", Unit::NONE, "m_a", |row| Cell::Integer(row.ratio.points[0].m as i64))
+            .is(Role::Count, "The same in samples of A."),
+        Of::new("m_b", Unit::NONE, "m_b", |row| Cell::Integer(row.ratio.points[1].m as i64))
+            .is(Role::Count, "The same in samples of B."),
+        Of::new("a", Unit::NONE, "a", |row| row.ratio.points[0].value.into())
+            .is(Role::Error, "Overlapping Allan deviation of A, in `unit`."),
+        Of::new("b", Unit::NONE, "b", |row| row.ratio.points[1].value.into())
+            .is(Role::Error, "Overlapping Allan deviation of B, in `unit`."),
+        Of::new("ratio", Unit::NONE, "ratio", |row| row.ratio.value.into())
+            .is(Role::Estimate, "B over A."),
+        Of::new("lower", Unit::NONE, "lower", |row| row.ratio.interval.map(|ends| ends[0]).into())
+            .is_of("ratio", Role::Lower, "Lower end of the 95 % interval of `ratio`."),
+        Of::new("upper", Unit::NONE, "upper", |row| row.ratio.interval.map(|ends| ends[1]).into())
+            .is_of("ratio", Role::Upper, "Upper end of the 95 % interval of `ratio`."),
+        Of::new("unit", Unit::NONE, "unit", |row| text(row.unit))
+            .is(Role::Note, "Unit of `a` and `b`."),
+        Of::new("p", Unit::NONE, "p", |row| row.ratio.p.into())
+            .is(Role::Estimate, "How often a ratio as far from 1 comes by chance where both have the same noise."),
+        Of::new("verdict", Unit::NONE, "verdict", |row| text(verdict(row.ratio)))
+            .is(Role::Note, "`B higher`, `B lower` or `not told apart`, at 95 %."),
+    ]
+}
+
 /// Every ratio: `compare.csv`.
 pub fn ratios(analysis: &Analysis) -> Table {
-    let unit = text(analysis.unit.in_files(Deviation::Oadev));
-    let column = |name: &str, unit: Unit, cell: &dyn Fn(&Ratio) -> Cell| Column {
-        name: name.to_owned(),
-        label: name.to_owned(),
-        unit,
-        cells: analysis.comparison.ratios.iter().map(cell).collect(),
-        ..Column::default()
-    };
-    let none = Unit::NONE;
-    Table {
-        columns: vec![
-            column("tau", Unit::S, &|ratio| Cell::Number(ratio.tau_s())),
-            column("m_a", none, &|ratio| Cell::Integer(ratio.points[0].m as i64)),
-            column("m_b", none, &|ratio| Cell::Integer(ratio.points[1].m as i64)),
-            column("a", none, &|ratio| ratio.points[0].value.into()),
-            column("b", none, &|ratio| ratio.points[1].value.into()),
-            column("ratio", none, &|ratio| ratio.value.into()),
-            column("lower", none, &|ratio| ratio.interval.map(|ends| ends[0]).into()),
-            column("upper", none, &|ratio| ratio.interval.map(|ends| ends[1]).into()),
-            column("unit", none, &|_| unit.clone()),
-            column("p", none, &|ratio| ratio.p.into()),
-            column("verdict", none, &|ratio| text(verdict(ratio))),
-        ],
-    }
+    let unit = &analysis.unit.in_files(Deviation::Oadev);
+    let rows: Vec<RatioRow> =
+        analysis.comparison.ratios.iter().map(|ratio| RatioRow { ratio, unit }).collect();
+    Table { columns: columns_of(&ratio_columns(), &rows) }
+}
+
+/// The columns of `coefficients.csv`, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<&'a Row>> {
+    type Of<'a> = ColumnOf<&'a Row>;
+    vec![
+        Of::new("coefficient", Unit::NONE, "coefficient", |row| text(row.name))
+            .is(Role::Key, "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`."),
+        Of::new("unit", Unit::NONE, "unit", |row| text(row.unit))
+            .is(Role::Note, "Unit of `a`, `b` and `difference`."),
+        Of::new("a", Unit::NONE, "a", |row| row.found.values[0].into())
+            .is(Role::Estimate, "The coefficient of A; blank where its record does not show it."),
+        Of::new("b", Unit::NONE, "b", |row| row.found.values[1].into())
+            .is(Role::Estimate, "The coefficient of B; blank where its record does not show it."),
+        Of::new("difference", Unit::NONE, "difference", |row| row.found.difference.into())
+            .is(Role::Estimate, "B less A."),
+        Of::new("lower", Unit::NONE, "lower", |row| row.found.interval[0].into())
+            .is_of("difference", Role::Lower, "Lower end of the 95 % interval of `difference`."),
+        Of::new("upper", Unit::NONE, "upper", |row| row.found.interval[1].into())
+            .is_of("difference", Role::Upper, "Upper end of the 95 % interval of `difference`."),
+        Of::new("p", Unit::NONE, "p", |row| row.found.p.into())
+            .is(Role::Estimate, "How often as large a difference comes by chance where both have the same coefficient."),
+        Of::new("length_needed", Unit::S, "length_needed", |row| needed(row.length).into())
+            .is(Role::Estimate, "Length of records, s, that tells such values apart in 9 of 10 cases."),
+        Of::new("verdict", Unit::NONE, "verdict", |row| text(row.verdict().name()))
+            .is(Role::Note, "`B higher`, `B lower`, `not told apart`, `equal` or `in neither record`."),
+        Of::new("ratio", Unit::NONE, "ratio", |row| row.found.ratio.into())
+            .is(Role::Estimate, "B over A."),
+        Of::new("ratio_lower", Unit::NONE, "ratio_lower", |row| row.found.ratio_interval[0].into())
+            .is_of("ratio", Role::Lower, "Lower end of the 95 % interval of `ratio`."),
+        Of::new("ratio_upper", Unit::NONE, "ratio_upper", |row| row.found.ratio_interval[1].into())
+            .is_of("ratio", Role::Upper, "Upper end of the 95 % interval of `ratio`."),
+        Of::new("a_at_most", Unit::NONE, "a_at_most", |row| row.found.at_most[0].into())
+            .is(Role::Estimate, "The coefficient of A is at most this, where its record does not show it."),
+        Of::new("b_at_most", Unit::NONE, "b_at_most", |row| row.found.at_most[1].into())
+            .is(Role::Estimate, "The coefficient of B is at most this, where its record does not show it."),
+        Of::new("length_beyond", Unit::S, "length_beyond", |row| beyond(row.length).into())
+            .is(Role::Estimate, "Length of records, s, up to which none was found that would tell such values apart."),
+    ]
 }
 
 /// Every coefficient: `coefficients.csv`.
 pub fn coefficients(analysis: &Analysis) -> Table {
     let rows: Vec<&Row> = analysis.rows.iter().flatten().collect();
-    let column = |name: &str, unit: Unit, cell: &dyn Fn(&Row) -> Cell| Column {
-        name: name.to_owned(),
-        label: name.to_owned(),
-        unit,
-        cells: rows.iter().map(|row| cell(row)).collect(),
-        ..Column::default()
-    };
-    let none = Unit::NONE;
-    Table {
-        columns: vec![
-            column("coefficient", none, &|row| text(row.name)),
-            column("unit", none, &|row| text(row.unit)),
-            column("a", none, &|row| row.found.values[0].into()),
-            column("b", none, &|row| row.found.values[1].into()),
-            column("difference", none, &|row| row.found.difference.into()),
-            column("lower", none, &|row| row.found.interval[0].into()),
-            column("upper", none, &|row| row.found.interval[1].into()),
-            column("p", none, &|row| row.found.p.into()),
-            column("length_needed", Unit::S, &|row| needed(row.length).into()),
-            column("verdict", none, &|row| text(row.verdict().name())),
-            column("ratio", none, &|row| row.found.ratio.into()),
-            column("ratio_lower", none, &|row| row.found.ratio_interval[0].into()),
-            column("ratio_upper", none, &|row| row.found.ratio_interval[1].into()),
-            column("a_at_most", none, &|row| row.found.at_most[0].into()),
-            column("b_at_most", none, &|row| row.found.at_most[1].into()),
-            column("length_beyond", Unit::S, &|row| beyond(row.length).into()),
-        ],
-    }
+    Table { columns: columns_of(&coefficient_columns(), &rows) }
 }
 
 fn text(text: &str) -> Cell {

@@ -4,51 +4,74 @@ use crate::allan::curve::Point;
 use crate::allan::deviation::Deviation;
 use crate::allan::trend::Trend;
 use crate::fit::noise::Row;
-use crate::table::{Cell, Column, Table, Unit};
+use crate::table::column::columns_of;
+use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use serde_json::{Value, json};
 
 use crate::analysis::log::{self, Analysis, Curve};
 
+/// A row of `curve.csv`.
+pub(crate) struct CurveRow<'a> {
+    column: &'a log::Column,
+    curve: &'a Curve,
+    point: &'a Point,
+    treatment: &'a str,
+}
+
+/// The columns of `curve.csv`, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
+    type Of<'a> = ColumnOf<CurveRow<'a>>;
+    vec![
+        Of::new("column", Unit::NONE, "column", |row| text(&row.column.name))
+            .is(Role::Key, "Column of the log that the row is about."),
+        Of::new("deviation", Unit::NONE, "deviation", |row| text(row.curve.deviation.name()))
+            .is(Role::Key, "Which deviation: `adev`, `oadev`, `mdev`, `tdev`, `hdev`, `ohdev`."),
+        Of::new("m", Unit::NONE, "m", |row| Cell::Integer(row.point.m as i64))
+            .is(Role::Count, "Averaging time in samples."),
+        Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.point.tau_s))
+            .is(Role::Coordinate, "Averaging time τ, s."),
+        Of::new("terms", Unit::NONE, "terms", |row| Cell::Integer(row.point.terms as i64))
+            .is(Role::Count, "Differences that the value is from."),
+        Of::new("alpha", Unit::NONE, "alpha", |row| {
+            row.point.noise.map_or(Cell::Blank, |noise| Cell::Integer(noise.alpha.into()))
+        })
+            .is(Role::Estimate, "α of the noise that the interval supposes, from a spectral density of the rate as f^α: 2 \
+                quantisation, 1 flicker of the angle, 0 angle random walk, -1 bias instability, -2 rate random \
+                walk."),
+        Of::new("lower", Unit::NONE, "lower", |row| row.point.interval.map(|ends| ends.0).into())
+            .is_of("value", Role::Lower, "Lower end of the 95 % interval of `value`."),
+        Of::new("value", Unit::NONE, "value", |row| row.point.value.into())
+            .is(Role::Error, "The deviation, in `unit`."),
+        Of::new("upper", Unit::NONE, "upper", |row| row.point.interval.map(|ends| ends.1).into())
+            .is_of("value", Role::Upper, "Upper end of the 95 % interval of `value`."),
+        Of::new("unit", Unit::NONE, "unit", |row| text(row.column.unit.in_files(row.curve.deviation)))
+            .is(Role::Note, "Unit of `value`, `lower` and `upper`."),
+        Of::new("alpha_from", Unit::NONE, "alpha_from", |row| text(alpha_from(row.point)))
+            .is(Role::Note, "`identified` at this τ, or `carried` from a shorter one, as where there are fewer than 30 groups."),
+        Of::new("treatment", Unit::NONE, "treatment", |row| text(row.treatment))
+            .is(Role::Note, "What was done to the record: skipped, cut, a line removed, outliers removed."),
+    ]
+}
+
 /// All curves, one row for each deviation and τ: `curve.csv`.
 pub fn table(analysis: &Analysis) -> Table {
-    let rows: Vec<(&log::Column, &Curve, &Point)> = analysis
-        .columns
-        .iter()
-        .flat_map(|column| column.curves.iter().map(move |curve| (column, curve)))
-        .flat_map(|(column, curve)| curve.points.iter().map(move |point| (column, curve, point)))
-        .collect();
-    let treatment = analysis.treatment.summary();
-    let text = |text: &str| if text.is_empty() { Cell::Blank } else { Cell::Text(text.to_owned()) };
-    let column = |name: &str, unit: Unit, cell: &dyn Fn(&log::Column, &Curve, &Point) -> Cell| Column {
-        name: name.to_owned(),
-        label: name.to_owned(),
-        unit,
-        cells: rows.iter().map(|(column, curve, point)| cell(column, curve, point)).collect(),
-        ..Column::default()
-    };
-    let none = Unit::NONE;
-    Table {
-        columns: vec![
-            column("column", none, &|column, _, _| text(&column.name)),
-            column("deviation", none, &|_, curve, _| text(curve.deviation.name())),
-            column("m", none, &|_, _, point| Cell::Integer(point.m as i64)),
-            column("tau", Unit::S, &|_, _, point| Cell::Number(point.tau_s)),
-            column("terms", none, &|_, _, point| Cell::Integer(point.terms as i64)),
-            column("alpha", none, &|_, _, point| {
-                point.noise.map_or(Cell::Blank, |noise| Cell::Integer(noise.alpha.into()))
-            }),
-            column("lower", none, &|_, _, point| Cell::from(point.interval.map(|ends| ends.0))),
-            column("value", none, &|_, _, point| Cell::from(point.value)),
-            column("upper", none, &|_, _, point| Cell::from(point.interval.map(|ends| ends.1))),
-            column("unit", none, &|column, curve, _| text(column.unit.in_files(curve.deviation))),
-            column("alpha_from", none, &|_, _, point| text(alpha_from(point))),
-            column("treatment", none, &|_, _, _| text(&treatment)),
-        ],
-    }
+    let treatment = &analysis.treatment.summary();
+    let curves = analysis.columns.iter();
+    let curves = curves.flat_map(|column| column.curves.iter().map(move |curve| (column, curve)));
+    let of_curve =
+        |(column, curve)| move |point| CurveRow { column, curve, point, treatment };
+    let rows: Vec<CurveRow> =
+        curves.flat_map(|(column, curve): (_, &Curve)| curve.points.iter().map(of_curve((column, curve)))).collect();
+    Table { columns: columns_of(&curve_columns(), &rows) }
+}
+
+fn text(text: &str) -> Cell {
+    if text.is_empty() { Cell::Blank } else { text.into() }
 }
 
 /// A row of `coefficients.csv`.
-struct Line<'a> {
+pub(crate) struct Line<'a> {
     column: &'a str,
     row: Row,
     intervals: String,
@@ -66,29 +89,35 @@ fn lines(column: &log::Column) -> Vec<Line<'_>> {
     found.chain(stability(column).iter().map(|row| line(row, "of the curve"))).collect()
 }
 
+/// The columns of `coefficients.csv`, in the order of the file.
+#[rustfmt::skip]
+pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a>>> {
+    type Of<'a> = ColumnOf<Line<'a>>;
+    vec![
+        Of::new("column", Unit::NONE, "column", |line| text(line.column))
+            .is(Role::Key, "Column of the log that the row is about."),
+        Of::new("coefficient", Unit::NONE, "coefficient", |line| text(line.row.name))
+            .is(Role::Key, "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, and \
+                `in_run_stability`, the minimum of the curve, with its `in_run_stability_tau`."),
+        Of::new("value", Unit::NONE, "value", |line| line.row.value.into())
+            .is(Role::Estimate, "The coefficient in `unit`; blank where the record does not show it."),
+        Of::new("lower", Unit::NONE, "lower", |line| line.row.interval.map(|ends| ends[0]).into())
+            .is_of("value", Role::Lower, "Lower end of the 95 % interval."),
+        Of::new("upper", Unit::NONE, "upper", |line| line.row.interval.map(|ends| ends[1]).into())
+            .is_of("value", Role::Upper, "Upper end of the 95 % interval; without a `value` the coefficient is at most this."),
+        Of::new("unit", Unit::NONE, "unit", |line| text(line.row.unit))
+            .is(Role::Note, "Unit of `value`, `lower` and `upper`."),
+        Of::new("verdict", Unit::NONE, "verdict", |line| text(line.row.verdict))
+            .is(Role::Note, "Whether the record identifies the coefficient, in words."),
+        Of::new("intervals", Unit::NONE, "intervals", |line| text(&line.intervals))
+            .is(Role::Note, "How the intervals were found: by bootstrap or in closed form; of the minimum, those of the curve."),
+    ]
+}
+
 /// The coefficients of all columns, and of each the minimum of its curve: `coefficients.csv`.
 pub fn coefficients(analysis: &Analysis) -> Table {
     let lines: Vec<Line> = analysis.columns.iter().flat_map(lines).collect();
-    let text = |text: &str| if text.is_empty() { Cell::Blank } else { Cell::Text(text.to_owned()) };
-    let column = |name: &str, cell: &dyn Fn(&Line) -> Cell| Column {
-        name: name.to_owned(),
-        label: name.to_owned(),
-        unit: Unit::NONE,
-        cells: lines.iter().map(cell).collect(),
-        ..Column::default()
-    };
-    Table {
-        columns: vec![
-            column("column", &|line| text(line.column)),
-            column("coefficient", &|line| text(line.row.name)),
-            column("value", &|line| line.row.value.into()),
-            column("lower", &|line| line.row.interval.map(|ends| ends[0]).into()),
-            column("upper", &|line| line.row.interval.map(|ends| ends[1]).into()),
-            column("unit", &|line| text(line.row.unit)),
-            column("verdict", &|line| text(line.row.verdict)),
-            column("intervals", &|line| text(&line.intervals)),
-        ],
-    }
+    Table { columns: columns_of(&coefficient_columns(), &lines) }
 }
 
 /// The minimum of the first curve that has one, as a row of its own: the in-run stability of data sheets, not B.
