@@ -1,54 +1,99 @@
 //! What a design says: the recommendation in words, all that was tried as a table, both as JSON.
 
 use crate::analysis::design::paper::PapersRule;
-use crate::analysis::design::{Design, Filler, Found};
+use crate::analysis::design::{Design, Filler, Measure, Tried};
+use crate::filler::FILLERS;
+use crate::kinds::gap_fill::columns::FILLER;
 use crate::quantity::number::significant;
 use crate::study::Study;
-use crate::table::{Cell, Column, Table, Unit};
+use crate::table::column::{Band, columns_of};
+use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use crate::view::chart::figure::Figure;
 use crate::view::chart::scale::Scale;
 use crate::view::chart::spec::{ChartError, Spec};
 use serde_json::{Value, json};
 
+/// A row of `design.csv`.
+pub(crate) struct Row<'a> {
+    filler: &'a Filler,
+    tried: &'a Tried,
+}
+
+impl Row<'_> {
+    fn interval(&self) -> Band {
+        self.tried.drift.interval
+    }
+}
+
+type Of<'a> = ColumnOf<Row<'a>>;
+
+/// The columns of `design.csv` before those of the measure.
+#[rustfmt::skip]
+fn first_columns<'a>() -> [Of<'a>; 3] {
+    [
+        Of::new("filler", Unit::NONE, "filler", |row| called(row.filler).into())
+            .is_of(FILLERS, Role::Key, FILLER),
+        Of::new("interval", Unit::S, "switching interval", |row| Cell::Number(row.tried.interval_s))
+            .is(Role::Coordinate, "Switching interval that was tried, s."),
+        Of::new("switches", Unit::NONE, "switches", |row| row.tried.switches.into())
+            .is(Role::Count, "Switches in a run with that interval."),
+    ]
+}
+
+/// Those of a measure.
+fn measured<'a>(measure: Measure) -> [Of<'a>; 3] {
+    macro_rules! columns {
+        ($name:literal, $meaning:literal) => {
+            [
+                Of::new($name, Unit::DEG_PER_H, measure.label(), |row| Cell::Number(row.tried.drift.value))
+                    .is(Role::Error, $meaning)
+                    .within(Row::interval),
+                Of::new(concat!($name, "_lo"), Unit::DEG_PER_H, "lower end", |row| {
+                    row.interval().map(|interval| interval.0).into()
+                })
+                .is_of($name, Role::Lower, concat!("Lower end of the 95 % interval of `", $name, "`, °/h.")),
+                Of::new(concat!($name, "_hi"), Unit::DEG_PER_H, "upper end", |row| {
+                    row.interval().map(|interval| interval.1).into()
+                })
+                .is_of($name, Role::Upper, concat!("Upper end of the 95 % interval of `", $name, "`, °/h.")),
+            ]
+        };
+    }
+    match measure {
+        Measure::DriftQ9973 => columns!(
+            "drift_q9973",
+            "99.73 % of runs drift by less with that interval, °/h, without the non-magnetic drift."
+        ),
+        Measure::DriftRms => columns!(
+            "drift_rms",
+            "Root mean square drift with that interval, °/h, without the non-magnetic drift (measure `drift_rms`)."
+        ),
+        Measure::LargestQ9973 => columns!(
+            "largest_q9973",
+            "99.73 % level of the largest angle of a run by its duration, °/h (measure `largest_q9973`)."
+        ),
+        Measure::LargestRms => columns!(
+            "largest_rms",
+            "Root mean square of the largest angle of a run by its duration, °/h (measure `largest_rms`)."
+        ),
+    }
+}
+
+/// The columns of `design.csv` by some measures, in the order of the file.
+pub(crate) fn columns<'a>(measures: &[Measure]) -> Vec<Of<'a>> {
+    let closed = Of::new("closed_form_rms", Unit::DEG_PER_H, "rms drift (closed form)", |row| {
+        row.tried.closed_form.into()
+    });
+    let closed = closed.is(Role::Estimate, "Root mean square drift in closed form, °/h.");
+    let measured = measures.iter().flat_map(|measure| measured(*measure));
+    first_columns().into_iter().chain(measured).chain([closed]).collect()
+}
+
 /// All that was tried: a row for each filler and interval.
 pub fn table(found: &Design) -> Table {
-    let column = |name: &str, label: &str, unit: Unit| Column {
-        name: name.to_owned(),
-        label: label.to_owned(),
-        unit,
-        ..Column::default()
-    };
-    let name = found.measure.name();
-    let mut columns = [
-        column("filler", "filler", Unit::NONE),
-        column("interval", "switching interval", Unit::S),
-        column("switches", "switches", Unit::NONE),
-        Column { band: Some(vec![]), ..column(name, found.measure.label(), Unit::DEG_PER_H) },
-        column(&format!("{name}_lo"), "lower end", Unit::DEG_PER_H),
-        column(&format!("{name}_hi"), "upper end", Unit::DEG_PER_H),
-        column("closed_form_rms", "rms drift (closed form)", Unit::DEG_PER_H),
-    ];
-    for filler in &found.fillers {
-        for tried in &filler.tried {
-            let Found { value, interval } = tried.drift;
-            let cells = [
-                Cell::Text(called(filler).to_owned()),
-                Cell::Number(tried.interval_s),
-                Cell::Integer(tried.switches as i64),
-                Cell::Number(value),
-                interval.map(|interval| interval.0).into(),
-                interval.map(|interval| interval.1).into(),
-                tried.closed_form.into(),
-            ];
-            for (column, cell) in columns.iter_mut().zip(cells) {
-                column.cells.push(cell);
-            }
-            if let Some(band) = &mut columns[3].band {
-                band.push(interval);
-            }
-        }
-    }
-    Table { columns: columns.into() }
+    let of_filler = |filler| move |tried| Row { filler, tried };
+    let rows = found.fillers.iter().flat_map(|filler: &Filler| filler.tried.iter().map(of_filler(filler)));
+    Table { columns: columns_of(&columns(&[found.measure]), &rows.collect::<Vec<Row>>()) }
 }
 
 /// As tables call the filler.

@@ -1,8 +1,6 @@
 //! The columns of every file of results: `sagnac explain`, reports and documents read from here what they mean.
 
-mod commands;
-
-use crate::analysis::{compare, firmware, log};
+use crate::analysis::{compare, design, firmware, log};
 use crate::chart::file::Source;
 use crate::kinds::KINDS;
 use crate::study::kind::Kind;
@@ -39,7 +37,7 @@ pub fn files() -> Vec<File> {
     });
     of_kinds
         .chain([
-            command("design.csv", "sagnac design", listed(commands::DESIGN)),
+            command("design.csv", "sagnac design", abouts(&design::report::columns(&design::Measure::ALL))),
             command("curve.csv", "sagnac allan", abouts(&log::tables::curve_columns())),
             command("coefficients.csv", "sagnac allan", abouts(&log::tables::coefficient_columns())),
             command("compare.csv", "sagnac compare", abouts(&compare::tables::ratio_columns())),
@@ -48,11 +46,6 @@ pub fn files() -> Vec<File> {
             command("test_vectors.csv", "sagnac filler", firmware::vectors::COLUMNS.to_vec()),
         ])
         .collect()
-}
-
-fn listed(texts: &[(&'static str, &'static str)]) -> Vec<About> {
-    let about = |&(name, meaning)| About { meaning, ..About::named(name) };
-    texts.iter().map(about).collect()
 }
 
 impl File {
