@@ -111,18 +111,6 @@ mod tests {
     }
 
     #[test]
-    fn the_columns_that_kinds_are_explained_by_are_there() {
-        use crate::table::describe::File;
-        for kind in KINDS {
-            let text = kind.about;
-            for name in text.split('`').skip(1).step_by(2).filter(|name| !name.contains(' ')) {
-                let files = [File::Points(kind), File::Coefficients];
-                assert!(files.iter().any(|file| file.column(name).is_some()), "{kind:?}: {name}");
-            }
-        }
-    }
-
-    #[test]
     fn units_range_choices_and_kinds_are_told() {
         let amplitude = explain_key("motion.amplitude").unwrap();
         assert!(amplitude.meaning.starts_with("Amplitude of the rate"), "{}", amplitude.meaning);
