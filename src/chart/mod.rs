@@ -198,7 +198,8 @@ fn read(
     let shows = shows(table, &x, &y, &beside, sweeps, ground)?;
     let mut rows = Vec::new();
     let mut chosen: Vec<String> = Vec::new();
-    for (name, value) in table.get(&WHERE).and_then(|rows| rows.table()).iter().flat_map(|rows| rows.entries) {
+    for (name, value) in table.get(&WHERE).and_then(|rows| rows.table()).iter().flat_map(|rows| rows.entries)
+    {
         let name = Named { name: name.get_ref().to_string(), span: name.span() };
         let (column, cell) = row(&name, Given { key: &WHERE, value }, sweeps, ground)?;
         if chosen.contains(&column) {

@@ -182,8 +182,7 @@ mod tests {
 
     #[test]
     fn lists_follow_the_gap() {
-        let written =
-            list(Purpose::Residual, "'n+1..n + 2', -1, '−3', '0'").unwrap();
+        let written = list(Purpose::Residual, "'n+1..n + 2', -1, '−3', '0'").unwrap();
         assert_eq!(written.resolve(3).unwrap(), [-3, -1, 0, 4, 5]);
         assert_eq!(written.resolve(1).unwrap(), [-3, -1, 0, 2, 3]);
         assert_eq!(TickList::default_for(Purpose::Residual).resolve(2).unwrap(), [-1, 0, 3, 4]);

@@ -186,7 +186,8 @@ impl<'a> Given<'a> {
                 Err(self.fault(message, "not a part in percent", help))
             }
             Some(part) if !(1e-4..=50.0).contains(&part) => {
-                let message = format!("{name} = {part} % is out of range, it must lie within 0.0001 % … 50 %");
+                let message =
+                    format!("{name} = {part} % is out of range, it must lie within 0.0001 % … 50 %");
                 Err(self.fault(message, "out of range", help))
             }
             Some(part) => Ok(part / 100.0),

@@ -117,9 +117,7 @@ impl Holds {
             Holds::List(Holds::Measure(_)) => "a list of quantities in brackets".to_owned(),
             Holds::List(_) => "a list in brackets".to_owned(),
             Holds::Pair(_) => "a list of two ends".to_owned(),
-            Holds::Either(shapes) => {
-                shapes.iter().map(Holds::described).collect::<Vec<_>>().join(", or ")
-            }
+            Holds::Either(shapes) => shapes.iter().map(Holds::described).collect::<Vec<_>>().join(", or "),
             Holds::Table => "a table".to_owned(),
             Holds::OneOf => "a table of one key".to_owned(),
             Holds::Free => "a table of columns and values".to_owned(),

@@ -65,7 +65,12 @@ fn of_table(name: &str, keys: &[&'static Key]) -> Value {
 fn of_key(key: &Key, keys: &[&'static Key]) -> Value {
     let mut node = of_value(&key.holds, key, keys);
     node["description"] = json!(key.meaning());
-    let example = key.example.parse::<toml::Table>().ok().and_then(|table| table.into_iter().next()).map(|(_, value)| value);
+    let example = key
+        .example
+        .parse::<toml::Table>()
+        .ok()
+        .and_then(|table| table.into_iter().next())
+        .map(|(_, value)| value);
     if let Some(value) = example.filter(|_| !key.holds.is_table()) {
         node["examples"] = json!([value]);
     }

@@ -23,7 +23,11 @@ impl<I> Setting<I> {
     }
 
     /// Of what only some inputs have.
-    pub(crate) const fn of(key: &'static Key, applies: fn(&I) -> bool, set: fn(&mut I, Quantity)) -> Setting<I> {
+    pub(crate) const fn of(
+        key: &'static Key,
+        applies: fn(&I) -> bool,
+        set: fn(&mut I, Quantity),
+    ) -> Setting<I> {
         Setting { key, applies, set }
     }
 

@@ -162,7 +162,8 @@ impl Written<'_> {
                 (spaced.span(), self.spaced(spaced, &LOG_FROM, &LOG_TO, &LOG_POINTS, true)?)
             }
             _ => {
-                let message = format!("the sweep over {} needs exactly one of list, linear, log", self.key.name);
+                let message =
+                    format!("the sweep over {} needs exactly one of list, linear, log", self.key.name);
                 let help =
                     "accepted: list = [ … ], or linear = { from = …, to = …, points = … }, or log = { … }";
                 return Err(self.name.fault(message, "in this sweep", help));
@@ -179,8 +180,7 @@ impl Written<'_> {
         let (over, example) = match self.key.is_file() {
             true => ("files", "\"lgk-400.toml\", \"lgv-1.toml\"".to_owned()),
             false => {
-                let quoted: Vec<String> =
-                    self.key.names().iter().map(|name| format!("\"{name}\"")).collect();
+                let quoted: Vec<String> = self.key.names().iter().map(|name| format!("\"{name}\"")).collect();
                 ("names", quoted.join(", "))
             }
         };
@@ -292,7 +292,8 @@ impl Written<'_> {
         };
         let values: Vec<Quantity> = (0..count).map(value_at).collect();
         if let Some(part) = values.iter().find(|value| self.key.is_whole() && value.value.fract() != 0.0) {
-            let message = format!("{} takes whole numbers only, this sweep gives {}", self.key.name, part.value);
+            let message =
+                format!("{} takes whole numbers only, this sweep gives {}", self.key.name, part.value);
             let help = "choose points so that the steps are whole, or give a list";
             return Err(spaced.fault(message, "fractions between the ends", help));
         }

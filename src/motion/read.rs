@@ -8,8 +8,8 @@ use crate::key::reading::Reading;
 use crate::key::row::Key;
 use crate::key::table::Table;
 use crate::motion::keys::{
-    ACCELERATION, AMPLITUDE, FREQUENCY, GAUSSIAN, GAUSSIAN_BAND, GAUSSIAN_PSD, GAUSSIAN_RMS, MOTION, OF_SEVERAL,
-    ONE, POSITION, PROFILE, PROFILE_FILE, Phase, Position, RATE, RATE_DENSITIES, TONES, ToneKeys,
+    ACCELERATION, AMPLITUDE, FREQUENCY, GAUSSIAN, GAUSSIAN_BAND, GAUSSIAN_PSD, GAUSSIAN_RMS, MOTION,
+    OF_SEVERAL, ONE, POSITION, PROFILE, PROFILE_FILE, Phase, Position, RATE, RATE_DENSITIES, TONES, ToneKeys,
 };
 use crate::motion::read_psd::read_psd;
 use crate::motion::vibration::{self, Acceleration, Vibration};
@@ -122,7 +122,8 @@ fn read_tone(table: &Table, keys: &ToneKeys) -> Result<Tone, Fault> {
 }
 
 fn read_amplitude(table: &Table, keys: &ToneKeys) -> Result<Amplitude, Fault> {
-    let of = |quantity: Quantity, value| Amplitude { of_angle: quantity.dimension == Dimension::Angle, value };
+    let of =
+        |quantity: Quantity, value| Amplitude { of_angle: quantity.dimension == Dimension::Angle, value };
     if let Some(ends) = table.get(keys.uniform) {
         let [low, high] = pair(ends)?;
         return Ok(of(low, Value::Uniform([low.value, high.value])));
@@ -165,7 +166,8 @@ fn gaussian(table: Given, reading: &Reading) -> Result<Gaussian, Fault> {
         [None, None, Some(psd)] => Ok(Gaussian::Psd(Arc::new(read_psd(psd, &RATE_DENSITIES)?))),
         _ => {
             let message = "motion.gaussian needs rms and band, or psd";
-            let help = format!("accepted: {}, or gaussian = {{ {} }}", GAUSSIAN.example, GAUSSIAN_PSD.example);
+            let help =
+                format!("accepted: {}, or gaussian = {{ {} }}", GAUSSIAN.example, GAUSSIAN_PSD.example);
             Err(table.fault(message, "neither of the two", help))
         }
     }

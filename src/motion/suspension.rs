@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use crate::key::given::Given;
 use crate::key::holds::{Holds, measure};
-use crate::key::row::Key;
 use crate::key::reading::Reading;
+use crate::key::row::Key;
 use crate::key::setting::{Swept, named as swept_name};
 use crate::quantity::units::Dimension;
 use crate::source::diagnose::{Fault, choices};
@@ -16,8 +16,7 @@ const MOST_MODES: usize = 16;
 
 /// The gyros whose suspensions are known.
 pub(crate) const GYROS: Holds = Holds::Name(&NAMES);
-pub(crate) const MODE_FREQUENCIES: Holds =
-    measure(&[Dimension::Frequency], 1e-3, 1e6, "1e-3 Hz to 1e6 Hz");
+pub(crate) const MODE_FREQUENCIES: Holds = measure(&[Dimension::Frequency], 1e-3, 1e6, "1e-3 Hz to 1e6 Hz");
 pub(crate) const QS: Holds = measure(&[Dimension::Ratio], 0.5, 1e4, "0.5 to 10000");
 pub(crate) const RESPONSES: Holds =
     measure(&[Dimension::RatePerAcceleration], -1e9, 1e9, "-1e9 to 1e9 arcsec/s/g");

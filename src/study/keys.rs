@@ -75,8 +75,11 @@ pub(crate) fn checked(study: &Table) -> Result<(&'static Kind, &'static OfKind),
 /// The fault of a key that only other kinds have.
 fn of_others(kind: &Kind, name: &str, span: Range<usize>) -> Option<Fault> {
     let has = |other: &OfKind| other.keys.iter().any(|key| key.name == name);
-    let others: Vec<String> =
-        OF_KINDS.iter().filter(|other| has(other)).map(|other| format!("kind = \"{}\"", other.name)).collect();
+    let others: Vec<String> = OF_KINDS
+        .iter()
+        .filter(|other| has(other))
+        .map(|other| format!("kind = \"{}\"", other.name))
+        .collect();
     let key = OF_KINDS.iter().flat_map(|other| &other.keys).find(|key| key.name == name)?;
     let what = match key.holds {
         Holds::Table if key.table().is_empty() => format!("[{name}] is no table"),
@@ -122,10 +125,7 @@ mod tests {
         let phase = explain_key("motion.phase").unwrap();
         let words: Vec<&str> = phase.choices.iter().map(|(word, _)| *word).collect();
         assert_eq!(words, ["uniform", "zero-crossing", "extremum"]);
-        assert_eq!(
-            explain_key("relock.miss").unwrap().kinds,
-            ["switched-run", "relock"]
-        );
+        assert_eq!(explain_key("relock.miss").unwrap().kinds, ["switched-run", "relock"]);
         assert_eq!(explain_key("title").unwrap().kinds.len(), 6);
         assert_eq!(explain_key("motion.amplitud"), None);
     }

@@ -4,11 +4,11 @@ use crate::allan::tau::Taus;
 use crate::fit::choose::Terms;
 use crate::fit::term::Term;
 use crate::key::given::Given;
+use crate::key::holds::{Holds, unlimited};
 use crate::key::table::Table;
 use crate::kinds::allan::keys::{ESTIMATOR, EstimatorName, FIT, OVERLAP, Overlap, TAU};
-use crate::source::diagnose::{Fault, choices};
-use crate::key::holds::{Holds, unlimited};
 use crate::quantity::units::Dimension;
+use crate::source::diagnose::{Fault, choices};
 use crate::theory::allan::estimator::{Difference, Estimator, Stride};
 
 /// What is estimated of each record.

@@ -18,7 +18,8 @@ use crate::source::diagnose::Fault;
 use crate::theory::allan::estimator::{Difference, Stride};
 
 /// The keys of what switches leave in a record.
-static LEFT_BY_SWITCHES: [&str; 4] = [MAGNETIC.name, INITIAL_MAGNETIC.name, RESIDUAL.name, RESIDUAL_NOISE.name];
+static LEFT_BY_SWITCHES: [&str; 4] =
+    [MAGNETIC.name, INITIAL_MAGNETIC.name, RESIDUAL.name, RESIDUAL_NOISE.name];
 /// Fewest samples of a record.
 const FEWEST_SAMPLES: u64 = 16;
 /// By how much of itself a time in a list may miss a whole number of samples, of which decimal fractions have not all.
@@ -116,7 +117,12 @@ impl Base<'_> {
             if warms_up && switching.magnetic == 0.0 && !is_swept(&[MAGNETIC.name]) {
                 let message = "noise.switching.warm_up_time stands without magnetic";
                 let help = "give magnetic = \"14 arcsec/s\", or leave warm_up_time out: initial_magnetic is there at once";
-                return refuse(&[SWITCHING_WARM_UP.name, FILE.name, "noise"], message, "nothing warms up", help);
+                return refuse(
+                    &[SWITCHING_WARM_UP.name, FILE.name, "noise"],
+                    message,
+                    "nothing warms up",
+                    help,
+                );
             }
         }
         Ok(())

@@ -13,8 +13,8 @@ use crate::key::reading::Reading;
 use crate::key::row::{Key, keys};
 use crate::key::setting::{self, Setting, Swept};
 use crate::key::sweep;
-use crate::kinds::gyro::TICK;
 use crate::kinds::gyro;
+use crate::kinds::gyro::TICK;
 use crate::source::diagnose::Wrong;
 
 /// What a relock study asks.
@@ -51,7 +51,8 @@ keys! {
     GYRO = "gyro", "", Holds::Table, "[gyro]\ntick = \"5 ms\"";
 }
 
-static SETTINGS: [Setting<RelockInputs>; 1] = [Setting::new(&TICK, |inputs, tick| inputs.tick_s = tick.value)];
+static SETTINGS: [Setting<RelockInputs>; 1] =
+    [Setting::new(&TICK, |inputs, tick| inputs.tick_s = tick.value)];
 
 /// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {

@@ -3,10 +3,10 @@
 use crate::drift::schedule::{self, Schedule};
 use crate::drift::{self, Drift};
 use crate::kernel::switched_run::shape::MOST_INTERVALS;
-use crate::key::setting::Swept;
-use crate::key::setting;
-use crate::key::sweep::{self, Sweep};
 use crate::key::places::Places;
+use crate::key::setting;
+use crate::key::setting::Swept;
+use crate::key::sweep::{self, Sweep};
 use crate::kinds::gap_fill::{self, GapFill};
 use crate::kinds::relock::inputs::SETTINGS as RELOCK_SETTINGS;
 use crate::kinds::switched_run::relock::{self, Relocking};

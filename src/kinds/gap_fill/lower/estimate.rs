@@ -1,9 +1,9 @@
 //! One estimate of a point: the proof that it fits, and what it comes to exactly.
 
+use crate::filler::keys::Error;
 use crate::kernel::gap_fill;
 use crate::kernel::moments::{LIMIT, level};
 use crate::kernel::normal::REACH;
-use crate::filler::keys::Error;
 use crate::kinds::gap_fill::lower::fixed::Fixed;
 use crate::kinds::gap_fill::lower::response::Functional;
 use crate::kinds::gap_fill::lower::weights::Rows;

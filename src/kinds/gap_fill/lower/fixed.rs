@@ -5,9 +5,9 @@ use std::sync::Arc;
 use crate::kernel::gap_fill::shape::MARGIN;
 use crate::kernel::normal::SIGMA;
 use crate::kernel::sine::ONE;
-use crate::motion::keys::Phase;
 use crate::kinds::gap_fill::lower::physical::{Physical, PhysicalTone, ToneKind};
 use crate::motion::Value;
+use crate::motion::keys::Phase;
 use crate::theory::cholesky::semidefinite;
 use crate::theory::gap::tick_phase;
 

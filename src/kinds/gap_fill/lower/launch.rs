@@ -1,9 +1,9 @@
 //! The launch of some fillers of a point: shape, parameter words in order, table.
 
+use crate::filler::keys::Error;
 use crate::kernel::gap_fill::shape::{Parameters, Shape};
 use crate::kernel::launch::{Launch, Sampled};
 use crate::kernel::moments::MAX_ESTIMATES;
-use crate::filler::keys::Error;
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::lower::estimate::Estimate;
 use crate::kinds::gap_fill::lower::fixed::{Fixed, ToneMotion, gaussian_place, long_words};

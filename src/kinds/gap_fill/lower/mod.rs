@@ -43,10 +43,10 @@ pub use crate::kinds::switched_run::lower::oracle::RunOracle;
 pub use crate::kinds::switched_run::lower::{FilledRun, LoweredRun, RunEstimate};
 use crate::study::refusal::Refusal;
 
+use crate::filler::keys::Error;
 use crate::filler::{Filler, Method};
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::key::common::Streams;
-use crate::filler::keys::Error;
 use crate::kinds::gap_fill::lower::estimate::Owner;
 use crate::kinds::gap_fill::lower::fixed::Fixed;
 use crate::kinds::gap_fill::lower::physical::Physical;

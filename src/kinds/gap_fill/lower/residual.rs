@@ -1,7 +1,7 @@
 //! What a filler leaves at a switch, as a function of the phase of the motion there: what whole runs add up.
 
-use crate::kernel::relock_ticks::MAX_TICKS;
 use crate::filler::keys::Error;
+use crate::kernel::relock_ticks::MAX_TICKS;
 use crate::kinds::gap_fill::lower::estimate::{Estimate, functionals};
 use crate::kinds::gap_fill::lower::fixed::ToneMotion;
 use crate::kinds::gap_fill::lower::{Lowered, readout};

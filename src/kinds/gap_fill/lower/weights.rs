@@ -3,9 +3,9 @@
 use core::cell::OnceCell;
 use core::ops::RangeInclusive;
 
+use crate::filler::keys::Error;
 use crate::filler::{Filler, Method};
 use crate::kernel::gap_fill::shape::MARGIN;
-use crate::filler::keys::Error;
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::study::refusal::{Refusal, shown};
 use crate::theory::gap::{Weights, polynomial_weights};

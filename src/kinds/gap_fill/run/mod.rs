@@ -12,8 +12,8 @@ use crate::sampling::sampling::{Work, held_by_all, lacking, sample};
 use crate::sampling::worker::Worker;
 use rayon::prelude::*;
 
-use crate::filler::{Filler, Method};
 use crate::filler::keys::Error;
+use crate::filler::{Filler, Method};
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::point::Point;

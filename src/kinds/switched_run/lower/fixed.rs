@@ -2,7 +2,6 @@
 
 use crate::kernel::moments::LIMIT;
 use crate::kernel::normal::REACH;
-use crate::kinds::switched_run::{FirstMode, Timing};
 use crate::kinds::gap_fill::lower::fixed::{ANGLE_UNITS, SIGMA_UNITS, long_words};
 use crate::kinds::gap_fill::lower::residual::Residual;
 use crate::kinds::switched_run::SwitchedRun;
@@ -10,6 +9,7 @@ use crate::kinds::switched_run::lower::drift::{Drift, Row};
 use crate::kinds::switched_run::lower::relocking::Coupled;
 use crate::kinds::switched_run::lower::warm_up::{INTERVALS, WarmUp};
 use crate::kinds::switched_run::point::Point as RunPoint;
+use crate::kinds::switched_run::{FirstMode, Timing};
 use crate::motion::Frequency;
 
 /// Standard deviations of what many switches and the random walk add up to for which there is room: farther comes no run in

@@ -13,10 +13,10 @@ pub use crate::kinds::switched_run::lower::oracle::RunOracle;
 
 use crate::drift::schedule::Schedule;
 use crate::filler::Filler;
+use crate::filler::keys::Error;
 use crate::kernel::moments::level;
 use crate::kernel::switched_run;
 use crate::key::common::Streams;
-use crate::filler::keys::Error;
 use crate::kinds::gap_fill::lower::residual::Residual;
 use crate::kinds::gap_fill::lower::{Lowered, definition, words_of};
 use crate::kinds::switched_run::lower::drift::Drift;
