@@ -1,4 +1,4 @@
-//! TODO-DOC quantity
+//! Dimensions, units and quantities, and how numbers are written.
 
 pub mod expression;
 pub mod number;

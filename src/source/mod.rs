@@ -1,4 +1,4 @@
-//! TODO-DOC source
+//! A text with places in it, and faults that are told with their place.
 
 pub mod diagnose;
 pub mod setting;
