@@ -45,38 +45,32 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! | entry point | what for |
+//! | name | purpose |
 //! |---|---|
-//! | [`crate::study::Study`] | a study as text, checked and expanded into points |
-//! | [`crate::run::Plan`] | a study run into a [`crate::store::Store`], and its tables |
-//! | [`crate::kinds::gap_fill::lower::Lowered`], [`crate::kinds::allan::lower::Records`] | one point in fixed point, with closed forms |
-//! | [`crate::device::select`], [`crate::verify::verify`] | the device that samples, and whether its bits are the right ones |
-//! | [`crate::view::chart::figure::Figure`], [`crate::view::chart::map::Map`], [`crate::view::report::Report`] | pictures of a table, and the page that has all of them |
-//! | [`crate::described`] | what the columns mean |
-//! | [`crate::record::log::channel::Log`], [`allan`], [`fit`], [`compare`] | recorded data |
-//! | [`crate::analysis::firmware::design::Firmware`], [`crate::analysis::design::design`] | fillers for firmware, and how often to switch |
+//! | [`Study`](study::Study) | a study: text, checked and expanded into points |
+//! | [`Plan`](run::Plan), [`Done`](run::Done), [`Tables`](run::Tables) | a study that can be run, what a run did, its tables |
+//! | [`Store`](store::Store), [`Source`](store::source::Source), [`Share`](tally::share::Share) | results folders, and shares of a study |
+//! | [`Progress`](progress::Progress), [`Silent`](progress::Silent) | how far a run is, and how to stop it |
+//! | [`select`](device::select::select), [`verify`](verify::verify) | the device that samples, and whether its bits are right |
+//! | [`Table`](table::Table), [`Column`](table::Column) | results, with units and bands |
+//! | [`Report`](view::report::Report), [`Figure`](view::chart::figure::Figure), [`pictures`](view::picture::pictures) | the page of a study, and charts |
+//! | [`Log`](record::log::channel::Log), [`Samples`](record::log::samples::Samples) | recorded data, from files and from memory |
+//! | [`curve`](allan::curve::curve), [`DataSheet`](fit::noise::DataSheet) | deviations of a record, and noise coefficients fitted to them |
+//! | [`log::Analysis`](analysis::log::Analysis), [`compare`](analysis::compare::compare) | the noise of a log, and that of two held against each other |
+//! | [`design`](analysis::design::design), [`Firmware`](analysis::firmware::design::Firmware) | how often to switch, and fillers as firmware needs them |
 //! | [`theory`] | the closed forms by themselves |
+//!
+//! Messages write settings as `name = value` in backticks; [`spelled`](source::setting::spelled) turns them into the options of a front end.
 
-pub use sagnac_kernel as kernel;
+#![deny(missing_docs)]
 
 pub mod allan;
 pub mod analysis;
-pub mod chart;
-pub mod described;
 pub mod device;
-pub mod drift;
-pub mod filler;
 pub mod fit;
-pub mod key;
-pub mod kinds;
-pub mod motion;
-pub mod noise;
 pub mod progress;
-pub mod quantity;
 pub mod record;
 pub mod run;
-pub mod sampling;
-pub mod source;
 pub mod store;
 pub mod study;
 pub mod table;
@@ -84,3 +78,30 @@ pub mod tally;
 pub mod theory;
 pub mod verify;
 pub mod view;
+
+// Below the front page: for tests, benches and the front ends, and free to change.
+#[doc(hidden)]
+pub use sagnac_kernel as kernel;
+
+#[doc(hidden)]
+pub mod chart;
+#[doc(hidden)]
+pub mod described;
+#[doc(hidden)]
+pub mod drift;
+#[doc(hidden)]
+pub mod filler;
+#[doc(hidden)]
+pub mod key;
+#[doc(hidden)]
+pub mod kinds;
+#[doc(hidden)]
+pub mod motion;
+#[doc(hidden)]
+pub mod noise;
+#[doc(hidden)]
+pub mod quantity;
+#[doc(hidden)]
+pub mod sampling;
+#[doc(hidden)]
+pub mod source;

@@ -18,6 +18,7 @@ pub struct Basis {
 }
 
 impl Basis {
+    /// The columns of these terms over a curve.
     pub fn new(curve: &Curve, terms: &[Term]) -> Basis {
         let of_term = |&term: &Term| {
             let column = |shape: f64| (shape, curve.of_term(term, 1.0, shape));
@@ -62,6 +63,7 @@ pub fn shape_range(curve: &Curve, term: Term) -> [f64; 2] {
     }
 }
 
+/// Points of the grid of shapes for each factor of ten.
 pub fn per_decade(term: Term) -> f64 {
     if term == Term::Sine { GRID_OF_FREQUENCIES } else { GRID_OF_TIMES }
 }

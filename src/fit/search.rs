@@ -20,8 +20,11 @@ const NEAR: f64 = 1e-6;
 /// A term of a fit: the square of its coefficient, and its shape (1 where it has none).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fitted {
+    /// Which one.
     pub term: Term,
+    /// Square of the coefficient.
     pub square: f64,
+    /// Correlation time, s, or frequency, Hz.
     pub shape: f64,
 }
 
@@ -30,6 +33,7 @@ pub struct Fitted {
 pub struct Solution {
     /// In the order asked for; 0 squares included.
     pub terms: Vec<Fitted>,
+    /// Weighted sum of squared residuals.
     pub chi_squared: f64,
 }
 
@@ -49,6 +53,7 @@ impl<'a> System<'a> {
         System { curve, covariance, target: covariance.whiten(curve.variances()), basis }
     }
 
+    /// The curve that is fitted.
     pub fn curve(&self) -> &Curve {
         self.curve
     }

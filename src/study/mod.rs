@@ -27,17 +27,13 @@ pub use crate::chart::law::Law;
 pub use crate::chart::{Chart, Limit, Named, Shows};
 pub use crate::drift::Drift;
 pub use crate::drift::schedule::Schedule;
-pub use crate::filler::{Fill, Filler, Method, POLYNOMIALS};
 pub use crate::filler::keys::Error;
+pub use crate::filler::{Fill, Filler, Method, POLYNOMIALS};
 pub use crate::key::common::{MOST_TRIALS, Streams};
 pub use crate::key::explained::{Explained, Swept as SweptKey};
 pub use crate::key::row::Key;
 pub use crate::key::scale::Scale;
 pub use crate::key::setting::Swept;
-pub use crate::kinds::relock::inputs::FirstHalf;
-pub use crate::kinds::switched_run::{FirstMode, Timing};
-pub use crate::motion::keys::{Phase, Position};
-pub use crate::study::keys::{explain_key, explained_keys, schema};
 pub use crate::key::sweep::Sweep;
 pub use crate::kinds::allan::Allan;
 pub use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
@@ -46,12 +42,15 @@ pub use crate::kinds::gap_fill::GapFill;
 pub use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
 pub use crate::kinds::gap_fill::point::Point;
 pub use crate::kinds::gap_fill::precision::Precision;
+pub use crate::kinds::relock::inputs::FirstHalf;
 pub use crate::kinds::relock::inputs::{Compensation, Relock};
 pub use crate::kinds::relock::{RelockInputs, RelockPoint, RelockStudy};
 pub use crate::kinds::suspension::{Point as SuspensionPoint, SuspensionStudy};
 pub use crate::kinds::switched_run::point::Point as RunPoint;
 pub use crate::kinds::switched_run::relock::Relocking;
 pub use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
+pub use crate::kinds::switched_run::{FirstMode, Timing};
+pub use crate::motion::keys::{Phase, Position};
 pub use crate::motion::vibration::{Acceleration, Vibration};
 pub use crate::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 pub use crate::noise::{Markov, Noise, Sine, WarmUp};
@@ -59,6 +58,7 @@ pub use crate::quantity::units::{Dimension, Quantity, UnitError, parse as parse_
 pub use crate::source::diagnose::StudyError;
 pub(crate) use crate::source::diagnose::{Fault, Text, nearest};
 pub use crate::study::kept::Input;
+pub use crate::study::keys::{explain_key, explained_keys, schema};
 pub use crate::study::kind::Kind;
 
 use crate::chart;
@@ -66,8 +66,8 @@ use crate::chart::ground::Ground;
 use crate::key::common::{KIND, QUESTION, SEED, STREAMS, TITLE, TRIALS};
 use crate::key::places::Places;
 use crate::key::reading::Reading;
-use crate::key::table::Table;
 use crate::key::sweep::read_all as read_sweeps;
+use crate::key::table::Table;
 use crate::kinds::gap_fill::keys::PRECISION;
 use crate::source::diagnose::Wrong;
 use crate::source::text_file::{Files, MOST_TOML};
@@ -236,10 +236,10 @@ impl Study {
         reading.note(&[&KIND, &TRIALS, &PRECISION]);
         let subject = (kind.read)(&mut reading)?;
         let places = reading.places;
-        let usual = [kind.look.along.or(sweeps.first().map(|sweep| sweep.key.name)), Some(kind.look.estimate)];
-        let charts = chart::read_all(&table, &sweeps, &subject.grounds(), usual, || {
-            subject.default_chart(&sweeps)
-        })?;
+        let usual =
+            [kind.look.along.or(sweeps.first().map(|sweep| sweep.key.name)), Some(kind.look.estimate)];
+        let charts =
+            chart::read_all(&table, &sweeps, &subject.grounds(), usual, || subject.default_chart(&sweeps))?;
         let written_text = |key| table.get(key).map_or(String::new(), |given| given.text().to_owned());
         Ok(Study {
             title: written_text(&TITLE),

@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
+use crate::filler::keys::Error;
 use crate::filler::{Fill, Filler, Method};
 use crate::kernel::launch::Launch;
 use crate::key::common::Streams;
-use crate::motion::keys::{Phase, Position};
-use crate::filler::keys::Error;
 use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::point::Point;
+use crate::motion::keys::{Phase, Position};
 use crate::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 use crate::record::Record;
 use crate::study::refusal::Refusal;

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use crate::devices::{Coverage, adapters, on_cpu, on_gpu, open, reference};
 use sagnac::device::gpu::Gpu;
+use sagnac::filler::keys::Error;
 use sagnac::filler::{Filler, Method};
 use sagnac::kernel::launch::Launch;
 use sagnac::kernel::width::Width;
-use sagnac::motion::keys::{Phase, Position};
-use sagnac::filler::keys::Error;
 use sagnac::kinds::gap_fill::inputs::TickNoise;
+use sagnac::motion::keys::{Phase, Position};
 use sagnac::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 use sagnac::record::Record;
 use sagnac::tally::block::cover;

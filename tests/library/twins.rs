@@ -14,8 +14,8 @@ use sagnac::kernel::philox::{philox, schedule};
 use sagnac::kernel::width::Width;
 use sagnac::kernel::word::Scalar;
 use sagnac::kernel::{Form, KERNELS};
-use sagnac::motion::keys::Phase;
 use sagnac::kinds::gap_fill::inputs::TickNoise;
+use sagnac::motion::keys::Phase;
 use sagnac::tally::block::{Block, cover};
 use sagnac::verify::configurations::{Configuration, configurations};
 

@@ -1,8 +1,8 @@
 //! The fillers of one point of a study as rules in whole numbers, with what is known of their errors.
 
 use crate::analysis::firmware::rule::Rule;
-use crate::filler::{Fill, Filler, Method};
 use crate::filler::keys::Error;
+use crate::filler::{Fill, Filler, Method};
 use crate::key::setting::Swept;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::Inputs;

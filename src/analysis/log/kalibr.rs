@@ -45,7 +45,7 @@ pub enum KalibrError {
         column: String,
     },
     /// A column without noise.
-    #[error("there is nothing to write to an imu.yaml: {column}: no coefficients: {why}")]
+    #[error("there is nothing to write: {column}: no coefficients: {why}")]
     NoCoefficients {
         /// Which one.
         column: String,

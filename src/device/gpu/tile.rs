@@ -21,7 +21,9 @@ pub struct Job {
 /// Ranges of trials of one launch: one dispatch.
 #[derive(Debug, Clone)]
 pub struct Part<'a> {
+    /// The launch.
     pub launch: &'a Launch,
+    /// Its ranges, in order.
     pub pieces: Vec<Piece>,
 }
 
@@ -45,8 +47,11 @@ impl Part<'_> {
 /// A range of trials; its tallies are added to place `to` of the results.
 #[derive(Debug, Clone, Copy)]
 pub struct Piece {
+    /// Number of the first trial.
     pub first: u64,
+    /// How many there are.
     pub count: u64,
+    /// Place of their tallies in the results.
     pub to: usize,
 }
 

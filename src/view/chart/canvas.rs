@@ -263,7 +263,10 @@ impl Display for Element<'_> {
                     write!(f, "M{},{}L{},{}", Px(*x0), Px(*y0), Px(*x1), Px(*y1))?;
                 }
                 let width = Px(*width);
-                write!(f, r#"" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linecap="round"/>"#)
+                write!(
+                    f,
+                    r#"" fill="none" stroke="{colour}" stroke-width="{width}" stroke-linecap="round"/>"#
+                )
             }
             Shape::Line { places, stroke: Stroke { colour, width, dash } } => {
                 let dash =
@@ -301,7 +304,10 @@ impl Display for Element<'_> {
                 let Lettering { size, bold, colour, anchor } = lettering;
                 let weight = if *bold { r#" font-weight="bold""# } else { "" };
                 let (size, text) = (Px(*size), Escaped(text));
-                write!(f, r#" font-size="{size}"{weight} fill="{colour}" text-anchor="{anchor}">{text}</text>"#)
+                write!(
+                    f,
+                    r#" font-size="{size}"{weight} fill="{colour}" text-anchor="{anchor}">{text}</text>"#
+                )
             }
         }
     }

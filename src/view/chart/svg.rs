@@ -1,6 +1,7 @@
 //! A figure as SVG.
 
 use crate::view::chart::area::Area;
+use crate::view::chart::axes;
 use crate::view::chart::canvas::Canvas;
 use crate::view::chart::figure::Figure;
 use crate::view::chart::layout::{HEIGHT, MARGIN, Titles, draw_nothing};
@@ -8,7 +9,6 @@ use crate::view::chart::legend::Legend;
 use crate::view::chart::plot::{self, Plot};
 #[cfg(feature = "png")]
 use crate::view::chart::png::PngError;
-use crate::view::chart::axes;
 
 impl Figure {
     /// The figure as SVG, [`WIDTH`] × [`HEIGHT`] CSS px. Equal figures give equal bytes on every machine.

@@ -1,6 +1,7 @@
 //! A map as SVG.
 
 use crate::view::chart::area::{Area, Frame};
+use crate::view::chart::axes;
 use crate::view::chart::canvas::{Canvas, Stroke};
 use crate::view::chart::layout::{HEIGHT, MARGIN, MOST_LABELS, Titles, draw_nothing};
 use crate::view::chart::legend::{Legend, Row, Sample, wrapped_entry};
@@ -12,7 +13,6 @@ use crate::view::chart::palette::{self, LIMIT, PALE_MUTED};
 use crate::view::chart::png::PngError;
 use crate::view::chart::scale::{Range, Scale};
 use crate::view::chart::ticks::Ticks;
-use crate::view::chart::axes;
 
 impl Map {
     /// The map as SVG, [`WIDTH`] × [`HEIGHT`] CSS px. Equal maps give equal bytes on every machine.
