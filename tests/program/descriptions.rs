@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use crate::desk::Desk;
 use sagnac::chart::file::Source;
 use sagnac::described::{By, File, files, meanings};
+use sagnac::kinds::KINDS;
 use sagnac::kinds::gap_fill::kind::GAP_FILL;
 use sagnac::kinds::relock::kind::RELOCK;
 use sagnac::run::Plan;
@@ -136,7 +137,8 @@ fn every_role_refers_to_a_column_of_its_file() {
 #[test]
 fn every_key_that_can_be_swept_is_described_as_a_column() {
     for key in explained_keys().filter_map(explain_key) {
-        for kind in &key.kinds {
+        for name in &key.kinds {
+            let kind = KINDS.into_iter().find(|kind| kind.name == *name).unwrap();
             let label = key.swept.as_ref().map(|swept| swept.label);
             assert!(label.is_none() || points(kind).column(key.key) == label, "{} of {kind:?}", key.key);
         }
