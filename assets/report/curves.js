@@ -6,11 +6,7 @@ function placed(axis, values) {
   return hidden ? { ...axis, scale: "linear" } : axis;
 }
 
-/** Most points of a line that all have markers, and how many have of more. */
-const MOST_MARKED = 200;
-const MARKED = 40;
-
-/** Dashes, markers and colours by style; the page gives them. */
+/** Dashes, markers and colours by style, and how many points have markers; the page gives them. */
 let looks;
 
 const styled = (list, style) => list[style % list.length];
@@ -83,7 +79,7 @@ class Curves {
   draw(plot, under, over) {
     const { figure } = this;
     for (const { line, at } of this.laws()) {
-      const colour = line.colours.length === 1 ? `c${line.colours[0] % 8}` : "grey";
+      const colour = line.colour === null ? "grey" : `c${line.colour % 8}`;
       this.line(plot, under, line.points, { class: `law ${colour}`, "stroke-dasharray": styled(looks.broad_dashes, at) });
     }
     const series = this.series();
@@ -179,7 +175,7 @@ class Curves {
   markers(plot, group, series) {
     const points = series.points.filter(({ x, y }) => plot.shows(x, y));
     const inside = points.map(({ x, y }) => [plot.across(x), plot.down(y)]).filter((place) => plot.inFrame(place));
-    const step = inside.length > MOST_MARKED && !this.hasLaws ? Math.ceil(inside.length / MARKED) : 1;
+    const step = inside.length > looks.most_marked && !this.hasLaws ? Math.ceil(inside.length / looks.marked) : 1;
     const radius = Math.min(Math.max(((130 * step) / inside.length) * (plot.width / 700), 1.5), 4.2);
     let path = "";
     for (let at = 0; at < inside.length; at += step) path += markerPath(this.dashOf(series), radius, inside[at]);
@@ -267,8 +263,9 @@ class Curves {
       this.ownDashes ? [sampleLine({ class: `thick c${style % 8}` })] : curve({ class: `curve c${style % 8}` }, style), name));
     const dashes = figure.dashes.entries.map(({ style, name }) => entry(`dash ${style}`, curve({ class: "curve grey" }, style), name));
     const laws = figure.laws.map((law, at) => {
-      const one = law.lines.length > 0 && law.lines.every((line) => line.colours.length === 1 && line.colours[0] === law.lines[0].colours[0]);
-      const colour = one ? `c${law.lines[0].colours[0] % 8}` : "grey";
+      const [first, ...others] = law.lines.map((line) => line.colour);
+      const one = first !== null && others.every((other) => other === first);
+      const colour = one ? `c${first % 8}` : "grey";
       return entry(`law ${at}`, [sampleLine({ class: `law ${colour}`, "stroke-dasharray": styled(looks.broad_dashes, at) })], law.label);
     });
     const parts = figure.parts.lines.map((part, at) => entry(`part ${at}`,

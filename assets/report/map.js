@@ -14,27 +14,19 @@ class CellMap {
     return Math.min(Math.max(0.66 * width, 300), 540);
   }
 
-  /** Columns or rows that the scale can show, with the edges of their cells. */
-  along(values, log) {
+  /** Columns (0) or rows (1) that the scale can show, with the edges of their cells. */
+  along(side, log) {
+    const values = side === 0 ? this.map.columns : this.map.rows;
     const shown = values.map((value, at) => ({ value, at })).filter(({ value }) => Range.shows(log, value));
-    if (shown.length < 2) {
-      const { low, high } = Range.around(log, shown.map(({ value }) => value));
-      return { shown, edges: [low, high] };
-    }
-    const scale = new Range(log, shown[0].value, shown[shown.length - 1].value);
-    const at = shown.map(({ value }) => scale.coordinate(value));
-    const middles = at.slice(1).map((here, i) => (here + at[i]) / 2);
-    const last = at.length - 1;
-    const ends = [1.5 * at[0] - 0.5 * at[1], ...middles, 1.5 * at[last] - 0.5 * at[last - 1]];
-    return { shown, edges: ends.map((end) => (log ? 10 ** end : end)) };
+    return { shown, edges: this.map.edges[side][log ? "log" : "linear"] };
   }
 
   ranges(xLog, yLog) {
-    const of = (values, log) => {
-      const { edges } = this.along(values, log);
+    const of = (side, log) => {
+      const { edges } = this.along(side, log);
       return new Range(log, edges[0], edges[edges.length - 1]);
     };
-    return { x: of(this.map.columns, xLog), y: of(this.map.rows, yLog) };
+    return { x: of(0, xLog), y: of(1, yLog) };
   }
 
   /** The value of a cell: that of the winner, or the one shown; null if it is not known. */
@@ -55,7 +47,7 @@ class CellMap {
 
   draw(plot, under, over) {
     const { map, winners } = this;
-    const [across, up] = [this.along(map.columns, plot.log.x), this.along(map.rows, plot.log.y)];
+    const [across, up] = [this.along(0, plot.log.x), this.along(1, plot.log.y)];
     const [xs, ys] = [across.edges.map((edge) => plot.across(edge)), up.edges.map((edge) => plot.down(edge))];
     Object.assign(this, { across, up, xs, ys });
     const colours = this.colours();
@@ -229,7 +221,7 @@ class CellMap {
     for (let step = 0; step < 48; step++) {
       made.push(shape("rect", { x: 4, y: 245 - 5 * step, width: 22, height: 5.5, fill: viridis((step + 0.5) / 48) }));
     }
-    for (const { value, label } of colours.ticks(7, false).major) {
+    for (const { value, label } of colours.ticks(7, this.map.z.ladders).major) {
       made.push(shape("path", { class: "tick", d: `M26,${place(value)}h5` }), shape("text", { x: 35, y: place(value) + 4.5 }, label));
     }
     const limit = this.map.limit?.value;
@@ -247,11 +239,7 @@ function isWide(series) {
 
 /** The colour at a fraction of the scale. */
 function viridis(fraction) {
-  const last = looks.viridis.length - 1;
-  const at = Math.min(Math.max(fraction, 0), 1) * last;
-  const lower = Math.min(Math.floor(at), last - 1);
-  const mixed = looks.viridis[lower].map((part, i) => Math.round(part + (looks.viridis[lower + 1][i] - part) * (at - lower)));
-  return `#${mixed.map((part) => part.toString(16).padStart(2, "0")).join("")}`;
+  return looks.viridis[Math.round(Math.min(Math.max(fraction, 0), 1) * (looks.viridis.length - 1))];
 }
 
 function hatching(id) {

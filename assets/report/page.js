@@ -7,7 +7,9 @@ async function unpacked() {
 }
 
 /** A chart of curves, or a map, with its tools and legend. */
-function chart(host, { stem, picture }) {
+function chart(host, { stem, picture, axes }) {
+  for (const name of ["x", "y", "z"]) if (axes[name]) picture[name].ladders = axes[name];
+  picture.edges = axes.edges;
   const drawing = element("div", { class: "drawing" });
   if (picture.kind === "curves") {
     const subject = new Curves(picture);

@@ -55,14 +55,14 @@ class Plot {
     this.ranges = this.part ?? all;
     const small = this.width < 480;
     const size = small ? 11 : 13;
-    const yTicks = this.ranges.y.ticks(small ? 6 : 8, subject.y.whole);
+    const yTicks = this.ranges.y.ticks(small ? 6 : 8, subject.y.ladders);
     const labels = Math.max(...yTicks.major.map((tick) => textWidth(tick.label, size)), 12);
     const top = 12;
     const names = subject.x.names ?? [];
     this.frame = { left: labels + size + 24, top, right: this.width - 14, bottom: this.height - (names.length > 0 ? 5.6 : 3.4) * size };
     const { left, right, bottom } = this.frame;
     const xTicks = names.length > 0 ? this.ranges.x.names(names)
-      : this.ranges.x.ticks(Math.max(Math.floor((right - left) / (small ? 52 : 70)), 2), subject.x.whole);
+      : this.ranges.x.ticks(Math.max(Math.floor((right - left) / (small ? 52 : 70)), 2), subject.x.ladders);
     picture.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
     picture.style.setProperty("--size", `${size}px`);
     const under = shape("g", { "clip-path": `url(#${this.id})` });

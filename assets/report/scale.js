@@ -1,4 +1,4 @@
-// From numbers to places on an axis, and the ticks of it: as the pictures beside the page have them.
+// From numbers to places on an axis, and which of the given ticks it has.
 
 /** A stretch of numbers, divided by powers of ten or evenly. */
 class Range {
@@ -57,9 +57,21 @@ class Range {
     return apart && Number.isFinite(part.high) && (!part.log || part.low > 0) ? part : this;
   }
 
-  /** Values with labels, at most about so many, and values between them without. */
-  ticks(most, whole) {
-    return this.log ? this.logTicks(most) : this.linearTicks(most, whole);
+  /** Values with labels, at most about so many, and values between them without: of the `ladders` that the page gives, the first that suit. */
+  ticks(most, ladders) {
+    const { levels, steps } = this.log ? ladders.log : ladders.linear;
+    for (const { major, minor } of levels) {
+      const labelled = major.filter(([value]) => this.holds(value)).map(([value, label]) => ({ value, label }));
+      const few = labelled.length >= Math.min(3, most) && labelled.length <= most;
+      if (few) return { major: labelled, minor: minor.filter((value) => this.holds(value)) };
+    }
+    const least = ((this.high - this.low) / most) * (1 - 1e-9);
+    const { step, shown, decimals, power } = steps.find((each) => each.step >= least) ?? steps[steps.length - 1];
+    const major = [];
+    for (let i = Math.ceil(this.low / step - 1e-9); i * step <= this.high + 1e-9 * step; i++) {
+      major.push({ value: i * step, label: i === 0 ? "0" : `${minus((i * shown).toFixed(decimals))}${power}` });
+    }
+    return { major, minor: [] };
   }
 
   /** The places 1, 2, 3, … of names that it holds, as ticks. */
@@ -68,72 +80,8 @@ class Range {
     return { major, minor: [], named: true };
   }
 
-  logTicks(most) {
-    const [first, last] = [this.low, this.high].map((end) => Math.floor(Math.log10(end)));
-    const digits = (counts) => {
-      const all = [];
-      for (let exponent = first; exponent <= last; exponent++) {
-        for (const count of counts) all.push({ count, exponent });
-      }
-      return all.filter((tick) => this.holds(decimal(tick)));
-    };
-    const every = digits([1, 2, 3, 4, 5, 6, 7, 8, 9]);
-    const decades = digits([1]);
-    if (decades.length > most) {
-      const stride = Math.ceil(decades.length / most);
-      return logLabels(decades.filter((tick) => tick.exponent % stride === 0), decades);
-    }
-    if (Math.log10(this.high / this.low) >= 2 && decades.length > 2) return logLabels(decades, every);
-    const labels = [digits([1, 2, 5]), every].find((ticks) => ticks.length >= 3 && ticks.length <= most + 2);
-    return labels ? logLabels(labels, every) : this.linearTicks(most, false);
-  }
-
-  linearTicks(most, whole) {
-    const raw = (this.high - this.low) / most;
-    let exponent = Math.floor(Math.log10(raw));
-    const leading = raw / 10 ** exponent;
-    let count = [1, 2, 5].find((step) => leading <= step * (1 + 1e-9));
-    if (!count) [count, exponent] = [1, exponent + 1];
-    if (whole && exponent < 0) [count, exponent] = [1, 0];
-    const step = decimal({ count, exponent });
-    const major = [];
-    for (let i = Math.ceil(this.low / step - 1e-9); i * step <= this.high * (1 + 1e-12) + 1e-9 * step; i++) {
-      major.push({ count: i * count, exponent });
-    }
-    const largest = Math.max(...major.map((tick) => Math.abs(decimal(tick))), 0);
-    const power = isPlain(largest) ? 0 : Math.floor(Math.log10(largest) + 1e-9);
-    const label = (tick) => {
-      const shown = (tick.count * 10 ** (tick.exponent - power)).toFixed(Math.max(power - tick.exponent, 0));
-      if (tick.count === 0) return "0";
-      return power === 0 ? minus(shown) : `${minus(shown)}·10${raised(power)}`;
-    };
-    return { major: major.map((tick) => ({ value: decimal(tick), label: label(tick) })), minor: [] };
-  }
-
   holds(value) {
     const at = this.fraction(value);
     return at >= -1e-9 && at <= 1 + 1e-9;
   }
-}
-
-function decimal({ count, exponent }) {
-  return Number(`${count}e${exponent}`);
-}
-
-/** Whether labels of this size are easier to read in full than as powers of ten. */
-function isPlain(size) {
-  return size === 0 || (size >= 1e-3 * (1 - 1e-9) && size <= 1e5 * (1 + 1e-9));
-}
-
-/** Labels all alike: in full where that suits each of them, as powers of ten otherwise. */
-function logLabels(labelled, all) {
-  const inFull = labelled.every((tick) => isPlain(decimal(tick)));
-  const label = ({ count, exponent }) => {
-    if (inFull) return decimal({ count, exponent }).toFixed(Math.max(-exponent, 0));
-    if (exponent === 0 || exponent === 1) return `${count}${"0".repeat(exponent)}`;
-    return count === 1 ? `10${raised(exponent)}` : `${count}·10${raised(exponent)}`;
-  };
-  const major = labelled.map((tick) => ({ value: decimal(tick), label: label(tick) }));
-  const minor = all.map(decimal).filter((value) => !major.some((tick) => tick.value === value));
-  return { major, minor };
 }

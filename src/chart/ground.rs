@@ -1,6 +1,6 @@
 //! What is known of a table of results before anything is sampled: the ground that charts are checked on.
 
-use crate::chart::file::Source;
+use crate::chart::Source;
 use crate::chart::law::Law;
 use crate::quantity::units::Dimension;
 use crate::table::Unit;

@@ -1,4 +1,4 @@
-//! Charts as asked for: names of columns, not yet looked up in a table.
+//! The specification of a chart: what a study holds, and what is drawn. Columns are named, not yet looked up in a table.
 
 pub mod columns;
 pub mod file;
@@ -36,6 +36,12 @@ pub struct Named {
     pub span: Range<usize>,
 }
 
+impl From<&str> for Named {
+    fn from(name: &str) -> Named {
+        Named::default(name)
+    }
+}
+
 impl Named {
     pub(crate) fn default(name: &str) -> Named {
         Named { name: name.to_owned(), span: 0..0 }
@@ -48,16 +54,18 @@ impl From<Given<'_>> for Named {
     }
 }
 
-/// One chart.
+/// One chart of a table: curves, or a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
-    /// Absent: the study's.
-    pub title: Option<String>,
+    /// In bold over the chart.
+    pub title: String,
+    /// A second, smaller line; may be empty.
+    pub subtitle: String,
     /// The table that it draws.
     pub source: Source,
     /// The abscissa.
     pub x: Named,
-    /// Of curves the estimate, of a map an axis like x.
+    /// Of curves the estimate, of a map an axis like x. Bands are drawn, and the closed form where the table has one.
     pub y: Named,
     /// Further columns like y, each a curve of its own colour.
     pub beside: Vec<Named>,
@@ -66,12 +74,41 @@ pub struct Chart {
     /// Only rows in which each column, a swept key, `filler` or `error`, has the value: one of those it takes. A chart that is
     /// supplied has those of the keys that it cannot show.
     pub rows: Vec<(Named, Cell)>,
-    /// A line, and what the verdict is about.
+    /// A line, in a unit that the estimate must have, and what the verdict is about.
     pub limit: Option<Limit>,
     /// Of the abscissa.
     pub x_scale: Scale,
     /// Of the ordinate.
     pub y_scale: Scale,
+    /// The columns by which the rows of the table are told apart, such as swept keys: only one of them may vary along a
+    /// curve. Empty: not checked.
+    pub apart: Vec<String>,
+    /// What the points are, for the legend: `Monte Carlo`, `measured`. Empty: not said.
+    pub points: String,
+    /// What the bands are: `95 % band`.
+    pub bands: String,
+}
+
+impl Default for Chart {
+    /// Curves without columns, over logarithmic axes.
+    fn default() -> Chart {
+        Chart {
+            title: String::new(),
+            subtitle: String::new(),
+            source: Source::Points,
+            x: Named::default(""),
+            y: Named::default(""),
+            beside: vec![],
+            shows: Shows::Curves { series: vec![], laws: vec![] },
+            rows: vec![],
+            limit: None,
+            x_scale: Scale::Log,
+            y_scale: Scale::Log,
+            apart: vec![],
+            points: String::new(),
+            bands: String::new(),
+        }
+    }
 }
 
 /// What is allowed of an estimate.
@@ -101,7 +138,7 @@ pub enum Shows {
         /// At most two columns whose values make the curves: the first gives the colour, the second the dash. At most one, for
         /// the dash, where several columns are shown.
         series: Vec<Named>,
-        /// Each once; with any, x is a swept key or `dt_nu`.
+        /// Each once, angles in ″; with any, x of a study is a swept key or `dt_nu`.
         laws: Vec<Law>,
     },
     /// z by colour, over x and y.
@@ -146,6 +183,16 @@ impl Chart {
             Shows::HeatMap { .. } => &[],
             Shows::WinnerMap { of, .. } => std::slice::from_ref(of),
         }
+    }
+
+    /// The second line, if it has one.
+    pub fn subtitle(&self) -> Option<String> {
+        Some(self.subtitle.clone()).filter(|text| !text.is_empty())
+    }
+
+    /// The rows that are drawn: (column, value as files show it).
+    pub fn filter(&self) -> Vec<(String, String)> {
+        self.rows.iter().map(|(column, value)| (column.name.clone(), value.text())).collect()
     }
 
     /// The laws drawn beside curves.
@@ -219,7 +266,7 @@ fn read(
         false => scale_over(name, sweeps, ground),
     };
     let chart = Chart {
-        title: table.get(&TITLE).map(|title| title.text().to_owned()),
+        title: table.get(&TITLE).map_or(String::new(), |title| title.text().to_owned()),
         x_scale: table.get(&X_SCALE).map_or_else(|| usual_scale(&x.name), |scale| Scale::of(Some(scale))),
         y_scale: table.get(&Y_SCALE).map_or_else(|| usual_scale(&y.name), |scale| Scale::of(Some(scale))),
         source: ground.source,
@@ -229,6 +276,7 @@ fn read(
         shows,
         rows,
         limit,
+        ..Chart::default()
     };
     // Without a word on them a curve would jump between rows of several errors, and a map show two values at once.
     let is_named = |column: &str| {

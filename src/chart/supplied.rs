@@ -1,6 +1,5 @@
 //! Parts of the charts that kinds supply to studies which ask for none.
 
-use crate::chart::file::Source;
 use crate::chart::ground::Ground;
 use crate::chart::rows::FILLER;
 use crate::chart::{Chart, Named, Shows, scale_over, usual_rows};
@@ -9,20 +8,10 @@ use crate::key::sweep::Sweep;
 use crate::table::Cell;
 
 impl Chart {
-    /// Curves of the points of a study on linear axes.
+    /// Curves of the points of a study.
     pub(crate) fn curves(x: &str, y: &str, series: Vec<Named>) -> Chart {
-        Chart {
-            title: None,
-            source: Source::Points,
-            x: Named::default(x),
-            y: Named::default(y),
-            beside: vec![],
-            shows: Shows::Curves { series, laws: vec![] },
-            rows: vec![],
-            limit: None,
-            x_scale: Scale::default(),
-            y_scale: Scale::default(),
-        }
+        let shows = Shows::Curves { series, laws: vec![] };
+        Chart { x: x.into(), y: y.into(), shows, ..Chart::default() }
     }
 }
 

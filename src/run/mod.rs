@@ -4,7 +4,7 @@ pub mod keep;
 
 use std::collections::HashSet;
 
-use crate::chart::file::Source;
+use crate::chart::Source;
 use crate::device::Device;
 use crate::device::gpu::GpuError;
 use crate::progress::{Progress, Silent};

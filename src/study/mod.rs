@@ -22,7 +22,7 @@ use miette::NamedSource;
 use toml::Spanned;
 use toml::de::DeTable;
 
-pub use crate::chart::file::Source;
+pub use crate::chart::Source;
 pub use crate::chart::law::Law;
 pub use crate::chart::{Chart, Limit, Named, Shows};
 pub use crate::drift::Drift;
@@ -238,9 +238,26 @@ impl Study {
         let places = reading.places;
         let usual =
             [kind.look.along.or(sweeps.first().map(|sweep| sweep.key.name)), Some(kind.look.estimate)];
-        let charts =
-            chart::read_all(&table, &sweeps, &subject.grounds(), usual, || subject.default_chart(&sweeps))?;
         let written_text = |key| table.get(key).map_or(String::new(), |given| given.text().to_owned());
+        let grounds = subject.grounds();
+        let mut charts =
+            chart::read_all(&table, &sweeps, &grounds, usual, || subject.default_chart(&sweeps))?;
+        for chart in &mut charts {
+            if chart.title.is_empty() {
+                chart.title = written_text(&TITLE);
+            }
+            chart.subtitle = written_text(&QUESTION);
+            let ground = grounds.iter().find(|ground| ground.source == chart.source);
+            let texts = ground.map(Ground::text_names).unwrap_or_default();
+            let apart = sweeps.iter().map(|sweep| sweep.key.name).chain(texts);
+            chart.apart = apart.map(str::to_owned).collect();
+            let points = match chart.source {
+                Source::Points => kind.look.points,
+                Source::Trajectories => "single runs",
+                Source::Coefficients => "Monte Carlo",
+            };
+            (chart.points, chart.bands) = (points.to_owned(), kind.look.bands.to_owned());
+        }
         Ok(Study {
             title: written_text(&TITLE),
             question: written_text(&QUESTION),

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use crate::desk::Desk;
-use sagnac::chart::file::Source;
+use sagnac::chart::Source;
 use sagnac::described::{By, File, files, meanings};
 use sagnac::kinds::KINDS;
 use sagnac::kinds::gap_fill::kind::GAP_FILL;

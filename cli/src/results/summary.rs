@@ -1,15 +1,16 @@
 //! The results of a study in a terminal.
 
 use sagnac::chart::Chart;
-use sagnac::chart::file::Source;
+use sagnac::chart::Source;
 
 use sagnac::quantity::number::significant;
 use sagnac::run::Tables;
 use sagnac::study::Study;
 use sagnac::table::{Cell, Column, ColumnError, Table};
-use sagnac::view::chart::spec::ChartError;
+use sagnac::view::chart::notes::ChartError;
 use sagnac::view::picture::verdict::Verdict;
-use sagnac::view::picture::{Shown as Curves, refused, written};
+use sagnac::view::chart::stack::Shown as Curves;
+use sagnac::view::picture::{refused, written};
 
 use crate::failure::Failure;
 use crate::look;

@@ -2,6 +2,7 @@
 
 use crate::analysis::design::paper::PapersRule;
 use crate::analysis::design::{Design, Filler, Measure, Tried};
+use crate::chart::{Chart, Shows};
 use crate::filler::FILLERS;
 use crate::kinds::gap_fill::columns::FILLER;
 use crate::quantity::number::significant;
@@ -9,8 +10,7 @@ use crate::study::Study;
 use crate::table::column::{Band, columns_of};
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use crate::view::chart::figure::Figure;
-use crate::view::chart::scale::Scale;
-use crate::view::chart::spec::{ChartError, Spec};
+use crate::view::chart::notes::ChartError;
 use serde_json::{Value, json};
 
 /// A row of `design.csv`.
@@ -123,22 +123,19 @@ pub fn headline(found: &Design) -> String {
 /// # Errors
 /// Values that cannot be drawn.
 pub fn figure(study: &Study, found: &Design, table: &Table) -> Result<Figure, ChartError> {
-    let spec = Spec {
+    let series = if found.fillers.len() > 1 { vec!["filler".into()] } else { vec![] };
+    let chart = Chart {
         title: study.title.clone(),
-        subtitle: Some(headline(found)),
-        x: "interval".to_owned(),
-        y: found.measure.name().to_owned(),
-        x_scale: Scale::Log,
-        y_scale: Scale::Log,
-        series: if found.fillers.len() > 1 { vec!["filler".to_owned()] } else { vec![] },
+        subtitle: headline(found),
+        x: "interval".into(),
+        y: found.measure.name().into(),
+        shows: Shows::Curves { series, laws: vec![] },
         apart: vec!["filler".to_owned()],
-        filter: vec![],
-        limit: None,
-        laws: vec![],
         points: "Monte Carlo".to_owned(),
         bands: "95 % band".to_owned(),
+        ..Chart::default()
     };
-    Ok(Figure::from_table(table, &spec)?.0)
+    Ok(Figure::from_table(table, &chart)?.0)
 }
 
 /// The recommendation in words, with what speaks for it.

@@ -9,7 +9,7 @@ use crate::theory::allan::estimator::{Difference, Estimator, Stride};
 use crate::theory::allan::process::Process;
 use crate::theory::allan::{self, holds};
 use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Part, Parts, Series, SeriesPoint};
-use crate::view::chart::scale::Scale;
+use crate::key::scale::Scale;
 
 use crate::analysis::log::notes::heading;
 use crate::analysis::log::{Analysis, Column, Curve};

@@ -1,6 +1,6 @@
 //! The entry of studies of Allan curves in the list of kinds.
 
-use crate::chart::file::Source;
+use crate::chart::Source;
 use crate::chart::ground::{Ground, Number, Text};
 use crate::chart::supplied::at_first;
 use crate::chart::{Chart, Named};

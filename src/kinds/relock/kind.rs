@@ -1,6 +1,6 @@
 //! The entry of relock studies in the list of kinds.
 
-use crate::chart::file::Source;
+use crate::chart::Source;
 use crate::chart::ground::{Ground, Number, Text};
 use crate::chart::law::Law;
 use crate::chart::supplied::at_first;

@@ -1,7 +1,7 @@
 //! The entry of suspension studies in the list of kinds.
 
 use crate::chart::Chart;
-use crate::chart::file::Source;
+use crate::chart::Source;
 use crate::chart::ground::Ground;
 use crate::chart::supplied::over_first_number;
 use crate::key::sweep::Sweep;

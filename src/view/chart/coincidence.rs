@@ -92,7 +92,7 @@ fn same_curve(a: &Series, b: &Series) -> bool {
 mod tests {
     use super::*;
     use crate::view::chart::figure::{Axis, Grouping, Parts, SeriesPoint};
-    use crate::view::chart::scale::Scale;
+    use crate::key::scale::Scale;
 
     fn curve(colour: usize, dash: usize, ys: &[f64]) -> Series {
         let points =

@@ -1,8 +1,8 @@
 //! What a chart shows, independent of how it is drawn.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
-use crate::view::chart::scale::Scale;
+use crate::key::scale::Scale;
 
 /// A chart of curves y(x).
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -115,9 +115,15 @@ pub struct Law {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LawLine {
     /// The [`Entry::style`] among the colours of the curves it is about. Only the line of a single one has its colour.
+    #[serde(rename = "colour", serialize_with = "only")]
     pub colours: Vec<usize>,
     /// By rising x.
     pub points: Vec<(f64, f64)>,
+}
+
+/// The only one of several styles, for pages.
+fn only<S: Serializer>(colours: &[usize], serializer: S) -> Result<S::Ok, S::Error> {
+    crate::view::chart::laws::only(colours).serialize(serializer)
 }
 
 /// What a curve is the sum of: thin dashed lines, for which the axes do not reach.

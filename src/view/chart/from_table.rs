@@ -1,53 +1,57 @@
-//! A figure from the columns of a table.
+//! A figure from a table and the specification of its chart.
 
 use std::collections::BTreeMap;
 
-use crate::quantity::number::significant;
 use crate::table::{Cell, Column, Role, Table, Unit};
 use crate::view::chart::figure::{
     Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Parts, Series, SeriesPoint,
 };
 use crate::view::chart::mixed::check_curves;
-use crate::view::chart::scale::Scale;
-use crate::view::chart::spec::{ChartError, Notes, Spec};
+use crate::chart::{self, Chart};
+use crate::key::scale::Scale;
+use crate::view::chart::notes::{ChartError, Notes};
+use crate::view::chart::stack::Shown;
 
 impl Figure {
-    /// The chart of `table` that `spec` describes. Curves stand in the order of their first rows, and points by rising x;
-    /// curves that coincide are merged by [`Figure::merge_coincident`].
+    /// The curves of `table` that `chart` asks for, in the order of their first rows, with points by rising x; curves that
+    /// coincide are merged by [`Figure::merge_coincident`].
     ///
     /// # Errors
     /// A limit or a law in another unit than that of y, a column that is not there, holds text instead of numbers, or has no row with a
     /// value asked for, a curve through rows that belong on several.
-    pub fn from_table(table: &Table, spec: &Spec) -> Result<(Figure, Notes), ChartError> {
-        let (x, y) = (table.column(&spec.x)?, numbers(table, &spec.y)?);
-        let beside =
-            [spec.limit.map(|limit| ("limit", limit.1)), spec.laws.first().map(|_| ("law", Unit::ARCSEC))];
-        check_unit(&spec.y, y, beside)?;
-        let laws = spec.laws.iter().map(|name| numbers(table, name)).collect::<Result<Vec<_>, _>>()?;
+    pub fn from_table(table: &Table, chart: &Chart) -> Result<(Figure, Notes), ChartError> {
+        let Shown { table, estimate, series } = Shown::of(table, chart)?;
+        let table: &Table = &table;
+        let (x, y) = (table.column(&chart.x.name)?, numbers(table, &estimate)?);
+        let law = chart.laws().first().map(|_| ("law", Unit::ARCSEC));
+        check_unit(&estimate, y, [chart.limit.map(|limit| ("limit", limit.unit)), law])?;
+        let laws = chart.laws().iter().map(|law| numbers(table, law.column())).collect::<Result<Vec<_>, _>>()?;
         let oracle = table.beside(y, Role::Oracle);
-        let (colours, dashes) = match &spec.series[..] {
+        let (colours, dashes) = match &series[..] {
             [] => (None, None),
             [colour] => (Some(table.column(colour)?), None),
             [colour, dash] => (Some(table.column(colour)?), Some(table.column(dash)?)),
             more => return Err(ChartError::TooManySeries { found: more.len() }),
         };
-        let rows = table.rows_where(&spec.filter)?;
-        check_curves(table, spec, &rows)?;
+        let filter = chart.filter();
+        let rows = table.rows_where(&filter)?;
+        check_curves(table, chart, &series, &rows)?;
         let mut figure = Figure {
-            title: spec.title.clone(),
-            subtitle: spec.subtitle.clone(),
-            x: named_axis(x, &rows).unwrap_or_else(|| axis(x, spec.x_scale)),
-            y: axis(y, spec.y_scale),
+            title: chart.title.clone(),
+            subtitle: chart.subtitle(),
+            x: named_axis(x, &rows).unwrap_or_else(|| axis(x, chart.x_scale)),
+            y: axis(y, chart.y_scale),
             colours: grouping(colours, &rows),
             dashes: grouping(dashes, &rows),
-            points: spec.points.clone(),
-            bands: spec.bands.clone(),
+            // What the closed form gives is not sampled.
+            points: if y.role == Role::Oracle { "closed form".to_owned() } else { chart.points.clone() },
+            bands: chart.bands.clone(),
             lines: "closed form".to_owned(),
             series: vec![],
             laws: vec![],
             parts: Parts::default(),
-            limit: spec.limit.map(|(value, _)| limit(value, y)),
-            chosen: table.chosen(&spec.filter)?,
+            limit: chart.limit.map(limit),
+            chosen: table.chosen(&filter)?,
         };
         let names = figure.x.names.clone();
         let mut notes = Notes::default();
@@ -139,12 +143,8 @@ fn named_axis(column: &Column, rows: &[usize]) -> Option<Axis> {
     (!names.is_empty()).then(|| Axis { whole: true, names, ..axis(column, Scale::Linear) })
 }
 
-pub(crate) fn limit(value: f64, y: &Column) -> Limit {
-    let label = match y.unit.symbol {
-        "" => format!("limit {} %", significant(100.0 * value, 6)),
-        symbol => format!("limit {} {symbol}", significant(value, 6)),
-    };
-    Limit { value, label }
+pub(crate) fn limit(limit: chart::Limit) -> Limit {
+    Limit { value: limit.value, label: format!("limit {}", limit.text()) }
 }
 
 /// The different values of a column, in the order of their first rows.
@@ -183,6 +183,8 @@ fn curve(series: &mut Vec<Series>, colour: usize, dash: usize) -> &mut Series {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chart::law::Law;
+    use crate::chart::{Named, Shows};
 
     fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
         Column { name: name.to_owned(), label: name.to_owned(), unit, cells, ..Column::default() }
@@ -217,21 +219,21 @@ mod tests {
         }
     }
 
-    fn spec() -> Spec {
-        Spec {
+    fn series(names: &[&str]) -> Shows {
+        Shows::Curves { series: names.iter().map(|name| Named::from(*name)).collect(), laws: vec![] }
+    }
+
+    fn spec() -> Chart {
+        Chart {
             title: "t".to_owned(),
-            subtitle: None,
-            x: "frequency".to_owned(),
-            y: "rms".to_owned(),
+            x: "frequency".into(),
+            y: "rms".into(),
+            shows: series(&["filler", "gap_ticks"]),
+            limit: Some(chart::Limit { value: 10.0, unit: Unit::ARCSEC }),
             x_scale: Scale::Linear,
-            y_scale: Scale::Log,
-            series: vec!["filler".to_owned(), "gap_ticks".to_owned()],
-            apart: vec![],
-            filter: vec![],
-            limit: Some((10.0, Unit::ARCSEC)),
-            laws: vec![],
             points: "Monte Carlo".to_owned(),
             bands: "95 % band".to_owned(),
+            ..Chart::default()
         }
     }
 
@@ -256,7 +258,7 @@ mod tests {
 
     #[test]
     fn a_filter_keeps_its_rows_and_one_that_keeps_none_says_what_there_is() {
-        let with = |value: &str| Spec { filter: vec![("gap_ticks".to_owned(), value.to_owned())], ..spec() };
+        let with = |value: &str| Chart { rows: vec![("gap_ticks".into(), Cell::Text(value.to_owned()))], ..spec() };
         let (figure, _) = Figure::from_table(&table(), &with("1.0")).unwrap();
         assert_eq!(figure.dashes.entries.len(), 1);
         let error = Figure::from_table(&table(), &with("7")).unwrap_err();
@@ -269,7 +271,7 @@ mod tests {
         table.columns[3].cells[0] = Cell::Number(0.0);
         table.columns[3].cells[1] = Cell::Blank;
         let (_, notes) =
-            Figure::from_table(&table, &Spec { series: vec!["filler".to_owned()], ..spec() }).unwrap();
+            Figure::from_table(&table, &Chart { shows: series(&["filler"]), ..spec() }).unwrap();
         assert_eq!((notes.left_out, notes.blank), (1, 1));
         let sentence = notes.sentence().unwrap();
         assert!(sentence.starts_with("1 of the points cannot be shown on these axes"), "{sentence}");
@@ -282,7 +284,7 @@ mod tests {
         let cells = |x: &mut Cell| *x = Cell::Integer(x.number().unwrap() as i64);
         table.columns[2].cells.iter_mut().for_each(cells);
         table.columns[2].cells[0] = Cell::Blank;
-        let spec = Spec { series: vec!["filler".to_owned(), "gap_ticks".to_owned()], ..spec() };
+        let spec = spec();
         let (figure, notes) = Figure::from_table(&table, &spec).unwrap();
         assert!(figure.x.whole);
         assert_eq!(notes.blank, 0);
@@ -301,18 +303,17 @@ mod tests {
 
     #[test]
     fn text_on_an_axis_and_a_third_grouping_are_refused() {
-        let text = Spec { y: "filler".to_owned(), ..spec() };
+        let text = Chart { y: "filler".into(), ..spec() };
         assert!(matches!(Figure::from_table(&table(), &text), Err(ChartError::NotNumbers { .. })));
-        let three = Spec { series: vec!["filler".to_owned(); 3], ..spec() };
+        let three = Chart { shows: series(&["filler"; 3]), ..spec() };
         assert_eq!(Figure::from_table(&table(), &three), Err(ChartError::TooManySeries { found: 3 }));
     }
 
     #[test]
     fn texts_on_the_abscissa_stand_side_by_side_and_no_line_joins_them() {
-        let filter = vec![("frequency".to_owned(), "2".to_owned())];
-        let series = vec!["gap_ticks".to_owned()];
-        let spec =
-            Spec { x: "filler".to_owned(), x_scale: Scale::Log, series, filter, limit: None, ..spec() };
+        let rows = vec![("frequency".into(), Cell::Number(2.0))];
+        let shows = series(&["gap_ticks"]);
+        let spec = Chart { x: "filler".into(), x_scale: Scale::Log, shows, rows, limit: None, ..spec() };
         let (figure, _) = Figure::from_table(&table(), &spec).unwrap();
         assert_eq!(
             (&figure.x.names[..], figure.x.scale),
@@ -333,6 +334,7 @@ mod tests {
 
     #[test]
     fn laws_are_lines_of_each_curve_joined_where_they_are_one_and_coloured_where_they_are_of_one_colour() {
+        const LAWS: [Law; 3] = [Law::TaylorExtremum, Law::TaylorZeroCrossing, Law::Noise];
         let mut table = table();
         let fillers: Vec<String> = table.columns[0].cells.iter().map(Cell::text).collect();
         let xs: Vec<f64> = table.columns[2].cells.iter().filter_map(Cell::number).collect();
@@ -341,11 +343,12 @@ mod tests {
             cells.collect()
         };
         let named = |filler: &str, x: f64| Some(if filler == "quad" { x * x * x } else { x * x });
-        table.columns.push(column("named", Unit::ARCSEC, law(named)));
-        table.columns.push(column("not const", Unit::ARCSEC, law(|name, x| (name != "const").then_some(x))));
-        table.columns.push(column("none", Unit::ARCSEC, law(|_, _| None)));
-        let laws = ["named", "not const", "none"].map(str::to_owned).to_vec();
-        let (figure, _) = Figure::from_table(&table, &Spec { laws, ..spec() }).unwrap();
+        table.columns.push(column(LAWS[0].column(), Unit::ARCSEC, law(named)));
+        table.columns.push(column(LAWS[1].column(), Unit::ARCSEC, law(|name, x| (name != "const").then_some(x))));
+        table.columns.push(column(LAWS[2].column(), Unit::ARCSEC, law(|_, _| None)));
+        let laws = LAWS.to_vec();
+        let shows = Shows::Curves { series: ["filler", "gap_ticks"].map(Named::from).to_vec(), laws };
+        let (figure, _) = Figure::from_table(&table, &Chart { shows, ..spec() }).unwrap();
         let lines: Vec<_> = figure
             .laws
             .iter()
@@ -355,17 +358,21 @@ mod tests {
             })
             .collect();
         // "copy" is merged into "const", and with it the law that only the copy has.
-        assert_eq!(lines, [("named", vec![(Some(0), 3), (Some(1), 3)]), ("not const", vec![(None, 3)])]);
+        assert_eq!(lines, [(LAWS[0].column(), vec![(Some(0), 3), (Some(1), 3)]), (LAWS[1].column(), vec![(None, 3)])]);
     }
 
     #[test]
     fn limits_and_laws_are_drawn_on_angles_only() {
-        let frequency = Spec { y: "frequency".to_owned(), ..spec() };
+        let frequency = Chart { y: "frequency".into(), ..spec() };
         let error = Figure::from_table(&table(), &frequency).unwrap_err().to_string();
         assert_eq!(error, "`frequency` is in Hz, a limit in ″ cannot be drawn on it");
-        let law = Spec { limit: None, laws: vec!["rms".to_owned()], ..frequency.clone() };
+        let law = Chart {
+            limit: None,
+            shows: Shows::Curves { series: vec![], laws: vec![Law::Noise] },
+            ..frequency.clone()
+        };
         let error = Figure::from_table(&table(), &law).unwrap_err().to_string();
         assert_eq!(error, "`frequency` is in Hz, a law in ″ cannot be drawn on it");
-        assert!(Figure::from_table(&table(), &Spec { limit: None, ..frequency }).is_ok());
+        assert!(Figure::from_table(&table(), &Chart { limit: None, ..frequency }).is_ok());
     }
 }

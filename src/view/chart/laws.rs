@@ -45,9 +45,14 @@ impl LawLine {
 
     /// The style of the only colour that it is about.
     pub(crate) fn colour(&self) -> Option<usize> {
-        let (first, others) = self.colours.split_first()?;
-        others.iter().all(|other| other == first).then_some(*first)
+        only(&self.colours)
     }
+}
+
+/// The style that several are, if they are one.
+pub(crate) fn only(colours: &[usize]) -> Option<usize> {
+    let (first, others) = colours.split_first()?;
+    others.iter().all(|other| other == first).then_some(*first)
 }
 
 /// Whether two lines have a stretch in common, and are the same there.
@@ -75,7 +80,7 @@ fn on_line(line: &[(f64, f64)], x: f64) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::view::chart::figure::{Axis, Grouping, Law, Parts};
-    use crate::view::chart::scale::Scale;
+    use crate::key::scale::Scale;
 
     fn line(colour: usize, xs: &[f64], law: fn(f64) -> f64) -> LawLine {
         LawLine { colours: vec![colour], points: xs.iter().map(|&x| (x, law(x))).collect() }

@@ -2,18 +2,24 @@
 
 use std::collections::HashMap;
 
+use crate::chart::Chart;
 use crate::table::{Cell, Column, Role, Table};
-use crate::view::chart::spec::{ChartError, Spec};
+use crate::view::chart::notes::ChartError;
 
 /// Refuses curves along which more varies than one of the columns that tell rows apart, or whose abscissa stands still
 /// while that one varies.
 ///
 /// # Errors
 /// A column that is not there, and the first such curve.
-pub(crate) fn check_curves(table: &Table, spec: &Spec, rows: &[usize]) -> Result<(), ChartError> {
+pub(crate) fn check_curves(
+    table: &Table,
+    chart: &Chart,
+    series: &[String],
+    rows: &[usize],
+) -> Result<(), ChartError> {
     let columns =
         |names: &[String]| names.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>();
-    let (x, series, apart) = (table.column(&spec.x)?, columns(&spec.series)?, columns(&spec.apart)?);
+    let (x, series, apart) = (table.column(&chart.x.name)?, columns(series)?, columns(&chart.apart)?);
     let mut curves: Vec<Vec<usize>> = vec![];
     let mut places = HashMap::new();
     for &row in rows {
@@ -70,7 +76,6 @@ fn mixed<'t>(
 mod tests {
     use super::*;
     use crate::table::Unit;
-    use crate::view::chart::scale::Scale;
 
     /// Frequencies 1 and 2, gaps 1 and 2, two fillers; Δt·ν is their product, which no two points share.
     fn table() -> Table {
@@ -106,24 +111,11 @@ mod tests {
     /// What is said of a chart over `x` with these series and rows; nothing where it is drawn.
     fn said(x: &str, series: &[&str], filter: &[(&str, &str)]) -> String {
         let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<String>>();
-        let spec = Spec {
-            title: String::new(),
-            subtitle: None,
-            x: x.to_owned(),
-            y: "rms".to_owned(),
-            x_scale: Scale::Log,
-            y_scale: Scale::Log,
-            series: names(series),
-            apart: names(&["motion.frequency", "switching.gap_ticks", "filler"]),
-            filter: vec![],
-            limit: None,
-            laws: vec![],
-            points: String::new(),
-            bands: String::new(),
-        };
+        let apart = names(&["motion.frequency", "switching.gap_ticks", "filler"]);
+        let chart = Chart { x: x.into(), y: "rms".into(), apart, ..Chart::default() };
         let table = table();
         let rows = table.rows_where(filter).unwrap();
-        check_curves(&table, &spec, &rows).map_or_else(|error| error.to_string(), |()| String::new())
+        check_curves(&table, &chart, &names(series), &rows).map_or_else(|error| error.to_string(), |()| String::new())
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! Charts: a table becomes a [`Figure`] of curves or a [`Map`], these a list of shapes, which is written as SVG or painted as PNG.
 //!
 //! ```text
-//! Table ─ Spec ────▶ Figure ─▶ Canvas ─┬─ svg() ─▶ SVG text
-//!       └ MapSpec ─▶ Map ──────┘       └─ png() ─▶ PNG bytes
+//! Table, Chart ─┬─▶ Figure ─┬─▶ Canvas ─┬─ svg() ─▶ SVG text
+//!               └─▶ Map ────┘           └─ png() ─▶ PNG bytes
 //! ```
 //!
 //! The same figure gives the same SVG on every machine: logarithms are libm's, coordinates are rounded to 0.01 px,
@@ -13,8 +13,11 @@
 //! shows line *or* marker in a legend, never both, and takes logarithms from the platform.
 //!
 //! ```
-//! use sagnac::view::chart::{Figure, Map, MapSpec, Scale, Show, Spec};
+//! use sagnac::chart::{Chart, Limit, Shows};
+//! use sagnac::key::scale::Scale;
 //! use sagnac::table::{Cell, Column, Table, Unit};
+//! use sagnac::view::chart::figure::Figure;
+//! use sagnac::view::chart::map::Map;
 //!
 //! let column = |name: &str, unit, values: &[f64]| Column {
 //!     name: name.to_owned(),
@@ -31,41 +34,24 @@
 //!     ],
 //! };
 //!
-//! let curves = Spec {
+//! let curves = Chart {
 //!     title: "Error".to_owned(),
-//!     subtitle: None,
-//!     x: "frequency".to_owned(),
-//!     y: "rms".to_owned(),
-//!     x_scale: Scale::Log,
-//!     y_scale: Scale::Log,
-//!     series: vec!["amplitude".to_owned()],
-//!     apart: vec![],
-//!     filter: vec![],
-//!     limit: Some((10.0, Unit::ARCSEC)),
-//!     laws: vec![],
-//!     points: String::new(),
-//!     bands: String::new(),
+//!     x: "frequency".into(),
+//!     y: "rms".into(),
+//!     shows: Shows::Curves { series: vec!["amplitude".into()], laws: vec![] },
+//!     limit: Some(Limit { value: 10.0, unit: Unit::ARCSEC }),
+//!     ..Chart::default()
 //! };
 //! let (figure, notes) = Figure::from_table(&table, &curves)?;
 //! assert_eq!((figure.series.len(), notes.left_out), (2, 0));
 //! assert!(figure.svg().starts_with("<svg"));
 //!
-//! let cells = MapSpec {
-//!     title: "Error".to_owned(),
-//!     subtitle: None,
-//!     x: "frequency".to_owned(),
-//!     y: "amplitude".to_owned(),
-//!     z: "rms".to_owned(),
-//!     x_scale: Scale::Log,
-//!     y_scale: Scale::Log,
-//!     show: Show::Values(Scale::Log),
-//!     filter: vec![],
-//!     limit: Some((10.0, Unit::ARCSEC)),
-//! };
+//! let shows = Shows::HeatMap { z: "rms".into(), z_scale: Scale::Log };
+//! let cells = Chart { y: "amplitude".into(), shows, ..curves };
 //! let (map, _) = Map::from_table(&table, &cells)?;
 //! assert_eq!((map.known(), map.within_limit()), (4, Some(3)));
 //! assert!(map.svg().contains("Error"));
-//! # Ok::<(), sagnac::view::chart::spec::ChartError>(())
+//! # Ok::<(), sagnac::view::chart::notes::ChartError>(())
 //! ```
 
 pub mod area;
@@ -80,29 +66,15 @@ pub mod layout;
 pub mod legend;
 pub mod map;
 pub mod mixed;
+pub mod notes;
 pub mod palette;
 pub mod picture;
 pub mod plot;
 #[cfg(feature = "png")]
 pub mod png;
 pub mod scale;
-pub mod spec;
 pub mod stack;
 pub mod svg;
 pub mod text;
 pub mod ticks;
 pub mod whole;
-
-pub use crate::view::chart::console::Look;
-pub use crate::view::chart::figure::{
-    Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Part, Parts, Series, SeriesPoint,
-};
-pub use crate::view::chart::layout::{HEIGHT, WIDTH};
-pub use crate::view::chart::map::spec::{MapNotes, MapSpec, Show};
-pub use crate::view::chart::map::{Cells, Estimate, Layer, Map, Won};
-pub use crate::view::chart::picture::Picture;
-#[cfg(feature = "png")]
-pub use crate::view::chart::png::PngError;
-pub use crate::view::chart::scale::Scale;
-pub use crate::view::chart::spec::{ChartError, Notes, Spec};
-pub use crate::view::chart::stack::{CURVE, stacked};

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use crate::view::chart::map::colour_scale::VIRIDIS;
+use crate::view::chart::map::colour_scale;
+use crate::view::chart::plot::{MARKED, MOST_MARKED};
 
 /// Colours that differ for colour-blind readers and, in the first three, by lightness in greyscale (L* 29, 48, 69).
 /// After Paul Tol's schemes and Okabe and Ito.
@@ -56,16 +57,29 @@ pub(crate) struct Looks {
     thin_dashes: &'static [&'static str],
     broad_dashes: &'static [&'static str],
     markers: &'static [&'static [(f64, f64)]],
-    viridis: &'static [[u8; 3]],
+    /// From the least to the greatest value, evenly.
+    viridis: Vec<String>,
+    /// Most points of a line that all have markers, and how many have of more.
+    most_marked: usize,
+    marked: usize,
 }
 
-pub(crate) const LOOKS: Looks = Looks {
-    dashes: &DASHES,
-    thin_dashes: &THIN_DASHES,
-    broad_dashes: &BROAD_DASHES,
-    markers: &MARKERS,
-    viridis: &VIRIDIS,
-};
+impl Looks {
+    pub(crate) fn new() -> Looks {
+        /// Finer than can be told apart.
+        const COLOURS: u8 = 200;
+        let colour = |at: u8| colour_scale::colour(f64::from(at) / f64::from(COLOURS));
+        Looks {
+            dashes: &DASHES,
+            thin_dashes: &THIN_DASHES,
+            broad_dashes: &BROAD_DASHES,
+            markers: &MARKERS,
+            viridis: (0..=COLOURS).map(colour).collect(),
+            most_marked: MOST_MARKED,
+            marked: MARKED,
+        }
+    }
+}
 
 /// A style sheet with the colours of styles on light and on dark paper, of the class `c0` and so on.
 pub(crate) fn style_sheet() -> String {

@@ -5,14 +5,15 @@ use crate::view::chart::canvas::{Canvas, Lettering, Stroke};
 use crate::view::chart::figure::{Figure, Limit, Series, SeriesPoint};
 use crate::view::chart::legend::{law_stroke, part_stroke};
 use crate::view::chart::palette::{self, LIMIT};
-use crate::view::chart::scale::{Range, Scale};
+use crate::key::scale::Scale;
+use crate::view::chart::scale::Range;
 use crate::view::chart::text;
 
 /// Most points of a line that all have markers.
-const MOST_MARKED: usize = 200;
+pub(crate) const MOST_MARKED: usize = 200;
 
 /// How many have of more points, at the most.
-const MARKED: usize = 40;
+pub(crate) const MARKED: usize = 40;
 
 /// Half the width of a closed form where names stand side by side.
 const LAW_WIDTH: f64 = 12.0;

@@ -1,18 +1,17 @@
 //! From numbers to places on an axis.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+
+use crate::key::scale::Scale;
 
 /// Numbers below are as good as zero.
 const TINY: f64 = 1e-250;
 
-/// How an axis is divided.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Scale {
-    /// By powers of ten.
-    Log,
-    /// Evenly.
-    Linear,
+impl Serialize for Scale {
+    /// As study files call it.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
 }
 
 impl Scale {

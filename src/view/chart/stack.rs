@@ -1,13 +1,50 @@
 //! Several columns of a table as one, so that each is a curve.
 
+use std::borrow::Cow;
+
+use crate::chart::Chart;
 use crate::table::{Cell, Column, Role, Table};
-use crate::view::chart::spec::ChartError;
+use crate::view::chart::notes::ChartError;
 
 /// The column that names what a stacked value is.
 pub const CURVE: &str = "curve";
 
 /// What stands in labels between the quantity that columns share and what each of them is.
 const BETWEEN: &str = ": ";
+
+/// The table of a chart; of a chart of several columns one in which they are stacked.
+#[derive(Debug)]
+pub struct Shown<'t> {
+    /// With a column that tells the stacked ones apart.
+    pub table: Cow<'t, Table>,
+    /// The column of the estimates.
+    pub estimate: String,
+    /// The columns whose values are told apart.
+    pub series: Vec<String>,
+}
+
+impl<'t> Shown<'t> {
+    /// What `chart` shows of a table.
+    ///
+    /// # Errors
+    /// A column to be stacked is not there, stands twice or is in another unit.
+    pub fn of(table: &'t Table, chart: &Chart) -> Result<Shown<'t>, ChartError> {
+        let series = chart.series().iter().map(|column| column.name.clone());
+        let estimate = chart.estimate().name.clone();
+        if chart.beside.is_empty() {
+            return Ok(Shown { table: Cow::Borrowed(table), estimate, series: series.collect() });
+        }
+        let names: Vec<&str> = chart.columns().map(|column| column.name.as_str()).collect();
+        let table = Cow::Owned(stacked(table, &names)?);
+        Ok(Shown { table, estimate, series: std::iter::once(CURVE.to_owned()).chain(series).collect() })
+    }
+
+    /// Whether names stand side by side on the abscissa.
+    pub fn is_named(&self, chart: &Chart) -> bool {
+        let x = self.table.column(&chart.x.name);
+        x.is_ok_and(|x| x.cells.iter().any(|cell| matches!(cell, Cell::Text(_))))
+    }
+}
 
 /// The table with the columns `names` one below the other, under the name of the first: all other columns are repeated for
 /// each, closed forms stay with their columns, and [`CURVE`] tells them apart by their labels. Of labels such as `drift: bound` and `drift: mean` the first part

@@ -16,7 +16,8 @@ impl Figure {
     /// Points that the axes cannot show are missing in it; [`Figure::left_out`] counts them.
     ///
     /// ```
-    /// # use sagnac::view::chart::*;
+    /// # use sagnac::key::scale::Scale;
+    /// # use sagnac::view::chart::figure::*;
     /// let axis = |label: &str, unit: &str| Axis {
     ///     label: label.into(), unit: unit.into(), scale: Scale::Log, whole: false, names: vec![],
     /// };
@@ -95,7 +96,7 @@ mod tests {
     use crate::view::chart::figure::{
         Axis, Entry, Grouping, Law, LawLine, Limit, Part, Parts, Series, SeriesPoint,
     };
-    use crate::view::chart::scale::Scale;
+    use crate::key::scale::Scale;
     use roxmltree::Document;
     #[cfg(feature = "png")]
     use tiny_skia::Pixmap;

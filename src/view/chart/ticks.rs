@@ -2,10 +2,13 @@
 //!
 //! A tick is `count · 10^exponent` with whole numbers, so that its label is exact and never 0.30000000000000004.
 
-use crate::view::chart::scale::{Range, Scale};
+use serde::Serialize;
+
+use crate::key::scale::Scale;
+use crate::view::chart::scale::Range;
 
 /// The ticks of one axis.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub(crate) struct Ticks {
     /// Labelled.
     pub major: Vec<(f64, String)>,
@@ -20,7 +23,69 @@ struct Decimal {
     exponent: i32,
 }
 
+/// The ticks that an axis has as a whole and in its parts.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Ladder {
+    /// Those by powers of ten, the best first; none of a linear axis.
+    levels: Vec<Ticks>,
+    /// The distances of even ones, rising.
+    steps: Vec<Step>,
+}
+
+/// Ticks at even distances, and how their labels are written: as multiples of `shown` with so many decimals, and a power of
+/// ten.
+#[derive(Debug, Clone, Serialize)]
+struct Step {
+    step: f64,
+    shown: f64,
+    decimals: usize,
+    power: String,
+}
+
+impl Step {
+    /// The labels of multiples of `step` up to `largest`.
+    fn new(step: Decimal, largest: f64) -> Step {
+        let power = power_of(largest);
+        let shown = Decimal { exponent: step.exponent - power, ..step };
+        let suffix = if power == 0 { String::new() } else { format!("·10{}", superscript(power)) };
+        Step { step: step.value(), shown: shown.value(), decimals: shown.decimals(), power: suffix }
+    }
+}
+
 impl Decimal {
+    /// The least of 1, 2 and 5 times a power of ten that is `least` or more.
+    fn step(least: f64) -> Decimal {
+        let exponent = libm::floor(libm::log10(least)) as i32;
+        let leading = least / Decimal { count: 1, exponent }.value();
+        match [1, 2, 5].into_iter().find(|&count| leading <= count as f64 + 1e-9) {
+            Some(count) => Decimal { count, exponent },
+            None => Decimal { count: 1, exponent: exponent + 1 },
+        }
+    }
+
+    /// The next longer step.
+    fn next(self) -> Decimal {
+        match self.count {
+            1 => Decimal { count: 2, ..self },
+            2 => Decimal { count: 5, ..self },
+            _ => Decimal { count: 1, exponent: self.exponent + 1 },
+        }
+    }
+
+    /// The step of the ticks without labels between those of this step.
+    fn minor(self) -> Decimal {
+        match self.count {
+            1 => Decimal { count: 2, exponent: self.exponent - 1 },
+            2 => Decimal { count: 5, exponent: self.exponent - 1 },
+            _ => Decimal { count: 1, ..self },
+        }
+    }
+
+    /// How many decimals it takes to write it in full.
+    fn decimals(self) -> usize {
+        (-self.exponent).max(0) as usize
+    }
+
     /// The nearest f64, by way of text: that conversion rounds correctly on every machine.
     fn value(self) -> f64 {
         format!("{}e{}", self.count, self.exponent).parse().unwrap_or(f64::NAN)
@@ -40,48 +105,62 @@ impl Range {
         (-1e-9..=1.0 + 1e-9).contains(&self.fraction(tick.value()))
     }
 
-    /// Labels on the decades; under two decades, or of only two powers of ten, also on 2 and 5, then on every digit, then as on a linear axis, whichever
-    /// first gives three labels.
     fn log_ticks(&self, most: usize) -> Ticks {
+        let few = |ticks: &Ticks| (3..=most).contains(&ticks.major.len());
+        self.log_levels().into_iter().find(few).unwrap_or_else(|| self.linear_ticks(most))
+    }
+
+    /// Ticks of a logarithmic axis; the first with at least three labels, and not too many, are the best: the decades, some of
+    /// them, 1, 2 and 5 of each, every digit. Where none are, ticks at even distances suit.
+    fn log_levels(&self) -> Vec<Ticks> {
         let [first, last] = [self.low, self.high].map(|end| libm::floor(libm::log10(end)) as i32);
         let digits = |digits: &[i64]| -> Vec<Decimal> {
             let all = (first..=last)
                 .flat_map(|exponent| digits.iter().map(move |&count| Decimal { count, exponent }));
             all.filter(|tick| self.holds(*tick)).collect()
         };
-        let decades = digits(&[1]);
-        if decades.len() > most {
-            let stride = decades.len().div_ceil(most) as i32;
-            let labelled: Vec<_> =
-                decades.iter().copied().filter(|tick| tick.exponent % stride == 0).collect();
-            return labelled_log(&labelled, &decades);
-        }
-        let every = digits(&[1, 2, 3, 4, 5, 6, 7, 8, 9]);
-        if libm::log10(self.high) - libm::log10(self.low) >= 2.0 && decades.len() > 2 {
-            return labelled_log(&decades, &every);
-        }
-        match [digits(&[1, 2, 5]), every.clone()].into_iter().find(|labels| labels.len() >= 3) {
-            Some(labels) => labelled_log(&labels, &every),
-            None => self.linear_ticks(most),
-        }
+        let (decades, every) = (digits(&[1]), digits(&[1, 2, 3, 4, 5, 6, 7, 8, 9]));
+        let strided = |stride: i32| -> Vec<Decimal> {
+            decades.iter().copied().filter(|tick| tick.exponent % stride == 0).collect()
+        };
+        let widest = (decades.len() / 2).max(1) as i32;
+        let mut levels = vec![labelled_log(&decades, &every)];
+        levels.extend((2..=widest).map(|stride| labelled_log(&strided(stride), &decades)));
+        levels.extend([digits(&[1, 2, 5]), every.clone()].map(|labels| labelled_log(&labels, &every)));
+        levels
     }
 
     fn linear_ticks(&self, most: usize) -> Ticks {
-        let raw = (self.high / most as f64) - (self.low / most as f64);
-        let exponent = libm::floor(libm::log10(raw)) as i32;
-        let leading = raw / Decimal { count: 1, exponent }.value();
-        let step = |count, exponent| Decimal { count, exponent };
-        let (major, minor) = if leading <= 1.0 + 1e-9 {
-            (step(1, exponent), step(2, exponent - 1))
-        } else if leading <= 2.0 + 1e-9 {
-            (step(2, exponent), step(5, exponent - 1))
-        } else if leading <= 5.0 + 1e-9 {
-            (step(5, exponent), step(1, exponent))
-        } else {
-            (step(1, exponent + 1), step(2, exponent))
-        };
+        let major = Decimal::step((self.high / most as f64) - (self.low / most as f64));
         let labels = linear_labels(&self.multiples(major));
-        Ticks { minor: without(&self.multiples(minor), &labels), major: labels }
+        Ticks { minor: without(&self.multiples(major.minor()), &labels), major: labels }
+    }
+
+    /// All ticks that parts of the range may have, and what lies somewhat beyond it; at whole numbers only if it is of counts.
+    pub fn ladder(&self, whole: bool) -> Ladder {
+        /// A reader may look so far beyond a logarithmic axis.
+        const BEYOND: f64 = 100.0;
+        let wider = Range { low: self.low / BEYOND, high: self.high * BEYOND, ..*self };
+        let mut levels = if self.scale == Scale::Log { wider.log_levels() } else { vec![] };
+        if whole {
+            for level in &mut levels {
+                level.major.retain(|(value, _)| value.fract() == 0.0);
+                level.minor.retain(|value| value.fract() == 0.0);
+            }
+        }
+        let largest = self.low.abs().max(self.high.abs());
+        // Down to a thousandth of the axis; on a logarithmic one small values have as much room as large ones.
+        let smallest = if self.scale == Scale::Log { self.low } else { self.high - self.low };
+        let least = 1e-3 * smallest;
+        let mut step = Decimal::step(if whole { least.max(1.0) } else { least });
+        let mut steps = vec![];
+        while steps.is_empty() || step.value() < self.high - self.low {
+            // A logarithmic axis has even distances in less than a decade only.
+            let shown = if self.scale == Scale::Log { largest.min(30.0 * step.value()) } else { largest };
+            steps.push(Step::new(step, shown));
+            step = step.next();
+        }
+        Ladder { levels, steps }
     }
 
     /// The multiples of `step` inside the range.
@@ -119,13 +198,18 @@ fn labelled_log(labels: &[Decimal], all: &[Decimal]) -> Ticks {
     Ticks { minor: without(all, &major), major }
 }
 
+/// The power of ten that labels up to `largest` are written over.
+fn power_of(largest: f64) -> i32 {
+    if plain(largest) { 0 } else { libm::floor(libm::log10(largest) + 1e-9) as i32 }
+}
+
 /// Labels with the decimals that their step asks for, over one common power of ten where the numbers are unwieldy.
 fn linear_labels(labels: &[Decimal]) -> Vec<(f64, String)> {
     let largest = labels.iter().map(|tick| tick.value().abs()).fold(0.0, f64::max);
-    let power = if plain(largest) { 0 } else { libm::floor(libm::log10(largest) + 1e-9) as i32 };
+    let power = power_of(largest);
     let text = |tick: Decimal| {
         let shown = Decimal { exponent: tick.exponent - power, ..tick };
-        let number = format!("{:.*}", (-shown.exponent).max(0) as usize, shown.value()).replace('-', "−");
+        let number = format!("{:.*}", shown.decimals(), shown.value()).replace('-', "−");
         match (tick.count, power) {
             (0, _) => "0".to_owned(),
             (_, 0) => number,
@@ -192,6 +276,21 @@ mod tests {
         );
         assert_eq!(labels(Scale::Linear, 0.0, 2.5e6)[1..3], ["0.5·10⁶", "1.0·10⁶"]);
         assert_eq!(labels(Scale::Linear, 1e-7, 1.4e-7)[0], "1.00·10⁻⁷");
+    }
+
+    #[test]
+    fn a_ladder_has_the_steps_of_every_part_of_an_axis() {
+        let ladder = Range { scale: Scale::Linear, low: 0.0, high: 1.05 }.ladder(false);
+        assert!(ladder.levels.is_empty());
+        let written = |step: &Step| format!("{:.*}{}", step.decimals, 3.0 * step.shown, step.power);
+        let shown: Vec<String> = ladder.steps.iter().map(written).collect();
+        assert_eq!(shown[..4], ["0.006", "0.015", "0.03", "0.06"]);
+        assert_eq!(shown.last().map(String::as_str), Some("3"));
+        let ladder = Range { scale: Scale::Linear, low: 0.0, high: 2.5e6 }.ladder(false);
+        assert_eq!(written(ladder.steps.last().unwrap()), "6·10⁶");
+        let ladder = Range { scale: Scale::Log, low: 0.01, high: 100.0 }.ladder(false);
+        assert_eq!(ladder.levels[0].major.len(), 9, "two decades beyond either end");
+        assert!(ladder.steps[0].step <= 1e-5 && ladder.steps.last().unwrap().step >= 50.0);
     }
 
     #[test]

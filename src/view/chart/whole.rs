@@ -2,7 +2,8 @@
 
 use crate::view::chart::figure::Axis;
 use crate::view::chart::layout::MOST_LABELS;
-use crate::view::chart::scale::{Range, Scale};
+use crate::key::scale::Scale;
+use crate::view::chart::scale::Range;
 use crate::view::chart::ticks::Ticks;
 
 /// So many whole numbers have a label each.

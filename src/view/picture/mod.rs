@@ -7,24 +7,18 @@
 
 pub mod verdict;
 
-use std::borrow::Cow;
-
-use crate::chart::file::Source;
 use crate::chart::{Chart, Shows};
 use crate::key::setting::Swept;
 use crate::run::Tables;
 use crate::source::diagnose::StudyError;
 use crate::study::{self, Study};
 use crate::table::unit::bare;
-use crate::table::{Cell, ColumnError, Role, Table};
-use crate::view::chart;
+use crate::table::{Cell, ColumnError};
 use crate::view::chart::figure::Figure;
 use crate::view::chart::map::Map;
-use crate::view::chart::map::spec::{MapSpec, Show};
+use crate::view::chart::notes::ChartError;
 use crate::view::chart::picture::Picture;
-use crate::view::chart::scale::Scale;
-use crate::view::chart::spec::{ChartError, Spec};
-use crate::view::chart::stack::CURVE;
+use crate::view::chart::stack::Shown;
 
 pub use crate::view::picture::verdict::{Verdict, verdicts};
 
@@ -64,44 +58,13 @@ pub fn pictures(study: &Study, tables: &Tables) -> Result<Vec<Drawn>, StudyError
     study.charts.iter().enumerate().map(of).collect()
 }
 
-/// What a chart shows: of several columns a table in which they are one.
-#[derive(Debug)]
-pub struct Shown<'t> {
-    /// The rows of it, with a column that tells several apart.
-    pub table: Cow<'t, Table>,
-    /// The column of the estimates.
-    pub estimate: String,
-    /// The columns whose values are told apart.
-    pub series: Vec<String>,
-}
-
-impl Shown<'_> {
-    /// Whether names stand side by side on the abscissa.
-    pub fn is_named(&self, chart: &Chart) -> bool {
-        let x = self.table.column(&chart.x.name);
-        x.is_ok_and(|x| x.cells.iter().any(|cell| matches!(cell, Cell::Text(_))))
-    }
-}
-
 /// What each chart of a study shows.
 ///
 /// # Errors
 /// The table does not have what a chart asks for.
 pub fn shown<'t>(study: &Study, tables: &'t Tables) -> Result<Vec<Shown<'t>>, StudyError> {
-    let of = |chart| shown_by(tables, chart).map_err(|error| refused(study, chart, &error));
+    let of = |chart: &Chart| Shown::of(tables.of(chart.source), chart).map_err(|error| refused(study, chart, &error));
     study.charts.iter().map(of).collect()
-}
-
-fn shown_by<'t>(tables: &'t Tables, chart: &Chart) -> Result<Shown<'t>, ChartError> {
-    let table = tables.of(chart.source);
-    let series = chart.series().iter().map(|column| column.name.clone());
-    let estimate = chart.estimate().name.clone();
-    if chart.beside.is_empty() {
-        return Ok(Shown { table: Cow::Borrowed(table), estimate, series: series.collect() });
-    }
-    let names: Vec<&str> = chart.columns().map(|column| column.name.as_str()).collect();
-    let table = Cow::Owned(chart::stacked(table, &names)?);
-    Ok(Shown { table, estimate, series: std::iter::once(CURVE.to_owned()).chain(series).collect() })
 }
 
 /// One chart, and a sentence on what is to be said of it.
@@ -111,90 +74,13 @@ fn shown_by<'t>(tables: &'t Tables, chart: &Chart) -> Result<Shown<'t>, ChartErr
 fn picture(study: &Study, tables: &Tables, chart: &Chart) -> Result<(Picture, Option<String>), StudyError> {
     let table = tables.of(chart.source);
     let drawn = match &chart.shows {
-        Shows::Curves { .. } => shown_by(tables, chart)
-            .and_then(|shown| Figure::from_table(&shown.table, &curves(study, chart, &shown)))
+        Shows::Curves { .. } => Figure::from_table(table, chart)
             .map(|(figure, notes)| (Picture::Curves(figure), notes.sentence())),
-        Shows::HeatMap { z_scale, .. } => map(study, table, chart, Show::Values(scale(*z_scale))),
-        Shows::WinnerMap { of, .. } => map(study, table, chart, Show::Winners(of.name.clone())),
+        Shows::HeatMap { .. } | Shows::WinnerMap { .. } => {
+            Map::from_table(table, chart).map(|(map, notes)| (Picture::Map(map), notes.sentence()))
+        }
     };
     drawn.map_err(|error| refused(study, chart, &error))
-}
-
-fn map(
-    study: &Study,
-    table: &Table,
-    chart: &Chart,
-    show: Show,
-) -> Result<(Picture, Option<String>), ChartError> {
-    let spec = MapSpec {
-        title: title(study, chart),
-        subtitle: subtitle(study),
-        x: chart.x.name.clone(),
-        y: chart.y.name.clone(),
-        z: chart.estimate().name.clone(),
-        x_scale: scale(chart.x_scale),
-        y_scale: scale(chart.y_scale),
-        show,
-        filter: filter(chart),
-        limit: chart.limit.map(|limit| (limit.value, limit.unit)),
-    };
-    let (map, notes) = Map::from_table(table, &spec)?;
-    Ok((Picture::Map(map), notes.sentence()))
-}
-
-fn curves(study: &Study, chart: &Chart, shown: &Shown) -> Spec {
-    Spec {
-        title: title(study, chart),
-        subtitle: subtitle(study),
-        x: chart.x.name.clone(),
-        y: shown.estimate.clone(),
-        x_scale: scale(chart.x_scale),
-        y_scale: scale(chart.y_scale),
-        series: shown.series.clone(),
-        apart: study
-            .sweeps
-            .iter()
-            .map(|sweep| sweep.key.name)
-            .chain(study.text_columns(chart.source))
-            .map(str::to_owned)
-            .collect(),
-        filter: filter(chart),
-        limit: chart.limit.map(|limit| (limit.value, limit.unit)),
-        laws: chart.laws().iter().map(|law| law.column().to_owned()).collect(),
-        points: points(study, chart, shown).to_owned(),
-        bands: study.kind().look.bands.to_owned(),
-    }
-}
-
-/// What the points of a chart are: columns of the oracle are not sampled.
-fn points(study: &Study, chart: &Chart, shown: &Shown) -> &'static str {
-    let is_oracle = shown.table.column(&shown.estimate).is_ok_and(|column| column.role == Role::Oracle);
-    match chart.source {
-        _ if is_oracle => "closed form",
-        Source::Points => study.kind().look.points,
-        Source::Trajectories => "single runs",
-        Source::Coefficients => "Monte Carlo",
-    }
-}
-
-fn title(study: &Study, chart: &Chart) -> String {
-    chart.title.clone().unwrap_or_else(|| study.title.clone())
-}
-
-fn subtitle(study: &Study) -> Option<String> {
-    (!study.question.is_empty()).then(|| study.question.clone())
-}
-
-fn scale(scale: study::Scale) -> Scale {
-    match scale {
-        study::Scale::Log => Scale::Log,
-        study::Scale::Linear => Scale::Linear,
-    }
-}
-
-/// The rows of a chart: (column, value as files show it).
-pub fn filter(chart: &Chart) -> Vec<(String, String)> {
-    chart.rows.iter().map(|(column, value)| (column.name.clone(), value.text())).collect()
 }
 
 /// The same without the values that were supplied, but for those that every chart of the table has: a table has a line for each.

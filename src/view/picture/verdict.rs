@@ -6,8 +6,9 @@ use crate::chart::{Chart, Limit, Shows};
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::table::{Column, Table};
-use crate::view::chart::spec::ChartError;
-use crate::view::picture::{Shown, chart_stem, filter, refused};
+use crate::view::chart::notes::ChartError;
+use crate::view::chart::stack::Shown;
+use crate::view::picture::{chart_stem, refused};
 use crate::view::verdict::{Answer, Question, verdict};
 
 /// The verdict of one chart, or of several that show the same.
@@ -49,7 +50,7 @@ fn of_chart<'t>(
     limit: Limit,
 ) -> Result<Verdict<'t>, ChartError> {
     let table: &Table = &shown.table;
-    let rows = filter(chart);
+    let rows = chart.filter();
     let question = Question {
         x: &chart.x.name,
         y: &shown.estimate,

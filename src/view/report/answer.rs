@@ -1,7 +1,7 @@
 //! The answer of a study to its question.
 
 use crate::chart::Chart;
-use crate::chart::file::Source;
+use crate::chart::Source;
 use crate::filler::{FILLERS, Filler, Method};
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::switched_run::SwitchedRun;
@@ -12,9 +12,10 @@ use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::table::{Column, ColumnError, Role, Table};
 use crate::view::chart::picture::Picture;
-use crate::view::chart::spec::ChartError;
+use crate::view::chart::stack::Shown;
+use crate::view::chart::notes::ChartError;
 use crate::view::picture::verdict::Verdict;
-use crate::view::picture::{Drawn, Shown, filter, refused};
+use crate::view::picture::{Drawn, refused};
 use crate::view::report::curves::{Curves, least_for_each};
 use crate::view::report::sentences::{best, less_is_better, of_map, of_verdict, side_by_side};
 
@@ -59,7 +60,7 @@ pub fn answer(
                 Some(best) => judged.map(|judged| format!("{best} {judged}")),
                 None => judged,
             };
-            with_caveat(study, headline, &shown.table, &filter(chart))
+            with_caveat(study, headline, &shown.table, &chart.filter())
                 .map_err(|error| refused(study, chart, &error.into()))?
         }
         (None, Some(((chart, _), _))) if chart.is_supplied() => undrawn(study, tables),
@@ -101,11 +102,11 @@ fn of_chart(
     picture: &Picture,
 ) -> Result<Option<String>, ChartError> {
     if let Picture::Map(map) = picture {
-        return Ok(with_caveat(study, of_map(map), &shown.table, &filter(chart))?);
+        return Ok(with_caveat(study, of_map(map), &shown.table, &chart.filter())?);
     }
     let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
     let by = apart(study, chart.source, series.collect());
-    let rows = filter(chart);
+    let rows = chart.filter();
     let ground = study.ground(chart.source);
     let whole = ground.and_then(|ground| ground.texts.iter().find_map(|text| Some((text.name, text.whole?))));
     let is_by_part =
@@ -144,7 +145,7 @@ fn chosen_interval(study: &Study, chart: &Chart, shown: &Shown) -> Result<Option
     }
     let series = shown.series.iter().map(String::as_str).chain([chart.x.name.as_str()]);
     let by = apart(study, chart.source, series.collect());
-    let best = best(table, &shown.estimate, &table.rows_where(&filter(chart))?, &by)?;
+    let best = best(table, &shown.estimate, &table.rows_where(&chart.filter())?, &by)?;
     Ok(best.map(|best| best.sentence()))
 }
 
@@ -152,7 +153,7 @@ fn chosen_interval(study: &Study, chart: &Chart, shown: &Shown) -> Result<Option
 /// the best of them all is of no use to the others.
 fn interval_for_each(chart: &Chart, shown: &Shown) -> Result<Option<String>, ColumnError> {
     let table = &shown.table;
-    let rows = table.rows_where(&filter(chart))?;
+    let rows = table.rows_where(&chart.filter())?;
     let is_over_interval = table.column(&chart.x.name)?.name == "switching.interval";
     if !is_over_interval || !less_is_better(table, &shown.estimate, &rows)? {
         return Ok(None);
@@ -173,7 +174,7 @@ fn is_environment(chart: &Chart, shown: &Shown) -> bool {
 /// What the curves of a chart say of an estimate that is the better the less it is; nothing of another one.
 fn of_range<T>(chart: &Chart, shown: &Shown, say: impl Fn(&Curves) -> T) -> Result<Option<T>, ColumnError> {
     let (table, estimate) = (&shown.table, shown.estimate.as_str());
-    let rows = table.rows_where(&filter(chart))?;
+    let rows = table.rows_where(&chart.filter())?;
     if !less_is_better(table, estimate, &rows)? {
         return Ok(None);
     }

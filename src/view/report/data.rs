@@ -11,12 +11,13 @@ use serde::Serialize;
 use serde_json::ser::Formatter;
 use serde_json::value::RawValue;
 
-use crate::chart::file::Source;
+use crate::chart::Source;
 use crate::quantity::number::significant;
 use crate::table::{Cell, Column, Role, Table};
-use crate::view::chart::palette::{LOOKS, Looks};
+use crate::view::chart::palette::Looks;
 use crate::view::chart::picture::Picture;
 use crate::view::report::Report;
+use crate::view::report::axes::Axes;
 
 /// Significant digits: as many as files have.
 const DIGITS: usize = 9;
@@ -38,6 +39,7 @@ struct Data<'t> {
 struct Chart {
     stem: String,
     picture: Box<RawValue>,
+    axes: Axes,
 }
 
 /// The part of a table that a page has.
@@ -101,10 +103,14 @@ pub(crate) fn data<'t>(report: &'t Report<'t>) -> Packed<'t> {
     let charts = report
         .charts
         .iter()
-        .map(|drawn| Chart { stem: drawn.stem.clone(), picture: json(&one_in(thinned, &drawn.picture)) });
+        .map(|drawn| Chart {
+            stem: drawn.stem.clone(),
+            picture: json(&one_in(thinned, &drawn.picture)),
+            axes: Axes::of(&drawn.picture),
+        });
     let tables: Vec<Listed> =
         report.tables.iter().map(|(source, table)| listed(*source, table, report)).collect();
-    let data = Data { looks: LOOKS, charts: charts.collect(), tables };
+    let data = Data { looks: Looks::new(), charts: charts.collect(), tables };
     Packed { text: packed(json(&data).get().as_bytes()), tables: data.tables, thinned }
 }
 

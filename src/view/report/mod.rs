@@ -11,6 +11,7 @@
 
 pub mod agreement;
 pub mod answer;
+pub(crate) mod axes;
 pub mod curves;
 pub mod data;
 pub mod gallery;

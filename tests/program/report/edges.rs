@@ -2,9 +2,9 @@
 
 use sagnac::study;
 use sagnac::table::Table;
+use sagnac::chart::{Chart, Shows};
 use sagnac::view::chart::figure::Figure;
 use sagnac::view::chart::picture::Picture;
-use sagnac::view::chart::spec::Spec;
 use sagnac::view::picture::Drawn;
 use sagnac::view::report::Report;
 use sagnac::view::report::answer::Answer;
@@ -13,15 +13,15 @@ use serde_json::json;
 use tempfile::TempDir;
 
 use super::browser::Browser;
-use super::fillers::{spec, table};
+use super::fillers::{chart, table};
 use super::{PICTURE, is_silent, point_at, tip};
 
 fn page(table: &Table) -> String {
-    page_of(table, &spec("Edges"))
+    page_of(table, &chart("Edges"))
 }
 
-fn page_of(table: &Table, spec: &Spec) -> String {
-    let (figure, notes) = Figure::from_table(table, spec).unwrap();
+fn page_of(table: &Table, chart: &Chart) -> String {
+    let (figure, notes) = Figure::from_table(table, chart).unwrap();
     let drawn = Drawn { stem: "chart".to_owned(), picture: Picture::Curves(figure), note: notes.sentence() };
     let source = Source {
         study: "kind = \"gap-fill\"\n".to_owned(),
@@ -49,13 +49,13 @@ fn page_of(table: &Table, spec: &Spec) -> String {
 
 /// Opens a page of a table; the folder holds it.
 fn opened(browser: &Browser, table: &Table) -> TempDir {
-    opened_as(browser, table, &spec("Edges"))
+    opened_as(browser, table, &chart("Edges"))
 }
 
-fn opened_as(browser: &Browser, table: &Table, spec: &Spec) -> TempDir {
+fn opened_as(browser: &Browser, table: &Table, chart: &Chart) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("report.html");
-    std::fs::write(&path, page_of(table, spec)).unwrap();
+    std::fs::write(&path, page_of(table, chart)).unwrap();
     println!("{} rows: open after {} ms", table.rows(), browser.open(&path).as_millis());
     folder
 }
@@ -87,8 +87,9 @@ fn one_point_is_drawn_with_its_interval() {
 #[test]
 fn fillers_of_one_point_stand_side_by_side() {
     let Some(browser) = Browser::start() else { return };
-    let spec = Spec { x: "filler".to_owned(), series: vec![], ..spec("Edges") };
-    let _folder = opened_as(&browser, &table(1, |_, filler| Some(3.0 + filler as f64)), &spec);
+    let shows = Shows::Curves { series: vec![], laws: vec![] };
+    let chart = Chart { x: "filler".into(), shows, ..chart("Edges") };
+    let _folder = opened_as(&browser, &table(1, |_, filler| Some(3.0 + filler as f64)), &chart);
     for (across, name, value) in [(0.3, "const", "3 ″"), (0.55, "linear", "4 ″"), (0.85, "quadratic", "5 ″")]
     {
         point_at(&browser, PICTURE, (across, 0.5));

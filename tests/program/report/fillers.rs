@@ -1,8 +1,7 @@
 //! Errors of three fillers over the frequency, as a table and its chart.
 
+use sagnac::chart::{Chart, Limit, Shows};
 use sagnac::table::{Cell, Column, Role, Table, Unit};
-use sagnac::view::chart::scale::Scale;
-use sagnac::view::chart::spec::Spec;
 
 pub fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
     Column { name: name.to_owned(), label: name.to_owned(), unit, cells, ..Column::default() }
@@ -49,20 +48,15 @@ pub fn table(points: usize, error: impl Fn(usize, usize) -> Option<f64>) -> Tabl
     }
 }
 
-pub fn spec(title: &str) -> Spec {
-    Spec {
+pub fn chart(title: &str) -> Chart {
+    Chart {
         title: title.to_owned(),
-        subtitle: None,
-        x: "frequency".to_owned(),
-        y: "rms".to_owned(),
-        x_scale: Scale::Log,
-        y_scale: Scale::Log,
-        series: vec!["filler".to_owned()],
-        apart: vec![],
-        filter: vec![],
-        limit: Some((10.0, Unit::ARCSEC)),
-        laws: vec![],
+        x: "frequency".into(),
+        y: "rms".into(),
+        shows: Shows::Curves { series: vec!["filler".into()], laws: vec![] },
+        limit: Some(Limit { value: 10.0, unit: Unit::ARCSEC }),
         points: "Monte Carlo".to_owned(),
         bands: "95 % band".to_owned(),
+        ..Chart::default()
     }
 }

@@ -5,7 +5,8 @@ use crate::view::chart::console::Look;
 use crate::view::chart::console::axes::{Frame, legend};
 use crate::view::chart::figure::Grouping;
 use crate::view::chart::map::{Cells, Map, Won};
-use crate::view::chart::scale::{Range, Scale};
+use crate::key::scale::Scale;
+use crate::view::chart::scale::Range;
 
 /// From the least to the largest value.
 const SHADES: [char; 5] = ['·', '░', '▒', '▓', '█'];

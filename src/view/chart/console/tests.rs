@@ -3,7 +3,7 @@
 use crate::view::chart::console::Look;
 use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Limit, Parts, Series, SeriesPoint};
 use crate::view::chart::map::{Cells, Map};
-use crate::view::chart::scale::Scale;
+use crate::key::scale::Scale;
 
 const PLAIN: Look = Look { width: 60, unicode: false, color: false };
 

@@ -2,7 +2,7 @@
 
 /// Viridis of matplotlib, in tenths. Lightness rises evenly, so that equal steps look equal, in greyscale and to
 /// colour-blind readers too. By S. van der Walt, N. Smith and E. Firing, in the public domain (CC0).
-pub(crate) const VIRIDIS: [[u8; 3]; 11] = [
+const VIRIDIS: [[u8; 3]; 11] = [
     [0x44, 0x01, 0x54],
     [0x48, 0x24, 0x75],
     [0x41, 0x44, 0x87],

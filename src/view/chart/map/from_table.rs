@@ -4,49 +4,51 @@ use crate::table::{Column, Table};
 use crate::view::chart::figure::{Entry, Grouping};
 use crate::view::chart::from_table::{axis, check_unit, grouping, limit, numbers, style};
 use crate::view::chart::map::grid::Grid;
-use crate::view::chart::map::spec::{MapNotes, MapSpec, Show};
 use crate::view::chart::map::winners::winners;
 use crate::view::chart::map::{Cells, Estimate, Layer, Map};
-use crate::view::chart::scale::Scale;
-use crate::view::chart::spec::ChartError;
+use crate::chart::{Chart, Shows};
+use crate::key::scale::Scale;
+use crate::view::chart::notes::{ChartError, MapNotes};
 
 impl Map {
-    /// The map of `table` that `spec` describes, with a cell for each pair of values of x and y.
+    /// The map of `table` that `chart` asks for, with a cell for each pair of values of x and y.
     ///
     /// # Errors
     /// Two rows on one cell, or of one series where series compete; a limit in another unit than that of z; the same column for
     /// both axes; a column that is not there, holds text instead of numbers, or has no row with a value asked for.
-    pub fn from_table(table: &Table, spec: &MapSpec) -> Result<(Map, MapNotes), ChartError> {
-        let (x, y, z) = (numbers(table, &spec.x)?, numbers(table, &spec.y)?, numbers(table, &spec.z)?);
-        check_unit(&spec.z, z, [spec.limit.map(|limit| ("limit", limit.1))])?;
+    pub fn from_table(table: &Table, chart: &Chart) -> Result<(Map, MapNotes), ChartError> {
+        let estimate = &chart.estimate().name;
+        let (x, y, z) = (numbers(table, &chart.x.name)?, numbers(table, &chart.y.name)?, numbers(table, estimate)?);
+        check_unit(estimate, z, [chart.limit.map(|limit| ("limit", limit.unit))])?;
         if x.name == y.name {
-            return Err(ChartError::SameAxes { column: spec.y.clone() });
+            return Err(ChartError::SameAxes { column: chart.y.name.clone() });
         }
-        let of = match &spec.show {
-            Show::Values(_) => None,
-            Show::Winners(of) => Some(table.column(of)?),
+        let of = match &chart.shows {
+            Shows::WinnerMap { of, .. } => Some(table.column(&of.name)?),
+            _ => None,
         };
-        let rows = table.rows_where(&spec.filter)?;
+        let filter = chart.filter();
+        let rows = table.rows_where(&filter)?;
         let competing = grouping(of, &rows);
         let series_of = |row: usize| of.map_or(0, |of| style(&competing, &of.cells[row]));
         let series = competing.entries.len().max(1);
-        let grid = Grid::new(table, &rows, (x, spec.x_scale), (y, spec.y_scale), series, series_of)?;
+        let grid = Grid::new(table, &rows, (x, chart.x_scale), (y, chart.y_scale), series, series_of)?;
         let mut notes = MapNotes { off_axes: grid.off_axes, ..MapNotes::default() };
         let estimates = estimates(&grid, z, series);
-        let ((cells, layers), z_scale) = match &spec.show {
-            Show::Values(scale) => (heat(&grid, z, *scale, estimates, &mut notes), *scale),
-            Show::Winners(_) => (competition(&grid, z, competing, estimates, &mut notes), Scale::Linear),
+        let ((cells, layers), z_scale) = match chart.shows {
+            Shows::HeatMap { z_scale, .. } => (heat(&grid, z, z_scale, estimates, &mut notes), z_scale),
+            _ => (competition(&grid, z, competing, estimates, &mut notes), Scale::Linear),
         };
         let map = Map {
-            title: spec.title.clone(),
-            subtitle: spec.subtitle.clone(),
-            x: axis(x, spec.x_scale),
-            y: axis(y, spec.y_scale),
+            title: chart.title.clone(),
+            subtitle: chart.subtitle(),
+            x: axis(x, chart.x_scale),
+            y: axis(y, chart.y_scale),
             z: axis(z, z_scale),
             cells,
             layers,
-            limit: spec.limit.map(|(value, _)| limit(value, z)),
-            chosen: table.chosen(&spec.filter)?,
+            limit: chart.limit.map(limit),
+            chosen: table.chosen(&filter)?,
             columns: grid.columns,
             rows: grid.rows,
         };

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use crate::table::{Column, Table};
-use crate::view::chart::scale::Scale;
-use crate::view::chart::spec::ChartError;
+use crate::key::scale::Scale;
+use crate::view::chart::notes::ChartError;
 
 /// One axis of a grid: its different values, as files show them.
 struct Lines {

@@ -9,13 +9,11 @@ pub mod draw;
 pub mod from_table;
 pub mod grid;
 pub mod limit_line;
-pub mod spec;
 pub mod svg;
 #[cfg(test)]
 pub mod tests;
 pub mod winners;
 
-pub use crate::view::chart::map::spec::{MapNotes, MapSpec, Show};
 
 use serde::Serialize;
 

@@ -11,7 +11,8 @@ use crate::view::chart::map::{Axis, Cells, Map, Won, limit_line, share};
 use crate::view::chart::palette::{self, LIMIT, PALE_MUTED};
 #[cfg(feature = "png")]
 use crate::view::chart::png::PngError;
-use crate::view::chart::scale::{Range, Scale};
+use crate::key::scale::Scale;
+use crate::view::chart::scale::Range;
 use crate::view::chart::ticks::Ticks;
 
 impl Map {

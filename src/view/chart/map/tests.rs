@@ -4,8 +4,9 @@ use roxmltree::Document;
 
 use super::*;
 use crate::table::{Cell, Column, Table, Unit};
-use crate::view::chart::scale::Scale;
-use crate::view::chart::spec::ChartError;
+use crate::chart::{self, Chart, Named, Shows};
+use crate::key::scale::Scale;
+use crate::view::chart::notes::ChartError;
 
 fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
     Column { name: name.to_owned(), label: format!("the {name}"), unit, cells, ..Column::default() }
@@ -40,27 +41,28 @@ fn table() -> Table {
     }
 }
 
-fn spec(show: Show) -> MapSpec {
-    MapSpec {
+fn spec(shows: Shows) -> Chart {
+    Chart {
         title: "t".to_owned(),
-        subtitle: None,
-        x: "frequency".to_owned(),
-        y: "amplitude".to_owned(),
-        z: "rms".to_owned(),
-        x_scale: Scale::Log,
-        y_scale: Scale::Log,
-        show,
-        filter: vec![],
-        limit: Some((20.0, Unit::ARCSEC)),
+        x: "frequency".into(),
+        y: "amplitude".into(),
+        shows,
+        limit: Some(chart::Limit { value: 20.0, unit: Unit::ARCSEC }),
+        ..Chart::default()
     }
 }
 
-fn heat() -> MapSpec {
-    MapSpec { filter: vec![("filler".to_owned(), "const".to_owned())], ..spec(Show::Values(Scale::Log)) }
+fn heat_of(z: &str, z_scale: Scale) -> Chart {
+    let rows = vec![(Named::from("filler"), Cell::Text("const".to_owned()))];
+    Chart { rows, ..spec(Shows::HeatMap { z: z.into(), z_scale }) }
 }
 
-fn winners() -> MapSpec {
-    spec(Show::Winners("filler".to_owned()))
+fn heat() -> Chart {
+    heat_of("rms", Scale::Log)
+}
+
+fn winners() -> Chart {
+    spec(Shows::WinnerMap { z: "rms".into(), of: "filler".into() })
 }
 
 /// Elements of a tag in a named part.
@@ -86,7 +88,7 @@ fn rows_become_cells_by_rising_x_and_y_with_units_limit_and_what_was_chosen() {
 
 #[test]
 fn several_rows_on_a_cell_are_refused_and_what_tells_them_apart_is_named() {
-    let error = Map::from_table(&table(), &MapSpec { filter: vec![], ..heat() }).unwrap_err();
+    let error = Map::from_table(&table(), &Chart { rows: vec![], ..heat() }).unwrap_err();
     assert_eq!(
         error.to_string(),
         "several rows fall on one cell of the map, as at frequency = 10, amplitude = 10: they differ in filler \
@@ -133,7 +135,7 @@ fn what_is_not_known_stays_blank_and_is_said() {
     assert!(sentence.contains("1 of the cells have no value; 1 of the cells have a value"), "{sentence}");
     let (map, notes) = Map::from_table(&table, &winners()).unwrap();
     assert_eq!((notes.blank, map.known()), (1, 5), "no winner where a competitor is not known");
-    let linear = MapSpec { show: Show::Values(Scale::Linear), ..heat() };
+    let linear = heat_of("rms", Scale::Linear);
     assert_eq!(Map::from_table(&table, &linear).unwrap().1.left_out, 0);
 }
 
@@ -151,14 +153,14 @@ fn cells_without_a_row_and_rows_off_the_axes_are_counted() {
 
 #[test]
 fn maps_with_nothing_or_little_to_show_are_drawn_all_the_same() {
-    for spec in [heat(), winners(), MapSpec { show: Show::Values(Scale::Linear), ..heat() }] {
+    for spec in [heat(), winners(), heat_of("rms", Scale::Linear)] {
         for rows in [0, 1, 3, 18] {
             for value in [Cell::Blank, Cell::Number(0.0), Cell::Number(3.0), Cell::Number(9e249)] {
                 for scale in [Scale::Log, Scale::Linear] {
                     let mut table = table();
                     table.columns.iter_mut().for_each(|column| column.cells.truncate(rows));
                     table.columns[3].cells.fill(value.clone());
-                    let spec = MapSpec { x_scale: scale, y_scale: scale, ..spec.clone() };
+                    let spec = Chart { x_scale: scale, y_scale: scale, ..spec.clone() };
                     let (map, _) = Map::from_table(&table, &spec).unwrap();
                     let svg = map.svg();
                     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{rows} rows of {value:?}:\n{svg}");
@@ -172,11 +174,11 @@ fn maps_with_nothing_or_little_to_show_are_drawn_all_the_same() {
 
 #[test]
 fn text_on_an_axis_one_column_twice_and_a_limit_beside_another_unit_are_refused() {
-    let error = |spec: MapSpec| Map::from_table(&table(), &spec).unwrap_err();
-    assert!(matches!(error(MapSpec { z: "filler".to_owned(), ..heat() }), ChartError::NotNumbers { .. }));
-    let same = error(MapSpec { y: "frequency_hz".to_owned(), ..heat() });
+    let error = |spec: Chart| Map::from_table(&table(), &spec).unwrap_err();
+    assert!(matches!(error(heat_of("filler", Scale::Log)), ChartError::NotNumbers { .. }));
+    let same = error(Chart { y: "frequency_hz".into(), ..heat() });
     assert_eq!(same.to_string(), "`frequency_hz` is both x and y; a map needs two different columns");
-    let limit = error(MapSpec { z: "frequency".to_owned(), ..heat() });
+    let limit = error(heat_of("frequency", Scale::Log));
     assert_eq!(limit.to_string(), "`frequency` is in Hz, a limit in ″ cannot be drawn on it");
 }
 

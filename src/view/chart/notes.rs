@@ -1,43 +1,8 @@
-//! What a chart of a table is asked for, and what comes back beside the figure.
+//! What comes back beside a picture, and why there is none.
 
-#[cfg(doc)]
-use crate::table::Table;
-use crate::table::{ColumnError, Unit};
+use crate::table::ColumnError;
 #[cfg(doc)]
 use crate::view::chart::figure::Figure;
-use crate::view::chart::scale::Scale;
-
-/// Which columns make a chart, and how. Columns are named as [`Table::column`] understands them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Spec {
-    /// In bold over the chart.
-    pub title: String,
-    /// A second, smaller line.
-    pub subtitle: Option<String>,
-    /// The column along the horizontal axis.
-    pub x: String,
-    /// The column along the vertical axis. Its bands are drawn, and as its closed form the column `oracle_<y>`, where the table has it.
-    pub y: String,
-    /// How the horizontal axis is divided.
-    pub x_scale: Scale,
-    /// How the vertical axis is divided.
-    pub y_scale: Scale,
-    /// At most two columns that split the rows into curves: the first by colour, the second by dash and marker.
-    pub series: Vec<String>,
-    /// The columns by which the rows of the table are told apart, such as swept keys: only one of them may vary along a
-    /// curve. Empty: not checked.
-    pub apart: Vec<String>,
-    /// Only rows with this value in this column are shown: (column, value as files show it).
-    pub filter: Vec<(String, String)>,
-    /// A horizontal line, in a unit that y must have.
-    pub limit: Option<(f64, Unit)>,
-    /// Columns with laws to be drawn beside the curves, angles in ″: y must be one. Their labels stand in the legend.
-    pub laws: Vec<String>,
-    /// What the points are, for the legend: `Monte Carlo`, `measured`. Empty: not said.
-    pub points: String,
-    /// What the bands are: `95 % band`.
-    pub bands: String,
-}
 
 /// What the reader of a chart should be told besides.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -64,6 +29,41 @@ impl Notes {
             ),
             counted(self.blank, "of the rows have no value"),
             (!equal.is_empty()).then(|| format!("curves that coincide: {}", equal.join("; "))),
+        ];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        (!parts.is_empty()).then(|| format!("{}.", parts.join("; ")))
+    }
+}
+
+/// What the reader of a map should be told besides.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct MapNotes {
+    /// Rows without x or y, or with one that its axis cannot show.
+    pub off_axes: usize,
+    /// Cells without a row of the table, or without one for each series that competes.
+    pub no_row: usize,
+    /// Cells with rows, but without a value, or without that of each series that competes.
+    pub blank: usize,
+    /// Cells with a value that the colours cannot show: not positive on a logarithmic scale.
+    pub left_out: usize,
+    /// Series that have the same values throughout: `const = linear`.
+    pub merged: Vec<String>,
+    /// Where there is a limit: cells within it, and cells with a value.
+    pub within_limit: Option<(usize, usize)>,
+}
+
+impl MapNotes {
+    /// One sentence, or none if there is nothing to say.
+    pub fn sentence(&self) -> Option<String> {
+        let counted = |count: usize, what: &str| (count > 0).then(|| format!("{count} {what}"));
+        let parts = [
+            self.within_limit
+                .map(|(within, known)| format!("{within} of the {known} cells are within the limit")),
+            counted(self.off_axes, "of the rows have no place on these axes"),
+            counted(self.no_row, "of the cells have no point: x and y do not vary independently"),
+            counted(self.blank, "of the cells have no value"),
+            counted(self.left_out, "of the cells have a value that a logarithmic scale cannot show"),
+            (!self.merged.is_empty()).then(|| format!("the same in every cell: {}", self.merged.join("; "))),
         ];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
         (!parts.is_empty()).then(|| format!("{}.", parts.join("; ")))
