@@ -3,7 +3,7 @@
 #[path = "../tests/program/report/fillers.rs"]
 mod fillers;
 
-use fillers::{cells, column, spec};
+use fillers::{cells, chart, column};
 use sagnac::study;
 use sagnac::table::{Table, Unit};
 use sagnac::view::chart::figure::Figure;
@@ -32,7 +32,7 @@ fn table(points: usize) -> Table {
 fn page(bencher: divan::Bencher, points: usize) {
     let table = table(points);
     bencher.bench_local(|| {
-        let (figure, _) = Figure::from_table(&table, &spec("Errors")).unwrap();
+        let (figure, _) = Figure::from_table(&table, &chart("Errors")).unwrap();
         let drawn = Drawn { stem: "chart".to_owned(), picture: Picture::Curves(figure), note: None };
         let report = Report {
             title: "Errors",

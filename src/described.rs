@@ -33,7 +33,11 @@ pub fn files() -> Vec<File> {
     let command = |name, command, columns| File { name, by: By::Command(command), columns };
     let of_kinds = KINDS.iter().flat_map(|kind| {
         let columns = kind.columns.iter();
-        columns.map(|(source, columns)| File { name: source.file(), by: By::Study(kind, *source), columns: columns() })
+        columns.map(|(source, columns)| File {
+            name: source.file(),
+            by: By::Study(kind, *source),
+            columns: columns(),
+        })
     });
     of_kinds
         .chain([

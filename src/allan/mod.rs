@@ -19,7 +19,7 @@ pub mod noise;
 pub mod sums;
 pub mod tau;
 #[cfg(test)]
-pub mod tests;
+mod tests;
 pub mod trend;
 pub mod unit;
 

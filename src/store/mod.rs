@@ -38,7 +38,7 @@ pub mod row;
 pub mod schema;
 pub mod source;
 #[cfg(test)]
-pub mod tests;
+mod tests;
 pub mod whole;
 
 use std::path::{Path, PathBuf};

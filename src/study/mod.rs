@@ -11,7 +11,7 @@ pub mod keys;
 pub mod kind;
 pub mod refusal;
 #[cfg(test)]
-pub mod tests;
+mod tests;
 
 use std::any::Any;
 use std::ops::Range;

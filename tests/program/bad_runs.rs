@@ -274,11 +274,7 @@ fn what_belongs_to_other_kinds_is_refused() {
     );
     let gap_fill =
         replaced(&replaced(FILLED, "switched-run", "gap-fill"), "[run]\nduration = \"10 min\"\n", "");
-    refused(
-        &gap_fill,
-        "10:12",
-        &["switching.interval is no key", "\"gap-fill\"", "leave it out"],
-    );
+    refused(&gap_fill, "10:12", &["switching.interval is no key", "\"gap-fill\"", "leave it out"]);
     let without = replaced(&gap_fill, "interval = \"40 s\"\n", "");
     for (key, value, place) in [("first_mode", "positive", "10:14"), ("timing", "random", "10:10")] {
         let written = replaced(&without, "gap_ticks", &format!("{key} = \"{value}\"\ngap_ticks"));

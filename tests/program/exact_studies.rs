@@ -218,7 +218,11 @@ fn budgets_that_make_no_sense_are_refused() {
         "7:16",
         &["drift.residual_max = -10 ″ is out of range", "negative"],
     );
-    refused(&format!("precision = \"1 %\"\n{BUDGET}"), "1:13", &["precision is no key", "kind = \"gap-fill\""]);
+    refused(
+        &format!("precision = \"1 %\"\n{BUDGET}"),
+        "1:13",
+        &["precision is no key", "kind = \"gap-fill\""],
+    );
     refused(&format!("{BUDGET}[motion]\nrate = \"1 deg/s\"\n"), "12:1", &["[motion] is no table of a study"]);
     let sweep = "[[sweep]]\nkey = \"drift.magnetic_spread\"\nlist = [\"1 arcsec/s\"]\n";
     refused(&format!("{BUDGET}{sweep}"), "13:7", &["there is no key `drift.magnetic_spread` to sweep"]);

@@ -5,9 +5,9 @@ pub mod glossary;
 use std::collections::BTreeMap;
 
 use clap::Args;
+use sagnac::described::{files, meanings};
 use sagnac::kinds::KINDS;
 use sagnac::study::kind::Kind;
-use sagnac::described::{files, meanings};
 use sagnac::study::{Explained, explain_key, explained_keys};
 
 use crate::explain::glossary::{TERMS, Term};
@@ -95,9 +95,7 @@ fn of_kind(kind: &Kind) -> String {
 fn of_words(is_called: impl Fn(&str) -> bool) -> Vec<String> {
     let mut found: Vec<(&str, String, Vec<&str>)> = Vec::new();
     for key in explained_keys().filter(|key| *key != "kind").filter_map(explain_key) {
-        for (word, meaning) in
-            key.choices.into_iter().filter(|(word, _)| is_called(word))
-        {
+        for (word, meaning) in key.choices.into_iter().filter(|(word, _)| is_called(word)) {
             match found.iter_mut().find(|(known, said, _)| *known == word && *said == meaning) {
                 Some((_, _, keys)) => keys.push(key.key),
                 None => found.push((word, meaning, vec![key.key])),

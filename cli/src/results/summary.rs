@@ -8,8 +8,8 @@ use sagnac::run::Tables;
 use sagnac::study::Study;
 use sagnac::table::{Cell, Column, ColumnError, Table};
 use sagnac::view::chart::notes::ChartError;
-use sagnac::view::picture::verdict::Verdict;
 use sagnac::view::chart::stack::Shown as Curves;
+use sagnac::view::picture::verdict::Verdict;
 use sagnac::view::picture::{refused, written};
 
 use crate::failure::Failure;

@@ -3,8 +3,8 @@
 use crate::allan::curve::Point;
 use crate::allan::deviation::Deviation;
 use crate::analysis::compare::ratio::Ratio;
-use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Limit, Parts, Series, SeriesPoint};
 use crate::key::scale::Scale;
+use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Limit, Parts, Series, SeriesPoint};
 
 use crate::analysis::compare::logs::Analysis;
 use crate::analysis::compare::rows::{Row, Verdict};

@@ -51,11 +51,19 @@ fn measured<'a>(measure: Measure) -> [Of<'a>; 3] {
                 Of::new(concat!($name, "_lo"), Unit::DEG_PER_H, "lower end", |row| {
                     row.interval().map(|interval| interval.0).into()
                 })
-                .is_of($name, Role::Lower, concat!("Lower end of the 95 % interval of `", $name, "`, °/h.")),
+                .is_of(
+                    $name,
+                    Role::Lower,
+                    concat!("Lower end of the 95 % interval of `", $name, "`, °/h."),
+                ),
                 Of::new(concat!($name, "_hi"), Unit::DEG_PER_H, "upper end", |row| {
                     row.interval().map(|interval| interval.1).into()
                 })
-                .is_of($name, Role::Upper, concat!("Upper end of the 95 % interval of `", $name, "`, °/h.")),
+                .is_of(
+                    $name,
+                    Role::Upper,
+                    concat!("Upper end of the 95 % interval of `", $name, "`, °/h."),
+                ),
             ]
         };
     }

@@ -2,10 +2,10 @@
 
 use crate::analysis::firmware::design::{Firmware, response};
 use crate::filler::keys::Error;
+use crate::key::scale::Scale;
 use crate::quantity::number::significant;
 use crate::theory::gap::Weights;
 use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Parts, Series, SeriesPoint};
-use crate::key::scale::Scale;
 
 /// The chart begins this many decades below the Nyquist frequency: at 1 Hz for ticks of 5 ms. Below it the errors go down on
 /// straight lines.

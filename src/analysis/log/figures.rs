@@ -4,12 +4,12 @@ use crate::allan::deviation::Deviation;
 use crate::fit::coefficient::Coefficient;
 use crate::fit::noise::data_sheet_unit;
 use crate::fit::term::Term;
+use crate::key::scale::Scale;
 use crate::quantity::number::significant;
 use crate::theory::allan::estimator::{Difference, Estimator, Stride};
 use crate::theory::allan::process::Process;
 use crate::theory::allan::{self, holds};
 use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Part, Parts, Series, SeriesPoint};
-use crate::key::scale::Scale;
 
 use crate::analysis::log::notes::heading;
 use crate::analysis::log::{Analysis, Column, Curve};

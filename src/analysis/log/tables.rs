@@ -59,10 +59,10 @@ pub fn table(analysis: &Analysis) -> Table {
     let treatment = &analysis.treatment.summary();
     let curves = analysis.columns.iter();
     let curves = curves.flat_map(|column| column.curves.iter().map(move |curve| (column, curve)));
-    let of_curve =
-        |(column, curve)| move |point| CurveRow { column, curve, point, treatment };
-    let rows: Vec<CurveRow> =
-        curves.flat_map(|(column, curve): (_, &Curve)| curve.points.iter().map(of_curve((column, curve)))).collect();
+    let of_curve = |(column, curve)| move |point| CurveRow { column, curve, point, treatment };
+    let rows: Vec<CurveRow> = curves
+        .flat_map(|(column, curve): (_, &Curve)| curve.points.iter().map(of_curve((column, curve))))
+        .collect();
     Table { columns: columns_of(&curve_columns(), &rows) }
 }
 

@@ -1,9 +1,9 @@
 //! Studies of Allan curves: the record, its noise, and what is estimated of it.
 
 pub(crate) mod columns;
-pub mod kind;
 pub mod estimate;
 pub(crate) mod keys;
+pub mod kind;
 pub mod lower;
 pub mod notes;
 pub mod point;

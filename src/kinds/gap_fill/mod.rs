@@ -1,9 +1,9 @@
 //! Gap-fill studies: the motion, the mode switch and the fillers to compare.
 
-pub mod kind;
 pub(crate) mod columns;
 pub mod inputs;
 pub mod keys;
+pub mod kind;
 pub mod law;
 pub mod lower;
 pub mod notes;
@@ -136,8 +136,8 @@ fn read_inputs(reading: &mut Reading) -> Result<(Inputs, Vec<String>), Wrong> {
     }
     reading.set(&mut inputs, &SETTINGS)?;
     reading.note(&[&RELOCK, &FILLERS, &FIT_TICKS, &EXTRAPOLATION_TICKS]);
-    let left_out = noise
-        .and_then(|noise| crate::kinds::gap_fill::of_noise::left_out(&noise, &inputs, reading.sweeps));
+    let left_out =
+        noise.and_then(|noise| crate::kinds::gap_fill::of_noise::left_out(&noise, &inputs, reading.sweeps));
     let assumed = reading.get(&SUSPENSION).and_then(|_| vibration::KEYS.assumed(reading));
     Ok((inputs, left_out.into_iter().chain(assumed).collect()))
 }

@@ -1,7 +1,7 @@
 //! Studies of a suspension: its response over the frequency of a vibration, in closed form.
 
-pub mod kind;
 pub(crate) mod columns;
+pub mod kind;
 
 use std::sync::Arc;
 

@@ -20,7 +20,7 @@ pub mod outliers;
 pub mod read;
 pub mod samples;
 #[cfg(test)]
-pub mod tests;
+mod tests;
 pub mod text;
 pub mod time;
 

@@ -91,8 +91,8 @@ fn same_curve(a: &Series, b: &Series) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::chart::figure::{Axis, Grouping, Parts, SeriesPoint};
     use crate::key::scale::Scale;
+    use crate::view::chart::figure::{Axis, Grouping, Parts, SeriesPoint};
 
     fn curve(colour: usize, dash: usize, ys: &[f64]) -> Series {
         let points =

@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use crate::chart::{self, Chart};
+use crate::key::scale::Scale;
 use crate::table::{Cell, Column, Role, Table, Unit};
 use crate::view::chart::figure::{
     Axis, Entry, Figure, Grouping, Law, LawLine, Limit, Parts, Series, SeriesPoint,
 };
 use crate::view::chart::mixed::check_curves;
-use crate::chart::{self, Chart};
-use crate::key::scale::Scale;
 use crate::view::chart::notes::{ChartError, Notes};
 use crate::view::chart::stack::Shown;
 
@@ -25,7 +25,8 @@ impl Figure {
         let (x, y) = (table.column(&chart.x.name)?, numbers(table, &estimate)?);
         let law = chart.laws().first().map(|_| ("law", Unit::ARCSEC));
         check_unit(&estimate, y, [chart.limit.map(|limit| ("limit", limit.unit)), law])?;
-        let laws = chart.laws().iter().map(|law| numbers(table, law.column())).collect::<Result<Vec<_>, _>>()?;
+        let laws =
+            chart.laws().iter().map(|law| numbers(table, law.column())).collect::<Result<Vec<_>, _>>()?;
         let oracle = table.beside(y, Role::Oracle);
         let (colours, dashes) = match &series[..] {
             [] => (None, None),
@@ -258,7 +259,8 @@ mod tests {
 
     #[test]
     fn a_filter_keeps_its_rows_and_one_that_keeps_none_says_what_there_is() {
-        let with = |value: &str| Chart { rows: vec![("gap_ticks".into(), Cell::Text(value.to_owned()))], ..spec() };
+        let with =
+            |value: &str| Chart { rows: vec![("gap_ticks".into(), Cell::Text(value.to_owned()))], ..spec() };
         let (figure, _) = Figure::from_table(&table(), &with("1.0")).unwrap();
         assert_eq!(figure.dashes.entries.len(), 1);
         let error = Figure::from_table(&table(), &with("7")).unwrap_err();
@@ -270,8 +272,7 @@ mod tests {
         let mut table = table();
         table.columns[3].cells[0] = Cell::Number(0.0);
         table.columns[3].cells[1] = Cell::Blank;
-        let (_, notes) =
-            Figure::from_table(&table, &Chart { shows: series(&["filler"]), ..spec() }).unwrap();
+        let (_, notes) = Figure::from_table(&table, &Chart { shows: series(&["filler"]), ..spec() }).unwrap();
         assert_eq!((notes.left_out, notes.blank), (1, 1));
         let sentence = notes.sentence().unwrap();
         assert!(sentence.starts_with("1 of the points cannot be shown on these axes"), "{sentence}");
@@ -344,7 +345,11 @@ mod tests {
         };
         let named = |filler: &str, x: f64| Some(if filler == "quad" { x * x * x } else { x * x });
         table.columns.push(column(LAWS[0].column(), Unit::ARCSEC, law(named)));
-        table.columns.push(column(LAWS[1].column(), Unit::ARCSEC, law(|name, x| (name != "const").then_some(x))));
+        table.columns.push(column(
+            LAWS[1].column(),
+            Unit::ARCSEC,
+            law(|name, x| (name != "const").then_some(x)),
+        ));
         table.columns.push(column(LAWS[2].column(), Unit::ARCSEC, law(|_, _| None)));
         let laws = LAWS.to_vec();
         let shows = Shows::Curves { series: ["filler", "gap_ticks"].map(Named::from).to_vec(), laws };
@@ -358,7 +363,10 @@ mod tests {
             })
             .collect();
         // "copy" is merged into "const", and with it the law that only the copy has.
-        assert_eq!(lines, [(LAWS[0].column(), vec![(Some(0), 3), (Some(1), 3)]), (LAWS[1].column(), vec![(None, 3)])]);
+        assert_eq!(
+            lines,
+            [(LAWS[0].column(), vec![(Some(0), 3), (Some(1), 3)]), (LAWS[1].column(), vec![(None, 3)])]
+        );
     }
 
     #[test]

@@ -79,8 +79,8 @@ fn on_line(line: &[(f64, f64)], x: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::chart::figure::{Axis, Grouping, Law, Parts};
     use crate::key::scale::Scale;
+    use crate::view::chart::figure::{Axis, Grouping, Law, Parts};
 
     fn line(colour: usize, xs: &[f64], law: fn(f64) -> f64) -> LawLine {
         LawLine { colours: vec![colour], points: xs.iter().map(|&x| (x, law(x))).collect() }

@@ -115,7 +115,8 @@ mod tests {
         let chart = Chart { x: x.into(), y: "rms".into(), apart, ..Chart::default() };
         let table = table();
         let rows = table.rows_where(filter).unwrap();
-        check_curves(&table, &chart, &names(series), &rows).map_or_else(|error| error.to_string(), |()| String::new())
+        check_curves(&table, &chart, &names(series), &rows)
+            .map_or_else(|error| error.to_string(), |()| String::new())
     }
 
     #[test]

@@ -93,10 +93,10 @@ impl Figure {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::key::scale::Scale;
     use crate::view::chart::figure::{
         Axis, Entry, Grouping, Law, LawLine, Limit, Part, Parts, Series, SeriesPoint,
     };
-    use crate::key::scale::Scale;
     use roxmltree::Document;
     #[cfg(feature = "png")]
     use tiny_skia::Pixmap;

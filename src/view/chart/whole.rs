@@ -1,8 +1,8 @@
 //! Axes and their ticks, which for counts and names are at whole numbers only.
 
+use crate::key::scale::Scale;
 use crate::view::chart::figure::Axis;
 use crate::view::chart::layout::MOST_LABELS;
-use crate::key::scale::Scale;
 use crate::view::chart::scale::Range;
 use crate::view::chart::ticks::Ticks;
 

@@ -63,7 +63,9 @@ pub fn pictures(study: &Study, tables: &Tables) -> Result<Vec<Drawn>, StudyError
 /// # Errors
 /// The table does not have what a chart asks for.
 pub fn shown<'t>(study: &Study, tables: &'t Tables) -> Result<Vec<Shown<'t>>, StudyError> {
-    let of = |chart: &Chart| Shown::of(tables.of(chart.source), chart).map_err(|error| refused(study, chart, &error));
+    let of = |chart: &Chart| {
+        Shown::of(tables.of(chart.source), chart).map_err(|error| refused(study, chart, &error))
+    };
     study.charts.iter().map(of).collect()
 }
 

@@ -100,14 +100,11 @@ pub(crate) struct Packed<'t> {
 pub(crate) fn data<'t>(report: &'t Report<'t>) -> Packed<'t> {
     let points: usize = report.charts.iter().map(|drawn| points(&drawn.picture)).sum();
     let thinned = points.div_ceil(MOST_POINTS).max(1);
-    let charts = report
-        .charts
-        .iter()
-        .map(|drawn| Chart {
-            stem: drawn.stem.clone(),
-            picture: json(&one_in(thinned, &drawn.picture)),
-            axes: Axes::of(&drawn.picture),
-        });
+    let charts = report.charts.iter().map(|drawn| Chart {
+        stem: drawn.stem.clone(),
+        picture: json(&one_in(thinned, &drawn.picture)),
+        axes: Axes::of(&drawn.picture),
+    });
     let tables: Vec<Listed> =
         report.tables.iter().map(|(source, table)| listed(*source, table, report)).collect();
     let data = Data { looks: Looks::new(), charts: charts.collect(), tables };

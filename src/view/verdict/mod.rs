@@ -21,7 +21,7 @@
 //! ```
 
 #[cfg(test)]
-pub mod tests;
+mod tests;
 
 use std::collections::BTreeMap;
 

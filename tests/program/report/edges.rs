@@ -1,8 +1,8 @@
 //! Reports of what is little, nothing or very much.
 
+use sagnac::chart::{Chart, Shows};
 use sagnac::study;
 use sagnac::table::Table;
-use sagnac::chart::{Chart, Shows};
 use sagnac::view::chart::figure::Figure;
 use sagnac::view::chart::picture::Picture;
 use sagnac::view::picture::Drawn;

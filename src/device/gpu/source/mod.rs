@@ -5,7 +5,7 @@
 //! `//#for k in 0..N` repeats its lines with the word `k` replaced by 0u, 1u, …; `//#if FLAG` and `//#else` choose.
 
 #[cfg(test)]
-pub mod tests;
+mod tests;
 
 use std::collections::HashMap;
 

@@ -7,7 +7,7 @@
 //! that does not grow with the record.
 
 #[cfg(test)]
-pub mod tests;
+mod tests;
 
 use core::f64::consts::PI;
 

@@ -1,11 +1,11 @@
 //! Maps as text: shades for values, letters for winners.
 
+use crate::key::scale::Scale;
 use crate::quantity::number::significant;
 use crate::view::chart::console::Look;
 use crate::view::chart::console::axes::{Frame, legend};
 use crate::view::chart::figure::Grouping;
 use crate::view::chart::map::{Cells, Map, Won};
-use crate::key::scale::Scale;
 use crate::view::chart::scale::Range;
 
 /// From the least to the largest value.

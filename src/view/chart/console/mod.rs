@@ -9,7 +9,7 @@ pub mod curves;
 pub mod map;
 pub mod page;
 #[cfg(test)]
-pub mod tests;
+mod tests;
 
 use crate::view::chart::figure::Figure;
 use crate::view::chart::map::Map;

@@ -1,9 +1,9 @@
 //! Charts as text.
 
+use crate::key::scale::Scale;
 use crate::view::chart::console::Look;
 use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Limit, Parts, Series, SeriesPoint};
 use crate::view::chart::map::{Cells, Map};
-use crate::key::scale::Scale;
 
 const PLAIN: Look = Look { width: 60, unicode: false, color: false };
 

@@ -1,13 +1,13 @@
 //! A map from the columns of a table.
 
+use crate::chart::{Chart, Shows};
+use crate::key::scale::Scale;
 use crate::table::{Column, Table};
 use crate::view::chart::figure::{Entry, Grouping};
 use crate::view::chart::from_table::{axis, check_unit, grouping, limit, numbers, style};
 use crate::view::chart::map::grid::Grid;
 use crate::view::chart::map::winners::winners;
 use crate::view::chart::map::{Cells, Estimate, Layer, Map};
-use crate::chart::{Chart, Shows};
-use crate::key::scale::Scale;
 use crate::view::chart::notes::{ChartError, MapNotes};
 
 impl Map {
@@ -18,7 +18,8 @@ impl Map {
     /// both axes; a column that is not there, holds text instead of numbers, or has no row with a value asked for.
     pub fn from_table(table: &Table, chart: &Chart) -> Result<(Map, MapNotes), ChartError> {
         let estimate = &chart.estimate().name;
-        let (x, y, z) = (numbers(table, &chart.x.name)?, numbers(table, &chart.y.name)?, numbers(table, estimate)?);
+        let (x, y, z) =
+            (numbers(table, &chart.x.name)?, numbers(table, &chart.y.name)?, numbers(table, estimate)?);
         check_unit(estimate, z, [chart.limit.map(|limit| ("limit", limit.unit))])?;
         if x.name == y.name {
             return Err(ChartError::SameAxes { column: chart.y.name.clone() });

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use crate::table::{Column, Table};
 use crate::key::scale::Scale;
+use crate::table::{Column, Table};
 use crate::view::chart::notes::ChartError;
 
 /// One axis of a grid: its different values, as files show them.

@@ -11,9 +11,8 @@ pub mod grid;
 pub mod limit_line;
 pub mod svg;
 #[cfg(test)]
-pub mod tests;
+mod tests;
 pub mod winners;
-
 
 use serde::Serialize;
 

@@ -1,5 +1,6 @@
 //! A map as SVG.
 
+use crate::key::scale::Scale;
 use crate::view::chart::area::{Area, Frame};
 use crate::view::chart::axes;
 use crate::view::chart::canvas::{Canvas, Stroke};
@@ -11,7 +12,6 @@ use crate::view::chart::map::{Axis, Cells, Map, Won, limit_line, share};
 use crate::view::chart::palette::{self, LIMIT, PALE_MUTED};
 #[cfg(feature = "png")]
 use crate::view::chart::png::PngError;
-use crate::key::scale::Scale;
 use crate::view::chart::scale::Range;
 use crate::view::chart::ticks::Ticks;
 

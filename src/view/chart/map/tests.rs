@@ -3,9 +3,9 @@
 use roxmltree::Document;
 
 use super::*;
-use crate::table::{Cell, Column, Table, Unit};
 use crate::chart::{self, Chart, Named, Shows};
 use crate::key::scale::Scale;
+use crate::table::{Cell, Column, Table, Unit};
 use crate::view::chart::notes::ChartError;
 
 fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
