@@ -9,10 +9,10 @@ use sagnac::kernel::moments::Trials;
 use sagnac::kernel::recipe::{Level, Recipe};
 use sagnac::kernel::width::Width;
 use sagnac::kernel::{Form, KERNELS};
+use sagnac::kinds::gap_fill::verify::Configuration;
 use sagnac::kinds::relock::inputs::Compensation;
-use sagnac::verify::configurations::Configuration;
-use sagnac::verify::relocks::{launches_of, relock};
-use sagnac::verify::runs::hour_launches;
+use sagnac::kinds::relock::verify::{launches_of, relock};
+use sagnac::kinds::switched_run::verify::hour_launches;
 
 fn main() {
     divan::main();

@@ -1,40 +1,9 @@
 // Allan variances of synthetic records: exact sums of the squared differences of their angles.
-// Twin of src/kernel/allan.rs.
+// Twin of kernel/src/allan.rs.
 //
 // An invocation makes one record, some chunks at a time; what goes on is kept in `state`, word by word for all lanes.
 
-// The words of the recipe, then what this dispatch does: chunks from `chunk_from` up to `chunk_to` of `lanes` records, the
-// first of them of number high·2^32 + low.
-struct Parameters {
-    key: vec2<u32>,
-    samples: u32,
-    white: u32,
-    rate_scale: u32,
-    walk: u32,
-    markov_loss: u32,
-    markov_step: u32,
-    markov_start: u32,
-    sine_step: u32,
-    sine_amplitude: u32,
-    quantisation: u32,
-    pulse: u32,
-    switch_interval: u32,
-    residual_amplitude: u32,
-    residual_noise: u32,
-    low: u32,
-    high: u32,
-    lanes: u32,
-    chunk_from: u32,
-    chunk_to: u32,
-    unused_0: u32,
-    unused_1: u32,
-    unused_2: u32,
-    flicker: array<vec4<u32>, FLICKER_VECTORS>,
-    // Of each level: stride, where its ring begins, how long it is, and its first place.
-    levels: array<vec4<u32>, LEVELS>,
-    spans: array<vec4<u32>, SPAN_VECTORS>,
-}
-
+// Parameters are generated: of each level the stride, where its ring begins, how long it is, and its first place.
 @group(0) @binding(1) var<uniform> p: Parameters;
 @group(0) @binding(2) var<storage, read_write> rings: array<u32>;
 @group(0) @binding(3) var<storage, read_write> sums: array<u32>;
@@ -45,6 +14,7 @@ struct Parameters {
 
 var<private> lane: u32;
 
+// Only here: `records` of Rust.
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     lane = id.x;
@@ -52,7 +22,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let low = p.low + lane;
-    address = Address(low, p.high, schedule(p.key));
+    address = Address(low, p.high, schedule(vec2<u32>(p.key_0, p.key_1)));
     if p.chunk_from == 0u {
         begin();
     } else {
@@ -75,6 +45,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     store_state();
 }
 
+// Only here: the levels of Rust are lists.
 fn end_of_level(l: u32) -> u32 {
     if l + 1u == LEVELS {
         return PLACES;
@@ -118,7 +89,7 @@ fn angle(level: vec4<u32>, place: u32) -> u32 {
 
 // The sum of a place has three words.
 fn add(place: u32, square: Wide) {
-    let at = 3u * place * p.lanes + lane;
+    let at = SUM_WORDS * place * p.lanes + lane;
     let low = sums[at] + low_word(square);
     let carry = select(0u, 1u, low < low_word(square));
     let middle = sums[at + p.lanes] + carry;
@@ -129,6 +100,7 @@ fn add(place: u32, square: Wide) {
     sums[at + 2u * p.lanes] += carry_on + select(0u, 1u, sum < middle);
 }
 
+// Only here to the end: parameters and state that Rust has in structures.
 fn flicker_sigma(octave: u32) -> u32 {
     return p.flicker[octave / 4u][octave % 4u];
 }
@@ -137,7 +109,7 @@ fn load_state() {
     noise = Noise(kept_wide(0u), kept(2u), kept_wide(3u), kept_wide(5u), kept(7u), kept_wide(8u), kept(10u));
     //#if FLICKER_HOLDS
     for (var i = STREAMS; i < OCTAVES * STREAMS; i += 1u) {
-        holds[i] = Hold(kept(STATE_WORDS + 3u * i), kept(STATE_WORDS + 3u * i + 1u), kept(STATE_WORDS + 3u * i + 2u));
+        holds[i] = Hold(kept(STATE_WORDS + HOLD_WORDS * i), kept(STATE_WORDS + HOLD_WORDS * i + 1u), kept(STATE_WORDS + HOLD_WORDS * i + 2u));
     }
     //#end
 }
@@ -152,9 +124,9 @@ fn store_state() {
     keep(10u, noise.start);
     //#if FLICKER_HOLDS
     for (var i = STREAMS; i < OCTAVES * STREAMS; i += 1u) {
-        keep(STATE_WORDS + 3u * i, holds[i].value);
-        keep(STATE_WORDS + 3u * i + 1u, holds[i].change);
-        keep(STATE_WORDS + 3u * i + 2u, holds[i].grid);
+        keep(STATE_WORDS + HOLD_WORDS * i, holds[i].value);
+        keep(STATE_WORDS + HOLD_WORDS * i + 1u, holds[i].change);
+        keep(STATE_WORDS + HOLD_WORDS * i + 2u, holds[i].grid);
     }
     //#end
 }

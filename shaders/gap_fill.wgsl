@@ -1,23 +1,5 @@
 // One trial of a mode switch: the ticks round the gap, and how far each filler's angle is from the true one.
-// Twin of src/kernel/gap_fill.rs, which gives the shape (BEFORE, AFTER, …) and the places of the parameters.
-
-@group(0) @binding(1) var<uniform> parameters: array<vec4<u32>, PARAMETER_VECTORS>;
-//#if TABLE
-@group(0) @binding(5) var<storage, read> table: array<u32>;
-//#end
-
-// The parameters in registers: loaded where they are used, they are loaded anew in every trial.
-var<private> p: array<u32, PARAMETER_WORDS>;
-
-fn load_parameters() {
-    //#for i in 0..PARAMETER_WORDS
-    p[i] = parameters[i / 4u][i % 4u];
-    //#end
-}
-
-fn bin_base(estimate: u32) -> u32 {
-    return p[BIN_BASE + estimate];
-}
+// Twin of kernel/src/gap_fill.
 
 // The k-th tick on either side of the gap, where the shape has it: its motion and noise are read, and added to the sums.
 fn side(run: ptr<function, Run>, motion: Motion, k: u32, noise: vec2<u32>) {
@@ -92,7 +74,7 @@ fn pulses(angle: u32) -> u32 {
 fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
     let address = Address(low, high, schedule(vec2<u32>(p[KEY], p[KEY + 1u])));
 
-    let first = draw(address, NOISE_AFTER_AND_PHASE, 0u);
+    let first = draw(address, FOR_NOISE_AFTER_AND_PHASE, 0u);
     let motion = draw_motion(address, first);
     let truth = gap(motion, ROWS - 1u);
 
@@ -106,7 +88,7 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
     //#end
     //#end
     //#if READOUT
-    let words = draw(address, READOUT, 0u);
+    let words = draw(address, FOR_READOUT, 0u);
     let gap_noise = high_word(add_wide(mul_wide(normal(words[1]), p[GAP_SIGMA]), wide(HALF, 0u)));
     run.at_start = words[0] - pulses(words[0]);
     run.at_end = run.at_start + truth + gap_noise;
@@ -115,10 +97,10 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
     var noise_after = first;
     //#for k in 0..SIDES
     if k % 4u == 0u && k < BEFORE {
-        noise_before = draw(address, NOISE_BEFORE, k / 4u);
+        noise_before = draw(address, FOR_NOISE_BEFORE, k / 4u);
     }
     if k % 2u == 0u && 0u < k && k < AFTER {
-        noise_after = draw(address, NOISE_AFTER_AND_PHASE, k / 2u);
+        noise_after = draw(address, FOR_NOISE_AFTER_AND_PHASE, k / 2u);
     }
     side(&run, motion, k, vec2<u32>(noise_before[k % 4u], noise_after[k % 2u]));
     //#end
@@ -137,8 +119,7 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
                 sum = add_tick(sum, run.kept[k], table[(filler * GAP_TICKS + row) * EXTRAPOLATION_BEFORE + k]);
             }
             let found = error_of(sum, IN_GAPS + filler);
-            let size = bitcast<i32>(with_sign(found, found));
-            error[IN_GAPS + filler] = bitcast<u32>(max(bitcast<i32>(error[IN_GAPS + filler]), size));
+            error[IN_GAPS + filler] = max_signed(error[IN_GAPS + filler], with_sign(found, found));
         }
         //#end
     }

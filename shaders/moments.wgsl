@@ -1,5 +1,5 @@
 // The tally of scalar estimates: sum, sum of squares, extremes and a histogram, all exact integers.
-// Twin of src/kernel/moments.rs, which gives FLUSH, BINS, BIN_BITS and LEVEL_OFFSET.
+// Twin of kernel/src/moments.rs. The kernel gives the places of its parameters and the function `trial`.
 //
 // A workgroup takes one job. An invocation adds up at most FLUSH trials in 64 bits; the workgroup's sums have 96.
 
@@ -11,10 +11,23 @@ struct Job {
     slot: u32,
 }
 
+@group(0) @binding(1) var<uniform> parameters: array<vec4<u32>, PARAMETER_VECTORS>;
 @group(0) @binding(2) var<storage, read> jobs: array<Job>;
 @group(0) @binding(3) var<storage, read_write> partials: array<u32>;
 //#if HISTOGRAM
 @group(0) @binding(4) var<storage, read_write> histograms: array<atomic<u32>>;
+//#end
+//#if TABLE
+@group(0) @binding(5) var<storage, read> table: array<u32>;
+//#end
+
+// The parameters in registers: loaded where they are used, they are loaded anew in every trial.
+var<private> p: array<u32, PARAMETER_WORDS>;
+
+//#if HISTOGRAM
+const SHARED_WORDS = ESTIMATES * max(BINS, STAGED_WORDS * WORKGROUP);
+//#else
+const SHARED_WORDS = ESTIMATES * STAGED_WORDS * WORKGROUP;
 //#end
 
 // First the bin counts, then the sums of the invocations: never both.
@@ -29,6 +42,18 @@ struct Sums {
     greatest: i32,
 }
 
+fn bin_base(estimate: u32) -> u32 {
+    return p[BIN_BASE + estimate];
+}
+
+// Only here: the processor reads the parameters where they are.
+fn load_parameters() {
+    //#for i in 0..PARAMETER_WORDS
+    p[i] = parameters[i / 4u][i % 4u];
+    //#end
+}
+
+// Only here: `tally` and `accumulate` of Rust.
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let index = group.y * GROUPS_PER_ROW + group.x;
@@ -46,7 +71,7 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
 
     var sums: array<Sums, ESTIMATES>;
     //#for e in 0..ESTIMATES
-    sums[e] = Sums(0u, 0u, wide(0u, 0u), 0x7fffffff, -0x7fffffff - 1);
+    sums[e] = empty();
     //#end
     for (var i = lane; i < job.count; i += WORKGROUP) {
         let error = trial(job.low + i, job.high);
@@ -79,6 +104,10 @@ fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index
     }
 }
 
+fn empty() -> Sums {
+    return Sums(0u, 0u, wide(0u, 0u), 0x7fffffff, -0x7fffffff - 1);
+}
+
 fn add(sums: Sums, error: u32) -> Sums {
     return Sums(
         sums.sum + error,
@@ -89,7 +118,7 @@ fn add(sums: Sums, error: u32) -> Sums {
     );
 }
 
-// Puts the sums of an invocation where `flush` finds them: six words for each estimate and lane.
+// Only here: lanes are registers in Rust. Puts the sums of an invocation where `flush` finds them: six words for each estimate and lane.
 fn stage(lane: u32, estimate: u32, sums: Sums) {
     let to = estimate * STAGED_WORDS * WORKGROUP + lane;
     atomicStore(&shared_words[to], sums.sum);
@@ -133,6 +162,7 @@ fn whole_sum(low: u32, halves: u32) -> vec3<u32> {
     return add96(vec3<u32>(halves << 16u, sar(halves, 16u), sar(halves, 31u)), vec3<u32>(rest, 0u, 0u));
 }
 
+// Only here: Rust adds in 128 bits.
 fn add96(a: vec3<u32>, b: vec3<u32>) -> vec3<u32> {
     let x = a.x + b.x;
     let carry_x = select(0u, 1u, x < a.x);

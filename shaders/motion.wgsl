@@ -1,8 +1,5 @@
 // Motion of the base in one trial: what it turns through in the gap, and in the ticks on either side.
-// Twin of src/kernel/motion.rs. Angles are in 2^-32 LSB until they are rounded; ticks are counted outward from the gap.
-
-// Half of an LSB in 2^-32 LSB: turns a floor into a rounding.
-const HALF = 0x80000000u;
+// Twin of kernel/src/motion.rs. Angles are in 2^-32 LSB until they are rounded; ticks are counted outward from the gap.
 
 struct Motion {
     tone: array<vec2<u32>, TONE_ROOM>,
@@ -21,13 +18,13 @@ fn draw_motion(address: Address, first: vec4<u32>) -> Motion {
     var block = first;
     //#for t in 0..TONES
     if t > 0u && t % 2u == 0u {
-        block = draw(address, NOISE_AFTER_AND_PHASE, t / 2u);
+        block = draw(address, FOR_NOISE_AFTER_AND_PHASE, t / 2u);
     }
     {
         let phase = p[PHASE + t] + (block[2u + t % 2u] & p[PHASE_SPREAD + t]);
         motion.tone[t] = vec2<u32>(sine(phase), sine(phase + QUARTER_TURN));
         //#if DRAWN
-        let words = draw(address, TONE, t);
+        let words = draw(address, FOR_TONE, t);
         //#if AMPLITUDES
         motion.tone[t] = with_amplitude(motion.tone[t], words, t);
         //#end
@@ -45,7 +42,7 @@ fn draw_motion(address: Address, first: vec4<u32>) -> Motion {
     //#if EVERY
     let position = in_turn(address.low);
     //#else
-    let position = mulhi(draw(address, POSITION, 0u)[0], p[POSITIONS]);
+    let position = mulhi(draw(address, FOR_POSITION, 0u)[0], p[POSITIONS]);
     //#end
     motion.start = position + MARGIN;
     //#end
@@ -139,20 +136,6 @@ fn profile_side(motion: Motion, k: u32) -> vec2<u32> {
     let start = motion.start - k;
     return vec2<u32>(profile(start) - profile(start - 1u), profile(end + 1u) - profile(end));
 }
-
-// The angle of the profile since its start, at a boundary of its ticks.
-fn profile(boundary: u32) -> u32 {
-    return table[MOTION_TABLE + boundary];
-}
-
-// The trial number modulo the number of positions.
-fn in_turn(trial: u32) -> u32 {
-    let positions = p[POSITIONS];
-    let rest = trial - mulhi(trial, p[POSITIONS_INVERSE]) * positions;
-    // The quotient may be one too small.
-    let less = rest - positions;
-    return less + (sar(less, 31u) & positions);
-}
 //#end
 
 //#if FREQUENCIES
@@ -184,28 +167,6 @@ fn factors(motion: Motion, t: u32, half_ticks: u32) -> vec2<u32> {
         high_word(add_wide(mul_wide(motion.peak[t], sine(turn)), wide(HALF, 0u))),
     );
 }
-
-// The angle of a tick at the peak of the rate, in 2^-4 LSB, for a frequency in turns per half tick.
-fn peak_of(half_turn: u32, t: u32) -> u32 {
-    let of_rate = sine_ratio(half_turn << 1u);
-    let of_angle = sine(half_turn) << 1u;
-    return mulhi(p[PEAK + t], of_rate ^ ((of_rate ^ of_angle) & p[OF_ANGLE + t]));
-}
-//#end
-
-//#if AMPLITUDES
-// A tone with an amplitude of its own: a part of the largest one, or Rayleigh-distributed.
-fn with_amplitude(tone: vec2<u32>, words: vec4<u32>, t: u32) -> vec2<u32> {
-    let part = p[AMPLITUDE_LOW + t] + mulhi(words[0], p[AMPLITUDE_WIDTH + t]);
-    let rayleigh = p[RAYLEIGH + t];
-    return vec2<u32>(amplitude(tone.x, words[0], part, rayleigh), amplitude(tone.y, words[1], part, rayleigh));
-}
-
-// A part of `tone`, or the normal number of the word where all bits of `rayleigh` are set.
-fn amplitude(tone: u32, word: u32, part: u32, rayleigh: u32) -> u32 {
-    let scaled = bits_from(add_wide(mul_wide(tone, part), wide(0x40000000u, 0u)), 31u);
-    return scaled ^ ((scaled ^ normal(word)) & rayleigh);
-}
 //#end
 
 //#if GAUSSIAN
@@ -215,14 +176,14 @@ fn draw_gaussian(address: Address) {
     var before: vec4<u32>;
     for (var i = 0u; i < GAP_TICKS; i++) {
         if i % 4u == 0u {
-            after = draw(address, GAUSSIAN_GAP, i / 4u);
+            after = draw(address, FOR_GAUSSIAN_GAP, i / 4u);
         }
         gaussian[i] = normal(after[i % 4u]);
     }
     for (var k = 0u; k < SIDES; k++) {
         if k % 4u == 0u {
-            after = draw(address, GAUSSIAN_AFTER, k / 4u);
-            before = draw(address, GAUSSIAN_BEFORE, k / 4u);
+            after = draw(address, FOR_GAUSSIAN_AFTER, k / 4u);
+            before = draw(address, FOR_GAUSSIAN_BEFORE, k / 4u);
         }
         gaussian[GAP_TICKS + 2u * k] = normal(after[k % 4u]);
         gaussian[GAP_TICKS + 2u * k + 1u] = normal(before[k % 4u]);
@@ -237,6 +198,48 @@ fn gaussian_side(place: u32) -> Wide {
         angle = add_wide(angle, mul_wide(gaussian[i], table[row + i]));
     }
     return angle;
+}
+//#end
+
+//#if PROFILE
+// The angle of the profile since its start, at a boundary of its ticks.
+fn profile(boundary: u32) -> u32 {
+    return table[MOTION_TABLE + boundary];
+}
+//#end
+
+//#if AMPLITUDES
+// A tone with an amplitude of its own: a part of the largest one, or Rayleigh-distributed.
+fn with_amplitude(tone: vec2<u32>, words: vec4<u32>, t: u32) -> vec2<u32> {
+    let part = p[AMPLITUDE_LOW + t] + mulhi(words[0], p[AMPLITUDE_WIDTH + t]);
+    let rayleigh = p[RAYLEIGH + t];
+    return vec2<u32>(amplitude(tone.x, words[0], part, rayleigh), amplitude(tone.y, words[1], part, rayleigh));
+}
+
+// A part of `tone`, or the normal number of the word where all bits of `rayleigh` are set.
+fn amplitude(tone: u32, word: u32, part: u32, rayleigh: u32) -> u32 {
+    let scaled = bits_from(add_wide(mul_wide(tone, part), wide(1u << (AMPLITUDE_BITS - 1u), 0u)), AMPLITUDE_BITS);
+    return scaled ^ ((scaled ^ normal(word)) & rayleigh);
+}
+//#end
+
+//#if FREQUENCIES
+// The angle of a tick at the peak of the rate, in 2^-4 LSB, for a frequency in turns per half tick.
+fn peak_of(half_turn: u32, t: u32) -> u32 {
+    let of_rate = sine_ratio(half_turn << 1u);
+    let of_angle = sine(half_turn) << 1u;
+    return mulhi(p[PEAK + t], of_rate ^ ((of_rate ^ of_angle) & p[OF_ANGLE + t]));
+}
+//#end
+
+//#if PROFILE
+// The trial number modulo the number of positions.
+fn in_turn(trial: u32) -> u32 {
+    let positions = p[POSITIONS];
+    let rest = trial - mulhi(trial, p[POSITIONS_INVERSE]) * positions;
+    // The quotient may be one too small.
+    let less = rest - positions;
+    return less + (sar(less, 31u) & positions);
 }
 //#end
 

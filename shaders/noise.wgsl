@@ -1,6 +1,6 @@
 // Synthetic angles of a gyro at rest, chunk by chunk: white, flicker, walking and Markov rate, sine, drift, fill residuals and
 // readout.
-// Twin of src/kernel/noise.rs, where the method is told.
+// Twin of kernel/src/noise.rs, where the method is told.
 
 // One stream of an octave: the newest number, how much it differs from the one before, and when records go over to it.
 struct Hold {
@@ -30,7 +30,7 @@ var<private> rate: array<u32, CHUNK>;
 var<private> angles: array<u32, CHUNK>;
 
 fn begin() {
-    let words = draw(address, RECORD_START, 0u);
+    let words = draw(address, FOR_RECORD_START, 0u);
     noise = Noise(wide(0u, 0u), 0u, wide(0u, 0u), wide(0u, 0u), words.y, wide(0u, 0u), 0u);
     //#if PULSE
     noise.start = words.x & ((1u << p.pulse) - 1u);
@@ -40,9 +40,9 @@ fn begin() {
     //#end
     //#if FLICKER_HOLDS
     for (var octave = 1u; octave < OCTAVES; octave += 1u) {
-        let grid = draw(address, FLICKER_GRID, octave);
+        let grid = draw(address, FOR_FLICKER_GRID, octave);
         // The hold that the record starts in, number 0.
-        let first = draw(address, FLICKER + octave, 0u);
+        let first = draw_beyond(address, FOR_FLICKER, octave, 0u);
         for (var stream = 0u; stream < streams(octave); stream += 1u) {
             let value = scaled(first[stream], flicker_sigma(octave));
             noise.flicker += value;
@@ -56,7 +56,7 @@ fn begin() {
 fn chunk(first: u32) {
     rates(first);
     for (var block = 0u; block < CHUNK / 4u; block += 1u) {
-        let words = draw(address, WHITE, first / 4u + block);
+        let words = draw(address, FOR_WHITE, first / 4u + block);
         for (var k = 0u; k < 4u; k += 1u) {
             let i = 4u * block + k;
             angles[i] = high_word(noise.angle);
@@ -84,7 +84,7 @@ fn rates(first: u32) {
     //#end
     //#if WALK_STEPS
     for (var block = 0u; block < CHUNK / 4u; block += 1u) {
-        let words = draw(address, WALK, first / 4u + block);
+        let words = draw(address, FOR_WALK, first / 4u + block);
         for (var k = 0u; k < 4u; k += 1u) {
             noise.walk = add_wide(noise.walk, mul_wide(normal(words[k]), p.walk));
             rate[4u * block + k] += high_word(noise.walk);
@@ -93,7 +93,7 @@ fn rates(first: u32) {
     //#end
     //#if MARKOV_STEPS
     for (var block = 0u; block < CHUNK / 4u; block += 1u) {
-        let words = draw(address, MARKOV, first / 4u + block);
+        let words = draw(address, FOR_MARKOV, first / 4u + block);
         for (var k = 0u; k < 4u; k += 1u) {
             let lost = mul_wide(bits_from(noise.markov, 30u), p.markov_loss);
             noise.markov = add_wide(sub_wide(noise.markov, lost), mul_wide(normal(words[k]), p.markov_step));
@@ -108,11 +108,11 @@ fn short_holds(first: u32) {
     for (var octave = 1u; octave < min(OCTAVES, FOUR_STREAMS); octave += 1u) {
         // Hold 0 is the one of the start: the one that begins at h 2^o has the number h + 1.
         let hold = first >> octave;
-        var words = draw(address, FLICKER + octave, hold / 4u);
+        var words = draw_beyond(address, FOR_FLICKER, octave, hold / 4u);
         for (var h = 0u; h < (CHUNK >> octave); h += 1u) {
             let number = hold + h + 1u;
             if number % 4u == 0u {
-                words = draw(address, FLICKER + octave, number / 4u);
+                words = draw_beyond(address, FOR_FLICKER, octave, number / 4u);
             }
             go_over(octave, 0u, scaled(words[number % 4u], flicker_sigma(octave)));
             let hold = holds[octave * STREAMS];
@@ -121,7 +121,7 @@ fn short_holds(first: u32) {
     }
     for (var octave = FOUR_STREAMS; octave < min(OCTAVES, LONG_HOLDS); octave += 1u) {
         for (var h = 0u; h < (CHUNK >> octave); h += 1u) {
-            let words = draw(address, FLICKER + octave, (first >> octave) + h + 1u);
+            let words = draw_beyond(address, FOR_FLICKER, octave, (first >> octave) + h + 1u);
             for (var stream = 0u; stream < STREAMS; stream += 1u) {
                 go_over(octave, stream, scaled(words[stream], flicker_sigma(octave)));
                 let hold = holds[octave * STREAMS + stream];
@@ -135,7 +135,7 @@ fn short_holds(first: u32) {
 fn long_holds(octave: u32, first: u32) {
     let place = first & ((1u << octave) - 1u);
     if place == 0u {
-        let words = draw(address, FLICKER + octave, (first >> octave) + 1u);
+        let words = draw_beyond(address, FOR_FLICKER, octave, (first >> octave) + 1u);
         for (var stream = 0u; stream < STREAMS; stream += 1u) {
             go_over(octave, stream, scaled(words[stream], flicker_sigma(octave)));
         }
@@ -182,7 +182,7 @@ fn readings(first: u32) {
     //#end
     //#if QUANTISATION_NOISE
     for (var block = 0u; block < CHUNK / 4u; block += 1u) {
-        let words = draw(address, QUANTISATION, first / 4u + block);
+        let words = draw(address, FOR_QUANTISATION, first / 4u + block);
         for (var k = 0u; k < 4u; k += 1u) {
             angles[4u * block + k] += scaled(words[k], p.quantisation);
         }
@@ -199,7 +199,7 @@ fn readings(first: u32) {
 //#if FILL_RESIDUALS
 // The residual of a switch of all records.
 fn jump(number: u32) {
-    let words = draw(address, FILL_RESIDUAL, number);
+    let words = draw(address, FOR_FILL_RESIDUAL, number);
     let of_phase = mul_wide(sine(words.x), p.residual_amplitude);
     noise.residuals = add_wide(noise.residuals, add_wide(of_phase, mul_wide(normal(words.y), p.residual_noise)));
 }

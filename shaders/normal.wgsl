@@ -1,8 +1,6 @@
-// Standard normal numbers, one word each, in units of 2^-28. Twin of src/kernel/normal.rs.
+// Standard normal numbers, one word each, in units of 2^-28. Twin of kernel/src/normal.rs.
 
-@group(0) @binding(0) var<storage, read> normal_table: array<vec2<u32>, 528>;
-
-const SEGMENT_BITS = 4u;
+@group(0) @binding(0) var<storage, read> normal_table: array<vec2<u32>, PAIRS>;
 
 fn normal(r: u32) -> u32 {
     let tail = (r << 1u) ^ 1u;

@@ -1,11 +1,7 @@
-// Logarithms and powers to base 2. Twin of src/kernel/power.rs, which gives the coefficients LOG2 and EXP2.
-// log2 and exp2 without the underscore are WGSL's own, in floats.
-
-const LOG_BITS = 26u;
-const LARGEST_MINUS = 31u << LOG_BITS;
+// Logarithms and powers to base 2. Twin of kernel/src/power.rs.
 
 // The logarithm of x >= 1: in units of 2^-26, from 0 to below 32.
-fn log2_(x: u32) -> u32 {
+fn log2_word(x: u32) -> u32 {
     let octave = countLeadingZeros(x);
     let u = (x << octave) << 1u;
     var sum = LOG2[9];
@@ -23,20 +19,20 @@ fn log2_(x: u32) -> u32 {
 }
 
 // 2^u for a fraction u in units of 2^-32: in units of 2^-31.
-fn exp2_(u: u32) -> u32 {
+fn exp2_fraction(u: u32) -> u32 {
     var sum = EXP2[5];
     sum = EXP2[4] + mulhi(sum, u);
     sum = EXP2[3] + mulhi(sum, u);
     sum = EXP2[2] + mulhi(sum, u);
     sum = EXP2[1] + mulhi(sum, u);
     sum = EXP2[0] + mulhi(sum, u);
-    return 0x80000000u + ((u - mulhi(between(u), sum)) >> 1u);
+    return EXP2_ONE + ((u - mulhi(between(u), sum)) >> 1u);
 }
 
 // 2^-x for x in units of 2^-26, from 0 to LARGEST_MINUS: in units of 2^-31.
 fn exp2_minus(x: u32) -> u32 {
     let whole = (x + (1u << LOG_BITS) - 1u) >> LOG_BITS;
-    return exp2_((0u - x) << (32u - LOG_BITS)) >> whole;
+    return exp2_fraction((0u - x) << (32u - LOG_BITS)) >> whole;
 }
 
 // u(1 - u) for a fraction u.

@@ -1,20 +1,5 @@
 // One trial of a relock: sums of its first ticks, of the faked rotation that a compensation leaves.
-// Twin of src/kernel/relock.rs, which gives WEIGHT_BITS and the places of the parameters.
-
-@group(0) @binding(1) var<uniform> parameters: array<vec4<u32>, PARAMETER_VECTORS>;
-
-// The parameters in registers: loaded where they are used, they are loaded anew in every trial.
-var<private> p: array<u32, PARAMETER_WORDS>;
-
-fn load_parameters() {
-    //#for i in 0..PARAMETER_WORDS
-    p[i] = parameters[i / 4u][i % 4u];
-    //#end
-}
-
-fn bin_base(estimate: u32) -> u32 {
-    return p[BIN_BASE + estimate];
-}
+// Twin of kernel/src/relock.rs.
 
 fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
     let address = Address(low, high, schedule(vec2<u32>(p[KEY], p[KEY + 1u])));

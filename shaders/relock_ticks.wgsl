@@ -1,9 +1,9 @@
 // The first ticks after one mode switch: the rotation that the closing perimeter loop fakes, less what a compensation
-// takes off. Twin of src/kernel/relock_ticks.rs, which gives RELOCK_TICKS and the places RELOCK_… of the parameters; the
-// kernel around it gives RELOCK, where these begin among its own.
+// takes off. Twin of kernel/src/relock_ticks.rs. The parameters have places RELOCK_… behind
+// RELOCK, where the kernel around it has them.
 
 fn relock_ticks(address: Address, switch_number: u32, wrong: u32) -> array<u32, RELOCK_TICKS> {
-    let miss = relock_miss(draw(address, RELOCK_PURPOSE, switch_number * RELOCK_BLOCKS));
+    let miss = relock_miss(draw(address, FOR_RELOCK, switch_number * RELOCK_BLOCKS));
     let square = relock_square(miss);
     var left: array<u32, RELOCK_TICKS>;
     //#for i in 0..RELOCK_TICKS
@@ -22,16 +22,16 @@ fn relock_ticks(address: Address, switch_number: u32, wrong: u32) -> array<u32, 
 
 // The part by which the temperature curve has f0 wrong, 2^-30: the same at all switches of a trial.
 fn relock_wrong(address: Address) -> u32 {
-    let words = draw(address, RELOCK_PURPOSE, 0u);
+    let words = draw(address, FOR_RELOCK, 0u);
     return high_word(mul_wide(normal(words[3]), p[RELOCK + RELOCK_TEMPERATURE]));
 }
 
 // The miss of the switch, in units.
 fn relock_miss(words: vec4<u32>) -> u32 {
-    var sum = wide(0x80000000u, p[RELOCK + RELOCK_MISS]);
+    var sum = wide(HALF, p[RELOCK + RELOCK_MISS]);
     sum = add_wide(sum, mul_wide(normal(words[0]), p[RELOCK + RELOCK_HALF_WAVE]));
-    sum = add_wide(sum, mul_wide(words[1] ^ 0x80000000u, p[RELOCK + RELOCK_DAC_STEP]));
-    sum = add_wide(sum, mul_wide(words[2] ^ 0x80000000u, p[RELOCK + RELOCK_HYSTERESIS]));
+    sum = add_wide(sum, mul_wide(words[1] ^ MIDDLE, p[RELOCK + RELOCK_DAC_STEP]));
+    sum = add_wide(sum, mul_wide(words[2] ^ MIDDLE, p[RELOCK + RELOCK_HYSTERESIS]));
     return high_word(sum);
 }
 
@@ -43,7 +43,7 @@ fn relock_square(miss: u32) -> u32 {
 
 // A word at a square of 2^32, at this square.
 fn relock_scaled(square: u32, word: u32) -> u32 {
-    return high_word(add_wide(mul_wide(square, word), wide(0x80000000u, 0u)));
+    return high_word(add_wide(mul_wide(square, word), wide(HALF, 0u)));
 }
 
 //#if RELOCK_BY_FREQUENCY
@@ -55,13 +55,13 @@ fn less_by_frequency(
     wrong: u32,
     before: array<u32, RELOCK_TICKS>,
 ) -> array<u32, RELOCK_TICKS> {
-    let one = 0x80000000u;
+    let one = EXP2_ONE;
     let counted = p[RELOCK + RELOCK_COUNTED];
     let half = p[RELOCK + RELOCK_HALF_BIAS];
     let bias = half << 1u;
-    let assumed = bias + bits_from(mul_wide(bias, wrong), 30u);
+    let assumed = bias + bits_from(mul_wide(bias, wrong), WRONG_BITS);
     var left = before;
-    var phase = draw(address, RELOCK_PURPOSE, switch_number * RELOCK_BLOCKS + 1u)[0] & ~counted;
+    var phase = draw(address, FOR_RELOCK, switch_number * RELOCK_BLOCKS + 1u)[0] & ~counted;
     var first = 0u;
     var first_log = 0u;
     //#for i in 0..RELOCK_TICKS
@@ -70,14 +70,14 @@ fn less_by_frequency(
         let end = top - half + relock_scaled(square, p[RELOCK + RELOCK_LOST_SECOND + i]);
         let error = ((top & counted) << 1u) - (phase & counted) - (end & counted) - assumed;
         phase = end;
-        let log = log2_(at_least(0u - error, 1u));
+        let log = log2_word(max_signed(0u - error, 1u));
         if i == 0u {
             first = error;
             first_log = log;
         } else {
-            let decay = mulhi(at_least(first_log - log, 1u), 0x80000000u / max(i, 1u));
-            let q = exp2_minus(at_least(decay, 1u));
-            let angle = relock_power(log + log2_(one - q) - log2_(one + q) + p[RELOCK + RELOCK_BEAT_LOG], LOG_BITS);
+            let decay = mulhi(max_signed(first_log - log, 1u), EXP2_ONE / max(i, 1u));
+            let q = exp2_minus(max_signed(decay, 1u));
+            let angle = relock_power(log + log2_word(one - q) - log2_word(one + q) + p[RELOCK + RELOCK_BEAT_LOG], LOG_BITS);
             let decays = sar(error, 31u) & sar(first - error, 31u);
             left[i] = left[i] - with_sign(angle & decays, p[RELOCK + RELOCK_SIGN]);
         }
@@ -96,23 +96,23 @@ fn less_by_detuning(
     wrong: u32,
     before: array<u32, RELOCK_TICKS>,
 ) -> array<u32, RELOCK_TICKS> {
-    let one = 0x80000000u;
+    let one = EXP2_ONE;
     var left = before;
     var noise: vec4<u32>;
     //#for i in 0..RELOCK_TICKS
     {
         if i % 2u == 0u {
-            noise = draw(address, RELOCK_PURPOSE, switch_number * RELOCK_BLOCKS + 2u + i / 2u);
+            noise = draw(address, FOR_RELOCK, switch_number * RELOCK_BLOCKS + 2u + i / 2u);
         }
         let plus = relock_shown(miss, p[RELOCK + RELOCK_MEAN_FIRST + i], noise[2u * (i % 2u)]);
         let minus = relock_shown(miss, p[RELOCK + RELOCK_MEAN_SECOND + i], noise[2u * (i % 2u) + 1u]);
         let first = with_sign(plus, plus);
         let second = with_sign(minus, minus);
-        let log = log2_(at_least(first, 1u));
-        let decay = at_least(log - log2_(at_least(second, 1u)), 1u);
-        let half_log = log + (log2_(decay) >> 1u) + log2_(one + exp2_minus(decay)) + p[RELOCK + RELOCK_DETUNING_LOG];
+        let log = log2_word(max_signed(first, 1u));
+        let decay = max_signed(log - log2_word(max_signed(second, 1u)), 1u);
+        let half_log = log + (log2_word(decay) >> 1u) + log2_word(one + exp2_minus(decay)) + p[RELOCK + RELOCK_DETUNING_LOG];
         let plain = relock_power(half_log, LOG_BITS - 1u);
-        let angle = bits_from(mul_wide(plain, 0x40000000u + wrong), 30u);
+        let angle = bits_from(mul_wide(plain, (1u << WRONG_BITS) + wrong), WRONG_BITS);
         let decays = sar(second - first, 31u) & sar(0u - second, 31u);
         let alike = ~sar(plus ^ minus, 31u);
         left[i] = left[i] - with_sign(angle & decays & alike, p[RELOCK + RELOCK_SIGN]);
@@ -125,18 +125,13 @@ fn less_by_detuning(
 fn relock_shown(miss: u32, mean: u32, noise: u32) -> u32 {
     var sum = mul_wide(miss << 1u, mean);
     sum = add_wide(sum, mul_wide(normal(noise), p[RELOCK + RELOCK_ADC_SIGMA]));
-    sum = add_wide(sum, wide(0x80000000u, 0u));
+    sum = add_wide(sum, wide(HALF, 0u));
     return (high_word(sum) + p[RELOCK + RELOCK_ADC_HALF]) & p[RELOCK + RELOCK_ADC_SHOWN];
 }
 //#end
 
 // 2 to the power of `log`, which has so many `bits` behind the point; of a negative one 1.
 fn relock_power(log: u32, bits: u32) -> u32 {
-    let some = min(at_least(log, 0u), (32u << bits) - 1u);
-    return exp2_(some << (32u - bits)) >> (31u - (some >> bits));
-}
-
-// The larger as signed numbers.
-fn at_least(x: u32, least: u32) -> u32 {
-    return bitcast<u32>(max(bitcast<i32>(x), bitcast<i32>(least)));
+    let some = min(max_signed(log, 0u), (32u << bits) - 1u);
+    return exp2_fraction(some << (32u - bits)) >> (31u - (some >> bits));
 }

@@ -1,6 +1,4 @@
-// Sine of a phase in turns, in units of 2^-30. Twin of src/kernel/sine.rs, which gives the coefficients SINE.
-
-const QUARTER_TURN = 0x40000000u;
+// Sine of a phase in turns, in units of 2^-30. Twin of kernel/src/sine.rs.
 
 fn sine(phase: u32) -> u32 {
     let half = phase << 1u;

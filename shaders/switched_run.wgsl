@@ -1,21 +1,5 @@
 // One run of a gyro that switches modes: the angle that it has wrong at the end, at most, and at chosen times.
-// Twin of src/kernel/switched_run.rs, which gives the shape (TONES, TIMES, …) and the places of the parameters.
-
-@group(0) @binding(1) var<uniform> parameters: array<vec4<u32>, PARAMETER_VECTORS>;
-@group(0) @binding(5) var<storage, read> table: array<u32>;
-
-// The parameters in registers: loaded where they are used, they are loaded anew in every trial.
-var<private> p: array<u32, PARAMETER_WORDS>;
-
-fn load_parameters() {
-    //#for i in 0..PARAMETER_WORDS
-    p[i] = parameters[i / 4u][i % 4u];
-    //#end
-}
-
-fn bin_base(estimate: u32) -> u32 {
-    return p[BIN_BASE + estimate];
-}
+// Twin of kernel/src/switched_run.
 
 // The warm-up of a run, whose time constant is drawn: A, 2^−32 LSB in a unit of time; τ as a part of the usual one and what the
 // usual one is of it, 2^−26; τ tanh(MT/2τ); e^{−t/τ} at the last switch, 2^−30.
@@ -43,21 +27,21 @@ struct Run {
 fn start(address: Address) -> Run {
     var run: Run;
     run.random = wide(0u, 0u);
-    run.warm_up.last = 1u << 30u;
+    run.warm_up.last = DECAY_ONE;
     //#if SPREAD
-    let words = draw(address, RUN_DEVIATION, 0u);
+    let words = draw(address, FOR_RUN_DEVIATION, 0u);
     run.deviation = vec3<u32>(normal(words[0]), normal(words[1]), normal(words[2]));
     run.mode = words[3];
     //#end
     //#if WARM_UP
-    run.warm_up = warm_up(run.deviation[0], normal(draw(address, RUN_DEVIATION, 1u)[0]));
+    run.warm_up = warm_up(run.deviation[0], normal(draw(address, FOR_RUN_DEVIATION, 1u)[0]));
     //#end
     //#if RELOCKING
     run.wrong = relock_wrong(address);
     //#end
     //#for block in 0..PHASE_BLOCKS
     {
-        let phases = draw(address, RUN_PHASE, block);
+        let phases = draw(address, FOR_RUN_PHASE, block);
         for (var t = 4u * block; t < min(TONES, 4u * block + 4u); t++) {
             run.phase[t] = phases[t % 4u] & p[RUN_SPREAD + t];
         }
@@ -70,23 +54,23 @@ fn start(address: Address) -> Run {
 // The warm-up of a run whose A and ln τ deviate by so much.
 fn warm_up(magnetic: u32, time: u32) -> WarmUp {
     // No draw makes τ more than 2^5 times longer or shorter.
-    let five = 5u << LOG_BITS;
+    let five = MOST_STRETCH << LOG_BITS;
     let log = high_word(mul_wide(time, p[WARM_UP_SPREAD]));
     let ratio = exp2_minus(five - log);
     let inverse = exp2_minus(five + log);
     let lost = exp2_minus(halvings(inverse, p[HALVINGS]));
-    let one = 1u << 31u;
+    let one = EXP2_ONE;
     // log2 of τ (1 − q)/(1 + q), q = e^{−MT/τ}; then 2^x is 2^31 of 2^−(31 − x).
-    let tanh = log + log2_(one - lost) - log2_(one + lost) + ((26u + p[TIME_BITS]) << LOG_BITS);
-    let heated = p[HEATED] + bits_from(mul_wide(magnetic, p[HEATED + 1u]), 28u);
-    return WarmUp(heated, ratio, inverse, exp2_minus(LARGEST_MINUS - tanh), 1u << 30u);
+    let tanh = log + log2_word(one - lost) - log2_word(one + lost) + ((LOG_BITS + p[TIME_BITS]) << LOG_BITS);
+    let heated = p[HEATED] + bits_from(mul_wide(magnetic, p[HEATED + 1u]), NORMAL_BITS);
+    return WarmUp(heated, ratio, inverse, exp2_minus(LARGEST_MINUS - tanh), DECAY_ONE);
 }
 
 // A number of halvings of the usual τ as that of this τ, 2^−26, at most 31.
 fn halvings(inverse: u32, usual: u32) -> u32 {
     let bits = p[HALVING_BITS];
     let product = mul_wide(inverse, usual);
-    let within = sar(high_word(product) - (31u << (bits - 6u)), 31u);
+    let within = sar(high_word(product) - (MOST_HALVINGS << (bits - (32u - LOG_BITS))), 31u);
     return (bits_from(product, bits) & within) + (LARGEST_MINUS & (within ^ 0xffffffffu));
 }
 
@@ -94,11 +78,11 @@ fn halvings(inverse: u32, usual: u32) -> u32 {
 fn heating(warm_up: WarmUp, k: u32, words: u32) -> vec2<u32> {
     let bits = p[TIME_BITS];
     let now = exp2_minus(halvings(warm_up.inverse, table[words + 1u])) >> 1u;
-    let one = 1u << 30u;
+    let one = DECAY_ONE;
     let even = k % 2u == 0u;
     let signed = select(0u - warm_up.last, warm_up.last, even);
-    let pairs = bits_from(mul_wide(warm_up.tanh, one - signed), 30u);
-    let rest = bits_from(mul_wide(warm_up.ratio, warm_up.last - now), 30u - bits);
+    let pairs = bits_from(mul_wide(warm_up.tanh, one - signed), DECAY_BITS);
+    let rest = bits_from(mul_wide(warm_up.ratio, warm_up.last - now), DECAY_BITS - bits);
     let decayed = select(pairs - rest, pairs + rest, even);
     return vec2<u32>(table[words] - decayed, now);
 }
@@ -107,7 +91,7 @@ fn heating(warm_up: WarmUp, k: u32, words: u32) -> vec2<u32> {
 // The angle where a row of the table is, in interval `k`, with `more` that is random since the last switch.
 fn angle(run: Run, k: u32, row: u32, more: Wide) -> u32 {
     let words = row * ROW;
-    var random = add_wide(add_wide(run.random, more), wide(0x80000000u, 0u));
+    var random = add_wide(add_wide(run.random, more), wide(HALF, 0u));
     var magnetic = wide(0u, 0u);
     var at = words + 1u;
     //#if MODE
@@ -146,7 +130,7 @@ fn residual(run: ptr<function, Run>, address: Address, k: u32, words: vec4<u32>)
     //#for t in 0..TONES
     {
         if t >= 2u && t % 4u == 2u {
-            more = draw(address, SWITCH_PHASE + t / 4u, k);
+            more = draw_beyond(address, FOR_SWITCH_PHASE, t / 4u, k);
         }
         let drawn = more[(t + 2u) % 4u] & p[SWITCH_SPREAD + t];
         residual = add_wide(residual, mul_wide(sine((*run).phase[t] + drawn), p[AMPLITUDE + t]));
@@ -176,7 +160,7 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
     var error: array<u32, ESTIMATES>;
     let nothing = wide(0u, 0u);
     for (var k = 0u; k < intervals; k++) {
-        let words = draw(address, INTERVAL, k);
+        let words = draw(address, FOR_INTERVAL, k);
         let is_last = k + 1u == intervals;
         //#if WALK
         let step = normal(words[0]);
@@ -185,7 +169,7 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
         if p[TIME_INTERVAL + t] == k {
             var part = nothing;
             //#if WALK
-            let bridge = normal(draw(address, BRIDGE, k)[0]);
+            let bridge = normal(draw(address, FOR_BRIDGE, k)[0]);
             part = add_wide(mul_wide(step, p[TIME_WALK + t]), mul_wide(bridge, p[TIME_BRIDGE + t]));
             //#end
             error[FIRST_TIME + t] = angle(run, k, intervals + t, part);
@@ -197,7 +181,7 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
         let before = angle(run, k, k, nothing);
         //#if ENDS
         error[0] = before;
-        error[1] = largest(error[1], before);
+        error[1] = max_signed(error[1], with_sign(before, before));
         //#end
         if !is_last {
             run.random = add_wide(run.random, residual(&run, address, k, words));
@@ -205,7 +189,8 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
             run.relocked += relocked(run, address, k);
             //#end
             //#if ENDS
-            error[1] = largest(error[1], angle(run, k, k, nothing));
+            let after = angle(run, k, k, nothing);
+            error[1] = max_signed(error[1], with_sign(after, after));
             //#end
             //#if WARM_UP
             run.warm_up.last = heating(run.warm_up, k, (k + 1u) * ROW - 2u)[1];
@@ -213,8 +198,4 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
         }
     }
     return error;
-}
-
-fn largest(most: u32, angle: u32) -> u32 {
-    return bitcast<u32>(max(bitcast<i32>(most), bitcast<i32>(with_sign(angle, angle))));
 }

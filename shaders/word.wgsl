@@ -1,10 +1,15 @@
-// The arithmetic of the kernels: 32-bit words that wrap. Twin of src/kernel/word.rs.
+// The arithmetic of the kernels: 32-bit words that wrap. Twin of kernel/src/word.rs.
 //
 // WGSL has no upper half of a product. It is put together from 16-bit parts, or, where the device has 64-bit
 // registers (INT64), taken from one of them; both give the same bits.
 
 fn sar(x: u32, n: u32) -> u32 {
     return bitcast<u32>(bitcast<i32>(x) >> n);
+}
+
+// The larger as signed numbers.
+fn max_signed(x: u32, other: u32) -> u32 {
+    return bitcast<u32>(max(bitcast<i32>(x), bitcast<i32>(other)));
 }
 
 // x, or minus x where `sign` is negative.
@@ -24,18 +29,22 @@ fn mul_wide(a: u32, b: u32) -> Wide {
     return i64(bitcast<i32>(a)) * i64(bitcast<i32>(b));
 }
 
+// Only here: `+` of Rust.
 fn add_wide(a: Wide, b: Wide) -> Wide {
     return a + b;
 }
 
+// Only here: `-` of Rust.
 fn sub_wide(a: Wide, b: Wide) -> Wide {
     return a - b;
 }
 
+// Only here: a lane of 64 bits in Rust.
 fn wide(low: u32, high: u32) -> Wide {
     return i64((u64(high) << 32u) | u64(low));
 }
 
+// Only here: a cast in Rust.
 fn low_word(a: Wide) -> u32 {
     return u32(u64(a) & 0xfffffffflu);
 }
@@ -64,19 +73,23 @@ fn mul_wide(a: u32, b: u32) -> Wide {
     return vec2<u32>(a * b, mulhi(a, b) - (sar(a, 31u) & b) - (sar(b, 31u) & a));
 }
 
+// Only here: `+` of Rust.
 fn add_wide(a: Wide, b: Wide) -> Wide {
     let low = a.x + b.x;
     return vec2<u32>(low, a.y + b.y + select(0u, 1u, low < a.x));
 }
 
+// Only here: `-` of Rust.
 fn sub_wide(a: Wide, b: Wide) -> Wide {
     return vec2<u32>(a.x - b.x, a.y - b.y - select(0u, 1u, a.x < b.x));
 }
 
+// Only here: a lane of 64 bits in Rust.
 fn wide(low: u32, high: u32) -> Wide {
     return vec2<u32>(low, high);
 }
 
+// Only here: a cast in Rust.
 fn low_word(a: Wide) -> u32 {
     return a.x;
 }

@@ -3,19 +3,20 @@
 use std::time::Instant;
 
 use sagnac::device::cpu::Cpu;
-use sagnac::device::gpu::GpuError;
-use sagnac::device::select::{SelectError, select};
+use sagnac::device::error::GpuError;
+use sagnac::device::select::SelectError;
 use sagnac::device::{Device, Job};
 use sagnac::kernel::launch::Launch;
 use sagnac::kernel::recipe::Recipe;
 use sagnac::kernel::width::Width;
+use sagnac::kinds::allan::verify::{NamedRecords, THINNED, lgk_400};
+use sagnac::kinds::gap_fill::verify::configurations;
 use sagnac::kinds::relock::inputs::Compensation;
+use sagnac::kinds::relock::verify::{launches_of, relock};
+use sagnac::kinds::switched_run::verify::hour_launches;
 use sagnac::tally::block::cover;
 use sagnac::theory::allan::estimator::Estimator;
-use sagnac::verify::configurations;
-use sagnac::verify::recipes::{NamedRecords, THINNED, lgk_400};
-use sagnac::verify::relocks::{launches_of, relock};
-use sagnac::verify::runs::hour_launches;
+use sagnac::verify::select;
 use serde::Serialize;
 
 use crate::failure::Failure;

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use sagnac::analysis::design::report;
 use sagnac::analysis::design::{Design, DesignError, Measure, design as find};
-use sagnac::device::select::{Selection, select};
+use sagnac::device::select::Selection;
 use sagnac::quantity::number::{short, significant};
 use sagnac::study::Study;
 use sagnac::table::Table;
+use sagnac::verify::select;
 use sagnac::view::chart::figure::Figure;
 use sagnac::view::chart::picture::Picture;
 

@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use sagnac::allan::tau::TauError;
 use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::log::kalibr::KalibrError;
-use sagnac::device::gpu::GpuError;
+use sagnac::device::error::GpuError;
 use sagnac::device::select::SelectError;
 use sagnac::record::log::error::LogError;
 use sagnac::run::keep::KeepError;

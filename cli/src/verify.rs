@@ -1,7 +1,7 @@
 //! `sagnac verify`.
 
 use sagnac::device::Device;
-use sagnac::device::select::{every_adapter, select};
+use sagnac::device::select::every_adapter;
 use sagnac::kernel::width::Width;
 use sagnac::verify;
 
@@ -11,7 +11,7 @@ use crate::output::print;
 /// Compares every kernel on every width of the CPU and on the device, or on every adapter there is.
 pub fn verify(options: &crate::program::Verify) -> Result<(), Failure> {
     let mut devices = match &options.device {
-        Some(name) => vec![select(name, 0)?.device],
+        Some(name) => vec![verify::select(name, 0)?.device],
         None => every_adapter()?,
     };
     let widths = Width::available().into_iter().map(|width| format!("CPU ({})", width.name()));

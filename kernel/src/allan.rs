@@ -5,9 +5,25 @@
 
 use crate::noise::{Chunk, Noise};
 use crate::philox::{Address, schedule};
-use crate::recipe::{CHUNK, Recipe};
+use crate::recipe::{CHUNK, Recipe, STREAMS};
+use crate::shader::{Part, Shader, Variant, constants};
 use crate::width::{AnyWidth, Width};
 use crate::word::{Scalar, Wide, Word};
+use crate::{Form, part};
+
+constants!(STATE_WORDS, SUM_WORDS, HOLD_WORDS);
+
+/// Records to the sums of their squared differences.
+pub const FORM: Form = Form::Records;
+
+/// Words of a record's state before those of its holds.
+const STATE_WORDS: usize = 11;
+
+/// Words of a hold.
+const HOLD_WORDS: usize = 3;
+
+/// Words of a sum.
+pub const SUM_WORDS: usize = 3;
 
 /// Raised when the kernel's results change for the same parameters: part of every digest.
 pub const VERSION: u32 = 2;
@@ -33,6 +49,7 @@ struct Records<'a> {
 impl AnyWidth for Records<'_> {
     type Output = Vec<u128>;
 
+    // Only here: with `records` it is `main` of the shader.
     #[inline(always)]
     fn run<W: Word>(self) -> Vec<u128> {
         let Records { recipe, first, count } = self;
@@ -51,6 +68,7 @@ impl AnyWidth for Records<'_> {
 }
 
 /// As many records as there are lanes, the sums of the first `count` of them.
+// Only here: see `run`.
 #[inline(always)]
 fn records<W: Word>(recipe: &Recipe, address: Address<W>, count: usize, to: &mut Vec<u128>) {
     let mut noise = Noise::begin(recipe, address);
@@ -148,6 +166,7 @@ impl<W: Word> Sum<W> {
         self.halves = [self.halves[0] + low, self.halves[1] + high];
     }
 
+    // Only here: an invocation has one lane.
     #[inline(always)]
     fn of_lane(&self, lane: usize) -> u128 {
         let (mut low, mut high) = ([0; 16], [0; 16]);
@@ -157,8 +176,117 @@ impl<W: Word> Sum<W> {
     }
 }
 
-/// Sums of the squared differences of the records `first .. first + count`, which have one upper half: record by record, in
-/// each the places of the curve in the order of the levels.
-pub fn sums(width: Width, recipe: &Recipe, first: u64, count: usize) -> Vec<u128> {
-    width.run(Records { recipe, first, count })
+impl Recipe {
+    /// Sums of the squared differences of the records `first .. first + count`, which have one upper half: record by record,
+    /// in each the places of the curve in the order of the levels.
+    pub fn sums(&self, width: Width, first: u64, count: usize) -> Vec<u128> {
+        width.run(Records { recipe: self, first, count })
+    }
+
+    /// The file of the kernel that makes its records.
+    pub fn part(&self) -> &'static Part {
+        &part::allan
+    }
+
+    /// The shader that makes its records, and whether that draws normal numbers.
+    pub fn shader(&self, variant: Variant) -> (String, bool) {
+        let octaves = self.octaves();
+        let fields = self.fixed(0, 0, [0, 0]).map(|(name, _)| format!("    {name}: u32,\n")).concat();
+        let shader = Shader {
+            parts: vec![&part::philox, &part::normal, &part::sine, &part::noise, &part::allan],
+            constants: vec![
+                ("OCTAVES", octaves),
+                ("HOLD_ROOM", STREAMS * octaves.max(1)),
+                ("LEVELS", self.levels.len()),
+                ("PLACES", self.places()),
+                ("ORDER", self.order as usize),
+            ],
+            flags: vec![
+                ("FLICKER_HOLDS", octaves > 1),
+                ("WALK_STEPS", self.walk > 0),
+                ("MARKOV_STEPS", self.markov.is_some()),
+                ("SINE_WAVE", self.sine.is_some()),
+                ("QUANTISATION_NOISE", self.quantisation > 0),
+                ("PULSE", self.pulse.is_some()),
+                ("DRIFT", !self.drift.is_empty()),
+                ("FILL_RESIDUALS", self.switching.is_some()),
+                ("THIRD_ORDER", self.order == 3),
+            ],
+            declarations: format!(
+                "struct Parameters {{\n{fields}    flicker: array<vec4<u32>, {}>,\n    \
+                 levels: array<vec4<u32>, LEVELS>,\n    spans: array<vec4<u32>, {}>,\n}}\n",
+                self.flicker_vectors(),
+                self.places().div_ceil(4)
+            ),
+        };
+        (shader.text(variant), shader.has_normals())
+    }
+
+    /// Words of a dispatch before the lists of the recipe, by their names in the shader: chunks from `chunk_from` up to
+    /// `chunk_to` of `lanes` records, the first of them of number high·2^32 + low.
+    fn fixed(&self, first: u64, lanes: u32, chunks: [u32; 2]) -> [(&'static str, u32); 21] {
+        let [loss, step, start] = self.markov.unwrap_or_default();
+        let [sine_step, amplitude] = self.sine.unwrap_or_default();
+        let [interval, residual_amplitude, residual_noise] = self.switching.unwrap_or_default();
+        [
+            ("key_0", self.key[0]),
+            ("key_1", self.key[1]),
+            ("samples", self.samples),
+            ("white", self.white),
+            ("rate_scale", self.rate_scale),
+            ("walk", self.walk),
+            ("markov_loss", loss),
+            ("markov_step", step),
+            ("markov_start", start),
+            ("sine_step", sine_step),
+            ("sine_amplitude", amplitude),
+            ("quantisation", self.quantisation),
+            ("pulse", self.pulse.unwrap_or(0)),
+            ("switch_interval", interval),
+            ("residual_amplitude", residual_amplitude),
+            ("residual_noise", residual_noise),
+            ("low", first as u32),
+            ("high", (first >> 32) as u32),
+            ("lanes", lanes),
+            ("chunk_from", chunks[0]),
+            ("chunk_to", chunks[1]),
+        ]
+    }
+
+    /// Vectors of four words for the standard deviations of flicker noise: octave o has place o.
+    fn flicker_vectors(&self) -> usize {
+        self.octaves().max(1).div_ceil(4)
+    }
+
+    /// The parameters of a dispatch of the shader.
+    pub fn parameters(&self, first: u64, lanes: u32, chunks: [u32; 2]) -> Vec<u32> {
+        let mut words: Vec<u32> =
+            self.fixed(first, lanes, chunks).into_iter().map(|(_, word)| word).collect();
+        words.resize(words.len().next_multiple_of(4), 0);
+        let flicker = words.len();
+        // Octave 0 has no hold.
+        words.push(0);
+        words.extend(&self.flicker);
+        words.resize(flicker + 4 * self.flicker_vectors(), 0);
+        let (mut ring, mut place) = (0, 0);
+        for level in &self.levels {
+            let depth = level.depth(self.order) as u32;
+            words.extend([level.stride, ring, depth, place]);
+            ring += depth;
+            place += level.spans.len() as u32;
+        }
+        words.extend(self.levels.iter().flat_map(|level| &level.spans));
+        words.resize(words.len().next_multiple_of(4), 0);
+        words
+    }
+
+    /// Words of a record's state that the shader keeps between dispatches.
+    pub fn state_words(&self) -> usize {
+        STATE_WORDS + HOLD_WORDS * STREAMS * self.octaves()
+    }
+
+    /// Rounds of loops that a chunk takes in the shader at most.
+    pub fn rounds(&self) -> usize {
+        CHUNK * (self.places() + 17) + self.places() + 8 * self.octaves()
+    }
 }

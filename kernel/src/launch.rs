@@ -1,47 +1,92 @@
 //! What a device needs to sample the estimates of one point.
 
+use core::any::Any;
+use core::fmt::Debug;
+use core::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 use crate::moments::{FLUSH, Moments, Trials};
-use crate::width::Width;
-use crate::{gap_fill, relock, switched_run};
+use crate::part;
+use crate::shader::{Part, Shader, Variant};
+use crate::width::{AnyWidth, Width};
+use crate::word::Word;
 
-/// Which kernel samples, and what its launch has: what a shader is specialised for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Sampled {
-    /// Errors of gap fillers.
-    GapFill(gap_fill::Shape),
-    /// Angles of whole runs.
-    SwitchedRun(switched_run::Shape),
-    /// What is left of the ticks after a switch.
-    Relock(relock::Shape),
+/// What a launch of a kernel of trials has, and how much of it: what its shader is specialised for.
+pub trait Shape: Any + Debug + Send + Sync {
+    /// The kernel's own file.
+    fn part(&self) -> &'static Part;
+    /// Number of estimates.
+    fn estimates(&self) -> usize;
+    /// Whether the kernel reads the table.
+    fn has_table(&self) -> bool {
+        false
+    }
+    /// Steps of one trial with these parameters, each some tens of nanoseconds on one lane.
+    fn steps(&self, _words: &[u32]) -> u64 {
+        1
+    }
+    /// Number of parameter words.
+    fn words(&self) -> usize;
+    /// The kernel's shader without the tally.
+    fn shader(&self) -> Shader;
 }
 
-impl Sampled {
-    /// Number of estimates.
-    pub fn estimates(&self) -> usize {
-        match self {
-            Sampled::GapFill(shape) => shape.estimates(),
-            Sampled::SwitchedRun(shape) => shape.estimates(),
-            Sampled::Relock(shape) => shape.estimates,
-        }
+/// A kernel of trials, by its shape.
+pub trait Trial: Shape + Copy + Eq + Hash {
+    /// Tallies of the estimates over some trials that fill the lanes.
+    fn tally<W: Word>(self, launch: &Launch, trials: Trials) -> Vec<Moments>;
+}
+
+/// The shape of any kernel of trials.
+pub trait Sampled: Shape {
+    /// [`Trial::tally`] in lanes of a width.
+    fn tally(&self, width: Width, launch: &Launch, trials: Trials) -> Vec<Moments>;
+    /// Whether `other` is the same shape of the same kernel.
+    fn equals(&self, other: &dyn Sampled) -> bool;
+    /// Feeds a hasher.
+    fn hash_into(&self, state: &mut dyn Hasher);
+}
+
+impl<T: Trial> Sampled for T {
+    fn tally(&self, width: Width, launch: &Launch, trials: Trials) -> Vec<Moments> {
+        width.run(Tally { launch, shape: *self, trials })
     }
 
-    /// Whether the kernel draws normal numbers, whose table is bound only then.
-    pub fn has_normals(&self) -> bool {
-        match self {
-            Sampled::GapFill(_) | Sampled::Relock(_) => true,
-            Sampled::SwitchedRun(shape) => shape.has_normals(),
-        }
+    fn equals(&self, other: &dyn Sampled) -> bool {
+        (other as &dyn Any).downcast_ref() == Some(self)
     }
 
-    /// Whether the kernel reads the table.
-    pub fn has_table(&self) -> bool {
-        match self {
-            Sampled::GapFill(shape) => shape.has_table(),
-            Sampled::SwitchedRun(_) => true,
-            Sampled::Relock(_) => false,
-        }
+    fn hash_into(&self, mut state: &mut dyn Hasher) {
+        (self.part().stem, self).hash(&mut state);
+    }
+}
+
+impl PartialEq for dyn Sampled {
+    fn eq(&self, other: &dyn Sampled) -> bool {
+        self.equals(other)
+    }
+}
+
+impl Eq for dyn Sampled {}
+
+impl Hash for dyn Sampled {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.hash_into(state);
+    }
+}
+
+struct Tally<'a, T> {
+    launch: &'a Launch,
+    shape: T,
+    trials: Trials,
+}
+
+impl<T: Trial> AnyWidth for Tally<'_, T> {
+    type Output = Vec<Moments>;
+
+    #[inline(always)]
+    fn run<W: Word>(self) -> Vec<Moments> {
+        self.shape.tally::<W>(self.launch, self.trials)
     }
 }
 
@@ -49,28 +94,36 @@ impl Sampled {
 pub const MOST_STEPS: u64 = 60_000;
 
 /// Trials of one point: parameters in fixed point.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct Launch {
-    /// Which kernel.
-    pub sampled: Sampled,
+    /// Which kernel, specialised for what.
+    pub sampled: Arc<dyn Sampled>,
     /// The parameters of the kernel, one after the other.
     pub words: Vec<u32>,
     /// What is too long for them; often empty.
     pub table: Arc<[u32]>,
 }
 
+impl PartialEq for Launch {
+    fn eq(&self, other: &Launch) -> bool {
+        *self.sampled == *other.sampled && self.words == other.words && self.table == other.table
+    }
+}
+
 impl Launch {
-    /// Steps of one trial, each some tens of nanoseconds on one lane: what work is divided by.
+    /// A launch of the kernel that `shape` belongs to.
+    pub fn new(shape: impl Trial, words: Vec<u32>, table: Arc<[u32]>) -> Launch {
+        Launch { sampled: Arc::new(shape), words, table }
+    }
+
+    /// Its shape, where it is of the kernel that `T` belongs to.
+    pub fn shape<T: Trial>(&self) -> Option<T> {
+        (&*self.sampled as &dyn Any).downcast_ref().copied()
+    }
+
+    /// Steps of one trial: what work is divided by.
     pub fn steps(&self) -> u64 {
-        match self.sampled {
-            Sampled::GapFill(_) => 1,
-            Sampled::Relock(shape) => shape.ticks.ticks as u64,
-            Sampled::SwitchedRun(shape) => {
-                let relock = shape.relock.map_or(0, |relock| relock.ticks as u64);
-                let intervals = switched_run::Parameters::of(&self.words, shape).intervals[0];
-                u64::from(intervals) * (1 + relock)
-            }
-        }
+        self.sampled.steps(&self.words)
     }
 
     /// Trials that one invocation of the shader adds up at most.
@@ -79,25 +132,31 @@ impl Launch {
         (MOST_STEPS / self.steps()).clamp(1, FLUSH)
     }
 
+    /// The shader that samples it, and whether that draws normal numbers.
+    pub fn shader(&self, histogram: bool, variant: Variant) -> (String, bool) {
+        let words = self.sampled.words();
+        let mut shader = self.sampled.shader();
+        shader.constants.extend([
+            ("ESTIMATES", self.sampled.estimates()),
+            ("PARAMETER_WORDS", words),
+            ("PARAMETER_VECTORS", words.div_ceil(4)),
+        ]);
+        shader.flags.extend([("HISTOGRAM", histogram), ("TABLE", self.sampled.has_table())]);
+        shader.parts.push(&part::moments);
+        (shader.text(variant), shader.has_normals())
+    }
+
     /// Tallies of the estimates over some trials.
     pub fn tally(&self, width: Width, trials: Trials) -> Vec<Moments> {
         // What does not fill the lanes is done in one.
         let rest = trials.count % width.lanes() as u64;
         let count = trials.count - rest;
-        let mut tallies = self.whole_lanes(width, Trials { count, ..trials });
+        let mut tallies = self.sampled.tally(width, self, Trials { count, ..trials });
         if rest > 0 {
             let last = Trials { first: trials.first + count, count: rest, ..trials };
-            let last = self.whole_lanes(Width::PORTABLE, last);
+            let last = self.sampled.tally(Width::PORTABLE, self, last);
             tallies.iter_mut().zip(&last).for_each(|(tally, last)| tally.merge(last));
         }
         tallies
-    }
-
-    fn whole_lanes(&self, width: Width, trials: Trials) -> Vec<Moments> {
-        match self.sampled {
-            Sampled::GapFill(shape) => width.run(gap_fill::Tally { launch: self, shape, trials }),
-            Sampled::SwitchedRun(shape) => width.run(switched_run::Tally { launch: self, shape, trials }),
-            Sampled::Relock(shape) => width.run(relock::Tally { launch: self, shape, trials }),
-        }
     }
 }

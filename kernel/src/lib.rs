@@ -1,42 +1,30 @@
-//! The kernels: integer arithmetic only, each with a twin of the same stem in `shaders/`.
+//! Integer Monte Carlo kernels. Each file that has a twin in `shaders/` is a row of [`PARTS`], each kernel one of [`KERNELS`].
 
-pub mod allan;
-pub mod gap_fill;
 pub mod launch;
-pub mod map;
-pub mod moments;
-pub mod motion;
-pub mod noise;
-pub mod normal;
 pub mod normal_table;
 pub mod parameters;
-pub mod philox;
 #[cfg(test)]
-pub mod polynomial;
-pub mod power;
+mod polynomial;
 pub mod recipe;
-pub mod relock;
-pub mod relock_ticks;
 pub mod rows;
-pub mod sine;
-pub mod switched_run;
+pub mod shader;
 pub mod width;
-pub mod word;
 
 use crate::map::Map;
+use crate::shader::Part;
 
-/// A kernel by the form of what it computes.
+/// How a kernel is called and what it gives.
 #[derive(Debug, Clone, Copy)]
 pub enum Form {
     /// A building block: words to words.
     Map(Map),
-    /// Trials of a point to moments of its estimates.
+    /// Trials of a point to moments of its estimates: see [`launch::Trial`].
     Moments,
-    /// Synthetic records to the sums of their squared differences.
+    /// Synthetic records to the sums of their squared differences: see [`recipe::Recipe`].
     Records,
 }
 
-/// A kernel as the registry has it.
+/// A row of the registry.
 #[derive(Debug, Clone, Copy)]
 pub struct Kernel {
     /// The stem of its file here and in `shaders/`.
@@ -45,14 +33,52 @@ pub struct Kernel {
     pub form: Form,
 }
 
-/// Every kernel: what `verify`, the self-test of devices and the identity tests go through.
-pub const KERNELS: [Kernel; 8] = [
-    Kernel { name: "philox", form: Form::Map(crate::map::PHILOX) },
-    Kernel { name: "normal", form: Form::Map(crate::map::NORMAL) },
-    Kernel { name: "sine", form: Form::Map(crate::map::SINE) },
-    Kernel { name: "power", form: Form::Map(crate::map::POWER) },
-    Kernel { name: "gap_fill", form: Form::Moments },
-    Kernel { name: "switched_run", form: Form::Moments },
-    Kernel { name: "relock", form: Form::Moments },
-    Kernel { name: "allan", form: Form::Records },
-];
+/// Declares the modules that have a twin in `shaders/` and registers them; those under `kernels` have a `FORM`.
+macro_rules! twins {
+    (parts { $($part:ident,)* } kernels { $($kernel:ident,)* }) => {
+        $(pub mod $part;)*
+        $(pub mod $kernel;)*
+
+        /// The shader files by their stems.
+        #[allow(non_upper_case_globals)]
+        pub mod part {
+            $(pub static $part: crate::shader::Part = twins!(of $part);)*
+            $(pub static $kernel: crate::shader::Part = twins!(of $kernel);)*
+        }
+
+        /// Every file of `shaders/`.
+        pub static PARTS: &[&Part] = &[$(&part::$part,)* $(&part::$kernel,)*];
+
+        /// Every kernel: `verify`, the self-test of devices and the identity tests iterate over this list.
+        pub static KERNELS: &[Kernel] =
+            &[$(Kernel { name: stringify!($kernel), form: crate::$kernel::FORM },)*];
+    };
+    (of $stem:ident) => {
+        crate::shader::Part {
+            stem: stringify!($stem),
+            wgsl: include_str!(concat!("../../shaders/", stringify!($stem), ".wgsl")),
+            constants: crate::$stem::constants,
+        }
+    };
+}
+
+twins! {
+    parts {
+        word,
+        map,
+        moments,
+        motion,
+        relock_ticks,
+        noise,
+    }
+    kernels {
+        philox,
+        normal,
+        sine,
+        power,
+        gap_fill,
+        switched_run,
+        relock,
+        allan,
+    }
+}

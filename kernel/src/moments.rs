@@ -3,7 +3,19 @@
 //! Twin of `shaders/moments.wgsl`. A lane adds up at most [`FLUSH`] trials in 64 bits before the sums go on in 128;
 //! with errors below [`LIMIT`] that cannot overflow. (64-bit sums without this bound wrapped once in 1.3e8 trials.)
 
+use crate::shader::constants;
 use crate::word::{Wide, Word};
+
+constants!(FLUSH, BINS, BIN_BITS, LEVEL_OFFSET, PARTIAL_WORDS, STAGED_WORDS, GROUPS_PER_ROW);
+
+/// Words of a workgroup's partial sums of one estimate: Σ and Σ² of three words each, least, greatest.
+pub const PARTIAL_WORDS: usize = 8;
+
+/// Words of an invocation's sums of one estimate: Σ and Σ² of two words each, least, greatest.
+const STAGED_WORDS: usize = 6;
+
+/// Workgroups of a row of a dispatch: below every device's limit of a dimension.
+pub const GROUPS_PER_ROW: u32 = 32768;
 
 /// Most estimates of one launch.
 pub const MAX_ESTIMATES: usize = 6;
@@ -79,6 +91,7 @@ pub struct Trials {
 }
 
 /// Tallies of a sampler's estimates over some trials, a multiple of the lanes.
+// Only here: with `accumulate` it is `main` of the shader.
 #[inline(always)]
 pub fn tally<W: Word>(sampler: impl Sampler, trials: Trials) -> Vec<Moments> {
     let Trials { first, count, histogram } = trials;
@@ -96,6 +109,7 @@ pub fn tally<W: Word>(sampler: impl Sampler, trials: Trials) -> Vec<Moments> {
 }
 
 /// Adds the trials `first .. first + count`, a multiple of the lanes, to the tallies and bin counts.
+// Only here: see `tally`.
 #[inline(always)]
 fn accumulate<W: Word, const HISTOGRAM: bool>(
     sampler: impl Sampler,

@@ -10,11 +10,14 @@
 use crate::gap_fill::shape::{MARGIN, MAX_TONES, Parameters, Shape};
 use crate::normal::normal;
 use crate::philox::{Address, Purpose};
+use crate::shader::constants;
 use crate::sine::{QUARTER_TURN, sine, sine_ratio};
 use crate::word::{Wide, Word};
 
-/// Half of an LSB in 2^−32 LSB: turns a floor into a rounding.
-const HALF: i64 = 1 << 31;
+constants!(MARGIN, AMPLITUDE_BITS);
+
+/// Bits behind the point of a part of an amplitude.
+const AMPLITUDE_BITS: u32 = 31;
 
 /// The parameters of a launch and its table, by name.
 #[derive(Clone, Copy)]
@@ -40,7 +43,7 @@ pub struct Motion<W, const GAUSSIANS: usize> {
 impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
     /// Draws it; `first` is the block of noise and phases that the caller has drawn already.
     #[inline(always)]
-    pub fn draw(given: &Given, address: &Address<W>, first: [W; 4]) -> Motion<W, GAUSSIANS> {
+    pub fn draw_motion(given: &Given, address: &Address<W>, first: [W; 4]) -> Motion<W, GAUSSIANS> {
         let zero = W::splat(0);
         let mut motion = Motion {
             tone: [[zero; 2]; MAX_TONES],
@@ -85,7 +88,7 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
     #[inline(always)]
     pub fn gap(&self, given: &Given, row: usize) -> W {
         let Given { p, table, shape } = given;
-        let mut angle = W::Wide::splat(HALF);
+        let mut angle = W::Wide::half();
         for t in 0..shape.tones {
             let [sin, cos] = if shape.frequencies {
                 self.gap_factors(given, row, t)
@@ -107,7 +110,7 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
                 angle = angle + number.mul_wide(W::splat(factor));
             }
         }
-        let angle = angle.high();
+        let angle = angle.high_word();
         if !shape.profile {
             return angle;
         }
@@ -117,9 +120,9 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
 
     /// The angles of the k-th tick before and after the gap, in 2^−32 LSB and with a half LSB, but for the profile.
     #[inline(always)]
-    pub fn side(&self, given: &Given, k: usize) -> [W::Wide; 2] {
+    pub fn side_motion(&self, given: &Given, k: usize) -> [W::Wide; 2] {
         let Given { p, shape, .. } = given;
-        let (mut even, mut odd) = (W::Wide::splat(HALF), W::Wide::splat(0));
+        let (mut even, mut odd) = (W::Wide::half(), W::Wide::splat(0));
         for t in 0..shape.tones {
             let [sin, cos] = if shape.frequencies {
                 self.side_factors(given, k, t)
@@ -179,9 +182,9 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
     #[inline(always)]
     fn factors(&self, t: usize, half_ticks: u32) -> [W; 2] {
         let turn = self.half_turn[t] * W::splat(half_ticks);
-        let sin = self.peak[t].mul_wide(sine(turn + W::splat(QUARTER_TURN))) + W::Wide::splat(HALF);
-        let cos = self.peak[t].mul_wide(sine(turn)) + W::Wide::splat(HALF);
-        [sin.high(), cos.high()]
+        let sin = self.peak[t].mul_wide(sine(turn + W::splat(QUARTER_TURN))) + W::Wide::half();
+        let cos = self.peak[t].mul_wide(sine(turn)) + W::Wide::half();
+        [sin.high_word(), cos.high_word()]
     }
 
     /// The normal numbers of the Gaussian motion: of the gap, then outward in turn after and before it.
@@ -236,7 +239,7 @@ fn with_amplitude<W: Word>(tone: [W; 2], words: [W; 4], p: &Parameters, t: usize
 /// A part of `tone`, or the normal number of the word where all bits of `rayleigh` are set.
 #[inline(always)]
 fn amplitude<W: Word>(tone: W, word: W, part: W, rayleigh: W) -> W {
-    let scaled = (tone.mul_wide(part) + W::Wide::splat(1 << 30)).bits_from(31);
+    let scaled = (tone.mul_wide(part) + W::Wide::splat(1 << (AMPLITUDE_BITS - 1))).bits_from(AMPLITUDE_BITS);
     scaled ^ ((scaled ^ normal(word)) & rayleigh)
 }
 

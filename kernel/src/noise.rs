@@ -8,8 +8,11 @@
 use crate::normal::normal;
 use crate::philox::{Address, Purpose};
 use crate::recipe::{CHUNK, FOUR_STREAMS, LONG_HOLDS, MAX_OCTAVES, Recipe, STREAMS};
+use crate::shader::constants;
 use crate::sine::{QUARTER_TURN, sine};
 use crate::word::{Wide, Word};
+
+constants!(CHUNK, STREAMS, FOUR_STREAMS, LONG_HOLDS);
 
 /// A chunk of words, one for each lane and sample.
 pub type Chunk = [u32; 16 * CHUNK];
@@ -90,7 +93,7 @@ impl<W: Word> Noise<W> {
             let words = self.address.draw(Purpose::White, first / 4 + block);
             for (k, word) in words.into_iter().enumerate() {
                 let i = (4 * block + k) * W::LANES;
-                self.angle.high().store(&mut angles[i..]);
+                self.angle.high_word().store(&mut angles[i..]);
                 let rate = W::load(&self.rate[i..]).mul_wide(scale);
                 self.angle = self.angle + rate + normal(word).mul_wide(W::splat(recipe.white));
             }
@@ -117,7 +120,7 @@ impl<W: Word> Noise<W> {
                 let words = self.address.draw(Purpose::Walk, first / 4 + block);
                 for (k, word) in words.into_iter().enumerate() {
                     self.walk = self.walk + normal(word).mul_wide(W::splat(recipe.walk));
-                    add(&mut self.rate, 4 * block + k, self.walk.high());
+                    add(&mut self.rate, 4 * block + k, self.walk.high_word());
                 }
             }
         }
@@ -219,7 +222,7 @@ impl<W: Word> Noise<W> {
         }
         if let Some([interval, amplitude, sigma]) = recipe.switching {
             for i in 0..CHUNK {
-                add(angles, i, self.residuals.high());
+                add(angles, i, self.residuals.high_word());
                 let sample = (first + i) as u32;
                 if sample > 0 && sample.is_multiple_of(interval) {
                     self.jump(sample / interval, amplitude, sigma);
@@ -230,7 +233,7 @@ impl<W: Word> Noise<W> {
             for i in 0..CHUNK {
                 // The integral of a sine is less its cosine; units of 2^−32 LSB in the product.
                 let cosine = sine(self.phase + W::splat(QUARTER_TURN));
-                add(angles, i, W::splat(0) - cosine.mul_wide(W::splat(amplitude)).high());
+                add(angles, i, W::splat(0) - cosine.mul_wide(W::splat(amplitude)).high_word());
                 self.phase = self.phase + W::splat(step);
             }
         }
@@ -269,9 +272,10 @@ fn streams(octave: usize) -> usize {
 /// A normal number of a standard deviation in 2^−4 units.
 #[inline(always)]
 fn scaled<W: Word>(word: W, sigma: u32) -> W {
-    normal(word).mul_wide(W::splat(sigma)).high()
+    normal(word).mul_wide(W::splat(sigma)).high_word()
 }
 
+// Only here: WGSL has an operator.
 #[inline(always)]
 fn add<W: Word>(chunk: &mut Chunk, sample: usize, more: W) {
     let at = &mut chunk[sample * W::LANES..];

@@ -5,11 +5,37 @@
 //! segment the quantile is a quadratic in the position. No branch, no rejection, no float. The distribution reaches
 //! ±6.3σ; `docs/numerics.md` has its moments and tails, taken over all 2^31 magnitudes.
 
+use crate::Form;
+use crate::map::{Block, Map};
 use crate::normal_table::NORMAL_TABLE;
+use crate::part;
+use crate::shader::{Part, constants};
 use crate::word::Word;
 
+constants!(SEGMENT_BITS, NORMAL_BITS);
+
+/// Random word to normal number.
+pub const FORM: Form = Form::Map(Map::of::<Normal>());
+
+struct Normal;
+
+impl Block for Normal {
+    const PART: &'static Part = &part::normal;
+    const INPUTS: usize = 1;
+    const OUTPUTS: usize = 1;
+    const WGSL: &'static str = "y[0] = normal(x[0]);";
+    // Only here: the shader's is generated.
+    #[inline(always)]
+    fn evaluate<W: Word>(x: [W; 6]) -> [W; 4] {
+        [normal(x[0]); 4]
+    }
+}
+
+/// Bits of a normal number behind the point.
+pub const NORMAL_BITS: u32 = 28;
+
 /// One standard deviation: results are in units of 2^−28.
-pub const SIGMA: u32 = 1 << 28;
+pub const SIGMA: u32 = 1 << NORMAL_BITS;
 
 /// No draw is farther from 0 than this many standard deviations.
 pub const REACH: f64 = 6.35;

@@ -3,92 +3,93 @@
 //! Twin of `shaders/philox.wgsl`. Source: Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3"
 //! (SC 2011), and the known-answer vectors of Random123.
 
+use crate::Form;
+use crate::map::{Block, Map};
+use crate::part;
+use crate::shader::{Constants, Part, Value};
 use crate::word::{Factor, Scalar, Word};
 
-/// What a draw is for: the last word of its counter. A new purpose shifts no other draw.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Purpose {
-    /// Noise of the ticks before the gap, counted outward from it: tick 0, −1, −2, …; four to a block.
-    NoiseBefore = 0,
-    /// Words 0 and 1: noise of the ticks after the gap, counted outward from it: tick n+1, n+2, …; words 2 and 3:
-    /// phases of the tones. Two and two to a block, so that the usual trial takes two blocks and not three.
-    NoiseAfterAndPhase = 1,
-    /// A block for each tone: word 0 its amplitude, where that is drawn from a Rayleigh distribution together with word
-    /// 1; word 2 its frequency.
-    Tone = 2,
-    /// Word 0: where the readout stands at the start of the gap; word 1: noise over the whole gap.
-    Readout = 3,
-    /// Word 0: the place in a recorded profile.
-    Position = 4,
-    /// Gaussian motion of the ticks 1, 2, … of the gap; four to a block.
-    GaussianGap = 5,
-    /// Gaussian motion of the ticks before the gap, counted outward from it; four to a block.
-    GaussianBefore = 6,
-    /// Gaussian motion of the ticks after the gap, counted outward from it; four to a block.
-    GaussianAfter = 7,
-    /// A record: word 0 where its readout stands at the start, word 1 the phase of its sine, word 2 its Markov noise
-    /// before the first sample.
-    RecordStart = 8,
-    /// White noise of the rate, sample by sample; four to a block.
-    White = 9,
-    /// Steps of the rate random walk, sample by sample; four to a block.
-    Walk = 10,
-    /// Steps of the Markov noise, sample by sample; four to a block.
-    Markov = 11,
-    /// Quantisation noise of the angles 0, 1, …; four to a block.
-    Quantisation = 12,
-    /// A block for each octave of flicker noise: where the grids of its four streams lie.
-    FlickerGrid = 13,
-    /// A whole run: words 0 to 2 how its A, Ω_m0 and Ω_nm deviate, word 3 its first mode.
-    RunDeviation = 20,
-    /// Phases of the tones at the first switch of a run; four to a block.
-    RunPhase = 21,
-    /// A block for each interval of a run: word 0 its random walk, word 1 the normal part of the residual of the switch that
-    /// ends it, words 2 and 3 the phases of the first two tones there.
-    Interval = 22,
-    /// And the one beyond: phases of the third to sixth and of the last two tones at the switch that ends an interval, a block
-    /// each.
-    SwitchPhase = 23,
-    /// Word 0: what the random walk of an interval comes to within it, at one time or another: of two times in an interval
-    /// each is right by itself.
-    Bridge = 25,
-    /// A block for each switch of a record, from number 1 on: word 0 the phase of its fill residual, word 1 the noise of it.
-    FillResidual = 14,
-    /// Relock after a mode switch, eight blocks for each switch: block 0 the error of U_λ/2, of the DAC, of the hysteresis
-    /// and, of switch 0, that of f0 in the whole trial; word 0 of block 1 where the beat stands; blocks 2 to 5 noise of detunings, that of both halves of two
-    /// ticks each.
-    Relock = 16,
-    /// And beyond, one purpose for each octave: its holds. Octaves 1 and 2 have one stream, four holds to a block; the
-    /// others have four streams, a hold of each to a block.
-    Flicker = 64,
+/// Declares the purposes and the constants that the shaders know them by: `FOR_NOISE_BEFORE` and so on.
+macro_rules! purposes {
+    ($(#[$doc:meta])* pub enum $enum:ident { $($(#[$doc_of:meta])* $name:ident = $value:literal,)* }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        #[repr(u32)]
+        pub enum $enum { $($(#[$doc_of])* $name = $value),* }
+
+        fn purposes() -> Constants {
+            vec![$((wgsl_name(stringify!($name)), Value::Word($value))),*]
+        }
+    };
 }
 
-/// The purposes by the names that the shaders know them by.
-pub const PURPOSES: [(&str, Purpose); 22] = [
-    ("NOISE_BEFORE", Purpose::NoiseBefore),
-    ("NOISE_AFTER_AND_PHASE", Purpose::NoiseAfterAndPhase),
-    ("TONE", Purpose::Tone),
-    ("READOUT", Purpose::Readout),
-    ("POSITION", Purpose::Position),
-    ("GAUSSIAN_GAP", Purpose::GaussianGap),
-    ("GAUSSIAN_BEFORE", Purpose::GaussianBefore),
-    ("GAUSSIAN_AFTER", Purpose::GaussianAfter),
-    ("RECORD_START", Purpose::RecordStart),
-    ("WHITE", Purpose::White),
-    ("WALK", Purpose::Walk),
-    ("MARKOV", Purpose::Markov),
-    ("QUANTISATION", Purpose::Quantisation),
-    ("FLICKER_GRID", Purpose::FlickerGrid),
-    ("RUN_DEVIATION", Purpose::RunDeviation),
-    ("RUN_PHASE", Purpose::RunPhase),
-    ("INTERVAL", Purpose::Interval),
-    ("SWITCH_PHASE", Purpose::SwitchPhase),
-    ("BRIDGE", Purpose::Bridge),
-    ("FILL_RESIDUAL", Purpose::FillResidual),
-    ("RELOCK_PURPOSE", Purpose::Relock),
-    ("FLICKER", Purpose::Flicker),
-];
+/// `NoiseBefore` as `FOR_NOISE_BEFORE`.
+fn wgsl_name(purpose: &str) -> String {
+    let letter = |letter: char| match letter {
+        'A'..='Z' => vec!['_', letter],
+        _ => vec![letter.to_ascii_uppercase()],
+    };
+    "FOR".chars().chain(purpose.chars().flat_map(letter)).collect()
+}
+
+purposes! {
+    /// What a draw is for: the last word of its counter. A new purpose shifts no other draw.
+    pub enum Purpose {
+        /// Noise of the ticks before the gap, counted outward from it: tick 0, −1, −2, …; four to a block.
+        NoiseBefore = 0,
+        /// Words 0 and 1: noise of the ticks after the gap, counted outward from it: tick n+1, n+2, …; words 2 and 3:
+        /// phases of the tones. Two and two to a block, so that the usual trial takes two blocks and not three.
+        NoiseAfterAndPhase = 1,
+        /// A block for each tone: word 0 its amplitude, where that is drawn from a Rayleigh distribution together with word
+        /// 1; word 2 its frequency.
+        Tone = 2,
+        /// Word 0: where the readout stands at the start of the gap; word 1: noise over the whole gap.
+        Readout = 3,
+        /// Word 0: the place in a recorded profile.
+        Position = 4,
+        /// Gaussian motion of the ticks 1, 2, … of the gap; four to a block.
+        GaussianGap = 5,
+        /// Gaussian motion of the ticks before the gap, counted outward from it; four to a block.
+        GaussianBefore = 6,
+        /// Gaussian motion of the ticks after the gap, counted outward from it; four to a block.
+        GaussianAfter = 7,
+        /// A record: word 0 where its readout stands at the start, word 1 the phase of its sine, word 2 its Markov noise
+        /// before the first sample.
+        RecordStart = 8,
+        /// White noise of the rate, sample by sample; four to a block.
+        White = 9,
+        /// Steps of the rate random walk, sample by sample; four to a block.
+        Walk = 10,
+        /// Steps of the Markov noise, sample by sample; four to a block.
+        Markov = 11,
+        /// Quantisation noise of the angles 0, 1, …; four to a block.
+        Quantisation = 12,
+        /// A block for each octave of flicker noise: where the grids of its four streams lie.
+        FlickerGrid = 13,
+        /// A whole run: words 0 to 2 how its A, Ω_m0 and Ω_nm deviate, word 3 its first mode.
+        RunDeviation = 20,
+        /// Phases of the tones at the first switch of a run; four to a block.
+        RunPhase = 21,
+        /// A block for each interval of a run: word 0 its random walk, word 1 the normal part of the residual of the switch that
+        /// ends it, words 2 and 3 the phases of the first two tones there.
+        Interval = 22,
+        /// And the one beyond: phases of the third to sixth and of the last two tones at the switch that ends an interval, a block
+        /// each.
+        SwitchPhase = 23,
+        /// Word 0: what the random walk of an interval comes to within it, at one time or another: of two times in an interval
+        /// each is right by itself.
+        Bridge = 25,
+        /// A block for each switch of a record, from number 1 on: word 0 the phase of its fill residual, word 1 the noise of it.
+        FillResidual = 14,
+        /// Relock after a mode switch, eight blocks for each switch: block 0 the error of U_λ/2, of the DAC, of the hysteresis
+        /// and, of switch 0, that of f0 in the whole trial; word 0 of block 1 where the beat stands; blocks 2 to 5 noise of detunings, that of both halves of two
+        /// ticks each.
+        Relock = 16,
+        /// And beyond, one purpose for each octave: its holds. Octaves 1 and 2 have one stream, four holds to a block; the
+        /// others have four streams, a hold of each to a block.
+        Flicker = 64,
+    }
+}
 
 /// Where the draws of a trial are found: its number in two halves, and the keys of its point.
 #[derive(Debug, Clone, Copy)]
@@ -117,7 +118,7 @@ impl<W: Word> Address<W> {
             W::Factors::splat(block as u32),
             W::Factors::splat(purpose as u32 + beyond as u32),
         ];
-        let mut keys = [[W::Factors::splat(0); 2]; 10];
+        let mut keys = [[W::Factors::splat(0); 2]; ROUNDS];
         for (keys, key) in keys.iter_mut().zip(&self.keys) {
             *keys = [W::Factors::splat(key[0]), W::Factors::splat(key[1])];
         }
@@ -126,31 +127,59 @@ impl<W: Word> Address<W> {
     }
 }
 
+const ROUNDS: usize = 10;
 const MULTIPLIER: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 
+/// The constants that the shader takes from here.
+pub(crate) fn constants() -> Constants {
+    let mut all = purposes();
+    all.push(("ROUNDS".to_owned(), ROUNDS.into()));
+    all.push(("MULTIPLIER".to_owned(), MULTIPLIER.into()));
+    all.push(("WEYL".to_owned(), WEYL.into()));
+    all
+}
+
 /// The keys of the ten rounds.
-pub type Keys<W = u32> = [[W; 2]; 10];
+pub type Keys<W = u32> = [[W; 2]; ROUNDS];
+
+/// Counter and key to random words.
+pub const FORM: Form = Form::Map(Map::of::<Words>());
+
+struct Words;
+
+impl Block for Words {
+    const PART: &'static Part = &part::philox;
+    const INPUTS: usize = 6;
+    const OUTPUTS: usize = 4;
+    const WGSL: &'static str = "let c = philox(vec4<u32>(x[0], x[1], x[2], x[3]), schedule(vec2<u32>(x[4], x[5]))); \
+                                y = array<u32, OUTPUTS>(c.x, c.y, c.z, c.w);";
+    // Only here: the shader's is generated.
+    #[inline(always)]
+    fn evaluate<W: Word>(x: [W; 6]) -> [W; 4] {
+        philox([x[0], x[1], x[2], x[3]], schedule([x[4], x[5]]))
+    }
+}
 
 /// Four random words for a counter and the keys of its rounds.
 #[inline(always)]
 pub fn philox<W: Factor>(counter: [W; 4], keys: Keys<W>) -> [W; 4] {
     let mut c = counter;
     // Written out: a loop left rolled keeps the words out of the wide registers.
-    c = round(c, keys[0]);
-    c = round(c, keys[1]);
-    c = round(c, keys[2]);
-    c = round(c, keys[3]);
-    c = round(c, keys[4]);
-    c = round(c, keys[5]);
-    c = round(c, keys[6]);
-    c = round(c, keys[7]);
-    c = round(c, keys[8]);
-    round(c, keys[9])
+    c = philox_round(c, keys[0]);
+    c = philox_round(c, keys[1]);
+    c = philox_round(c, keys[2]);
+    c = philox_round(c, keys[3]);
+    c = philox_round(c, keys[4]);
+    c = philox_round(c, keys[5]);
+    c = philox_round(c, keys[6]);
+    c = philox_round(c, keys[7]);
+    c = philox_round(c, keys[8]);
+    philox_round(c, keys[9])
 }
 
 #[inline(always)]
-fn round<W: Factor>(c: [W; 4], k: [W; 2]) -> [W; 4] {
+fn philox_round<W: Factor>(c: [W; 4], k: [W; 2]) -> [W; 4] {
     let (high0, low0) = c[0].mulhilo(W::splat(MULTIPLIER[0]));
     let (high1, low1) = c[2].mulhilo(W::splat(MULTIPLIER[1]));
     [high1 ^ c[1] ^ k[0], low1, high0 ^ c[3] ^ k[1], low0]
@@ -159,8 +188,8 @@ fn round<W: Factor>(c: [W; 4], k: [W; 2]) -> [W; 4] {
 /// The keys of the rounds, made once for a point: the Weyl sequence from its key.
 #[inline(always)]
 pub fn schedule<W: Word>(key: [W; 2]) -> Keys<W> {
-    let mut keys = [key; 10];
-    for r in 1..10 {
+    let mut keys = [key; ROUNDS];
+    for r in 1..ROUNDS {
         let [k0, k1] = keys[r - 1];
         keys[r] = [k0 + W::splat(WEYL[0]), k1 + W::splat(WEYL[1])];
     }
@@ -174,7 +203,7 @@ pub fn schedule<W: Word>(key: [W; 2]) -> Keys<W> {
 ///
 /// ```
 /// use rand::{RngExt, SeedableRng};
-/// let mut rng = crate::philox::Philox::seed_from_u64(1);
+/// let mut rng = sagnac_kernel::philox::Philox::seed_from_u64(1);
 /// let x: f64 = rng.random();
 /// assert!((0.0..1.0).contains(&x));
 /// ```

@@ -4,13 +4,43 @@
 //! whole part is a shift. Error of the logarithm between −2^−25.9 and 2^−30, of the power below 2^−30; both are exact at
 //! the powers of two (`docs/numerics.md`).
 
+use crate::Form;
+use crate::map::{Block, Map};
+use crate::part;
+use crate::shader::{Part, constants};
 use crate::word::Word;
+
+constants!(LOG_BITS, LARGEST_MINUS, EXP2_ONE, LOG2, EXP2);
+
+/// Number to logarithm, fraction to power, exponent to power.
+pub const FORM: Form = Form::Map(Map::of::<Power>());
+
+struct Power;
+
+impl Block for Power {
+    const PART: &'static Part = &part::power;
+    const INPUTS: usize = 1;
+    const OUTPUTS: usize = 3;
+    const WGSL: &'static str = "y[0] = log2_word(max(x[0], 1u)); y[1] = exp2_fraction(x[0]); \
+                                y[2] = exp2_minus(min(x[0] >> 1u, LARGEST_MINUS));";
+    // Only here: the shader's is generated.
+    #[inline(always)]
+    fn evaluate<W: Word>(x: [W; 6]) -> [W; 4] {
+        // There is no logarithm of 0: it is taken for 1.
+        let some = x[0].add_where_equal(W::splat(1), x[0], W::splat(0));
+        let minus = (x[0] >> 1).min_signed(W::splat(LARGEST_MINUS));
+        [log2_word(some), exp2_fraction(x[0]), exp2_minus(minus), x[0]]
+    }
+}
 
 /// Bits of a logarithm behind the point.
 pub const LOG_BITS: u32 = 26;
 
 /// The largest number that [`exp2_minus`] takes: 31.
 pub const LARGEST_MINUS: u32 = 31 << LOG_BITS;
+
+/// 1 in the unit of powers.
+pub const EXP2_ONE: u32 = 1 << 31;
 
 /// (log2(1+u) − u)/(u(1 − u)) = L₀ − u(L₁ − u(L₂ − …)) for u in [0, 1]; in units of 2^−32.
 pub const LOG2: [u32; 10] = [
@@ -31,7 +61,7 @@ pub const EXP2: [u32; 6] = [1_317_922_820, 286_158_105, 47_766_341, 6_473_286, 7
 
 /// The logarithm of `x` ≥ 1, read as unsigned: in units of 2^−26, from 0 to below 32.
 #[inline(always)]
-pub fn log2<W: Word>(x: W) -> W {
+pub fn log2_word<W: Word>(x: W) -> W {
     let octave = x.leading_zeros();
     let u = x.shift_left(octave) << 1;
     let mut sum = W::splat(LOG2[9]);
@@ -51,21 +81,21 @@ pub fn log2<W: Word>(x: W) -> W {
 
 /// 2^u for a fraction u in units of 2^−32: in units of 2^−31, from 2^31 to below 2^32.
 #[inline(always)]
-pub fn exp2<W: Word>(u: W) -> W {
+pub fn exp2_fraction<W: Word>(u: W) -> W {
     let mut sum = W::splat(EXP2[5]);
     sum = W::splat(EXP2[4]) + sum.mulhi(u);
     sum = W::splat(EXP2[3]) + sum.mulhi(u);
     sum = W::splat(EXP2[2]) + sum.mulhi(u);
     sum = W::splat(EXP2[1]) + sum.mulhi(u);
     sum = W::splat(EXP2[0]) + sum.mulhi(u);
-    W::splat(1 << 31) + ((u - between(u).mulhi(sum)) >> 1)
+    W::splat(EXP2_ONE) + ((u - between(u).mulhi(sum)) >> 1)
 }
 
 /// 2^−x for x in units of 2^−26, from 0 to [`LARGEST_MINUS`]: in units of 2^−31, floored.
 #[inline(always)]
 pub fn exp2_minus<W: Word>(x: W) -> W {
     let whole = (x + W::splat((1 << LOG_BITS) - 1)) >> LOG_BITS;
-    exp2((W::splat(0) - x) << (32 - LOG_BITS)).shift_right(whole)
+    exp2_fraction((W::splat(0) - x) << (32 - LOG_BITS)).shift_right(whole)
 }
 
 /// u(1 − u) for a fraction u: at most ¼, and 0 at both ends, so that neighbouring octaves meet.
@@ -96,10 +126,10 @@ mod tests {
     #[test]
     fn powers_of_two_are_exact() {
         for k in 0..32 {
-            assert_eq!(log2(Scalar(1 << k)).0, k << LOG_BITS, "log2 of 2^{k}");
+            assert_eq!(log2_word(Scalar(1 << k)).0, k << LOG_BITS, "log2 of 2^{k}");
             assert_eq!(exp2_minus(Scalar(k << LOG_BITS)).0, 1 << (31 - k), "2^-{k}");
         }
-        assert_eq!(exp2(Scalar(0)).0, 1 << 31);
+        assert_eq!(exp2_fraction(Scalar(0)).0, 1 << 31);
     }
 
     /// Least and greatest of some errors.
@@ -123,7 +153,7 @@ mod tests {
     fn the_logarithm_stays_within_its_bounds_in_all_octaves() {
         let mut range = Range::EMPTY;
         let mut check = |x: u32| {
-            range.add(f64::from(log2(Scalar(x)).0) / libm::exp2(26.0) - libm::log2(f64::from(x)));
+            range.add(f64::from(log2_word(Scalar(x)).0) / libm::exp2(26.0) - libm::log2(f64::from(x)));
         };
         for octave in 0..32 {
             let end = ((1_u64 << (octave + 1)) - 1) as u32;
@@ -142,7 +172,7 @@ mod tests {
         let mut range = Range::EMPTY;
         let mut check = |u: u32| {
             let exact = libm::exp2(f64::from(u) / libm::exp2(32.0));
-            range.add(f64::from(exp2(Scalar(u)).0) / libm::exp2(31.0) - exact);
+            range.add(f64::from(exp2_fraction(Scalar(u)).0) / libm::exp2(31.0) - exact);
         };
         (0..1 << 16).for_each(|step: u32| {
             check(step);
@@ -169,10 +199,10 @@ mod tests {
     fn neither_goes_back_by_more_than_a_unit() {
         for start in random(1 << 16) {
             for (x, step) in (0..16).map(|step| ((start & !15).max(16) + step, step)).take(15) {
-                let (here, next) = (log2(Scalar(x)).0, log2(Scalar(x + 1)).0);
+                let (here, next) = (log2_word(Scalar(x)).0, log2_word(Scalar(x + 1)).0);
                 assert!(next + 1 >= here, "log2 of {x}: {here}, then {next}");
                 let u = (start & !15) + step;
-                let (here, next) = (exp2(Scalar(u)).0, exp2(Scalar(u + 1)).0);
+                let (here, next) = (exp2_fraction(Scalar(u)).0, exp2_fraction(Scalar(u + 1)).0);
                 assert!(next + 1 >= here, "2^{u}: {here}, then {next}");
             }
         }

@@ -2,13 +2,19 @@
 //!
 //! Twin of `shaders/relock.wgsl`.
 
-use crate::launch::Launch;
+use crate::launch::{self, Launch, Trial};
 use crate::moments::{self, MAX_ESTIMATES, Moments, Sampler, Trials};
 use crate::parameters::parameters;
 use crate::philox::{Address, Keys, schedule};
 use crate::relock_ticks::{self, Given, relock_ticks, relock_wrong};
-use crate::width::AnyWidth;
+use crate::shader::{Part, Shader, constants};
 use crate::word::{Scalar, Wide, Word};
+use crate::{Form, part};
+
+constants!(WEIGHT_BITS);
+
+/// Trials to moments of the ticks.
+pub const FORM: Form = Form::Moments;
 
 /// Bits of a weight behind the point.
 pub const WEIGHT_BITS: u32 = 24;
@@ -71,25 +77,43 @@ impl Sampler for Relock<'_> {
     }
 }
 
-/// The tallies of some trials of a launch.
-pub struct Tally<'a> {
-    /// The parameters in fixed point.
-    pub launch: &'a Launch,
-    /// What the parameters are of.
-    pub shape: Shape,
-    /// Which trials.
-    pub trials: Trials,
-}
-
-impl AnyWidth for Tally<'_> {
-    type Output = Vec<Moments>;
+impl launch::Shape for Shape {
+    fn part(&self) -> &'static Part {
+        &part::relock
+    }
 
     #[inline(always)]
-    fn run<W: Word>(self) -> Vec<Moments> {
-        let Tally { launch, shape, trials } = self;
-        let p = Parameters::of(&launch.words, shape);
-        let given = Given { p: relock_ticks::Parameters::of(p.relock, shape.ticks), shape: shape.ticks };
+    fn estimates(&self) -> usize {
+        self.estimates
+    }
+
+    fn steps(&self, _: &[u32]) -> u64 {
+        self.ticks.ticks as u64
+    }
+
+    fn words(&self) -> usize {
+        word_count(*self)
+    }
+
+    fn shader(&self) -> Shader {
+        let mut shader = Shader {
+            parts: vec![&part::philox, &part::normal, &part::power],
+            declarations: wgsl_places(*self),
+            ..Shader::default()
+        };
+        self.ticks.include(&mut shader);
+        shader.parts.push(&part::relock);
+        shader
+    }
+}
+
+impl Trial for Shape {
+    // Only here: the shader has one shape.
+    #[inline(always)]
+    fn tally<W: Word>(self, launch: &Launch, trials: Trials) -> Vec<Moments> {
+        let p = Parameters::of(&launch.words, self);
+        let given = Given { p: relock_ticks::Parameters::of(p.relock, self.ticks), shape: self.ticks };
         let keys = schedule([Scalar(p.key[0]), Scalar(p.key[1])]).map(|key| key.map(|word| word.0));
-        moments::tally::<W>(Relock { p, given, shape, keys }, trials)
+        moments::tally::<W>(Relock { p, given, shape: self, keys }, trials)
     }
 }

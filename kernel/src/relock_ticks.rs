@@ -8,15 +8,25 @@
 
 use crate::normal::normal;
 use crate::parameters::parameters;
+use crate::part;
 use crate::philox::{Address, Purpose};
-use crate::power::{LOG_BITS, exp2, exp2_minus, log2};
-use crate::word::{Wide, Word};
+use crate::power::{EXP2_ONE, LOG_BITS, exp2_fraction, exp2_minus, log2_word};
+use crate::shader::{Shader, constants};
+use crate::word::{HALF, Wide, Word};
+
+constants!(RELOCK_BLOCKS, WRONG_BITS, MIDDLE);
 
 /// Most ticks that the loop is followed for.
 pub const MAX_TICKS: usize = 8;
 
 /// Blocks of random words of a switch: of the miss, of the beat, of two ticks' detunings each; the rest is kept free.
-pub const BLOCKS: usize = 8;
+pub const RELOCK_BLOCKS: usize = 8;
+
+/// Bits behind the point of the part by which f0 is taken wrong.
+const WRONG_BITS: u32 = 30;
+
+/// The word in the middle of all.
+const MIDDLE: u32 = 1 << 31;
 
 /// Raised when results change for the same parameters: part of every digest.
 pub const VERSION: u32 = 1;
@@ -42,6 +52,16 @@ pub struct Shape {
 }
 
 impl Shape {
+    /// Adds the ticks to the shader of a kernel that has a field `relock` for their parameters.
+    pub fn include(self, shader: &mut Shader) {
+        shader.parts.push(&part::relock_ticks);
+        shader.constants.push(("RELOCK_TICKS", self.ticks));
+        shader.flags.push(("RELOCK_BY_FREQUENCY", self.method == Method::Frequency));
+        shader.flags.push(("RELOCK_BY_DETUNING", self.method == Method::Detuning));
+        // Under names that clash with none of the kernel around them.
+        shader.declarations += &wgsl_places(self).replace("const ", "const RELOCK_");
+    }
+
     /// `count` where this method needs them.
     #[inline(always)]
     fn only(self, method: Method, count: usize) -> usize {
@@ -90,11 +110,6 @@ parameters! {
     detuning_log: |shape: Shape| shape.only(Method::Detuning, 1),
 }
 
-/// The places of the parameters in a shader, under names that clash with none of the kernel around them.
-pub fn places(shape: Shape) -> String {
-    wgsl_places(shape).replace("const ", "const RELOCK_")
-}
-
 /// The parameters by name.
 #[derive(Debug, Clone, Copy)]
 pub struct Given<'a> {
@@ -104,16 +119,13 @@ pub struct Given<'a> {
     pub shape: Shape,
 }
 
-/// Half of an LSB in 2^−32 LSB: turns a floor into a rounding.
-const HALF: i64 = 1 << 31;
-
 /// Angles of the ticks of a switch in LSB, those of the shape first: the faked rotation less its compensation.
 // The loops of this file read like those of the shader.
 #[expect(clippy::needless_range_loop)]
 #[inline(always)]
 pub fn relock_ticks<W: Word>(given: &Given, address: &Address<W>, switch: usize, wrong: W) -> [W; MAX_TICKS] {
     let Given { p, shape } = given;
-    let miss = relock_miss(p, address.draw(Purpose::Relock, switch * BLOCKS));
+    let miss = relock_miss(p, address.draw(Purpose::Relock, switch * RELOCK_BLOCKS));
     let square = relock_square(p, miss);
     let mut left = [W::splat(0); MAX_TICKS];
     for i in 0..shape.ticks {
@@ -130,18 +142,18 @@ pub fn relock_ticks<W: Word>(given: &Given, address: &Address<W>, switch: usize,
 #[inline(always)]
 pub fn relock_wrong<W: Word>(given: &Given, address: &Address<W>) -> W {
     let words = address.draw(Purpose::Relock, 0);
-    normal(words[3]).mul_wide(W::splat(given.p.temperature[0])).high()
+    normal(words[3]).mul_wide(W::splat(given.p.temperature[0])).high_word()
 }
 
 /// Δλ0 of the switch, in units.
 #[inline(always)]
 fn relock_miss<W: Word>(p: &Parameters, words: [W; 4]) -> W {
-    let middle = W::splat(1 << 31);
-    let sum = W::Wide::splat((i64::from(p.miss[0] as i32) << 32) + HALF)
+    let middle = W::splat(MIDDLE);
+    let sum = W::Wide::splat((i64::from(p.miss[0] as i32) << 32) + i64::from(HALF))
         + normal(words[0]).mul_wide(W::splat(p.half_wave[0]))
         + (words[1] ^ middle).mul_wide(W::splat(p.dac_step[0]))
         + (words[2] ^ middle).mul_wide(W::splat(p.hysteresis[0]));
-    sum.high()
+    sum.high_word()
 }
 
 /// Its square, shifted: below 2^30.
@@ -154,7 +166,7 @@ fn relock_square<W: Word>(p: &Parameters, miss: W) -> W {
 /// A word at a square of 2^32, at this square.
 #[inline(always)]
 fn relock_scaled<W: Word>(square: W, word: u32) -> W {
-    (square.mul_wide(W::splat(word)) + W::Wide::splat(HALF)).high()
+    (square.mul_wide(W::splat(word)) + W::Wide::half()).high_word()
 }
 
 /// The beat runs up in the first half of a tick and down in the second; whole periods of both are counted. y_i T is their
@@ -170,28 +182,31 @@ fn less_by_frequency<W: Word>(
     mut left: [W; MAX_TICKS],
 ) -> [W; MAX_TICKS] {
     let Given { p, shape } = given;
-    let one = W::splat(1 << 31);
+    let one = W::splat(EXP2_ONE);
     let (zero, least) = (W::splat(0), W::splat(1));
     let counted = W::splat(p.counted[0]);
     let half = W::splat(p.half_bias[0]);
     let bias = half << 1;
-    let assumed = bias + bias.mul_wide(wrong).bits_from(30);
-    let mut phase = address.draw(Purpose::Relock, switch * BLOCKS + 1)[0] & W::splat(!p.counted[0]);
+    let assumed = bias + bias.mul_wide(wrong).bits_from(WRONG_BITS);
+    let mut phase = address.draw(Purpose::Relock, switch * RELOCK_BLOCKS + 1)[0] & W::splat(!p.counted[0]);
     let (mut first, mut first_log) = (zero, zero);
     for i in 0..shape.ticks {
         let top = phase + half - relock_scaled(square, p.lost_first[i]);
         let end = top - half + relock_scaled(square, p.lost_second[i]);
         let error = ((top & counted) << 1) - (phase & counted) - (end & counted) - assumed;
         phase = end;
-        let log = log2((zero - error).max_signed(least));
+        let log = log2_word((zero - error).max_signed(least));
         if i == 0 {
             first = error;
             first_log = log;
         } else {
             // −log2 q, a 2(i−1)-th of that of y_i/y_1.
-            let decay = (first_log - log).max_signed(least).mulhi(W::splat((1 << 31) / i as u32));
+            let decay = (first_log - log).max_signed(least).mulhi(W::splat(EXP2_ONE / i as u32));
             let q = exp2_minus(decay.max_signed(least));
-            let angle = relock_power(log + log2(one - q) - log2(one + q) + W::splat(p.beat_log[0]), LOG_BITS);
+            let angle = relock_power(
+                log + log2_word(one - q) - log2_word(one + q) + W::splat(p.beat_log[0]),
+                LOG_BITS,
+            );
             let decays = error.sar(31) & (first - error).sar(31);
             left[i] = left[i] - (angle & decays).with_sign(W::splat(p.sign[0]));
         }
@@ -210,22 +225,23 @@ fn less_by_detuning<W: Word>(
     mut left: [W; MAX_TICKS],
 ) -> [W; MAX_TICKS] {
     let Given { p, shape } = given;
-    let one = W::splat(1 << 31);
+    let one = W::splat(EXP2_ONE);
     let (zero, least) = (W::splat(0), W::splat(1));
     let mut noise = [zero; 4];
     for i in 0..shape.ticks {
         if i % 2 == 0 {
-            noise = address.draw(Purpose::Relock, switch * BLOCKS + 2 + i / 2);
+            noise = address.draw(Purpose::Relock, switch * RELOCK_BLOCKS + 2 + i / 2);
         }
         let plus = relock_shown(p, miss, p.mean_first[i], noise[2 * (i % 2)]);
         let minus = relock_shown(p, miss, p.mean_second[i], noise[2 * (i % 2) + 1]);
         let (first, second) = (plus.with_sign(plus), minus.with_sign(minus));
-        let log = log2(first.max_signed(least));
+        let log = log2_word(first.max_signed(least));
         // −log2 r.
-        let decay = (log - log2(second.max_signed(least))).max_signed(least);
-        let half_log = log + (log2(decay) >> 1) + log2(one + exp2_minus(decay)) + W::splat(p.detuning_log[0]);
+        let decay = (log - log2_word(second.max_signed(least))).max_signed(least);
+        let half_log =
+            log + (log2_word(decay) >> 1) + log2_word(one + exp2_minus(decay)) + W::splat(p.detuning_log[0]);
         let angle = relock_power(half_log, LOG_BITS - 1);
-        let angle = angle.mul_wide(W::splat(1 << 30) + wrong).bits_from(30);
+        let angle = angle.mul_wide(W::splat(1 << WRONG_BITS) + wrong).bits_from(WRONG_BITS);
         let decays = (second - first).sar(31) & (zero - second).sar(31);
         let alike = (plus ^ minus).sar(31) ^ W::splat(!0);
         left[i] = left[i] - (angle & decays & alike).with_sign(W::splat(p.sign[0]));
@@ -238,13 +254,13 @@ fn less_by_detuning<W: Word>(
 fn relock_shown<W: Word>(p: &Parameters, miss: W, mean: u32, noise: W) -> W {
     let sum = (miss << 1).mul_wide(W::splat(mean))
         + normal(noise).mul_wide(W::splat(p.adc_sigma[0]))
-        + W::Wide::splat(HALF);
-    (sum.high() + W::splat(p.adc_half[0])) & W::splat(p.adc_shown[0])
+        + W::Wide::half();
+    (sum.high_word() + W::splat(p.adc_half[0])) & W::splat(p.adc_shown[0])
 }
 
 /// 2 to the power of `log`, which has so many `bits` behind the point; of a negative one 1.
 #[inline(always)]
 fn relock_power<W: Word>(log: W, bits: u32) -> W {
     let log = log.max_signed(W::splat(0)).min_signed(W::splat((32_u64 << bits) as u32 - 1));
-    exp2(log << (32 - bits)).shift_right(W::splat(31) - (log >> bits))
+    exp2_fraction(log << (32 - bits)).shift_right(W::splat(31) - (log >> bits))
 }

@@ -3,7 +3,30 @@
 //! Twin of `shaders/sine.wgsl`. The phase is a word, 2^32 to the turn: it wraps by itself and needs no range
 //! reduction. Error below 2^−29.5 everywhere, exact at 0, ¼ and ½ turn (`docs/numerics.md`).
 
+use crate::Form;
+use crate::map::{Block, Map};
+use crate::part;
+use crate::shader::{Part, constants};
 use crate::word::Word;
+
+constants!(QUARTER_TURN, SINE);
+
+/// Phase to sine.
+pub const FORM: Form = Form::Map(Map::of::<Sine>());
+
+struct Sine;
+
+impl Block for Sine {
+    const PART: &'static Part = &part::sine;
+    const INPUTS: usize = 1;
+    const OUTPUTS: usize = 1;
+    const WGSL: &'static str = "y[0] = sine(x[0]);";
+    // Only here: the shader's is generated.
+    #[inline(always)]
+    fn evaluate<W: Word>(x: [W; 6]) -> [W; 4] {
+        [sine(x[0]); 4]
+    }
+}
 
 /// The sine of a quarter turn: results are in units of 2^−30.
 pub const ONE: u32 = 1 << 30;

@@ -5,8 +5,18 @@
 
 use core::ops::{Add, BitAnd, BitXor, Mul, Shl, Shr, Sub};
 
+use crate::shader::constants;
+
+constants!(HALF, PAIRS);
+
+/// Half of a unit in 2^−32 of it: turns a floor into a rounding.
+pub const HALF: u32 = 1 << 31;
+
+/// Pairs of a table.
+pub const PAIRS: usize = 528;
+
 /// A table of pairs: see [`Word::lookup`].
-pub type PairTable = [[u32; 2]; 528];
+pub type PairTable = [[u32; 2]; PAIRS];
 
 /// What Philox needs of a word: `^` and full products.
 pub trait Factor: Copy + BitXor<Output = Self> {
@@ -47,16 +57,22 @@ pub trait Word:
     fn shift_right(self, n: Self) -> Self;
     /// Number of zero bits above the highest one; the argument is not 0.
     fn leading_zeros(self) -> Self;
+    /// The smaller as signed numbers.
+    fn min_signed(self, other: Self) -> Self;
+    /// The larger as signed numbers.
+    fn max_signed(self, other: Self) -> Self;
+    /// Itself, or minus itself where `sign` is negative.
+    #[inline(always)]
+    fn with_sign(self, sign: Self) -> Self {
+        let sign = sign.sar(31);
+        (self ^ sign) - sign
+    }
     /// Upper half of the unsigned product.
     fn mulhi(self, by: Self) -> Self;
     /// The same lanes for the multiplier.
     fn factors(self) -> Self::Factors;
     /// The lanes that the multiplier had.
     fn of_factors(factors: Self::Factors) -> Self;
-    /// The smaller as signed numbers.
-    fn min_signed(self, other: Self) -> Self;
-    /// The larger as signed numbers.
-    fn max_signed(self, other: Self) -> Self;
     /// The pair at `index`.
     ///
     /// # Safety
@@ -67,12 +83,6 @@ pub trait Word:
     /// # Safety
     /// Every lane of `index` is below the length of the table, which is below 2^31.
     unsafe fn gather(table: &[u32], index: Self) -> Self;
-    /// Itself, or minus itself where `sign` is negative.
-    #[inline(always)]
-    fn with_sign(self, sign: Self) -> Self {
-        let sign = sign.sar(31);
-        (self ^ sign) - sign
-    }
     /// The signed product.
     fn mul_wide(self, by: Self) -> Self::Wide;
     /// Itself, plus `more` where the lanes of `a` and `b` are equal.
@@ -88,8 +98,13 @@ pub trait Wide: Copy + Add<Output = Self> + Sub<Output = Self> {
 
     /// `x` in every lane.
     fn splat(x: i64) -> Self;
+    /// Half a unit where the unit is 2^32: see [`HALF`].
+    #[inline(always)]
+    fn half() -> Self {
+        Self::splat(i64::from(HALF))
+    }
     /// Bits 32 to 63 of each lane.
-    fn high(self) -> Self::Word;
+    fn high_word(self) -> Self::Word;
     /// Bits `n` to `n` + 31 of each lane; `n` is below 32.
     fn bits_from(self, n: u32) -> Self::Word;
     /// The sum of the lanes, each read as unsigned, exactly.
@@ -296,7 +311,7 @@ impl Wide for ScalarWide {
     }
 
     #[inline(always)]
-    fn high(self) -> Scalar {
+    fn high_word(self) -> Scalar {
         Scalar((self.0 >> 32) as u32)
     }
 

@@ -5,7 +5,6 @@ use core::ops::Range;
 use rayon::prelude::*;
 
 use crate::device::Job;
-use crate::kernel::allan;
 use crate::kernel::moments::{Moments, Trials};
 use crate::kernel::recipe::Recipe;
 use crate::kernel::width::Width;
@@ -67,7 +66,7 @@ impl Cpu {
         let groups: Vec<u64> = starts(first..half).chain(starts(half..end)).collect();
         let group = |&at: &u64| {
             let count = lanes.min(if at < half { half } else { end } - at);
-            let sums = allan::sums(self.width, recipe, at, count as usize);
+            let sums = recipe.sums(self.width, at, count as usize);
             progress(count);
             sums
         };

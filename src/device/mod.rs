@@ -1,11 +1,13 @@
 //! Where the kernels run: the processor or a GPU, with the same bits.
 
 pub mod cpu;
+pub mod error;
+#[cfg(feature = "gpu")]
 pub mod gpu;
+pub mod load;
 pub mod select;
 
-pub use crate::device::select::{SelectError, Selection, every_adapter, select, trusted};
-
+use crate::device::error::GpuError;
 use crate::kernel::launch::Launch;
 use crate::kernel::map::Map;
 use crate::kernel::moments::Moments;
@@ -26,6 +28,7 @@ pub enum Device {
     /// In lanes, on threads.
     Cpu(crate::device::cpu::Cpu),
     /// As a shader.
+    #[cfg(feature = "gpu")]
     Gpu(Box<crate::device::gpu::Gpu>),
 }
 
@@ -34,6 +37,7 @@ impl Device {
     pub fn name(&self) -> String {
         match self {
             Device::Cpu(cpu) => cpu.name(),
+            #[cfg(feature = "gpu")]
             Device::Gpu(gpu) => gpu.name().to_owned(),
         }
     }
@@ -47,9 +51,10 @@ impl Device {
         jobs: &[Job],
         histogram: bool,
         progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Vec<Vec<Moments>>, crate::device::gpu::GpuError> {
+    ) -> Result<Vec<Vec<Moments>>, GpuError> {
         match self {
             Device::Cpu(cpu) => Ok(cpu.tally(jobs, histogram, progress)),
+            #[cfg(feature = "gpu")]
             Device::Gpu(gpu) => gpu.tally(jobs, histogram, progress),
         }
     }
@@ -58,7 +63,7 @@ impl Device {
     /// records as they are done.
     ///
     /// # Errors
-    /// A GPU is lost, refuses or is out of memory, or a record is too long for it: [`TooLong`](crate::device::gpu::GpuError::TooLong), which
+    /// A GPU is lost, refuses or is out of memory, or a record is too long for it: [`TooLong`](GpuError::TooLong), which
     /// the CPU takes.
     pub fn sums(
         &mut self,
@@ -66,9 +71,10 @@ impl Device {
         first: u64,
         count: usize,
         progress: &(dyn Fn(u64) + Sync),
-    ) -> Result<Vec<u128>, crate::device::gpu::GpuError> {
+    ) -> Result<Vec<u128>, GpuError> {
         match self {
             Device::Cpu(cpu) => Ok(cpu.sums(recipe, first, count, progress)),
+            #[cfg(feature = "gpu")]
             Device::Gpu(gpu) => gpu.sums(recipe, first, count, progress),
         }
     }
@@ -78,6 +84,7 @@ impl Device {
         match self {
             Device::Cpu(cpu) => cpu.records_at_once(),
             // A workgroup; more of them are found out by the time that they take.
+            #[cfg(feature = "gpu")]
             Device::Gpu(_) => 64,
         }
     }
@@ -86,9 +93,10 @@ impl Device {
     ///
     /// # Errors
     /// A GPU is lost, refuses or is out of memory.
-    pub fn map(&mut self, map: &Map, items: &[u32]) -> Result<Vec<u32>, crate::device::gpu::GpuError> {
+    pub fn map(&mut self, map: &Map, items: &[u32]) -> Result<Vec<u32>, GpuError> {
         match self {
             Device::Cpu(cpu) => Ok((map.cpu)(cpu.width(), items)),
+            #[cfg(feature = "gpu")]
             Device::Gpu(gpu) => gpu.map(map, items),
         }
     }

@@ -2,10 +2,13 @@
 
 use crate::device::Device;
 use crate::device::cpu::Cpu;
+use crate::device::error::GpuError;
+use crate::device::gpu::Gpu;
 use crate::device::gpu::adapter::Adapter;
-use crate::device::gpu::{Gpu, GpuError};
 use crate::kernel::width::Width;
-use crate::verify::self_test;
+
+/// Finds the first kernel, if any, in which a device differs from the portable CPU.
+pub type SelfTest = fn(&mut Device) -> Result<Option<&'static str>, GpuError>;
 
 /// Why no device is there as asked for.
 #[derive(Debug, thiserror::Error)]
@@ -78,14 +81,14 @@ pub fn every_adapter() -> Result<Vec<Device>, SelectError> {
 ///
 /// # Errors
 /// No such device, or it does not work, or it computes other bits than the CPU.
-pub fn select(wanted: &str, threads: usize) -> Result<Selection, SelectError> {
+pub fn select(wanted: &str, threads: usize, self_test: SelfTest) -> Result<Selection, SelectError> {
     match wanted {
         "cpu" => cpu(Width::widest(), threads, "as asked"),
-        "auto" => auto(threads),
+        "auto" => auto(threads, self_test),
         "gpu" => {
             let adapters = Adapter::all();
             let adapter = adapters.iter().find(|adapter| !adapter.is_software()).or(adapters.first());
-            open(adapter.ok_or(SelectError::NoGpu)?, threads, "as asked")
+            open(adapter.ok_or(SelectError::NoGpu)?, threads, "as asked", self_test)
         }
         part => {
             let is_wanted = |width: &Width| width.name().eq_ignore_ascii_case(part);
@@ -95,7 +98,7 @@ pub fn select(wanted: &str, threads: usize) -> Result<Selection, SelectError> {
             let adapters = Adapter::all();
             let is_meant = |adapter: &&Adapter| means(part, &adapter.name(), &adapter.pci_address());
             match adapters.iter().find(is_meant) {
-                Some(adapter) => open(adapter, threads, "as asked"),
+                Some(adapter) => open(adapter, threads, "as asked", self_test),
                 None => {
                     let widths = Width::available().into_iter().map(Width::name);
                     let known = ["auto", "cpu", "gpu"].into_iter().chain(widths).map(str::to_owned);
@@ -114,7 +117,7 @@ fn means(wanted: &str, name: &str, pci_address: &str) -> bool {
     !wanted.trim().is_empty() && (is_named || pci_address.eq_ignore_ascii_case(wanted))
 }
 
-fn auto(threads: usize) -> Result<Selection, SelectError> {
+fn auto(threads: usize, self_test: SelfTest) -> Result<Selection, SelectError> {
     let adapters = Adapter::all();
     let Some(adapter) = adapters.iter().find(|adapter| !adapter.is_software()) else {
         return match adapters.first() {
@@ -125,7 +128,7 @@ fn auto(threads: usize) -> Result<Selection, SelectError> {
             }
         };
     };
-    or_cpu(open(adapter, threads, "a GPU that passed its self-test"), threads)
+    or_cpu(open(adapter, threads, "a GPU that passed its self-test", self_test), threads)
 }
 
 /// The CPU in place of a GPU that cannot be used, and why.
@@ -140,10 +143,15 @@ fn cpu(width: Width, threads: usize, reason: &str) -> Result<Selection, SelectEr
     Ok(Selection { device: Device::Cpu(Cpu::new(width, threads)?), reason: reason.to_owned() })
 }
 
-fn open(adapter: &Adapter, threads: usize, reason: &str) -> Result<Selection, SelectError> {
+fn open(
+    adapter: &Adapter,
+    threads: usize,
+    reason: &str,
+    self_test: SelfTest,
+) -> Result<Selection, SelectError> {
     let opened = Gpu::open(adapter, adapter.variant());
     let gpu = opened.map_err(|source| SelectError::Gpu { name: adapter.name(), source })?;
-    Ok(Selection { device: trusted(gpu.with_threads(threads))?, reason: reason.to_owned() })
+    Ok(Selection { device: trusted(gpu.with_threads(threads), self_test)?, reason: reason.to_owned() })
 }
 
 /// A device that was lost, opened again on its adapter.
@@ -152,16 +160,20 @@ fn open(adapter: &Adapter, threads: usize, reason: &str) -> Result<Selection, Se
 /// It cannot be opened, or fails its self-test.
 pub(crate) fn reopen(lost: &Gpu) -> Result<Device, SelectError> {
     let opened = lost.opened_again();
-    trusted(opened.map_err(|source| SelectError::Gpu { name: lost.name().to_owned(), source })?)
+    let gpu = opened.map_err(|source| SelectError::Gpu { name: lost.name().to_owned(), source })?;
+    match lost.self_test() {
+        Some(self_test) => trusted(gpu, self_test),
+        None => Ok(Device::Gpu(Box::new(gpu))),
+    }
 }
 
 /// A GPU that has passed its self-test.
 ///
 /// # Errors
 /// It computes other bits than the CPU, or fails.
-pub fn trusted(gpu: Gpu) -> Result<Device, SelectError> {
+pub fn trusted(gpu: Gpu, self_test: SelfTest) -> Result<Device, SelectError> {
     let name = gpu.name().to_owned();
-    let mut device = Device::Gpu(Box::new(gpu));
+    let mut device = Device::Gpu(Box::new(gpu.with_self_test(self_test)));
     match self_test(&mut device) {
         Ok(None) => Ok(device),
         Ok(Some(kernel)) => Err(SelectError::Untrusted { name, kernel }),

@@ -6,7 +6,7 @@ use std::collections::HashSet;
 
 use crate::chart::Source;
 use crate::device::Device;
-use crate::device::gpu::GpuError;
+use crate::device::error::GpuError;
 use crate::progress::{Progress, Silent};
 pub use crate::run::keep::{KeepError, keep};
 use crate::sampling::plan;

@@ -4,7 +4,8 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::device::cpu::Cpu;
-use crate::device::gpu::{Gpu, GpuError};
+use crate::device::error::GpuError;
+use crate::device::gpu::Gpu;
 use crate::device::select::reopen;
 use crate::device::{Device, Job};
 use crate::kernel::moments::Moments;

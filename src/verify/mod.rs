@@ -4,18 +4,18 @@
 //! let mut kernels = Vec::new();
 //! let identical = sagnac::verify::verify(&mut [], 1000, |verdict| kernels.push(verdict.kernel))?;
 //! assert!(identical && kernels.contains(&"gap_fill"));
-//! # Ok::<(), sagnac::device::gpu::GpuError>(())
+//! # Ok::<(), sagnac::device::error::GpuError>(())
 //! ```
 
-pub mod configurations;
-pub mod recipes;
-pub mod relocks;
-pub mod runs;
+#[cfg(test)]
+mod tests;
 
 use sha2::{Digest, Sha256};
 
 use crate::device::cpu::Cpu;
-use crate::device::gpu::GpuError;
+use crate::device::error::GpuError;
+use crate::device::load::{Load, Work};
+use crate::device::select::{self, SelectError, Selection};
 use crate::device::{Device, Job};
 use crate::kernel::launch::Launch;
 use crate::kernel::map::Map;
@@ -23,12 +23,35 @@ use crate::kernel::moments::{Moments, Trials};
 use crate::kernel::recipe::Recipe;
 use crate::kernel::width::Width;
 use crate::kernel::word::Scalar;
-use crate::kernel::{Form, KERNELS, Kernel, allan, philox};
+use crate::kernel::{Form, KERNELS, Kernel, philox};
+use crate::kinds::{allan, gap_fill, relock, switched_run};
 use crate::tally::block::{base_log2, cover};
-pub use crate::verify::configurations::{Configuration, configurations};
-pub use crate::verify::recipes::{NamedRecords, THINNED, lgk_400, named_records};
-pub use crate::verify::relocks::{launches_of, relock};
-pub use crate::verify::runs::{hour_launches, run_launches};
+
+/// The loads of the kinds of studies.
+const LOADS: [fn() -> Vec<Load>; 4] =
+    [gap_fill::verify::loads, switched_run::verify::loads, relock::verify::loads, allan::verify::loads];
+
+/// The loads that a kernel is checked on; a building block has none.
+pub fn loads(kernel: &Kernel) -> Vec<Load> {
+    LOADS.iter().flat_map(|of_kind| of_kind()).filter(|load| load.kernel() == kernel.name).collect()
+}
+
+/// The device that `wanted` means, once it has passed the self-test: see [`select::select`].
+///
+/// # Errors
+/// No such device, or it does not work, or it computes other bits than the CPU.
+pub fn select(wanted: &str, threads: usize) -> Result<Selection, SelectError> {
+    select::select(wanted, threads, self_test)
+}
+
+/// A GPU that has passed the self-test: see [`select::trusted`].
+///
+/// # Errors
+/// It computes other bits than the CPU, or fails.
+#[cfg(feature = "gpu")]
+pub fn trusted(gpu: crate::device::gpu::Gpu) -> Result<Device, SelectError> {
+    select::trusted(gpu, self_test)
+}
 
 /// What a check of one kernel found.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -53,22 +76,11 @@ pub fn verify(
 ) -> Result<bool, GpuError> {
     let mut identical = true;
     for kernel in KERNELS {
-        let verdict = verify_kernel(&kernel, devices, units)?;
+        let verdict = verify_kernel(kernel, devices, units)?;
         identical &= verdict.differences.is_empty();
         report(&verdict);
     }
     Ok(identical)
-}
-
-/// The launches that a kernel of trials is checked on, by name.
-pub fn launches(kernel: &Kernel) -> Vec<(&'static str, Launch)> {
-    let of_gap_fill = |c: Configuration| c.launches().into_iter().map(move |launch| (c.name, launch));
-    match kernel.name {
-        "gap_fill" => configurations().into_iter().flat_map(of_gap_fill).collect(),
-        "switched_run" => run_launches(),
-        "relock" => crate::verify::relocks::launches(),
-        _ => vec![],
-    }
 }
 
 /// Items of a building block that are held at a time.
@@ -93,40 +105,23 @@ fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<
                 for device in &mut *devices {
                     compare(device.map(&map, &items)? == reference, device.name());
                 }
-                hasher.update(bytemuck::cast_slice::<u32, u8>(&reference));
+                reference.iter().for_each(|word| hasher.update(word.to_le_bytes()));
             }
         }
-        Form::Moments => {
-            let launches = launches(kernel);
-            let trials = units.div_ceil(launches.len() as u64);
-            for (name, launch) in launches {
-                let reference = on_cpu(Width::PORTABLE, &launch, trials);
+        Form::Moments | Form::Records => {
+            let loads = loads(kernel);
+            for Load { name, work, .. } in &loads {
+                let units = units.div_ceil(loads.len() as u64);
+                let reference = on_cpu(Width::PORTABLE, work, units);
                 for width in Width::available() {
-                    let same = on_cpu(width, &launch, trials) == reference;
+                    let same = on_cpu(width, work, units) == reference;
                     compare(same, format!("{} ({name})", width.name()));
                 }
                 for device in &mut *devices {
-                    let same = tally(device, &launch, trials)? == reference;
+                    let same = on_device(device, work, units)? == reference;
                     compare(same, format!("{} ({name})", device.name()));
                 }
-                reference.iter().for_each(|tally| digest(tally, &mut hasher));
-            }
-        }
-        Form::Records => {
-            let all = named_records();
-            for named in &all {
-                let records = named.lowered();
-                let count = units.div_ceil(all.len() as u64 * named.samples) as usize;
-                let reference = sums_on_cpu(Width::PORTABLE, records.recipe(), count);
-                for width in Width::available() {
-                    let same = sums_on_cpu(width, records.recipe(), count) == reference;
-                    compare(same, format!("{} ({})", width.name(), named.name));
-                }
-                for device in &mut *devices {
-                    let same = device.sums(records.recipe(), 0, count, &|_| {})? == reference;
-                    compare(same, format!("{} ({})", device.name(), named.name));
-                }
-                reference.iter().for_each(|sum| hasher.update(sum.to_le_bytes()));
+                reference.digest(&mut hasher);
             }
         }
     }
@@ -134,11 +129,6 @@ fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<
     let digest = hash[..8].iter().fold(0, |digest, &byte| digest << 8 | u64::from(byte));
     Ok(Verdict { kernel: kernel.name, digest, differences })
 }
-
-/// The configurations of the self-test: sums of 32 bits and of 64; and its records.
-const SELF_TEST: [&str; 6] =
-    ["paper", "sparse-fit-ticks", "by-frequency", "by-detuning", "spreads", "warm-up"];
-const SELF_TEST_RECORDS: (&str, usize) = ("everything", 40);
 
 /// The first kernel, if any, in which a device differs from the portable CPU on a small load.
 ///
@@ -151,22 +141,12 @@ pub fn self_test(device: &mut Device) -> Result<Option<&'static str>, GpuError> 
                 let items = items(&map, 0..4096);
                 device.map(&map, &items)? == (map.cpu)(Width::PORTABLE, &items)
             }
-            Form::Moments => {
+            Form::Moments | Form::Records => {
                 let mut same = true;
-                for (name, launch) in launches(&kernel) {
-                    if SELF_TEST.contains(&name) {
-                        same &= tally(device, &launch, 5000)? == on_cpu(Width::PORTABLE, &launch, 5000);
+                for Load { work, self_test_units, .. } in &loads(kernel) {
+                    if let &Some(units) = self_test_units {
+                        same &= on_device(device, work, units)? == on_cpu(Width::PORTABLE, work, units);
                     }
-                }
-                same
-            }
-            Form::Records => {
-                let (name, count) = SELF_TEST_RECORDS;
-                let mut same = true;
-                for named in named_records().iter().filter(|named| named.name == name) {
-                    let records = named.lowered();
-                    let reference = sums_on_cpu(Width::PORTABLE, records.recipe(), count);
-                    same &= device.sums(records.recipe(), 0, count, &|_| {})? == reference;
                 }
                 same
             }
@@ -189,23 +169,50 @@ fn items(map: &Map, range: core::ops::Range<u64>) -> Vec<u32> {
         .collect()
 }
 
-fn on_cpu(width: Width, launch: &Launch, trials: u64) -> Vec<Moments> {
-    match Cpu::new(width, 0) {
-        Ok(cpu) => fold(launch, cpu.tally(&jobs(launch, trials), true, &|_| {})),
+/// What a load gives.
+#[derive(PartialEq)]
+enum Outcome {
+    Tallies(Vec<Moments>),
+    Sums(Vec<u128>),
+}
+
+impl Outcome {
+    fn digest(&self, hasher: &mut Sha256) {
+        match self {
+            Outcome::Tallies(tallies) => tallies.iter().for_each(|tally| digest(tally, hasher)),
+            Outcome::Sums(sums) => sums.iter().for_each(|sum| hasher.update(sum.to_le_bytes())),
+        }
+    }
+}
+
+/// Records of a load, where a unit is a sample.
+fn records(recipe: &Recipe, units: u64) -> usize {
+    units.div_ceil(u64::from(recipe.samples)) as usize
+}
+
+fn on_cpu(width: Width, work: &Work, units: u64) -> Outcome {
+    match (Cpu::new(width, 0), work) {
+        (Ok(cpu), Work::Trials(launch)) => {
+            Outcome::Tallies(fold(launch, cpu.tally(&jobs(launch, units), true, &|_| {})))
+        }
+        (Ok(cpu), Work::Records(recipe)) => {
+            Outcome::Sums(cpu.sums(recipe, 0, records(recipe, units), &|_| {}))
+        }
         // Without threads the kernel still runs here.
-        Err(_) => launch.tally(width, Trials { first: 0, count: trials, histogram: true }),
+        (Err(_), Work::Trials(launch)) => {
+            Outcome::Tallies(launch.tally(width, Trials { first: 0, count: units, histogram: true }))
+        }
+        (Err(_), Work::Records(recipe)) => Outcome::Sums(recipe.sums(width, 0, records(recipe, units))),
     }
 }
 
-fn sums_on_cpu(width: Width, recipe: &Recipe, count: usize) -> Vec<u128> {
-    match Cpu::new(width, 0) {
-        Ok(cpu) => cpu.sums(recipe, 0, count, &|_| {}),
-        Err(_) => allan::sums(width, recipe, 0, count),
-    }
-}
-
-fn tally(device: &mut Device, launch: &Launch, trials: u64) -> Result<Vec<Moments>, GpuError> {
-    Ok(fold(launch, device.tally(&jobs(launch, trials), true, &|_| {})?))
+fn on_device(device: &mut Device, work: &Work, units: u64) -> Result<Outcome, GpuError> {
+    Ok(match work {
+        Work::Trials(launch) => {
+            Outcome::Tallies(fold(launch, device.tally(&jobs(launch, units), true, &|_| {})?))
+        }
+        Work::Records(recipe) => Outcome::Sums(device.sums(recipe, 0, records(recipe, units), &|_| {})?),
+    })
 }
 
 fn jobs(launch: &Launch, trials: u64) -> Vec<Job<'_>> {

@@ -7,9 +7,9 @@ use sagnac::device::Job;
 use sagnac::device::cpu::Cpu;
 use sagnac::device::gpu::Gpu;
 use sagnac::device::gpu::adapter::Adapter;
-use sagnac::device::gpu::source::Variant;
 use sagnac::kernel::launch::Launch;
 use sagnac::kernel::moments::Moments;
+use sagnac::kernel::shader::Variant;
 use sagnac::kernel::width::Width;
 use sagnac::tally::block::Block;
 

@@ -6,7 +6,7 @@ use crate::devices::{adapters, open};
 use crate::studies::{Row, parsed, rows};
 use sagnac::device::Device;
 use sagnac::device::cpu::Cpu;
-use sagnac::device::gpu::source::Variant;
+use sagnac::kernel::shader::Variant;
 use sagnac::kernel::width::Width;
 use sagnac::kinds::allan::lower::curve::LoweredCurve;
 use sagnac::progress::Silent;

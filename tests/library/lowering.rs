@@ -3,8 +3,9 @@
 use crate::studies::{papers_point, rows, run_afresh, study};
 use sagnac::device::Job;
 use sagnac::device::cpu::Cpu;
+use sagnac::kernel::gap_fill::Shape;
 use sagnac::kernel::gap_fill::shape::Parameters;
-use sagnac::kernel::launch::{Launch, Sampled};
+use sagnac::kernel::launch::Launch;
 use sagnac::kernel::moments::{LIMIT, Moments};
 use sagnac::kernel::normal::normal;
 use sagnac::kernel::philox::{Address, Keys, Purpose, schedule};
@@ -13,11 +14,11 @@ use sagnac::kernel::width::Width;
 use sagnac::kernel::word::Scalar;
 use sagnac::kinds::gap_fill::inputs::TickNoise;
 use sagnac::kinds::gap_fill::lower::Lowered;
+use sagnac::kinds::gap_fill::verify::Configuration;
 use sagnac::motion::{Motion, Tone};
 use sagnac::run::Plan;
 use sagnac::study::refusal::Refusal;
 use sagnac::tally::block::cover;
-use sagnac::verify::configurations::Configuration;
 
 fn keys(key: [u32; 2]) -> Keys {
     schedule(key.map(Scalar)).map(|key| key.map(|word| word.0))
@@ -25,7 +26,7 @@ fn keys(key: [u32; 2]) -> Keys {
 
 /// The errors of a trial in 128 bits, from the parameters and the draws, with no step that could wrap.
 fn exact_errors(launch: &Launch, trial: u64) -> Vec<i128> {
-    let Sampled::GapFill(shape) = launch.sampled else { unreachable!("of gap filling") };
+    let shape: Shape = launch.shape().expect("of gap filling");
     let p = Parameters::of(&launch.words, shape);
     let signed = |word: u32| i128::from(word as i32);
     let address =

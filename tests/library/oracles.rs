@@ -10,7 +10,7 @@ use crate::studies::{
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use sagnac::filler::Filler;
-use sagnac::kernel::launch::Sampled;
+use sagnac::kernel::gap_fill::Shape;
 use sagnac::kernel::normal::REACH;
 use sagnac::run::Plan;
 use sagnac::store::{FILE, Store};
@@ -361,7 +361,7 @@ fn adding_a_filler_whose_sums_are_wide_changes_no_tally() {
         let study = study(changes);
         let lowered = lowered(&study, &gap_fill(&study).points[0]);
         let launch = lowered.launch(&(0..gap_fill(&study).fillers.len()).collect::<Vec<_>>());
-        matches!(launch.sampled, Sampled::GapFill(shape) if shape.wide)
+        launch.shape::<Shape>().is_some_and(|shape| shape.wide)
     };
     assert_eq!((wide(&first), wide(&second)), (false, true));
     extend(&first, &second, "a wide filler");

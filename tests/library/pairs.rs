@@ -10,12 +10,12 @@ use sagnac::kernel::launch::Launch;
 use sagnac::kernel::width::Width;
 use sagnac::kinds::gap_fill::inputs::TickNoise;
 use sagnac::motion::keys::{Phase, Position};
+use sagnac::kinds::gap_fill::verify::Configuration;
 use sagnac::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 use sagnac::record::Record;
 use sagnac::tally::block::cover;
 use sagnac::theory::minimum_variance::Band;
 use sagnac::theory::psd::Psd;
-use sagnac::verify::configurations::Configuration;
 
 /// A record of two tones and a drift, 4 s long.
 fn profile(position: Position) -> Motion {

@@ -4,12 +4,12 @@ use std::collections::HashMap;
 use std::sync::Mutex;
 
 use crate::studies::{Silent, gap_fill, parsed, rows, run, run_afresh};
-use sagnac::device::select;
 use sagnac::kinds::gap_fill::precision::Precision;
 use sagnac::progress::Progress;
 use sagnac::run::Plan;
 use sagnac::store::Store;
 use sagnac::tally::share::Share;
+use sagnac::verify::select;
 
 /// The paper's gyro under a motion, with fillers of least variance for a band beside the polynomials.
 fn text(motion: &str, n: u32, design: &str, fillers: &[(&str, &str)]) -> String {

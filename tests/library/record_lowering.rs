@@ -9,12 +9,12 @@ use sagnac::kernel::recipe::Recipe;
 use sagnac::kernel::width::Width;
 use sagnac::kinds::allan::lower::{Asked, Records};
 use sagnac::study::refusal::Refusal;
+use sagnac::kinds::allan::verify::THINNED;
 use sagnac::theory::allan::estimator::{Difference, Estimator};
 use sagnac::theory::allan::holds;
 use sagnac::theory::allan::part::{FLAT_LEVEL, Part};
 use sagnac::theory::allan::process::Process;
 use sagnac::theory::allan::switching::Switching;
-use sagnac::verify::recipes::THINNED;
 
 /// What a test asks for: 100 Hz and no readout, unless told.
 #[derive(Debug, Clone)]

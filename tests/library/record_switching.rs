@@ -6,12 +6,12 @@ use sagnac::device::cpu::Cpu;
 use sagnac::kernel::width::Width;
 use sagnac::kinds::allan::lower::{Asked, Records};
 use sagnac::study::refusal::Refusal;
+use sagnac::kinds::allan::verify::THINNED;
 use sagnac::theory::allan::estimator::{Difference, Estimator};
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;
 use sagnac::theory::allan::switching::Switching;
 use sagnac::theory::drift::magnetic::Magnetic;
-use sagnac::verify::recipes::THINNED;
 
 const SAMPLE_S: f64 = 0.5;
 const SAMPLES: u64 = 2000;

@@ -4,11 +4,10 @@ use std::sync::Arc;
 
 use crate::devices::{adapters, open};
 use sagnac::device::cpu::Cpu;
-use sagnac::device::gpu::source::Variant;
-use sagnac::kernel::allan;
 use sagnac::kernel::recipe::{Level, Recipe};
+use sagnac::kernel::shader::Variant;
 use sagnac::kernel::width::Width;
-use sagnac::verify::recipes::{NamedRecords, THINNED, lgk_400, named_records};
+use sagnac::kinds::allan::verify::{NamedRecords, THINNED, lgk_400, named_records};
 
 /// Octaves that a record of `samples` has room for; `overlap` differences in an averaging time, or all.
 fn levels(samples: u32, order: u32, overlap: Option<u32>) -> Vec<Level> {
@@ -106,8 +105,8 @@ const COUNT: usize = 37;
 fn records_are_the_same_in_every_width_and_division() {
     for (name, recipe) in recipes() {
         for first in [0, (1 << 32) - 20] {
-            let reference = allan::sums(Width::PORTABLE, &recipe, first, 20);
-            let beyond = allan::sums(Width::PORTABLE, &recipe, first + 20, COUNT - 20);
+            let reference = recipe.sums(Width::PORTABLE, first, 20);
+            let beyond = recipe.sums(Width::PORTABLE, first + 20, COUNT - 20);
             let reference = [reference, beyond].concat();
             assert_eq!(reference.len(), COUNT * recipe.places(), "{name}");
             for width in Width::available() {

@@ -9,11 +9,11 @@ use sagnac::key::common::Streams;
 use sagnac::kinds::relock::inputs::FirstHalf;
 use sagnac::kinds::relock::inputs::{Compensation, Relock};
 use sagnac::kinds::relock::lower::{LoweredRelock, RelockEstimate};
+use sagnac::kinds::relock::verify::relock;
 use sagnac::kinds::relock::{RelockInputs, RelockPoint};
 use sagnac::study::refusal::Refusal;
 use sagnac::tally::block::cover;
 use sagnac::tally::stats::Estimates;
-use sagnac::verify::relocks::relock;
 
 const TRIALS: u64 = 1 << 20;
 

@@ -6,18 +6,19 @@
 use crate::devices::{Coverage, adapters, name, on_cpu, on_gpu, open, reference, variants};
 use sagnac::device::Job;
 use sagnac::device::cpu::Cpu;
+use sagnac::kernel::gap_fill::Shape;
 use sagnac::kernel::gap_fill::shape::Parameters;
-use sagnac::kernel::launch::{Launch, Sampled};
-use sagnac::kernel::map::{Map, PHILOX};
+use sagnac::kernel::launch::Launch;
+use sagnac::kernel::map::Map;
 use sagnac::kernel::moments::{BINS, LIMIT, Moments};
-use sagnac::kernel::philox::{philox, schedule};
+use sagnac::kernel::philox::{self, philox, schedule};
 use sagnac::kernel::width::Width;
 use sagnac::kernel::word::Scalar;
 use sagnac::kernel::{Form, KERNELS};
 use sagnac::kinds::gap_fill::inputs::TickNoise;
 use sagnac::motion::keys::Phase;
+use sagnac::kinds::gap_fill::verify::{Configuration, configurations};
 use sagnac::tally::block::{Block, cover};
-use sagnac::verify::configurations::{Configuration, configurations};
 
 const TRIALS: u64 = 1 << 20;
 
@@ -47,15 +48,16 @@ const RANDOM123: [([u32; 6], [u32; 4]); 3] = [
 #[test]
 fn words_are_those_of_random123_in_every_width_and_shader() {
     let mut coverage = Coverage::start();
+    let Form::Map(map) = philox::FORM else { unreachable!("a building block") };
     let items = RANDOM123.map(|(input, _)| input).concat();
     let expected = RANDOM123.map(|(_, output)| output).concat();
     for width in Width::available() {
-        assert_eq!((PHILOX.cpu)(width, &items), expected, "{}", width.name());
+        assert_eq!((map.cpu)(width, &items), expected, "{}", width.name());
         coverage.comparisons += 1;
     }
     for adapter in adapters() {
         for variant in variants(&adapter) {
-            let found = open(&adapter, variant).map(&PHILOX, &items).unwrap();
+            let found = open(&adapter, variant).map(&map, &items).unwrap();
             assert_eq!(found, expected, "{}", name(&adapter, variant));
             coverage.comparisons += 1;
         }
@@ -103,8 +105,8 @@ fn building_blocks_are_the_same_in_every_width_and_shader() {
 
 /// The launches of all kernels that sample, by name.
 fn launches() -> Vec<(&'static str, Launch)> {
-    let kernels = KERNELS.iter().filter(|kernel| matches!(kernel.form, Form::Moments));
-    kernels.flat_map(sagnac::verify::launches).collect()
+    let loads = KERNELS.iter().flat_map(sagnac::verify::loads);
+    loads.filter_map(|load| Some((load.name, load.launch()?.clone()))).collect()
 }
 
 /// Trials of a configuration: many for the paper's point, whose every case is gone through; of long ones as many as their
@@ -197,7 +199,7 @@ fn at_the_limit(sign: i32) -> (Launch, i64) {
     })
     .launches()
     .remove(0);
-    let Sampled::GapFill(shape) = launch.sampled else { unreachable!("of gap filling") };
+    let shape: Shape = launch.shape().expect("of gap filling");
     let p = Parameters::of(&launch.words, shape);
     // sine(¼ turn) = 2^30.
     let truth = ((i64::from(p.gap_sin[0] as i32) << 30) + (1 << 31)) >> 32;

@@ -8,13 +8,14 @@ use std::time::Duration;
 
 use clap::Args;
 use sagnac::device::Device;
-use sagnac::device::select::{Selection, select};
+use sagnac::device::select::Selection;
 use sagnac::quantity::number::significant;
 use sagnac::quantity::units::{Dimension, parse as parse_quantity};
 use sagnac::run::{Plan, RESOLVED, keep};
 use sagnac::store::Store;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
+use sagnac::verify::select;
 use sagnac::view::picture::pictures;
 use serde_json::Value;
 

@@ -7,15 +7,21 @@
 
 pub mod shape;
 
-use crate::launch::Launch;
+use crate::Form;
+use crate::launch::{Launch, Shape as _, Trial};
 use crate::moments::{self, MAX_ESTIMATES, Moments, Sampler, Trials};
 use crate::motion::{Given, Motion};
 use crate::normal::normal;
 use crate::philox::{Address, Keys, Purpose, schedule};
-use crate::width::AnyWidth;
+use crate::shader::constants;
 use crate::word::{Scalar, Wide, Word};
 
 pub use crate::gap_fill::shape::{MAX_SIDE, Parameters, Shape};
+
+constants!();
+
+/// Trials to moments of the errors.
+pub const FORM: Form = Form::Moments;
 
 /// Raised when the kernel's results change for the same parameters: part of every digest.
 pub const VERSION: u32 = 2;
@@ -44,11 +50,11 @@ impl<'a, const KEPT: usize, const GAUSSIANS: usize> GapFill<'a, KEPT, GAUSSIANS>
         if k >= shape.sides() {
             return;
         }
-        let [mut before, mut after] = motion.side(&self.given, k);
+        let [mut before, mut after] = motion.side_motion(&self.given, k);
         let profile = if shape.profile { motion.profile_side(&self.given, k) } else { [W::splat(0); 2] };
         if k < shape.before {
             before = before + normal(noise[0]).mul_wide(W::splat(p.sigma[0]));
-            let mut reading = before.high() + profile[0];
+            let mut reading = before.high_word() + profile[0];
             if shape.readout {
                 let earlier = run.at_start - reading;
                 reading = pulses(run.at_start, p) - pulses(earlier, p);
@@ -60,17 +66,17 @@ impl<'a, const KEPT: usize, const GAUSSIANS: usize> GapFill<'a, KEPT, GAUSSIANS>
             for filler in 0..shape.fillers {
                 if k < shape.residual_before && shape.residual {
                     let weight = p.residual_weight[filler * (shape.residual_before + shape.after) + k];
-                    run.sum[filler].add(reading, weight);
+                    run.sum[filler].add_tick(reading, weight);
                 }
                 if k < shape.extrapolation_before && shape.extrapolation {
                     let weight = p.extrapolation_weight[filler * shape.extrapolation_before + k];
-                    run.sum[extrapolations(*shape) + filler].add(reading, weight);
+                    run.sum[extrapolations(*shape) + filler].add_tick(reading, weight);
                 }
             }
         }
         if k < shape.after {
             after = after + normal(noise[1]).mul_wide(W::splat(p.sigma[0]));
-            let mut reading = after.high() + profile[1];
+            let mut reading = after.high_word() + profile[1];
             if shape.readout {
                 let later = run.at_end + reading;
                 reading = pulses(later, p) - pulses(run.at_end, p);
@@ -78,7 +84,7 @@ impl<'a, const KEPT: usize, const GAUSSIANS: usize> GapFill<'a, KEPT, GAUSSIANS>
             }
             for filler in 0..shape.fillers {
                 let weights = filler * (shape.residual_before + shape.after) + shape.residual_before;
-                run.sum[filler].add(reading, p.residual_weight[weights + k]);
+                run.sum[filler].add_tick(reading, p.residual_weight[weights + k]);
             }
         }
     }
@@ -131,7 +137,7 @@ impl<const KEPT: usize, const GAUSSIANS: usize> Sampler for GapFill<'_, KEPT, GA
         let address = Address { low, high, keys: self.keys };
 
         let first = address.draw(Purpose::NoiseAfterAndPhase, 0);
-        let motion = Motion::<W, GAUSSIANS>::draw(&self.given, &address, first);
+        let motion = Motion::<W, GAUSSIANS>::draw_motion(&self.given, &address, first);
         let truth = motion.gap(&self.given, shape.rows() - 1);
 
         let nothing = Sum::less(W::splat(0), 0, shape.wide);
@@ -148,9 +154,9 @@ impl<const KEPT: usize, const GAUSSIANS: usize> Sampler for GapFill<'_, KEPT, GA
         }
         if shape.readout {
             let words = address.draw(Purpose::Readout, 0);
-            let noise = normal(words[1]).mul_wide(W::splat(p.gap_sigma[0])) + W::Wide::splat(1 << 31);
+            let noise = normal(words[1]).mul_wide(W::splat(p.gap_sigma[0])) + W::Wide::half();
             run.at_start = words[0] - pulses(words[0], p);
-            run.at_end = run.at_start + truth + noise.high();
+            run.at_end = run.at_start + truth + noise.high_word();
         }
         for k in (0..shape.sides()).step_by(4) {
             let draw = |wanted, purpose, block| if wanted { address.draw(purpose, block) } else { first };
@@ -166,7 +172,7 @@ impl<const KEPT: usize, const GAUSSIANS: usize> Sampler for GapFill<'_, KEPT, GA
 
         let mut error = [zero; MAX_ESTIMATES];
         for e in 0..in_gaps(*shape) {
-            error[e] = run.sum[e].error(p.shift, e);
+            error[e] = run.sum[e].error_of(p.shift, e);
         }
         if KEPT > 0 && shape.in_gap {
             for filler in 0..shape.fillers {
@@ -176,9 +182,9 @@ impl<const KEPT: usize, const GAUSSIANS: usize> Sampler for GapFill<'_, KEPT, GA
                     let mut sum = Sum::less(truth, p.in_gap_scale[filler], shape.wide);
                     let weight = &table[(filler * shape.gap_ticks + row) * shape.extrapolation_before..];
                     for k in 0..shape.extrapolation_before {
-                        sum.add(run.kept[k], weight[k]);
+                        sum.add_tick(run.kept[k], weight[k]);
                     }
-                    let found = sum.error(p.shift, e);
+                    let found = sum.error_of(p.shift, e);
                     error[e] = error[e].max_signed(found.with_sign(found));
                 }
             }
@@ -202,7 +208,7 @@ impl<W: Word> Sum<W> {
     }
 
     #[inline(always)]
-    fn add(&mut self, tick: W, weight: u32) {
+    fn add_tick(&mut self, tick: W, weight: u32) {
         match self {
             Sum::Narrow(sum) => *sum = *sum + tick * W::splat(weight),
             Sum::Wide(sum) => *sum = *sum + tick.mul_wide(W::splat(weight)),
@@ -210,7 +216,7 @@ impl<W: Word> Sum<W> {
     }
 
     #[inline(always)]
-    fn error(self, shift: &[u32], estimate: usize) -> W {
+    fn error_of(self, shift: &[u32], estimate: usize) -> W {
         match self {
             Sum::Narrow(sum) => sum,
             Sum::Wide(sum) => {
@@ -250,19 +256,11 @@ const TEN_TICKS: Shape =
 /// The default ticks with three fillers in a recorded profile.
 const PROFILE: Shape = Shape { tones: 0, profile: true, ..POLYNOMIALS };
 
-/// Tallies of the estimates over some trials that fill the lanes.
-pub struct Tally<'a> {
-    pub launch: &'a Launch,
-    pub shape: Shape,
-    pub trials: Trials,
-}
-
-impl AnyWidth for Tally<'_> {
-    type Output = Vec<Moments>;
-
+impl Trial for Shape {
+    // Only here: the shader has one shape.
     #[inline(always)]
-    fn run<W: Word>(self) -> Vec<Moments> {
-        let Tally { launch, shape, trials } = self;
+    fn tally<W: Word>(self, launch: &Launch, trials: Trials) -> Vec<Moments> {
+        let shape = self;
         // Each of the first comparisons makes the shape a constant of its branch.
         if shape == POLYNOMIALS {
             moments::tally::<W>(GapFill::<0, 0>::new(launch, POLYNOMIALS), trials)

@@ -3,7 +3,10 @@
 //! Its table holds weights of the errors in the gap; then the factor of the Gaussian motion, or the profile as angles since
 //! its start in LSB at the boundaries of its ticks. Often it is empty.
 
+use crate::launch;
 use crate::parameters::parameters;
+use crate::part;
+use crate::shader::{Part, Shader};
 
 /// Most ticks on one side of the gap.
 pub const MAX_SIDE: usize = 64;
@@ -62,12 +65,6 @@ impl Shape {
         self.before.max(self.after)
     }
 
-    /// Number of estimates: all residuals, then all extrapolations, then all errors in the gap.
-    pub fn estimates(self) -> usize {
-        let errors = usize::from(self.residual) + usize::from(self.extrapolation) + usize::from(self.in_gap);
-        self.fillers * errors
-    }
-
     /// True angles that are needed: that over the whole gap, and for errors in the gap also those over its first ticks.
     pub fn rows(self) -> usize {
         if self.in_gap { self.gap_ticks } else { 1 }
@@ -89,10 +86,68 @@ impl Shape {
         // The rows over the gap, then a triangle: row i has i + 1 words.
         self.motion_table() + self.rows() * n + (place * (place + 1) - n * (n + 1)) / 2
     }
+}
 
-    /// Whether the kernel reads the table.
-    pub fn has_table(self) -> bool {
+impl launch::Shape for Shape {
+    fn part(&self) -> &'static Part {
+        &part::gap_fill
+    }
+
+    /// All residuals, then all extrapolations, then all errors in the gap.
+    #[inline(always)]
+    fn estimates(&self) -> usize {
+        let errors = usize::from(self.residual) + usize::from(self.extrapolation) + usize::from(self.in_gap);
+        self.fillers * errors
+    }
+
+    fn has_table(&self) -> bool {
         self.in_gap || self.gaussian || self.profile
+    }
+
+    fn words(&self) -> usize {
+        word_count(*self)
+    }
+
+    fn shader(&self) -> Shader {
+        let (residuals, extrapolations) =
+            (only(self.residual, self.fillers), only(self.extrapolation, self.fillers));
+        Shader {
+            parts: vec![&part::philox, &part::normal, &part::sine, &part::motion, &part::gap_fill],
+            constants: vec![
+                ("BEFORE", self.before),
+                ("AFTER", self.after),
+                ("SIDES", self.sides()),
+                ("RESIDUAL_BEFORE", self.residual_before),
+                ("EXTRAPOLATION_BEFORE", self.extrapolation_before),
+                ("FILLERS", self.fillers),
+                ("EXTRAPOLATIONS", residuals),
+                ("IN_GAPS", residuals + extrapolations),
+                ("KEPT", if self.in_gap { self.before } else { 1 }),
+                ("TONES", self.tones),
+                // There is no array without elements.
+                ("TONE_ROOM", self.tones.max(1)),
+                ("ROWS", self.rows()),
+                ("GAP_TICKS", self.gap_ticks),
+                ("GAUSSIANS", self.gaussians()),
+                ("GAUSSIAN_SIDES", self.gaussian_row(self.gap_ticks)),
+                ("MOTION_TABLE", self.motion_table()),
+            ],
+            flags: vec![
+                ("WIDE", self.wide),
+                ("RESIDUAL", self.residual),
+                ("EXTRAPOLATION", self.extrapolation),
+                ("IN_GAP", self.in_gap),
+                ("AMPLITUDES", self.amplitudes),
+                ("FREQUENCIES", self.frequencies),
+                ("DRAWN", self.amplitudes || self.frequencies),
+                ("GAUSSIAN", self.gaussian),
+                ("PROFILE", self.profile),
+                ("EVERY", self.every),
+                ("CONSTANTS", self.constants),
+                ("READOUT", self.readout),
+            ],
+            declarations: wgsl_places(*self),
+        }
     }
 }
 
@@ -160,7 +215,7 @@ parameters! {
     /// The scale of the errors in the gap, whose weights are in the table: filler by filler, row by row, outward.
     in_gap_scale: |shape: Shape| only(shape.in_gap, shape.fillers),
     /// How far each wide sum is shifted to the right, rounding: in the order of the estimates.
-    shift: |shape: Shape| only(shape.wide, shape.estimates()),
+    shift: |shape: Shape| only(shape.wide, launch::Shape::estimates(&shape)),
     /// Where each estimate's histogram starts.
-    bin_base: |shape: Shape| shape.estimates(),
+    bin_base: |shape: Shape| launch::Shape::estimates(&shape),
 }

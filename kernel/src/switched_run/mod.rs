@@ -6,29 +6,46 @@
 
 pub mod shape;
 
-use crate::launch::Launch;
+use crate::Form;
+use crate::launch::{Launch, Shape as _, Trial};
 use crate::moments::{self, MAX_ESTIMATES, Moments, Sampler, Trials};
-use crate::normal::normal;
+use crate::normal::{NORMAL_BITS, normal};
 use crate::philox::{Address, Keys, Purpose, schedule};
-use crate::power::{LARGEST_MINUS, LOG_BITS, exp2_minus, log2};
+use crate::power::{EXP2_ONE, LARGEST_MINUS, LOG_BITS, exp2_minus, log2_word};
 use crate::relock_ticks::{self, Given, relock_ticks, relock_wrong};
+use crate::shader::constants;
 use crate::sine::sine;
-use crate::width::AnyWidth;
 use crate::word::{Scalar, Wide, Word};
 
 pub use crate::switched_run::shape::{MAX_TONES, Parameters, Shape};
 
+constants!(DECAY_BITS, DECAY_ONE, MOST_HALVINGS, MOST_STRETCH);
+
+/// Trials to moments of the angles.
+pub const FORM: Form = Form::Moments;
+
+/// Bits of an exponential behind the point, and 1 in its unit.
+const DECAY_BITS: u32 = 30;
+const DECAY_ONE: u32 = 1 << DECAY_BITS;
+
+/// Halvings that leave nothing of a decay.
+const MOST_HALVINGS: u32 = 31;
+
+/// log2 of how much longer or shorter than usual a drawn τ is at most.
+const MOST_STRETCH: u32 = 5;
+
 /// Raised when the kernel's results change for the same parameters: part of every digest.
 pub const VERSION: u32 = 1;
 
-/// Who hears the angles of a run as it goes on, LSB.
+/// Receives the angles of a run as it proceeds, LSB.
 pub trait Recorder<W> {
     /// Just before a switch or at the end, then just after the switch.
     fn record(&mut self, angle: W);
 }
 
-/// Nobody does.
+/// Discards all angles.
 impl<W> Recorder<W> for () {
+    // Only here: shaders record no angles.
     #[inline(always)]
     fn record(&mut self, _: W) {}
 }
@@ -93,7 +110,13 @@ impl<'a> SwitchedRun<'a> {
             random: W::Wide::splat(0),
             relocked: zero,
             wrong: zero,
-            warm_up: WarmUp { heated: zero, ratio: zero, inverse: zero, tanh: zero, last: W::splat(1 << 30) },
+            warm_up: WarmUp {
+                heated: zero,
+                ratio: zero,
+                inverse: zero,
+                tanh: zero,
+                last: W::splat(DECAY_ONE),
+            },
         };
         if shape.spreads() {
             let words = address.draw(Purpose::RunDeviation, 0);
@@ -120,19 +143,20 @@ impl<'a> SwitchedRun<'a> {
     fn warm_up<W: Word>(&self, magnetic: W, time: W) -> WarmUp<W> {
         let p = &self.p;
         // No draw makes τ more than 2^5 times longer or shorter.
-        let five = W::splat(5 << LOG_BITS);
-        let log = time.mul_wide(W::splat(p.warm_up_spread[0])).high();
+        let five = W::splat(MOST_STRETCH << LOG_BITS);
+        let log = time.mul_wide(W::splat(p.warm_up_spread[0])).high_word();
         let (ratio, inverse) = (exp2_minus(five - log), exp2_minus(five + log));
         let lost = exp2_minus(self.halvings(inverse, p.halvings[0]));
-        let one = W::splat(1 << 31);
+        let one = W::splat(EXP2_ONE);
         // log2 of τ (1 − q)/(1 + q), q = e^{−MT/τ}; then 2^x is 2^31 of 2^−(31 − x).
-        let tanh = log + log2(one - lost) - log2(one + lost) + W::splat((26 + p.time_bits[0]) << LOG_BITS);
+        let tanh = log + log2_word(one - lost) - log2_word(one + lost)
+            + W::splat((LOG_BITS + p.time_bits[0]) << LOG_BITS);
         WarmUp {
-            heated: W::splat(p.heated[0]) + magnetic.mul_wide(W::splat(p.heated[1])).bits_from(28),
+            heated: W::splat(p.heated[0]) + magnetic.mul_wide(W::splat(p.heated[1])).bits_from(NORMAL_BITS),
             ratio,
             inverse,
             tanh: exp2_minus(W::splat(LARGEST_MINUS) - tanh),
-            last: W::splat(1 << 30),
+            last: W::splat(DECAY_ONE),
         }
     }
 
@@ -141,7 +165,7 @@ impl<'a> SwitchedRun<'a> {
     fn halvings<W: Word>(&self, inverse: W, usual: u32) -> W {
         let bits = self.p.halving_bits[0];
         let product = inverse.mul_wide(W::splat(usual));
-        let within = (product.high() - W::splat(31 << (bits - 6))).sar(31);
+        let within = (product.high_word() - W::splat(MOST_HALVINGS << (bits - (32 - LOG_BITS)))).sar(31);
         (product.bits_from(bits) & within) + (W::splat(LARGEST_MINUS) & (within ^ W::splat(!0)))
     }
 
@@ -150,11 +174,11 @@ impl<'a> SwitchedRun<'a> {
     fn heating<W: Word>(&self, warm_up: &WarmUp<W>, k: usize, words: &[u32]) -> [W; 2] {
         let bits = self.p.time_bits[0];
         let now = exp2_minus(self.halvings(warm_up.inverse, words[1])) >> 1;
-        let one = W::splat(1 << 30);
+        let one = W::splat(DECAY_ONE);
         let even = k.is_multiple_of(2);
         let signed = if even { warm_up.last } else { W::splat(0) - warm_up.last };
-        let pairs = warm_up.tanh.mul_wide(one - signed).bits_from(30);
-        let rest = warm_up.ratio.mul_wide(warm_up.last - now).bits_from(30 - bits);
+        let pairs = warm_up.tanh.mul_wide(one - signed).bits_from(DECAY_BITS);
+        let rest = warm_up.ratio.mul_wide(warm_up.last - now).bits_from(DECAY_BITS - bits);
         let decayed = if even { pairs + rest } else { pairs - rest };
         [W::splat(words[0]) - decayed, now]
     }
@@ -164,7 +188,7 @@ impl<'a> SwitchedRun<'a> {
     fn angle<W: Word>(&self, run: &Run<W>, k: usize, row: usize, more: W::Wide) -> W {
         let shape = self.shape;
         let words = &self.table[row * shape.row()..];
-        let mut random = run.random + more + W::Wide::splat(1 << 31);
+        let mut random = run.random + more + W::Wide::half();
         let mut magnetic = W::Wide::splat(0);
         let mut at = 1 + usize::from(shape.mode);
         if shape.magnetic {
@@ -184,10 +208,10 @@ impl<'a> SwitchedRun<'a> {
             magnetic = magnetic + heating.mul_wide(run.warm_up.heated);
         }
         if shape.mode {
-            let whole = magnetic.high() + W::splat(words[1]);
-            return W::splat(words[0]) + run.relocked + random.high() + whole.with_sign(run.mode);
+            let whole = magnetic.high_word() + W::splat(words[1]);
+            return W::splat(words[0]) + run.relocked + random.high_word() + whole.with_sign(run.mode);
         }
-        W::splat(words[0]) + run.relocked + (random + magnetic).high()
+        W::splat(words[0]) + run.relocked + (random + magnetic).high_word()
     }
 
     /// The residual of the switch after interval `k`, 2^−32 LSB; `words` are those of the interval.
@@ -236,6 +260,7 @@ impl<'a> SwitchedRun<'a> {
         sum.bits_from(bits)
     }
 
+    // Only here: `trial` of the shader, which records nothing.
     #[inline(always)]
     fn run<W: Word, R: Recorder<W>>(&self, low: W, high: u32, recorder: &mut R) -> [W; MAX_ESTIMATES] {
         let SwitchedRun { p, shape, .. } = self;
@@ -331,19 +356,11 @@ const PLAIN: Shape = Shape {
 /// The same with a random walk.
 const WALKING: Shape = Shape { walk: true, ..PLAIN };
 
-/// Tallies of the estimates over some trials that fill the lanes.
-pub struct Tally<'a> {
-    pub launch: &'a Launch,
-    pub shape: Shape,
-    pub trials: Trials,
-}
-
-impl AnyWidth for Tally<'_> {
-    type Output = Vec<Moments>;
-
+impl Trial for Shape {
+    // Only here: the shader has one shape.
     #[inline(always)]
-    fn run<W: Word>(self) -> Vec<Moments> {
-        let Tally { launch, shape, trials } = self;
+    fn tally<W: Word>(self, launch: &Launch, trials: Trials) -> Vec<Moments> {
+        let shape = self;
         // Each of the first comparisons makes the shape a constant of its branch.
         if W::LANES > 1 && shape == PLAIN {
             moments::tally::<W>(SwitchedRun::new(launch, PLAIN), trials)

@@ -1,7 +1,10 @@
 //! What a launch of the switched-run kernel has, its parameter words and its table.
 
+use crate::launch;
 use crate::parameters::parameters;
+use crate::part;
 use crate::relock_ticks;
+use crate::shader::{Part, Shader};
 
 /// Most tones of the motion at a switch.
 pub const MAX_TONES: usize = crate::gap_fill::shape::MAX_TONES;
@@ -37,11 +40,6 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// Number of estimates: at the end, the largest, at each of the times.
-    pub fn estimates(self) -> usize {
-        self.first_time() + self.times
-    }
-
     /// The first estimate at a time.
     pub fn first_time(self) -> usize {
         if self.ends { 2 } else { 0 }
@@ -53,14 +51,83 @@ impl Shape {
     }
 
     /// Whether normal numbers are drawn.
-    pub fn has_normals(self) -> bool {
+    fn has_normals(self) -> bool {
         self.walk || self.noise || self.spreads() || self.relock.is_some()
+    }
+
+    /// Whether powers and logarithms are taken.
+    fn has_powers(self) -> bool {
+        self.warm_up || self.relock.is_some()
     }
 
     /// Words of a row of the table.
     pub fn row(self) -> usize {
         let words = [self.mode, self.magnetic, self.initial, self.non_magnetic, self.warm_up, self.warm_up];
         1 + words.into_iter().filter(|has| *has).count()
+    }
+}
+
+impl launch::Shape for Shape {
+    fn part(&self) -> &'static Part {
+        &part::switched_run
+    }
+
+    /// At the end, the largest, at each of the times.
+    #[inline(always)]
+    fn estimates(&self) -> usize {
+        self.first_time() + self.times
+    }
+
+    fn has_table(&self) -> bool {
+        true
+    }
+
+    fn steps(&self, words: &[u32]) -> u64 {
+        let relock = self.relock.map_or(0, |relock| relock.ticks as u64);
+        u64::from(Parameters::of(words, *self).intervals[0]) * (1 + relock)
+    }
+
+    fn words(&self) -> usize {
+        word_count(*self)
+    }
+
+    fn shader(&self) -> Shader {
+        let mut shader = Shader {
+            parts: vec![&part::philox, &part::sine],
+            constants: vec![
+                ("TONES", self.tones),
+                // There is no array without elements.
+                ("TONE_ROOM", self.tones.max(1)),
+                ("PHASE_BLOCKS", self.tones.div_ceil(4)),
+                ("TIMES", self.times),
+                ("FIRST_TIME", self.first_time()),
+                ("ROW", self.row()),
+            ],
+            flags: vec![
+                ("ENDS", self.ends),
+                ("WALK", self.walk),
+                ("NOISE", self.noise),
+                ("SPREAD", self.spreads()),
+                ("MAGNETIC", self.magnetic),
+                ("INITIAL", self.initial),
+                ("NON_MAGNETIC", self.non_magnetic),
+                ("MODE", self.mode),
+                ("WARM_UP", self.warm_up),
+                ("RELOCKING", self.relock.is_some()),
+            ],
+            declarations: wgsl_places(*self),
+        };
+        if self.has_normals() {
+            shader.parts.push(&part::normal);
+        }
+        if self.has_powers() {
+            shader.parts.push(&part::power);
+        }
+        if let Some(ticks) = self.relock {
+            ticks.include(&mut shader);
+        }
+        shader.parts.push(&part::switched_run);
+        shader
     }
 }
 
@@ -115,5 +182,5 @@ parameters! {
     /// Standard deviation of the rest, 2^−4 LSB.
     time_bridge: |shape: Shape| only(shape.walk, shape.times),
     /// Where each estimate's histogram starts.
-    bin_base: |shape: Shape| shape.estimates(),
+    bin_base: |shape: Shape| launch::Shape::estimates(&shape),
 }

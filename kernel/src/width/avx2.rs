@@ -276,7 +276,7 @@ impl Wide for Avx2Wide {
     }
 
     #[inline(always)]
-    fn high(self) -> Avx2 {
+    fn high_word(self) -> Avx2 {
         unsafe { Avx2(_mm256_blend_epi32::<ODD>(_mm256_shuffle_epi32::<0b11_11_01_01>(self.even), self.odd)) }
     }
 

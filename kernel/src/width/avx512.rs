@@ -260,7 +260,7 @@ impl Wide for Avx512Wide {
     }
 
     #[inline(always)]
-    fn high(self) -> Avx512 {
+    fn high_word(self) -> Avx512 {
         unsafe { Avx512(_mm512_mask_shuffle_epi32::<0b11_11_01_01>(self.odd, !ODD, self.even)) }
     }
 

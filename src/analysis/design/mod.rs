@@ -49,7 +49,7 @@ pub use crate::analysis::design::paper::PapersRule;
 
 use crate::analysis::design::candidates::{Candidate, Maker, even};
 use crate::device::Device;
-use crate::device::gpu::GpuError;
+use crate::device::error::GpuError;
 use crate::kernel::moments::Moments;
 use crate::kinds::switched_run::Timing;
 use crate::kinds::switched_run::run::late;

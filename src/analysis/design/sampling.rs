@@ -2,7 +2,7 @@
 
 use crate::analysis::design::candidates::Candidate;
 use crate::device::Job;
-use crate::device::gpu::GpuError;
+use crate::device::error::GpuError;
 use crate::kernel::moments::Moments;
 use crate::progress::Progress;
 use crate::sampling::worker::Worker;

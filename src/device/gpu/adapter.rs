@@ -1,6 +1,6 @@
 //! The adapters of this machine.
 
-use crate::device::gpu::source::Variant;
+use crate::kernel::shader::Variant;
 
 /// An adapter that this machine has.
 #[derive(Clone)]

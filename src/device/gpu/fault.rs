@@ -3,7 +3,8 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use crate::device::gpu::{Gpu, GpuError};
+use crate::device::error::GpuError;
+use crate::device::gpu::Gpu;
 
 /// What wgpu has told of a device.
 #[derive(Clone, Default)]

@@ -5,7 +5,6 @@ pub mod fault;
 pub mod records;
 pub mod resource;
 pub mod rest;
-pub mod source;
 pub mod tile;
 
 use std::collections::HashMap;
@@ -15,45 +14,21 @@ use std::time::Instant;
 use wgpu::BufferUsages;
 
 use crate::device::Job;
+use crate::device::error::GpuError;
 pub use crate::device::gpu::adapter::Adapter;
 use crate::device::gpu::fault::Heard;
 #[doc(hidden)]
 pub use crate::device::gpu::fault::{Fault, Faults, Moment};
 use crate::device::gpu::records::MOST_RECORDS;
+use crate::device::gpu::resource::Pipeline;
 use crate::device::gpu::rest::Rest;
-use crate::device::gpu::source::Variant;
 use crate::device::gpu::tile::Part;
+use crate::device::select::SelfTest;
 use crate::kernel::launch::Sampled;
 use crate::kernel::map::Map;
 use crate::kernel::moments::Moments;
 use crate::kernel::normal_table::NORMAL_TABLE;
-
-/// Why a device cannot be used, or can no longer.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum GpuError {
-    /// It cannot be opened: what the driver says.
-    #[error("cannot open the device: {0}")]
-    Open(String),
-    /// It is gone, as after a watchdog or an unplugged adapter: what the driver says. What was tallied before is whole.
-    #[error("the device was lost: {0}")]
-    Lost(String),
-    /// It has not the memory for the work at hand.
-    #[error("the device is out of memory")]
-    OutOfMemory,
-    /// It does not take a shader or a buffer: what its validation says.
-    #[error("the device refused the work: {0}")]
-    Refused(String),
-    /// A record does not fit into the buffers; the CPU takes such.
-    #[error(
-        "a record needs {bytes} bytes on the device, of {most}: shorten the longest averaging time, or overlap = \"m/64\""
-    )]
-    TooLong {
-        /// What its angles need.
-        bytes: u64,
-        /// What a device gives them.
-        most: u64,
-    },
-}
+use crate::kernel::shader::Variant;
 
 /// A tile should take this long: short enough for watchdogs, long enough to hide its preparation.
 const TILE_SECONDS: f64 = 0.075;
@@ -72,7 +47,7 @@ pub struct Gpu {
     normal_table: wgpu::Buffer,
     /// The table of the launch before, with what is in it: neighbours often share one.
     table: Option<(Arc<[u32]>, wgpu::Buffer)>,
-    pipelines: HashMap<(Sampled, bool), wgpu::ComputePipeline>,
+    pipelines: HashMap<(Arc<dyn Sampled>, bool), Pipeline>,
     heard: Heard,
     /// Steps of the next tile, and the most of any.
     tile: u64,
@@ -82,6 +57,8 @@ pub struct Gpu {
     most_lanes: usize,
     /// Threads of the processor where that has to take its place; 0: as many as it runs at once.
     threads: usize,
+    /// What the device has to pass when it is opened again.
+    self_test: Option<SelfTest>,
     faults: Option<Faults>,
 }
 
@@ -131,6 +108,7 @@ impl Gpu {
             lanes: 0,
             most_lanes: MOST_RECORDS,
             threads: 0,
+            self_test: None,
             faults: None,
         })
     }
@@ -138,6 +116,17 @@ impl Gpu {
     /// The same, with so many threads of the processor where that has to take its place.
     pub(crate) fn with_threads(self, threads: usize) -> Gpu {
         Gpu { threads, ..self }
+    }
+
+    /// The same, to pass `self_test` whenever it is opened again.
+    #[doc(hidden)]
+    pub fn with_self_test(self, self_test: SelfTest) -> Gpu {
+        Gpu { self_test: Some(self_test), ..self }
+    }
+
+    /// What it has to pass when it is opened again.
+    pub(crate) fn self_test(&self) -> Option<SelfTest> {
+        self.self_test
     }
 
     /// Threads of the processor where that has to take its place.
@@ -156,8 +145,8 @@ impl Gpu {
         let gpu = Gpu::open(&self.adapter, self.variant)?;
         let (most_tile, most_lanes) = (self.most_tile, self.most_lanes);
         let tile = gpu.tile.min(most_tile);
-        let (threads, faults) = (self.threads, self.faults.clone());
-        Ok(Gpu { tile, most_tile, most_lanes, threads, faults, ..gpu })
+        let (threads, self_test, faults) = (self.threads, self.self_test, self.faults.clone());
+        Ok(Gpu { tile, most_tile, most_lanes, threads, self_test, faults, ..gpu })
     }
 
     /// The name of its adapter.
@@ -244,22 +233,14 @@ impl Gpu {
     fn mapped_items(&self, map: &Map, items: &[u32]) -> Result<Vec<u32>, GpuError> {
         let count = items.len() / map.inputs;
         let size = 4 * (count * map.outputs) as u64;
-        let pipeline = self.pipeline(&crate::device::gpu::source::map(map, self.variant))?;
+        let pipeline = self.pipeline(map.shader(self.variant))?;
         let input = self.upload("items", bytemuck::cast_slice(items), BufferUsages::STORAGE)?;
         let output = self.buffer("results", size, BufferUsages::STORAGE | BufferUsages::COPY_SRC)?;
         let read = self.buffer("read", size, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
-        let mut resources = vec![(1, input.as_entire_binding()), (2, output.as_entire_binding())];
-        if map.table {
-            resources.push((0, self.normal_table.as_entire_binding()));
-        }
+        let resources = vec![(1, input.as_entire_binding()), (2, output.as_entire_binding())];
         let bind_group = self.bind_group(&pipeline, resources);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-            pass.set_pipeline(&pipeline);
-            pass.set_bind_group(0, &bind_group, &[]);
-            pass.dispatch_workgroups((count as u32).div_ceil(self.variant.workgroup), 1, 1);
-        }
+        pipeline.dispatch(&mut encoder, &bind_group, [(count as u32).div_ceil(self.variant.workgroup), 1]);
         encoder.copy_buffer_to_buffer(&output, 0, &read, 0, size);
         let submission = self.submit(encoder, count as u64)?;
         read.map_async(wgpu::MapMode::Read, .., |_| {});

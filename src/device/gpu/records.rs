@@ -4,8 +4,10 @@ use std::time::Instant;
 
 use wgpu::BufferUsages;
 
-use crate::device::gpu::source::{self, STATE_WORDS};
-use crate::device::gpu::{Gpu, GpuError, TILE_SECONDS};
+use crate::device::error::GpuError;
+use crate::device::gpu::resource::Pipeline;
+use crate::device::gpu::{Gpu, TILE_SECONDS};
+use crate::kernel::allan::SUM_WORDS;
 use crate::kernel::recipe::{CHUNK, Recipe};
 
 /// Most bytes of angles that are kept for all records of a batch.
@@ -16,14 +18,6 @@ pub(crate) const MOST_RECORDS: usize = 1 << 14;
 
 /// Most rounds of loops in an invocation: lavapipe leaves every loop after 65535 rounds of all of them, and says nothing.
 const MOST_ROUNDS: usize = 60_000;
-
-/// Rounds of loops that a chunk takes at most.
-fn rounds(recipe: &Recipe) -> usize {
-    CHUNK * (recipe.places() + 17) + recipe.places() + 8 * recipe.octaves()
-}
-
-/// Words of the parameters before those of the recipe's lists.
-const FIXED_WORDS: usize = 24;
 
 impl Gpu {
     /// Sums of the squared differences of some records: record by record, in each the places of the curve; `progress` hears of
@@ -69,11 +63,11 @@ impl Gpu {
         if drift_bytes > most {
             return Err(GpuError::TooLong { bytes: drift_bytes, most });
         }
-        if rounds(recipe) > MOST_ROUNDS {
+        if recipe.rounds() > MOST_ROUNDS {
             let places = recipe.places();
             return Err(GpuError::Refused(format!("{places} averaging times are more than a device takes")));
         }
-        let pipeline = self.pipeline(&source::allan(recipe, self.variant))?;
+        let pipeline = self.pipeline(recipe.shader(self.variant))?;
         let drift = self.upload("drift", bytemuck::cast_slice(&recipe.drift), BufferUsages::STORAGE)?;
         let most = self.most_lanes.min((budget / ring_bytes) as usize).max(1);
         let mut sums = Vec::with_capacity(count * recipe.places());
@@ -94,29 +88,27 @@ impl Gpu {
     fn batch(
         &mut self,
         recipe: &Recipe,
-        pipeline: &wgpu::ComputePipeline,
+        pipeline: &Pipeline,
         drift: &wgpu::Buffer,
         first: u64,
         lanes: usize,
     ) -> Result<Vec<u128>, GpuError> {
         let size = |words: usize| 4 * (words * lanes) as u64;
         let rings = self.buffer("rings", size(recipe.depth()), BufferUsages::STORAGE)?;
-        let state_words = STATE_WORDS + 12 * recipe.octaves();
-        let state = self.buffer("state", size(state_words), BufferUsages::STORAGE)?;
-        let sums_size = size(3 * recipe.places());
+        let state = self.buffer("state", size(recipe.state_words()), BufferUsages::STORAGE)?;
+        let sums_size = size(SUM_WORDS * recipe.places());
         let sums = self.buffer("sums", sums_size, BufferUsages::STORAGE | BufferUsages::COPY_SRC)?;
         let read = self.buffer("read", sums_size, BufferUsages::MAP_READ | BufferUsages::COPY_DST)?;
         let chunks = (recipe.samples as usize / CHUNK + 1) as u32;
-        let most = (MOST_ROUNDS / rounds(recipe)) as u32;
+        let most = (MOST_ROUNDS / recipe.rounds()) as u32;
         let (mut from, mut tile, mut wrong) = (0, 1, false);
         while from < chunks {
             let started = Instant::now();
             let to = chunks.min(from + tile);
-            let words = parameters(recipe, first, lanes as u32, [from, to]);
+            let words = recipe.parameters(first, lanes as u32, [from, to]);
             let parameters =
                 self.upload("parameters", bytemuck::cast_slice(&words), BufferUsages::UNIFORM)?;
             let mut resources = vec![
-                (0, self.normal_table.as_entire_binding()),
                 (1, parameters.as_entire_binding()),
                 (2, rings.as_entire_binding()),
                 (3, sums.as_entire_binding()),
@@ -127,12 +119,11 @@ impl Gpu {
             }
             let bind_group = self.bind_group(pipeline, resources);
             let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            {
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-                pass.set_pipeline(pipeline);
-                pass.set_bind_group(0, &bind_group, &[]);
-                pass.dispatch_workgroups((lanes as u32).div_ceil(self.variant.workgroup), 1, 1);
-            }
+            pipeline.dispatch(
+                &mut encoder,
+                &bind_group,
+                [(lanes as u32).div_ceil(self.variant.workgroup), 1],
+            );
             if to == chunks {
                 encoder.copy_buffer_to_buffer(&sums, 0, &read, 0, sums_size);
             }
@@ -149,7 +140,9 @@ impl Gpu {
         let bytes = self.mapped(&read)?;
         let words: &[u32] = bytemuck::cast_slice(&bytes);
         let sum = |lane: usize, place: usize| -> u128 {
-            (0..3).map(|word| u128::from(words[(3 * place + word) * lanes + lane]) << (32 * word)).sum()
+            (0..SUM_WORDS)
+                .map(|word| u128::from(words[(SUM_WORDS * place + word) * lanes + lane]) << (32 * word))
+                .sum()
         };
         let places = recipe.places();
         let mut all: Vec<u128> =
@@ -159,49 +152,4 @@ impl Gpu {
         }
         Ok(all)
     }
-}
-
-/// The words that the shader reads: see `Parameters` there.
-fn parameters(recipe: &Recipe, first: u64, lanes: u32, chunks: [u32; 2]) -> Vec<u32> {
-    let [loss, step, start] = recipe.markov.unwrap_or_default();
-    let [sine_step, amplitude] = recipe.sine.unwrap_or_default();
-    let [interval, residual_amplitude, residual_noise] = recipe.switching.unwrap_or_default();
-    let mut words = vec![
-        recipe.key[0],
-        recipe.key[1],
-        recipe.samples,
-        recipe.white,
-        recipe.rate_scale,
-        recipe.walk,
-        loss,
-        step,
-        start,
-        sine_step,
-        amplitude,
-        recipe.quantisation,
-        recipe.pulse.unwrap_or(0),
-        interval,
-        residual_amplitude,
-        residual_noise,
-        first as u32,
-        (first >> 32) as u32,
-        lanes,
-        chunks[0],
-        chunks[1],
-    ];
-    words.resize(FIXED_WORDS, 0);
-    // Octave o has place o.
-    words.push(0);
-    words.extend(&recipe.flicker);
-    words.resize(FIXED_WORDS + 4 * source::flicker_vectors(recipe), 0);
-    let (mut ring, mut place) = (0, 0);
-    for level in &recipe.levels {
-        let depth = level.depth(recipe.order) as u32;
-        words.extend([level.stride, ring, depth, place]);
-        ring += depth;
-        place += level.spans.len() as u32;
-    }
-    words.extend(recipe.levels.iter().flat_map(|level| &level.spans));
-    words.resize(words.len().next_multiple_of(4), 0);
-    words
 }

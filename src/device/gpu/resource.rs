@@ -4,8 +4,31 @@ use std::sync::Arc;
 
 use wgpu::BufferUsages;
 
-use crate::device::gpu::{Gpu, GpuError, source};
-use crate::kernel::launch::Sampled;
+use crate::device::error::GpuError;
+use crate::device::gpu::Gpu;
+use crate::kernel::launch::Launch;
+
+/// A compiled shader.
+#[derive(Clone)]
+pub(crate) struct Pipeline {
+    pipeline: wgpu::ComputePipeline,
+    has_normals: bool,
+}
+
+impl Pipeline {
+    /// Encodes a pass of so many workgroups.
+    pub(crate) fn dispatch(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        bind_group: &wgpu::BindGroup,
+        [columns, rows]: [u32; 2],
+    ) {
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, bind_group, &[]);
+        pass.dispatch_workgroups(columns, rows, 1);
+    }
+}
 
 impl Gpu {
     /// A buffer of zeros.
@@ -57,21 +80,19 @@ impl Gpu {
         Ok(buffer)
     }
 
-    /// The pipeline of a kernel, made once.
-    pub(crate) fn pipeline_of(
-        &mut self,
-        sampled: Sampled,
-        histogram: bool,
-    ) -> Result<wgpu::ComputePipeline, GpuError> {
-        if let Some(pipeline) = self.pipelines.get(&(sampled, histogram)) {
+    /// The pipeline that samples a launch, compiled once for its shape.
+    pub(crate) fn pipeline_of(&mut self, launch: &Launch, histogram: bool) -> Result<Pipeline, GpuError> {
+        let key = (Arc::clone(&launch.sampled), histogram);
+        if let Some(pipeline) = self.pipelines.get(&key) {
             return Ok(pipeline.clone());
         }
-        let pipeline = self.pipeline(&source::moments(sampled, histogram, self.variant))?;
-        self.pipelines.insert((sampled, histogram), pipeline.clone());
+        let pipeline = self.pipeline(launch.shader(histogram, self.variant))?;
+        self.pipelines.insert(key, pipeline.clone());
         Ok(pipeline)
     }
 
-    pub(crate) fn pipeline(&self, source: &str) -> Result<wgpu::ComputePipeline, GpuError> {
+    /// Compiles a shader, given with whether it draws normal numbers.
+    pub(crate) fn pipeline(&self, (source, has_normals): (String, bool)) -> Result<Pipeline, GpuError> {
         let descriptor =
             wgpu::ShaderModuleDescriptor { label: None, source: wgpu::ShaderSource::Wgsl(source.into()) };
         let module = if self.variant.checked {
@@ -95,21 +116,24 @@ impl Gpu {
             cache: None,
         });
         self.heard.failure()?;
-        Ok(pipeline)
+        Ok(Pipeline { pipeline, has_normals })
     }
 
+    /// Binds resources, and the table of normal numbers where the shader reads it.
     pub(crate) fn bind_group(
         &self,
-        pipeline: &wgpu::ComputePipeline,
+        pipeline: &Pipeline,
         resources: Vec<(u32, wgpu::BindingResource)>,
     ) -> wgpu::BindGroup {
+        let normals = pipeline.has_normals.then(|| (0, self.normal_table.as_entire_binding()));
         let entries: Vec<wgpu::BindGroupEntry> = resources
             .into_iter()
+            .chain(normals)
             .map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource })
             .collect();
         self.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: None,
-            layout: &pipeline.get_bind_group_layout(0),
+            layout: &pipeline.pipeline.get_bind_group_layout(0),
             entries: &entries,
         })
     }

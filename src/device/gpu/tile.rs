@@ -2,11 +2,11 @@
 
 use wgpu::BufferUsages;
 
+use crate::device::error::GpuError;
+use crate::device::gpu::Gpu;
 use crate::device::gpu::fault::Submission;
-use crate::device::gpu::source::{GROUPS_PER_ROW, PARTIAL_WORDS};
-use crate::device::gpu::{Gpu, GpuError};
 use crate::kernel::launch::Launch;
-use crate::kernel::moments::{BINS, Moments};
+use crate::kernel::moments::{BINS, GROUPS_PER_ROW, Moments, PARTIAL_WORDS};
 
 /// What one workgroup does, as its shader reads it.
 #[repr(C)]
@@ -148,7 +148,7 @@ impl Gpu {
         let jobs = self.upload("jobs", bytemuck::cast_slice(&jobs), BufferUsages::STORAGE)?;
         let has_table = part.launch.sampled.has_table();
         let table = has_table.then(|| self.table(&part.launch.table)).transpose()?;
-        let pipeline = self.pipeline_of(part.launch.sampled, histogram)?;
+        let pipeline = self.pipeline_of(part.launch, histogram)?;
         let range = |offset: u64, end: u64| {
             let size = std::num::NonZeroU64::new(end - offset);
             wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer: work, offset, size })
@@ -158,9 +158,6 @@ impl Gpu {
             (2, jobs.as_entire_binding()),
             (3, range(place.partials, place.histograms)),
         ];
-        if part.launch.sampled.has_normals() {
-            resources.push((0, self.normal_table.as_entire_binding()));
-        }
         if histogram {
             resources.push((4, range(place.histograms, place.end)));
         }
@@ -168,10 +165,8 @@ impl Gpu {
             resources.push((5, table.as_entire_binding()));
         }
         let bind_group = self.bind_group(&pipeline, resources);
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
-        pass.set_pipeline(&pipeline);
-        pass.set_bind_group(0, &bind_group, &[]);
-        pass.dispatch_workgroups(place.groups.min(GROUPS_PER_ROW), place.groups.div_ceil(GROUPS_PER_ROW), 1);
+        let groups = [place.groups.min(GROUPS_PER_ROW), place.groups.div_ceil(GROUPS_PER_ROW)];
+        pipeline.dispatch(encoder, &bind_group, groups);
         Ok(())
     }
 

@@ -8,6 +8,7 @@ pub mod lower;
 pub mod notes;
 pub mod point;
 pub mod run;
+pub mod verify;
 
 pub use crate::kinds::allan::point::{Inputs, Point};
 

@@ -11,6 +11,7 @@ pub mod of_noise;
 pub mod point;
 pub mod precision;
 pub mod run;
+pub mod verify;
 
 pub use crate::chart::law::Law;
 pub use crate::filler::{Fill, Filler, Method, POLYNOMIALS};

@@ -5,6 +5,7 @@ pub mod inputs;
 pub mod kind;
 pub mod lower;
 pub mod run;
+pub mod verify;
 
 pub use crate::kinds::relock::inputs::{Compensation, Relock};
 

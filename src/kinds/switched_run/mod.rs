@@ -7,6 +7,7 @@ pub mod point;
 pub mod relock;
 pub mod run;
 pub mod times;
+pub mod verify;
 
 pub use crate::kinds::switched_run::point::Point;
 pub use crate::kinds::switched_run::relock::Relocking;

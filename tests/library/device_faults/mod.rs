@@ -11,13 +11,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::devices::{Coverage, adapters, jobs, open, reference, total};
 use crate::studies::{ALL_FREQUENCIES, parsed, study};
 use case::{AGAIN, Case, SMALLER, Subject};
+use sagnac::device::error::GpuError;
+use sagnac::device::gpu::Gpu;
 use sagnac::device::gpu::fault::{Fault, Faults};
-use sagnac::device::gpu::{Gpu, GpuError};
-use sagnac::device::select::{SelectError, trusted};
+use sagnac::device::select::SelectError;
 use sagnac::kernel::KERNELS;
 use sagnac::study::Study;
 use sagnac::tally::block::cover;
-use sagnac::verify::launches;
+use sagnac::verify::{loads, trusted};
 use script::{PLACES, Place, Seen, scripted};
 
 /// Four points, some tiles each.
@@ -159,9 +160,10 @@ fn a_failed_batch_leaves_nothing_to_the_next() {
     let mut coverage = Coverage::start();
     let adapter = adapters().remove(0);
     // Of every kernel some.
-    for (name, launch) in KERNELS.iter().flat_map(|kernel| launches(kernel).into_iter().step_by(6)) {
+    for load in KERNELS.iter().flat_map(|kernel| loads(kernel).into_iter().step_by(6)) {
+        let (name, Some(launch)) = (load.name, load.launch()) else { continue };
         let blocks = cover(0..(1 << 12) + 5, 9);
-        let expected = reference(&launch, &blocks, true);
+        let expected = reference(launch, &blocks, true);
         let mut gpu = open(&adapter, adapter.variant());
         // In the second tile, while the first one is at work.
         let second = |fault: Fault| -> Faults {
@@ -170,8 +172,8 @@ fn a_failed_batch_leaves_nothing_to_the_next() {
         };
         let tallied = |gpu: &mut Gpu| {
             gpu.set_tile(1200 * launch.steps());
-            let parts = gpu.tally(&jobs(&launch, &blocks), true, &|_| {});
-            parts.map(|parts| total(&launch, parts, true))
+            let parts = gpu.tally(&jobs(launch, &blocks), true, &|_| {});
+            parts.map(|parts| total(launch, parts, true))
         };
         gpu.inject(second(Fault::OutOfMemory));
         assert_eq!(tallied(&mut gpu), Err(GpuError::OutOfMemory), "{name}");

@@ -1,12 +1,11 @@
 //! What the suite of all kernels does not go through: trial numbers beyond 2^32, small tiles, trajectories.
 
 use sagnac::device::cpu::Cpu;
-use sagnac::kernel::launch::Sampled;
 use sagnac::kernel::moments::Trials;
-use sagnac::kernel::switched_run::trajectory;
+use sagnac::kernel::switched_run::{Shape, trajectory};
 use sagnac::kernel::width::Width;
+use sagnac::kinds::switched_run::verify::run_launches;
 use sagnac::tally::block::cover;
-use sagnac::verify::runs::run_launches;
 
 use crate::devices::{adapters, jobs, on_gpu, open, reference, total};
 
@@ -32,7 +31,7 @@ fn trials_beyond_2_to_the_32_are_the_same_too() {
 #[test]
 fn trajectories_end_where_tallies_say_and_reach_as_far() {
     for (name, launch) in run_launches() {
-        let Sampled::SwitchedRun(shape) = launch.sampled else { panic!("{name} is no run") };
+        let shape: Shape = launch.shape().expect("a run");
         if !shape.ends {
             continue;
         }

@@ -2,7 +2,7 @@
 
 use crate::filler::keys::Error;
 use crate::kernel::gap_fill::shape::{Parameters, Shape};
-use crate::kernel::launch::{Launch, Sampled};
+use crate::kernel::launch::Launch;
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::lower::estimate::Estimate;
@@ -83,7 +83,7 @@ impl Lowered {
             (Some(profile), true) => profile.angles.clone(),
             _ => [in_gap, motion_table(fixed, shape)].concat().into(),
         };
-        Launch { sampled: Sampled::GapFill(shape), words, table }
+        Launch::new(shape, words, table)
     }
 
     /// The estimates of a launch in its order.

@@ -7,7 +7,7 @@ use crate::study::refusal::Refusal;
 
 use std::sync::Arc;
 
-use crate::kernel::launch::{Launch, Sampled};
+use crate::kernel::launch::Launch;
 use crate::kernel::moments::{MAX_ESTIMATES, Trials, level};
 use crate::kernel::relock::{Parameters, Shape, WEIGHT_BITS};
 use crate::kernel::relock_ticks::{self, MAX_TICKS, Method};
@@ -147,7 +147,7 @@ impl LoweredRelock {
         }
         .words();
         let shape = Shape { ticks, estimates: estimates.len() };
-        Launch { sampled: Sampled::Relock(shape), words, table: Arc::new([]) }
+        Launch::new(shape, words, Arc::new([]))
     }
 }
 

@@ -1,6 +1,6 @@
 //! The launches that sample the angles of runs.
 
-use crate::kernel::launch::{Launch, Sampled};
+use crate::kernel::launch::Launch;
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::kernel::switched_run::shape::{Parameters, Shape};
 use crate::kinds::gap_fill::lower::fixed::long_words;
@@ -67,7 +67,7 @@ impl FilledRun {
         .words();
         let rows = fixed.ends.iter().chain(times.iter().map(|&time| &fixed.times[time].row));
         let table = rows.flat_map(|row| table_row(row, shape)).collect();
-        Launch { sampled: Sampled::SwitchedRun(shape), words, table }
+        Launch::new(shape, words, table)
     }
 
     /// The launch of trajectories, and its shape.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::kernel::launch::{Launch, Sampled};
+use crate::kernel::launch::Launch;
 use crate::kernel::moments::Trials;
 use crate::kernel::normal::REACH;
 use crate::kernel::relock::{self, WEIGHT_BITS};
@@ -91,7 +91,7 @@ impl FixedRelocking {
         }
         .words();
         let shape = relock::Shape { ticks: self.shape, estimates: 1 };
-        Launch { sampled: Sampled::Relock(shape), words, table: Arc::new([]) }
+        Launch::new(shape, words, Arc::new([]))
     }
 }
 

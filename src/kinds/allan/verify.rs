@@ -1,5 +1,6 @@
 //! Named synthetic records that differ in all that the kernel of records distinguishes.
 
+use crate::device::load::{Load, Work};
 use crate::kinds::allan::lower::{Asked, Records};
 use crate::study::refusal::Refusal;
 use crate::theory::allan::estimator::{Difference, Estimator, Stride};
@@ -61,6 +62,16 @@ impl NamedRecords {
     pub fn lowered(&self) -> Records {
         self.lower().unwrap_or_else(|error| panic!("{} does not lower: {error}", self.name))
     }
+}
+
+/// What the kernel is checked on.
+pub fn loads() -> Vec<Load> {
+    let load = |named: NamedRecords| Load {
+        name: named.name,
+        work: Work::Records(named.lowered().recipe().clone()),
+        self_test_units: (named.name == "everything").then_some(40 * named.samples),
+    };
+    named_records().into_iter().map(load).collect()
 }
 
 /// Records that differ in all that the kernel distinguishes.

@@ -1,5 +1,6 @@
 //! Named runs that differ in all that the kernel distinguishes.
 
+use crate::device::load::Load;
 use crate::kernel::launch::Launch;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::lower::LoweredRun;
@@ -86,6 +87,11 @@ const RUNS: [(&str, &[&str]); 10] = [
         ],
     ),
 ];
+
+/// What the kernel is checked on.
+pub fn loads() -> Vec<Load> {
+    Load::of_launches(run_launches(), &["spreads", "warm-up"])
+}
 
 /// Every launch of every named run.
 pub fn run_launches() -> Vec<(&'static str, Launch)> {

@@ -1,5 +1,6 @@
 //! Named relocks that differ in all that the kernel distinguishes.
 
+use crate::device::load::Load;
 use crate::kernel::launch::Launch;
 use crate::key::common::Streams;
 use crate::kinds::relock::inputs::FirstHalf;
@@ -39,8 +40,13 @@ pub fn launches_of(inputs: &RelockInputs, compensation: Compensation) -> Vec<Lau
     of.chunks(crate::kernel::moments::MAX_ESTIMATES).map(|some| lowered.launch(some)).collect()
 }
 
+/// What the kernel is checked on.
+pub fn loads() -> Vec<Load> {
+    Load::of_launches(launches(), &["by-frequency", "by-detuning"])
+}
+
 /// Launches that differ in all that the kernel distinguishes.
-pub(crate) fn launches() -> Vec<(&'static str, Launch)> {
+fn launches() -> Vec<(&'static str, Launch)> {
     let mut all = Vec::new();
     let mut add = |name, compensation, change: &dyn Fn(&mut Relock)| {
         let mut inputs = relock();

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::filler::keys::Error;
+use crate::device::load::Load;
 use crate::filler::{Fill, Filler, Method};
 use crate::kernel::launch::Launch;
 use crate::key::common::Streams;
@@ -121,6 +122,15 @@ pub fn profile(position: Position) -> Motion {
 pub fn gaussian(low_hz: f64, high_hz: f64) -> Motion {
     let gaussian = Gaussian::Band { rms: 8485.0, band: Band { low_hz, high_hz } };
     Motion { gaussian: Some(gaussian), ..Motion::default() }
+}
+
+/// The configurations with sums of 32 bits and of 64.
+const SELF_TEST: [&str; 2] = ["paper", "sparse-fit-ticks"];
+
+/// What the kernel is checked on.
+pub fn loads() -> Vec<Load> {
+    let of = |c: Configuration| c.launches().into_iter().map(move |launch| (c.name, launch));
+    Load::of_launches(configurations().into_iter().flat_map(of).collect(), &SELF_TEST)
 }
 
 /// Points that differ in all that the kernel distinguishes.
