@@ -2,7 +2,7 @@
 
 pub mod cpu;
 pub mod error;
-#[cfg(feature = "gpu")]
+#[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 pub mod gpu;
 pub mod load;
 pub mod select;
@@ -28,7 +28,6 @@ pub enum Device {
     /// In lanes, on threads.
     Cpu(crate::device::cpu::Cpu),
     /// As a shader.
-    #[cfg(feature = "gpu")]
     Gpu(Box<crate::device::gpu::Gpu>),
 }
 
@@ -37,7 +36,6 @@ impl Device {
     pub fn name(&self) -> String {
         match self {
             Device::Cpu(cpu) => cpu.name(),
-            #[cfg(feature = "gpu")]
             Device::Gpu(gpu) => gpu.name().to_owned(),
         }
     }
@@ -54,7 +52,6 @@ impl Device {
     ) -> Result<Vec<Vec<Moments>>, GpuError> {
         match self {
             Device::Cpu(cpu) => Ok(cpu.tally(jobs, histogram, progress)),
-            #[cfg(feature = "gpu")]
             Device::Gpu(gpu) => gpu.tally(jobs, histogram, progress),
         }
     }
@@ -74,7 +71,6 @@ impl Device {
     ) -> Result<Vec<u128>, GpuError> {
         match self {
             Device::Cpu(cpu) => Ok(cpu.sums(recipe, first, count, progress)),
-            #[cfg(feature = "gpu")]
             Device::Gpu(gpu) => gpu.sums(recipe, first, count, progress),
         }
     }
@@ -84,7 +80,6 @@ impl Device {
         match self {
             Device::Cpu(cpu) => cpu.records_at_once(),
             // A workgroup; more of them are found out by the time that they take.
-            #[cfg(feature = "gpu")]
             Device::Gpu(_) => 64,
         }
     }
@@ -96,7 +91,6 @@ impl Device {
     pub fn map(&mut self, map: &Map, items: &[u32]) -> Result<Vec<u32>, GpuError> {
         match self {
             Device::Cpu(cpu) => Ok((map.cpu)(cpu.width(), items)),
-            #[cfg(feature = "gpu")]
             Device::Gpu(gpu) => gpu.map(map, items),
         }
     }

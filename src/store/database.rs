@@ -1,15 +1,132 @@
 //! The database under a store: taking it, looking it over, adding to it.
 
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
 
-use rusqlite::{Connection, OptionalExtension, Transaction, params};
+use rusqlite::{Connection, OptionalExtension, Transaction, TransactionBehavior, params};
 
 use crate::store::error::StoreError;
 use crate::store::row::{COLUMNS, Raw};
-use crate::store::{Provenance, schema};
+use crate::store::lock::{Lock, own_name};
+use crate::store::{Address, Identity, Provenance, schema};
+use crate::tally::block::Block;
 use crate::tally::id::Id;
 use crate::tally::share::Share;
+
+/// The open database of a results folder.
+#[derive(Debug)]
+pub(crate) struct Database {
+    // Closed before the lock is given up.
+    pub(crate) connection: Connection,
+    _lock: Option<Lock>,
+    /// What its provenance is noted under.
+    session: Id,
+}
+
+/// Sessions of this process.
+static SESSIONS: AtomicU64 = AtomicU64::new(0);
+
+impl Database {
+    pub(crate) fn open(folder: &Path, path: &Path, identity: &Identity) -> Result<Database, StoreError> {
+        std::fs::create_dir_all(folder)
+            .map_err(|source| StoreError::Folder { path: folder.to_owned(), source })?;
+        let lock = Lock::take(folder)?;
+        let failed = |source| StoreError::of(path, source);
+        let mut connection = Connection::open(path).map_err(failed)?;
+        exclusive(&connection).map_err(failed)?;
+        if !schema::is_empty(&connection, path)? {
+            schema::claimed(&connection, path)?;
+            structure(&connection, path, "quick_check")?;
+            all_sound(&connection, path)?;
+        }
+        connection
+            .execute_batch("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;")
+            .map_err(failed)?;
+        // The tables and whose they are: all or nothing, or a run killed here would leave a folder that is nobody's.
+        let transaction =
+            connection.transaction_with_behavior(TransactionBehavior::Exclusive).map_err(failed)?;
+        schema::claim(&transaction, path, identity)?;
+        transaction.commit().map_err(failed)?;
+        Ok(Database::of(connection, Some(lock)))
+    }
+
+    pub(crate) fn of(connection: Connection, lock: Option<Lock>) -> Database {
+        let count = SESSIONS.fetch_add(1, Ordering::Relaxed);
+        let session = Id::of(&format!("{}{count}{:?}", own_name(), SystemTime::now()));
+        Database { connection, _lock: lock, session }
+    }
+
+    pub(crate) fn note_share(&self, share: Share, path: &Path) -> Result<(), StoreError> {
+        let sql = "INSERT OR IGNORE INTO study VALUES (?1, '')";
+        let key = format!("{SHARE}{}/{}", share.number(), share.of());
+        self.connection.execute(sql, [key]).map(drop).map_err(|error| StoreError::of(path, error))
+    }
+
+    pub(crate) fn shares(&self, path: &Path) -> Result<Vec<Share>, StoreError> {
+        shares(&self.connection, path)
+    }
+
+    /// Adds rows of the database `from`, all of them or, on an error, none; counts those that are new.
+    pub(crate) fn insert(
+        &mut self,
+        rows: &[Raw],
+        so_far: Option<&Provenance>,
+        from: &Path,
+        path: &Path,
+    ) -> Result<u64, StoreError> {
+        let failed = |source| StoreError::of(path, source);
+        let transaction = self.connection.transaction().map_err(failed)?;
+        let mut added = 0;
+        for raw in rows {
+            added += u64::from(put(&transaction, path, raw, from)?);
+        }
+        if let Some(so_far) = so_far {
+            note(&transaction, &self.session, so_far).map_err(failed)?;
+        }
+        transaction.commit().map_err(failed)?;
+        Ok(added)
+    }
+
+    /// The rows of a tally, whatever they are.
+    pub(crate) fn rows(&self, address: &Address, path: &Path) -> Result<Vec<Raw>, StoreError> {
+        let failed = |source| StoreError::of(path, source);
+        let sql = format!("SELECT {COLUMNS} FROM tally WHERE point = ?1 AND estimate = ?2");
+        let mut statement = self.connection.prepare_cached(&sql).map_err(failed)?;
+        let key = params![address.point.0, address.estimate.0];
+        let rows = statement.query_map(key, Raw::read).map_err(failed)?;
+        rows.collect::<Result<_, _>>().map_err(failed)
+    }
+
+    /// Which trials of which tallies are held.
+    pub(crate) fn keys(&self, path: &Path) -> Result<Vec<(Address, Block)>, StoreError> {
+        let failed = |source| StoreError::of(path, source);
+        let sql = "SELECT point, estimate, first, log2, digest FROM tally";
+        let mut statement = self.connection.prepare(sql).map_err(failed)?;
+        let key = |row: &rusqlite::Row| {
+            let address =
+                Address { point: Id(row.get(0)?), estimate: Id(row.get(1)?), digest: Id(row.get(4)?) };
+            Ok((address, Block { first: row.get::<_, i64>(2)? as u64, log2: row.get(3)? }))
+        };
+        let keys = statement.query_map([], key).map_err(failed)?;
+        keys.collect::<Result<_, _>>().map_err(failed)
+    }
+
+    pub(crate) fn provenance(&self, path: &Path) -> Result<Vec<Provenance>, StoreError> {
+        let failed = |source| StoreError::of(path, source);
+        let sql =
+            "SELECT device, SUM(trials), SUM(seconds) FROM provenance GROUP BY device ORDER BY 2 DESC, 1";
+        let mut statement = self.connection.prepare(sql).map_err(failed)?;
+        let rows = statement.query_map([], |row| {
+            Ok(Provenance {
+                device: row.get(0)?,
+                trials: row.get::<_, i64>(1)?.max(0) as u64,
+                seconds: row.get(2)?,
+            })
+        });
+        rows.map_err(failed)?.collect::<Result<_, _>>().map_err(failed)
+    }
+}
 
 /// Takes a database for this connection alone. Before anything else is asked of it, so that its journal needs no memory that
 /// programs share, which network file systems do not have.

@@ -1,11 +1,15 @@
 //! What can be wrong with the results on disk.
 
 use std::io;
-use std::path::{Path, PathBuf};
+#[cfg(feature = "store")]
+use std::path::Path;
+use std::path::PathBuf;
 
+#[cfg(feature = "store")]
 use rusqlite::ErrorCode;
 
 use crate::store::SCHEMA_VERSION;
+#[cfg(feature = "store")]
 use crate::store::lock::Holder;
 use crate::tally::id::Id;
 
@@ -32,6 +36,7 @@ pub enum StoreError {
         folder: PathBuf,
     },
     /// Another program writes to it.
+    #[cfg(feature = "store")]
     #[error(
         "{path} is in use by {holder}\nwait for it to end; a run can go to another folder with `out = DIR`"
     )]
@@ -68,6 +73,7 @@ pub enum StoreError {
         path: PathBuf,
     },
     /// Anything else that SQLite or the disk refuses.
+    #[cfg(feature = "store")]
     #[error(
         "cannot keep results in {path}: {source}\nwhat was complete is kept: run again when the disk works"
     )]
@@ -172,6 +178,7 @@ const SALVAGE: &str = "merge this folder into a new one without what is damaged,
 
 impl StoreError {
     /// What SQLite says, in our words.
+    #[cfg(feature = "store")]
     pub(crate) fn of(path: &Path, source: rusqlite::Error) -> StoreError {
         let path = path.to_owned();
         let what = source.to_string();

@@ -31,11 +31,7 @@ impl Store {
     /// A key is none, rows of a tally were computed from different parameters, or the disk fails.
     pub fn index(&self) -> Result<Index, StoreError> {
         let mut index = Index { path: self.path.clone(), held: HashMap::new() };
-        let sql = "SELECT point, estimate, first, log2, digest FROM tally";
-        let mut statement = self.connection.prepare(sql).map_err(|error| self.failed(error))?;
-        let mut rows = statement.query([]).map_err(|error| self.failed(error))?;
-        while let Some(row) = rows.next().map_err(|error| self.failed(error))? {
-            let (address, block) = key(row).map_err(|error| self.failed(error))?;
+        for (address, block) in self.keys()? {
             let Address { point, estimate, digest } = address;
             if !block.is_aligned() {
                 let (path, first) = (index.path, block.first);
@@ -49,11 +45,6 @@ impl Store {
         }
         Ok(index)
     }
-}
-
-fn key(row: &rusqlite::Row) -> Result<(Address, Block), rusqlite::Error> {
-    let address = Address { point: Id(row.get(0)?), estimate: Id(row.get(1)?), digest: Id(row.get(4)?) };
-    Ok((address, Block { first: row.get::<_, i64>(2)? as u64, log2: row.get(3)? }))
 }
 
 impl Index {

@@ -28,35 +28,42 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+#[cfg(feature = "store")]
 pub mod check;
+#[cfg(feature = "store")]
 pub mod database;
 pub mod encoding;
 pub mod error;
 pub mod index;
+#[cfg(feature = "store")]
 pub mod lock;
+mod memory;
 pub mod row;
+#[cfg(feature = "store")]
 pub mod schema;
+#[cfg(feature = "store")]
 pub mod source;
-#[cfg(test)]
+#[cfg(all(test, feature = "store"))]
 mod tests;
 pub mod whole;
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::SystemTime;
 
 use rayon::prelude::*;
-use rusqlite::{Connection, TransactionBehavior, params};
 
 use crate::kernel::moments::Moments;
 use crate::kernel::rows::Rows;
+#[cfg(feature = "store")]
 pub use crate::store::check::Report;
-use crate::store::database::{SHARE, all_sound, exclusive, note, put, shares, structure};
+#[cfg(feature = "store")]
+use crate::store::database::Database;
 pub use crate::store::error::StoreError;
 pub use crate::store::index::Index;
-use crate::store::lock::Lock;
+#[cfg(feature = "store")]
 pub use crate::store::lock::{Holder, LOCK};
-use crate::store::row::{COLUMNS, Raw};
+use crate::store::memory::Memory;
+use crate::store::row::Raw;
+#[cfg(feature = "store")]
 pub use crate::store::source::{Merged, Source};
 pub use crate::store::whole::write_whole;
 use crate::tally::block::{Block, fold};
@@ -151,53 +158,42 @@ pub struct Provenance {
 #[derive(Debug)]
 pub struct Store {
     path: PathBuf,
-    // Closed before the lock is given up.
-    connection: Connection,
-    _lock: Option<Lock>,
+    keep: Keep,
     identity: Identity,
-    /// What its provenance is noted under.
-    session: Id,
+}
+
+/// What holds the rows.
+#[derive(Debug)]
+enum Keep {
+    #[cfg(feature = "store")]
+    Database(Database),
+    Memory(Memory),
 }
 
 /// Tallies whose rows are read at once, while those of as many are added up; rows of many trials have some 2 KiB, and a tally may have fifty.
 const READ_AT_ONCE: usize = 1024;
 
-/// Sessions of this process.
-static SESSIONS: AtomicU64 = AtomicU64::new(0);
-
 impl Store {
+    /// A store in memory, for a run whose results are used at once.
+    pub fn in_memory(identity: &Identity) -> Store {
+        let keep = Keep::Memory(Memory::default());
+        Store { path: PathBuf::from("memory"), keep, identity: identity.clone() }
+    }
+
     /// Opens the store of a results folder, which is made where it is missing.
     ///
     /// # Errors
     /// The folder cannot be written, is in use, holds another study, or is damaged.
+    #[cfg(feature = "store")]
     pub fn open(folder: &Path, identity: &Identity) -> Result<Store, StoreError> {
-        std::fs::create_dir_all(folder)
-            .map_err(|source| StoreError::Folder { path: folder.to_owned(), source })?;
-        let lock = Lock::take(folder)?;
         let path = folder.join(FILE);
-        let failed = |source| StoreError::of(&path, source);
-        let mut connection = Connection::open(&path).map_err(failed)?;
-        exclusive(&connection).map_err(failed)?;
-        if !crate::store::schema::is_empty(&connection, &path)? {
-            crate::store::schema::claimed(&connection, &path)?;
-            structure(&connection, &path, "quick_check")?;
-            all_sound(&connection, &path)?;
-        }
-        connection
-            .execute_batch("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;")
-            .map_err(failed)?;
-        // The tables and whose they are: all or nothing, or a run killed here would leave a folder that is nobody's.
-        let transaction =
-            connection.transaction_with_behavior(TransactionBehavior::Exclusive).map_err(failed)?;
-        crate::store::schema::claim(&transaction, &path, identity)?;
-        transaction.commit().map_err(failed)?;
-        Ok(Store::of(path, connection, Some(lock), identity))
+        let keep = Keep::Database(Database::open(folder, &path, identity)?);
+        Ok(Store { path, keep, identity: identity.clone() })
     }
 
-    fn of(path: PathBuf, connection: Connection, lock: Option<Lock>, identity: &Identity) -> Store {
-        let count = SESSIONS.fetch_add(1, Ordering::Relaxed);
-        let session = Id::of(&format!("{}{count}{:?}", crate::store::lock::own_name(), SystemTime::now()));
-        Store { path, connection, _lock: lock, identity: identity.clone(), session }
+    /// The study whose results it holds.
+    pub fn identity(&self) -> &Identity {
+        &self.identity
     }
 
     /// Notes that a share of the study is sampled here, for who looks whether the folder has all that it should.
@@ -205,11 +201,14 @@ impl Store {
     /// # Errors
     /// The disk fails.
     pub fn note_share(&mut self, share: Share) -> Result<(), StoreError> {
-        let sql = "INSERT OR IGNORE INTO study VALUES (?1, '')";
-        self.connection
-            .execute(sql, [format!("{SHARE}{}/{}", share.number(), share.of())])
-            .map_err(|e| self.failed(e))?;
-        Ok(())
+        match &mut self.keep {
+            #[cfg(feature = "store")]
+            Keep::Database(database) => database.note_share(share, &self.path),
+            Keep::Memory(memory) => {
+                memory.shares.push(share);
+                Ok(())
+            }
+        }
     }
 
     /// The shares that were to be sampled here, the whole study as one of them.
@@ -217,7 +216,11 @@ impl Store {
     /// # Errors
     /// The disk fails.
     pub fn shares(&self) -> Result<Vec<Share>, StoreError> {
-        shares(&self.connection, &self.path)
+        match &self.keep {
+            #[cfg(feature = "store")]
+            Keep::Database(database) => database.shares(&self.path),
+            Keep::Memory(memory) => Ok(memory.shares.clone()),
+        }
     }
 
     /// Adds rows, all of them or, on an error, none; and notes in the same step what this session has done so far, if that
@@ -230,15 +233,12 @@ impl Store {
         rows: &[Row<T>],
         so_far: Option<&Provenance>,
     ) -> Result<(), StoreError> {
-        let failed = |source| StoreError::of(&self.path, source);
-        let transaction = self.connection.transaction().map_err(failed)?;
-        for row in rows {
-            put(&transaction, &self.path, &Raw::of(row), &self.path)?;
+        let rows: Vec<Raw> = rows.iter().map(Raw::of).collect();
+        match &mut self.keep {
+            #[cfg(feature = "store")]
+            Keep::Database(database) => database.insert(&rows, so_far, &self.path, &self.path).map(drop),
+            Keep::Memory(memory) => memory.insert(&rows, so_far, &self.path).map(drop),
         }
-        if let Some(so_far) = so_far {
-            note(&transaction, &self.session, so_far).map_err(failed)?;
-        }
-        transaction.commit().map_err(failed)
     }
 
     /// The tally over all trials held, folded from its rows.
@@ -301,13 +301,14 @@ impl Store {
     /// The rows that lie within the first `trials` trials, none of them twice, in their order, each of them sound and of the right
     /// parameters.
     fn held(&self, address: &Address, trials: u64) -> Result<Vec<Raw>, StoreError> {
-        let failed = |source| StoreError::of(&self.path, source);
-        let sql = format!("SELECT {COLUMNS} FROM tally WHERE point = ?1 AND estimate = ?2");
-        let mut statement = self.connection.prepare_cached(&sql).map_err(failed)?;
-        let mut rows = statement.query(params![address.point.0, address.estimate.0]).map_err(failed)?;
+        let rows = match &self.keep {
+            #[cfg(feature = "store")]
+            Keep::Database(database) => database.rows(address, &self.path)?,
+            Keep::Memory(memory) => memory.rows(address),
+        };
         let mut held = Vec::new();
-        while let Some(row) = rows.next().map_err(failed)? {
-            let raw = Raw::read(row).map_err(failed)?.sound(&self.path)?;
+        for raw in rows {
+            let raw = raw.sound(&self.path)?;
             if raw.address.digest != address.digest {
                 return Err(raw.disagrees(&self.path));
             }
@@ -324,22 +325,20 @@ impl Store {
     /// # Errors
     /// The database cannot be read.
     pub fn provenance(&self) -> Result<Vec<Provenance>, StoreError> {
-        let failed = |source| StoreError::of(&self.path, source);
-        let sql =
-            "SELECT device, SUM(trials), SUM(seconds) FROM provenance GROUP BY device ORDER BY 2 DESC, 1";
-        let mut statement = self.connection.prepare(sql).map_err(failed)?;
-        let rows = statement.query_map([], |row| {
-            Ok(Provenance {
-                device: row.get(0)?,
-                trials: row.get::<_, i64>(1)?.max(0) as u64,
-                seconds: row.get(2)?,
-            })
-        });
-        rows.map_err(failed)?.collect::<Result<_, _>>().map_err(failed)
+        match &self.keep {
+            #[cfg(feature = "store")]
+            Keep::Database(database) => database.provenance(&self.path),
+            Keep::Memory(memory) => Ok(memory.provenance()),
+        }
     }
 
-    fn failed(&self, source: rusqlite::Error) -> StoreError {
-        StoreError::of(&self.path, source)
+    /// Which trials of which tallies are held.
+    fn keys(&self) -> Result<Vec<(Address, Block)>, StoreError> {
+        match &self.keep {
+            #[cfg(feature = "store")]
+            Keep::Database(database) => database.keys(&self.path),
+            Keep::Memory(memory) => Ok(memory.keys()),
+        }
     }
 }
 

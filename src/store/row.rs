@@ -7,9 +7,11 @@ use crate::store::encoding::add;
 use crate::store::error::StoreError;
 use crate::store::{Address, Row, Tally};
 use crate::tally::block::Block;
+#[cfg(feature = "store")]
 use crate::tally::id::Id;
 
 /// The columns of a row, in the order in which [`Raw`] reads them.
+#[cfg(feature = "store")]
 pub(crate) const COLUMNS: &str = "point, estimate, first, log2, digest, sums, checksum";
 
 /// What is wrong with a key that is none.
@@ -35,6 +37,7 @@ impl Raw {
     }
 
     /// As it was read, whatever that is.
+    #[cfg(feature = "store")]
     pub(crate) fn read(row: &rusqlite::Row) -> Result<Raw, rusqlite::Error> {
         let address = Address { point: Id(row.get(0)?), estimate: Id(row.get(1)?), digest: Id(row.get(4)?) };
         let block = Block { first: row.get::<_, i64>(2)? as u64, log2: row.get(3)? };

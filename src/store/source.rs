@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 
 use rusqlite::{Connection, OpenFlags, params};
 
-use crate::store::database::{exclusive, put, shares};
+use crate::store::database::{Database, exclusive, shares};
 use crate::store::error::StoreError;
 use crate::store::lock::Lock;
 use crate::store::row::{COLUMNS, Raw};
-use crate::store::{FILE, Identity, Store, schema};
+use crate::store::{FILE, Identity, Keep, Store, schema};
 use crate::tally::share::Share;
 
 /// A store that is only read; no other program can open it meanwhile, unless its folder is read-only.
@@ -85,7 +85,8 @@ impl Source {
     /// It is of another study, program or version, or damaged.
     pub fn into_store(self, identity: &Identity) -> Result<Store, StoreError> {
         self.is_of(identity)?;
-        Ok(Store::of(self.path, self.connection, self.lock, identity))
+        let keep = Keep::Database(Database::of(self.connection, self.lock));
+        Ok(Store { path: self.path, keep, identity: identity.clone() })
     }
 
     /// Whose results these are; `None` where nothing was ever kept.
@@ -216,13 +217,10 @@ impl Store {
     }
 
     fn take_over(&mut self, batch: &[Raw], source: &Source, merged: &mut Merged) -> Result<(), StoreError> {
-        let failed = |source| StoreError::of(&self.path, source);
-        let transaction = self.connection.transaction().map_err(failed)?;
-        let mut added = 0;
-        for raw in batch {
-            added += u64::from(put(&transaction, &self.path, raw, &source.path)?);
-        }
-        transaction.commit().map_err(failed)?;
+        let added = match &mut self.keep {
+            Keep::Database(database) => database.insert(batch, None, &source.path, &self.path)?,
+            Keep::Memory(memory) => memory.insert(batch, None, &source.path)?,
+        };
         merged.added += added;
         merged.held += batch.len() as u64 - added;
         Ok(())
@@ -230,6 +228,8 @@ impl Store {
 
     /// Who computed the rows of another store. A session that went on since it was taken over last is brought up to date.
     fn take_over_provenance(&mut self, source: &Source) -> Result<(), StoreError> {
+        // A store in memory tells of itself alone.
+        let Keep::Database(database) = &self.keep else { return Ok(()) };
         let theirs = |error| StoreError::of(&source.path, error);
         let sql = "SELECT session, finished, program, device, trials, seconds FROM provenance";
         let mut statement = source.connection.prepare(sql).map_err(theirs)?;
@@ -246,7 +246,7 @@ impl Store {
             let sql = "INSERT INTO provenance VALUES (?1, ?2, ?3, ?4, ?5, ?6)
                        ON CONFLICT DO UPDATE SET finished = ?2, device = ?4, trials = ?5, seconds = ?6
                        WHERE trials < ?5";
-            self.connection.execute(sql, values).map_err(|error| StoreError::of(&self.path, error))?;
+            database.connection.execute(sql, values).map_err(|error| StoreError::of(&self.path, error))?;
         }
         Ok(())
     }

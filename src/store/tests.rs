@@ -1,4 +1,12 @@
+use rusqlite::Connection;
+
 use super::*;
+use crate::store::row::COLUMNS;
+
+fn connection(store: &Store) -> &Connection {
+    let Keep::Database(database) = &store.keep else { unreachable!("a folder") };
+    &database.connection
+}
 
 fn identity() -> Identity {
     Identity {
@@ -107,7 +115,7 @@ fn an_altered_row_is_found_by_its_checksum() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::open(folder.path(), &identity()).unwrap();
     store.insert(&[row(0, 2)], Some(&so_far(8))).unwrap();
-    store.connection.execute("UPDATE tally SET sums = x'0408000201070a'", []).unwrap();
+    connection(&store).execute("UPDATE tally SET sums = x'0408000201070a'", []).unwrap();
     assert!(matches!(store.total(&address()), Err(StoreError::DamagedRow { .. })));
 }
 
@@ -150,7 +158,7 @@ fn a_claim_that_was_altered_is_damage() {
     for (key, value) in [("seed", "2"), ("seed", "one"), ("id", "0"), ("kind", "allan")] {
         let folder = tempfile::tempdir().unwrap();
         let store = Store::open(folder.path(), &identity()).unwrap();
-        store.connection.execute("UPDATE study SET value = ?1 WHERE key = ?2", [value, key]).unwrap();
+        connection(&store).execute("UPDATE study SET value = ?1 WHERE key = ?2", [value, key]).unwrap();
         drop(store);
         assert!(matches!(Store::open(folder.path(), &identity()), Err(StoreError::Damaged { .. })), "{key}");
     }
@@ -188,7 +196,7 @@ fn stores_merge_in_any_order_and_any_number_of_times() {
 
 /// All rows, as text.
 fn dumped(store: &Store) -> Vec<String> {
-    let mut statement = store.connection.prepare(&format!("SELECT {COLUMNS} FROM tally")).unwrap();
+    let mut statement = connection(&store).prepare(&format!("SELECT {COLUMNS} FROM tally")).unwrap();
     let rows = statement.query_map([], Raw::read).unwrap();
     rows.map(|row| format!("{:?}", row.unwrap())).collect()
 }
@@ -203,7 +211,7 @@ fn a_session_that_went_on_counts_once() {
         source.connection.execute("UPDATE provenance SET trials = ?1", [trials]).unwrap();
         store.merge(&source, false).unwrap();
     }
-    let noted = store.connection.query_row("SELECT COUNT(*), SUM(trials) FROM provenance", [], |row| {
+    let noted = connection(&store).query_row("SELECT COUNT(*), SUM(trials) FROM provenance", [], |row| {
         Ok((row.get::<_, i64>(0)?, row.get::<_, i64>(1)?))
     });
     assert_eq!(noted.unwrap(), (1, 8));
@@ -253,4 +261,20 @@ fn each_session_has_one_row_of_provenance_from_its_first_batch_on() {
     let rows = statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?))).unwrap();
     let rows: Vec<(String, i64)> = rows.map(Result::unwrap).collect();
     assert_eq!(rows, [("abacus".to_owned(), 8), ("abacus".to_owned(), 8)]);
+}
+
+#[test]
+fn a_store_in_memory_holds_the_same_as_one_on_disk() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut stores = [Store::open(folder.path(), &identity()).unwrap(), Store::in_memory(&identity())];
+    let rows = [row(0, 2), row(4, 2)];
+    for store in &mut stores {
+        store.insert(&rows, None).unwrap();
+        store.insert(&rows[..1], None).unwrap();
+        assert!(store.insert(&[Row { tally: rows[1].tally.clone(), ..rows[0].clone() }], None).is_err());
+    }
+    let [disk, memory] = stores;
+    assert_eq!(memory.total(&rows[0].address).unwrap(), disk.total(&rows[0].address).unwrap());
+    let trials = |store: &Store| store.index().unwrap().trials(&rows[0].address).unwrap();
+    assert_eq!(trials(&memory), trials(&disk));
 }

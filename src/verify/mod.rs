@@ -48,7 +48,6 @@ pub fn select(wanted: &str, threads: usize) -> Result<Selection, SelectError> {
 ///
 /// # Errors
 /// It computes other bits than the CPU, or fails.
-#[cfg(feature = "gpu")]
 pub fn trusted(gpu: crate::device::gpu::Gpu) -> Result<Device, SelectError> {
     select::trusted(gpu, self_test)
 }

@@ -37,7 +37,6 @@ const ORDER: &[&str] = &[
 const EXCEPTIONS: &[(&str, &str)] = &[
     ("quantity", "table"),
     ("source", "record"),
-    ("device", "verify"),
     ("fit", "kinds"),
     ("fit", "study"),
     ("sampling", "run"),

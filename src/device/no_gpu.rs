@@ -1,0 +1,105 @@
+//! What stands for a GPU where the feature `gpu` is off: types without values.
+
+use core::convert::Infallible;
+
+use crate::device::Job;
+use crate::device::error::GpuError;
+use crate::device::gpu::adapter::Adapter;
+use crate::device::select::SelfTest;
+use crate::kernel::map::Map;
+use crate::kernel::moments::Moments;
+use crate::kernel::recipe::Recipe;
+use crate::kernel::shader::Variant;
+
+pub mod adapter {
+    //! No adapters.
+
+    use core::convert::Infallible;
+
+    use crate::kernel::shader::Variant;
+
+    /// There is none.
+    pub struct Adapter(Infallible);
+
+    impl Adapter {
+        /// None.
+        pub fn all() -> Vec<Adapter> {
+            vec![]
+        }
+
+        pub(crate) fn none<T>(&self) -> T {
+            match self.0 {}
+        }
+
+        pub fn name(&self) -> String {
+            match self.0 {}
+        }
+
+        pub fn pci_address(&self) -> String {
+            match self.0 {}
+        }
+
+        pub fn is_software(&self) -> bool {
+            match self.0 {}
+        }
+
+        pub fn variant(&self) -> Variant {
+            match self.0 {}
+        }
+    }
+}
+
+type Progress<'a> = &'a (dyn Fn(u64) + Sync);
+
+/// There is none.
+pub struct Gpu(Infallible);
+
+impl Gpu {
+    pub fn open(adapter: &Adapter, _: Variant) -> Result<Gpu, GpuError> {
+        adapter.none()
+    }
+
+    pub(crate) fn opened_again(&self) -> Result<Gpu, GpuError> {
+        match self.0 {}
+    }
+
+    pub(crate) fn with_threads(self, _: usize) -> Gpu {
+        self
+    }
+
+    pub fn with_self_test(self, _: SelfTest) -> Gpu {
+        self
+    }
+
+    pub(crate) fn self_test(&self) -> Option<SelfTest> {
+        match self.0 {}
+    }
+
+    pub(crate) fn threads(&self) -> usize {
+        match self.0 {}
+    }
+
+    pub fn name(&self) -> &str {
+        match self.0 {}
+    }
+
+    pub(crate) fn halve_tiles(&mut self) -> bool {
+        match self.0 {}
+    }
+
+    pub(crate) fn halve_batches(&mut self) -> bool {
+        match self.0 {}
+    }
+
+    pub fn tally(&mut self, _: &[Job], _: bool, _: Progress) -> Result<Vec<Vec<Moments>>, GpuError> {
+        match self.0 {}
+    }
+
+    pub fn sums(&mut self, _: &Recipe, _: u64, _: usize, _: Progress) -> Result<Vec<u128>, GpuError> {
+        match self.0 {}
+    }
+
+    pub fn map(&mut self, _: &Map, _: &[u32]) -> Result<Vec<u32>, GpuError> {
+        match self.0 {}
+    }
+}

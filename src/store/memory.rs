@@ -1,0 +1,63 @@
+//! A store in memory: results that end with the program.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use crate::store::error::StoreError;
+use crate::store::row::Raw;
+use crate::store::{Address, Provenance};
+use crate::tally::block::Block;
+use crate::tally::id::Id;
+use crate::tally::share::Share;
+
+/// Rows by point and estimate.
+#[derive(Debug, Default)]
+pub(crate) struct Memory {
+    rows: HashMap<(Id, Id), Vec<Raw>>,
+    pub(crate) shares: Vec<Share>,
+    provenance: Option<Provenance>,
+}
+
+impl Memory {
+    /// Adds rows, all of them or, on an error, none, and replaces the provenance where it is given; counts those that are new.
+    pub(crate) fn insert(
+        &mut self,
+        rows: &[Raw],
+        so_far: Option<&Provenance>,
+        from: &Path,
+    ) -> Result<u64, StoreError> {
+        let mut added = Vec::new();
+        for raw in rows {
+            let held = self.rows.get(&(raw.address.point, raw.address.estimate)).map_or(&[][..], Vec::as_slice);
+            if held.iter().any(|held| held.address != raw.address) {
+                return Err(raw.disagrees(from));
+            }
+            match held.iter().find(|held| held.block == raw.block) {
+                Some(held) if held != raw => return Err(raw.disagrees(from)),
+                Some(_) => {}
+                None => added.push(raw),
+            }
+        }
+        for raw in &added {
+            self.rows.entry((raw.address.point, raw.address.estimate)).or_default().push((*raw).clone());
+        }
+        if let Some(so_far) = so_far {
+            self.provenance = Some(so_far.clone());
+        }
+        Ok(added.len() as u64)
+    }
+
+    /// The rows of a tally.
+    pub(crate) fn rows(&self, address: &Address) -> Vec<Raw> {
+        self.rows.get(&(address.point, address.estimate)).cloned().unwrap_or_default()
+    }
+
+    /// Which trials of which tallies are held.
+    pub(crate) fn keys(&self) -> Vec<(Address, Block)> {
+        self.rows.values().flatten().map(|raw| (raw.address, raw.block)).collect()
+    }
+
+    pub(crate) fn provenance(&self) -> Vec<Provenance> {
+        self.provenance.iter().cloned().collect()
+    }
+}
