@@ -7,7 +7,7 @@
 //! What the program `sagnac` does is here as a library; this is `sagnac run` without its files:
 //!
 //! ```
-//! use sagnac::device::select::select;
+//! use sagnac::verify::select;
 //! use sagnac::progress::Silent;
 //! use sagnac::run::Plan;
 //! use sagnac::store::Store;

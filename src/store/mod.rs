@@ -6,7 +6,7 @@
 //! Two halves of a study, merged twice over, are the whole:
 //!
 //! ```
-//! # use sagnac::{device::select::select, progress::Silent, run::Plan, study::Study, tally::share::Share};
+//! # use sagnac::{progress::Silent, run::Plan, study::Study, tally::share::Share, verify::select};
 //! use sagnac::store::{FILE, Source, Store};
 //! # let text = "title = \"Noise\"\nkind = \"gap-fill\"\ntrials = 1000\n[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"1 arcsec\" }\n\
 //! #     [motion]\nrate = \"0 deg/s\"\n[switching]\ngap_ticks = 2\nfillers = [\"const\"]\nerrors = [\"residual\"]\n";

@@ -3,6 +3,7 @@
 use std::any::Any;
 use std::fmt;
 
+use crate::device::load::Load;
 use crate::chart::Chart;
 use crate::chart::file::Source;
 use crate::chart::ground::Ground;
@@ -38,6 +39,8 @@ pub struct Kind {
     pub(crate) columns: &'static [(Source, fn() -> Vec<About>)],
     /// The kernels that sample it, with their versions.
     pub(crate) kernels: fn() -> String,
+    /// The loads that its kernels are checked on; none for closed forms.
+    pub(crate) loads: fn() -> Vec<Load>,
     /// The appearance of its results.
     pub(crate) look: Look,
     /// Reads what is of this kind in a study.

@@ -24,16 +24,12 @@ use crate::kernel::recipe::Recipe;
 use crate::kernel::width::Width;
 use crate::kernel::word::Scalar;
 use crate::kernel::{Form, KERNELS, Kernel, philox};
-use crate::kinds::{allan, gap_fill, relock, switched_run};
+use crate::kinds::KINDS;
 use crate::tally::block::{base_log2, cover};
-
-/// The loads of the kinds of studies.
-const LOADS: [fn() -> Vec<Load>; 4] =
-    [gap_fill::verify::loads, switched_run::verify::loads, relock::verify::loads, allan::verify::loads];
 
 /// The loads that a kernel is checked on; a building block has none.
 pub fn loads(kernel: &Kernel) -> Vec<Load> {
-    LOADS.iter().flat_map(|of_kind| of_kind()).filter(|load| load.kernel() == kernel.name).collect()
+    KINDS.iter().flat_map(|kind| (kind.loads)()).filter(|load| load.kernel() == kernel.name).collect()
 }
 
 /// The device that `wanted` means, once it has passed the self-test: see [`select::select`].

@@ -11,7 +11,7 @@
 //!
 //! ```
 //! use sagnac::analysis::design::{Measure, design};
-//! use sagnac::device::select::select;
+//! use sagnac::verify::select;
 //! use sagnac::study::Study;
 //! use sagnac::progress::Silent;
 //!

@@ -37,6 +37,7 @@ pub static ALLAN: Kind = Kind {
         (Source::Coefficients, || abouts(&columns::coefficient_columns())),
     ],
     kernels: || format!("allan {VERSION}"),
+    loads: crate::kinds::allan::verify::loads,
     look: Look {
         estimate: "adev",
         answer: ("adev", &[]),

@@ -31,6 +31,7 @@ pub static DRIFT_BUDGET: Kind = Kind {
     sweepable,
     columns: &[(Source::Points, || abouts(&columns::columns()))],
     kernels: || "none".to_owned(),
+    loads: Vec::new,
     look: Look { estimate: "bound", answer: ("optimum", &[]), along: None, points: "", bands: "" },
     read: |reading| Ok(Box::new(read(reading)?)),
 };

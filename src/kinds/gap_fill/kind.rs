@@ -34,6 +34,7 @@ pub static GAP_FILL: Kind = Kind {
     sweepable,
     columns: &[(Source::Points, columns::described)],
     kernels: || format!("gap_fill {VERSION}"),
+    loads: crate::kinds::gap_fill::verify::loads,
     look: Look {
         estimate: "rms",
         answer: ("q9973", &[(ERROR, "residual")]),

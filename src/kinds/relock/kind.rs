@@ -34,6 +34,7 @@ pub static RELOCK: Kind = Kind {
     sweepable,
     columns: &[(Source::Points, columns::described)],
     kernels,
+    loads: crate::kinds::relock::verify::loads,
     look: Look {
         estimate: "rms",
         answer: ("rms", &[]),

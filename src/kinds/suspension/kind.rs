@@ -30,6 +30,7 @@ pub static SUSPENSION: Kind = Kind {
     sweepable,
     columns: &[(Source::Points, || abouts(&columns::columns()))],
     kernels: || "none".to_owned(),
+    loads: Vec::new,
     look: Look { estimate: "response", answer: ("response", &[]), along: None, points: "", bands: "" },
     read: |reading| Ok(Box::new(read(reading)?)),
 };

@@ -33,6 +33,7 @@ pub static SWITCHED_RUN: Kind = Kind {
     sweepable,
     columns: &[(Source::Points, columns::described), (Source::Trajectories, columns::trajectories_described)],
     kernels: || format!("switched_run {VERSION}, {}", relock::kind::kernels()),
+    loads: crate::kinds::switched_run::verify::loads,
     look: Look {
         estimate: "drift_q9973",
         answer: ("drift_q9973", &[(ANGLE, "end")]),
