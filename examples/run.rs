@@ -1,7 +1,7 @@
 //! Runs a study and prints its table as CSV: `cargo run --release --example run -- studies/smoke.toml`.
 
 use sagnac::{
-    device::select::select, progress::Silent, run::Plan, store::Store, study::Study, tally::share::Share,
+    progress::Silent, run::Plan, store::Store, study::Study, tally::share::Share, verify::select,
 };
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

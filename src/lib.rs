@@ -51,7 +51,7 @@
 //! | [`Plan`](run::Plan), [`Done`](run::Done), [`Tables`](run::Tables) | a study that can be run, what a run did, its tables |
 //! | [`Store`](store::Store), [`Source`](store::source::Source), [`Share`](tally::share::Share) | results folders, and shares of a study |
 //! | [`Progress`](progress::Progress), [`Silent`](progress::Silent) | how far a run is, and how to stop it |
-//! | [`select`](device::select::select), [`verify`](verify::verify) | the device that samples, and whether its bits are right |
+//! | [`select`](verify::select), [`verify`](verify::verify) | the device that samples, and whether its bits are right |
 //! | [`Table`](table::Table), [`Column`](table::Column) | results, with units and bands |
 //! | [`Report`](view::report::Report), [`Figure`](view::chart::figure::Figure), [`pictures`](view::picture::pictures) | the page of a study, and charts |
 //! | [`Log`](record::log::channel::Log), [`Samples`](record::log::samples::Samples) | recorded data, from files and from memory |

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use sagnac::device::select::Selection;
+use sagnac::verify::select;
 use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
 use sagnac::store::Store;
 use sagnac::store::whole::write_whole;
