@@ -23,7 +23,7 @@ pub mod adapter {
 
     impl Adapter {
         /// None.
-        pub fn all() -> Vec<Adapter> {
+        pub(crate) fn all() -> Vec<Adapter> {
             vec![]
         }
 
@@ -31,19 +31,19 @@ pub mod adapter {
             match self.0 {}
         }
 
-        pub fn name(&self) -> String {
+        pub(crate) fn name(&self) -> String {
             match self.0 {}
         }
 
-        pub fn pci_address(&self) -> String {
+        pub(crate) fn pci_address(&self) -> String {
             match self.0 {}
         }
 
-        pub fn is_software(&self) -> bool {
+        pub(crate) fn is_software(&self) -> bool {
             match self.0 {}
         }
 
-        pub fn variant(&self) -> Variant {
+        pub(crate) fn variant(&self) -> Variant {
             match self.0 {}
         }
     }
@@ -55,7 +55,7 @@ type Progress<'a> = &'a (dyn Fn(u64) + Sync);
 pub struct Gpu(Infallible);
 
 impl Gpu {
-    pub fn open(adapter: &Adapter, _: Variant) -> Result<Gpu, GpuError> {
+    pub(crate) fn open(adapter: &Adapter, _: Variant) -> Result<Gpu, GpuError> {
         adapter.none()
     }
 
@@ -67,7 +67,7 @@ impl Gpu {
         self
     }
 
-    pub fn with_self_test(self, _: SelfTest) -> Gpu {
+    pub(crate) fn with_self_test(self, _: SelfTest) -> Gpu {
         self
     }
 
@@ -79,7 +79,7 @@ impl Gpu {
         match self.0 {}
     }
 
-    pub fn name(&self) -> &str {
+    pub(crate) fn name(&self) -> &str {
         match self.0 {}
     }
 
@@ -91,15 +91,15 @@ impl Gpu {
         match self.0 {}
     }
 
-    pub fn tally(&mut self, _: &[Job], _: bool, _: Progress) -> Result<Vec<Vec<Moments>>, GpuError> {
+    pub(crate) fn tally(&mut self, _: &[Job], _: bool, _: Progress) -> Result<Vec<Vec<Moments>>, GpuError> {
         match self.0 {}
     }
 
-    pub fn sums(&mut self, _: &Recipe, _: u64, _: usize, _: Progress) -> Result<Vec<u128>, GpuError> {
+    pub(crate) fn sums(&mut self, _: &Recipe, _: u64, _: usize, _: Progress) -> Result<Vec<u128>, GpuError> {
         match self.0 {}
     }
 
-    pub fn map(&mut self, _: &Map, _: &[u32]) -> Result<Vec<u32>, GpuError> {
+    pub(crate) fn map(&mut self, _: &Map, _: &[u32]) -> Result<Vec<u32>, GpuError> {
         match self.0 {}
     }
 }
