@@ -65,6 +65,7 @@ impl Width {
 
     /// The widths that this processor has, narrowest first.
     pub fn available() -> Vec<Width> {
+        #[cfg_attr(not(target_arch = "x86_64"), expect(unused_mut))]
         let mut widths = vec![Width::PORTABLE];
         #[cfg(target_arch = "x86_64")]
         {
