@@ -1,4 +1,4 @@
-//! TODO-DOC tally
+//! Tallies: blocks of trials, shares of a study, identities, and statistics of exact sums.
 
 pub mod block;
 pub mod id;
