@@ -6,13 +6,21 @@ use core::f64::consts::{PI, SQRT_2};
 use std::time::Instant;
 
 use rayon::prelude::*;
-use sagnac::kernel::map::{NORMAL, SINE};
 use sagnac::kernel::normal::{REACH, SIGMA};
 use sagnac::kernel::sine::ONE;
 use sagnac::kernel::width::Width;
+use sagnac::kernel::{Form, normal, sine};
 
 /// Words that a thread takes at a time.
 const PIECE: u64 = 1 << 16;
+
+/// The results of a building block for some items.
+fn evaluated(form: Form, width: Width, items: &[u32]) -> Vec<u32> {
+    match form {
+        Form::Map(map) => (map.cpu)(width, items),
+        _ => vec![],
+    }
+}
 
 fn main() {
     let width = Width::widest();
@@ -85,16 +93,16 @@ fn gaussian(width: Width) {
         .into_par_iter()
         .map(|piece| {
             let mut words = words(piece);
-            let mut z = (NORMAL.cpu)(width, &words);
+            let mut z = evaluated(normal::FORM, width, &words);
             let mut sums = Magnitudes::of(&z);
             // The step into the next piece; behind the last word there is none.
             let next = (piece + 1) * PIECE;
             if next < 1 << 31 {
-                sums.add_rises(&[z[z.len() - 1], (NORMAL.cpu)(width, &[next as u32])[0]]);
+                sums.add_rises(&[z[z.len() - 1], evaluated(normal::FORM, width, &[next as u32])[0]]);
             }
             // The same words with the sign bit: each number must be the opposite one.
             words.iter_mut().for_each(|word| *word |= 1 << 31);
-            let opposite = (NORMAL.cpu)(width, &words);
+            let opposite = evaluated(normal::FORM, width, &words);
             z.iter_mut().for_each(|z| *z = z.wrapping_neg());
             assert_eq!(z, opposite, "the two signs differ in piece {piece}");
             sums
@@ -139,7 +147,7 @@ fn sine(width: Width) {
     let (largest, sum, square) = (0..pieces)
         .into_par_iter()
         .map(|piece| {
-            let found = (SINE.cpu)(width, &words(piece));
+            let found = evaluated(sine::FORM, width, &words(piece));
             let (sin, cos) = ((piece * PIECE) as f64 * turn).sin_cos();
             let (mut largest, mut sum, mut square) = (0.0_f64, 0.0, 0.0);
             for (&found, &(step_sin, step_cos)) in found.iter().zip(&rotation) {
@@ -156,7 +164,7 @@ fn sine(width: Width) {
     println!("sine(): 2^32 phases");
     println!("  largest error 2^{:.3} = {largest:.3e}", largest.log2());
     println!("  rms error 2^{:.3}, mean error {:.1e}", 0.5 * (square / count).log2(), sum / count);
-    let quarters = (SINE.cpu)(width, &[0, 1 << 30, 1 << 31, 3 << 30]);
+    let quarters = evaluated(sine::FORM, width, &[0, 1 << 30, 1 << 31, 3 << 30]);
     let exact = [0, ONE, 0, ONE.wrapping_neg()];
     println!("  quarter turns {}", if quarters == exact { "exact" } else { "NOT exact" });
     let below = quarters_around(width);
@@ -169,5 +177,5 @@ fn quarters_around(width: Width) -> bool {
         .into_iter()
         .flat_map(|quarter| (0..1 << 17).map(move |k| quarter.wrapping_sub(1 << 16).wrapping_add(k)))
         .collect();
-    (SINE.cpu)(width, &near).iter().all(|&sine| (sine as i32).unsigned_abs() <= ONE)
+    evaluated(sine::FORM, width, &near).iter().all(|&sine| (sine as i32).unsigned_abs() <= ONE)
 }

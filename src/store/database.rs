@@ -7,8 +7,8 @@ use std::time::SystemTime;
 use rusqlite::{Connection, OptionalExtension, Transaction, TransactionBehavior, params};
 
 use crate::store::error::StoreError;
-use crate::store::row::{COLUMNS, Raw};
 use crate::store::lock::{Lock, own_name};
+use crate::store::row::{COLUMNS, Raw};
 use crate::store::{Address, Identity, Provenance, schema};
 use crate::tally::block::Block;
 use crate::tally::id::Id;

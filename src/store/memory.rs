@@ -28,7 +28,8 @@ impl Memory {
     ) -> Result<u64, StoreError> {
         let mut added = Vec::new();
         for raw in rows {
-            let held = self.rows.get(&(raw.address.point, raw.address.estimate)).map_or(&[][..], Vec::as_slice);
+            let held =
+                self.rows.get(&(raw.address.point, raw.address.estimate)).map_or(&[][..], Vec::as_slice);
             if held.iter().any(|held| held.address != raw.address) {
                 return Err(raw.disagrees(from));
             }

@@ -3,10 +3,10 @@
 use std::any::Any;
 use std::fmt;
 
-use crate::device::load::Load;
 use crate::chart::Chart;
 use crate::chart::file::Source;
 use crate::chart::ground::Ground;
+use crate::device::load::Load;
 use crate::key::reading::Reading;
 use crate::key::row::Key;
 use crate::key::sweep::Sweep;

@@ -16,8 +16,8 @@ use sagnac::kernel::width::Width;
 use sagnac::kernel::word::Scalar;
 use sagnac::kernel::{Form, KERNELS};
 use sagnac::kinds::gap_fill::inputs::TickNoise;
-use sagnac::motion::keys::Phase;
 use sagnac::kinds::gap_fill::verify::{Configuration, configurations};
+use sagnac::motion::keys::Phase;
 use sagnac::tally::block::{Block, cover};
 
 const TRIALS: u64 = 1 << 20;

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::filler::keys::Error;
 use crate::device::load::Load;
+use crate::filler::keys::Error;
 use crate::filler::{Fill, Filler, Method};
 use crate::kernel::launch::Launch;
 use crate::key::common::Streams;
