@@ -85,7 +85,7 @@ impl File {
     /// What a swept key is that heads a column of this file.
     fn swept(&self, name: &str) -> Option<&'static str> {
         let By::Study(kind, _) = self.by else { return None };
-        let keys = (kind.keys)();
+        let keys = (kind.sweepable)();
         let of = |name: &str| keys.iter().find(|key| key.name == name).map(|key| key.label);
         of(name).or_else(|| bare(name).find_map(of))
     }

@@ -1,7 +1,7 @@
 //! The keys of `[switching]` that are about the gap at a switch and what fills it in.
 
 use crate::filler::ticks::FARTHEST;
-use crate::key::holds::{Holds, words};
+use crate::key::holds::{Holds, Word, words};
 use crate::key::row::keys;
 use crate::motion::keys::FREQUENCIES;
 
@@ -39,6 +39,13 @@ pub(crate) const LONGEST_GAP: i64 = FARTHEST;
 
 const LIST: Holds = Holds::List(&Holds::Any);
 
+/// The polynomials, in the order of [`POLYNOMIALS`](crate::filler::POLYNOMIALS).
+const POLYNOMIAL: &[Word] = &[
+    Word { word: "const", meaning: "The mean of the ticks." },
+    Word { word: "linear", meaning: "A straight line." },
+    Word { word: "quadratic", meaning: "A parabola." },
+];
+
 keys! {
     /// The keys of the gap and its fillers.
     pub(crate) static KEYS;
@@ -52,7 +59,7 @@ keys! {
     pub(crate) EXTRAPOLATION_TICKS = "switching.extrapolation_ticks", "", LIST, "extrapolation_ticks = [-3, -2, -1, 0]";
     /// Fillers to compare, each once: a polynomial "const", "linear" or "quadratic", fitted to switching.fit_ticks, or a table of
     /// kind, name and ticks of its own, as of a minimum-variance filler.
-    pub(crate) FILLERS = "switching.fillers", "", Holds::List(&Holds::Either(&[Holds::Any, Holds::Table])), r#"fillers = ["const", "quadratic", { kind = "minimum-variance", name = "mv8+2", fit_ticks = ["-7..0", "n+1", "n+2"] }]"#;
+    pub(crate) FILLERS = "switching.fillers", "", Holds::List(&Holds::Either(&[Holds::Any, Holds::Word(POLYNOMIAL), Holds::Table])), r#"fillers = ["const", "quadratic", { kind = "minimum-variance", name = "mv8+2", fit_ticks = ["-7..0", "n+1", "n+2"] }]"#;
     /// How the filler weighs its ticks.
     pub(crate) FILLER_KIND = "switching.fillers.kind", "", Holds::Word(FillerKind::WORDS), r#"kind = "minimum-variance""#, required;
     /// In tables and charts; the kind if absent.

@@ -104,7 +104,7 @@ impl Fitter {
     /// # Errors
     /// As [`fit`], variances that are no curve, and fewer than two realisations or of another geometry.
     ///
-    /// [`realisations`]: crate::fit::realisations
+    /// [`realisations`]: fn@crate::fit::realisations
     pub fn fit_realised(
         &self,
         variances: &[f64],

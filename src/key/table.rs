@@ -121,8 +121,8 @@ fn check_value(
         }
         (Some(Holds::Table | Holds::OneOf), Some(table)) => check(&table, keys, stray),
         (Some(Holds::Free), Some(table)) => {
-            let parts = table.entries.iter().map(|(_, value)| Given { value, ..given });
-            parts.map(|part| check_value(part, &Holds::Any, true, keys, stray)).collect()
+            let mut parts = table.entries.iter().map(|(_, value)| Given { value, ..given });
+            parts.try_for_each(|part| check_value(part, &Holds::Any, true, keys, stray))
         }
         _ => Ok(()),
     }

@@ -196,7 +196,7 @@ fn stores_merge_in_any_order_and_any_number_of_times() {
 
 /// All rows, as text.
 fn dumped(store: &Store) -> Vec<String> {
-    let mut statement = connection(&store).prepare(&format!("SELECT {COLUMNS} FROM tally")).unwrap();
+    let mut statement = connection(store).prepare(&format!("SELECT {COLUMNS} FROM tally")).unwrap();
     let rows = statement.query_map([], Raw::read).unwrap();
     rows.map(|row| format!("{:?}", row.unwrap())).collect()
 }

@@ -15,6 +15,9 @@ use crate::source::diagnose::{StudyError, Wrong};
 use crate::study::Study;
 use crate::table::About;
 
+/// A table of results, and its columns besides swept keys.
+pub(crate) type TableColumns = (Source, fn() -> Vec<About>);
+
 /// An entry of the list of kinds. Help, schema, documents, verification and tests iterate that list.
 pub struct Kind {
     /// The name in study files: `gap-fill`.
@@ -36,7 +39,7 @@ pub struct Kind {
     /// The keys that a sweep may vary.
     pub(crate) sweepable: fn() -> Vec<&'static Key>,
     /// The columns of each of its tables besides swept keys.
-    pub(crate) columns: &'static [(Source, fn() -> Vec<About>)],
+    pub(crate) columns: &'static [TableColumns],
     /// The kernels that sample it, with their versions.
     pub(crate) kernels: fn() -> String,
     /// The loads that its kernels are checked on; none for closed forms.

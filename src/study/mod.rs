@@ -135,7 +135,7 @@ impl Study {
         self.kind
     }
 
-    /// The question of a study of the kind that `T` belongs to, such as [`GapFill`](crate::kinds::gap_fill::GapFill); `None` of
+    /// The question of a study of the kind that `T` belongs to, such as `GapFill`; `None` of
     /// another kind.
     pub fn asked<T: 'static>(&self) -> Option<&T> {
         (self.subject() as &dyn Any).downcast_ref()

@@ -118,11 +118,13 @@ impl<R> ColumnOf<R> {
     }
 
     /// The same with its role and meaning.
+    #[allow(clippy::wrong_self_convention, reason = "it makes a column what it is")]
     pub(crate) const fn is(self, role: Role, meaning: &'static str) -> ColumnOf<R> {
         ColumnOf { about: About { role, meaning, ..self.about }, ..self }
     }
 
     /// The same with a role that refers to the column `of`.
+    #[allow(clippy::wrong_self_convention, reason = "it makes a column what it is")]
     pub(crate) const fn is_of(self, of: &'static str, role: Role, meaning: &'static str) -> ColumnOf<R> {
         let column = self.is(role, meaning);
         ColumnOf { about: About { of, ..column.about }, ..column }

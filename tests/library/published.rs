@@ -146,7 +146,7 @@ impl Progress for Totals {
 
 #[test]
 fn with_a_precision_the_total_is_that_of_the_round() {
-    let study = parsed("study.toml", &stopping("32_000_000", "\"0.5 %\""));
+    let study = parsed("study.toml", &stopping("32_000_000", "\"0.08 %\""));
     let (plan, folder) = (Plan::new(&study).unwrap(), tempfile::tempdir().unwrap());
     let mut store = Store::open(folder.path(), &plan.identity()).unwrap();
     let (mut device, totals) = (select("cpu", 2).unwrap().device, Totals::default());

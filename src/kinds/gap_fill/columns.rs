@@ -43,7 +43,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is_of("motion.frequency", Role::Coordinate, "Δt·ν with Δt = (n+1)T/2, from the middle of the gap to the nearest valid sample; for \
                 one tone of fixed frequency, else blank."),
         Of::new("amplitude_noise", Unit::NONE, "rate amplitude · T / σ", |row| row.point.inputs.amplitude_noise().into())
-            .is_of("motion.amplitude", Role::Coordinate, "A_Ω·T/σ, the angle of a tick at the peak of the rate by its noise (1 σ); for one \
+            .is(Role::Coordinate, "A_Ω·T/σ, the angle of a tick at the peak of the rate by its noise (1 σ); for one \
                 tone of fixed frequency and amplitude, else blank."),
         Of::new("filler", Unit::NONE, "filler", |row| row.filler.name.as_str().into())
             .is_of(FILLERS, Role::Key, FILLER),

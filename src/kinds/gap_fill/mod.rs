@@ -59,7 +59,7 @@ pub(crate) fn keys_of_fill() -> Vec<&'static Key> {
 
 /// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {
-    [&gap_fill::keys::PRECISION_KEYS, &keys_of_fill()[..], OF_ONE_SWITCH].concat()
+    [gap_fill::keys::PRECISION_KEYS, &keys_of_fill()[..], OF_ONE_SWITCH].concat()
 }
 
 /// Every key that a sweep may vary.

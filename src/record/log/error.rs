@@ -90,7 +90,7 @@ impl LogError {
         }
     }
 
-    /// The same error with its settings as a front end spells them, see [`spelled`](crate::source::setting::spelled).
+    /// The same error with its settings as a front end spells them, see [`spelled`].
     pub fn spelled(mut self, spell: &dyn Fn(&str, &str) -> Option<String>) -> LogError {
         for text in [&mut self.message, &mut self.label, &mut self.help] {
             *text = spelled(text, spell);

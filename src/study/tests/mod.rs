@@ -196,7 +196,10 @@ fn text_that_is_no_study_is_pointed_at() {
         &["a.toml:14:7", "`sweep.log` is a list", "has to be a table", "points = 24"],
     );
     refused(&with("chart = 5\n"), &["a.toml:12:1", "unknown key `chart`"]);
-    refused(&format!("chart = 5\n{BASE}"), &["a.toml:1:9", "has to be a table, or a list of tables in brackets"]);
+    refused(
+        &format!("chart = 5\n{BASE}"),
+        &["a.toml:1:9", "has to be a table, or a list of tables in brackets"],
+    );
 }
 
 #[test]

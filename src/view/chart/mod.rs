@@ -1,4 +1,4 @@
-//! Charts: a table becomes a [`Figure`] of curves or a [`Map`], these a list of shapes, which is written as SVG or painted as PNG.
+//! Charts: a table becomes a [`Figure`](figure::Figure) of curves or a [`Map`](map::Map), these a list of shapes, which is written as SVG or painted as PNG.
 //!
 //! ```text
 //! Table, Chart ─┬─▶ Figure ─┬─▶ Canvas ─┬─ svg() ─▶ SVG text

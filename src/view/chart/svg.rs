@@ -11,7 +11,7 @@ use crate::view::chart::plot::{self, Plot};
 use crate::view::chart::png::PngError;
 
 impl Figure {
-    /// The figure as SVG, [`WIDTH`] × [`HEIGHT`] CSS px. Equal figures give equal bytes on every machine.
+    /// The figure as SVG, 1000 CSS px wide. Equal figures give equal bytes on every machine.
     ///
     /// Points that the axes cannot show are missing in it; [`Figure::left_out`] counts them.
     ///

@@ -7,7 +7,7 @@ use crate::kinds::allan::run::rows::rows;
 use crate::kinds::allan::run::{Plan, Planned};
 use crate::progress::Progress;
 use crate::run::{Done, RunError};
-use crate::sampling::sampling::BATCH_SECONDS;
+use crate::sampling::batches::BATCH_SECONDS;
 use crate::sampling::worker::Worker;
 use crate::store::{Provenance, Store};
 use crate::tally::block::base_log2;

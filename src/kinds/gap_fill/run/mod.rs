@@ -7,8 +7,8 @@ use std::time::Instant;
 
 use crate::progress::Progress;
 use crate::run::{Done, RunError, Tables};
+use crate::sampling::batches::{Work, held_by_all, lacking, sample};
 use crate::sampling::plan;
-use crate::sampling::sampling::{Work, held_by_all, lacking, sample};
 use crate::sampling::worker::Worker;
 use rayon::prelude::*;
 

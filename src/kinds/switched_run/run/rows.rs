@@ -3,8 +3,8 @@
 use crate::kinds::switched_run::columns::{Row, columns, filler};
 use crate::kinds::switched_run::run::Plan;
 use crate::kinds::table::table;
+use crate::sampling::batches::estimates;
 use crate::sampling::found::Found;
-use crate::sampling::sampling::estimates;
 use crate::store::Store;
 use crate::store::error::StoreError;
 use crate::table::Table;

@@ -16,7 +16,7 @@ use crate::view::chart::scale::Range;
 use crate::view::chart::ticks::Ticks;
 
 impl Map {
-    /// The map as SVG, [`WIDTH`] × [`HEIGHT`] CSS px. Equal maps give equal bytes on every machine.
+    /// The map as SVG, 1000 CSS px wide. Equal maps give equal bytes on every machine.
     pub fn svg(&self) -> String {
         self.canvas().svg()
     }
