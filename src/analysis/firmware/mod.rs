@@ -13,7 +13,7 @@
 //! ```
 //! # use sagnac::analysis::firmware::design::Firmware;
 //! # use sagnac::study::Study;
-//! # let text = include_str!("../../studies/error_vs_dtnu.toml");
+//! # let text = include_str!("../../../studies/error_vs_dtnu.toml");
 //! let study = Study::parse("study.toml", text)?;
 //! let gap_fill = study.asked::<sagnac::kinds::gap_fill::GapFill>().unwrap();
 //! let firmware = Firmware::new(&study, &gap_fill.points[0], &gap_fill.fillers)?;

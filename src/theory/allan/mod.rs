@@ -35,7 +35,7 @@
 //! let gyro = Process { sample_s: 1.0, parts };
 //! let at_100_s = gyro.expected(Estimator::OVERLAPPING, 32_400, 100).unwrap();
 //! assert!((at_100_s.sqrt() - 0.0036).abs() < 5e-5);
-//! let model: f64 = gyro.parts.iter().filter_map(|part| crate::theory::allan::continuous::allan_variance(part, 100.0)).sum();
+//! let model: f64 = gyro.parts.iter().filter_map(|part| continuous::allan_variance(part, 100.0)).sum();
 //! assert!((at_100_s / model - 1.0).abs() < 1e-3);
 //!
 //! // How sure one record is of it: the scatter of σ² at 100 s.
@@ -48,7 +48,7 @@
 //!
 //! // Whole pulses of 0.381 ″ at rest are no white noise of q/√12: at 1 s they lack most of 6 q²/12.
 //! let still = Process { sample_s: 1.0, parts: vec![Part::AngleRandomWalk { n: 0.0288 }] };
-//! let pulses = crate::theory::allan::quantiser::mean_square(0.381, 0.0, &still, Difference::Second, 1).unwrap();
+//! let pulses = quantiser::mean_square(0.381, 0.0, &still, Difference::Second, 1).unwrap();
 //! assert!(pulses < 0.5 * 0.381 * 0.381);
 //! ```
 

@@ -61,7 +61,8 @@ pub struct Asked<'a> {
 /// factors take other differences of the same angles.
 ///
 /// ```
-/// use sagnac::device::cpu::{Cpu, Width};
+/// use sagnac::device::cpu::Cpu;
+/// use sagnac::kernel::width::Width;
 /// use sagnac::kinds::gap_fill::lower::{Asked, Records};
 /// use sagnac::theory::allan::{Estimator, Part, Process};
 ///

@@ -14,7 +14,7 @@
 //! use sagnac::kinds::gap_fill::lower::Lowered;
 //! use sagnac::study::Study;
 //!
-//! let study = Study::parse("error_vs_dtnu.toml", include_str!("../../studies/error_vs_dtnu.toml"))?;
+//! let study = Study::parse("error_vs_dtnu.toml", include_str!("../../../../studies/error_vs_dtnu.toml"))?;
 //! let asked = study.asked::<sagnac::kinds::gap_fill::GapFill>().unwrap();
 //! let point = asked.points.iter().find(|point| point.inputs.gap_ticks == 3).unwrap();
 //! let lowered = Lowered::new(point, &asked.fillers, &asked.errors, study.seed, study.streams)?;
