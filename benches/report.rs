@@ -4,7 +4,6 @@
 mod fillers;
 
 use fillers::{cells, chart, column};
-use sagnac::study;
 use sagnac::table::{Table, Unit};
 use sagnac::view::chart::figure::Figure;
 use sagnac::view::chart::picture::Picture;
@@ -40,7 +39,7 @@ fn page(bencher: divan::Bencher, points: usize) {
             answer: Answer::default(),
             notes: &[],
             charts: &[drawn],
-            tables: vec![(study::Source::Points, &table)],
+            tables: vec![(sagnac::chart::Source::Points, &table)],
             source: Source {
                 inputs: vec![],
                 study: String::new(),

@@ -55,7 +55,7 @@
 //! | [`Table`](table::Table), [`Column`](table::Column) | results, with units and bands |
 //! | [`Report`](view::report::Report), [`Figure`](view::chart::figure::Figure), [`pictures`](view::picture::pictures) | the page of a study, and charts |
 //! | [`Log`](record::log::channel::Log), [`Samples`](record::log::samples::Samples) | recorded data, from files and from memory |
-//! | [`curve`](allan::curve::curve), [`DataSheet`](fit::noise::DataSheet) | deviations of a record, and noise coefficients fitted to them |
+//! | [`curve`](allan::curve::curve), [`DataSheet`](analysis::data_sheet::DataSheet) | deviations of a record, and noise coefficients fitted to them |
 //! | [`log::Analysis`](analysis::log::Analysis), [`compare`](analysis::compare::compare) | the noise of a log, and that of two held against each other |
 //! | [`design`](analysis::design::design), [`Firmware`](analysis::firmware::design::Firmware) | how often to switch, and fillers as firmware needs them |
 //! | [`theory`] | the closed forms by themselves |

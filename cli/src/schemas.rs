@@ -1,7 +1,7 @@
 //! `sagnac schema`: what study files and the documents of `--json` look like.
 
 use clap::{Args, ValueEnum};
-use sagnac::study;
+use sagnac::kinds::keys;
 
 use crate::failure::Failure;
 use crate::output::print;
@@ -34,7 +34,7 @@ enum Document {
 /// Prints a JSON schema.
 pub fn schema(options: &Options) -> Result<(), Failure> {
     match options.of {
-        Document::Study => print(&study::schema()),
+        Document::Study => print(&keys::schema()),
         Document::Run | Document::Merge => print(include_str!("../../schema/run.schema.json")),
         Document::Design => print(include_str!("../../schema/design.schema.json")),
         Document::Filler => print(include_str!("../../schema/filler.schema.json")),

@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use sagnac::study::MOST_TRIALS;
+use sagnac::key::common::MOST_TRIALS;
 
 /// A number of trials.
 pub fn trials(text: &str) -> Result<u64, String> {

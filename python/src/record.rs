@@ -8,10 +8,10 @@ use sagnac::allan::curve::{Point, curve, minimum};
 use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
 use sagnac::allan::trend::Trend;
+use sagnac::analysis::data_sheet::{DataSheet, Simulated};
 use sagnac::analysis::log::{Treatment, slope};
 use sagnac::fit::choose::Terms;
 use sagnac::fit::curve::FitError;
-use sagnac::fit::noise::{DataSheet, Simulated};
 use sagnac::fit::record::curve_of;
 use sagnac::fit::term::Term;
 use sagnac::quantity::number::significant;
@@ -277,8 +277,8 @@ pub fn fit<'py>(
     document.set_item("rows", rows.collect::<Vec<_>>())?;
     document.set_item("intervals", sheet.intervals.name())?;
     let why = match &sheet.intervals {
-        sagnac::fit::noise::Intervals::ClosedForm { why } => why.as_deref().map(in_python),
-        sagnac::fit::noise::Intervals::Bootstrap { .. } => None,
+        sagnac::analysis::data_sheet::Intervals::ClosedForm { why } => why.as_deref().map(in_python),
+        sagnac::analysis::data_sheet::Intervals::Bootstrap { .. } => None,
     };
     document.set_item("without_bootstrap", why)?;
     document.set_item("chi_squared", sheet.fit.chi_squared)?;

@@ -144,7 +144,7 @@ impl Asked {
             answer: answer(&study, &tables, &pictures, &curves, &judged, 0)?,
             notes: &known,
             charts: &pictures,
-            tables: tables.as_charted(&study),
+            tables: tables.as_charted(&study.charts),
             source: Source::of(&study, &plan, &store, held, 0)?,
         };
         let report = report.html();

@@ -1,6 +1,7 @@
 //! What is done with records and designs beside studies: noise of logs, comparison of logs, switching interval, firmware.
 
 pub mod compare;
+pub mod data_sheet;
 pub mod design;
 pub mod firmware;
 pub mod log;

@@ -104,7 +104,7 @@ impl Fitter {
     /// # Errors
     /// As [`fit`], variances that are no curve, and fewer than two realisations or of another geometry.
     ///
-    /// [`realisations`]: fn@crate::fit::realisations
+    /// [`realisations`]: fn@crate::kinds::allan::realisations::realisations
     pub fn fit_realised(
         &self,
         variances: &[f64],

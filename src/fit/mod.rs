@@ -45,8 +45,6 @@ pub mod fitter;
 pub mod growth;
 pub mod interval;
 pub mod nnls;
-pub mod noise;
-pub mod realisations;
 pub mod record;
 pub mod search;
 pub mod term;
@@ -58,9 +56,5 @@ pub use crate::fit::covariance::Covariance;
 pub use crate::fit::curve::{Curve, FitError};
 pub use crate::fit::fitter::{Errors, Fitter, fit, fit_record};
 pub(crate) use crate::fit::nnls::nnls;
-pub use crate::fit::noise::{
-    DataSheet, Intervals, MOST_SIMULATED, Row, Simulated, USUAL_REALISATIONS, data_sheet_unit,
-};
-pub use crate::fit::realisations::{LEAST_REALISATIONS, realisations};
 pub use crate::fit::record::curve_of;
 pub use crate::fit::term::Term;

@@ -6,6 +6,7 @@ pub(crate) mod given;
 pub mod holds;
 pub(crate) mod places;
 pub(crate) mod reading;
+pub mod refusal;
 pub mod row;
 pub mod scale;
 pub(crate) mod schema;

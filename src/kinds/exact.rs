@@ -1,8 +1,9 @@
 //! Studies whose every value is a closed form: their points become a table at once.
 
 use crate::progress::Progress;
-use crate::run::{Done, RunError, Tables};
 use crate::sampling::plan::Plan;
+use crate::sampling::plan::{Done, RunError};
+use crate::sampling::tables::Tables;
 use crate::sampling::worker::Worker;
 use crate::store::Store;
 use crate::store::error::StoreError;

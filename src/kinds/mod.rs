@@ -7,10 +7,14 @@ pub mod drift_budget;
 pub mod exact;
 pub mod gap_fill;
 pub(crate) mod gyro;
+pub mod keys;
+mod read;
 pub mod relock;
 pub mod suspension;
 pub mod switched_run;
 pub(crate) mod table;
+#[cfg(test)]
+mod tests;
 
 use crate::study::kind::Kind;
 

@@ -277,13 +277,13 @@ impl UnitError {
 /// No number, no unit, an unknown unit, another dimension, or a value that is not finite.
 /// # Example
 /// ```
-/// use sagnac::study::{Dimension, parse_quantity};
+/// use sagnac::quantity::units::{Dimension, parse};
 ///
-/// assert_eq!(parse_quantity("5 ms", &[Dimension::Time])?.value, 0.005);
+/// assert_eq!(parse("5 ms", &[Dimension::Time])?.value, 0.005);
 /// // Rates are in ″/s, and 1 °/h is 1 ″/s; an angle random walk of 1 °/√h is 60 ″/√s.
-/// assert_eq!(parse_quantity("15.041 deg/h", &[Dimension::DriftRate])?.value, 15.041);
-/// assert_eq!(parse_quantity("0.003 deg/sqrt(h)", &[Dimension::AngleRandomWalk])?.value, 0.18);
-/// assert!(parse_quantity("5", &[Dimension::Time]).is_err());
+/// assert_eq!(parse("15.041 deg/h", &[Dimension::DriftRate])?.value, 15.041);
+/// assert_eq!(parse("0.003 deg/sqrt(h)", &[Dimension::AngleRandomWalk])?.value, 0.18);
+/// assert!(parse("5", &[Dimension::Time]).is_err());
 /// # Ok::<(), sagnac::quantity::units::UnitError>(())
 /// ```
 pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {

@@ -4,36 +4,21 @@ pub mod keep;
 
 use std::collections::HashSet;
 
-use crate::chart::Source;
 use crate::device::Device;
-use crate::device::error::GpuError;
 use crate::progress::{Progress, Silent};
 pub use crate::run::keep::{KeepError, keep};
 use crate::sampling::plan;
+pub use crate::sampling::plan::{Done, RunError};
+pub use crate::sampling::tables::Tables;
 use crate::sampling::worker::Worker;
 use crate::source::diagnose::StudyError;
 use crate::store::error::StoreError;
 use crate::store::index::Index;
 use crate::store::{Identity, Store};
 use crate::study::Study;
-use crate::study::refusal::Refusal;
 use crate::table::Table;
 use crate::tally::id::Id;
 use crate::tally::share::Share;
-
-/// Why a run ended early. What was computed before is in the store.
-#[derive(Debug, thiserror::Error)]
-pub enum RunError {
-    /// The results folder failed.
-    #[error(transparent)]
-    Store(#[from] StoreError),
-    /// The device failed, and nothing could take its place.
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-    /// Of a point that was lowered before: not on the same machine.
-    #[error(transparent)]
-    Refused(#[from] Refusal),
-}
 
 /// A study whose every point is proven to fit.
 #[derive(Debug)]
@@ -42,64 +27,8 @@ pub struct Plan<'a> {
     work: Box<dyn plan::Plan + 'a>,
 }
 
-/// What a run did.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Done {
-    /// Trials sampled, over all points.
-    pub trials: u64,
-    /// It took, s.
-    pub seconds: f64,
-    /// Whether it ended before all was done, as [`Progress::stops`] asked for.
-    pub stopped: bool,
-    /// Why some of it was not done as asked, each in a sentence.
-    pub degraded: Vec<String>,
-}
-
-/// The results of a study, each a table of its own.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Tables {
-    /// points.csv
-    pub points: Table,
-    /// coefficients.csv, where coefficients are fitted.
-    pub coefficients: Option<Table>,
-    /// trajectories.csv, where some are kept.
-    pub trajectories: Option<Table>,
-}
-
 /// The name of the study that stands beside its results: run it to repeat the run.
 pub const RESOLVED: &str = "resolved_study.toml";
-
-impl Tables {
-    /// All tables, each with what it is.
-    pub fn all(&self) -> impl Iterator<Item = (Source, &Table)> {
-        let coefficients = self.coefficients.as_ref().map(|table| (Source::Coefficients, table));
-        let trajectories = self.trajectories.as_ref().map(|table| (Source::Trajectories, table));
-        std::iter::once((Source::Points, &self.points)).chain(coefficients).chain(trajectories)
-    }
-
-    /// All of them, that of the study's first chart before the others.
-    pub fn as_charted(&self, study: &Study) -> Vec<(Source, &Table)> {
-        let first = study.charts.first().map_or(Source::Points, |chart| chart.source);
-        let mut all: Vec<_> = self.all().collect();
-        all.sort_by_key(|(source, _)| *source != first);
-        all
-    }
-
-    /// Only that of the points.
-    pub(crate) fn of_points(points: Table) -> Tables {
-        Tables { points, coefficients: None, trajectories: None }
-    }
-
-    /// The table that a chart is drawn from.
-    pub fn of(&self, source: Source) -> &Table {
-        let other = match source {
-            Source::Points => None,
-            Source::Coefficients => self.coefficients.as_ref(),
-            Source::Trajectories => self.trajectories.as_ref(),
-        };
-        other.unwrap_or(&self.points)
-    }
-}
 
 impl<'a> Plan<'a> {
     /// Lowers every point.

@@ -3,4 +3,5 @@
 pub mod batches;
 pub(crate) mod found;
 pub mod plan;
+pub mod tables;
 pub mod worker;

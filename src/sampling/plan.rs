@@ -2,14 +2,43 @@
 
 use std::fmt;
 
+use crate::device::error::GpuError;
+use crate::key::refusal::Refusal;
 use crate::progress::Progress;
-use crate::run::{Done, RunError, Tables};
+use crate::sampling::tables::Tables;
 use crate::sampling::worker::Worker;
 use crate::store::Store;
 use crate::store::error::StoreError;
 use crate::store::index::Index;
 use crate::tally::id::Id;
 use crate::tally::share::Share;
+
+/// Why a run ended early. What was computed before is in the store.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The results folder failed.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// The device failed, and nothing could take its place.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
+    /// Of a point that was lowered before: not on the same machine.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+}
+
+/// What a run did.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Done {
+    /// Trials sampled, over all points.
+    pub trials: u64,
+    /// It took, s.
+    pub seconds: f64,
+    /// Whether it ended before all was done, as [`Progress::stops`] asked for.
+    pub stopped: bool,
+    /// Why some of it was not done as asked, each in a sentence.
+    pub degraded: Vec<String>,
+}
 
 /// The plan of a study of some kind.
 pub(crate) trait Plan: fmt::Debug {

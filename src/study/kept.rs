@@ -10,9 +10,9 @@ use toml::Spanned;
 use crate::key::row::Key;
 use crate::key::sweep::Sweep;
 use crate::key::table::Table;
-use crate::kinds::gap_fill::precision::NONE as NO_PRECISION;
 use crate::source::text_file::{Files, MOST_RECORD};
 use crate::study::Study;
+use crate::study::precision::NONE as NO_PRECISION;
 
 /// The folder, beside a study that is kept, of the files that it names.
 const INPUTS: &str = "inputs";

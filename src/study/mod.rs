@@ -7,73 +7,24 @@
 //! Whatever is wrong is found here, before any work, and told with its place in the file.
 
 pub mod kept;
-pub mod keys;
 pub mod kind;
-pub mod refusal;
-#[cfg(test)]
-mod tests;
+pub mod precision;
 
 use std::any::Any;
 use std::ops::Range;
-use std::path::Path;
-use std::sync::Arc;
 
-use miette::NamedSource;
-use toml::Spanned;
-use toml::de::DeTable;
-
-pub use crate::chart::Source;
-pub use crate::chart::law::Law;
-pub use crate::chart::{Chart, Limit, Named, Shows};
-pub use crate::drift::Drift;
-pub use crate::drift::schedule::Schedule;
-pub use crate::filler::keys::Error;
-pub use crate::filler::{Fill, Filler, Method, POLYNOMIALS};
-pub use crate::key::common::{MOST_TRIALS, Streams};
-pub use crate::key::explained::{Explained, Swept as SweptKey};
-pub use crate::key::row::Key;
-pub use crate::key::scale::Scale;
-pub use crate::key::setting::Swept;
-pub use crate::key::sweep::Sweep;
-pub use crate::kinds::allan::Allan;
-pub use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
-pub use crate::kinds::drift_budget::{DriftBudget, Point as BudgetPoint};
-pub use crate::kinds::gap_fill::GapFill;
-pub use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
-pub use crate::kinds::gap_fill::point::Point;
-pub use crate::kinds::gap_fill::precision::Precision;
-pub use crate::kinds::relock::inputs::FirstHalf;
-pub use crate::kinds::relock::inputs::{Compensation, Relock};
-pub use crate::kinds::relock::{RelockInputs, RelockPoint, RelockStudy};
-pub use crate::kinds::suspension::{Point as SuspensionPoint, SuspensionStudy};
-pub use crate::kinds::switched_run::point::Point as RunPoint;
-pub use crate::kinds::switched_run::relock::Relocking;
-pub use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
-pub use crate::kinds::switched_run::{FirstMode, Timing};
-pub use crate::motion::keys::{Phase, Position};
-pub use crate::motion::vibration::{Acceleration, Vibration};
-pub use crate::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
-pub use crate::noise::{Markov, Noise, Sine, WarmUp};
-pub use crate::quantity::units::{Dimension, Quantity, UnitError, parse as parse_quantity};
-pub use crate::source::diagnose::StudyError;
-pub(crate) use crate::source::diagnose::{Fault, Text, nearest};
-pub use crate::study::kept::Input;
-pub use crate::study::keys::{explain_key, explained_keys, schema};
-pub use crate::study::kind::Kind;
-
-use crate::chart;
+use crate::chart::Chart;
+use crate::chart::file::Source;
 use crate::chart::ground::Ground;
-use crate::key::common::{KIND, QUESTION, SEED, STREAMS, TITLE, TRIALS};
+use crate::chart::law::Law;
+use crate::key::common::Streams;
 use crate::key::places::Places;
-use crate::key::reading::Reading;
-use crate::key::sweep::read_all as read_sweeps;
-use crate::key::table::Table;
-use crate::kinds::gap_fill::keys::PRECISION;
-use crate::source::diagnose::Wrong;
-use crate::source::text_file::{Files, MOST_TOML};
+use crate::key::refusal::Refusal;
+use crate::key::setting::Swept;
+use crate::key::sweep::Sweep;
+use crate::source::diagnose::{Fault, StudyError, Text};
 use crate::study::kept::Written;
-use crate::study::kind::Subject;
-use crate::study::refusal::Refusal;
+use crate::study::kind::{Kind, Subject};
 
 /// A study that makes sense: every value is within its limits at every point.
 #[derive(Debug, Clone)]
@@ -92,44 +43,14 @@ pub struct Study {
     pub sweeps: Vec<Sweep>,
     /// As written, or those that this kind is supplied with.
     pub charts: Vec<Chart>,
-    kind: &'static Kind,
-    subject: Box<dyn Subject>,
-    text: Text,
-    places: Places,
-    written: Written,
+    pub(crate) kind: &'static Kind,
+    pub(crate) subject: Box<dyn Subject>,
+    pub(crate) text: Text,
+    pub(crate) places: Places,
+    pub(crate) written: Written,
 }
 
 impl Study {
-    /// Reads the study file at `path`.
-    ///
-    /// # Errors
-    /// A file that cannot be read, and those of [`Study::parse`].
-    pub fn read(path: &Path) -> Result<Study, StudyError> {
-        let text = crate::source::text_file::read_text(path, MOST_TOML).map_err(|error| {
-            if path.is_dir() {
-                return StudyError::of_folder(path);
-            }
-            StudyError::unreadable("the study", path, &error, "give the path of a study file (TOML, UTF-8)")
-        })?;
-        Study::parse(&path.display().to_string(), &text)
-    }
-
-    /// Reads a study from its `text`; `name` is that of the file, for messages.
-    ///
-    /// # Errors
-    /// The first fault found, with its place in the text.
-    ///
-    /// # Example
-    /// ```
-    /// # use sagnac::study::Study;
-    /// let error = Study::parse("my.toml", "title = 5 ms").unwrap_err();
-    /// assert!(error.render(false, 100).contains("my.toml:1"));
-    /// ```
-    pub fn parse(name: &str, text: &str) -> Result<Study, StudyError> {
-        let text: Text = Arc::new(NamedSource::new(name, text.to_owned()));
-        Study::check(&text).map_err(|wrong| wrong.within(&text))
-    }
-
     /// The kind that it is of.
     pub fn kind(&self) -> &'static Kind {
         self.kind
@@ -218,65 +139,5 @@ impl Study {
     /// `gyro.tick_noise` stands for the keys in it; empty at 0 where nothing is written.
     pub fn place_of(&self, key: &str) -> Range<usize> {
         self.places.blame(&self.sweeps, &[key])
-    }
-
-    fn check(text: &Text) -> Result<Study, Wrong> {
-        let root = DeTable::parse(text.inner()).map_err(|error| Fault::from_syntax("the study", &error))?;
-        let table = Table::root("", &root);
-        let (kind, keys) = keys::checked(&table)?;
-        let files = Files::of(Path::new(text.name()).parent().unwrap_or(Path::new("")));
-        let sweeps = read_sweeps(&table, &keys.keys, &keys.sweepable)?;
-        let count = |key: &'static Key| -> Result<Option<Spanned<u64>>, Fault> {
-            let Some(given) = table.get(key) else { return Ok(None) };
-            Ok(Some(Spanned::new(given.span(), given.whole()?.cast_unsigned())))
-        };
-        let (seed, trials) = (count(&SEED)?, count(&TRIALS)?);
-        let mut reading =
-            Reading { table: table.clone(), sweeps: &sweeps, files: &files, places: Places::default() };
-        reading.note(&[&KIND, &TRIALS, &PRECISION]);
-        let subject = (kind.read)(&mut reading)?;
-        let places = reading.places;
-        let usual =
-            [kind.look.along.or(sweeps.first().map(|sweep| sweep.key.name)), Some(kind.look.estimate)];
-        let written_text = |key| table.get(key).map_or(String::new(), |given| given.text().to_owned());
-        let grounds = subject.grounds();
-        let mut charts =
-            chart::read_all(&table, &sweeps, &grounds, usual, || subject.default_chart(&sweeps))?;
-        for chart in &mut charts {
-            if chart.title.is_empty() {
-                chart.title = written_text(&TITLE);
-            }
-            chart.subtitle = written_text(&QUESTION);
-            let ground = grounds.iter().find(|ground| ground.source == chart.source);
-            let texts = ground.map(Ground::text_names).unwrap_or_default();
-            let apart = sweeps.iter().map(|sweep| sweep.key.name).chain(texts);
-            chart.apart = apart.map(str::to_owned).collect();
-            let points = match chart.source {
-                Source::Points => kind.look.points,
-                Source::Trajectories => "single runs",
-                Source::Coefficients => "Monte Carlo",
-            };
-            (chart.points, chart.bands) = (points.to_owned(), kind.look.bands.to_owned());
-        }
-        Ok(Study {
-            title: written_text(&TITLE),
-            question: written_text(&QUESTION),
-            seed: seed.as_ref().map_or(1, |seed| *seed.get_ref()),
-            trials: trials.as_ref().map_or(kind.trials, |trials| *trials.get_ref()),
-            streams: Streams::of(table.get(&STREAMS)),
-            charts,
-            kind,
-            subject,
-            text: text.clone(),
-            places,
-            written: Written {
-                seed,
-                trials,
-                inputs: kept::inputs(&table, &keys.keys, &sweeps, &files),
-                kind_end: table.span_of(&KIND).unwrap_or_default().end,
-                precision: table.span_of(&PRECISION),
-            },
-            sweeps,
-        })
     }
 }

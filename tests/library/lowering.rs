@@ -12,12 +12,12 @@ use sagnac::kernel::philox::{Address, Keys, Purpose, schedule};
 use sagnac::kernel::sine::{QUARTER_TURN, sine};
 use sagnac::kernel::width::Width;
 use sagnac::kernel::word::Scalar;
+use sagnac::key::refusal::Refusal;
 use sagnac::kinds::gap_fill::inputs::TickNoise;
 use sagnac::kinds::gap_fill::lower::Lowered;
 use sagnac::kinds::gap_fill::verify::Configuration;
 use sagnac::motion::{Motion, Tone};
 use sagnac::run::Plan;
-use sagnac::study::refusal::Refusal;
 use sagnac::tally::block::cover;
 
 fn keys(key: [u32; 2]) -> Keys {

@@ -4,10 +4,10 @@ use std::collections::HashMap;
 use std::sync::Mutex;
 
 use crate::studies::{Silent, gap_fill, parsed, rows, run, run_afresh};
-use sagnac::kinds::gap_fill::precision::Precision;
 use sagnac::progress::Progress;
 use sagnac::run::Plan;
 use sagnac::store::Store;
+use sagnac::study::precision::Precision;
 use sagnac::tally::share::Share;
 use sagnac::verify::select;
 

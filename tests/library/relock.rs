@@ -6,12 +6,12 @@ use sagnac::device::Job;
 use sagnac::device::cpu::Cpu;
 use sagnac::kernel::width::Width;
 use sagnac::key::common::Streams;
+use sagnac::key::refusal::Refusal;
 use sagnac::kinds::relock::inputs::FirstHalf;
 use sagnac::kinds::relock::inputs::{Compensation, Relock};
 use sagnac::kinds::relock::lower::{LoweredRelock, RelockEstimate};
 use sagnac::kinds::relock::verify::relock;
 use sagnac::kinds::relock::{RelockInputs, RelockPoint};
-use sagnac::study::refusal::Refusal;
 use sagnac::tally::block::cover;
 use sagnac::tally::stats::Estimates;
 

@@ -4,9 +4,9 @@ use std::process::Command;
 
 use crate::desk::{Desk, PROGRAM};
 use sagnac::kinds::KINDS;
+use sagnac::kinds::keys::explained_keys;
 use sagnac::run::Plan;
 use sagnac::study::Study;
-use sagnac::study::explained_keys;
 
 const UTF8: (&str, &str) = ("LC_ALL", "C.UTF-8");
 

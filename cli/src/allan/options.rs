@@ -6,7 +6,7 @@ use clap::Args;
 use sagnac::allan::deviation::Deviation;
 use sagnac::allan::tau::Taus;
 use sagnac::analysis::log::Asked;
-use sagnac::fit::realisations::LEAST_REALISATIONS;
+use sagnac::kinds::allan::realisations::LEAST_REALISATIONS;
 use sagnac::record::log::read::Request;
 
 use crate::failure::Failure;

@@ -4,9 +4,9 @@ use sagnac::allan::curve::{Minimum, Point};
 use sagnac::allan::noise::LEAST_GROUPS;
 use sagnac::allan::trend::Trend;
 use sagnac::allan::unit::Unit;
+use sagnac::analysis::data_sheet::Row;
 use sagnac::analysis::log::notes::heading;
 use sagnac::analysis::log::{Analysis, Column, Curve};
-use sagnac::fit::noise::Row;
 use sagnac::quantity::number::significant;
 
 use crate::terminal::aligned;

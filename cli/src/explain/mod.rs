@@ -6,9 +6,10 @@ use std::collections::BTreeMap;
 
 use clap::Args;
 use sagnac::described::{files, meanings};
+use sagnac::key::explained::Explained;
 use sagnac::kinds::KINDS;
+use sagnac::kinds::keys::{explain_key, explained_keys};
 use sagnac::study::kind::Kind;
-use sagnac::study::{Explained, explain_key, explained_keys};
 
 use crate::explain::glossary::{TERMS, Term};
 use crate::failure::{EXIT_CODES, Failure};

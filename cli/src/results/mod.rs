@@ -171,7 +171,7 @@ impl Results<'_> {
             answer,
             notes,
             charts,
-            tables: tables.as_charted(study),
+            tables: tables.as_charted(&study.charts),
             source: Source::of(study, plan, store, held, self.lacking)?,
         };
         write(&folder.join(REPORT), report.html().as_bytes())

@@ -4,7 +4,7 @@ use crate::allan::unit::Unit;
 use crate::analysis::compare::Comparison;
 use crate::analysis::compare::difference::{Difference, Quantity, SIGNIFICANT};
 use crate::analysis::compare::length::Length;
-use crate::fit::noise::data_sheet_unit;
+use crate::analysis::data_sheet::data_sheet_unit;
 use crate::fit::term::Term;
 
 /// What two logs say of one coefficient.

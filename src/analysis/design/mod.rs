@@ -51,6 +51,7 @@ use crate::analysis::design::candidates::{Candidate, Maker, even};
 use crate::device::Device;
 use crate::device::error::GpuError;
 use crate::kernel::moments::Moments;
+use crate::key::refusal::Refusal;
 use crate::kinds::switched_run::Timing;
 use crate::kinds::switched_run::run::late;
 use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
@@ -58,7 +59,6 @@ use crate::progress::Progress;
 use crate::quantity::number::significant;
 use crate::sampling::worker::Worker;
 use crate::study::Study;
-use crate::study::refusal::Refusal;
 use crate::tally::stats::{Estimates, NORMAL_95};
 use crate::theory::drift::budget::Optimum as Minimum;
 

@@ -3,6 +3,7 @@
 use crate::analysis::firmware::rule::Rule;
 use crate::filler::keys::Error;
 use crate::filler::{Fill, Filler, Method};
+use crate::key::refusal::Refusal;
 use crate::key::setting::Swept;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::Inputs;
@@ -12,7 +13,6 @@ use crate::kinds::gap_fill::point::Point;
 use crate::quantity::number::significant;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
-use crate::study::refusal::Refusal;
 use crate::theory::gap::{Weights, sine_response, tick_amplitude};
 
 /// The fillers of one point of a study.

@@ -1,8 +1,8 @@
 //! The charts of `sagnac allan`.
 
 use crate::allan::deviation::Deviation;
+use crate::analysis::data_sheet::data_sheet_unit;
 use crate::fit::coefficient::Coefficient;
-use crate::fit::noise::data_sheet_unit;
 use crate::fit::term::Term;
 use crate::key::scale::Scale;
 use crate::quantity::number::significant;

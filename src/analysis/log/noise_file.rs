@@ -1,8 +1,8 @@
 //! `noise.toml`: the identified coefficients of a column as studies read them.
 
 use crate::allan::unit::Unit;
+use crate::analysis::data_sheet::data_sheet_unit;
 use crate::fit::coefficient::Coefficient;
-use crate::fit::noise::data_sheet_unit;
 use crate::fit::term::Term;
 use crate::quantity::number::significant;
 

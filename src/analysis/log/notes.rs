@@ -1,8 +1,8 @@
 //! What should be known of an analysis besides its results.
 
 use crate::allan::unit::Unit;
+use crate::analysis::data_sheet::Intervals;
 use crate::analysis::log::{Analysis, Column};
-use crate::fit::noise::Intervals;
 use crate::quantity::number::significant;
 use crate::record::log::measure::Data;
 use crate::record::log::outliers::OUTLYING;

@@ -3,7 +3,7 @@
 use crate::allan::curve::Point;
 use crate::allan::deviation::Deviation;
 use crate::allan::trend::Trend;
-use crate::fit::noise::Row;
+use crate::analysis::data_sheet::Row;
 use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use serde_json::{Value, json};

@@ -7,6 +7,7 @@ pub mod kind;
 pub mod lower;
 pub mod notes;
 pub mod point;
+pub mod realisations;
 pub mod run;
 pub mod verify;
 

@@ -1,8 +1,8 @@
 //! Named synthetic records that differ in all that the kernel of records distinguishes.
 
 use crate::device::load::{Load, Work};
+use crate::key::refusal::Refusal;
 use crate::kinds::allan::lower::{Asked, Records};
-use crate::study::refusal::Refusal;
 use crate::theory::allan::estimator::{Difference, Estimator, Stride};
 use crate::theory::allan::part::Part;
 use crate::theory::allan::process::Process;

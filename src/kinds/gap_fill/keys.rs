@@ -34,18 +34,6 @@ keys! {
     pub(crate) RELOCK = "gyro.relock", "", Holds::List(&RELOCKS), r#"relock = ["20.3 arcsec", "14.8 arcsec"]"#;
 }
 
-keys! {
-    /// Where sampling stops.
-    pub(crate) static PRECISION_KEYS;
-    /// How precise a point has to be known to stop before all `trials`: "0.5 %", half the 95 % interval of the rms as a part of it, or
-    /// of other estimates by name. "none": all trials.
-    pub(crate) PRECISION = "precision", "", Holds::Either(&[Holds::Percent, TABLE]), r#"precision = "0.5 %""#;
-    /// Of the rms: "0.5 %".
-    pub(crate) PRECISION_RMS = "precision.rms", "", Holds::Percent, r#"rms = "0.5 %""#;
-    /// Of the 99.73 % level: "2 %".
-    pub(crate) PRECISION_Q9973 = "precision.q9973", "", Holds::Percent, r#"q9973 = "2 %""#;
-}
-
 /// What sweeps may vary besides the motion.
 pub(crate) static SETTINGS: [Setting<Inputs>; 6] = [
     Setting::new(&TICK, |inputs, tick| inputs.tick_s = tick.value),

@@ -9,18 +9,10 @@ pub mod lower;
 pub mod notes;
 pub mod of_noise;
 pub mod point;
-pub mod precision;
 pub mod run;
 pub mod verify;
 
-pub use crate::chart::law::Law;
-pub use crate::filler::{Fill, Filler, Method, POLYNOMIALS};
-pub use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
-pub use crate::kinds::gap_fill::point::Point;
-pub use crate::kinds::gap_fill::precision::Precision;
-pub use crate::motion::vibration::{Acceleration, Vibration};
-pub use crate::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
-
+use crate::filler::Filler;
 use crate::filler::keys::{ERRORS, EXTRAPOLATION_TICKS, Error, FILLERS, FIT_TICKS, GAP_TICKS, OF_ONE_SWITCH};
 use crate::filler::ticks::{Purpose, TickList};
 use crate::kernel::gap_fill::shape::MAX_SIDE;
@@ -28,11 +20,14 @@ use crate::key::given::Given;
 use crate::key::reading::Reading;
 use crate::key::row::Key;
 use crate::key::setting;
-use crate::kinds::gap_fill::keys::{PRECISION, RELOCK, SETTINGS, TICK_NOISE};
+use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
+use crate::kinds::gap_fill::keys::{RELOCK, SETTINGS, TICK_NOISE};
+use crate::kinds::gap_fill::point::Point;
 use crate::kinds::{gap_fill, gyro};
 use crate::motion::keys::{GYRO as SUSPENDED_GYRO, Position, SUSPENSION};
-use crate::motion::{self, vibration};
+use crate::motion::{self, Profile, vibration};
 use crate::source::diagnose::{Fault, Wrong};
+use crate::study::precision::{self, PRECISION, Precision};
 use crate::{filler, noise};
 
 /// What a gap-fill study asks.
@@ -59,7 +54,7 @@ pub(crate) fn keys_of_fill() -> Vec<&'static Key> {
 
 /// Every key of this kind.
 pub(crate) fn keys() -> Vec<&'static Key> {
-    [gap_fill::keys::PRECISION_KEYS, &keys_of_fill()[..], OF_ONE_SWITCH].concat()
+    [precision::KEYS, &keys_of_fill()[..], OF_ONE_SWITCH].concat()
 }
 
 /// Every key that a sweep may vary.
@@ -105,8 +100,8 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
     };
     let points = base.points()?;
     notes.extend(crate::kinds::gap_fill::notes::of_motion(&inputs, &points));
-    let precision = crate::kinds::gap_fill::precision::read(&reading.table)?;
-    notes.extend(precision.as_ref().and_then(crate::kinds::gap_fill::precision::finer_than_bins));
+    let precision = precision::read(&reading.table)?;
+    notes.extend(precision.as_ref().and_then(precision::finer_than_bins));
     if let (Some(_), Some(written), Some(Profile { position: Position::Every, .. })) =
         (&precision, reading.get(&PRECISION), &inputs.motion.profile)
     {

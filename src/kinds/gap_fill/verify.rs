@@ -7,13 +7,13 @@ use crate::filler::keys::Error;
 use crate::filler::{Fill, Filler, Method};
 use crate::kernel::launch::Launch;
 use crate::key::common::Streams;
+use crate::key::refusal::Refusal;
 use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::point::Point;
 use crate::motion::keys::{Phase, Position};
 use crate::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value};
 use crate::record::Record;
-use crate::study::refusal::Refusal;
 use crate::theory::minimum_variance::Band;
 
 /// A gap-fill point that identity is checked on.

@@ -39,7 +39,7 @@ pub struct Point {
     /// Of whole ticks.
     pub schedule: Schedule,
     /// The switch; absent where the residual is given by its largest value.
-    pub fill: Option<gap_fill::Point>,
+    pub fill: Option<gap_fill::point::Point>,
     /// The relock after each switch.
     pub relock: Option<Relocking>,
 }
@@ -72,14 +72,14 @@ impl Point {
 }
 
 /// Time from a switch on after which its loop is closed, s.
-fn settled_s(relocking: &Relocking, fill: &gap_fill::Point) -> f64 {
+fn settled_s(relocking: &Relocking, fill: &gap_fill::point::Point) -> f64 {
     let gap_s = f64::from(fill.inputs.gap_ticks) * fill.inputs.tick_s;
     let ticks_s = f64::from(relocking.relock.ticks) * fill.inputs.tick_s;
     gap_s + ticks_s.max(SETTLED * relocking.relock.loop_s)
 }
 
 /// Ticks from the first that a filler reads to the last.
-fn ticks_round_a_switch(fill: &gap_fill::Point) -> f64 {
+fn ticks_round_a_switch(fill: &gap_fill::point::Point) -> f64 {
     let ends = [0, fill.inputs.gap_ticks as i32];
     let ticks = fill.fills.iter().flat_map(|fill| &fill.fit_ticks);
     let [first, last] = ticks.fold(ends, |[first, last], &tick| [first.min(tick), last.max(tick)]);
@@ -138,7 +138,7 @@ impl Base<'_> {
     fn whole_ticks(
         &self,
         interval_s: f64,
-        fill: &gap_fill::Point,
+        fill: &gap_fill::point::Point,
         rounded: &mut Vec<String>,
     ) -> Result<f64, Fault> {
         let tick_s = fill.inputs.tick_s;
@@ -167,7 +167,7 @@ impl Base<'_> {
     fn check_relock(
         &self,
         relock: Option<&Relocking>,
-        fill: Option<&gap_fill::Point>,
+        fill: Option<&gap_fill::point::Point>,
         schedule: Schedule,
     ) -> Result<(), Fault> {
         let (Some(relocking), Some(fill)) = (relock, fill) else { return Ok(()) };

@@ -7,11 +7,14 @@
 
 pub mod verdict;
 
-use crate::chart::{Chart, Shows};
+use crate::chart::{Chart, Named, Shows};
 use crate::key::setting::Swept;
+use crate::kinds::keys::{explain_key, explained_keys};
+use crate::quantity::units::Dimension;
 use crate::run::Tables;
 use crate::source::diagnose::StudyError;
-use crate::study::{self, Study};
+use crate::source::diagnose::nearest;
+use crate::study::Study;
 use crate::table::unit::bare;
 use crate::table::{Cell, ColumnError};
 use crate::view::chart::figure::Figure;
@@ -90,7 +93,7 @@ pub fn written(study: &Study, chart: &Chart) -> Vec<(String, String)> {
     let ground = study.ground(chart.source);
     let texts = ground.map_or(vec![], |ground| ground.texts);
     let is_usual = |name: &str| texts.iter().any(|text| text.name == name && text.usual.is_some());
-    let asked = |(name, _): &&(study::Named, Cell)| !name.span.is_empty() || is_usual(&name.name);
+    let asked = |(name, _): &&(Named, Cell)| !name.span.is_empty() || is_usual(&name.name);
     chart.rows.iter().filter(asked).map(|(column, value)| (column.name.clone(), value.text())).collect()
 }
 
@@ -98,7 +101,7 @@ pub fn written(study: &Study, chart: &Chart) -> Vec<(String, String)> {
 pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
     let named = || [&chart.x, chart.estimate()].into_iter().chain(chart.columns()).chain(chart.series());
     let rows = || chart.rows.iter().map(|row| &row.0);
-    let place = |mut names: Box<dyn Iterator<Item = &study::Named> + '_>, name: &str| {
+    let place = |mut names: Box<dyn Iterator<Item = &Named> + '_>, name: &str| {
         // A default is written nowhere; another name may be.
         names
             .find(|named| named.name == name && !named.span.is_empty())
@@ -108,8 +111,8 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
     let mut column = format!("name a column of {file}, with or without its unit");
     if let ChartError::Column(ColumnError::Unknown { name, known }) = error {
         let is_called = |key: &&str| *key == name || key.ends_with(&format!(".{name}"));
-        let is_swept = |key: &&str| study::explain_key(key).is_some_and(|key| key.swept.is_some());
-        if let Some(key) = study::explained_keys().filter(is_called).find(is_swept) {
+        let is_swept = |key: &&str| explain_key(key).is_some_and(|key| key.swept.is_some());
+        if let Some(key) = explained_keys().filter(is_called).find(is_swept) {
             column = format!(
                 "{key} has a column where a [[sweep]] varies it; else {column}, or leave out the chart"
             );
@@ -164,7 +167,7 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
 /// The column whose name is most like one that there is not, without its unit.
 fn nearest_column<'k>(name: &str, headers: &'k [String]) -> Option<&'k str> {
     let bare = |header: &'k String| bare(header).min_by_key(|name| name.len()).unwrap_or(header);
-    study::nearest(name, &headers.iter().map(bare).collect::<Vec<_>>())
+    nearest(name, &headers.iter().map(bare).collect::<Vec<_>>())
 }
 
 /// How to leave one of several rows that differ in `column`, and what to do else with its name.
@@ -173,9 +176,7 @@ fn choose_one(study: &Study, column: &str, value: &str, otherwise: impl Fn(&str)
     let swept = study.sweeps.iter().find(|sweep| sweep.key.name == column);
     let shown = swept.and_then(|sweep| sweep.values.iter().find(|swept| swept.cell().text() == value));
     let value = match shown {
-        Some(Swept::Quantity(quantity)) if quantity.dimension == study::Dimension::Count => {
-            quantity.to_string()
-        }
+        Some(Swept::Quantity(quantity)) if quantity.dimension == Dimension::Count => quantity.to_string(),
         Some(swept) => format!("\"{swept}\""),
         None => format!("\"{value}\""),
     };

@@ -26,7 +26,7 @@ pub use crate::view::report::gallery::{Card, gallery};
 pub use crate::view::report::notes::notes;
 pub use crate::view::report::source::{Named, Source};
 
-use crate::study;
+use crate::chart;
 use crate::table::Table;
 use crate::view::picture::Drawn;
 
@@ -47,7 +47,7 @@ pub struct Report<'a> {
     /// The charts, in the order of the study.
     pub charts: &'a [Drawn],
     /// The tables, each with what it is. Of large ones the page shows a part and says which.
-    pub tables: Vec<(study::Source, &'a Table)>,
+    pub tables: Vec<(chart::Source, &'a Table)>,
     /// What was simulated, and by whom.
     pub source: Source,
 }

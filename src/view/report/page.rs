@@ -2,8 +2,8 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
+use crate::chart;
 use crate::quantity::number::significant;
-use crate::study;
 use crate::table::Table;
 use crate::view::chart::palette::style_sheet;
 use crate::view::report::Report;
@@ -29,7 +29,7 @@ const SCRIPT: [&str; 9] = [
 
 pub(crate) fn page(report: &Report) -> String {
     let points =
-        report.tables.iter().find(|(source, _)| *source == study::Source::Points).map(|(_, table)| *table);
+        report.tables.iter().find(|(source, _)| *source == chart::Source::Points).map(|(_, table)| *table);
     // Half of the time each, where there are many rows.
     let (packed, digest) = rayon::join(|| data(report), || points.map(digest));
     let Packed { text: packed, tables, thinned } = packed;

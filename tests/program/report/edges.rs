@@ -1,7 +1,6 @@
 //! Reports of what is little, nothing or very much.
 
 use sagnac::chart::{Chart, Shows};
-use sagnac::study;
 use sagnac::table::Table;
 use sagnac::view::chart::figure::Figure;
 use sagnac::view::chart::picture::Picture;
@@ -41,7 +40,7 @@ fn page_of(table: &Table, chart: &Chart) -> String {
         answer: Answer::default(),
         notes: &[],
         charts: &[drawn],
-        tables: vec![(study::Source::Points, table)],
+        tables: vec![(sagnac::chart::Source::Points, table)],
         source,
     };
     report.html()

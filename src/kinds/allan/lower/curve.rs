@@ -1,10 +1,10 @@
 //! A point of a study of Allan curves, ready to be sampled.
 
 use crate::key::common::Streams;
+use crate::key::refusal::Refusal;
 use crate::kinds::allan::lower::{Asked, Records};
 use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
 use crate::store::Address;
-use crate::study::refusal::Refusal;
 use crate::tally::id::Id;
 use crate::theory::allan::estimator::{Difference, Estimator, Stride};
 

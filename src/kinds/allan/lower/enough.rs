@@ -1,9 +1,9 @@
 //! Whether every part of a noise model has units enough in its words.
 
+use crate::key::refusal::{Refusal, shown};
 use crate::kinds::allan::lower::fixed::{Fixed, SIGMA_UNITS, TURN};
 use crate::kinds::allan::lower::model::{Markov, Model, Sine};
 use crate::quantity::number::significant;
-use crate::study::refusal::{Refusal, shown};
 use crate::theory::allan::estimator::Difference;
 
 /// Fewest units of a standard deviation or an amplitude: it is then rounded by at most 1 %.

@@ -2,10 +2,10 @@
 
 use crate::kernel::moments::LIMIT;
 use crate::kernel::recipe::{FOUR_STREAMS, STREAMS};
+use crate::key::refusal::{Refusal, shown};
 use crate::kinds::allan::lower::model::impossible;
 use crate::kinds::allan::lower::model::{DEVIATIONS, Markov, Model, Noise, Sine, WarmUp, reach};
 use crate::quantity::number::significant;
-use crate::study::refusal::{Refusal, shown};
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::switching::Jumps;
 

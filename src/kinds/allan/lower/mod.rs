@@ -15,9 +15,9 @@ pub mod levels;
 pub mod model;
 pub mod oracle;
 
+use crate::key::refusal::Refusal;
 use crate::kinds::allan::lower::model::too_long;
 pub use crate::kinds::allan::lower::oracle::Oracle;
-use crate::study::refusal::Refusal;
 
 use crate::kernel::allan;
 use crate::kernel::recipe::Recipe;

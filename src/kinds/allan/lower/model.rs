@@ -2,9 +2,9 @@
 
 use core::f64::consts::PI;
 
+use crate::key::refusal::Refusal;
 use crate::kinds::allan::lower::Asked;
 use crate::kinds::allan::lower::MOST_SAMPLES;
-use crate::study::refusal::Refusal;
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::holds;
 use crate::theory::allan::part::{FLAT_LEVEL, Part};

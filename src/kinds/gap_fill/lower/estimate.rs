@@ -4,13 +4,13 @@ use crate::filler::keys::Error;
 use crate::kernel::gap_fill;
 use crate::kernel::moments::{LIMIT, level};
 use crate::kernel::normal::REACH;
+use crate::key::refusal::Refusal;
 use crate::kinds::gap_fill::lower::fixed::Fixed;
 use crate::kinds::gap_fill::lower::response::Functional;
 use crate::kinds::gap_fill::lower::weights::Rows;
 use crate::kinds::gap_fill::lower::weights::singular_covariance;
 use crate::kinds::gap_fill::lower::{readout, words_of};
 use crate::store::Address;
-use crate::study::refusal::Refusal;
 use crate::tally::id::Id;
 
 /// The exact values of an estimate for the lowered parameters, in ″.

@@ -6,12 +6,12 @@ use std::fmt::Write as _;
 use crate::kernel::gap_fill::shape::MARGIN;
 use crate::kernel::normal::REACH;
 use crate::key::common::Streams;
+use crate::key::refusal::Refusal;
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::motion::keys::{Phase, Position};
 use crate::motion::vibration::Acceleration;
 use crate::motion::{Frequency, Gaussian, Value};
 use crate::quantity::units::round_12;
-use crate::study::refusal::Refusal;
 use crate::tally::id::Id;
 use crate::theory::gap::tick_amplitude;
 

@@ -2,11 +2,11 @@
 
 use crate::kernel::moments::LIMIT;
 use crate::kernel::normal::REACH;
+use crate::key::refusal::{Refusal, shown};
 use crate::kinds::gap_fill::lower::fixed::Fixed;
 use crate::kinds::gap_fill::lower::physical::Physical;
 use crate::kinds::gap_fill::lower::response::Functional;
 use crate::quantity::number::significant;
-use crate::study::refusal::{Refusal, shown};
 use crate::theory::gap::polynomial_weights;
 
 /// Fewest units of 2^−4 LSB of σ: it is then rounded by at most 1 %.

@@ -6,8 +6,8 @@ use core::ops::RangeInclusive;
 use crate::filler::keys::Error;
 use crate::filler::{Filler, Method};
 use crate::kernel::gap_fill::shape::MARGIN;
+use crate::key::refusal::{Refusal, shown};
 use crate::kinds::gap_fill::inputs::Inputs;
-use crate::study::refusal::{Refusal, shown};
 use crate::theory::gap::{Weights, polynomial_weights};
 use crate::theory::minimum_variance::minimum_variance_weights;
 

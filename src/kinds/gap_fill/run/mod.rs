@@ -6,9 +6,10 @@ pub mod stop;
 use std::time::Instant;
 
 use crate::progress::Progress;
-use crate::run::{Done, RunError, Tables};
 use crate::sampling::batches::{Work, held_by_all, lacking, sample};
 use crate::sampling::plan;
+use crate::sampling::plan::{Done, RunError};
+use crate::sampling::tables::Tables;
 use crate::sampling::worker::Worker;
 use rayon::prelude::*;
 

@@ -2,10 +2,10 @@
 
 use crate::kernel::moments::Moments;
 use crate::kinds::gap_fill::lower::estimate::Estimate;
-use crate::kinds::gap_fill::precision::Precision;
 use crate::kinds::gap_fill::run::Plan;
 use crate::store::Store;
 use crate::store::error::StoreError;
+use crate::study::precision::Precision;
 use crate::tally::share::Share;
 use crate::tally::stats::{Estimates, NORMAL_95};
 

@@ -2,10 +2,10 @@
 
 use crate::kernel::normal::REACH;
 use crate::kernel::relock_ticks::{MAX_TICKS, Method, Parameters, Shape};
+use crate::key::refusal::{Refusal, shown};
 use crate::kinds::relock::inputs::FirstHalf;
 use crate::kinds::relock::inputs::Relock;
 use crate::quantity::number::significant;
-use crate::study::refusal::{Refusal, shown};
 use crate::theory::relock;
 
 /// Largest detuning, units.

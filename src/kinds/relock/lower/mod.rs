@@ -2,8 +2,8 @@
 
 pub mod fixed;
 
+use crate::key::refusal::Refusal;
 pub use crate::kinds::relock::lower::fixed::{FixedRelock, MOST_LEFT};
-use crate::study::refusal::Refusal;
 
 use std::sync::Arc;
 

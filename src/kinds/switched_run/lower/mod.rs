@@ -17,6 +17,7 @@ use crate::filler::keys::Error;
 use crate::kernel::moments::level;
 use crate::kernel::switched_run;
 use crate::key::common::Streams;
+use crate::key::refusal::Refusal;
 use crate::kinds::gap_fill::lower::residual::Residual;
 use crate::kinds::gap_fill::lower::{Lowered, definition, words_of};
 use crate::kinds::switched_run::lower::drift::Drift;
@@ -25,7 +26,6 @@ use crate::kinds::switched_run::lower::relocking::FixedRelocking;
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
 use crate::store::Address;
-use crate::study::refusal::Refusal;
 use crate::tally::id::Id;
 
 /// A point of a study of whole runs, ready to be sampled.

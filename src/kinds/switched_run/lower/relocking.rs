@@ -8,12 +8,12 @@ use crate::kernel::normal::REACH;
 use crate::kernel::relock::{self, WEIGHT_BITS};
 use crate::kernel::relock_ticks::{self, Shape};
 use crate::kernel::width::Width;
+use crate::key::refusal::Refusal;
 use crate::kinds::relock::inputs::{Compensation, Relock};
 use crate::kinds::relock::lower::fixed::{FixedRelock, MOST_LEFT};
 use crate::kinds::relock::lower::{PILOT, method};
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::kinds::switched_run::relock::Relocking;
-use crate::study::refusal::Refusal;
 
 /// The relock of a point, for any filler.
 #[derive(Debug, Clone, PartialEq)]

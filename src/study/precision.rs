@@ -1,10 +1,23 @@
 //! The precision at which sampling stops.
 
 use crate::kernel::moments::BIN_BITS;
+use crate::key::holds::Holds;
+use crate::key::row::keys;
 use crate::key::table::Table;
-use crate::kinds::gap_fill::keys::{PRECISION, PRECISION_Q9973, PRECISION_RMS};
 use crate::quantity::number::significant;
 use crate::source::diagnose::Fault;
+
+keys! {
+    /// Where sampling stops.
+    pub(crate) static KEYS;
+    /// How precise a point has to be known to stop before all `trials`: "0.5 %", half the 95 % interval of the rms as a part of it, or
+    /// of other estimates by name. "none": all trials.
+    pub(crate) PRECISION = "precision", "", Holds::Either(&[Holds::Percent, Holds::Table]), r#"precision = "0.5 %""#;
+    /// Of the rms: "0.5 %".
+    PRECISION_RMS = "precision.rms", "", Holds::Percent, r#"rms = "0.5 %""#;
+    /// Of the 99.73 % level: "2 %".
+    PRECISION_Q9973 = "precision.q9973", "", Holds::Percent, r#"q9973 = "2 %""#;
+}
 
 /// Half the 95 % interval of an estimate, as a part of it, that is precise enough; sampling of a filler at a point stops
 /// where all its errors are.

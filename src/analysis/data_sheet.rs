@@ -8,10 +8,10 @@ use crate::fit::choose::Terms;
 use crate::fit::coefficient::{Coefficient, Fit, Verdict};
 use crate::fit::curve::{Curve, FitError};
 use crate::fit::fitter::Fitter;
-use crate::fit::realisations;
 use crate::fit::record::curve_of;
 use crate::fit::term::Term;
 use crate::kernel::width::Width;
+use crate::kinds::allan::realisations::realisations;
 
 /// Simulated records of a fit, unless told or the record has more than [`MOST_SIMULATED`] samples.
 pub const USUAL_REALISATIONS: usize = 1000;
@@ -125,7 +125,8 @@ impl DataSheet {
     /// # Example
     /// ```
     /// use sagnac::allan::{Angles, Trend, Unit};
-    /// use sagnac::fit::{DataSheet, Simulated, Terms};
+    /// use sagnac::analysis::data_sheet::{DataSheet, Simulated};
+    /// use sagnac::fit::Terms;
     ///
     /// let rates: Vec<f64> = (0_u64..4096).map(|i| (i * i * 48_271 % 65_537) as f64 / 65_537.0).collect();
     /// let angles = Angles::from_increments(&rates, 0.01, 0.01, Trend::None);

@@ -2,8 +2,17 @@
 
 pub mod charts;
 
-use super::*;
+use std::path::Path;
+
+use crate::key::scale::Scale;
+use crate::key::setting::Swept;
 use crate::kinds::gap_fill::GapFill;
+use crate::kinds::gap_fill::inputs::{Inputs, TickNoise};
+use crate::kinds::gap_fill::point::Point;
+use crate::kinds::keys::schema;
+use crate::motion::{Motion, Tone};
+use crate::quantity::units::{Dimension, Quantity};
+use crate::study::Study;
 use crate::table::{Cell, Unit};
 
 const SHIPPED: &str = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/studies/error_vs_dtnu.toml"));

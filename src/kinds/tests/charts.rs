@@ -1,7 +1,11 @@
 //! Kinds of charts and laws: what they need, and how wrong ones are reported.
 
-use super::super::*;
-use crate::study::tests::{parsed, refused, with};
+use crate::chart::law::Law;
+use crate::chart::{Chart, Shows};
+use crate::filler::Filler;
+use crate::filler::keys::Error;
+use crate::key::scale::Scale;
+use crate::kinds::tests::{parsed, refused, with};
 
 /// A study over frequency and gap ticks, with a chart of these lines from line 19 on.
 fn chart(lines: &str) -> String {
@@ -134,8 +138,8 @@ fn laws_are_read_once_each_and_follow_what_is_swept() {
 
 #[test]
 fn laws_have_values_for_the_fillers_they_speak_of_only() {
-    let study = parsed(crate::study::tests::BASE);
-    let point = &crate::study::tests::points(&study)[0];
+    let study = parsed(crate::kinds::tests::BASE);
+    let point = &crate::kinds::tests::points(&study)[0];
     let rounded = |law: Law, filler: &Filler| {
         let value = law.arcsec(&point.inputs, filler, Error::Residual, 4);
         value.map(|arcsec| (arcsec * 1000.0).round() / 1000.0)

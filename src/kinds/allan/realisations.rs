@@ -3,8 +3,8 @@
 use crate::device::cpu::Cpu;
 use crate::fit::coefficient::Fit;
 use crate::fit::curve::Curve;
+use crate::key::refusal::Refusal;
 use crate::kinds::allan::lower::{Asked, Records};
-use crate::study::refusal::Refusal;
 use crate::tally::id::Id;
 use crate::theory::allan::estimator::{Estimator, Stride};
 use crate::theory::allan::process::Process;

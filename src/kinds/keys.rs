@@ -38,7 +38,7 @@ pub fn explained_keys() -> impl Iterator<Item = &'static str> {
 ///
 /// # Example
 /// ```
-/// # use sagnac::study::explain_key;
+/// # use sagnac::kinds::keys::explain_key;
 /// let tick = explain_key("gyro.tick").unwrap();
 /// assert_eq!(tick.example, "tick = \"5 ms\"");
 /// assert_eq!(tick.swept.unwrap().range, "1 µs to 1000 s");

@@ -1,0 +1,124 @@
+//! Reading a study file: its kind is looked up in [`KINDS`], which reads the rest.
+//!
+//! ```text
+//! text ─ toml ─▶ table ─ keys, units ─▶ inputs, sweeps ─ expand, check ─▶ points
+//! ```
+//!
+//! Every fault of a study is found here, before any work, and is reported with its place in the file.
+//!
+//! [`KINDS`]: crate::kinds::KINDS
+
+use std::path::Path;
+use std::sync::Arc;
+
+use miette::NamedSource;
+use toml::Spanned;
+use toml::de::DeTable;
+
+use crate::chart;
+use crate::chart::file::Source;
+use crate::chart::ground::Ground;
+use crate::key::common::{KIND, QUESTION, SEED, STREAMS, Streams, TITLE, TRIALS};
+use crate::key::places::Places;
+use crate::key::reading::Reading;
+use crate::key::row::Key;
+use crate::key::sweep::read_all as read_sweeps;
+use crate::key::table::Table;
+use crate::kinds::keys::checked;
+use crate::source::diagnose::{Fault, StudyError, Text, Wrong};
+use crate::source::text_file::{Files, MOST_TOML, read_text};
+use crate::study::Study;
+use crate::study::kept::{self, Written};
+use crate::study::precision::PRECISION;
+
+impl Study {
+    /// Reads the study file at `path`.
+    ///
+    /// # Errors
+    /// A file that cannot be read, and those of [`Study::parse`].
+    pub fn read(path: &Path) -> Result<Study, StudyError> {
+        let text = read_text(path, MOST_TOML).map_err(|error| {
+            if path.is_dir() {
+                return StudyError::of_folder(path);
+            }
+            StudyError::unreadable("the study", path, &error, "give the path of a study file (TOML, UTF-8)")
+        })?;
+        Study::parse(&path.display().to_string(), &text)
+    }
+
+    /// Reads a study from its `text`; `name` is that of the file, for messages.
+    ///
+    /// # Errors
+    /// The first fault found, with its place in the text.
+    ///
+    /// # Example
+    /// ```
+    /// # use sagnac::study::Study;
+    /// let error = Study::parse("my.toml", "title = 5 ms").unwrap_err();
+    /// assert!(error.render(false, 100).contains("my.toml:1"));
+    /// ```
+    pub fn parse(name: &str, text: &str) -> Result<Study, StudyError> {
+        let text: Text = Arc::new(NamedSource::new(name, text.to_owned()));
+        Study::check(&text).map_err(|wrong| wrong.within(&text))
+    }
+
+    fn check(text: &Text) -> Result<Study, Wrong> {
+        let root = DeTable::parse(text.inner()).map_err(|error| Fault::from_syntax("the study", &error))?;
+        let table = Table::root("", &root);
+        let (kind, keys) = checked(&table)?;
+        let files = Files::of(Path::new(text.name()).parent().unwrap_or(Path::new("")));
+        let sweeps = read_sweeps(&table, &keys.keys, &keys.sweepable)?;
+        let count = |key: &'static Key| -> Result<Option<Spanned<u64>>, Fault> {
+            let Some(given) = table.get(key) else { return Ok(None) };
+            Ok(Some(Spanned::new(given.span(), given.whole()?.cast_unsigned())))
+        };
+        let (seed, trials) = (count(&SEED)?, count(&TRIALS)?);
+        let mut reading =
+            Reading { table: table.clone(), sweeps: &sweeps, files: &files, places: Places::default() };
+        reading.note(&[&KIND, &TRIALS, &PRECISION]);
+        let subject = (kind.read)(&mut reading)?;
+        let places = reading.places;
+        let usual =
+            [kind.look.along.or(sweeps.first().map(|sweep| sweep.key.name)), Some(kind.look.estimate)];
+        let written_text = |key| table.get(key).map_or(String::new(), |given| given.text().to_owned());
+        let grounds = subject.grounds();
+        let mut charts =
+            chart::read_all(&table, &sweeps, &grounds, usual, || subject.default_chart(&sweeps))?;
+        for chart in &mut charts {
+            if chart.title.is_empty() {
+                chart.title = written_text(&TITLE);
+            }
+            chart.subtitle = written_text(&QUESTION);
+            let ground = grounds.iter().find(|ground| ground.source == chart.source);
+            let texts = ground.map(Ground::text_names).unwrap_or_default();
+            let apart = sweeps.iter().map(|sweep| sweep.key.name).chain(texts);
+            chart.apart = apart.map(str::to_owned).collect();
+            let points = match chart.source {
+                Source::Points => kind.look.points,
+                Source::Trajectories => "single runs",
+                Source::Coefficients => "Monte Carlo",
+            };
+            (chart.points, chart.bands) = (points.to_owned(), kind.look.bands.to_owned());
+        }
+        Ok(Study {
+            title: written_text(&TITLE),
+            question: written_text(&QUESTION),
+            seed: seed.as_ref().map_or(1, |seed| *seed.get_ref()),
+            trials: trials.as_ref().map_or(kind.trials, |trials| *trials.get_ref()),
+            streams: Streams::of(table.get(&STREAMS)),
+            charts,
+            kind,
+            subject,
+            text: text.clone(),
+            places,
+            written: Written {
+                seed,
+                trials,
+                inputs: kept::inputs(&table, &keys.keys, &sweeps, &files),
+                kind_end: table.span_of(&KIND).unwrap_or_default().end,
+                precision: table.span_of(&PRECISION),
+            },
+            sweeps,
+        })
+    }
+}

@@ -1,0 +1,47 @@
+//! The tables of a study's results.
+
+use crate::chart::{Chart, Source};
+use crate::table::Table;
+
+/// The results of a study, each a table of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tables {
+    /// points.csv
+    pub points: Table,
+    /// coefficients.csv, where coefficients are fitted.
+    pub coefficients: Option<Table>,
+    /// trajectories.csv, where some are kept.
+    pub trajectories: Option<Table>,
+}
+
+impl Tables {
+    /// All tables, each with what it is.
+    pub fn all(&self) -> impl Iterator<Item = (Source, &Table)> {
+        let coefficients = self.coefficients.as_ref().map(|table| (Source::Coefficients, table));
+        let trajectories = self.trajectories.as_ref().map(|table| (Source::Trajectories, table));
+        std::iter::once((Source::Points, &self.points)).chain(coefficients).chain(trajectories)
+    }
+
+    /// All tables, that of the first of these charts before the others.
+    pub fn as_charted(&self, charts: &[Chart]) -> Vec<(Source, &Table)> {
+        let first = charts.first().map_or(Source::Points, |chart| chart.source);
+        let mut all: Vec<_> = self.all().collect();
+        all.sort_by_key(|(source, _)| *source != first);
+        all
+    }
+
+    /// Only that of the points.
+    pub(crate) fn of_points(points: Table) -> Tables {
+        Tables { points, coefficients: None, trajectories: None }
+    }
+
+    /// The table that a chart is drawn from.
+    pub fn of(&self, source: Source) -> &Table {
+        let other = match source {
+            Source::Points => None,
+            Source::Coefficients => self.coefficients.as_ref(),
+            Source::Trajectories => self.trajectories.as_ref(),
+        };
+        other.unwrap_or(&self.points)
+    }
+}
