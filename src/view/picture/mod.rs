@@ -9,10 +9,10 @@ pub mod verdict;
 
 use crate::chart::{Chart, Shows};
 use crate::key::setting::Swept;
+use crate::quantity::unit::bare;
 use crate::run::Tables;
 use crate::source::diagnose::StudyError;
 use crate::study::{self, Study};
-use crate::table::unit::bare;
 use crate::table::{Cell, ColumnError};
 use crate::view::chart::figure::Figure;
 use crate::view::chart::map::Map;
