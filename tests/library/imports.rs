@@ -34,15 +34,8 @@ const ORDER: &[&str] = &[
 ];
 
 /// What may still be imported upwards: (from, to). Nothing is added here.
-const EXCEPTIONS: &[(&str, &str)] = &[
-    ("quantity", "table"),
-    ("source", "record"),
-    ("fit", "kinds"),
-    ("fit", "study"),
-    ("sampling", "run"),
-    ("kinds", "study"),
-    ("kinds", "run"),
-];
+const EXCEPTIONS: &[(&str, &str)] =
+    &[("fit", "kinds"), ("fit", "study"), ("sampling", "run"), ("kinds", "study"), ("kinds", "run")];
 
 /// `(from, to)` with every place that imports so.
 type Imports = BTreeMap<(String, String), Vec<String>>;
