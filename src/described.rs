@@ -3,10 +3,10 @@
 use crate::analysis::{compare, design, firmware, log};
 use crate::chart::file::Source;
 use crate::kinds::KINDS;
+use crate::quantity::unit::bare;
 use crate::study::kind::Kind;
 use crate::table::About;
 use crate::table::column::abouts;
-use crate::table::unit::bare;
 
 /// A file of results with columns.
 #[derive(Debug, Clone)]

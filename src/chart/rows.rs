@@ -106,7 +106,7 @@ pub(crate) fn row(
         text(&column, value, values.iter().map(String::as_str))?
     } else {
         // Whether the table has that τ shows when the chart is drawn without estimates.
-        value.read(&TIMES)?.cell()
+        value.read(&TIMES)?.into()
     };
     Ok((column, cell))
 }

@@ -71,7 +71,7 @@ impl Swept {
     /// The value as a cell of a table.
     pub fn cell(&self) -> Cell {
         match self {
-            Swept::Quantity(quantity) => quantity.cell(),
+            Swept::Quantity(quantity) => (*quantity).into(),
             Swept::Name(name) => Cell::Text(name.clone()),
         }
     }

@@ -8,7 +8,7 @@
 
 use std::fmt;
 
-use crate::quantity::units::UnitError;
+use crate::quantity::error::UnitError;
 
 /// Arcseconds in one radian: 180 · 3600 / π.
 const ARCSEC_PER_RAD: f64 = 206_264.806_247_096_36;

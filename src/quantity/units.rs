@@ -2,9 +2,10 @@
 
 use std::fmt;
 
+use crate::quantity::error::UnitError;
 use crate::quantity::expression::{self, Exponents};
 use crate::quantity::number::significant;
-use crate::table::{Cell, Unit};
+use crate::quantity::unit::Unit;
 
 /// What a value of a study measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -179,14 +180,6 @@ impl Quantity {
     pub fn shown(self) -> f64 {
         self.value * self.dimension.base_shown()
     }
-
-    /// The value as a cell of a table.
-    pub fn cell(self) -> Cell {
-        match self.dimension {
-            Dimension::Count => Cell::Integer(self.value as i64),
-            _ => Cell::Number(self.shown()),
-        }
-    }
 }
 
 impl fmt::Display for Quantity {
@@ -201,72 +194,6 @@ impl fmt::Display for Quantity {
 /// Rounds to 12 significant decimal digits, through text: exact, and the same everywhere. −0 becomes 0.
 pub(crate) fn round_12(x: f64) -> f64 {
     format!("{x:.11e}").parse().unwrap_or(x) + 0.0
-}
-
-/// Why a text is not the quantity it should be.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum UnitError {
-    /// A number alone: `"5"`.
-    #[error("\"{text}\" is a bare number, its unit is missing")]
-    BareNumber {
-        /// As written.
-        text: String,
-    },
-    /// No number to begin with: `"fast"`.
-    #[error("\"{text}\" does not begin with a number")]
-    NoNumber {
-        /// As written.
-        text: String,
-    },
-    /// A comma for the decimal point: `"5,0 deg/s"`.
-    #[error(
-        "\"{text}\" has a comma in its number: decimals take a point, thousands no sign, as in {instead}"
-    )]
-    Comma {
-        /// As written.
-        text: String,
-        /// What may be meant, as it should be written.
-        instead: String,
-    },
-    /// Too large a number, or none.
-    #[error("\"{text}\" is not a finite number")]
-    NotFinite {
-        /// As written.
-        text: String,
-    },
-    /// A word that is no unit: `"5 lightyear"`.
-    #[error("`{unit}` is not a known unit")]
-    Unknown {
-        /// The word.
-        unit: String,
-    },
-    /// Signs out of place: `"5 deg//h"`.
-    #[error("`{unit}` cannot be read as a unit")]
-    Malformed {
-        /// As written.
-        unit: String,
-    },
-    /// A quantity of another dimension than the key takes.
-    #[error("\"{text}\" is {found}")]
-    Dimension {
-        /// As written.
-        text: String,
-        /// What it is, as in "an angle".
-        found: String,
-    },
-}
-
-impl UnitError {
-    /// What stands there, in the few words that fit under a caret.
-    pub(crate) fn label(&self) -> &str {
-        match self {
-            UnitError::BareNumber { .. } => "a bare number",
-            UnitError::Dimension { found, .. } => found,
-            UnitError::Unknown { .. } | UnitError::Malformed { .. } => "no such unit",
-            UnitError::NoNumber { .. } | UnitError::NotFinite { .. } => "not a number with a unit",
-            UnitError::Comma { .. } => "a comma in a number",
-        }
-    }
 }
 
 /// Reads `"<number> <unit>"` as a quantity of one of the `wanted` dimensions.
@@ -284,7 +211,7 @@ impl UnitError {
 /// assert_eq!(parse("15.041 deg/h", &[Dimension::DriftRate])?.value, 15.041);
 /// assert_eq!(parse("0.003 deg/sqrt(h)", &[Dimension::AngleRandomWalk])?.value, 0.18);
 /// assert!(parse("5", &[Dimension::Time]).is_err());
-/// # Ok::<(), sagnac::quantity::units::UnitError>(())
+/// # Ok::<(), sagnac::quantity::error::UnitError>(())
 /// ```
 pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
     let text = text.trim();

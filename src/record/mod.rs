@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use miette::NamedSource;
 
-use crate::source::diagnose::{StudyError, Text};
+use crate::source::diagnose::{StudyError, Text, Wrong};
 
 /// Most samples of a record, 2^24: more than four hours at 1 kHz.
 pub const MOST_SAMPLES: usize = 1 << 24;
@@ -28,6 +28,12 @@ impl RecordError {
     /// The report for people: file, line, caret and help, `width` columns wide; escape codes only if `color`.
     pub fn render(&self, color: bool, width: usize) -> String {
         self.0.render(color, width)
+    }
+}
+
+impl From<RecordError> for Wrong {
+    fn from(error: RecordError) -> Wrong {
+        Wrong::Elsewhere(error.0)
     }
 }
 

@@ -7,8 +7,6 @@ use std::sync::Arc;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
 
-use crate::record::RecordError;
-
 use crate::source::shown::Shown;
 
 /// Most files of a folder that help names.
@@ -35,12 +33,6 @@ pub(crate) enum Wrong {
 impl From<Fault> for Wrong {
     fn from(fault: Fault) -> Wrong {
         Wrong::Study(fault)
-    }
-}
-
-impl From<RecordError> for Wrong {
-    fn from(error: RecordError) -> Wrong {
-        Wrong::Elsewhere(error.into())
     }
 }
 

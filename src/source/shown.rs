@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use miette::{MietteError, SourceCode, SourceSpan, SpanContents};
 
-use crate::record::log::error::Place;
 use crate::source::diagnose::Text;
+use crate::source::place::Place;
 
 /// Bytes of a line from which on only a piece of it is shown. Nobody reads more in a report, and miette panics under a
 /// caret beyond column 65535.

@@ -1,6 +1,6 @@
 //! Declared columns: one row for each says all that is known of it and makes its cells.
 
-use crate::table::unit::{Unit, bare};
+use crate::quantity::unit::{Unit, bare};
 use crate::table::{Cell, Column};
 
 /// What a column is to the rows of its table. A role that refers to another column goes with the name of that one.

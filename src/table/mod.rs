@@ -1,13 +1,13 @@
 //! The table: named columns with units, the only thing that files, charts, reports and JSON read.
 
 pub mod column;
-pub mod unit;
 
 use std::io;
 
 use crate::quantity::number::significant;
+pub use crate::quantity::unit::Unit;
+use crate::quantity::units::{Dimension, Quantity};
 pub use crate::table::column::{About, ColumnOf, Role};
-pub use crate::table::unit::Unit;
 
 /// One cell. What is not known is [`Cell::Blank`], never 0.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,6 +64,15 @@ impl From<f64> for Cell {
 impl From<u64> for Cell {
     fn from(count: u64) -> Cell {
         Cell::Integer(count as i64)
+    }
+}
+
+impl From<Quantity> for Cell {
+    fn from(quantity: Quantity) -> Cell {
+        match quantity.dimension {
+            Dimension::Count => Cell::Integer(quantity.value as i64),
+            _ => Cell::Number(quantity.shown()),
+        }
     }
 }
 

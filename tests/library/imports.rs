@@ -33,9 +33,6 @@ const ORDER: &[&str] = &[
     "described",
 ];
 
-/// What may still be imported upwards: (from, to). Nothing is added here.
-const EXCEPTIONS: &[(&str, &str)] = &[("quantity", "table"), ("source", "record")];
-
 /// `(from, to)` with every place that imports so.
 type Imports = BTreeMap<(String, String), Vec<String>>;
 
@@ -50,8 +47,7 @@ fn every_folder_imports_only_from_folders_below_it() {
             writeln!(wrong, "src/{missing} has no place in ORDER: {}", places.join(", ")).unwrap();
             continue;
         };
-        let excepted = EXCEPTIONS.contains(&(from.as_str(), to.as_str()));
-        if below > above && !excepted {
+        if below > above {
             writeln!(
                 wrong,
                 "`{from}` stands below `{to}` and must not import it: {}\n  help: move what is needed down to `{from}` or \
@@ -62,14 +58,6 @@ fn every_folder_imports_only_from_folders_below_it() {
         }
     }
     assert!(wrong.is_empty(), "{wrong}The order, lowest first: {}", ORDER.join(", "));
-}
-
-#[test]
-fn no_exception_outlives_its_import() {
-    let imports = imports();
-    let used: BTreeSet<_> = imports.keys().map(|(from, to)| (from.as_str(), to.as_str())).collect();
-    let unused: Vec<_> = EXCEPTIONS.iter().filter(|pair| !used.contains(pair)).collect();
-    assert!(unused.is_empty(), "no longer imported, remove from EXCEPTIONS: {unused:?}");
 }
 
 #[test]

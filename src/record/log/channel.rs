@@ -2,9 +2,10 @@
 
 use crate::quantity::number::significant;
 
-use crate::record::log::error::{LogError, Place};
+use crate::record::log::error::LogError;
 use crate::record::log::measure::{Data, Unit};
 use crate::record::log::samples::Samples;
+use crate::source::place::Place;
 
 /// A log: one or several columns of evenly spaced samples.
 #[derive(Debug, Clone)]

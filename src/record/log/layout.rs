@@ -1,8 +1,9 @@
 //! How a text log is laid out, found from its first lines.
 
 use crate::record::log::cells::{Cells, Delimiter, Value, value};
-use crate::record::log::error::{LogError, Place};
+use crate::record::log::error::LogError;
 use crate::record::log::names::Name;
+use crate::source::place::Place;
 
 /// The layout of a text log.
 #[derive(Debug, Clone)]

@@ -9,7 +9,7 @@ use crate::quantity::units::{Dimension, parse_unit};
 use crate::record::STEPS_S;
 
 use crate::record::log::channel::{Channel, Log};
-use crate::record::log::error::{LogError, Place};
+use crate::record::log::error::LogError;
 use crate::record::log::layout::Layout;
 use crate::record::log::measure::expected;
 use crate::record::log::measure::{Data, Unit};
@@ -20,6 +20,7 @@ use crate::record::log::text::{self, TEXT_WANTED};
 use crate::record::log::time::JITTER;
 use crate::record::log::time::{TimeFault, grid};
 use crate::record::log::{MOST_SAMPLES, STEPS_HELP, unreadable};
+use crate::source::place::Place;
 
 /// Bytes from which the layout of a text is told.
 const HEAD: u64 = 1 << 20;

@@ -8,9 +8,10 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use crate::record::log::cells::{Cells, Delimiter, Value, value};
-use crate::record::log::error::{LogError, Place};
+use crate::record::log::error::LogError;
 use crate::record::log::layout::Layout;
 use crate::record::log::{MOST_SAMPLES, unreadable};
+use crate::source::place::Place;
 
 /// Bytes that are read at a time. No line may be longer.
 const BLOCK: usize = 16 << 20;
