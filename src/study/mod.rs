@@ -61,8 +61,8 @@ pub use crate::study::kept::Input;
 pub use crate::study::keys::{explain_key, explained_keys, schema};
 pub use crate::study::kind::Kind;
 
-use crate::chart;
 use crate::chart::ground::Ground;
+use crate::chart::read::read_all as read_charts;
 use crate::key::common::{KIND, QUESTION, SEED, STREAMS, TITLE, TRIALS};
 use crate::key::places::Places;
 use crate::key::reading::Reading;
@@ -155,6 +155,13 @@ impl Study {
         self.ground(source).map(|ground| ground.text_names()).unwrap_or_default()
     }
 
+    /// The rows of its points that are meant where nothing is said: (column, value as files show it).
+    pub fn usual_rows(&self) -> Vec<(String, String)> {
+        let ground = self.ground(Source::Points);
+        let rows = ground.iter().flat_map(Ground::usual_rows);
+        rows.map(|(column, value)| (column.name, value.text())).collect()
+    }
+
     /// Whether points stop at a precision rather than after a number of trials.
     pub fn has_stop_rule(&self) -> bool {
         self.subject.has_stop_rule()
@@ -236,12 +243,9 @@ impl Study {
         reading.note(&[&KIND, &TRIALS, &PRECISION]);
         let subject = (kind.read)(&mut reading)?;
         let places = reading.places;
-        let usual =
-            [kind.look.along.or(sweeps.first().map(|sweep| sweep.key.name)), Some(kind.look.estimate)];
         let written_text = |key| table.get(key).map_or(String::new(), |given| given.text().to_owned());
         let grounds = subject.grounds();
-        let mut charts =
-            chart::read_all(&table, &sweeps, &grounds, usual, || subject.default_chart(&sweeps))?;
+        let mut charts = read_charts(&table, &sweeps, &grounds)?;
         for chart in &mut charts {
             if chart.title.is_empty() {
                 chart.title = written_text(&TITLE);
@@ -251,12 +255,8 @@ impl Study {
             let texts = ground.map(Ground::text_names).unwrap_or_default();
             let apart = sweeps.iter().map(|sweep| sweep.key.name).chain(texts);
             chart.apart = apart.map(str::to_owned).collect();
-            let points = match chart.source {
-                Source::Points => kind.look.points,
-                Source::Trajectories => "single runs",
-                Source::Coefficients => "Monte Carlo",
-            };
-            (chart.points, chart.bands) = (points.to_owned(), kind.look.bands.to_owned());
+            let [points, bands] = ground.map_or([""; 2], |ground| ground.legend);
+            (chart.points, chart.bands) = (points.to_owned(), bands.to_owned());
         }
         Ok(Study {
             title: written_text(&TITLE),
