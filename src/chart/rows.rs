@@ -12,9 +12,6 @@ use crate::quantity::units::Dimension;
 use crate::source::diagnose::{Fault, choices};
 use crate::table::{self, Cell, Column, ColumnError, Unit};
 
-/// The column of the names of fillers.
-pub(crate) const FILLER: &str = "filler";
-
 /// Values of τ.
 const TIMES: Holds = unlimited(&[Dimension::Time]);
 
@@ -33,9 +30,8 @@ pub(crate) fn chooser(
     cannot: &str,
 ) -> Result<String, Fault> {
     let texts = ground.texts.iter().map(|text| (text.name, Unit::NONE));
-    let numbers =
-        ground.numbers.iter().filter(|number| number.chooses).map(|number| (number.name, number.unit));
-    input(sweeps, &texts.chain(numbers).collect::<Vec<_>>(), name, span, cannot)
+    let along = ground.along().map(|column| (column.name, column.unit));
+    input(sweeps, &texts.chain(along).collect::<Vec<_>>(), name, span, cannot)
 }
 
 /// The column of numbers known before anything is sampled that `name` at `span` means: a swept key, or one that follows
@@ -50,7 +46,7 @@ pub(crate) fn coordinate(
     span: Range<usize>,
     cannot: &str,
 ) -> Result<String, Fault> {
-    let numbers: Vec<_> = ground.numbers.iter().map(|number| (number.name, number.unit)).collect();
+    let numbers: Vec<_> = ground.coordinates().map(|column| (column.name, column.unit)).collect();
     input(sweeps, &numbers, name, span, cannot)
 }
 

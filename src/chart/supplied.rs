@@ -1,45 +1,70 @@
-//! Parts of the charts that kinds supply to studies which ask for none.
+//! The charts of studies that ask for none.
 
 use crate::chart::ground::Ground;
-use crate::chart::rows::FILLER;
-use crate::chart::{Chart, Named, Shows, scale_over, usual_rows};
+use crate::chart::{Chart, Named, Shows};
 use crate::key::scale::Scale;
 use crate::key::sweep::Sweep;
-use crate::table::Cell;
+use crate::table::{Cell, Role, Usual};
 
-impl Chart {
-    /// Curves of the points of a study.
-    pub(crate) fn curves(x: &str, y: &str, series: Vec<Named>) -> Chart {
-        let shows = Shows::Curves { series, laws: vec![] };
-        Chart { x: x.into(), y: y.into(), shows, ..Chart::default() }
-    }
-}
-
-/// The column `y` over the first swept key that is no name, a curve for each value of the next two.
-pub(crate) fn over_first_number(sweeps: &[Sweep], ground: &Ground, y: &str) -> Option<Chart> {
-    let x = sweeps.iter().find(|sweep| !sweep.key.is_name())?;
-    let others: Vec<&Sweep> = sweeps.iter().filter(|sweep| sweep.key.name != x.key.name).collect();
-    let series = others.iter().take(2).map(|sweep| Named::default(sweep.key.name)).collect();
+/// A chart of the points that suits the sweeps: the usual estimate over the abscissa of the table, over a coordinate that runs
+/// along with a swept key, or over the first swept key that is no name; a curve for each value of the first two others.
+/// Without any abscissa, what is compared stands side by side. None where there is nothing to draw over.
+pub(crate) fn chart(sweeps: &[Sweep], ground: &Ground) -> Option<Chart> {
+    let y = ground.usual(Usual::Estimate)?.name;
+    let is_swept = |name: &str| sweeps.iter().any(|sweep| sweep.key.name == name);
+    let abscissa = ground.usual(Usual::Abscissa);
+    let followed =
+        ground.coordinates().find(|column| is_swept(column.of)).map(|column| (column.name, column.of));
+    let number =
+        || sweeps.iter().find(|sweep| !sweep.key.is_name()).map(|sweep| (sweep.key.name, sweep.key.name));
+    let along = |column: Option<&crate::table::About>| column.map(|column| (column.name, ""));
+    // What rows are usually chosen by is not compared.
+    let compared = || ground.texts.iter().filter(|text| text.usual.is_none() && text.whole.is_none());
+    let Some((x, swept)) = along(ground.along()).or(followed).or_else(number).or(along(abscissa)) else {
+        return compared().next().map(|text| side_by_side(sweeps, ground, text.name));
+    };
+    let others = || sweeps.iter().map(|sweep| sweep.key.name).filter(|name| *name != swept);
+    let series: Vec<&str> = compared().map(|text| text.name).chain(others()).take(2).collect();
+    let fixed = sweeps.iter().filter(|sweep| sweep.key.name != swept && !series.contains(&sweep.key.name));
+    let whole = ground.texts.iter().filter(|_| !swept.is_empty());
+    let whole = whole.filter_map(|text| Some((text.name.into(), Cell::from(text.whole?))));
+    let x_scale = match abscissa.filter(|column| column.name == x) {
+        Some(column) if column.of.is_empty() => Scale::Log,
+        Some(_) => Scale::Linear,
+        None => ground.scale_over(x, sweeps),
+    };
     Some(Chart {
-        rows: others.iter().skip(2).filter_map(|sweep| at_first(sweep)).collect(),
-        x_scale: scale_over(x.key.name, sweeps, ground),
-        ..Chart::curves(x.key.name, y, series)
+        rows: whole.chain(fixed.filter_map(at_first)).chain(ground.usual_rows()).collect(),
+        x_scale,
+        ..curves(x, y, series)
     })
 }
 
-/// The row at the first value of a sweep: a curve runs along one key, and others stay where they are.
-pub(crate) fn at_first(sweep: &Sweep) -> Option<(Named, Cell)> {
-    Some((Named::default(sweep.key.name), sweep.values.first()?.cell()))
+/// Curves of the points of a study.
+fn curves(x: &str, y: &str, series: Vec<&str>) -> Chart {
+    let shows = Shows::Curves { series: series.into_iter().map(Named::from).collect(), laws: vec![] };
+    Chart { x: x.into(), y: y.into(), shows, ..Chart::default() }
 }
 
-/// The fillers side by side where no number is swept, by two estimates, for each value of the first name that is.
-pub(crate) fn side_by_side(sweeps: &[Sweep], ground: &Ground, [first, second]: [&str; 2]) -> Chart {
-    let name = sweeps.first().map(|sweep| Named::default(sweep.key.name));
+/// The row at the first value of a sweep: a curve runs along one key, and others stay where they are.
+fn at_first(sweep: &Sweep) -> Option<(Named, Cell)> {
+    Some((sweep.key.name.into(), sweep.values.first()?.cell()))
+}
+
+/// The values of a column side by side where no number is swept, by the estimates of a summary, for each value of the first
+/// name that is.
+fn side_by_side(sweeps: &[Sweep], ground: &Ground, x: &str) -> Chart {
+    let mut estimates = ground
+        .columns
+        .iter()
+        .filter(|column| column.brief && column.role == Role::Error)
+        .map(|column| column.name);
+    let first = estimates.next().unwrap_or_default();
     Chart {
-        beside: vec![Named::default(second)],
-        rows: sweeps.iter().skip(1).filter_map(at_first).chain(usual_rows(ground)).collect(),
+        beside: estimates.map(Named::from).collect(),
+        rows: sweeps.iter().skip(1).filter_map(at_first).chain(ground.usual_rows()).collect(),
         x_scale: Scale::Linear,
         y_scale: Scale::Log,
-        ..Chart::curves(FILLER, first, name.into_iter().collect())
+        ..curves(x, first, sweeps.iter().take(1).map(|sweep| sweep.key.name).collect())
     }
 }

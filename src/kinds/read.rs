@@ -15,9 +15,8 @@ use miette::NamedSource;
 use toml::Spanned;
 use toml::de::DeTable;
 
-use crate::chart;
-use crate::chart::file::Source;
 use crate::chart::ground::Ground;
+use crate::chart::read::read_all as read_charts;
 use crate::key::common::{KIND, QUESTION, SEED, STREAMS, Streams, TITLE, TRIALS};
 use crate::key::places::Places;
 use crate::key::reading::Reading;
@@ -78,12 +77,9 @@ impl Study {
         reading.note(&[&KIND, &TRIALS, &PRECISION]);
         let subject = (kind.read)(&mut reading)?;
         let places = reading.places;
-        let usual =
-            [kind.look.along.or(sweeps.first().map(|sweep| sweep.key.name)), Some(kind.look.estimate)];
         let written_text = |key| table.get(key).map_or(String::new(), |given| given.text().to_owned());
         let grounds = subject.grounds();
-        let mut charts =
-            chart::read_all(&table, &sweeps, &grounds, usual, || subject.default_chart(&sweeps))?;
+        let mut charts = read_charts(&table, &sweeps, &grounds)?;
         for chart in &mut charts {
             if chart.title.is_empty() {
                 chart.title = written_text(&TITLE);
@@ -93,12 +89,8 @@ impl Study {
             let texts = ground.map(Ground::text_names).unwrap_or_default();
             let apart = sweeps.iter().map(|sweep| sweep.key.name).chain(texts);
             chart.apart = apart.map(str::to_owned).collect();
-            let points = match chart.source {
-                Source::Points => kind.look.points,
-                Source::Trajectories => "single runs",
-                Source::Coefficients => "Monte Carlo",
-            };
-            (chart.points, chart.bands) = (points.to_owned(), kind.look.bands.to_owned());
+            let [points, bands] = ground.map_or([""; 2], |ground| ground.legend);
+            (chart.points, chart.bands) = (points.to_owned(), bands.to_owned());
         }
         Ok(Study {
             title: written_text(&TITLE),

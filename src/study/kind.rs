@@ -3,13 +3,11 @@
 use std::any::Any;
 use std::fmt;
 
-use crate::chart::Chart;
 use crate::chart::file::Source;
 use crate::chart::ground::Ground;
 use crate::device::load::Load;
 use crate::key::reading::Reading;
 use crate::key::row::Key;
-use crate::key::sweep::Sweep;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::{StudyError, Wrong};
 use crate::study::Study;
@@ -44,23 +42,8 @@ pub struct Kind {
     pub(crate) kernels: fn() -> String,
     /// The loads that its kernels are checked on; none for closed forms.
     pub(crate) loads: fn() -> Vec<Load>,
-    /// The appearance of its results.
-    pub(crate) look: Look,
     /// Reads what is of this kind in a study.
     pub(crate) read: fn(&mut Reading) -> Result<Box<dyn Subject>, Wrong>,
-}
-
-/// How results of a kind are presented where a chart does not say.
-pub(crate) struct Look {
-    /// The column that charts show.
-    pub(crate) estimate: &'static str,
-    /// The column by which the best row is told, in which rows.
-    pub(crate) answer: (&'static str, &'static [(&'static str, &'static str)]),
-    /// The column that charts have along x where nothing is swept, and that tells rows apart; often none.
-    pub(crate) along: Option<&'static str>,
-    /// What the points of a chart are, and what its bands are.
-    pub(crate) points: &'static str,
-    pub(crate) bands: &'static str,
 }
 
 impl PartialEq for Kind {
@@ -85,11 +68,8 @@ pub(crate) trait Subject: Any + fmt::Debug + Send + Sync {
     /// A point cannot be represented; the error points at the key to change.
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError>;
 
-    /// The tables of its results, as far as they are known before anything is sampled.
+    /// The tables of its results, as far as they are known before anything is sampled; that of the points first.
     fn grounds(&self) -> Vec<Ground>;
-
-    /// The chart of a study that asks for none.
-    fn default_chart(&self, sweeps: &[Sweep]) -> Option<Chart>;
 
     /// What of the inputs is left out, rounded or assumed, each in a sentence.
     fn notes(&self) -> &[String] {

@@ -76,6 +76,13 @@ impl Study {
         self.ground(source).map(|ground| ground.text_names()).unwrap_or_default()
     }
 
+    /// The rows of its points that are meant where nothing is said: (column, value as files show it).
+    pub fn usual_rows(&self) -> Vec<(String, String)> {
+        let ground = self.ground(Source::Points);
+        let rows = ground.iter().flat_map(Ground::usual_rows);
+        rows.map(|(column, value)| (column.name, value.text())).collect()
+    }
+
     /// Whether points stop at a precision rather than after a number of trials.
     pub fn has_stop_rule(&self) -> bool {
         self.subject.has_stop_rule()

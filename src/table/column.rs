@@ -6,9 +6,9 @@ use crate::table::{Cell, Column};
 /// What a column is to the rows of its table. A role that refers to another column goes with the name of that one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Role {
-    /// Tells rows apart: a swept key, or a text such as the filler; refers to the key of the study that its values come from.
+    /// Tells rows apart: a swept key, or a text such as the filler; refers to the key of the study that lists its values.
     Key,
-    /// A number that follows from the keys and can be an abscissa, as τ or Δt·ν; refers to the key that it runs along with.
+    /// A number that follows from the keys and can be an abscissa, as τ or Δt·ν; refers to the key or column that it runs along with.
     Coordinate,
     /// An estimate, or a value in closed form.
     #[default]
@@ -37,6 +37,17 @@ pub enum Role {
     Note,
 }
 
+/// What a column stands for where a chart or a summary names none. Each table has at most one column for each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Usual {
+    /// The estimate that charts show, and by which the best row is told unless another column is the [`Usual::Answer`].
+    Estimate,
+    /// The column by which the best row is told.
+    Answer,
+    /// The abscissa where nothing is swept. If it runs along with no other column, it tells rows apart.
+    Abscissa,
+}
+
 /// What is known of a column without its rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct About {
@@ -54,6 +65,8 @@ pub struct About {
     pub meaning: &'static str,
     /// Whether a summary of a few columns has it.
     pub brief: bool,
+    /// What it stands for where none is named.
+    pub usual: Option<Usual>,
 }
 
 impl Role {
@@ -66,7 +79,8 @@ impl Role {
 impl About {
     /// A column of which nothing is known but its name.
     pub(crate) const fn named(name: &'static str) -> About {
-        About { name, unit: Unit::NONE, label: name, role: Role::Key, of: "", meaning: "", brief: false }
+        let (unit, label, role) = (Unit::NONE, name, Role::Key);
+        About { name, unit, label, role, of: "", meaning: "", brief: false, usual: None }
     }
 
     /// Whether `name` is that of the column, with or without its unit.
@@ -88,6 +102,7 @@ impl About {
             of: self.of.to_owned(),
             meaning: self.meaning.to_owned(),
             brief: self.brief,
+            usual: self.usual,
             cells,
             band: None,
         }
@@ -133,6 +148,11 @@ impl<R> ColumnOf<R> {
     /// The same as one of the few columns of a summary.
     pub(crate) const fn brief(self) -> ColumnOf<R> {
         ColumnOf { about: About { brief: true, ..self.about }, ..self }
+    }
+
+    /// The same as what stands for the column of this use.
+    pub(crate) const fn usual(self, usual: Usual) -> ColumnOf<R> {
+        ColumnOf { about: About { usual: Some(usual), ..self.about }, ..self }
     }
 
     /// The same with the 95 % interval of each cell.

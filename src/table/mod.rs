@@ -7,7 +7,7 @@ use std::io;
 use crate::quantity::number::significant;
 pub use crate::quantity::unit::Unit;
 use crate::quantity::units::{Dimension, Quantity};
-pub use crate::table::column::{About, ColumnOf, Role};
+pub use crate::table::column::{About, ColumnOf, Role, Usual};
 
 /// One cell. What is not known is [`Cell::Blank`], never 0.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,6 +99,8 @@ pub struct Column {
     pub meaning: String,
     /// Whether a summary of a few columns has it.
     pub brief: bool,
+    /// What it stands for where none is named.
+    pub usual: Option<Usual>,
     /// One for each row.
     pub cells: Vec<Cell>,
     /// Lower and upper ends of the uncertainty of each cell (95 %), where there is one.
@@ -228,6 +230,12 @@ impl Table {
     /// The first column of that role.
     pub fn of_role(&self, role: Role) -> Option<&Column> {
         self.columns.iter().find(|column| column.role == role)
+    }
+
+    /// The column that stands for this one where none is named; the estimate answers where no other column does.
+    pub fn usual(&self, usual: Usual) -> Option<&Column> {
+        let of = |usual| self.columns.iter().find(|column| column.usual == Some(usual));
+        of(usual).or_else(|| (usual == Usual::Answer).then(|| of(Usual::Estimate))?)
     }
 
     /// The column that tells rows apart by what this key of the study lists, as fillers.

@@ -6,7 +6,7 @@ use sagnac::chart::Source;
 use sagnac::quantity::number::significant;
 use sagnac::run::Tables;
 use sagnac::study::Study;
-use sagnac::table::{Cell, Column, ColumnError, Table};
+use sagnac::table::{Cell, Column, ColumnError, Role, Table, Usual};
 use sagnac::view::chart::notes::ChartError;
 use sagnac::view::chart::stack::Shown as Curves;
 use sagnac::view::picture::verdict::Verdict;
@@ -32,21 +32,22 @@ pub(crate) fn summary(
         text += &format!("{}\n", study.question);
     }
     let failed = |error: ColumnError| Failure::Picture(error.to_string());
-    let shown = match (study.kind().name, study.charts.iter().zip(curves).next()) {
-        (_, Some((chart, shown))) if !(chart.is_supplied() && study.sweeps.is_empty()) => {
-            of_chart(study, shown, chart).map_err(|error| refused(study, chart, &error))?
+    let points = &tables.points;
+    let brief: Vec<&Column> = points.columns.iter().filter(|column| column.brief).collect();
+    let shown = match study.charts.iter().zip(curves).next() {
+        Some((chart, shown)) if !(shown.is_supplied(chart) && study.sweeps.is_empty()) => {
+            of_chart(study, points, shown, chart).map_err(|error| refused(study, chart, &error))?
         }
-        ("switched-run", _) if study.sweeps.is_empty() => angles(&tables.points),
-        ("gap-fill", _) if study.sweeps.is_empty() => one_point(&tables.points),
-        _ => undrawn(study, &tables.points).map_err(failed)?,
+        _ if study.sweeps.is_empty() && brief.iter().any(|column| column.role == Role::Key) => listed(&brief),
+        _ if study.sweeps.is_empty() && !brief.is_empty() => one_point(points),
+        _ => undrawn(study, points).map_err(failed)?,
     };
     text += &format!("\n{shown}");
     if let Some(coefficients) = &tables.coefficients {
         text += &format!("\n{}", coefficients_found(study, coefficients));
     }
-    if study.kind().name == "drift-budget" {
-        let failed = |error: ColumnError| Failure::Picture(error.to_string());
-        text += &format!("\n{}", optima(study, &tables.points).map_err(failed)?);
+    if points.of_role(Role::Least).is_some() {
+        text += &format!("\n{}", optima(study, points).map_err(failed)?);
     }
     let incomplete = match lacking {
         0 => String::new(),
@@ -72,50 +73,55 @@ fn columns(table: &Table) -> String {
     aligned(&table.columns.iter().map(line).collect::<Vec<_>>())
 }
 
-/// The points of a study without a chart as a grid, as after sweeps over names alone.
+/// The points of a study without a chart as a grid, as after sweeps over names alone. Of what a summary of one point lists,
+/// only the usual rows are shown.
 fn undrawn(study: &Study, table: &Table) -> Result<String, ColumnError> {
-    let kind = study.kind();
-    if kind.is_exact {
+    let Some(estimate) = table.usual(Usual::Estimate).filter(|_| !study.kind().is_exact) else {
         return Ok(columns(table));
-    }
-    let (estimate, rows) = match kind.name {
-        "switched-run" => ("drift_q9973", vec![("angle".to_owned(), "end".to_owned())]),
-        "allan" => ("adev", vec![]),
-        _ => ("rms", vec![]),
     };
-    let tau = (kind.name == "allan").then_some("tau");
-    let tick = (kind.name == "relock").then_some("tick");
+    let mut rows = study.usual_rows();
+    rows.retain(|(name, _)| table.column(name).is_ok_and(|column| column.brief));
+    let [first, last] = lines(table);
     let swept = study.sweeps.iter().map(|sweep| sweep.key.name);
-    let across: Vec<&str> = tau.into_iter().chain(swept).chain(tick).collect();
-    pivot(table, &across, estimate, &[], &study.text_columns(Source::Points), &rows)
+    let across: Vec<&str> = first.into_iter().chain(swept).chain(last).collect();
+    pivot(table, &across, &estimate.name, &[], &study.text_columns(Source::Points), &rows)
+}
+
+/// The columns of a table of points that name lines before those of swept keys and after them: an abscissa that tells rows
+/// apart, and the text that another one is the number of.
+fn lines(table: &Table) -> [Option<&str>; 2] {
+    match table.usual(Usual::Abscissa) {
+        Some(column) if column.of.is_empty() => [Some(&column.name), None],
+        Some(column) => [None, Some(&column.of)],
+        None => [None, None],
+    }
 }
 
 /// The rows of a chart as a grid.
-fn of_chart(study: &Study, shown: &Curves, chart: &Chart) -> Result<String, ChartError> {
+fn of_chart(study: &Study, points: &Table, shown: &Curves, chart: &Chart) -> Result<String, ChartError> {
     let table: &Table = &shown.table;
-    let sweeps: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
-    let across = match study.kind().name {
+    let sweeps = study.sweeps.iter().map(|sweep| sweep.key.name);
+    let across: Vec<&str> = match lines(points) {
         // Compensations side by side, and ticks below each other.
-        "relock" => sweeps.into_iter().chain(["tick"]).collect(),
-        kind if kind != "allan" && !sweeps.is_empty() => sweeps,
-        "allan" => {
+        [_, Some(last)] => sweeps.chain([last]).collect(),
+        [None, None] if !study.sweeps.is_empty() => sweeps.collect(),
+        _ => {
             let x = table.column(&chart.x.name)?.name.as_str();
-            std::iter::once(x).chain(sweeps.into_iter().filter(|sweep| *sweep != x)).collect()
+            std::iter::once(x).chain(sweeps.filter(|sweep| *sweep != x)).collect()
         }
-        _ => vec![chart.x.name.as_str()],
     };
     let series: Vec<&str> = shown.series.iter().map(String::as_str).collect();
     let texts = study.text_columns(chart.source);
     Ok(pivot(table, &across, &shown.estimate, &series, &texts, &written(study, chart))?)
 }
 
-/// The angles of the runs of one point, a line each.
-fn angles(table: &Table) -> String {
-    let columns: Vec<&Column> = table.columns.iter().filter(|column| column.brief).collect();
+/// Some columns, with a line for each of their rows.
+fn listed(columns: &[&Column]) -> String {
     let cell = |cell: &Cell| cell.number().map_or_else(|| cell.text(), |x| significant(x, 4));
     let line = |row: usize| columns.iter().map(|column| cell(&column.cells[row])).collect();
     let heading: Vec<String> = columns.iter().map(|column| column.title()).collect();
-    aligned(&std::iter::once(heading).chain((0..table.rows()).map(line)).collect::<Vec<_>>())
+    let rows = columns.first().map_or(0, |column| column.cells.len());
+    aligned(&std::iter::once(heading).chain((0..rows).map(line)).collect::<Vec<_>>())
 }
 
 /// Most coefficients that are shown besides the file of them.

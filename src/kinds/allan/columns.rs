@@ -4,7 +4,7 @@ use crate::kinds::allan::point::Point;
 use crate::kinds::allan::run::coefficients::{Found, Quantity};
 use crate::kinds::allan::run::curves::Scatter;
 use crate::table::column::Band;
-use crate::table::{Cell, ColumnOf, Role, Unit};
+use crate::table::{Cell, ColumnOf, Role, Unit, Usual};
 use crate::tally::stats::z_score;
 
 /// A row before it becomes cells.
@@ -37,7 +37,8 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
     vec![
         Of::new("tau", Unit::S, "averaging time τ", |row| (row.point.inputs.sample_s * row.m as f64).into())
-            .is(Role::Coordinate, "Averaging time τ, s."),
+            .is(Role::Coordinate, "Averaging time τ, s.")
+            .usual(Usual::Abscissa),
         Of::new("m", Unit::NONE, "averaging factor m", |row| row.m.into())
             .is(Role::Count, "Averaging time in samples."),
         Of::new("terms", Unit::NONE, "differences", |row| row.terms.into())
@@ -61,6 +62,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
                 records and more."),
         Of::new("adev", Unit::DEG_PER_H, "Allan deviation σ(τ)", |row| row.scatter.mean.map(libm::sqrt).into())
             .is(Role::Error, "Allan (or Hadamard) deviation, the root of `mean_avar`, °/h.")
+            .usual(Usual::Estimate)
             .within(Row::deviations),
         Of::new("adev_lo", Unit::DEG_PER_H, "Allan deviation σ(τ), 95 % band of records (lower)", |row| row.deviations().map(|ends| ends.0).into())
             .is_of("adev", Role::Lower, "95 % of single records have a deviation above this and below `adev_hi`, °/h."),

@@ -1,13 +1,9 @@
 //! The entry of studies of Allan curves in the list of kinds.
 
 use crate::chart::Source;
-use crate::chart::ground::{Ground, Number, Text};
-use crate::chart::supplied::at_first;
-use crate::chart::{Chart, Named};
+use crate::chart::ground::{Ground, Text};
 use crate::fit::term::Term;
 use crate::kernel::allan::VERSION;
-use crate::key::scale::Scale;
-use crate::key::sweep::Sweep;
 use crate::kinds::allan::columns;
 use crate::kinds::allan::run::Plan as Planned;
 use crate::kinds::allan::{Allan, keys, read, sweepable};
@@ -15,8 +11,7 @@ use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
-use crate::study::kind::{Kind, Look, Subject};
-use crate::table::Unit;
+use crate::study::kind::{Kind, Subject};
 use crate::table::column::abouts;
 
 /// Allan curves of simulated records.
@@ -38,18 +33,11 @@ pub static ALLAN: Kind = Kind {
     ],
     kernels: || format!("allan {VERSION}"),
     loads: crate::kinds::allan::verify::loads,
-    look: Look {
-        estimate: "adev",
-        answer: ("adev", &[]),
-        along: Some(TAU),
-        points: "mean of records",
-        bands: "95 % of records",
-    },
     read: |reading| Ok(Box::new(read(reading)?)),
 };
 
-/// The column of averaging times.
-const TAU: &str = "tau";
+/// What the bands of charts are.
+const BANDS: &str = "95 % of records";
 
 impl Subject for Allan {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
@@ -57,30 +45,26 @@ impl Subject for Allan {
     }
 
     fn grounds(&self) -> Vec<Ground> {
-        const NUMBERS: &[Number] = &[Number { name: TAU, unit: Unit::S, follows: None, chooses: true }];
         let shapes = ["markov_time", "sine_frequency"];
         let coefficients = Term::ALL.map(Term::symbol).into_iter().chain(shapes);
         let not_fitted =
             ("the chart is of coefficients, and none are fitted", "add them as in\n[allan]\nfit = \"auto\"");
         vec![
-            Ground { numbers: NUMBERS, ..Ground::of(Source::Points, &[Dimension::DriftRate]) },
             Ground {
-                texts: vec![Text::new("coefficient", coefficients)],
+                legend: ["mean of records", BANDS],
+                ..Ground::of(Source::Points, abouts(&columns::columns()), [], &[Dimension::DriftRate])
+            },
+            Ground {
+                legend: ["Monte Carlo", BANDS],
                 absent: self.terms.is_none().then_some(not_fitted),
-                ..Ground::of(Source::Coefficients, &[])
+                ..Ground::of(
+                    Source::Coefficients,
+                    abouts(&columns::coefficient_columns()),
+                    [Text::of(coefficients)],
+                    &[],
+                )
             },
         ]
-    }
-
-    /// The Allan deviation over τ, a curve for each value of the first two swept keys.
-    fn default_chart(&self, sweeps: &[Sweep]) -> Option<Chart> {
-        let series = sweeps.iter().take(2).map(|sweep| Named::default(sweep.key.name)).collect();
-        Some(Chart {
-            rows: sweeps.iter().skip(2).filter_map(at_first).collect(),
-            x_scale: Scale::Log,
-            y_scale: Scale::Log,
-            ..Chart::curves(TAU, ALLAN.look.estimate, series)
-        })
     }
 
     fn notes(&self) -> &[String] {

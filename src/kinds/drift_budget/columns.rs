@@ -3,7 +3,7 @@
 use core::f64::consts::FRAC_1_SQRT_2;
 
 use crate::kinds::drift_budget::Point;
-use crate::table::{Cell, ColumnOf, Role, Unit};
+use crate::table::{Cell, ColumnOf, Role, Unit, Usual};
 use crate::theory::drift::approximation::limit_as_published;
 use crate::theory::drift::budget::{Bound, Budget, Optimum};
 use crate::theory::drift::magnetic::switches;
@@ -57,7 +57,8 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
     const RATE: Unit = Unit::ARCSEC_PER_S;
     vec![
         Of::new("bound", RATE, "drift: bound, Z(7)", |row| row.bound.total().into())
-            .is(Role::Error, "The paper's bound on the drift of the run, ″/s, Z(7): the sum of its four parts."),
+            .is(Role::Error, "The paper's bound on the drift of the run, ″/s, Z(7): the sum of its four parts.")
+            .usual(Usual::Estimate),
         Of::new("bound_non_magnetic", RATE, "drift: bound, non-magnetic", |row| row.bound.non_magnetic.into())
             .is(Role::Error, "The non-magnetic part of `bound`, ″/s."),
         Of::new("bound_quasi_non_magnetic", RATE, "drift: bound, quasi-non-magnetic", |row| row.bound.quasi_non_magnetic.into())
@@ -85,7 +86,8 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("rms_switching", RATE, "drift: left by switching, rms", |row| libm::hypot(row.left(), row.deviation()).into())
             .is(Role::Error, "`rms_drift` without the non-magnetic drift, ″/s: what the choice of the interval decides."),
         Of::new("optimum", Unit::S, "best interval: of the bound, Z(8)", |row| row.optimum.map(|best| best.interval_s).into())
-            .is(Role::Estimate, "The interval of the least bound, s: the root of Z(8)."),
+            .is(Role::Estimate, "The interval of the least bound, s: the root of Z(8).")
+            .usual(Usual::Answer),
         Of::new("optimum_bound", RATE, "drift: least bound, Z(7)", |row| row.optimum.map(|best| best.bound).into())
             .is_of("optimum", Role::Least, "The bound there, ″/s."),
         Of::new("optimum_as_published", Unit::S, "best interval: Z(9) as published", |row| row.budget.optimum_as_published(row.t_s).into())

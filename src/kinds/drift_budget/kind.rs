@@ -1,10 +1,7 @@
 //! The entry of drift-budget studies in the list of kinds.
 
-use crate::chart::Chart;
 use crate::chart::Source;
 use crate::chart::ground::Ground;
-use crate::chart::supplied::over_first_number;
-use crate::key::sweep::Sweep;
 use crate::kinds::drift_budget::columns::{self, Row};
 use crate::kinds::drift_budget::{DriftBudget, keys, read, sweepable};
 use crate::kinds::exact::Exact;
@@ -13,7 +10,7 @@ use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
-use crate::study::kind::{Kind, Look, Subject};
+use crate::study::kind::{Kind, Subject};
 use crate::table::column::abouts;
 
 /// The bound of the drift of a gyro that switches modes, and the switching interval at which it is least.
@@ -32,15 +29,8 @@ pub static DRIFT_BUDGET: Kind = Kind {
     columns: &[(Source::Points, || abouts(&columns::columns()))],
     kernels: || "none".to_owned(),
     loads: Vec::new,
-    look: Look { estimate: "bound", answer: ("optimum", &[]), along: None, points: "", bands: "" },
     read: |reading| Ok(Box::new(read(reading)?)),
 };
-
-impl DriftBudget {
-    fn ground() -> Ground {
-        Ground::of(Source::Points, &[Dimension::Rate, Dimension::Time])
-    }
-}
 
 impl Subject for DriftBudget {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
@@ -49,11 +39,10 @@ impl Subject for DriftBudget {
     }
 
     fn grounds(&self) -> Vec<Ground> {
-        vec![DriftBudget::ground()]
-    }
-
-    fn default_chart(&self, sweeps: &[Sweep]) -> Option<Chart> {
-        over_first_number(sweeps, &DriftBudget::ground(), DRIFT_BUDGET.look.estimate)
+        vec![Ground {
+            legend: ["", ""],
+            ..Ground::of(Source::Points, abouts(&columns::columns()), [], &[Dimension::Rate, Dimension::Time])
+        }]
     }
 
     fn boxed(&self) -> Box<dyn Subject> {

@@ -6,7 +6,7 @@ use crate::kinds::gap_fill::lower::estimate::Estimate;
 use crate::kinds::gap_fill::point::Point;
 use crate::sampling::found::{self, Found};
 use crate::table::column::abouts;
-use crate::table::{About, ColumnOf, Role, Unit};
+use crate::table::{About, ColumnOf, Role, Unit, Usual};
 
 /// What the column of fillers means, here and wherever else there is one.
 pub(crate) const FILLER: &str = "Name of the gap filler, as in `switching.fillers`.";
@@ -57,6 +57,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("rms", Unit::ARCSEC, "rms error", |row| row.found.cell(|found| found.rms))
             .is(Role::Error, "Root mean square error, ″, motion and noise together.")
             .brief()
+            .usual(Usual::Estimate)
             .within(|row| row.found.rms_band()),
         Of::new("rms_se", Unit::ARCSEC, "standard error of the rms", |row| row.found.rms_se().into())
             .is_of("rms", Role::StandardError, found::RMS_SE),
@@ -65,6 +66,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("q9973", Unit::ARCSEC, "99.73 % error", |row| row.found.level(|q| Some(q.value)).into())
             .is(Role::Error, "The level, ″, that 99.73 % of errors stay below in magnitude, 3 σ of a Gaussian.")
             .brief()
+            .usual(Usual::Answer)
             .within(|row| row.found.level_band()),
         Of::new("q9973_lo", Unit::ARCSEC, "99.73 % error (lower)", |row| row.found.level(|q| q.low).into())
             .is_of("q9973", Role::Lower, found::LEVEL_LOWER),

@@ -6,7 +6,7 @@ use crate::kinds::relock::lower::RelockEstimate;
 use crate::kinds::relock::{RelockInputs, RelockPoint};
 use crate::sampling::found::{self, Found};
 use crate::table::column::abouts;
-use crate::table::{About, Cell, ColumnOf, Role, Unit};
+use crate::table::{About, Cell, ColumnOf, Role, Unit, Usual};
 use crate::theory::published::{RELOCK_TABLES, RELOCK_TICK_S, RelockRow};
 use crate::theory::relock::{Relock, detuning_signal};
 
@@ -70,13 +70,15 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         })
         .is(Role::Key, "Which tick after the switch, `1`, `2`, …, or `all` for their sum."),
         Of::new("tick_number", Unit::NONE, "tick", |row| row.estimate.tick.map_or(Cell::Blank, |tick| u64::from(tick).into()))
-            .is(Role::Coordinate, "The same as a number, for charts over ticks; blank for all together."),
+            .is_of("tick", Role::Coordinate, "The same as a number, for charts over ticks; blank for all together.")
+            .usual(Usual::Abscissa),
         Of::new("trials", Unit::NONE, "trials", |row| row.found.trials.into())
             .is(Role::Trials, "How many switches the estimates of the row are from."),
         Of::new("mean", Unit::ARCSEC, "mean angle left", |row| row.found.cell(|found| found.mean))
             .is(Role::Estimate, "Mean of the faked angle less its compensation, ″, with its sign."),
         Of::new("rms", Unit::ARCSEC, "rms angle left", |row| row.found.cell(|found| found.rms))
             .is(Role::Error, "Root mean square of the faked angle less its compensation, ″.")
+            .usual(Usual::Estimate)
             .within(|row| row.found.rms_band()),
         Of::new("rms_se", Unit::ARCSEC, "standard error of the rms", |row| row.found.rms_se().into())
             .is_of("rms", Role::StandardError, found::RMS_SE),

@@ -1,7 +1,7 @@
 //! The columns of a study of a suspension: a row for each point.
 
 use crate::kinds::suspension::Point;
-use crate::table::{ColumnOf, Role, Unit};
+use crate::table::{ColumnOf, Role, Unit, Usual};
 
 /// The columns besides swept keys, in the order of the file.
 #[rustfmt::skip]
@@ -9,7 +9,8 @@ pub(crate) fn columns() -> Vec<ColumnOf<Point>> {
     type Of = ColumnOf<Point>;
     vec![
         Of::new("response", Unit::ARCSEC_PER_S_PER_G, "rate per acceleration", |point| point.response().amplitude().into())
-            .is(Role::Estimate, "Rate of the gyro per acceleration of the base, ″/s per g."),
+            .is(Role::Estimate, "Rate of the gyro per acceleration of the base, ″/s per g.")
+            .usual(Usual::Estimate),
         Of::new("phase", Unit::DEG, "phase of the rate", |point| point.response().phase_deg().into())
             .is(Role::Estimate, "Phase of the rate behind the acceleration, °."),
         Of::new("normalised", Unit::NONE, "response by that of the useful mode", |point| {

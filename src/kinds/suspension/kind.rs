@@ -1,10 +1,7 @@
 //! The entry of suspension studies in the list of kinds.
 
-use crate::chart::Chart;
 use crate::chart::Source;
 use crate::chart::ground::Ground;
-use crate::chart::supplied::over_first_number;
-use crate::key::sweep::Sweep;
 use crate::kinds::exact::Exact;
 use crate::kinds::suspension::columns;
 use crate::kinds::suspension::{SuspensionStudy, keys, read, sweepable};
@@ -13,7 +10,7 @@ use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
-use crate::study::kind::{Kind, Look, Subject};
+use crate::study::kind::{Kind, Subject};
 use crate::table::column::abouts;
 
 /// The rotation of a gyro on its suspension under vibration.
@@ -31,15 +28,8 @@ pub static SUSPENSION: Kind = Kind {
     columns: &[(Source::Points, || abouts(&columns::columns()))],
     kernels: || "none".to_owned(),
     loads: Vec::new,
-    look: Look { estimate: "response", answer: ("response", &[]), along: None, points: "", bands: "" },
     read: |reading| Ok(Box::new(read(reading)?)),
 };
-
-impl SuspensionStudy {
-    fn ground() -> Ground {
-        Ground::of(Source::Points, &[Dimension::RatePerAcceleration])
-    }
-}
 
 impl Subject for SuspensionStudy {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
@@ -48,11 +38,10 @@ impl Subject for SuspensionStudy {
     }
 
     fn grounds(&self) -> Vec<Ground> {
-        vec![SuspensionStudy::ground()]
-    }
-
-    fn default_chart(&self, sweeps: &[Sweep]) -> Option<Chart> {
-        over_first_number(sweeps, &SuspensionStudy::ground(), SUSPENSION.look.estimate)
+        vec![Ground {
+            legend: ["", ""],
+            ..Ground::of(Source::Points, abouts(&columns::columns()), [], &[Dimension::RatePerAcceleration])
+        }]
     }
 
     fn notes(&self) -> &[String] {

@@ -6,8 +6,8 @@ use crate::kinds::switched_run::Angle;
 use crate::kinds::switched_run::lower::{FilledRun, RunEstimate};
 use crate::kinds::switched_run::point::Point;
 use crate::sampling::found::{self, Found};
-use crate::table::column::{Band, abouts};
-use crate::table::{About, Cell, ColumnOf, Role, Unit};
+use crate::table::column::Band;
+use crate::table::{Cell, ColumnOf, Role, Unit, Usual};
 use crate::tally::stats::z_score;
 use crate::theory::drift::magnetic::switches;
 
@@ -67,18 +67,17 @@ impl Row<'_> {
     }
 }
 
-/// The column of fillers, of runs that have any.
-pub(crate) fn filler<'a>() -> ColumnOf<Row<'a>> {
-    ColumnOf::new("filler", Unit::NONE, "filler", |row: &Row| row.filler.map_or(Cell::Blank, Cell::from))
-        .is_of(FILLERS, Role::Key, FILLER)
-        .brief()
+/// The column of fillers.
+const fn filler<R>(cell: fn(&R) -> Cell) -> ColumnOf<R> {
+    ColumnOf::new("filler", Unit::NONE, "filler", cell).is_of(FILLERS, Role::Key, FILLER)
 }
 
-/// The other columns besides swept keys, in the order of the file.
+/// The columns besides swept keys, in the order of the file; that of fillers where the runs have any.
 #[rustfmt::skip]
-pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
+pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
-    vec![
+    let filler = has_fillers.then(|| filler(|row: &Row| row.filler.map_or(Cell::Blank, Cell::from)).brief());
+    filler.into_iter().chain([
         Of::new("angle", Unit::NONE, "angle", |row| Cell::Text(row.estimate.angle.name()))
             .is(Role::Key, "Which angle: `end` of the run, `largest` (just before or after a switch or at the end), `at 600 s`.")
             .brief(),
@@ -118,6 +117,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("drift_q9973", Unit::DEG_PER_H, "99.73 % drift", |row| row.drift(row.found.level(|q| Some(q.value))))
             .is(Role::Error, "`q9973` over the time, °/h: 99.73 % of runs drift by less. Blank of the largest.")
             .brief()
+            .usual(Usual::Estimate)
             .within(|row| row.drift_band(row.found.level_band())),
         Of::new("drift_q9973_lo", Unit::DEG_PER_H, "99.73 % drift (lower)", |row| row.drift(row.found.level(|q| q.low)))
             .is_of("drift_q9973", Role::Lower, "Lower end of the 95 % interval of `drift_q9973`, °/h."),
@@ -135,7 +135,8 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is_of("mean", Role::Z, "How many standard errors `mean` is off `oracle_mean`: beyond ±5 something is wrong."),
         Of::new("z", Unit::NONE, "deviation of the rms from the closed form, standard errors", |row| row.z().into())
             .is_of("rms", Role::Z, found::Z),
-    ]
+    ])
+    .collect()
 }
 
 /// A row of the trajectories before it becomes cells.
@@ -148,32 +149,18 @@ pub(crate) struct Moment<'a> {
     pub(crate) angle: Option<f64>,
 }
 
-/// The column of fillers of trajectories, of runs that have any.
-pub(crate) fn trajectory_filler<'a>() -> ColumnOf<Moment<'a>> {
-    ColumnOf::new("filler", Unit::NONE, "filler", |row: &Moment| row.filler.map_or(Cell::Blank, Cell::from))
-        .is_of(FILLERS, Role::Key, FILLER)
-}
-
-/// The other columns of trajectories besides swept keys.
+/// The columns of trajectories besides swept keys; that of fillers where the runs have any.
 #[rustfmt::skip]
-pub(crate) fn trajectory_columns<'a>() -> Vec<ColumnOf<Moment<'a>>> {
+pub(crate) fn trajectory_columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Moment<'a>>> {
     type Of<'a> = ColumnOf<Moment<'a>>;
-    vec![
+    let filler = has_fillers.then(|| filler(|row: &Moment| row.filler.map_or(Cell::Blank, Cell::from)));
+    filler.into_iter().chain([
         Of::new("run", Unit::NONE, "run", |row| Cell::Text(row.run.to_string()))
-            .is_of("run.trajectories", Role::Key, "Number of the run, from 1: the first of those sampled."),
+            .is(Role::Key, "Number of the run, from 1: the first of those sampled."),
         Of::new("time", Unit::S, "time in the run", |row| row.time_s.into())
             .is(Role::Coordinate, "Time in the run, s."),
         Of::new("error", Unit::ARCSEC, "error of the angle", |row| row.angle.into())
             .is(Role::Estimate, "Error of the angle at that time, ″."),
-    ]
-}
-
-/// All that a file of such a study can have besides swept keys.
-pub(crate) fn described() -> Vec<About> {
-    [abouts(&[filler()]), abouts(&columns())].concat()
-}
-
-/// The same of trajectories.
-pub(crate) fn trajectories_described() -> Vec<About> {
-    [abouts(&[trajectory_filler()]), abouts(&trajectory_columns())].concat()
+    ])
+    .collect()
 }

@@ -1,12 +1,8 @@
 //! The entry of studies of whole runs in the list of kinds.
 
 use crate::chart::Source;
-use crate::chart::ground::{Ground, Number, Text};
-use crate::chart::rows::FILLER;
-use crate::chart::supplied::{at_first, side_by_side};
-use crate::chart::{Chart, Named, scale_over, usual_rows};
+use crate::chart::ground::{Ground, Text};
 use crate::kernel::switched_run::VERSION;
-use crate::key::sweep::Sweep;
 use crate::kinds::relock;
 use crate::kinds::switched_run::columns;
 use crate::kinds::switched_run::run::Plan as Planned;
@@ -15,8 +11,8 @@ use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
-use crate::study::kind::{Kind, Look, Subject};
-use crate::table::Unit;
+use crate::study::kind::{Kind, Subject};
+use crate::table::column::abouts;
 
 /// Angles of whole runs.
 pub static SWITCHED_RUN: Kind = Kind {
@@ -31,39 +27,14 @@ pub static SWITCHED_RUN: Kind = Kind {
     needs: &["switching", "run"],
     keys,
     sweepable,
-    columns: &[(Source::Points, columns::described), (Source::Trajectories, columns::trajectories_described)],
+    columns: &[
+        (Source::Points, || abouts(&columns::columns(true))),
+        (Source::Trajectories, || abouts(&columns::trajectory_columns(true))),
+    ],
     kernels: || format!("switched_run {VERSION}, {}", relock::kind::kernels()),
     loads: crate::kinds::switched_run::verify::loads,
-    look: Look {
-        estimate: "drift_q9973",
-        answer: ("drift_q9973", &[(ANGLE, "end")]),
-        along: None,
-        points: "Monte Carlo",
-        bands: "95 % band",
-    },
     read: |reading| Ok(Box::new(read(reading)?)),
 };
-
-/// The column of angles.
-const ANGLE: &str = "angle";
-
-impl SwitchedRun {
-    fn ground(&self, source: Source, text: Text) -> Ground {
-        const NUMBERS: &[Number] = &[Number { name: "time", unit: Unit::S, follows: None, chooses: false }];
-        let names = self.fillers().iter().map(|filler| &filler.name);
-        let fillers = (!self.fillers().is_empty()).then(|| Text::new(FILLER, names));
-        Ground {
-            texts: fillers.into_iter().chain([text]).collect(),
-            numbers: NUMBERS,
-            ..Ground::of(source, &[Dimension::DriftRate, Dimension::Angle])
-        }
-    }
-
-    fn points_ground(&self) -> Ground {
-        let angles = Text::new(ANGLE, self.angles().iter().map(Angle::name));
-        self.ground(Source::Points, Text { usual: Some(Angle::End.name()), ..angles })
-    }
-}
 
 impl Subject for SwitchedRun {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
@@ -71,36 +42,25 @@ impl Subject for SwitchedRun {
     }
 
     fn grounds(&self) -> Vec<Ground> {
-        let runs = Text::new("run", (1..=self.trajectories).map(|number| number.to_string()));
+        let fillers = self.fillers();
+        let has_fillers = !fillers.is_empty();
+        let fillers = || has_fillers.then(|| Text::of(fillers.iter().map(|filler| &filler.name))).into_iter();
+        let angles = Text::of(self.angles().iter().map(Angle::name)).usual(Angle::End.name());
+        let runs = Text::of((1..=self.trajectories).map(|number| number.to_string()));
         let none_kept =
             ("the chart is of trajectories, and none are kept", "add them as in\n[run]\ntrajectories = 20");
+        let limits = &[Dimension::DriftRate, Dimension::Angle];
+        let (points, trajectories) =
+            (abouts(&columns::columns(has_fillers)), abouts(&columns::trajectory_columns(has_fillers)));
+        let points = Ground::of(Source::Points, points, fillers().chain([angles]), limits);
         let trajectories = Ground {
             // They start at 0, and their angles have both signs.
             is_linear: true,
             absent: (self.trajectories == 0).then_some(none_kept),
-            ..self.ground(Source::Trajectories, runs)
+            legend: ["single runs", points.legend[1]],
+            ..Ground::of(Source::Trajectories, trajectories, fillers().chain([runs]), limits)
         };
-        vec![self.points_ground(), trajectories]
-    }
-
-    /// The drift that 99.73 % of runs stay below over the first swept key that is no name, a curve for each filler and value
-    /// of the next.
-    fn default_chart(&self, sweeps: &[Sweep]) -> Option<Chart> {
-        let ground = self.points_ground();
-        let has_fillers = !self.fillers().is_empty();
-        let Some(x) = sweeps.iter().find(|sweep| !sweep.key.is_name()) else {
-            return has_fillers.then(|| side_by_side(sweeps, &ground, ["drift_rms", "drift_q9973"]));
-        };
-        let others = || sweeps.iter().filter(|sweep| sweep.key.name != x.key.name);
-        let filler = has_fillers.then(|| Named::default(FILLER));
-        let keys = others().map(|sweep| Named::default(sweep.key.name));
-        let series: Vec<Named> = filler.into_iter().chain(keys).take(2).collect();
-        let fixed = others().filter(|sweep| series.iter().all(|named| named.name != sweep.key.name));
-        Some(Chart {
-            rows: fixed.filter_map(at_first).chain(usual_rows(&ground)).collect(),
-            x_scale: scale_over(x.key.name, sweeps, &ground),
-            ..Chart::curves(x.key.name, SWITCHED_RUN.look.estimate, series)
-        })
+        vec![points, trajectories]
     }
 
     fn notes(&self) -> &[String] {

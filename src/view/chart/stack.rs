@@ -44,6 +44,11 @@ impl<'t> Shown<'t> {
         let x = self.table.column(&chart.x.name);
         x.is_ok_and(|x| x.cells.iter().any(|cell| matches!(cell, Cell::Text(_))))
     }
+
+    /// Whether the chart is not written but supplied with names side by side, as where no number is swept.
+    pub fn is_supplied(&self, chart: &Chart) -> bool {
+        chart.x.span.is_empty() && self.is_named(chart)
+    }
 }
 
 /// The table with the columns `names` one below the other, under the name of the first: all other columns are repeated for

@@ -10,7 +10,7 @@ use crate::quantity::number::short;
 use crate::run::Tables;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
-use crate::table::{Column, ColumnError, Role, Table};
+use crate::table::{Column, ColumnError, Role, Table, Usual};
 use crate::view::chart::notes::ChartError;
 use crate::view::chart::picture::Picture;
 use crate::view::chart::stack::Shown;
@@ -63,7 +63,7 @@ pub fn answer(
             with_caveat(study, headline, &shown.table, &chart.filter())
                 .map_err(|error| refused(study, chart, &error.into()))?
         }
-        (None, Some(((chart, _), _))) if chart.is_supplied() => undrawn(study, tables),
+        (None, Some(((chart, shown), _))) if shown.is_supplied(chart) => undrawn(study, tables),
         (None, Some(((chart, shown), drawn))) => {
             of_chart(study, chart, shown, &drawn.picture).map_err(|error| refused(study, chart, &error))?
         }
@@ -266,16 +266,15 @@ fn of_each(chart: &Chart, shown: &Shown) -> Result<Vec<String>, ColumnError> {
 
 /// The best row of a study without a chart of its own.
 fn undrawn(study: &Study, tables: &Tables) -> Option<String> {
-    let look = &study.kind().look;
-    let (estimate, rows) = look.answer;
-    let rows: Vec<_> = rows.iter().map(|&(column, value)| (column.to_owned(), value.to_owned())).collect();
+    let points = &tables.points;
+    let estimate = points.usual(Usual::Answer)?;
     // Errors and angles that the study leaves out have no rows.
-    let has = |rows: &Vec<(String, String)>| tables.points.rows_where(rows).is_ok();
-    let rows = Some(rows).filter(has).unwrap_or_default();
-    let by = apart(study, Source::Points, look.along.into_iter().collect());
+    let rows = Some(study.usual_rows()).filter(|rows| points.rows_where(rows).is_ok()).unwrap_or_default();
+    let abscissa = points.usual(Usual::Abscissa).map(|column| column.name.as_str());
+    let by = apart(study, Source::Points, abscissa.into_iter().collect());
     // Every study of the kind has the columns.
-    let sentence = leading(study, &tables.points, estimate, &rows, &by).ok().flatten()?;
-    match tables.points.chosen(&rows) {
+    let sentence = leading(study, points, &estimate.name, &rows, &by).ok().flatten()?;
+    match points.chosen(&rows) {
         Ok(chosen) if !chosen.is_empty() => {
             Some(format!("{} ({}).", sentence.trim_end_matches('.'), chosen.join(", ")))
         }

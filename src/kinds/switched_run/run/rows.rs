@@ -1,6 +1,6 @@
 //! The table of whole runs.
 
-use crate::kinds::switched_run::columns::{Row, columns, filler};
+use crate::kinds::switched_run::columns::{Row, columns};
 use crate::kinds::switched_run::run::Plan;
 use crate::kinds::table::table;
 use crate::sampling::batches::estimates;
@@ -26,8 +26,7 @@ impl Plan<'_> {
     }
 
     fn table_of(&self, rows: &[Row]) -> Table {
-        let filler = (!self.runs.fillers().is_empty()).then(filler);
-        let columns: Vec<_> = filler.into_iter().chain(columns()).collect();
+        let columns = columns(!self.runs.fillers().is_empty());
         table(&self.study.sweeps, &columns, rows, |row| &row.point.swept)
     }
 

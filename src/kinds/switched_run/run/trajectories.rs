@@ -5,7 +5,7 @@
 use crate::kernel::rows::Rows;
 use crate::kernel::switched_run::trajectory;
 use crate::kinds;
-use crate::kinds::switched_run::columns::{Moment, trajectory_columns, trajectory_filler};
+use crate::kinds::switched_run::columns::{Moment, trajectory_columns};
 use crate::kinds::switched_run::lower::FilledRun;
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::kinds::switched_run::run::Plan;
@@ -88,8 +88,7 @@ pub(crate) fn table(plan: &Plan, store: &Store) -> Result<Table, StoreError> {
 }
 
 fn table_of(plan: &Plan, moments: &[Moment]) -> Table {
-    let filler = (!plan.runs.fillers().is_empty()).then(trajectory_filler);
-    let columns: Vec<_> = filler.into_iter().chain(trajectory_columns()).collect();
+    let columns = trajectory_columns(!plan.runs.fillers().is_empty());
     kinds::table::table(&plan.study.sweeps, &columns, moments, |moment| &moment.point.swept)
 }
 
