@@ -114,7 +114,7 @@ impl Subject {
             name: format!("gone in the {place:?} tile"),
             script: Box::new(move |seen| fails(seen).then_some(Fault::LostAfter)),
             faults: 2,
-            said: vec!["cannot open the device: LostAfter, as a test wants it; from here on CPU"],
+            said: vec!["cannot open the device: LostAfter, requested by a test; from here on CPU"],
             on_cpu: true,
         }
     }
