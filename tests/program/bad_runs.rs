@@ -223,7 +223,7 @@ fn times_that_no_run_has_and_times_listed_twice_are_refused() {
     refused(&with("[\"0 s\"]"), "11:10", &["run.times lists 0 s", "not above 0"]);
     refused(&with("[\"-1 s\"]"), "11:10", &["run.times lists -1 s", "not above 0"]);
     refused(&with("[60]"), "11:10", &["a bare number", "accepted: a time"]);
-    refused(&with("\"5 min\""), "11:9", &["has to be a list of quantities in brackets"]);
+    refused(&with("\"5 min\""), "11:9", &["must be a list of quantities in brackets"]);
     let many: Vec<String> = (1..=101).map(|second| format!("\"{second} s\"")).collect();
     refused(&with(&format!("[{}]", many.join(", "))), "11:9", &["lists 101 times", "accepted: up to 100"]);
 }

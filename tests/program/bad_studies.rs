@@ -139,7 +139,7 @@ fn a_value_of_the_wrong_type_is_told_in_the_words_of_studies() {
         &format!("{kind}\n{gyro}"),
         "3:8",
         &five,
-        &["`gyro` is the number 5", "has to be a table", like_gyro],
+        &["`gyro` is the number 5", "must be a table", like_gyro],
     );
     line(gyro, "2:8", "", &["needs the table [gyro]", like_gyro]);
     line("tick = \"5 ms\"\n", "3:1", "", &["the key `gyro.tick` is missing", "tick = \"5 ms\""]);

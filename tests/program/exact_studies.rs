@@ -247,7 +247,7 @@ fn suspensions_that_make_no_sense_are_refused() {
         modes(&format!("{{ frequency = \"380 Hz\", q = {q}, response = \"{response}\" }}"))
     };
     refused(&mode("0.1", "1 deg/s/g"), "4:38", &["suspension.modes.q = 0.1 is out of range", "0.5 to 10000"]);
-    refused(&mode("\"high\"", "1 deg/s/g"), "4:38", &["suspension.modes.q: \"high\" is no ratio"]);
+    refused(&mode("\"high\"", "1 deg/s/g"), "4:38", &["suspension.modes.q: \"high\" is not a ratio"]);
     refused(&mode("50", "1 deg/s"), "4:53", &["is an angular rate", "arcsec/s/g"]);
     let sweep = |list: &str| format!("{SUSPENSION}[[sweep]]\nkey = \"suspension.gyro\"\n{list}\n");
     refused(
