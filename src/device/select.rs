@@ -19,7 +19,7 @@ pub enum SelectError {
     )]
     NoGpu,
     /// No width and no adapter has the requested name.
-    #[error("no device is called `{name}`; available are {}", known.join(", "))]
+    #[error("no device is called `{name}`; the devices are {}", known.join(", "))]
     Unknown {
         /// Requested name.
         name: String,
