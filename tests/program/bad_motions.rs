@@ -127,7 +127,7 @@ fn vibration_above_half_the_tick_rate_is_refused_unless_it_may_be_aliased() {
     refused(
         &shaken(&format!("{low}, {}, alias = true", sine("2001 Hz"))),
         "7:126",
-        &["a vibration of 2001 Hz is absurd at a tick rate of 200 Hz", "2000 Hz here"],
+        &["a vibration of 2001 Hz is too fast for a tick rate of 200 Hz", "2000 Hz here"],
     );
 }
 

@@ -24,8 +24,8 @@ pub struct Case {
     pub on_cpu: bool,
 }
 
-pub const SMALLER: &str = "is out of memory: it goes on with smaller tiles";
-pub const AGAIN: &str = "was lost: Destroyed; it was opened again, passed its self-test and goes on";
+pub const SMALLER: &str = "is out of memory: it continues with smaller tiles";
+pub const AGAIN: &str = "was lost: Destroyed; it was opened again, passed its self-test and continues";
 
 /// A study with what an undisturbed run leaves.
 pub struct Subject {
