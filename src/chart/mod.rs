@@ -369,7 +369,7 @@ fn only_for(kind: ChartKind, kinds: &[ChartKind], written: Option<Given>) -> Res
         return Ok(());
     };
     let others: Vec<String> = kinds.iter().map(|kind| format!("kind = \"{}\"", kind.name())).collect();
-    let message = format!("{} is no key of a chart of kind = \"{}\"", written.key.name, kind.name());
+    let message = format!("{} is not a key of a chart of kind = \"{}\"", written.key.name, kind.name());
     let help = format!("leave it out, or write {}", others.join(" or "));
     Err(written.fault(message, "not of this kind", help))
 }

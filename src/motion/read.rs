@@ -59,7 +59,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Motion, Wrong> {
 fn check_beside(motion: &Motion, vibration: &Vibration, reading: &Reading) -> Result<(), Fault> {
     let message = match vibration.acceleration {
         Acceleration::Random { .. } if motion.gaussian.is_some() => {
-            "motion.suspension.random stands beside motion.gaussian".to_owned()
+            "motion.suspension.random conflicts with motion.gaussian".to_owned()
         }
         Acceleration::Sine { .. } if motion.tones.len() >= MAX_TONES => {
             format!("motion.suspension.sine is one tone more than the {MAX_TONES} that a motion may have")
@@ -74,7 +74,7 @@ fn tones(reading: &Reading) -> Result<Vec<Tone>, Fault> {
     let single = [ONE.amplitude, ONE.frequency, ONE.phase].map(|key| reading.get(key));
     if let Some(tones) = reading.get(&TONES) {
         if let Some(single) = single.into_iter().flatten().next() {
-            let message = "motion.tones stands beside the amplitude, frequency or phase of a single tone";
+            let message = "motion.tones conflicts with the amplitude, frequency or phase of a single tone";
             return Err(single.fault(message, "besides tones", "put it into tones, or leave tones out"));
         }
         let list = tones.items();

@@ -36,7 +36,7 @@ impl SuspensionKeys {
         let (gyro, modes) = (reading.get(self.gyro), reading.get(self.modes));
         let swept = reading.sweep(self.gyro);
         if let (Some(modes), Some(_)) = (modes, swept) {
-            let message = format!("{} stands beside a sweep over {}", self.modes.name, self.gyro.name);
+            let message = format!("{} conflicts with a sweep over {}", self.modes.name, self.gyro.name);
             return Err(modes.fault(message, "another suspension", "leave one of them out"));
         }
         let suspension = match (gyro, modes, swept.and_then(|sweep| sweep.values.first())) {

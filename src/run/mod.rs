@@ -1,4 +1,4 @@
-//! Running a study: what is missing in the store is sampled and added, then all that is held becomes tables.
+//! Running a study: missing trials are sampled and added to the store, and then everything stored is tabulated.
 
 pub mod keep;
 
@@ -21,63 +21,63 @@ use crate::table::Table;
 use crate::tally::id::Id;
 use crate::tally::share::Share;
 
-/// Why a run ended early. What was computed before is in the store.
+/// Why a run ended early. Results computed before are in the store.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The results folder failed.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// The device failed, and nothing could take its place.
+    /// The device failed and could not be replaced.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// Of a point that was lowered before: not on the same machine.
+    /// A point was refused that was lowered before, on another machine.
     #[error(transparent)]
     Refused(#[from] Refusal),
 }
 
-/// A study whose every point is proven to fit.
+/// A study whose points are all proven to fit.
 #[derive(Debug)]
 pub struct Plan<'a> {
     study: &'a Study,
     work: Box<dyn plan::Plan + 'a>,
 }
 
-/// What a run did.
+/// The outcome of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Done {
-    /// Trials sampled, over all points.
+    /// Trials sampled over all points.
     pub trials: u64,
-    /// It took, s.
+    /// Duration of the run, s.
     pub seconds: f64,
-    /// Whether it ended before all was done, as [`Progress::stops`] asked for.
+    /// Whether it ended early, as [`Progress::stops`] requested.
     pub stopped: bool,
-    /// Why some of it was not done as asked, each in a sentence.
+    /// Deviations from the requested execution, each a sentence.
     pub degraded: Vec<String>,
 }
 
-/// The results of a study, each a table of its own.
+/// The results of a study, as tables.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tables {
-    /// points.csv
+    /// Table of the points, `points.csv`.
     pub points: Table,
-    /// coefficients.csv, where coefficients are fitted.
+    /// Table of the coefficients, `coefficients.csv`, where coefficients are fitted.
     pub coefficients: Option<Table>,
-    /// trajectories.csv, where some are kept.
+    /// Table of trajectories, `trajectories.csv`, where some are kept.
     pub trajectories: Option<Table>,
 }
 
-/// The name of the study that stands beside its results: run it to repeat the run.
+/// The name of the study file beside its results, which repeats the run.
 pub const RESOLVED: &str = "resolved_study.toml";
 
 impl Tables {
-    /// All tables, each with what it is.
+    /// All tables, each with its source.
     pub fn all(&self) -> impl Iterator<Item = (Source, &Table)> {
         let coefficients = self.coefficients.as_ref().map(|table| (Source::Coefficients, table));
         let trajectories = self.trajectories.as_ref().map(|table| (Source::Trajectories, table));
         std::iter::once((Source::Points, &self.points)).chain(coefficients).chain(trajectories)
     }
 
-    /// All of them, that of the study's first chart before the others.
+    /// All tables, with that of the study's first chart before the others.
     pub fn as_charted(&self, study: &Study) -> Vec<(Source, &Table)> {
         let first = study.charts.first().map_or(Source::Points, |chart| chart.source);
         let mut all: Vec<_> = self.all().collect();
@@ -85,12 +85,12 @@ impl Tables {
         all
     }
 
-    /// Only that of the points.
+    /// Tables that consist of the points only.
     pub(crate) fn of_points(points: Table) -> Tables {
         Tables { points, coefficients: None, trajectories: None }
     }
 
-    /// The table that a chart is drawn from.
+    /// The table for a source.
     pub fn of(&self, source: Source) -> &Table {
         let other = match source {
             Source::Points => None,
@@ -115,7 +115,7 @@ impl<'a> Plan<'a> {
         self.work.is_sampled()
     }
 
-    /// What makes the results those of this study.
+    /// The identity of the results, which ties them to this study.
     pub fn identity(&self) -> Identity {
         Identity {
             kind: self.study.kind().name.to_owned(),
@@ -125,15 +125,16 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Samples what the store lacks of a share. `progress` hears how much there is in all and, as it comes, what is done; what
-    /// earlier runs left is done already.
+    /// Samples the trials that the store lacks of a share. `progress` receives the total, and the work done as it
+    /// completes; work of earlier runs counts as done.
     ///
-    /// A GPU that fails ends no run: it takes smaller tiles when memory runs out, is opened again when it is lost, and where
-    /// neither helps `device` becomes the CPU. The results are the same bits; [`Done::degraded`] says what happened.
+    /// A GPU that fails does not end a run: it takes smaller tiles when memory runs out, is opened again when it is
+    /// lost, and where neither helps `device` becomes the CPU. The results are the same bits; [`Done::degraded`]
+    /// describes the failures.
     ///
     /// # Errors
-    /// The disk fails, or the device, and there are no threads for the CPU to take its place; what was sampled before is in the
-    /// store.
+    /// The disk fails, or the device fails and no threads can be started for the CPU to replace it. Trials sampled
+    /// before are in the store.
     pub fn run(
         &self,
         store: &mut Store,
@@ -146,12 +147,13 @@ impl<'a> Plan<'a> {
         Ok(Done { degraded: worker.into_notes(), ..done })
     }
 
-    /// Whether so many sampled trials are more than all points have: estimates of a point that are not sampled together count each.
+    /// Whether the number of sampled trials exceeds that of all points together. This happens because estimates of a
+    /// point that are not sampled together count separately.
     pub fn counts_again(&self, sampled: u64) -> bool {
         sampled > self.work.all_trials()
     }
 
-    /// Trials that the store still lacks of a share, over all points.
+    /// Number of trials that the store still lacks of a share, over all points.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
@@ -159,13 +161,13 @@ impl<'a> Plan<'a> {
         self.work.lacks(store, share)
     }
 
-    /// The tables before anything is sampled: all rows, without estimates.
+    /// The tables before anything is sampled, with all rows but without estimates.
     pub fn blank_tables(&self) -> Tables {
         let nothing = Tables::of_points(Table::default());
         self.work.tables(None, &Silent).unwrap_or(nothing)
     }
 
-    /// All estimates held; `progress` hears of fits.
+    /// The tables of all stored estimates; `progress` receives numbers of fits.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
@@ -173,8 +175,8 @@ impl<'a> Plan<'a> {
         self.work.tables(Some(store), progress)
     }
 
-    /// Trials that a study has which repeats this one: what all points have, where they have the same number and that is more
-    /// than was asked for.
+    /// The number of trials for a study that repeats this one: that of all points, where it is the same for all and
+    /// exceeds the requested number, else the latter.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
@@ -182,8 +184,8 @@ impl<'a> Plan<'a> {
         Ok(self.work.held(index)?.unwrap_or(0).max(self.study.trials))
     }
 
-    /// What should be known besides the results, each in a sentence, of a store that holds what `index` says, and so many trials as
-    /// [`Plan::held`] does.
+    /// Notes attached to the results, each a sentence. `index` is that of the store, and `held` the result of
+    /// [`Plan::held`].
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
@@ -192,17 +194,17 @@ impl<'a> Plan<'a> {
         notes.extend(self.work.notes(store)?);
         if held > self.study.trials {
             let why = self.work.surplus();
-            notes.push(format!("{held} trials a point, not {}: {why}", self.study.trials));
+            notes.push(format!("{held} trials per point instead of {}: {why}", self.study.trials));
         }
         let points = index.points();
         let asked: HashSet<Id> = self.work.ids().into_iter().collect();
         match points.iter().filter(|id| !asked.contains(id)).count() {
             0 => {}
             1 => notes.push(
-                "1 point of earlier runs is kept but not shown: the study no longer asks for it".to_owned(),
+                "1 point of earlier runs is kept but not shown: the study no longer contains it".to_owned(),
             ),
             n => notes.push(format!(
-                "{n} points of earlier runs are kept but not shown: the study no longer asks for them"
+                "{n} points of earlier runs are kept but not shown: the study no longer contains them"
             )),
         }
         Ok(notes)

@@ -154,7 +154,7 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// Lets the processor do the rest.
+    /// Replaces the device by the processor for the rest of the run.
     fn replace(&mut self, error: &GpuError, why: &str) -> Result<(), GpuError> {
         let cpu = match self.beside.take() {
             Some(cpu) => cpu,
@@ -166,7 +166,7 @@ impl<'a> Worker<'a> {
         Ok(())
     }
 
-    /// The processor, or what it is needed for where it has no threads.
+    /// The processor, or `error` where it can start no threads.
     fn processor(&mut self, error: &GpuError) -> Result<Cpu, GpuError> {
         let threads = match &*self.device {
             Device::Gpu(gpu) => gpu.threads(),

@@ -1,4 +1,4 @@
-//! A kind of study, as all that does not know it in particular sees it.
+//! A kind of study, as the rest of the library sees it.
 
 use std::any::Any;
 use std::fmt;
@@ -15,12 +15,12 @@ use crate::source::diagnose::{StudyError, Wrong};
 use crate::study::Study;
 use crate::table::About;
 
-/// A table of results, and its columns besides swept keys.
+/// A table of results, with its columns except the swept keys.
 pub(crate) type TableColumns = (Source, fn() -> Vec<About>);
 
 /// An entry of the list of kinds. Help, schema, documents, verification and tests iterate that list.
 pub struct Kind {
-    /// The name in study files: `gap-fill`.
+    /// The name in study files, such as `gap-fill`.
     pub name: &'static str,
     /// The subject of such a study, in one sentence.
     pub subject: &'static str,
@@ -30,35 +30,35 @@ pub struct Kind {
     pub template: &'static str,
     /// Whether every value is a closed form, so that nothing is sampled.
     pub is_exact: bool,
-    /// The trials at each point if the study does not say.
+    /// The number of trials at each point if the study gives none.
     pub(crate) trials: u64,
-    /// The tables that it needs.
+    /// The tables that it requires.
     pub(crate) needs: &'static [&'static str],
-    /// Its keys, besides those that every study has.
+    /// Its keys, except those that every study has.
     pub(crate) keys: fn() -> Vec<&'static Key>,
-    /// The keys that a sweep may vary.
+    /// The keys that can be swept.
     pub(crate) sweepable: fn() -> Vec<&'static Key>,
-    /// The columns of each of its tables besides swept keys.
+    /// The columns of each of its tables except the swept keys.
     pub(crate) columns: &'static [TableColumns],
     /// The kernels that sample it, with their versions.
     pub(crate) kernels: fn() -> String,
-    /// The loads that its kernels are checked on; none for closed forms.
+    /// The loads on which its kernels are checked; none for closed forms.
     pub(crate) loads: fn() -> Vec<Load>,
     /// The appearance of its results.
     pub(crate) look: Look,
-    /// Reads what is of this kind in a study.
+    /// Reads the part of a study that belongs to this kind.
     pub(crate) read: fn(&mut Reading) -> Result<Box<dyn Subject>, Wrong>,
 }
 
-/// How results of a kind are presented where a chart does not say.
+/// How the results of a kind are presented where a chart does not specify it.
 pub(crate) struct Look {
-    /// The column that charts show.
+    /// The column shown in charts.
     pub(crate) estimate: &'static str,
-    /// The column by which the best row is told, in which rows.
+    /// The column that determines the best row, and the values that select the rows to compare.
     pub(crate) answer: (&'static str, &'static [(&'static str, &'static str)]),
-    /// The column that charts have along x where nothing is swept, and that tells rows apart; often none.
+    /// The column along x where nothing is swept, which also distinguishes rows; often none.
     pub(crate) along: Option<&'static str>,
-    /// What the points of a chart are, and what its bands are.
+    /// Names of the points and the bands of a chart.
     pub(crate) points: &'static str,
     pub(crate) bands: &'static str,
 }
@@ -77,7 +77,7 @@ impl fmt::Debug for Kind {
     }
 }
 
-/// What a study of some kind asks.
+/// The part of a study that belongs to its kind.
 pub(crate) trait Subject: Any + fmt::Debug + Send + Sync {
     /// Lowers every point.
     ///
@@ -88,10 +88,10 @@ pub(crate) trait Subject: Any + fmt::Debug + Send + Sync {
     /// The tables of its results, as far as they are known before anything is sampled.
     fn grounds(&self) -> Vec<Ground>;
 
-    /// The chart of a study that asks for none.
+    /// The chart of a study that specifies none.
     fn default_chart(&self, sweeps: &[Sweep]) -> Option<Chart>;
 
-    /// What of the inputs is left out, rounded or assumed, each in a sentence.
+    /// Notes on inputs that are ignored, rounded or assumed, each a sentence.
     fn notes(&self) -> &[String] {
         &[]
     }
@@ -101,10 +101,10 @@ pub(crate) trait Subject: Any + fmt::Debug + Send + Sync {
         false
     }
 
-    /// Takes all trials at every point.
+    /// Drops the precision, so that every point takes all trials.
     fn drop_stop_rule(&mut self) {}
 
-    /// A copy.
+    /// A copy of this object.
     fn boxed(&self) -> Box<dyn Subject>;
 }
 

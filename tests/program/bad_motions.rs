@@ -156,7 +156,7 @@ fn vibration_that_makes_no_sense_is_refused() {
     );
     let beside = "\ngaussian = { rms = \"1 deg/s\", band = [\"1 Hz\", \"9 Hz\"] }";
     let both = with_motion(&format!("suspension = {{ gyro = \"LGV-1\", alias = true{good} }}{beside}"));
-    refused(&both, "7:14", &["motion.suspension.random stands beside motion.gaussian"]);
+    refused(&both, "7:14", &["motion.suspension.random conflicts with motion.gaussian"]);
     refused(
         &with("[[sweep]]\nkey = \"motion.suspension.gyro\"\nlist = [\"LGV-1\"]"),
         "13:7",

@@ -58,14 +58,14 @@ fn what_belongs_to_other_kinds_is_refused() {
     refused(
         &replaced("tick = \"5 ms\"", "tick = \"5 ms\"\nreadout_lsb = \"3 arcsec\""),
         "5:15",
-        &["gyro.readout_lsb is no key", "kind = \"gap-fill\""],
+        &["gyro.readout_lsb is not a key", "kind = \"gap-fill\""],
     );
     refused(
         &format!("{STUDY}[record]\nsample = \"1 s\"\nlength = \"1 h\""),
         "13:1",
-        &["[record] is no table", "kind = \"allan\""],
+        &["[record] is not a table", "kind = \"allan\""],
     );
-    refused(&format!("precision = \"1 %\"\n{STUDY}"), "1:13", &["precision is no key", "leave it out"]);
+    refused(&format!("precision = \"1 %\"\n{STUDY}"), "1:13", &["precision is not a key", "leave it out"]);
     refused(
         "title = \"t\"\nkind = \"relock\"\n[gyro]\ntick = \"5 ms\"",
         "2:8",

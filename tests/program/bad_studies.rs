@@ -224,7 +224,7 @@ fn charts_with_keys_of_another_kind_are_refused() {
     refused(
         &swept_chart("x = \"dt_nu\"\ny = \"rms\"\nz = \"rms\""),
         "21:5",
-        &["chart.z is no key of a chart of kind = \"curves\"", "leave it out"],
+        &["chart.z is not a key of a chart of kind = \"curves\"", "leave it out"],
     );
     refused(&swept_chart(&format!("{map}z = \"rsm\"")), "22:5", &["no column is called `rsm`"]);
     refused(

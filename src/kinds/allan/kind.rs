@@ -1,4 +1,4 @@
-//! The entry of studies of Allan curves in the list of kinds.
+//! The entry of Allan-curve studies in the list of kinds.
 
 use crate::chart::Source;
 use crate::chart::ground::{Ground, Number, Text};
@@ -72,7 +72,7 @@ impl Subject for Allan {
         ]
     }
 
-    /// The Allan deviation over τ, a curve for each value of the first two swept keys.
+    /// The Allan deviation over τ, with a curve for each value of the first two swept keys.
     fn default_chart(&self, sweeps: &[Sweep]) -> Option<Chart> {
         let series = sweeps.iter().take(2).map(|sweep| Named::default(sweep.key.name)).collect();
         Some(Chart {

@@ -1,4 +1,4 @@
-//! Whole studies: what they expand to, and how wrong ones are reported.
+//! Whole studies: their expansion, and reports of faults.
 
 pub mod charts;
 
@@ -48,7 +48,7 @@ fn swept(sweep: &str) -> Vec<f64> {
     study.sweeps[0].values.iter().filter_map(Swept::quantity).map(|value| value.value).collect()
 }
 
-/// The report must hold every piece; wide enough that no line is broken.
+/// Checks that the report contains every piece; it is wide enough that no line is broken.
 fn refused(text: &str, pieces: &[&str]) {
     let report = match Study::parse("a.toml", text) {
         Ok(_) => panic!("accepted although {pieces:?} was expected:\n{text}"),
@@ -271,7 +271,7 @@ fn rows_are_chosen_by_swept_keys_filler_and_error_and_the_values_they_take() {
              [chart]\nx = \"dt_nu\"\ny = \"rms\"\nwhere = {{ {rows} }}\n"
         ))
     };
-    // As points.csv shows the second value.
+    // The second value as `points.csv` shows it.
     let study = parsed(&chart("frequency = \"1.1078446 Hz\", std = \"2 arcsec\""));
     assert_eq!(study.charts[0].rows[0].1, points(&study)[2].swept[0].1.cell());
     for (rows, at, pieces) in [
