@@ -1,9 +1,10 @@
 // Allan variances of synthetic records: exact sums of the squared differences of their angles.
 // Twin of kernel/src/allan.rs.
 //
-// An invocation makes one record, some chunks at a time; what goes on is kept in `state`, word by word for all lanes.
+// An invocation makes one record, some chunks at a time; `state` keeps its data between dispatches, word by word for
+// all lanes.
 
-// Parameters are generated: of each level the stride, where its ring begins, how long it is, and its first place.
+// Parameters are generated: for each level the stride, the start and length of its ring, and its first place.
 @group(0) @binding(1) var<uniform> p: Parameters;
 @group(0) @binding(2) var<storage, read_write> rings: array<u32>;
 @group(0) @binding(3) var<storage, read_write> sums: array<u32>;
@@ -45,7 +46,7 @@ fn main(@builtin(global_invocation_id) id: vec3<u32>) {
     store_state();
 }
 
-// Only here: the levels of Rust are lists.
+// Only here: in Rust the levels are lists.
 fn end_of_level(l: u32) -> u32 {
     if l + 1u == LEVELS {
         return PLACES;
@@ -53,7 +54,8 @@ fn end_of_level(l: u32) -> u32 {
     return p.levels[l + 1u].w;
 }
 
-// Takes the angles of a chunk at the multiples of the stride; the first of them, counted in strides, and how many.
+// Stores the angles of a chunk at multiples of the stride. Returns the first of them, counted in strides, and their
+// number.
 fn push(level: vec4<u32>, first: u32, count: u32) -> vec2<u32> {
     let stride = level.x;
     let from_ = (first + stride - 1u) / stride;
@@ -66,7 +68,7 @@ fn push(level: vec4<u32>, first: u32, count: u32) -> vec2<u32> {
     return vec2<u32>(from_, taken);
 }
 
-// The sum of the squared differences of order ORDER over `span` strides that end at the angles of `range`.
+// Sum of the squared differences of order ORDER over `span` strides that end at the angles of `range`.
 fn squares(level: vec4<u32>, span: u32, range: vec2<u32>) -> Wide {
     var sum = wide(0u, 0u);
     for (var newest = max(range.x, ORDER * span); newest < range.x + range.y; newest += 1u) {
@@ -87,7 +89,7 @@ fn angle(level: vec4<u32>, place: u32) -> u32 {
     return rings[(level.y + place % level.z) * p.lanes + lane];
 }
 
-// The sum of a place has three words.
+// The sum at a place has three words.
 fn add(place: u32, square: Wide) {
     let at = SUM_WORDS * place * p.lanes + lane;
     let low = sums[at] + low_word(square);
@@ -100,7 +102,7 @@ fn add(place: u32, square: Wide) {
     sums[at + 2u * p.lanes] += carry_on + select(0u, 1u, sum < middle);
 }
 
-// Only here to the end: parameters and state that Rust has in structures.
+// Only here to the end: parameters and state that are structures in Rust.
 fn flicker_sigma(octave: u32) -> u32 {
     return p.flicker[octave / 4u][octave % 4u];
 }

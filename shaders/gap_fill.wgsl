@@ -1,7 +1,8 @@
 // One trial of a mode switch: the ticks round the gap, and how far each filler's angle is from the true one.
 // Twin of kernel/src/gap_fill.
 
-// The k-th tick on either side of the gap, where the shape has it: its motion and noise are read, and added to the sums.
+// Reads motion and noise of the k-th tick on either side of the gap, where the shape has that tick, and adds them to
+// the sums.
 fn side(run: ptr<function, Run>, motion: Motion, k: u32, noise: vec2<u32>) {
     let angles = side_motion(motion, k);
     //#if PROFILE
@@ -56,7 +57,7 @@ fn side(run: ptr<function, Run>, motion: Motion, k: u32, noise: vec2<u32>) {
     //#end
 }
 
-// What goes on from tick to tick: the sums, readings of the ticks before the gap, and where the readout stands.
+// State carried from tick to tick: the sums, readings of the ticks before the gap, and the readout.
 struct Run {
     sum: array<Sum, ESTIMATES>,
     kept: array<u32, KEPT>,
@@ -65,7 +66,7 @@ struct Run {
 }
 
 //#if READOUT
-// The angle that the whole pulses up to `angle` make.
+// The angle represented by the whole pulses up to `angle`.
 fn pulses(angle: u32) -> u32 {
     return angle & p[READOUT_MASK];
 }
@@ -127,7 +128,7 @@ fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {
     return error;
 }
 
-// A weighted sum of ticks less the scaled truth, in 32 bits where that is enough.
+// A weighted sum of ticks less the scaled truth, kept in 32 bits where that is enough.
 //#if WIDE
 alias Sum = Wide;
 

@@ -1,4 +1,4 @@
-// The building blocks on their own: a function of a few words, evaluated over a list of items.
+// The building blocks on their own, each a function of a few words, evaluated over a list of items.
 // Twin of kernel/src/map.rs, which generates the function `evaluate`.
 
 @group(0) @binding(1) var<storage, read> items: array<u32>;

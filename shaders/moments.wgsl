@@ -1,9 +1,9 @@
 // The tally of scalar estimates: sum, sum of squares, extremes and a histogram, all exact integers.
-// Twin of kernel/src/moments.rs. The kernel gives the places of its parameters and the function `trial`.
+// Twin of kernel/src/moments.rs. The kernel provides the places of its parameters and the function `trial`.
 //
-// A workgroup takes one job. An invocation adds up at most FLUSH trials in 64 bits; the workgroup's sums have 96.
+// A workgroup takes one job. An invocation adds up at most FLUSH trials in 64 bits; the workgroup's sums have 96 bits.
 
-// The trials high·2^32 + low and on, count of them; slot is where the histograms go.
+// `count` trials from number high·2^32 + low on; `slot` is the place of the histograms.
 struct Job {
     low: u32,
     high: u32,
@@ -21,7 +21,7 @@ struct Job {
 @group(0) @binding(5) var<storage, read> table: array<u32>;
 //#end
 
-// The parameters in registers: loaded where they are used, they are loaded anew in every trial.
+// The parameters in registers; loaded where they are used, they would be reloaded in every trial.
 var<private> p: array<u32, PARAMETER_WORDS>;
 
 //#if HISTOGRAM
@@ -30,7 +30,7 @@ const SHARED_WORDS = ESTIMATES * max(BINS, STAGED_WORDS * WORKGROUP);
 const SHARED_WORDS = ESTIMATES * STAGED_WORDS * WORKGROUP;
 //#end
 
-// First the bin counts, then the sums of the invocations: never both.
+// Used first for the bin counts, then for the sums of the invocations, never for both at once.
 var<workgroup> shared_words: array<atomic<u32>, SHARED_WORDS>;
 
 // The sum is kept as its lower 32 bits and the sum of the upper halves.
@@ -46,7 +46,7 @@ fn bin_base(estimate: u32) -> u32 {
     return p[BIN_BASE + estimate];
 }
 
-// Only here: the processor reads the parameters where they are.
+// Only here: on the processor, parameters are read in place.
 fn load_parameters() {
     //#for i in 0..PARAMETER_WORDS
     p[i] = parameters[i / 4u][i % 4u];
@@ -118,7 +118,8 @@ fn add(sums: Sums, error: u32) -> Sums {
     );
 }
 
-// Only here: lanes are registers in Rust. Puts the sums of an invocation where `flush` finds them: six words for each estimate and lane.
+// Only here: lanes are registers in Rust. Stores the sums of an invocation where `flush` reads them: six words for each
+// estimate and lane.
 fn stage(lane: u32, estimate: u32, sums: Sums) {
     let to = estimate * STAGED_WORDS * WORKGROUP + lane;
     atomicStore(&shared_words[to], sums.sum);
@@ -129,7 +130,7 @@ fn stage(lane: u32, estimate: u32, sums: Sums) {
     atomicStore(&shared_words[to + 5u * WORKGROUP], bitcast<u32>(sums.greatest));
 }
 
-// Adds up the sums of all lanes in 96 bits. One invocation does an estimate: a tree would need a barrier a level.
+// Adds up the sums of all lanes in 96 bits. One invocation does an estimate; a tree would need a barrier per level.
 fn flush(estimate: u32, to: u32) {
     let base = estimate * STAGED_WORDS * WORKGROUP;
     var sum = vec3<u32>();
@@ -172,7 +173,7 @@ fn add96(a: vec3<u32>, b: vec3<u32>) -> vec3<u32> {
     return vec3<u32>(x, y, a.z + b.z + carry_y);
 }
 
-// The bin of |error|, below BINS: log-linear, 128 to the octave, starting at the level `base`.
+// The bin of |error|, below BINS. Bins are log-linear, 128 to the octave, starting at the level `base`.
 fn bin(error: u32, base: u32) -> u32 {
     let sign = sar(error, 31u);
     let a = max((error ^ sign) - sign, 1u);

@@ -1,4 +1,4 @@
-// Motion of the base in one trial: what it turns through in the gap, and in the ticks on either side.
+// Motion of the base in one trial: the angles through which it turns in the gap and in the ticks on either side.
 // Twin of kernel/src/motion.rs. Angles are in 2^-32 LSB until they are rounded; ticks are counted outward from the gap.
 
 struct Motion {
@@ -49,7 +49,7 @@ fn draw_motion(address: Address, first: vec4<u32>) -> Motion {
     return motion;
 }
 
-// The true angle over the ticks of the gap up to those of `row`, in LSB.
+// The true angle over the ticks of the gap up to and including that of `row`, in LSB.
 fn gap(motion: Motion, row: u32) -> u32 {
     var angle = wide(HALF, 0u);
     //#for t in 0..TONES
@@ -89,7 +89,7 @@ fn gap(motion: Motion, row: u32) -> u32 {
     //#end
 }
 
-// The angles of the k-th tick before and after the gap, in 2^-32 LSB and with a half LSB, but for the profile.
+// The angles of the k-th tick before and after the gap without the profile, in 2^-32 LSB and with half an LSB added.
 struct Side {
     before: Wide,
     after: Wide,
@@ -139,7 +139,8 @@ fn profile_side(motion: Motion, k: u32) -> vec2<u32> {
 //#end
 
 //#if FREQUENCIES
-// Tone t of drawn frequency: its angle over the gap up to `row`, as factors of the sine and cosine at the middle.
+// The angle of tone t, whose frequency is drawn, over the gap up to `row`, as factors of the sine and cosine at the
+// middle.
 fn gap_factors(motion: Motion, row: u32, t: u32) -> vec2<u32> {
     let n = p[GAP_LENGTH];
     var sum = vec2<u32>();
@@ -154,12 +155,12 @@ fn gap_factors(motion: Motion, row: u32, t: u32) -> vec2<u32> {
     return sum;
 }
 
-// The same of the k-th tick after the gap.
+// The same factors for the k-th tick after the gap.
 fn side_factors(motion: Motion, k: u32, t: u32) -> vec2<u32> {
     return factors(motion, t, p[GAP_LENGTH] + 1u + 2u * k);
 }
 
-// The same of a tick whose middle lies so many half ticks after that of the gap.
+// The same factors for a tick whose middle lies `half_ticks` half ticks after that of the gap.
 fn factors(motion: Motion, t: u32, half_ticks: u32) -> vec2<u32> {
     let turn = motion.half_turn[t] * half_ticks;
     return vec2<u32>(
@@ -170,7 +171,7 @@ fn factors(motion: Motion, t: u32, half_ticks: u32) -> vec2<u32> {
 //#end
 
 //#if GAUSSIAN
-// The normal numbers of the Gaussian motion: of the gap, then outward in turn after and before it.
+// Draws the normal numbers of the Gaussian motion: those of the gap, then outward, alternately after and before it.
 fn draw_gaussian(address: Address) {
     var after: vec4<u32>;
     var before: vec4<u32>;
@@ -190,7 +191,7 @@ fn draw_gaussian(address: Address) {
     }
 }
 
-// The Gaussian motion of a tick on the side: its row of the factor times the numbers up to its own.
+// The Gaussian motion of a tick on the side: its row of the factor times the normal numbers up to its own.
 fn gaussian_side(place: u32) -> Wide {
     let row = GAUSSIAN_SIDES + (place * (place + 1u) - GAP_TICKS * (GAP_TICKS + 1u)) / 2u;
     var angle = wide(0u, 0u);
@@ -209,14 +210,14 @@ fn profile(boundary: u32) -> u32 {
 //#end
 
 //#if AMPLITUDES
-// A tone with an amplitude of its own: a part of the largest one, or Rayleigh-distributed.
+// A tone with its own amplitude: a fraction of the largest one, or Rayleigh-distributed.
 fn with_amplitude(tone: vec2<u32>, words: vec4<u32>, t: u32) -> vec2<u32> {
     let part = p[AMPLITUDE_LOW + t] + mulhi(words[0], p[AMPLITUDE_WIDTH + t]);
     let rayleigh = p[RAYLEIGH + t];
     return vec2<u32>(amplitude(tone.x, words[0], part, rayleigh), amplitude(tone.y, words[1], part, rayleigh));
 }
 
-// A part of `tone`, or the normal number of the word where all bits of `rayleigh` are set.
+// A fraction `part` of `tone`, or the normal number of `word` where all bits of `rayleigh` are set.
 fn amplitude(tone: u32, word: u32, part: u32, rayleigh: u32) -> u32 {
     let scaled = bits_from(add_wide(mul_wide(tone, part), wide(1u << (AMPLITUDE_BITS - 1u), 0u)), AMPLITUDE_BITS);
     return scaled ^ ((scaled ^ normal(word)) & rayleigh);
@@ -237,7 +238,7 @@ fn peak_of(half_turn: u32, t: u32) -> u32 {
 fn in_turn(trial: u32) -> u32 {
     let positions = p[POSITIONS];
     let rest = trial - mulhi(trial, p[POSITIONS_INVERSE]) * positions;
-    // The quotient may be one too small.
+    // The quotient may be too small by one.
     let less = rest - positions;
     return less + (sar(less, 31u) & positions);
 }

@@ -1,24 +1,25 @@
-// Synthetic angles of a gyro at rest, chunk by chunk: white, flicker, walking and Markov rate, sine, drift, fill residuals and
-// readout.
-// Twin of kernel/src/noise.rs, where the method is told.
+// Synthetic angles of a gyro at rest, chunk by chunk, with white, flicker, random-walk and Markov rate noise, a sine,
+// drift, fill residuals and readout.
+// Twin of kernel/src/noise.rs, which describes the method.
 
-// One stream of an octave: the newest number, how much it differs from the one before, and when records go over to it.
+// One stream of an octave: the newest number, its difference from the one before, and the sample at which records
+// switch to it.
 struct Hold {
     value: u32,
     change: u32,
     grid: u32,
 }
 
-// What goes on from chunk to chunk.
+// State carried from chunk to chunk.
 struct Noise {
     angle: Wide,
     flicker: u32,
-    // In 2^-32 units of the rate: steps that were rounded would add up to a ramp.
+    // In 2^-32 units of the rate; rounded steps would add up to a ramp.
     walk: Wide,
     // In 2^-30 units of the rate.
     markov: Wide,
     phase: u32,
-    // In 2^-32 LSB: rounded, fill residuals would add up to a drift.
+    // In 2^-32 LSB; rounded fill residuals would add up to a drift.
     residuals: Wide,
     start: u32,
 }
@@ -41,7 +42,7 @@ fn begin() {
     //#if FLICKER_HOLDS
     for (var octave = 1u; octave < OCTAVES; octave += 1u) {
         let grid = draw(address, FOR_FLICKER_GRID, octave);
-        // The hold that the record starts in, number 0.
+        // The hold in which the record starts has number 0.
         let first = draw_beyond(address, FOR_FLICKER, octave, 0u);
         for (var stream = 0u; stream < streams(octave); stream += 1u) {
             let value = scaled(first[stream], flicker_sigma(octave));
@@ -52,7 +53,7 @@ fn begin() {
     //#end
 }
 
-// The angles of the chunk that starts at sample `first`.
+// Computes the angles of the chunk that starts at sample `first`.
 fn chunk(first: u32) {
     rates(first);
     for (var block = 0u; block < CHUNK / 4u; block += 1u) {
@@ -67,7 +68,7 @@ fn chunk(first: u32) {
     readings(first);
 }
 
-// The rate in each sample: flicker, random walk and Markov noise.
+// Computes the rate in each sample: flicker, random walk and Markov noise.
 fn rates(first: u32) {
     for (var i = 0u; i < CHUNK; i += 1u) {
         rate[i] = 0u;
@@ -103,10 +104,10 @@ fn rates(first: u32) {
     //#end
 }
 
-// Changes of the holds that are shorter than a chunk.
+// Applies the changes of holds that are shorter than a chunk.
 fn short_holds(first: u32) {
     for (var octave = 1u; octave < min(OCTAVES, FOUR_STREAMS); octave += 1u) {
-        // Hold 0 is the one of the start: the one that begins at h 2^o has the number h + 1.
+        // Hold 0 contains the start; the hold that begins at h 2^o has the number h + 1.
         let hold = first >> octave;
         var words = draw_beyond(address, FOR_FLICKER, octave, hold / 4u);
         for (var h = 0u; h < (CHUNK >> octave); h += 1u) {
@@ -131,7 +132,7 @@ fn short_holds(first: u32) {
     }
 }
 
-// Changes of the holds of an octave that last for a chunk or longer.
+// Applies the changes of the holds of an octave that last for a chunk or longer.
 fn long_holds(octave: u32, first: u32) {
     let place = first & ((1u << octave) - 1u);
     if place == 0u {
@@ -149,14 +150,14 @@ fn long_holds(octave: u32, first: u32) {
     }
 }
 
-// A new number for the next hold of a stream.
+// Sets the number of the next hold of a stream.
 fn go_over(octave: u32, stream: u32, value: u32) {
     let at = octave * STREAMS + stream;
     holds[at].change = value - holds[at].value;
     holds[at].value = value;
 }
 
-// What is read of the angles of a chunk: with drift, fill residuals, sine and quantisation noise, in whole pulses.
+// Adds drift, fill residuals, sine and quantisation noise to the angles of a chunk, and reads them in whole pulses.
 fn readings(first: u32) {
     //#if DRIFT
     for (var i = 0u; i < CHUNK; i += 1u) {
@@ -174,7 +175,7 @@ fn readings(first: u32) {
     //#end
     //#if SINE_WAVE
     for (var i = 0u; i < CHUNK; i += 1u) {
-        // The integral of a sine is less its cosine; units of 2^-32 LSB in the product.
+        // The integral of a sine is minus its cosine; the product is in units of 2^-32 LSB.
         let cosine = sine(noise.phase + QUARTER_TURN);
         angles[i] -= high_word(mul_wide(cosine, p.sine_amplitude));
         noise.phase += p.sine_step;
@@ -197,7 +198,7 @@ fn readings(first: u32) {
 }
 
 //#if FILL_RESIDUALS
-// The residual of a switch of all records.
+// Adds the fill residual of a switch to all records.
 fn jump(number: u32) {
     let words = draw(address, FOR_FILL_RESIDUAL, number);
     let of_phase = mul_wide(sine(words.x), p.residual_amplitude);
@@ -205,12 +206,12 @@ fn jump(number: u32) {
 }
 //#end
 
-// Streams of an octave.
+// Number of streams of an octave.
 fn streams(octave: u32) -> u32 {
     return select(STREAMS, 1u, octave < FOUR_STREAMS);
 }
 
-// A normal number of a standard deviation in 2^-4 units.
+// A normal number with a standard deviation `sigma` in 2^-4 units.
 fn scaled(word: u32, sigma: u32) -> u32 {
     return high_word(mul_wide(normal(word), sigma));
 }

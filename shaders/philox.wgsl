@@ -1,6 +1,6 @@
 // Random words: Philox4x32-10. Twin of kernel/src/philox.rs.
 
-// Where the draws of a trial are found: its number in two halves, and the keys of its point.
+// The address of the draws of a trial: its number in two halves, and the keys of its point.
 struct Address {
     low: u32,
     high: u32,
@@ -11,7 +11,7 @@ fn draw(address: Address, purpose: u32, block: u32) -> vec4<u32> {
     return draw_beyond(address, purpose, 0u, block);
 }
 
-// The same for the purpose that lies `beyond` places behind another one.
+// The same for the purpose `beyond` places after the given one.
 fn draw_beyond(address: Address, purpose: u32, beyond: u32, block: u32) -> vec4<u32> {
     return philox(vec4<u32>(address.low, address.high, block, purpose + beyond), address.keys);
 }

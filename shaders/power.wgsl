@@ -1,6 +1,6 @@
 // Logarithms and powers to base 2. Twin of kernel/src/power.rs.
 
-// The logarithm of x >= 1: in units of 2^-26, from 0 to below 32.
+// The logarithm of x >= 1 in units of 2^-26, from 0 to below 32.
 fn log2_word(x: u32) -> u32 {
     let octave = countLeadingZeros(x);
     let u = (x << octave) << 1u;
@@ -18,7 +18,7 @@ fn log2_word(x: u32) -> u32 {
     return ((31u - octave) << LOG_BITS) + (fraction >> (32u - LOG_BITS));
 }
 
-// 2^u for a fraction u in units of 2^-32: in units of 2^-31.
+// 2^u for a fraction u in units of 2^-32, in units of 2^-31.
 fn exp2_fraction(u: u32) -> u32 {
     var sum = EXP2[5];
     sum = EXP2[4] + mulhi(sum, u);
@@ -29,7 +29,7 @@ fn exp2_fraction(u: u32) -> u32 {
     return EXP2_ONE + ((u - mulhi(between(u), sum)) >> 1u);
 }
 
-// 2^-x for x in units of 2^-26, from 0 to LARGEST_MINUS: in units of 2^-31.
+// 2^-x for x in units of 2^-26, from 0 to LARGEST_MINUS, in units of 2^-31.
 fn exp2_minus(x: u32) -> u32 {
     let whole = (x + (1u << LOG_BITS) - 1u) >> LOG_BITS;
     return exp2_fraction((0u - x) << (32u - LOG_BITS)) >> whole;

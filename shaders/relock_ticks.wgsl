@@ -1,6 +1,6 @@
-// The first ticks after one mode switch: the rotation that the closing perimeter loop fakes, less what a compensation
-// takes off. Twin of kernel/src/relock_ticks.rs. The parameters have places RELOCK_… behind
-// RELOCK, where the kernel around it has them.
+// The first ticks after one mode switch: the false rotation of the closing perimeter loop, less its compensation. Twin
+// of kernel/src/relock_ticks.rs. The places RELOCK_… of the parameters count from RELOCK, the place of their field in
+// the surrounding kernel.
 
 fn relock_ticks(address: Address, switch_number: u32, wrong: u32) -> array<u32, RELOCK_TICKS> {
     let miss = relock_miss(draw(address, FOR_RELOCK, switch_number * RELOCK_BLOCKS));
@@ -20,13 +20,13 @@ fn relock_ticks(address: Address, switch_number: u32, wrong: u32) -> array<u32, 
     //#end
 }
 
-// The part by which the temperature curve has f0 wrong, 2^-30: the same at all switches of a trial.
+// The relative error of f0 in the temperature curve, 2^-30; it is the same at all switches of a trial.
 fn relock_wrong(address: Address) -> u32 {
     let words = draw(address, FOR_RELOCK, 0u);
     return high_word(mul_wide(normal(words[3]), p[RELOCK + RELOCK_TEMPERATURE]));
 }
 
-// The miss of the switch, in units.
+// The miss of the switch, in units of the detuning.
 fn relock_miss(words: vec4<u32>) -> u32 {
     var sum = wide(HALF, p[RELOCK + RELOCK_MISS]);
     sum = add_wide(sum, mul_wide(normal(words[0]), p[RELOCK + RELOCK_HALF_WAVE]));
@@ -35,19 +35,20 @@ fn relock_miss(words: vec4<u32>) -> u32 {
     return high_word(sum);
 }
 
-// Its square, shifted: below 2^30.
+// The square of the shifted miss, below 2^30.
 fn relock_square(miss: u32) -> u32 {
     let magnitude = with_sign(miss, miss) << p[RELOCK + RELOCK_SQUARE_SHIFT];
     return mulhi(magnitude, magnitude);
 }
 
-// A word at a square of 2^32, at this square.
+// Scales `word`, which belongs to a square of 2^32, to this square.
 fn relock_scaled(square: u32, word: u32) -> u32 {
     return high_word(add_wide(mul_wide(square, word), wide(HALF, 0u)));
 }
 
 //#if RELOCK_BY_FREQUENCY
-// The beat runs up in the first half of a tick and down in the second; whole periods of both are counted.
+// Subtracts the compensation by frequency. The beat counts up in the first half of a tick and down in the second; whole
+// periods of both are counted.
 fn less_by_frequency(
     address: Address,
     switch_number: u32,
@@ -88,7 +89,7 @@ fn less_by_frequency(
 //#end
 
 //#if RELOCK_BY_DETUNING
-// Mean detunings over the halves of a tick, as an ADC shows them.
+// Subtracts the compensation by detuning, from the mean detunings over the halves of a tick as an ADC reports them.
 fn less_by_detuning(
     address: Address,
     switch_number: u32,
@@ -130,7 +131,7 @@ fn relock_shown(miss: u32, mean: u32, noise: u32) -> u32 {
 }
 //#end
 
-// 2 to the power of `log`, which has so many `bits` behind the point; of a negative one 1.
+// 2 to the power of `log`, which has `bits` fractional bits; 1 where `log` is negative.
 fn relock_power(log: u32, bits: u32) -> u32 {
     let some = min(max_signed(log, 0u), (32u << bits) - 1u);
     return exp2_fraction(some << (32u - bits)) >> (31u - (some >> bits));

@@ -1,8 +1,8 @@
-// One run of a gyro that switches modes: the angle that it has wrong at the end, at most, and at chosen times.
+// One run of a gyro that switches modes: the error of its angle at the end, at its largest, and at chosen times.
 // Twin of kernel/src/switched_run.
 
-// The warm-up of a run, whose time constant is drawn: A, 2^−32 LSB in a unit of time; τ as a part of the usual one and what the
-// usual one is of it, 2^−26; τ tanh(MT/2τ); e^{−t/τ} at the last switch, 2^−30.
+// The warm-up of a run whose time constant is drawn: A in 2^−32 LSB per unit of time; τ relative to the nominal one and
+// the nominal one relative to τ, 2^−26; τ tanh(MT/2τ); e^{−t/τ} at the last switch, 2^−30.
 struct WarmUp {
     heated: u32,
     ratio: u32,
@@ -11,9 +11,9 @@ struct WarmUp {
     last: u32,
 }
 
-// What is drawn once for a run: deviations of A, Ω_m0, Ω_nm in standard deviations, 2^−28; negative where the first mode is the
-// other one; phase of each tone at the next switch; all that is random so far, 2^−32 LSB; what relocking has added so
-// far, LSB; by how much the temperature curve has f0 wrong.
+// The random state of a run: deviations of A, Ω_m0, Ω_nm in standard deviations, 2^−28; the mode, negative where the
+// run starts in the other one; the phase of each tone at the next switch; the sum of all random parts so far, 2^−32
+// LSB; the sum of the effects of relocking so far, LSB; and the relative error of f0 in the temperature curve.
 struct Run {
     deviation: vec3<u32>,
     mode: u32,
@@ -51,22 +51,22 @@ fn start(address: Address) -> Run {
 }
 
 //#if WARM_UP
-// The warm-up of a run whose A and ln τ deviate by so much.
+// The warm-up of a run from the deviations of its A and its ln τ.
 fn warm_up(magnetic: u32, time: u32) -> WarmUp {
-    // No draw makes τ more than 2^5 times longer or shorter.
+    // The factor between a drawn τ and the nominal one is at most 2^5.
     let five = MOST_STRETCH << LOG_BITS;
     let log = high_word(mul_wide(time, p[WARM_UP_SPREAD]));
     let ratio = exp2_minus(five - log);
     let inverse = exp2_minus(five + log);
     let lost = exp2_minus(halvings(inverse, p[HALVINGS]));
     let one = EXP2_ONE;
-    // log2 of τ (1 − q)/(1 + q), q = e^{−MT/τ}; then 2^x is 2^31 of 2^−(31 − x).
+    // log2 of τ (1 − q)/(1 + q) with q = e^{−MT/τ}; then 2^x is computed as 2^31 · 2^−(31 − x).
     let tanh = log + log2_word(one - lost) - log2_word(one + lost) + ((LOG_BITS + p[TIME_BITS]) << LOG_BITS);
     let heated = p[HEATED] + bits_from(mul_wide(magnetic, p[HEATED + 1u]), NORMAL_BITS);
     return WarmUp(heated, ratio, inverse, exp2_minus(LARGEST_MINUS - tanh), DECAY_ONE);
 }
 
-// A number of halvings of the usual τ as that of this τ, 2^−26, at most 31.
+// Converts a number of halvings of the nominal τ to halvings of this τ, 2^−26, at most 31.
 fn halvings(inverse: u32, usual: u32) -> u32 {
     let bits = p[HALVING_BITS];
     let product = mul_wide(inverse, usual);
@@ -74,7 +74,8 @@ fn halvings(inverse: u32, usual: u32) -> u32 {
     return (bits_from(product, bits) & within) + (LARGEST_MINUS & (within ^ 0xffffffffu));
 }
 
-// ∫ s (1 − e^{−t/τ}) dt where a row of the table is, whose last two words are at `words`, in interval `k`; and e^{−t/τ} there.
+// ∫ s (1 − e^{−t/τ}) dt at a row of the table in interval `k`, and e^{−t/τ} there; `words` is the place of the last two
+// words of the row.
 fn heating(warm_up: WarmUp, k: u32, words: u32) -> vec2<u32> {
     let bits = p[TIME_BITS];
     let now = exp2_minus(halvings(warm_up.inverse, table[words + 1u])) >> 1u;
@@ -88,7 +89,7 @@ fn heating(warm_up: WarmUp, k: u32, words: u32) -> vec2<u32> {
 }
 //#end
 
-// The angle where a row of the table is, in interval `k`, with `more` that is random since the last switch.
+// The angle at a row of the table in interval `k`, with the random part `more` added since the last switch.
 fn angle(run: Run, k: u32, row: u32, more: Wide) -> u32 {
     let words = row * ROW;
     var random = add_wide(add_wide(run.random, more), wide(HALF, 0u));
@@ -141,7 +142,8 @@ fn residual(run: ptr<function, Run>, address: Address, k: u32, words: vec4<u32>)
 }
 
 //#if RELOCKING
-// What relocking after the switch that ends interval `k` adds, LSB: the ticks themselves, and what they do to the filler.
+// The effect of relocking after the switch that ends interval `k`, LSB: the ticks themselves and their effect on the
+// filler.
 fn relocked(run: Run, address: Address, k: u32) -> u32 {
     var left = relock_ticks(address, k, run.wrong);
     let bits = p[RELOCK_BITS];

@@ -1,18 +1,18 @@
 // The arithmetic of the kernels: 32-bit words that wrap. Twin of kernel/src/word.rs.
 //
-// WGSL has no upper half of a product. It is put together from 16-bit parts, or, where the device has 64-bit
-// registers (INT64), taken from one of them; both give the same bits.
+// WGSL has no upper half of a product. It is computed from 16-bit parts or, where the device has 64-bit registers
+// (INT64), taken from one of them; both ways give the same bits.
 
 fn sar(x: u32, n: u32) -> u32 {
     return bitcast<u32>(bitcast<i32>(x) >> n);
 }
 
-// The larger as signed numbers.
+// The larger value, compared as signed numbers.
 fn max_signed(x: u32, other: u32) -> u32 {
     return bitcast<u32>(max(bitcast<i32>(x), bitcast<i32>(other)));
 }
 
-// x, or minus x where `sign` is negative.
+// x, negated where `sign` is negative.
 fn with_sign(x: u32, sign: u32) -> u32 {
     let mask = sar(sign, 31u);
     return (x ^ mask) - mask;

@@ -1,11 +1,13 @@
-//! Progress: what a run tells its caller while it goes on, and how the caller stops it.
+//! Progress: reports from a run to its caller while it proceeds, and a way for the caller to stop it.
 
 /// Receives progress; may ask the run to stop.
 ///
-/// All methods have a default that does nothing, so a listener implements only what it needs. Threads call them at the same time.
+/// All methods have a default that does nothing, so a listener implements only what it needs. Several threads may call
+/// them at the same time.
 pub trait Progress: Sync {
-    /// A phase of work starts, or its total becomes known better: `done` of its `total` units are finished. Units of one phase
-    /// take about the same time each, or are mixed evenly over the phase, so that the time left follows from their rate.
+    /// A phase of work starts, or its total becomes known more precisely: `done` of its `total` units are finished.
+    /// Units of one phase take about the same time each, or are mixed evenly over the phase, so that the time left
+    /// follows from their rate.
     ///
     /// `unit` is `trials`, `samples`, `switches`, `records` or `fits`. With a precision, the total is that of the current
     /// round, and each further round raises it.
@@ -14,7 +16,7 @@ pub trait Progress: Sync {
     /// `more` units are finished.
     fn advance(&self, _more: u64) {}
 
-    /// Something to know at once, in one sentence; the results repeat it in their notes.
+    /// A sentence for the user to read at once; the results repeat it in their notes.
     fn note(&self, _sentence: &str) {}
 
     /// Whether to stop early. A run asks after every batch, a few times a second, and keeps what it sampled.

@@ -1,7 +1,7 @@
 //! Allan variances of synthetic records: exact sums of the squared differences of their angles.
 //!
-//! Twin of `shaders/allan.wgsl`. The angle wraps in 32 bits: only its differences have to fit, below 2^29, which lowering
-//! proves. Squares are added up in 64 bits for a chunk and in 96 for a record.
+//! Twin of `shaders/allan.wgsl`. The angle wraps in 32 bits; only its differences have to fit, and lowering proves that
+//! they stay below 2^29. Squares are summed in 64 bits within a chunk and in 96 bits within a record.
 
 use crate::noise::{Chunk, Noise};
 use crate::philox::{Address, schedule};
@@ -13,10 +13,10 @@ use crate::{Form, part};
 
 constants!(STATE_WORDS, SUM_WORDS, HOLD_WORDS);
 
-/// Records to the sums of their squared differences.
+/// Maps records to the sums of their squared differences.
 pub const FORM: Form = Form::Records;
 
-/// Words of a record's state before those of its holds.
+/// Words of a record's state, without those of its holds.
 const STATE_WORDS: usize = 11;
 
 /// Words of a hold.
@@ -28,13 +28,13 @@ pub const SUM_WORDS: usize = 3;
 /// Raised when the kernel's results change for the same parameters: part of every digest.
 pub const VERSION: u32 = 2;
 
-/// Angles of one level: the newest ones, as many as the longest difference reaches back, in a ring of whole chunks.
+/// The newest angles of one level, as many as the longest difference reaches back, in a ring of whole chunks.
 struct Ring {
     depth: usize,
     words: Vec<u32>,
 }
 
-/// The sums of one place of the curve, as the sums of lower and upper halves.
+/// The sum at one place of the curve, kept as the sums of the lower and upper halves of its terms.
 #[derive(Clone, Copy)]
 struct Sum<W: Word> {
     halves: [W::Wide; 2],
@@ -49,7 +49,7 @@ struct Records<'a> {
 impl AnyWidth for Records<'_> {
     type Output = Vec<u128>;
 
-    // Only here: with `records` it is `main` of the shader.
+    // Only here: in the shader, `main` does the work of this function and of `records`.
     #[inline(always)]
     fn run<W: Word>(self) -> Vec<u128> {
         let Records { recipe, first, count } = self;
@@ -58,7 +58,7 @@ impl AnyWidth for Records<'_> {
         let mut done = 0;
         while done < count {
             let at = first + done as u64;
-            // Lanes beyond the last record make one that is not asked for.
+            // Lanes beyond the last record compute records whose sums are discarded.
             let address = Address { low: W::splat(at as u32) + W::iota(), high: (at >> 32) as u32, keys };
             records::<W>(recipe, address, (count - done).min(W::LANES), &mut sums);
             done += W::LANES;
@@ -67,7 +67,7 @@ impl AnyWidth for Records<'_> {
     }
 }
 
-/// As many records as there are lanes, the sums of the first `count` of them.
+/// Makes one record per lane and appends the sums of the first `count` of them to `to`.
 // Only here: see `run`.
 #[inline(always)]
 fn records<W: Word>(recipe: &Recipe, address: Address<W>, count: usize, to: &mut Vec<u128>) {
@@ -104,7 +104,8 @@ fn records<W: Word>(recipe: &Recipe, address: Address<W>, count: usize, to: &mut
 }
 
 impl Ring {
-    /// Takes the angles of a chunk at the multiples of `stride`; the first of them, counted in strides, and how many.
+    /// Stores the angles of a chunk at multiples of `stride`. Returns the first of them, counted in strides, and their
+    /// number.
     #[inline(always)]
     fn push<W: Word>(&mut self, stride: usize, first: usize, count: usize, angles: &Chunk) -> [usize; 2] {
         let from = first.div_ceil(stride);
@@ -117,7 +118,7 @@ impl Ring {
         [from, taken]
     }
 
-    /// The sum of the squared differences of order `ORDER` over `span` strides that end at the angles of `range`.
+    /// Sum of the squared differences of order `ORDER` over `span` strides that end at the angles of `range`.
     #[inline(always)]
     fn squares<W: Word, const ORDER: usize>(&self, span: usize, range: [usize; 2]) -> W::Wide {
         let mut sum = W::Wide::splat(0);
@@ -132,7 +133,7 @@ impl Ring {
         }
         let mut left = from + count - start;
         while left > 0 {
-            // To where the first of them comes to the end of the ring.
+            // The run ends where the first of the indices reaches the end of the ring.
             let run = left.min(self.depth - at[0].max(at[1]).max(at[2]).max(at[3]));
             for i in 0..run {
                 let first = self.angle::<W>(at[0] + i);
@@ -177,18 +178,18 @@ impl<W: Word> Sum<W> {
 }
 
 impl Recipe {
-    /// Sums of the squared differences of the records `first .. first + count`, which have one upper half: record by record,
-    /// in each the places of the curve in the order of the levels.
+    /// Sums of the squared differences of the records `first .. first + count`, whose numbers share one upper half:
+    /// record by record, and within a record by the places of the curve in the order of the levels.
     pub fn sums(&self, width: Width, first: u64, count: usize) -> Vec<u128> {
         width.run(Records { recipe: self, first, count })
     }
 
-    /// The file of the kernel that makes its records.
+    /// The file of the kernel that makes these records.
     pub fn part(&self) -> &'static Part {
         &part::allan
     }
 
-    /// The shader that makes its records, and whether that draws normal numbers.
+    /// The shader that makes these records, and whether it draws normal numbers.
     pub fn shader(&self, variant: Variant) -> (String, bool) {
         let octaves = self.octaves();
         let fields = self.fixed(0, 0, [0, 0]).map(|(name, _)| format!("    {name}: u32,\n")).concat();
@@ -222,8 +223,8 @@ impl Recipe {
         (shader.text(variant), shader.has_normals())
     }
 
-    /// Words of a dispatch before the lists of the recipe, by their names in the shader: chunks from `chunk_from` up to
-    /// `chunk_to` of `lanes` records, the first of them of number high·2^32 + low.
+    /// Words of a dispatch that precede the lists of the recipe, by their names in the shader. The dispatch covers the
+    /// chunks `chunk_from .. chunk_to` of `lanes` records; the first record has the number high·2^32 + low.
     fn fixed(&self, first: u64, lanes: u32, chunks: [u32; 2]) -> [(&'static str, u32); 21] {
         let [loss, step, start] = self.markov.unwrap_or_default();
         let [sine_step, amplitude] = self.sine.unwrap_or_default();
@@ -253,7 +254,7 @@ impl Recipe {
         ]
     }
 
-    /// Vectors of four words for the standard deviations of flicker noise: octave o has place o.
+    /// Vectors of four words for the standard deviations of flicker noise; octave o has index o.
     fn flicker_vectors(&self) -> usize {
         self.octaves().max(1).div_ceil(4)
     }
@@ -285,7 +286,7 @@ impl Recipe {
         STATE_WORDS + HOLD_WORDS * STREAMS * self.octaves()
     }
 
-    /// Rounds of loops that a chunk takes in the shader at most.
+    /// Largest number of loop rounds that a chunk takes in the shader.
     pub fn rounds(&self) -> usize {
         CHUNK * (self.places() + 17) + self.places() + 8 * self.octaves()
     }

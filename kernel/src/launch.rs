@@ -11,7 +11,7 @@ use crate::shader::{Part, Shader, Variant};
 use crate::width::{AnyWidth, Width};
 use crate::word::Word;
 
-/// What a launch of a kernel of trials has, and how much of it: what its shader is specialised for.
+/// Sizes and options of a launch of a kernel of trials, for which its shader is specialised.
 pub trait Shape: Any + Debug + Send + Sync {
     /// The kernel's own file.
     fn part(&self) -> &'static Part;
@@ -31,19 +31,19 @@ pub trait Shape: Any + Debug + Send + Sync {
     fn shader(&self) -> Shader;
 }
 
-/// A kernel of trials, by its shape.
+/// A kernel of trials, identified by its shape.
 pub trait Trial: Shape + Copy + Eq + Hash {
-    /// Tallies of the estimates over some trials that fill the lanes.
+    /// Tallies of the estimates over `trials`, whose count is a multiple of the lanes.
     fn tally<W: Word>(self, launch: &Launch, trials: Trials) -> Vec<Moments>;
 }
 
-/// The shape of any kernel of trials.
+/// The type-erased shape of any kernel of trials.
 pub trait Sampled: Shape {
-    /// [`Trial::tally`] in lanes of a width.
+    /// [`Trial::tally`] in lanes of the given width.
     fn tally(&self, width: Width, launch: &Launch, trials: Trials) -> Vec<Moments>;
     /// Whether `other` is the same shape of the same kernel.
     fn equals(&self, other: &dyn Sampled) -> bool;
-    /// Feeds a hasher.
+    /// Feeds the kernel and the shape to a hasher.
     fn hash_into(&self, state: &mut dyn Hasher);
 }
 
@@ -90,17 +90,17 @@ impl<T: Trial> AnyWidth for Tally<'_, T> {
     }
 }
 
-/// Most steps of an invocation.
+/// Most steps of one invocation.
 pub const MOST_STEPS: u64 = 60_000;
 
-/// Trials of one point: parameters in fixed point.
+/// Trials of one point, with its parameters in fixed point.
 #[derive(Debug, Clone)]
 pub struct Launch {
-    /// Which kernel, specialised for what.
+    /// The kernel and its shape.
     pub sampled: Arc<dyn Sampled>,
     /// The parameters of the kernel, one after the other.
     pub words: Vec<u32>,
-    /// What is too long for them; often empty.
+    /// Data too long for the parameters; often empty.
     pub table: Arc<[u32]>,
 }
 
@@ -116,23 +116,23 @@ impl Launch {
         Launch { sampled: Arc::new(shape), words, table }
     }
 
-    /// Its shape, where it is of the kernel that `T` belongs to.
+    /// The shape, where the launch belongs to the kernel of `T`.
     pub fn shape<T: Trial>(&self) -> Option<T> {
         (&*self.sampled as &dyn Any).downcast_ref().copied()
     }
 
-    /// Steps of one trial: what work is divided by.
+    /// Steps of one trial, by which the work of a dispatch is divided.
     pub fn steps(&self) -> u64 {
         self.sampled.steps(&self.words)
     }
 
-    /// Trials that one invocation of the shader adds up at most.
+    /// Most trials that one invocation of the shader adds up.
     pub fn most_rounds(&self) -> u64 {
-        // Some drivers leave an invocation's loops after 65535 rounds.
+        // Some drivers terminate an invocation's loops after 65535 rounds.
         (MOST_STEPS / self.steps()).clamp(1, FLUSH)
     }
 
-    /// The shader that samples it, and whether that draws normal numbers.
+    /// The shader that samples this launch, and whether it draws normal numbers.
     pub fn shader(&self, histogram: bool, variant: Variant) -> (String, bool) {
         let words = self.sampled.words();
         let mut shader = self.sampled.shader();
@@ -148,7 +148,7 @@ impl Launch {
 
     /// Tallies of the estimates over some trials.
     pub fn tally(&self, width: Width, trials: Trials) -> Vec<Moments> {
-        // What does not fill the lanes is done in one.
+        // Trials that do not fill the lanes are computed one by one.
         let rest = trials.count % width.lanes() as u64;
         let count = trials.count - rest;
         let mut tallies = self.sampled.tally(width, self, Trials { count, ..trials });

@@ -1,4 +1,4 @@
-//! Integer Monte Carlo kernels. Each file that has a twin in `shaders/` is a row of [`PARTS`], each kernel one of [`KERNELS`].
+//! Integer Monte Carlo kernels. [`PARTS`] lists each file that has a twin in `shaders/`, [`KERNELS`] each kernel.
 
 pub mod launch;
 pub mod normal_table;
@@ -13,33 +13,33 @@ pub mod width;
 use crate::map::Map;
 use crate::shader::Part;
 
-/// How a kernel is called and what it gives.
+/// The signature of a kernel: its inputs and results.
 #[derive(Debug, Clone, Copy)]
 pub enum Form {
-    /// A building block: words to words.
+    /// A building block, from words to words.
     Map(Map),
-    /// Trials of a point to moments of its estimates: see [`launch::Trial`].
+    /// From trials of a point to moments of its estimates; see [`launch::Trial`].
     Moments,
-    /// Synthetic records to the sums of their squared differences: see [`recipe::Recipe`].
+    /// From synthetic records to the sums of their squared differences; see [`recipe::Recipe`].
     Records,
 }
 
-/// A row of the registry.
+/// An entry of the registry.
 #[derive(Debug, Clone, Copy)]
 pub struct Kernel {
-    /// The stem of its file here and in `shaders/`.
+    /// The stem of its files here and in `shaders/`.
     pub name: &'static str,
-    /// How it is called and what it gives.
+    /// Its inputs and results.
     pub form: Form,
 }
 
-/// Declares the modules that have a twin in `shaders/` and registers them; those under `kernels` have a `FORM`.
+/// Declares and registers the modules that have a twin in `shaders/`; those under `kernels` have a `FORM`.
 macro_rules! twins {
     (parts { $($part:ident,)* } kernels { $($kernel:ident,)* }) => {
         $(pub mod $part;)*
         $(pub mod $kernel;)*
 
-        /// The shader files by their stems.
+        /// The shader files, named by their stems.
         #[allow(non_upper_case_globals)]
         pub mod part {
             $(pub static $part: crate::shader::Part = twins!(of $part);)*

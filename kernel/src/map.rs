@@ -1,4 +1,4 @@
-//! The building blocks on their own: a function of a few words, evaluated over a list of items.
+//! The building blocks on their own, each a function of a few words, evaluated over a list of items.
 //!
 //! Twin of `shaders/map.wgsl`. Identity checks run the building blocks one by one on every backend.
 
@@ -11,28 +11,28 @@ use crate::word::Word;
 
 constants!();
 
-/// A function from some words to some words, over many items.
+/// A function from words to words, evaluated over many items.
 #[derive(Debug, Clone, Copy)]
 pub struct Map {
-    /// Words of an item.
+    /// Input words of an item.
     pub inputs: usize,
-    /// Words that each item gives.
+    /// Output words of an item.
     pub outputs: usize,
-    /// Evaluates all items of the list.
+    /// Evaluates all items of a list.
     pub cpu: fn(Width, &[u32]) -> Vec<u32>,
     part: &'static Part,
     wgsl: &'static str,
 }
 
-/// A building block in any width, from the first words of `x` to the first of the result.
+/// A building block in any width; it reads the first words of `x` and fills the first words of its result.
 pub(crate) trait Block {
-    /// The file that has it.
+    /// The file that defines it.
     const PART: &'static Part;
-    /// Words of an item.
+    /// Input words of an item.
     const INPUTS: usize;
-    /// Words that each item gives.
+    /// Output words of an item.
     const OUTPUTS: usize;
-    /// `evaluate` for one item as statements of a shader, from `x` to `y`.
+    /// The statements of a shader that evaluate one item, from `x` to `y`.
     const WGSL: &'static str;
     fn evaluate<W: Word>(x: [W; 6]) -> [W; 4];
 }
@@ -43,7 +43,7 @@ impl Map {
         Map { inputs: B::INPUTS, outputs: B::OUTPUTS, cpu, part: B::PART, wgsl: B::WGSL }
     }
 
-    /// Its shader, and whether that draws normal numbers.
+    /// The shader of this map, and whether it draws normal numbers.
     pub fn shader(&self, variant: Variant) -> (String, bool) {
         let shader = Shader {
             parts: vec![self.part, &part::map],
@@ -73,7 +73,7 @@ impl<B: Block> AnyWidth for Items<'_, B> {
         let count = self.items.len() / B::INPUTS;
         let mut out = vec![0; count * B::OUTPUTS];
         for first in (0..count).step_by(W::LANES) {
-            // The last lanes of a ragged end repeat its last item.
+            // Lanes beyond the last item repeat it.
             let item = |lane: usize| (first + lane).min(count - 1);
             let mut lanes = [0; 16];
             let mut x = [W::splat(0); 6];

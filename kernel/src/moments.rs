@@ -1,72 +1,74 @@
 //! The tally of scalar estimates: count, sum, sum of squares, extremes and a histogram, all exact integers.
 //!
-//! Twin of `shaders/moments.wgsl`. A lane adds up at most [`FLUSH`] trials in 64 bits before the sums go on in 128;
-//! with errors below [`LIMIT`] that cannot overflow. (64-bit sums without this bound wrapped once in 1.3e8 trials.)
+//! Twin of `shaders/moments.wgsl`. A lane adds up at most [`FLUSH`] trials in 64 bits before the sums are carried over
+//! to 128 bits. Errors below [`LIMIT`] cannot overflow them. (64-bit sums without this bound wrapped once in 1.3e8
+//! trials.)
 
 use crate::shader::constants;
 use crate::word::{Wide, Word};
 
 constants!(FLUSH, BINS, BIN_BITS, LEVEL_OFFSET, PARTIAL_WORDS, STAGED_WORDS, GROUPS_PER_ROW);
 
-/// Words of a workgroup's partial sums of one estimate: Σ and Σ² of three words each, least, greatest.
+/// Words of a workgroup's partial sums of one estimate: Σ and Σ² of three words each, then the least and greatest
+/// error.
 pub const PARTIAL_WORDS: usize = 8;
 
-/// Words of an invocation's sums of one estimate: Σ and Σ² of two words each, least, greatest.
+/// Words of an invocation's sums of one estimate: Σ and Σ² of two words each, then the least and greatest error.
 const STAGED_WORDS: usize = 6;
 
-/// Workgroups of a row of a dispatch: below every device's limit of a dimension.
+/// Workgroups in a row of a dispatch, below every device's limit per dimension.
 pub const GROUPS_PER_ROW: u32 = 32768;
 
 /// Most estimates of one launch.
 pub const MAX_ESTIMATES: usize = 6;
 
-/// Lowering proves every error smaller than this.
+/// Bound on the magnitude of every error, which lowering proves.
 pub const LIMIT: i64 = 1 << 29;
 
 /// Trials that one lane may add up in 64 bits: FLUSH · LIMIT² = 2^64.
 pub const FLUSH: u64 = 64;
 
-/// Bins of an estimate's histogram: one below its start, then five octaves, the last bin open above.
+/// Bins of an estimate's histogram: one below its start, then five octaves, the last bin open at the top.
 pub const BINS: usize = 1 + (5 << BIN_BITS);
 
-/// log2 of the bins of an octave: no bin is wider than 1/128 of its lower edge.
+/// log2 of the bins per octave; no bin is wider than 1/128 of its lower edge.
 pub const BIN_BITS: u32 = 7;
 
-/// What a kernel samples: for each trial the errors of its estimates.
+/// Samples the errors of a kernel's estimates, trial by trial.
 pub trait Sampler: Copy {
     /// Number of estimates.
     fn estimates(&self) -> usize;
-    /// Where the histogram of an estimate starts: see [`bin`].
+    /// The level at which the histogram of an estimate starts; see [`bin`].
     fn bin_base(&self, estimate: usize) -> u32;
-    /// The errors of the trials with the 64-bit numbers `high`·2^32 + `low`; the first `estimates` are meant.
+    /// The errors of the trials with the 64-bit numbers `high`·2^32 + `low`; only the first `estimates` entries count.
     fn trial<W: Word>(&self, low: W, high: u32) -> [W; MAX_ESTIMATES];
 }
 
 /// The exact tally of one estimate over a range of trials; `merge` makes it a commutative monoid.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Moments {
-    /// Trials.
+    /// Number of trials.
     pub count: u64,
     /// Σ E, in units of the estimate.
     pub sum: i128,
     /// Σ E².
     pub square: u128,
-    /// Smallest E, signed; the largest `i32` of no trials.
+    /// Smallest E, signed; without trials, the largest `i32`.
     pub least: i32,
-    /// Largest E, signed; the smallest `i32` of no trials.
+    /// Largest E, signed; without trials, the smallest `i32`.
     pub greatest: i32,
-    /// Trials in each bin of |error|; empty where no histogram was asked for.
+    /// Trials in each bin of |error|; empty where no histogram was requested.
     pub bins: Vec<u64>,
 }
 
 impl Moments {
-    /// The tally of no trial.
+    /// The tally of no trials.
     pub fn empty(histogram: bool) -> Moments {
         let bins = if histogram { vec![0; BINS] } else { Vec::new() };
         Moments { count: 0, sum: 0, square: 0, least: i32::MAX, greatest: i32::MIN, bins }
     }
 
-    /// Adds the trials of `other`, which are other trials of the same estimate.
+    /// Adds the trials of `other`, which must be different trials of the same estimate.
     pub fn merge(&mut self, other: &Moments) {
         self.count += other.count;
         self.sum += other.sum;
@@ -79,19 +81,19 @@ impl Moments {
     }
 }
 
-/// Consecutive trials, whose numbers have one upper half.
+/// Consecutive trials whose numbers share one upper half.
 #[derive(Debug, Clone, Copy)]
 pub struct Trials {
-    /// Number of the first.
+    /// Number of the first trial.
     pub first: u64,
-    /// How many, at most what is left below the next multiple of 2^32.
+    /// Count of the trials, which stay below the next multiple of 2^32.
     pub count: u64,
     /// Whether their histogram is wanted too.
     pub histogram: bool,
 }
 
-/// Tallies of a sampler's estimates over some trials, a multiple of the lanes.
-// Only here: with `accumulate` it is `main` of the shader.
+/// Tallies of a sampler's estimates over `trials`, whose count must be a multiple of the lanes.
+// Only here: in the shader, `main` does the work of this function and of `accumulate`.
 #[inline(always)]
 pub fn tally<W: Word>(sampler: impl Sampler, trials: Trials) -> Vec<Moments> {
     let Trials { first, count, histogram } = trials;
@@ -151,8 +153,8 @@ fn accumulate<W: Word, const HISTOGRAM: bool>(
 
 /// Running sums of one estimate.
 ///
-/// The sum is kept as its lower 32 bits and the sum of the upper halves: fewer operations than 64 bits, and with no more
-/// than [`FLUSH`] errors as exact.
+/// The sum is kept as its lower 32 bits and the sum of the upper halves. This takes fewer operations than 64 bits and
+/// is just as exact for up to [`FLUSH`] errors.
 #[derive(Clone, Copy)]
 struct Sums<W: Word> {
     sum: W,
@@ -202,27 +204,27 @@ impl<W: Word> Sums<W> {
 
 /// A sum of at most [`FLUSH`] errors, from its lower 32 bits and the sum of the errors' upper halves.
 ///
-/// What the halves leave out is between 0 and FLUSH·2^16 = 2^22: its lower 32 bits are all of it.
+/// The halves omit a part between 0 and FLUSH·2^16 = 2^22, so its lower 32 bits are all of it.
 fn whole_sum(low: u32, halves: u32) -> i64 {
     (i64::from(halves as i32) << 16) + i64::from(low.wrapping_sub(halves << 16))
 }
 
-/// The bin of |error|, below [`BINS`]: log-linear, 128 to the octave, starting at the level `base`.
+/// The bin of |error|, below [`BINS`]. Bins are log-linear, 128 to the octave, starting at the level `base`.
 ///
-/// A level is 128·⌊log2 a⌋ plus the next 7 bits of a = max(|error|, 1). Bin 0 is all below level `base`, bin 1 is that
-/// level, the last bin everything above.
+/// A level is 128·⌊log2 a⌋ plus the next 7 bits of a = max(|error|, 1). Bin 0 holds everything below level `base`, bin
+/// 1 that level, and the last bin everything above.
 #[inline(always)]
 pub fn bin<W: Word>(error: W, base: u32) -> W {
     let sign = error.sar(31);
     let a = ((error ^ sign) - sign).max_signed(W::splat(1));
     let zeros = a.leading_zeros();
     let level = (a.shift_left(zeros) >> (31 - BIN_BITS)) - (zeros << BIN_BITS);
-    // Levels are kept less a constant: the zeros are subtracted, the leading one is not masked off.
+    // Levels are kept less a constant: the leading zeros are subtracted, and the leading one is not masked off.
     let above = level - W::splat(base.wrapping_sub(LEVEL_OFFSET).wrapping_sub(1));
     above.max_signed(W::splat(0)).min_signed(W::splat(BINS as u32 - 1))
 }
 
-/// What a level lacks in [`bin`].
+/// The constant by which the levels in [`bin`] are too low.
 pub const LEVEL_OFFSET: u32 = (31 << BIN_BITS) - (1 << BIN_BITS);
 
 /// The level of the whole number `a` ≥ 1.
@@ -264,13 +266,13 @@ mod tests {
     fn a_level_starts_at_its_edge() {
         for level_ in 0..(29 << BIN_BITS) {
             let edge = level_edge(level_);
-            // Below 128 whole numbers are sparser than levels: the next number belongs to a later level.
+            // Below 128 whole numbers are sparser than levels, so the next number belongs to a later level.
             assert!(level(edge as u32) >= level_, "level {level_}, edge {edge}");
             assert!(edge <= 1 || level(edge as u32 - 1) < level_, "level {level_}, edge {edge}");
         }
     }
 
-    /// A sampler whose every error is the same.
+    /// A sampler that returns the same error in every trial.
     #[derive(Clone, Copy)]
     struct Constant(i32);
 

@@ -1,11 +1,11 @@
-//! Motion of the base in one trial: what it turns through in the gap, and in the ticks on either side.
+//! Motion of the base in one trial: the angles through which it turns in the gap and in the ticks on either side.
 //!
-//! Twin of `shaders/motion.wgsl`. The motion is a sum of tones, of stationary Gaussian motion, of a recorded profile and
-//! of what is the same in all trials; a launch pays only for what its shape has. Angles are in 2^−32 LSB until they are
-//! rounded. Ticks are counted outward from the gap.
+//! Twin of `shaders/motion.wgsl`. The motion is the sum of tones, stationary Gaussian motion, a recorded profile and a
+//! part common to all trials; a launch pays only for the parts that its shape has. Angles are in 2^−32 LSB until they
+//! are rounded. Ticks are counted outward from the gap.
 //!
-//! No closures here that do more than load: the compiler may set one apart from its caller, and then without the
-//! instructions that its width needs, ten times as slow.
+//! Closures in this file do nothing but load: the compiler may compile a closure apart from its caller, and then
+//! without the instructions of its width, which makes it ten times as slow.
 
 use crate::gap_fill::shape::{MARGIN, MAX_TONES, Parameters, Shape};
 use crate::normal::normal;
@@ -16,7 +16,7 @@ use crate::word::{Wide, Word};
 
 constants!(MARGIN, AMPLITUDE_BITS);
 
-/// Bits behind the point of a part of an amplitude.
+/// Fractional bits of a relative amplitude.
 const AMPLITUDE_BITS: u32 = 31;
 
 /// The parameters of a launch and its table, by name.
@@ -27,10 +27,10 @@ pub struct Given<'a> {
     pub shape: Shape,
 }
 
-/// What is drawn of the motion of one trial; `GAUSSIANS` is room for normal numbers.
+/// The random part of the motion of one trial; `GAUSSIANS` is the room for normal numbers.
 pub struct Motion<W, const GAUSSIANS: usize> {
     /// Sine and cosine of the phase of each tone at the middle of the gap, in 2^−30, times its amplitude where that is
-    /// drawn; of a Rayleigh-distributed amplitude two normal numbers in their own unit.
+    /// drawn. A Rayleigh-distributed amplitude has two normal numbers in their own unit instead.
     tone: [[W; 2]; MAX_TONES],
     /// Where frequencies are drawn: the angle of a tick at the peak of the rate in 2^−4 LSB, and turns per half tick.
     peak: [W; MAX_TONES],
@@ -41,7 +41,7 @@ pub struct Motion<W, const GAUSSIANS: usize> {
 }
 
 impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
-    /// Draws it; `first` is the block of noise and phases that the caller has drawn already.
+    /// Draws the motion; `first` is the block of noise and phases that the caller has already drawn.
     #[inline(always)]
     pub fn draw_motion(given: &Given, address: &Address<W>, first: [W; 4]) -> Motion<W, GAUSSIANS> {
         let zero = W::splat(0);
@@ -84,7 +84,7 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
         motion
     }
 
-    /// The true angle over the ticks of the gap up to those of `row`, in LSB.
+    /// The true angle over the ticks of the gap up to and including that of `row`, in LSB.
     #[inline(always)]
     pub fn gap(&self, given: &Given, row: usize) -> W {
         let Given { p, table, shape } = given;
@@ -118,7 +118,8 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
         angle + given.profile(self.start + length) - given.profile(self.start)
     }
 
-    /// The angles of the k-th tick before and after the gap, in 2^−32 LSB and with a half LSB, but for the profile.
+    /// The angles of the k-th tick before and after the gap without the profile, in 2^−32 LSB and with half an LSB
+    /// added.
     #[inline(always)]
     pub fn side_motion(&self, given: &Given, k: usize) -> [W::Wide; 2] {
         let Given { p, shape, .. } = given;
@@ -159,7 +160,8 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
         [given.profile(start) - given.profile(start - one), given.profile(end + one) - given.profile(end)]
     }
 
-    /// Tone `t` of drawn frequency: its angle over the gap up to `row`, as factors of the sine and cosine at the middle.
+    /// The angle of tone `t`, whose frequency is drawn, over the gap up to `row`, as factors of the sine and cosine at
+    /// the middle.
     #[inline(always)]
     fn gap_factors(&self, given: &Given, row: usize, t: usize) -> [W; 2] {
         let n = given.p.gap_length[0];
@@ -172,13 +174,13 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
         [sin, cos]
     }
 
-    /// The same of the k-th tick after the gap.
+    /// The same factors for the k-th tick after the gap.
     #[inline(always)]
     fn side_factors(&self, given: &Given, k: usize, t: usize) -> [W; 2] {
         self.factors(t, given.p.gap_length[0] + 1 + 2 * k as u32)
     }
 
-    /// The same of a tick whose middle lies so many half ticks after that of the gap.
+    /// The same factors for a tick whose middle lies `half_ticks` half ticks after that of the gap.
     #[inline(always)]
     fn factors(&self, t: usize, half_ticks: u32) -> [W; 2] {
         let turn = self.half_turn[t] * W::splat(half_ticks);
@@ -187,7 +189,8 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
         [sin.high_word(), cos.high_word()]
     }
 
-    /// The normal numbers of the Gaussian motion: of the gap, then outward in turn after and before it.
+    /// Draws the normal numbers of the Gaussian motion: those of the gap, then outward, alternately after and before
+    /// it.
     #[inline(always)]
     fn draw_gaussian(&mut self, given: &Given, address: &Address<W>) {
         let Given { shape, .. } = given;
@@ -205,7 +208,7 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
         }
     }
 
-    /// The Gaussian motion of a tick on the side: its row of the factor times the numbers up to its own.
+    /// The Gaussian motion of a tick on the side: its row of the factor times the normal numbers up to its own.
     #[inline(always)]
     fn gaussian_side(&self, given: &Given, place: usize) -> W::Wide {
         let factor = &given.table[given.shape.gaussian_row(place)..];
@@ -222,13 +225,13 @@ impl Given<'_> {
     #[inline(always)]
     fn profile<W: Word>(&self, boundary: W) -> W {
         let profile = &self.table[self.shape.motion_table()..];
-        // SAFETY: a position is below `positions`, which lowering chose such that the ticks of the margins and of the gap
-        // lie within the profile.
+        // SAFETY: a position is below `positions`, which lowering chose such that the ticks of the margins and of the
+        // gap lie within the profile.
         unsafe { W::gather(profile, boundary) }
     }
 }
 
-/// A tone with an amplitude of its own: a part of the largest one, or Rayleigh-distributed.
+/// A tone with its own amplitude: a fraction of the largest one, or Rayleigh-distributed.
 #[inline(always)]
 fn with_amplitude<W: Word>(tone: [W; 2], words: [W; 4], p: &Parameters, t: usize) -> [W; 2] {
     let part = W::splat(p.amplitude_low[t]) + words[0].mulhi(W::splat(p.amplitude_width[t]));
@@ -236,7 +239,7 @@ fn with_amplitude<W: Word>(tone: [W; 2], words: [W; 4], p: &Parameters, t: usize
     [amplitude(tone[0], words[0], part, rayleigh), amplitude(tone[1], words[1], part, rayleigh)]
 }
 
-/// A part of `tone`, or the normal number of the word where all bits of `rayleigh` are set.
+/// A fraction `part` of `tone`, or the normal number of `word` where all bits of `rayleigh` are set.
 #[inline(always)]
 fn amplitude<W: Word>(tone: W, word: W, part: W, rayleigh: W) -> W {
     let scaled = (tone.mul_wide(part) + W::Wide::splat(1 << (AMPLITUDE_BITS - 1))).bits_from(AMPLITUDE_BITS);
@@ -256,7 +259,7 @@ fn peak_of<W: Word>(half_turn: W, p: &Parameters, t: usize) -> W {
 fn in_turn<W: Word>(trial: W, p: &Parameters) -> W {
     let positions = W::splat(p.positions[0]);
     let rest = trial - trial.mulhi(W::splat(p.positions_inverse[0])) * positions;
-    // The quotient may be one too small.
+    // The quotient may be too small by one.
     let less = rest - positions;
     less + (less.sar(31) & positions)
 }

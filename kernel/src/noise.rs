@@ -1,9 +1,9 @@
-//! Synthetic angles of a gyro at rest, chunk by chunk: white, flicker, walking and Markov rate, sine, drift, fill residuals and
-//! readout.
+//! Synthetic angles of a gyro at rest, chunk by chunk, with white, flicker, random-walk and Markov rate noise, a sine,
+//! drift, fill residuals and readout.
 //!
-//! Twin of `shaders/noise.wgsl`. Flicker noise is a sum of octave holds: octave o keeps a normal number for 2^o samples, on a
-//! grid of its own in each record. New numbers come at the multiples of 2^o, for all records at once, and each record
-//! goes over to its own when its grid says so.
+//! Twin of `shaders/noise.wgsl`. Flicker noise is a sum of octave holds: octave o holds a normal number for 2^o
+//! samples, on its own grid in each record. New numbers are drawn at the multiples of 2^o, for all records at once, and
+//! each record switches to its own when its grid says so.
 
 use crate::normal::normal;
 use crate::philox::{Address, Purpose};
@@ -17,29 +17,30 @@ constants!(CHUNK, STREAMS, FOUR_STREAMS, LONG_HOLDS);
 /// A chunk of words, one for each lane and sample.
 pub type Chunk = [u32; 16 * CHUNK];
 
-/// What goes on from chunk to chunk.
+/// State carried from chunk to chunk.
 pub struct Noise<W: Word> {
     address: Address<W>,
-    /// The angle without quantisation and readout, 2^−32 LSB.
+    /// The angle before quantisation and readout, 2^−32 LSB.
     angle: W::Wide,
     /// Sum of all holds.
     flicker: W,
-    /// In 2^−32 units of the rate: steps that were rounded would add up to a ramp.
+    /// Random walk of the rate in 2^−32 of its units; rounded steps would add up to a ramp.
     walk: W::Wide,
-    /// In 2^−30 units of the rate.
+    /// Markov rate in 2^−30 of its units.
     markov: W::Wide,
     /// Phase of the sine.
     phase: W,
-    /// Sum of all fill residuals, 2^−32 LSB: rounded, they would add up to a drift.
+    /// Sum of all fill residuals, 2^−32 LSB; rounded residuals would add up to a drift.
     residuals: W::Wide,
-    /// Where the readout stands at the start.
+    /// Readout at the start.
     start: W,
     holds: [[Hold<W>; STREAMS]; MAX_OCTAVES],
     /// The rate in each sample of the chunk.
     rate: Chunk,
 }
 
-/// One stream of an octave: the newest number, how much it differs from the one before, and when lanes go over to it.
+/// One stream of an octave: the newest number, its difference from the one before, and the sample at which lanes switch
+/// to it.
 #[derive(Clone, Copy)]
 struct Hold<W> {
     value: W,
@@ -72,7 +73,7 @@ impl<W: Word> Noise<W> {
         }
         for octave in 1..recipe.octaves() {
             let grid = address.draw(Purpose::FlickerGrid, octave);
-            // The hold that the record starts in, number 0.
+            // The hold in which the record starts has number 0.
             let first = address.draw_beyond(Purpose::Flicker, octave, 0);
             for stream in 0..streams(octave) {
                 let value = scaled(first[stream], recipe.flicker[octave - 1]);
@@ -84,7 +85,7 @@ impl<W: Word> Noise<W> {
         noise
     }
 
-    /// The angles of the chunk that starts at sample `first`, into `angles`.
+    /// Computes the angles of the chunk that starts at sample `first`.
     #[inline(always)]
     pub fn chunk(&mut self, recipe: &Recipe, first: usize, angles: &mut Chunk) {
         self.rates(recipe, first);
@@ -101,7 +102,7 @@ impl<W: Word> Noise<W> {
         self.readings(recipe, first, angles);
     }
 
-    /// The rate in each sample: flicker, random walk and Markov noise.
+    /// Computes the rate in each sample: flicker, random walk and Markov noise.
     #[inline(always)]
     fn rates(&mut self, recipe: &Recipe, first: usize) {
         self.rate.fill(0);
@@ -136,12 +137,12 @@ impl<W: Word> Noise<W> {
         }
     }
 
-    /// Changes of the holds that are shorter than a chunk.
+    /// Applies the changes of holds that are shorter than a chunk.
     #[inline(always)]
     fn short_holds(&mut self, recipe: &Recipe, first: usize) {
         let octaves = recipe.octaves();
         for octave in 1..octaves.min(FOUR_STREAMS) {
-            // Hold 0 is the one of the start: the one that begins at h·2^o has the number h + 1.
+            // Hold 0 contains the start; the hold that begins at h·2^o has the number h + 1.
             let hold = first >> octave;
             let mut words = self.address.draw_beyond(Purpose::Flicker, octave, hold / 4);
             for h in 0..CHUNK >> octave {
@@ -176,7 +177,7 @@ impl<W: Word> Noise<W> {
         }
     }
 
-    /// Changes of the holds of an octave that last for a chunk or longer.
+    /// Applies the changes of the holds of an octave that last for a chunk or longer.
     #[inline(always)]
     fn long_holds(&mut self, recipe: &Recipe, octave: usize, first: usize) {
         let place = first & ((1 << octave) - 1);
@@ -203,7 +204,7 @@ impl<W: Word> Noise<W> {
         }
     }
 
-    /// A new number for the next hold of a stream.
+    /// Sets the number of the next hold of a stream.
     #[inline(always)]
     fn go_over(&mut self, octave: usize, stream: usize, value: W) {
         let hold = &mut self.holds[octave][stream];
@@ -211,7 +212,8 @@ impl<W: Word> Noise<W> {
         hold.value = value;
     }
 
-    /// What is read of the angles of a chunk: with drift, fill residuals, sine and quantisation noise, in whole pulses.
+    /// Adds drift, fill residuals, sine and quantisation noise to the angles of a chunk, and reads them in whole
+    /// pulses.
     #[inline(always)]
     fn readings(&mut self, recipe: &Recipe, first: usize, angles: &mut Chunk) {
         if !recipe.drift.is_empty() {
@@ -231,7 +233,7 @@ impl<W: Word> Noise<W> {
         }
         if let Some([step, amplitude]) = recipe.sine {
             for i in 0..CHUNK {
-                // The integral of a sine is less its cosine; units of 2^−32 LSB in the product.
+                // The integral of a sine is minus its cosine; the product is in units of 2^−32 LSB.
                 let cosine = sine(self.phase + W::splat(QUARTER_TURN));
                 add(angles, i, W::splat(0) - cosine.mul_wide(W::splat(amplitude)).high_word());
                 self.phase = self.phase + W::splat(step);
@@ -254,7 +256,7 @@ impl<W: Word> Noise<W> {
         }
     }
 
-    /// The residual of a switch of all records.
+    /// Adds the fill residual of a switch to all records.
     #[inline(always)]
     fn jump(&mut self, number: u32, amplitude: u32, sigma: u32) {
         let words = self.address.draw(Purpose::FillResidual, number as usize);
@@ -263,13 +265,13 @@ impl<W: Word> Noise<W> {
     }
 }
 
-/// Streams of an octave.
+/// Number of streams of an octave.
 #[inline(always)]
 fn streams(octave: usize) -> usize {
     if octave < FOUR_STREAMS { 1 } else { STREAMS }
 }
 
-/// A normal number of a standard deviation in 2^−4 units.
+/// A normal number with a standard deviation `sigma` in 2^−4 units.
 #[inline(always)]
 fn scaled<W: Word>(word: W, sigma: u32) -> W {
     normal(word).mul_wide(W::splat(sigma)).high_word()

@@ -1,9 +1,9 @@
-//! Standard normal numbers: an integer inverse of the normal distribution, one word each.
+//! Standard normal numbers from an integer inverse of the normal distribution, one random word each.
 //!
 //! Twin of `shaders/normal.wgsl`. The lower 31 bits of the word, doubled and made odd, are the tail probability in
-//! units of 2^−33; the top bit is the sign. Each octave of the probability is cut into 16 segments, and in each
-//! segment the quantile is a quadratic in the position. No branch, no rejection, no float. The distribution reaches
-//! ±6.3σ; `docs/numerics.md` has its moments and tails, taken over all 2^31 magnitudes.
+//! units of 2^−33; the top bit is the sign. Each octave of the probability is cut into 16 segments, and in each segment
+//! the quantile is a quadratic in the position. There are no branches, rejections or floats. The distribution reaches
+//! ±6.3σ; `docs/numerics.md` gives its moments and tails, taken over all 2^31 magnitudes.
 
 use crate::Form;
 use crate::map::{Block, Map};
@@ -14,7 +14,7 @@ use crate::word::Word;
 
 constants!(SEGMENT_BITS, NORMAL_BITS);
 
-/// Random word to normal number.
+/// Maps a random word to a normal number.
 pub const FORM: Form = Form::Map(Map::of::<Normal>());
 
 struct Normal;
@@ -24,23 +24,23 @@ impl Block for Normal {
     const INPUTS: usize = 1;
     const OUTPUTS: usize = 1;
     const WGSL: &'static str = "y[0] = normal(x[0]);";
-    // Only here: the shader's is generated.
+    // Only here: the shader's version is generated.
     #[inline(always)]
     fn evaluate<W: Word>(x: [W; 6]) -> [W; 4] {
         [normal(x[0]); 4]
     }
 }
 
-/// Bits of a normal number behind the point.
+/// Fractional bits of a normal number.
 pub const NORMAL_BITS: u32 = 28;
 
 /// One standard deviation: results are in units of 2^−28.
 pub const SIGMA: u32 = 1 << NORMAL_BITS;
 
-/// No draw is farther from 0 than this many standard deviations.
+/// Bound on the magnitude of every draw, in standard deviations.
 pub const REACH: f64 = 6.35;
 
-/// log2 of the segments of an octave.
+/// log2 of the number of segments per octave.
 const SEGMENT_BITS: u32 = 4;
 
 /// The standard normal number that belongs to the random word `r`, in units of 2^−28.
@@ -49,14 +49,15 @@ pub fn normal<W: Word>(r: W) -> W {
     let tail = (r << 1) ^ W::splat(1);
     let octave = tail.leading_zeros();
     let mantissa = tail.shift_left(octave);
-    // The leading one of the mantissa is not masked off: the table starts with as many entries that are never read.
+    // The leading one of the mantissa is not masked off; instead the table starts with as many entries that are never
+    // read.
     let segment = (octave << SEGMENT_BITS) + (mantissa >> (31 - SEGMENT_BITS));
     let f = mantissa << (SEGMENT_BITS + 1);
     // SAFETY: `tail` is odd, so the octave is at most 31 and the segment at most 31·16 + 31, the last of the table.
     let (start, bend) = unsafe { W::lookup(&NORMAL_TABLE, segment) };
     // `bend` holds the slope in its upper 20 bits and the curvature in its lower 12.
     let curvature = bend & W::splat(0xfff);
-    // 15 bits of the position are enough for the small term, and one cheap product of 16-bit parts does it.
+    // The small term needs only 15 bits of the position, so that one cheap product of 16-bit parts computes it.
     let slope = (bend >> 8) - (((f >> 17) * curvature) >> 9);
     let magnitude = start - f.mulhi(slope);
     // The sign comes last: flooring signed products would shift the mean by half a unit.
@@ -96,7 +97,7 @@ mod tests {
             let a0 = y[0] - d01 * x[0] + a2 * x[0] * x[1];
             let unit = f64::from(SIGMA);
             let curvature = libm::round(a2 * unit / 64.0) as u32;
-            // The kernel reads the top bits of the curvature as part of the slope: take them off here.
+            // The kernel reads the top bits of the curvature as part of the slope; they are subtracted here.
             let slope = libm::round((-a1 * unit - f64::from(curvature >> 8)) / 16.0) as u32;
             assert!(curvature < 1 << 12 && slope < 1 << 20, "segment {segment}: {slope} {curvature}");
             *entry = [libm::round(a0 * unit) as u32, slope << 12 | curvature];

@@ -1,7 +1,7 @@
 //! The parameter words of a kernel, declared once for Rust and for its shader.
 
-/// Declares parameter words: the fields in order, their lengths for a `Shape` of the place where it stands, and so their
-/// places in the shader.
+/// Declares parameter words from their fields in order, each with its length for the `Shape` in scope. The lengths
+/// determine the places of the fields in the shader.
 macro_rules! parameters {
     ($($(#[$doc:meta])* $field:ident: $length:expr),* $(,)?) => {
         /// The fixed-point image of a point, one field after the other, as the kernel sees it.
@@ -9,7 +9,7 @@ macro_rules! parameters {
         pub struct Parameters<'a> { $($(#[$doc])* pub $field: &'a [u32]),* }
 
         impl<'a> Parameters<'a> {
-            /// The fields of `words`, which are as many as `shape` asks for.
+            /// Splits `words`, which must have the length that `shape` requires, into its fields.
             #[inline(always)]
             #[allow(unused_assignments)]
             pub fn of(words: &'a [u32], shape: Shape) -> Parameters<'a> {
@@ -18,7 +18,7 @@ macro_rules! parameters {
                 Parameters { $($field),* }
             }
 
-            /// The words of the fields.
+            /// The words of all fields.
             pub fn words(&self) -> Vec<u32> {
                 [$(self.$field),*].concat()
             }

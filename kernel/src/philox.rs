@@ -9,7 +9,7 @@ use crate::part;
 use crate::shader::{Constants, Part, Value};
 use crate::word::{Factor, Scalar, Word};
 
-/// Declares the purposes and the constants that the shaders know them by: `FOR_NOISE_BEFORE` and so on.
+/// Declares the purposes and their shader constants, such as `FOR_NOISE_BEFORE`.
 macro_rules! purposes {
     ($(#[$doc:meta])* pub enum $enum:ident { $($(#[$doc_of:meta])* $name:ident = $value:literal,)* }) => {
         $(#[$doc])*
@@ -23,7 +23,7 @@ macro_rules! purposes {
     };
 }
 
-/// `NoiseBefore` as `FOR_NOISE_BEFORE`.
+/// Converts `NoiseBefore` to `FOR_NOISE_BEFORE`.
 fn wgsl_name(purpose: &str) -> String {
     let letter = |letter: char| match letter {
         'A'..='Z' => vec!['_', letter],
@@ -33,17 +33,17 @@ fn wgsl_name(purpose: &str) -> String {
 }
 
 purposes! {
-    /// What a draw is for: the last word of its counter. A new purpose shifts no other draw.
+    /// Purpose of a draw: the last word of its counter. A new purpose shifts no other draw.
     pub enum Purpose {
         /// Noise of the ticks before the gap, counted outward from it: tick 0, −1, −2, …; four to a block.
         NoiseBefore = 0,
         /// Words 0 and 1: noise of the ticks after the gap, counted outward from it: tick n+1, n+2, …; words 2 and 3:
-        /// phases of the tones. Two and two to a block, so that the usual trial takes two blocks and not three.
+        /// phases of the tones. With two of each to a block, the usual trial takes two blocks instead of three.
         NoiseAfterAndPhase = 1,
-        /// A block for each tone: word 0 its amplitude, where that is drawn from a Rayleigh distribution together with word
-        /// 1; word 2 its frequency.
+        /// A block for each tone: word 0 its amplitude, together with word 1 where that is Rayleigh-distributed; word 2
+        /// its frequency.
         Tone = 2,
-        /// Word 0: where the readout stands at the start of the gap; word 1: noise over the whole gap.
+        /// Word 0: the readout at the start of the gap; word 1: noise over the whole gap.
         Readout = 3,
         /// Word 0: the place in a recorded profile.
         Position = 4,
@@ -53,8 +53,8 @@ purposes! {
         GaussianBefore = 6,
         /// Gaussian motion of the ticks after the gap, counted outward from it; four to a block.
         GaussianAfter = 7,
-        /// A record: word 0 where its readout stands at the start, word 1 the phase of its sine, word 2 its Markov noise
-        /// before the first sample.
+        /// Start of a record: word 0 its readout, word 1 the phase of its sine, word 2 its Markov noise before the
+        /// first sample.
         RecordStart = 8,
         /// White noise of the rate, sample by sample; four to a block.
         White = 9,
@@ -64,39 +64,40 @@ purposes! {
         Markov = 11,
         /// Quantisation noise of the angles 0, 1, …; four to a block.
         Quantisation = 12,
-        /// A block for each octave of flicker noise: where the grids of its four streams lie.
+        /// A block for each octave of flicker noise: the positions of the grids of its four streams.
         FlickerGrid = 13,
-        /// A whole run: words 0 to 2 how its A, Ω_m0 and Ω_nm deviate, word 3 its first mode.
+        /// Once for a run: words 0 to 2 the deviations of its A, Ω_m0 and Ω_nm, word 3 its first mode.
         RunDeviation = 20,
         /// Phases of the tones at the first switch of a run; four to a block.
         RunPhase = 21,
-        /// A block for each interval of a run: word 0 its random walk, word 1 the normal part of the residual of the switch that
-        /// ends it, words 2 and 3 the phases of the first two tones there.
+        /// A block for each interval of a run: word 0 its random walk, word 1 the normal part of the residual of the
+        /// switch that ends it, words 2 and 3 the phases of the first two tones there.
         Interval = 22,
-        /// And the one beyond: phases of the third to sixth and of the last two tones at the switch that ends an interval, a block
-        /// each.
+        /// This purpose and the next: phases of the third to sixth and of the last two tones at the switch that ends an
+        /// interval, a block each.
         SwitchPhase = 23,
-        /// Word 0: what the random walk of an interval comes to within it, at one time or another: of two times in an interval
-        /// each is right by itself.
+        /// Word 0: the bridge of the random walk within an interval, at a time in it. Two times in the same interval
+        /// share the draw, so that only the distribution of each by itself is right.
         Bridge = 25,
-        /// A block for each switch of a record, from number 1 on: word 0 the phase of its fill residual, word 1 the noise of it.
+        /// A block for each switch of a record, from number 1 on: word 0 the phase of its fill residual, word 1 its
+        /// noise.
         FillResidual = 14,
-        /// Relock after a mode switch, eight blocks for each switch: block 0 the error of U_λ/2, of the DAC, of the hysteresis
-        /// and, of switch 0, that of f0 in the whole trial; word 0 of block 1 where the beat stands; blocks 2 to 5 noise of detunings, that of both halves of two
-        /// ticks each.
+        /// Relock after a mode switch, eight blocks for each switch. Block 0: the errors of U_λ/2, of the DAC and of
+        /// the hysteresis and, for switch 0, the error of f0 in the whole trial. Block 1, word 0: the phase of the
+        /// beat. Blocks 2 to 5: noise of the detunings, for both halves of two ticks each.
         Relock = 16,
-        /// And beyond, one purpose for each octave: its holds. Octaves 1 and 2 have one stream, four holds to a block; the
-        /// others have four streams, a hold of each to a block.
+        /// This purpose and those beyond, one for each octave: its holds. Octaves 1 and 2 have one stream, four holds
+        /// to a block; the others have four streams, one hold of each to a block.
         Flicker = 64,
     }
 }
 
-/// Where the draws of a trial are found: its number in two halves, and the keys of its point.
+/// The address of the draws of a trial: its number in two halves, and the keys of its point.
 #[derive(Debug, Clone, Copy)]
 pub struct Address<W> {
     /// Lower halves of the trial numbers, one in each lane.
     pub low: W,
-    /// Their upper half, which lanes share.
+    /// Their upper half, common to all lanes.
     pub high: u32,
     /// Round keys of the point.
     pub keys: Keys,
@@ -109,7 +110,7 @@ impl<W: Word> Address<W> {
         self.draw_beyond(purpose, 0, block)
     }
 
-    /// The same for the purpose that lies `beyond` places behind another one.
+    /// The same for the purpose `beyond` places after the given one.
     #[inline(always)]
     pub fn draw_beyond(&self, purpose: Purpose, beyond: usize, block: usize) -> [W; 4] {
         let counter = [
@@ -131,7 +132,7 @@ const ROUNDS: usize = 10;
 const MULTIPLIER: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 
-/// The constants that the shader takes from here.
+/// The constants that the shader takes from this module.
 pub(crate) fn constants() -> Constants {
     let mut all = purposes();
     all.push(("ROUNDS".to_owned(), ROUNDS.into()));
@@ -143,7 +144,7 @@ pub(crate) fn constants() -> Constants {
 /// The keys of the ten rounds.
 pub type Keys<W = u32> = [[W; 2]; ROUNDS];
 
-/// Counter and key to random words.
+/// Maps a counter and a key to random words.
 pub const FORM: Form = Form::Map(Map::of::<Words>());
 
 struct Words;
@@ -154,7 +155,7 @@ impl Block for Words {
     const OUTPUTS: usize = 4;
     const WGSL: &'static str = "let c = philox(vec4<u32>(x[0], x[1], x[2], x[3]), schedule(vec2<u32>(x[4], x[5]))); \
                                 y = array<u32, OUTPUTS>(c.x, c.y, c.z, c.w);";
-    // Only here: the shader's is generated.
+    // Only here: the shader's version is generated.
     #[inline(always)]
     fn evaluate<W: Word>(x: [W; 6]) -> [W; 4] {
         philox([x[0], x[1], x[2], x[3]], schedule([x[4], x[5]]))
@@ -165,7 +166,7 @@ impl Block for Words {
 #[inline(always)]
 pub fn philox<W: Factor>(counter: [W; 4], keys: Keys<W>) -> [W; 4] {
     let mut c = counter;
-    // Written out: a loop left rolled keeps the words out of the wide registers.
+    // Unrolled by hand: a rolled loop keeps the words out of the wide registers.
     c = philox_round(c, keys[0]);
     c = philox_round(c, keys[1]);
     c = philox_round(c, keys[2]);
@@ -185,7 +186,7 @@ fn philox_round<W: Factor>(c: [W; 4], k: [W; 2]) -> [W; 4] {
     [high1 ^ c[1] ^ k[0], low1, high0 ^ c[3] ^ k[1], low0]
 }
 
-/// The keys of the rounds, made once for a point: the Weyl sequence from its key.
+/// The keys of the rounds, computed once for a point: the Weyl sequence from its key.
 #[inline(always)]
 pub fn schedule<W: Word>(key: [W; 2]) -> Keys<W> {
     let mut keys = [key; ROUNDS];

@@ -1,6 +1,6 @@
-//! Where the committed coefficients of polynomials come from.
+//! The fit that produced the committed coefficients of polynomials.
 
-/// The polynomial of `N` coefficients, that of x^0 first, through `f` at the Chebyshev points of [0, 1].
+/// The polynomial through `f` at the Chebyshev points of [0, 1], as `N` coefficients, that of x^0 first.
 pub fn through_chebyshev_points<const N: usize>(f: impl Fn(f64) -> f64) -> [f64; N] {
     let x: [f64; N] = core::array::from_fn(|k| {
         0.5 - 0.5 * libm::cos((2 * k + 1) as f64 * core::f64::consts::PI / (2 * N) as f64)

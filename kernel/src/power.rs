@@ -1,8 +1,8 @@
-//! Logarithms and powers to base 2: integer polynomials.
+//! Logarithms and powers to base 2 by integer polynomials.
 //!
-//! Twin of `shaders/power.wgsl`. An exponential e^{−t/τ} is 2^{−t·log2(e)/τ}: its exponent is a fixed-point number, whose
-//! whole part is a shift. Error of the logarithm between −2^−25.9 and 2^−30, of the power below 2^−30; both are exact at
-//! the powers of two (`docs/numerics.md`).
+//! Twin of `shaders/power.wgsl`. An exponential e^{−t/τ} is 2^{−t·log2(e)/τ}, whose exponent is a fixed-point number;
+//! its whole part is a shift. The error of the logarithm is between −2^−25.9 and 2^−30, that of the power below 2^−30;
+//! both are exact at the powers of two (`docs/numerics.md`).
 
 use crate::Form;
 use crate::map::{Block, Map};
@@ -12,7 +12,7 @@ use crate::word::Word;
 
 constants!(LOG_BITS, LARGEST_MINUS, EXP2_ONE, LOG2, EXP2);
 
-/// Number to logarithm, fraction to power, exponent to power.
+/// Maps a number to its logarithm, a fraction to its power and an exponent to its power.
 pub const FORM: Form = Form::Map(Map::of::<Power>());
 
 struct Power;
@@ -23,17 +23,17 @@ impl Block for Power {
     const OUTPUTS: usize = 3;
     const WGSL: &'static str = "y[0] = log2_word(max(x[0], 1u)); y[1] = exp2_fraction(x[0]); \
                                 y[2] = exp2_minus(min(x[0] >> 1u, LARGEST_MINUS));";
-    // Only here: the shader's is generated.
+    // Only here: the shader's version is generated.
     #[inline(always)]
     fn evaluate<W: Word>(x: [W; 6]) -> [W; 4] {
-        // There is no logarithm of 0: it is taken for 1.
+        // 0 has no logarithm; it is replaced by 1.
         let some = x[0].add_where_equal(W::splat(1), x[0], W::splat(0));
         let minus = (x[0] >> 1).min_signed(W::splat(LARGEST_MINUS));
         [log2_word(some), exp2_fraction(x[0]), exp2_minus(minus), x[0]]
     }
 }
 
-/// Bits of a logarithm behind the point.
+/// Fractional bits of a logarithm.
 pub const LOG_BITS: u32 = 26;
 
 /// The largest number that [`exp2_minus`] takes: 31.
@@ -75,7 +75,7 @@ pub fn log2_word<W: Word>(x: W) -> W {
     sum = W::splat(LOG2[1]) - sum.mulhi(u);
     sum = W::splat(LOG2[0]) - sum.mulhi(u);
     let fraction = u + between(u).mulhi(sum);
-    // Floored, as rounding could reach 32 and with it the sign.
+    // Floored, because rounding could reach 32 and thereby the sign bit.
     ((W::splat(31) - octave) << LOG_BITS) + (fraction >> (32 - LOG_BITS))
 }
 
@@ -132,7 +132,7 @@ mod tests {
         assert_eq!(exp2_fraction(Scalar(0)).0, 1 << 31);
     }
 
-    /// Least and greatest of some errors.
+    /// Least and greatest of a set of errors.
     #[derive(Debug, Clone, Copy)]
     struct Range(f64, f64);
 
@@ -189,7 +189,7 @@ mod tests {
             let x = (word >> 1).min(LARGEST_MINUS);
             let exact = libm::exp2(-f64::from(x) / libm::exp2(26.0));
             let error = f64::from(exp2_minus(Scalar(x)).0) / libm::exp2(31.0) - exact;
-            // Twice exact is at least the power of the fraction.
+            // Twice the exact value is at least the power of the fraction.
             let bound = libm::exp2(-30.0) * exact;
             assert!((-bound - libm::exp2(-31.0)..bound).contains(&error), "{x}: error {error}");
         }

@@ -1,4 +1,4 @@
-//! One trial of a relock: sums of its first ticks, of the faked rotation that a compensation leaves.
+//! One trial of a relock: sums over its first ticks of the false rotation that remains after compensation.
 //!
 //! Twin of `shaders/relock.wgsl`.
 
@@ -13,18 +13,18 @@ use crate::{Form, part};
 
 constants!(WEIGHT_BITS);
 
-/// Trials to moments of the ticks.
+/// Maps trials to moments of the ticks.
 pub const FORM: Form = Form::Moments;
 
-/// Bits of a weight behind the point.
+/// Fractional bits of a weight.
 pub const WEIGHT_BITS: u32 = 24;
 
-/// What a launch has: what a shader is specialised for.
+/// Options of a launch, for which its shader is specialised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Shape {
-    /// The ticks and what is taken off them.
+    /// The ticks and their compensation.
     pub ticks: relock_ticks::Shape,
-    /// How many of the ticks, and their sum, are tallied.
+    /// Number of tallied estimates: ticks, and their sum.
     pub estimates: usize,
 }
 
@@ -35,7 +35,7 @@ parameters! {
     relock: |shape: Shape| relock_ticks::word_count(shape.ticks),
     /// Weights of the ticks in each estimate, in 2^−24.
     weight: |shape: Shape| shape.estimates * shape.ticks.ticks,
-    /// Where each estimate's histogram starts.
+    /// Level at which each estimate's histogram starts.
     bin_base: |shape: Shape| shape.estimates,
 }
 
@@ -59,7 +59,7 @@ impl Sampler for Relock<'_> {
         self.p.bin_base[estimate]
     }
 
-    // The loops read like those of the shader.
+    // The loops mirror those of the shader.
     #[expect(clippy::needless_range_loop)]
     #[inline(always)]
     fn trial<W: Word>(&self, low: W, high: u32) -> [W; MAX_ESTIMATES] {

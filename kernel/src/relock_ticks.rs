@@ -1,10 +1,9 @@
-//! The first ticks after one mode switch: the rotation that the closing perimeter loop fakes, less what a compensation
-//! takes off.
+//! The first ticks after one mode switch: the false rotation of the closing perimeter loop, less its compensation.
 //!
-//! Twin of `shaders/relock_ticks.wgsl`, and a part of kernels: of `relock` for one switch, of whole runs for each of their
-//! switches. Draws are those of the switch's number. The miss Δλ0 and what is measured are words; ratios are differences of
-//! logarithms. A compensation that makes no sense, as its y or h has the wrong sign, is 0 or does not decay, is left out by
-//! a mask. Source: Z(2), Z(10)–Z(13).
+//! Twin of `shaders/relock_ticks.wgsl`. This file is a part of other kernels: `relock` uses it for one switch,
+//! `switched_run` for each switch of a run. A switch has draws of its own, addressed by its number. The miss Δλ0 and
+//! the measured quantities are words; ratios are differences of logarithms. A mask leaves out a compensation that makes
+//! no sense because its y or h has the wrong sign, is 0 or does not decay. Source: Z(2), Z(10)–Z(13).
 
 use crate::normal::normal;
 use crate::parameters::parameters;
@@ -16,38 +15,39 @@ use crate::word::{HALF, Wide, Word};
 
 constants!(RELOCK_BLOCKS, WRONG_BITS, MIDDLE);
 
-/// Most ticks that the loop is followed for.
+/// Most ticks for which the loop is followed.
 pub const MAX_TICKS: usize = 8;
 
-/// Blocks of random words of a switch: of the miss, of the beat, of two ticks' detunings each; the rest is kept free.
+/// Blocks of random words of a switch: one for the miss, one for the beat, one for each two ticks' detunings; the
+/// others are reserved.
 pub const RELOCK_BLOCKS: usize = 8;
 
-/// Bits behind the point of the part by which f0 is taken wrong.
+/// Fractional bits of the relative error of f0.
 const WRONG_BITS: u32 = 30;
 
-/// The word in the middle of all.
+/// The middle of the range of a word.
 const MIDDLE: u32 = 1 << 31;
 
 /// Raised when results change for the same parameters: part of every digest.
 pub const VERSION: u32 = 1;
 
-/// What is taken off the ticks.
+/// How the ticks are compensated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Method {
-    /// Nothing: the ticks as the loop fakes them.
+    /// Not at all: the false rotation remains.
     None,
-    /// From the measured frequency of the bias, from the second tick on: Z(11).
+    /// By the measured frequency of the bias, from the second tick on: Z(11).
     Frequency,
-    /// From the measured detuning: Z(11)–Z(13).
+    /// By the measured detuning: Z(11)–Z(13).
     Detuning,
 }
 
-/// What a launch has of it.
+/// Options of the ticks in a launch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Shape {
-    /// Ticks, at most [`MAX_TICKS`].
+    /// Number of ticks, at most [`MAX_TICKS`].
     pub ticks: usize,
-    /// What is taken off them.
+    /// How they are compensated.
     pub method: Method,
 }
 
@@ -58,7 +58,7 @@ impl Shape {
         shader.constants.push(("RELOCK_TICKS", self.ticks));
         shader.flags.push(("RELOCK_BY_FREQUENCY", self.method == Method::Frequency));
         shader.flags.push(("RELOCK_BY_DETUNING", self.method == Method::Detuning));
-        // Under names that clash with none of the kernel around them.
+        // The prefix keeps these names apart from those of the surrounding kernel.
         shader.declarations += &wgsl_places(self).replace("const ", "const RELOCK_");
     }
 
@@ -70,41 +70,41 @@ impl Shape {
 }
 
 parameters! {
-    /// Δλ0 as it should be, in units of the detuning.
+    /// Nominal Δλ0, in units of the detuning.
     miss: |_| 1,
     /// Standard deviation of the error of U_λ/2, in 2^−4 units.
     half_wave: |_| 1,
-    /// A step of the DAC, in units.
+    /// Step of the DAC, in units.
     dac_step: |_| 1,
-    /// The whole width of the hysteresis, in units.
+    /// Full width of the hysteresis, in units.
     hysteresis: |_| 1,
-    /// How far the miss is shifted to the left before it is squared.
+    /// Number of bits by which the miss is shifted left before it is squared.
     square_shift: |_| 1,
     /// Angle of each tick, in LSB, at a square of 2^32.
     drift: |shape: Shape| shape.ticks,
-    /// Standard deviation of the part by which f0 is taken wrong, in 2^−34.
+    /// Standard deviation of the relative error of f0, in 2^−34.
     temperature: |_| 1,
-    /// The sign of the faked rotation in its highest bit.
+    /// The sign of the false rotation, in its highest bit.
     sign: |_| 1,
     /// Half of f0·T, in units of the beat.
     half_bias: |shape: Shape| shape.only(Method::Frequency, 1),
-    /// What the first half of each tick lacks of it at a square of 2^32.
+    /// Deficit of the first half of each tick relative to `half_bias`, at a square of 2^32.
     lost_first: |shape: Shape| shape.only(Method::Frequency, shape.ticks),
-    /// What its second half lacks.
+    /// Deficit of its second half.
     lost_second: |shape: Shape| shape.only(Method::Frequency, shape.ticks),
-    /// The bits of a phase that are counted: those of whole periods.
+    /// Mask of the bits of a phase that are counted: those of whole periods.
     counted: |shape: Shape| shape.only(Method::Frequency, 1),
     /// Logarithm of a unit of the beat in LSB, 2^−26.
     beat_log: |shape: Shape| shape.only(Method::Frequency, 1),
-    /// Mean detunings over the first half of each tick by Δλ0, in 2^−31.
+    /// Mean detuning over the first half of each tick relative to Δλ0, in 2^−31.
     mean_first: |shape: Shape| shape.only(Method::Detuning, shape.ticks),
     /// The same over the second half.
     mean_second: |shape: Shape| shape.only(Method::Detuning, shape.ticks),
-    /// Standard deviation of their noise, in 2^−4 units.
+    /// Standard deviation of the noise of both means, in 2^−4 units.
     adc_sigma: |shape: Shape| shape.only(Method::Detuning, 1),
     /// Half a step of the ADC, in units.
     adc_half: |shape: Shape| shape.only(Method::Detuning, 1),
-    /// The bits that the ADC shows.
+    /// Mask of the bits that the ADC reports.
     adc_shown: |shape: Shape| shape.only(Method::Detuning, 1),
     /// Half the logarithm of χ f0 T/4 in units and LSB, 2^−26.
     detuning_log: |shape: Shape| shape.only(Method::Detuning, 1),
@@ -113,14 +113,15 @@ parameters! {
 /// The parameters by name.
 #[derive(Debug, Clone, Copy)]
 pub struct Given<'a> {
-    /// The words.
+    /// Parameter words.
     pub p: Parameters<'a>,
-    /// What they are of.
+    /// Their shape.
     pub shape: Shape,
 }
 
-/// Angles of the ticks of a switch in LSB, those of the shape first: the faked rotation less its compensation.
-// The loops of this file read like those of the shader.
+/// Angles of the ticks of a switch in LSB, of which the first `shape.ticks` count: the false rotation less its
+/// compensation.
+// The loops of this file mirror those of the shader.
 #[expect(clippy::needless_range_loop)]
 #[inline(always)]
 pub fn relock_ticks<W: Word>(given: &Given, address: &Address<W>, switch: usize, wrong: W) -> [W; MAX_TICKS] {
@@ -138,14 +139,14 @@ pub fn relock_ticks<W: Word>(given: &Given, address: &Address<W>, switch: usize,
     }
 }
 
-/// The part by which the temperature curve has f0 wrong, 2^−30: the same at all switches of a trial.
+/// The relative error of f0 in the temperature curve, 2^−30; it is the same at all switches of a trial.
 #[inline(always)]
 pub fn relock_wrong<W: Word>(given: &Given, address: &Address<W>) -> W {
     let words = address.draw(Purpose::Relock, 0);
     normal(words[3]).mul_wide(W::splat(given.p.temperature[0])).high_word()
 }
 
-/// Δλ0 of the switch, in units.
+/// The miss Δλ0 of the switch, in units of the detuning.
 #[inline(always)]
 fn relock_miss<W: Word>(p: &Parameters, words: [W; 4]) -> W {
     let middle = W::splat(MIDDLE);
@@ -156,21 +157,21 @@ fn relock_miss<W: Word>(p: &Parameters, words: [W; 4]) -> W {
     sum.high_word()
 }
 
-/// Its square, shifted: below 2^30.
+/// The square of the shifted miss, below 2^30.
 #[inline(always)]
 fn relock_square<W: Word>(p: &Parameters, miss: W) -> W {
     let magnitude = miss.with_sign(miss) << p.square_shift[0];
     magnitude.mulhi(magnitude)
 }
 
-/// A word at a square of 2^32, at this square.
+/// Scales `word`, which belongs to a square of 2^32, to this square.
 #[inline(always)]
 fn relock_scaled<W: Word>(square: W, word: u32) -> W {
     (square.mul_wide(W::splat(word)) + W::Wide::half()).high_word()
 }
 
-/// The beat runs up in the first half of a tick and down in the second; whole periods of both are counted. y_i T is their
-/// number less f0·T as it is taken to be.
+/// Subtracts the compensation by frequency. The beat counts up in the first half of a tick and down in the second;
+/// whole periods of both are counted. y_i T is their number less the assumed f0·T.
 #[expect(clippy::needless_range_loop)]
 #[inline(always)]
 fn less_by_frequency<W: Word>(
@@ -200,7 +201,7 @@ fn less_by_frequency<W: Word>(
             first = error;
             first_log = log;
         } else {
-            // −log2 q, a 2(i−1)-th of that of y_i/y_1.
+            // −log2 q: 1/(2(i−1)) of −log2(y_i/y_1).
             let decay = (first_log - log).max_signed(least).mulhi(W::splat(EXP2_ONE / i as u32));
             let q = exp2_minus(decay.max_signed(least));
             let angle = relock_power(
@@ -214,7 +215,8 @@ fn less_by_frequency<W: Word>(
     left
 }
 
-/// Mean detunings h⁺, h⁻ over the halves of a tick, as an ADC shows them.
+/// Subtracts the compensation by detuning, from the mean detunings h⁺, h⁻ over the halves of a tick as an ADC reports
+/// them.
 #[inline(always)]
 fn less_by_detuning<W: Word>(
     given: &Given,
@@ -258,7 +260,7 @@ fn relock_shown<W: Word>(p: &Parameters, miss: W, mean: u32, noise: W) -> W {
     (sum.high_word() + W::splat(p.adc_half[0])) & W::splat(p.adc_shown[0])
 }
 
-/// 2 to the power of `log`, which has so many `bits` behind the point; of a negative one 1.
+/// 2 to the power of `log`, which has `bits` fractional bits; 1 where `log` is negative.
 #[inline(always)]
 fn relock_power<W: Word>(log: W, bits: u32) -> W {
     let log = log.max_signed(W::splat(0)).min_signed(W::splat((32_u64 << bits) as u32 - 1));

@@ -1,16 +1,16 @@
-//! A tally of one fixed row of integers for each trial, such as the sums of a record.
+//! A tally that keeps one row of integers of fixed length for each trial, such as the sums of a record.
 
-/// Rows of some consecutive trials, in their order.
+/// Rows of consecutive trials, in order.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Rows {
-    /// Integers of a trial.
+    /// Integers per trial.
     pub width: usize,
-    /// Trial by trial.
+    /// The integers, trial by trial.
     pub values: Vec<u128>,
 }
 
 impl Rows {
-    /// How many trials there are.
+    /// Number of trials.
     pub fn trials(&self) -> usize {
         self.values.len().checked_div(self.width).unwrap_or(0)
     }

@@ -1,21 +1,21 @@
-//! Shader sources: the files of `shaders/`, put together and specialised as text.
+//! Shader sources: the files of `shaders/`, assembled and specialised as text.
 //!
 //! Override constants can give invalid modules (wgpu#7793), so shapes and variants are written into the text. Three
-//! directives do it, each on a line of its own and closed by `//#end`:
-//! `//#for k in 0..N` repeats its lines with the word `k` replaced by 0u, 1u, …; `//#if FLAG` and `//#else` choose.
+//! directives do this, each on its own line and closed by `//#end`: `//#for k in 0..N` repeats its lines with the word
+//! `k` replaced by 0u, 1u, …; `//#if FLAG` and `//#else` choose between lines.
 
 use std::collections::HashMap;
 
 use crate::part;
 
-/// A file of `shaders/` and the constants that it takes from its twin.
+/// A file of `shaders/`, with the constants that it takes from its twin.
 #[derive(Debug)]
 pub struct Part {
     /// The stem of both files.
     pub stem: &'static str,
     /// The text of the shader file.
     pub wgsl: &'static str,
-    /// What Rust generates into the shader.
+    /// The constants that Rust generates into the shader.
     pub constants: fn() -> Constants,
 }
 
@@ -55,10 +55,10 @@ impl<const N: usize> From<[u32; N]> for Value {
     }
 }
 
-/// Declares which constants of a module its shader takes.
+/// Declares the constants of a module that its shader takes.
 macro_rules! constants {
     ($($name:ident),* $(,)?) => {
-        /// The constants that the shader takes from here.
+        /// The constants that the shader takes from this module.
         pub(crate) fn constants() -> crate::shader::Constants {
             vec![$((stringify!($name).to_owned(), $name.into())),*]
         }
@@ -70,29 +70,29 @@ pub(crate) use constants;
 /// How a kernel is built for a device. All variants give the same bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Variant {
-    /// Products through 64-bit registers and not from 16-bit parts.
+    /// Whether products use 64-bit registers instead of 16-bit parts.
     pub int64: bool,
-    /// With the bounds checks of the shader compiler.
+    /// Whether the shader compiler adds its bounds checks.
     pub checked: bool,
-    /// Invocations of a workgroup, a power of two.
+    /// Invocations per workgroup, a power of two.
     pub workgroup: u32,
 }
 
-/// A shader before it is written out.
+/// A shader before its text is generated.
 #[derive(Debug, Default)]
 pub struct Shader {
-    /// Its files, [`part::word`] apart, which every shader has.
+    /// Its files, except [`part::word`], which every shader has.
     pub parts: Vec<&'static Part>,
     /// Constants besides those of the files.
     pub constants: Vec<(&'static str, usize)>,
-    /// Which conditions hold.
+    /// The conditions of the directives, each with its value.
     pub flags: Vec<(&'static str, bool)>,
-    /// Declarations that are generated for this shader.
+    /// Declarations generated for this shader.
     pub declarations: String,
 }
 
 impl Shader {
-    /// Whether normal numbers are drawn, whose table is bound only then.
+    /// Whether normal numbers are drawn; their table is bound only then.
     pub fn has_normals(&self) -> bool {
         self.parts.iter().any(|&own| core::ptr::eq(own, &part::normal))
     }
@@ -129,7 +129,7 @@ fn declaration((name, value): &(String, Value)) -> String {
     }
 }
 
-/// What directives refer to.
+/// The names to which directives refer.
 struct Expansion<'a> {
     counts: HashMap<&'a str, usize>,
     flags: Vec<&'a str>,
@@ -143,7 +143,7 @@ impl Expansion<'_> {
         }
     }
 
-    /// Expands the line `at`, or the directive that starts there, and returns the line behind it.
+    /// Expands the line `at`, or the directive that starts there, and returns the index of the next line.
     fn expand(&self, lines: &[&str], at: usize, to: &mut String) -> usize {
         let line = lines[at].trim();
         if let Some(rest) = line.strip_prefix("//#for ") {
@@ -182,7 +182,7 @@ fn block_end(lines: &[&str], start: usize) -> usize {
         .expect("a directive is closed")
 }
 
-/// How many directives `lines` open and do not close.
+/// Number of directives that `lines` open and do not close.
 fn depth(lines: &[&str]) -> i32 {
     lines
         .iter()

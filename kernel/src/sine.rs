@@ -1,7 +1,7 @@
-//! Sine of a phase in turns: an integer polynomial of six terms.
+//! Sine of a phase in turns by an integer polynomial of six terms.
 //!
-//! Twin of `shaders/sine.wgsl`. The phase is a word, 2^32 to the turn: it wraps by itself and needs no range
-//! reduction. Error below 2^−29.5 everywhere, exact at 0, ¼ and ½ turn (`docs/numerics.md`).
+//! Twin of `shaders/sine.wgsl`. The phase is a word in units of 2^−32 turns; it wraps by itself and needs no range
+//! reduction. The error is below 2^−29.5 everywhere, and the result is exact at 0, ¼ and ½ turn (`docs/numerics.md`).
 
 use crate::Form;
 use crate::map::{Block, Map};
@@ -11,7 +11,7 @@ use crate::word::Word;
 
 constants!(QUARTER_TURN, SINE);
 
-/// Phase to sine.
+/// Maps a phase to its sine.
 pub const FORM: Form = Form::Map(Map::of::<Sine>());
 
 struct Sine;
@@ -21,7 +21,7 @@ impl Block for Sine {
     const INPUTS: usize = 1;
     const OUTPUTS: usize = 1;
     const WGSL: &'static str = "y[0] = sine(x[0]);";
-    // Only here: the shader's is generated.
+    // Only here: the shader's version is generated.
     #[inline(always)]
     fn evaluate<W: Word>(x: [W; 6]) -> [W; 4] {
         [sine(x[0]); 4]

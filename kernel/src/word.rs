@@ -1,7 +1,7 @@
 //! The arithmetic of the kernels: 32-bit words that wrap, in as many lanes as the processor offers.
 //!
 //! A kernel is written once over [`Word`]; a backend chooses the width. Every operation is defined on the bits of one
-//! lane, so all widths and the shaders (`shaders/word.wgsl`) agree by construction, and the tests say that they do.
+//! lane, so all widths and the shaders (`shaders/word.wgsl`) agree by construction, as tests confirm.
 
 use core::ops::{Add, BitAnd, BitXor, Mul, Shl, Shr, Sub};
 
@@ -9,16 +9,16 @@ use crate::shader::constants;
 
 constants!(HALF, PAIRS);
 
-/// Half of a unit in 2^−32 of it: turns a floor into a rounding.
+/// Half of a unit in 2^−32 of it; added before a floor, it makes it a rounding.
 pub const HALF: u32 = 1 << 31;
 
-/// Pairs of a table.
+/// Number of pairs in a table.
 pub const PAIRS: usize = 528;
 
-/// A table of pairs: see [`Word::lookup`].
+/// A table of pairs; see [`Word::lookup`].
 pub type PairTable = [[u32; 2]; PAIRS];
 
-/// What Philox needs of a word: `^` and full products.
+/// The operations that Philox needs on a word: `^` and full products.
 pub trait Factor: Copy + BitXor<Output = Self> {
     /// `x` in every lane.
     fn splat(x: u32) -> Self;
@@ -36,32 +36,32 @@ pub trait Word:
     + Shl<u32, Output = Self>
     + Shr<u32, Output = Self>
 {
-    /// The same lanes as the multiplier likes them best, for words that are multiplied again and again.
+    /// The same lanes in the multiplier's layout, for words that are multiplied repeatedly.
     type Factors: Factor;
     /// The same lanes as signed 64-bit numbers.
     type Wide: Wide<Word = Self>;
     /// Number of lanes.
     const LANES: usize;
 
-    /// 0, 1, 2, … over the lanes.
+    /// 0, 1, 2, …, one per lane.
     fn iota() -> Self;
     /// The first `LANES` words of `from`, in order.
     fn load(from: &[u32]) -> Self;
-    /// The lanes in order, into the first `LANES` places of `to`.
+    /// Stores the lanes in order into the first `LANES` places of `to`.
     fn store(self, to: &mut [u32]);
     /// Shift right, repeating the sign bit.
     fn sar(self, n: u32) -> Self;
-    /// Shift left by each lane's own count below 32.
+    /// Shift left by each lane's own count, which is below 32.
     fn shift_left(self, n: Self) -> Self;
-    /// Shift right by each lane's own count below 32, shifting in zeros.
+    /// Shift right by each lane's own count, which is below 32; shifts in zeros.
     fn shift_right(self, n: Self) -> Self;
-    /// Number of zero bits above the highest one; the argument is not 0.
+    /// Number of zero bits above the highest one bit; the argument must not be 0.
     fn leading_zeros(self) -> Self;
-    /// The smaller as signed numbers.
+    /// The smaller value, compared as signed numbers.
     fn min_signed(self, other: Self) -> Self;
-    /// The larger as signed numbers.
+    /// The larger value, compared as signed numbers.
     fn max_signed(self, other: Self) -> Self;
-    /// Itself, or minus itself where `sign` is negative.
+    /// The word, negated where `sign` is negative.
     #[inline(always)]
     fn with_sign(self, sign: Self) -> Self {
         let sign = sign.sar(31);
@@ -69,9 +69,9 @@ pub trait Word:
     }
     /// Upper half of the unsigned product.
     fn mulhi(self, by: Self) -> Self;
-    /// The same lanes for the multiplier.
+    /// Converts the lanes to the multiplier's layout.
     fn factors(self) -> Self::Factors;
-    /// The lanes that the multiplier had.
+    /// Converts the lanes back from the multiplier's layout.
     fn of_factors(factors: Self::Factors) -> Self;
     /// The pair at `index`.
     ///
@@ -85,20 +85,20 @@ pub trait Word:
     unsafe fn gather(table: &[u32], index: Self) -> Self;
     /// The signed product.
     fn mul_wide(self, by: Self) -> Self::Wide;
-    /// Itself, plus `more` where the lanes of `a` and `b` are equal.
+    /// The word, plus `more` where the lanes of `a` and `b` are equal.
     fn add_where_equal(self, more: Self, a: Self, b: Self) -> Self;
-    /// Which lanes are below `n` as unsigned numbers: bit k is lane k.
+    /// Mask of the lanes that are below `n` as unsigned numbers; bit k is lane k.
     fn below(self, n: u32) -> u32;
 }
 
 /// Lanes of signed 64-bit numbers; sums wrap.
 pub trait Wide: Copy + Add<Output = Self> + Sub<Output = Self> {
-    /// The 32-bit lanes they come from.
+    /// The matching 32-bit lanes.
     type Word;
 
     /// `x` in every lane.
     fn splat(x: i64) -> Self;
-    /// Half a unit where the unit is 2^32: see [`HALF`].
+    /// Half a unit where the unit is 2^32; see [`HALF`].
     #[inline(always)]
     fn half() -> Self {
         Self::splat(i64::from(HALF))
@@ -107,15 +107,15 @@ pub trait Wide: Copy + Add<Output = Self> + Sub<Output = Self> {
     fn high_word(self) -> Self::Word;
     /// Bits `n` to `n` + 31 of each lane; `n` is below 32.
     fn bits_from(self, n: u32) -> Self::Word;
-    /// The sum of the lanes, each read as unsigned, exactly.
+    /// The exact sum of the lanes, each read as unsigned.
     fn total_unsigned(self) -> u128;
-    /// The lower and the upper 32 bits of each lane, as numbers of 64 bits.
+    /// The lower and the upper 32 bits of each lane, as 64-bit numbers.
     fn halves(self) -> [Self; 2];
-    /// The lanes in order, into as many places of `to`.
+    /// Stores the lanes in order into the first places of `to`.
     fn store(self, to: &mut [u64]);
 }
 
-/// One lane: the portable width, and the reference of the others.
+/// One lane: the portable width and the reference for the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Scalar(pub u32);
 
@@ -255,14 +255,14 @@ impl Word for Scalar {
 
     #[inline(always)]
     unsafe fn lookup(table: &PairTable, index: Scalar) -> (Scalar, Scalar) {
-        // SAFETY: the caller's.
+        // SAFETY: guaranteed by the caller.
         let [first, second] = unsafe { *table.get_unchecked(index.0 as usize) };
         (Scalar(first), Scalar(second))
     }
 
     #[inline(always)]
     unsafe fn gather(table: &[u32], index: Scalar) -> Scalar {
-        // SAFETY: the caller's.
+        // SAFETY: guaranteed by the caller.
         Scalar(unsafe { *table.get_unchecked(index.0 as usize) })
     }
 

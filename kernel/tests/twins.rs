@@ -1,4 +1,4 @@
-//! Shaders and their Rust twins have the same functions in the same order, and no file of either is left out of the registry.
+//! Shaders and their Rust twins have the same functions in the same order, and the registry lists every file of both.
 
 use std::collections::HashSet;
 use std::fs;
@@ -6,21 +6,21 @@ use std::path::Path;
 
 use sagnac_kernel::PARTS;
 
-/// What marks a function, in its comment, that the other side lacks; and all functions from there on.
+/// Marks, in its comment, a function that the other side lacks; the longer mark covers all functions from there on.
 const ONLY: &str = "// Only here";
 const ONLY_FROM_HERE: &str = "// Only here to the end";
 
 /// A function of a source text.
 struct Function {
     name: String,
-    /// Whether the other side must have it.
+    /// Whether the other side must have it too.
     shared: bool,
-    /// Whether lanes come or go: in a shader always, in Rust where the type of a word is a parameter.
+    /// Whether it takes or returns lanes: always in a shader, in Rust where the type of a word is a parameter.
     of_lanes: bool,
     has_body: bool,
 }
 
-/// The functions of a text in order, each name once: those before the tests.
+/// The functions of a text before its tests, in order, each name once.
 fn functions(text: &str) -> Vec<Function> {
     let mut found: Vec<Function> = Vec::new();
     let (mut marked, mut to_the_end, mut generic) = (false, false, false);
@@ -105,7 +105,7 @@ fn every_file_is_registered() {
     }
 }
 
-/// A constant that both sides declare by hand could come to differ.
+/// A constant declared by hand on both sides could come to differ.
 #[test]
 fn no_constant_is_typed_twice() {
     let declared = |text: &str| -> HashSet<String> {

@@ -50,7 +50,7 @@ class Table(Mapping[str, Column]):
         try:
             return self._columns[name]
         except KeyError:
-            raise KeyError(f"no column is called {name!r}; there are {', '.join(self._columns)}") from None
+            raise KeyError(f"no column is called {name!r}; the columns are {', '.join(self._columns)}") from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)

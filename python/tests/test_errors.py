@@ -100,10 +100,10 @@ def test_records_are_refused_by_deviations_and_fits_alike(
 @pytest.mark.parametrize(
     "arguments, piece",
     [
-        ({"deviation": "avar"}, "`avar` is no deviation"),
+        ({"deviation": "avar"}, "`avar` is not a deviation"),
         ({"taus": "octaves"}, "accepted: \"octave\""),
         ({"taus": [1e-9]}, "shorter than the sampling step"),
-        ({"taus": [-1.0]}, "is no time"),
+        ({"taus": [-1.0]}, "is not a time"),
         ({"taus": [1e9]}, "too long for a record of 10 s"),
         ({"confidence": 1.0}, "confidence=1.0"),
     ],

@@ -124,5 +124,5 @@ def test_columns_have_types_labels_and_units(studies: Path) -> None:
     assert (points.units["rms_arcsec"], points.labels["rms_arcsec"]) == ("″", "rms error")
     frame = points.to_pandas()
     assert list(frame.columns) == list(points) and len(frame) == points.rows
-    with pytest.raises(KeyError, match="no column is called 'rms'; there are"):
+    with pytest.raises(KeyError, match="no column is called 'rms'; the columns are"):
         points["rms"]

@@ -1,31 +1,32 @@
-//! The angle record that all deviations are taken of, with its gaps.
+//! The record of angles, with its gaps, from which all deviations are computed.
 
 use std::ops::Range;
 
 use crate::allan::trend::{Line, Trend};
 
-/// Angles at evenly spaced times: the integral of a rate, its mean removed.
+/// Angles at evenly spaced times: the integral of a rate without its mean.
 ///
-/// No deviation changes with the mean rate. It is subtracted before anything is summed, because the running sum of a
-/// rate whose mean is a million times its noise would keep six digits less of the noise.
+/// No deviation depends on the mean rate. It is subtracted before anything is summed, because the running sum of a rate
+/// whose mean is a million times its noise would keep six digits less of the noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Angles {
-    /// From angle to angle, s.
+    /// Time from angle to angle, s.
     pub step_s: f64,
-    /// NaN where an angle is not known.
+    /// The angles; NaN where one is unknown.
     values: Vec<f64>,
-    /// Stretches of angles, in order, that were measured against each other: between two runs increments are lost.
+    /// Stretches of angles, in order, that were measured relative to each other; between two stretches increments are
+    /// missing.
     runs: Vec<Range<usize>>,
-    /// What was removed, in the unit of the increments as they came.
+    /// The line that was removed, in the original unit of the increments.
     removed: Line,
     missing: usize,
 }
 
 impl Angles {
-    /// The sums of `increments`, each times `scale`; NaN stands for one that is missing.
+    /// The running sums of `increments`, each times `scale`; NaN stands for a missing one.
     ///
-    /// For rates `scale` is `step_s`, times the size of their unit. A missing increment leaves the angle after it
-    /// unknown against the one before: no term reaches across.
+    /// For rates, `scale` is `step_s` times the size of their unit. Across a missing increment the change of the angle
+    /// is unknown, so no term reaches across it.
     ///
     /// ```
     /// # use sagnac::allan::{Angles, Trend};
@@ -51,10 +52,10 @@ impl Angles {
         Angles { step_s, values, runs, removed: line, missing }
     }
 
-    /// Measured `angles`, each times `scale`; NaN stands for one that is missing.
+    /// Measured `angles`, each times `scale`; NaN stands for a missing one.
     ///
-    /// Angles on both sides of a missing one are still measured against each other: only terms that need that very
-    /// angle are left out.
+    /// Angles on both sides of a missing one are still known relative to each other, so only terms that need the
+    /// missing angle are left out.
     pub fn from_angles(angles: &[f64], scale: f64, step_s: f64, trend: Trend) -> Angles {
         let line = Line::of(trend, angles.len().saturating_sub(1), |i| angles[i + 1] - angles[i]);
         let first = angles.iter().copied().find(|angle| angle.is_finite()).unwrap_or(0.0);
@@ -76,22 +77,22 @@ impl Angles {
         }
     }
 
-    /// The number of angles, missing ones among them.
+    /// The number of angles, including missing ones.
     pub fn len(&self) -> usize {
         self.values.len()
     }
 
-    /// Whether there is no angle.
+    /// Whether there are no angles.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
 
-    /// How many increments, or angles, are missing.
+    /// The number of missing increments or angles.
     pub fn missing(&self) -> usize {
         self.missing
     }
 
-    /// Mean and slope of the increments that were removed, in their unit as they came.
+    /// Mean and slope of the increments that were removed, in the original unit of the increments.
     pub fn removed(&self) -> Line {
         self.removed
     }
@@ -100,18 +101,18 @@ impl Angles {
         &self.values
     }
 
-    /// Whether some angles within runs are not known.
+    /// Whether some angles within stretches are unknown.
     pub(crate) fn has_unknown(&self) -> bool {
-        // Missing increments split runs, and leave no angle unknown.
+        // Missing increments split the record into stretches and leave no angle unknown.
         self.runs.len() <= 1 && self.missing > 0 && self.values.iter().any(|value| value.is_nan())
     }
 
-    /// The stretches within which angles are measured against each other.
+    /// The stretches within which angles are known relative to each other.
     pub(crate) fn runs(&self) -> &[Range<usize>] {
         &self.runs
     }
 
-    /// The stretches in which moreover every angle is known.
+    /// The stretches in which, moreover, every angle is known.
     pub(crate) fn solid_runs(&self) -> Vec<Range<usize>> {
         if !self.has_unknown() {
             return self.runs.clone();

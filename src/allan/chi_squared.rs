@@ -1,32 +1,33 @@
-//! Quantiles of the χ² distribution with any real number of degrees of freedom.
+//! Quantiles of the χ² distribution for any real number of degrees of freedom.
 //!
-//! They are found by Newton's method on the incomplete gamma function of statrs, a library of statistics that has
-//! been kept since 2016. Against SciPy its function is right to 1e-12 up to 1e3 degrees of freedom and to 4e-8 up to
-//! 2e7, in at most 0.1 ms; its own inverse is not used, as for small probabilities it is wrong by orders of magnitude
-//! and for many degrees of freedom slow. (puruspe's fails above 1e4.)
+//! They are found by Newton's method on the incomplete gamma function of statrs, a statistics library maintained since
+//! 2016. Compared with SciPy, that function is accurate to 1e-12 up to 1e3 degrees of freedom and to 4e-8 up to 2e7,
+//! and takes at most 0.1 ms. Its inverse is not used, because it is wrong by orders of magnitude for small
+//! probabilities and slow for many degrees of freedom. (The function of puruspe fails above 1e4.)
 
 use statrs::function::gamma::{checked_gamma_lr, checked_gamma_ur};
 
-/// Steps of Newton's method: from its start it takes four or five.
+/// Most steps of Newton's method, which takes four or five from its start.
 const MOST_STEPS: usize = 60;
 
 /// The value below which a χ² variable of `freedom` > 0 degrees lies with `probability`, 0 < p < 1.
 ///
-/// Relative error below 1e-8 for 1e-6 ≤ p ≤ 1 − 1e-6 and up to 1e7 degrees of freedom. `None` beyond what f64 can hold.
+/// The relative error is below 1e-8 for 1e-6 ≤ p ≤ 1 − 1e-6 and up to 1e7 degrees of freedom. `None` where the result
+/// exceeds the range of f64.
 pub(crate) fn quantile(probability: f64, freedom: f64) -> Option<f64> {
     let sensible = freedom > 0.0 && freedom.is_finite() && probability > 0.0 && probability < 1.0;
     if !sensible {
         return None;
     }
     let a = 0.5 * freedom;
-    // In the logarithm of x the distribution function is smooth and steps cannot pass 0.
+    // As a function of ln x the distribution is smooth, and steps cannot pass 0.
     let mut log_x = start(probability, freedom);
     let log_gamma = libm::lgamma(a);
     for _ in 0..MOST_STEPS {
         let x = libm::exp(log_x);
         let excess = match probability < 0.5 {
             true => checked_gamma_lr(a, x).ok()? - probability,
-            // Without the loss of digits in 1 − p near 1.
+            // This form avoids the loss of digits in 1 − p near 1.
             false => (1.0 - probability) - checked_gamma_ur(a, x).ok()?,
         };
         let density = libm::exp(a * log_x - x - log_gamma);
@@ -45,7 +46,7 @@ pub(crate) fn quantile(probability: f64, freedom: f64) -> Option<f64> {
 /// The logarithm of a first approximation of half the quantile.
 fn start(probability: f64, freedom: f64) -> f64 {
     let a = 0.5 * freedom;
-    // Wilson and Hilferty: the cube root is nearly normal.
+    // Wilson and Hilferty: the cube root is nearly normally distributed.
     let spread = 2.0 / (9.0 * freedom);
     let root = 1.0 - spread + libm::sqrt(spread) * normal_quantile(probability);
     if root > 0.1 {
@@ -55,7 +56,7 @@ fn start(probability: f64, freedom: f64) -> f64 {
     (libm::log(probability) + libm::lgamma(a + 1.0)) / a
 }
 
-/// A normal quantile to 5e-4, enough for a start. Abramowitz and Stegun 26.2.23.
+/// A normal quantile to 5e-4, which suffices for a start. Abramowitz and Stegun 26.2.23.
 fn normal_quantile(probability: f64) -> f64 {
     let tail = probability.min(1.0 - probability);
     let t = libm::sqrt(-2.0 * libm::log(tail));

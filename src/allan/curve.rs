@@ -1,4 +1,4 @@
-//! A deviation over averaging times, with intervals.
+//! A deviation as a function of averaging time, with intervals.
 
 use rayon::prelude::*;
 
@@ -12,15 +12,16 @@ use crate::allan::sums::sums;
 /// A deviation at one averaging time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// The averaging factor, τ in samples.
+    /// Averaging factor m, τ in samples.
     pub m: usize,
-    /// The averaging time τ, s.
+    /// Averaging time τ, s.
     pub tau_s: f64,
-    /// How many differences were averaged; those that touch a gap are not among them.
+    /// Number of differences averaged, without those that touch a gap.
     pub terms: u64,
-    /// In the unit of the angle over s, and for [`Deviation::Tdev`] of the angle. Absent without a term.
+    /// The deviation, in the unit of the angle per second, or for [`Deviation::Tdev`] in that of the angle. Absent
+    /// without terms.
     pub value: Option<f64>,
-    /// Absent where the record is too short to tell.
+    /// Identified noise; absent where the record is too short.
     pub noise: Option<Noise>,
     /// Equivalent degrees of freedom of the variance.
     pub edf: Option<f64>,
@@ -28,18 +29,18 @@ pub struct Point {
     pub interval: Option<(f64, f64)>,
 }
 
-/// A deviation of `angles` at each of the averaging `factors`, with two-sided intervals of this `confidence`, 0 < p <
+/// A deviation of `angles` at each of the averaging `factors`, with two-sided intervals of this `confidence` p, 0 < p <
 /// 1.
 ///
 /// # Method
-/// The terms are those of NIST SP 1065 (5.2), all that touch no gap, in order N operations for each factor. The noise
-/// is identified by its lag-1 autocorrelation, and with it the equivalent degrees of freedom are those of Greenhall
-/// and Riley for a record without gaps, times the part of the terms that gaps leave. The interval is that of χ² with
-/// so many degrees.
+/// The terms are those of NIST SP 1065 (5.2), except those that touch a gap, and take order N operations for each
+/// factor. The noise is identified by its lag-1 autocorrelation. The equivalent degrees of freedom are those of
+/// Greenhall and Riley for that noise and a record without gaps, times the fraction of terms that remains. The interval
+/// is that of χ² with these degrees of freedom.
 ///
 /// # Limits
-/// Exact intervals need noise of one power law; where two meet they are as good as the nearer one. Steeper noise than
-/// the deviation converges for counts as the steepest for which it does.
+/// Exact intervals need noise of one power law; where two meet, intervals are as good as those of the nearer one. Noise
+/// for which the deviation does not converge is treated as the steepest for which it does.
 ///
 /// # Example
 /// ```
@@ -67,13 +68,13 @@ pub fn curve(angles: &Angles, deviation: Deviation, factors: &[usize], confidenc
     points.collect()
 }
 
-/// The mean square of a difference over twice, or for third differences six times, the variance.
+/// Ratio of the mean square of a difference to the variance: 2, or 6 for third differences.
 fn normalisation(deviation: Deviation) -> f64 {
     if deviation.differences() == 2 { 2.0 } else { 6.0 }
 }
 
-/// The interval of a deviation `value` whose square has `edf` degrees of freedom. None about 0, which says that
-/// nothing was resolved.
+/// The interval of a deviation `value` whose square has `edf` degrees of freedom. `None` for 0, where nothing was
+/// resolved.
 fn interval(value: f64, edf: f64, confidence: f64) -> Option<(f64, f64)> {
     let end = |probability: f64| {
         let quantile = chi_squared::quantile(probability, edf)?;
@@ -84,16 +85,16 @@ fn interval(value: f64, edf: f64, confidence: f64) -> Option<(f64, f64)> {
     Some((end(1.0 - tail)?, end(tail)?))
 }
 
-/// Where a curve is lowest: what data sheets call in-run bias stability. The bias instability B is another thing.
+/// The minimum of a curve, which data sheets call in-run bias stability. It is not the bias instability B.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Minimum {
-    /// The lowest point; of equals the shortest τ.
+    /// The lowest point; of equal ones that with the shortest τ.
     pub point: Point,
-    /// Whether the curve ends there, so that the stability may be better than what this record shows.
+    /// Whether the curve ends there, so that the stability may be better than this record shows.
     pub at_end: bool,
 }
 
-/// The least of a curve, at the shortest τ of equals; `None` where no point is above 0.
+/// The minimum of a curve; `None` where no point is above 0.
 pub fn minimum(points: &[Point]) -> Option<Minimum> {
     let known = || points.iter().filter_map(|point| Some((point, point.value.filter(|value| *value > 0.0)?)));
     let (point, _) = known().min_by(|a, b| a.1.total_cmp(&b.1))?;

@@ -1,27 +1,27 @@
-//! The six deviations, and what tells them apart.
+//! The six deviations and their properties.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// A deviation of a record of angles: of what differences, over what averages.
+/// A deviation of a record of angles, which determines differences and averages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Deviation {
     /// Allan deviation of adjacent groups, in the unit of the rate.
     Adev,
-    /// Overlapping Allan deviation: the same over groups that start at every sample.
+    /// Overlapping Allan deviation: the same, over groups that start at every sample.
     Oadev,
     /// Modified Allan deviation: second differences of angles averaged over τ.
     Mdev,
-    /// Time deviation, τ/√3 times the modified one: in the unit of the angle.
+    /// Time deviation: τ/√3 times the modified Allan deviation, in the unit of the angle.
     Tdev,
-    /// Hadamard deviation of adjacent groups: third differences, which no linear drift of the rate enters.
+    /// Hadamard deviation of adjacent groups: third differences, which are free of a linear drift of the rate.
     Hdev,
     /// Overlapping Hadamard deviation.
     Ohdev,
 }
 
 impl Deviation {
-    /// All of them, as `--deviation` lists them.
+    /// All deviations, in the order of `--deviation`.
     pub const ALL: [Deviation; 6] = [
         Deviation::Adev,
         Deviation::Oadev,
@@ -31,7 +31,7 @@ impl Deviation {
         Deviation::Ohdev,
     ];
 
-    /// As files and options have it.
+    /// Name in files and options.
     pub fn name(self) -> &'static str {
         match self {
             Deviation::Adev => "adev",
@@ -43,7 +43,7 @@ impl Deviation {
         }
     }
 
-    /// For people.
+    /// Name for the user.
     pub fn title(self) -> &'static str {
         match self {
             Deviation::Adev => "Allan deviation",
@@ -55,7 +55,7 @@ impl Deviation {
         }
     }
 
-    /// How often angles are differenced: d of Greenhall and Riley.
+    /// Order of the differences of angles: d of Greenhall and Riley.
     pub fn differences(self) -> usize {
         match self {
             Deviation::Adev | Deviation::Oadev | Deviation::Mdev | Deviation::Tdev => 2,
@@ -68,17 +68,17 @@ impl Deviation {
         matches!(self, Deviation::Mdev | Deviation::Tdev)
     }
 
-    /// Whether terms start at every sample, and not only where the one before ends its first group.
+    /// Whether terms start at every sample instead of only at the end of the first group of the term before.
     pub fn overlaps(self) -> bool {
         !matches!(self, Deviation::Adev | Deviation::Hdev)
     }
 
-    /// Whether it is in the unit of the angle, and not of the rate.
+    /// Whether it is in the unit of the angle instead of the rate.
     pub fn is_of_angle(self) -> bool {
         self == Deviation::Tdev
     }
 
-    /// How many angles one term at the averaging factor `m` spans.
+    /// Number of angles spanned by one term at the averaging factor `m`.
     pub fn span(self, m: usize) -> usize {
         match self.is_modified() {
             true => m.saturating_mul(self.differences() + 1),
@@ -119,9 +119,9 @@ impl FromStr for Deviation {
     }
 }
 
-/// A name that is no deviation's.
+/// The error for an unknown name of a deviation.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("`{name}` is no deviation; there are {}", Deviation::ALL.map(Deviation::name).join(", "))]
+#[error("`{name}` is not a deviation; the deviations are {}", Deviation::ALL.map(Deviation::name).join(", "))]
 pub struct UnknownDeviation {
     name: String,
 }

@@ -1,25 +1,26 @@
-//! Equivalent degrees of freedom of deviations, for the width of their intervals.
+//! Equivalent degrees of freedom of deviations, which set the width of their intervals.
 //!
 //! C. A. Greenhall and W. J. Riley, "Uncertainty of stability variances based on finite differences", PTTI 2003: one
 //! procedure for first, second and third differences, overlapping or not, modified or not, and power laws of the phase
-//! from white to random run. The numbers of its equations and tables are given; NIST SP 1065 (5.4) has the same.
+//! from white to random run. Comments give the numbers of its equations and tables; NIST SP 1065 (5.4) has the same
+//! procedure.
 
 use crate::allan::deviation::Deviation;
 
-/// Terms of a sum beyond which the paper's fits take its place.
+/// Most terms of a sum; for longer sums the paper's fits are used.
 const MOST_TERMS: f64 = 100.0;
 
-/// The filter factor F of an unmodified variance whose averaging factor is beyond all bounds.
+/// The filter factor F of an unmodified variance with an infinite averaging factor.
 const INFINITE: f64 = f64::INFINITY;
 
 /// Equivalent degrees of freedom of the variance of `angles` angles without gaps, for noise of the exponent `alpha`.
 ///
-/// `alpha` is the exponent of the spectral density of the rate, −4 … 2; above −2d + 1 the variance converges, d its
-/// number of differences. `None` below that, and where there is no term.
+/// `alpha` is the exponent of the spectral density of the rate, −4 … 2. The variance converges above −2d + 1, where d
+/// is its order of differences. `None` below that, and without terms.
 ///
-/// Against the covariances of sampled white noise the result is exact where that noise is of the angle, and within 3
-/// % from m = 30 on where it is of the rate; at m = 1 it is 17 % too large and at m = 4 12 % too small (intervals 8 %
-/// too narrow, 6 % too wide), since the paper takes the noise as continuous.
+/// Compared with the covariances of sampled noise, the result is exact for white angle noise, and within 3 % from m =
+/// 30 on for white rate noise. For white rate noise it is 17 % too large at m = 1 and 12 % too small at m = 4
+/// (intervals 8 % too narrow and 6 % too wide), since the paper takes the noise as continuous.
 pub(crate) fn edf(deviation: Deviation, alpha: i32, angles: usize, m: usize) -> Option<f64> {
     let d = deviation.differences();
     let terms = deviation.terms(angles, m);
@@ -38,7 +39,7 @@ pub(crate) fn edf(deviation: Deviation, alpha: i32, angles: usize, m: usize) -> 
     Some(1.0 / inverse).filter(|edf| edf.is_finite() && *edf > 0.0)
 }
 
-/// The words of the paper: `terms` is its M, `r` = M/S.
+/// The symbols of the paper: `terms` is its M, `r` is M/S.
 struct Shape {
     alpha: i32,
     d: usize,
@@ -49,7 +50,7 @@ struct Shape {
 }
 
 impl Shape {
-    /// J, how many neighbours a term is correlated with.
+    /// J, the number of neighbours with which a term is correlated.
     fn reach(&self) -> f64 {
         self.terms.min((self.d as f64 + 1.0) * self.s)
     }
@@ -58,7 +59,7 @@ impl Shape {
         self.r >= self.d as f64 + 1.0
     }
 
-    /// Case 1.
+    /// Case 1 of the paper.
     fn modified(&self) -> f64 {
         if self.reach() <= MOST_TERMS {
             self.sum(self.reach(), self.terms, self.s, 1.0)
@@ -70,7 +71,7 @@ impl Shape {
         }
     }
 
-    /// Case 2.
+    /// Case 2 of the paper.
     fn white_rate_and_redder(&self) -> f64 {
         if self.reach() <= MOST_TERMS {
             let filter = if self.m * (self.d as f64 + 1.0) <= MOST_TERMS { self.m } else { INFINITE };
@@ -83,10 +84,10 @@ impl Shape {
         }
     }
 
-    /// Case 3.
+    /// Case 3 of the paper.
     fn flicker_angle(&self) -> f64 {
         if self.reach() <= MOST_TERMS {
-            // Beyond 1e6 the second difference of s_w has no digits left.
+            // Beyond 1e6 no digits are left in the second difference of s_w.
             return self.sum(self.reach(), self.terms, self.s, self.m.min(1e6));
         }
         let [b0, b1] = table_3(self.d);
@@ -100,7 +101,7 @@ impl Shape {
         }
     }
 
-    /// Case 4: a term is correlated only with those that share one of its d + 1 angles, k τ away.
+    /// Case 4 of the paper: a term is correlated only with those that share one of its d + 1 angles, k τ away.
     fn white_angle(&self) -> f64 {
         let d = self.d as u64;
         let own = binomial(2 * d, d);
@@ -112,7 +113,7 @@ impl Shape {
         (1.0 + shared) / self.terms
     }
 
-    /// Eq. (13): the sum over its own variance, squared.
+    /// Eq. (13): the basic sum, divided by the squared variance of a term and by their number.
     fn sum(&self, reach: f64, terms: f64, stride: f64, filter: f64) -> f64 {
         let variance = s_z(0.0, filter, self.alpha, self.d);
         self.basic_sum(reach, terms, stride, filter) / (variance * variance * terms)
@@ -130,7 +131,7 @@ impl Shape {
     }
 }
 
-/// Eq. (7): generalised covariance of the integrated phase.
+/// Eq. (7): generalised autocovariance of the integrated phase.
 fn s_w(t: f64, alpha: i32) -> f64 {
     let t = libm::fabs(t);
     let log = |power: f64| if t == 0.0 { 0.0 } else { libm::pow(t, power) * libm::log(t) };
@@ -145,7 +146,7 @@ fn s_w(t: f64, alpha: i32) -> f64 {
     }
 }
 
-/// Eq. (8): of the phase averaged over τ/F.
+/// Eq. (8): the same for the phase averaged over τ/F.
 fn s_x(t: f64, filter: f64, alpha: i32) -> f64 {
     if filter == INFINITE {
         return s_w(t, alpha + 2);
@@ -154,7 +155,7 @@ fn s_x(t: f64, filter: f64, alpha: i32) -> f64 {
     filter * filter * (2.0 * s_w(t, alpha) - s_w(t - step, alpha) - s_w(t + step, alpha))
 }
 
-/// Eq. (9): of its `d`-th difference.
+/// Eq. (9): the same for its `d`-th difference.
 fn s_z(t: f64, filter: f64, alpha: i32, d: usize) -> f64 {
     let at = |shift: f64| s_x(t + shift, filter, alpha);
     let both = |shift: f64| at(shift) + at(-shift);
@@ -164,10 +165,10 @@ fn s_z(t: f64, filter: f64, alpha: i32, d: usize) -> f64 {
     }
 }
 
-/// The rows of tables 1 and 2 by exponent from 2 down, in pairs a0, a1 for d = 2 and d = 3.
+/// The rows of tables 1 and 2 by exponent from 2 down, as pairs a0, a1 for d = 2 and d = 3.
 type Rows = [[[f64; 2]; 2]; 7];
 
-/// Where the variance does not converge.
+/// Entry where the variance does not converge.
 const NONE: [f64; 2] = [f64::NAN; 2];
 
 fn row(table: &Rows, alpha: i32, d: usize) -> [f64; 2] {
@@ -216,13 +217,15 @@ fn binomial(n: u64, k: u64) -> f64 {
 mod tests {
     use super::*;
 
-    /// The terms of a variance have exact covariances: with them edf = (Σ ρ_ij²)⁻¹ M². White rate noise and white angle
+    /// The exact degrees of freedom edf = (Σ ρ_ij²)⁻¹ M² from the covariances of the terms, for white rate noise and
+    /// white angle noise, by counting the samples that two terms share.
     /// noise, by counting samples that two terms share.
     fn by_definition(deviation: Deviation, white_angle: bool, angles: usize, m: usize) -> f64 {
         let terms = deviation.terms(angles, m);
         let stride = if deviation.overlaps() { 1 } else { m };
         let span = deviation.span(m);
-        // The weights of one term over angles; white rate noise has those of increments, their running sums.
+        // The weights of one term over angles, or for white rate noise over increments, which are the running sums of
+        // the former.
         let coefficients: &[f64] =
             if deviation.differences() == 2 { &[1.0, -2.0, 1.0] } else { &[-1.0, 3.0, -3.0, 1.0] };
         let mut weights = vec![0.0; span];
@@ -257,7 +260,7 @@ mod tests {
                 for (alpha, white_angle) in [(2, true), (0, false)] {
                     let Some(found) = edf(deviation, alpha, angles, m) else { continue };
                     let exact = by_definition(deviation, white_angle, angles, m);
-                    // The paper's white rate noise is continuous: samples of it differ where m is small.
+                    // The paper's white rate noise is continuous, and sampled noise differs from it where m is small.
                     let bound = if m < 30 { 0.19 } else { 0.035 };
                     assert!(
                         (found / exact - 1.0).abs() < bound,
@@ -281,7 +284,7 @@ mod tests {
                         found > 0.9 && found <= 1.01 * terms,
                         "{deviation}, α = {alpha}, m = {m}: {found}"
                     );
-                    // White noise of the angle has as many degrees of freedom as terms, at any m.
+                    // White angle noise has as many degrees of freedom as terms at any m.
                     assert!(
                         found < 1.25 * before,
                         "{deviation}, α = {alpha}, m = {m}: {found} after {before}"

@@ -4,9 +4,9 @@
 //! rates, increments or angles ─▶ Angles ─ Taus::factors ─▶ curve ─▶ Points ─ minimum ─▶ in-run stability
 //! ```
 //!
-//! A rate in ″/s is one in °/h, so a curve of angles in ″ is in °/h. Sums are in a fixed order and functions are
-//! libm's, but for the incomplete gamma function behind the ends of intervals, which is statrs': values have the same
-//! bits on every machine and for any number of threads, intervals may differ in the last digits.
+//! 1 ″/s is 1 °/h, so a curve of angles in ″ is in °/h. Sums are in a fixed order and functions are libm's, so values
+//! have the same bits on every machine and for any number of threads. The exception is the incomplete gamma function of
+//! statrs behind the ends of intervals, which may differ in the last digits.
 //!
 //! Definitions and test values: W. J. Riley, "Handbook of frequency stability analysis", NIST SP 1065; IEEE Std 952.
 

@@ -1,21 +1,21 @@
-//! Which power law the noise of a record follows at an averaging time.
+//! Identification of the power law that the noise of a record follows at an averaging time.
 //!
 //! W. J. Riley and C. A. Greenhall, "Power law noise identification using the lag 1 autocorrelation", EFTF 2004. The
-//! record is thinned to groups of τ and differenced until it is stationary; its lag-1 autocorrelation r then gives δ
-//! = r/(1 + r), and d differences of the angle and δ make the exponent α = 2 − 2(δ + d).
+//! record is decimated to groups of τ and differenced until it is stationary. Its lag-1 autocorrelation r then gives δ
+//! = r/(1 + r), and with d differences of the angle the exponent is α = 2 − 2(δ + d).
 
 use std::ops::Range;
 
 use crate::allan::angles::Angles;
 use crate::allan::deviation::Deviation;
 
-/// Groups that the identification needs.
+/// Fewest groups that the identification needs.
 pub const LEAST_GROUPS: usize = 30;
 
-/// Most groups that are looked at, in the middle of the record: of so many α is known to a few hundredths.
+/// Most groups used, from the middle of the record; with so many, α is known to a few hundredths.
 const MOST_GROUPS: usize = 1 << 16;
 
-/// Below this a series counts as stationary.
+/// Bound of δ below which a series counts as stationary.
 const STATIONARY: f64 = 0.25;
 
 /// The exponent of the spectral density of the rate, S(f) ∝ f^α.
@@ -23,12 +23,12 @@ const STATIONARY: f64 = 0.25;
 pub struct Noise {
     /// 2 … −2 for Allan deviations, 2 … −4 for Hadamard deviations.
     pub alpha: i32,
-    /// Whether it was found at a shorter τ, because here there are fewer than [`LEAST_GROUPS`] groups.
+    /// Whether it was identified at a shorter τ, because here there are fewer than [`LEAST_GROUPS`] groups.
     pub carried: bool,
 }
 
 impl Noise {
-    /// For people.
+    /// Name for the user.
     pub fn name(self) -> &'static str {
         match self.alpha {
             2.. => "quantisation",
@@ -42,9 +42,9 @@ impl Noise {
     }
 }
 
-/// The noise at the averaging factor `m`, or at the largest power of two where there are groups enough.
+/// The noise at the averaging factor `m`, or at the largest power of two below it for which there are enough groups.
 ///
-/// `None` where there are not enough even at m = 1, and where nothing varies.
+/// `None` where there are too few even at m = 1, and where nothing varies.
 pub(crate) fn noise(angles: &Angles, deviation: Deviation, m: usize) -> Option<Noise> {
     let found = |m: usize| identify(angles, deviation.differences(), m);
     if let Some(alpha) = found(m) {
@@ -69,7 +69,7 @@ fn identify(angles: &Angles, most: usize, m: usize) -> Option<i32> {
         let known = &angles.values()[groups.start * m..=groups.end * m];
         (without_polynomial(known.iter().step_by(m).copied().collect(), 2), 0)
     } else {
-        // The angle after a gap is not known: the averages of the rate are taken, its first differences.
+        // The angle after a gap is unknown, so the averages of the rate, its first differences, are used.
         (without_polynomial(averages(angles, groups, m), 1), 1)
     };
     loop {
@@ -77,12 +77,13 @@ fn identify(angles: &Angles, most: usize, m: usize) -> Option<i32> {
         if pairs + 1 < LEAST_GROUPS - d {
             return None;
         }
-        // No series differenced once too often has r below −1/2: that is scatter, and δ would run to infinity.
+        // A series that has been differenced once too often has r no lower than −1/2. Anything below is scatter, for
+        // which δ would go to infinity.
         let r = r.max(-0.5);
         let delta = r / (1.0 + r);
         if delta < STATIONARY || d >= most {
             let alpha = 2.0 - 2.0 * d as f64 - libm::round(2.0 * delta);
-            // Beyond these the variance does not converge, and its intervals have no meaning.
+            // Beyond these limits the variance does not converge, and its intervals are meaningless.
             let least = -2.0 * (most as f64 - 1.0);
             return Some(alpha.clamp(least, 2.0) as i32);
         }
@@ -91,7 +92,7 @@ fn identify(angles: &Angles, most: usize, m: usize) -> Option<i32> {
     }
 }
 
-/// At most [`MOST_GROUPS`] of `groups`, those in the middle.
+/// At most [`MOST_GROUPS`] of `groups`, taken from the middle.
 fn middle(groups: usize) -> Range<usize> {
     let kept = groups.min(MOST_GROUPS);
     let first = (groups - kept) / 2;
@@ -110,10 +111,10 @@ fn averages(angles: &Angles, groups: Range<usize>, m: usize) -> Vec<f64> {
     groups.map(average).collect()
 }
 
-/// `z` less its polynomial of least squares of `degree` 1 or 2; NaN stays NaN.
+/// `z` less its least-squares polynomial of `degree` 1 or 2; NaN stays NaN.
 ///
-/// By polynomials orthogonal over evenly spaced places. With values missing those of degree 2 would no longer be;
-/// callers ask for degree 1 then, where the mean place of the known values makes them so.
+/// The polynomials are orthogonal over evenly spaced positions. With values missing those of degree 2 would not be;
+/// callers then use degree 1, for which the mean position of the known values makes them orthogonal.
 fn without_polynomial(mut z: Vec<f64>, degree: usize) -> Vec<f64> {
     let known = |z: &[f64]| z.iter().filter(|value| !value.is_nan()).count() as f64;
     let count = known(&z);
@@ -123,7 +124,7 @@ fn without_polynomial(mut z: Vec<f64>, degree: usize) -> Vec<f64> {
     let places = || (0..z.len()).map(|i| i as f64);
     let middle = places().zip(&z).filter(|(_, value)| !value.is_nan()).map(|(i, _)| i).sum::<f64>() / count;
     let half = 0.5 * z.len() as f64;
-    // Places in −1 … 1, so that squares of squares stay small.
+    // Positions in −1 … 1, so that fourth powers stay small.
     let place = |i: usize| (i as f64 - middle) / half;
     let mut subtract = |basis: &dyn Fn(usize) -> f64| {
         let (mut product, mut square) = (0.0, 0.0);
@@ -145,7 +146,7 @@ fn without_polynomial(mut z: Vec<f64>, degree: usize) -> Vec<f64> {
     z
 }
 
-/// The number of pairs of neighbours that are both known, and the lag-1 autocorrelation.
+/// The number of pairs of neighbours of which both are known, and the lag-1 autocorrelation.
 fn autocorrelation(z: &[f64]) -> Option<(usize, f64)> {
     let known = || z.iter().copied().filter(|value| !value.is_nan());
     let (mut count, mut sum) = (0.0, 0.0);
@@ -163,7 +164,7 @@ fn autocorrelation(z: &[f64]) -> Option<(usize, f64)> {
         }
     }
     known().for_each(|value| square += (value - mean) * (value - mean));
-    // Where gaps cost pairs, each side is its own mean.
+    // Where gaps cost pairs, numerator and denominator are means over their own terms.
     let r = (product / pairs as f64) / (square / (count - 1.0));
     r.is_finite().then_some((pairs, r))
 }

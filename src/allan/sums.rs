@@ -1,7 +1,7 @@
 //! Sums of squared differences over a record with gaps.
 //!
-//! The result is the same to the last bit for any number of threads: terms are added in lanes of a fixed number,
-//! lanes in tiles of a fixed length, tiles in groups of a fixed number, all in the order of the record.
+//! The result is the same to the last bit for any number of threads: terms are added in a fixed number of lanes, lanes
+//! in tiles of a fixed length, and tiles in groups of a fixed number, all in the order of the record.
 
 use std::ops::Range;
 
@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::allan::angles::Angles;
 use crate::allan::deviation::Deviation;
 
-/// The squares of all terms of one deviation at one averaging factor.
+/// The sum of the squares of all terms of one deviation at one averaging factor.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Sum {
     pub terms: u64,
@@ -24,19 +24,19 @@ impl Sum {
     }
 }
 
-/// Independent chains of additions: enough to hide their latency, and whole vectors.
+/// Independent chains of additions, enough to hide their latency and to fill whole vectors.
 const LANES: usize = 8;
 
-/// Terms in a tile: the angles of a tile at all averaging factors stay in the cache while it is worked off.
+/// Terms in a tile, whose angles at all averaging factors stay in the cache.
 const TILE: usize = 4096;
 
-/// Tiles whose sums are added up by one thread.
+/// Tiles whose sums one thread adds up.
 const GROUP: usize = 16;
 
-/// Terms of a modified deviation after which its running sum starts anew, so that rounding does not accumulate.
+/// Terms of a modified deviation after which its running sum is restarted, so that rounding does not accumulate.
 const RESTART: usize = 1 << 16;
 
-/// Places at which terms may start, and where the run that they lie in ends.
+/// Places at which terms may start, and the end of the stretch that contains them.
 struct Tile {
     starts: Range<usize>,
     run_end: usize,
@@ -52,7 +52,7 @@ pub(crate) fn sums(angles: &Angles, deviation: Deviation, factors: &[usize]) -> 
     }
 }
 
-/// The unmodified ones: tile by tile, each at all factors, since they share most of their angles.
+/// The sums of an unmodified deviation, computed tile by tile at all factors, since these share most of their angles.
 fn plain(angles: &Angles, deviation: Deviation, factors: &[usize]) -> Vec<Sum> {
     let tiles = tiles(angles.runs(), TILE);
     let (x, unknown) = (angles.values(), angles.has_unknown());
@@ -103,7 +103,7 @@ fn third(x: &[f64], m: usize, k: usize) -> f64 {
     x[k + 3 * m] - 3.0 * x[k + 2 * m] + 3.0 * x[k + m] - x[k]
 }
 
-/// Terms at the multiples of `stride` among `starts`; those that need an unknown angle are left out.
+/// Sum over the terms at the multiples of `stride` among `starts`, without those that need an unknown angle.
 fn each(starts: Range<usize>, stride: usize, term: impl Fn(usize) -> f64) -> Sum {
     let first = starts.start.next_multiple_of(stride);
     let mut sum = Sum::default();
@@ -154,9 +154,9 @@ fn in_lanes(count: usize, term: impl Fn(usize) -> f64) -> Sum {
     Sum { terms: count as u64, squares: lanes.iter().sum() }
 }
 
-/// Terms of the modified deviation: second differences of the means of m angles, by running sums.
+/// Sum over the terms of the modified deviation, the second differences of means over m angles, by running sums.
 fn modified(x: &[f64], runs: &[Range<usize>], m: usize) -> Sum {
-    // A run shorter than m would be summed at its start for each of its terms.
+    // A tile shorter than m would spend most of its time on its first sum.
     let parts: Vec<Sum> = tiles(runs, RESTART.max(m))
         .par_iter()
         .map(|tile| {
@@ -169,7 +169,7 @@ fn modified(x: &[f64], runs: &[Range<usize>], m: usize) -> Sum {
     sum
 }
 
-/// With s(j) = Σ over i of x(j + 2m + i) − 2x(j + m + i) + x(j + i), i = 0 … m − 1.
+/// Sum over the squares of s(j) = Σ over i of x(j + 2m + i) − 2x(j + m + i) + x(j + i), i = 0 … m − 1.
 fn running(x: &[f64], m: usize, starts: Range<usize>) -> Sum {
     if starts.is_empty() {
         return Sum::default();
@@ -189,7 +189,7 @@ mod tests {
     use super::*;
     use crate::allan::trend::Trend;
 
-    /// White noise, by the generator of the NBS sets.
+    /// White noise from the generator of the NBS sets.
     pub fn noise(count: usize) -> Vec<f64> {
         let mut n: u64 = 1_234_567_890;
         let mut next = || {
@@ -199,7 +199,7 @@ mod tests {
         (0..count).map(|_| next()).collect()
     }
 
-    /// Every term from the definition; a term is left out where any increment (or angle) that it needs is missing.
+    /// Sums every term by its definition, without those for which any increment (or angle) is missing.
     fn by_definition(increments: &[f64], deviation: Deviation, m: usize) -> (u64, f64) {
         let d = deviation.differences();
         let (mut terms, mut squares) = (0, 0.0);
@@ -264,7 +264,7 @@ mod tests {
 
     #[test]
     fn records_longer_than_a_tile_give_the_sums_of_short_ones() {
-        // A period of 5 samples: each term's square repeats, so the sum over whole periods is known.
+        // The record has a period of 5 samples, so each term's square repeats and the sum over whole periods is known.
         let increments: Vec<f64> = (0..5 * 40_000).map(|i| [3.0, -1.0, 2.0, -4.0, 0.0][i % 5]).collect();
         let angles = Angles::from_increments(&increments, 1.0, 1.0, Trend::None);
         for deviation in [Deviation::Oadev, Deviation::Mdev, Deviation::Ohdev] {

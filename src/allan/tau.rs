@@ -1,4 +1,4 @@
-//! At which averaging times a curve is taken.
+//! The averaging times of a curve.
 
 use crate::allan::deviation::Deviation;
 
@@ -7,37 +7,37 @@ use crate::allan::deviation::Deviation;
 pub enum Taus {
     /// m = 1, 2, 4, …
     Octave,
-    /// So many in each decade, evenly on a logarithmic axis; those that round to the same m once.
+    /// This number in each decade, evenly spaced on a logarithmic axis; those that round to the same m count once.
     Decade(u32),
     /// Every m.
     All,
-    /// These, in s, each at the nearest whole number of samples.
+    /// The given times, in s, each rounded to a whole number of samples.
     Seconds(Vec<f64>),
 }
 
-/// Most samples for [`Taus::All`], whose work grows with their square: half a minute of it.
+/// Most samples for [`Taus::All`], whose work grows with their square; at this limit it takes half a minute.
 pub const MOST_FOR_ALL: usize = 200_000;
 
-/// Why there is no curve at the times asked for.
+/// Why a curve cannot be computed at the requested times.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TauError {
-    /// Not a positive number.
-    #[error("τ = {tau_s} s is no time\ngive positive numbers of seconds, as in `tau = 1,10,100`")]
+    /// A time is not a positive number.
+    #[error("τ = {tau_s} s is not a time\ngive positive numbers of seconds, as in `tau = 1,10,100`")]
     NoTime {
-        /// What was asked for, s.
+        /// Requested time, s.
         tau_s: f64,
     },
-    /// No whole sample.
+    /// A time is shorter than a sample.
     #[error(
         "τ = {tau_s} s is shorter than the sampling step of {step_s} s\ngive multiples of the step, or `tau = octave`"
     )]
     Short {
-        /// What was asked for, s.
+        /// Requested time, s.
         tau_s: f64,
-        /// From sample to sample, s.
+        /// Time from sample to sample, s.
         step_s: f64,
     },
-    /// Without a term.
+    /// A time is too long for any term.
     #[error(
         "τ = {tau_s} s is too long for a record of {length_s} s: {deviation} needs a record of {} τ, \
          here τ ≤ {longest_s} s\n\
@@ -45,38 +45,39 @@ pub enum TauError {
         deviation.largest_factor_of_length()
     )]
     Long {
-        /// What was asked for, s.
+        /// Requested time, s.
         tau_s: f64,
-        /// Of the record, s.
+        /// Length of the record, s.
         length_s: f64,
         /// The longest τ that has a term, s.
         longest_s: f64,
-        /// The one that has no term.
+        /// The deviation.
         deviation: Deviation,
     },
-    /// Too much work.
+    /// The computation would take too long.
     #[error(
         "`tau = all` is for at most {MOST_FOR_ALL} samples, the record has {samples}: its work grows with their square\n\
          give `tau = decade20`, whose points are as good as all of them on a chart"
     )]
     TooMany {
-        /// Of the record.
+        /// Number of samples in the record.
         samples: usize,
     },
 }
 
 impl Deviation {
-    /// How many τ a record must have at least.
+    /// Length of the shortest record with a term, in units of τ.
     fn largest_factor_of_length(self) -> usize {
         if self == Deviation::Adev || self == Deviation::Oadev { 2 } else { 3 }
     }
 }
 
 impl Taus {
-    /// The averaging factors of a record of `angles` angles every `step_s`, rising, up to the largest with a term.
+    /// The averaging factors of a record of `angles` angles every `step_s` seconds, rising, up to the largest one with
+    /// a term.
     ///
     /// # Errors
-    /// A time of [`Taus::Seconds`] that is not within the record's, or too many samples for [`Taus::All`].
+    /// A time of [`Taus::Seconds`] is outside the range of the record, or there are too many samples for [`Taus::All`].
     pub fn factors(&self, angles: usize, step_s: f64, deviation: Deviation) -> Result<Vec<usize>, TauError> {
         let largest = deviation.largest_factor(angles);
         let samples = angles.saturating_sub(1);

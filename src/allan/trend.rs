@@ -1,13 +1,13 @@
-//! What is removed from a record before its deviations are taken.
+//! The trend removed from a record before its deviations are computed.
 
-/// What is removed from the rate besides its mean, which no deviation sees.
+/// The trend removed from the rate in addition to its mean, which affects no deviation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trend {
-    /// Nothing: the rate ramp R and the rate random walk K are those of the record.
+    /// Nothing more: the rate ramp R and the rate random walk K are those of the record.
     None,
-    /// The straight line of least squares. The rate ramp R goes with it, and with it what the slowest rate random walk has
-    /// in common with a line: of that noise alone the deviation is 8 % too low at a tenth of the record, 21 % at a fifth
-    /// and 84 % at half (400 simulated records), and K with it.
+    /// The least-squares straight line. It removes the rate ramp R and the part of the slowest rate random walk that
+    /// resembles a line. For rate random walk alone, the deviation and K are then 8 % too low at a tenth of the record,
+    /// 21 % at a fifth and 84 % at half (400 simulated records).
     Linear,
 }
 
@@ -16,14 +16,14 @@ pub enum Trend {
 pub struct Line {
     /// The mean of the increments.
     pub mean: f64,
-    /// From increment to increment.
+    /// Change from increment to increment.
     pub slope: f64,
-    /// Where the line passes through the mean.
+    /// Position at which the line passes through the mean.
     middle: f64,
 }
 
 impl Line {
-    /// The mean, and with [`Trend::Linear`] the slope, of those of `count` increments that are finite.
+    /// The mean, and with [`Trend::Linear`] the slope, of the finite ones of `count` increments.
     pub(crate) fn of(trend: Trend, count: usize, increment: impl Fn(usize) -> f64) -> Line {
         let known = || (0..count).map(|i| (i as f64, increment(i))).filter(|(_, y)| y.is_finite());
         let (number, sum) = known().fold((0_usize, 0.0), |(number, sum), (_, y)| (number + 1, sum + y));

@@ -2,17 +2,17 @@
 
 use crate::allan::deviation::Deviation;
 
-/// What the curves of a record are in.
+/// The unit of the curves of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unit {
     /// °/h and ″.
     Angular,
-    /// The unit of the numbers as they came, which nothing is known of.
+    /// The unknown unit of plain numbers.
     Plain,
 }
 
 impl Unit {
-    /// As files have it: `deg/h`; empty for plain numbers.
+    /// Unit in files, such as `deg/h`; empty for plain numbers.
     pub fn in_files(self, deviation: Deviation) -> &'static str {
         match (self, deviation.is_of_angle()) {
             (Unit::Angular, false) => "deg/h",
@@ -21,7 +21,7 @@ impl Unit {
         }
     }
 
-    /// For people.
+    /// Unit for the user.
     pub fn symbol(self, deviation: Deviation) -> &'static str {
         match self.in_files(deviation) {
             "deg/h" => "°/h",

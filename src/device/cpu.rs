@@ -1,4 +1,4 @@
-//! The processor: kernels in as many lanes as it offers, over all its cores.
+//! The processor: kernels in as many lanes as it offers, on all its cores.
 
 use core::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::kernel::moments::{Moments, Trials};
 use crate::kernel::recipe::Recipe;
 use crate::kernel::width::Width;
 
-/// Steps that a thread takes at a time: some milliseconds.
+/// Steps that a thread takes at a time, which last some milliseconds.
 const PIECE_STEPS: u64 = 1 << 16;
 
 /// The cores of this machine, or some of them.
@@ -20,9 +20,9 @@ pub struct Cpu {
 }
 
 impl Cpu {
-    /// Kernels in lanes of `width` on so many threads; 0 means one for each core.
+    /// A processor that runs kernels in lanes of `width` on `threads` threads; 0 means one thread for each core.
     ///
-    /// # Errors
+    /// The system provides no threads.
     /// The system gives no threads.
     pub fn new(width: Width, threads: usize) -> Result<Cpu, rayon::ThreadPoolBuildError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
@@ -34,23 +34,23 @@ impl Cpu {
         self.width
     }
 
-    /// Records that it makes in the time of one: a lane of a thread each.
+    /// Number of records made in parallel: one for each lane of each thread.
     pub fn records_at_once(&self) -> u64 {
         (self.width.lanes() * self.pool.current_num_threads()) as u64
     }
 
-    /// In words: lanes and threads.
+    /// Name with lanes and threads.
     pub fn name(&self) -> String {
         format!("CPU ({}, {} threads)", self.width.name(), self.pool.current_num_threads())
     }
 
-    /// Tallies of each job, in order; `progress` hears of trials as they are done.
+    /// Tallies of each job, in order. `progress` receives numbers of trials as they complete.
     pub fn tally(&self, jobs: &[Job], histogram: bool, progress: &(dyn Fn(u64) + Sync)) -> Vec<Vec<Moments>> {
         self.pool.install(|| jobs.par_iter().map(|job| self.tally_job(job, histogram, progress)).collect())
     }
 
-    /// Sums of the squared differences of some records: record by record, in each the places of the curve; `progress` hears of
-    /// records as they are done.
+    /// Sums of the squared differences of some records: record by record, and within a record by the places of the
+    /// curve. `progress` receives numbers of records as they complete.
     pub fn sums(
         &self,
         recipe: &Recipe,
@@ -60,7 +60,7 @@ impl Cpu {
     ) -> Vec<u128> {
         let lanes = self.width.lanes() as u64;
         let end = first + count as u64;
-        // A group has one upper half of record numbers.
+        // The record numbers of a group share one upper half.
         let half = ((first | u64::from(u32::MAX)) + 1).min(end);
         let starts = |range: Range<u64>| range.step_by(lanes as usize);
         let groups: Vec<u64> = starts(first..half).chain(starts(half..end)).collect();
@@ -76,7 +76,7 @@ impl Cpu {
     fn tally_job(&self, job: &Job, histogram: bool, progress: &(dyn Fn(u64) + Sync)) -> Vec<Moments> {
         let Job { launch, block } = job;
         let empty = || vec![Moments::empty(histogram); launch.sampled.estimates()];
-        // Pieces of an aligned block never straddle a multiple of 2^32, which the kernel asks for.
+        // Pieces of an aligned block never straddle a multiple of 2^32, as the kernel requires.
         let most = (PIECE_STEPS / launch.steps().next_power_of_two()).max(64);
         (0..block.trials().div_ceil(most))
             .into_par_iter()

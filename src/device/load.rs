@@ -1,20 +1,20 @@
-//! Work that devices are compared on.
+//! Loads on which devices are compared.
 
 use crate::kernel::launch::Launch;
 use crate::kernel::recipe::Recipe;
 
-/// A named load of a kernel; a kind of study gives loads that differ in everything its kernel distinguishes.
+/// A named load of a kernel. A kind of study provides loads that cover every distinction its kernel makes.
 #[derive(Debug, Clone)]
 pub struct Load {
-    /// As a report names it.
+    /// Name in reports.
     pub name: &'static str,
-    /// What is computed.
+    /// The computation.
     pub work: Work,
-    /// Trials or samples that every device has to get right before it is used.
+    /// Number of trials or samples that every device must compute correctly before it is used.
     pub self_test_units: Option<u64>,
 }
 
-/// What a load computes.
+/// The computation of a load.
 #[derive(Debug, Clone)]
 pub enum Work {
     /// Trials of a launch.
@@ -24,7 +24,7 @@ pub enum Work {
 }
 
 impl Load {
-    /// Loads of launches, of which those named in `self_test` are in the self-test.
+    /// Loads of launches; those named in `self_test` are part of the self-test.
     pub fn of_launches(launches: Vec<(&'static str, Launch)>, self_test: &[&str]) -> Vec<Load> {
         let load = |(name, launch)| Load {
             name,
@@ -34,7 +34,7 @@ impl Load {
         launches.into_iter().map(load).collect()
     }
 
-    /// The launch, where it is one.
+    /// The launch, if the load has one.
     pub fn launch(&self) -> Option<&Launch> {
         match &self.work {
             Work::Trials(launch) => Some(launch),
@@ -42,7 +42,7 @@ impl Load {
         }
     }
 
-    /// The stem of the kernel that computes it.
+    /// The stem of the kernel that computes the load.
     pub fn kernel(&self) -> &'static str {
         match &self.work {
             Work::Trials(launch) => launch.sampled.part().stem,

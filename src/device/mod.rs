@@ -1,4 +1,4 @@
-//! Where the kernels run: the processor or a GPU, with the same bits.
+//! The processor and GPUs, on which the kernels give the same bits.
 
 pub mod cpu;
 pub mod error;
@@ -14,25 +14,25 @@ use crate::kernel::moments::Moments;
 use crate::kernel::recipe::Recipe;
 use crate::tally::block::Block;
 
-/// Trials to be tallied: a block of a launch.
+/// Trials to be tallied: one block of a launch.
 #[derive(Debug, Clone, Copy)]
 pub struct Job<'a> {
-    /// What is sampled, in fixed point.
+    /// The launch to sample, in fixed point.
     pub launch: &'a Launch,
-    /// Which trials of it.
+    /// The trials.
     pub block: Block,
 }
 
 /// A device that runs the kernels.
 pub enum Device {
-    /// In lanes, on threads.
+    /// The processor, which runs kernels in lanes on threads.
     Cpu(crate::device::cpu::Cpu),
-    /// As a shader.
+    /// A GPU, which runs kernels as shaders.
     Gpu(Box<crate::device::gpu::Gpu>),
 }
 
 impl Device {
-    /// As it is called in messages and provenance.
+    /// Name in messages and provenance.
     pub fn name(&self) -> String {
         match self {
             Device::Cpu(cpu) => cpu.name(),
@@ -40,10 +40,10 @@ impl Device {
         }
     }
 
-    /// Tallies of each job, in order; `progress` hears of trials as they are done.
+    /// Tallies of each job, in order. `progress` receives numbers of trials as they complete.
     ///
     /// # Errors
-    /// A GPU is lost, refuses or is out of memory; nothing of the jobs is kept.
+    /// A GPU is lost, refuses the work or is out of memory; no results of the jobs are kept.
     pub fn tally(
         &mut self,
         jobs: &[Job],
@@ -56,12 +56,12 @@ impl Device {
         }
     }
 
-    /// Sums of the squared differences of some records: record by record, in each the places of the curve; `progress` hears of
-    /// records as they are done.
+    /// Sums of the squared differences of some records: record by record, and within a record by the places of the
+    /// curve. `progress` receives numbers of records as they complete.
     ///
     /// # Errors
-    /// A GPU is lost, refuses or is out of memory, or a record is too long for it: [`TooLong`](GpuError::TooLong), which
-    /// the CPU takes.
+    /// A GPU is lost, refuses the work or is out of memory, or a record is too long for it
+    /// ([`TooLong`](GpuError::TooLong)); the CPU can make such a record.
     pub fn sums(
         &mut self,
         recipe: &Recipe,
@@ -75,11 +75,11 @@ impl Device {
         }
     }
 
-    /// Records that it makes in the time of one.
+    /// Number of records that the device makes in parallel.
     pub fn records_at_once(&self) -> u64 {
         match self {
             Device::Cpu(cpu) => cpu.records_at_once(),
-            // A workgroup; more of them are found out by the time that they take.
+            // One workgroup; the timing of batches finds out whether more run in parallel.
             Device::Gpu(_) => 64,
         }
     }
@@ -87,7 +87,7 @@ impl Device {
     /// The results of a building block for a list of items.
     ///
     /// # Errors
-    /// A GPU is lost, refuses or is out of memory.
+    /// A GPU is lost, refuses the work or is out of memory.
     pub fn map(&mut self, map: &Map, items: &[u32]) -> Result<Vec<u32>, GpuError> {
         match self {
             Device::Cpu(cpu) => Ok((map.cpu)(cpu.width(), items)),

@@ -1,4 +1,4 @@
-//! What stands for a GPU where the feature `gpu` is off: types without values.
+//! Replaces the GPU where the feature `gpu` is off, by types without values.
 
 use core::convert::Infallible;
 
@@ -18,11 +18,11 @@ pub mod adapter {
 
     use crate::kernel::shader::Variant;
 
-    /// There is none.
+    /// An uninhabited type: there are no adapters.
     pub struct Adapter(Infallible);
 
     impl Adapter {
-        /// None.
+        /// Returns an empty list.
         pub(crate) fn all() -> Vec<Adapter> {
             vec![]
         }
@@ -51,7 +51,7 @@ pub mod adapter {
 
 type Progress<'a> = &'a (dyn Fn(u64) + Sync);
 
-/// There is none.
+/// An uninhabited type: there is no GPU.
 pub struct Gpu(Infallible);
 
 impl Gpu {

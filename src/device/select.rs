@@ -1,4 +1,4 @@
-//! Choosing a device: `auto`, `cpu`, `gpu`, a width of the CPU, or part of an adapter's name or its PCI address.
+//! Selection of a device: `auto`, `cpu`, `gpu`, a width of the CPU, or part of an adapter's name or its PCI address.
 
 use crate::device::Device;
 use crate::device::cpu::Cpu;
@@ -7,31 +7,31 @@ use crate::device::gpu::Gpu;
 use crate::device::gpu::adapter::Adapter;
 use crate::kernel::width::Width;
 
-/// Finds the first kernel, if any, in which a device differs from the portable CPU.
+/// Returns the first kernel, if any, in which a device differs from the portable CPU.
 pub type SelfTest = fn(&mut Device) -> Result<Option<&'static str>, GpuError>;
 
-/// Why no device is there as asked for.
+/// Why the requested device is not available.
 #[derive(Debug, thiserror::Error)]
 pub enum SelectError {
-    /// A GPU was asked for, and no adapter is a real one.
+    /// A GPU was requested, but no adapter is one.
     #[error(
-        "no GPU was found\nuse `device = cpu`, or install a Vulkan driver; `sagnac devices` lists what is there"
+        "no GPU was found\nuse `device = cpu`, or install a Vulkan driver; `sagnac devices` lists the available devices"
     )]
     NoGpu,
-    /// No width and no adapter has the name.
-    #[error("no device is called `{name}`; there are {}", known.join(", "))]
+    /// No width and no adapter has the requested name.
+    #[error("no device is called `{name}`; the devices are {}", known.join(", "))]
     Unknown {
-        /// What was asked for.
+        /// Requested name.
         name: String,
-        /// The names that there are.
+        /// Available names.
         known: Vec<String>,
     },
-    /// The adapter that was asked for does not open or run.
+    /// The requested adapter cannot be opened or fails.
     #[error("{name} cannot be used: {source}")]
     Gpu {
-        /// Of the adapter.
+        /// Name of the adapter.
         name: String,
-        /// What it says.
+        /// Error of the adapter.
         source: GpuError,
     },
     /// The adapter failed its self-test: it computes other bits than the CPU.
@@ -39,35 +39,35 @@ pub enum SelectError {
         "{name} computes other bits than the CPU in {kernel}: it is not used\nupdate its driver, or use `device = cpu`"
     )]
     Untrusted {
-        /// Of the adapter.
+        /// Name of the adapter.
         name: String,
         /// The first kernel that differs.
         kernel: &'static str,
     },
-    /// The threads that were asked for cannot be started.
+    /// The requested threads cannot be started.
     #[error("cannot start threads: {0}")]
     Threads(#[from] rayon::ThreadPoolBuildError),
 }
 
 impl SelectError {
-    /// Whether the user asked for what is not there, and not the machine failed.
+    /// Whether the request was wrong, rather than the machine at fault.
     pub fn is_usage(&self) -> bool {
         matches!(self, SelectError::NoGpu | SelectError::Unknown { .. })
     }
 }
 
-/// A device and why it was taken, in one line.
+/// A device, with the reason for its selection.
 pub struct Selection {
-    /// Ready to run.
+    /// The device, ready to run.
     pub device: Device,
-    /// Why it and no other, for people.
+    /// Reason for its selection, in one line for the user.
     pub reason: String,
 }
 
-/// Every adapter of this machine, without a self-test: what a check of identity compares.
+/// Opens every adapter of this machine without a self-test, for a check of identity.
 ///
 /// # Errors
-/// One of them cannot be opened.
+/// An adapter cannot be opened.
 pub fn every_adapter() -> Result<Vec<Device>, SelectError> {
     let open = |adapter: &Adapter| match Gpu::open(adapter, adapter.variant()) {
         Ok(gpu) => Ok(Device::Gpu(Box::new(gpu))),
@@ -76,11 +76,11 @@ pub fn every_adapter() -> Result<Vec<Device>, SelectError> {
     Adapter::all().iter().map(open).collect()
 }
 
-/// The device that `wanted` means. `auto` is a real GPU that passes its self-test, else the CPU. The CPU, also where it has to
-/// take the place of a GPU, has this many `threads`, for 0 as many as it runs at once.
+/// Selects the device that `wanted` names. `auto` selects a real GPU that passes its self-test, else the CPU. The CPU,
+/// even where it has to replace a GPU, uses `threads` threads; 0 means all logical cores.
 ///
 /// # Errors
-/// No such device, or it does not work, or it computes other bits than the CPU.
+/// There is no such device, it does not work, or it computes other bits than the CPU.
 pub fn select(wanted: &str, threads: usize, self_test: SelfTest) -> Result<Selection, SelectError> {
     match wanted {
         "cpu" => cpu(Width::widest(), threads, "as asked"),
@@ -112,7 +112,7 @@ pub fn select(wanted: &str, threads: usize, self_test: SelfTest) -> Result<Selec
 
 /// Whether `wanted` is part of an adapter's name, or its PCI address.
 fn means(wanted: &str, name: &str, pci_address: &str) -> bool {
-    // Nothing is part of every name, and some adapters have no address, but nobody means the first adapter by it.
+    // An empty text is part of every name, and some adapters have no address, but neither selects an adapter.
     let is_named = name.to_lowercase().contains(&wanted.to_lowercase());
     !wanted.trim().is_empty() && (is_named || pci_address.eq_ignore_ascii_case(wanted))
 }
@@ -131,7 +131,7 @@ fn auto(threads: usize, self_test: SelfTest) -> Result<Selection, SelectError> {
     or_cpu(open(adapter, threads, "a GPU that passed its self-test", self_test), threads)
 }
 
-/// The CPU in place of a GPU that cannot be used, and why.
+/// Falls back to the CPU where a GPU cannot be used, and gives the reason.
 fn or_cpu(opened: Result<Selection, SelectError>, threads: usize) -> Result<Selection, SelectError> {
     match opened {
         Err(error) => cpu(Width::widest(), threads, &error.to_string().replace('\n', "; ")),
@@ -154,7 +154,7 @@ fn open(
     Ok(Selection { device: trusted(gpu.with_threads(threads), self_test)?, reason: reason.to_owned() })
 }
 
-/// A device that was lost, opened again on its adapter.
+/// Opens the adapter of a lost device again.
 ///
 /// # Errors
 /// It cannot be opened, or fails its self-test.
@@ -167,7 +167,7 @@ pub(crate) fn reopen(lost: &Gpu) -> Result<Device, SelectError> {
     }
 }
 
-/// A GPU that has passed its self-test.
+/// Makes a device of a GPU that passes its self-test.
 ///
 /// # Errors
 /// It computes other bits than the CPU, or fails.

@@ -1,4 +1,4 @@
-//! The drift of a gyro that switches modes, and when it switches: what budgets and whole runs share.
+//! The drift of a gyro that switches modes, and its schedule of switches; shared by budgets and whole runs.
 
 pub mod schedule;
 
@@ -8,34 +8,34 @@ use crate::key::setting::Setting;
 use crate::quantity::units::Dimension;
 use crate::theory::drift::magnetic::Magnetic;
 
-/// Parts of the drift in ″ and s, each with its standard deviation from run to run; 0 is absent. Every number has 12
+/// Parts of the drift in ″ and s, each with its standard deviation from run to run; 0 means absent. Every number has 12
 /// significant digits.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Drift {
-    /// A, ″/s.
+    /// Magnetic drift A, ″/s.
     pub magnetic: f64,
-    /// Of A, ″/s.
+    /// Standard deviation of A, ″/s.
     pub magnetic_spread: f64,
-    /// τ, s; 0 where there is no warm-up, and A is there from the start.
+    /// Time constant of the warm-up τ, s; 0 where there is no warm-up and A is present from the start.
     pub warm_up_s: f64,
-    /// Of ln τ.
+    /// Standard deviation of ln τ.
     pub warm_up_spread: f64,
-    /// Ω_nm, ″/s.
+    /// Non-magnetic drift Ω_nm, ″/s.
     pub non_magnetic: f64,
-    /// Of Ω_nm, ″/s.
+    /// Standard deviation of Ω_nm, ″/s.
     pub non_magnetic_spread: f64,
-    /// Ω_m0, ″/s.
+    /// Initial magnetic drift Ω_m0, ″/s.
     pub initial_magnetic: f64,
-    /// Of Ω_m0, ″/s.
+    /// Standard deviation of Ω_m0, ″/s.
     pub initial_magnetic_spread: f64,
-    /// N, ″/√s.
+    /// Angle random walk N, ″/√s.
     pub angle_random_walk: f64,
-    /// δP_max, ″.
+    /// Largest residual of a switch δP_max, ″.
     pub residual_max: f64,
 }
 
 impl Drift {
-    /// What determines the draws but for the residual, key by key; what is absent has no line.
+    /// The inputs that determine the draws, key by key, without the residual; absent parts have no line.
     pub(crate) fn canonical(&self) -> String {
         let all = [
             ("magnetic", self.magnetic),
@@ -52,9 +52,9 @@ impl Drift {
         given.map(|(name, value)| format!("{name}={value:.11e}\n")).collect()
     }
 
-    /// Whether every part that turns the gyro is absent.
+    /// Whether the gyro has no drift at all.
     pub(crate) fn is_nothing(&self) -> bool {
-        // The time constant of no drift moves nothing, nor does its spread.
+        // Without a magnetic drift, its time constant and the spread of that have no effect.
         let all = [
             self.magnetic,
             self.magnetic_spread,
@@ -68,7 +68,7 @@ impl Drift {
         all.iter().all(|part| *part == 0.0)
     }
 
-    /// Ω_m over time; without a warm-up A is there from the start.
+    /// Ω_m over time; without a warm-up, A is present from the start.
     pub fn magnetic_drift(&self) -> Magnetic {
         let (amplitude, initial) = (self.magnetic, self.initial_magnetic);
         match self.warm_up_s {
@@ -88,28 +88,28 @@ const ANGLES: Holds = measure(&[Dimension::Angle], 0.0, 1e6, "0 to 1e6 arcsec");
 keys! {
     /// The parts of a drift.
     pub(crate) static KEYS;
-    /// The drift of a gyro that switches modes; what is absent is not there. Spreads are standard deviations from run to run,
+    /// The drift of a gyro that switches modes; absent parts are 0. Spreads are standard deviations from run to run,
     /// normally distributed.
     pub(crate) DRIFT = "drift", "", Holds::Table, "[drift]\nmagnetic = \"14 arcsec/s\"\nwarm_up_time = \"3000 s\"";
-    /// A = A_qm·A_T, the magnetic drift that comes with the warm-up: "14 arcsec/s".
+    /// A = A_qm·A_T, the magnetic drift that builds up during the warm-up: "14 arcsec/s".
     MAGNETIC = "drift.magnetic", "magnetic drift A", RATES, r#"magnetic = "14 arcsec/s""#;
-    /// τ, time constant of the warm-up: "3000 s".
+    /// Time constant τ of the warm-up: "3000 s".
     WARM_UP = "drift.warm_up_time", "warm-up time τ", TIMES, r#"warm_up_time = "3000 s""#;
-    /// Ω_nm, which does not change its sign: "0.05 arcsec/s".
+    /// Non-magnetic drift Ω_nm, whose sign does not depend on the mode: "0.05 arcsec/s".
     NON_MAGNETIC = "drift.non_magnetic", "non-magnetic drift", RATES, r#"non_magnetic = "0.05 arcsec/s""#;
-    /// Ω_m0, the magnetic drift from the start.
+    /// Magnetic drift Ω_m0 that is present from the start.
     INITIAL = "drift.initial_magnetic", "initial magnetic drift", RATES, r#"initial_magnetic = "1 arcsec/s""#;
-    /// δP_max, the largest error of the angle at a switch: "10 arcsec". Of kind = "switched-run" where no fillers give it: the
-    /// amplitude of a residual that is a sine of the phase of the switch.
+    /// δP_max, the largest error of the angle at a switch: "10 arcsec". In a study of kind = "switched-run" without
+    /// fillers it is the amplitude of a residual that is a sine of the phase of the switch.
     pub(crate) RESIDUAL_MAX = "drift.residual_max", "largest residual of a switch", ANGLES, r#"residual_max = "10 arcsec""#;
 }
 
 keys! {
-    /// What differs from run to run.
+    /// The keys that differ from run to run.
     pub(crate) static SPREAD_KEYS;
     /// Standard deviation of drift.magnetic.
     MAGNETIC_SPREAD = "drift.magnetic_spread", "spread of A", SPREADS, r#"magnetic_spread = "1 arcsec/s""#;
-    /// Standard deviation of drift.warm_up_time as a part of it, its logarithm being normally distributed: "5 %".
+    /// Standard deviation of the logarithm of drift.warm_up_time, which is normally distributed: "5 %".
     WARM_UP_SPREAD = "drift.warm_up_time_spread", "spread of τ", PARTS, r#"warm_up_time_spread = "5 %""#;
     /// Standard deviation of drift.non_magnetic.
     NON_MAGNETIC_SPREAD = "drift.non_magnetic_spread", "spread of the non-magnetic drift", SPREADS, r#"non_magnetic_spread = "0.01 arcsec/s""#;
@@ -119,7 +119,7 @@ keys! {
     RANDOM_WALK = "drift.angle_random_walk", "angle random walk N", N, r#"angle_random_walk = "0.003 deg/sqrt(h)""#;
 }
 
-/// What each key sets.
+/// The settings of these keys.
 pub(crate) static SETTINGS: [Setting<Drift>; 10] = [
     Setting::new(&MAGNETIC, |drift, rate| drift.magnetic = rate.value),
     Setting::new(&MAGNETIC_SPREAD, |drift, rate| drift.magnetic_spread = rate.value),

@@ -1,4 +1,4 @@
-//! When a gyro switches, and how long it runs.
+//! The schedule of a gyro: its switching interval and run time.
 
 use crate::key::holds::{Holds, measure};
 use crate::key::places::Places;
@@ -9,12 +9,12 @@ use crate::quantity::number::significant;
 use crate::quantity::units::Dimension;
 use crate::source::diagnose::Fault;
 
-/// In s, with 12 significant digits.
+/// Times in s, with 12 significant digits.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Schedule {
-    /// MT, from one switch to the next.
+    /// Switching interval MT.
     pub interval_s: f64,
-    /// t, from switching on to the end.
+    /// Run time t, from switch-on to the end.
     pub duration_s: f64,
 }
 
@@ -25,15 +25,15 @@ keys! {
     pub(crate) static KEYS;
     /// The mode switches of a run.
     SWITCHING = "switching", "", Holds::Table, "[switching]\ninterval = \"40 s\"";
-    /// MT, from one switch to the next: "40 s".
+    /// Switching interval MT: "40 s".
     INTERVAL = "switching.interval", "switching interval", TIMES, r#"interval = "40 s""#, required;
     /// A whole run.
     RUN = "run", "", Holds::Table, "[run]\nduration = \"1 h\"";
-    /// t, from switching on: "1 h".
+    /// Run time t from switch-on: "1 h".
     DURATION = "run.duration", "run time", TIMES, r#"duration = "1 h""#, required;
 }
 
-/// What each key sets.
+/// The settings of these keys.
 pub(crate) static SETTINGS: [Setting<Schedule>; 2] = [
     Setting::new(&INTERVAL, |schedule, interval| schedule.interval_s = interval.value),
     Setting::new(&DURATION, |schedule, duration| schedule.duration_s = duration.value),

@@ -1,4 +1,4 @@
-//! Keys that studies of every kind have.
+//! Keys common to all kinds of study.
 
 use crate::key::holds::{Holds, words};
 use crate::key::row::keys;
@@ -8,7 +8,7 @@ words! {
     pub enum Streams {
         /// Every point draws its own random numbers.
         Independent = "independent",
-        /// A trial sees the same random numbers at every point: smooth curves, paired differences.
+        /// A trial has the same random numbers at every point, which gives smooth curves and paired differences.
         Common = "common",
     }
 }
@@ -19,11 +19,11 @@ pub const MOST_TRIALS: u64 = 1 << 40;
 keys! {
     /// The keys at the top of every study.
     pub(crate) static KEYS;
-    /// Shown above charts and reports.
+    /// Title shown above charts and reports.
     pub(crate) TITLE = "title", "", Holds::Text, r#"title = "Error of the gap fillers""#, required;
     /// The question that the study answers, in one sentence.
     pub(crate) QUESTION = "question", "", Holds::Text, r#"question = "Which filler is good enough?""#;
-    /// What is studied.
+    /// Kind of the study.
     pub(crate) KIND = "kind", "", Holds::Text, r#"kind = "gap-fill""#, required;
     /// Seed of all random numbers; 1 if absent.
     pub(crate) SEED = "seed", "", Holds::Whole(0, i64::MAX), "seed = 1";

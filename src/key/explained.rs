@@ -1,40 +1,40 @@
-//! What is to be known of each key of a study file, from its row.
+//! Explanations of the keys of a study file, from their rows.
 
 use crate::key::row::one_line;
 use crate::key::schema::{OfKind, all};
 use crate::quantity::units::{self, Dimension};
 
-/// A key of a study file, in words.
+/// A key of a study file, explained as text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Explained {
-    /// From the root: `motion.amplitude`.
+    /// Its path from the root, such as `motion.amplitude`.
     pub key: &'static str,
-    /// What it means.
+    /// Its meaning.
     pub meaning: String,
-    /// What it holds: `a number with its unit, in quotes`.
+    /// The values that it holds, such as `a number with its unit, in quotes`.
     pub holds: String,
-    /// Where it is one of some words, each with what it stands for.
+    /// Its words where it takes one of several, each with its meaning.
     pub choices: Vec<(&'static str, String)>,
-    /// As a study file has it.
+    /// An example as written in a study file.
     pub example: &'static str,
-    /// The names of the kinds of studies that have it.
+    /// Names of the kinds of study that have it.
     pub kinds: Vec<&'static str>,
     /// Dimensions, units and range of its values, where it can be swept.
     pub swept: Option<Swept>,
 }
 
-/// What a key that a sweep may vary accepts.
+/// The values that a key accepts in a sweep.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Swept {
-    /// `vibration frequency`
+    /// Its label, such as `vibration frequency`.
     pub label: &'static str,
-    /// `accepted: a frequency in Hz, kHz, 1/s, for example "20 Hz"`; empty of a name.
+    /// Accepted values, such as `accepted: a frequency in Hz, kHz, 1/s, for example "20 Hz"`; empty for a name.
     pub accepted: String,
-    /// `0 to 1e9 arcsec`, or the names that there are.
+    /// Range such as `0 to 1e9 arcsec`, or the available names.
     pub range: String,
 }
 
-/// What is to be known of a key of some kinds of studies; `None` of one that there is not.
+/// Explains a key of some kinds of study; `None` for an unknown key.
 pub(crate) fn explain(kinds: &[OfKind], name: &str) -> Option<Explained> {
     let key = all(kinds).into_iter().find(|key| key.name == name)?;
     let choices = match name {

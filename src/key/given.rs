@@ -1,4 +1,4 @@
-//! A value as it is written, and its reading.
+//! A value as written in a study, and its reading.
 
 use std::fmt;
 use std::ops::Range;
@@ -12,7 +12,7 @@ use crate::key::table::Table;
 use crate::quantity::units::{self, Dimension, Quantity};
 use crate::source::diagnose::Fault;
 
-/// The value of a key, or an item of its list. Its shape is what the key holds: that has been checked.
+/// The value of a key, or an item of its list. Its shape has been checked against the key.
 #[derive(Clone, Copy)]
 pub(crate) struct Given<'a> {
     pub(crate) key: &'static Key,
@@ -34,12 +34,12 @@ impl fmt::Display for Given<'_> {
 }
 
 impl<'a> Given<'a> {
-    /// Where it stands.
+    /// The place of the value in the text.
     pub(crate) fn span(&self) -> Range<usize> {
         self.value.span()
     }
 
-    /// The same as a value of another key.
+    /// The same value, read as that of another key.
     pub(crate) fn of(self, key: &'static Key) -> Given<'a> {
         Given { key, ..self }
     }
@@ -53,7 +53,7 @@ impl<'a> Given<'a> {
         Fault::new(self.span(), message, label, help)
     }
 
-    /// The text; empty where it is none.
+    /// The text; empty where the value is not a text.
     pub(crate) fn text(&self) -> &'a str {
         self.value.get_ref().as_str().unwrap_or_default()
     }
@@ -62,7 +62,7 @@ impl<'a> Given<'a> {
         self.value.get_ref().is_str()
     }
 
-    /// Whether it is written as true.
+    /// Whether the value is `true`.
     pub(crate) fn flag(&self) -> bool {
         self.value.get_ref().as_bool() == Some(true)
     }
@@ -71,19 +71,19 @@ impl<'a> Given<'a> {
         self.value.get_ref().is_array()
     }
 
-    /// The items of a list; none where it is no list.
+    /// The items of a list; empty where the value is not a list.
     pub(crate) fn items(&self) -> Vec<Given<'a>> {
         let items = self.value.get_ref().as_array().into_iter().flat_map(|items| items.iter());
         items.map(|value| Given { key: self.key, value }).collect()
     }
 
-    /// The table, where it is one.
+    /// The table, where the value is one.
     pub(crate) fn table(&self) -> Option<Table<'a>> {
         let entries = self.value.get_ref().as_table()?;
         Some(Table { name: self.key.name, entries, span: self.span() })
     }
 
-    /// A number, whatever its form.
+    /// A number in any form.
     pub(crate) fn number(&self) -> Option<f64> {
         match self.value.get_ref() {
             DeValue::Integer(_) => self.integer().map(|i| i as f64),
@@ -92,13 +92,13 @@ impl<'a> Given<'a> {
         }
     }
 
-    /// A whole number that is written as such, where it is small enough.
+    /// An integer written as such, where it fits.
     pub(crate) fn integer(&self) -> Option<i64> {
         let number = self.value.get_ref().as_integer()?;
         i64::from_str_radix(number.as_str(), number.radix()).ok()
     }
 
-    /// For labels: `a bare number`.
+    /// Form of the value for labels, such as `a bare number`.
     pub(crate) fn form(&self) -> &'static str {
         match self.value.get_ref() {
             DeValue::String(_) => "a text",
@@ -110,7 +110,7 @@ impl<'a> Given<'a> {
         }
     }
 
-    /// For sentences: `the number 5`.
+    /// Description for sentences, such as `the number 5`.
     pub(crate) fn described(&self) -> String {
         match self.value.get_ref() {
             DeValue::String(_) => format!("the text {self}"),
@@ -119,18 +119,18 @@ impl<'a> Given<'a> {
         }
     }
 
-    /// The value that its key holds, as a quantity.
+    /// Reads the quantity that its key holds.
     pub(crate) fn quantity(&self) -> Result<Quantity, Fault> {
         self.read(&self.key.holds)
     }
 
-    /// The same of a value for which other limits hold.
+    /// Reads a quantity for which other limits hold.
     pub(crate) fn read(&self, holds: &Holds) -> Result<Quantity, Fault> {
         if let Holds::Whole(low, high) = holds {
             return Ok(Quantity::new(self.whole_within(*low, *high)? as f64, Dimension::Count));
         }
         let Some(Measure { accepts, limits: (low, high), range }) = holds.measured() else {
-            return Err(self.fault(format!("{} holds no quantity", self.key.name), self.form(), ""));
+            return Err(self.fault(format!("{} does not hold a quantity", self.key.name), self.form(), ""));
         };
         let quantity = match accepts {
             [Dimension::Ratio] => self.ratio()?,
@@ -162,12 +162,12 @@ impl<'a> Given<'a> {
         }
     }
 
-    /// A number, or a text in percent.
+    /// Reads a number, or a text in percent.
     fn ratio(&self) -> Result<Quantity, Fault> {
         match self.number().or_else(|| Some(self.percentage()? / 100.0)) {
             Some(value) if value.is_finite() => Ok(Quantity::new(value, Dimension::Ratio)),
             _ => {
-                let message = format!("{}: {self} is no ratio", self.key.name);
+                let message = format!("{}: {self} is not a ratio", self.key.name);
                 Err(self.fault(message, self.form(), units::accepted(&[Dimension::Ratio])))
             }
         }
@@ -177,13 +177,13 @@ impl<'a> Given<'a> {
         self.text().trim().strip_suffix('%')?.trim().parse().ok()
     }
 
-    /// A part in percent; `help` says what is accepted.
+    /// Reads a percentage; `help` states the accepted values.
     pub(crate) fn percent(&self, help: &str) -> Result<f64, Fault> {
         let name = self.key.name;
         match self.percentage() {
             None => {
-                let message = format!("{name}: {self} is no part in percent");
-                Err(self.fault(message, "not a part in percent", help))
+                let message = format!("{name}: {self} is not a percentage");
+                Err(self.fault(message, "not a percentage", help))
             }
             Some(part) if !(1e-4..=50.0).contains(&part) => {
                 let message =
@@ -194,7 +194,7 @@ impl<'a> Given<'a> {
         }
     }
 
-    /// The whole number that its key holds.
+    /// Reads the whole number that its key holds.
     pub(crate) fn whole(&self) -> Result<i64, Fault> {
         match self.key.holds {
             Holds::Whole(low, high) => self.whole_within(low, high),
@@ -205,7 +205,7 @@ impl<'a> Given<'a> {
     fn whole_within(&self, low: i64, high: i64) -> Result<i64, Fault> {
         let name = self.key.name;
         let help = format!("accepted: a whole number from {low} to {high}, without quotes or unit");
-        // As people write large numbers, 1e6. Beyond 2^53 not every whole number is one.
+        // Large numbers may be written as 1e6. Beyond 2^53 not every integer is exact.
         let is_whole = |x: &f64| x.fract() == 0.0 && x.abs() <= (1_i64 << 53) as f64;
         let is_float = self.value.get_ref().is_float();
         let value = match is_float {

@@ -1,57 +1,57 @@
-//! What keys hold, and words as the values of a key.
+//! The values that keys hold, and words as values of a key.
 
 use crate::quantity::units::Dimension;
 
-/// The shape of a key's value, and its limits.
+/// The shape of a key's value, with its limits.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Holds {
     Text,
-    /// One of some words.
+    /// One of several words.
     Word(&'static [Word]),
-    /// One of some names, which a sweep may vary.
+    /// One of several names, which a sweep may vary.
     Name(&'static [&'static str]),
-    /// The path of a file, from the folder of the study.
+    /// The path of a file, relative to the folder of the study.
     File,
     Flag,
-    /// A whole number from the first to the second.
+    /// A whole number between the two limits, both included.
     Whole(i64, i64),
     Measure(Measure),
-    /// A part in percent.
+    /// A percentage.
     Percent,
-    /// One value, whose meaning depends on others.
+    /// One value whose meaning depends on others.
     Any,
     List(&'static Holds),
-    /// A list of two.
+    /// A list of two values.
     Pair(&'static Holds),
     /// One of several shapes.
     Either(&'static [Holds]),
-    /// The keys whose names go on from this one's.
+    /// A table of the keys whose names continue this one's.
     Table,
     /// A table with exactly one of its keys.
     OneOf,
-    /// A table whose keys are free, each with one value.
+    /// A table with arbitrary keys, each with one value.
     Free,
 }
 
-/// A quantity, and the limits of it.
+/// The dimensions and limits of a quantity.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Measure {
-    /// The dimensions that it may have.
+    /// The accepted dimensions.
     pub(crate) accepts: &'static [Dimension],
     /// Lowest and highest value in base units.
     pub(crate) limits: (f64, f64),
-    /// The limits for people; empty where there are none.
+    /// The limits for the user; empty where there are none.
     pub(crate) range: &'static str,
 }
 
-/// A word as a value, and what it means.
+/// A word as a value, with its meaning.
 #[derive(Debug)]
 pub(crate) struct Word {
     pub(crate) word: &'static str,
     pub(crate) meaning: &'static str,
 }
 
-/// A quantity of one of some dimensions within limits.
+/// A quantity of one of some dimensions, within limits.
 pub(crate) const fn measure(
     accepts: &'static [Dimension],
     low: f64,
@@ -67,7 +67,7 @@ pub(crate) const fn unlimited(accepts: &'static [Dimension]) -> Holds {
 }
 
 impl Holds {
-    /// The quantity that is held, also in lists or among other shapes.
+    /// The quantity that is held, also within lists or alternatives.
     pub(crate) fn measured(&self) -> Option<Measure> {
         match self {
             Holds::Measure(measure) => Some(*measure),
@@ -77,7 +77,7 @@ impl Holds {
         }
     }
 
-    /// The words that are held.
+    /// The words that are held; empty for other shapes.
     pub(crate) fn words(&self) -> &'static [Word] {
         match self {
             Holds::Word(words) => words,
@@ -99,7 +99,7 @@ impl Holds {
         }
     }
 
-    /// For sentences: `a text in quotes`.
+    /// Description for sentences, such as `a text in quotes`.
     pub(crate) fn described(&self) -> String {
         match self {
             Holds::Text | Holds::Word(_) | Holds::Name(_) | Holds::File => "a text in quotes".to_owned(),
@@ -109,7 +109,7 @@ impl Holds {
                 "a number, or percent in quotes".to_owned()
             }
             Holds::Measure(_) => "a number with its unit, in quotes".to_owned(),
-            Holds::Percent => "a part in percent in quotes".to_owned(),
+            Holds::Percent => "a percentage in quotes".to_owned(),
             Holds::Any => "one value".to_owned(),
             Holds::List(Holds::Table) => "a list of tables in brackets".to_owned(),
             Holds::List(Holds::Pair(_)) => "a list of pairs in brackets".to_owned(),
@@ -125,7 +125,8 @@ impl Holds {
     }
 }
 
-/// Declares an enum whose values are words of a key: each with its meaning, which is its doc, and the word. The first is the default.
+/// Declares an enum whose values are the words of a key, each with its meaning as doc comment. The first one is the
+/// default.
 macro_rules! words {
     ($(#[doc = $doc:literal])+ $vis:vis enum $name:ident {
         $($(#[doc = $meaning:literal])+ $variant:ident = $word:literal,)+
@@ -136,17 +137,17 @@ macro_rules! words {
 
         #[allow(dead_code, reason = "not every set of words is iterated")]
         impl $name {
-            /// All of them.
+            /// All values.
             $vis const ALL: [$name; [$($word),+].len()] = [$($name::$variant),+];
             pub(crate) const WORDS: &'static [$crate::key::holds::Word] =
                 &[$($crate::key::holds::Word { word: $word, meaning: concat!($($meaning),+) }),+];
 
-            /// As study files call it.
+            /// The word as written in study files.
             $vis fn name(self) -> &'static str {
                 $name::WORDS[self as usize].word
             }
 
-            /// The one that is written, or the first.
+            /// The value as written, or the default.
             pub(crate) fn of(given: Option<$crate::key::given::Given>) -> $name {
                 let named = |given: $crate::key::given::Given| {
                     $name::ALL.into_iter().find(|known| known.name() == given.text())

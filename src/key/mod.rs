@@ -1,4 +1,4 @@
-//! Keys of study files: one row declares all that is known of a key.
+//! Keys of study files. One row declares everything known of a key.
 
 pub mod common;
 pub mod explained;

@@ -1,10 +1,10 @@
-//! Where the values of a study stand in its text.
+//! Places of the values of a study in its text.
 
 use std::ops::Range;
 
 use crate::key::sweep::Sweep;
 
-/// Keys as they are written, each with the bytes of its value.
+/// Keys as written, each with the byte range of its value.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Places(Vec<(&'static str, Range<usize>)>);
 
@@ -13,8 +13,9 @@ impl Places {
         self.0.push((key, value));
     }
 
-    /// The place to blame for the values of `keys`, the chief suspect first: the values of a sweep over one of them, else
-    /// the first value that is written; empty at 0 where all are defaults. A table stands for the keys in it.
+    /// The place to blame for the values of `keys`, with the chief suspect first: the values of a sweep over one of
+    /// them, else the first value that is written; empty at 0 where all are defaults. A table stands for the keys in
+    /// it.
     pub(crate) fn blame(&self, sweeps: &[Sweep], keys: &[&str]) -> Range<usize> {
         let swept = |key: &&str| sweeps.iter().find(|sweep| is_within(sweep.key.name, key));
         let written = |key: &&str| self.0.iter().find(|(name, _)| is_within(name, key));

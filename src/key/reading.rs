@@ -1,4 +1,4 @@
-//! A study while it is read.
+//! The state of reading a study.
 
 use crate::key::given::Given;
 use crate::key::places::Places;
@@ -10,14 +10,14 @@ use crate::quantity::units::Quantity;
 use crate::source::diagnose::Fault;
 use crate::source::text_file::Files;
 
-/// What a kind reads its inputs from.
+/// Source from which a kind reads its inputs.
 pub(crate) struct Reading<'a> {
-    /// The whole study: all in it is a key of its kind, and of the right shape.
+    /// The whole study, in which all keys belong to its kind and have the right shape.
     pub(crate) table: Table<'a>,
     pub(crate) sweeps: &'a [Sweep],
-    /// The files that it names.
+    /// The files that the study names.
     pub(crate) files: &'a Files,
-    /// Filled while it is read, for errors that show later.
+    /// Places of the values read, for errors that are found later.
     pub(crate) places: Places,
 }
 
@@ -26,7 +26,7 @@ impl<'a> Reading<'a> {
         self.table.get(key)
     }
 
-    /// Notes where some keys are written.
+    /// Records the places of some keys.
     pub(crate) fn note(&mut self, keys: &[&'static Key]) {
         for key in keys {
             if let Some(span) = self.table.span_of(key) {
@@ -35,7 +35,7 @@ impl<'a> Reading<'a> {
         }
     }
 
-    /// Puts what is written of some settings into `inputs`, and notes where it stands; returns what that is.
+    /// Sets the written values of some settings in `inputs`, records their places, and returns them.
     pub(crate) fn set<I>(
         &mut self,
         inputs: &mut I,

@@ -8,20 +8,20 @@ use crate::quantity::number::significant;
 pub struct Refusal {
     /// The key of the study that has to change.
     pub key: &'static str,
-    /// What was found; it names the key.
+    /// The finding; it names the key.
     pub message: String,
-    /// What to do about it.
+    /// Advice on the change.
     pub help: &'static str,
 }
 
 impl Refusal {
-    /// A refusal whose message is the key and what was found there.
+    /// A refusal whose message names the key and the finding.
     pub(crate) fn new(key: &'static str, found: impl std::fmt::Display, help: &'static str) -> Refusal {
         Refusal { key, message: format!("{key}: {found}"), help }
     }
 }
 
-/// A number in messages.
+/// A number formatted for messages.
 pub(crate) fn shown(x: f64) -> String {
     significant(x, 6)
 }

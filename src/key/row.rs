@@ -1,24 +1,25 @@
-//! The row of a key: all that reading, checking, help and the schema know of it.
+//! The row of a key, from which reading, checking, help and the schema are derived.
 
 use crate::key::holds::Holds;
 
 /// A key of study files.
 #[derive(Debug)]
 pub struct Key {
-    /// From the root, as in study files and column names: `motion.frequency`.
+    /// Path from the root, as in study files and column names, such as `motion.frequency`.
     pub name: &'static str,
-    /// For axes and reports: `vibration frequency`; empty where it cannot be swept.
+    /// Label for axes and reports, such as `vibration frequency`; empty where the key cannot be swept.
     pub label: &'static str,
-    /// What it means.
+    /// Its meaning.
     pub(crate) doc: &'static str,
     pub(crate) holds: Holds,
-    /// As a study file has it.
+    /// An example as written in a study file.
     pub(crate) example: &'static str,
-    /// Whether the table that it is in needs it.
+    /// Whether its table requires it.
     pub(crate) required: bool,
 }
 
-/// Declares keys and the list of them. A row has the key, its label, what it holds and an example; its doc is what it means.
+/// Declares keys and a list of them. A row has the key, its label, the values that it holds and an example; its doc
+/// comment is its meaning.
 macro_rules! keys {
     ($(#[doc = $about:literal])* $list_vis:vis static $list:ident;
      $($(#[doc = $doc:literal])* $vis:vis $name:ident = $key:literal, $label:literal, $holds:expr, $example:literal $(, $required:ident)?;)+) => {
@@ -43,17 +44,17 @@ macro_rules! keys {
 pub(crate) use keys;
 
 impl Key {
-    /// The name of the table that it is in; empty for the root.
+    /// The name of its table; empty for the root.
     pub(crate) fn table(&self) -> &'static str {
         self.name.rsplit_once('.').map_or("", |(table, _)| table)
     }
 
-    /// Its name within the table that it is in.
+    /// Its name within that table.
     pub(crate) fn last(&self) -> &'static str {
         self.name.rsplit_once('.').map_or(self.name, |(_, last)| last)
     }
 
-    /// What it means, in one line.
+    /// Its meaning, in one line.
     pub(crate) fn meaning(&self) -> String {
         one_line(self.doc)
     }
@@ -68,7 +69,7 @@ impl Key {
         matches!(self.holds, Holds::File)
     }
 
-    /// The names that it accepts, where it holds one of some.
+    /// The names that it accepts, where it holds one of several.
     pub(crate) fn names(&self) -> Vec<&'static str> {
         match self.holds {
             Holds::Name(names) => names.to_vec(),
@@ -77,12 +78,12 @@ impl Key {
         }
     }
 
-    /// Whether it holds a name, of a file or of other things.
+    /// Whether it holds a name, of a file or otherwise.
     pub(crate) fn is_name(&self) -> bool {
         self.is_file() || !self.names().is_empty()
     }
 
-    /// The range of its values for people, or the names that there are.
+    /// The range of its values for the user, or the available names.
     pub(crate) fn range(&self) -> String {
         match self.holds {
             Holds::Whole(low, high) => format!("{low} to {high}"),
@@ -91,7 +92,7 @@ impl Key {
         }
     }
 
-    /// Why no sweep varies it, where none does.
+    /// Why it cannot be swept, where that is the case.
     pub(crate) fn fixed(&self) -> &'static str {
         match self.holds {
             Holds::Text | Holds::Word(_) | Holds::Name(_) | Holds::File => "is text",
@@ -102,12 +103,12 @@ impl Key {
     }
 }
 
-/// The words of a text, a space between them.
+/// The words of a text, separated by single spaces.
 pub(crate) fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// The name of `key` in the table `table`, whose name is empty for the root.
+/// The full name of `key` in the table `table`, which is empty for the root.
 pub(crate) fn joined(table: &str, key: &str) -> String {
     if table.is_empty() { key.to_owned() } else { format!("{table}.{key}") }
 }

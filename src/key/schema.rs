@@ -1,4 +1,4 @@
-//! The JSON schema of study files, from the rows of keys.
+//! The JSON schema of study files, derived from the rows of keys.
 
 use serde_json::{Value, json};
 
@@ -8,14 +8,14 @@ use crate::quantity::units::Dimension;
 
 /// The keys of a kind of study.
 pub(crate) struct OfKind {
-    /// As study files call it.
+    /// Its name in study files.
     pub(crate) name: &'static str,
-    /// What it studies.
+    /// Its subject.
     pub(crate) meaning: &'static str,
     pub(crate) keys: Vec<&'static Key>,
-    /// The tables that it needs.
+    /// The tables that it requires.
     pub(crate) needs: &'static [&'static str],
-    /// The keys that a sweep may vary.
+    /// The keys that can be swept.
     pub(crate) sweepable: Vec<&'static Key>,
 }
 
@@ -30,7 +30,7 @@ pub(crate) fn all(kinds: &[OfKind]) -> Vec<&'static Key> {
     keys
 }
 
-/// The schema, indented.
+/// The schema as indented JSON.
 pub(crate) fn schema(kinds: &[OfKind]) -> String {
     let mut root = of_table("", &all(kinds));
     root["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
@@ -40,7 +40,7 @@ pub(crate) fn schema(kinds: &[OfKind]) -> String {
          with a unit: \"5 ms\", \"20 Hz\", \"1.6 arcsec\", \"12000 arcsec/s\", \"0.003 deg/sqrt(h)\"."
     );
     let words: Vec<Value> = kinds.iter().map(|kind| of_word(kind.name, kind.meaning)).collect();
-    root["properties"]["kind"] = json!({ "description": "What is studied.", "oneOf": words });
+    root["properties"]["kind"] = json!({ "description": "Kind of the study.", "oneOf": words });
     let needs = |kind: &OfKind| {
         let is_kind = json!({ "properties": { "kind": { "const": kind.name } } });
         json!({ "if": is_kind, "then": { "required": kind.needs } })

@@ -1,4 +1,4 @@
-//! Keys that a sweep may vary: what each sets.
+//! Settings: the keys that can be swept, with the inputs that they set.
 
 use std::fmt;
 use std::ops::Range;
@@ -11,18 +11,18 @@ use crate::table::{Cell, Unit};
 /// A key that sets a number among inputs `I`.
 pub(crate) struct Setting<I: 'static> {
     pub(crate) key: &'static Key,
-    /// Whether inputs have what the key sets.
+    /// Whether the key applies to given inputs.
     pub(crate) applies: fn(&I) -> bool,
     pub(crate) set: fn(&mut I, Quantity),
 }
 
 impl<I> Setting<I> {
-    /// Of what all inputs have.
+    /// A setting that applies to all inputs.
     pub(crate) const fn new(key: &'static Key, set: fn(&mut I, Quantity)) -> Setting<I> {
         Setting { key, applies: |_| true, set }
     }
 
-    /// Of what only some inputs have.
+    /// A setting that applies only to some inputs.
     pub(crate) const fn of(
         key: &'static Key,
         applies: fn(&I) -> bool,
@@ -31,7 +31,8 @@ impl<I> Setting<I> {
         Setting { key, applies, set }
     }
 
-    /// Refuses a sweep over what the inputs do not have; `what` lacks it: `the motion`.
+    /// Refuses a sweep over a key that does not apply to the inputs; `what` names the part that lacks it, such as `the
+    /// motion`.
     pub(crate) fn check_applies(
         &self,
         inputs: &I,
@@ -50,17 +51,17 @@ impl<I> Setting<I> {
     }
 }
 
-/// A value that a key takes at a point.
+/// A value of a swept key at a point.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Swept {
-    /// With its dimension.
+    /// A quantity with its dimension.
     Quantity(Quantity),
-    /// One of some names, or that of a file without folders and ending.
+    /// A name, or the name of a file without folders and ending.
     Name(String),
 }
 
 impl Swept {
-    /// The value where it is a quantity.
+    /// The quantity, where the value is one.
     pub fn quantity(&self) -> Option<Quantity> {
         match self {
             Swept::Quantity(quantity) => Some(*quantity),
@@ -96,7 +97,7 @@ pub(crate) fn keys<I>(settings: &[Setting<I>]) -> impl Iterator<Item = &'static 
     settings.iter().map(|setting| setting.key)
 }
 
-/// The name that a sweep over this key has among swept values.
+/// The name among the swept values that belongs to this key.
 pub(crate) fn named<'s>(swept: &'s [(&'static str, Swept)], key: &Key) -> Option<&'s str> {
     swept.iter().find_map(|(name, value)| match value {
         Swept::Name(named) if *name == key.name => Some(named.as_str()),
@@ -104,7 +105,7 @@ pub(crate) fn named<'s>(swept: &'s [(&'static str, Swept)], key: &Key) -> Option
     })
 }
 
-/// Puts the quantities among swept values into `inputs`.
+/// Sets the swept quantities in `inputs`.
 pub(crate) fn set<I>(inputs: &mut I, settings: &[Setting<I>], swept: &[(&'static str, Swept)]) {
     for (name, value) in swept {
         let setting = settings.iter().find(|setting| setting.key.name == *name);

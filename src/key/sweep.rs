@@ -1,4 +1,4 @@
-//! Sweeps: the values that one key takes from point to point.
+//! Sweeps: the values of one key from point to point.
 
 use std::collections::HashSet;
 use std::ops::Range;
@@ -18,58 +18,59 @@ use crate::source::diagnose::{Fault, choices};
 keys! {
     /// The keys of sweeps.
     pub(crate) static KEYS;
-    /// Each varies one key; several multiply, the first being the slowest to change.
+    /// Sweeps, each of which varies one key; several of them multiply, and the first one changes slowest.
     SWEEP = "sweep", "", Holds::List(&Holds::Table), "[[sweep]]\nkey = \"motion.frequency\"\nlist = [\"2 Hz\", \"5 Hz\"]";
-    /// The key to vary: "motion.frequency".
+    /// Key to vary: "motion.frequency".
     KEY = "sweep.key", "", Holds::Text, "key = \"motion.frequency\"", required;
-    /// The values one by one.
+    /// List of the values.
     LIST = "sweep.list", "", Holds::List(&Holds::Any), "list = [\"2 Hz\", \"5 Hz\"]";
     /// Values at equal differences, both ends included.
     LINEAR = "sweep.linear", "", Holds::Table, "linear = { from = \"2 Hz\", to = \"40 Hz\", points = 20 }";
-    /// The first value, of the key that is swept.
+    /// First value of the swept key.
     LINEAR_FROM = "sweep.linear.from", "", Holds::Any, "from = \"2 Hz\"", required;
-    /// The last value.
+    /// Last value.
     LINEAR_TO = "sweep.linear.to", "", Holds::Any, "to = \"40 Hz\"", required;
-    /// How many values.
+    /// Number of values.
     LINEAR_POINTS = "sweep.linear.points", "", POINTS, "points = 20", required;
     /// Values at equal ratios, both ends included.
     LOG = "sweep.log", "", Holds::Table, "log = { from = \"2 Hz\", to = \"40 Hz\", points = 24 }";
-    /// The first value, above 0, of the key that is swept.
+    /// First value of the swept key, above 0.
     LOG_FROM = "sweep.log.from", "", Holds::Any, "from = \"2 Hz\"", required;
-    /// The last value, above 0.
+    /// Last value, above 0.
     LOG_TO = "sweep.log.to", "", Holds::Any, "to = \"40 Hz\"", required;
-    /// How many values.
+    /// Number of values.
     LOG_POINTS = "sweep.log.points", "", POINTS, "points = 24", required;
 }
 
 const POINTS: Holds = Holds::Whole(1, MOST_VALUES as i64);
 
-/// Most values of one sweep.
+/// Largest number of values of one sweep.
 const MOST_VALUES: usize = 10_000;
-/// Most points of a study.
+/// Largest number of points of a study.
 const MOST_POINTS: usize = 100_000;
 
-/// One key and the values it takes.
+/// A swept key with its values.
 #[derive(Debug, Clone)]
 pub struct Sweep {
-    /// Which number of the study it is.
+    /// The swept key.
     pub key: &'static Key,
-    /// Distinct, of one dimension, in the order written.
+    /// The values, which are distinct and of one dimension, in the order written.
     pub values: Vec<Swept>,
-    /// Of a key that holds the name of a file, each as it is written.
+    /// The file names as written, where the key holds the name of a file.
     pub(crate) files: Vec<Spanned<String>>,
-    /// Of an axis over them: linear where they are evenly spaced, or not all above 0.
+    /// Scale of an axis over the values: linear where they are evenly spaced or not all above 0.
     pub(crate) scale: Scale,
-    /// Of the name of the key, in the text.
+    /// Place of the key's name in the text.
     pub(crate) key_span: Range<usize>,
-    /// Of the values, in the text.
+    /// Place of the values in the text.
     pub(crate) span: Range<usize>,
 }
 
-/// All sweeps of a study, in the order written; its kind has these `keys`, and sweeps may vary some of them.
+/// Reads all sweeps of a study, in the order written. The kind of the study has these `keys`, of which some can be
+/// swept.
 ///
 /// # Errors
-/// Besides those of each sweep: one target swept twice, too many points.
+/// The errors of each sweep; moreover, one target is swept twice, or there are too many points.
 pub(crate) fn read_all(
     study: &Table,
     keys: &[&'static Key],
@@ -97,13 +98,13 @@ pub(crate) fn read_all(
     Ok(sweeps)
 }
 
-/// What a key sets: of a table with one of several keys, all set the same.
+/// The input that a key sets. The keys of a table that takes exactly one of them all set the same input.
 fn target(key: &'static Key, keys: &[&'static Key]) -> &'static str {
     let forms = keys.iter().find(|table| table.name == key.table() && matches!(table.holds, Holds::OneOf));
     forms.map_or(key.name, |forms| forms.name)
 }
 
-/// The key that a sweep names.
+/// Finds the key that a sweep names.
 fn find(name: Given, keys: &[&'static Key], sweepable: &[&'static Key]) -> Result<&'static Key, Fault> {
     let wanted = name.text();
     if let Some(key) = sweepable.iter().find(|key| key.name == wanted) {
@@ -119,12 +120,12 @@ fn find(name: Given, keys: &[&'static Key], sweepable: &[&'static Key]) -> Resul
     Err(name.fault(message, "unknown key", choices(wanted, &names)))
 }
 
-/// Points of all sweeps.
+/// Number of points of all sweeps together.
 pub(crate) fn points(sweeps: &[Sweep]) -> usize {
     sweeps.iter().map(|sweep| sweep.values.len()).product()
 }
 
-/// The values at a point, the first sweep being the slowest to change: of each the name of the key.
+/// The values at a point, each with the name of its key; the first sweep changes slowest.
 pub(crate) fn values_at(sweeps: &[Sweep], index: usize) -> Vec<(&'static str, Swept)> {
     let mut swept = Vec::with_capacity(sweeps.len());
     let mut rest = index;
@@ -136,10 +137,10 @@ pub(crate) fn values_at(sweeps: &[Sweep], index: usize) -> Vec<(&'static str, Sw
     swept
 }
 
-/// A sweep as it is written.
+/// A sweep as written.
 struct Written<'a> {
     key: &'static Key,
-    /// The key's name.
+    /// The name of the key.
     name: Given<'a>,
     table: Table<'a>,
 }
@@ -175,7 +176,7 @@ impl Written<'_> {
         Ok(Sweep { key: self.key, values, files: vec![], scale, key_span: self.name.span(), span })
     }
 
-    /// That names and files have no steps between them.
+    /// The fault of a sweep of names or files without a list, as there are no steps between them.
     fn lists_names(&self) -> Fault {
         let (over, example) = match self.key.is_file() {
             true => ("files", "\"lgk-400.toml\", \"lgv-1.toml\"".to_owned()),
@@ -188,7 +189,8 @@ impl Written<'_> {
         self.name.fault(message, "in this sweep", format!("write it as in list = [{example}]"))
     }
 
-    /// A sweep over some of the names that a key accepts, or over files, each known by its name without folders and ending.
+    /// Reads a sweep over some of the names that a key accepts, or over files, each identified by its name without
+    /// folders and ending.
     fn of_names(&self, list: Given) -> Result<Sweep, Fault> {
         self.count(list)?;
         let (key, known) = (self.key, self.key.names());
@@ -196,7 +198,7 @@ impl Written<'_> {
         for item in list.items() {
             let text = item.text();
             if key.is_file() && !item.is_text() {
-                let message = format!("{}: {item} is no name of a file", key.name);
+                let message = format!("{}: {item} is not the name of a file", key.name);
                 return Err(item.fault(message, item.form(), "accepted: a text in quotes"));
             }
             if !key.is_file() && !known.contains(&text) {
@@ -224,7 +226,7 @@ impl Written<'_> {
         Ok(Sweep { key, values, files, scale: Scale::Linear, key_span: self.name.span(), span: list.span() })
     }
 
-    /// One value or more, and not too many.
+    /// Checks that there is at least one value, and not too many.
     fn count(&self, list: Given) -> Result<(), Fault> {
         let fault =
             |message: String, label| Err(list.fault(message, label, "give one value or more, 10000 at most"));
@@ -269,13 +271,13 @@ impl Written<'_> {
         let points = self.table.needed(points)?;
         let count = points.whole()?;
         if (count == 1) != (first == last) {
-            let message = format!("points = {count} cannot go from {first} to {last}");
+            let message = format!("points = {count} does not fit the ends {first} and {last}");
             let help = "equal ends need points = 1, different ends points = 2 or more";
-            return Err(points.fault(message, "does not suit the ends", help));
+            return Err(points.fault(message, "does not fit the ends", help));
         }
         for (end, written) in [(first, from), (last, to)] {
             if is_log && end.value <= 0.0 {
-                let message = format!("a log sweep over {} cannot hold {end}", self.key.name);
+                let message = format!("a log sweep over {} cannot contain {end}", self.key.name);
                 return Err(written.fault(message, "not above 0", "use a value above 0, or linear"));
             }
         }
@@ -304,13 +306,13 @@ impl Written<'_> {
         Ok(values)
     }
 
-    /// One sweep is one column, and a column has one unit.
+    /// Checks that all values have one dimension, because a sweep is one column and a column has one unit.
     fn same_dimension(&self, first: Quantity, value: Quantity, at: Given) -> Result<(), Fault> {
         if first.dimension == value.dimension {
             return Ok(());
         }
         let (found, wanted) = (value.dimension.name(), first.dimension.name());
         let message = format!("the sweep over {} mixes {wanted} and {found}", self.key.name);
-        Err(at.fault(message, found, format!("write {wanted}, as the first value is")))
+        Err(at.fault(message, found, format!("write {wanted}, like the first value")))
     }
 }

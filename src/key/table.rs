@@ -1,4 +1,4 @@
-//! Tables of a study as they are written, found by the rows of keys, and the check of all that stands in them.
+//! Tables of a study as written: lookup of values by the rows of keys, and the check of everything in them.
 
 use std::ops::Range;
 
@@ -10,22 +10,22 @@ use crate::key::holds::Holds;
 use crate::key::row::{Key, joined};
 use crate::source::diagnose::{Fault, choices};
 
-/// A table as it is written.
+/// A table as written.
 #[derive(Clone)]
 pub(crate) struct Table<'a> {
-    /// From the root, whose own name is empty.
+    /// Its path from the root; empty for the root.
     pub(crate) name: &'static str,
     pub(crate) entries: &'a DeTable<'a>,
     pub(crate) span: Range<usize>,
 }
 
 impl<'a> Table<'a> {
-    /// The table of this name that a text is.
+    /// The root table `name` of a text.
     pub(crate) fn root(name: &'static str, text: &'a Spanned<DeTable<'a>>) -> Table<'a> {
         Table { name, entries: text.get_ref(), span: text.span() }
     }
 
-    /// The value of a key of this table, or of one within it.
+    /// The value of a key of this table, or of a table within it.
     pub(crate) fn get(&self, key: &'static Key) -> Option<Given<'a>> {
         let (path, mut entries) = (key.name.strip_prefix(self.name)?.trim_start_matches('.'), self.entries);
         let (tables, last) = path.rsplit_once('.').unwrap_or(("", path));
@@ -35,17 +35,17 @@ impl<'a> Table<'a> {
         Some(Given { key, value: entries.get(last)? })
     }
 
-    /// Where a key is written.
+    /// The place of a key.
     pub(crate) fn span_of(&self, key: &'static Key) -> Option<Range<usize>> {
         self.get(key).map(|given| given.span())
     }
 
-    /// The value of a key that is needed here.
+    /// The value of a required key.
     pub(crate) fn needed(&self, key: &'static Key) -> Result<Given<'a>, Fault> {
         self.get(key).ok_or_else(|| Fault::missing_key(key.name, key.example, self.innermost(key)))
     }
 
-    /// Where the innermost table of a key is written.
+    /// The place of the innermost existing table of a key.
     fn innermost(&self, key: &Key) -> Range<usize> {
         let path = key.table().strip_prefix(self.name).unwrap_or_default();
         let (mut entries, mut span) = (self.entries, self.span.clone());
@@ -58,12 +58,12 @@ impl<'a> Table<'a> {
     }
 }
 
-/// The fault of a key that is written but is none of those expected, where more can be said of it than that it is unknown.
+/// Gives the fault of an unexpected key where more can be said than that it is unknown.
 pub(crate) type Stray<'s> = &'s dyn Fn(&str, Range<usize>) -> Option<Fault>;
 
-/// Refuses what is none of these `keys`, values of another shape than they hold, and tables that lack a key.
+/// Refuses keys other than `keys`, values of the wrong shape, and tables that lack a required key.
 pub(crate) fn check(table: &Table, keys: &[&'static Key], stray: Stray) -> Result<(), Fault> {
-    // As they are written, so that the first fault is told first.
+    // In the order written, so that the first fault is reported first.
     let mut entries: Vec<_> = table.entries.iter().collect();
     entries.sort_by_key(|(name, _)| name.span().start);
     let own = || keys.iter().copied().filter(|key| key.table() == table.name);
@@ -128,7 +128,7 @@ fn check_value(
     }
 }
 
-/// Whether a value is a text, a number, a list, … as it has to be; what it says is not looked at.
+/// Whether a value has the required shape (text, number, list, …), regardless of its content.
 fn has_shape(given: Given, holds: &Holds) -> bool {
     let value = given.value.get_ref();
     match holds {
@@ -143,12 +143,12 @@ fn has_shape(given: Given, holds: &Holds) -> bool {
     }
 }
 
-/// That a value is a text, a number, a list, … where another of these is needed.
+/// The fault of a value whose shape (text, number, list, …) is wrong.
 pub(crate) fn wrong_shape(given: Given, item: bool) -> Fault {
     let (name, what) = (given.key.name, given.described());
     let message = match item {
         true => format!("`{name}` cannot hold {what}"),
-        false => format!("`{name}` is {what}, but has to be {}", given.key.holds.described()),
+        false => format!("`{name}` is {what}, but must be {}", given.key.holds.described()),
     };
     given.fault(message, what, format!("write it as in\n{}", given.key.example))
 }

@@ -1,4 +1,4 @@
-//! Studies whose every value is a closed form: their points become a table at once.
+//! Studies whose values are all closed forms; their points become a table at once.
 
 use crate::progress::Progress;
 use crate::sampling::plan::Plan;
@@ -12,7 +12,7 @@ use crate::table::Table;
 use crate::tally::id::Id;
 use crate::tally::share::Share;
 
-/// The plan of such a study: its table is all there is.
+/// The plan of such a study, which consists of its table only.
 #[derive(Debug)]
 pub(crate) struct Exact(Table);
 
@@ -48,7 +48,7 @@ impl Plan for Exact {
     }
 
     fn notes(&self, _: &Store) -> Result<Vec<String>, StoreError> {
-        Ok(vec!["all values are closed forms: trials, seed and device have no use here".to_owned()])
+        Ok(vec!["all values are closed forms: trials, seed and device are not used".to_owned()])
     }
 
     fn all_trials(&self) -> u64 {

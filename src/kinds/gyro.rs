@@ -1,4 +1,4 @@
-//! The ticks of a gyro, which several kinds of studies have.
+//! The tick of a gyro, which several kinds of study have.
 
 use crate::key::holds::measure;
 use crate::key::row::keys;

@@ -1,4 +1,4 @@
-//! The keys of every kind of study, and the check that a study has no others.
+//! The keys of every kind of study, and the check that a study has no other keys.
 
 use std::ops::Range;
 use std::sync::LazyLock;
@@ -29,12 +29,12 @@ fn of(kind: &Kind) -> OfKind {
     OfKind { name, meaning: subject, keys, needs, sweepable: sweepable() }
 }
 
-/// The names of all keys of study files, in their order.
+/// The names of all keys of study files, in order.
 pub fn explained_keys() -> impl Iterator<Item = &'static str> {
     schema::all(&OF_KINDS).into_iter().map(|key| key.name)
 }
 
-/// What is to be known of a key; `None` of one that there is not.
+/// Explains a key; `None` for an unknown one.
 ///
 /// # Example
 /// ```
@@ -52,7 +52,8 @@ pub fn schema() -> String {
     schema::schema(&OF_KINDS)
 }
 
-/// The kind of a study, with its keys; all in the study is one of these, and of the right shape.
+/// The kind of a study, with its keys, after checking that the study has only these keys and that their values have the
+/// right shape.
 pub(crate) fn checked(study: &Table) -> Result<(&'static Kind, &'static OfKind), Fault> {
     study.needed(&TITLE)?;
     let written = study.needed(&KIND)?;
@@ -82,8 +83,8 @@ fn of_others(kind: &Kind, name: &str, span: Range<usize>) -> Option<Fault> {
         .collect();
     let key = OF_KINDS.iter().flat_map(|other| &other.keys).find(|key| key.name == name)?;
     let what = match key.holds {
-        Holds::Table if key.table().is_empty() => format!("[{name}] is no table"),
-        _ => format!("{name} is no key"),
+        Holds::Table if key.table().is_empty() => format!("[{name}] is not a table"),
+        _ => format!("{name} is not a key"),
     };
     let message = format!("{what} of a study of kind = \"{}\"", kind.name);
     let help = format!("leave it out, or write {}", others.join(" or "));
@@ -104,7 +105,7 @@ mod tests {
             assert!(!found.meaning.is_empty(), "nothing is said of {key}");
         }
         for key in KINDS.into_iter().flat_map(|kind| (kind.sweepable)()) {
-            // The ends of bands are swept only.
+            // The ends of bands occur only in sweeps.
             assert!(
                 explain_key(key.name).is_some() || key.name.ends_with("low") || key.name.ends_with("high"),
                 "{}",

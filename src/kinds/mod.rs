@@ -1,6 +1,6 @@
-//! The kinds of studies, each in a folder with all that is particular to it.
+//! The kinds of study, each in a folder with everything specific to it.
 //!
-//! All else knows them only as entries of [`KINDS`].
+//! The rest of the library knows them only as entries of [`KINDS`].
 
 pub mod allan;
 pub mod drift_budget;

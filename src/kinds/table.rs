@@ -5,10 +5,10 @@ use crate::key::sweep::Sweep;
 use crate::table::column::columns_of;
 use crate::table::{Column, ColumnOf, Role, Table};
 
-/// The name of each swept key and its value at a point, in the order of the sweeps.
+/// The name of each swept key with its value at a point, in the order of the sweeps.
 pub(crate) type Values = [(&'static str, Swept)];
 
-/// A table of these rows, each of a point that `swept` tells.
+/// A table of these rows; `swept` gives the values of the swept keys in each row.
 pub(crate) fn table<R>(
     sweeps: &[Sweep],
     columns: &[ColumnOf<R>],

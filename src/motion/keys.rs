@@ -1,4 +1,4 @@
-//! The keys of `[motion]`, and what they set.
+//! The keys of `[motion]`, with their settings.
 
 use crate::key::holds::{Holds, measure, unlimited, words};
 use crate::key::row::{Key, keys};
@@ -11,7 +11,7 @@ use crate::quantity::units::Dimension;
 words! {
     /// Phase of the rate at the middle of the gap.
     pub enum Phase {
-        /// Random, another in each trial.
+        /// A random phase, different in each trial.
         Uniform = "uniform",
         /// The rate passes through zero.
         ZeroCrossing = "zero-crossing",
@@ -21,11 +21,11 @@ words! {
 }
 
 words! {
-    /// Where in a recorded profile the gap falls.
+    /// The place of the gap in a recorded profile.
     pub enum Position {
-        /// Anywhere, at random.
+        /// A random place.
         Random = "random",
-        /// At every tick in turn; the trials are rounded up to whole replays.
+        /// Each tick in turn; the number of trials is rounded up to whole replays.
         Every = "every",
     }
 }
@@ -37,7 +37,7 @@ const AMPLITUDES: Holds = measure(
     1e9,
     "0 to 1e9 arcsec/s, or an angle of 0 to 1e9 arcsec",
 );
-/// Limits of a frequency of motion, and of the ends of a band that one is drawn from.
+/// Limits of the frequency of a motion, and of the ends of a band from which one is drawn.
 pub(crate) const FREQUENCIES: Holds =
     measure(&[Dimension::Frequency], 1e-9, 1e7, "1e-9 Hz to 1e7 Hz, and at most 10 times the tick rate");
 /// Limits of the ends of a band.
@@ -51,87 +51,90 @@ const ONE_FREQUENCY: Holds = Holds::Either(&[FREQUENCIES, Holds::Pair(&FREQUENCI
 keys! {
     /// Every key of the motion.
     pub(crate) static KEYS;
-    /// The motion of the base: one tone (amplitude, frequency, phase) or several, Gaussian motion, vibration through the
-    /// suspension, or a recorded profile; a constant rate and an angular acceleration on top.
+    /// The motion of the base: one tone (amplitude, frequency, phase) or several, Gaussian motion, vibration through
+    /// the suspension, or a recorded profile; a constant rate and an angular acceleration can be added.
     pub(crate) MOTION = "motion", "", Holds::Table, "[motion]\namplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"";
-    /// Amplitude of the rate, "12000 arcsec/s", or of the angle, "90 arcsec", then times 2πν at each point; or drawn for
-    /// each trial.
+    /// Amplitude of the rate, "12000 arcsec/s", or of the angle, "90 arcsec", which is multiplied by 2πν at each point;
+    /// or drawn for each trial.
     pub(crate) AMPLITUDE = "motion.amplitude", "vibration amplitude", ONE_AMPLITUDE, r#"amplitude = "12000 arcsec/s""#;
-    /// Drawn evenly between two ends: ["8000 arcsec/s", "12000 arcsec/s"].
+    /// Drawn uniformly between two ends: ["8000 arcsec/s", "12000 arcsec/s"].
     UNIFORM = "motion.amplitude.uniform", "", Holds::Pair(&AMPLITUDES), r#"uniform = ["8000 arcsec/s", "12000 arcsec/s"]"#;
     /// Rayleigh-distributed with this scale, the standard deviation of the rate; the phase is then uniform.
     RAYLEIGH = "motion.amplitude.rayleigh", "", AMPLITUDES, r#"rayleigh = "8000 arcsec/s""#;
-    /// Frequency ν of the vibration, "20 Hz"; or the band it is drawn from for each trial, ["18 Hz", "22 Hz"].
+    /// Frequency ν of the vibration, "20 Hz"; or the band from which it is drawn for each trial, ["18 Hz", "22 Hz"].
     pub(crate) FREQUENCY = "motion.frequency", "vibration frequency", ONE_FREQUENCY, r#"frequency = "20 Hz""#;
     /// Phase of the rate at the middle of the gap; uniform if absent.
     PHASE = "motion.phase", "", Holds::Word(Phase::WORDS), r#"phase = "uniform""#;
-    /// Several tones of independent phases, at most 8, instead of one.
+    /// Several tones with independent phases, at most 8, instead of a single one.
     pub(crate) TONES = "motion.tones", "", Holds::List(&Holds::Table), r#"tones = [{ amplitude = "12000 arcsec/s", frequency = "20 Hz" }]"#;
-    /// As motion.amplitude.
+    /// Like motion.amplitude.
     TONE_AMPLITUDE = "motion.tones.amplitude", "", ONE_AMPLITUDE, r#"amplitude = "12000 arcsec/s""#, required;
-    /// As motion.amplitude.uniform.
+    /// Like motion.amplitude.uniform.
     TONE_UNIFORM = "motion.tones.amplitude.uniform", "", Holds::Pair(&AMPLITUDES), r#"uniform = ["8000 arcsec/s", "12000 arcsec/s"]"#;
-    /// As motion.amplitude.rayleigh.
+    /// Like motion.amplitude.rayleigh.
     TONE_RAYLEIGH = "motion.tones.amplitude.rayleigh", "", AMPLITUDES, r#"rayleigh = "8000 arcsec/s""#;
-    /// As motion.frequency.
+    /// Like motion.frequency.
     TONE_FREQUENCY = "motion.tones.frequency", "", ONE_FREQUENCY, r#"frequency = "20 Hz""#, required;
-    /// As motion.phase.
+    /// Like motion.phase.
     TONE_PHASE = "motion.tones.phase", "", Holds::Word(Phase::WORDS), r#"phase = "uniform""#;
-    /// Stationary Gaussian motion: of rms and band, or of a density.
+    /// Stationary Gaussian motion, given by rms and band or by a density.
     pub(crate) GAUSSIAN = "motion.gaussian", "", Holds::Table, r#"gaussian = { rms = "8485 arcsec/s", band = ["18 Hz", "22 Hz"] }"#;
     /// Standard deviation of the rate: "8485 arcsec/s".
     pub(crate) GAUSSIAN_RMS = "motion.gaussian.rms", "rms rate", RATES, r#"rms = "8485 arcsec/s""#;
-    /// Band over which it is spread evenly: ["18 Hz", "22 Hz"].
+    /// Band over which the power is spread evenly: ["18 Hz", "22 Hz"].
     pub(crate) GAUSSIAN_BAND = "motion.gaussian.band", "", Holds::Pair(&FREQUENCIES), r#"band = ["18 Hz", "22 Hz"]"#;
-    /// One-sided power spectral density of the rate, straight lines in log–log between its points and nothing outside:
-    /// [["1 Hz", "10 (deg/s)^2/Hz"], ["50 Hz", "0.1 (deg/s)^2/Hz"]].
+    /// One-sided power spectral density of the rate, with straight lines in log–log between its points and nothing
+    /// outside: [["1 Hz", "10 (deg/s)^2/Hz"], ["50 Hz", "0.1 (deg/s)^2/Hz"]].
     pub(crate) GAUSSIAN_PSD = "motion.gaussian.psd", "", Holds::List(&Holds::Pair(&Holds::Any)), r#"psd = [["1 Hz", "10 (deg/s)^2/Hz"], ["50 Hz", "0.1 (deg/s)^2/Hz"]]"#;
-    /// A recorded motion that is replayed.
+    /// A recorded motion to be replayed.
     pub(crate) PROFILE = "motion.profile", "", Holds::Table, r#"profile = { file = "base.csv" }"#;
-    /// CSV file with columns of time and rate, their units in brackets in the header; beside the study file.
+    /// CSV file with columns of time and rate, whose units stand in brackets in the header; the path is relative to the
+    /// study file.
     pub(crate) PROFILE_FILE = "motion.profile.file", "", Holds::File, r#"file = "base.csv""#, required;
-    /// Where in the recorded profile the gap falls; at random if absent.
+    /// Place of the gap in the recorded profile; random if absent.
     pub(crate) POSITION = "motion.profile.position", "", Holds::Word(Position::WORDS), r#"position = "random""#;
-    /// Vibration of the base, as the gyro turns under it on its suspension: a sine or random, and only one of them.
+    /// Vibration of the base that turns the gyro through its suspension: either a sine or random.
     pub(crate) SUSPENSION = "motion.suspension", "", Holds::Table, r#"suspension = { gyro = "LGK-400", sine = { acceleration = "1 g", frequency = "700 Hz" }, alias = true }"#;
-    /// "LGK-400" or "LGV-1": frequencies as published, Q factors and responses assumed.
+    /// Suspension of "LGK-400" or "LGV-1": frequencies as published, Q factors and responses assumed.
     pub(crate) GYRO = "motion.suspension.gyro", "gyro", GYROS, r#"gyro = "LGK-400""#;
-    /// Or its modes, the useful one first.
+    /// Modes of the suspension instead of a name, the useful one first.
     pub(crate) MODES = "motion.suspension.modes", "", Holds::List(&Holds::Table), r#"modes = [{ frequency = "380 Hz", q = 100, response = "20000 arcsec/s/g" }]"#;
     /// Natural frequency: "380 Hz".
     pub(crate) MODE_FREQUENCY = "motion.suspension.modes.frequency", "", MODE_FREQUENCIES, r#"frequency = "380 Hz""#, required;
     /// Q factor, a number.
     pub(crate) MODE_Q = "motion.suspension.modes.q", "", QS, "q = 100", required;
-    /// Amplitude of the rate per acceleration at resonance, of this mode alone; negative where it turns the other way:
+    /// Amplitude of the rate per acceleration at resonance, for this mode alone; negative where it turns the other way:
     /// "20000 arcsec/s/g".
     pub(crate) MODE_RESPONSE = "motion.suspension.modes.response", "", RESPONSES, r#"response = "20000 arcsec/s/g""#, required;
     /// A sine of random phase.
     pub(crate) SINE = "motion.suspension.sine", "", Holds::Table, r#"sine = { acceleration = "1 g", frequency = "700 Hz" }"#;
-    /// Amplitude: "1 g".
+    /// Amplitude of the acceleration: "1 g".
     pub(crate) SINE_ACCELERATION = "motion.suspension.sine.acceleration", "amplitude of the acceleration", ACCELERATIONS, r#"acceleration = "1 g""#, required;
     /// Frequency of the vibration: "700 Hz".
     pub(crate) SINE_FREQUENCY = "motion.suspension.sine.frequency", "vibration frequency", FREQUENCIES, r#"frequency = "700 Hz""#, required;
     /// Stationary Gaussian vibration.
     pub(crate) RANDOM = "motion.suspension.random", "", Holds::Table, r#"random = { psd = [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]] }"#;
-    /// One-sided power spectral density of the acceleration, straight lines in log–log between its points and nothing
-    /// outside: [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]].
+    /// One-sided power spectral density of the acceleration, with straight lines in log–log between its points and
+    /// nothing outside: [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]].
     pub(crate) RANDOM_PSD = "motion.suspension.random.psd", "", Holds::List(&Holds::Pair(&Holds::Any)), r#"psd = [["20 Hz", "0.01 g^2/Hz"], ["2000 Hz", "0.01 g^2/Hz"]]"#, required;
-    /// Standard deviation that the density is scaled to: "5 g". The area under it if absent.
+    /// Standard deviation to which the density is scaled: "5 g". If absent, the density is used as it is.
     pub(crate) RANDOM_RMS = "motion.suspension.random.rms", "rms acceleration", ACCELERATIONS, r#"rms = "5 g""#;
-    /// Whether resonances and vibration may lie above half the tick rate, and so show in the ticks at lower frequencies.
+    /// Whether resonances and vibration may lie above half the tick rate, so that they appear in the ticks at lower
+    /// frequencies.
     pub(crate) ALIAS = "motion.suspension.alias", "", Holds::Flag, "alias = true";
-    /// Constant rate on top: "10 deg/s".
+    /// Constant rate added to the motion: "10 deg/s".
     pub(crate) RATE = "motion.rate", "constant rate", measure(&[Dimension::Rate], -1e9, 1e9, "-1e9 to 1e9 arcsec/s"), r#"rate = "10 deg/s""#;
-    /// Constant angular acceleration on top, the rate being meant at the middle of the gap: "100 deg/s^2".
+    /// Constant angular acceleration added to the motion; motion.rate is then the rate at the middle of the gap: "100
+    /// deg/s^2".
     pub(crate) ACCELERATION = "motion.acceleration", "angular acceleration", measure(&[Dimension::AngularAcceleration], -1e12, 1e12, "-1e12 to 1e12 arcsec/s^2"), r#"acceleration = "100 deg/s^2""#;
 }
 
 keys! {
-    /// The ends of bands, which only sweeps name.
+    /// The ends of bands, which occur only in sweeps.
     pub(crate) static ENDS;
-    /// The lower end of the band that a tone is drawn from.
+    /// The lower end of the band from which a tone is drawn.
     FREQUENCY_LOW = "motion.frequency.low", "lower frequency", BANDS, r#"low = "18 Hz""#;
-    /// The upper end of the band that a tone is drawn from.
+    /// The upper end of the band from which a tone is drawn.
     FREQUENCY_HIGH = "motion.frequency.high", "upper frequency", BANDS, r#"high = "22 Hz""#;
     /// The lower end of the band of Gaussian motion.
     GAUSSIAN_LOW = "motion.gaussian.low", "lower frequency", BANDS, r#"low = "18 Hz""#;
@@ -139,7 +142,7 @@ keys! {
     GAUSSIAN_HIGH = "motion.gaussian.high", "upper frequency", BANDS, r#"high = "22 Hz""#;
 }
 
-/// The density of a spectrum; what it may be says its reader.
+/// The density of a rate spectrum, whose reader sets the limits.
 pub(crate) const RATE_DENSITIES: Holds = unlimited(&[Dimension::RateDensity]);
 pub(crate) const ACCELERATION_DENSITIES: Holds = unlimited(&[Dimension::AccelerationDensity]);
 
@@ -152,7 +155,7 @@ pub(crate) struct ToneKeys {
     pub(crate) phase: &'static Key,
 }
 
-/// Of the only tone.
+/// The keys of a single tone.
 pub(crate) const ONE: ToneKeys = ToneKeys {
     amplitude: &AMPLITUDE,
     uniform: &UNIFORM,
@@ -161,7 +164,7 @@ pub(crate) const ONE: ToneKeys = ToneKeys {
     phase: &PHASE,
 };
 
-/// Of one of several tones.
+/// The keys of one of several tones.
 pub(crate) const OF_SEVERAL: ToneKeys = ToneKeys {
     amplitude: &TONE_AMPLITUDE,
     uniform: &TONE_UNIFORM,
@@ -170,7 +173,7 @@ pub(crate) const OF_SEVERAL: ToneKeys = ToneKeys {
     phase: &TONE_PHASE,
 };
 
-/// What sweeps may vary of a motion, besides the gyro on whose suspension it works.
+/// The settings of a motion that can be swept, except the gyro on whose suspension it acts.
 pub(crate) static SETTINGS: [Setting<Motion>; 12] = [
     Setting::of(
         &AMPLITUDE,

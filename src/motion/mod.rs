@@ -17,16 +17,16 @@ use crate::theory::minimum_variance::Band;
 use crate::theory::psd::Psd;
 use crate::theory::suspension::Suspension;
 
-/// Everything that the base does, added up. The rate is meant at the middle of the gap.
+/// The motion of the base, the sum of all its parts. The rate is that at the middle of the gap.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Motion {
-    /// At most 8.
+    /// Tones, at most 8.
     pub tones: Vec<Tone>,
-    /// At most one beside the tones.
+    /// Gaussian motion in addition to the tones.
     pub gaussian: Option<Gaussian>,
-    /// A record, which stands without tones and Gaussian motion.
+    /// A recorded profile, which excludes tones and Gaussian motion.
     pub profile: Option<Profile>,
-    /// What shakes the base. At a point its tone or Gaussian motion is among the others.
+    /// Vibration of the base. At a point, its tone or Gaussian motion is among the others.
     pub vibration: Option<Vibration>,
     /// Constant rate, ″/s.
     pub rate: f64,
@@ -39,18 +39,18 @@ pub struct Motion {
 pub struct Tone {
     /// Peak of the sine.
     pub amplitude: Amplitude,
-    /// Fixed or drawn.
+    /// Frequency, fixed or drawn.
     pub frequency: Frequency,
-    /// At the middle of the gap.
+    /// Phase at the middle of the gap.
     pub phase: Phase,
 }
 
 /// Amplitude of a tone: of its rate, ″/s, or of its angle, ″.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Amplitude {
-    /// Whether it is of the angle, ″, not of the rate, ″/s.
+    /// Whether it is that of the angle, ″, instead of the rate, ″/s.
     pub of_angle: bool,
-    /// Fixed or drawn.
+    /// Value, fixed or drawn.
     pub value: Value,
 }
 
@@ -59,9 +59,9 @@ pub struct Amplitude {
 pub enum Value {
     /// The same in all trials.
     Fixed(f64),
-    /// Evenly between two ends.
+    /// Uniformly distributed between two ends.
     Uniform([f64; 2]),
-    /// Rayleigh-distributed with this scale: with an even phase the rate is then normal with this standard deviation.
+    /// Rayleigh-distributed with this scale; with a uniform phase the rate is then normal with this standard deviation.
     Rayleigh(f64),
 }
 
@@ -70,29 +70,29 @@ pub enum Value {
 pub enum Frequency {
     /// The same in all trials.
     Fixed(f64),
-    /// Drawn evenly from a band for each trial.
+    /// Drawn uniformly from a band for each trial.
     Band(Band),
 }
 
 /// Stationary Gaussian motion.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Gaussian {
-    /// Of this standard deviation of the rate, ″/s, spread evenly over a band.
+    /// Motion of a given standard deviation, spread evenly over a band.
     Band {
         /// Standard deviation of the rate, ″/s.
         rms: f64,
-        /// Where it is, Hz.
+        /// Band, Hz.
         band: Band,
     },
-    /// Of this power spectral density of the rate, one-sided.
+    /// Motion with this one-sided power spectral density of the rate.
     Psd(Arc<Psd>),
-    /// Through a suspension, of a base whose acceleration has `scale` times this density, in g²/Hz.
+    /// Motion through a suspension of a base whose acceleration has `scale` times this density.
     Vibration {
-        /// What turns acceleration into rotation.
+        /// The suspension that turns acceleration into rotation.
         suspension: Arc<Suspension>,
-        /// One-sided, g²/Hz.
+        /// One-sided density of the acceleration, g²/Hz.
         acceleration: Arc<Psd>,
-        /// Factor to that density.
+        /// Factor by which that density is multiplied.
         scale: f64,
     },
 }
@@ -100,16 +100,16 @@ pub enum Gaussian {
 /// A recorded motion that is replayed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
-    /// As the study names it.
+    /// File name in the study.
     pub file: String,
     /// Its samples.
     pub record: Arc<Record>,
-    /// Where the gap falls.
+    /// Place of the gap.
     pub position: Position,
 }
 
 impl Tone {
-    /// Whether what a filler leaves of it is a sine of its phase, or normal.
+    /// Whether the residual that a filler leaves of the tone is a sine of its phase, or normal.
     pub(crate) fn is_plain(&self) -> bool {
         let drawn = matches!(self.amplitude.value, Value::Uniform(_));
         matches!(self.frequency, Frequency::Fixed(_)) && !drawn
@@ -123,7 +123,7 @@ impl Motion {
     }
 
     /// Rate amplitude, ″/s, and frequency, Hz, where the motion has exactly one tone, of fixed amplitude and frequency,
-    /// and nothing random beside it.
+    /// and no other random part.
     pub fn single_tone(&self) -> Option<(f64, f64)> {
         let [tone] = self.tones[..] else { return None };
         let (Value::Fixed(amplitude), Frequency::Fixed(frequency_hz)) =
@@ -135,7 +135,7 @@ impl Motion {
         alone.then(|| (amplitude * tone.rate_factor(frequency_hz), frequency_hz))
     }
 
-    /// Standard deviation of the rate, ″/s; of a tone drawn from a band at its middle, of a profile over its ticks.
+    /// Standard deviation of the rate, ″/s; for a tone drawn from a band at its middle, for a profile over its ticks.
     pub fn rate_rms(&self, tick_s: f64) -> f64 {
         let mut square = 0.0;
         for tone in &self.tones {
@@ -150,8 +150,8 @@ impl Motion {
         libm::sqrt(square)
     }
 
-    /// Covariance of the angles of two ticks, ″², by their distance 0 … `lags` − 1; a constant rate and acceleration are
-    /// no part of it, and a phase counts as evenly drawn.
+    /// Covariance of the angles of two ticks, ″², at distances 0 … `lags` − 1. A constant rate and acceleration are not
+    /// part of it, and a phase counts as uniformly drawn.
     pub fn covariance(&self, tick_s: f64, lags: usize) -> Vec<f64> {
         let mut sum = vec![0.0; lags];
         let mut add = |part: Vec<f64>| sum.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
@@ -180,7 +180,7 @@ impl Gaussian {
         }
     }
 
-    /// Covariance of the angles of two ticks, ″², by their distance 0 … `lags` − 1.
+    /// Covariance of the angles of two ticks, ″², at distances 0 … `lags` − 1.
     pub fn covariance(&self, tick_s: f64, lags: usize) -> Vec<f64> {
         match self {
             // A sine of this rms at every frequency of the band.
@@ -196,24 +196,24 @@ impl Gaussian {
 }
 
 impl Tone {
-    /// A tone of fixed rate amplitude, ″/s, and frequency, Hz, of random phase.
+    /// A tone with a fixed rate amplitude, ″/s, a fixed frequency, Hz, and a random phase.
     pub fn of_rate(amplitude: f64, frequency_hz: f64) -> Tone {
         let amplitude = Amplitude { of_angle: false, value: Value::Fixed(amplitude) };
         Tone { amplitude, frequency: Frequency::Fixed(frequency_hz), phase: Phase::Uniform }
     }
 
-    /// A tone of fixed amplitude of the angle, ″, and frequency, Hz, of random phase.
+    /// A tone with a fixed amplitude of the angle, ″, a fixed frequency, Hz, and a random phase.
     pub fn of_angle(amplitude: f64, frequency_hz: f64) -> Tone {
         let amplitude = Amplitude { of_angle: true, value: Value::Fixed(amplitude) };
         Tone { amplitude, frequency: Frequency::Fixed(frequency_hz), phase: Phase::Uniform }
     }
 
-    /// What the amplitude is multiplied with to be one of the rate.
+    /// The factor that converts the amplitude to that of the rate.
     pub fn rate_factor(&self, frequency_hz: f64) -> f64 {
         if self.amplitude.of_angle { TAU * frequency_hz } else { 1.0 }
     }
 
-    /// The frequencies it may have.
+    /// The range of its frequencies.
     pub fn band(&self) -> Band {
         match self.frequency {
             Frequency::Fixed(nu) => Band { low_hz: nu, high_hz: nu },
@@ -233,7 +233,7 @@ impl Tone {
 }
 
 impl Value {
-    /// The mean of its square over trials.
+    /// The mean square over trials.
     pub fn mean_square(self) -> f64 {
         match self {
             Value::Fixed(x) => x * x,
@@ -242,7 +242,7 @@ impl Value {
         }
     }
 
-    /// The largest, or the scale of a Rayleigh distribution.
+    /// The largest value, or the scale of a Rayleigh distribution.
     pub fn scale(self) -> f64 {
         match self {
             Value::Fixed(x) | Value::Uniform([_, x]) | Value::Rayleigh(x) => x,

@@ -1,4 +1,4 @@
-//! Reading `[motion]`: from what is written to the motion, with every fault at its place.
+//! Reading of `[motion]`, which reports every fault with its place.
 
 use std::sync::Arc;
 
@@ -20,11 +20,11 @@ use crate::source::diagnose::{Fault, Wrong};
 use crate::source::text_file::MOST_RECORD;
 use crate::theory::minimum_variance::Band;
 
-/// What a motion may be, for messages.
+/// The accepted forms of a motion, for messages.
 const FORMS: &str = "accepted: amplitude and frequency; tones = [{ amplitude = …, frequency = … }, …]; gaussian = { rms \
                      = …, band = […] }; profile = { file = … }; suspension = { gyro = …, sine = … }; rate or acceleration";
 
-/// The motion that is written. Notes the place of each key.
+/// Reads the motion and records the place of each key.
 pub(crate) fn read(reading: &mut Reading) -> Result<Motion, Wrong> {
     let mut motion = Motion { tones: tones(reading)?, ..Motion::default() };
     reading.note(&[&TONES, &AMPLITUDE, &FREQUENCY, &GAUSSIAN, &PROFILE, &RATE, &ACCELERATION]);
@@ -35,7 +35,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Motion, Wrong> {
     }
     if let Some(profile) = reading.get(&PROFILE) {
         if !motion.tones.is_empty() || motion.gaussian.is_some() || motion.vibration.is_some() {
-            let message = "motion.profile stands beside other vibration, a record is all of it";
+            let message = "motion.profile excludes other vibration, as the record is the whole motion";
             return Err(profile.fault(message, "besides another motion", "leave one of them out").into());
         }
         motion.profile = Some(read_profile(reading)?);
@@ -55,11 +55,11 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Motion, Wrong> {
     Ok(motion)
 }
 
-/// Refuses a vibration whose part of the motion is taken.
+/// Refuses a vibration that conflicts with another part of the motion.
 fn check_beside(motion: &Motion, vibration: &Vibration, reading: &Reading) -> Result<(), Fault> {
     let message = match vibration.acceleration {
         Acceleration::Random { .. } if motion.gaussian.is_some() => {
-            "motion.suspension.random stands beside motion.gaussian".to_owned()
+            "motion.suspension.random conflicts with motion.gaussian".to_owned()
         }
         Acceleration::Sine { .. } if motion.tones.len() >= MAX_TONES => {
             format!("motion.suspension.sine is one tone more than the {MAX_TONES} that a motion may have")
@@ -74,12 +74,12 @@ fn tones(reading: &Reading) -> Result<Vec<Tone>, Fault> {
     let single = [ONE.amplitude, ONE.frequency, ONE.phase].map(|key| reading.get(key));
     if let Some(tones) = reading.get(&TONES) {
         if let Some(single) = single.into_iter().flatten().next() {
-            let message = "motion.tones stands beside the amplitude, frequency or phase of a single tone";
+            let message = "motion.tones conflicts with the amplitude, frequency or phase of a single tone";
             return Err(single.fault(message, "besides tones", "put it into tones, or leave tones out"));
         }
         let list = tones.items();
         let (message, label) = match list.len() {
-            0 => ("motion.tones is empty".to_owned(), "no tone"),
+            0 => ("motion.tones is empty".to_owned(), "no tones"),
             count if count > MAX_TONES => {
                 (format!("motion.tones has {count} tones, more than {MAX_TONES}"), "too many tones")
             }
@@ -136,7 +136,7 @@ fn read_amplitude(table: &Table, keys: &ToneKeys) -> Result<Amplitude, Fault> {
     Ok(of(amplitude, Value::Fixed(amplitude.value)))
 }
 
-/// Two values, the lower one first.
+/// Reads two values, the lower one first.
 fn pair(ends: Given) -> Result<[Quantity; 2], Fault> {
     let name = ends.key.name;
     let items = ends.items().iter().map(Given::quantity).collect::<Result<Vec<_>, _>>()?;
@@ -154,7 +154,7 @@ fn pair(ends: Given) -> Result<[Quantity; 2], Fault> {
     Ok([low, high])
 }
 
-/// A band of frequencies.
+/// Reads a band of frequencies.
 pub(crate) fn band(ends: Given) -> Result<Band, Fault> {
     let [low, high] = pair(ends)?;
     Ok(Band { low_hz: low.value, high_hz: high.value })

@@ -1,4 +1,4 @@
-//! Reading a power spectral density.
+//! Reading of a power spectral density.
 
 use crate::key::given::Given;
 use crate::key::holds::Holds;
@@ -6,7 +6,7 @@ use crate::motion::keys::FREQUENCIES;
 use crate::source::diagnose::Fault;
 use crate::theory::psd::Psd;
 
-/// A density, row by row: a frequency and what `densities` are.
+/// Reads a density row by row, each a frequency and a value that `densities` accepts.
 pub(crate) fn read_psd(written: Given, densities: &Holds) -> Result<Psd, Fault> {
     let (rows, key) = (written.items(), written.key.name);
     let mut points: Vec<[f64; 2]> = Vec::new();
@@ -29,7 +29,7 @@ pub(crate) fn read_psd(written: Given, densities: &Holds) -> Result<Psd, Fault> 
         let message = format!("{key} has {} rows", points.len());
         return Err(written.fault(message, "too few", "give two rows or more: the ends of a line each"));
     }
-    // What its own checks would find has been refused with its place.
+    // Faults that `Psd::new` would find have already been refused with their place.
     Psd::new(points)
-        .map_err(|error| written.fault(error.to_string(), "no spectrum", "sort the rows by frequency"))
+        .map_err(|error| written.fault(error.to_string(), "not a spectrum", "sort the rows by frequency"))
 }

@@ -1,4 +1,4 @@
-//! Reading a suspension: a name, or its modes.
+//! Reading of a suspension, given by name or by its modes.
 
 use std::sync::Arc;
 
@@ -21,22 +21,22 @@ pub(crate) const QS: Holds = measure(&[Dimension::Ratio], 0.5, 1e4, "0.5 to 1000
 pub(crate) const RESPONSES: Holds =
     measure(&[Dimension::RatePerAcceleration], -1e9, 1e9, "-1e9 to 1e9 arcsec/s/g");
 
-/// The keys of a table that has a suspension.
+/// The keys of a table that describes a suspension.
 pub(crate) struct SuspensionKeys {
     pub(crate) table: &'static Key,
     pub(crate) gyro: &'static Key,
     pub(crate) modes: &'static Key,
-    /// Of each mode its frequency, Q factor and response.
+    /// The frequency, Q factor and response of each mode.
     pub(crate) mode: [&'static Key; 3],
 }
 
 impl SuspensionKeys {
-    /// The suspension that is written; where only a sweep names one, its first.
+    /// Reads the suspension; where only a sweep names suspensions, the first of them.
     pub(crate) fn read(&self, reading: &Reading) -> Result<Arc<Suspension>, Fault> {
         let (gyro, modes) = (reading.get(self.gyro), reading.get(self.modes));
         let swept = reading.sweep(self.gyro);
         if let (Some(modes), Some(_)) = (modes, swept) {
-            let message = format!("{} stands beside a sweep over {}", self.modes.name, self.gyro.name);
+            let message = format!("{} conflicts with a sweep over {}", self.modes.name, self.gyro.name);
             return Err(modes.fault(message, "another suspension", "leave one of them out"));
         }
         let suspension = match (gyro, modes, swept.and_then(|sweep| sweep.values.first())) {
@@ -55,7 +55,8 @@ impl SuspensionKeys {
         Ok(Arc::new(suspension))
     }
 
-    /// That what a suspension has besides its name's frequencies is assumed; `None` where its modes are written.
+    /// States that all properties of a named suspension except its frequencies are assumed; `None` where modes are
+    /// given.
     pub(crate) fn assumed(&self, reading: &Reading) -> Option<String> {
         let names: Vec<String> = match (reading.sweep(self.gyro), reading.get(self.gyro)) {
             (Some(sweep), _) => sweep.values.iter().map(Swept::to_string).collect(),
@@ -70,7 +71,7 @@ impl SuspensionKeys {
         })
     }
 
-    /// The suspension that a sweep chooses.
+    /// The suspension selected by a sweep.
     pub(crate) fn swept(&self, swept: &[(&'static str, Swept)]) -> Option<Arc<Suspension>> {
         Suspension::named(swept_name(swept, self.gyro)?).map(Arc::new)
     }
@@ -80,7 +81,7 @@ impl SuspensionKeys {
         let count = items.len();
         if !(1..=MOST_MODES).contains(&count) {
             let message = format!("{} has {count} modes", self.modes.name);
-            let label = if count == 0 { "no mode" } else { "too many modes" };
+            let label = if count == 0 { "no modes" } else { "too many modes" };
             return Err(modes.fault(message, label, format!("accepted: 1 to {MOST_MODES} modes")));
         }
         let mode = |table| {

@@ -1,4 +1,4 @@
-//! Vibration of the base through the suspension of the gyro: what it comes to as a motion, its keys, and its limits.
+//! Vibration of the base through the suspension of the gyro: its keys, its limits, and the motion that it causes.
 
 use std::sync::Arc;
 
@@ -18,37 +18,37 @@ use crate::source::diagnose::Fault;
 use crate::theory::psd::Psd;
 use crate::theory::suspension::Suspension;
 
-/// A linear vibration, in g, of a base on which the gyro stands by its suspension.
+/// A linear vibration of the base, in g, which acts on the gyro through its suspension.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Vibration {
     /// The modes of the mount.
     pub suspension: Arc<Suspension>,
-    /// A sine or a spectrum.
+    /// Acceleration: a sine or a spectrum.
     pub acceleration: Acceleration,
-    /// Whether what is above half the tick rate may show at lower frequencies.
+    /// Whether vibration above half the tick rate may appear at lower frequencies.
     pub alias: bool,
 }
 
-/// How the base is accelerated.
+/// The acceleration of the base.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Acceleration {
     /// A sine of random phase.
     Sine {
-        /// Peak, g.
+        /// Peak acceleration, g.
         amplitude_g: f64,
-        /// Hz.
+        /// Frequency, Hz.
         frequency_hz: f64,
     },
-    /// Stationary and Gaussian, of this density in g²/Hz, scaled to a standard deviation where there is one.
+    /// Stationary Gaussian acceleration with a density, which can be scaled to a standard deviation.
     Random {
-        /// One-sided, g²/Hz.
+        /// One-sided density, g²/Hz.
         psd: Arc<Psd>,
-        /// Standard deviation to scale it to, g.
+        /// Standard deviation to which it is scaled, g.
         rms_g: Option<f64>,
     },
 }
 
-/// The keys of the suspension that the base shakes.
+/// The keys of the suspension of a vibration.
 pub(crate) const KEYS: SuspensionKeys = SuspensionKeys {
     table: &SUSPENSION,
     gyro: &GYRO,
@@ -56,7 +56,7 @@ pub(crate) const KEYS: SuspensionKeys = SuspensionKeys {
     mode: [&MODE_FREQUENCY, &MODE_Q, &MODE_RESPONSE],
 };
 
-/// The vibration that is written, if any.
+/// Reads the vibration, if there is one.
 pub(crate) fn read(reading: &mut Reading) -> Result<Option<Vibration>, Fault> {
     let Some(table) = reading.get(&SUSPENSION) else { return Ok(None) };
     let suspension = KEYS.read(reading)?;
@@ -75,15 +75,15 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Option<Vibration>, Fault> {
             return Err(table.fault(message, "not exactly one", help));
         }
     };
-    // The table behind its parts: for an error about the whole of it the first that is written is pointed at.
+    // The table comes last, so that an error about the whole points at the first part that is written.
     reading.note(&[&GYRO, &MODES, &SINE_ACCELERATION, &SINE_FREQUENCY, &RANDOM_PSD, &SUSPENSION]);
     let alias = reading.get(&ALIAS).is_some_and(|alias| alias.flag());
     Ok(Some(Vibration { suspension, acceleration, alias }))
 }
 
 impl Vibration {
-    /// Adds what the gyro turns to a motion: |H|·a of a sine is a tone, a random acceleration is Gaussian motion of the
-    /// density |H|²·S.
+    /// Adds the resulting rotation to a motion: a sine of amplitude a gives a tone of amplitude |H|·a, and a random
+    /// acceleration gives Gaussian motion with the density |H|²·S.
     pub(crate) fn add_to(&self, motion: &mut Motion) {
         match &self.acceleration {
             Acceleration::Sine { amplitude_g, frequency_hz } => {
@@ -106,8 +106,8 @@ impl Vibration {
         }
     }
 
-    /// What of it lies above half the tick rate without that being allowed, or so far above it that nothing could be said
-    /// of it.
+    /// Refuses vibration above half the tick rate where aliasing is not allowed, and vibration so far above it that the
+    /// result would be meaningless.
     pub(crate) fn check(
         &self,
         tick_s: f64,
@@ -126,7 +126,7 @@ impl Vibration {
         let highest = self.highest_hz();
         if highest * tick_s > most_tick_rates {
             let message = format!(
-                "motion.suspension: a vibration of {} Hz is absurd at a tick rate of {} Hz (gyro.tick = {} s)",
+                "motion.suspension: a vibration of {} Hz is too fast for a tick rate of {} Hz (gyro.tick = {} s)",
                 number(highest),
                 number(1.0 / tick_s),
                 number(tick_s)

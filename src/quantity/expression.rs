@@ -53,14 +53,14 @@ impl fmt::Display for Exponents {
     }
 }
 
-/// A unit: its size in base units, and which.
+/// The size of a unit in base units, with their powers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Size {
     pub(crate) factor: f64,
     pub(crate) exponents: Exponents,
 }
 
-/// Every symbol, its size in base units and the powers (in halves) of ″, s, g, pulse.
+/// All symbols, each with its size in base units and the powers (in halves) of ″, s, g, pulse.
 const SYMBOLS: [(&[&str], f64, [i32; 4]); 16] = [
     (&["s"], 1.0, [0, 2, 0, 0]),
     (&["ms"], 1e-3, [0, 2, 0, 0]),
@@ -83,7 +83,7 @@ const SYMBOLS: [(&[&str], f64, [i32; 4]); 16] = [
 /// Reads a whole unit expression.
 ///
 /// # Errors
-/// A symbol that is no unit, or text that is no expression.
+/// A symbol is not a unit, or the text is not an expression.
 pub(crate) fn parse(text: &str) -> Result<Size, UnitError> {
     let malformed = || UnitError::Malformed { unit: text.to_owned() };
     if text.chars().count() > LONGEST {
@@ -150,13 +150,13 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// The rest of a parenthesis.
+    /// Reads the rest of a parenthesis.
     fn closed(&mut self) -> Result<Size, UnitError> {
         let inner = self.expression()?;
         if self.eat(")") { Ok(inner) } else { Err(self.malformed()) }
     }
 
-    /// Fourth roots have no place in a gyro's data sheet and are refused.
+    /// Takes a square root. Fourth roots do not occur in the data sheet of a gyro and are refused.
     fn root(&self, Size { factor, exponents }: Size) -> Result<Size, UnitError> {
         if exponents.0.iter().any(|halves| halves % 2 != 0) {
             return Err(self.malformed());
@@ -165,7 +165,7 @@ impl<'a> Parser<'a> {
         Ok(Size { factor: libm::sqrt(factor), exponents })
     }
 
-    /// A word, or one of the signs ″ " ′ °.
+    /// Reads a word, or one of the signs ″ " ′ °.
     fn symbol(&mut self) -> &'a str {
         self.rest = self.rest.trim_start();
         match self.rest.chars().next() {

@@ -1,7 +1,7 @@
-//! Numbers as people read them.
+//! Numbers formatted for the user.
 
-/// `x` with `digits` significant digits, without trailing zeros; with an exponent from 10^6 (or what the digits write out)
-/// on, and below 10^-5.
+/// `x` with `digits` significant digits, without trailing zeros; with an exponent below 10^-5, and from 10^6 (or the
+/// largest number that `digits` digits can write out) on.
 pub fn significant(x: f64, digits: usize) -> String {
     if x == 0.0 {
         return "0".to_owned();
@@ -14,7 +14,7 @@ pub fn significant(x: f64, digits: usize) -> String {
         false => text.to_owned(),
     };
     if (-5..(digits as i32).max(6)).contains(&exponent) {
-        // Digits that are not significant are zeros.
+        // Digits beyond the significant ones are zeros.
         let rounded: f64 = scientific.parse().unwrap_or(x);
         trim(&format!("{:.*}", (digits as i32 - 1 - exponent).max(0) as usize, rounded))
     } else {

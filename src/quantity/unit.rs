@@ -1,16 +1,16 @@
 //! The units of columns.
 
-/// What the numbers of a column are measured in.
+/// The unit of the numbers in a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Unit {
-    /// As it ends a column's name in files: `arcsec`, `hz`. Empty for a pure number.
+    /// Suffix of a column's name in files, such as `arcsec` or `hz`; empty for a pure number.
     pub suffix: &'static str,
-    /// As it stands on an axis: `″`, `Hz`.
+    /// Symbol on an axis, such as `″` or `Hz`.
     pub symbol: &'static str,
 }
 
 impl Unit {
-    /// Counts, parts and names.
+    /// The unit of counts, ratios and names.
     pub const NONE: Unit = Unit { suffix: "", symbol: "" };
     /// Angles.
     pub const ARCSEC: Unit = Unit { suffix: "arcsec", symbol: "″" };
@@ -22,7 +22,7 @@ impl Unit {
     pub const DEG_PER_SQRT_H: Unit = Unit { suffix: "deg_per_sqrt_h", symbol: "°/√h" };
     /// Rate random walk K.
     pub const DEG_PER_H_PER_SQRT_H: Unit = Unit { suffix: "deg_per_h_per_sqrt_h", symbol: "°/h/√h" };
-    /// The same number as in ″/s.
+    /// The same number as in ″/s, for drift rates.
     pub const DEG_PER_H: Unit = Unit { suffix: "deg_per_h", symbol: "°/h" };
     /// Allan variances.
     pub const DEG2_PER_H2: Unit = Unit { suffix: "deg2_per_h2", symbol: "(°/h)²" };
@@ -41,7 +41,7 @@ impl Unit {
     /// Times.
     pub const S: Unit = Unit { suffix: "s", symbol: "s" };
 
-    /// All units that a header may end in.
+    /// All units in which a header may end.
     pub const ALL: [Unit; 14] = [
         Unit::ARCSEC,
         Unit::ARCSEC_PER_S,
@@ -60,7 +60,8 @@ impl Unit {
     ];
 }
 
-/// The names that a header may have without its unit; the suffix of one unit may be the end of another.
+/// The names that a header may have without its unit; there may be several, because the suffix of one unit may be the
+/// end of another.
 pub(crate) fn bare(header: &str) -> impl Iterator<Item = &str> {
     Unit::ALL.iter().filter_map(move |unit| header.strip_suffix(unit.suffix)?.strip_suffix('_'))
 }

@@ -1,4 +1,4 @@
-//! Quantities: a number with a unit as engineers write them, held in ″ and s.
+//! Quantities: numbers with units as engineers write them, stored in ″ and s.
 
 use std::fmt;
 
@@ -7,41 +7,42 @@ use crate::quantity::expression::{self, Exponents};
 use crate::quantity::number::significant;
 use crate::quantity::unit::Unit;
 
-/// What a value of a study measures.
+/// The physical dimension of a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
     /// A whole number, without unit.
     Count,
-    /// A part of something: a number, or a text in percent.
+    /// A ratio: a number, or a text in percent.
     Ratio,
-    /// In s.
+    /// A time, in s.
     Time,
-    /// In Hz.
+    /// A frequency, in Hz.
     Frequency,
-    /// In ″.
+    /// An angle, in ″.
     Angle,
-    /// In ″/s.
+    /// An angular rate, in ″/s.
     Rate,
-    /// A rate as small as the noise and drift of a gyro at rest.
+    /// An angular rate as small as the noise and drift of a gyro at rest, in ″/s.
     DriftRate,
-    /// Angle over the root of time; also a rate over the root of frequency, two-sided: 1 °/h/√Hz = 1/60 °/√h.
+    /// Angle over the square root of time, in ″/√s; also a rate over the square root of frequency, two-sided: 1 °/h/√Hz
+    /// = 1/60 °/√h.
     AngleRandomWalk,
-    /// In ″/s².
+    /// An angular acceleration, in ″/s².
     AngularAcceleration,
-    /// Rate over the root of time.
+    /// Rate over the square root of time.
     RateRandomWalk,
     /// Power spectral density of a rate, one-sided.
     RateDensity,
-    /// A linear one, in g.
+    /// A linear acceleration, in g.
     Acceleration,
     /// Power spectral density of an acceleration, one-sided.
     AccelerationDensity,
-    /// Rate by acceleration, of a suspension.
+    /// Rate per linear acceleration, of a suspension.
     RatePerAcceleration,
 }
 
 impl Dimension {
-    /// All that is written with a unit.
+    /// All dimensions that are written with a unit.
     const MEASURED: [Dimension; 11] = [
         Dimension::Time,
         Dimension::Frequency,
@@ -73,7 +74,7 @@ impl Dimension {
         }
     }
 
-    /// For sentences: `an angle`.
+    /// Name for sentences, such as `an angle`.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Dimension::Count => "a whole number",
@@ -92,12 +93,12 @@ impl Dimension {
         }
     }
 
-    /// Units a user may take, for sentences: `s, ms, …`.
+    /// Accepted units for sentences, such as `s, ms, …`.
     pub(crate) fn units(self) -> &'static str {
         self.accepted().0
     }
 
-    /// Units a user may take, then one example.
+    /// Accepted units, then one example.
     fn accepted(self) -> (&'static str, &'static str) {
         match self {
             Dimension::Count => ("", "3"),
@@ -121,7 +122,7 @@ impl Dimension {
         }
     }
 
-    /// The unit in which tables show values of this kind: that of data sheets for noise.
+    /// The unit in which tables show values of this dimension: that of data sheets for noise.
     pub fn unit(self) -> Unit {
         match self {
             Dimension::DriftRate => Unit::DEG_PER_H,
@@ -142,7 +143,7 @@ impl Dimension {
 }
 
 impl Dimension {
-    /// One base unit in the unit of tables.
+    /// The size of one base unit in the unit of tables.
     fn base_shown(self) -> f64 {
         match self {
             // 1 ″/√s is 1/60 °/√h, 1 ″/s^1.5 is 60 °/h/√h; ″/s and °/h are the same.
@@ -153,7 +154,7 @@ impl Dimension {
     }
 }
 
-/// The help that lists what may be written for `dimensions`.
+/// Help that lists the accepted units for `dimensions`.
 pub(crate) fn accepted(dimensions: &[Dimension]) -> String {
     let each = dimensions.iter().map(|dimension| match dimension.accepted() {
         ("", example) => format!("{}, for example {example}", dimension.name()),
@@ -165,9 +166,9 @@ pub(crate) fn accepted(dimensions: &[Dimension]) -> String {
 /// A value in base units: ″, s, their combinations, or a plain count.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantity {
-    /// Rounded to 12 significant digits, so that values which share an identity are the same bits.
+    /// The value, rounded to 12 significant digits, so that values that share an identity have the same bits.
     pub value: f64,
-    /// What it measures, and so its base unit.
+    /// The dimension, which determines the base unit.
     pub dimension: Dimension,
 }
 
@@ -183,7 +184,7 @@ impl Quantity {
 }
 
 impl fmt::Display for Quantity {
-    /// With its unit: `20 Hz`.
+    /// Writes the value with its unit, such as `20 Hz`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let symbol = self.dimension.unit().symbol;
         let space = if symbol.is_empty() { "" } else { " " };
@@ -191,7 +192,7 @@ impl fmt::Display for Quantity {
     }
 }
 
-/// Rounds to 12 significant decimal digits, through text: exact, and the same everywhere. −0 becomes 0.
+/// Rounds to 12 significant decimal digits through text, which is exact and the same everywhere. −0 becomes 0.
 pub(crate) fn round_12(x: f64) -> f64 {
     format!("{x:.11e}").parse().unwrap_or(x) + 0.0
 }
@@ -201,7 +202,7 @@ pub(crate) fn round_12(x: f64) -> f64 {
 /// The number may hold `_`, an exponent and the Unicode minus.
 ///
 /// # Errors
-/// No number, no unit, an unknown unit, another dimension, or a value that is not finite.
+/// A missing number, a missing or unknown unit, another dimension, or a value that is not finite.
 /// # Example
 /// ```
 /// use sagnac::quantity::units::{Dimension, parse};
@@ -235,15 +236,15 @@ pub fn parse(text: &str, wanted: &[Dimension]) -> Result<Quantity, UnitError> {
     }
 }
 
-/// Reads a unit alone: its size in base units, and which of the `wanted` dimensions it measures.
+/// Reads a unit alone. Returns its size in base units, and the one of the `wanted` dimensions that it measures.
 ///
 /// # Errors
-/// An unknown unit, or one of another dimension.
+/// The unit is unknown, or has another dimension.
 pub(crate) fn parse_unit(unit: &str, wanted: &[Dimension]) -> Result<(f64, Dimension), UnitError> {
     unit_of(unit, unit, wanted)
 }
 
-/// The same for the unit of a `text`, which an error about its dimension shows.
+/// Reads the unit of `text`, which an error about the dimension quotes.
 fn unit_of(unit: &str, text: &str, wanted: &[Dimension]) -> Result<(f64, Dimension), UnitError> {
     let size = expression::parse(unit)?;
     let of_size = |dimension: &Dimension| dimension.exponents() == size.exponents;
@@ -255,19 +256,19 @@ fn unit_of(unit: &str, text: &str, wanted: &[Dimension]) -> Result<(f64, Dimensi
     Err(UnitError::Dimension { text: text.to_owned(), found })
 }
 
-/// What a number that goes on behind a comma may mean: decimals, or thousands where three digits follow.
+/// Possible meanings of a number with a comma: decimals, or thousands where three digits follow.
 fn without_comma(number: &str, rest: &str) -> Option<String> {
     let behind = rest.strip_prefix(',').filter(|behind| behind.starts_with(|c: char| c.is_ascii_digit()))?;
     let digits = behind.bytes().take_while(u8::is_ascii_digit).count();
     let decimals = (!behind[digits..].starts_with(['.', ','])).then(|| format!("\"{number}.{behind}\""));
-    // No thousands begin with a zero.
+    // Numbers with a thousands separator do not begin with a zero.
     let leads = !number.trim_start_matches(['+', '-', '−']).starts_with('0');
     let thousands = (digits == 3 && leads).then(|| format!("\"{number}{}\"", behind.replace(',', "")));
     let readings: Vec<String> = decimals.into_iter().chain(thousands).collect();
     (!readings.is_empty()).then(|| readings.join(" or "))
 }
 
-/// Bytes of the longest number at the start: sign, digits, fraction, exponent.
+/// Length in bytes of the number at the start: sign, digits, fraction and exponent.
 fn number_length(text: &str) -> usize {
     let skip = |at: usize, keep: &dyn Fn(char) -> bool, most: usize| {
         let kept = text[at..].chars().take(most).take_while(|c| keep(*c));
@@ -360,7 +361,7 @@ mod tests {
             ("nan Hz", "does not begin with a number"),
             ("inf s", "does not begin with a number"),
             ("1e999 Hz", "not a finite number"),
-            ("5,0 deg/s", "decimals take a point, thousands no sign, as in \"5.0 deg/s\""),
+            ("5,0 deg/s", "write decimals with a point and thousands without a sign, as in \"5.0 deg/s\""),
             ("-0,5 ″", "as in \"-0.5 ″\""),
             ("1,000,000 Hz", "as in \"1000000 Hz\""),
             ("12,000 Hz", "as in \"12.000 Hz\" or \"12000 Hz\""),

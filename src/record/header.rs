@@ -100,7 +100,7 @@ fn find(header: &Row<'_>, wanted: &Wanted) -> Result<Column, Fault> {
         let listed = header.cells.iter().take(MOST_LISTED);
         let columns: Vec<String> = listed.map(|cell| format!("`{cell}`")).collect();
         let more = if header.cells.len() > MOST_LISTED { ", …" } else { "" };
-        let message = format!("no column is called `{name}`; there are {}{more}", columns.join(", "));
+        let message = format!("no column is called `{name}`; the columns are {}{more}", columns.join(", "));
         return Err(Fault::new(header.span.clone(), message, format!("no `{name}` here"), EXAMPLE));
     };
     if let Some((second, _)) = named.next() {

@@ -190,7 +190,7 @@ mod tests {
             ),
             (
                 "time [s],speed [deg/s]\n",
-                "no column is called `rate`; there are `time [s]`, `speed [deg/s]`",
+                "no column is called `rate`; the columns are `time [s]`, `speed [deg/s]`",
                 "r.csv:1:1",
                 "rate [deg/s]",
             ),

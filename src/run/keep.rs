@@ -1,4 +1,4 @@
-//! Keeping a study with its results.
+//! Storage of a study with its results.
 
 use std::io::Error;
 use std::path::{Path, PathBuf};
@@ -7,19 +7,19 @@ use crate::run::RESOLVED;
 use crate::store::whole::write_whole;
 use crate::study::Study;
 
-/// A study could not be kept: the folder of its results cannot be written.
+/// Why a study could not be stored: the folder of its results cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {}: {source}", path.display())]
 pub struct KeepError {
-    /// What was to be written.
+    /// The path that could not be written.
     pub path: PathBuf,
-    /// Why it was not.
+    /// The cause.
     pub source: Error,
 }
 
-/// Keeps a study in the folder of its results, with the files that it names as they were when it was read: what is there can be merged and
-/// repeated, and taken elsewhere as a whole. Returns the names of files that held something else before, as of a study that was run
-/// there earlier.
+/// Stores a study in the folder of its results, with the files that it names as they were when it was read, so that the
+/// results can be merged, repeated and moved as a whole. Returns the names of files whose earlier contents were
+/// different, as of a study that was run there before.
 ///
 /// # Errors
 /// A file cannot be written.
@@ -28,7 +28,7 @@ pub fn keep(study: &Study, folder: &Path) -> Result<Vec<String>, KeepError> {
     for input in study.inputs() {
         let path = folder.join(&input.name);
         match std::fs::read(&path) {
-            // It may be the one that was read.
+            // The file may be the one from which the study was read.
             Ok(there) if there == input.text.as_bytes() => continue,
             Ok(_) => replaced.push(input.name.clone()),
             Err(_) => {}
@@ -71,7 +71,7 @@ mod tests {
         let kept = std::fs::read_to_string(there.join(RESOLVED)).unwrap();
         assert!(kept.contains("list = [\"inputs/a.toml\", \"inputs/b.toml\"]"), "{kept}");
         assert!(kept.contains("# gyros") && !kept.contains(&*here.to_string_lossy()), "{kept}");
-        // The first is gone; the second is kept where it is, and is the same study.
+        // The original is deleted; the stored copy remains where it is and is the same study.
         drop(std::fs::remove_dir_all(here));
         let second = Study::read(&there.join(RESOLVED)).unwrap();
         assert!(keep(&second, there).unwrap().is_empty());
@@ -86,7 +86,7 @@ mod tests {
                 .collect::<Vec<_>>()
         };
         assert_eq!(noise(&first), noise(&second));
-        // What was read is kept, whatever has become of the file.
+        // The stored copy is what was read, whatever happened to the file since.
         std::fs::remove_file(there.join("inputs/a.toml")).unwrap();
         std::fs::write(there.join("inputs/b.toml"), "").unwrap();
         assert_eq!(keep(&first, there).unwrap(), ["inputs/b.toml"]);

@@ -1,4 +1,4 @@
-//! Running a study: what is missing in the store is sampled and added, then all that is held becomes tables.
+//! Running a study: missing trials are sampled and added to the store, and then everything stored is tabulated.
 
 pub mod keep;
 
@@ -44,7 +44,7 @@ impl<'a> Plan<'a> {
         self.work.is_sampled()
     }
 
-    /// What makes the results those of this study.
+    /// The identity of the results, which ties them to this study.
     pub fn identity(&self) -> Identity {
         Identity {
             kind: self.study.kind().name.to_owned(),
@@ -54,15 +54,16 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Samples what the store lacks of a share. `progress` hears how much there is in all and, as it comes, what is done; what
-    /// earlier runs left is done already.
+    /// Samples the trials that the store lacks of a share. `progress` receives the total, and the work done as it
+    /// completes; work of earlier runs counts as done.
     ///
-    /// A GPU that fails ends no run: it takes smaller tiles when memory runs out, is opened again when it is lost, and where
-    /// neither helps `device` becomes the CPU. The results are the same bits; [`Done::degraded`] says what happened.
+    /// A GPU that fails does not end a run: it takes smaller tiles when memory runs out, is opened again when it is
+    /// lost, and where neither helps `device` becomes the CPU. The results are the same bits; [`Done::degraded`]
+    /// describes the failures.
     ///
     /// # Errors
-    /// The disk fails, or the device, and there are no threads for the CPU to take its place; what was sampled before is in the
-    /// store.
+    /// The disk fails, or the device fails and no threads can be started for the CPU to replace it. Trials sampled
+    /// before are in the store.
     pub fn run(
         &self,
         store: &mut Store,
@@ -75,12 +76,13 @@ impl<'a> Plan<'a> {
         Ok(Done { degraded: worker.into_notes(), ..done })
     }
 
-    /// Whether so many sampled trials are more than all points have: estimates of a point that are not sampled together count each.
+    /// Whether the number of sampled trials exceeds that of all points together. This happens because estimates of a
+    /// point that are not sampled together count separately.
     pub fn counts_again(&self, sampled: u64) -> bool {
         sampled > self.work.all_trials()
     }
 
-    /// Trials that the store still lacks of a share, over all points.
+    /// Number of trials that the store still lacks of a share, over all points.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
@@ -88,13 +90,13 @@ impl<'a> Plan<'a> {
         self.work.lacks(store, share)
     }
 
-    /// The tables before anything is sampled: all rows, without estimates.
+    /// The tables before anything is sampled, with all rows but without estimates.
     pub fn blank_tables(&self) -> Tables {
         let nothing = Tables::of_points(Table::default());
         self.work.tables(None, &Silent).unwrap_or(nothing)
     }
 
-    /// All estimates held; `progress` hears of fits.
+    /// The tables of all stored estimates; `progress` receives numbers of fits.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
@@ -102,8 +104,8 @@ impl<'a> Plan<'a> {
         self.work.tables(Some(store), progress)
     }
 
-    /// Trials that a study has which repeats this one: what all points have, where they have the same number and that is more
-    /// than was asked for.
+    /// The number of trials for a study that repeats this one: that of all points, where it is the same for all and
+    /// exceeds the requested number, else the latter.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
@@ -111,8 +113,8 @@ impl<'a> Plan<'a> {
         Ok(self.work.held(index)?.unwrap_or(0).max(self.study.trials))
     }
 
-    /// What should be known besides the results, each in a sentence, of a store that holds what `index` says, and so many trials as
-    /// [`Plan::held`] does.
+    /// Notes attached to the results, each a sentence. `index` is that of the store, and `held` the result of
+    /// [`Plan::held`].
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
@@ -121,17 +123,17 @@ impl<'a> Plan<'a> {
         notes.extend(self.work.notes(store)?);
         if held > self.study.trials {
             let why = self.work.surplus();
-            notes.push(format!("{held} trials a point, not {}: {why}", self.study.trials));
+            notes.push(format!("{held} trials per point instead of {}: {why}", self.study.trials));
         }
         let points = index.points();
         let asked: HashSet<Id> = self.work.ids().into_iter().collect();
         match points.iter().filter(|id| !asked.contains(id)).count() {
             0 => {}
             1 => notes.push(
-                "1 point of earlier runs is kept but not shown: the study no longer asks for it".to_owned(),
+                "1 point of earlier runs is kept but not shown: the study no longer contains it".to_owned(),
             ),
             n => notes.push(format!(
-                "{n} points of earlier runs are kept but not shown: the study no longer asks for them"
+                "{n} points of earlier runs are kept but not shown: the study no longer contains them"
             )),
         }
         Ok(notes)

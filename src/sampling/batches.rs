@@ -1,4 +1,4 @@
-//! Sampling what the store lacks of some launches, batch by batch.
+//! Sampling of the trials that the store lacks of some launches, batch by batch.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -16,34 +16,35 @@ use crate::store::{Address, Provenance, Row, Store};
 use crate::tally::block::{Block, cover, fold, missing};
 use crate::tally::stats::Estimates;
 
-/// A launch and the blocks of it that are missing.
+/// A launch with its missing blocks.
 pub(crate) struct Work {
     pub(crate) launch: Launch,
-    /// Where the tally of each estimate is kept.
+    /// Addresses of the tallies of its estimates.
     pub(crate) addresses: Vec<Address>,
     pub(crate) blocks: Vec<Block>,
 }
 
 impl Work {
-    /// Trials that are missing.
+    /// Number of missing trials.
     pub(crate) fn trials(&self) -> u64 {
         self.blocks.iter().map(Block::trials).sum()
     }
 }
 
-/// Most jobs of a batch: their tallies are held in memory together, some 30 KiB each.
+/// Most jobs in a batch, whose tallies of some 30 KiB each are held in memory together.
 const MOST_JOBS: usize = 1024;
 
-/// How long a batch should take: results are on disk this often.
+/// Target duration of a batch in seconds, after which results are on disk.
 pub(crate) const BATCH_SECONDS: f64 = 0.3;
 
 /// Steps of the first batch.
 const FIRST_BATCH: u64 = 1 << 20;
 
-/// Most steps of a block: one that is lost with its batch, or that a signal waits for, takes seconds at most.
+/// log2 of the most steps of a block. Losing a block with its batch, or waiting for it after a signal, then costs
+/// seconds at most.
 const MOST_STEPS_LOG2: u32 = 30;
 
-/// The blocks of 2^`log2` trials and smaller that any of some estimates lacks of these `trials`.
+/// The blocks of at most 2^`log2` trials that some estimates lack within these `trials`.
 pub(crate) fn lacking<'a>(
     index: &Index,
     addresses: impl IntoIterator<Item = &'a Address>,
@@ -56,12 +57,12 @@ pub(crate) fn lacking<'a>(
             missing(index.blocks(address)?, trials.clone()).into_iter().flat_map(|gap| cover(gap, log2)),
         );
     }
-    // Those of one estimate may lie within those of another.
+    // The blocks of one estimate may lie within those of another.
     let blocks = fold(blocks.into_iter().map(|block| (block, ())).collect());
     Ok(blocks.into_iter().map(|(block, ())| block).collect())
 }
 
-/// How many first trials all of some estimates have, where that is the same number of each.
+/// The number of first trials that all of some estimates have, where it is the same for all.
 pub(crate) fn held_by_all<'a>(
     index: &Index,
     addresses: impl IntoIterator<Item = &'a Address>,
@@ -76,7 +77,8 @@ pub(crate) fn held_by_all<'a>(
     Ok(held.flatten())
 }
 
-/// Trials and estimates of what the rows of a table show: the tally at an address, where its histogram starts, and its unit, ″.
+/// Trials and estimates for the rows of a table. `of` gives the address of a row's tally, the level at which its
+/// histogram starts, and its unit, ″.
 pub(crate) fn estimates<T: Sync>(
     store: &Store,
     rows: &[T],
@@ -89,8 +91,8 @@ pub(crate) fn estimates<T: Sync>(
     })
 }
 
-/// Samples all of `work` in batches, each of which is kept as soon as it is done, or as much as there is time for until `progress`
-/// stops it; returns the trials sampled. The run `started` then, and has sampled so many trials `before`.
+/// Samples all of `work` in batches, each of which is stored as soon as it is complete, until `progress` stops it.
+/// Returns the number of trials sampled. The run started at `started` and had sampled `before` trials.
 pub(crate) fn sample(
     work: &[Work],
     before: u64,
@@ -132,8 +134,9 @@ pub(crate) fn sample(
     Ok(sampled)
 }
 
-/// Brings the blocks of all work forward together, each work in its order: what is done is then like what is left, also where
-/// points differ in what a trial takes, and a run that ends early has some trials of every point.
+/// Interleaves the blocks of all work, each work in its own order. The work done so far is then representative of the
+/// rest, even where trials of different points take different times, and a run that ends early has some trials of every
+/// point.
 fn interleave(rest: &mut Vec<(&Work, Block)>) {
     let same = |a: &(&Work, Block), b: &(&Work, Block)| std::ptr::eq(a.0, b.0);
     let mut placed: Vec<(f64, (&Work, Block))> = Vec::with_capacity(rest.len());
@@ -149,7 +152,7 @@ fn interleave(rest: &mut Vec<(&Work, Block)>) {
     *rest = placed.into_iter().map(|(_, block)| block).collect();
 }
 
-/// The next blocks, of so many steps together; one at least.
+/// The next blocks, of `steps` steps together, but at least one block.
 fn take_batch<'a>(rest: &mut Vec<(&'a Work, Block)>, steps: u64) -> Vec<(&'a Work, Block)> {
     let of = |(work, block): &(&Work, Block)| block.trials() * work.launch.steps();
     let (mut batch, mut taken) = (Vec::new(), 0);

@@ -1,17 +1,17 @@
-//! What the trials of a row of a table say.
+//! The estimates for a row of a table.
 
 use crate::table::Cell;
 use crate::table::column::Band;
 use crate::tally::stats::{Estimates, NORMAL_95, Quantile, z_score};
 
-/// What the columns mean that every such table has.
+/// Meanings of the columns that every such table has.
 pub(crate) const RMS_SE: &str =
     "Standard error (1 σ) of `rms`; 0 where every trial has the same error. The 95 % band is ±1.96 of these.";
 pub(crate) const LEVEL_LOWER: &str =
     "Lower end of the 95 % interval of `q9973`; blank where the trials cannot bound it.";
 pub(crate) const LEVEL_UPPER: &str =
     "Upper end of the 95 % interval of `q9973`; blank where the trials cannot bound it.";
-pub(crate) const Z: &str = "How many standard errors `rms` is off `oracle_rms`: beyond ±5 something is wrong. Blank without a closed form.";
+pub(crate) const Z: &str = "Deviation of `rms` from `oracle_rms` in standard errors; beyond ±5 something is wrong. Blank without a closed form.";
 
 /// The trials of a row and the estimates from them, which are absent before anything is sampled.
 #[derive(Debug, Clone, Copy, Default)]
@@ -47,7 +47,7 @@ impl Found {
         self.level(|q| q.low).zip(self.level(|q| q.high))
     }
 
-    /// By how many standard errors the rms is off its closed form.
+    /// The deviation of the rms from its closed form in standard errors.
     pub(crate) fn z(&self, oracle: Option<f64>, rounding: f64) -> Option<f64> {
         z_score(self.estimates?.rms, oracle?, self.rms_se()?, rounding)
     }

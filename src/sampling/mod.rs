@@ -1,4 +1,4 @@
-//! Sampling what a store lacks, batch by batch, on a device whose failures end no run.
+//! Sampling of the trials that a store lacks, batch by batch, on a device whose failures do not end a run.
 
 pub mod batches;
 pub(crate) mod found;

@@ -1,4 +1,4 @@
-//! A study whose every point is proven to fit: what a run asks of any kind.
+//! A study whose points are all proven to fit, as every kind provides it to a run.
 
 use std::fmt;
 
@@ -47,7 +47,8 @@ pub(crate) trait Plan: fmt::Debug {
         true
     }
 
-    /// Samples what the store lacks of a share. `progress` hears how much there is in all and, as it comes, what is done.
+    /// Samples the trials that the store lacks of a share. `progress` receives the total, and the work done as it
+    /// completes.
     ///
     /// # Errors
     /// The device or the disk fails.
@@ -59,19 +60,19 @@ pub(crate) trait Plan: fmt::Debug {
         progress: &dyn Progress,
     ) -> Result<Done, RunError>;
 
-    /// Trials that the store lacks of a share.
+    /// Number of trials that the store lacks of a share.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
     fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError>;
 
-    /// The tables of all that the store holds; without a store all rows without estimates.
+    /// The tables of everything that the store holds; without a store, all rows without estimates.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
     fn tables(&self, store: Option<&Store>, progress: &dyn Progress) -> Result<Tables, RunError>;
 
-    /// Trials that every estimate has, where all have the same number.
+    /// Number of trials of every estimate, where it is the same for all.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
@@ -80,16 +81,16 @@ pub(crate) trait Plan: fmt::Debug {
     /// The identities of all points.
     fn ids(&self) -> Vec<Id>;
 
-    /// What should be known besides the results, each in a sentence.
+    /// Notes attached to the results, each a sentence.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
     fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError>;
 
-    /// Trials of all points, each counted once.
+    /// Number of trials of all points together.
     fn all_trials(&self) -> u64;
 
-    /// Why points have more trials than the study asks for.
+    /// Why points have more trials than the study requests.
     fn surplus(&self) -> &'static str {
         "the folder holds them already"
     }

@@ -1,4 +1,4 @@
-//! Who does the work of a run: its device, as long as that does not fail, else the processor with the same bits.
+//! The device of a run, replaced by the processor, which gives the same bits, if it fails.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,51 +13,52 @@ use crate::kernel::recipe::Recipe;
 use crate::kernel::width::Width;
 use crate::progress::Progress;
 
-/// How often a device that is lost is opened again: one that is lost in batch after batch is no good.
+/// Number of times that a lost device is opened again; one lost in batch after batch is unusable.
 const MOST_LOSSES: u32 = 3;
 
-/// A device whose failures end no run.
+/// A device whose failures do not end a run.
 ///
-/// Out of memory, it goes on with smaller tiles. Lost, it is opened again, has to pass its self-test and does the batch once
-/// more. Where that does not help, at its fourth loss, and where it refuses, the processor takes its place for good.
+/// Out of memory, it continues with smaller tiles. If it is lost, it is opened again, must pass its self-test and
+/// repeats the batch. If that does not help, at its fourth loss, or if it refuses the work, the processor replaces it
+/// permanently.
 pub(crate) struct Worker<'a> {
     device: &'a mut Device,
     progress: &'a dyn Progress,
-    /// For records that are too long for the device.
+    /// The processor, for records that are too long for the device.
     beside: Option<Cpu>,
-    /// How often the device was lost.
+    /// Number of losses of the device.
     losses: u32,
-    /// All that have worked.
+    /// Names of all devices that have worked.
     names: Vec<String>,
     notes: Vec<String>,
 }
 
 impl<'a> Worker<'a> {
-    /// `progress` hears at once of what goes wrong.
+    /// `progress` receives a note about each failure at once.
     pub(crate) fn new(device: &'a mut Device, progress: &'a dyn Progress) -> Worker<'a> {
         let names = vec![device.name()];
         Worker { device, progress, beside: None, losses: 0, names, notes: vec![] }
     }
 
-    /// For the provenance of rows.
+    /// Name for the provenance of rows.
     pub(crate) fn name(&self) -> String {
         self.names.join(" and ")
     }
 
-    /// Records that it makes in the time of one.
+    /// Number of records that the device makes in parallel.
     pub(crate) fn records_at_once(&self) -> u64 {
         self.device.records_at_once()
     }
 
-    /// What went wrong, each kind in a sentence.
+    /// The failures, each kind as one sentence.
     pub(crate) fn into_notes(self) -> Vec<String> {
         self.notes
     }
 
-    /// Tallies of each job, in order; `advance` hears of trials as they are done, of each once.
+    /// Tallies of each job, in order. `advance` receives numbers of trials as they complete, each trial once.
     ///
     /// # Errors
-    /// The device fails, and the processor has no threads to take its place.
+    /// The device fails, and no threads can be started for the processor to replace it.
     pub(crate) fn tally(
         &mut self,
         jobs: &[Job],
@@ -66,10 +67,11 @@ impl<'a> Worker<'a> {
         self.persist(Gpu::halve_tiles, advance, |device, progress| device.tally(jobs, true, progress))
     }
 
-    /// The sums of some records, one after the other; `advance` hears of records as they are made, of each once.
+    /// The sums of some records, one after the other. `advance` receives numbers of records as they complete, each
+    /// record once.
     ///
     /// # Errors
-    /// The device fails, and the processor has no threads to take its place.
+    /// The device fails, and no threads can be started for the processor to replace it.
     pub(crate) fn sums(
         &mut self,
         recipe: &Recipe,
@@ -92,7 +94,7 @@ impl<'a> Worker<'a> {
         Ok(self.beside.insert(cpu).sums(recipe, first, count, advance))
     }
 
-    /// Does some work until it succeeds.
+    /// Repeats some work until it succeeds.
     fn persist<T>(
         &mut self,
         halve: fn(&mut Gpu) -> bool,
@@ -103,7 +105,7 @@ impl<'a> Worker<'a> {
         let (mut was_lost, mut was_short) = (false, false);
         loop {
             let done = AtomicU64::new(0);
-            // What a failed attempt had done is not told again.
+            // Work that a failed attempt had already reported is not reported again.
             let progress = |more: u64| {
                 let done = done.fetch_add(more, Ordering::Relaxed) + more;
                 let before = told.fetch_max(done, Ordering::Relaxed);
@@ -119,9 +121,9 @@ impl<'a> Worker<'a> {
             match error {
                 GpuError::OutOfMemory if halve(gpu) => {
                     let name = gpu.name().to_owned();
-                    // Once, though it may take several halvings.
+                    // Reported once, although several halvings may be needed.
                     if !was_short {
-                        self.say(format!("{name} is out of memory: it goes on with smaller tiles"));
+                        self.say(format!("{name} is out of memory: it continues with smaller tiles"));
                     }
                     was_short = true;
                 }
@@ -142,7 +144,7 @@ impl<'a> Worker<'a> {
             Ok(device) => {
                 *self.device = device;
                 let name = self.device.name();
-                self.say(format!("{name}: {lost}; it was opened again, passed its self-test and goes on"));
+                self.say(format!("{name}: {lost}; it was opened again, passed its self-test and continues"));
                 Ok(())
             }
             Err(error) => {
@@ -152,7 +154,7 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// Lets the processor do the rest.
+    /// Replaces the device by the processor for the rest of the run.
     fn replace(&mut self, error: &GpuError, why: &str) -> Result<(), GpuError> {
         let cpu = match self.beside.take() {
             Some(cpu) => cpu,
@@ -164,7 +166,7 @@ impl<'a> Worker<'a> {
         Ok(())
     }
 
-    /// The processor, or what it is needed for where it has no threads.
+    /// The processor, or `error` where it can start no threads.
     fn processor(&mut self, error: &GpuError) -> Result<Cpu, GpuError> {
         let threads = match &*self.device {
             Device::Gpu(gpu) => gpu.threads(),

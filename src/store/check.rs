@@ -1,4 +1,4 @@
-//! Whether a store is sound: its pages, every row, and rows that cover the same trials.
+//! Integrity check of a store: its pages, every row, and rows that cover the same trials.
 
 use std::path::Path;
 
@@ -13,20 +13,21 @@ use crate::store::source::Source;
 /// What a check of a store found.
 #[derive(Debug, Default)]
 pub struct Report {
-    /// Rows that are as they were written.
+    /// Rows that are intact.
     pub sound: u64,
-    /// Points that they are of.
+    /// Points to which those rows belong.
     pub points: u64,
-    /// What is wrong.
+    /// Damage found.
     pub faults: Vec<StoreError>,
 }
 
 impl Source {
-    /// Reads everything: the database's own structure, the checksum and the tally of every row; where a row covers the
-    /// trials of others, it has to be their sum.
+    /// Reads everything: the database's own structure, and the checksum and the tally of every row. A row that covers
+    /// the trials of others must be their sum.
     ///
     /// # Errors
-    /// The store is of another program or version, or the disk fails. Damage is no error but a fault of the report.
+    /// The store belongs to another program or version, or the disk fails. Damage is not an error here but a fault in
+    /// the report.
     pub fn check(&self) -> Result<Report, StoreError> {
         let mut report = Report::default();
         match self.identity() {
@@ -61,7 +62,8 @@ impl Source {
     }
 }
 
-/// Of a file that is damaged as a whole every reading says so; the one that says most is enough.
+/// Keeps only the most detailed of the faults that concern the whole file, because every reading of such a file repeats
+/// them.
 fn tell_once(faults: &mut Vec<StoreError>) {
     let told = |fault: &StoreError| match fault {
         StoreError::Damaged { what, .. } => what.len(),
@@ -79,10 +81,10 @@ fn same_tally(a: &Raw, b: &Raw) -> bool {
     (a.address.point, a.address.estimate) == (b.address.point, b.address.estimate)
 }
 
-/// Checks the tallies of an estimate, and that a row which covers others is their sum.
+/// Checks the tallies of an estimate, and that a row that covers others is their sum.
 fn overlaps(group: &[Raw], path: &Path) -> Result<(), StoreError> {
     let Some(first) = group.first() else { return Ok(()) };
-    // The bytes do not say which form they are of; one of them has to suit all.
+    // The bytes do not tell the form of the tally, so one form has to fit all rows.
     if first.tally::<Moments>(path).is_ok() {
         agree::<Moments>(group, path)
     } else {

@@ -1,4 +1,4 @@
-//! The database under a store: taking it, looking it over, adding to it.
+//! The database under a store: opening, checking, reading and inserting.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -17,14 +17,14 @@ use crate::tally::share::Share;
 /// The open database of a results folder.
 #[derive(Debug)]
 pub(crate) struct Database {
-    // Closed before the lock is given up.
+    // Dropped before the lock is released.
     pub(crate) connection: Connection,
     _lock: Option<Lock>,
-    /// What its provenance is noted under.
+    /// The key of this session's provenance.
     session: Id,
 }
 
-/// Sessions of this process.
+/// Number of sessions that this process has opened.
 static SESSIONS: AtomicU64 = AtomicU64::new(0);
 
 impl Database {
@@ -43,7 +43,8 @@ impl Database {
         connection
             .execute_batch("PRAGMA journal_mode = WAL; PRAGMA synchronous = NORMAL;")
             .map_err(failed)?;
-        // The tables and whose they are: all or nothing, or a run killed here would leave a folder that is nobody's.
+        // The tables and their owner are written together; otherwise a run killed here would leave a folder without an
+        // owner.
         let transaction =
             connection.transaction_with_behavior(TransactionBehavior::Exclusive).map_err(failed)?;
         schema::claim(&transaction, path, identity)?;
@@ -67,7 +68,7 @@ impl Database {
         shares(&self.connection, path)
     }
 
-    /// Adds rows of the database `from`, all of them or, on an error, none; counts those that are new.
+    /// Inserts rows of the database `from`, all of them or, on an error, none. Returns the number of new rows.
     pub(crate) fn insert(
         &mut self,
         rows: &[Raw],
@@ -88,7 +89,7 @@ impl Database {
         Ok(added)
     }
 
-    /// The rows of a tally, whatever they are.
+    /// The rows of a tally, without any check.
     pub(crate) fn rows(&self, address: &Address, path: &Path) -> Result<Vec<Raw>, StoreError> {
         let failed = |source| StoreError::of(path, source);
         let sql = format!("SELECT {COLUMNS} FROM tally WHERE point = ?1 AND estimate = ?2");
@@ -98,7 +99,7 @@ impl Database {
         rows.collect::<Result<_, _>>().map_err(failed)
     }
 
-    /// Which trials of which tallies are held.
+    /// The trials held of each tally.
     pub(crate) fn keys(&self, path: &Path) -> Result<Vec<(Address, Block)>, StoreError> {
         let failed = |source| StoreError::of(path, source);
         let sql = "SELECT point, estimate, first, log2, digest FROM tally";
@@ -128,13 +129,13 @@ impl Database {
     }
 }
 
-/// Takes a database for this connection alone. Before anything else is asked of it, so that its journal needs no memory that
-/// programs share, which network file systems do not have.
+/// Takes a database for this connection alone. This comes before any other access, so that its journal needs no shared
+/// memory, which network file systems lack.
 pub(crate) fn exclusive(connection: &Connection) -> Result<(), rusqlite::Error> {
     connection.execute_batch("PRAGMA locking_mode = EXCLUSIVE;")
 }
 
-/// Lets SQLite look over its pages: `quick_check` or `integrity_check`.
+/// Has SQLite check its pages with `quick_check` or `integrity_check`.
 pub(crate) fn structure(connection: &Connection, path: &Path, check: &str) -> Result<(), StoreError> {
     let found = connection.pragma_query_value(None, check, |row| row.get::<_, String>(0));
     match found.map_err(|error| StoreError::of(path, error))?.as_str() {
@@ -143,8 +144,8 @@ pub(crate) fn structure(connection: &Connection, path: &Path, check: &str) -> Re
     }
 }
 
-/// Reads every row. A row is looked for by its key, so one with an altered key would hide those behind it; SQLite's quick check
-/// does not see that.
+/// Reads every row. Rows are looked up by key, so a row with an altered key would hide those behind it, which SQLite's
+/// quick check does not notice.
 pub(crate) fn all_sound(connection: &Connection, path: &Path) -> Result<(), StoreError> {
     let failed = |source| StoreError::of(path, source);
     let mut statement = connection.prepare(&format!("SELECT {COLUMNS} FROM tally")).map_err(failed)?;
@@ -161,10 +162,10 @@ pub(crate) fn all_sound(connection: &Connection, path: &Path) -> Result<(), Stor
     Ok(())
 }
 
-/// Adds a row of the database `from` where it is not there yet; whether it was not.
+/// Inserts a row of the database `from` and returns whether it was new.
 ///
 /// # Errors
-/// It is there with other values, rows of the same estimate were computed from other parameters, or the disk fails.
+/// The row exists with other values, rows of the same estimate were computed from other parameters, or the disk fails.
 pub(crate) fn put(
     transaction: &Transaction,
     path: &Path,
@@ -211,7 +212,7 @@ pub(crate) fn put(
     Ok(true)
 }
 
-/// Writes the provenance of a session, in place of what is there of it.
+/// Writes the provenance of a session, replacing any earlier one.
 pub(crate) fn note(
     connection: &Connection,
     session: &Id,
@@ -225,10 +226,10 @@ pub(crate) fn note(
     connection.execute(sql, values).map(drop)
 }
 
-/// What stands before a share among the keys of the study.
+/// Prefix of a share among the keys of the study.
 pub(crate) const SHARE: &str = "share ";
 
-/// The shares that were to be sampled here.
+/// The shares assigned to this folder.
 pub(crate) fn shares(connection: &Connection, path: &Path) -> Result<Vec<Share>, StoreError> {
     let failed = |source| StoreError::of(path, source);
     let mut statement = connection.prepare("SELECT key FROM study").map_err(failed)?;

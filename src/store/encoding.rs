@@ -1,4 +1,5 @@
-//! Tallies as bytes: numbers of seven bits a byte (LEB128); of histograms runs of empty and of filled bins by their lengths.
+//! Tallies as bytes: numbers with seven bits to a byte (LEB128), and histograms as alternating runs of empty and filled
+//! bins.
 
 use crate::kernel::moments::Moments;
 use crate::kernel::rows::Rows;
@@ -35,7 +36,7 @@ impl Tally for Rows {
     fn decode(bytes: &[u8], trials: u64) -> Option<Rows> {
         let mut rest = bytes;
         let width = usize::try_from(take(&mut rest)?).ok()?;
-        // A number takes a byte at least, so that no count of a damaged row asks for more memory than there are bytes.
+        // A number takes at least one byte, so no count of a damaged row requests more memory than there are bytes.
         let mut values =
             Vec::with_capacity(rest.len().min(width.checked_mul(usize::try_from(trials).ok()?)?));
         while !rest.is_empty() {
@@ -46,7 +47,7 @@ impl Tally for Rows {
     }
 }
 
-/// The tally as bytes.
+/// Encodes a tally as bytes.
 fn encode(tally: &Moments) -> Vec<u8> {
     let mut bytes = Vec::new();
     put(&mut bytes, u128::from(tally.count));
@@ -65,8 +66,8 @@ fn encode(tally: &Moments) -> Vec<u8> {
     bytes
 }
 
-/// Adds the tally of so many trials that the bytes stand for to one with a histogram. `None` where they stand for none: what it
-/// was added to is then of no use.
+/// Adds the tally of `trials` trials that the bytes encode to `total`, which has a histogram. Returns `None` where the
+/// bytes encode none; `total` is then invalid.
 pub(crate) fn add(bytes: &[u8], trials: u64, total: &mut Moments) -> Option<()> {
     let mut rest = bytes;
     let part = Moments {

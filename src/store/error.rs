@@ -1,4 +1,4 @@
-//! What can be wrong with the results on disk.
+//! Errors of the results on disk.
 
 use std::io;
 #[cfg(feature = "store")]
@@ -13,171 +13,167 @@ use crate::store::SCHEMA_VERSION;
 use crate::store::lock::Holder;
 use crate::tally::id::Id;
 
-/// What went wrong with the results on disk, and what to do about it.
+/// An error of the results on disk, with what to do about it.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreError {
-    /// The folder cannot be made or opened.
+    /// The folder cannot be created or opened.
     #[error(
         "cannot use the results folder {path}: {source}\nmake it writable or choose another one with `out = DIR`"
     )]
     Folder {
-        /// Of the folder.
+        /// Path of the folder.
         path: PathBuf,
-        /// What the system says.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// No study was run into the folder.
+    /// The folder holds no results.
     #[error(
         "{folder} has no results: its {} is missing or empty\ngive the folder of a study that was run",
         crate::store::FILE
     )]
     NoResults {
-        /// Its path.
+        /// Path of the folder.
         folder: PathBuf,
     },
-    /// Another program writes to it.
+    /// Another program is writing to the folder.
     #[cfg(feature = "store")]
     #[error(
         "{path} is in use by {holder}\nwait for it to end; a run can go to another folder with `out = DIR`"
     )]
     Busy {
-        /// Of the folder.
+        /// Path of the folder.
         path: PathBuf,
-        /// Which program, where it says so.
+        /// The program, where it is known.
         holder: Holder,
     },
-    /// A full disk.
-    #[error(
-        "no space is left for {path}\nwhat was complete is kept: make room and run again, and it goes on from there"
-    )]
+    /// The disk is full.
+    #[error("no space is left for {path}\ncompleted work is kept: make room and run again to resume")]
     Full {
-        /// Of the file that could not grow.
+        /// Path of the file that could not grow.
         path: PathBuf,
     },
-    /// A read-only disk or file.
+    /// The disk or file is read-only.
     #[error(
         "{path} cannot be written: it or its disk is read-only\nmake it writable, or choose another folder with `out = DIR`"
     )]
     ReadOnly {
-        /// Of the file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// A journal that must be taken over first, in a folder that is read-only.
+    /// A journal must be replayed first, but the folder is read-only.
     #[error(
-        "{path} cannot be read here: what a run that was cut short left in {}-wal has to be taken over, and the folder is \
+        "{path} cannot be read here: an interrupted run left a journal, {}-wal, that must be replayed, and the folder is \
          read-only\ncopy the folder to where it can be written",
         crate::store::FILE
     )]
     Unfinished {
-        /// Of the database.
+        /// Path of the database.
         path: PathBuf,
     },
-    /// Anything else that SQLite or the disk refuses.
+    /// SQLite or the disk failed in another way.
     #[cfg(feature = "store")]
-    #[error(
-        "cannot keep results in {path}: {source}\nwhat was complete is kept: run again when the disk works"
-    )]
+    #[error("cannot keep results in {path}: {source}\ncompleted work is kept: run again when the disk works")]
     Storage {
-        /// Of the database.
+        /// Path of the database.
         path: PathBuf,
-        /// What SQLite says.
+        /// Error of SQLite.
         source: rusqlite::Error,
     },
-    /// A file that is not ours, or whose head is damaged.
+    /// The file is not a results database, or its header is damaged.
     #[error(
-        "{path} is no database of results ({what})\nit is another program's, or its beginning is damaged: restore it from a copy, or choose another folder with `out = DIR`"
+        "{path} is not a results database ({what})\nit belongs to another program, or its beginning is damaged: restore it from a copy, or choose another folder with `out = DIR`"
     )]
     Foreign {
-        /// Of the file.
+        /// Path of the file.
         path: PathBuf,
-        /// How it shows.
+        /// The evidence.
         what: String,
     },
-    /// Written by a later or earlier program in another layout.
+    /// The database was written by a later or earlier version with another layout.
     #[error(
-        "{path} is of schema version {found}, this program writes version {SCHEMA_VERSION}\nuse the program that wrote it, or choose another folder with `out = DIR` and run again"
+        "{path} has schema version {found}; this program writes version {SCHEMA_VERSION}\nuse the program that wrote it, or choose another folder with `out = DIR` and run again"
     )]
     Schema {
-        /// Of the database.
+        /// Path of the database.
         path: PathBuf,
-        /// Its version.
+        /// Its schema version.
         found: String,
     },
-    /// Computed by kernels that give other numbers.
+    /// The results were computed by kernels that give other numbers.
     #[error(
         "{path} was computed by {program} with the kernels {found}; those of this program, {ours}, give other numbers\n\
          use the program that wrote it, or choose another folder with `out = DIR` and run again"
     )]
     Kernels {
-        /// Of the database.
+        /// Path of the database.
         path: PathBuf,
-        /// That wrote it.
+        /// Program that wrote it.
         program: String,
         /// Its kernels with their versions.
         found: String,
-        /// Those of this program.
+        /// The kernels of this program with their versions.
         ours: String,
     },
-    /// A folder that belongs to another study.
+    /// The folder belongs to another study.
     #[error(
         "{path} holds results of another study (seed {seed}, streams {streams}, kind {kind})\nchoose another folder with `out = DIR`, or remove this one"
     )]
     OtherStudy {
-        /// Of the database.
+        /// Path of the database.
         path: PathBuf,
-        /// Of the study that it holds.
+        /// Kind of the study that it holds.
         kind: String,
-        /// Of that study.
+        /// Seed of that study.
         seed: String,
-        /// Of that study.
+        /// Streams of that study.
         streams: String,
     },
-    /// A row whose checksum or content is wrong.
+    /// The checksum or the content of a row is wrong.
     #[error(
         "{path}: the row of point {point}, estimate {estimate}, trials from {first} is damaged ({what})\n{SALVAGE}"
     )]
     DamagedRow {
-        /// Of the database.
+        /// Path of the database.
         path: PathBuf,
-        /// Of the row.
+        /// Point of the row.
         point: Id,
-        /// Of the row.
+        /// Estimate of the row.
         estimate: Id,
         /// Number of its first trial.
         first: u64,
-        /// What is wrong.
+        /// The damage.
         what: &'static str,
     },
-    /// Damage that is not that of a row.
+    /// The database is damaged elsewhere than in a row.
     #[error("{path} is damaged ({what})\n{SALVAGE}")]
     Damaged {
-        /// Of the database.
+        /// Path of the database.
         path: PathBuf,
-        /// What is wrong.
+        /// The damage.
         what: String,
     },
-    /// Two computations of the same trials differ.
+    /// Two computations of the same trials disagree.
     #[error(
-        "{path}: trials from {first} of point {point}, estimate {estimate} have other values than those that are there already\na program or machine computes differently: run `sagnac verify` on each"
+        "{path}: trials from {first} of point {point}, estimate {estimate} differ from those stored already\none of the programs or machines computes wrongly: run `sagnac verify` on each"
     )]
     Disagrees {
-        /// Of the database.
+        /// Path of the database.
         path: PathBuf,
-        /// Of the row.
+        /// Point of the row.
         point: Id,
-        /// Of the row.
+        /// Estimate of the row.
         estimate: Id,
         /// Number of its first trial.
         first: u64,
     },
 }
 
-/// What to do about damage.
-const SALVAGE: &str = "merge this folder into a new one without what is damaged, `salvage = true`, and run that again, or restore \
-                       the folder from a copy";
+/// Advice on damage.
+const SALVAGE: &str = "merge this folder with `salvage = true` into a new one, which leaves out the damage, and run the study there, or \
+                       restore the folder from a copy";
 
 impl StoreError {
-    /// What SQLite says, in our words.
+    /// Converts an error of SQLite.
     #[cfg(feature = "store")]
     pub(crate) fn of(path: &Path, source: rusqlite::Error) -> StoreError {
         let path = path.to_owned();
@@ -194,7 +190,7 @@ impl StoreError {
             (_, Some(ErrorCode::DiskFull)) => StoreError::Full { path },
             (_, Some(ErrorCode::ReadOnly)) => StoreError::ReadOnly { path },
             (_, Some(ErrorCode::NotADatabase)) => StoreError::Foreign { path, what },
-            // Columns of another type, text that is none, a table that is gone: nothing that this program writes.
+            // Wrong column types, invalid text or a missing table, none of which this program writes.
             (_, Some(ErrorCode::DatabaseCorrupt | ErrorCode::Unknown))
             | (
                 rusqlite::Error::FromSqlConversionFailure(..)
@@ -207,7 +203,7 @@ impl StoreError {
         }
     }
 
-    /// Whether what is on disk is not what was written.
+    /// Whether the contents differ from what was written.
     pub fn is_damage(&self) -> bool {
         matches!(
             self,

@@ -1,4 +1,4 @@
-//! Which trials of which tallies a store holds.
+//! The trials that a store holds of each tally.
 
 use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
@@ -9,11 +9,11 @@ use crate::store::{Address, Store};
 use crate::tally::block::{Block, fold};
 use crate::tally::id::Id;
 
-/// The blocks of all rows as one reading found them: thousands of points are not asked for one by one.
+/// The blocks of all rows, read at once to avoid a query for each of thousands of points.
 #[derive(Debug)]
 pub struct Index {
     path: PathBuf,
-    /// By point and estimate.
+    /// Blocks by point and estimate.
     held: HashMap<(Id, Id), Held>,
 }
 
@@ -24,11 +24,11 @@ struct Held {
 }
 
 impl Store {
-    /// What is held now. Of each row the key is read, not the tally, which was checked when the store was opened and is again
-    /// when it is read.
+    /// The trials held now. Only the keys of rows are read, not their tallies, which were checked when the store was
+    /// opened and are checked again when they are read.
     ///
     /// # Errors
-    /// A key is none, rows of a tally were computed from different parameters, or the disk fails.
+    /// A key is invalid, rows of a tally were computed from different parameters, or the disk fails.
     pub fn index(&self) -> Result<Index, StoreError> {
         let mut index = Index { path: self.path.clone(), held: HashMap::new() };
         for (address, block) in self.keys()? {
@@ -48,12 +48,12 @@ impl Store {
 }
 
 impl Index {
-    /// The points that rows are of.
+    /// The points of which rows are held.
     pub fn points(&self) -> HashSet<Id> {
         self.held.keys().map(|(point, _)| *point).collect()
     }
 
-    /// The blocks held of a tally, as they were written.
+    /// The blocks held of a tally, as written.
     ///
     /// # Errors
     /// They were computed from other parameters.
@@ -65,7 +65,7 @@ impl Index {
         }
     }
 
-    /// How many trials are held of a tally, if they are its first ones.
+    /// The number of trials held of a tally, if they are its first ones.
     ///
     /// # Errors
     /// Those of [`Index::blocks`].

@@ -1,7 +1,7 @@
-//! Who has a results folder: one program at a time, which the next one can name.
+//! Exclusive use of a results folder, with the name of the program that has it.
 //!
-//! The operating system's lock on a file beside the database, which ends with the program that holds it however that
-//! ends. SQLite's own lock on the database is the second guard, where a file system has none of the first kind.
+//! The lock is one of the operating system on a file beside the database; it ends with the program that holds it,
+//! however that ends. SQLite's own lock on the database is a second guard for file systems without such locks.
 
 use std::fmt;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -14,16 +14,17 @@ use crate::store::error::StoreError;
 /// The name of the file in a results folder.
 pub const LOCK: &str = "tallies.lock";
 
-/// A folder that no other program takes meanwhile.
+/// An exclusive lock on a folder.
 #[derive(Debug)]
 pub(crate) struct Lock {
     file: File,
 }
 
 impl Drop for Lock {
-    /// By name: a program that another thread is just starting still has a copy of the file, which would keep the lock.
+    /// Unlocks explicitly, because a program that another thread is just starting still has a copy of the file, which
+    /// would keep the lock.
     fn drop(&mut self) {
-        // What cannot be unlocked is when the last copy is closed.
+        // If unlocking fails, closing the last copy of the file releases the lock.
         let _ = self.file.unlock();
     }
 }
@@ -32,7 +33,7 @@ impl Lock {
     /// Takes a folder for as long as the lock lives.
     ///
     /// # Errors
-    /// Another program has it, or its file cannot be opened.
+    /// Another program has the folder, or the lock file cannot be opened.
     pub(crate) fn take(folder: &Path) -> Result<Lock, StoreError> {
         let path = folder.join(LOCK);
         let failed = |source: std::io::Error| match source.kind() {
@@ -43,7 +44,7 @@ impl Lock {
         let options = OpenOptions::new().read(true).write(true).create(true).truncate(false).clone();
         let mut file = options.open(&path).map_err(failed)?;
         match file.try_lock() {
-            // A file system without such locks leaves it to SQLite's.
+            // On a file system without such locks, SQLite's lock is the only one.
             Ok(()) | Err(TryLockError::Error(_)) => {}
             Err(TryLockError::WouldBlock) => {
                 let mut text = String::new();
@@ -52,26 +53,26 @@ impl Lock {
                 return Err(StoreError::Busy { path: folder.to_owned(), holder });
             }
         }
-        // The name is for messages: a full disk is found out soon enough by what matters.
+        // The name serves messages only; if the disk is full, more important writes will report it.
         let _ =
             file.set_len(0).and_then(|()| file.rewind()).and_then(|()| file.write_all(own_name().as_bytes()));
         Ok(Lock { file })
     }
 }
 
-/// A program that has a results folder.
+/// The program that has a results folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Holder {
-    /// It has said who it is.
+    /// A program that wrote its name.
     Known {
-        /// Its number on that machine.
+        /// Its process number on that machine.
         process: u32,
         /// Name of the machine.
         host: String,
-        /// When it took the folder.
+        /// Time at which it took the folder.
         since: SystemTime,
     },
-    /// No program of ours: one that looks into the database.
+    /// A program that did not, such as one that inspects the database.
     Unknown,
 }
 
@@ -101,7 +102,7 @@ impl fmt::Display for Holder {
     }
 }
 
-/// This process, as the next program is to read it.
+/// The name of this process, as written for the next program.
 pub(crate) fn own_name() -> String {
     let since = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs());
     format!("{}\n{}\n{since}\n", std::process::id(), gethostname::gethostname().to_string_lossy())

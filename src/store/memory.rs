@@ -1,4 +1,4 @@
-//! A store in memory: results that end with the program.
+//! A store in memory, whose results end with the program.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -19,7 +19,8 @@ pub(crate) struct Memory {
 }
 
 impl Memory {
-    /// Adds rows, all of them or, on an error, none, and replaces the provenance where it is given; counts those that are new.
+    /// Inserts rows, all of them or, on an error, none, and replaces the provenance where it is given. Returns the
+    /// number of new rows.
     pub(crate) fn insert(
         &mut self,
         rows: &[Raw],
@@ -53,7 +54,7 @@ impl Memory {
         self.rows.get(&(address.point, address.estimate)).cloned().unwrap_or_default()
     }
 
-    /// Which trials of which tallies are held.
+    /// The trials held of each tally.
     pub(crate) fn keys(&self) -> Vec<(Address, Block)> {
         self.rows.values().flatten().map(|raw| (raw.address, raw.block)).collect()
     }

@@ -1,9 +1,9 @@
-//! The results folder's truth: a SQLite database of tallies.
+//! The store of a results folder: a SQLite database of tallies.
 //!
-//! A row is the exact tally of one estimate of one point over one block of trials. Inserting an identical row is
-//! nothing, a disagreeing one an error, so resuming, asking for more trials and merging are one operation, in any
-//! order, any number of times. Crash safety, locking and full disks are SQLite's work.
-//! Two halves of a study, merged twice over, are the whole:
+//! A row is the exact tally of one estimate of one point over one block of trials. Inserting an identical row has no
+//! effect; inserting one that disagrees is an error. Resuming, adding trials and merging are therefore one operation,
+//! which can be repeated any number of times and in any order. SQLite handles crashes, locking and full disks. Two
+//! halves of a study give the whole, even if one of them is merged twice:
 //!
 //! ```
 //! # use sagnac::{progress::Silent, run::Plan, study::Study, tally::share::Share, verify::select};
@@ -76,17 +76,17 @@ pub const FILE: &str = "tallies.sqlite";
 /// Version of the tables and of the encoding of tallies.
 const SCHEMA_VERSION: i32 = 3;
 
-/// What makes two runs the same study: a folder holds one.
+/// The identity of a study. A folder holds the results of one study.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Identity {
-    /// As a study writes it: `gap-fill`.
+    /// Kind of the study as written in its file, such as `gap-fill`.
     pub kind: String,
-    /// As in the study.
+    /// Seed of the study.
     pub seed: u64,
-    /// `independent` or `common`.
+    /// Streams of the study: `independent` or `common`.
     pub streams: String,
-    /// The kernels that compute it, with their versions. No part of the study id: rows of others are refused, not taken for
-    /// those of another study.
+    /// Kernels that compute the study, with their versions. They are not part of the study id: rows of other versions
+    /// are refused instead of being mistaken for those of another study.
     pub kernels: String,
 }
 
@@ -97,63 +97,65 @@ impl Identity {
     }
 }
 
-/// Which tally: of a point, of an estimate, computed from parameters with this digest.
+/// The address of a tally: its point, its estimate and the digest of its parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Address {
-    /// All that its draws depend on.
+    /// Identifies everything on which the draws depend.
     pub point: Id,
-    /// What is made of the draws: filler and error, angle, tick or curve.
+    /// Identifies what is made of the draws: filler and error, angle, tick or curve.
     pub estimate: Id,
-    /// Of the words that it was computed from.
+    /// Digest of the parameter words from which the tally was computed.
     pub digest: Id,
 }
 
 /// A tally as the store keeps it.
 pub trait Tally: Sized {
-    /// Compact bytes, the same for the same tally.
+    /// Compact bytes; equal tallies give equal bytes.
     fn encode(&self) -> Vec<u8>;
 
-    /// Adds the tally of the trials behind these, of the same estimate.
+    /// Adds the tally of the trials that follow these, of the same estimate.
     fn append(&mut self, next: Self);
 
-    /// The tally of so many trials that the bytes stand for; `None` where they stand for none.
+    /// Decodes the tally of `trials` trials; `None` where the bytes encode none.
     fn decode(bytes: &[u8], trials: u64) -> Option<Self>;
 }
 
 /// One row of the store.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Row<T> {
-    /// Which tally.
+    /// The tally's address.
     pub address: Address,
-    /// Of which trials.
+    /// Its trials.
     pub block: Block,
     /// The exact sums.
     pub tally: T,
 }
 
-/// Who computes rows, how many trials and how long it took; no part of any identity.
+/// The device that computed rows, with the number of trials and the time. It is not part of any identity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Provenance {
-    /// As `sagnac devices` calls it.
+    /// Name of the device as `sagnac devices` lists it.
     pub device: String,
-    /// Over all points, since the store was opened.
+    /// Trials over all points since the store was opened.
     pub trials: u64,
-    /// Over all points, since the store was opened.
+    /// Seconds over all points since the store was opened.
     pub seconds: f64,
 }
 
 /// The open store of a results folder.
 ///
-/// What it promises:
+/// It guarantees:
 ///
-/// - **One writer.** No other program can open the folder meanwhile; one that tries is refused at once and told by whom.
-/// - **Nothing is lost.** A batch of rows is kept as a whole or not at all, whatever ends the program or fills the disk, and what
-///   was kept before stays. (After a power failure the last batches may be missing; they are then sampled again.)
-/// - **Nothing counts twice.** A trial is in one row or in rows that nest, of which the outermost counts, so the same rows
-///   can be inserted or [merged](Store::merge) any number of times and in any order.
-/// - **Nothing wrong is read.** Every row carries a checksum over all of it and the digest of the parameters that it was
-///   computed from, and all rows are checked when the store is opened, as is the structure of the file, and each again
-///   whenever it is read. What is not as it was written is an error and never a number.
+/// - **One writer.** No other program can open the folder meanwhile; one that tries is refused at once and told which
+///   program has it.
+/// - **Nothing is lost.** A batch of rows is kept as a whole or not at all, whatever ends the program or fills the
+///   disk, and batches kept before stay. (After a power failure the last batches may be missing; they are then
+///   resampled.)
+/// - **Nothing counts twice.** A trial is in one row or in rows that nest, of which only the outermost counts, so the
+///   same rows can be inserted or [merged](Store::merge) any number of times and in any order.
+/// - **Nothing wrong is read.** Every row carries a checksum of its whole content and the digest of the parameters from
+///   which it was computed. All rows and the structure of the file are checked when the store is opened, and each row
+///   again whenever it is read. Damage is reported as an error and never read as a number.
 /// - **One study.** A folder holds the results of one study id, computed by one version of its kernels.
 #[derive(Debug)]
 pub struct Store {
@@ -162,7 +164,7 @@ pub struct Store {
     identity: Identity,
 }
 
-/// What holds the rows.
+/// Storage of the rows.
 #[derive(Debug)]
 enum Keep {
     #[cfg(feature = "store")]
@@ -170,7 +172,8 @@ enum Keep {
     Memory(Memory),
 }
 
-/// Tallies whose rows are read at once, while those of as many are added up; rows of many trials have some 2 KiB, and a tally may have fifty.
+/// Tallies whose rows are read at once, while as many others are added up. Rows of many trials have some 2 KiB, and a
+/// tally may have fifty rows.
 const READ_AT_ONCE: usize = 1024;
 
 impl Store {
@@ -180,7 +183,7 @@ impl Store {
         Store { path: PathBuf::from("memory"), keep, identity: identity.clone() }
     }
 
-    /// Opens the store of a results folder, which is made where it is missing.
+    /// Opens the store of a results folder, which is created where it is missing.
     ///
     /// # Errors
     /// The folder cannot be written, is in use, holds another study, or is damaged.
@@ -191,12 +194,12 @@ impl Store {
         Ok(Store { path, keep, identity: identity.clone() })
     }
 
-    /// The study whose results it holds.
+    /// The study whose results the store holds.
     pub fn identity(&self) -> &Identity {
         &self.identity
     }
 
-    /// Notes that a share of the study is sampled here, for who looks whether the folder has all that it should.
+    /// Records that a share of the study is sampled here, so that `check` can tell whether the folder is complete.
     ///
     /// # Errors
     /// The disk fails.
@@ -211,7 +214,7 @@ impl Store {
         }
     }
 
-    /// The shares that were to be sampled here, the whole study as one of them.
+    /// The shares assigned to this folder; the whole study counts as one of them.
     ///
     /// # Errors
     /// The disk fails.
@@ -223,11 +226,11 @@ impl Store {
         }
     }
 
-    /// Adds rows, all of them or, on an error, none; and notes in the same step what this session has done so far, if that
-    /// is told, so that a run which is killed has left both or neither.
+    /// Inserts rows, all of them or, on an error, none. The provenance of this session, where given, is written in the
+    /// same transaction, so that a run that is killed has left both or neither.
     ///
     /// # Errors
-    /// A row is there already with other values, or the disk fails.
+    /// A row exists already with other values, or the disk fails.
     pub fn insert<T: Tally>(
         &mut self,
         rows: &[Row<T>],
@@ -241,7 +244,7 @@ impl Store {
         }
     }
 
-    /// The tally over all trials held, folded from its rows.
+    /// The tally over all trials held, merged from its rows.
     ///
     /// # Errors
     /// A row is damaged or was computed from other parameters, or the disk fails.
@@ -249,18 +252,19 @@ impl Store {
         self.total_within(address, u64::MAX)
     }
 
-    /// The same of the rows that lie within the first `trials` trials.
+    /// The tally over the rows that lie within the first `trials` trials.
     ///
     /// # Errors
-    /// Those of [`Store::total`].
+    /// The same as for [`Store::total`].
     pub fn total_within(&self, address: &Address, trials: u64) -> Result<Moments, StoreError> {
         added_up(&self.held(address, trials)?, &self.path)
     }
 
-    /// What `of` makes of the same of several, each told by its place, in their order. While some are read others are added up.
+    /// Applies `of` to the tallies of several addresses, each given with its index, and returns the results in that
+    /// order. While some tallies are read, others are added up.
     ///
     /// # Errors
-    /// Those of [`Store::total`].
+    /// The same as for [`Store::total`].
     pub fn of_totals<T: Send>(
         &self,
         addresses: &[Address],
@@ -269,7 +273,7 @@ impl Store {
         let mut all = Vec::with_capacity(addresses.len());
         let mut read: Vec<Vec<Raw>> = Vec::new();
         let path = self.path.as_path();
-        // Behind the last ones nothing is left to read.
+        // The empty chunk at the end lets the last tallies be added up when nothing is left to read.
         for addresses in addresses.chunks(READ_AT_ONCE).chain([&[][..]]) {
             let (first, mut made) = (all.len(), Ok(vec![]));
             let next = rayon::in_place_scope(|scope| {
@@ -286,10 +290,10 @@ impl Store {
         Ok(all)
     }
 
-    /// The rows of all trials held, `width` integers each, in their order.
+    /// The rows of all trials held, `width` integers each, in order.
     ///
     /// # Errors
-    /// Those of [`Store::total`].
+    /// The same as for [`Store::total`].
     pub fn rows(&self, address: &Address, width: usize) -> Result<Vec<Rows>, StoreError> {
         let rows = |raw: Raw| match raw.tally::<Rows>(&self.path)? {
             rows if rows.width == width => Ok(rows),
@@ -298,8 +302,8 @@ impl Store {
         self.held(address, u64::MAX)?.into_iter().map(rows).collect()
     }
 
-    /// The rows that lie within the first `trials` trials, none of them twice, in their order, each of them sound and of the right
-    /// parameters.
+    /// The rows that lie within the first `trials` trials, none of them twice, in order. Each is checked for damage and
+    /// for the right parameters.
     fn held(&self, address: &Address, trials: u64) -> Result<Vec<Raw>, StoreError> {
         let rows = match &self.keep {
             #[cfg(feature = "store")]
@@ -319,8 +323,9 @@ impl Store {
         Ok(fold(held).into_iter().map(|(_, raw)| raw).collect())
     }
 
-    /// Which devices computed the rows, each once with all its trials and seconds, the one with the most trials first. Rows that
-    /// were merged from other folders count as well; time that several machines worked at once is added up.
+    /// The devices that computed the rows, each once with all its trials and seconds, the one with the most trials
+    /// first. Rows merged from other folders count as well; time during which several machines worked at once is added
+    /// up.
     ///
     /// # Errors
     /// The database cannot be read.
@@ -332,7 +337,7 @@ impl Store {
         }
     }
 
-    /// Which trials of which tallies are held.
+    /// The trials held of each tally.
     fn keys(&self) -> Result<Vec<(Address, Block)>, StoreError> {
         match &self.keep {
             #[cfg(feature = "store")]
@@ -342,7 +347,7 @@ impl Store {
     }
 }
 
-/// The tally of all trials of some rows that have none in common.
+/// The tally of all trials of some rows that have no trials in common.
 fn added_up(rows: &[Raw], path: &Path) -> Result<Moments, StoreError> {
     let mut total = Moments::empty(true);
     for raw in rows {

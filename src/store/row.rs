@@ -1,4 +1,4 @@
-//! Rows as they lie in the database, and what makes one sound.
+//! Rows as stored in the database, and their checks.
 
 use std::path::Path;
 
@@ -14,10 +14,10 @@ use crate::tally::id::Id;
 #[cfg(feature = "store")]
 pub(crate) const COLUMNS: &str = "point, estimate, first, log2, digest, sums, checksum";
 
-/// What is wrong with a key that is none.
+/// Damage of a row whose key is invalid.
 pub(crate) const NO_BLOCK: &str = "it is of no block of trials";
 
-/// What is wrong with bytes that are no tally.
+/// Damage of a row whose bytes encode no tally.
 const NO_TALLY: &str = "it is no tally of its block";
 
 /// A row with its tally as bytes.
@@ -36,7 +36,7 @@ impl Raw {
         Raw { address: *address, block: *block, checksum: checksum(address, *block, &sums), sums }
     }
 
-    /// As it was read, whatever that is.
+    /// Reads a row without any check.
     #[cfg(feature = "store")]
     pub(crate) fn read(row: &rusqlite::Row) -> Result<Raw, rusqlite::Error> {
         let address = Address { point: Id(row.get(0)?), estimate: Id(row.get(1)?), digest: Id(row.get(4)?) };
@@ -44,10 +44,10 @@ impl Raw {
         Ok(Raw { address, block, sums: row.get(5)?, checksum: row.get(6)? })
     }
 
-    /// The row, if it is as it was written.
+    /// Returns the row if it is as written.
     ///
     /// # Errors
-    /// It is not.
+    /// The row is damaged.
     pub(crate) fn sound(self, path: &Path) -> Result<Raw, StoreError> {
         if self.checksum != checksum(&self.address, self.block, &self.sums) {
             return Err(self.damaged(path, "its checksum is wrong"));
@@ -58,7 +58,7 @@ impl Raw {
         Ok(self)
     }
 
-    /// Its tally.
+    /// Decodes the tally of the row.
     ///
     /// # Errors
     /// The bytes are no tally of the row's block.
@@ -66,10 +66,10 @@ impl Raw {
         T::decode(&self.sums, self.block.trials()).ok_or_else(|| self.damaged(path, NO_TALLY))
     }
 
-    /// Adds its tally to one of other trials, which is of no use after an error.
+    /// Adds the tally of the row to `total`, which belongs to other trials and is invalid after an error.
     ///
     /// # Errors
-    /// Those of [`Raw::tally`].
+    /// The same as for [`Raw::tally`].
     pub(crate) fn add_to(&self, total: &mut Moments, path: &Path) -> Result<(), StoreError> {
         add(&self.sums, self.block.trials(), total).ok_or_else(|| self.damaged(path, NO_TALLY))
     }
@@ -85,7 +85,7 @@ impl Raw {
     }
 }
 
-/// Over the whole row, so that a row moved to another place is found out too.
+/// Checksum over the whole row, so that a row moved to another place is detected too.
 fn checksum(address: &Address, block: Block, sums: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     for part in [&address.point.0[..], &address.estimate.0, &address.digest.0, &block.first.to_le_bytes()] {

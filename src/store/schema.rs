@@ -1,4 +1,4 @@
-//! The tables of a database, and whose results are in them.
+//! The tables of a database, and the study to which they belong.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -8,16 +8,16 @@ use rusqlite::{Connection, params};
 use crate::store::error::StoreError;
 use crate::store::{Identity, SCHEMA_VERSION};
 
-/// What SQLite's header says of a database of ours: "SGNC".
+/// Application id in SQLite's header, "SGNC".
 const APPLICATION: i32 = 0x5347_4e43;
 
-/// The program that writes rows now.
+/// Name and version of this program.
 pub(crate) const PROGRAM: &str = concat!("sagnac ", env!("CARGO_PKG_VERSION"));
 
-/// Makes the tables of an empty database and claims it for a study, or checks that they are of this study.
+/// Creates the tables of an empty database and claims it for a study, or checks that they belong to this study.
 ///
 /// # Errors
-/// They are of another study, program or version, or damaged.
+/// They belong to another study, program or version, or are damaged.
 pub(crate) fn claim(connection: &Connection, path: &Path, identity: &Identity) -> Result<(), StoreError> {
     if is_empty(connection, path)? {
         return create(connection, identity).map_err(|error| StoreError::of(path, error));
@@ -29,7 +29,7 @@ pub(crate) fn claim(connection: &Connection, path: &Path, identity: &Identity) -
 /// Checks that results may be added to those of `identity`.
 ///
 /// # Errors
-/// They are of another study, or of kernels that give other numbers.
+/// They belong to another study, or to kernels that give other numbers.
 pub(crate) fn is_same(found: &Claim, identity: &Identity, path: &Path) -> Result<(), StoreError> {
     let Claim { identity: theirs, program } = found;
     let path = path.to_owned();
@@ -44,18 +44,18 @@ pub(crate) fn is_same(found: &Claim, identity: &Identity, path: &Path) -> Result
     Ok(())
 }
 
-/// Whose a database is.
+/// The owner of a database.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Claim {
     pub(crate) identity: Identity,
-    /// Which claimed it.
+    /// The program that claimed it.
     pub(crate) program: String,
 }
 
-/// Whose a database is that is not empty.
+/// The owner of a database that is not empty.
 ///
 /// # Errors
-/// It is of another program or version, or damaged.
+/// The database belongs to another program or version, or is damaged.
 pub(crate) fn claimed(connection: &Connection, path: &Path) -> Result<Claim, StoreError> {
     let failed = |error| StoreError::of(path, error);
     let header = |name: &str| connection.pragma_query_value(None, name, |row| row.get::<_, i32>(0));
@@ -77,25 +77,26 @@ pub(crate) fn claimed(connection: &Connection, path: &Path) -> Result<Claim, Sto
         (take("id")? == identity.id().to_string()).then_some(Claim { identity, program: take("program")? })
     });
     claim.ok_or_else(|| {
-        let what = "what it says of its study makes no sense".to_owned();
+        let what = "its identification of the study is inconsistent".to_owned();
         StoreError::Damaged { path: path.to_owned(), what }
     })
 }
 
-/// Whether nobody has claimed a database: a program that is killed while it does leaves it so.
+/// Whether a database has no owner yet, as after a program was killed while claiming it.
 pub(crate) fn is_empty(connection: &Connection, path: &Path) -> Result<bool, StoreError> {
     let count = connection.query_row("SELECT COUNT(*) FROM sqlite_schema", [], |row| row.get::<_, i64>(0));
     count.map(|tables| tables == 0).map_err(|error| StoreError::of(path, error))
 }
 
-/// What a database is that is not marked as ours: one of our first versions, which had no mark, or of another program.
+/// The error for a database without our application id: it is from our first versions, which had none, or from another
+/// program.
 fn foreign(connection: &Connection, path: &Path) -> StoreError {
     let path = path.to_owned();
     let version = connection
         .query_row("SELECT value FROM study WHERE key = 'schema'", [], |row| row.get::<_, String>(0));
     match version {
         Ok(found) => StoreError::Schema { path, found },
-        Err(_) => StoreError::Foreign { path, what: "it is one of another program".to_owned() },
+        Err(_) => StoreError::Foreign { path, what: "it was written by another program".to_owned() },
     }
 }
 

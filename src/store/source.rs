@@ -1,4 +1,4 @@
-//! The store of another results folder, to be taken over or checked.
+//! The store of another results folder, to be merged or checked.
 
 use std::collections::BTreeSet;
 use std::io::ErrorKind;
@@ -13,38 +13,38 @@ use crate::store::row::{COLUMNS, Raw};
 use crate::store::{FILE, Identity, Keep, Store, schema};
 use crate::tally::share::Share;
 
-/// A store that is only read; no other program can open it meanwhile, unless its folder is read-only.
+/// A store opened only for reading. No other program can open it meanwhile, unless its folder is read-only.
 #[derive(Debug)]
 pub struct Source {
     pub(crate) path: PathBuf,
-    // Closed before the lock is given up.
+    // Dropped before the lock is released.
     pub(crate) connection: Connection,
     lock: Option<Lock>,
 }
 
-/// What was taken over from another store.
+/// What a merge did with the rows of the other store.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Merged {
-    /// Rows that were not there before.
+    /// New rows.
     pub added: u64,
-    /// Rows that were there already, the same.
+    /// Rows that existed already with the same values.
     pub held: u64,
-    /// Rows or pages that were left out because they are damaged.
+    /// Rows or pages left out because they are damaged.
     pub damaged: u64,
 }
 
-/// Most rows, and bytes of them, of a transaction.
+/// Most rows, and most bytes of rows, in a transaction.
 const BATCH: (usize, usize) = (4096, 32 << 20);
 
 /// A connection stays with one thread.
 const ALONE: OpenFlags = OpenFlags::SQLITE_OPEN_NO_MUTEX;
 
 impl Source {
-    /// Opens the store of a results folder. What a run that was killed left in its journal is taken over first, as the run
+    /// Opens the store of a results folder. A journal left by a run that was killed is replayed first, as the run
     /// itself would have done; nothing else in the folder changes.
     ///
     /// # Errors
-    /// There is none, it is in use, or cannot be read.
+    /// The store is missing, in use, or cannot be read.
     pub fn open(folder: &Path) -> Result<Source, StoreError> {
         let path = folder.join(FILE);
         if let Err(source) = std::fs::File::open(&path) {
@@ -57,7 +57,7 @@ impl Source {
         let lock = match Lock::take(folder) {
             Ok(lock) => Some(lock),
             Err(StoreError::ReadOnly { .. }) => None,
-            // A folder of somebody else.
+            // The folder belongs to another user.
             Err(StoreError::Folder { source, .. }) if source.kind() == ErrorKind::PermissionDenied => None,
             Err(error) => return Err(error),
         };
@@ -79,28 +79,28 @@ impl Source {
         Ok(Source { path, connection, lock })
     }
 
-    /// The same as a store of this study. Where the folder is read-only nothing can be added to it.
+    /// Opens it as the store of this study. Where the folder is read-only nothing can be added to it.
     ///
     /// # Errors
-    /// It is of another study, program or version, or damaged.
+    /// It belongs to another study, program or version, or is damaged.
     pub fn into_store(self, identity: &Identity) -> Result<Store, StoreError> {
         self.is_of(identity)?;
         let keep = Keep::Database(Database::of(self.connection, self.lock));
         Ok(Store { path: self.path, keep, identity: identity.clone() })
     }
 
-    /// Whose results these are; `None` where nothing was ever kept.
+    /// The identity of these results; `None` where the folder never held any.
     ///
     /// # Errors
-    /// They are of another program or version, or damaged.
+    /// They belong to another program or version, or are damaged.
     pub fn identity(&self) -> Result<Option<Identity>, StoreError> {
         Ok(self.claim()?.map(|claim| claim.identity))
     }
 
-    /// Checks that these are results of `identity`, or none.
+    /// Checks that these are results of `identity`, or that there are none.
     ///
     /// # Errors
-    /// They are of another study, program or version, or damaged.
+    /// They belong to another study, program or version, or are damaged.
     pub fn is_of(&self, identity: &Identity) -> Result<(), StoreError> {
         match self.claim()? {
             Some(theirs) => schema::is_same(&theirs, identity, &self.path),
@@ -108,7 +108,7 @@ impl Source {
         }
     }
 
-    /// The shares that were to be sampled there, the whole study as one of them.
+    /// The shares assigned to that folder; the whole study counts as one of them.
     ///
     /// # Errors
     /// The disk fails, or the store is damaged.
@@ -119,7 +119,7 @@ impl Source {
         shares(&self.connection, &self.path)
     }
 
-    /// Reads what can be read of a damaged store, of a file too that is shorter than it says it is.
+    /// Reads what can be read of a damaged store, even of a file that is shorter than its header says.
     fn salvage(&self) -> Result<(), StoreError> {
         let relaxed = self.connection.execute_batch("PRAGMA writable_schema = ON");
         relaxed.map_err(|error| StoreError::of(&self.path, error))
@@ -130,7 +130,8 @@ impl Source {
         (!is_empty).then(|| schema::claimed(&self.connection, &self.path)).transpose()
     }
 
-    /// All rows, sound or not, from the first on or from the last back; the last thing heard may be that no more can be read.
+    /// Passes on all rows, intact or not, from the first one forwards or from the last one backwards. The last item may
+    /// be the error at which reading ended.
     pub(crate) fn each(
         &self,
         backwards: bool,
@@ -155,24 +156,25 @@ impl Source {
     }
 }
 
-/// A path as it stands in a URI.
+/// A path with the characters escaped that have a meaning in a URI.
 fn escaped(path: &Path) -> String {
     path.to_string_lossy().replace('%', "%25").replace('?', "%3f").replace('#', "%23")
 }
 
 impl Store {
-    /// Takes over all rows of another store of the same study. Rows that are there already count once, so any stores can be
-    /// merged in any order and any number of times. With `salvage` what is damaged is left out and counted, else it is an error.
+    /// Takes over all rows of another store of the same study. Existing rows count once, so any stores can be merged in
+    /// any order and any number of times. With `salvage`, damaged rows are left out and counted; otherwise they are an
+    /// error.
     ///
     /// # Errors
-    /// The other store is of another study or kernel, a row disagrees or is damaged, or the disk fails; what was taken over
-    /// before is kept.
+    /// The other store belongs to another study or kernel, a row disagrees or is damaged, or the disk fails; rows taken
+    /// over before are kept.
     pub fn merge(&mut self, source: &Source, salvage: bool) -> Result<Merged, StoreError> {
         if salvage {
             source.salvage()?;
         }
         match source.is_of(&self.identity) {
-            // The rows tell by themselves what they are of.
+            // The rows identify themselves.
             Err(error) if salvage && error.is_damage() => {}
             found => found?,
         }
@@ -203,7 +205,7 @@ impl Store {
                 }
                 Ok(())
             })?;
-            // Where reading ended at a damaged page, what lies behind it can be read from the other end.
+            // Rows behind a damaged page, where reading ended, can be read from the other end.
             if !unreadable {
                 break;
             }
@@ -226,9 +228,9 @@ impl Store {
         Ok(())
     }
 
-    /// Who computed the rows of another store. A session that went on since it was taken over last is brought up to date.
+    /// Takes over the provenance of another store. A session that has continued since the last merge is updated.
     fn take_over_provenance(&mut self, source: &Source) -> Result<(), StoreError> {
-        // A store in memory tells of itself alone.
+        // A store in memory records only its own provenance.
         let Keep::Database(database) = &self.keep else { return Ok(()) };
         let theirs = |error| StoreError::of(&source.path, error);
         let sql = "SELECT session, finished, program, device, trials, seconds FROM provenance";

@@ -52,7 +52,7 @@ fn rows_written_are_there_after_reopening_and_written_twice_count_once() {
 fn totals_of_many_come_in_the_order_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::open(folder.path(), &identity()).unwrap();
-    // More than are read at once, twice.
+    // Twice as many as are read at once.
     let addresses: Vec<Address> =
         (0..2500).map(|i| Address { estimate: Id::of(&format!("estimate {i}")), ..address() }).collect();
     let of = |(i, address): (usize, &Address)| Row { address: *address, ..row(0, 1 + (i % 3) as u32) };
@@ -243,7 +243,7 @@ fn a_check_finds_rows_that_are_not_the_sum_of_those_they_cover() {
         let report = Source::open(folder.path()).unwrap().check().unwrap();
         assert_eq!((report.sound, report.faults.len()), (4, faults));
     }
-    // Covered in part only.
+    // Only a part is covered.
     let folder = folder_of(&[parts[0].clone(), whole]);
     assert_eq!(Source::open(folder.path()).unwrap().check().unwrap().faults.len(), 0);
 }

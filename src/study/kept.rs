@@ -1,4 +1,4 @@
-//! A study as it is kept beside its results: the text that repeats it, and the files that it names.
+//! A study as stored beside its results: the text that repeats it, and the files that it names.
 
 use std::cmp::Reverse;
 use std::ops::Range;
@@ -14,33 +14,33 @@ use crate::source::text_file::{Files, MOST_RECORD};
 use crate::study::Study;
 use crate::study::precision::NONE as NO_PRECISION;
 
-/// The folder, beside a study that is kept, of the files that it names.
+/// The folder, beside a stored study, of the files that it names.
 const INPUTS: &str = "inputs";
 
-/// What may have to be replaced in the text of a study that is kept.
+/// The parts of a study's text that may have to be replaced when it is stored.
 #[derive(Debug, Clone)]
 pub(crate) struct Written {
     pub(crate) seed: Option<Spanned<u64>>,
     pub(crate) trials: Option<Spanned<u64>>,
-    /// The files that are named, and where.
+    /// The named files, with the places of their names.
     pub(crate) inputs: Vec<Spanned<Input>>,
     /// The end of the value of `kind`, which every study has at its top level.
     pub(crate) kind_end: usize,
-    /// Where the precision is.
+    /// The place of the precision.
     pub(crate) precision: Option<Range<usize>>,
 }
 
 /// A file that a study names: a record, or noise.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Input {
-    /// What a study that is kept calls it: `inputs/LGK-400.toml`, beside itself.
+    /// Its name in a stored study, relative to that study, such as `inputs/LGK-400.toml`.
     pub name: String,
-    /// What it held when the study was read.
+    /// Its contents when the study was read.
     pub text: Arc<str>,
     path: PathBuf,
 }
 
-/// The files that a study names. One that could not be read has been told of, or nothing needs it.
+/// The files that a study names. A file that could not be read is missing; it has been reported, or is not needed.
 pub(crate) fn inputs(
     study: &Table,
     keys: &[&'static Key],
@@ -61,8 +61,8 @@ pub(crate) fn inputs(
     inputs
 }
 
-/// A name that no other file has, wherever it is kept: not every system tells large letters from small ones. It ends as the path
-/// does, as tables call gyros by it.
+/// A name that no other file has, even where names are not case-sensitive. It ends like the path, because tables name
+/// gyros by it.
 fn name(path: &Path, taken: &[Spanned<Input>]) -> String {
     let last = path.file_name().unwrap_or_default().to_string_lossy();
     let numbered = (2_u32..).map(|number| format!("{INPUTS}/{number}/{last}"));
@@ -73,14 +73,15 @@ fn name(path: &Path, taken: &[Spanned<Input>]) -> String {
 }
 
 impl Study {
-    /// The study as it was read, but with the seed of this value, so many trials, its files in `inputs` beside it, and without a
-    /// precision that was [left out](Study::fix_trials): with [its files](Study::inputs) a study that repeats this one without further
-    /// options, wherever it is kept. Comments and layout are kept too. Without seed and trials where nothing is sampled.
+    /// The study as read, but with its current seed, `trials` trials, its files in `inputs` beside it, and without a
+    /// precision that was [left out](Study::fix_trials). Together with [its files](Study::inputs) it repeats this study
+    /// without further options, wherever it is stored. Comments and layout are preserved. Seed and trials are left out
+    /// where nothing is sampled.
     pub fn resolved(&self, trials: u64) -> String {
         let Written { seed, trials: written_trials, inputs, kind_end, precision } = &self.written;
         let mut text = self.text.inner().clone();
         let next_line = text[*kind_end..].find('\n').map(|length| kind_end + length + 1);
-        // A key after the kind stands at the top level, and before any table.
+        // A key right after the kind is at the top level, before any table.
         let after_kind = next_line.unwrap_or(text.len());
         let line_end = if next_line.is_some() { "" } else { "\n" };
         let mut edits = Vec::new();
@@ -91,7 +92,7 @@ impl Study {
                 Some(written) if *written.get_ref() != value => {
                     edits.push((written.span(), value.to_string()))
                 }
-                // As it is written, 1_000_000 or 0xff.
+                // An unchanged value keeps its notation, such as 1_000_000 or 0xff.
                 Some(_) => {}
             }
         }
@@ -101,7 +102,7 @@ impl Study {
         for input in inputs {
             edits.push((input.span(), toml::Value::String(input.get_ref().name.clone()).to_string()));
         }
-        // From the end, so that the places of the others hold.
+        // Edits go from the end, so that the places of the others remain valid.
         edits.sort_by_key(|(place, _)| Reverse(place.start));
         for (place, new) in edits {
             text.replace_range(place, &new);
@@ -109,7 +110,7 @@ impl Study {
         text
     }
 
-    /// The text that it was read from.
+    /// The text from which it was read.
     pub fn text(&self) -> &str {
         self.text.inner()
     }

@@ -1,4 +1,4 @@
-//! A kind of study, as all that does not know it in particular sees it.
+//! A kind of study, as the rest of the library sees it.
 
 use std::any::Any;
 use std::fmt;
@@ -13,12 +13,12 @@ use crate::source::diagnose::{StudyError, Wrong};
 use crate::study::Study;
 use crate::table::About;
 
-/// A table of results, and its columns besides swept keys.
+/// A table of results, with its columns except the swept keys.
 pub(crate) type TableColumns = (Source, fn() -> Vec<About>);
 
 /// An entry of the list of kinds. Help, schema, documents, verification and tests iterate that list.
 pub struct Kind {
-    /// The name in study files: `gap-fill`.
+    /// The name in study files, such as `gap-fill`.
     pub name: &'static str,
     /// The subject of such a study, in one sentence.
     pub subject: &'static str,
@@ -28,19 +28,19 @@ pub struct Kind {
     pub template: &'static str,
     /// Whether every value is a closed form, so that nothing is sampled.
     pub is_exact: bool,
-    /// The trials at each point if the study does not say.
+    /// The number of trials at each point if the study gives none.
     pub(crate) trials: u64,
-    /// The tables that it needs.
+    /// The tables that it requires.
     pub(crate) needs: &'static [&'static str],
-    /// Its keys, besides those that every study has.
+    /// Its keys, except those that every study has.
     pub(crate) keys: fn() -> Vec<&'static Key>,
-    /// The keys that a sweep may vary.
+    /// The keys that can be swept.
     pub(crate) sweepable: fn() -> Vec<&'static Key>,
-    /// The columns of each of its tables besides swept keys.
+    /// The columns of each of its tables except the swept keys.
     pub(crate) columns: &'static [TableColumns],
     /// The kernels that sample it, with their versions.
     pub(crate) kernels: fn() -> String,
-    /// The loads that its kernels are checked on; none for closed forms.
+    /// The loads on which its kernels are checked; none for closed forms.
     pub(crate) loads: fn() -> Vec<Load>,
     /// Reads what is of this kind in a study.
     pub(crate) read: fn(&mut Reading) -> Result<Box<dyn Subject>, Wrong>,
@@ -60,7 +60,7 @@ impl fmt::Debug for Kind {
     }
 }
 
-/// What a study of some kind asks.
+/// The part of a study that belongs to its kind.
 pub(crate) trait Subject: Any + fmt::Debug + Send + Sync {
     /// Lowers every point.
     ///
@@ -81,10 +81,10 @@ pub(crate) trait Subject: Any + fmt::Debug + Send + Sync {
         false
     }
 
-    /// Takes all trials at every point.
+    /// Drops the precision, so that every point takes all trials.
     fn drop_stop_rule(&mut self) {}
 
-    /// A copy.
+    /// A copy of this object.
     fn boxed(&self) -> Box<dyn Subject>;
 }
 

@@ -1,10 +1,10 @@
-//! The study: what the user wrote, read, checked and expanded into points.
+//! The study: the user's text, read, checked and expanded into points.
 //!
 //! ```text
 //! text ─ toml ─▶ file ─ scalar, units ─▶ Inputs, Sweeps ─ expand, check ─▶ Points
 //! ```
 //!
-//! Whatever is wrong is found here, before any work, and told with its place in the file.
+//! All faults are found here, before any work, and reported with their place in the file.
 
 pub mod kept;
 pub mod kind;
@@ -26,22 +26,22 @@ use crate::source::diagnose::{Fault, StudyError, Text};
 use crate::study::kept::Written;
 use crate::study::kind::{Kind, Subject};
 
-/// A study that makes sense: every value is within its limits at every point.
+/// A valid study: every value is within its limits at every point.
 #[derive(Debug, Clone)]
 pub struct Study {
-    /// As written; a line for people.
+    /// Title as written, in one line.
     pub title: String,
-    /// Empty if the file asks none.
+    /// Question that the study answers; empty if the file has none.
     pub question: String,
-    /// Of all draws.
+    /// Seed of all random draws.
     pub seed: u64,
-    /// At each point.
+    /// Trials at each point.
     pub trials: u64,
-    /// Whether points have the same random numbers.
+    /// Whether points share their random numbers.
     pub streams: Streams,
-    /// In the order written; the first changes slowest.
+    /// Sweeps in the order written; the first changes slowest.
     pub sweeps: Vec<Sweep>,
-    /// As written, or those that this kind is supplied with.
+    /// Charts as written, or those supplied by the kind.
     pub charts: Vec<Chart>,
     pub(crate) kind: &'static Kind,
     pub(crate) subject: Box<dyn Subject>,
@@ -56,8 +56,8 @@ impl Study {
         self.kind
     }
 
-    /// The question of a study of the kind that `T` belongs to, such as `GapFill`; `None` of
-    /// another kind.
+    /// The part of the study that belongs to its kind, where that has the type `T`, such as `GapFill`; otherwise
+    /// `None`.
     pub fn asked<T: 'static>(&self) -> Option<&T> {
         (self.subject() as &dyn Any).downcast_ref()
     }
@@ -66,12 +66,12 @@ impl Study {
         self.subject.as_ref()
     }
 
-    /// What is known of one of its tables before anything is sampled.
+    /// The properties of one of its tables, as far as they are known before anything is sampled.
     pub(crate) fn ground(&self, source: Source) -> Option<Ground> {
         self.subject.grounds().into_iter().find(|ground| ground.source == source)
     }
 
-    /// The columns of text of one of its tables, by which rows are told apart besides the swept keys.
+    /// The text columns of one of its tables, which distinguish rows in addition to the swept keys.
     pub fn text_columns(&self, source: Source) -> Vec<&'static str> {
         self.ground(source).map(|ground| ground.text_names()).unwrap_or_default()
     }
@@ -88,10 +88,10 @@ impl Study {
         self.subject.has_stop_rule()
     }
 
-    /// Takes all trials at every point, whatever precision the study asks for.
+    /// Drops the precision of the study, so that every point takes all trials.
     ///
     /// # Errors
-    /// The precision is a table of its own, which cannot be written otherwise in a [resolved](Study::resolved) study.
+    /// The precision is a table of its own, which cannot be replaced in a [resolved](Study::resolved) study.
     pub fn fix_trials(&mut self) -> Result<(), StudyError> {
         let Some(span) = self.written.precision.clone() else { return Ok(()) };
         if !self.text.inner()[span.clone()].starts_with(['"', '\'', '{']) {
@@ -106,12 +106,12 @@ impl Study {
         Ok(())
     }
 
-    /// What of the inputs is left out, rounded or assumed, each in a sentence.
+    /// Notes on inputs that are ignored, rounded or assumed, each a sentence.
     pub fn notes(&self) -> &[String] {
         self.subject.notes()
     }
 
-    /// The laws that any chart draws, each once.
+    /// The laws drawn by any chart, each once.
     pub fn laws(&self) -> Vec<Law> {
         let mut laws: Vec<Law> = Vec::new();
         for law in self.charts.iter().flat_map(Chart::laws) {
@@ -122,9 +122,10 @@ impl Study {
         laws
     }
 
-    /// An error about the bytes `span` of this study, for what only shows later, such as a chart's unknown column.
+    /// An error at the bytes `span` of this study, for faults that are only found later, such as a chart's unknown
+    /// column.
     ///
-    /// `message` says what was found, `help` what is accepted.
+    /// `message` states the fault, `help` the accepted values.
     pub fn error_at(
         &self,
         span: Range<usize>,
@@ -134,7 +135,7 @@ impl Study {
         Fault::new(span, message, "here", help).within(&self.text)
     }
 
-    /// The error of a point at these swept values, which cannot be sampled, at the key that has to change.
+    /// The error for a point at these swept values that cannot be sampled, at the key that has to change.
     pub(crate) fn refused(&self, swept: &[(&'static str, Swept)], refusal: &Refusal) -> StudyError {
         let at: Vec<String> = swept.iter().map(|(key, value)| format!("{key} = {value}")).collect();
         let place = if at.is_empty() { String::new() } else { format!(", at {}", at.join(", ")) };
@@ -142,8 +143,8 @@ impl Study {
         self.error_at(self.place_of(key), format!("{message}{place}"), *help)
     }
 
-    /// Where the values of `key` are written, for an error about them: of a sweep over it, else its own. A table such as
-    /// `gyro.tick_noise` stands for the keys in it; empty at 0 where nothing is written.
+    /// The place of the values of `key`, for an error about them: those of a sweep over it, else its own value. A table
+    /// such as `gyro.tick_noise` stands for the keys in it; the place is empty at 0 where nothing is written.
     pub fn place_of(&self, key: &str) -> Range<usize> {
         self.places.blame(&self.sweeps, &[key])
     }

@@ -1,9 +1,9 @@
-//! Declared columns: one row for each says all that is known of it and makes its cells.
+//! Declared columns, each of which is one row with all its properties and the function that makes its cells.
 
 use crate::quantity::unit::{Unit, bare};
 use crate::table::{Cell, Column};
 
-/// What a column is to the rows of its table. A role that refers to another column goes with the name of that one.
+/// The role of a column in its table. A role that refers to another column is stored with the name of that column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Role {
     /// Tells rows apart: a swept key, or a text such as the filler; refers to the key of the study that lists its values.
@@ -13,9 +13,9 @@ pub enum Role {
     /// An estimate, or a value in closed form.
     #[default]
     Estimate,
-    /// An estimate that is the better the less it is: an error, a drift, a deviation.
+    /// An estimate for which less is better: an error, a drift, a deviation.
     Error,
-    /// The least that an error can become; refers to the column that says where.
+    /// The minimum of an error. Refers to the column that locates it.
     Least,
     /// Lower end of the 95 % interval of an estimate.
     Lower,
@@ -27,13 +27,13 @@ pub enum Role {
     Oracle,
     /// Deviation of an estimate from its closed form, in standard errors.
     Z,
-    /// A published law that a chart draws beside the estimates.
+    /// A published law that a chart draws with the estimates.
     Law,
-    /// Number of trials that the estimates of the row are from.
+    /// Number of trials behind the estimates of the row.
     Trials,
     /// Another count that follows from the row.
     Count,
-    /// Words about the row.
+    /// A remark about the row.
     Note,
 }
 
@@ -51,39 +51,39 @@ pub enum Usual {
 /// What is known of a column without its rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct About {
-    /// Without the unit. One that ends in `[…]` stands for a column of each tick.
+    /// Name without the unit. A name that ends in `[…]` stands for one column for each tick.
     pub name: &'static str,
-    /// Of all cells.
+    /// Unit of all cells.
     pub unit: Unit,
-    /// For people.
+    /// Label for the user.
     pub label: &'static str,
-    /// What it is to the rows.
+    /// Role in the table.
     pub role: Role,
-    /// The column that its role refers to; empty of none.
+    /// The column to which the role refers; empty for none.
     pub of: &'static str,
-    /// What its cells mean, in a sentence.
+    /// Meaning of the cells, as a sentence.
     pub meaning: &'static str,
-    /// Whether a summary of a few columns has it.
+    /// Whether the column is part of a brief summary.
     pub brief: bool,
     /// What it stands for where none is named.
     pub usual: Option<Usual>,
 }
 
 impl Role {
-    /// Whether it is the better the less it is.
+    /// Whether less is better.
     pub fn less_is_better(self) -> bool {
         matches!(self, Role::Error | Role::Least)
     }
 }
 
 impl About {
-    /// A column of which nothing is known but its name.
+    /// A column of which only the name is known.
     pub(crate) const fn named(name: &'static str) -> About {
         let (unit, label, role) = (Unit::NONE, name, Role::Key);
         About { name, unit, label, role, of: "", meaning: "", brief: false, usual: None }
     }
 
-    /// Whether `name` is that of the column, with or without its unit.
+    /// Whether `name` names the column, with or without its unit.
     pub fn is_called(&self, name: &str) -> bool {
         let is = |name: &str| match self.name.strip_suffix("…]") {
             Some(start) => name.starts_with(start),
@@ -92,7 +92,7 @@ impl About {
         is(name) || bare(name).any(is)
     }
 
-    /// The column with these cells.
+    /// The column with the given cells.
     pub(crate) fn with(&self, cells: Vec<Cell>) -> Column {
         Column {
             name: self.name.to_owned(),
@@ -112,16 +112,16 @@ impl About {
 /// A 95 % interval, where it is known.
 pub(crate) type Band = Option<(f64, f64)>;
 
-/// A column of a table whose rows are `R`.
+/// A column of a table whose rows have the type `R`.
 pub struct ColumnOf<R> {
-    /// All but its cells.
+    /// Its properties.
     pub about: About,
     cell: fn(&R) -> Cell,
     band: Option<fn(&R) -> Band>,
 }
 
 impl<R> ColumnOf<R> {
-    /// A column whose cells `cell` makes; [`ColumnOf::is`] completes it.
+    /// A column whose cells `cell` computes; [`ColumnOf::is`] completes it.
     pub(crate) const fn new(
         name: &'static str,
         unit: Unit,
@@ -132,20 +132,20 @@ impl<R> ColumnOf<R> {
         ColumnOf { about, cell, band: None }
     }
 
-    /// The same with its role and meaning.
+    /// Sets the role and the meaning.
     #[allow(clippy::wrong_self_convention, reason = "it makes a column what it is")]
     pub(crate) const fn is(self, role: Role, meaning: &'static str) -> ColumnOf<R> {
         ColumnOf { about: About { role, meaning, ..self.about }, ..self }
     }
 
-    /// The same with a role that refers to the column `of`.
+    /// Sets a role that refers to the column `of`, and the meaning.
     #[allow(clippy::wrong_self_convention, reason = "it makes a column what it is")]
     pub(crate) const fn is_of(self, of: &'static str, role: Role, meaning: &'static str) -> ColumnOf<R> {
         let column = self.is(role, meaning);
         ColumnOf { about: About { of, ..column.about }, ..column }
     }
 
-    /// The same as one of the few columns of a summary.
+    /// Makes the column part of a brief summary.
     pub(crate) const fn brief(self) -> ColumnOf<R> {
         ColumnOf { about: About { brief: true, ..self.about }, ..self }
     }
@@ -161,7 +161,7 @@ impl<R> ColumnOf<R> {
     }
 }
 
-/// The columns of these rows.
+/// The columns of the given rows.
 pub(crate) fn columns_of<R>(columns: &[ColumnOf<R>], rows: &[R]) -> Vec<Column> {
     let of = |column: &ColumnOf<R>| Column {
         band: column.band.map(|band| rows.iter().map(band).collect()),
@@ -170,7 +170,7 @@ pub(crate) fn columns_of<R>(columns: &[ColumnOf<R>], rows: &[R]) -> Vec<Column> 
     columns.iter().map(of).collect()
 }
 
-/// What is known of some columns without their rows.
+/// The properties of some columns, without their cells.
 pub(crate) fn abouts<R>(columns: &[ColumnOf<R>]) -> Vec<About> {
     columns.iter().map(|column| column.about).collect()
 }

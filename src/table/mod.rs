@@ -1,4 +1,4 @@
-//! The table: named columns with units, the only thing that files, charts, reports and JSON read.
+//! The table: named columns with units, the sole source of files, charts, reports and JSON.
 
 pub mod column;
 
@@ -9,10 +9,10 @@ pub use crate::quantity::unit::Unit;
 use crate::quantity::units::{Dimension, Quantity};
 pub use crate::table::column::{About, ColumnOf, Role, Usual};
 
-/// One cell. What is not known is [`Cell::Blank`], never 0.
+/// One cell. An unknown value is [`Cell::Blank`], never 0.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cell {
-    /// Not known, or of no meaning in this row.
+    /// An unknown value, or one without meaning in this row.
     Blank,
     /// A name.
     Text(String),
@@ -42,14 +42,15 @@ impl Cell {
         }
     }
 
-    /// Whether files show the cell as `value`, or it is the same number written differently, as `0.10` for 0.1.
+    /// Whether files show the cell as `value`, or `value` is the same number written differently, such as `0.10` for
+    /// 0.1.
     fn shows(&self, value: &str) -> bool {
         self.text() == value || self.number().is_some_and(|number| value.parse() == Ok(number))
     }
 }
 
 impl From<Option<f64>> for Cell {
-    /// A value that is missing or not finite is blank.
+    /// A missing or non-finite value becomes a blank.
     fn from(value: Option<f64>) -> Cell {
         value.filter(|x| x.is_finite()).map_or(Cell::Blank, Cell::Number)
     }
@@ -85,30 +86,30 @@ impl From<&str> for Cell {
 /// One quantity over all rows.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Column {
-    /// Without the unit: `rms`, `motion.frequency`.
+    /// Name without the unit, such as `rms` or `motion.frequency`.
     pub name: String,
-    /// For people: `rms error`, `vibration frequency`.
+    /// Label for the user, such as `rms error` or `vibration frequency`.
     pub label: String,
-    /// Of all cells.
+    /// Unit of all cells.
     pub unit: Unit,
-    /// What the column is to the rows.
+    /// Role in the table.
     pub role: Role,
-    /// The name of the column that the role refers to; empty of none.
+    /// The name of the column to which the role refers; empty for none.
     pub of: String,
-    /// What its cells mean, in a sentence.
+    /// Meaning of the cells, as a sentence.
     pub meaning: String,
-    /// Whether a summary of a few columns has it.
+    /// Whether the column is part of a brief summary.
     pub brief: bool,
     /// What it stands for where none is named.
     pub usual: Option<Usual>,
     /// One for each row.
     pub cells: Vec<Cell>,
-    /// Lower and upper ends of the uncertainty of each cell (95 %), where there is one.
+    /// Lower and upper ends of the 95 % interval of each cell, where there is one.
     pub band: Option<Vec<Option<(f64, f64)>>>,
 }
 
 impl Column {
-    /// The name with its unit, as the header of a file has it: `rms_arcsec`.
+    /// The name with its unit, as in the header of a file: `rms_arcsec`.
     pub fn header(&self) -> String {
         if self.unit.suffix.is_empty() {
             self.name.clone()
@@ -117,7 +118,7 @@ impl Column {
         }
     }
 
-    /// The label with the unit, as the title of an axis has it: `rms error, ″`.
+    /// The label with the unit, as in the title of an axis: `rms error, ″`.
     pub fn title(&self) -> String {
         if self.unit.symbol.is_empty() {
             self.label.clone()
@@ -126,7 +127,7 @@ impl Column {
         }
     }
 
-    /// A value of the column as a sentence has it: `vibration frequency 20 Hz`, `lost ticks n = 3`.
+    /// A value of the column as in a sentence: `vibration frequency 20 Hz`, `lost ticks n = 3`.
     pub fn valued(&self, value: &str) -> String {
         match self.unit.symbol {
             "" => format!("{} = {value}", self.label),
@@ -135,33 +136,33 @@ impl Column {
     }
 }
 
-/// Why what the user named selects no single column, or no row.
+/// Why a name or filter given by the user selects no single column, or no row.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ColumnError {
-    /// No column is called so.
-    #[error("no column is called `{name}`; there are {}", known.join(", "))]
+    /// No column has the name.
+    #[error("no column is called `{name}`; the columns are {}", known.join(", "))]
     Unknown {
-        /// As it was asked for.
+        /// Requested name.
         name: String,
-        /// The columns that there are.
+        /// Available columns.
         known: Vec<String>,
     },
-    /// Several columns end so.
+    /// Several columns match the name.
     #[error("`{name}` may mean {}; write the whole name", candidates.join(" or "))]
     Ambiguous {
-        /// As it was asked for.
+        /// Requested name.
         name: String,
-        /// Those columns.
+        /// Matching columns.
         candidates: Vec<String>,
     },
     /// No row has the value.
-    #[error("no row has {column} = `{value}`; there are {}", known.join(", "))]
+    #[error("no row has {column} = `{value}`; its values are {}", known.join(", "))]
     NoRow {
-        /// That was asked for.
+        /// Requested column.
         column: String,
-        /// That was asked for.
+        /// Requested value.
         value: String,
-        /// Values that the column has.
+        /// Values in the column.
         known: Vec<String>,
     },
 }
@@ -169,7 +170,7 @@ pub enum ColumnError {
 /// Columns of equal length.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Table {
-    /// Each of as many cells.
+    /// The columns, which have equally many cells.
     pub columns: Vec<Column>,
 }
 
@@ -179,18 +180,19 @@ impl Table {
         self.columns.first().map_or(0, |column| column.cells.len())
     }
 
-    /// The column a user means by `name`: its header or its name, each with or without the parts before any of its dots.
+    /// Finds the column that a user means by `name`: its header or its name, each with or without the parts before any
+    /// of its dots.
     ///
     /// # Errors
-    /// No such column, or several.
+    /// No column matches, or several do.
     pub fn column(&self, name: &str) -> Result<&Column, ColumnError> {
         find(&self.columns, name)
     }
 
-    /// The rows in which every named column shows its value: (column, value as files show it).
+    /// The rows in which every named column shows its value. A pair is a column and a value as files show it.
     ///
     /// # Errors
-    /// A name selects no single column, or a value none of the rows left by those before it.
+    /// A name selects no single column, or a value none of the rows left by the pairs before it.
     pub fn rows_where<N: AsRef<str>, V: AsRef<str>>(
         &self,
         filter: &[(N, V)],
@@ -216,7 +218,7 @@ impl Table {
         Ok(rows)
     }
 
-    /// What such a filter chooses, as sentences and legends have it: `filler = const`.
+    /// The description of such a filter in sentences and legends, such as `filler = const`.
     ///
     /// # Errors
     /// A name selects no single column.
@@ -227,7 +229,7 @@ impl Table {
         filter.iter().map(|(name, value)| Ok(self.column(name.as_ref())?.valued(value.as_ref()))).collect()
     }
 
-    /// The first column of that role.
+    /// The first column with this role.
     pub fn of_role(&self, role: Role) -> Option<&Column> {
         self.columns.iter().find(|column| column.role == role)
     }
@@ -243,12 +245,12 @@ impl Table {
         self.columns.iter().find(|column| column.role == Role::Key && column.of == key)
     }
 
-    /// The column of that role for another column, as its closed form or standard error.
+    /// The column with this role for another column, such as its closed form or standard error.
     pub fn beside(&self, column: &Column, role: Role) -> Option<&Column> {
         self.columns.iter().find(|other| other.role == role && other.of == column.name)
     }
 
-    /// The column that the role of another one refers to.
+    /// The column to which the role of another one refers.
     pub fn referred(&self, column: &Column) -> Option<&Column> {
         self.columns.iter().find(|other| other.name == column.of)
     }
@@ -256,7 +258,7 @@ impl Table {
     /// Writes the table as CSV: a header, then the rows; blanks stay empty.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// The errors of the writer.
     pub fn write_csv(&self, to: impl io::Write) -> io::Result<()> {
         let mut writer = csv::Writer::from_writer(to);
         writer.write_record(self.columns.iter().map(Column::header))?;
@@ -267,7 +269,7 @@ impl Table {
     }
 }
 
-/// The column that [`Table::column`] finds, among columns that need not be a table.
+/// Finds a column as [`Table::column`] does, among columns that need not form a table.
 pub(crate) fn find<'c>(columns: &'c [Column], name: &str) -> Result<&'c Column, ColumnError> {
     let exact = |column: &&Column| column.header() == name || column.name == name;
     if let Some(column) = columns.iter().find(exact) {
@@ -321,7 +323,7 @@ mod tests {
         );
         assert_eq!(
             table.column("y").unwrap_err().to_string(),
-            "no column is called `y`; there are a.x_hz, b.x_s"
+            "no column is called `y`; the columns are a.x_hz, b.x_s"
         );
     }
 
@@ -343,7 +345,7 @@ mod tests {
         );
         assert_eq!(table.rows_where::<&str, &str>(&[]), Ok(vec![0, 1, 2]));
         let error = table.rows_where(&[("filler", "linear"), ("x", "0.1")]).unwrap_err();
-        assert_eq!(error.to_string(), "no row has x = `0.1`; there are 2");
+        assert_eq!(error.to_string(), "no row has x = `0.1`; its values are 2");
     }
 
     #[test]

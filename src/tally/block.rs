@@ -1,6 +1,6 @@
 //! Blocks: dyadic ranges of trial numbers, the unit of dispatch, storage and sharding.
 //!
-//! Two blocks nest or are disjoint, so a pile of rows folds to one answer in any order, however it was written.
+//! Two blocks nest or are disjoint, so a set of rows folds to one answer in any order, however it was written.
 
 use core::ops::Range;
 
@@ -9,7 +9,7 @@ use core::ops::Range;
 pub struct Block {
     /// Number of the first trial.
     pub first: u64,
-    /// Log2 of how many.
+    /// log2 of the number of trials.
     pub log2: u32,
 }
 
@@ -19,33 +19,33 @@ impl Block {
         1 << self.log2
     }
 
-    /// The first trial behind the block.
+    /// Number of the first trial after the block.
     pub fn end(&self) -> u64 {
         self.first + self.trials()
     }
 
-    /// Whether it is a block at all: in its place, of trials that can be numbered.
+    /// Whether the block is valid: aligned, with trial numbers that fit.
     pub fn is_aligned(&self) -> bool {
         self.log2 < 63 && self.first.is_multiple_of(1 << self.log2) && self.first < 1 << 63
     }
 }
 
-/// log2 of the largest block: beyond it a lost block would cost minutes.
+/// log2 of the largest block; losing a larger one would cost minutes.
 const LARGEST: u32 = 26;
 
-/// log2 of the smallest base block: to keep and read smaller ones costs more than to sample them.
+/// log2 of the smallest base block; storing and reading a smaller one costs more than sampling it.
 const SMALLEST: u32 = 10;
 
-/// log2 of a study's base block: of 2^15 trials and more, 32 to 63 blocks in all.
+/// log2 of a study's base block. From 2^15 trials on, a point has 32 to 63 blocks.
 pub fn base_log2(trials: u64) -> u32 {
     (trials / 32).max(1).ilog2().clamp(SMALLEST, LARGEST)
 }
 
-/// log2 of the steps, some milliseconds, below which it costs more to keep and read a row than to sample it again.
+/// log2 of the steps, some milliseconds, below which storing and reading a row costs more than resampling it.
 const QUICK: u32 = 18;
 
-/// log2 of the largest rows of a study of so many trials, each of so many steps: its base block, or what is sampled in no time.
-/// Thousands of points have few rows then.
+/// log2 of the largest rows of a study with this many trials of this many steps each: its base block, or what is
+/// sampled in no time. Thousands of points then have few rows.
 pub fn row_log2(trials: u64, steps: u64) -> u32 {
     base_log2(trials).max(QUICK.saturating_sub(steps.max(1).ilog2()))
 }
@@ -62,7 +62,7 @@ pub fn cover(range: Range<u64>, largest: u32) -> Vec<Block> {
     blocks
 }
 
-/// The blocks that lie in no other one, in order: a complete larger range is kept in place of its parts.
+/// The blocks that lie in no other one, in order: a complete larger block replaces its parts.
 pub fn fold<T>(mut rows: Vec<(Block, T)>) -> Vec<(Block, T)> {
     rows.sort_by_key(|(block, _)| (block.first, core::cmp::Reverse(block.log2)));
     let mut end = 0;

@@ -1,4 +1,4 @@
-//! Identities: short hashes of what a thing means, never of where it is kept or how it was computed.
+//! Identities: short hashes of the meaning of a thing, independent of where it is kept or how it was computed.
 
 use core::fmt;
 
@@ -14,7 +14,7 @@ impl Id {
         Id::of_bytes(text.as_bytes())
     }
 
-    /// The identity of some words, in their order.
+    /// The identity of a sequence of words.
     pub fn of_words(words: impl IntoIterator<Item = u32>) -> Id {
         let bytes: Vec<u8> = words.into_iter().flat_map(u32::to_le_bytes).collect();
         Id::of_bytes(&bytes)

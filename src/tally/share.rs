@@ -1,4 +1,4 @@
-//! Shares: equal parts of a study, for machines that know nothing of each other.
+//! Shares: equal parts of a study, for machines that do not communicate.
 //!
 //! ```
 //! use sagnac::tally::share::Share;
@@ -13,48 +13,49 @@ use core::fmt;
 use core::ops::Range;
 use core::str::FromStr;
 
-/// One of so many equal parts of the trials of every point.
+/// One of several equal parts of the trials of every point.
 ///
-/// Which trials it has follows from the study alone, so the shares of a study are disjoint, make up the whole, and can be sampled
-/// anywhere, in any order and again.
+/// The trials of a share follow from the study alone, so the shares of a study are disjoint, make up the whole, and can
+/// be sampled anywhere, in any order and repeatedly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Share {
     index: u64,
     of: u64,
 }
 
-/// log2 of the parts that a share's ends are rounded to: a 16th more or less work is less than rows of odd lengths cost.
+/// log2 of the parts to which a share's ends are rounded; a sixteenth more or less work costs less than rows of odd
+/// lengths.
 const GRAIN: u32 = 4;
 
 impl Share {
-    /// All of a study.
+    /// The whole study.
     pub const WHOLE: Share = Share { index: 0, of: 1 };
 
     /// The most shares of a study.
     pub const MOST: u64 = 1 << 16;
 
-    /// Share `number` of `of`, from 1 on; `None` where there is none.
+    /// Share `number` of `of`, counted from 1; `None` where the numbers are out of range.
     pub fn new(number: u64, of: u64) -> Option<Share> {
         ((1..=of).contains(&number) && of <= Share::MOST).then(|| Share { index: number - 1, of })
     }
 
-    /// Which it is, from 1 on.
+    /// Number of this share, counted from 1.
     pub fn number(&self) -> u64 {
         self.index + 1
     }
 
-    /// How many there are.
+    /// Number of shares.
     pub fn of(&self) -> u64 {
         self.of
     }
 
-    /// Whether it is all of the study.
+    /// Whether the share is the whole study.
     pub fn is_whole(&self) -> bool {
         self.of == 1
     }
 
-    /// Its part of the first `trials` trials of a point, the `turn`th of the study. Points take turns, so that of few trials of many
-    /// points each share has as many.
+    /// Its part of the first `trials` trials of a point, the `turn`th of the study. Points take turns, so that with few
+    /// trials of many points all shares get equally many.
     pub fn trials(&self, trials: u64, turn: usize) -> Range<u64> {
         let index = (self.index + turn as u64) % self.of;
         let grain = (trials / self.of).max(1).ilog2().saturating_sub(GRAIN);
@@ -74,7 +75,7 @@ impl fmt::Display for Share {
     }
 }
 
-/// Why a text is no share.
+/// The error for a text that names no share.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("expected I/N, share I of N, from 1/N to N/N with N up to {}", Share::MOST)]
 pub struct ShareError;
@@ -123,7 +124,7 @@ mod tests {
                 let part = share.trials(1_000_000, 0);
                 let wanted = 1_000_000 / of;
                 assert!((part.end - part.start).abs_diff(wanted) <= wanted / 8, "{share}: {part:?}");
-                // Of 3 trials a point.
+                // With 3 trials per point.
                 let few: u64 =
                     (0..of as usize).map(|turn| share.trials(3, turn)).map(|t| t.end - t.start).sum();
                 assert_eq!(few, 3);

@@ -1,4 +1,4 @@
-//! From exact tallies to estimates with uncertainties.
+//! Estimates with uncertainties, computed from exact tallies.
 
 use std::cell::Cell;
 
@@ -10,37 +10,38 @@ pub const LEVEL: f64 = 0.9973;
 /// Half the width of a 95 % interval in standard errors.
 pub(crate) const NORMAL_95: f64 = 1.959_963_985;
 
-/// What a tally says about an error, in the unit of its scale. Absent where the trials do not say it.
+/// Estimates of an error in the unit of the tally's scale. A value is absent where the trials do not determine it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimates {
-    /// Signed.
+    /// Mean error, signed.
     pub mean: f64,
     /// Root mean square, the mean included.
     pub rms: f64,
-    /// Standard error of `rms`, √(Var(E²)/n) / (2 rms); 0 where every trial has the same error, absent for one trial and
-    /// where the histogram does not tell.
+    /// Standard error of `rms`, √(Var(E²)/n) / (2 rms); 0 where every trial has the same error, absent for one trial
+    /// and where the histogram does not determine it.
     pub rms_se: Option<f64>,
     /// Largest |error| seen.
     pub max: f64,
-    /// Level that 99.73 % of |error| stay below.
+    /// The level below which 99.73 % of |error| stay.
     pub q9973: Option<Quantile>,
 }
 
 /// A quantile of |error| and its 95 % interval from order statistics, widened to the edges of bins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quantile {
-    /// In the unit of the scale.
+    /// The quantile, in the unit of the scale.
     pub value: f64,
-    /// Absent where the trials are too few to bound it.
+    /// Lower end of the interval; absent where the trials are too few to bound it.
     pub low: Option<f64>,
-    /// The same.
+    /// Upper end of the interval; absent where the trials are too few to bound it.
     pub high: Option<f64>,
 }
 
 impl Estimates {
-    /// The estimates of a tally whose histogram starts at level `bin_base`; one unit of the tally is `scale`.
+    /// The estimates of a tally whose histogram starts at level `bin_base`, with `scale` as the size of one unit of the
+    /// tally.
     ///
-    /// `None` without a trial.
+    /// `None` without trials.
     pub fn of(tally: &Moments, bin_base: u32, scale: f64) -> Option<Estimates> {
         if tally.count == 0 {
             return None;
@@ -68,7 +69,7 @@ impl Estimates {
     }
 }
 
-/// Where the bins of a tally begin and end.
+/// The edges of the bins of a tally.
 #[derive(Clone, Copy)]
 struct Edges {
     base: u32,
@@ -86,8 +87,8 @@ impl Edges {
     }
 }
 
-/// Mean and variance of the error. The sums are whole numbers about the nearest one to the mean, so that a small
-/// variance beside a large mean does not cancel, and that of a constant is exactly 0.
+/// Mean and variance of the error. The sums are taken as integers about the integer nearest to the mean, so that a
+/// small variance beside a large mean does not cancel, and that of a constant is exactly 0.
 fn mean_and_variance(tally: &Moments) -> (f64, f64) {
     let n = i128::from(tally.count);
     let near = (2 * tally.sum + n).div_euclid(2 * n);
@@ -97,18 +98,18 @@ fn mean_and_variance(tally: &Moments) -> (f64, f64) {
     (near as f64 + rest, square as f64 / n as f64 - rest * rest)
 }
 
-/// Var(E²), of which the sums give the part that a narrow distribution has, and the histogram the rest.
+/// Var(E²). The sums give it for a narrow distribution; otherwise the histogram contributes.
 ///
-/// With E = m + d and σ² the variance of d it is 4m²σ² + 4m⟨d³⟩ + ⟨d⁴⟩ − σ⁴; m and σ² are exact.
+/// With E = m + d and σ² the variance of d, it is 4m²σ² + 4m⟨d³⟩ + ⟨d⁴⟩ − σ⁴; m and σ² are exact.
 ///
-/// - σ below a bin's width at m, |m|/128: ⟨d³⟩ and ⟨d⁴⟩ are taken as those of a normal distribution, 0 and 3σ⁴. A skewness
-///   γ would change the result by γσ/|m|, less than 0.8 % of γ.
-/// - Else, where all errors have one sign: ⟨d³⟩ and ⟨d⁴⟩ are those of the histogram.
-/// - Else the mean of (E² − ⟨E²⟩)² over the histogram: a distribution that reaches across 0 is wide, and its bins, 1/128
-///   of |E| wide, change the result by less than 0.1 %.
+/// - If σ is below a bin's width at m, |m|/128, ⟨d³⟩ and ⟨d⁴⟩ are taken as those of a normal distribution, 0 and 3σ⁴. A
+///   skewness γ would change the result by γσ/|m|, less than 0.8 % of γ.
+/// - Otherwise, if all errors have one sign, ⟨d³⟩ and ⟨d⁴⟩ are those of the histogram.
+/// - Otherwise it is the mean of (E² − ⟨E²⟩)² over the histogram. A distribution that reaches across 0 is wide, and its
+///   bins, 1/128 of |E| wide, change the result by less than 0.1 %.
 ///
-/// `None` without a histogram where one is needed, where its bins leave no variance although there is some, and where too
-/// much of it may come from errors beyond them.
+/// `None` without a histogram where one is needed, where its bins give no variance although there is some, and where
+/// too much of the variance may come from errors beyond them.
 fn variance_of_square(tally: &Moments, edges: Edges) -> Option<f64> {
     let (mean, variance) = mean_and_variance(tally);
     let mean = mean.abs();
@@ -137,7 +138,7 @@ fn variance_of_square(tally: &Moments, edges: Edges) -> Option<f64> {
         });
         first_order + 4.0 * mean * third + fourth - variance * variance
     };
-    // What the open bin may add to the fourth moment, if all its errors are as large as the largest.
+    // The contribution of the open bin to the fourth moment, if all its errors are as large as the largest.
     let open = tally.bins.last().filter(|_| is_open(BINS - 1, edges)).map_or(0.0, |&count| {
         let (low, high) = edges.of(BINS - 1);
         count as f64 / tally.count as f64 * (libm::pow(high, 4.0) - libm::pow(low, 4.0))
@@ -145,16 +146,16 @@ fn variance_of_square(tally: &Moments, edges: Edges) -> Option<f64> {
     (result > 0.0 && !tally.bins.is_empty() && open <= OPEN_PART * result).then_some(result)
 }
 
-/// Most that errors beyond the histogram may make of the variance of E²: its root is then known to 10 %.
+/// Largest part of the variance of E² that errors beyond the histogram may contribute; its root is then known to 10 %.
 const OPEN_PART: f64 = 0.2;
 
-/// Mean of a function over the histogram, each bin taken as filled evenly with whole numbers: `of` is given their mean
-/// and their second and fourth central moment.
+/// Mean of a function over the histogram, each bin taken as evenly filled with integers. `of` receives the mean of a
+/// bin and its second and fourth central moments.
 fn histogram_mean(tally: &Moments, edges: Edges, of: impl Fn(f64, f64, f64) -> f64) -> f64 {
     let sum: f64 = filled(tally)
         .map(|(bin, count)| {
             let (low, high) = edges.of(bin);
-            // The upper edge belongs to the next bin, but for the largest |error| of all.
+            // The upper edge belongs to the next bin, except for the largest |error| of all.
             let last = if high < edges.max { high - 1.0 } else { edges.max };
             let square = (last - low + 1.0) * (last - low + 1.0);
             let (second, fourth) = ((square - 1.0) / 12.0, (square - 1.0) * (3.0 * square - 7.0) / 240.0);
@@ -180,7 +181,7 @@ fn quantile(tally: &Moments, edges: Edges) -> Option<Quantile> {
         let (a, b) = edges.of(bin);
         a + (b - a) * within
     };
-    // Of n trials about n (1 − level) lie above the quantile; these many at least and at most, in 95 % of all cases.
+    // Of n trials about n (1 − level) lie above the quantile; in 95 % of all cases their number is between these two.
     let (fewest, most) = trials_above(n);
     let low = bin_of_rank(tally, n.saturating_sub(most) as f64)
         .filter(|_| most < n)
@@ -192,13 +193,13 @@ fn quantile(tally: &Moments, edges: Edges) -> Option<Quantile> {
     Some(Quantile { value, low, high })
 }
 
-/// Whether the open last bin reaches so far that what lies in it is not known.
+/// Whether the bin is the open last one and reaches so far that the values in it are unknown.
 fn is_open(bin: usize, edges: Edges) -> bool {
     let (low, high) = edges.of(bin);
     bin == BINS - 1 && high > low * (1.0 + 1.0 / f64::from(1 << BIN_BITS))
 }
 
-/// The bin that holds the `rank`-th smallest |error|, and how far into the bin it lies.
+/// The bin that holds the `rank`-th smallest |error|, and the relative position of that error in the bin.
 fn bin_of_rank(tally: &Moments, rank: f64) -> Option<(usize, f64)> {
     let mut below = 0.0;
     for (bin, count) in filled(tally) {
@@ -211,7 +212,8 @@ fn bin_of_rank(tally: &Moments, rank: f64) -> Option<(usize, f64)> {
     None
 }
 
-/// How many of n trials lie above the quantile, at least and at most, in 95 % of all cases. It takes as long as thousands of trials, and
+/// Least and greatest number of the n trials that lie above the quantile in 95 % of all cases. The result is cached,
+/// because it takes as long as thousands of trials, and most rows of a table have as many trials as the one before.
 /// most rows of a table have as many trials as the one before.
 fn trials_above(n: u64) -> (u64, u64) {
     thread_local! {
@@ -226,7 +228,7 @@ fn trials_above(n: u64) -> (u64, u64) {
     interval
 }
 
-/// The central 95 % of a binomial distribution: outside on either side lies at most 2.5 %.
+/// The central 95 % of a binomial distribution; at most 2.5 % lie outside on either side.
 fn binomial_interval(n: u64, p: f64) -> (u64, u64) {
     let mean = n as f64 * p;
     let sd = libm::sqrt(mean * (1.0 - p));
@@ -252,8 +254,8 @@ fn binomial_interval(n: u64, p: f64) -> (u64, u64) {
     (fewest.unwrap_or(0), n)
 }
 
-/// Deviation of an estimate from its closed form in standard errors: `proven` bounds what rounding adds. `None` where that
-/// bound is so wide that the comparison says nothing.
+/// Deviation of an estimate from its closed form in standard errors; `proven` bounds the additional error of rounding.
+/// `None` where that bound is too wide for the comparison to say anything.
 ///
 /// ```
 /// use sagnac::tally::stats::z_score;
@@ -294,7 +296,7 @@ mod tests {
         let estimates = Estimates::of(&tally_of(sine, base), base, 0.5).unwrap();
         let rms = 1e6 / libm::sqrt(2.0) * 0.5;
         assert!((estimates.rms / rms - 1.0).abs() < 1e-5, "{estimates:?}");
-        // E⁴ of a sine is 3/8, so se = rms √(1/2) / (2 √n); a normal law would say rms √2 / (2 √n).
+        // E⁴ of a sine is 3/8, so se = rms √(1/2) / (2 √n); a normal distribution would give rms √2 / (2 √n).
         let expected = rms * libm::sqrt(0.5) / (2.0 * libm::sqrt(f64::from(n)));
         assert!((estimates.rms_se.unwrap() / expected - 1.0).abs() < 0.01, "{estimates:?}, not {expected}");
         assert_eq!(estimates.max, 5e5);
@@ -312,7 +314,8 @@ mod tests {
     fn the_standard_error_of_the_rms_is_right_however_narrow_and_far_from_0_the_errors_lie() {
         let even = |p: f64| libm::sqrt(12.0) * (p - 0.5);
         let exponential = |p: f64| -libm::log1p(-p) - 1.0;
-        // Standard deviations from far below a bin to as wide as the mean; at 0.2 the even one has one sign, at 1 two.
+        // Standard deviations from far below a bin to as wide as the mean; at 0.2 the even distribution has one sign,
+        // at 1 both.
         for relative in [1e-6, 1e-5, 1e-3, 0.0077, 0.0079, 0.02, 0.1, 0.2, 1.0] {
             // With their third and fourth standardised moments.
             let cases: [(&str, Moments, f64, f64); 3] = [
@@ -375,7 +378,7 @@ mod tests {
 
     #[test]
     fn what_lies_beyond_the_histogram_is_left_blank_and_not_guessed() {
-        // Bins end at 32: one of a hundred errors lies far beyond.
+        // Bins end at 32, and one error in a hundred lies far beyond.
         let tally = tally_of((0..10_000).map(|k| if k % 100 == 0 { 5000 } else { 1 + k % 20 }), level(1));
         let found = Estimates::of(&tally, level(1), 1.0).unwrap();
         assert_eq!((found.q9973, found.rms_se), (None, None));

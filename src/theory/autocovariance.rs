@@ -1,11 +1,12 @@
 //! The covariance of a recorded motion, estimated from its ticks.
 
-/// Covariance of `ticks` by lag 0 … `lags` − 1, in the square of their unit: their mean removed, and the sum over all
-/// pairs divided by the number of ticks, not of pairs.
+/// Covariance of `ticks` at lags 0 … `lags` − 1, in the square of their unit. The mean is removed, and the sum over all
+/// pairs is divided by the number of ticks instead of pairs.
 ///
-/// This biased estimate shrinks the covariance at lag l of N ticks by the factor 1 − l/N, and by the variance of their
-/// mean. In return the matrix of the covariances is positive semidefinite, as a minimum-variance filler needs, which that
-/// of the unbiased estimate need not be. Lags from N on are 0, as all are without ticks. Takes N · `lags` steps.
+/// For N ticks this biased estimate shrinks the covariance at lag l by the factor 1 − l/N, and all lags by the variance
+/// of the mean. In return the covariance matrix is positive semidefinite, as a minimum-variance filler needs; that of
+/// the unbiased estimate need not be. The covariance is 0 at lags from N on, and everywhere without ticks. The
+/// computation takes N · `lags` steps.
 ///
 /// ```
 /// # use sagnac::theory::autocovariance::autocovariance;
@@ -37,13 +38,13 @@ mod tests {
 
     #[test]
     fn a_long_tone_has_the_covariance_of_its_closed_form() {
-        // 20 Hz at ticks of 5 ms: ten ticks a turn, so that 100 000 ticks hold whole turns only.
+        // 20 Hz at ticks of 5 ms is ten ticks per turn, so 100 000 ticks hold whole turns only.
         let exact = Band { low_hz: 20.0, high_hz: 20.0 }.covariance(12000.0, 0.005, 40);
         let peak = libm::sqrt(2.0 * exact[0]);
         let tick = |k: usize| 3.0 + peak * libm::sin(core::f64::consts::TAU * (k as f64 / 10.0 + 0.123));
         let found = autocovariance(&(0..100_000).map(tick).collect::<Vec<f64>>(), 40);
         for (lag, (found, exact_at)) in found.iter().zip(&exact).enumerate() {
-            // The bias, and what the missing pairs leave of a turn.
+            // The bias, plus the error from the missing pairs of a turn.
             let bound = (lag + 10) as f64 / 100_000.0 * exact[0];
             assert!((found - exact_at).abs() <= bound, "lag {lag}: {found}, not {exact_at} within {bound}");
         }
@@ -51,7 +52,7 @@ mod tests {
 
     #[test]
     fn the_matrix_is_positive_definite_even_for_few_ticks() {
-        // Of these the unbiased estimate at the last lag, the product of the two ends, exceeds the variance.
+        // For these ticks the unbiased estimate at the last lag, the product of the two ends, exceeds the variance.
         let ticks = [5.0, -1.0, 0.5, -2.0, 0.25, -1.5, 1.0, -3.0, 5.0];
         let covariance = autocovariance(&ticks, 9);
         assert!(9.0 * covariance[8] > covariance[0], "{covariance:?}");

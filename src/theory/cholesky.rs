@@ -1,15 +1,16 @@
-//! Lower triangular factors of covariance matrices, in a fixed order.
+//! Lower triangular factors of covariance matrices, computed in a fixed order.
 
-/// A pivot below this part of the diagonal is rounding and nothing else.
+/// Smallest pivot relative to the diagonal; anything below is rounding.
 const LEAST_PIVOT: f64 = 1e-13;
 
-/// The factor of a positive definite matrix, row by row; `None` where it is not one to working precision.
+/// The factor of a positive definite matrix, row by row; `None` where the matrix is not positive definite to working
+/// precision.
 pub fn definite(count: usize, matrix: impl Fn(usize, usize) -> f64) -> Option<Vec<Vec<f64>>> {
     let factor = semidefinite(count, matrix);
     factor.iter().enumerate().all(|(i, row)| row[i] > 0.0).then_some(factor)
 }
 
-/// The factor of a positive semidefinite matrix: what depends on the rows before has 0 on its diagonal.
+/// The factor of a positive semidefinite matrix; rows that depend on those before have 0 on the diagonal.
 pub fn semidefinite(count: usize, matrix: impl Fn(usize, usize) -> f64) -> Vec<Vec<f64>> {
     let mut factor: Vec<Vec<f64>> = Vec::with_capacity(count);
     for i in 0..count {
@@ -31,7 +32,7 @@ pub fn solve(factor: &[Vec<f64>], b: Vec<f64>) -> Vec<f64> {
     solve_transposed(factor, whiten(factor, b))
 }
 
-/// Solves L x = b: of a b with the covariance L Lᵀ, independent numbers of variance 1.
+/// Solves L x = b. For a b with the covariance L Lᵀ, x consists of independent numbers of variance 1.
 pub fn whiten(factor: &[Vec<f64>], mut x: Vec<f64>) -> Vec<f64> {
     for i in 0..x.len() {
         let known: f64 = (0..i).map(|k| factor[i][k] * x[k]).sum();

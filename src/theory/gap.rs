@@ -1,9 +1,8 @@
 //! The gap at a mode switch: weights of the fillers, and the exact error of a sine and of white noise.
 //!
-//! Every filler is linear in the ticks it reads, so its angle over the gap is a weighted sum of them, and its error
-//! for a sine is a sine of the same frequency. Source: Z(14)–Z(18); tick j is the angle over ((j − 1)T, jT], the gap
-//! is the ticks 1 … n.
-//! The paper's point, n = 3, T = 5 ms, 12000 ″/s at 20 Hz:
+//! Every filler is linear in the ticks that it reads, so its angle over the gap is a weighted sum of them, and its
+//! error for a sine is a sine of the same frequency. Source: Z(14)–Z(18). Tick j is the angle over ((j − 1)T, jT], and
+//! the gap consists of the ticks 1 … n. The paper's case, n = 3, T = 5 ms, 12000 ″/s at 20 Hz:
 //!
 //! ```
 //! use sagnac::theory::gap::{polynomial_weights, sine_response, tick_amplitude};
@@ -21,27 +20,27 @@ use core::f64::consts::PI;
 /// Weights of a filler as exact fractions: `numerators[k] / denominator` on the k-th of its ticks.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Weights {
-    /// Their numbers; 0 is the last before the gap, n + 1 the first after it.
+    /// Numbers of the ticks; 0 is the last before the gap, n + 1 the first after it.
     pub ticks: Vec<i32>,
-    /// One for each tick.
+    /// Numerators, one for each tick.
     pub numerators: Vec<i64>,
-    /// Positive, and without a factor common to all numerators.
+    /// Positive denominator without a factor common to all numerators.
     pub denominator: i64,
 }
 
 impl Weights {
-    /// The weights as numbers.
+    /// The weights as floating-point numbers.
     pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
         self.numerators.iter().map(|&w| w as f64 / self.denominator as f64)
     }
 
-    /// The nearest weights over 2^`bits` whose sum is exactly `sum`.
+    /// The nearest weights with the denominator 2^`bits` whose sum is exactly `sum`.
     pub fn nearest(ticks: &[i32], values: &[f64], sum: i64, bits: u32) -> Weights {
         let denominator = 1_i64 << bits;
         let mut numerators: Vec<i64> =
             values.iter().map(|w| libm::round(w * denominator as f64) as i64).collect();
         let missing = sum * denominator - numerators.iter().sum::<i64>();
-        // Shared out evenly, it changes no weight by more than its own rounding did.
+        // Spread evenly, the correction changes no weight by more than its own rounding did.
         let count = numerators.len() as i64;
         for (k, w) in numerators.iter_mut().enumerate() {
             *w += missing / count + if (k as i64) < (missing % count).abs() { missing.signum() } else { 0 };
@@ -60,16 +59,16 @@ impl Weights {
     }
 }
 
-/// The weights on `ticks` that give the sum over the gap of the least-squares polynomial of an order through them.
+/// The weights on `ticks` that give the integral over the gap of the least-squares polynomial of degree `order`.
 ///
-/// Solves the normal equations in whole numbers (Bareiss' elimination), so the fractions are exact. `None` where the
+/// The normal equations are solved in integers (Bareiss' elimination), so the fractions are exact. `None` where the
 /// ticks do not determine the polynomial. Ticks within ±128 and orders up to 2 cannot overflow.
 pub fn polynomial_weights(ticks: &[i32], order: usize, gap_ticks: u32) -> Option<Weights> {
     let terms = order + 1;
     let power_sum = |ticks: &mut dyn Iterator<Item = i32>, power: usize| -> i128 {
         ticks.map(|tick| i128::from(tick).pow(power as u32)).sum()
     };
-    // Rows: Σ_k x_k^(row + column) a_column = Σ_gap j^row, whose solution a weighs tick x by Σ a_i x^i.
+    // The rows are Σ_k x_k^(row + column) a_column = Σ_gap j^row; the solution a gives tick x the weight Σ a_i x^i.
     let mut rows: Vec<Vec<i128>> = (0..terms)
         .map(|row| {
             let mut equation: Vec<i128> =
@@ -109,25 +108,27 @@ fn greatest_common_divisor(a: i128, b: i128) -> i128 {
     if b == 0 { a.abs() } else { greatest_common_divisor(b, a % b) }
 }
 
-/// Angle of a tick with the peak of the rate at its middle, per unit of rate amplitude: T sinc(νT), for νT = `nu_t`.
+/// Angle of a tick with the peak of the rate at its middle, per unit of rate amplitude: T sinc(νT), with νT = `nu_t`.
 ///
-/// It is negative where the turns within the tick outweigh its middle, as for 1 < νT < 2, and exactly 0 at whole νT.
+/// It is negative where the angle of the rest of the tick outweighs that of its middle, as for 1 < νT < 2, and exactly
+/// 0 at integer νT.
 pub fn tick_amplitude(tick_s: f64, nu_t: f64) -> f64 {
     if nu_t == 0.0 {
         return tick_s;
     }
-    // sin πνT from the nearest whole number: 0 is met exactly there, where sin(π·1) would leave 1e-16.
+    // sin πνT computed from the nearest integer is exactly 0 there, where sin(π·1) would leave 1e-16.
     let whole = libm::round(nu_t);
     let sign = if whole % 2.0 == 0.0 { 1.0 } else { -1.0 };
     tick_s * sign * libm::sin(PI * (nu_t - whole)) / (PI * nu_t)
 }
 
-/// Phase of the middle of `tick` against the middle of the gap, in radians at νT = `nu_t`.
+/// Phase of the middle of `tick` relative to the middle of the gap, in radians at νT = `nu_t`.
 pub fn tick_phase(tick: f64, gap_ticks: u32, nu_t: f64) -> f64 {
     2.0 * PI * nu_t * (tick - 0.5 * (f64::from(gap_ticks) + 1.0))
 }
 
-/// The filler's error for ticks sin(φ + phase), as factors (a, b) of a sin φ + b cos φ, φ at the middle of the gap.
+/// The filler's error for ticks sin(φ + phase), as factors (a, b) of a sin φ + b cos φ, where φ is the phase at the
+/// middle of the gap.
 pub fn sine_response(weights: &Weights, gap_ticks: u32, nu_t: f64) -> (f64, f64) {
     let mut response = (0.0, 0.0);
     let mut add = |tick: i32, factor: f64| {

@@ -1,8 +1,8 @@
 //! The minimum-variance gap filler: the best linear unbiased estimate of the gap for a known motion and noise.
 //!
-//! Its weights solve `[K + σ²I, 1; 1ᵀ, 0] [w; λ] = [k; n]`, K the covariance of the motion between the ticks it reads, k
-//! that of each tick with the sum over the gap; the constraint Σw = n keeps a constant rate exact. Everything is done
-//! in a fixed order through `libm`, so that the weights are the same on every machine.
+//! Its weights solve `[K + σ²I, 1; 1ᵀ, 0] [w; λ] = [k; n]`, where K is the covariance of the motion between the ticks
+//! that it reads and k that of each tick with the sum over the gap. The constraint Σw = n keeps a constant rate exact.
+//! Everything is computed in a fixed order with `libm`, so the weights are the same on every machine.
 //!
 //! ```
 //! use sagnac::theory::minimum_variance::{Band, error_variance, minimum_variance_weights};
@@ -21,7 +21,8 @@ use crate::theory::cholesky::{definite, solve};
 use crate::theory::gap::tick_amplitude;
 use crate::theory::quadrature::mean;
 
-/// A vibration of random phase whose frequency is spread evenly over a band; one of a single frequency has both ends there.
+/// A vibration of random phase whose frequency is uniformly distributed over a band; for a single frequency both ends
+/// are equal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
     /// Lower end, Hz.
@@ -31,15 +32,16 @@ pub struct Band {
 }
 
 impl Band {
-    /// Covariance of the angles of two ticks, ″², by their distance 0 … `lags` − 1.
+    /// Covariance of the angles of two ticks, ″², at distances 0 … `lags` − 1.
     ///
-    /// `rate_amplitude` is A_Ω in ″/s, `tick_s` is T. The mean over the band of (A_Ω T sinc νT)²/2 · cos 2πν·lag·T, by
-    /// quadrature in so many panels that none holds more than one turn: right to 1e-12 of the variance.
+    /// `rate_amplitude` is A_Ω in ″/s, `tick_s` is T. The result is the mean over the band of (A_Ω T sinc νT)²/2 · cos
+    /// 2πν·lag·T, by quadrature in panels of at most one turn each, accurate to 1e-12 of the variance.
     pub fn covariance(&self, rate_amplitude: f64, tick_s: f64, lags: usize) -> Vec<f64> {
         self.by_lag(lags, tick_s, |nu| rate_amplitude * tick_amplitude(tick_s, nu * tick_s))
     }
 
-    /// The same for a fixed amplitude A of the angle, ″: the peak angle of a tick is A_Ω T sinc νT with A_Ω = 2πνA.
+    /// The same covariance for a fixed amplitude A of the angle, ″: the peak angle of a tick is A_Ω T sinc νT with A_Ω
+    /// = 2πνA.
     pub fn covariance_of_angle(&self, amplitude: f64, tick_s: f64, lags: usize) -> Vec<f64> {
         self.by_lag(lags, tick_s, |nu| amplitude * TAU * nu * tick_amplitude(tick_s, nu * tick_s))
     }
@@ -52,11 +54,11 @@ impl Band {
     }
 }
 
-/// Weights on `ticks` of the least error over the gap 1 … n, for motion of this `covariance` by lag and `noise` on the
-/// readings, of which the lags not given have none: `[σ²]` for independent noise.
+/// Weights on `ticks` with the least error over the gap 1 … n, for motion of this `covariance` by lag and for `noise`
+/// on the readings, given by lag too: `[σ²]` for independent noise. Lags that are not given have no noise.
 ///
-/// `None` where the covariance of the ticks is singular to working precision: the noise is too small for the motion to
-/// leave anything to choose by. `covariance` reaches over all ticks and the gap.
+/// `None` where the covariance of the ticks is singular to working precision, because the noise is too small relative
+/// to the motion to determine the weights. `covariance` must cover the distances between all ticks and the gap.
 pub fn minimum_variance_weights(
     ticks: &[i32],
     gap_ticks: u32,
@@ -75,7 +77,7 @@ pub fn minimum_variance_weights(
     Some(best.iter().zip(&ones).map(|(best, one)| best + share * one).collect())
 }
 
-/// Variance of the error of any weights for such a motion and noise, ″².
+/// Variance of the error of given weights for such a motion and noise, ″².
 pub fn error_variance(ticks: &[i32], weights: &[f64], gap_ticks: u32, covariance: &[f64], sigma: f64) -> f64 {
     let all: Vec<(i32, f64)> = ticks
         .iter()
@@ -128,7 +130,7 @@ mod tests {
             let (weights, rms) = design(band, number(2) as u32, &record[3]);
             let gain = libm::sqrt(weights.iter().map(|w| w * w).sum());
             let largest = weights.iter().fold(0.0, |most: f64, w| most.max(w.abs()));
-            // The reference takes its bands by the trapezoidal rule in 4000 steps, which moves weights by 3e-6.
+            // The reference integrates its bands by the trapezoidal rule in 4000 steps, which moves weights by 3e-6.
             for (found, expected) in [(rms, number(4)), (gain, number(5)), (largest, number(6))] {
                 assert!((found / expected - 1.0).abs() < 5e-6, "{record:?}: {found}, not {expected}");
             }

@@ -1,4 +1,4 @@
-//! Closed forms, in f64: what the Monte Carlo is lowered from and compared with.
+//! Closed forms in f64, from which the Monte Carlo studies are lowered and with which they are compared.
 
 pub mod allan;
 pub mod autocovariance;

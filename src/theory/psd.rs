@@ -15,43 +15,44 @@ use core::f64::consts::TAU;
 use crate::theory::gap::tick_amplitude;
 use crate::theory::quadrature;
 
-/// Most octaves of density within one panel of the quadrature: 16 points take a power law through 2^8 to rounding.
+/// Largest binary logarithm of the ratio of densities within one panel of the quadrature, for which 16 points integrate
+/// a power law to rounding.
 const STEEPEST: f64 = 8.0;
 
-/// A one-sided power spectral density of the rate, (″/s)²/Hz, or of another quantity: straight lines in log–log between its
-/// points, 0 outside of them.
+/// A one-sided power spectral density of the rate, (″/s)²/Hz, or of another quantity. It consists of straight lines in
+/// log–log between its points, and is 0 outside.
 ///
-/// The form of vibration specifications. Two points at the same frequency are a step.
+/// This is the form of vibration specifications. Two points at the same frequency make a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Psd {
     points: Vec<[f64; 2]>,
 }
 
-/// Why points are no spectrum; `index` is that of the offending point.
+/// Why points do not make a spectrum; `index` is that of the offending point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum PsdError {
-    /// Fewer than two points.
+    /// There are fewer than two frequencies.
     #[error("a spectrum needs at least two points at different frequencies")]
     NoBand,
-    /// A point that has no logarithm.
-    #[error("a point of a spectrum has to be positive and finite in frequency and density")]
+    /// A point has no logarithm.
+    #[error("a point of a spectrum must be positive and finite in frequency and density")]
     NotPositive {
-        /// From 0.
+        /// Index of the point, from 0.
         index: usize,
     },
-    /// A frequency not above the one before it.
-    #[error("the frequencies of a spectrum have to ascend")]
+    /// A frequency is not above the one before it.
+    #[error("the frequencies of a spectrum must ascend")]
     NotAscending {
-        /// From 0.
+        /// Index of the point, from 0.
         index: usize,
     },
 }
 
 impl Psd {
-    /// A spectrum through `points`: frequency in Hz, and density.
+    /// The spectrum through `points`, each a frequency in Hz and a density.
     ///
     /// # Errors
-    /// A value that is not positive, which a logarithm cannot show, frequencies that descend, or no width at all.
+    /// A value is not positive, so that it has no logarithm, frequencies descend, or the spectrum has no width.
     pub fn new(points: Vec<[f64; 2]>) -> Result<Psd, PsdError> {
         let is_positive = |x: &f64| x.is_finite() && *x > 0.0;
         if let Some(index) = points.iter().position(|point| !point.iter().all(is_positive)) {
@@ -66,20 +67,21 @@ impl Psd {
         Ok(Psd { points })
     }
 
-    /// The points: frequency in Hz, ascending, and density.
+    /// The points, each a frequency in Hz, ascending, and a density.
     pub fn points(&self) -> &[[f64; 2]] {
         &self.points
     }
 
-    /// Variance, of a rate in (″/s)²: the area under the spectrum.
+    /// Variance, for a rate in (″/s)²: the area under the spectrum.
     pub fn variance(&self) -> f64 {
         self.segments().map(|segment| segment.area()).sum()
     }
 
-    /// Covariance of the angles of two ticks of `tick_s`, ″², by their distance 0 … `lags` − 1.
+    /// Covariance of the angles of two ticks of `tick_s`, ″², at distances 0 … `lags` − 1.
     ///
-    /// The integral of S(f) (T sinc fT)² cos 2πf·lag·T by quadrature in panels of at most one turn, one octave and eight of
-    /// density, right to 1e-12 of the variance. Takes `lags` · (bandwidth · `tick_s` · `lags` + octaves) steps.
+    /// The integral of S(f) (T sinc fT)² cos 2πf·lag·T by quadrature in panels of at most one turn, one octave and a
+    /// factor of 2^8 in density, accurate to 1e-12 of the variance. It takes `lags` · (bandwidth · `tick_s` · `lags` +
+    /// octaves) steps.
     pub fn covariance(&self, tick_s: f64, lags: usize) -> Vec<f64> {
         let mut covariance = vec![0.0; lags];
         self.integrate(tick_s * (lags as f64 + 1.0), &[], |nu, power| {
@@ -91,11 +93,12 @@ impl Psd {
         covariance
     }
 
-    /// Calls `add` with frequencies and the power at each: the sum of power · g(ν) is the integral of S(ν) g(ν).
+    /// Calls `add` with frequencies and the power at each, such that the sum of power · g(ν) is the integral of S(ν)
+    /// g(ν).
     ///
-    /// By quadrature in panels of which none holds more than one turn of 2πν·`longest_s`, one octave of frequency, or eight of
-    /// density, right to 1e-12 of the variance for a g that turns no faster. Panels end at the frequencies of `edges`, ascending,
-    /// where g needs that.
+    /// The quadrature has panels of at most one turn of 2πν·`longest_s`, one octave of frequency and a factor of 2^8 in
+    /// density. It is accurate to 1e-12 of the variance for a g that turns no faster. Panels also end at the
+    /// frequencies of `edges`, which ascend, where g needs that.
     pub(crate) fn integrate(&self, longest_s: f64, edges: &[f64], mut add: impl FnMut(f64, f64)) {
         for segment in self.segments() {
             for (low, high) in segment.parts() {
@@ -145,8 +148,8 @@ impl Segment {
 
     /// The area: with u = ln f₁/f₀ and p = ln (S₁f₁/S₀f₀) = (slope + 1) u, it is S₀f₀ u (eᵖ − 1)/p.
     ///
-    /// At slope −1 the fraction is 1, and nothing is divided by a small difference on the way there. Taken from the end of
-    /// the larger S·f, the exponential cannot overflow.
+    /// Near slope −1 the fraction tends to 1 without a division by a small difference. Starting from the end with the
+    /// larger S·f, the exponential cannot overflow.
     fn area(&self) -> f64 {
         let rise = -libm::fabs(self.log_width() + self.log_rise());
         let fraction = if rise == 0.0 { 1.0 } else { libm::expm1(rise) / rise };
@@ -154,7 +157,7 @@ impl Segment {
         larger * self.log_width() * fraction
     }
 
-    /// Parts of equal ratio, so narrow that 16 points take the power law in each to rounding.
+    /// Parts of equal ratio, narrow enough for 16 points to integrate the power law in each to rounding.
     fn parts(self) -> impl Iterator<Item = (f64, f64)> {
         let octaves = self.log_width().max(libm::fabs(self.log_rise()) / STEEPEST) / core::f64::consts::LN_2;
         let count = libm::ceil(octaves).max(1.0);
@@ -190,7 +193,7 @@ mod tests {
         ])
     }
 
-    /// The integral of `f` by trapezoids in ln ν, from two step lengths carried to their limit.
+    /// The integral of `f` by trapezoids in ln ν, extrapolated from two step lengths to their limit.
     fn trapezoids(psd: &Psd, f: impl Fn(f64) -> f64) -> f64 {
         let segment_sum = |[low, high]: [[f64; 2]; 2], steps: usize| {
             let (u, rise) = (libm::log(high[0] / low[0]), libm::log(high[1] / low[1]));
@@ -252,12 +255,12 @@ mod tests {
         // S = 100/f from 1 to 50 Hz: 100 ln 50.
         let exact = 100.0 * libm::log(50.0);
         for p in [0.0, 1e-12, -1e-7, 1e-5] {
-            // To the third order in p = ln S₁f₁/S₀f₀.
+            // To third order in p = ln S₁f₁/S₀f₀.
             let near = exact * (1.0 + p / 2.0 + p * p / 6.0);
             let area = psd(&[[1.0, 100.0], [50.0, 2.0 * libm::exp(p)]]).variance();
             assert!((area / near - 1.0).abs() < 2e-15, "p = {p}: {area}, not {near}");
         }
-        // S = f² from 1 to 3 and back as 81/f² to 9.
+        // S = f² from 1 to 3, then 81/f² to 9.
         let area = psd(&[[1.0, 1.0], [3.0, 9.0], [9.0, 1.0]]).variance();
         assert!((area - (26.0 / 3.0 + 81.0 * (1.0 / 3.0 - 1.0 / 9.0))).abs() < 1e-13, "{area}");
     }

@@ -1,7 +1,7 @@
-//! Laws of error as the paper prints them, and beside a wrong one the right one.
+//! Laws of the error as the paper prints them, with the correct law where the printed one is wrong.
 //!
-//! None of them is the error that is simulated: they are drawn beside it, to show how near they come. Source: the text
-//! around Z(18)–Z(20). The paper's Δt is read as (n + 1)T/2, from the middle of the gap to the nearest valid tick.
+//! None of them is the simulated error; charts draw them with it to show how close they come. Source: the text around
+//! Z(18)–Z(20). The paper's Δt is taken as (n + 1)T/2, from the middle of the gap to the nearest valid tick.
 //!
 //! ```
 //! use sagnac::theory::published::{noise_of_const, noise_of_const_as_published, taylor_extremum_as_published};
@@ -14,11 +14,11 @@
 
 use core::f64::consts::TAU;
 
-/// Z(20) near a zero crossing of the rate: the first term that a Taylor polynomial drops there, as a share of the rate
-/// amplitude. `order` is that of the polynomial, `dt_nu` is Δt·ν.
+/// Z(20) near a zero crossing of the rate: the first term that a Taylor polynomial drops there, relative to the rate
+/// amplitude. `order` is the degree of the polynomial, `dt_nu` is Δt·ν.
 ///
-/// Times A_Ω·T it is an angle, the error of a single tick, and not the accumulated δP of Z(18). The paper gives it for
-/// orders 1 and 2, whose term is the same as sin x has no x².
+/// Multiplied by A_Ω·T it is an angle: the error of a single tick, not the accumulated δP of Z(18). The paper gives it
+/// for orders 1 and 2, which have the same term because sin x has no x².
 pub fn taylor_zero_crossing_as_published(order: usize, dt_nu: f64) -> Option<f64> {
     let x = TAU * dt_nu;
     matches!(order, 1 | 2).then_some(x * x * x / 6.0)
@@ -34,9 +34,11 @@ pub fn taylor_extremum_as_published(order: usize, dt_nu: f64) -> Option<f64> {
     }
 }
 
-/// 3σ_θ of a constant over the gap: A_n·√n/2, with A_n = 3σ of one tick, in its unit; for a mean of four ticks.
+/// 3σ_θ of a constant over the gap as printed, for a mean of four ticks: A_n·√n/2, with A_n = 3σ of one tick, in its
+/// unit.
 ///
-/// Too small by √n: the filled values share one mean, so that their errors add up in full. See [`noise_of_const`].
+/// This is too small by √n, because the filled values share one mean and their errors add up in full. See
+/// [`noise_of_const`].
 pub fn noise_of_const_as_published(three_sigma: f64, gap_ticks: u32) -> f64 {
     three_sigma * libm::sqrt(f64::from(gap_ticks)) / 2.0
 }
@@ -46,18 +48,18 @@ pub fn noise_of_const(three_sigma: f64, gap_ticks: u32, ticks: usize) -> f64 {
     three_sigma * f64::from(gap_ticks) / libm::sqrt(ticks as f64)
 }
 
-/// Apparent drift of a tick after a mode switch, °/h.
+/// Apparent drift of a tick after a mode switch in the paper, °/h.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RelockRow {
-    /// By the paper, without compensation.
+    /// Without compensation.
     pub measured: f64,
-    /// Computed from the frequency of the bias: not for the first tick.
+    /// Computed from the frequency of the bias; absent for the first tick.
     pub by_frequency: Option<f64>,
     /// Computed from the detuning.
     pub by_detuning: f64,
 }
 
-/// Tables 1 and 2 of the paper, ticks 1 to 4. The ratios of what was measured are those of no single exponential.
+/// Tables 1 and 2 of the paper, ticks 1 to 4. The ratios of the measured drifts do not fit a single exponential.
 pub const RELOCK_TABLES: [RelockRow; 4] = [
     RelockRow { measured: 4056.0, by_frequency: None, by_detuning: 3720.0 },
     RelockRow { measured: 2956.0, by_frequency: Some(2399.0), by_detuning: 2385.0 },
@@ -65,7 +67,7 @@ pub const RELOCK_TABLES: [RelockRow; 4] = [
     RelockRow { measured: 207.0, by_frequency: Some(178.0), by_detuning: 278.0 },
 ];
 
-/// T of [`RELOCK_TABLES`], s.
+/// Tick T of [`RELOCK_TABLES`], s.
 pub const RELOCK_TICK_S: f64 = 0.005;
 
 #[cfg(test)]
@@ -73,7 +75,7 @@ mod tests {
     use super::*;
     use crate::theory::gap::polynomial_weights;
 
-    /// A_Ω·T at the paper's point, ″.
+    /// A_Ω·T in the paper's case, ″.
     const RATE_TIMES_TICK: f64 = 12000.0 * 0.005;
 
     #[test]

@@ -13,10 +13,11 @@ const NODES: [[f64; 2]; 8] = [
 ];
 
 /// The points of the sixteen-point rule in each of `panels` equal parts of `low` … `high`, as pairs about the middle of
-/// their part, with the weight of both.
+/// their part, each with the weight of both points.
 ///
-/// The weights of a part add up to 1 over its 8 pairs: half their sum of f(below) + f(above), over the number of parts,
-/// is the mean of f. A part is exact for polynomials up to degree 31, and right to rounding for a sine of one turn.
+/// The weights of a part add up to 1 over its 8 pairs, so the mean of f is half the weighted sum of f(below) +
+/// f(above), divided by the number of parts. A part is exact for polynomials up to degree 31, and accurate to rounding
+/// for a sine of one turn.
 pub(crate) fn pairs(low: f64, high: f64, panels: f64) -> impl Iterator<Item = ([f64; 2], f64)> {
     let width = high - low;
     let half = 0.5 * width / panels;
@@ -26,7 +27,7 @@ pub(crate) fn pairs(low: f64, high: f64, panels: f64) -> impl Iterator<Item = ([
     })
 }
 
-/// The mean of `f` between `low` and `high`; its value where they are the same.
+/// The mean of `f` between `low` and `high`; its value where the ends are equal.
 pub fn mean(low: f64, high: f64, panels: f64, f: impl Fn(f64) -> f64) -> f64 {
     if low == high {
         return f(low);

@@ -1,8 +1,9 @@
-//! The perimeter loop closing after a mode switch, and the rotation that it fakes: Z(1), Z(2), Z(10)–Z(13).
+//! The closing of the perimeter loop after a mode switch, and the false rotation that it causes: Z(1), Z(2),
+//! Z(10)–Z(13).
 //!
-//! Detunings Δλ are parts of the wavelength; rates are in the unit of f0, ″/s where that is Hz × pulse weight. Tick i = 1 is
-//! the first after the loop closes; its first half has the larger detuning. Signs are those of the negative half-period
-//! first. Put right are χ in Z(11) and the exponents of Z(12) for i > 1: see docs/physics.md.
+//! Detunings Δλ are fractions of the wavelength. Rates are in the unit of f0, which is ″/s where that is Hz × pulse
+//! weight. Tick i = 1 is the first after the loop closes; its first half has the larger detuning. Signs are those for
+//! the negative half-period first. χ in Z(11) and the exponents of Z(12) for i > 1 are corrected: see docs/physics.md.
 //!
 //! ```
 //! use sagnac::theory::relock::{Relock, drift_from_detuning, drift_from_frequency};
@@ -16,18 +17,18 @@
 //! assert!([by_detuning, by_frequency].iter().all(|found| (found.unwrap() / drift - 1.0).abs() < 1e-9));
 //! ```
 
-/// A relock of one exponential.
+/// A relock with a single exponential.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Relock {
-    /// T, s.
+    /// Tick T, s.
     pub tick_s: f64,
-    /// τ_L, s.
+    /// Time constant of the loop τ_L, s.
     pub loop_s: f64,
-    /// f0.
+    /// Bias frequency f0, as a rate.
     pub bias: f64,
-    /// χ.
+    /// Curvature χ.
     pub curvature: f64,
-    /// Δλ0.
+    /// Initial detuning Δλ0.
     pub miss: f64,
 }
 
@@ -48,7 +49,8 @@ impl Relock {
         self.bias * (1.0 - self.curvature * detuning * detuning)
     }
 
-    /// Part of the bias that a tick lacks in each half, over T/2: χΔλ0² (τ_L/T)(1 − q) q^{2(i−1)}, and q times that.
+    /// Fraction of the bias that is lost in each half of a tick, relative to T/2: χΔλ0² (τ_L/T)(1 − q) q^{2(i−1)}, and
+    /// q times that.
     pub fn lost(&self, tick: u32) -> [f64; 2] {
         let q = self.decay();
         let first = self.curvature
@@ -85,8 +87,8 @@ pub fn detuning_signal(gain: f64, detuning: f64) -> f64 {
     gain * detuning
 }
 
-/// From frequency, i ≥ 2: q = (y_i/y_1)^{1/2(i−1)}, ΔΩ_i = −y_i (1 − q)/(1 + q). `None` where y_1, y_i are not below 0 or do
-/// not decay.
+/// From frequency, i ≥ 2: q = (y_i/y_1)^{1/2(i−1)}, ΔΩ_i = −y_i (1 − q)/(1 + q). `None` where y_1 or y_i is not below
+/// 0, or where they do not decay.
 pub fn drift_from_frequency(first: f64, error: f64, tick: u32) -> Option<f64> {
     let q = libm::pow(error / first, 0.5 / f64::from(tick - 1));
     (tick > 1 && first < error && error < 0.0).then(|| -error * (1.0 - q) / (1.0 + q))

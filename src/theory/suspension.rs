@@ -21,24 +21,25 @@ pub struct Mode {
     pub frequency_hz: f64,
     /// Q factor.
     pub q: f64,
-    /// Amplitude of the rate at resonance, of this mode alone, ″/s per g; negative for a mode that turns the other way.
+    /// Rate amplitude of this mode alone at resonance, ″/s per g; negative for a mode that turns the other way.
     pub response: f64,
 }
 
-/// The modes, the useful one, in which the dither works, first.
+/// The modes of a suspension. The first one is the useful mode, in which the dither works.
 ///
-/// The sum is meant as the angular rate of the block about its input axis per acceleration of the base.
+/// Their sum is the angular rate of the block about its input axis per acceleration of the base.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Suspension {
     modes: Vec<Mode>,
 }
 
-/// The response at a frequency, ″/s per g: in phase with the acceleration, and a quarter of a turn ahead of it.
+/// The response at a frequency, ″/s per g, by its components in phase with the acceleration and a quarter of a turn
+/// ahead of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Response {
-    /// In phase.
+    /// Component in phase.
     pub re: f64,
-    /// A quarter of a turn ahead.
+    /// Component a quarter of a turn ahead.
     pub im: f64,
 }
 
@@ -48,13 +49,13 @@ impl Response {
         libm::hypot(self.re, self.im)
     }
 
-    /// By how much the rate is ahead of the acceleration, degrees within ±180.
+    /// Phase of the rate relative to the acceleration, in degrees within ±180; positive where the rate leads.
     pub fn phase_deg(self) -> f64 {
         libm::atan2(self.im, self.re) * (360.0 / TAU)
     }
 }
 
-/// Suspensions that are known by name.
+/// Names of the known suspensions.
 pub const NAMES: [&str; 2] = ["LGK-400", "LGV-1"];
 
 /// Modes of LGK-400: the useful one near 380 Hz, parasitic ones near 700, 1000 and 1700 Hz.
@@ -73,16 +74,16 @@ const LGV_1: [Mode; 3] = [
 ];
 
 impl Suspension {
-    /// Of one mode or more, the useful one first.
+    /// A suspension of at least one mode, the useful one first.
     pub fn new(modes: Vec<Mode>) -> Suspension {
         Suspension { modes }
     }
 
     /// A suspension of [`NAMES`].
     ///
-    /// The frequencies are A's. **All Q factors and responses are assumed**: A gives neither damping nor scale, its figure
-    /// is normalised. The useful mode is the same in both, so that they differ by their frequencies alone; where A says
-    /// "2000 Hz and above" 2000 and 2600 Hz are taken.
+    /// The frequencies are those of A. **All Q factors and responses are assumed**: A gives neither damping nor scale,
+    /// and its figure is normalised. The useful mode is the same in both, so that they differ only in their
+    /// frequencies; where A says "2000 Hz and above", 2000 and 2600 Hz are used.
     pub fn named(name: &str) -> Option<Suspension> {
         let modes: &[Mode] = match name {
             "LGK-400" => &LGK_400,
@@ -92,12 +93,12 @@ impl Suspension {
         Some(Suspension::new(modes.to_vec()))
     }
 
-    /// Each as it was given.
+    /// The modes, as given.
     pub fn modes(&self) -> &[Mode] {
         &self.modes
     }
 
-    /// H(f) = Σ g_i / (1 − (f/f_i)² + j f/(f_i Q_i)), g_i Q_i the response of mode i at resonance.
+    /// H(f) = Σ g_i / (1 − (f/f_i)² + j f/(f_i Q_i)), where g_i Q_i is the response of mode i at resonance.
     pub fn response(&self, frequency_hz: f64) -> Response {
         let mut sum = Response { re: 0.0, im: 0.0 };
         for Mode { frequency_hz: natural, q, response } in &self.modes {
@@ -110,18 +111,18 @@ impl Suspension {
         sum
     }
 
-    /// The amplitude at the useful mode, ″/s per g, by which A's figure is normalised.
+    /// The amplitude at the useful mode, ″/s per g, by which the figure in A is normalised.
     pub fn useful(&self) -> f64 {
         self.modes.first().map_or(0.0, |mode| self.response(mode.frequency_hz).amplitude())
     }
 
-    /// Covariance of the angles of two ticks of `tick_s`, ″², by their distance 0 … `lags` − 1, under a random acceleration
-    /// of this density in g²/Hz.
+    /// Covariance of the angles of two ticks of `tick_s`, ″², at distances 0 … `lags` − 1, under a random acceleration
+    /// with this density in g²/Hz.
     ///
-    /// The integral over the whole band of |H(f)|² S(f) (T sinc fT)² cos 2πf·lag·T: what is above half the tick rate shows
-    /// in the ticks as it does in those of the gyro. Its panels are those of a density, and also narrow enough for the
-    /// resonances: |H|² of a mode has its poles beside f_i at the distance f_i/2Q, and panels grow in proportion to their
-    /// own distance from there, so that 16 points take each to rounding at any Q.
+    /// The integral over the whole band of |H(f)|² S(f) (T sinc fT)² cos 2πf·lag·T. Vibration above half the tick rate
+    /// appears in the ticks aliased, as it does in those of the gyro. The panels are those of a density, and also
+    /// narrow enough for the resonances: |H|² of a mode has poles beside f_i at the distance f_i/2Q, and panels grow in
+    /// proportion to their own distance from there, so that 16 points integrate each to rounding at any Q.
     pub fn covariance(&self, acceleration: &Psd, tick_s: f64, lags: usize) -> Vec<f64> {
         let mut covariance = vec![0.0; lags];
         acceleration.integrate(tick_s * (lags as f64 + 1.0), &self.edges(acceleration), |nu, power| {
@@ -181,10 +182,10 @@ mod tests {
             (peak.amplitude() - 1000.0).abs() < 1e-9 && (peak.phase_deg() + 90.0).abs() < 1e-9,
             "{peak:?}"
         );
-        // Far above it falls as 1/f², turned by half a turn.
+        // Far above resonance it falls as 1/f², with half a turn of phase.
         let [a, b] = [38e3, 76e3].map(|f| suspension.response(f));
         assert!((a.amplitude() / b.amplitude() - 4.0).abs() < 1e-3 && a.phase_deg() < -179.9, "{a:?}, {b:?}");
-        // Half the power at f_i/2Q beside it.
+        // Half the power at a distance of f_i/2Q.
         let half = suspension.response(380.0 * (1.0 + 0.5 / 100.0)).amplitude();
         assert!((half / 1000.0 - core::f64::consts::FRAC_1_SQRT_2).abs() < 5e-3, "{half}");
     }

@@ -1,4 +1,4 @@
-//! Identity: the same bits from every width and device, shown on the user's own machine.
+//! Verification that every width and device gives the same bits, run on the user's own machine.
 //!
 //! ```
 //! let mut kernels = Vec::new();
@@ -27,20 +27,20 @@ use crate::kernel::{Form, KERNELS, Kernel, philox};
 use crate::kinds::KINDS;
 use crate::tally::block::{base_log2, cover};
 
-/// The loads that a kernel is checked on; a building block has none.
+/// The loads on which a kernel is checked; a building block has none.
 pub fn loads(kernel: &Kernel) -> Vec<Load> {
     KINDS.iter().flat_map(|kind| (kind.loads)()).filter(|load| load.kernel() == kernel.name).collect()
 }
 
-/// The device that `wanted` means, once it has passed the self-test: see [`select::select`].
+/// Selects the device that `wanted` names, which must pass the self-test; see [`select::select`].
 ///
 /// # Errors
-/// No such device, or it does not work, or it computes other bits than the CPU.
+/// There is no such device, it does not work, or it computes other bits than the CPU.
 pub fn select(wanted: &str, threads: usize) -> Result<Selection, SelectError> {
     select::select(wanted, threads, self_test)
 }
 
-/// A GPU that has passed the self-test: see [`select::trusted`].
+/// Makes a device of a GPU that passes the self-test; see [`select::trusted`].
 ///
 /// # Errors
 /// It computes other bits than the CPU, or fails.
@@ -48,22 +48,23 @@ pub fn trusted(gpu: crate::device::gpu::Gpu) -> Result<Device, SelectError> {
     select::trusted(gpu, self_test)
 }
 
-/// What a check of one kernel found.
+/// The result of checking one kernel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Verdict {
-    /// Its name, as in the registry.
+    /// Name of the kernel in the registry.
     pub kernel: &'static str,
-    /// The first 64 bits of a SHA-256 over all results of the reference: the same on every machine.
+    /// First 64 bits of a SHA-256 over all results of the reference, the same on every machine.
     pub digest: u64,
-    /// Which width or device differs from the reference, and where.
+    /// Widths and devices that differ from the reference, with the place of the difference.
     pub differences: Vec<String>,
 }
 
-/// Runs every kernel for `units` trials, samples or items in all on the portable width, on every other width of this machine and
-/// on `devices`, and compares bit for bit; `report` hears each verdict as it is reached.
+/// Runs every kernel for a total of `units` trials, samples or items on the portable width, on every other width of
+/// this machine and on `devices`, and compares the results bit for bit. `report` receives each verdict as it is
+/// reached.
 ///
 /// # Errors
-/// A device is lost or refuses.
+/// A device is lost or refuses the work.
 pub fn verify(
     devices: &mut [Device],
     units: u64,
@@ -78,7 +79,7 @@ pub fn verify(
     Ok(identical)
 }
 
-/// Items of a building block that are held at a time.
+/// Largest number of items of a building block held at a time.
 const ITEMS: u64 = 1 << 20;
 
 fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<Verdict, GpuError> {
@@ -128,7 +129,7 @@ fn verify_kernel(kernel: &Kernel, devices: &mut [Device], units: u64) -> Result<
 /// The first kernel, if any, in which a device differs from the portable CPU on a small load.
 ///
 /// # Errors
-/// The device is lost or refuses.
+/// The device is lost or refuses the work.
 pub fn self_test(device: &mut Device) -> Result<Option<&'static str>, GpuError> {
     for kernel in KERNELS {
         let same = match kernel.form {
@@ -153,7 +154,7 @@ pub fn self_test(device: &mut Device) -> Result<Option<&'static str>, GpuError> 
     Ok(None)
 }
 
-/// Input words of some items of a building block, from the generator itself; an item takes whole blocks of it.
+/// Input words for some items of a building block, taken from the generator in whole blocks.
 fn items(map: &Map, range: core::ops::Range<u64>) -> Vec<u32> {
     let blocks = map.inputs.div_ceil(4) as u64;
     let keys = philox::schedule([Scalar(0); 2]);
@@ -164,7 +165,7 @@ fn items(map: &Map, range: core::ops::Range<u64>) -> Vec<u32> {
         .collect()
 }
 
-/// What a load gives.
+/// The results of a load.
 #[derive(PartialEq)]
 enum Outcome {
     Tallies(Vec<Moments>),
@@ -180,7 +181,7 @@ impl Outcome {
     }
 }
 
-/// Records of a load, where a unit is a sample.
+/// Number of records of a load for `units` samples.
 fn records(recipe: &Recipe, units: u64) -> usize {
     units.div_ceil(u64::from(recipe.samples)) as usize
 }
@@ -193,7 +194,7 @@ fn on_cpu(width: Width, work: &Work, units: u64) -> Outcome {
         (Ok(cpu), Work::Records(recipe)) => {
             Outcome::Sums(cpu.sums(recipe, 0, records(recipe, units), &|_| {}))
         }
-        // Without threads the kernel still runs here.
+        // If no threads can be started, the kernel still runs in this one.
         (Err(_), Work::Trials(launch)) => {
             Outcome::Tallies(launch.tally(width, Trials { first: 0, count: units, histogram: true }))
         }

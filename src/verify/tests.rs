@@ -1,4 +1,4 @@
-//! Every shader of every kernel is valid and laid out as Rust has it, without an adapter.
+//! Every shader of every kernel is valid and has the layout that Rust assumes, tested without an adapter.
 
 use super::*;
 use crate::kernel::PARTS;
@@ -29,7 +29,7 @@ fn named(name: &str) -> impl Fn(&naga::GlobalVariable) -> bool + '_ {
     move |global| global.name.as_deref() == Some(name)
 }
 
-/// Bytes of the uniform buffer; a structure has a word in each of its first places.
+/// Bytes of the uniform buffer; a structure has a word in each of its first members.
 fn uniform(module: &naga::Module) -> Option<usize> {
     let is_uniform = |global: &naga::GlobalVariable| global.space == naga::AddressSpace::Uniform;
     let (_, global) = module.global_variables.iter().find(|(_, global)| is_uniform(global))?;
@@ -76,7 +76,7 @@ fn every_shader_of_every_kernel_is_valid_and_laid_out_as_in_rust() {
                         );
                     }
                     let shared = size(module, named("shared_words")).unwrap_or(0);
-                    // All that every device has.
+                    // The limit that every device guarantees.
                     assert!(
                         variant.workgroup > 64 || shared <= 16384,
                         "{name}: {shared} bytes of a workgroup"

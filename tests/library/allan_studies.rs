@@ -228,14 +228,14 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
             &["a.toml:13:7", "no list of averaging times", "did you mean", "octave"],
         ),
         (allan("tau = []"), &["allan.tau is empty"]),
-        (allan("tau = [\"1.5 s\"]"), &["no whole number of samples of 1 s", "multiples of record.sample"]),
+        (allan("tau = [\"1.5 s\"]"), &["not a whole number of samples of 1 s", "multiples of record.sample"]),
         (
             allan("tau = [\"1001 s\"]"),
             &["too long for a record of 2000 s", "τ ≤ 1000 s", "lengthen the record"],
         ),
         (allan("tau = [\"10 s\", \"10 s\"]"), &["lists 10 s twice"]),
         (allan("tau = [\"0 s\"]"), &["above 0"]),
-        (allan("fit = [\"Q\", \"X\"]"), &["\"X\" is no term", "fit = \"auto\""]),
+        (allan("fit = [\"Q\", \"X\"]"), &["\"X\" is not a term", "fit = \"auto\""]),
         (allan("fit = [\"Q\", \"Q\"]"), &["lists \"Q\" twice"]),
         (allan("fit = \"all\""), &["names no terms"]),
         (allan("estimator = \"hadamar\""), &["unknown value \"hadamar\"", "hadamard"]),
@@ -251,7 +251,7 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
         (noise("jitter = \"1 s\""), &["unknown key `jitter`"]),
         (
             switching("interval = \"2000 s\", residual = \"1 arcsec\""),
-            &["a.toml:12:26", "no switch comes in a record of 2000 s", "accepted: 1 s to 1999 s"],
+            &["a.toml:12:26", "there is no switch in a record of 2000 s", "accepted: 1 s to 1999 s"],
         ),
         (
             switching("interval = \"0.2 s\", residual = \"1 arcsec\""),
@@ -268,11 +268,11 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
             &["noise.switching.residual_noise", "arcsec"],
         ),
         (switching(""), &["the key `noise.switching.interval` is missing"]),
-        (switching("interval = \"40 s\""), &["switches that change nothing", "leave the table out"]),
-        (switching("interval = \"40 s\", residual = \"0 arcsec\""), &["switches that change nothing"]),
+        (switching("interval = \"40 s\""), &["switches without effect", "leave the table out"]),
+        (switching("interval = \"40 s\", residual = \"0 arcsec\""), &["switches without effect"]),
         (
             switching("interval = \"40 s\", residual = \"1 arcsec\", warm_up_time = \"1 h\""),
-            &["warm_up_time stands without magnetic", "nothing warms up"],
+            &["warm_up_time is given without magnetic", "nothing warms up"],
         ),
         (switching("interval = \"40 s\", amplitude = \"1 deg/h\""), &["unknown key `amplitude`"]),
         (
@@ -286,24 +286,24 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
         (
             switching("interval = \"40 s\", residual = \"1 arcsec\"")
                 + "[[sweep]]\nkey = \"noise.switching.interval\"\nlist = [\"40 s\", \"1 h\"]\n",
-            &["a.toml:16:8", "no switch comes in a record of 2000 s"],
+            &["a.toml:16:8", "there is no switch in a record of 2000 s"],
         ),
         (noise(LGV_1).replace("2000 s", "10 s"), &["10 samples of 1 s", "16 to 67108864 samples"]),
         (noise(LGV_1).replace("2000 s", "3 a"), &["`a` is not a known unit"]),
         (noise(LGV_1).replace("2000 s", "100000 h"), &["too long", "record.length"]),
         (
             noise(LGV_1).replace("[record]", "[gyro]\ntick = \"5 ms\"\n[record]"),
-            &["[gyro] is no table of a study of kind"],
+            &["[gyro] is not a table of a study of kind"],
         ),
         (
             noise(LGV_1).replace("kind = \"allan\"", "kind = \"gap-fill\""),
-            &["[record] is no table", "kind = \"allan\""],
+            &["[record] is not a table", "kind = \"allan\""],
         ),
         (
             noise(LGV_1).replace("[record]\nsample = \"1 s\"\nlength = \"2000 s\"\n", ""),
             &["needs the table [record]"],
         ),
-        (text("precision = \"1 %\"", LGV_1, ""), &["precision is no key of a study of kind"]),
+        (text("precision = \"1 %\"", LGV_1, ""), &["precision is not a key of a study of kind"]),
         (
             text("", LGV_1, "[[sweep]]\nkey = \"noise.markov.time\"\nlist = [\"1 s\"]"),
             &["noise.markov.time is swept, but [noise] has none"],
@@ -322,7 +322,7 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
         ),
         (
             text("", LGV_1, "[[sweep]]\nkey = \"record.rate\"\nlist = [\"1 deg/h\"]"),
-            &["record.rate is swept", "only a readout in whole pulses sees"],
+            &["record.rate is swept", "affects only a readout in whole pulses"],
         ),
         (allan("estimator = \"hadamard\"\nfit = [\"R\"]"), &["does not see a rate ramp R"]),
         (

@@ -103,11 +103,11 @@ impl Case<'_> {
         }
         // The first words that are always the same.
         let kinds = [
-            "no database of results",
+            "not a results database",
             "is damaged",
-            "is of schema",
+            "has schema",
             "another study",
-            "other values",
+            "differ from those stored",
             "kernels",
         ];
         let kind =
@@ -201,7 +201,7 @@ fn empty_missing_and_foreign_files_are_recovered_or_refused() {
     ] {
         assert_eq!(refused(database, journal, what), None, "{what}");
     }
-    let foreign = Some("no database of results, lost".to_owned());
+    let foreign = Some("not a results database, lost".to_owned());
     for (database, what) in [
         (&b"not a database, only some text\n"[..], "text"),
         (&[0x89, b'P', b'N', b'G', 0xd, 0xa, 0x1a, 0xa, 0, 0, 0, 0xd, b'I', b'H', b'D', b'R'], "a picture"),

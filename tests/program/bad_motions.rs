@@ -127,7 +127,7 @@ fn vibration_above_half_the_tick_rate_is_refused_unless_it_may_be_aliased() {
     refused(
         &shaken(&format!("{low}, {}, alias = true", sine("2001 Hz"))),
         "7:126",
-        &["a vibration of 2001 Hz is absurd at a tick rate of 200 Hz", "2000 Hz here"],
+        &["a vibration of 2001 Hz is too fast for a tick rate of 200 Hz", "2000 Hz here"],
     );
 }
 
@@ -156,7 +156,7 @@ fn vibration_that_makes_no_sense_is_refused() {
     );
     let beside = "\ngaussian = { rms = \"1 deg/s\", band = [\"1 Hz\", \"9 Hz\"] }";
     let both = with_motion(&format!("suspension = {{ gyro = \"LGV-1\", alias = true{good} }}{beside}"));
-    refused(&both, "7:14", &["motion.suspension.random stands beside motion.gaussian"]);
+    refused(&both, "7:14", &["motion.suspension.random conflicts with motion.gaussian"]);
     refused(
         &with("[[sweep]]\nkey = \"motion.suspension.gyro\"\nlist = [\"LGV-1\"]"),
         "13:7",
@@ -212,9 +212,9 @@ fn readouts_and_relocks_that_make_no_sense_are_refused() {
 #[test]
 fn precisions_that_make_no_sense_are_refused() {
     let precision = |value: &str| format!("precision = {value}\n{STUDY}");
-    refused(&precision("\"fine\""), "1:13", &["\"fine\" is no part in percent", "q9973 = \"2 %\""]);
+    refused(&precision("\"fine\""), "1:13", &["\"fine\" is not a percentage", "q9973 = \"2 %\""]);
     refused(&precision("\"0 %\""), "1:13", &["precision = 0 % is out of range", "0.0001 % … 50 %"]);
-    refused(&precision("0.5"), "1:13", &["0.5 is no part in percent"]);
+    refused(&precision("0.5"), "1:13", &["0.5 is not a percentage"]);
     let level = |part: &str| {
         let desk = Desk::with(&precision(&format!("{{ q9973 = \"{part} %\" }}")));
         crate::desk::unwrapped(&desk.done("run study.toml --device cpu --trials 1000").stderr)

@@ -30,7 +30,7 @@ fn spreads_below_0_and_values_out_of_range_are_refused() {
     );
     refused(&replaced("adc_noise = 0.0002", "adc_noise = -1"), "12:13", &["relock.adc_noise", "negative"]);
     refused(&replaced("0.05", "1.5"), "6:8", &["relock.miss = 1.5", "too large", "-1 to 1"]);
-    refused(&replaced("0.05", "\"5 ms\""), "6:8", &["is no ratio", "0.05 or \"5 %\""]);
+    refused(&replaced("0.05", "\"5 ms\""), "6:8", &["is not a ratio", "0.05 or \"5 %\""]);
     refused(&replaced("\"12 ms\"", "12"), "8:13", &["a bare number", "accepted: a time"]);
     refused(&format!("{STUDY}ticks = 9\n"), "13:9", &["relock.ticks = 9", "1 … 8"]);
     refused(&format!("{STUDY}temperature_error = \"7 %\"\n"), "13:21", &["out of range", "0 % to 5 %"]);
@@ -58,14 +58,14 @@ fn what_belongs_to_other_kinds_is_refused() {
     refused(
         &replaced("tick = \"5 ms\"", "tick = \"5 ms\"\nreadout_lsb = \"3 arcsec\""),
         "5:15",
-        &["gyro.readout_lsb is no key", "kind = \"gap-fill\""],
+        &["gyro.readout_lsb is not a key", "kind = \"gap-fill\""],
     );
     refused(
         &format!("{STUDY}[record]\nsample = \"1 s\"\nlength = \"1 h\""),
         "13:1",
-        &["[record] is no table", "kind = \"allan\""],
+        &["[record] is not a table", "kind = \"allan\""],
     );
-    refused(&format!("precision = \"1 %\"\n{STUDY}"), "1:13", &["precision is no key", "leave it out"]);
+    refused(&format!("precision = \"1 %\"\n{STUDY}"), "1:13", &["precision is not a key", "leave it out"]);
     refused(
         "title = \"t\"\nkind = \"relock\"\n[gyro]\ntick = \"5 ms\"",
         "2:8",

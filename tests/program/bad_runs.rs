@@ -175,7 +175,7 @@ fn a_spread_of_a_warm_up_that_is_not_there_is_refused() {
 #[test]
 fn what_gives_the_residual_twice_or_not_at_all_is_refused() {
     let twice = [
-        "drift.residual_max stands beside switching.fillers",
+        "drift.residual_max conflicts with switching.fillers",
         "a second residual",
         "leave drift.residual_max out",
     ];
@@ -223,7 +223,7 @@ fn times_that_no_run_has_and_times_listed_twice_are_refused() {
     refused(&with("[\"0 s\"]"), "11:10", &["run.times lists 0 s", "not above 0"]);
     refused(&with("[\"-1 s\"]"), "11:10", &["run.times lists -1 s", "not above 0"]);
     refused(&with("[60]"), "11:10", &["a bare number", "accepted: a time"]);
-    refused(&with("\"5 min\""), "11:9", &["has to be a list of quantities in brackets"]);
+    refused(&with("\"5 min\""), "11:9", &["must be a list of quantities in brackets"]);
     let many: Vec<String> = (1..=101).map(|second| format!("\"{second} s\"")).collect();
     refused(&with(&format!("[{}]", many.join(", "))), "11:9", &["lists 101 times", "accepted: up to 100"]);
 }
@@ -265,16 +265,16 @@ fn what_belongs_to_other_kinds_is_refused() {
     refused(
         &format!("precision = \"1 %\"\n{BUDGET}"),
         "1:13",
-        &["precision is no key", "kind = \"gap-fill\""],
+        &["precision is not a key", "kind = \"gap-fill\""],
     );
     refused(
         &replaced(FILLED, "fillers", "errors = [\"residual\"]\nfillers"),
         "12:10",
-        &["switching.errors is no key", "kind = \"gap-fill\""],
+        &["switching.errors is not a key", "kind = \"gap-fill\""],
     );
     let gap_fill =
         replaced(&replaced(FILLED, "switched-run", "gap-fill"), "[run]\nduration = \"10 min\"\n", "");
-    refused(&gap_fill, "10:12", &["switching.interval is no key", "\"gap-fill\"", "leave it out"]);
+    refused(&gap_fill, "10:12", &["switching.interval is not a key", "\"gap-fill\"", "leave it out"]);
     let without = replaced(&gap_fill, "interval = \"40 s\"\n", "");
     for (key, value, place) in [("first_mode", "positive", "10:14"), ("timing", "random", "10:10")] {
         let written = replaced(&without, "gap_ticks", &format!("{key} = \"{value}\"\ngap_ticks"));
@@ -282,7 +282,7 @@ fn what_belongs_to_other_kinds_is_refused() {
             &written,
             place,
             &[
-                &format!("switching.{key} is no key"),
+                &format!("switching.{key} is not a key"),
                 "\"gap-fill\"",
                 "leave it out, or write kind = \"switched-run\"",
             ],
@@ -291,21 +291,21 @@ fn what_belongs_to_other_kinds_is_refused() {
         refused(
             &replaced(&budget, "[run]", &format!("{key} = \"{value}\"\n[run]")),
             &place.replace("10:", "9:"),
-            &[&format!("switching.{key} is no key"), "\"drift-budget\"", "leave it out"],
+            &[&format!("switching.{key} is not a key"), "\"drift-budget\"", "leave it out"],
         );
     }
     refused(
         &format!("{without}[run]\nduration = \"1 h\"\n"),
         "12:1",
-        &["[run] is no table of a study of kind = \"gap-fill\"", "kind = \"switched-run\""],
+        &["[run] is not a table of a study of kind = \"gap-fill\"", "kind = \"switched-run\""],
     );
     let budget = replaced(BUDGET, "switched-run", "drift-budget");
-    refused(&format!("{budget}times = [\"1 s\"]\n"), "11:9", &["run.times is no key", "\"drift-budget\""]);
-    refused(&format!("{budget}trajectories = 3\n"), "11:16", &["run.trajectories is no key"]);
+    refused(&format!("{budget}times = [\"1 s\"]\n"), "11:9", &["run.times is not a key", "\"drift-budget\""]);
+    refused(&format!("{budget}trajectories = 3\n"), "11:16", &["run.trajectories is not a key"]);
     refused(
         &format!("{BUDGET}[record]\nsample = \"1 s\"\nlength = \"1 h\"\n"),
         "11:1",
-        &["[record] is no table", "kind = \"allan\""],
+        &["[record] is not a table", "kind = \"allan\""],
     );
     refused(&format!("{BUDGET}[drifts]\n"), "11:2", &["unknown key `drifts`", "did you mean `drift`?"]);
     refused(&replaced(BUDGET, "interval", "intervall"), "8:1", &["did you mean `interval`?"]);
@@ -427,7 +427,7 @@ fn a_relock_that_has_no_ticks_or_no_time_to_settle_is_refused() {
     refused(
         &replaced(&relocking, "[motion]", "relock = [\"20.3 arcsec\"]\n[motion]"),
         "6:10",
-        &["gyro.relock stands beside [relock]", "leave one of them out"],
+        &["gyro.relock conflicts with [relock]", "leave one of them out"],
     );
     refused(
         &format!("{relocking}compensation = \"both\"\n"),

@@ -135,12 +135,7 @@ fn a_value_of_the_wrong_type_is_told_in_the_words_of_studies() {
     let noise = "{ std = \"1 arcsec\" }";
     let (kind, like_gyro) = ("kind = \"gap-fill\"", "[gyro] tick = \"5 ms\" tick_noise = {");
     let five = format!("{kind}\ngyro = 5\n");
-    line(
-        &format!("{kind}\n{gyro}"),
-        "3:8",
-        &five,
-        &["`gyro` is the number 5", "has to be a table", like_gyro],
-    );
+    line(&format!("{kind}\n{gyro}"), "3:8", &five, &["`gyro` is the number 5", "must be a table", like_gyro]);
     line(gyro, "2:8", "", &["needs the table [gyro]", like_gyro]);
     line("tick = \"5 ms\"\n", "3:1", "", &["the key `gyro.tick` is missing", "tick = \"5 ms\""]);
     line(
@@ -224,7 +219,7 @@ fn charts_with_keys_of_another_kind_are_refused() {
     refused(
         &swept_chart("x = \"dt_nu\"\ny = \"rms\"\nz = \"rms\""),
         "21:5",
-        &["chart.z is no key of a chart of kind = \"curves\"", "leave it out"],
+        &["chart.z is not a key of a chart of kind = \"curves\"", "leave it out"],
     );
     refused(&swept_chart(&format!("{map}z = \"rsm\"")), "22:5", &["no column is called `rsm`"]);
     refused(

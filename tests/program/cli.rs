@@ -689,7 +689,7 @@ fn the_resolved_study_of_a_record_repeats_the_run_from_where_it_lies() {
     let samples: String = (0..400).map(|i| format!("{}, {}\n", 5 * i, i % 7)).collect();
     desk.write("data/record.csv", &format!("time [ms], rate [deg/s]\n{samples}"));
     let ended = desk.done("run study.toml --device cpu --trials 300");
-    assert!(ended.stderr.contains("538 trials a point, not 300: whole replays"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("538 trials per point instead of 300: whole replays"), "{}", ended.stderr);
     let table = desk.read("results/study/points.csv");
     let again = desk.done("run results/study/resolved_study.toml --device cpu");
     assert!(again.stderr.contains("nothing was left to sample"), "{}", again.stderr);
@@ -706,6 +706,6 @@ fn fewer_trials_than_are_held_are_told_and_the_resolved_study_has_those_held() {
     let desk = Desk::with(STUDY);
     desk.done("run study.toml --device cpu --trials 5000");
     let ended = desk.done("run study.toml --device cpu --trials 1000");
-    assert!(ended.stderr.contains("5000 trials a point, not 1000"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("5000 trials per point instead of 1000"), "{}", ended.stderr);
     assert!(desk.read("results/study/resolved_study.toml").contains("trials = 5000"));
 }

@@ -140,7 +140,7 @@ fn closed_forms_need_no_device_and_say_that_trials_have_no_use() {
     let desk = Desk::with(&format!("{BUDGET}{RUNS}"));
     let ended = desk.sagnac("run study.toml --trials 10 --device none");
     assert_eq!(ended.code, 0, "{}", ended.stderr);
-    assert!(ended.stderr.contains("trials, seed and device have no use here"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("trials, seed and device are not used"), "{}", ended.stderr);
     assert!(!ended.stderr.contains("device: "), "{}", ended.stderr);
     assert!(ended.stdout.contains("drift: bound, Z(7), ″/s"), "{}", ended.stdout);
     let names = desk.names("results/study");
@@ -209,10 +209,14 @@ fn budgets_that_make_no_sense_are_refused() {
     refused(
         &with("interval = \"40 s\"", "interval = \"40 s\"\ngap_ticks = 3"),
         "10:13",
-        &["gap_ticks is no key"],
+        &["gap_ticks is not a key"],
     );
     let spread = with("non_magnetic =", "non_magnetic_spread = \"1 arcsec/s\"\nnon_magnetic =");
-    refused(&spread, "6:23", &["drift.non_magnetic_spread is no key of a study of kind = \"drift-budget\""]);
+    refused(
+        &spread,
+        "6:23",
+        &["drift.non_magnetic_spread is not a key of a study of kind = \"drift-budget\""],
+    );
     refused(
         &with("10 arcsec", "-10 arcsec"),
         "7:16",
@@ -221,9 +225,13 @@ fn budgets_that_make_no_sense_are_refused() {
     refused(
         &format!("precision = \"1 %\"\n{BUDGET}"),
         "1:13",
-        &["precision is no key", "kind = \"gap-fill\""],
+        &["precision is not a key", "kind = \"gap-fill\""],
     );
-    refused(&format!("{BUDGET}[motion]\nrate = \"1 deg/s\"\n"), "12:1", &["[motion] is no table of a study"]);
+    refused(
+        &format!("{BUDGET}[motion]\nrate = \"1 deg/s\"\n"),
+        "12:1",
+        &["[motion] is not a table of a study"],
+    );
     let sweep = "[[sweep]]\nkey = \"drift.magnetic_spread\"\nlist = [\"1 arcsec/s\"]\n";
     refused(&format!("{BUDGET}{sweep}"), "13:7", &["there is no key `drift.magnetic_spread` to sweep"]);
 }
@@ -247,7 +255,7 @@ fn suspensions_that_make_no_sense_are_refused() {
         modes(&format!("{{ frequency = \"380 Hz\", q = {q}, response = \"{response}\" }}"))
     };
     refused(&mode("0.1", "1 deg/s/g"), "4:38", &["suspension.modes.q = 0.1 is out of range", "0.5 to 10000"]);
-    refused(&mode("\"high\"", "1 deg/s/g"), "4:38", &["suspension.modes.q: \"high\" is no ratio"]);
+    refused(&mode("\"high\"", "1 deg/s/g"), "4:38", &["suspension.modes.q: \"high\" is not a ratio"]);
     refused(&mode("50", "1 deg/s"), "4:53", &["is an angular rate", "arcsec/s/g"]);
     let sweep = |list: &str| format!("{SUSPENSION}[[sweep]]\nkey = \"suspension.gyro\"\n{list}\n");
     refused(

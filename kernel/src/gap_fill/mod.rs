@@ -1,9 +1,9 @@
 //! One trial of a mode switch: the ticks round the gap, and how far each filler's angle is from the true one.
 //!
 //! Twin of `shaders/gap_fill.wgsl`. Ticks are counted outward from the gap: the first before it is tick 0, the second
-//! tick −1, the first after it tick n+1. A filler is a vector of integer weights over a common denominator D (its scale),
-//! so that D·δP = Σ w P − D Σ_gap true is an exact integer. One that needs more than 32 bits is rounded down to them by
-//! a shift. Source: Z(14)–Z(18).
+//! tick −1, the first after it tick n+1. A filler is a vector of integer weights over a common denominator D (its
+//! scale), so that D·δP = Σ w P − D Σ_gap true is an exact integer. An error that needs more than 32 bits is shifted
+//! right until it fits. Source: Z(14)–Z(18).
 
 pub mod shape;
 
@@ -20,14 +20,14 @@ pub use crate::gap_fill::shape::{MAX_SIDE, Parameters, Shape};
 
 constants!();
 
-/// Trials to moments of the errors.
+/// Maps trials to moments of the errors.
 pub const FORM: Form = Form::Moments;
 
 /// Raised when the kernel's results change for the same parameters: part of every digest.
 pub const VERSION: u32 = 2;
 
-/// The trials of one launch; `KEPT` is room for ticks before the gap that errors in the gap need again, `GAUSSIANS` for
-/// the normal numbers of Gaussian motion.
+/// The trials of one launch. `KEPT` is the room for ticks before the gap that the errors in the gap read again,
+/// `GAUSSIANS` the room for the normal numbers of Gaussian motion.
 #[derive(Clone, Copy)]
 struct GapFill<'a, const KEPT: usize, const GAUSSIANS: usize> {
     given: Given<'a>,
@@ -42,8 +42,8 @@ impl<'a, const KEPT: usize, const GAUSSIANS: usize> GapFill<'a, KEPT, GAUSSIANS>
         GapFill { given: Given { p, table: &launch.table, shape }, keys }
     }
 
-    /// Goes on to the k-th tick on either side of the gap, where the shape has it: its motion and noise are read, and
-    /// added to the sums.
+    /// Reads motion and noise of the k-th tick on either side of the gap, where the shape has that tick, and adds them
+    /// to the sums.
     #[inline(always)]
     fn side<W: Word>(&self, run: &mut Run<W, KEPT>, motion: &Motion<W, GAUSSIANS>, k: usize, noise: [W; 2]) {
         let Given { p, shape, .. } = &self.given;
@@ -90,29 +90,29 @@ impl<'a, const KEPT: usize, const GAUSSIANS: usize> GapFill<'a, KEPT, GAUSSIANS>
     }
 }
 
-/// What goes on from tick to tick.
+/// State carried from tick to tick.
 struct Run<W: Word, const KEPT: usize> {
     sum: [Sum<W>; MAX_ESTIMATES],
     /// Readings of the ticks before the gap.
     kept: [W; KEPT],
-    /// Where the readout stands at the outermost boundaries so far, in LSB.
+    /// Readout at the outermost boundaries so far, in LSB.
     at_start: W,
     at_end: W,
 }
 
-/// The first extrapolation among the estimates.
+/// Index of the first extrapolation among the estimates.
 #[inline(always)]
 fn extrapolations(shape: Shape) -> usize {
     if shape.residual { shape.fillers } else { 0 }
 }
 
-/// The first error in the gap among the estimates.
+/// Index of the first error in the gap among the estimates.
 #[inline(always)]
 fn in_gaps(shape: Shape) -> usize {
     extrapolations(shape) + if shape.extrapolation { shape.fillers } else { 0 }
 }
 
-/// The angle that the whole pulses up to `angle` make.
+/// The angle represented by the whole pulses up to `angle`.
 #[inline(always)]
 fn pulses<W: Word>(angle: W, p: &Parameters) -> W {
     angle & W::splat(p.readout_mask[0])
@@ -129,7 +129,7 @@ impl<const KEPT: usize, const GAUSSIANS: usize> Sampler for GapFill<'_, KEPT, GA
         self.given.p.bin_base[estimate]
     }
 
-    // The loops read like those of the shader.
+    // The loops mirror those of the shader.
     #[expect(clippy::needless_range_loop)]
     #[inline(always)]
     fn trial<W: Word>(&self, low: W, high: u32) -> [W; MAX_ESTIMATES] {
@@ -163,7 +163,7 @@ impl<const KEPT: usize, const GAUSSIANS: usize> Sampler for GapFill<'_, KEPT, GA
             let before = draw(k < shape.before, Purpose::NoiseBefore, k / 4);
             let near = draw(0 < k && k < shape.after, Purpose::NoiseAfterAndPhase, k / 2);
             let far = draw(k + 2 < shape.after, Purpose::NoiseAfterAndPhase, k / 2 + 1);
-            // Written out: the compiler leaves loops of such a length rolled, and their words in memory.
+            // Unrolled by hand: the compiler keeps loops of this length rolled and their words in memory.
             self.side(&mut run, &motion, k, [before[0], near[0]]);
             self.side(&mut run, &motion, k + 1, [before[1], near[1]]);
             self.side(&mut run, &motion, k + 2, [before[2], far[0]]);
@@ -193,7 +193,7 @@ impl<const KEPT: usize, const GAUSSIANS: usize> Sampler for GapFill<'_, KEPT, GA
     }
 }
 
-/// A weighted sum of ticks less the scaled truth, in 32 bits where that is enough.
+/// A weighted sum of ticks less the scaled truth, kept in 32 bits where that is enough.
 #[derive(Clone, Copy)]
 enum Sum<W: Word> {
     Narrow(W),
@@ -227,7 +227,7 @@ impl<W: Word> Sum<W> {
     }
 }
 
-/// The default ticks with three fillers and one tone: what most points are.
+/// The default ticks with three fillers and one tone, the shape of most points.
 pub const POLYNOMIALS: Shape = Shape {
     before: 4,
     after: 2,

@@ -1,7 +1,7 @@
-//! What a launch of the gap-fill kernel has, and its parameter words.
+//! The shape of a launch of the gap-fill kernel, and its parameter words.
 //!
-//! Its table holds weights of the errors in the gap; then the factor of the Gaussian motion, or the profile as angles since
-//! its start in LSB at the boundaries of its ticks. Often it is empty.
+//! The table holds the weights of the errors in the gap, followed by the factor of the Gaussian motion or by the
+//! profile: its angles since the start in LSB at the boundaries of its ticks. It is often empty.
 
 use crate::launch;
 use crate::parameters::parameters;
@@ -14,11 +14,11 @@ pub const MAX_SIDE: usize = 64;
 /// Most tones of a motion.
 pub const MAX_TONES: usize = 8;
 
-/// Ticks of a recorded profile that are kept free on either side of the gap, whatever the fillers read: so another
+/// Ticks of a recorded profile that are kept free on either side of the gap whatever the fillers read, so that another
 /// filler moves no trial to another place.
 pub const MARGIN: usize = MAX_SIDE;
 
-/// What a launch has, and how much of it: what a shader is specialised for.
+/// Sizes and options of a launch, for which its shader is specialised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Shape {
     /// Ticks sampled before the gap: the larger of the next two.
@@ -27,19 +27,19 @@ pub struct Shape {
     pub after: usize,
     /// Ticks before the gap that the residual uses.
     pub residual_before: usize,
-    /// Ticks before the gap that the extrapolation uses, and the error in the gap.
+    /// Ticks before the gap that the extrapolation and the error in the gap use.
     pub extrapolation_before: usize,
     /// Fillers; a launch has at most [`MAX_ESTIMATES`](crate::moments::MAX_ESTIMATES) errors of them.
     pub fillers: usize,
-    /// Which errors each filler has.
+    /// Whether each filler has a residual.
     pub residual: bool,
-    /// At the end of the gap, before it is closed.
+    /// Whether each filler has an error at the end of the gap, before it is closed.
     pub extrapolation: bool,
-    /// The largest while it is open.
+    /// Whether each filler has an error in the gap, the largest while the gap is open.
     pub in_gap: bool,
-    /// Whether weighted sums need 64 bits: fillers with large weights do, the usual polynomials do not.
+    /// Whether weighted sums need 64 bits, as with large weights; the usual polynomials do not.
     pub wide: bool,
-    /// Length of the gap where the shape depends on it, else 0: see [`Shape::rows`].
+    /// Length of the gap where the shape depends on it, else 0; see [`Shape::rows`].
     pub gap_ticks: usize,
     /// Sines of the motion, at most 8.
     pub tones: usize,
@@ -51,11 +51,11 @@ pub struct Shape {
     pub gaussian: bool,
     /// Whether the motion is a recorded profile.
     pub profile: bool,
-    /// Whether trials take the places of the profile in turn, and not at random.
+    /// Whether trials take the places of the profile in turn instead of at random.
     pub every: bool,
-    /// Whether something is the same in all trials: a constant rate or acceleration, relock.
+    /// Whether the motion has a part common to all trials: a constant rate or acceleration, or relock.
     pub constants: bool,
-    /// Whether whole pulses are read.
+    /// Whether the readout gives whole pulses.
     pub readout: bool,
 }
 
@@ -65,12 +65,12 @@ impl Shape {
         self.before.max(self.after)
     }
 
-    /// True angles that are needed: that over the whole gap, and for errors in the gap also those over its first ticks.
+    /// Number of true angles needed: the one over the whole gap and, for errors in the gap, those over its first ticks.
     pub fn rows(self) -> usize {
         if self.in_gap { self.gap_ticks } else { 1 }
     }
 
-    /// Where the weights of the errors in the gap end in the table, and what the motion needs begins.
+    /// Index in the table where the weights of the errors in the gap end and the data of the motion begin.
     pub fn motion_table(self) -> usize {
         if self.in_gap { self.fillers * self.gap_ticks * self.extrapolation_before } else { 0 }
     }
@@ -80,10 +80,10 @@ impl Shape {
         self.gap_ticks + 2 * self.sides()
     }
 
-    /// Where the row of a place on the side, counted as in [`Shape::gaussians`], starts in the table.
+    /// Index in the table of the row of a place on the side, with places counted as in [`Shape::gaussians`].
     pub fn gaussian_row(self, place: usize) -> usize {
         let n = self.gap_ticks;
-        // The rows over the gap, then a triangle: row i has i + 1 words.
+        // The rows over the gap come first, then a triangle whose row i has i + 1 words.
         self.motion_table() + self.rows() * n + (place * (place + 1) - n * (n + 1)) / 2
     }
 }
@@ -124,7 +124,7 @@ impl launch::Shape for Shape {
                 ("IN_GAPS", residuals + extrapolations),
                 ("KEPT", if self.in_gap { self.before } else { 1 }),
                 ("TONES", self.tones),
-                // There is no array without elements.
+                // An array must have at least one element.
                 ("TONE_ROOM", self.tones.max(1)),
                 ("ROWS", self.rows()),
                 ("GAP_TICKS", self.gap_ticks),
@@ -151,7 +151,7 @@ impl launch::Shape for Shape {
     }
 }
 
-/// `count` where `wanted`, else none.
+/// `count` where `wanted`, else 0.
 #[inline(always)]
 fn only(wanted: bool, count: usize) -> usize {
     if wanted { count } else { 0 }
@@ -160,62 +160,63 @@ fn only(wanted: bool, count: usize) -> usize {
 parameters! {
     /// Key of the random words.
     key: |_| 2,
-    /// Phase of each tone at the middle of the gap, 2^32 to the turn, before the random part.
+    /// Phase of each tone at the middle of the gap without the random part, in 2^−32 turns.
     phase: |shape: Shape| shape.tones,
-    /// Which bits of the random phase are added: all of them or none.
+    /// Mask of the bits of the random phase that are added: all of them or none.
     phase_spread: |shape: Shape| shape.tones,
     /// Standard deviation of the tick noise, in 2^−4 LSB.
     sigma: |_| 1,
     /// The angle of each tone over the gap, row by row, at sine 1 of the phase at its middle, in 2^−2 LSB.
     gap_sin: |shape: Shape| only(!shape.frequencies, shape.rows() * shape.tones),
-    /// The same at cosine 1, which over the whole gap is 0.
+    /// The same at cosine 1; over the whole gap it is 0.
     gap_cos: |shape: Shape| only(!shape.frequencies && shape.in_gap, shape.rows() * shape.tones),
-    /// The angle of the k-th tick on either side at sine 1, tone by tone, which is the same on both.
+    /// The angle of the k-th tick on either side at sine 1, tone by tone; it is the same on both sides.
     side_sin: |shape: Shape| only(!shape.frequencies, shape.sides() * shape.tones),
-    /// The same at cosine 1: it is this one after the gap and minus this one before.
+    /// The angle of the k-th tick after the gap at cosine 1; before the gap it has the opposite sign.
     side_cos: |shape: Shape| only(!shape.frequencies, shape.sides() * shape.tones),
-    /// Least amplitude of each tone as a part of its largest, in 2^−31.
+    /// Least amplitude of each tone as a fraction of its largest, in 2^−31.
     amplitude_low: |shape: Shape| only(shape.amplitudes, shape.tones),
-    /// How far it is spread.
+    /// Width of the range of that fraction, in 2^−31.
     amplitude_width: |shape: Shape| only(shape.amplitudes, shape.tones),
-    /// All bits where the amplitude is Rayleigh-distributed, else none.
+    /// All bits set where the amplitude is Rayleigh-distributed, else none.
     rayleigh: |shape: Shape| only(shape.amplitudes, shape.tones),
-    /// Largest angle of a tick at frequency 0, times 2/π, in 2^−5 LSB; of an amplitude that is an angle, twice it.
+    /// Largest angle of a tick at frequency 0, times 2/π, in 2^−5 LSB; twice that where the amplitude is an angle.
     peak: |shape: Shape| only(shape.frequencies, shape.tones),
     /// Least frequency of each tone in turns per half tick, in 2^−32.
     frequency_low: |shape: Shape| only(shape.frequencies, shape.tones),
-    /// How far it is spread.
+    /// Width of the range of the frequency, in 2^−32.
     frequency_width: |shape: Shape| only(shape.frequencies, shape.tones),
-    /// All bits where the amplitude is one of the angle, else none.
+    /// All bits set where the amplitude is that of the angle, else none.
     of_angle: |shape: Shape| only(shape.frequencies, shape.tones),
-    /// n.
+    /// Length of the gap n, in ticks.
     gap_length: |_| 1,
-    /// What is the same in all trials over the gap, row by row, in 2^−32 LSB, two words each.
+    /// The part of the angle over the gap that is common to all trials, row by row, in 2^−32 LSB, two words each.
     gap_constant: |shape: Shape| only(shape.constants, 2 * shape.rows()),
-    /// The same of the ticks before, outward.
+    /// The same for the ticks before the gap, outward.
     before_constant: |shape: Shape| only(shape.constants, 2 * shape.before),
-    /// The same of the ticks after, outward.
+    /// The same for the ticks after the gap, outward.
     after_constant: |shape: Shape| only(shape.constants, 2 * shape.after),
-    /// Places that the gap can have in the profile.
+    /// Number of places that the gap can have in the profile.
     positions: |shape: Shape| only(shape.profile, 1),
-    /// 2^32 divided by them.
+    /// 2^32 divided by that number.
     positions_inverse: |shape: Shape| only(shape.profile, 1),
-    /// The bits of an angle that a whole pulse has.
+    /// Mask of the bits of an angle that make up whole pulses.
     readout_mask: |shape: Shape| only(shape.readout, 1),
     /// Standard deviation of the noise over the whole gap, in 2^−4 LSB.
     gap_sigma: |shape: Shape| only(shape.readout, 1),
     /// Weights of the residual, filler by filler: ticks before, then after, each outward from the gap.
     residual_weight: |shape: Shape| only(shape.residual, shape.fillers * (shape.residual_before + shape.after)),
-    /// D of each filler: what the angle over the gap is multiplied by.
+    /// Denominator D of each filler, by which the angle over the gap is multiplied.
     residual_scale: |shape: Shape| only(shape.residual, shape.fillers),
     /// Weights of the extrapolation, filler by filler, outward from the gap.
     extrapolation_weight: |shape: Shape| only(shape.extrapolation, shape.fillers * shape.extrapolation_before),
-    /// The same of the extrapolation.
+    /// Denominator D of each filler's extrapolation.
     extrapolation_scale: |shape: Shape| only(shape.extrapolation, shape.fillers),
-    /// The scale of the errors in the gap, whose weights are in the table: filler by filler, row by row, outward.
+    /// Denominator D of each filler's errors in the gap. Their weights are in the table: filler by filler, row by row,
+    /// outward.
     in_gap_scale: |shape: Shape| only(shape.in_gap, shape.fillers),
-    /// How far each wide sum is shifted to the right, rounding: in the order of the estimates.
+    /// Number of bits by which each wide sum is shifted right, with rounding, in the order of the estimates.
     shift: |shape: Shape| only(shape.wide, launch::Shape::estimates(&shape)),
-    /// Where each estimate's histogram starts.
+    /// Level at which each estimate's histogram starts.
     bin_base: |shape: Shape| launch::Shape::estimates(&shape),
 }

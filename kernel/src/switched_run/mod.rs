@@ -1,8 +1,8 @@
-//! One run of a gyro that switches modes: the angle that it has wrong at the end, at most, and at chosen times.
+//! One run of a gyro that switches modes: the error of its angle at the end, at its largest, and at chosen times.
 //!
-//! Twin of `shaders/switched_run.wgsl`. The drift, which is smooth, is in the table in closed form and so never adds up
-//! rounding; what is random adds up in 2^−32 LSB, exactly. At each switch the fill residual comes on top: for each tone of the
-//! motion a sine of its phase, a constant and a normal part. Source: Z(3), Z(5), Z(18).
+//! Twin of `shaders/switched_run.wgsl`. The smooth drift is tabulated in closed form and so accumulates no rounding;
+//! the random parts are summed exactly in 2^−32 LSB. Each switch adds the fill residual: for each tone of the motion a
+//! sine of its phase, a constant and a normal part. Source: Z(3), Z(5), Z(18).
 
 pub mod shape;
 
@@ -21,17 +21,17 @@ pub use crate::switched_run::shape::{MAX_TONES, Parameters, Shape};
 
 constants!(DECAY_BITS, DECAY_ONE, MOST_HALVINGS, MOST_STRETCH);
 
-/// Trials to moments of the angles.
+/// Maps trials to moments of the angles.
 pub const FORM: Form = Form::Moments;
 
-/// Bits of an exponential behind the point, and 1 in its unit.
+/// Fractional bits of an exponential.
 const DECAY_BITS: u32 = 30;
 const DECAY_ONE: u32 = 1 << DECAY_BITS;
 
-/// Halvings that leave nothing of a decay.
+/// Number of halvings after which nothing is left of a decay.
 const MOST_HALVINGS: u32 = 31;
 
-/// log2 of how much longer or shorter than usual a drawn τ is at most.
+/// log2 of the largest factor by which a drawn τ is longer or shorter than the nominal one.
 const MOST_STRETCH: u32 = 5;
 
 /// Raised when the kernel's results change for the same parameters: part of every digest.
@@ -39,7 +39,7 @@ pub const VERSION: u32 = 1;
 
 /// Receives the angles of a run as it proceeds, LSB.
 pub trait Recorder<W> {
-    /// Just before a switch or at the end, then just after the switch.
+    /// Receives the angle just before a switch or at the end, and then the angle just after the switch.
     fn record(&mut self, angle: W);
 }
 
@@ -59,33 +59,33 @@ struct SwitchedRun<'a> {
     keys: Keys,
 }
 
-/// What is drawn once for a run.
+/// The random state of a run.
 struct Run<W: Word> {
     /// Deviations of A, Ω_m0, Ω_nm in standard deviations, 2^−28.
     deviation: [W; 3],
-    /// Negative where the first mode is the other one.
+    /// Negative where the run starts in the other mode.
     mode: W,
     /// Phase of each tone at the next switch.
     phase: [W; MAX_TONES],
-    /// All that is random so far, 2^−32 LSB.
+    /// Sum of all random parts so far, 2^−32 LSB.
     random: W::Wide,
-    /// What relocking has added so far, LSB.
+    /// Sum of the effects of relocking so far, LSB.
     relocked: W,
-    /// By how much the temperature curve has f0 wrong.
+    /// Relative error of f0 in the temperature curve.
     wrong: W,
     warm_up: WarmUp<W>,
 }
 
-/// The warm-up of a run, whose time constant is drawn. Times are in units of the parameters, ratios in 2^−26, exponentials in
-/// 2^−30.
+/// The warm-up of a run whose time constant is drawn. Times are in units of the parameters, ratios in 2^−26,
+/// exponentials in 2^−30.
 #[derive(Clone, Copy)]
 struct WarmUp<W: Word> {
-    /// A, 2^−32 LSB in a unit of time.
+    /// A in 2^−32 LSB per unit of time.
     heated: W,
-    /// τ as a part of the usual one, and what the usual one is of it.
+    /// τ relative to the nominal one, and the nominal one relative to τ.
     ratio: W,
     inverse: W,
-    /// τ tanh(MT/2τ): what whole pairs of intervals leave of the decay.
+    /// τ tanh(MT/2τ), the contribution of the decay over whole pairs of intervals.
     tanh: W,
     /// e^{−t/τ} at the last switch.
     last: W,
@@ -138,17 +138,17 @@ impl<'a> SwitchedRun<'a> {
         run
     }
 
-    /// The warm-up of a run whose A and ln τ deviate by so much.
+    /// The warm-up of a run from the deviations of its A and its ln τ.
     #[inline(always)]
     fn warm_up<W: Word>(&self, magnetic: W, time: W) -> WarmUp<W> {
         let p = &self.p;
-        // No draw makes τ more than 2^5 times longer or shorter.
+        // The factor between a drawn τ and the nominal one is at most 2^5.
         let five = W::splat(MOST_STRETCH << LOG_BITS);
         let log = time.mul_wide(W::splat(p.warm_up_spread[0])).high_word();
         let (ratio, inverse) = (exp2_minus(five - log), exp2_minus(five + log));
         let lost = exp2_minus(self.halvings(inverse, p.halvings[0]));
         let one = W::splat(EXP2_ONE);
-        // log2 of τ (1 − q)/(1 + q), q = e^{−MT/τ}; then 2^x is 2^31 of 2^−(31 − x).
+        // log2 of τ (1 − q)/(1 + q) with q = e^{−MT/τ}; then 2^x is computed as 2^31 · 2^−(31 − x).
         let tanh = log + log2_word(one - lost) - log2_word(one + lost)
             + W::splat((LOG_BITS + p.time_bits[0]) << LOG_BITS);
         WarmUp {
@@ -160,7 +160,7 @@ impl<'a> SwitchedRun<'a> {
         }
     }
 
-    /// A number of halvings of the usual τ as that of this τ, 2^−26, at most 31.
+    /// Converts a number of halvings of the nominal τ to halvings of this τ, 2^−26, at most 31.
     #[inline(always)]
     fn halvings<W: Word>(&self, inverse: W, usual: u32) -> W {
         let bits = self.p.halving_bits[0];
@@ -169,7 +169,8 @@ impl<'a> SwitchedRun<'a> {
         (product.bits_from(bits) & within) + (W::splat(LARGEST_MINUS) & (within ^ W::splat(!0)))
     }
 
-    /// ∫ s (1 − e^{−t/τ}) dt where a row of the table is, whose last two words are given, in interval `k`; and e^{−t/τ} there.
+    /// ∫ s (1 − e^{−t/τ}) dt at a row of the table in interval `k`, and e^{−t/τ} there; `words` are the last two of the
+    /// row.
     #[inline(always)]
     fn heating<W: Word>(&self, warm_up: &WarmUp<W>, k: usize, words: &[u32]) -> [W; 2] {
         let bits = self.p.time_bits[0];
@@ -183,7 +184,7 @@ impl<'a> SwitchedRun<'a> {
         [W::splat(words[0]) - decayed, now]
     }
 
-    /// The angle where a row of the table is, in interval `k`, with `more` that is random since the last switch.
+    /// The angle at a row of the table in interval `k`, with the random part `more` added since the last switch.
     #[inline(always)]
     fn angle<W: Word>(&self, run: &Run<W>, k: usize, row: usize, more: W::Wide) -> W {
         let shape = self.shape;
@@ -239,8 +240,9 @@ impl<'a> SwitchedRun<'a> {
         Given { p: relock_ticks::Parameters::of(self.p.relock, shape), shape }
     }
 
-    /// What relocking after the switch that ends interval `k` adds, LSB: the ticks themselves, and what they do to the filler.
-    // The loop reads like that of the shader.
+    /// The effect of relocking after the switch that ends interval `k`, LSB: the ticks themselves and their effect on
+    /// the filler.
+    // The loop mirrors that of the shader.
     #[expect(clippy::needless_range_loop)]
     #[inline(always)]
     fn relocked<W: Word>(
@@ -315,7 +317,7 @@ impl<'a> SwitchedRun<'a> {
     }
 }
 
-/// A number of 64 bits in two words, the lower one first.
+/// A 64-bit number from two words, the lower one first.
 #[inline(always)]
 fn long(words: &[u32]) -> i64 {
     i64::from(words[1] as i32) << 32 | i64::from(words[0])
@@ -338,7 +340,7 @@ impl Sampler for SwitchedRun<'_> {
     }
 }
 
-/// One tone and no other spread, as the paper's gyro has it.
+/// One tone and no other spread, as in the paper's gyro.
 const PLAIN: Shape = Shape {
     ends: true,
     times: 0,
@@ -372,7 +374,7 @@ impl Trial for Shape {
     }
 }
 
-/// Angles in the order that they come.
+/// Angles in the order in which they are recorded.
 struct Angles(Vec<i32>);
 
 impl Recorder<Scalar> for Angles {

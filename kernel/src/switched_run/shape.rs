@@ -1,4 +1,4 @@
-//! What a launch of the switched-run kernel has, its parameter words and its table.
+//! The shape of a launch of the switched-run kernel, its parameter words and its table.
 
 use crate::launch;
 use crate::parameters::parameters;
@@ -9,43 +9,44 @@ use crate::shader::{Part, Shader};
 /// Most tones of the motion at a switch.
 pub const MAX_TONES: usize = crate::gap_fill::shape::MAX_TONES;
 
-/// Most switches and so many intervals of a run, but one.
+/// Most intervals of a run, each with a switch after it except the last.
 pub const MOST_INTERVALS: usize = crate::launch::MOST_STEPS as usize;
 
-/// What a launch has, and how much of it: what a shader is specialised for.
+/// Sizes and options of a launch, for which its shader is specialised.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Shape {
-    /// Whether the angle at the end and the largest one are estimated: the first two estimates.
+    /// Whether the angle at the end and the largest one are estimated; they are the first two estimates.
     pub ends: bool,
-    /// Times at which the angle is estimated besides.
+    /// Number of further times at which the angle is estimated.
     pub times: usize,
     /// Whether there is an angle random walk.
     pub walk: bool,
     /// Whether residuals of switches have a normal part.
     pub noise: bool,
-    /// Tones that each switch leaves a sine of, at most 8.
+    /// Tones of which each switch leaves a sine, at most 8.
     pub tones: usize,
-    /// Which parts of the drift differ from run to run: A, Ω_m0, Ω_nm.
+    /// Whether A differs from run to run.
     pub magnetic: bool,
-    /// That of Ω_m0.
+    /// Whether Ω_m0 differs from run to run.
     pub initial: bool,
-    /// That of Ω_nm.
+    /// Whether Ω_nm differs from run to run.
     pub non_magnetic: bool,
     /// Whether the first mode is drawn.
     pub mode: bool,
-    /// Whether the warm-up time differs from run to run: then A is no part of the table, and its spread a parameter.
+    /// Whether the warm-up time differs from run to run; A is then not part of the table, and its spread is a
+    /// parameter.
     pub warm_up: bool,
     /// Whether the perimeter loop relocks after each switch.
     pub relock: Option<relock_ticks::Shape>,
 }
 
 impl Shape {
-    /// The first estimate at a time.
+    /// Index of the first estimate at a time.
     pub fn first_time(self) -> usize {
         if self.ends { 2 } else { 0 }
     }
 
-    /// Whether anything is drawn once for a run but phases.
+    /// Whether anything except phases is drawn once for a run.
     pub fn spreads(self) -> bool {
         self.magnetic || self.initial || self.non_magnetic || self.mode || self.warm_up
     }
@@ -55,7 +56,7 @@ impl Shape {
         self.walk || self.noise || self.spreads() || self.relock.is_some()
     }
 
-    /// Whether powers and logarithms are taken.
+    /// Whether powers and logarithms are computed.
     fn has_powers(self) -> bool {
         self.warm_up || self.relock.is_some()
     }
@@ -96,7 +97,7 @@ impl launch::Shape for Shape {
             parts: vec![&part::philox, &part::sine],
             constants: vec![
                 ("TONES", self.tones),
-                // There is no array without elements.
+                // An array must have at least one element.
                 ("TONE_ROOM", self.tones.max(1)),
                 ("PHASE_BLOCKS", self.tones.div_ceil(4)),
                 ("TIMES", self.times),
@@ -131,19 +132,20 @@ impl launch::Shape for Shape {
     }
 }
 
-/// `count` where `wanted`, else none.
+/// `count` where `wanted`, else 0.
 #[inline(always)]
 fn only(wanted: bool, count: usize) -> usize {
     if wanted { count } else { 0 }
 }
 
-// The table has a row for each interval, about its end, then one for each time: the angle that the drift has come to, LSB, and
-// where the first mode is drawn the magnetic part of it apart; then what a standard deviation of A, of Ω_m0 and of Ω_nm adds,
-// 2^−4 LSB; and where the warm-up time is drawn the signed time ∫ s dt, and how many halvings e^{−t/τ} is of the usual τ.
+// The table has a row for the end of each interval, then one for each time. A row holds the angle of the drift so far,
+// LSB, with its magnetic part apart where the first mode is drawn; then the effects of one standard deviation of A, of
+// Ω_m0 and of Ω_nm, 2^−4 LSB; and, where the warm-up time is drawn, the signed time ∫ s dt and the number of halvings
+// of e^{−t/τ} at the nominal τ.
 parameters! {
     /// Key of the random words.
     key: |_| 2,
-    /// Intervals of the run; there is a switch after each but the last.
+    /// Number of intervals of the run; there is a switch after each but the last.
     intervals: |_| 1,
     /// Standard deviation of the random walk over an interval and over the last one, 2^−4 LSB.
     walk_sigma: |shape: Shape| only(shape.walk, 2),
@@ -151,36 +153,37 @@ parameters! {
     noise: |shape: Shape| only(shape.noise, 1),
     /// Standard deviation of log2 τ, 2^−30.
     warm_up_spread: |shape: Shape| only(shape.warm_up, 1),
-    /// Bits of halvings behind the point.
+    /// Fractional bits of a number of halvings.
     halving_bits: |shape: Shape| only(shape.warm_up, 1),
-    /// Halvings of an interval.
+    /// Number of halvings in an interval.
     halvings: |shape: Shape| only(shape.warm_up, 1),
-    /// Bits that a time has more behind the point than a ratio.
+    /// Number of fractional bits that a time has beyond those of a ratio.
     time_bits: |shape: Shape| only(shape.warm_up, 1),
-    /// A and its standard deviation, 2^−32 LSB in a unit of time.
+    /// A and its standard deviation, 2^−32 LSB per unit of time.
     heated: |shape: Shape| only(shape.warm_up, 2),
-    /// Parameters of the ticks that relock, as they are in `relock_ticks`.
+    /// Parameters of the ticks that relock, as in `relock_ticks`.
     relock: |shape: Shape| shape.relock.map_or(0, relock_ticks::word_count),
-    /// What each of those ticks adds, by itself and through the filler, in LSB to its own.
+    /// Weight of each of those ticks, by itself and through the filler, in LSB per LSB.
     relock_weight: |shape: Shape| shape.relock.map_or(0, |relock| relock.ticks),
-    /// Bits of that behind the point.
+    /// Fractional bits of those weights.
     relock_bits: |shape: Shape| only(shape.relock.is_some(), 1),
-    /// What every residual has, 2^−32 LSB, two words.
+    /// The part common to all residuals, 2^−32 LSB, two words.
     constant: |_| 2,
     /// Residual of a tone at sine 1, 2^−2 LSB.
     amplitude: |shape: Shape| shape.tones,
-    /// How far the phase goes on from switch to switch, 2^32 to the turn.
+    /// Phase advance from switch to switch, in 2^−32 turns.
     phase_step: |shape: Shape| shape.tones,
-    /// All bits where the phase is drawn for each switch, else none.
+    /// All bits set where the phase is drawn for each switch, else none.
     switch_spread: |shape: Shape| shape.tones,
-    /// All bits where it is drawn once for the whole run, else none.
+    /// All bits set where the phase is drawn once for the whole run, else none.
     run_spread: |shape: Shape| shape.tones,
-    /// The interval that each time is in.
+    /// The interval that contains each time.
     time_interval: |shape: Shape| shape.times,
-    /// What the interval's random walk has come to at the time as a part of the whole: its standard deviation, 2^−4 LSB.
+    /// Standard deviation of the part of the interval's random walk at the time that is proportional to the whole, 2^−4
+    /// LSB.
     time_walk: |shape: Shape| only(shape.walk, shape.times),
     /// Standard deviation of the rest, 2^−4 LSB.
     time_bridge: |shape: Shape| only(shape.walk, shape.times),
-    /// Where each estimate's histogram starts.
+    /// Level at which each estimate's histogram starts.
     bin_base: |shape: Shape| launch::Shape::estimates(&shape),
 }

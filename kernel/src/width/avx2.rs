@@ -1,6 +1,7 @@
 //! Eight lanes in AVX2 registers.
 //!
-//! Sound only where AVX2 is present: [`crate::width::Width::available`] sees to that, and nothing else makes these words.
+//! Sound only where AVX2 is present: [`crate::width::Width::available`] ensures this, and nothing else constructs these
+//! words.
 
 use core::arch::x86_64::*;
 
@@ -31,15 +32,15 @@ simd_operators!(
 
 const ODD: i32 = 0xAA;
 
-/// The odd words, where the multiplier looks for even ones: by shuffles throughout, as the multiplier's ports are the
-/// ones that shifts would take.
+/// Moves the odd words to the even places that the multiplier reads, by shuffles only, because shifts would occupy the
+/// multiplier's ports.
 #[inline(always)]
 fn odd(words: __m256i) -> __m256i {
     unsafe { _mm256_shuffle_epi32::<0b11_11_01_01>(words) }
 }
 
-/// Eight lanes for the multiplier: the even words and the odd ones, each in the lower half of 64 bits; what the upper
-/// halves hold means nothing. Products need no sorting this way.
+/// Eight lanes for the multiplier: the even words and the odd ones, each in the lower half of 64 bits; the upper halves
+/// are arbitrary. Products then need no reordering.
 #[derive(Clone, Copy)]
 pub struct Avx2Factors {
     even: __m256i,
@@ -134,8 +135,9 @@ impl Word for Avx2 {
     #[inline(always)]
     fn leading_zeros(self) -> Avx2 {
         unsafe {
-            // AVX2 has no such instruction: the exponent of the word as a float tells, once the bits that could round
-            // it up to the next power of two are gone. A word with its top bit set reads as negative and saturates.
+            // AVX2 has no such instruction. The exponent of the word as a float gives the number, once the bits that
+            // could round it up to the next power of two are cleared. A word with its top bit set reads as negative and
+            // saturates.
             let top = _mm256_andnot_si256(_mm256_srli_epi32::<8>(self.0), self.0);
             let exponent = _mm256_srli_epi32::<23>(_mm256_castps_si256(_mm256_cvtepi32_ps(top)));
             Avx2(_mm256_subs_epu16(_mm256_set1_epi32(127 + 31), exponent))
@@ -176,12 +178,12 @@ impl Word for Avx2 {
     #[inline(always)]
     unsafe fn lookup(table: &PairTable, index: Avx2) -> (Avx2, Avx2) {
         unsafe {
-            // Pairs are fetched as 64-bit words: half the loads of two 32-bit gathers.
+            // Pairs are fetched as 64-bit words, which takes half the loads of two 32-bit gathers.
             let index = index.0;
             let from = table.as_ptr().cast();
             let low = _mm256_i32gather_epi64::<8>(from, _mm256_castsi256_si128(index));
             let high = _mm256_i32gather_epi64::<8>(from, _mm256_extracti128_si256::<1>(index));
-            // The shuffle works within 128-bit halves; the permutation puts its quarters in order.
+            // The shuffle works within 128-bit halves; the permutation then puts the quarters in order.
             let pick =
                 |firsts: __m256| _mm256_permute4x64_epi64::<0b11_01_10_00>(_mm256_castps_si256(firsts));
             let (low, high) = (_mm256_castsi256_ps(low), _mm256_castsi256_ps(high));
@@ -198,7 +200,7 @@ impl Word for Avx2 {
 
     #[inline(always)]
     fn with_sign(self, sign: Avx2) -> Avx2 {
-        // The instruction gives 0 for a sign of 0, hence the odd one.
+        // The instruction returns 0 for a sign of 0, so the sign is made odd.
         unsafe { Avx2(_mm256_sign_epi32(self.0, _mm256_or_si256(sign.0, _mm256_set1_epi32(1)))) }
     }
 
@@ -220,7 +222,7 @@ impl Word for Avx2 {
     #[inline(always)]
     fn below(self, n: u32) -> u32 {
         unsafe {
-            // There is no unsigned comparison: both sides are moved by half the range.
+            // There is no unsigned comparison, so both sides are shifted by half the range.
             let half = _mm256_set1_epi32(i32::MIN);
             let n = _mm256_set1_epi32((n ^ (1 << 31)) as i32);
             let below = _mm256_cmpgt_epi32(n, _mm256_xor_si256(self.0, half));

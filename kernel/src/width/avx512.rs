@@ -1,7 +1,7 @@
 //! Sixteen lanes in AVX-512 registers.
 //!
-//! Sound only where AVX-512 F, BW, CD, DQ and VL are present: [`crate::width::Width::available`] sees to that, and
-//! nothing else makes these words.
+//! Sound only where AVX-512 F, BW, CD, DQ and VL are present: [`crate::width::Width::available`] ensures this, and
+//! nothing else constructs these words.
 
 use core::arch::x86_64::*;
 
@@ -32,14 +32,14 @@ simd_operators!(
 
 const ODD: __mmask16 = 0xAAAA;
 
-/// The odd words, where the multiplier looks for even ones.
+/// Moves the odd words to the even places that the multiplier reads.
 #[inline(always)]
 fn odd(words: __m512i) -> __m512i {
     unsafe { _mm512_srli_epi64::<32>(words) }
 }
 
-/// Sixteen lanes for the multiplier: the even words and the odd ones, each in the lower half of 64 bits; what the upper
-/// halves hold means nothing. Products need no sorting this way.
+/// Sixteen lanes for the multiplier: the even words and the odd ones, each in the lower half of 64 bits; the upper
+/// halves are arbitrary. Products then need no reordering.
 #[derive(Clone, Copy)]
 pub struct Avx512Factors {
     even: __m512i,
@@ -90,7 +90,7 @@ impl Factor for Avx512 {
             let even = _mm512_mul_epu32(self.0, by.0);
             let odd = _mm512_mul_epu32(odd(self.0), odd(by.0));
             let high = _mm512_mask_shuffle_epi32::<0b11_11_01_01>(odd, !ODD, even);
-            // A shuffle and no shift: the compiler would draw the shift into the product, and make it a slow 64-bit one.
+            // A shuffle instead of a shift, which the compiler would merge with the product into a slow 64-bit one.
             let low = _mm512_mask_shuffle_epi32::<0b10_10_00_00>(even, ODD, odd);
             (Avx512(high), Avx512(low))
         }
@@ -169,7 +169,7 @@ impl Word for Avx512 {
     #[inline(always)]
     unsafe fn lookup(table: &PairTable, index: Avx512) -> (Avx512, Avx512) {
         unsafe {
-            // Pairs are fetched as 64-bit words: half the loads of two 32-bit gathers.
+            // Pairs are fetched as 64-bit words, which takes half the loads of two 32-bit gathers.
             let index = index.0;
             let from = table.as_ptr().cast();
             let low = _mm512_i32gather_epi64::<8>(_mm512_castsi512_si256(index), from);

@@ -1,4 +1,4 @@
-//! How many lanes the kernels run in: one on any processor, more where it has the instructions.
+//! The number of lanes in which the kernels run: one on any processor, more where it has the instructions.
 
 use crate::word::{Scalar, Word};
 
@@ -38,7 +38,8 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 
-/// How many lanes the kernels run in. All widths give the same bits; one that the processor lacks cannot be had.
+/// The number of lanes in which the kernels run. All widths give the same bits; only widths that the processor has can
+/// be constructed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Width(Lanes);
 
@@ -53,14 +54,14 @@ enum Lanes {
 
 /// Work that can be done in any width.
 pub trait AnyWidth {
-    /// What the work gives, the same in every width.
+    /// The result of the work, the same in every width.
     type Output;
     /// Does the work in lanes of the width of `W`.
     fn run<W: Word>(self) -> Self::Output;
 }
 
 impl Width {
-    /// One lane, on any processor: the reference of the others.
+    /// One lane, on any processor; the reference for the others.
     pub const PORTABLE: Width = Width(Lanes::Portable);
 
     /// The widths that this processor has, narrowest first.
@@ -84,12 +85,12 @@ impl Width {
         widths
     }
 
-    /// The widest of this processor.
+    /// The widest width of this processor.
     pub fn widest() -> Width {
         Width::available().pop().unwrap_or(Width::PORTABLE)
     }
 
-    /// As people know it.
+    /// Common name of the instruction set.
     pub fn name(self) -> &'static str {
         match self.0 {
             Lanes::Portable => "portable",
@@ -115,7 +116,8 @@ impl Width {
     pub fn run<T: AnyWidth>(self, work: T) -> T::Output {
         match self.0 {
             Lanes::Portable => work.run::<Scalar>(),
-            // SAFETY: only `available` makes these, where the processor has what the functions enable.
+            // SAFETY: only `available` constructs these, where the processor has the instructions that the functions
+            // enable.
             #[cfg(target_arch = "x86_64")]
             Lanes::Avx2 => unsafe { in_avx2(work) },
             #[cfg(target_arch = "x86_64")]

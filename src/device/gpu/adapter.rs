@@ -2,14 +2,14 @@
 
 use crate::kernel::shader::Variant;
 
-/// An adapter that this machine has.
+/// An adapter of this machine.
 #[derive(Clone)]
 pub struct Adapter {
     pub(crate) adapter: wgpu::Adapter,
 }
 
 impl Adapter {
-    /// All adapters, one entry for each way to drive them.
+    /// All adapters, one entry for each interface that drives them.
     pub fn all() -> Vec<Adapter> {
         let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle();
         descriptor.backends = wgpu::Backends::VULKAN | wgpu::Backends::METAL | wgpu::Backends::DX12;
@@ -18,23 +18,24 @@ impl Adapter {
         found.into_iter().map(|adapter| Adapter { adapter }).collect()
     }
 
-    /// The name of the device, with the driver's interface.
+    /// Name of the device, with the driver's interface.
     pub fn name(&self) -> String {
         let info = self.adapter.get_info();
         format!("{} ({})", info.name, info.backend)
     }
 
-    /// Its address on the PCI bus, `0000:3b:00.0`, which tells equal devices apart; empty where the driver does not say.
+    /// Address on the PCI bus, such as `0000:3b:00.0`, which distinguishes equal devices; empty where the driver does
+    /// not give it.
     pub fn pci_address(&self) -> String {
         self.adapter.get_info().device_pci_bus_id
     }
 
-    /// Whether it is a program on the processor and no device of its own.
+    /// Whether it is a software rasteriser on the processor.
     pub fn is_software(&self) -> bool {
         self.adapter.get_info().device_type == wgpu::DeviceType::Cpu
     }
 
-    /// Driver and capabilities in words.
+    /// Driver and capabilities as text.
     pub fn description(&self) -> String {
         let info = self.adapter.get_info();
         let int64 = if self.has_int64() { "64-bit products" } else { "16-bit products" };
@@ -48,7 +49,7 @@ impl Adapter {
         self.adapter.features().contains(wgpu::Features::SHADER_INT64)
     }
 
-    /// The fastest variant for it.
+    /// The fastest variant of the kernels for this adapter.
     pub fn variant(&self) -> Variant {
         Variant { int64: self.has_int64(), checked: false, workgroup: 64 }
     }

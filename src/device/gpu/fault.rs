@@ -1,4 +1,4 @@
-//! What goes wrong with a device: what is heard of it, and what a test lets happen.
+//! Faults of a device: those reported by wgpu, and those injected by tests.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -6,15 +6,15 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use crate::device::error::GpuError;
 use crate::device::gpu::Gpu;
 
-/// What wgpu has told of a device.
+/// Errors that wgpu has reported of a device.
 #[derive(Clone, Default)]
 pub(crate) struct Heard(Arc<Mutex<Told>>);
 
 #[derive(Default)]
 struct Told {
-    /// The first complaint since it was last asked: those after it mostly follow from it.
+    /// First error since the last query; later ones mostly follow from it.
     complaint: Option<GpuError>,
-    /// A lost device stays lost.
+    /// Message of a loss; a lost device stays lost.
     lost: Option<String>,
 }
 
@@ -44,7 +44,7 @@ impl Heard {
         self.told().complaint.get_or_insert(complaint);
     }
 
-    /// A loss, or what was complained of since this was last asked.
+    /// A loss, or the first error since the last query.
     pub(crate) fn failure(&self) -> Result<(), GpuError> {
         let mut told = self.told();
         let complaint = told.complaint.take();
@@ -55,42 +55,42 @@ impl Heard {
     }
 }
 
-/// When a test may let a device fail.
+/// Moments at which a test may make a device fail.
 #[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Moment {
-    /// It is about to be opened again.
+    /// Just before it is opened again.
     Opening,
-    /// So much is about to be handed to it: steps of trials, chunks of records, or items.
+    /// Just before it receives work of this size: steps of trials, chunks of records, or items.
     Tile(u64),
 }
 
-/// How it fails then. Any of them keeps it from being opened again.
+/// How it fails. Every fault also keeps it from being opened again.
 #[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
     OutOfMemory,
-    /// Before it gets the tile.
+    /// Loss before it receives the tile.
     LostBefore,
-    /// While it has the tile.
+    /// Loss while it works on the tile.
     LostAfter,
-    /// One bit of the results is another.
+    /// One wrong bit in the results.
     WrongBits,
 }
 
-/// Which fault happens when.
+/// The faults of a test, by moment.
 #[doc(hidden)]
 pub type Faults = Arc<dyn Fn(Moment) -> Option<Fault> + Send + Sync>;
 
-/// Work that a device has.
+/// Work submitted to a device.
 pub(crate) struct Submission {
     index: wgpu::SubmissionIndex,
-    /// Whether a test wants a bit of its results changed.
+    /// Whether a test requests a wrong bit in its results.
     pub(crate) wrong: bool,
 }
 
 impl Gpu {
-    /// Lets the device fail when `faults` says so, also after it was opened again.
+    /// Makes the device fail when `faults` says so, even after it was opened again.
     #[doc(hidden)]
     pub fn inject(&mut self, faults: Faults) {
         self.faults = Some(faults);
@@ -100,13 +100,13 @@ impl Gpu {
         self.faults.as_ref().and_then(|faults| faults(moment))
     }
 
-    /// Hands commands to the device, so much work, unless something of them failed.
+    /// Submits commands of size `work` to the device, unless there is an error.
     pub(crate) fn submit(&self, encoder: wgpu::CommandEncoder, work: u64) -> Result<Submission, GpuError> {
         let commands = encoder.finish();
         let fault = self.fault(Moment::Tile(work));
         match fault {
             Some(Fault::OutOfMemory) => {
-                self.heard.complain(&wgpu::Error::OutOfMemory { source: "as a test wants it".into() });
+                self.heard.complain(&wgpu::Error::OutOfMemory { source: "requested by a test".into() });
             }
             Some(Fault::LostBefore) => self.device.destroy(),
             _ => {}
@@ -119,7 +119,7 @@ impl Gpu {
         Ok(Submission { index, wrong: fault == Some(Fault::WrongBits) })
     }
 
-    /// Waits until the device has done some work.
+    /// Waits until the device has completed a submission.
     pub(crate) fn wait(&self, submission: &Submission) -> Result<(), GpuError> {
         self.poll(Some(submission.index.clone()))
     }
@@ -127,7 +127,7 @@ impl Gpu {
     /// Waits for one submission, or for all.
     fn poll(&self, submission_index: Option<wgpu::SubmissionIndex>) -> Result<(), GpuError> {
         let wait = wgpu::PollType::Wait { submission_index, timeout: None };
-        // wgpu tells of a loss first and then panics where the driver finds it out in here.
+        // If the driver finds a loss during this call, wgpu reports it first and then panics.
         let polled = catch_unwind(AssertUnwindSafe(|| self.device.poll(wait)));
         self.heard.failure()?;
         match polled {
@@ -137,14 +137,14 @@ impl Gpu {
         }
     }
 
-    /// Ends what a failure has left behind, so that nothing of it reaches the next work, and says what it was: wgpu tells of
-    /// some losses only when all is done, and before that complains of what follows from them.
+    /// Waits for all work after a failure, so that nothing of it affects later work, and returns the cause: wgpu
+    /// reports some losses only when all work is done, and before that the errors that follow from them.
     pub(crate) fn settled(&self, error: GpuError) -> GpuError {
         if matches!(error, GpuError::Lost(_)) {
             return error;
         }
         let end = self.poll(None);
-        // What came of the failure besides is no failure of the next work.
+        // Other errors that follow from the failure are not errors of later work.
         let rest = self.heard.failure();
         match end.and(rest) {
             Err(lost @ GpuError::Lost(_)) => lost,

@@ -30,10 +30,10 @@ use crate::kernel::moments::Moments;
 use crate::kernel::normal_table::NORMAL_TABLE;
 use crate::kernel::shader::Variant;
 
-/// A tile should take this long: short enough for watchdogs, long enough to hide its preparation.
+/// Target duration of a tile: short enough for watchdogs, long enough to hide its preparation.
 const TILE_SECONDS: f64 = 0.075;
 
-/// Steps of the first tile, and the least and most of any.
+/// Steps of the first tile, and the least and most steps of any tile.
 const FIRST_TILE: u64 = 1 << 18;
 const TILES: (u64, u64) = (1 << 14, 1 << 28);
 
@@ -45,28 +45,28 @@ pub struct Gpu {
     queue: wgpu::Queue,
     variant: Variant,
     normal_table: wgpu::Buffer,
-    /// The table of the launch before, with what is in it: neighbours often share one.
+    /// The table of the previous launch with its buffer; neighbouring points often share one.
     table: Option<(Arc<[u32]>, wgpu::Buffer)>,
     pipelines: HashMap<(Arc<dyn Sampled>, bool), Pipeline>,
     heard: Heard,
-    /// Steps of the next tile, and the most of any.
+    /// Steps of the next tile, and the most steps of any tile.
     tile: u64,
     most_tile: u64,
-    /// Records of the last batch, and the most of any.
+    /// Records of the last batch, and the most records of any batch.
     lanes: usize,
     most_lanes: usize,
-    /// Threads of the processor where that has to take its place; 0: as many as it runs at once.
+    /// Threads of the processor where it has to replace this device; 0 means all logical cores.
     threads: usize,
-    /// What the device has to pass when it is opened again.
+    /// Self-test to pass when the device is opened again.
     self_test: Option<SelfTest>,
     faults: Option<Faults>,
 }
 
 impl Gpu {
-    /// Opens an adapter to run a variant of the kernels.
+    /// Opens an adapter for a variant of the kernels.
     ///
     /// # Errors
-    /// The driver refuses.
+    /// The driver refuses to open it.
     pub fn open(adapter: &Adapter, variant: Variant) -> Result<Gpu, GpuError> {
         let own = adapter.adapter.limits();
         let limits = wgpu::Limits {
@@ -113,34 +113,34 @@ impl Gpu {
         })
     }
 
-    /// The same, with so many threads of the processor where that has to take its place.
+    /// Sets the threads of the processor where it has to replace this device.
     pub(crate) fn with_threads(self, threads: usize) -> Gpu {
         Gpu { threads, ..self }
     }
 
-    /// The same, to pass `self_test` whenever it is opened again.
+    /// Sets the self-test to pass whenever the device is opened again.
     #[doc(hidden)]
     pub fn with_self_test(self, self_test: SelfTest) -> Gpu {
         Gpu { self_test: Some(self_test), ..self }
     }
 
-    /// What it has to pass when it is opened again.
+    /// The self-test to pass when the device is opened again.
     pub(crate) fn self_test(&self) -> Option<SelfTest> {
         self.self_test
     }
 
-    /// Threads of the processor where that has to take its place.
+    /// Threads of the processor where it has to replace this device.
     pub(crate) fn threads(&self) -> usize {
         self.threads
     }
 
-    /// Its adapter opened once more, for tiles as small as were found to fit.
+    /// Opens the adapter again, with tiles as small as were found to fit.
     ///
     /// # Errors
-    /// The driver refuses, as one does whose device is gone.
+    /// The driver refuses, as it does when the device is gone.
     pub(crate) fn opened_again(&self) -> Result<Gpu, GpuError> {
         if let Some(fault) = self.fault(Moment::Opening) {
-            return Err(GpuError::Open(format!("{fault:?}, as a test wants it")));
+            return Err(GpuError::Open(format!("{fault:?}, requested by a test")));
         }
         let gpu = Gpu::open(&self.adapter, self.variant)?;
         let (most_tile, most_lanes) = (self.most_tile, self.most_lanes);
@@ -154,12 +154,12 @@ impl Gpu {
         &self.name
     }
 
-    /// Makes every tile this many steps of trials long, from now on until timing changes it.
+    /// Sets the length of every tile to `steps` steps of trials, until timing changes it.
     pub fn set_tile(&mut self, steps: u64) {
         self.tile = steps.clamp(1, self.most_tile);
     }
 
-    /// Halves its tiles for good, after memory ran out; `false` where they were the least already.
+    /// Halves the tiles permanently after memory ran out; `false` where they already had the least size.
     pub(crate) fn halve_tiles(&mut self) -> bool {
         if self.tile <= TILES.0 {
             return false;
@@ -169,10 +169,10 @@ impl Gpu {
         true
     }
 
-    /// Tallies of each job, in order; `progress` hears of trials as they are done.
+    /// Tallies of each job, in order. `progress` receives numbers of trials as they complete.
     ///
     /// # Errors
-    /// The device is lost, refuses or is out of memory; nothing of the jobs is kept.
+    /// The device is lost, refuses the work or is out of memory; no results of the jobs are kept.
     pub fn tally(
         &mut self,
         jobs: &[Job],
@@ -193,7 +193,7 @@ impl Gpu {
             jobs.iter().map(|job| vec![Moments::empty(histogram); job.launch.sampled.estimates()]).collect();
         let mut rest = Rest::of(jobs);
         let mut before = None;
-        // One tile runs while the next is prepared and the one before is read.
+        // While one tile runs, the next is prepared and the one before is read.
         loop {
             let started = Instant::now();
             let parts = rest.take(self.tile);
@@ -213,7 +213,7 @@ impl Gpu {
         }
     }
 
-    /// Lengthens or shortens the next tile towards the time wanted.
+    /// Lengthens or shortens the next tile towards the target duration.
     fn adapt(&mut self, steps: u64, seconds: f64) {
         if steps >= self.tile {
             let factor = (TILE_SECONDS / seconds.max(1e-6)).clamp(0.5, 2.0);
@@ -224,7 +224,7 @@ impl Gpu {
     /// The results of a building block for a list of items.
     ///
     /// # Errors
-    /// The device is lost, refuses or is out of memory.
+    /// The device is lost, refuses the work or is out of memory.
     pub fn map(&mut self, map: &Map, items: &[u32]) -> Result<Vec<u32>, GpuError> {
         let mapped = self.mapped_items(map, items);
         mapped.map_err(|error| self.settled(error))

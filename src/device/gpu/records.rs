@@ -1,4 +1,4 @@
-//! Synthetic records on the device: some chunks of many records in each dispatch, what goes on kept between them.
+//! Synthetic records on the device: each dispatch makes some chunks of many records, whose state is kept in between.
 
 use std::time::Instant;
 
@@ -10,22 +10,22 @@ use crate::device::gpu::{Gpu, TILE_SECONDS};
 use crate::kernel::allan::SUM_WORDS;
 use crate::kernel::recipe::{CHUNK, Recipe};
 
-/// Most bytes of angles that are kept for all records of a batch.
+/// Most bytes of angles kept for all records of a batch.
 const MOST_BYTES: u64 = 96 << 20;
 
 /// Most records of a batch.
 pub(crate) const MOST_RECORDS: usize = 1 << 14;
 
-/// Most rounds of loops in an invocation: lavapipe leaves every loop after 65535 rounds of all of them, and says nothing.
+/// Most loop rounds in an invocation: lavapipe silently leaves every loop after 65535 rounds of all loops together.
 const MOST_ROUNDS: usize = 60_000;
 
 impl Gpu {
-    /// Sums of the squared differences of some records: record by record, in each the places of the curve; `progress` hears of
-    /// records as they are done.
+    /// Sums of the squared differences of some records: record by record, and within a record by the places of the
+    /// curve. `progress` receives numbers of records as they complete.
     ///
     /// # Errors
-    /// The device is lost, refuses or is out of memory, or one record needs more memory than it may have. Nothing of the
-    /// records is kept.
+    /// The device is lost, refuses the work or is out of memory, or one record needs more memory than is allowed. No
+    /// results of the records are kept.
     pub fn sums(
         &mut self,
         recipe: &Recipe,
@@ -37,10 +37,10 @@ impl Gpu {
         made.map_err(|error| self.settled(error))
     }
 
-    /// Halves its batches of records for good, after memory ran out; `false` where the last one was the least already.
+    /// Halves the batches of records permanently after memory ran out; `false` where they already had the least size.
     pub(crate) fn halve_batches(&mut self) -> bool {
         let halves = self.lanes > 1;
-        // Also where it ran out before a batch was begun.
+        // Applies too where memory ran out before a batch was begun.
         self.lanes /= 2;
         self.most_lanes = self.lanes.max(1);
         halves
@@ -74,7 +74,7 @@ impl Gpu {
         let mut done = 0;
         while done < count {
             let at = first + done as u64;
-            // A batch has one upper half of record numbers.
+            // The record numbers of a batch share one upper half.
             let to_half = (1 << 32) - (at & u64::from(u32::MAX));
             let lanes = most.min(count - done).min(to_half as usize);
             self.lanes = lanes;

@@ -1,4 +1,4 @@
-//! What a device holds: buffers, pipelines and how they are bound.
+//! Resources of a device: buffers, pipelines and bind groups.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ pub(crate) struct Pipeline {
 }
 
 impl Pipeline {
-    /// Encodes a pass of so many workgroups.
+    /// Encodes a compute pass of `workgroups` workgroups.
     pub(crate) fn dispatch(
         &self,
         encoder: &mut wgpu::CommandEncoder,
@@ -31,7 +31,7 @@ impl Pipeline {
 }
 
 impl Gpu {
-    /// A buffer of zeros.
+    /// Creates a buffer of zeros.
     pub(crate) fn buffer(
         &self,
         label: &str,
@@ -45,12 +45,12 @@ impl Gpu {
             usage,
             mapped_at_creation: false,
         });
-        // One that memory was too short for must not get into any work.
+        // A buffer for which memory was too short must not be used.
         self.heard.failure()?;
         Ok(buffer)
     }
 
-    /// A buffer with these words in it.
+    /// Creates a buffer that contains these words.
     pub(crate) fn upload(
         &self,
         label: &str,
@@ -63,12 +63,12 @@ impl Gpu {
         Ok(buffer)
     }
 
-    /// What the device has written into a buffer that is mapped.
+    /// The contents of a mapped buffer.
     pub(crate) fn mapped(&self, buffer: &wgpu::Buffer) -> Result<wgpu::BufferView, GpuError> {
         buffer.get_mapped_range(..).map_err(|error| GpuError::Refused(error.to_string()))
     }
 
-    /// A buffer with the table of a launch.
+    /// The buffer with the table of a launch.
     pub(crate) fn table(&mut self, table: &Arc<[u32]>) -> Result<wgpu::Buffer, GpuError> {
         if let Some((held, buffer)) = &self.table
             && Arc::ptr_eq(held, table)
@@ -91,15 +91,15 @@ impl Gpu {
         Ok(pipeline)
     }
 
-    /// Compiles a shader, given with whether it draws normal numbers.
+    /// Compiles a shader, given as its text and whether it draws normal numbers.
     pub(crate) fn pipeline(&self, (source, has_normals): (String, bool)) -> Result<Pipeline, GpuError> {
         let descriptor =
             wgpu::ShaderModuleDescriptor { label: None, source: wgpu::ShaderSource::Wgsl(source.into()) };
         let module = if self.variant.checked {
             self.device.create_shader_module(descriptor)
         } else {
-            // SAFETY: no index of the kernels leaves its array and no loop is endless; the identity suite runs both
-            // forms and finds the same bits.
+            // SAFETY: no index of the kernels leaves its array and no loop is endless; the identity suite runs the
+            // checked and the unchecked form and finds the same bits.
             unsafe {
                 self.device.create_shader_module_trusted(descriptor, wgpu::ShaderRuntimeChecks::unchecked())
             }

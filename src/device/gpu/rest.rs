@@ -1,12 +1,12 @@
-//! Dividing jobs into tiles.
+//! Division of jobs into tiles.
 
 use crate::device::Job;
 use crate::device::gpu::tile::{Part, Piece};
 
-/// Most pieces of a tile: bounds the buffer that its histograms take.
+/// Most pieces of a tile, which bounds the buffer of its histograms.
 const MOST_PIECES: usize = 1024;
 
-/// The trials of some jobs that are still to be handed out, tile by tile.
+/// The remaining trials of some jobs, handed out tile by tile.
 pub(crate) struct Rest<'a> {
     jobs: &'a [Job<'a>],
     job: usize,
@@ -18,14 +18,14 @@ impl<'a> Rest<'a> {
         Rest { jobs, job: 0, done: 0 }
     }
 
-    /// The next parts, of `steps` steps together, or as many as are left; one trial at least.
+    /// The next parts, of `steps` steps together or as many as are left, but at least one trial.
     pub(crate) fn take(&mut self, steps: u64) -> Vec<Part<'a>> {
         let mut parts: Vec<Part<'a>> = Vec::new();
         let (mut room, mut pieces) = (steps, 0);
         while room > 0 && pieces < MOST_PIECES && self.job < self.jobs.len() {
             let Job { launch, block } = self.jobs[self.job];
             let first = block.first + self.done;
-            // A piece has one upper half of trial numbers: it ends where the lower half does.
+            // The trial numbers of a piece share one upper half, so it ends where the lower half wraps.
             let to_half = (1 << 32) - (first & u64::from(u32::MAX));
             let steps = launch.steps();
             let count = (room / steps).max(1).min(block.trials() - self.done).min(to_half);

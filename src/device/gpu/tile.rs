@@ -1,4 +1,4 @@
-//! Tiles: what the device does in one go, in buffers that are used again.
+//! Tiles, the units of work of the device, in reused buffers.
 
 use wgpu::BufferUsages;
 
@@ -8,7 +8,7 @@ use crate::device::gpu::fault::Submission;
 use crate::kernel::launch::Launch;
 use crate::kernel::moments::{BINS, GROUPS_PER_ROW, Moments, PARTIAL_WORDS};
 
-/// What one workgroup does, as its shader reads it.
+/// Work of one workgroup, in the layout that the shader reads.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct Job {
@@ -18,7 +18,7 @@ pub struct Job {
     slot: u32,
 }
 
-/// Ranges of trials of one launch: one dispatch.
+/// Ranges of trials of one launch, which form one dispatch.
 #[derive(Debug, Clone)]
 pub struct Part<'a> {
     /// The launch.
@@ -38,7 +38,7 @@ impl Part<'_> {
         self.trials() * self.launch.steps()
     }
 
-    /// Trials of a workgroup.
+    /// Number of trials of a workgroup.
     fn trials_of_group(&self, workgroup: u32) -> u64 {
         self.launch.most_rounds() * u64::from(workgroup)
     }
@@ -49,20 +49,20 @@ impl Part<'_> {
 pub struct Piece {
     /// Number of the first trial.
     pub first: u64,
-    /// How many there are.
+    /// Number of trials.
     pub count: u64,
-    /// Place of their tallies in the results.
+    /// Index of their tallies in the results.
     pub to: usize,
 }
 
 impl Piece {
-    /// The workgroups that share its trials, so many each.
+    /// Number of workgroups that share its trials, with `of_group` trials each.
     fn groups(&self, of_group: u64) -> u64 {
         self.count.div_ceil(of_group)
     }
 }
 
-/// A submitted tile, whose results are on their way.
+/// A submitted tile whose results have not been read.
 pub struct InFlight<'a> {
     parts: Vec<Part<'a>>,
     histogram: bool,
@@ -70,10 +70,10 @@ pub struct InFlight<'a> {
     submission: Submission,
 }
 
-/// Partial sums and histograms of one part lie one after the other, each part at a multiple of this many bytes.
+/// Alignment of each part's partial sums and histograms in the buffer, in bytes.
 const ALIGNMENT: u64 = 256;
 
-/// Where the results of a part lie in a tile's buffer, in bytes.
+/// Offsets of a part's results in the buffer of a tile, in bytes.
 struct Place {
     groups: u32,
     partials: u64,
@@ -94,7 +94,7 @@ impl Place {
 }
 
 impl Gpu {
-    /// Hands a tile to the device.
+    /// Submits a tile to the device.
     pub(crate) fn launch<'a>(
         &mut self,
         parts: Vec<Part<'a>>,

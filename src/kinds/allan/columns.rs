@@ -1,4 +1,4 @@
-//! The columns of a study of Allan curves: a row for each point and averaging time; and of the coefficients found.
+//! The columns of a study of Allan curves, with a row for each point and averaging time, and of its coefficients.
 
 use crate::kinds::allan::point::Point;
 use crate::kinds::allan::run::coefficients::{Found, Quantity};
@@ -14,7 +14,7 @@ pub(crate) struct Row<'a> {
     pub(crate) terms: u64,
     pub(crate) records: u64,
     pub(crate) scatter: Scatter,
-    /// The variance in closed form, and what rounding in the kernel adds at most.
+    /// The variance in closed form, with the bound of the kernel's rounding.
     pub(crate) oracle: Option<f64>,
     pub(crate) rounding: f64,
 }
@@ -31,7 +31,7 @@ impl Row<'_> {
     }
 }
 
-/// The columns besides swept keys, in the order of the file. Labels are those of the Allan variance.
+/// The columns except the swept keys, in the order of the file. Labels are those of the Allan variance.
 #[rustfmt::skip]
 pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
@@ -58,7 +58,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("oracle_avar", Unit::DEG2_PER_H2, "closed form of the Allan variance", |row| row.oracle.into())
             .is_of("mean_avar", Role::Oracle, "The variance in closed form for the noise as sampled, (°/h)²."),
         Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", |row| row.z().into())
-            .is_of("mean_avar", Role::Z, "How many standard errors `mean_avar` is off `oracle_avar`: beyond ±5 something is wrong. Of 40 \
+            .is_of("mean_avar", Role::Z, "Deviation of `mean_avar` from `oracle_avar` in standard errors; beyond ±5 something is wrong. Of 40 \
                 records and more."),
         Of::new("adev", Unit::DEG_PER_H, "Allan deviation σ(τ)", |row| row.scatter.mean.map(libm::sqrt).into())
             .is(Role::Error, "Allan (or Hadamard) deviation, the root of `mean_avar`, °/h.")
@@ -81,19 +81,19 @@ pub(crate) struct CoefficientRow<'a> {
     pub(crate) found: Found,
 }
 
-/// The columns of coefficients besides swept keys, in the order of the file.
+/// The columns of the coefficients except the swept keys, in the order of the file.
 #[rustfmt::skip]
 pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<CoefficientRow<'a>>> {
     type Of<'a> = ColumnOf<CoefficientRow<'a>>;
     vec![
         Of::new("coefficient", Unit::NONE, "coefficient", |row| row.quantity.name().into())
-            .is(Role::Key, "Which one: Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`.")
+            .is(Role::Key, "The coefficient: Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`.")
             .brief(),
         Of::new("unit", Unit::NONE, "unit", |row| row.quantity.unit().1.into())
             .is(Role::Note, "Unit of `truth`, `mean`, `sd` and `rmse`.")
             .brief(),
         Of::new("truth", Unit::NONE, "true value", |row| row.truth.into())
-            .is(Role::Estimate, "The coefficient that the study gives the gyro.")
+            .is(Role::Estimate, "True value of the coefficient in the study.")
             .brief(),
         Of::new("mean", Unit::NONE, "mean estimate", |row| row.found.mean().into())
             .is(Role::Estimate, "Mean of the estimates, over records that show the coefficient.")

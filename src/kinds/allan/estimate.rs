@@ -1,4 +1,4 @@
-//! Reading `[allan]`: at which averaging times what is estimated, and what is fitted.
+//! Reading of `[allan]`: averaging times, estimator and fitted terms.
 
 use crate::allan::tau::Taus;
 use crate::fit::choose::Terms;
@@ -11,19 +11,19 @@ use crate::quantity::units::Dimension;
 use crate::source::diagnose::{Fault, choices};
 use crate::theory::allan::estimator::{Difference, Estimator, Stride};
 
-/// What is estimated of each record.
+/// The estimates made from each record.
 pub(crate) struct Estimate {
     pub(crate) taus: Taus,
     pub(crate) estimator: Estimator,
     pub(crate) terms: Option<Terms>,
 }
 
-/// Differences in an averaging time where not all are taken.
+/// Differences within an averaging time where not all are used.
 const PARTS: u64 = 64;
 
 const TIMES: Holds = unlimited(&[Dimension::Time]);
 
-/// What `[allan]` says, and what is meant where it says nothing.
+/// Reads `[allan]`, with defaults for absent keys.
 pub(crate) fn read(study: &Table) -> Result<Estimate, Fault> {
     let estimator = estimator(study)?;
     let terms = study.get(&FIT).map(|fit| terms(fit, estimator.difference)).transpose()?;
@@ -41,7 +41,7 @@ fn estimator(study: &Table) -> Result<Estimator, Fault> {
         (EstimatorName::Hadamard, _) => Ok(Estimator { stride, ..Estimator::HADAMARD }),
         (EstimatorName::NonOverlapping, None) => Ok(Estimator::NON_OVERLAPPING),
         (EstimatorName::NonOverlapping, Some(overlap)) => {
-            let message = "allan.overlap stands beside estimator = \"non-overlapping\"";
+            let message = "allan.overlap conflicts with estimator = \"non-overlapping\"";
             Err(overlap.fault(message, "nothing overlaps", "leave one of them out"))
         }
     }
@@ -55,7 +55,7 @@ fn taus(written: Given) -> Result<Taus, Fault> {
             "decade10" => Ok(Taus::Decade(10)),
             "decade20" => Ok(Taus::Decade(20)),
             text => {
-                let message = format!("allan.tau = {written} is no list of averaging times");
+                let message = format!("allan.tau = {written} is not a list of averaging times");
                 let help = format!("{}, or a list of times as in [\"1 s\", \"10 s\"]", choices(text, &NAMES));
                 Err(written.fault(message, "not a list of times", help))
             }
@@ -81,7 +81,7 @@ fn taus(written: Given) -> Result<Taus, Fault> {
 }
 
 fn terms(written: Given, difference: Difference) -> Result<Terms, Fault> {
-    // A third difference does not see a ramp.
+    // Third differences cancel a ramp.
     let is_seen = |term: &Term| difference == Difference::Second || *term != Term::RateRamp;
     if !written.is_list() {
         if written.text() == "auto" {
@@ -93,7 +93,11 @@ fn terms(written: Given, difference: Difference) -> Result<Terms, Fault> {
     let mut terms: Vec<Term> = Vec::new();
     for name in written.items() {
         let Some(term) = Term::ALL.into_iter().find(|term| term.symbol() == name.text()) else {
-            return Err(name.fault(format!("allan.fit: {name} is no term"), "no term", help(name.text())));
+            return Err(name.fault(
+                format!("allan.fit: {name} is not a term"),
+                "not a term",
+                help(name.text()),
+            ));
         };
         if terms.contains(&term) {
             let message = format!("allan.fit lists \"{}\" twice", term.symbol());

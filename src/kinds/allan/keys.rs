@@ -1,4 +1,4 @@
-//! The keys of `[record]` and `[allan]`, and what they set.
+//! The keys of `[record]` and `[allan]`, with their settings.
 
 use crate::key::holds::{Holds, measure, words};
 use crate::key::row::keys;
@@ -7,23 +7,23 @@ use crate::kinds::allan::point::Inputs;
 use crate::quantity::units::Dimension;
 
 words! {
-    /// Which variance is estimated.
+    /// The estimated variance.
     pub(crate) enum EstimatorName {
         /// Allan variance of all second differences.
         Overlapping = "overlapping",
-        /// Allan variance of groups side by side.
+        /// Allan variance of adjacent groups.
         NonOverlapping = "non-overlapping",
-        /// Overlapping Hadamard variance, which does not see a ramp.
+        /// Overlapping Hadamard variance, which is insensitive to a ramp.
         Hadamard = "hadamard",
     }
 }
 
 words! {
-    /// How many of the overlapping differences are taken.
+    /// The fraction of the overlapping differences that is used.
     pub(crate) enum Overlap {
-        /// 64 in an averaging time, which widens the scatter by less than 0.2 %.
+        /// 64 in an averaging time, which increases the scatter by less than 0.2 %.
         Part64 = "m/64",
-        /// All of them.
+        /// All differences.
         Full = "full",
     }
 }
@@ -34,30 +34,30 @@ const RATES: Holds = measure(&[Dimension::DriftRate], -1e9, 1e9, "-1e9 to 1e9 de
 const TEXTS: Holds = Holds::Either(&[Holds::Any, Holds::List(&Holds::Any)]);
 
 keys! {
-    /// Every key of the record and of what is estimated of it.
+    /// The keys of the record and of its estimates.
     pub(crate) static KEYS;
     /// The record of a gyro at rest.
     RECORD = "record", "", Holds::Table, "[record]\nsample = \"1 s\"\nlength = \"9 h\"";
-    /// From one sample to the next: "1 s".
+    /// Time from one sample to the next: "1 s".
     SAMPLE = "record.sample", "sampling time", SAMPLES, r#"sample = "1 s""#, required;
-    /// From the first sample to the last: "9 h". Taken as the nearest whole number of samples.
+    /// Time from the first sample to the last: "9 h". It is rounded to a whole number of samples.
     LENGTH = "record.length", "length of the record", LENGTHS, r#"length = "9 h""#, required;
-    /// Constant rate, such as the Earth's on the input axis: "10 deg/h". Only a readout in whole pulses sees it.
+    /// Constant rate, such as the Earth's on the input axis: "10 deg/h". It affects only a readout in whole pulses.
     pub(crate) RATE = "record.rate", "constant rate", RATES, r#"rate = "10 deg/h""#;
-    /// What is estimated of each record.
+    /// Estimates made from each record.
     pub(crate) ALLAN = "allan", "", Holds::Table, "[allan]\ntau = \"octave\"\nfit = [\"Q\", \"N\", \"B\"]";
     /// Averaging times: "octave", "decade10", "decade20", or ["1 s", "10 s"]; octave if absent.
     pub(crate) TAU = "allan.tau", "", TEXTS, r#"tau = "octave""#;
-    /// Which variance is estimated; "overlapping" if absent.
+    /// Estimated variance; "overlapping" if absent.
     pub(crate) ESTIMATOR = "allan.estimator", "", Holds::Word(EstimatorName::WORDS), r#"estimator = "overlapping""#;
-    /// How many of the overlapping differences are taken; "m/64" if absent.
+    /// Fraction of the overlapping differences that is used; "m/64" if absent.
     pub(crate) OVERLAP = "allan.overlap", "", Holds::Word(Overlap::WORDS), r#"overlap = "full""#;
-    /// Coefficients fitted to each record: "auto", those of Q, N, B, K, R that it supports; or some of "Q", "N", "B", "K",
-    /// "R", "markov", "sine"; none if absent.
+    /// Coefficients fitted to each record: "auto" for those of Q, N, B, K, R that it supports, or some of "Q", "N",
+    /// "B", "K", "R", "markov", "sine"; none if absent.
     pub(crate) FIT = "allan.fit", "", TEXTS, r#"fit = ["Q", "N", "B"]"#;
 }
 
-/// What each key sets, but for the noise.
+/// The settings of these keys, except the noise.
 pub(crate) static SETTINGS: [Setting<Inputs>; 3] = [
     Setting::new(&SAMPLE, |inputs, sample| inputs.sample_s = sample.value),
     Setting::new(&LENGTH, |inputs, length| inputs.length_s = length.value),

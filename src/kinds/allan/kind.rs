@@ -1,4 +1,4 @@
-//! The entry of studies of Allan curves in the list of kinds.
+//! The entry of Allan-curve studies in the list of kinds.
 
 use crate::chart::Source;
 use crate::chart::ground::{Ground, Text};

@@ -1,4 +1,4 @@
-//! Studies of Allan curves: the record, its noise, and what is estimated of it.
+//! Studies of Allan curves: the record, its noise and its estimates.
 
 pub(crate) mod columns;
 pub mod estimate;
@@ -24,16 +24,16 @@ use crate::noise::{self, Noise};
 use crate::source::diagnose::Wrong;
 use crate::theory::allan::estimator::Estimator;
 
-/// What a study of Allan curves asks.
+/// The part of a study that is specific to Allan curves.
 #[derive(Debug, Clone)]
 pub struct Allan {
-    /// Which differences, and how many of them.
+    /// Order and spacing of the differences.
     pub estimator: Estimator,
-    /// The terms that are fitted to each record, if any.
+    /// The terms fitted to each record, if any.
     pub terms: Option<Terms>,
-    /// All points, in order; without a sweep the one that is written.
+    /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
-    /// What is rounded and what the fit leaves out, each in a sentence.
+    /// Notes on rounded inputs and on noise that the fit leaves out, each a sentence.
     pub notes: Vec<String>,
 }
 
@@ -42,12 +42,12 @@ pub(crate) fn keys() -> Vec<&'static Key> {
     [keys::KEYS, noise::keys::KEYS].concat()
 }
 
-/// Every key that a sweep may vary.
+/// The keys that can be swept.
 pub(crate) fn sweepable() -> Vec<&'static Key> {
     setting::keys(&keys::SETTINGS).chain(setting::keys(&noise::keys::SETTINGS)).chain([&FILE]).collect()
 }
 
-/// Reads what is of this kind.
+/// Reads the part of a study that belongs to this kind.
 pub(crate) fn read(reading: &mut Reading) -> Result<Allan, Wrong> {
     let mut inputs = Inputs { sample_s: 0.0, length_s: 0.0, rate: 0.0, noise: Noise::default() };
     reading.set(&mut inputs, &keys::SETTINGS)?;
@@ -57,7 +57,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Allan, Wrong> {
     let mut files = Vec::new();
     for file in reading.sweep(&FILE).into_iter().flat_map(|sweep| &sweep.files) {
         let mut noise = read_file(file.get_ref(), file.span(), reading.files)?;
-        // Keys of the study hold beside any file.
+        // Keys in the study take precedence over those of a noise file.
         written.iter().for_each(|(setting, quantity)| (setting.set)(&mut noise, *quantity));
         files.push(noise);
     }
@@ -76,7 +76,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Allan, Wrong> {
     Ok(Allan { estimator: estimate.estimator, terms, points, notes })
 }
 
-/// A fit that chooses its terms has Markov noise and a sine to choose from where the noise has them.
+/// Lets a fit that chooses its terms choose Markov noise and a sine where the noise has them.
 fn with_shapes(terms: Terms, points: &[Point]) -> Terms {
     let Terms::Auto(mut terms) = terms else { return terms };
     let noises = || points.iter().map(|point| &point.inputs.noise);

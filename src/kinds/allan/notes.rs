@@ -1,4 +1,4 @@
-//! What should be known of a study of Allan curves besides its results.
+//! Notes attached to the results of a study of Allan curves.
 
 use crate::fit::choose::Terms;
 use crate::fit::term::Term;
@@ -6,21 +6,21 @@ use crate::kinds::allan::point::Point;
 use crate::noise::Noise;
 use crate::quantity::number::significant;
 
-/// By how much of itself an interval may be rounded without a word.
+/// Relative rounding of an interval that needs no note.
 const ROUNDED: f64 = 1e-9;
-/// Most intervals of which it is said how they are rounded.
+/// Most intervals whose rounding is listed.
 const MOST_LISTED: usize = 3;
 /// °/√h of 1 ″/√s.
 const DEG_PER_SQRT_H: f64 = 1.0 / 60.0;
 
-/// Each in a sentence; `terms` are those that are fitted.
+/// All notes, each a sentence; `terms` are the fitted ones.
 pub(crate) fn of(terms: Option<&Terms>, points: &[Point]) -> Vec<String> {
     let unfitted = terms.and_then(|terms| unfitted(terms, points));
     let switching = terms.and_then(|_| switching(points));
     rounded(points).into_iter().chain(unfitted).chain(switching).collect()
 }
 
-/// Intervals between switches that are no whole number of samples.
+/// Intervals between switches that are not whole numbers of samples.
 fn rounded(points: &[Point]) -> Option<String> {
     let mut intervals: Vec<String> = Vec::new();
     for point in points {
@@ -42,7 +42,7 @@ fn rounded(points: &[Point]) -> Option<String> {
     })
 }
 
-/// What a fit makes of switches.
+/// The coefficients of a fit that absorb switching.
 fn switching(points: &[Point]) -> Option<String> {
     let switched = || {
         points.iter().filter_map(|point| {
@@ -61,11 +61,11 @@ fn switching(points: &[Point]) -> Option<String> {
     });
     let seen: Vec<String> = residuals.into_iter().chain(drift).collect();
     (!seen.is_empty()).then(|| {
-        format!("switching is no term of the fit, other coefficients take it up: {}", seen.join(", "))
+        format!("no term of the fit models switching, other coefficients absorb it: {}", seen.join(", "))
     })
 }
 
-/// What the noise has and no fitted term covers.
+/// Parts of the noise that no fitted term covers.
 fn unfitted(terms: &Terms, points: &[Point]) -> Option<String> {
     let lacks = |term: Term| !terms.all().contains(&term);
     let any = |has: &dyn Fn(&Noise) -> bool| points.iter().any(|point| has(&point.inputs.noise));
@@ -81,6 +81,6 @@ fn unfitted(terms: &Terms, points: &[Point]) -> Option<String> {
     ];
     let found: Vec<&str> = parts.into_iter().filter(|part| part.1).map(|part| part.0).collect();
     (!found.is_empty()).then(|| {
-        format!("the noise has {}, which is not fitted: other coefficients take it up", found.join(", "))
+        format!("the noise has {}, which is not fitted: other coefficients absorb it", found.join(", "))
     })
 }

@@ -22,46 +22,47 @@ static LEFT_BY_SWITCHES: [&str; 4] =
     [MAGNETIC.name, INITIAL_MAGNETIC.name, RESIDUAL.name, RESIDUAL_NOISE.name];
 /// Fewest samples of a record.
 const FEWEST_SAMPLES: u64 = 16;
-/// By how much of itself a time in a list may miss a whole number of samples, of which decimal fractions have not all.
+/// Relative deviation of a listed time from a whole number of samples that counts as rounding, since not all decimal
+/// fractions are exact.
 const WHOLE: f64 = 1e-9;
 
-/// All that a record depends on, in ″ and s. Every number has 12 significant digits.
+/// The inputs of a record, in ″ and s. Every number has 12 significant digits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inputs {
-    /// From one sample to the next, s.
+    /// Time from one sample to the next, s.
     pub sample_s: f64,
-    /// As it is asked for, s; a record has the nearest whole number of samples.
+    /// Requested length, s; a record has the nearest whole number of samples.
     pub length_s: f64,
-    /// Constant rate, ″/s, which a readout in whole pulses sees.
+    /// Constant rate, ″/s, which affects a readout in whole pulses.
     pub rate: f64,
-    /// Its coefficients.
+    /// Noise coefficients.
     pub noise: Noise,
 }
 
 impl Inputs {
-    /// Rates of a record.
+    /// Number of rate samples of a record.
     pub fn samples(&self) -> u64 {
         libm::round(self.length_s / self.sample_s) as u64
     }
 }
 
-/// One combination of swept values, with all that follows from it.
+/// One combination of swept values, with everything derived from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// Place in the order of points; the first sweep changes slowest.
+    /// Index of the point; the first sweep changes slowest.
     pub index: usize,
-    /// Name of each swept key, and its value here, in the order of the sweeps.
+    /// Name of each swept key with its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
-    /// All that the draws depend on.
+    /// Inputs that determine the draws.
     pub inputs: Inputs,
     /// Averaging factors, ascending.
     pub ms: Vec<u64>,
 }
 
-/// What all points share, with the places to blame.
+/// The inputs common to all points, with their places in the text.
 pub(crate) struct Base<'a> {
     pub(crate) inputs: Inputs,
-    /// The noise of each file of a sweep over them, with the keys beside it.
+    /// The noise of each file of a sweep over files, combined with the keys of the study.
     pub(crate) files: Vec<Noise>,
     pub(crate) places: &'a Places,
     pub(crate) sweeps: &'a [Sweep],
@@ -69,16 +70,17 @@ pub(crate) struct Base<'a> {
 }
 
 impl Base<'_> {
-    /// Refuses sweeps over parts of the noise that there are not, or over a rate that nothing sees.
+    /// Refuses sweeps over absent parts of the noise, or over a rate without effect.
     pub(crate) fn check_sweeps(&self) -> Result<(), Fault> {
         let noises = self.noises();
         let pulses = self.sweeps.iter().any(|sweep| sweep.key.name == READOUT_LSB.name)
             || noises.iter().any(|noise| noise.readout_lsb > 0.0);
         for sweep in self.sweeps {
             if sweep.key.name == RATE.name && !pulses {
-                let message = "record.rate is swept, and only a readout in whole pulses sees a constant rate";
+                let message =
+                    "record.rate is swept, but a constant rate affects only a readout in whole pulses";
                 let help = "give noise.readout_lsb, or leave the sweep out";
-                return Err(Fault::new(sweep.key_span.clone(), message, "nothing sees it", help));
+                return Err(Fault::new(sweep.key_span.clone(), message, "no effect", help));
             }
             let mut settings = NOISE_SETTINGS.iter();
             let Some(setting) = settings.find(|setting| setting.key.name == sweep.key.name) else {
@@ -94,12 +96,12 @@ impl Base<'_> {
     /// All points, in order.
     ///
     /// # Errors
-    /// The first point that makes no sense.
+    /// The first point that is invalid.
     pub(crate) fn points(&self) -> Result<Vec<Point>, Fault> {
         (0..sweep::points(self.sweeps)).map(|index| self.point(index)).collect()
     }
 
-    /// Refuses switches that change nothing at any point, and a warm-up of a drift that is not there.
+    /// Refuses switches without effect at any point, and a warm-up without a drift.
     pub(crate) fn check_switching(&self) -> Result<(), Fault> {
         let is_swept = |names: &[&str]| self.sweeps.iter().any(|sweep| names.contains(&sweep.key.name));
         let refuse = |names: &[&str], message: &str, label: &str, help: &str| {
@@ -107,15 +109,15 @@ impl Base<'_> {
         };
         for switching in self.noises().iter().filter_map(|noise| noise.switching) {
             if switching.is_nothing() && !is_swept(&LEFT_BY_SWITCHES) {
-                let message = "[noise.switching] has switches that change nothing";
+                let message = "[noise.switching] has switches without effect";
                 let help = "give magnetic = \"14 arcsec/s\", initial_magnetic, residual = \"10 arcsec\" or \
                             residual_noise, not 0; or leave the table out";
                 let names = ["noise.switching", FILE.name, "noise"];
-                return refuse(&names, message, "nothing alternates, nothing is left", help);
+                return refuse(&names, message, "no drift and no residual", help);
             }
             let warms_up = switching.warm_up_s.is_some() || is_swept(&[SWITCHING_WARM_UP.name]);
             if warms_up && switching.magnetic == 0.0 && !is_swept(&[MAGNETIC.name]) {
-                let message = "noise.switching.warm_up_time stands without magnetic";
+                let message = "noise.switching.warm_up_time is given without magnetic";
                 let help = "give magnetic = \"14 arcsec/s\", or leave warm_up_time out: initial_magnetic is there at once";
                 return refuse(
                     &[SWITCHING_WARM_UP.name, FILE.name, "noise"],
@@ -128,7 +130,7 @@ impl Base<'_> {
         Ok(())
     }
 
-    /// The noise that is written, or that of each file of a sweep over them.
+    /// The noise of the study, or that of each file of a sweep over files.
     fn noises(&self) -> &[Noise] {
         if self.files.is_empty() { std::slice::from_ref(&self.inputs.noise) } else { &self.files }
     }
@@ -146,14 +148,14 @@ impl Base<'_> {
         Ok(Point { index, swept, inputs, ms })
     }
 
-    /// The noise of the file that a sweep chooses.
+    /// The noise of the file selected by a sweep.
     fn file(&self, swept: &[(&'static str, Swept)]) -> Option<Noise> {
         let (sweep, (_, name)) = self.sweeps.iter().zip(swept).find(|(sweep, _)| sweep.key.is_file())?;
         let place = sweep.values.iter().position(|value| value == name)?;
         self.files.get(place).cloned()
     }
 
-    /// Limits that need more than one value.
+    /// Checks limits that involve more than one value.
     fn check(&self, inputs: &Inputs) -> Result<(), Fault> {
         let refuse = |names: &[&str], message: String, label: &str, help: &str| {
             Err(Fault::new(self.places.blame(self.sweeps, names), message, label, help))
@@ -192,7 +194,7 @@ impl Base<'_> {
                     "noise.switching.interval = {interval_s} s is less than half a sample of {sample_s} s"
                 ),
                 _ => format!(
-                    "noise.switching.interval = {interval_s} s: no switch comes in a record of {length_s} s"
+                    "noise.switching.interval = {interval_s} s: there is no switch in a record of {length_s} s"
                 ),
             };
             let label = if interval == 0 { "too short" } else { "too long" };
@@ -219,7 +221,7 @@ impl Base<'_> {
                 let m = tau_s / inputs.sample_s;
                 if (m - libm::round(m)).abs() > WHOLE * m {
                     let message =
-                        format!("τ = {tau_s} s is no whole number of samples of {} s", inputs.sample_s);
+                        format!("τ = {tau_s} s is not a whole number of samples of {} s", inputs.sample_s);
                     let help = "give multiples of record.sample, or tau = \"octave\"";
                     return Err(Fault::new(place(), message, "between two samples", help));
                 }
@@ -242,7 +244,7 @@ impl Base<'_> {
         })?;
         let mut ms: Vec<u64> = factors.into_iter().map(|m| m as u64).collect();
         if let (Taus::Decade(_), Stride::Part(parts)) = (taus, estimator.stride) {
-            // Differences are whole strides apart, and a factor without divisors would have strides of one sample.
+            // Differences are whole strides apart, and a factor without divisors would force a stride of one sample.
             let rounded = |m: &mut u64| *m -= *m % (1 << (*m / parts).max(1).ilog2());
             ms.iter_mut().for_each(rounded);
             ms.dedup();

@@ -1,4 +1,4 @@
-//! Named synthetic records that differ in all that the kernel of records distinguishes.
+//! Named synthetic records that cover every distinction made by the kernel of records.
 
 use crate::device::load::{Load, Work};
 use crate::key::refusal::Refusal;
@@ -9,24 +9,24 @@ use crate::theory::allan::process::Process;
 use crate::theory::allan::switching::Switching;
 use crate::theory::drift::magnetic::Magnetic;
 
-/// Records of a noise model that identity is checked on.
+/// Records of a noise model on which identity is checked.
 #[derive(Debug, Clone)]
 pub struct NamedRecords {
-    /// As a report names it.
+    /// Name in reports.
     pub name: &'static str,
-    /// Of the noise.
+    /// Parts of the noise.
     pub parts: Vec<Part>,
     /// Angle of a pulse, ″; 0 where the readout is not quantised.
     pub readout_lsb: f64,
-    /// Of a gyro that switches modes.
+    /// Switching, of a gyro that switches modes.
     pub switching: Option<Switching>,
-    /// Of a record.
+    /// Samples of a record.
     pub samples: u64,
-    /// Which differences, and how many of them.
+    /// Order and spacing of the differences.
     pub estimator: Estimator,
 }
 
-/// Every 64th part of τ: the estimator of studies.
+/// The estimator of studies, with every 64th part of τ.
 pub const THINNED: Estimator = Estimator { difference: Difference::Second, stride: Stride::Part(64) };
 
 /// Quantisation noise, angle random walk and bias instability of the LGK-400 of the Allan paper's table 2.
@@ -39,10 +39,10 @@ pub fn lgk_400() -> Vec<Part> {
 }
 
 impl NamedRecords {
-    /// Samples of a second, of the turning earth, at all octaves that fit.
+    /// Lowers records of samples of one second, with the rate of the turning Earth, at all octaves that fit.
     ///
     /// # Errors
-    /// They cannot be represented.
+    /// The records cannot be represented.
     pub fn lower(&self) -> Result<Records, Refusal> {
         let octaves = (0..63).map(|octave| 1 << octave);
         let ms: Vec<u64> = octaves.take_while(|&m| self.estimator.terms(self.samples, m) > 0).collect();
@@ -58,13 +58,13 @@ impl NamedRecords {
         })
     }
 
-    /// The same for records that are known to fit.
+    /// Lowers records that are known to fit.
     pub fn lowered(&self) -> Records {
         self.lower().unwrap_or_else(|error| panic!("{} does not lower: {error}", self.name))
     }
 }
 
-/// What the kernel is checked on.
+/// The loads on which the kernel is checked.
 pub fn loads() -> Vec<Load> {
     let load = |named: NamedRecords| Load {
         name: named.name,
@@ -74,7 +74,7 @@ pub fn loads() -> Vec<Load> {
     named_records().into_iter().map(load).collect()
 }
 
-/// Records that differ in all that the kernel distinguishes.
+/// Records that cover every distinction made by the kernel.
 pub fn named_records() -> Vec<NamedRecords> {
     let everything = || {
         let mut parts = lgk_400();
@@ -96,7 +96,7 @@ pub fn named_records() -> Vec<NamedRecords> {
         estimator,
     };
     let (thinned, apart, hadamard) = (THINNED, Estimator::NON_OVERLAPPING, Estimator::HADAMARD);
-    // Switches at any places of chunks, and several in one.
+    // Switches at arbitrary places within chunks, and several in one chunk.
     let switching = |interval| Switching {
         interval,
         magnetic: Magnetic { amplitude: 0.7, time_s: 150.0, initial: 0.02 },

@@ -1,4 +1,5 @@
-//! The columns of a study of the drift budget, a row for each point: bound, true drift, and all that is said of the best interval.
+//! The columns of a study of the drift budget, with a row for each point: bound, true drift, and the best interval by
+//! several criteria.
 
 use core::f64::consts::FRAC_1_SQRT_2;
 
@@ -26,7 +27,7 @@ impl<'a> Row<'a> {
         let (magnetic, non_magnetic) = (point.drift.magnetic_drift(), point.drift.non_magnetic);
         let residual_max = point.drift.residual_max;
         let budget = Budget { magnetic, non_magnetic, residual_max };
-        // A sine of the phase at which the switch comes.
+        // The rms of a sine of the phase at which the switch comes.
         let spread = Spread { magnetic, non_magnetic, residual_rms: residual_max * FRAC_1_SQRT_2 };
         let (bound, optimum) = (budget.bound(interval_s, t_s), budget.optimum(t_s));
         Row { point, budget, spread, bound, optimum, interval_s, t_s }
@@ -36,7 +37,7 @@ impl<'a> Row<'a> {
         self.spread.mean(self.interval_s, self.t_s, first_mode_positive)
     }
 
-    /// What is left of the mean without the non-magnetic drift.
+    /// The mean without the non-magnetic drift.
     fn left(&self) -> f64 {
         self.mean(true) - self.spread.non_magnetic
     }
@@ -50,7 +51,7 @@ impl<'a> Row<'a> {
     }
 }
 
-/// The columns besides swept keys, in the order of the file.
+/// The columns except the swept keys, in the order of the file.
 #[rustfmt::skip]
 pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
@@ -62,7 +63,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("bound_non_magnetic", RATE, "drift: bound, non-magnetic", |row| row.bound.non_magnetic.into())
             .is(Role::Error, "The non-magnetic part of `bound`, ″/s."),
         Of::new("bound_quasi_non_magnetic", RATE, "drift: bound, quasi-non-magnetic", |row| row.bound.quasi_non_magnetic.into())
-            .is(Role::Error, "The quasi-non-magnetic part of `bound`, ″/s: what the warm-up leaves of a pair of modes, Z(6)."),
+            .is(Role::Error, "The quasi-non-magnetic part of `bound`, ″/s: the remainder of the warm-up over a pair of modes, Z(6)."),
         Of::new("bound_magnetic", RATE, "drift: bound, magnetic", |row| row.bound.magnetic.into())
             .is(Role::Error, "The magnetic part of `bound`, ″/s: an odd interval without its partner."),
         Of::new("bound_residual", RATE, "drift: bound, residuals", |row| row.bound.residual.into())
@@ -70,13 +71,13 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("switches", Unit::NONE, "switches", |row| Cell::Integer(switches(row.interval_s, row.t_s) as i64))
             .is(Role::Count, "Switches within the run."),
         Of::new("mean_drift", RATE, "drift: mean, first mode positive", |row| row.mean(true).into())
-            .is(Role::Estimate, "What a run really adds up, ″/s, with the magnetic drift positive in the first mode."),
+            .is(Role::Estimate, "True drift of a run, ″/s, with the magnetic drift positive in the first mode."),
         Of::new("mean_drift_negative", RATE, "drift: mean, first mode negative", |row| row.mean(false).into())
             .is(Role::Estimate, "The same with the magnetic drift negative in the first mode, ″/s."),
         Of::new("magnetic_angle", Unit::ARCSEC, "angle: magnetic, first mode positive", |row| {
             row.spread.magnetic.signed_integral(row.interval_s, row.t_s).into()
         })
-        .is(Role::Estimate, "The angle that the magnetic drift leaves of the run, ″, signed, the first mode positive."),
+        .is(Role::Estimate, "Angle of the magnetic drift at the end of the run, ″, signed, with the first mode positive."),
         Of::new("switching_drift", RATE, "drift: left by switching", |row| row.left().abs().into())
             .is(Role::Error, "Magnitude of `mean_drift` without the non-magnetic drift, ″/s."),
         Of::new("rms_drift", RATE, "drift: rms, random phases", |row| libm::hypot(row.mean(true), row.deviation()).into())
@@ -84,7 +85,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("rms_drift_in_phase", RATE, "drift: rms, one phase", |row| libm::hypot(row.mean(true), row.in_phase()).into())
             .is(Role::Error, "The same with residuals of one phase, which add up as n, ″/s."),
         Of::new("rms_switching", RATE, "drift: left by switching, rms", |row| libm::hypot(row.left(), row.deviation()).into())
-            .is(Role::Error, "`rms_drift` without the non-magnetic drift, ″/s: what the choice of the interval decides."),
+            .is(Role::Error, "`rms_drift` without the non-magnetic drift, ″/s: the part that depends on the choice of the interval."),
         Of::new("optimum", Unit::S, "best interval: of the bound, Z(8)", |row| row.optimum.map(|best| best.interval_s).into())
             .is(Role::Estimate, "The interval of the least bound, s: the root of Z(8).")
             .usual(Usual::Answer),
@@ -93,11 +94,11 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("optimum_as_published", Unit::S, "best interval: Z(9) as published", |row| row.budget.optimum_as_published(row.t_s).into())
             .is(Role::Estimate, "The smaller root of Z(9) as printed, s; blank where it has none."),
         Of::new("optimum_expanded", Unit::S, "best interval: Z(9) put right", |row| row.budget.optimum_expanded(row.t_s).into())
-            .is(Role::Estimate, "The root of the equation that Z(9) should be, s."),
+            .is(Role::Estimate, "The root of the corrected Z(9), s."),
         Of::new("optimum_limit", Unit::S, "best interval: limit as published", |row| limit_as_published(&row.budget, row.t_s).into())
             .is(Role::Estimate, "√(δP_max t/Ω_m) as printed, s; blank without residuals."),
         Of::new("optimum_limit_small", Unit::S, "best interval: limit put right", |row| row.budget.limit(row.t_s).into())
-            .is(Role::Estimate, "The limit for a small A or a large τ that it should be, s; blank without residuals."),
+            .is(Role::Estimate, "The corrected limit for a small A or a large τ, s; blank without residuals."),
         Of::new("optimum_true", Unit::S, "best interval: of the rms drift", |row| row.spread.best_interval(row.t_s).into())
             .is(Role::Estimate, "The interval of the least `rms_switching` among even counts of intervals, s."),
         Of::new("optimum_true_rms", RATE, "drift: least rms left by switching", |row| row.spread.least_rms(row.t_s).into())

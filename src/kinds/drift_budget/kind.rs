@@ -17,8 +17,8 @@ use crate::table::column::abouts;
 pub static DRIFT_BUDGET: Kind = Kind {
     name: "drift-budget",
     subject: "The bound of the drift of a gyro that switches modes, and the switching interval at which it is least, in closed form.",
-    about: "Samples nothing: formulas of the drift of a gyro that switches modes. points.csv has the paper's `bound`, Z(7), what a \
-            run really adds up, `mean_drift` and `rms_drift`, and the intervals at which these are least, `optimum` and \
+    about: "Samples nothing: formulas of the drift of a gyro that switches modes. points.csv has the paper's `bound`, Z(7), the \
+            true drift of a run, `mean_drift` and `rms_drift`, and the intervals at which these are least, `optimum` and \
             `optimum_true`.",
     template: include_str!("template.toml"),
     is_exact: true,

@@ -1,4 +1,4 @@
-//! Studies of the drift budget: the bound of the paper, its optimum, and what a run really adds up, in closed form.
+//! Studies of the drift budget: the paper's bound, its optimum, and the true drift of a run, in closed form.
 
 pub(crate) mod columns;
 pub mod kind;
@@ -11,17 +11,17 @@ use crate::key::setting::{self, Swept};
 use crate::key::sweep;
 use crate::source::diagnose::{Fault, Wrong};
 
-/// What a study of the drift budget asks.
+/// The part of a study that is specific to the drift budget.
 #[derive(Debug, Clone)]
 pub struct DriftBudget {
-    /// All points, in order; without a sweep the one that is written.
+    /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
 }
 
 /// One combination of swept values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// Name of each swept key, and its value here, in the order of the sweeps.
+    /// Name of each swept key with its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
     /// The parts of the drift.
     pub drift: Drift,
@@ -29,18 +29,18 @@ pub struct Point {
     pub schedule: Schedule,
 }
 
-/// Every key of this kind: a budget has no spreads.
+/// Every key of this kind; a budget has no spreads.
 pub(crate) fn keys() -> Vec<&'static Key> {
     [parts::KEYS, parts::schedule::KEYS].concat()
 }
 
-/// Every key that a sweep may vary.
+/// The keys that can be swept.
 pub(crate) fn sweepable() -> Vec<&'static Key> {
     let settings = setting::keys(&parts::SETTINGS).chain(setting::keys(&SCHEDULE_SETTINGS));
     settings.filter(|key| keys().iter().any(|known| known.name == key.name)).collect()
 }
 
-/// Reads what is of this kind.
+/// Reads the part of a study that belongs to this kind.
 pub(crate) fn read(reading: &mut Reading) -> Result<DriftBudget, Wrong> {
     reading.table.needed(&RESIDUAL_MAX)?;
     let (mut drift, mut schedule) = (Drift::default(), Schedule::default());

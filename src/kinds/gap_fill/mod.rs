@@ -105,7 +105,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
     if let (Some(_), Some(written), Some(Profile { position: Position::Every, .. })) =
         (&precision, reading.get(&PRECISION), &inputs.motion.profile)
     {
-        let message = "precision stands beside position = \"every\", which is exact in whole replays only";
+        let message = "precision conflicts with position = \"every\", which is exact in whole replays only";
         let help = "leave precision out, or take position = \"random\"";
         return Err(written.fault(message, "cannot stop early", help).into());
     }

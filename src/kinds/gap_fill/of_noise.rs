@@ -24,7 +24,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Option<Noise>, Wrong> {
             Ok(Some(noise::read::read(reading)?.noise))
         }
         (Some(tick_noise), Some(_)) => {
-            let message = "gyro.tick_noise stands beside [noise]";
+            let message = "gyro.tick_noise conflicts with [noise]";
             Err(tick_noise.fault(message, "a second noise", ACCEPTED).into())
         }
         (None, None) => {

@@ -193,7 +193,7 @@ fn read_fill(reading: &mut Reading, drift: &Drift) -> Result<Option<GapFill>, Wr
     if reading.get(&FILLERS).is_some() {
         if drift.residual_max != 0.0 || reading.sweep(&RESIDUAL_MAX).is_some() {
             let place = reading.places.blame(reading.sweeps, &[RESIDUAL_MAX.name]);
-            let message = "drift.residual_max stands beside switching.fillers, which give the residual";
+            let message = "drift.residual_max conflicts with switching.fillers, which give the residual";
             let help = "leave drift.residual_max out, or take [gyro], [motion] and fillers out";
             return Err(Fault::new(place, message, "a second residual", help).into());
         }

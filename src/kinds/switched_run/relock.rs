@@ -56,7 +56,7 @@ pub(crate) fn read(reading: &mut Reading, fill: Option<&GapFill>) -> Result<Opti
         return Err(table.fault(message, "without fillers", help));
     }
     if let Some(list) = reading.get(&gap_fill::keys::RELOCK) {
-        let message = "gyro.relock stands beside [relock]";
+        let message = "gyro.relock conflicts with [relock]";
         return Err(list.fault(message, "a second relock", "leave one of them out"));
     }
     let relock = inputs::read(reading)?;

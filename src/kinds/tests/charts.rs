@@ -1,4 +1,4 @@
-//! Kinds of charts and laws: what they need, and how wrong ones are reported.
+//! Kinds of charts, and laws: required keys, and reports of faults.
 
 use crate::chart::law::Law;
 use crate::chart::{Chart, Shows};
@@ -88,7 +88,7 @@ fn keys_of_another_kind_are_refused() {
     );
     refused(
         &chart(&format!("{AXES}z = \"rms\"")),
-        &["a.toml:21:5", "chart.z is no key of a chart of kind = \"curves\"", "kind = \"winner-map\""],
+        &["a.toml:21:5", "chart.z is not a key of a chart of kind = \"curves\"", "kind = \"winner-map\""],
     );
     refused(&chart(&format!("{AXES}of = \"filler\"")), &["a.toml:21:6", "chart.of", "kind = \"winner-map\""]);
     refused(&chart(&format!("{AXES}z_scale = \"log\"")), &["a.toml:21:11", "chart.z_scale"]);

@@ -1,4 +1,4 @@
-//! Whole studies: what they expand to, and how wrong ones are reported.
+//! Whole studies: their expansion, and reports of faults.
 
 pub mod charts;
 
@@ -57,7 +57,7 @@ fn swept(sweep: &str) -> Vec<f64> {
     study.sweeps[0].values.iter().filter_map(Swept::quantity).map(|value| value.value).collect()
 }
 
-/// The report must hold every piece; wide enough that no line is broken.
+/// Checks that the report contains every piece; it is wide enough that no line is broken.
 fn refused(text: &str, pieces: &[&str]) {
     let report = match Study::parse("a.toml", text) {
         Ok(_) => panic!("accepted although {pieces:?} was expected:\n{text}"),
@@ -202,12 +202,12 @@ fn text_that_is_no_study_is_pointed_at() {
     refused(&with("[chart]\nx = \"dt_nu\"\ny = \"rms\"\nsize = 3\n"), &["a.toml:15:1", "unknown key `size`"]);
     refused(
         &with("[[sweep]]\nkey = \"motion.frequency\"\nlog = [1]\n"),
-        &["a.toml:14:7", "`sweep.log` is a list", "has to be a table", "points = 24"],
+        &["a.toml:14:7", "`sweep.log` is a list", "must be a table", "points = 24"],
     );
     refused(&with("chart = 5\n"), &["a.toml:12:1", "unknown key `chart`"]);
     refused(
         &format!("chart = 5\n{BASE}"),
-        &["a.toml:1:9", "has to be a table, or a list of tables in brackets"],
+        &["a.toml:1:9", "must be a table, or a list of tables in brackets"],
     );
 }
 
@@ -280,7 +280,7 @@ fn rows_are_chosen_by_swept_keys_filler_and_error_and_the_values_they_take() {
              [chart]\nx = \"dt_nu\"\ny = \"rms\"\nwhere = {{ {rows} }}\n"
         ))
     };
-    // As points.csv shows the second value.
+    // The second value as `points.csv` shows it.
     let study = parsed(&chart("frequency = \"1.1078446 Hz\", std = \"2 arcsec\""));
     assert_eq!(study.charts[0].rows[0].1, points(&study)[2].swept[0].1.cell());
     for (rows, at, pieces) in [
@@ -345,7 +345,7 @@ fn sweeps_that_make_no_sense_are_refused() {
     };
     refused(&log("0 Hz", "3"), &["a.toml:14:16", "too small"]);
     refused(&log("1 Hz", "0"), &["a.toml:14:46", "points = 0", "1 … 10000"]);
-    refused(&log("1 Hz", "1"), &["a.toml:14:46", "points = 1 cannot go from 1 Hz to 4 Hz"]);
+    refused(&log("1 Hz", "1"), &["a.toml:14:46", "points = 1 does not fit the ends 1 Hz and 4 Hz"]);
     refused(&log("4 Hz", "2"), &["a.toml:14:46", "equal ends need points = 1"]);
     refused(&log("3.99999999999 Hz", "9"), &["a.toml:14:7", "the same value twice"]);
     let amplitude = |values: &str| sweep("motion.amplitude", values);
@@ -355,7 +355,7 @@ fn sweeps_that_make_no_sense_are_refused() {
     );
     refused(
         &amplitude("log = { from = \"0 ″\", to = \"1 ″\", points = 2 }"),
-        &["a.toml:14:16", "cannot hold 0 ″", "linear"],
+        &["a.toml:14:16", "cannot contain 0 ″", "linear"],
     );
     let gap = "linear = { from = 1, to = 4, points = 3 }";
     refused(

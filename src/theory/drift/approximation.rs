@@ -1,10 +1,10 @@
-//! Approximations of the interval at which the bound is least: the paper's, and what they should be.
+//! Approximations of the interval at which the bound is least: those of the paper, and corrected ones.
 
 use crate::theory::drift::budget::Budget;
 use crate::theory::drift::magnetic::Magnetic;
 
-/// The smaller positive root of b M² − c M³ = d, which rises from −d at 0 to its greatest value at M = 2b/3c; by bisection to
-/// the last bit. None where that value is negative, or one of them no number.
+/// The smaller positive root of b M² − c M³ = d, by bisection to the last bit. The difference of the two sides rises
+/// from −d at 0 to its maximum at M = 2b/3c. `None` where that maximum is negative or a value is not a number.
 fn smaller_root(b: f64, c: f64, d: f64) -> Option<f64> {
     if b.is_nan() || c.is_nan() || d.is_nan() || b <= 0.0 || d <= 0.0 {
         return None;
@@ -14,7 +14,7 @@ fn smaller_root(b: f64, c: f64, d: f64) -> Option<f64> {
     }
     let left = |m: f64| m * m * (b - c * m) - d;
     let (mut below, mut above) = (0.0, 2.0 * b / (3.0 * c));
-    // Of what is infinite there is no middle.
+    // An infinite range has no middle.
     if !above.is_finite() || left(above).is_nan() || left(above) < 0.0 {
         return None;
     }
@@ -27,16 +27,16 @@ fn smaller_root(b: f64, c: f64, d: f64) -> Option<f64> {
     }
 }
 
-/// √(δP_max t/Ω_m), said to be the optimum for small A or large τ. It is that of a magnetic drift which is there from the
-/// start, Ω_m0 ≠ 0, else [`Budget::limit`] is. None without a magnetic drift, or
-/// without residuals, where no interval is too short.
+/// √(δP_max t/Ω_m), the paper's optimum for small A or large τ. It is the optimum for a magnetic drift that is present
+/// from the start, Ω_m0 ≠ 0; otherwise [`Budget::limit`] is. `None` without a magnetic drift, and without residuals,
+/// where no interval is too short.
 pub fn limit_as_published(budget: &Budget, t_s: f64) -> Option<f64> {
     let rate = budget.magnetic.rate(t_s).abs();
     (rate > 0.0 && budget.residual_max > 0.0).then(|| libm::sqrt(budget.residual_max * t_s / rate))
 }
 
 impl Budget {
-    /// 2τ²Ω_m (MT)² − A t (MT)³ = 2τ² t δP_max — Z(9) as it is printed, the smaller of its two positive roots. None where it
+    /// Z(9) as printed, 2τ²Ω_m (MT)² − A t (MT)³ = 2τ² t δP_max; the smaller of its two positive roots. `None` where it
     /// has none, in the paper's case for t > 40656 s.
     ///
     /// It does not follow from Z(8): see [`Budget::optimum_expanded`].
@@ -47,8 +47,8 @@ impl Budget {
         smaller_root(2.0 * tau2 * rate, amplitude.abs() * t_s, 2.0 * tau2 * t_s * self.residual_max)
     }
 
-    /// A τ t (MT)² − 2 A t (MT)³ + 2τ²Ω_m (MT)² = 2τ² t δP_max, the expansion of Z(8) to the first order in MT/τ, of which
-    /// Z(9) lacks the first term and a factor of 2. None where it has no root.
+    /// The expansion of Z(8) to first order in MT/τ, A τ t (MT)² − 2 A t (MT)³ + 2τ²Ω_m (MT)² = 2τ² t δP_max. Z(9)
+    /// lacks its first term and a factor of 2. `None` where it has no root.
     pub fn optimum_expanded(&self, t_s: f64) -> Option<f64> {
         let Magnetic { amplitude, time_s, .. } = self.magnetic;
         let rate = self.magnetic.rate(t_s).abs();
@@ -60,8 +60,8 @@ impl Budget {
         )
     }
 
-    /// √(δP_max/(A/2τ + Ω_m/t)), the limit of the optimum for large τ. None without a magnetic drift or
-    /// without residuals.
+    /// √(δP_max/(A/2τ + Ω_m/t)), the limit of the optimum for large τ. `None` without a magnetic drift or without
+    /// residuals.
     pub fn limit(&self, t_s: f64) -> Option<f64> {
         let Magnetic { amplitude, time_s, .. } = self.magnetic;
         let growth = amplitude.abs() / (2.0 * time_s) + self.magnetic.rate(t_s).abs() / t_s;

@@ -2,52 +2,52 @@
 
 use crate::theory::drift::magnetic::Magnetic;
 
-/// What bounds the drift of a switched gyro.
+/// The parameters of the bound of the drift of a switched gyro.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Budget {
-    /// What changes its sign with the mode.
+    /// The drift that changes its sign with the mode.
     pub magnetic: Magnetic,
-    /// Ω_nm, ″/s.
+    /// Non-magnetic drift Ω_nm, ″/s.
     pub non_magnetic: f64,
-    /// δP_max, the largest error at a switch, ″.
+    /// Largest error at a switch δP_max, ″.
     pub residual_max: f64,
 }
 
 /// The parts of the bound, ″/s, none of them negative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bound {
-    /// Ω_nm, ″/s.
+    /// Non-magnetic drift Ω_nm, ″/s.
     pub non_magnetic: f64,
-    /// What warming up leaves of two opposite intervals — Z(4), Z(6).
+    /// Remainder of the warm-up over two opposite intervals, ″/s — Z(4), Z(6).
     pub quasi_non_magnetic: f64,
-    /// An interval that no other cancels, MT·Ω_m(t)/t.
+    /// Drift of an interval that no other one cancels, MT·Ω_m(t)/t, ″/s.
     pub magnetic: f64,
-    /// The errors at the switches, all of them of one sign, δP_max/MT.
+    /// Errors at the switches, all of one sign, δP_max/MT, ″/s.
     pub residual: f64,
 }
 
 impl Bound {
-    /// Ω_g(MT) — Z(7), which is Z(3) and the quasi-non-magnetic drift.
+    /// Bound of the drift Ω_g(MT), ″/s — Z(7), which is Z(3) plus the quasi-non-magnetic drift.
     pub fn total(&self) -> f64 {
         self.non_magnetic + self.quasi_non_magnetic + self.magnetic + self.residual
     }
 }
 
-/// The interval at which a bound is least, s, and the bound there, ″/s.
+/// The interval at which a bound is least, with the bound there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Optimum {
-    /// MT, s.
+    /// Switching interval MT, s.
     pub interval_s: f64,
-    /// Z(7) there, ″/s.
+    /// Bound Z(7) at that interval, ″/s.
     pub bound: f64,
 }
 
-/// Intervals, evenly spaced in their logarithm, among which the lowest of several minima is looked for.
+/// Number of intervals, evenly spaced in their logarithm, among which the lowest minimum is sought.
 const GRID: u32 = 512;
 
 impl Budget {
-    /// The parts of Z(7) after `t_s` with a switch every `interval_s`. Each is the magnitude of its drift, whose signs the
-    /// paper leaves out; Z(6) prints the second with a wrong sign and a wrong limit.
+    /// The parts of Z(7) after `t_s` with a switch every `interval_s`. Each is the magnitude of its drift, as the paper
+    /// omits the signs; Z(6) prints the second part with a wrong sign and a wrong limit.
     pub fn bound(&self, interval_s: f64, t_s: f64) -> Bound {
         let Magnetic { amplitude, time_s, .. } = self.magnetic;
         let lost = -libm::expm1(-interval_s / time_s);
@@ -69,12 +69,12 @@ impl Budget {
             + self.magnetic.rate(t_s).abs() / t_s
     }
 
-    /// The exact minimum of Z(7) among the intervals up to `t_s`: the root of Z(8), or `t_s` itself where the bound falls up
-    /// to there. None where switching costs nothing, δP_max = 0, and no interval is too short.
+    /// The exact minimum of Z(7) among the intervals up to `t_s`: the root of Z(8), or `t_s` itself where the bound
+    /// falls up to there. `None` where switching costs nothing, δP_max = 0, so that no interval is too short.
     ///
-    /// The bound has a second minimum at intervals beyond τ, in the paper's case the lower one of runs beyond 149 days, so the
-    /// lowest of a grid comes first; the root beside it is
-    /// then bisected to the last bit. At intervals below δP_max/Ω_g(t) the residual alone exceeds Ω_g(t).
+    /// The bound has a second minimum at intervals beyond τ, which in the paper's case is the lower one for runs of
+    /// more than 149 days. The lowest point of a grid is therefore found first, and the root beside it is then bisected
+    /// to the last bit. The grid starts at δP_max/Ω_g(t), below which the residual alone exceeds Ω_g(t).
     pub fn optimum(&self, t_s: f64) -> Option<Optimum> {
         if self.residual_max <= 0.0 {
             return None;
@@ -93,7 +93,7 @@ impl Budget {
         }
         loop {
             let middle = 0.5 * (below + above);
-            // Also of what is no number.
+            // The negation also ends the loop for values that are not numbers.
             let is_between = below < middle && middle < above;
             if !is_between {
                 return Some(Optimum { interval_s: middle, bound: bound(middle) });
@@ -114,7 +114,7 @@ pub(crate) mod tests {
         residual_max: 10.0,
     };
 
-    /// The columns of the reference: run, interval, bound, optimum, bound there, published root, limit.
+    /// The columns of the reference: run, interval, bound, optimum, bound at the optimum, published root, limit.
     pub fn reference() -> impl Iterator<Item = [f64; 7]> {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/drift_budget.csv");
         let of_record = |record: Result<csv::StringRecord, _>| {
@@ -130,7 +130,8 @@ pub(crate) mod tests {
             let found = PAPER.bound(interval, t).total();
             assert!((found / bound - 1.0).abs() < 1e-9, "{t} s, {interval} s: {found}, not {bound}");
             let best = PAPER.optimum(t).unwrap();
-            // The reference looks for the least value, which a minimum's place leaves to the root of its rounding.
+            // The reference minimises the value, which determines the place of the minimum only to the square root of
+            // rounding.
             assert!((best.interval_s / optimum - 1.0).abs() < 1e-7, "{t} s: {best:?}, not {optimum}");
             assert!((best.bound / optimum_bound - 1.0).abs() < 1e-9, "{t} s: {best:?}, not {optimum_bound}");
         }

@@ -1,31 +1,31 @@
-//! The magnetic drift of a run in which every switch turns its sign.
+//! The magnetic drift of a run in which every switch reverses its sign.
 
 /// Ω_m(t) = A (1 − e^{−t/τ}) + Ω_m0, which grows as the gyro warms up — Z(5).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Magnetic {
-    /// A = A_qm·A_T, ″/s. The paper prints A_qm in ″/s, but has it times a temperature: it is in ″/s per °C.
+    /// A = A_qm·A_T, ″/s. The paper gives A_qm in ″/s but multiplies it by a temperature, so its unit is ″/s per °C.
     pub amplitude: f64,
-    /// τ, s.
+    /// Time constant of the warm-up τ, s.
     pub time_s: f64,
-    /// Ω_m0, ″/s.
+    /// Initial magnetic drift Ω_m0, ″/s.
     pub initial: f64,
 }
 
 impl Magnetic {
-    /// Ω_m at the time `t_s`, ″/s.
+    /// Ω_m at time `t_s`, ″/s.
     pub fn rate(&self, t_s: f64) -> f64 {
         -self.amplitude * libm::expm1(-t_s / self.time_s) + self.initial
     }
 
-    /// ∫ s Ω_m dt up to `t_s`, ″, with s = +1 in the first interval of `interval_s` and turning with every next one: the
-    /// angle that the magnetic drift leaves of a run.
+    /// ∫ s Ω_m dt up to `t_s`, ″, with s = +1 in the first interval of `interval_s` and the opposite sign in each
+    /// following one: the angle of the magnetic drift at the end of a run.
     pub fn signed_integral(&self, interval_s: f64, t_s: f64) -> f64 {
         (self.amplitude + self.initial) * signed_time(interval_s, t_s)
             - self.amplitude * signed_decay(interval_s, self.time_s, t_s)
     }
 }
 
-/// Whole intervals before `t_s`, and the rest of it.
+/// Number of whole intervals before `t_s`, and the remaining time.
 fn split(interval_s: f64, t_s: f64) -> (f64, f64) {
     let whole = libm::floor(t_s / interval_s);
     (whole, t_s - whole * interval_s)
@@ -35,7 +35,8 @@ fn is_even(whole: f64) -> bool {
     libm::fmod(whole, 2.0) == 0.0
 }
 
-/// ∫ s dt up to `t_s`, s: what is left of the last interval where their number is odd, else that interval's beginning.
+/// ∫ s dt up to `t_s`, s: with an odd number of whole intervals the rest of the last one, else the time since its
+/// beginning.
 pub fn signed_time(interval_s: f64, t_s: f64) -> f64 {
     let (whole, rest) = split(interval_s, t_s);
     if is_even(whole) { rest } else { interval_s - rest }
@@ -43,8 +44,8 @@ pub fn signed_time(interval_s: f64, t_s: f64) -> f64 {
 
 /// ∫ s e^{−t/τ} dt up to `t_s`, s.
 ///
-/// With x = MT/τ, k whole intervals are a geometric sum, τ (1 − e^{−x}) Σ (−e^{−x})^j = τ tanh(x/2) (1 − (−1)^k e^{−kx}), and
-/// the rest r adds (−1)^k τ e^{−kx} (1 − e^{−r/τ}).
+/// With x = MT/τ, k whole intervals give a geometric sum, τ (1 − e^{−x}) Σ (−e^{−x})^j = τ tanh(x/2) (1 − (−1)^k
+/// e^{−kx}), and the rest r adds (−1)^k τ e^{−kx} (1 − e^{−r/τ}).
 pub fn signed_decay(interval_s: f64, time_s: f64, t_s: f64) -> f64 {
     let (whole, rest) = split(interval_s, t_s);
     let x = interval_s / time_s;
@@ -59,10 +60,12 @@ pub fn signed_decay(interval_s: f64, time_s: f64, t_s: f64) -> f64 {
         }
 }
 
-/// By how much of itself a run may miss a whole number of intervals, of which decimal fractions have not all.
+/// Relative deviation of a run from a whole number of intervals that counts as rounding, since not all decimal
+/// fractions are exact.
 const WHOLE: f64 = 1e-9;
 
-/// Switches within a run of `t_s`: one between neighbouring intervals, of which the last may be a part, and none at the end.
+/// Number of switches within a run of `t_s`: one between neighbouring intervals, the last of which may be incomplete,
+/// and none at the end.
 pub fn switches(interval_s: f64, t_s: f64) -> f64 {
     let intervals = t_s / interval_s;
     let nearest = libm::round(intervals);
@@ -76,7 +79,7 @@ mod tests {
 
     const MAGNETIC: Magnetic = Magnetic { amplitude: 14.0, time_s: 3000.0, initial: 0.3 };
 
-    /// Interval by interval, each integral from its own ends.
+    /// The sum over intervals, each integrated between its own ends.
     fn summed(magnetic: &Magnetic, interval_s: f64, t_s: f64) -> f64 {
         let (mut sum, mut sign, mut from) = (0.0, 1.0, 0.0);
         for k in 1.. {
@@ -119,7 +122,7 @@ mod tests {
         ] {
             let (found, expected) =
                 (MAGNETIC.signed_integral(interval_s, t_s), summed(&MAGNETIC, interval_s, t_s));
-            // What the exponentials of the sum round.
+            // Rounding of the exponentials in the sum.
             let bound = 1e-13 * MAGNETIC.amplitude * MAGNETIC.time_s;
             assert!((found - expected).abs() <= bound, "{interval_s} s of {t_s} s: {found}, not {expected}");
         }

@@ -1,9 +1,9 @@
 //! Drift of a gyro that switches modes every MT seconds, Z(3)–Z(9).
 //!
-//! The magnetic drift changes its sign with the mode, the non-magnetic does not. [`Magnetic`] is what a whole run really adds
-//! up, [`Budget`] the paper's bound of it with its optimum and the approximations of that, [`Spread`] what the errors at the
-//! switches do to a run. Rates ″/s, angles ″, times s.
-//! The paper's case, an hour:
+//! The magnetic drift changes its sign with the mode, the non-magnetic drift does not. [`Magnetic`] is the drift
+//! accumulated over a whole run, [`Budget`] the paper's bound of it with its optimum and approximations, and [`Spread`]
+//! the effect of the errors at the switches on a run. Rates are in ″/s, angles in ″ and times in s. The paper's case
+//! for one hour:
 //!
 //! ```
 //! use sagnac::theory::drift::{Budget, Magnetic, Spread, limit_as_published};

@@ -1,48 +1,52 @@
-//! What the errors at the switches do to the drift of whole runs, and the interval at which the rms drift is least.
+//! The effect of the errors at the switches on the drift of whole runs, and the interval at which the rms drift is
+//! least.
 
 use crate::theory::drift::magnetic::{Magnetic, switches};
 
-/// A run whose drift is known but for its switches.
+/// A run whose drift is known except for the errors at its switches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
-    /// What changes its sign with the mode.
+    /// The drift that changes its sign with the mode.
     pub magnetic: Magnetic,
-    /// Ω_nm, ″/s.
+    /// Non-magnetic drift Ω_nm, ″/s.
     pub non_magnetic: f64,
-    /// σ_δP, the rms error at a switch, ″.
+    /// Rms error at a switch σ_δP, ″.
     pub residual_rms: f64,
 }
 
 impl Spread {
-    /// The mean drift of a run of `t_s` that is over, ″/s, by the sign of the magnetic drift in the first mode.
+    /// The mean drift at the end of a run of `t_s`, ″/s; `first_positive` is the sign of the magnetic drift in the
+    /// first mode.
     pub fn mean(&self, interval_s: f64, t_s: f64, first_positive: bool) -> f64 {
         let magnetic = self.magnetic.signed_integral(interval_s, t_s) / t_s;
         self.non_magnetic + if first_positive { magnetic } else { -magnetic }
     }
 
-    /// The standard deviation of that, ″/s, where the switches come at random phases of the motion: their errors add up as
-    /// √n.
+    /// The standard deviation of the drift, ″/s, where the switches come at random phases of the motion, so that their
+    /// errors add up as √n.
     pub fn deviation(&self, interval_s: f64, t_s: f64) -> f64 {
         libm::sqrt(switches(interval_s, t_s)) * self.residual_rms / t_s
     }
 
-    /// The same where all switches of a run come at one phase, as when the motion turns a whole number of times in an
-    /// interval: as n.
+    /// The standard deviation of the drift, ″/s, where all switches of a run come at one phase, as when the motion
+    /// turns a whole number of times in an interval; their errors then add up as n.
     pub fn deviation_in_phase(&self, interval_s: f64, t_s: f64) -> f64 {
         switches(interval_s, t_s) * self.residual_rms / t_s
     }
 
-    /// [2σ²t/(A²(1 − e^{−t/τ})²)]^{1/3}, s: of the even counts of intervals that with the least rms drift at random phases, for
-    /// intervals far below τ, Ω_nm left out, for no interval changes it.
+    /// [2σ²t/(A²(1 − e^{−t/τ})²)]^{1/3}, s: the interval with the least rms drift at random phases among those that
+    /// divide the run into an even number, for intervals far below τ. Ω_nm is left out, because it does not depend on
+    /// the interval.
     ///
-    /// None where there is no warm-up to cancel, or the interval would not be there twice.
+    /// `None` where there is no warm-up to cancel, or where the interval would not fit twice into the run.
     pub fn best_interval(&self, t_s: f64) -> Option<f64> {
         let lost = self.magnetic.amplitude * libm::expm1(-t_s / self.magnetic.time_s);
         let cube = 2.0 * self.residual_rms * self.residual_rms * t_s / (lost * lost);
         Some(libm::cbrt(cube)).filter(|interval_s| 2.0 * interval_s <= t_s && *interval_s > 0.0)
     }
 
-    /// The rms drift there, ″/s: (Aτ/t) tanh(MT/2τ) (1 − e^{−t/τ}) of the warm-up and σ√n/t of n = t/MT − 1 switches.
+    /// The rms drift at that interval, ″/s: (Aτ/t) tanh(MT/2τ) (1 − e^{−t/τ}) from the warm-up, and σ√n/t from n = t/MT
+    /// − 1 switches.
     pub fn least_rms(&self, t_s: f64) -> Option<f64> {
         let interval_s = self.best_interval(t_s)?;
         let Magnetic { amplitude, time_s, .. } = self.magnetic;
@@ -57,7 +61,7 @@ impl Spread {
 mod tests {
     use super::*;
 
-    /// The paper's case, with errors at the switches of 10 ″ at the most and a random phase: 7.07 ″ rms.
+    /// The paper's case, with errors at the switches of at most 10 ″ at a random phase: 7.07 ″ rms.
     const PAPER: Spread = Spread {
         magnetic: Magnetic { amplitude: 14.0, time_s: 3000.0, initial: 0.0 },
         non_magnetic: 0.05,

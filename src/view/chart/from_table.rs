@@ -264,7 +264,7 @@ mod tests {
         let (figure, _) = Figure::from_table(&table(), &with("1.0")).unwrap();
         assert_eq!(figure.dashes.entries.len(), 1);
         let error = Figure::from_table(&table(), &with("7")).unwrap_err();
-        assert_eq!(error.to_string(), "no row has gap_ticks = `7`; there are 1, 2");
+        assert_eq!(error.to_string(), "no row has gap_ticks = `7`; its values are 1, 2");
     }
 
     #[test]

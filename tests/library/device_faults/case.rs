@@ -24,8 +24,8 @@ pub struct Case {
     pub on_cpu: bool,
 }
 
-pub const SMALLER: &str = "is out of memory: it goes on with smaller tiles";
-pub const AGAIN: &str = "was lost: Destroyed; it was opened again, passed its self-test and goes on";
+pub const SMALLER: &str = "is out of memory: it continues with smaller tiles";
+pub const AGAIN: &str = "was lost: Destroyed; it was opened again, passed its self-test and continues";
 
 /// A study with what an undisturbed run leaves.
 pub struct Subject {
@@ -114,7 +114,7 @@ impl Subject {
             name: format!("gone in the {place:?} tile"),
             script: Box::new(move |seen| fails(seen).then_some(Fault::LostAfter)),
             faults: 2,
-            said: vec!["cannot open the device: LostAfter, as a test wants it; from here on CPU"],
+            said: vec!["cannot open the device: LostAfter, requested by a test; from here on CPU"],
             on_cpu: true,
         }
     }

@@ -8,12 +8,12 @@ use crate::store::Address;
 use crate::tally::id::Id;
 use crate::theory::allan::estimator::{Difference, Estimator, Stride};
 
-/// Records of one point, and where their sums are kept.
+/// Records of one point, with the address of their sums.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoweredCurve {
     /// The noise in fixed point, with its closed forms.
     pub records: Records,
-    /// Where the sums of its records are kept.
+    /// Address of the sums of the records in the store.
     pub address: Address,
 }
 
@@ -55,7 +55,7 @@ impl LoweredCurve {
     }
 }
 
-/// What an estimator is called in identities.
+/// The names of an estimator in identities.
 fn names(estimator: Estimator) -> [String; 2] {
     let difference = match estimator.difference {
         Difference::Second => "second",
@@ -69,10 +69,10 @@ fn names(estimator: Estimator) -> [String; 2] {
     [difference.to_owned(), stride]
 }
 
-/// The identity of what determines the draws.
+/// The identity of everything that determines the draws.
 fn id(inputs: &RecordInputs, seed: u64, streams: Streams) -> Id {
     let RecordInputs { sample_s, rate, noise, .. } = inputs;
-    // Only whole pulses see a constant rate.
+    // A constant rate affects whole pulses only.
     let rate = if noise.readout_lsb > 0.0 { *rate } else { 0.0 };
     Id::of(&format!(
         "point\nkind=allan\nseed={seed}\nstreams={}\nsample_s={sample_s:.11e}\nsamples={}\nrate={rate:.11e}\n\

@@ -1,4 +1,5 @@
-//! What is the same in all records: constant rate, ramp, warm-up and alternating drift, as angles in LSB; and its differences.
+//! The angles common to all records, from constant rate, ramp, warm-up and alternating drift, in LSB; and their
+//! differences.
 
 use std::sync::Arc;
 
@@ -7,10 +8,10 @@ use crate::kinds::allan::lower::model::Model;
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::exponential::settling;
 
-/// The angles at all samples, as they wrap; none where nothing drifts.
+/// The angles at all samples, wrapped; empty where nothing drifts.
 ///
-/// Of a warm-up that lasts beyond the record its first rate is taken off, which a readout alone sees and
-/// [`Fixed::rate`] has: what is left is not much larger than its differences, and keeps its digits.
+/// From a warm-up that outlasts the record, its initial rate is subtracted; it affects a readout only, and
+/// [`Fixed::rate`] contains it. The rest is not much larger than its differences, and keeps its digits.
 pub(crate) fn angles(model: &Model, fixed: &Fixed) -> Arc<[u32]> {
     if !model.is_curved() && fixed.rate == 0 {
         return Arc::new([]);
@@ -37,7 +38,7 @@ pub(crate) fn angles(model: &Model, fixed: &Fixed) -> Arc<[u32]> {
     (0..=model.samples).map(angle).collect()
 }
 
-/// Mean square of the differences of the angles at `m`, `stride` apart, and the first of them, LSB.
+/// Mean square of the differences of the angles at `m`, `stride` apart, and the first of the differences, LSB.
 pub(crate) fn differences(
     angles: &[u32],
     difference: Difference,

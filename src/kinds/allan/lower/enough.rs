@@ -1,4 +1,4 @@
-//! Whether every part of a noise model has units enough in its words.
+//! Check that every part of a noise model has enough units in its words.
 
 use crate::key::refusal::{Refusal, shown};
 use crate::kinds::allan::lower::fixed::{Fixed, SIGMA_UNITS, TURN};
@@ -6,15 +6,15 @@ use crate::kinds::allan::lower::model::{Markov, Model, Sine};
 use crate::quantity::number::significant;
 use crate::theory::allan::estimator::Difference;
 
-/// Fewest units of a standard deviation or an amplitude: it is then rounded by at most 1 %.
+/// Fewest units of a standard deviation or an amplitude, which is then rounded by at most 1 %.
 const LEAST_UNITS: f64 = 50.0;
 /// Fewest LSB of the largest difference of a ramp or a warm-up, and of the range of an alternating drift.
 const LEAST_TREND: f64 = 128.0;
-/// Fewest units of 2^−32 turns that a sine turns in a sample.
+/// Fewest units of 2^−32 turns by which the phase of a sine advances in a sample.
 const LEAST_TURN: f64 = 64.0;
 
 impl Fixed {
-    /// Names the first part that is lost beside the `whole`, ″.
+    /// Refuses the first part that is lost beside `whole`, the largest difference of the angle, ″.
     pub(crate) fn check(&self, model: &Model, whole: f64) -> Result<(), Refusal> {
         let Model { noise, .. } = model;
         let check = |key, what: &str, found: f64, unit: &str, units: f64, least: f64| {

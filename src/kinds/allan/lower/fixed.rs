@@ -1,4 +1,4 @@
-//! The words of a noise model, and the proof that they have room.
+//! The words of a noise model, and the proof that they fit.
 
 use crate::kernel::moments::LIMIT;
 use crate::kernel::recipe::{FOUR_STREAMS, STREAMS};
@@ -9,7 +9,8 @@ use crate::quantity::number::significant;
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::switching::Jumps;
 
-/// Units of standard deviations, and of those of Markov noise, per LSB or unit of the rate; of a sine's amplitude per LSB.
+/// Units per LSB or per unit of the rate: of standard deviations, of those of Markov noise, and of the amplitude of a
+/// sine.
 pub(crate) const SIGMA_UNITS: f64 = 16.0;
 const MARKOV_UNITS: f64 = 4.0;
 const SINE_UNITS: f64 = 4.0;
@@ -17,10 +18,10 @@ const SINE_UNITS: f64 = 4.0;
 /// log2 of the fewest and the most LSB in a pulse.
 const PULSE_BITS: [f64; 2] = [4.0, 28.0];
 
-/// The holds of all octaves and streams are rounded down, by less than this many units of the rate in all.
+/// Bound of the total rounding of the holds of all octaves and streams, which are rounded down, in units of the rate.
 const HOLDS_ROUNDED: f64 = 128.0;
 
-/// A noise model in fixed point: the words of the kernel, but for what is the same in all records.
+/// A noise model in fixed point: the words of the kernel, except for the angles common to all records.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fixed {
     pub(crate) lsb_arcsec: f64,
@@ -33,15 +34,15 @@ pub(crate) struct Fixed {
     pub(crate) quantisation: u32,
     pub(crate) pulse: Option<u32>,
     pub(crate) switching: Option<[u32; 3]>,
-    /// What a readout sees of a constant rate, 2^−32 LSB per sample; whole turns of the word are left out.
+    /// Constant rate as seen by a readout, 2^−32 LSB per sample, modulo whole turns of the word.
     pub(crate) rate: u64,
 }
 
 impl Fixed {
-    /// The words in the finest unit of angle in which all has room.
+    /// The words in the finest unit of angle in which everything fits.
     ///
     /// # Errors
-    /// A part has too few units in it.
+    /// A part has too few of these units.
     pub(crate) fn new(model: &Model) -> Result<Fixed, Refusal> {
         let whole = libm::fmax(model.whole(Difference::Second), model.whole(Difference::Third));
         if !whole.is_finite() {
@@ -81,7 +82,7 @@ impl Fixed {
         Ok(fixed)
     }
 
-    /// The words in a unit of angle.
+    /// The words in a given unit of angle.
     fn at(model: &Model, lsb_arcsec: f64, pulse: Option<u32>) -> Fixed {
         let noise = &model.noise;
         let largest = DEVIATIONS * noise.rate(model.samples) / lsb_arcsec;
@@ -96,11 +97,11 @@ impl Fixed {
             word(sigma / libm::sqrt(streams), rate_unit)
         };
         let markov = noise.markov.map(|Markov { sigma, decay }| {
-            // Of a correlation shorter than a sample a last unit is left.
+            // For a correlation shorter than a sample, one last unit remains.
             let loss = libm::round(-libm::expm1(-decay) * LOSS_UNIT).min(LOSS_UNIT - 1.0);
             let spread = libm::sqrt(spread(loss));
             let step = libm::round(sigma * spread / rate_unit * MARKOV_UNITS);
-            // Stationary with the step and loss that it really has.
+            // Stationary with the rounded step and loss.
             let start = if loss > 0.0 { libm::round(step / spread) } else { 0.0 };
             [loss as u32, step as u32, start as u32]
         });
@@ -131,18 +132,18 @@ impl Fixed {
         }
     }
 
-    /// A unit of the rate, LSB.
+    /// Size of a unit of the rate, LSB.
     pub(crate) fn rate_unit(&self) -> f64 {
         f64::from(self.rate_scale) / TURN
     }
 
-    /// A pulse, LSB.
+    /// Size of a pulse, LSB.
     pub(crate) fn pulse_lsb(&self) -> Option<f64> {
         self.pulse.map(|bits| libm::exp2(f64::from(bits)))
     }
 
-    /// What the words of the random parts come to, LSB and samples: numbers that are rounded down on the way have the
-    /// variance 1/12 of that beside their own.
+    /// The random parts as given by the words, in LSB and samples. Numbers that are rounded down on the way have an
+    /// additional variance of 1/12 of a unit.
     pub(crate) fn noise(&self) -> Noise {
         let unit = self.rate_unit();
         let rounded = |word: u32| {
@@ -169,7 +170,7 @@ impl Fixed {
         }
     }
 
-    /// Standard deviation of what is new in the angle from one sample to the next, LSB.
+    /// Standard deviation of the new random part of the angle from one sample to the next, LSB.
     pub(crate) fn fresh(&self) -> f64 {
         let unit = self.rate_unit();
         let steps = [
@@ -180,12 +181,12 @@ impl Fixed {
         libm::sqrt(steps.iter().map(|step| step * step).sum())
     }
 
-    /// Whether there is an angle to be rounded down, beside drift, sine and quantisation noise.
+    /// Whether there is an angle to be rounded down, apart from drift, sine and quantisation noise.
     pub(crate) fn has_angle(&self) -> bool {
         self.white > 0 || self.walk > 0 || !self.flicker.is_empty() || self.markov.is_some()
     }
 
-    /// The sine of the words, LSB and samples.
+    /// The sine as given by the words, LSB and samples.
     pub(crate) fn wave(&self) -> Option<Sine> {
         self.sine.map(|[step, amplitude]| Sine {
             amplitude: f64::from(amplitude) / SINE_UNITS,
@@ -193,7 +194,7 @@ impl Fixed {
         })
     }
 
-    /// The fill residuals of the words, LSB.
+    /// The fill residuals as given by the words, LSB.
     pub(crate) fn jumps(&self) -> Option<Jumps> {
         self.switching.map(|[interval, amplitude, sigma]| {
             let [amplitude, sigma] = [f64::from(amplitude) / SINE_UNITS, f64::from(sigma) / SIGMA_UNITS];
@@ -201,7 +202,7 @@ impl Fixed {
         })
     }
 
-    /// By how much the markov noise at the start is off its stationary variance, as a part of it.
+    /// Relative deviation of the initial variance of the Markov noise from its stationary one.
     pub(crate) fn start_error(&self) -> f64 {
         self.markov.map_or(0.0, |[loss, step, start]| {
             let (step, start) = (f64::from(step), f64::from(start));
@@ -220,12 +221,12 @@ impl Fixed {
         let sine = self.wave().map_or(0.0, |sine| sine.largest(difference, m));
         let trend = model.trend(difference) / self.lsb_arcsec;
         let pulses = 0.5 * self.pulse_lsb().unwrap_or(0.0);
-        // Angle, sine, quantisation noise, drift and fill residuals are rounded, by less than one LSB each.
+        // Angle, sine, quantisation noise, drift and fill residuals are each rounded by less than one LSB.
         let rounded = if self.switching.is_some() { 5.0 } else { 4.0 };
         noise + sine + trend + reach(difference) * (pulses + rounded)
     }
 
-    /// The proof: differences fit 2^29, rates 2^31, and factors of products have a sign.
+    /// The proof: differences fit 2^29 and rates 2^31, and factors of products leave room for a sign.
     fn has_room(&self, model: &Model) -> bool {
         let fits = |difference| self.reach(model, difference) < LIMIT as f64;
         let rate = DEVIATIONS * self.noise().rate(model.samples) / self.rate_unit() + HOLDS_ROUNDED;
@@ -242,24 +243,24 @@ impl Fixed {
 }
 
 impl Model {
-    /// Warm-ups that the record is too short for: next to a constant rate, which no difference sees, they are small.
+    /// Warm-ups that outlast the record: apart from a constant rate, which affects no difference, they are small.
     pub(crate) fn unfinished(&self) -> impl Iterator<Item = &WarmUp> {
         self.warm_ups.iter().filter(|warm_up| warm_up.decay * (self.samples as f64) < 1.0)
     }
 }
 
 impl WarmUp {
-    /// At the start, ″ per sample.
+    /// Rate at the start, ″ per sample.
     pub(crate) fn rate(&self) -> f64 {
         self.reach * self.decay
     }
 }
 
-/// Units of the sine's phase to the turn; units of the angle within an LSB.
+/// Units of the sine's phase per turn; also units of the angle per LSB.
 pub(crate) const TURN: f64 = 4_294_967_296.0;
-/// Units of what Markov noise loses.
+/// Units of the loss of Markov noise.
 const LOSS_UNIT: f64 = 1_073_741_824.0;
-/// No rate reaches this many units.
+/// Bound of the rate in its units.
 const RATE_LIMIT: f64 = 2_147_483_648.0;
 
 /// 1 − a² for a = 1 − loss.
@@ -268,12 +269,12 @@ fn spread(loss: f64) -> f64 {
     part * (2.0 - part)
 }
 
-/// Streams of an octave.
+/// Number of streams of an octave.
 fn streams(octave: usize) -> f64 {
     if octave < FOUR_STREAMS { 1.0 } else { STREAMS as f64 }
 }
 
-/// A unit of angle and all coarser ones.
+/// A unit of angle, followed by all coarser ones.
 fn coarser(lsb: f64) -> impl Iterator<Item = f64> {
     core::iter::successors(Some(lsb), |lsb| Some(2.0 * lsb))
 }

@@ -1,16 +1,16 @@
-//! Averaging factors in the order of the kernel: by the stride of their differences.
+//! Averaging factors in the order of the kernel, which groups them by the stride of their differences.
 
 use crate::kernel::recipe::Level;
 use crate::theory::allan::estimator::Estimator;
 
-/// The levels of some averaging factors, and the place of each in the sums.
+/// The levels for some averaging factors, and the place of each factor in the sums.
 pub(crate) struct Places {
     pub(crate) levels: Vec<Level>,
     pub(crate) places: Vec<usize>,
 }
 
 impl Places {
-    /// Strides ascending, in each the averaging factors as asked.
+    /// Groups the averaging factors by stride, in ascending order of stride and, within one stride, in the given order.
     pub(crate) fn of(estimator: Estimator, ms: &[u64]) -> Places {
         let mut order: Vec<usize> = (0..ms.len()).collect();
         order.sort_by_key(|&at| estimator.stride(ms[at]));

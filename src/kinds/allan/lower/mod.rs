@@ -30,35 +30,35 @@ use crate::theory::allan::estimator::{Difference, Estimator};
 use crate::theory::allan::process::Process;
 use crate::theory::allan::switching::Switching;
 
-/// The longest record: its drift takes 4 bytes a sample.
+/// Samples of the longest record, whose drift takes 4 bytes per sample.
 pub const MOST_SAMPLES: u64 = 1 << 26;
 
-/// What records are asked for.
+/// A request for records.
 #[derive(Debug, Clone)]
 pub struct Asked<'a> {
-    /// Any parts; at most one Markov noise and one sine. Octaves of bias instability are those that the record needs,
-    /// whatever the part says.
+    /// Noise process with any parts, but at most one Markov noise and one sine. The octaves of bias instability follow
+    /// from the record, whatever the part says.
     pub process: &'a Process,
     /// Angle of a pulse, ″; 0 where the readout is not quantised.
     pub readout_lsb: f64,
-    /// Constant rate of the gyro, ″/s: only a readout in whole pulses sees it.
+    /// Constant rate of the gyro, ″/s; it affects only a readout in whole pulses.
     pub mean_rate: f64,
-    /// Of a gyro that switches modes.
+    /// Switching, of a gyro that switches modes.
     pub switching: Option<Switching>,
-    /// Rate samples N.
+    /// Number of rate samples N.
     pub samples: u64,
-    /// Which differences, and how many of them.
+    /// Order and spacing of the differences.
     pub estimator: Estimator,
     /// Averaging factors, ascending.
     pub ms: &'a [u64],
-    /// Of the point: the key of Philox.
+    /// Philox key of the point.
     pub key: [u32; 2],
 }
 
-/// Records of a noise model, ready to be made: the words that the kernel sees and what they come to.
+/// Records of a noise model, ready to be made: the words of the kernel with their closed forms.
 ///
-/// The unit of angle and the draws depend on process, readout, rate, switching and length alone: another estimator or other averaging
-/// factors take other differences of the same angles.
+/// The unit of angle and the draws depend on process, readout, rate, switching and length only; another estimator or
+/// other averaging factors take other differences of the same angles.
 ///
 /// ```
 /// use sagnac::device::cpu::Cpu;
@@ -89,11 +89,11 @@ pub struct Records {
     estimator: Estimator,
     sample_s: f64,
     fixed: Fixed,
-    /// Whether a ramp, a warm-up or an alternating drift is part of it.
+    /// Whether a ramp, a warm-up or an alternating drift is present.
     curved: bool,
     ms: Vec<u64>,
     terms: Vec<u64>,
-    /// Where the kernel has the sum of each averaging factor.
+    /// Place of each averaging factor in the sums of the kernel.
     places: Vec<usize>,
 }
 
@@ -101,7 +101,7 @@ impl Records {
     /// Lowers a noise model.
     ///
     /// # Errors
-    /// It cannot be represented: see [`Refusal`].
+    /// The noise model cannot be represented; see [`Refusal`].
     pub fn new(asked: &Asked) -> Result<Records, Refusal> {
         let Asked { samples, estimator, ms, .. } = *asked;
         if !(2..=MOST_SAMPLES).contains(&samples) {
@@ -110,7 +110,7 @@ impl Records {
         let terms: Vec<u64> = ms.iter().map(|&m| estimator.terms(samples, m)).collect();
         if ms.is_empty() {
             let help = "give at least one averaging time";
-            return Err(Refusal::new("allan.tau", "no averaging time is asked for", help));
+            return Err(Refusal::new("allan.tau", "no averaging time is given", help));
         }
         if let Some(at) = terms.iter().position(|&terms| terms == 0) {
             let found = format!(
@@ -154,17 +154,17 @@ impl Records {
         })
     }
 
-    /// What the kernel takes.
+    /// The recipe for the kernel.
     pub fn recipe(&self) -> &Recipe {
         &self.recipe
     }
 
-    /// Averaging factors, as asked.
+    /// Averaging factors, as given.
     pub fn ms(&self) -> &[u64] {
         &self.ms
     }
 
-    /// Differences that each averaging factor has in a record.
+    /// Number of differences in a record at each averaging factor.
     pub fn terms(&self) -> &[u64] {
         &self.terms
     }
@@ -174,7 +174,7 @@ impl Records {
         self.fixed.lsb_arcsec
     }
 
-    /// The estimates of one record, (″/s)², for each averaging factor: from its sums, as the kernel gives them.
+    /// The estimates of one record, (″/s)², for each averaging factor, from its sums as the kernel returns them.
     pub fn variances(&self, sums: &[u128]) -> Vec<f64> {
         let one = |(at, &place): (usize, &usize)| {
             sums[place] as f64 / self.terms[at] as f64 * self.variance_of_square(at)
@@ -182,13 +182,13 @@ impl Records {
         self.places.iter().enumerate().map(one).collect()
     }
 
-    /// The variance at `ms[at]` that a mean square of 1 LSB² is, (″/s)².
+    /// The variance at `ms[at]` that corresponds to a mean square of 1 LSB², (″/s)².
     fn variance_of_square(&self, at: usize) -> f64 {
         let per_tau = self.fixed.lsb_arcsec / (self.sample_s * self.ms[at] as f64);
         per_tau * per_tau / self.estimator.difference.divisor()
     }
 
-    /// Identity of the sums: of all words that determine them, the unit that they are read in, and the kernel's version.
+    /// Identity of the sums: a digest of all words that determine them, of their unit, and of the kernel's version.
     pub fn digest(&self) -> Id {
         let Recipe {
             key,
@@ -227,7 +227,7 @@ impl Records {
         }
         words.extend(words_of(self.fixed.lsb_arcsec));
         words.extend(words_of(self.sample_s));
-        // Records without are what they were before there was any.
+        // Records without switching keep their earlier identity.
         words.extend(switching.iter().flatten());
         Id::of_words(words)
     }

@@ -1,4 +1,4 @@
-//! A noise model kind by kind, for one sample of the record and not for a second.
+//! A noise model by its parts, per sample of the record instead of per second.
 
 use core::f64::consts::PI;
 
@@ -11,10 +11,10 @@ use crate::theory::allan::part::{FLAT_LEVEL, Part};
 use crate::theory::allan::process::Process;
 use crate::theory::allan::switching::Switching;
 
-/// Standard deviations that differences and rates are given room for.
+/// Number of standard deviations for which differences and rates have room.
 pub(crate) const DEVIATIONS: f64 = 16.0;
 
-/// What is asked, angles in ″ and times in samples.
+/// The requested model, with angles in ″ and times in samples.
 pub(crate) struct Model {
     pub(crate) samples: u64,
     pub(crate) noise: Noise,
@@ -23,28 +23,28 @@ pub(crate) struct Model {
     pub(crate) ramp: f64,
     pub(crate) warm_ups: Vec<WarmUp>,
     pub(crate) switching: Option<Switching>,
-    /// Largest angle of its alternating drift less its least, ″.
+    /// Range of the angle of its alternating drift, ″.
     pub(crate) sawtooth: f64,
     pub(crate) readout_lsb: f64,
-    /// ″ per sample; 0 where no readout sees it.
+    /// Constant rate, ″ per sample; 0 where no readout is affected by it.
     pub(crate) mean_rate: f64,
 }
 
 /// The random parts, as standard deviations in some unit of angle.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Noise {
-    /// Of every angle.
+    /// Noise of every angle.
     pub(crate) quantisation: f64,
-    /// Of every increment.
+    /// Noise of every increment.
     pub(crate) white: f64,
-    /// Of the rate of each octave of holds, from octave 0 on; empty without flicker.
+    /// Noise of the rate in each octave of holds, from octave 0 on; empty without flicker.
     pub(crate) octaves: Vec<f64>,
-    /// Of the step of the rate.
+    /// Step of the rate random walk.
     pub(crate) walk: f64,
     pub(crate) markov: Option<Markov>,
 }
 
-/// Markov noise of the rate: r_k = e^{−decay}·r_{k−1} + …, of this stationary standard deviation.
+/// Markov noise of the rate: r_k = e^{−decay}·r_{k−1} + …, with the stationary standard deviation `sigma`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Markov {
     pub(crate) sigma: f64,
@@ -55,11 +55,11 @@ pub(crate) struct Markov {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sine {
     pub(crate) amplitude: f64,
-    /// Turns of a sample.
+    /// Turns per sample.
     pub(crate) turns: f64,
 }
 
-/// reach·(1 − e^{−decay·k}), ″.
+/// A warm-up angle, reach·(1 − e^{−decay·k}), ″.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct WarmUp {
     pub(crate) reach: f64,
@@ -156,29 +156,30 @@ impl Model {
         Ok(model)
     }
 
-    /// The longest averaging factor that a difference can have in the record: 0 if none.
+    /// The longest averaging factor for which the record has a difference; 0 if there is none.
     pub(crate) fn longest(&self, difference: Difference) -> u64 {
         self.samples / difference.spans()
     }
 
-    /// Whether more than a constant rate is the same in all records.
+    /// Whether all records share more than a constant rate.
     pub(crate) fn is_curved(&self) -> bool {
         self.ramp != 0.0 || !self.warm_ups.is_empty() || self.sawtooth != 0.0
     }
 
-    /// Bound of all differences of ramp, warm-up and alternating drift, ″: the first two grow with m, and fall along the record.
+    /// Bound of all differences of ramp, warm-up and alternating drift, ″. Those of the first two grow with m, and fall
+    /// along the record.
     pub(crate) fn trend(&self, difference: Difference) -> f64 {
         let m = self.longest(difference) as f64;
         let power = f64::from(difference.spans() as u32);
         let ramp = if difference == Difference::Second { libm::fabs(self.ramp) * m * m } else { 0.0 };
         let warm_up =
             |one: &WarmUp| libm::fabs(one.reach) * libm::pow(libm::fabs(libm::expm1(-one.decay * m)), power);
-        // As many angles are added as taken away.
+        // As many angles are added as subtracted.
         let sawtooth = self.sawtooth * 0.5 * reach(difference);
         ramp + self.warm_ups.iter().map(warm_up).sum::<f64>() + sawtooth
     }
 
-    /// Bound of all differences that the record has, ″.
+    /// Bound of all differences of the record, ″.
     pub(crate) fn whole(&self, difference: Difference) -> f64 {
         let m = self.longest(difference);
         if m == 0 {
@@ -188,7 +189,7 @@ impl Model {
         let jumps = jumps.map_or(0.0, |jumps| jumps.largest_variance(difference, m));
         let noise = DEVIATIONS * libm::sqrt(self.noise.variance(difference, m) + jumps);
         let sine = self.sine.map_or(0.0, |sine| sine.largest(difference, m));
-        // Of the readings some are too low by up to a pulse.
+        // Some of the readings are too low by up to a pulse.
         let pulses = 0.5 * self.readout_lsb * reach(difference);
         noise + sine + self.trend(difference) + pulses
     }
@@ -199,7 +200,7 @@ pub(crate) fn reach(difference: Difference) -> f64 {
     libm::exp2(difference.spans() as f64)
 }
 
-/// Switching that is possible in a record.
+/// Checks that the switching is possible in a record.
 fn checked(switching: Switching, samples: u64) -> Result<Switching, Refusal> {
     let Switching { interval, magnetic, residual, residual_noise } = switching;
     if !(1..samples).contains(&interval) {
@@ -215,19 +216,19 @@ fn checked(switching: Switching, samples: u64) -> Result<Switching, Refusal> {
     Ok(switching)
 }
 
-/// A value without meaning: negative, or not finite.
+/// The refusal of a meaningless value: negative, or not finite.
 pub(crate) fn impossible(key: &'static str, what: &str, found: f64) -> Refusal {
     let help = "give a finite number that is not negative, and times, frequencies and samples above 0";
     Refusal::new(key, format_args!("{what} {found} is not possible"), help)
 }
 
-/// A record of one sample, or longer than 2^26.
+/// The refusal of a record of one sample, or of more than 2^26.
 pub(crate) fn too_long(samples: u64) -> Refusal {
     let found = format_args!("{samples} samples; a record has 2 to {MOST_SAMPLES}");
     Refusal::new("record.length", found, "take a shorter record, or a longer sample")
 }
 
-/// A finite number that is not below `least`.
+/// A finite number that is at least `least`.
 fn at_least(key: &'static str, what: &'static str, found: f64, least: f64) -> Result<f64, Refusal> {
     match found.is_finite() && found >= least {
         true => Ok(found),
@@ -236,7 +237,7 @@ fn at_least(key: &'static str, what: &'static str, found: f64, least: f64) -> Re
 }
 
 impl Noise {
-    /// The parts of which a closed form knows the distribution of every increment: all but holds and walk.
+    /// The parts for which a closed form gives the distribution of every increment: all except holds and random walk.
     pub(crate) fn simple(&self) -> Process {
         let mut parts =
             vec![Part::Quantisation { q: self.quantisation }, Part::AngleRandomWalk { n: self.white }];
@@ -244,7 +245,7 @@ impl Noise {
         Process { sample_s: 1.0, parts }
     }
 
-    /// Variance of a difference at `m`; it grows with m.
+    /// Variance of a difference at `m`, which grows with m.
     pub(crate) fn variance(&self, difference: Difference, m: u64) -> f64 {
         let octave = |(o, sigma): (usize, &f64)| sigma * sigma * holds::mean_square(difference, 1 << o, m);
         self.simple().variance(difference, m)
@@ -252,7 +253,7 @@ impl Noise {
             + self.octaves.iter().enumerate().map(octave).sum::<f64>()
     }
 
-    /// Standard deviation of the rate at the end of a record, octave 0 left out.
+    /// Standard deviation of the rate at the end of a record, without octave 0.
     pub(crate) fn rate(&self, samples: u64) -> f64 {
         let held: f64 = self.octaves.iter().skip(1).map(|sigma| sigma * sigma).sum();
         let markov = self.markov.map_or(0.0, |markov| markov.sigma * markov.sigma);
@@ -261,20 +262,20 @@ impl Noise {
 }
 
 impl Markov {
-    /// As theory has it, t0 = 1.
+    /// The part in the notation of `theory`, with t0 = 1.
     pub(crate) fn part(self) -> Part {
         Part::Markov { q_c: self.sigma * libm::sqrt(2.0 * self.decay), time_s: 1.0 / self.decay }
     }
 }
 
 impl Sine {
-    /// As theory has it, t0 = 1; `None` of one that never moves.
+    /// The part in the notation of `theory`, with t0 = 1; `None` for a sine that never moves.
     pub(crate) fn part(self) -> Option<Part> {
         let rate = 2.0 * PI * self.turns;
         (rate > 0.0).then_some(Part::Sine { amplitude: self.amplitude * rate, frequency_hz: self.turns })
     }
 
-    /// Bound of the differences at all averaging factors up to `m`: |2 sin x| is at most 2 and at most 2x.
+    /// Bound of the differences at all averaging factors up to `m`; |2 sin x| is at most 2 and at most 2x.
     pub(crate) fn largest(self, difference: Difference, m: u64) -> f64 {
         let factor = (2.0 * PI * self.turns * m as f64).min(2.0);
         self.amplitude * libm::pow(factor, difference.spans() as f64)

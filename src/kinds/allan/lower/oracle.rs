@@ -1,10 +1,11 @@
-//! What the estimates of records come to, from the words of the kernel.
+//! The expected estimates of records, from the words of the kernel.
 //!
-//! Independent parts add in the mean square of a difference: each by its closed form, drift by its table. The kernel
-//! rounds the angle, the sine, fill residuals and quantisation noise down to whole LSB. Where the angle moves by a normal number of one
-//! LSB or more from sample to sample its rounding is even, white and independent of everything but for factors e^{−2π²}
-//! and for the first angle, which is 0; elsewhere, and for the sine and fill residuals, it is bounded by |E(D + d)² − ED²| ≤ 2·rms D·d + d²,
-//! d the largest difference that rounding can make.
+//! Independent parts add in the mean square of a difference, each by its closed form, and the drift by its table. The
+//! kernel rounds the angle, the sine, fill residuals and quantisation noise down to whole LSB. Where the angle moves by
+//! a normal number of one LSB or more from sample to sample, its rounding is uniform, white and independent of
+//! everything else, up to a factor e^{−2π²} and except for the first angle, which is 0. Otherwise, and for the sine and
+//! fill residuals, rounding is bounded by |E(D + d)² − ED²| ≤ 2·rms D·d + d², where d is the largest difference that it
+//! can make.
 
 use crate::kinds::allan::lower::fixed::TURN;
 use crate::kinds::allan::lower::model::{Noise, reach};
@@ -14,24 +15,24 @@ use crate::theory::allan::quantiser;
 /// The expected estimate for the lowered words, (″/s)².
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oracle {
-    /// Absent where it is not known to 1 %.
+    /// Expected value; absent where it is not known to 1 %.
     pub value: Option<f64>,
-    /// The expected estimate is not farther from `value` than this, for rounding in the kernel and for readouts without a
-    /// closed form.
+    /// Bound of the deviation of the expected estimate from `value`, due to rounding in the kernel and to readouts
+    /// without a closed form.
     pub rounding: f64,
 }
 
-/// Most of the value that its bound may be.
+/// Largest ratio of the bound to the value.
 const MOST_ROUNDING: f64 = 0.01;
 
-/// Error of the variance of the kernel's normal numbers, with room.
+/// Error of the variance of the kernel's normal numbers, with a margin.
 const NORMAL_ERROR: f64 = 1e-8;
 /// Error of the kernel's sine.
 const SINE_ERROR: f64 = 1.0 / 759_250_125.0; // 2^−29.5
 /// Error of sums in floating point.
 const SUM_ERROR: f64 = 1e-12;
 
-/// A mean square and what it may be off by, LSB².
+/// A mean square with its bound of error, LSB².
 #[derive(Clone, Copy)]
 struct Square {
     value: f64,
@@ -46,7 +47,7 @@ impl Square {
 }
 
 impl Records {
-    /// The expected estimate at `ms()[at]`. Of records with drift it takes as long as summing its differences up.
+    /// The expected estimate at `ms()[at]`. For records with drift it takes as long as summing their differences.
     pub fn oracle(&self, at: usize) -> Oracle {
         let unit = self.variance_of_square(at);
         let Square { value, error } = self.mean_square(at);
@@ -62,13 +63,13 @@ impl Records {
         let stride = self.estimator.stride(m) as usize;
         let [trend, first] = drift::differences(&self.recipe.drift, difference, stride, m as usize, terms);
         let squares: f64 = difference.coefficients().iter().map(|c| c * c).sum();
-        // Σ|c|.
+        // Σ|c| of the difference.
         let reach = reach(difference);
 
         let mut sum = Square { value: trend, error: 0.0 };
         let random = noise.variance(difference, m);
         sum.add(random, NORMAL_ERROR * random);
-        // Numbers that are off by up to ½ of the middle: 2·rms·d + d².
+        // Numbers that are off by up to ½ from the middle: 2·rms·d + d².
         let off = |sum: &mut Square, mean_square: f64, d: f64| {
             sum.add(0.0, 2.0 * libm::sqrt(mean_square) * d + d * d);
         };
@@ -85,7 +86,8 @@ impl Records {
             let alone = Noise { quantisation: 0.0, white: 0.0, octaves: vec![], walk: 0.0, ..noise.clone() };
             let variance = alone.variance(difference, m);
             sum.add(0.0, fixed.start_error() * variance);
-            // What it loses is of its whole units: it is off by up to one, and changes by up to that much of one in a sample.
+            // The loss acts on whole units: it is off by up to one unit, and changes by up to that fraction of one in a
+            // sample.
             let m = m as f64;
             let changed = fixed.rate_unit() * m * libm::fmin(1.0, -m * libm::expm1(-markov.decay));
             let d = changed * (0.25 * reach);
@@ -105,7 +107,7 @@ impl Records {
         }
         if let Some(pulse) = fixed.pulse_lsb() {
             let readout = self.readout(&noise, pulse, m);
-            // The covariance of two errors has a slope of at most half a pulse in what lies between them.
+            // The covariance of two errors changes by at most half a pulse per LSB of the rounding between them.
             let angle = if fixed.has_angle() { 1.0 } else { 0.0 };
             let quantisation = if fixed.quantisation > 0 { 1.0 } else { 0.0 };
             let drift = if self.recipe.drift.is_empty() { 0.0 } else { 1.0 };
@@ -117,7 +119,7 @@ impl Records {
         sum
     }
 
-    /// What reading whole pulses adds.
+    /// The contribution of reading whole pulses.
     fn readout(&self, noise: &Noise, pulse: f64, m: u64) -> Square {
         let (fixed, difference) = (&self.fixed, self.estimator.difference);
         let mut process = noise.simple();
@@ -126,7 +128,7 @@ impl Records {
         process.parts.extend(fixed.wave().and_then(|sine| sine.part()));
         let switches = fixed.switching.is_some();
         let drifts = self.curved || switches || noise.walk > 0.0 || !noise.octaves.is_empty();
-        // Whole pulses of a sample's rate change no fraction of one.
+        // Whole pulses in the rate per sample do not affect the fractions.
         let rate = (fixed.rate % (pulse * TURN) as u64) as f64 / TURN;
         match quantiser::mean_square(pulse, rate, &process, difference, m).filter(|_| !drifts) {
             Some(value) => Square { value, error: 0.0 },

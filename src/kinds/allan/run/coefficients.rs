@@ -1,4 +1,4 @@
-//! coefficients.csv of a study of Allan curves: how well each coefficient is found again.
+//! coefficients.csv of a study of Allan curves, which shows how accurately each coefficient is recovered.
 
 use rayon::prelude::*;
 
@@ -16,20 +16,21 @@ use crate::quantity::number::significant;
 use crate::theory::allan::estimator::Stride;
 use crate::theory::allan::part::Part;
 
-/// What is found of one coefficient over all records.
+/// The estimates of one coefficient over all records.
 pub(crate) struct Found {
-    /// Of records where it is identified.
+    /// Values from the records in which it is identified.
     values: Vec<f64>,
-    /// Records with an interval, and those whose interval holds the truth.
+    /// Number of records with an interval, followed by that of records whose interval contains the truth.
     intervals: usize,
     covered: usize,
-    /// Records that could be fitted, and all of them.
+    /// Number of records that could be fitted, followed by that of all records.
     fitted: usize,
     records: usize,
 }
 
 impl Plan<'_> {
-    /// A row for each coefficient that is fitted to the records of a point; `progress` hears of fits as they are done.
+    /// A row for each coefficient fitted to the records of a point. `progress` receives numbers of fits as they
+    /// complete.
     pub(crate) fn coefficients<'p>(
         &self,
         point: &'p RecordPoint,
@@ -44,14 +45,14 @@ impl Plan<'_> {
         })
     }
 
-    /// Whether records are weighed by the covariance that they show together. Of overlapping estimates each record is fitted as
-    /// if nothing else were known of it; but groups side by side scatter more than the closed form says, and the closed form for
-    /// a time or frequency of its own takes a second for each record.
+    /// Whether records are weighted by the covariance estimated from all of them. Overlapping estimates of a record are
+    /// fitted as if it were the only one. Adjacent groups, however, scatter more than the closed form says, and for
+    /// terms with a time or frequency the closed form takes a second per record.
     pub(crate) fn are_weighed_together(&self, terms: &Terms) -> bool {
         self.allan.estimator.stride == Stride::Cluster || terms.all().iter().any(|term| term.has_shape())
     }
 
-    /// The fit of each record, in their order; of records that are no curve none.
+    /// The fit of each record, in order; `None` for records without a valid curve.
     pub(crate) fn fits(
         &self,
         point: &RecordPoint,
@@ -79,8 +80,8 @@ impl Plan<'_> {
     }
 }
 
-/// The covariance of the estimates of a point's records, as the records themselves show it beside the closed form of
-/// overlapping ones; `None` of too few records.
+/// The covariance of the estimates of a point's records, estimated from the records together with the closed form for
+/// overlapping estimates; `None` for too few records.
 fn covariance(point: &RecordPoint, geometry: &Curve, estimates: &Estimates) -> Option<Covariance> {
     let RecordInputs { sample_s, noise, .. } = &point.inputs;
     let mut process = noise.process(*sample_s, point.inputs.samples());
@@ -95,14 +96,14 @@ fn covariance(point: &RecordPoint, geometry: &Curve, estimates: &Estimates) -> O
     Covariance::of_realisations(&rows, &model).ok()
 }
 
-/// A coefficient, or the time or frequency that goes with it.
+/// A coefficient, or the time or frequency that belongs to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Quantity {
     term: Term,
     shape: bool,
 }
 
-/// The coefficients of some terms, each followed by the time or frequency that goes with it.
+/// The coefficients of some terms, each followed by its time or frequency if it has one.
 fn quantities(terms: &[Term]) -> Vec<Quantity> {
     let of_term = |&term: &Term| {
         let shape = term.has_shape().then_some(Quantity { term, shape: true });
@@ -132,11 +133,11 @@ impl Quantity {
         }
     }
 
-    /// What it really is, in the unit of data sheets; absent where there is none of its term.
+    /// The true value, in the unit of data sheets; absent where the noise lacks the term.
     fn truth(self, noise: &Noise) -> Option<f64> {
         let shape = self.shape;
         let value = match self.term {
-            // A readout in whole pulses has the error of √12 part of one.
+            // A readout in whole pulses has an error of 1/√12 of a pulse.
             Term::Quantisation => libm::hypot(noise.quantisation, noise.readout_lsb / libm::sqrt(12.0)),
             Term::AngleRandomWalk => noise.angle_random_walk,
             Term::BiasInstability => noise.bias_instability,
@@ -198,7 +199,7 @@ impl Found {
     }
 
     pub(crate) fn relative_rmse(&self, truth: Option<f64>) -> Option<f64> {
-        // Where most records do not show it, those that do are the ones in which it came out too large.
+        // If most records do not show the coefficient, those that do are the ones in which it came out too large.
         let is_mostly_shown = 2 * self.values.len() >= self.records;
         let truth = truth.filter(|truth| *truth > 0.0 && is_mostly_shown)?;
         Some(self.rmse(Some(truth))? / truth)

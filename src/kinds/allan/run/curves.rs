@@ -1,4 +1,4 @@
-//! points.csv of a study of Allan curves: a row for each point and averaging time.
+//! points.csv of a study of Allan curves, with a row for each point and averaging time.
 
 use crate::kinds::allan::columns::Row;
 use crate::kinds::allan::lower::curve::LoweredCurve;
@@ -6,7 +6,7 @@ use crate::kinds::allan::lower::oracle::Oracle;
 use crate::kinds::allan::point::Point as RecordPoint;
 use crate::kinds::allan::run::{Estimates, Plan};
 
-/// Fewest records of which 95 % are told from the others.
+/// Fewest records from which a 95 % band can be determined.
 const FEWEST_IN_BAND: usize = 40;
 
 /// The estimates of many records at one averaging time.
@@ -14,7 +14,7 @@ pub(crate) struct Scatter {
     pub(crate) mean: Option<f64>,
     /// Standard error of the mean.
     pub(crate) error: Option<f64>,
-    /// 95 % of the records are between.
+    /// Band that contains 95 % of the records.
     pub(crate) band: Option<(f64, f64)>,
 }
 
@@ -44,7 +44,7 @@ impl Plan<'_> {
 }
 
 impl Scatter {
-    /// Of the estimates of some records, in their order; blank where they are too few.
+    /// The scatter of the estimates of some records; blank where they are too few.
     fn of(mut values: Vec<f64>) -> Scatter {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
@@ -59,7 +59,7 @@ impl Scatter {
     }
 }
 
-/// The level that this part of some sorted values stays below, straight between two of them.
+/// The quantile `part` of some sorted values, by linear interpolation.
 fn quantile(sorted: &[f64], part: f64) -> f64 {
     let place = part * (sorted.len() - 1) as f64;
     let (below, above) = (libm::floor(place) as usize, libm::ceil(place) as usize);

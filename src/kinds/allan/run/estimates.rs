@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::kernel::rows::Rows;
 
-/// Estimates, (″/s)², record by record, in each at the averaging factors of the point.
+/// Estimates, (″/s)², record by record, each at the averaging factors of the point.
 #[derive(Debug, Default)]
 pub(crate) struct Estimates {
     width: usize,
@@ -12,28 +12,28 @@ pub(crate) struct Estimates {
 }
 
 impl Estimates {
-    /// From the sums of the records, which `variances` turns into estimates.
+    /// The estimates computed by `variances` from the sums of the records.
     pub(crate) fn of(rows: Vec<Rows>, variances: impl Fn(&[u128]) -> Vec<f64>) -> Estimates {
         let width = rows.first().map_or(0, |rows| rows.width);
         let mut values = Vec::with_capacity(rows.iter().map(|rows| rows.values.len()).sum());
-        // Rows are dropped as they are read.
+        // Rows are dropped once they are read, which saves memory.
         for rows in rows {
             rows.rows().for_each(|sums| values.extend(variances(sums)));
         }
         Estimates { width, values }
     }
 
-    /// How many records there are.
+    /// Number of records.
     pub(crate) fn count(&self) -> usize {
         self.values.len().checked_div(self.width).unwrap_or(0)
     }
 
-    /// Those of all records at one averaging factor.
+    /// The estimates of all records at one averaging factor.
     pub(crate) fn at(&self, place: usize) -> Vec<f64> {
         self.values.iter().skip(place).step_by(self.width.max(1)).copied().collect()
     }
 
-    /// Each record's, in their order.
+    /// The estimates of each record, in order.
     pub(crate) fn records(&self) -> impl IndexedParallelIterator<Item = &[f64]> {
         self.values.par_chunks_exact(self.width.max(1))
     }

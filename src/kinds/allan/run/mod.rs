@@ -1,4 +1,4 @@
-//! Running a study of Allan curves: records for what the store lacks, batch by batch.
+//! Running a study of Allan curves: records that the store lacks are made batch by batch.
 
 pub mod coefficients;
 pub mod curves;
@@ -33,13 +33,15 @@ use crate::tally::id::Id;
 use crate::tally::share::Share;
 use crate::theory::allan::estimator::{Difference, Estimator};
 
-/// Longest averaging time of the fit, as a part of the record: beyond it intervals of K come out too short.
+/// Inverse of the longest averaging time of the fit relative to the record; beyond it, intervals of K come out too
+/// short.
 const LONGEST_FITTED: u64 = 8;
 
-/// Part of a deviation that needs no word.
+/// Relative deviation that needs no note.
 const NEGLIGIBLE: f64 = 1e-4;
 
-/// Most records of a point, all of which are in memory when its estimates are taken: 24 bytes each and averaging time.
+/// Most records of a point, all of which are in memory when its estimates are made, with 24 bytes per record and
+/// averaging time.
 const MOST_RECORDS: u64 = 1 << 24;
 
 /// Most bytes of angles that a thread keeps for the records that it makes side by side.
@@ -48,23 +50,24 @@ const MOST_BYTES: usize = 1 << 30;
 /// Most lanes of a thread.
 const LANES: usize = 16;
 
-/// A study of Allan curves whose every point is proven to fit.
+/// A study of Allan curves whose points are all proven to fit.
 #[derive(Debug)]
 pub(crate) struct Plan<'a> {
     study: &'a Study,
     allan: &'a Allan,
     points: Vec<Planned<'a>>,
-    /// By which part the deviation of the records is off most in the kernel's arithmetic, and at which τ, s.
+    /// Largest relative deviation of the records due to the kernel's arithmetic, and its τ, s.
     off: (f64, f64),
 }
 
-/// A point that can be lowered. Its words are made anew whenever they are needed: drift takes 4 bytes a sample.
+/// A point that can be lowered. Its words are recomputed whenever they are needed, because drift takes 4 bytes per
+/// sample.
 #[derive(Debug)]
 pub(crate) struct Planned<'a> {
     point: &'a RecordPoint,
     address: Address,
     samples: u64,
-    /// Integers of a record.
+    /// Integers per record.
     width: usize,
 }
 
@@ -114,7 +117,7 @@ impl<'a> Plan<'a> {
         Ok(lacking)
     }
 
-    /// The points in their order, but such as differ in nothing that is drawn once.
+    /// The points in order, without those whose draws and sums are the same as those of an earlier one.
     fn distinct(&self) -> impl Iterator<Item = (usize, &Planned<'a>)> {
         let is_first = |(turn, planned): &(usize, &Planned<'a>)| {
             self.points[..*turn].iter().all(|before| before.address != planned.address)
@@ -122,7 +125,7 @@ impl<'a> Plan<'a> {
         self.points.iter().enumerate().filter(is_first)
     }
 
-    /// Records that tables are made of, with a fit of each where any are asked for.
+    /// Number of records in the tables, each with a fit where terms are fitted.
     fn all_records(&self) -> u64 {
         self.study.trials * self.points.len() as u64
     }
@@ -208,7 +211,7 @@ impl plan::Plan for Plan<'_> {
             }
             return Ok(self.tables_of(&all));
         };
-        // One point is in memory at a time.
+        // Only one point is in memory at a time.
         let unit = if self.allan.terms.is_some() { "fits" } else { "records" };
         progress.start(unit, 0, self.all_records());
         for planned in &self.points {
@@ -258,8 +261,9 @@ impl plan::Plan for Plan<'_> {
     }
 }
 
-/// By which part the deviation of a point's records differs most from that of its noise, and at which τ, s. Readouts in pulses
-/// have no other curve to compare with, and drift and switches are taken as they are rounded.
+/// Largest relative difference between the deviation of a point's records and that of its noise, and its τ, s. It is 0
+/// for readouts in pulses, for which there is no other curve to compare, and for drift and switches, whose rounded
+/// values count as exact.
 fn off(point: &RecordPoint, lowered: &LoweredCurve, estimator: Estimator) -> (f64, f64) {
     let RecordInputs { sample_s, noise, .. } = &point.inputs;
     let switches = noise.switched(*sample_s).is_some();
@@ -280,12 +284,12 @@ fn off(point: &RecordPoint, lowered: &LoweredCurve, estimator: Estimator) -> (f6
         .fold((0.0, 0.0), |most, one| if one.0 > most.0 { one } else { most })
 }
 
-/// Whether a fit has this averaging factor.
+/// Whether a fit includes this averaging factor.
 fn is_fitted(m: u64, samples: u64) -> bool {
     LONGEST_FITTED * m <= samples
 }
 
-/// The averaging factors that a fit has of a point, without estimates.
+/// The averaging factors of a fit at a point, without estimates.
 fn geometry(point: &RecordPoint, difference: Difference) -> Option<Curve> {
     let samples = point.inputs.samples();
     let ms: Vec<u64> = point.ms.iter().copied().filter(|&m| is_fitted(m, samples)).collect();

@@ -1,4 +1,4 @@
-//! Sampling the records that the store lacks, batch by batch.
+//! Sampling of the records that the store lacks, batch by batch.
 
 use std::ops::Range;
 use std::time::Instant;
@@ -17,7 +17,7 @@ use crate::tally::share::Share;
 const FIRST_BATCH: u64 = 1 << 22;
 
 impl Plan<'_> {
-    /// Samples what the store lacks of a share, each batch kept as soon as it is done.
+    /// Makes the records that the store lacks of a share. Each batch is stored as soon as it is complete.
     pub(crate) fn sample(
         &self,
         store: &mut Store,
@@ -43,7 +43,7 @@ impl Plan<'_> {
                 }
                 let batch_started = Instant::now();
                 let records = (batch_samples / planned.samples).max(worker.records_at_once());
-                // Whole blocks where a batch holds some, smaller ones of very long records.
+                // Whole blocks where a batch contains some, smaller ones for very long records.
                 let align = 1 << base_log2(trials).min(records.ilog2());
                 let batch = first..gap.end.min((first + records).next_multiple_of(align));
                 let advance = |records| progress.advance(records * planned.samples);
