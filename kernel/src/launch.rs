@@ -112,8 +112,8 @@ impl PartialEq for Launch {
 
 impl Launch {
     /// A launch of the kernel that `shape` belongs to.
-    pub fn new(shape: impl Trial, words: Vec<u32>, table: Arc<[u32]>) -> Launch {
-        Launch { sampled: Arc::new(shape), words, table }
+    pub fn new(shape: impl Into<Arc<dyn Sampled>>, words: Vec<u32>, table: Arc<[u32]>) -> Launch {
+        Launch { sampled: shape.into(), words, table }
     }
 
     /// The shape, where the launch belongs to the kernel of `T`.

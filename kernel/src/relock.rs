@@ -2,7 +2,9 @@
 //!
 //! Twin of `shaders/relock.wgsl`.
 
-use crate::launch::{self, Launch, Trial};
+use std::sync::Arc;
+
+use crate::launch::{self, Launch, Sampled, Trial};
 use crate::moments::{self, MAX_ESTIMATES, Moments, Sampler, Trials};
 use crate::parameters::parameters;
 use crate::philox::{Address, Keys, schedule};
@@ -104,6 +106,13 @@ impl launch::Shape for Shape {
         self.ticks.include(&mut shader);
         shader.parts.push(&part::relock);
         shader
+    }
+}
+
+impl From<Shape> for Arc<dyn Sampled> {
+    // The kernel is compiled for every width where its table of methods is made: here, beside the dependencies of the library.
+    fn from(shape: Shape) -> Self {
+        Arc::new(shape)
     }
 }
 

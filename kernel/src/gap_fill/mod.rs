@@ -7,8 +7,10 @@
 
 pub mod shape;
 
+use std::sync::Arc;
+
 use crate::Form;
-use crate::launch::{Launch, Shape as _, Trial};
+use crate::launch::{Launch, Sampled, Shape as _, Trial};
 use crate::moments::{self, MAX_ESTIMATES, Moments, Sampler, Trials};
 use crate::motion::{Given, Motion};
 use crate::normal::normal;
@@ -255,6 +257,13 @@ const TEN_TICKS: Shape =
 
 /// The default ticks with three fillers in a recorded profile.
 const PROFILE: Shape = Shape { tones: 0, profile: true, ..POLYNOMIALS };
+
+impl From<Shape> for Arc<dyn Sampled> {
+    // The kernel is compiled for every width where its table of methods is made: here, beside the dependencies of the library.
+    fn from(shape: Shape) -> Self {
+        Arc::new(shape)
+    }
+}
 
 impl Trial for Shape {
     // Only here: the shader has one shape.

@@ -6,8 +6,10 @@
 
 pub mod shape;
 
+use std::sync::Arc;
+
 use crate::Form;
-use crate::launch::{Launch, Shape as _, Trial};
+use crate::launch::{Launch, Sampled, Shape as _, Trial};
 use crate::moments::{self, MAX_ESTIMATES, Moments, Sampler, Trials};
 use crate::normal::{NORMAL_BITS, normal};
 use crate::philox::{Address, Keys, Purpose, schedule};
@@ -357,6 +359,13 @@ const PLAIN: Shape = Shape {
 
 /// The same with a random walk.
 const WALKING: Shape = Shape { walk: true, ..PLAIN };
+
+impl From<Shape> for Arc<dyn Sampled> {
+    // The kernel is compiled for every width where its table of methods is made: here, beside the dependencies of the library.
+    fn from(shape: Shape) -> Self {
+        Arc::new(shape)
+    }
+}
 
 impl Trial for Shape {
     // Only here: the shader has one shape.
