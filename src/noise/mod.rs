@@ -143,7 +143,7 @@ impl Noise {
     /// The angle, ″, that each part of the rate but the angle random walk can turn through in a time, with one switch at the
     /// most; rms of noise and residuals.
     pub(crate) fn over(&self, time_s: f64) -> Vec<(&'static str, f64)> {
-        let turned = |term: Term| (term.row().name, term.row().law.turned(self.of(term)[0], time_s));
+        let turned = |term: Term| (term.row().name[1], (term.row().turned)(self.of(term)[0], time_s));
         let switching = [
             ("alternating drift", self.switching.map_or(0.0, |switching| switching.largest_rate() * time_s)),
             ("fill residuals", self.switching.map_or(0.0, |switching| switching.residual_rms())),

@@ -75,8 +75,7 @@ fn unfitted(terms: &Terms, points: &[Point]) -> Option<String> {
     // The angle random walk first, which every gyro has.
     let walk = [Term::AngleRandomWalk];
     let all = walk.into_iter().chain(Term::EVERY.into_iter().filter(|term| !walk.contains(term)));
-    let found: Vec<String> =
-        all.filter(is_unfitted).map(|term| [term.row().article, term.row().name].concat()).collect();
+    let found: Vec<String> = all.filter(is_unfitted).map(|term| term.row().name.concat()).collect();
     (!found.is_empty()).then(|| {
         format!("the noise has {}, which is not fitted: other coefficients absorb it", found.join(", "))
     })

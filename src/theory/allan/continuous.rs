@@ -10,7 +10,7 @@ use crate::theory::allan::part::Part;
 ///
 /// `None` of a warm-up, whose Allan variance depends on the length of the record.
 pub fn allan_variance(part: &Part, tau_s: f64) -> Option<f64> {
-    part.law().continuous(part, tau_s)
+    (part.term.row().continuous)(part, tau_s)
 }
 
 #[cfg(test)]

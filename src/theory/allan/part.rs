@@ -3,7 +3,7 @@
 use core::f64::consts::{LN_2, PI};
 
 use crate::theory::allan::estimator::Difference;
-use crate::theory::allan::terms::{Law, Term};
+use crate::theory::allan::terms::Term;
 
 /// A part of the angle, in ″ and s; how each is sampled is told [above](super).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,13 +35,9 @@ impl Part {
         Part { term, size, shape, octaves: 0 }
     }
 
-    pub(crate) fn law(&self) -> &'static dyn Law {
-        self.term.row().law
-    }
-
     /// Square of the coefficient: what [`Term::part`] is given.
     pub fn square(&self) -> f64 {
-        self.law().square(self)
+        (self.term.row().square)(self)
     }
 
     /// Variance of a difference of angles `m` samples apart, ″²; 0 of the deterministic ramp and warm-up, which are a
@@ -50,19 +46,19 @@ impl Part {
     /// Exact for the sampled process at any m, of every record long enough, and so for the mean of overlapping and
     /// non-overlapping differences alike.
     pub fn variance(&self, difference: Difference, sample_s: f64, m: u64) -> f64 {
-        self.law().variance(self, difference, sample_s, m)
+        (self.term.row().variance)(self, difference, sample_s, m)
     }
 
     /// The difference that the ramp or the warm-up makes; `None` of random parts.
     pub fn trend(&self, difference: Difference, sample_s: f64, m: u64) -> Option<Trend> {
-        self.law().trend(self, difference, sample_s, m)
+        (self.term.row().trend)(self, difference, sample_s, m)
     }
 
     /// Largest |difference| of the parts that are not noise: sine, ramp and warm-up, ″; 0 of noise.
     ///
     /// With 16 standard deviations of the noise beside it, what has to fit into a word.
     pub fn largest(&self, difference: Difference, sample_s: f64, m: u64) -> f64 {
-        self.law().largest(self, difference, sample_s, m)
+        (self.term.row().largest)(self, difference, sample_s, m)
     }
 }
 

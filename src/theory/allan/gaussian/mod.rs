@@ -102,7 +102,11 @@ impl<'a> Pair<'a> {
             b: b as f64,
             terms_a: terms(a),
             terms_b: terms(b),
-            kernels: process.parts.iter().map(|part| part.law().kernel(part, process.sample_s)).collect(),
+            kernels: process
+                .parts
+                .iter()
+                .map(|part| (part.term.row().kernel)(part, process.sample_s))
+                .collect(),
         }
     }
 
@@ -181,7 +185,7 @@ impl<'a> Pair<'a> {
                     let one = |(j, v): (u32, &f64)| v * inner(lag + f64::from(j) * b);
                     ((0..).zip(coefficients).map(one).sum(), 0.0)
                 }
-                None => (part.law().covariance(part, met), part.law().product(part, &apart)),
+                None => ((part.term.row().covariance)(part, met), (part.term.row().product)(part, &apart)),
             };
             (products.noise[i], products.steady[i]) = (noise, steady);
         }

@@ -1,4 +1,4 @@
-//! The terms that noise models are made of: a file for each with all that is known of it, and the list of them.
+//! The terms of noise models: each has a file with all that is known of it, and this is the list of them.
 
 mod angle_random_walk;
 mod bias_instability;
@@ -12,12 +12,13 @@ mod warm_up;
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::part::{Part, Trend};
 
-/// Declares the terms: those that a fit can find and the others, each with the module that has its row.
+/// Declares the terms, those that a fit can find first: each has a module with its row and, if arguments stand here, a
+/// function of that name that makes a part.
 macro_rules! terms {
-    (fitted { $($(#[$fitted_doc:meta])* $Fitted:ident = $fitted:ident,)+ }
-     others { $($(#[$other_doc:meta])* $Other:ident = $other:ident,)+ }) => {
+    (fitted { $($(#[$fitted_doc:meta])* $Fitted:ident = $fitted:ident $(($($fitted_args:ident),+))?,)+ }
+     others { $($(#[$other_doc:meta])* $Other:ident = $other:ident $(($($other_args:ident),+))?,)+ }) => {
         /// A term of a noise model, with the coefficient that is reported for it. Its Allan variance is proportional to the
-        /// coefficient's square.
+        /// square of the coefficient.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
         pub enum Term {
             $($(#[$fitted_doc])* $Fitted,)+
@@ -28,7 +29,7 @@ macro_rules! terms {
             /// Every term that a fit can find.
             pub const ALL: [Term; [$(Term::$Fitted),+].len()] = [$(Term::$Fitted),+];
 
-            /// Every term, also those that no fit finds.
+            /// Every term, including those that no fit finds.
             pub const EVERY: [Term; [$(Term::$Fitted,)+ $(Term::$Other),+].len()] =
                 [$(Term::$Fitted,)+ $(Term::$Other),+];
 
@@ -39,181 +40,139 @@ macro_rules! terms {
                 }
             }
         }
+
+        impl Part {
+            $($(#[doc = "A part of this term, in ″ and s."]
+            pub const fn $fitted($($fitted_args: f64),+) -> Part {
+                Part::new(Term::$Fitted, [$($fitted_args),+, 1.0][0], [$($fitted_args),+, 1.0][1])
+            })?)+
+            $($(#[doc = "A part of this term, in ″ and s."]
+            pub const fn $other($($other_args: f64),+) -> Part {
+                Part::new(Term::$Other, [$($other_args),+, 1.0][0], [$($other_args),+, 1.0][1])
+            })?)+
+        }
     };
 }
 
 terms! {
     fitted {
-        /// Q, ″.
-        Quantisation = quantisation,
-        /// N, ″/√s.
-        AngleRandomWalk = angle_random_walk,
-        /// B, ″/s.
+        /// White error of the angles: its rms Q, ″.
+        Quantisation = quantisation(q),
+        /// White rate: N, ″/√s.
+        AngleRandomWalk = angle_random_walk(n),
+        /// Flicker of the rate: B, ″/s. The Allan variance is flat at (2 ln2/π)B².
         BiasInstability = bias_instability,
-        /// K, ″/s^1.5.
-        RateRandomWalk = rate_random_walk,
-        /// R, ″/s².
-        RateRamp = rate_ramp,
-        /// The rms σ of the exponentially correlated rate, ″/s; its shape is T_c, s. IEEE's q_c is σ√(2/T_c).
-        Markov = markov,
-        /// The amplitude Ω_0 of the rate, ″/s; its shape is f, Hz.
-        Sine = sine,
+        /// Random walk of the rate: K, ″/s^1.5.
+        RateRandomWalk = rate_random_walk(k),
+        /// Constant acceleration: R, ″/s².
+        RateRamp = rate_ramp(r),
+        /// Exponentially correlated rate: its rms σ, ″/s, and the time T_c, s. The part has IEEE's q_c = σ√(2/T_c).
+        Markov = markov(q_c, time_s),
+        /// Sine of the rate with a random phase: its amplitude Ω_0, ″/s, and frequency f, Hz.
+        Sine = sine(amplitude, frequency_hz),
     }
     others {
-        /// The rate at the start of the record, ″/s; its shape is the time T in which it falls to 1/e, s.
-        WarmUp = warm_up,
+        /// Decay of the rate after the start of the record: the rate there, ″/s, and the time T in which it falls to 1/e, s.
+        WarmUp = warm_up(amplitude, time_s),
     }
 }
 
-/// What a term is called, and in which units it is given.
+/// All that is known of a term: its names, its units, and the closed forms for a part of it.
 pub(crate) struct Row {
-    /// As studies have it: of a term with a shape the table of both.
+    /// Name in studies; for a term with a shape that of the table of both.
     pub(crate) key: &'static str,
-    /// As lists of terms and tables of coefficients have it.
+    /// Name in lists of terms and in tables of coefficients.
     pub(crate) symbol: &'static str,
-    /// For people, as on a data sheet: `bias instability B`.
+    /// Name on a data sheet.
     pub(crate) title: &'static str,
-    /// In a sentence, and the article before it where it has one.
-    pub(crate) name: &'static str,
-    pub(crate) article: &'static str,
-    /// From ″ and s to the unit of data sheets: the factor, the unit as files have it, and its symbol for people.
+    /// Article, if it needs one, and name in a sentence.
+    pub(crate) name: [&'static str; 2],
+    /// Factor from ″ and s to the unit of data sheets, that unit in files, and its symbol for people.
     pub(crate) unit: (f64, &'static str, &'static str),
-    /// The unit of plain numbers, in files and for people: theirs times a power of s.
+    /// Unit of a record of plain numbers, in files and for people: a power of s.
     pub(crate) plain: (&'static str, &'static str),
-    /// What an impossible size is one of, and the least possible size.
+    /// Words before a size that is refused, and the least size that is not.
     pub(crate) size: (&'static str, f64),
     pub(crate) shape: Option<Shape>,
-    pub(crate) law: &'static dyn Law,
+    /// The part with this coefficient and shape; the octaves are those of flicker.
+    pub(crate) part: fn(Term, f64, f64, usize) -> Part,
+    /// Square of the coefficient of a part.
+    pub(crate) square: fn(&Part) -> f64,
+    /// See [`Part::variance`], [`Part::trend`] and [`Part::largest`].
+    pub(crate) variance: fn(&Part, Difference, f64, u64) -> f64,
+    pub(crate) trend: fn(&Part, Difference, f64, u64) -> Option<Trend>,
+    pub(crate) largest: fn(&Part, Difference, f64, u64) -> f64,
+    /// Allan variance of the continuous noise at τ, (″/s)²; `None` if it depends on the length of the record.
+    pub(crate) continuous: fn(&Part, f64) -> Option<f64>,
+    /// What gives two differences of noise their covariance, for a sampling time; `None` if samples are independent.
+    pub(crate) kernel: fn(&Part, f64) -> Option<Kernel>,
+    /// Covariance of two differences of noise without a kernel, from the product of the coefficients of angles that meet.
+    pub(crate) covariance: fn(&Part, f64) -> f64,
+    /// Product of two differences of a part that is not noise.
+    pub(crate) product: fn(&Part, &Apart) -> f64,
+    /// What the part adds to the angle over some samples, for a sampling time.
+    pub(crate) increment: fn(&Part, f64, u64) -> Increment,
+    /// The generators for a sampling time and a number of samples.
+    pub(crate) sources: fn(&Part, f64, u64) -> Vec<Source>,
+    /// Angle that the rate of a coefficient can turn through in a time, ″; 0 for noise of the angle.
+    pub(crate) turned: fn(f64, f64) -> f64,
 }
 
-/// The time or frequency that goes with a coefficient.
+/// The time or frequency that belongs to a coefficient.
 pub(crate) struct Shape {
-    /// Within the table of the term.
+    /// Name in the table of the term.
     pub(crate) key: &'static str,
-    /// As tables of coefficients have it.
+    /// Name in tables of coefficients.
     pub(crate) symbol: &'static str,
     pub(crate) unit: &'static str,
-    /// For people, and where it is not clear of which term it is.
+    /// Name for people beside the term, and by itself.
     pub(crate) name: &'static str,
     pub(crate) title: &'static str,
-    /// What an impossible one is one of.
+    /// Words before a value that is refused.
     pub(crate) what: &'static str,
-    /// The letters of coefficient and shape in the legend of a chart.
+    /// Letters of coefficient and shape in the legend of a chart.
     pub(crate) letters: [&'static str; 2],
-    /// Shortest and longest that a curve from the first to the second τ can tell.
+    /// Shortest and longest shape that a curve can tell, from its shortest and longest τ.
     pub(crate) range: fn([f64; 2]) -> [f64; 2],
     /// Points of a search for each factor of ten.
     pub(crate) per_decade: f64,
 }
 
-/// How a sampled part is made: a generator of the kernel, with angles in ″ and times in samples. A part may need several.
-pub(crate) enum Source {
-    /// Independent errors of all angles, of this standard deviation.
-    Errors(f64),
-    /// Independent increments of the angle, of this standard deviation.
-    White(f64),
-    /// Rates that are held for 1, 2, 4, … samples, of these standard deviations.
-    Holds(Vec<f64>),
-    /// A random walk of the rate with steps of this standard deviation.
-    Walk(f64),
-    /// r_k = e^{−decay}·r_{k−1} + …, of this stationary standard deviation; a record has at most one.
-    Markov { sigma: f64, decay: f64 },
-    /// A sine of the angle, of so many turns in a sample; a record has at most one.
-    Sine { amplitude: f64, turns: f64 },
-    /// The angle ½ · this · k².
-    Ramp(f64),
-    /// The angle reach·(1 − e^{−decay·k}).
-    Decay { reach: f64, decay: f64 },
-}
-
-/// What a part adds to the angle between two samples.
-pub(crate) enum Increment {
-    /// A normal number of this variance, ″².
-    Normal(f64),
-    /// A sine of a random phase with this peak, ″.
-    Sine(f64),
-    /// No closed form is known.
-    Other,
-}
-
-/// Second differences, m apart about the lag n ≥ 0, of the generalised covariance of an angle, ″², less a constant: see
-/// [`generalised`](crate::theory::allan::generalised).
-pub(crate) type Kernel = Box<dyn Fn(f64, f64) -> f64>;
-
-/// Two differences of angles, over `a` and `b` samples, of which the second starts `lag` after the first, or anywhere in
-/// `width` lags around that.
-pub(crate) struct Apart {
-    pub(crate) difference: Difference,
-    pub(crate) sample_s: f64,
-    pub(crate) a: f64,
-    pub(crate) b: f64,
-    pub(crate) lag: f64,
-    pub(crate) width: f64,
-}
-
-/// The closed forms of a term, for a part of it.
-pub(crate) trait Law: Sync {
-    /// The part with this coefficient and shape; `octaves` are those of flicker.
-    fn part(&self, term: Term, coefficient: f64, shape: f64, _octaves: usize) -> Part {
-        Part::new(term, coefficient, shape)
-    }
-
-    /// Square of the coefficient of a part.
-    fn square(&self, part: &Part) -> f64 {
-        part.size * part.size
-    }
-
-    /// Variance of a difference of angles `m` samples apart, ″²: as [`Part::variance`].
-    fn variance(&self, _part: &Part, _difference: Difference, _sample_s: f64, _m: u64) -> f64 {
-        0.0
-    }
-
-    /// The difference that is the same in every record: as [`Part::trend`].
-    fn trend(&self, _part: &Part, _difference: Difference, _sample_s: f64, _m: u64) -> Option<Trend> {
-        None
-    }
-
-    /// Largest |difference| of a part that is not noise: as [`Part::largest`].
-    fn largest(&self, part: &Part, difference: Difference, sample_s: f64, m: u64) -> f64 {
-        self.trend(part, difference, sample_s, m).map_or(0.0, |trend| trend.first.abs())
-    }
-
-    /// Allan variance of the continuous noise, (″/s)²; `None` where it depends on the length of the record.
-    fn continuous(&self, part: &Part, tau_s: f64) -> Option<f64>;
-
-    /// What gives two differences of noise their covariance; `None` where nothing reaches from one sample to another.
-    fn kernel(&self, _part: &Part, _sample_s: f64) -> Option<Kernel> {
-        None
-    }
-
-    /// Covariance of two differences of noise without kernel; `met` is the product of the coefficients of angles that meet.
-    fn covariance(&self, _part: &Part, _met: f64) -> f64 {
-        0.0
-    }
-
-    /// Product of two differences of what is no noise. A trend that decays is left out: it is not stationary.
-    fn product(&self, part: &Part, apart: &Apart) -> f64 {
-        let at = |m: f64| self.trend(part, apart.difference, apart.sample_s, m as u64);
-        let steady = |m| at(m).filter(|trend| trend.decay == 0.0).map_or(0.0, |trend| trend.first);
-        steady(apart.a) * steady(apart.b)
-    }
-
-    /// What it adds to the angle over `n` samples.
-    fn increment(&self, _part: &Part, _sample_s: f64, _n: u64) -> Increment {
-        Increment::Other
-    }
-
-    /// How a record of so many samples has it.
-    fn sources(&self, part: &Part, sample_s: f64, samples: u64) -> Vec<Source>;
-
-    /// The angle that a coefficient can turn through in a time, ″: 0 of noise of the angle.
-    fn turned(&self, coefficient: f64, time_s: f64) -> f64 {
-        coefficient.abs() * time_s
-    }
+impl Row {
+    /// A noise of the rate without shape, of which nothing is known in closed form.
+    const NOISE: Row = Row {
+        key: "",
+        symbol: "",
+        title: "",
+        name: [""; 2],
+        unit: (1.0, "deg/h", "°/h"),
+        plain: ("", ""),
+        size: ("a noise of", 0.0),
+        shape: None,
+        part: |term, coefficient, shape, _| Part::new(term, coefficient, shape),
+        square: |part| part.size * part.size,
+        variance: |_, _, _, _| 0.0,
+        trend: |_, _, _, _| None,
+        largest: |part, difference, t0, m| {
+            part.trend(difference, t0, m).map_or(0.0, |trend| trend.first.abs())
+        },
+        continuous: |_, _| None,
+        kernel: |_, _| None,
+        covariance: |_, _| 0.0,
+        // A trend that decays is left out, because it is not stationary.
+        product: |part, apart| {
+            let at = |m: f64| part.trend(apart.difference, apart.sample_s, m as u64);
+            let steady = |m| at(m).filter(|trend| trend.decay == 0.0).map_or(0.0, |trend| trend.first);
+            steady(apart.a) * steady(apart.b)
+        },
+        increment: |_, _, _| Increment::Other,
+        sources: |_, _, _| vec![],
+        turned: |coefficient, time_s| coefficient.abs() * time_s,
+    };
 }
 
 impl Shape {
-    /// A time that a curve tells within its τ, as the humps of its terms are wide.
+    /// A time, which a curve tells within its τ.
     const TIME: Shape = Shape {
         key: "time",
         symbol: "time",
@@ -227,8 +186,50 @@ impl Shape {
     };
 }
 
-/// Units of the coefficients of rates.
-const DEG_PER_H: (f64, &str, &str) = (1.0, "deg/h", "°/h");
+/// A generator of the kernel that makes a sampled part, with angles in ″ and times in samples. A part may need several.
+pub(crate) enum Source {
+    /// Independent errors of all angles with this standard deviation.
+    Errors(f64),
+    /// Independent increments of the angle with this standard deviation.
+    White(f64),
+    /// Rates that are held for 1, 2, 4, … samples, with these standard deviations.
+    Holds(Vec<f64>),
+    /// A random walk of the rate with steps of this standard deviation.
+    Walk(f64),
+    /// The rate r_k = e^{−decay}·r_{k−1} + … with this stationary standard deviation. A record has at most one.
+    Markov { sigma: f64, decay: f64 },
+    /// A sine of the angle with so many turns in a sample. A record has at most one.
+    Sine { amplitude: f64, turns: f64 },
+    /// The angle ½ · this · k².
+    Ramp(f64),
+    /// The angle reach·(1 − e^{−decay·k}).
+    Decay { reach: f64, decay: f64 },
+}
+
+/// What a part adds to the angle between two samples.
+pub(crate) enum Increment {
+    /// A normal number with this variance, ″².
+    Normal(f64),
+    /// A sine of random phase with this peak, ″.
+    Sine(f64),
+    /// No closed form is known.
+    Other,
+}
+
+/// Second difference, m apart about the lag n ≥ 0, of the generalised covariance of an angle, ″², but for a constant: see
+/// [`generalised`](crate::theory::allan::generalised).
+pub(crate) type Kernel = Box<dyn Fn(f64, f64) -> f64>;
+
+/// Two differences of angles at the averaging factors `a` and `b`. The second starts `lag` samples after the first, or
+/// anywhere within `width` lags around that.
+pub(crate) struct Apart {
+    pub(crate) difference: Difference,
+    pub(crate) sample_s: f64,
+    pub(crate) a: f64,
+    pub(crate) b: f64,
+    pub(crate) lag: f64,
+    pub(crate) width: f64,
+}
 
 impl Term {
     /// The five terms of A(4).
@@ -250,7 +251,7 @@ impl Term {
         self.row().unit
     }
 
-    /// The time or frequency of a term that has one.
+    /// The time or frequency of a term, if it has one.
     pub(crate) fn shape(self) -> Option<&'static Shape> {
         self.row().shape.as_ref()
     }
@@ -270,9 +271,9 @@ impl Term {
         self.of_coefficient(libm::sqrt(square), shape, octaves)
     }
 
-    /// The same with the coefficient itself, which may be negative of what is no noise.
+    /// The same with the coefficient itself, which may be negative if the term is not noise.
     pub(crate) fn of_coefficient(self, coefficient: f64, shape: f64, octaves: usize) -> Part {
-        self.row().law.part(self, coefficient, shape, octaves)
+        (self.row().part)(self, coefficient, shape, octaves)
     }
 }
 
