@@ -3,10 +3,10 @@
 use sagnac::fit::choose::Terms;
 use sagnac::fit::curve::Curve;
 use sagnac::fit::fitter::{Fitter, fit_record};
-use sagnac::fit::term::Term;
 use sagnac::theory::allan::estimator::{Difference, Estimator};
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;
+use sagnac::theory::allan::terms::Term;
 
 fn main() {
     divan::main();
@@ -16,11 +16,8 @@ fn main() {
 /// record are.
 fn gyro() -> Curve {
     const SAMPLES: u64 = 32_400;
-    let parts = vec![
-        Part::Quantisation { q: 0.11 },
-        Part::AngleRandomWalk { n: 0.0288 },
-        Part::BiasInstability { b: 0.00164, octaves: 24 },
-    ];
+    let parts =
+        vec![Part::quantisation(0.11), Part::angle_random_walk(0.0288), Part::bias_instability(0.00164, 24)];
     let process = Process { sample_s: 1.0, parts };
     let ms: Vec<u64> = (0..12).map(|octave| 1 << octave).collect();
     let at = |&m: &u64| {

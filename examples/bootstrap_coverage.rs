@@ -10,13 +10,13 @@ use sagnac::fit::coefficient::Fit;
 use sagnac::fit::covariance::Covariance;
 use sagnac::fit::curve::Curve;
 use sagnac::fit::fitter::{Errors, Fitter};
-use sagnac::fit::term::Term;
 use sagnac::kernel::width::Width;
 use sagnac::kinds::allan::lower::{Asked, Records};
 use sagnac::kinds::allan::realisations::realisations;
 use sagnac::theory::allan::estimator::{Difference, Estimator};
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;
+use sagnac::theory::allan::terms::Term;
 
 const METHODS: [&str; 4] =
     ["closed form", "percentiles", "inversion, realised covariance", "inversion, realised quantiles"];
@@ -33,16 +33,16 @@ struct Study {
 
 impl Study {
     fn new(name: &str, chooses: bool) -> Study {
-        let (q, n) = (Part::Quantisation { q: 0.11 }, Part::AngleRandomWalk { n: 0.0288 });
-        let b = |b: f64| Part::BiasInstability { b, octaves: 24 };
-        let k = |k: f64| Part::RateRandomWalk { k };
+        let (q, n) = (Part::quantisation(0.11), Part::angle_random_walk(0.0288));
+        let b = |b: f64| Part::bias_instability(b, 24);
+        let k = |k: f64| Part::rate_random_walk(k);
         let (samples, parts) = match name {
             "gyro" => (32_400, vec![q, n, b(0.00164)]),
             "small" => (4096, vec![q, n, b(0.005)]),
             "short" => (7_200, vec![q, n, b(0.00164)]),
             "walk" => (32_400, vec![q, n, k(1e-4)]),
             "faint" => (32_400, vec![q, n, b(0.00164), k(2e-5)]),
-            _ => (100_000, vec![q, n, b(0.00164), k(3e-5), Part::RateRamp { r: 1e-7 }]),
+            _ => (100_000, vec![q, n, b(0.00164), k(3e-5), Part::rate_ramp(1e-7)]),
         };
         let truth: Vec<(Term, f64)> = parts.iter().map(coefficient).collect();
         let process = Process { sample_s: 1.0, parts };
@@ -110,8 +110,7 @@ impl Study {
 }
 
 fn coefficient(part: &Part) -> (Term, f64) {
-    let (term, square, _) = Term::of_part(part).unwrap();
-    (term, square.sqrt())
+    (part.term, part.square().sqrt())
 }
 
 /// One thread of it: records are what threads share.

@@ -12,9 +12,9 @@ use sagnac::allan::trend::Trend;
 use sagnac::analysis::compare::difference::{Quantity, SIGNIFICANT};
 use sagnac::analysis::compare::{Comparison, compare};
 use sagnac::fit::choose::Terms;
-use sagnac::fit::term::Term;
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;
+use sagnac::theory::allan::terms::Term;
 
 #[path = "../tests/desks/noise.rs"]
 mod noise;
@@ -66,10 +66,10 @@ fn main() {
 fn comparisons(truth: Truth, samplings: [Sampling; 2], terms: &Terms) -> Vec<Comparison> {
     let [q, n, b, k] = truth;
     let parts = [
-        Part::Quantisation { q },
-        Part::AngleRandomWalk { n },
-        Part::BiasInstability { b, octaves: 24 },
-        Part::RateRandomWalk { k },
+        Part::quantisation(q),
+        Part::angle_random_walk(n),
+        Part::bias_instability(b, 24),
+        Part::rate_random_walk(k),
     ];
     let parts: Vec<Part> =
         parts.into_iter().zip(truth).filter(|(_, x)| *x > 0.0).map(|(part, _)| part).collect();

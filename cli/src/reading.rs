@@ -4,11 +4,11 @@ use clap::{Args, ValueEnum};
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::log::Treatment;
 use sagnac::fit::choose::Terms;
-use sagnac::fit::term::Term;
 use sagnac::quantity::units::{Dimension, parse as parse_quantity};
 use sagnac::record::log::check::UnitCheck;
 use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::read::{Request, Timing};
+use sagnac::theory::allan::terms::Term;
 
 use crate::failure::{Failure, in_options};
 
@@ -87,7 +87,8 @@ fn fit_terms(text: &str) -> Result<Fitted, String> {
     let term = |name: &str| {
         let found = Term::ALL.into_iter().find(|term| term.symbol().eq_ignore_ascii_case(name.trim()));
         found.ok_or_else(|| {
-            format!("`{}` is no term; accepted: auto, none, or some of Q,N,B,K,R,markov,sine", name.trim())
+            let known = Term::ALL.map(Term::symbol).join(",");
+            format!("`{}` is no term; accepted: auto, none, or some of {known}", name.trim())
         })
     };
     match text {

@@ -13,7 +13,6 @@ use sagnac::analysis::log::{Treatment, slope};
 use sagnac::fit::choose::Terms;
 use sagnac::fit::curve::FitError;
 use sagnac::fit::record::curve_of;
-use sagnac::fit::term::Term;
 use sagnac::quantity::number::significant;
 use sagnac::record::log::MOST_SAMPLES;
 use sagnac::record::log::check::{LEAST_SAMPLES, UnitCheck};
@@ -21,6 +20,7 @@ use sagnac::record::log::measure::{Data, Unit};
 use sagnac::record::log::outliers::Outliers;
 use sagnac::record::log::samples::{Fault, Samples};
 use sagnac::theory::allan::estimator::Estimator;
+use sagnac::theory::allan::terms::Term;
 
 use super::compute::compute_on;
 use super::failure::{Failure, in_python};

@@ -216,14 +216,14 @@ impl Noise {
     fn parts(&self, octaves: usize) -> Vec<Part> {
         let Noise { q, n, b, k, r, markov, sine } = *self;
         let mut parts = vec![
-            Part::Quantisation { q },
-            Part::AngleRandomWalk { n },
-            Part::BiasInstability { b, octaves },
-            Part::RateRandomWalk { k },
-            Part::RateRamp { r },
+            Part::quantisation(q),
+            Part::angle_random_walk(n),
+            Part::bias_instability(b, octaves),
+            Part::rate_random_walk(k),
+            Part::rate_ramp(r),
         ];
-        parts.extend(markov.map(|(rms, time_s)| Part::Markov { q_c: rms * (2.0 / time_s).sqrt(), time_s }));
-        parts.extend(sine.map(|(amplitude, frequency_hz)| Part::Sine { amplitude, frequency_hz }));
+        parts.extend(markov.map(|(rms, time_s)| Part::markov(rms * (2.0 / time_s).sqrt(), time_s)));
+        parts.extend(sine.map(|(amplitude, frequency_hz)| Part::sine(amplitude, frequency_hz)));
         parts
     }
 }

@@ -9,9 +9,9 @@ use crate::fit::coefficient::{Coefficient, Fit, Verdict};
 use crate::fit::curve::{Curve, FitError};
 use crate::fit::fitter::Fitter;
 use crate::fit::record::curve_of;
-use crate::fit::term::Term;
 use crate::kernel::width::Width;
 use crate::kinds::allan::realisations::realisations;
+use crate::theory::allan::terms::Term;
 
 /// Simulated records of a fit, unless told or the record has more than [`MOST_SIMULATED`] samples.
 pub const USUAL_REALISATIONS: usize = 1000;
@@ -173,8 +173,7 @@ fn rows(fit: &Fit, unit: Unit) -> Vec<Row> {
             verdict: verdict(coefficient),
         });
         if let Some(shape) = coefficient.shape {
-            let (name, unit) =
-                if coefficient.term == Term::Sine { ("sine_frequency", "Hz") } else { ("markov_time", "s") };
+            let (name, unit) = coefficient.term.shape().map_or(("", ""), |row| (row.symbol, row.unit));
             let (value, interval) = (Some(shape.value), Some(shape.interval));
             rows.push(Row { name, unit, symbol: unit, value, interval, verdict: verdict(coefficient) });
         }
@@ -193,12 +192,11 @@ fn verdict(coefficient: &Coefficient) -> &'static str {
 
 /// From ″ and s to the unit of data sheets: factor, name in files, symbol. Plain numbers keep theirs, times a power of s.
 pub fn data_sheet_unit(term: Term, unit: Unit) -> (f64, &'static str, &'static str) {
-    match (unit, term) {
-        (Unit::Angular, term) => term.data_sheet_unit(),
-        (Unit::Plain, Term::Quantisation) => (1.0, "s", "· s"),
-        (Unit::Plain, Term::AngleRandomWalk) => (1.0, "sqrt(s)", "· √s"),
-        (Unit::Plain, Term::RateRandomWalk) => (1.0, "1/sqrt(s)", "/ √s"),
-        (Unit::Plain, Term::RateRamp) => (1.0, "1/s", "/ s"),
-        (Unit::Plain, _) => (1.0, "", ""),
+    match unit {
+        Unit::Angular => term.data_sheet_unit(),
+        Unit::Plain => {
+            let (in_files, symbol) = term.row().plain;
+            (1.0, in_files, symbol)
+        }
     }
 }

@@ -12,7 +12,7 @@ use crate::fit::growth::Growth;
 use crate::fit::interval::{Variance, WITHIN_95};
 use crate::fit::nnls::dot;
 use crate::fit::search::{Fitted, System};
-use crate::fit::term::Term;
+use crate::theory::allan::terms::Term;
 use crate::theory::cholesky;
 
 /// Logarithmic step of the derivative by a shape.

@@ -1,11 +1,7 @@
 //! The terms of a fit at the averaging factors of its curves, before weights.
 
 use crate::fit::curve::Curve;
-use crate::fit::term::Term;
-
-/// Points of the grid for each factor of ten. The humps of Markov noise are wide, those of a sine a third of an octave.
-const GRID_OF_TIMES: f64 = 12.0;
-const GRID_OF_FREQUENCIES: f64 = 40.0;
+use crate::theory::allan::terms::Term;
 
 /// Columns of one term, one for each shape.
 pub type Columns = Vec<(f64, Vec<f64>)>;
@@ -55,15 +51,10 @@ fn shapes(curve: &Curve, term: Term) -> Vec<f64> {
 ///
 /// Markov noise beyond is a random walk or white to the curve, a slower sine a ramp.
 pub fn shape_range(curve: &Curve, term: Term) -> [f64; 2] {
-    let [shortest, longest] = curve.tau_range();
-    match term {
-        Term::Sine => [0.2 / longest, 0.5 / shortest],
-        Term::Markov => [shortest, longest],
-        _ => [1.0; 2],
-    }
+    term.shape().map_or([1.0; 2], |shape| (shape.range)(curve.tau_range()))
 }
 
 /// Points of the grid of shapes for each factor of ten.
 pub fn per_decade(term: Term) -> f64 {
-    if term == Term::Sine { GRID_OF_FREQUENCIES } else { GRID_OF_TIMES }
+    term.shape().map_or(1.0, |shape| shape.per_decade)
 }

@@ -3,7 +3,7 @@
 use crate::allan::trend::Trend;
 use crate::fit::curve::FitError;
 use crate::fit::search::{Solution, System};
-use crate::fit::term::Term;
+use crate::theory::allan::terms::Term;
 
 /// What a term has to take off χ² to be chosen.
 ///

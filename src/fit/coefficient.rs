@@ -2,8 +2,8 @@
 
 use crate::fit::chi_squared::survival;
 use crate::fit::evidence::Evidence;
-use crate::fit::term::Term;
 use crate::theory::allan::process::Process;
+use crate::theory::allan::terms::Term;
 
 /// How far a coefficient is known. A bound is the upper end of the 95 % interval, so that it fails 2.5 % of the time: a
 /// closer one for coefficients that turn out small would spoil the intervals of those that do not.

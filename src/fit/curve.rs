@@ -1,9 +1,9 @@
 //! What is fitted: estimates of the Allan variance over averaging factors.
 
-use crate::fit::term::Term;
 use crate::theory::allan::estimator::{Difference, Estimator};
 use crate::theory::allan::holds;
 use crate::theory::allan::process::Process;
+use crate::theory::allan::terms::Term;
 
 /// Estimates of one record, or their mean over many.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,7 +10,7 @@ use crate::fit::covariance::Covariance;
 use crate::fit::curve::{Curve, FitError};
 use crate::fit::growth::Growth;
 use crate::fit::search::{Solution, System};
-use crate::fit::term::Term;
+use crate::theory::allan::terms::Term;
 
 /// Where the covariance between the estimates comes from, and with it what errors a coefficient has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -112,7 +112,8 @@ impl Fitter {
         realisations: &[Vec<f64>],
     ) -> Result<Fit, FitError> {
         let curve = self.geometry.with(variances)?;
-        let found: Vec<(Term, f64, f64)> = first.process.parts.iter().filter_map(Term::of_part).collect();
+        let terms = first.process.parts.iter().map(|part| (part.term, part.square(), part.shape));
+        let found: Vec<(Term, f64, f64)> = terms.collect();
         let of_first = |term: Term| {
             let absent = (term, 0.0, self.basis.of(term)[0].0);
             found.iter().find(|(other, ..)| *other == term).copied().unwrap_or(absent)

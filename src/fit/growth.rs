@@ -2,8 +2,8 @@
 
 use crate::fit::curve::{Curve, FitError};
 use crate::fit::interval::Variance;
-use crate::fit::term::Term;
 use crate::theory::allan::gaussian::Components;
+use crate::theory::allan::terms::Term;
 
 /// The covariance of the estimates of one record as a function of the squares of some terms.
 #[derive(Debug)]

@@ -5,7 +5,7 @@
 //! use sagnac::theory::allan::{Difference, Estimator, Part, Process};
 //!
 //! // The curve that a record of 36000 s of a gyro with N = 0.03 ″/√s gives on average.
-//! let gyro = Process { sample_s: 1.0, parts: vec![Part::AngleRandomWalk { n: 0.03 }] };
+//! let gyro = Process { sample_s: 1.0, parts: vec![Part::angle_random_walk(0.03)] };
 //! let ms: Vec<u64> = (0..14).map(|octave| 1 << octave).collect();
 //! let at = |&m: &u64| gyro.expected(Estimator::OVERLAPPING, 36_000, m).unwrap();
 //! let variances = ms.iter().map(at).collect();
@@ -47,7 +47,6 @@ pub mod interval;
 pub mod nnls;
 pub mod record;
 pub mod search;
-pub mod term;
 
 pub use crate::fit::chi_squared::survival;
 pub use crate::fit::choose::{LIKELY, PENALTY, PENALTY_OF_SHAPE, RIVAL, Terms};
@@ -57,4 +56,4 @@ pub use crate::fit::curve::{Curve, FitError};
 pub use crate::fit::fitter::{Errors, Fitter, fit, fit_record};
 pub(crate) use crate::fit::nnls::nnls;
 pub use crate::fit::record::curve_of;
-pub use crate::fit::term::Term;
+pub use crate::theory::allan::terms::Term;

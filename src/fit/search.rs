@@ -8,7 +8,7 @@ use crate::fit::basis::{Basis, per_decade, shape_range};
 use crate::fit::covariance::Covariance;
 use crate::fit::curve::Curve;
 use crate::fit::nnls::{dot, nnls};
-use crate::fit::term::Term;
+use crate::theory::allan::terms::Term;
 
 /// Golden sections of one bracket, down to 1e-8 of it.
 const SECTIONS: usize = 40;

@@ -5,6 +5,7 @@ use crate::key::row::keys;
 use crate::key::setting::Setting;
 use crate::noise::{Noise, Switching};
 use crate::quantity::units::Dimension;
+use crate::theory::allan::terms::Term;
 
 const ANGLES: Holds = measure(&[Dimension::Angle], 0.0, 1e6, "0 to 1e6 arcsec");
 const RATES: Holds = measure(&[Dimension::DriftRate], 0.0, 1e6, "0 to 1e6 deg/h");
@@ -70,32 +71,31 @@ keys! {
     pub(crate) RESIDUAL_NOISE = "noise.switching.residual_noise", "noise of fill residuals", ANGLES, r#"residual_noise = "2 arcsec""#;
 }
 
+/// The setting of the coefficient (0) or the shape (1) of a term: what has a shape is swept only where its table is.
+macro_rules! of_term {
+    ($key:ident, $term:ident, $place:literal) => {
+        Setting::of(
+            &$key,
+            |noise| !Term::$term.has_shape() || noise.has(Term::$term),
+            |noise, given| noise.set(Term::$term, $place, given.value),
+        )
+    };
+}
+
 /// What each coefficient sets; a part that is not there comes to be with its first key.
 pub(crate) static SETTINGS: [Setting<Noise>; 18] = [
-    Setting::new(&QUANTISATION, |noise, q| noise.quantisation = q.value),
+    of_term!(QUANTISATION, Quantisation, 0),
     Setting::new(&READOUT_LSB, |noise, lsb| noise.readout_lsb = lsb.value),
-    Setting::new(&ANGLE_RANDOM_WALK, |noise, n| noise.angle_random_walk = n.value),
-    Setting::new(&BIAS_INSTABILITY, |noise, b| noise.bias_instability = b.value),
-    Setting::new(&RATE_RANDOM_WALK, |noise, k| noise.rate_random_walk = k.value),
-    Setting::new(&RATE_RAMP, |noise, r| noise.rate_ramp = r.value),
-    Setting::of(&MARKOV_AMPLITUDE, has_markov, |noise, rms| {
-        noise.markov.get_or_insert_default().amplitude = rms.value;
-    }),
-    Setting::of(&MARKOV_TIME, has_markov, |noise, time| {
-        noise.markov.get_or_insert_default().time_s = time.value;
-    }),
-    Setting::of(&SINE_AMPLITUDE, has_sine, |noise, peak| {
-        noise.sine.get_or_insert_default().amplitude = peak.value;
-    }),
-    Setting::of(&SINE_FREQUENCY, has_sine, |noise, frequency| {
-        noise.sine.get_or_insert_default().frequency_hz = frequency.value;
-    }),
-    Setting::of(&WARM_UP_AMPLITUDE, has_warm_up, |noise, rate| {
-        noise.warm_up.get_or_insert_default().amplitude = rate.value;
-    }),
-    Setting::of(&WARM_UP_TIME, has_warm_up, |noise, time| {
-        noise.warm_up.get_or_insert_default().time_s = time.value;
-    }),
+    of_term!(ANGLE_RANDOM_WALK, AngleRandomWalk, 0),
+    of_term!(BIAS_INSTABILITY, BiasInstability, 0),
+    of_term!(RATE_RANDOM_WALK, RateRandomWalk, 0),
+    of_term!(RATE_RAMP, RateRamp, 0),
+    of_term!(MARKOV_AMPLITUDE, Markov, 0),
+    of_term!(MARKOV_TIME, Markov, 1),
+    of_term!(SINE_AMPLITUDE, Sine, 0),
+    of_term!(SINE_FREQUENCY, Sine, 1),
+    of_term!(WARM_UP_AMPLITUDE, WarmUp, 0),
+    of_term!(WARM_UP_TIME, WarmUp, 1),
     Setting::of(&INTERVAL, switches, |noise, time| of_switching(noise).interval_s = time.value),
     Setting::of(&MAGNETIC, switches, |noise, rate| of_switching(noise).magnetic = rate.value),
     Setting::of(&SWITCHING_WARM_UP, switches, |noise, time| {
@@ -105,18 +105,6 @@ pub(crate) static SETTINGS: [Setting<Noise>; 18] = [
     Setting::of(&RESIDUAL, switches, |noise, d| of_switching(noise).residual = d.value),
     Setting::of(&RESIDUAL_NOISE, switches, |noise, sigma| of_switching(noise).residual_noise = sigma.value),
 ];
-
-fn has_markov(noise: &Noise) -> bool {
-    noise.markov.is_some()
-}
-
-fn has_sine(noise: &Noise) -> bool {
-    noise.sine.is_some()
-}
-
-fn has_warm_up(noise: &Noise) -> bool {
-    noise.warm_up.is_some()
-}
 
 fn switches(noise: &Noise) -> bool {
     noise.switching.is_some()

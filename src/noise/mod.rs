@@ -3,61 +3,22 @@
 pub(crate) mod keys;
 pub(crate) mod read;
 
+use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::part::Part;
 use crate::theory::allan::process::Process;
+use crate::theory::allan::terms::Term;
 use crate::theory::allan::{holds, switching};
 use crate::theory::drift::magnetic::Magnetic;
 
-/// Coefficients in ″ and s; 0 is absent.
+/// Coefficients of terms, and what is no term; 0 is absent.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Noise {
-    /// Q, ″.
-    pub quantisation: f64,
+    /// Of each term its coefficient and shape in ″ and s, in the order of [`Term::EVERY`]; `None` of those that are not written.
+    terms: [Option<[f64; 2]>; Term::EVERY.len()],
     /// Angle of a pulse where whole pulses are read, ″.
     pub readout_lsb: f64,
-    /// N, ″/√s.
-    pub angle_random_walk: f64,
-    /// B, ″/s.
-    pub bias_instability: f64,
-    /// K, ″/s^1.5.
-    pub rate_random_walk: f64,
-    /// R, ″/s².
-    pub rate_ramp: f64,
-    /// Exponentially correlated.
-    pub markov: Option<Markov>,
-    /// Of a random phase.
-    pub sine: Option<Sine>,
-    /// The same in all records.
-    pub warm_up: Option<WarmUp>,
     /// Of a gyro that switches modes.
     pub switching: Option<Switching>,
-}
-
-/// Exponentially correlated noise of the rate.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Markov {
-    /// Its rms, ″/s.
-    pub amplitude: f64,
-    /// T_c, s.
-    pub time_s: f64,
-}
-
-/// A sine of the rate.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Sine {
-    /// Its peak, ″/s.
-    pub amplitude: f64,
-    /// Hz.
-    pub frequency_hz: f64,
-}
-
-/// A decay of the rate from the start of the record on.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct WarmUp {
-    /// The rate at the start, ″/s.
-    pub amplitude: f64,
-    /// In which it falls to 1/e, s.
-    pub time_s: f64,
 }
 
 /// A gyro that switches modes from the start of the record on; 0 is absent.
@@ -108,6 +69,21 @@ impl Switching {
 }
 
 impl Noise {
+    /// Coefficient and shape of a term; 0 where it is absent.
+    pub fn of(&self, term: Term) -> [f64; 2] {
+        self.terms[term as usize].unwrap_or_default()
+    }
+
+    /// Whether it has a term: of those with a shape the table, of the others a coefficient that is not 0.
+    pub fn has(&self, term: Term) -> bool {
+        self.terms[term as usize].is_some_and(|[size, _]| size != 0.0 || term.has_shape())
+    }
+
+    /// Sets the coefficient (0) or the shape (1) of a term, which comes to be with that.
+    pub(crate) fn set(&mut self, term: Term, place: usize, value: f64) {
+        self.terms[term as usize].get_or_insert_default()[place] = value;
+    }
+
     /// The switches of records of samples of `sample_s`; `None` where they change nothing.
     pub fn switched(&self, sample_s: f64) -> Option<switching::Switching> {
         let switching = self.switching.filter(|switching| !switching.is_nothing())?;
@@ -124,72 +100,55 @@ impl Noise {
     /// Records too long for the octaves of flicker have the most there are; they are refused elsewhere.
     pub fn process(&self, sample_s: f64, samples: u64) -> Process {
         let octaves = holds::octaves(samples).unwrap_or(holds::MOST_OCTAVES);
-        let some = |value: f64, part: Part| (value != 0.0).then_some(part);
-        let parts = [
-            some(self.quantisation, Part::Quantisation { q: self.quantisation }),
-            some(self.angle_random_walk, Part::AngleRandomWalk { n: self.angle_random_walk }),
-            some(self.bias_instability, Part::BiasInstability { b: self.bias_instability, octaves }),
-            some(self.rate_random_walk, Part::RateRandomWalk { k: self.rate_random_walk }),
-            self.markov.and_then(|Markov { amplitude, time_s }| {
-                some(amplitude, Part::Markov { q_c: amplitude * libm::sqrt(2.0 / time_s), time_s })
-            }),
-            self.sine.and_then(|Sine { amplitude, frequency_hz }| {
-                some(amplitude, Part::Sine { amplitude, frequency_hz })
-            }),
-            some(self.rate_ramp, Part::RateRamp { r: self.rate_ramp }),
-            self.warm_up
-                .and_then(|WarmUp { amplitude, time_s }| some(amplitude, Part::WarmUp { amplitude, time_s })),
-        ];
-        Process { sample_s, parts: parts.into_iter().flatten().collect() }
+        let there = Term::EVERY.into_iter().filter_map(|term| {
+            let [size, shape] = self.of(term);
+            let shape = if term.has_shape() { shape } else { 1.0 };
+            (size != 0.0).then(|| term.of_coefficient(size, shape, octaves))
+        });
+        // What is the same in all records comes last.
+        let is_trend = |part: &Part| part.trend(Difference::Second, sample_s, 1).is_some();
+        let (trends, random): (Vec<Part>, Vec<Part>) = there.partition(is_trend);
+        Process { sample_s, parts: [random, trends].concat() }
     }
 
     /// What determines the draws, key by key in base units; what is absent has no line.
     pub(crate) fn canonical(&self) -> String {
-        let with = |is: bool, value: f64| if is { value } else { 0.0 };
-        let [markov, sine, warm_up] = [
-            self.markov.map_or([0.0; 2], |m| [m.amplitude, with(m.amplitude != 0.0, m.time_s)]),
-            self.sine.map_or([0.0; 2], |s| [s.amplitude, with(s.amplitude != 0.0, s.frequency_hz)]),
-            self.warm_up.map_or([0.0; 2], |w| [w.amplitude, with(w.amplitude != 0.0, w.time_s)]),
-        ];
+        let terms = Term::EVERY.into_iter().filter(|term| self.of(*term)[0] != 0.0).flat_map(|term| {
+            let key = term.row().key.trim_start_matches("noise.");
+            let [size, of_shape] = self.of(term);
+            match term.shape() {
+                None => vec![(key.to_owned(), size)],
+                Some(shape) => {
+                    vec![(format!("{key}.amplitude"), size), (format!("{key}.{}", shape.key), of_shape)]
+                }
+            }
+        });
         let switching = self.switching.filter(|switching| !switching.is_nothing()).unwrap_or_default();
-        let all = [
-            ("angle_random_walk", self.angle_random_walk),
-            ("bias_instability", self.bias_instability),
-            ("markov.amplitude", markov[0]),
-            ("markov.time", markov[1]),
-            ("quantisation", self.quantisation),
-            ("rate_ramp", self.rate_ramp),
-            ("rate_random_walk", self.rate_random_walk),
+        let warm_up_s = switching.warm_up_s.filter(|_| switching.magnetic != 0.0).unwrap_or(0.0);
+        let others = [
             ("readout_lsb", self.readout_lsb),
-            ("sine.amplitude", sine[0]),
-            ("sine.frequency", sine[1]),
             ("switching.initial_magnetic", switching.initial_magnetic),
             ("switching.interval", switching.interval_s),
             ("switching.magnetic", switching.magnetic),
             ("switching.residual", switching.residual),
             ("switching.residual_noise", switching.residual_noise),
-            ("switching.warm_up_time", with(switching.magnetic != 0.0, switching.warm_up_s.unwrap_or(0.0))),
-            ("warm_up.amplitude", warm_up[0]),
-            ("warm_up.time", warm_up[1]),
+            ("switching.warm_up_time", warm_up_s),
         ];
-        let given = all.into_iter().filter(|(_, value)| *value != 0.0);
-        given.map(|(name, value)| format!("{name}={value:.11e}\n")).collect()
+        let others = others.map(|(key, value)| (key.to_owned(), value));
+        let mut given: Vec<(String, f64)> = terms.chain(others).filter(|(_, value)| *value != 0.0).collect();
+        given.sort_by(|(a, _), (b, _)| a.cmp(b));
+        given.iter().map(|(name, value)| format!("{name}={value:.11e}\n")).collect()
     }
 
     /// The angle, ″, that each part of the rate but the angle random walk can turn through in a time, with one switch at the
     /// most; rms of noise and residuals.
     pub(crate) fn over(&self, time_s: f64) -> Vec<(&'static str, f64)> {
-        let t = time_s;
-        let all = [
-            ("bias instability", self.bias_instability * t),
-            ("rate random walk", self.rate_random_walk * t * libm::sqrt(t)),
-            ("rate ramp", 0.5 * self.rate_ramp.abs() * t * t),
-            ("Markov noise", self.markov.map_or(0.0, |markov| markov.amplitude * t)),
-            ("sine", self.sine.map_or(0.0, |sine| sine.amplitude * t)),
-            ("warm-up", self.warm_up.map_or(0.0, |warm_up| warm_up.amplitude.abs() * t)),
-            ("alternating drift", self.switching.map_or(0.0, |switching| switching.largest_rate() * t)),
+        let turned = |term: Term| (term.row().name[1], (term.row().turned)(self.of(term)[0], time_s));
+        let switching = [
+            ("alternating drift", self.switching.map_or(0.0, |switching| switching.largest_rate() * time_s)),
             ("fill residuals", self.switching.map_or(0.0, |switching| switching.residual_rms())),
         ];
-        all.into_iter().filter(|(_, angle)| *angle != 0.0).collect()
+        let all = Term::EVERY.into_iter().map(turned).chain(switching);
+        all.filter(|(_, angle)| *angle != 0.0).collect()
     }
 }

@@ -1,7 +1,7 @@
 //! What is counted over many fits.
 
 use sagnac::fit::coefficient::{Fit, Verdict};
-use sagnac::fit::term::Term;
+use sagnac::theory::allan::terms::Term;
 
 /// The terms of the paper's gyros.
 pub const QNB: [Term; 3] = [Term::Quantisation, Term::AngleRandomWalk, Term::BiasInstability];

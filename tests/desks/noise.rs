@@ -9,6 +9,7 @@ use rand::rngs::StdRng;
 use sagnac::theory::allan::holds;
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;
+use sagnac::theory::allan::terms::Term;
 
 /// A normal number, by Box and Muller.
 pub fn normal(rng: &mut StdRng) -> f64 {
@@ -26,11 +27,12 @@ pub fn angles(part: Part, t0: f64, samples: usize, rng: &mut StdRng) -> Vec<f64>
         });
         core::iter::once(0.0).chain(rest).collect()
     };
-    match part {
-        Part::Quantisation { q } => (0..=samples).map(|_| q * normal(rng)).collect(),
-        Part::AngleRandomWalk { n } => held(&mut |_| n / t0.sqrt() * normal(rng)),
-        Part::BiasInstability { b, octaves } => {
-            let level = 2.0 * LN_2 / PI * b * b;
+    let Part { term, size, shape, octaves } = part;
+    match term {
+        Term::Quantisation => (0..=samples).map(|_| size * normal(rng)).collect(),
+        Term::AngleRandomWalk => held(&mut |_| size / t0.sqrt() * normal(rng)),
+        Term::BiasInstability => {
+            let level = 2.0 * LN_2 / PI * size * size;
             let mut rates = vec![0.0; samples];
             for (o, variance) in holds::variances(octaves).unwrap().into_iter().enumerate() {
                 let length = 1_usize << o;
@@ -49,30 +51,28 @@ pub fn angles(part: Part, t0: f64, samples: usize, rng: &mut StdRng) -> Vec<f64>
             }
             held(&mut |k| rates[k])
         }
-        Part::RateRandomWalk { k } => {
+        Term::RateRandomWalk => {
             let mut rate = 0.0;
             held(&mut |_| {
-                rate += k * t0.sqrt() * normal(rng);
+                rate += size * t0.sqrt() * normal(rng);
                 rate
             })
         }
-        Part::Markov { q_c, time_s } => {
-            let (a, sigma) = ((-t0 / time_s).exp(), q_c * (0.5 * time_s).sqrt());
+        Term::Markov => {
+            let (a, sigma) = ((-t0 / shape).exp(), size * (0.5 * shape).sqrt());
             let mut rate = sigma * normal(rng);
             held(&mut |_| {
                 rate = a * rate + sigma * (1.0 - a * a).sqrt() * normal(rng);
                 rate
             })
         }
-        Part::Sine { amplitude, frequency_hz } => {
+        Term::Sine => {
             let phase: f64 = rng.random();
-            let at = |k: usize| (TAU * (frequency_hz * t0 * k as f64 + phase)).cos();
-            (0..=samples).map(|k| -amplitude / (TAU * frequency_hz) * at(k)).collect()
+            let at = |k: usize| (TAU * (shape * t0 * k as f64 + phase)).cos();
+            (0..=samples).map(|k| -size / (TAU * shape) * at(k)).collect()
         }
-        Part::RateRamp { r } => (0..=samples).map(|k| 0.5 * r * (t0 * k as f64).powi(2)).collect(),
-        Part::WarmUp { amplitude, time_s } => {
-            (0..=samples).map(|k| -amplitude * time_s * (-t0 * k as f64 / time_s).exp_m1()).collect()
-        }
+        Term::RateRamp => (0..=samples).map(|k| 0.5 * size * (t0 * k as f64).powi(2)).collect(),
+        Term::WarmUp => (0..=samples).map(|k| -size * shape * (-t0 * k as f64 / shape).exp_m1()).collect(),
     }
 }
 

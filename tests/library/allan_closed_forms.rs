@@ -74,15 +74,15 @@ fn compare(
 fn each_part_sampled_has_the_expected_variances() {
     let t0 = 0.25;
     let parts = [
-        Part::Quantisation { q: 0.11 },
-        Part::AngleRandomWalk { n: 0.03 },
-        Part::BiasInstability { b: 0.002, octaves: 24 },
-        Part::RateRandomWalk { k: 1e-3 },
-        Part::Markov { q_c: 1e-3, time_s: 20.0 },
-        Part::Markov { q_c: 1e-3, time_s: 0.1 },
-        Part::Sine { amplitude: 0.1, frequency_hz: 0.0371 },
-        Part::RateRamp { r: 1e-4 },
-        Part::WarmUp { amplitude: 0.5, time_s: 100.0 },
+        Part::quantisation(0.11),
+        Part::angle_random_walk(0.03),
+        Part::bias_instability(0.002, 24),
+        Part::rate_random_walk(1e-3),
+        Part::markov(1e-3, 20.0),
+        Part::markov(1e-3, 0.1),
+        Part::sine(0.1, 0.0371),
+        Part::rate_ramp(1e-4),
+        Part::warm_up(0.5, 100.0),
     ];
     for (i, part) in parts.into_iter().enumerate() {
         let process = Process { sample_s: t0, parts: vec![part] };
@@ -100,10 +100,10 @@ fn each_part_sampled_has_the_expected_variances() {
 fn a_readout_of_whole_pulses_adds_the_variance_of_its_closed_form() {
     let (t0, q, rate) = (0.25, 0.38, 15.041);
     let parts = [
-        Part::AngleRandomWalk { n: 0.05 },
-        Part::Markov { q_c: 3e-3, time_s: 10.0 },
-        Part::Sine { amplitude: 0.3, frequency_hz: 0.31 },
-        Part::Quantisation { q: 0.01 },
+        Part::angle_random_walk(0.05),
+        Part::markov(3e-3, 10.0),
+        Part::sine(0.3, 0.31),
+        Part::quantisation(0.01),
     ];
     for (name, parts) in [("noise", &parts[..1]), ("all", &parts[..])] {
         let process = Process { sample_s: t0, parts: parts.to_vec() };

@@ -9,10 +9,10 @@ use sagnac::fit::coefficient::{Fit, Verdict};
 use sagnac::fit::covariance::Covariance;
 use sagnac::fit::curve::Curve;
 use sagnac::fit::fitter::{Errors, fit};
-use sagnac::fit::term::Term;
 use sagnac::theory::allan::estimator::{Difference, Estimator};
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;
+use sagnac::theory::allan::terms::Term;
 use sagnac::theory::cholesky;
 
 /// Averaging factors, `per_decade` to a factor of ten or 0 for octaves, up to a tenth of the record.
@@ -38,11 +38,7 @@ fn process(parts: &[Part]) -> Process {
 
 /// LGV-1 of the paper's table 2.
 fn lgv1() -> [Part; 3] {
-    [
-        Part::Quantisation { q: 0.11 },
-        Part::AngleRandomWalk { n: 0.00048 * 60.0 },
-        Part::BiasInstability { b: 0.00164, octaves: 24 },
-    ]
+    [Part::quantisation(0.11), Part::angle_random_walk(0.00048 * 60.0), Part::bias_instability(0.00164, 24)]
 }
 
 fn near(found: Option<f64>, expected: f64, tolerance: f64, what: &str) {
@@ -71,11 +67,11 @@ fn draws(mean: &Curve, covariance: &Covariance, count: usize, seed: u64) -> Vec<
 #[test]
 fn curves_without_noise_are_recovered() {
     let parts = [
-        (Term::Quantisation, Part::Quantisation { q: 0.11 }, 0.11),
-        (Term::AngleRandomWalk, Part::AngleRandomWalk { n: 0.0288 }, 0.0288),
-        (Term::BiasInstability, Part::BiasInstability { b: 0.00164, octaves: 24 }, 0.00164),
-        (Term::RateRandomWalk, Part::RateRandomWalk { k: 2e-5 }, 2e-5),
-        (Term::RateRamp, Part::RateRamp { r: 4e-7 }, 4e-7),
+        (Term::Quantisation, Part::quantisation(0.11), 0.11),
+        (Term::AngleRandomWalk, Part::angle_random_walk(0.0288), 0.0288),
+        (Term::BiasInstability, Part::bias_instability(0.00164, 24), 0.00164),
+        (Term::RateRandomWalk, Part::rate_random_walk(2e-5), 2e-5),
+        (Term::RateRamp, Part::rate_ramp(4e-7), 4e-7),
     ];
     let all = process(&parts.map(|(_, part, _)| part));
     for per_decade in [0, 10] {
@@ -92,7 +88,7 @@ fn curves_without_noise_are_recovered() {
     // Each alone, the white floor of a good instrument under what is not noise itself.
     for (term, part, truth) in parts {
         let alone = process(&[part]);
-        let weights = process(&[part, Part::AngleRandomWalk { n: 1e-4 }]);
+        let weights = process(&[part, Part::angle_random_walk(1e-4)]);
         let curve = mean_curve(&alone, 1_000_000, 0);
         let covariance = Covariance::of_process(&weights, &curve).unwrap();
         let fit = fit(&curve, &covariance, &Terms::Auto(Term::MODEL.to_vec()), Errors::Known).unwrap();
@@ -106,8 +102,8 @@ fn curves_without_noise_are_recovered() {
 #[test]
 fn correlation_time_and_frequency_are_recovered() {
     let (sigma, time_s) = (0.004, 200.0);
-    let markov = Part::Markov { q_c: sigma * f64::sqrt(2.0 / time_s), time_s };
-    let sine = Part::Sine { amplitude: 0.01, frequency_hz: 0.003 };
+    let markov = Part::markov(sigma * f64::sqrt(2.0 / time_s), time_s);
+    let sine = Part::sine(0.01, 0.003);
     let terms = [&QNB[..], &[Term::Markov, Term::Sine]].concat();
     let truth = process(&[&lgv1()[..], &[markov, sine]].concat());
     let curve = mean_curve(&truth, 324_000, 10);
@@ -122,7 +118,7 @@ fn correlation_time_and_frequency_are_recovered() {
         near(value(&fit, Term::AngleRandomWalk), 0.0288, 1e-4, "N");
     }
     // A correlation time far beyond the record is not told from a random walk of the rate.
-    let slow = Part::Markov { q_c: 1e-4, time_s: 1e9 };
+    let slow = Part::markov(1e-4, 1e9);
     let truth = process(&[lgv1()[1], slow]);
     let curve = mean_curve(&truth, 324_000, 0);
     let covariance = Covariance::of_process(&truth, &curve).unwrap();
@@ -156,7 +152,7 @@ fn intervals_cover_the_truth_95_times_in_100() {
 #[test]
 fn intervals_of_markov_noise_cover_its_time_too() {
     let (sigma, time_s) = (0.004, 200.0);
-    let markov = Part::Markov { q_c: sigma * f64::sqrt(2.0 / time_s), time_s };
+    let markov = Part::markov(sigma * f64::sqrt(2.0 / time_s), time_s);
     let truth = process(&[lgv1()[0], lgv1()[1], markov]);
     let mean = mean_curve(&truth, 324_000, 0);
     let covariance = Covariance::of_process(&truth, &mean).unwrap();
@@ -177,7 +173,7 @@ fn intervals_of_markov_noise_cover_its_time_too() {
 
 #[test]
 fn what_is_not_there_is_bounded_and_not_invented() {
-    let white = process(&[Part::AngleRandomWalk { n: 0.03 }]);
+    let white = process(&[Part::angle_random_walk(0.03)]);
     let mean = mean_curve(&white, 32_400, 0);
     let covariance = Covariance::of_process(&white, &mean).unwrap();
     let terms = Terms::Given(Term::MODEL.to_vec());
@@ -207,8 +203,7 @@ fn what_is_not_there_is_bounded_and_not_invented() {
         };
         below / 1.96_f64.sqrt()
     };
-    let faint =
-        process(&[Part::AngleRandomWalk { n: 0.03 }, Part::BiasInstability { b: error, octaves: 24 }]);
+    let faint = process(&[Part::angle_random_walk(0.03), Part::bias_instability(error, 24)]);
     let mean = mean_curve(&faint, 32_400, 0);
     let covariance = Covariance::of_process(&faint, &mean).unwrap();
     let terms = Terms::Given(vec![Term::AngleRandomWalk, Term::BiasInstability]);
@@ -243,7 +238,7 @@ fn a_covariance_of_few_realisations_is_drawn_to_the_model() {
     let fit_of_few = fit(&mean, &few, &Terms::Given(QNB.to_vec()), Errors::Known).unwrap();
     near(value(&fit_of_few, Term::BiasInstability), 0.00164, 1e-7, "B");
     // A model that is far off gives way to many rows.
-    let wrong = Covariance::of_process(&process(&[Part::AngleRandomWalk { n: 0.1 }]), &mean).unwrap();
+    let wrong = Covariance::of_process(&process(&[Part::angle_random_walk(0.1)]), &mean).unwrap();
     let many = Covariance::of_realisations(&rows(4000, 58), &wrong).unwrap();
     println!("few from the model by {}, many by {}", distance(&few, &model), distance(&many, &model));
     assert!(distance(&many, &model) < 0.1, "{}", distance(&many, &model));

@@ -8,10 +8,10 @@ use sagnac::fit::coefficient::Fit;
 use sagnac::fit::covariance::Covariance;
 use sagnac::fit::curve::{Curve, FitError};
 use sagnac::fit::fitter::{Errors, Fitter, fit, fit_record};
-use sagnac::fit::term::Term;
 use sagnac::theory::allan::estimator::Difference;
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;
+use sagnac::theory::allan::terms::Term;
 
 /// Records of each test; three standard errors of a share of 5 %.
 const RECORDS: usize = 300;
@@ -44,7 +44,7 @@ fn fits(curves: &[Curve], terms: &Terms) -> Vec<Fit> {
 
 #[test]
 fn one_fitter_gives_many_curves_the_bits_of_fits_of_their_own() {
-    let parts = [Part::Quantisation { q: 3.0 }, Part::AngleRandomWalk { n: 1.0 }];
+    let parts = [Part::quantisation(3.0), Part::angle_random_walk(1.0)];
     let curves = &curves(&parts, 4096, 10, 62)[..12];
     let covariance =
         Covariance::of_process(&Process { sample_s: 1.0, parts: parts.to_vec() }, &curves[0]).unwrap();
@@ -69,7 +69,7 @@ fn one_fitter_gives_many_curves_the_bits_of_fits_of_their_own() {
 #[test]
 fn white_records_have_no_flicker() {
     // Up to half of the record, where one difference is left and the estimate most skewed.
-    let curves = curves(&[Part::AngleRandomWalk { n: 1.0 }], 4096, 12, 55);
+    let curves = curves(&[Part::angle_random_walk(1.0)], 4096, 12, 55);
     let fits = fits(&curves, &Terms::Auto(Term::MODEL.to_vec()));
     let shares = Term::MODEL.map(|term| share(&fits, |fit| is_identified(fit, term)));
     println!("white noise: Q, N, B, K, R found in {shares:?}");
@@ -84,7 +84,7 @@ fn white_records_have_no_flicker() {
 
 #[test]
 fn white_records_have_neither_markov_noise_nor_sines() {
-    let curves = curves(&[Part::AngleRandomWalk { n: 1.0 }], 4096, 12, 61);
+    let curves = curves(&[Part::angle_random_walk(1.0)], 4096, 12, 61);
     for term in [Term::Markov, Term::Sine] {
         let fits = fits(&curves, &Terms::Auto(vec![Term::AngleRandomWalk, term]));
         let invented = share(&fits, |fit| is_identified(fit, term));
@@ -97,9 +97,9 @@ fn white_records_have_neither_markov_noise_nor_sines() {
 fn markov_noise_beside_a_strong_sine_has_its_time() {
     let (sigma, time_s) = (0.02, 100.0);
     let parts = [
-        Part::AngleRandomWalk { n: 0.03 },
-        Part::Markov { q_c: sigma * f64::sqrt(2.0 / time_s), time_s },
-        Part::Sine { amplitude: 0.1, frequency_hz: 0.02 },
+        Part::angle_random_walk(0.03),
+        Part::markov(sigma * f64::sqrt(2.0 / time_s), time_s),
+        Part::sine(0.1, 0.02),
     ];
     let terms = Terms::Given(vec![Term::AngleRandomWalk, Term::Markov, Term::Sine]);
     let fits = fits(&curves(&parts, 16_384, 12, 63)[..100], &terms);
@@ -120,7 +120,7 @@ fn markov_noise_beside_a_strong_sine_has_its_time() {
 fn terms_that_a_record_shows_are_found() {
     let (q, n, k) = (3.0, 1.0, 0.01);
     let truths = [(Term::Quantisation, q), (Term::AngleRandomWalk, n), (Term::RateRandomWalk, k)];
-    let parts = [Part::Quantisation { q }, Part::AngleRandomWalk { n }, Part::RateRandomWalk { k }];
+    let parts = [Part::quantisation(q), Part::angle_random_walk(n), Part::rate_random_walk(k)];
     // Up to an eighth of the record.
     let fits = fits(&curves(&parts, 16_384, 12, 56), &Terms::Auto(Term::MODEL.to_vec()));
     for (term, truth) in truths {
@@ -141,8 +141,7 @@ fn terms_that_a_record_shows_are_found() {
 fn intervals_of_a_gyros_records_cover_the_truth() {
     // LGV-1 of the paper's table 2, 9 h.
     let (q, n, b) = (0.11, 0.0288, 0.00164);
-    let parts =
-        [Part::Quantisation { q }, Part::AngleRandomWalk { n }, Part::BiasInstability { b, octaves: 24 }];
+    let parts = [Part::quantisation(q), Part::angle_random_walk(n), Part::bias_instability(b, 24)];
     let curves = curves(&parts, 32_400, 14, 60);
     let given = fits(&curves, &Terms::Given(QNB.to_vec()));
     let auto = fits(&curves, &Terms::Auto(Term::MODEL.to_vec()));
@@ -165,11 +164,7 @@ fn intervals_of_a_gyros_records_cover_the_truth() {
 #[test]
 fn intervals_of_n_cover_the_truth_where_a_bias_instability_does_not_show() {
     let (q, n) = (0.11, 0.0288);
-    let parts = [
-        Part::Quantisation { q },
-        Part::AngleRandomWalk { n },
-        Part::BiasInstability { b: 0.005, octaves: 24 },
-    ];
+    let parts = [Part::quantisation(q), Part::angle_random_walk(n), Part::bias_instability(0.005, 24)];
     let fits = fits(&curves(&parts, 4096, 10, 64), &Terms::Auto(Term::MODEL.to_vec()));
     let found = share(&fits, |fit| is_identified(fit, Term::BiasInstability));
     for (term, truth) in [(Term::Quantisation, q), (Term::AngleRandomWalk, n)] {

@@ -9,9 +9,9 @@ use sagnac::analysis::compare::difference::{Difference, Quantity, SIGNIFICANT};
 use sagnac::analysis::compare::length::Length;
 use sagnac::analysis::compare::{Comparison, compare};
 use sagnac::fit::choose::Terms;
-use sagnac::fit::term::Term;
 use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;
+use sagnac::theory::allan::terms::Term;
 
 const PAIRS: u64 = 400;
 /// 2.3 standard errors of a share of 5 % of so many.
@@ -26,8 +26,7 @@ const QNB: [Term; 3] = [Term::Quantisation, Term::AngleRandomWalk, Term::BiasIns
 const GYRO: [f64; 3] = [3.0, 1.0, 0.3];
 
 fn process([q, n, b]: [f64; 3], sample_s: f64) -> Process {
-    let parts =
-        vec![Part::Quantisation { q }, Part::AngleRandomWalk { n }, Part::BiasInstability { b, octaves: 24 }];
+    let parts = vec![Part::quantisation(q), Part::angle_random_walk(n), Part::bias_instability(b, 24)];
     Process { sample_s, parts }
 }
 
@@ -112,7 +111,7 @@ fn at_the_length_that_is_named_nine_of_ten_comparisons_tell() {
     // Long records, so that what they say of the length is about what is so.
     let terms = Terms::Given(vec![Term::AngleRandomWalk, Term::BiasInstability]);
     let of_truth = |[n, b]: [f64; 2]| {
-        let parts = vec![Part::AngleRandomWalk { n }, Part::BiasInstability { b, octaves: 24 }];
+        let parts = vec![Part::angle_random_walk(n), Part::bias_instability(b, 24)];
         Process { sample_s: 0.5, parts }
     };
     let [a, b] = [[1.0, 0.2], [1.1, 0.3]].map(of_truth);

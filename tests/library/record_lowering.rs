@@ -132,10 +132,10 @@ fn off_the_model(model: &Model, records: &Records) -> f64 {
 fn every_noise_has_its_slope_and_its_oracle() {
     // Up to where a curve of so many records says something, and from where the sampled law is the continuous one.
     let laws = [
-        ("quantisation", Part::Quantisation { q: 0.24 }, -1.0, [1, 1024]),
-        ("angle random walk", Part::AngleRandomWalk { n: 0.04 }, -0.5, [1, 1024]),
-        ("bias instability", Part::BiasInstability { b: 0.002, octaves: 24 }, 0.0, [1, 1024]),
-        ("rate random walk", Part::RateRandomWalk { k: 1e-4 }, 0.5, [16, 1024]),
+        ("quantisation", Part::quantisation(0.24), -1.0, [1, 1024]),
+        ("angle random walk", Part::angle_random_walk(0.04), -0.5, [1, 1024]),
+        ("bias instability", Part::bias_instability(0.002, 24), 0.0, [1, 1024]),
+        ("rate random walk", Part::rate_random_walk(1e-4), 0.5, [16, 1024]),
     ];
     for (name, part, law, [from, to]) in laws {
         let model = Model { ms: octaves(2048, 2), ..Model::of(&[part]) };
@@ -153,12 +153,8 @@ fn every_noise_has_its_slope_and_its_oracle() {
 
 #[test]
 fn what_is_the_same_in_all_records_is_exact() {
-    let ramp = Part::RateRamp { r: -3e-3 };
-    let warm_ups = [
-        Part::WarmUp { amplitude: 0.5, time_s: 7.0 },
-        Part::WarmUp { amplitude: -2.0, time_s: 0.1 },
-        Part::WarmUp { amplitude: 30.0, time_s: 1e5 },
-    ];
+    let ramp = Part::rate_ramp(-3e-3);
+    let warm_ups = [Part::warm_up(0.5, 7.0), Part::warm_up(-2.0, 0.1), Part::warm_up(30.0, 1e5)];
     let tables =
         [vec![ramp], vec![warm_ups[0]], vec![warm_ups[1]], vec![warm_ups[2]], vec![ramp, warm_ups[0]]];
     for parts in tables {
@@ -188,12 +184,12 @@ fn what_is_the_same_in_all_records_is_exact() {
 
 #[test]
 fn markov_noise_sines_and_readouts_have_their_oracles() {
-    let n = Part::AngleRandomWalk { n: 0.04 };
-    let markov = |time_s| Part::Markov { q_c: 0.01, time_s };
-    let sine = |frequency_hz| Part::Sine { amplitude: 0.3, frequency_hz };
-    let ramp = Part::RateRamp { r: 1e-3 };
-    let warm_up = Part::WarmUp { amplitude: 0.5, time_s: 7.0 };
-    let flicker = Part::BiasInstability { b: 0.01, octaves: 24 };
+    let n = Part::angle_random_walk(0.04);
+    let markov = |time_s| Part::markov(0.01, time_s);
+    let sine = |frequency_hz| Part::sine(0.3, frequency_hz);
+    let ramp = Part::rate_ramp(1e-3);
+    let warm_up = Part::warm_up(0.5, 7.0);
+    let flicker = Part::bias_instability(0.01, 24);
     let quiet = 0.0;
     let tables: Vec<(&str, Vec<Part>, f64, f64)> = vec![
         ("Markov, short", vec![markov(0.003)], quiet, 0.0),
@@ -205,14 +201,9 @@ fn markov_noise_sines_and_readouts_have_their_oracles() {
         ("sine beyond half the rate", vec![n, sine(61.0)], quiet, 0.0),
         ("pulses of the earth's rate", vec![], 0.38, 15.041),
         ("pulses and white noise", vec![n], 0.38, 15.041),
-        (
-            "pulses, noises and a sine",
-            vec![n, markov(0.5), sine(1.7), Part::Quantisation { q: 0.05 }],
-            0.1,
-            3.3,
-        ),
-        ("pulses and flicker", vec![Part::AngleRandomWalk { n: 0.9 }, flicker], 0.02, 15.041),
-        ("pulses on a ramp", vec![Part::AngleRandomWalk { n: 0.9 }, ramp, warm_up], 0.02, 15.041),
+        ("pulses, noises and a sine", vec![n, markov(0.5), sine(1.7), Part::quantisation(0.05)], 0.1, 3.3),
+        ("pulses and flicker", vec![Part::angle_random_walk(0.9), flicker], 0.02, 15.041),
+        ("pulses on a ramp", vec![Part::angle_random_walk(0.9), ramp, warm_up], 0.02, 15.041),
         ("ramp and noise", vec![n, ramp, warm_up], quiet, 0.0),
     ];
     for (name, parts, readout_lsb, mean_rate) in tables {
@@ -236,11 +227,7 @@ fn markov_noise_sines_and_readouts_have_their_oracles() {
 /// The gyros of the Allan paper's table 2: Q in ″, N in °/√h, B in °/h.
 fn gyros() -> [(&'static str, Vec<Part>); 2] {
     let parts = |q: f64, n: f64, b: f64| {
-        vec![
-            Part::Quantisation { q },
-            Part::AngleRandomWalk { n: n * 60.0 },
-            Part::BiasInstability { b, octaves: 24 },
-        ]
+        vec![Part::quantisation(q), Part::angle_random_walk(n * 60.0), Part::bias_instability(b, 24)]
     };
     [("LGK-400", parts(0.24, 0.00067, 0.00192)), ("LGV-1", parts(0.11, 0.00048, 0.00164))]
 }
@@ -266,7 +253,7 @@ fn the_papers_gyros_have_their_oracles_at_all_octaves() {
 #[test]
 fn flicker_is_flat_to_half_a_percent_for_all_octaves_of_a_record() {
     let b = 0.00192;
-    let parts = [Part::BiasInstability { b, octaves: 24 }];
+    let parts = [Part::bias_instability(b, 24)];
     let ms: Vec<u64> = (0..=80).map(|eighth| (f64::from(eighth) / 4.0).exp2().round() as u64).collect();
     let records = Model { samples: 1 << 21, ms: ms.clone(), ..Model::of(&parts) }.lowered();
     let off = |at: usize| records.oracle(at).value.unwrap() / (FLAT_LEVEL * b * b) - 1.0;
@@ -280,14 +267,14 @@ fn flicker_is_flat_to_half_a_percent_for_all_octaves_of_a_record() {
 /// Models that differ in all that lowering distinguishes.
 fn models() -> Vec<Model> {
     let everything = [
-        Part::Quantisation { q: 0.24 },
-        Part::AngleRandomWalk { n: 0.04 },
-        Part::BiasInstability { b: 0.002, octaves: 24 },
-        Part::RateRandomWalk { k: 1e-4 },
-        Part::Markov { q_c: 0.01, time_s: 3.0 },
-        Part::Sine { amplitude: 0.3, frequency_hz: 1.234 },
-        Part::RateRamp { r: 1e-4 },
-        Part::WarmUp { amplitude: 0.5, time_s: 7.0 },
+        Part::quantisation(0.24),
+        Part::angle_random_walk(0.04),
+        Part::bias_instability(0.002, 24),
+        Part::rate_random_walk(1e-4),
+        Part::markov(0.01, 3.0),
+        Part::sine(0.3, 1.234),
+        Part::rate_ramp(1e-4),
+        Part::warm_up(0.5, 7.0),
     ];
     let all = Model { samples: 3000, ms: octaves(3000, 3), ..Model::of(&everything) };
     vec![
@@ -353,13 +340,13 @@ fn the_words_of_a_model_are_the_same_on_every_machine() {
 #[test]
 fn where_rounding_hides_the_angle_the_oracle_is_blank() {
     // The rate walks so far in 2^21 samples that from one sample to the next it is lost in the unit of angle.
-    let parts = [Part::RateRandomWalk { k: 1.0 }];
+    let parts = [Part::rate_random_walk(1.0)];
     let records = Model { samples: 1 << 21, ms: octaves(1 << 21, 2), ..Model::of(&parts) }.lowered();
     let known: Vec<bool> = (0..records.ms().len()).map(|at| records.oracle(at).value.is_some()).collect();
     let first = known.iter().position(|&known| known).unwrap();
     assert!((1..=10).contains(&first) && known[first..].iter().all(|&known| known), "{known:?}");
     // Pulses that the angle stays in for many samples, of an angle without a closed form.
-    let parts = [Part::AngleRandomWalk { n: 0.04 }, Part::BiasInstability { b: 0.01, octaves: 24 }];
+    let parts = [Part::angle_random_walk(0.04), Part::bias_instability(0.01, 24)];
     let records = Model { readout_lsb: 0.38, ..Model::of(&parts) }.lowered();
     assert_eq!(records.oracle(0).value, None, "{:?}", records.oracle(0));
     assert!(records.oracle(11).value.is_some());
@@ -370,19 +357,19 @@ fn largest(recipe: &Recipe, difference: Difference, m: u64) -> f64 {
     let unit = f64::from(recipe.rate_scale) / 2.0_f64.powi(32);
     let of_sigma = |word: u32| f64::from(word) / 16.0;
     let mut parts = vec![
-        Part::Quantisation { q: of_sigma(recipe.quantisation) },
-        Part::AngleRandomWalk { n: of_sigma(recipe.white) },
-        Part::RateRandomWalk { k: unit * of_sigma(recipe.walk) },
+        Part::quantisation(of_sigma(recipe.quantisation)),
+        Part::angle_random_walk(of_sigma(recipe.white)),
+        Part::rate_random_walk(unit * of_sigma(recipe.walk)),
     ];
     if let Some([loss, _, start]) = recipe.markov {
         let time_s = -1.0 / (-f64::from(loss) / 2.0_f64.powi(30)).ln_1p();
         let q_c = unit * f64::from(start) / 4.0 * (2.0 / time_s).sqrt();
-        parts.push(Part::Markov { q_c, time_s });
+        parts.push(Part::markov(q_c, time_s));
     }
     let sine = recipe.sine.map_or(0.0, |[step, amplitude]| {
         let frequency_hz = f64::from(step) / 2.0_f64.powi(32);
         let amplitude = f64::from(amplitude) / 4.0 * std::f64::consts::TAU * frequency_hz;
-        Part::Sine { amplitude, frequency_hz }.largest(difference, 1.0, m)
+        Part::sine(amplitude, frequency_hz).largest(difference, 1.0, m)
     });
     let process = Process { sample_s: 1.0, parts };
     let holds = (1..).zip(&recipe.flicker).map(|(octave, &word)| {
@@ -411,14 +398,14 @@ fn no_model_leaves_the_room_that_there_is() {
     for _ in 0..3000 {
         let mut size = || 10.0_f64.powf(random.random_range(-5.0..3.0));
         let all = [
-            ("noise.quantisation", Part::Quantisation { q: size() }),
-            ("noise.angle_random_walk", Part::AngleRandomWalk { n: size() }),
-            ("noise.bias_instability", Part::BiasInstability { b: size(), octaves: 24 }),
-            ("noise.rate_random_walk", Part::RateRandomWalk { k: size() }),
-            ("noise.markov", Part::Markov { q_c: size(), time_s: size() }),
-            ("noise.sine", Part::Sine { amplitude: size(), frequency_hz: size() }),
-            ("noise.rate_ramp", Part::RateRamp { r: size() }),
-            ("noise.warm_up", Part::WarmUp { amplitude: -size(), time_s: size() }),
+            ("noise.quantisation", Part::quantisation(size())),
+            ("noise.angle_random_walk", Part::angle_random_walk(size())),
+            ("noise.bias_instability", Part::bias_instability(size(), 24)),
+            ("noise.rate_random_walk", Part::rate_random_walk(size())),
+            ("noise.markov", Part::markov(size(), size())),
+            ("noise.sine", Part::sine(size(), size())),
+            ("noise.rate_ramp", Part::rate_ramp(size())),
+            ("noise.warm_up", Part::warm_up(-size(), size())),
         ];
         let readout_lsb = if random.random_bool(0.2) { random.random_range(0.01..1.0) } else { 0.0 };
         let chosen: Vec<_> = all.into_iter().filter(|_| random.random_bool(0.3)).collect();
@@ -467,11 +454,11 @@ fn no_model_leaves_the_room_that_there_is() {
 
 #[test]
 fn what_cannot_be_made_is_refused_by_the_name_of_its_key() {
-    let walk = Part::RateRandomWalk { k: 1e3 };
-    let sine = |frequency_hz| Part::Sine { amplitude: 1.0, frequency_hz };
-    let markov = Part::Markov { q_c: 1.0, time_s: 1.0 };
-    let white = Part::AngleRandomWalk { n: 1.0 };
-    let flicker = Part::BiasInstability { b: 1.0, octaves: 24 };
+    let walk = Part::rate_random_walk(1e3);
+    let sine = |frequency_hz| Part::sine(1.0, frequency_hz);
+    let markov = Part::markov(1.0, 1.0);
+    let white = Part::angle_random_walk(1.0);
+    let flicker = Part::bias_instability(1.0, 24);
     let of = |parts: &[Part]| Model::of(parts);
     let table = [
         ("record.length", Model { samples: 1, ..of(&[white]) }),
@@ -480,26 +467,26 @@ fn what_cannot_be_made_is_refused_by_the_name_of_its_key() {
         ("allan.tau", Model { ms: vec![0], ..of(&[white]) }),
         ("allan.tau", Model { ms: vec![1, 2049], ..of(&[white]) }),
         ("noise", of(&[])),
-        ("noise", of(&[Part::AngleRandomWalk { n: 0.0 }, Part::Markov { q_c: 0.0, time_s: 1.0 }])),
-        ("noise.markov", of(&[markov, Part::Markov { q_c: 2.0, time_s: 1.0 }])),
-        ("noise.markov", of(&[Part::Markov { q_c: 1.0, time_s: 0.0 }])),
-        ("noise.markov", of(&[Part::Markov { q_c: 1.0, time_s: 1e6 }])),
-        ("noise.markov", of(&[Part::Markov { q_c: 1e-9, time_s: 1.0 }, walk])),
+        ("noise", of(&[Part::angle_random_walk(0.0), Part::markov(0.0, 1.0)])),
+        ("noise.markov", of(&[markov, Part::markov(2.0, 1.0)])),
+        ("noise.markov", of(&[Part::markov(1.0, 0.0)])),
+        ("noise.markov", of(&[Part::markov(1.0, 1e6)])),
+        ("noise.markov", of(&[Part::markov(1e-9, 1.0), walk])),
         ("noise.sine", of(&[sine(1.0), sine(2.0)])),
         ("noise.sine", of(&[sine(0.0)])),
         ("noise.sine", of(&[sine(1e-7)])),
         ("noise.sine", of(&[sine(100.0)])),
-        ("noise.sine", of(&[Part::Sine { amplitude: 1e-9, frequency_hz: 1.0 }, walk])),
-        ("noise.quantisation", of(&[Part::Quantisation { q: -0.1 }])),
-        ("noise.quantisation", of(&[Part::Quantisation { q: 1e-9 }, walk])),
-        ("noise.angle_random_walk", of(&[Part::AngleRandomWalk { n: f64::NAN }])),
-        ("noise.angle_random_walk", of(&[Part::AngleRandomWalk { n: 1e-9 }, walk])),
-        ("noise.bias_instability", of(&[Part::BiasInstability { b: 1e-9, octaves: 24 }, walk])),
+        ("noise.sine", of(&[Part::sine(1e-9, 1.0), walk])),
+        ("noise.quantisation", of(&[Part::quantisation(-0.1)])),
+        ("noise.quantisation", of(&[Part::quantisation(1e-9), walk])),
+        ("noise.angle_random_walk", of(&[Part::angle_random_walk(f64::NAN)])),
+        ("noise.angle_random_walk", of(&[Part::angle_random_walk(1e-9), walk])),
+        ("noise.bias_instability", of(&[Part::bias_instability(1e-9, 24), walk])),
         ("noise.bias_instability", Model { samples: 1 << 26, ..of(&[flicker]) }),
-        ("noise.rate_random_walk", of(&[Part::RateRandomWalk { k: 1e-20 }, white])),
-        ("noise.rate_ramp", of(&[Part::RateRamp { r: f64::INFINITY }])),
-        ("noise.rate_ramp", of(&[Part::RateRamp { r: 1e-9 }, walk])),
-        ("noise.warm_up", of(&[Part::WarmUp { amplitude: 1e-9, time_s: 1.0 }, walk])),
+        ("noise.rate_random_walk", of(&[Part::rate_random_walk(1e-20), white])),
+        ("noise.rate_ramp", of(&[Part::rate_ramp(f64::INFINITY)])),
+        ("noise.rate_ramp", of(&[Part::rate_ramp(1e-9), walk])),
+        ("noise.warm_up", of(&[Part::warm_up(1e-9, 1.0), walk])),
         ("noise.readout_lsb", Model { readout_lsb: 1e-3, ..of(&[walk]) }),
         ("noise.readout_lsb", Model { readout_lsb: -1.0, ..of(&[white]) }),
     ];
@@ -515,15 +502,12 @@ fn what_cannot_be_made_is_refused_by_the_name_of_its_key() {
 fn parts_of_a_kind_add_up_and_those_of_0_are_none() {
     let twice = |part: Part| [part, part];
     let table = [
-        (twice(Part::Quantisation { q: 3.0 }).to_vec(), Part::Quantisation { q: 3.0 * 2.0_f64.sqrt() }),
-        (twice(Part::AngleRandomWalk { n: 3.0 }).to_vec(), Part::AngleRandomWalk { n: 3.0 * 2.0_f64.sqrt() }),
-        (twice(Part::RateRandomWalk { k: 3.0 }).to_vec(), Part::RateRandomWalk { k: 3.0 * 2.0_f64.sqrt() }),
-        (twice(Part::RateRamp { r: 3.0 }).to_vec(), Part::RateRamp { r: 6.0 }),
-        (vec![Part::RateRamp { r: 0.0 }, Part::RateRandomWalk { k: 1.0 }], Part::RateRandomWalk { k: 1.0 }),
-        (
-            vec![Part::Markov { q_c: 0.0, time_s: 1.0 }, Part::Markov { q_c: 1.0, time_s: 1.0 }],
-            Part::Markov { q_c: 1.0, time_s: 1.0 },
-        ),
+        (twice(Part::quantisation(3.0)).to_vec(), Part::quantisation(3.0 * 2.0_f64.sqrt())),
+        (twice(Part::angle_random_walk(3.0)).to_vec(), Part::angle_random_walk(3.0 * 2.0_f64.sqrt())),
+        (twice(Part::rate_random_walk(3.0)).to_vec(), Part::rate_random_walk(3.0 * 2.0_f64.sqrt())),
+        (twice(Part::rate_ramp(3.0)).to_vec(), Part::rate_ramp(6.0)),
+        (vec![Part::rate_ramp(0.0), Part::rate_random_walk(1.0)], Part::rate_random_walk(1.0)),
+        (vec![Part::markov(0.0, 1.0), Part::markov(1.0, 1.0)], Part::markov(1.0, 1.0)),
     ];
     for (parts, part) in table {
         assert_eq!(Model::of(&parts).lowered().recipe(), Model::of(&[part]).lowered().recipe(), "{part:?}");
@@ -532,8 +516,7 @@ fn parts_of_a_kind_add_up_and_those_of_0_are_none() {
 
 #[test]
 fn the_longest_records_are_lowered() {
-    let parts =
-        [Part::Quantisation { q: 0.24 }, Part::AngleRandomWalk { n: 0.04 }, Part::RateRandomWalk { k: 1e-7 }];
+    let parts = [Part::quantisation(0.24), Part::angle_random_walk(0.04), Part::rate_random_walk(1e-7)];
     let records = Model { samples: 1 << 26, ms: octaves(1 << 26, 2), ..Model::of(&parts) }.lowered();
     assert!(records.recipe().drift.is_empty());
     // What differences of 64ths of τ keep of a record: 64 spans and a chunk, twice, for each octave.

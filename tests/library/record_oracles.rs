@@ -76,11 +76,11 @@ fn process(part: Part) -> impl Fn(u64) -> f64 {
 #[test]
 fn every_noise_has_the_variance_of_its_closed_form() {
     let white = Recipe { white: 16 * 1000, ..quiet() };
-    check("white", &white, process(Part::AngleRandomWalk { n: 1000.0 }));
+    check("white", &white, process(Part::angle_random_walk(1000.0)));
     let quantisation = Recipe { quantisation: 16 * 1000, ..quiet() };
-    check("quantisation", &quantisation, process(Part::Quantisation { q: 1000.0 }));
+    check("quantisation", &quantisation, process(Part::quantisation(1000.0)));
     let walk = Recipe { walk: 16 * 25_600, ..quiet() };
-    check("rate random walk", &walk, process(Part::RateRandomWalk { k: 25_600.0 * RATE_UNIT }));
+    check("rate random walk", &walk, process(Part::rate_random_walk(25_600.0 * RATE_UNIT)));
 
     // A loss of 2^−5 a sample; the stationary variance follows from the step's.
     let (loss, step): (f64, f64) = (1.0 / 32.0, 25_600.0);
@@ -88,14 +88,14 @@ fn every_noise_has_the_variance_of_its_closed_form() {
     let words = [1 << 25, 4 * 25_600, (4.0 * sigma).round() as u32];
     let time_s = -1.0 / (1.0 - loss).ln();
     let q_c = sigma * RATE_UNIT * (2.0 / time_s).sqrt();
-    check("Markov", &Recipe { markov: Some(words), ..quiet() }, process(Part::Markov { q_c, time_s }));
+    check("Markov", &Recipe { markov: Some(words), ..quiet() }, process(Part::markov(q_c, time_s)));
 
     // The angle's amplitude is A/(2πf).
     let (step, amplitude) = (123_456_789_u32, 40_000.0);
     let frequency_hz = f64::from(step) / 4_294_967_296.0;
     let sine = Recipe { sine: Some([step, (4.0 * amplitude) as u32]), ..quiet() };
     let rate = amplitude * std::f64::consts::TAU * frequency_hz;
-    check("sine", &sine, process(Part::Sine { amplitude: rate, frequency_hz }));
+    check("sine", &sine, process(Part::sine(rate, frequency_hz)));
 }
 
 #[test]
@@ -119,11 +119,11 @@ fn flicker_is_the_sum_of_its_octave_holds() {
 fn a_readout_and_all_noises_together_add_up() {
     let all = Recipe { white: 16 * 300, walk: 16 * 2560, quantisation: 16 * 500, pulse: Some(10), ..quiet() };
     let parts = vec![
-        Part::AngleRandomWalk { n: 300.0 },
-        Part::RateRandomWalk { k: 10.0 },
-        Part::Quantisation { q: 500.0 },
+        Part::angle_random_walk(300.0),
+        Part::rate_random_walk(10.0),
+        Part::quantisation(500.0),
         // Pulses of 1024 LSB under more than half a pulse of white noise: white themselves to 1e-3.
-        Part::Quantisation { q: 1024.0 / 12.0_f64.sqrt() },
+        Part::quantisation(1024.0 / 12.0_f64.sqrt()),
     ];
     let process = Process { sample_s: 1.0, parts };
     check("all", &all, |m| process.variance(Difference::Second, m));
@@ -132,7 +132,7 @@ fn a_readout_and_all_noises_together_add_up() {
 #[test]
 fn third_differences_are_those_of_hadamard() {
     let recipe = Recipe { white: 16 * 1000, walk: 16 * 2560, order: 3, ..quiet() };
-    let parts = vec![Part::AngleRandomWalk { n: 1000.0 }, Part::RateRandomWalk { k: 10.0 }];
+    let parts = vec![Part::angle_random_walk(1000.0), Part::rate_random_walk(10.0)];
     let process = Process { sample_s: 1.0, parts };
     check("Hadamard", &recipe, |m| process.variance(Difference::Third, m));
     for m in factors(&recipe) {

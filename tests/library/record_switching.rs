@@ -147,8 +147,8 @@ fn the_sawtooth_is_that_of_the_turning_drift() {
 
 #[test]
 fn fill_residuals_have_their_oracle_at_all_averaging_times() {
-    let white = Part::AngleRandomWalk { n: 0.03 };
-    let flicker = Part::BiasInstability { b: 0.01, octaves: 24 };
+    let white = Part::angle_random_walk(0.03);
+    let flicker = Part::bias_instability(0.01, 24);
     let magnetic = Magnetic { amplitude: 0.2, time_s: 200.0, initial: 0.01 };
     let of = |interval, residual, residual_noise| Switching { interval, residual, residual_noise, ..QUIET };
     let tables: Vec<(&str, Vec<Part>, Switching, f64)> = vec![
@@ -164,12 +164,7 @@ fn fill_residuals_have_their_oracle_at_all_averaging_times() {
             Switching { magnetic, ..of(100, 1.0, 0.2) },
             0.0,
         ),
-        (
-            "in pulses",
-            vec![Part::AngleRandomWalk { n: 0.9 }],
-            Switching { magnetic, ..of(23, 2.0, 0.0) },
-            0.05,
-        ),
+        ("in pulses", vec![Part::angle_random_walk(0.9)], Switching { magnetic, ..of(23, 2.0, 0.0) }, 0.05),
     ];
     let mut largest: f64 = 0.0;
     for (name, parts, switching, readout_lsb) in tables {
@@ -222,7 +217,7 @@ fn an_independent_sampler_agrees() {
         let switching = Switching { interval, magnetic, residual: 1.0, residual_noise: 0.3 };
         let estimator = Estimator { difference, ..Estimator::OVERLAPPING };
         let ms = vec![1, 16, 40, 74, 160, 300];
-        let parts = vec![Part::AngleRandomWalk { n: 0.02 }];
+        let parts = vec![Part::angle_random_walk(0.02)];
         let model = Model { parts, ms, estimator, ..Model::of(switching) };
         let records = model.lower().unwrap();
         let found = sampled(&records, 4096);
@@ -240,7 +235,7 @@ fn an_independent_sampler_agrees() {
 
 #[test]
 fn switches_shift_no_other_draw() {
-    let parts = || vec![Part::AngleRandomWalk { n: 0.03 }];
+    let parts = || vec![Part::angle_random_walk(0.03)];
     let switching = Switching { residual: 1e-3, ..QUIET };
     let with = Model { parts: parts(), ..Model::of(switching) }.lower().unwrap();
     let without = Model { parts: parts(), ..Model::of(QUIET) }.lower().unwrap();
@@ -253,7 +248,7 @@ fn switches_shift_no_other_draw() {
 #[test]
 fn what_cannot_be_made_is_refused_by_the_name_of_its_key() {
     let of = |switching| Model::of(switching);
-    let white = |n, switching| Model { parts: vec![Part::AngleRandomWalk { n }], ..Model::of(switching) };
+    let white = |n, switching| Model { parts: vec![Part::angle_random_walk(n)], ..Model::of(switching) };
     let magnetic = |amplitude, time_s| Magnetic { amplitude, time_s, initial: 0.0 };
     let table = [
         ("noise.switching.interval", of(Switching { interval: 0, ..QUIET })),
@@ -311,7 +306,7 @@ fn the_words_of_switches_are_the_same_on_every_machine() {
         residual_noise: 2.0,
     };
     let records =
-        Model { parts: vec![Part::AngleRandomWalk { n: 0.03 }], ..Model::of(switching) }.lower().unwrap();
+        Model { parts: vec![Part::angle_random_walk(0.03)], ..Model::of(switching) }.lower().unwrap();
     assert_eq!(records.recipe().switching.map(|words| words[0]), Some(37));
     assert_eq!(records.digest().to_string(), "c7885dfdbb1a2c3ec64f9dab4266e60a");
 }

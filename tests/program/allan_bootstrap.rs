@@ -29,8 +29,7 @@ fn cpu() -> Cpu {
 /// Curves of records of that gyro.
 fn curves() -> Vec<Curve> {
     let [q, n, b] = TRUTH;
-    let parts =
-        vec![Part::Quantisation { q }, Part::AngleRandomWalk { n }, Part::BiasInstability { b, octaves: 24 }];
+    let parts = vec![Part::quantisation(q), Part::angle_random_walk(n), Part::bias_instability(b, 24)];
     let process = Process { sample_s: 1.0, parts };
     let ms: Vec<u64> = (0..10).map(|octave| 1 << octave).collect();
     let records = Records::new(&Asked {

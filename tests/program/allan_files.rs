@@ -10,14 +10,11 @@ use sagnac::theory::allan::part::Part;
 use sagnac::theory::allan::process::Process;
 use toml::{Table, Value};
 
-const GYRO: [Part; 3] = [
-    Part::Quantisation { q: 0.11 },
-    Part::AngleRandomWalk { n: 0.0288 },
-    Part::BiasInstability { b: 0.00164, octaves: 24 },
-];
+const GYRO: [Part; 3] =
+    [Part::quantisation(0.11), Part::angle_random_walk(0.0288), Part::bias_instability(0.00164, 24)];
 
 /// N = 0.02 ″/√s and K = 0.002 ″/s^1.5, in °/√h and °/h/√h.
-const WALK: [Part; 2] = [Part::AngleRandomWalk { n: 0.02 }, Part::RateRandomWalk { k: 0.002 }];
+const WALK: [Part; 2] = [Part::angle_random_walk(0.02), Part::rate_random_walk(0.002)];
 
 /// Rates in °/h, 1 Hz.
 fn rates(parts: &[Part], samples: usize, seed: u64) -> Vec<f64> {
@@ -144,9 +141,9 @@ fn noise_toml_has_the_identified_coefficients_and_says_the_rest() {
 fn markov_noise_and_sines_have_their_times_and_frequencies() {
     let (sigma, time_s) = (0.02, 100.0);
     let parts = [
-        Part::AngleRandomWalk { n: 0.03 },
-        Part::Markov { q_c: sigma * f64::sqrt(2.0 / time_s), time_s },
-        Part::Sine { amplitude: 0.1, frequency_hz: 0.02 },
+        Part::angle_random_walk(0.03),
+        Part::markov(sigma * f64::sqrt(2.0 / time_s), time_s),
+        Part::sine(0.1, 0.02),
     ];
     let desk = desk_with("gyro.csv", log("gz [deg/h]", &[rates(&parts, 40_000, 6)]));
     allan(&desk, "gyro.csv --fit N,markov,sine");

@@ -7,7 +7,7 @@ use crate::fit::coefficient::Fit;
 use crate::fit::curve::{Curve, FitError};
 use crate::fit::fitter::fit_record;
 use crate::fit::interval::WITHIN_95;
-use crate::fit::term::Term;
+use crate::theory::allan::terms::Term;
 
 /// Differences with a smaller p are significant.
 pub const SIGNIFICANT: f64 = 0.05;
@@ -70,7 +70,7 @@ impl Fits {
         let chosen = both(terms)?;
         let is_used = |term: &Term| {
             let mut parts = chosen.iter().flat_map(|fit| &fit.process.parts);
-            parts.any(|part| Term::of(part) == Some(*term))
+            parts.any(|part| part.term == *term)
         };
         let shows = |term: &Term| {
             chosen.iter().any(|fit| fit.coefficient(*term).is_some_and(|found| found.value.is_some()))

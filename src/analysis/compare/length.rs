@@ -8,11 +8,11 @@ use crate::fit::coefficient::Fit;
 use crate::fit::curve::Curve;
 use crate::fit::fitter::fit_record;
 use crate::fit::record::factors;
-use crate::fit::term::Term;
 use crate::theory::allan::estimator::{Difference, Estimator};
 use crate::theory::allan::holds;
 use crate::theory::allan::part::Part;
 use crate::theory::allan::process::Process;
+use crate::theory::allan::terms::Term;
 
 /// Distance of 1.96 standard deviations, for p = 5 %, and 1.28 more, so that 90 % of records are as far or farther.
 const DISTANCE: f64 = 1.959_963_984_540_054 + 1.281_551_565_544_600_4;
@@ -114,11 +114,9 @@ impl Search<'_> {
 /// The fit of the curve that records of so many samples have on average.
 fn expected(process: &Process, samples: u64, terms: &[Term]) -> Option<Fit> {
     let octaves = holds::octaves(samples)?;
-    let part = |part: &Part| match *part {
-        Part::BiasInstability { b, .. } => Part::BiasInstability { b, octaves },
-        other => other,
-    };
-    let process = Process { sample_s: process.sample_s, parts: process.parts.iter().map(part).collect() };
+    let of_length = |part: &Part| Part { octaves, ..*part };
+    let process =
+        Process { sample_s: process.sample_s, parts: process.parts.iter().map(of_length).collect() };
     let ms: Vec<u64> = factors(samples as usize).into_iter().map(|m| m as u64).collect();
     let variances: Option<Vec<f64>> =
         ms.iter().map(|&m| process.expected(Estimator::OVERLAPPING, samples, m)).collect();

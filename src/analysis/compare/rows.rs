@@ -5,7 +5,6 @@ use crate::analysis::compare::Comparison;
 use crate::analysis::compare::difference::{Difference, Quantity, SIGNIFICANT};
 use crate::analysis::compare::length::Length;
 use crate::analysis::data_sheet::data_sheet_unit;
-use crate::fit::term::Term;
 
 /// What two logs say of one coefficient.
 #[derive(Debug, Clone)]
@@ -76,8 +75,10 @@ pub fn rows(comparison: &Comparison, unit: Unit) -> Result<Vec<Row>, String> {
 fn row(found: &Difference, length: Length, unit: Unit) -> Row {
     let (name, (factor, unit, symbol)) = match found.quantity {
         Quantity::Coefficient(term) => (term.symbol(), data_sheet_unit(term, unit)),
-        Quantity::Shape(Term::Sine) => ("sine_frequency", (1.0, "Hz", "Hz")),
-        Quantity::Shape(_) => ("markov_time", (1.0, "s", "s")),
+        Quantity::Shape(term) => {
+            let (name, unit) = term.shape().map_or(("", ""), |row| (row.symbol, row.unit));
+            (name, (1.0, unit, unit))
+        }
     };
     let scaled = |value: Option<f64>| value.map(|value| factor * value);
     let found = Difference {

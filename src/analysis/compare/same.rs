@@ -8,9 +8,9 @@ use crate::fit::chi_squared::survival;
 use crate::fit::covariance::Covariance;
 use crate::fit::curve::{Curve, FitError};
 use crate::fit::record::factors;
-use crate::fit::term::Term;
 use crate::theory::allan::estimator::{Difference, Estimator};
 use crate::theory::allan::gaussian;
+use crate::theory::allan::terms::Term;
 
 /// The test of two records for the same noise.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,7 +3,6 @@
 use crate::analysis::compare::difference::Quantity;
 use crate::analysis::compare::length::Length;
 use crate::analysis::compare::same::By;
-use crate::fit::term::Term;
 use crate::quantity::number::significant;
 
 use crate::analysis::compare::logs::Analysis;
@@ -161,16 +160,7 @@ fn interval([low, high]: [Option<f64>; 2]) -> String {
 
 fn title(quantity: Quantity) -> &'static str {
     match quantity {
-        Quantity::Coefficient(term) => match term {
-            Term::Quantisation => "quantisation noise Q",
-            Term::AngleRandomWalk => "angle random walk N",
-            Term::BiasInstability => "bias instability B",
-            Term::RateRandomWalk => "rate random walk K",
-            Term::RateRamp => "rate ramp R",
-            Term::Markov => "Markov noise",
-            Term::Sine => "sine",
-        },
-        Quantity::Shape(Term::Sine) => "frequency of the sine",
-        Quantity::Shape(_) => "correlation time of the Markov noise",
+        Quantity::Coefficient(term) => term.row().title,
+        Quantity::Shape(term) => term.shape().map_or("", |shape| shape.title),
     }
 }

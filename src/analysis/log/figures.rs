@@ -3,12 +3,12 @@
 use crate::allan::deviation::Deviation;
 use crate::analysis::data_sheet::data_sheet_unit;
 use crate::fit::coefficient::Coefficient;
-use crate::fit::term::Term;
 use crate::key::scale::Scale;
 use crate::quantity::number::significant;
 use crate::theory::allan::estimator::{Difference, Estimator, Stride};
+use crate::theory::allan::holds;
 use crate::theory::allan::process::Process;
-use crate::theory::allan::{self, holds};
+use crate::theory::allan::terms::{Shape, Term};
 use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Part, Parts, Series, SeriesPoint};
 
 use crate::analysis::log::notes::heading;
@@ -101,7 +101,7 @@ pub fn line(process: &Process, curve: &Curve, samples: usize) -> Vec<(f64, f64)>
     let shown: Vec<f64> =
         curve.points.iter().filter(|point| point.value.is_some()).map(|point| point.m as f64).collect();
     let [Some(&first), Some(&last)] = [shown.first(), shown.last()] else { return vec![] };
-    let is_rippled = process.parts.iter().any(|part| matches!(part, allan::Part::Sine { .. }));
+    let is_rippled = process.parts.iter().any(|part| part.term == Term::Sine);
     let octave = if is_rippled { PLACES[0] } else { PLACES[1] };
     let count = libm::ceil(octave * libm::log2(last / first)) as u32;
     let place = |i: u32| libm::round(first * libm::exp2(f64::from(i) / octave)).min(last) as u64;
@@ -161,12 +161,13 @@ fn parts(analysis: &Analysis, column: &Column, deviations: &[Deviation]) -> Part
 fn label(coefficient: &Coefficient, value: f64, (factor, _, unit): (f64, &str, &str)) -> String {
     let shown = |value: f64| significant(value, 3);
     let value = format!("{} {unit}", shown(factor * value));
-    let shape = coefficient.shape.map_or_else(String::new, |shape| shown(shape.value));
     // No-break spaces keep each value with its unit.
-    let text = match coefficient.term {
-        Term::Markov => format!("Markov: σ = {value}, T = {shape} s"),
-        Term::Sine => format!("sine: Ω = {value}, f = {shape} Hz"),
-        term => format!("{} = {value}", term.symbol()),
+    let text = match coefficient.term.shape() {
+        Some(Shape { letters: [size, letter], unit, .. }) => {
+            let shape = coefficient.shape.map_or_else(String::new, |shape| shown(shape.value));
+            format!("{size} = {value}, {letter} = {shape} {unit}")
+        }
+        None => format!("{} = {value}", coefficient.term.symbol()),
     };
     text.trim_end().replace(' ', "\u{a0}").replace(",\u{a0}", ", ").replace(":\u{a0}", ": ")
 }

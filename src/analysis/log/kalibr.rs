@@ -5,8 +5,8 @@
 
 use crate::allan::unit::Unit;
 use crate::fit::coefficient::Fit;
-use crate::fit::term::Term;
 use crate::quantity::number::significant;
+use crate::theory::allan::terms::Term;
 
 use crate::analysis::log::notes::{heading, one_line};
 use crate::analysis::log::{Analysis, Column};

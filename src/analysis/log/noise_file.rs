@@ -3,8 +3,8 @@
 use crate::allan::unit::Unit;
 use crate::analysis::data_sheet::data_sheet_unit;
 use crate::fit::coefficient::Coefficient;
-use crate::fit::term::Term;
 use crate::quantity::number::significant;
+use crate::theory::allan::terms::{Shape, Term};
 
 use crate::analysis::log::notes::one_line;
 use crate::analysis::log::{Analysis, Column};
@@ -71,8 +71,8 @@ fn intervals(coefficient: &Coefficient) -> Vec<String> {
     let line = |name: &str, [low, high]: [f64; 2], unit: &str| {
         format!("{name}: {} to {} {unit}", significant(low, 6), significant(high, 6))
     };
-    let (name, unit_of_shape) = shape(term);
-    let of_shape = coefficient.shape.map(|found| line(name, found.interval, unit_of_shape));
+    let shape = coefficient.shape.zip(term.shape());
+    let of_shape = shape.map(|(found, shape)| line(shape.name, found.interval, shape.unit));
     std::iter::once(line(symbol, [low, high].map(|end| factor * end), unit)).chain(of_shape).collect()
 }
 
@@ -83,23 +83,16 @@ fn bound(coefficient: &Coefficient) -> String {
     most.map_or_else(|| symbol.to_owned(), |most| format!("{symbol} at most {most}"))
 }
 
-/// Name and unit of a shape.
-fn shape(term: Term) -> (&'static str, &'static str) {
-    if term == Term::Sine { ("frequency of the sine", "Hz") } else { ("correlation time", "s") }
-}
-
 /// The line of an identified coefficient.
 fn entry(coefficient: &Coefficient) -> Option<String> {
     let value = quantity(coefficient.term, coefficient.value?);
-    let shape = coefficient.shape.map_or_else(String::new, |shape| significant(shape.value, 6));
-    Some(match coefficient.term {
-        Term::Quantisation => format!("quantisation = \"{value}\""),
-        Term::AngleRandomWalk => format!("angle_random_walk = \"{value}\""),
-        Term::BiasInstability => format!("bias_instability = \"{value}\""),
-        Term::RateRandomWalk => format!("rate_random_walk = \"{value}\""),
-        Term::RateRamp => format!("rate_ramp = \"{value}\""),
-        Term::Markov => format!("markov = {{ amplitude = \"{value}\", time = \"{shape} s\" }}"),
-        Term::Sine => format!("sine = {{ amplitude = \"{value}\", frequency = \"{shape} Hz\" }}"),
+    let key = coefficient.term.row().key.trim_start_matches("noise.");
+    Some(match coefficient.shape.zip(coefficient.term.shape()) {
+        Some((found, Shape { key: shape, unit, .. })) => {
+            let found = significant(found.value, 6);
+            format!("{key} = {{ amplitude = \"{value}\", {shape} = \"{found} {unit}\" }}")
+        }
+        None => format!("{key} = \"{value}\""),
     })
 }
 

@@ -2,7 +2,6 @@
 
 use crate::allan::tau::Taus;
 use crate::fit::choose::Terms;
-use crate::fit::term::Term;
 use crate::key::given::Given;
 use crate::key::holds::{Holds, unlimited};
 use crate::key::table::Table;
@@ -10,6 +9,7 @@ use crate::kinds::allan::keys::{ESTIMATOR, EstimatorName, FIT, OVERLAP, Overlap,
 use crate::quantity::units::Dimension;
 use crate::source::diagnose::{Fault, choices};
 use crate::theory::allan::estimator::{Difference, Estimator, Stride};
+use crate::theory::allan::terms::Term;
 
 /// The estimates made from each record.
 pub(crate) struct Estimate {

@@ -2,7 +2,6 @@
 
 use crate::chart::Source;
 use crate::chart::ground::{Ground, Text};
-use crate::fit::term::Term;
 use crate::kernel::allan::VERSION;
 use crate::kinds::allan::columns;
 use crate::kinds::allan::run::Plan as Planned;
@@ -13,6 +12,7 @@ use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
 use crate::table::column::abouts;
+use crate::theory::allan::terms::Term;
 
 /// Allan curves of simulated records.
 pub static ALLAN: Kind = Kind {
@@ -45,7 +45,7 @@ impl Subject for Allan {
     }
 
     fn grounds(&self) -> Vec<Ground> {
-        let shapes = ["markov_time", "sine_frequency"];
+        let shapes = Term::ALL.into_iter().filter_map(|term| Some(term.shape()?.symbol));
         let coefficients = Term::ALL.map(Term::symbol).into_iter().chain(shapes);
         let not_fitted =
             ("the chart is of coefficients, and none are fitted", "add them as in\n[allan]\nfit = \"auto\"");

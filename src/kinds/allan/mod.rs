@@ -14,7 +14,6 @@ pub mod verify;
 pub use crate::kinds::allan::point::{Inputs, Point};
 
 use crate::fit::choose::Terms;
-use crate::fit::term::Term;
 use crate::key::reading::Reading;
 use crate::key::row::Key;
 use crate::key::setting;
@@ -23,6 +22,7 @@ use crate::noise::read::{WrittenNoise, read_file};
 use crate::noise::{self, Noise};
 use crate::source::diagnose::Wrong;
 use crate::theory::allan::estimator::Estimator;
+use crate::theory::allan::terms::Term;
 
 /// The part of a study that is specific to Allan curves.
 #[derive(Debug, Clone)]
@@ -79,8 +79,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Allan, Wrong> {
 /// Lets a fit that chooses its terms choose Markov noise and a sine where the noise has them.
 fn with_shapes(terms: Terms, points: &[Point]) -> Terms {
     let Terms::Auto(mut terms) = terms else { return terms };
-    let noises = || points.iter().map(|point| &point.inputs.noise);
-    terms.extend(noises().any(|noise| noise.markov.is_some()).then_some(Term::Markov));
-    terms.extend(noises().any(|noise| noise.sine.is_some()).then_some(Term::Sine));
+    let is_there = |term: &Term| points.iter().any(|point| point.inputs.noise.has(*term));
+    terms.extend(Term::ALL.into_iter().filter(|term| term.has_shape() && is_there(term)));
     Terms::Auto(terms)
 }

@@ -1,10 +1,10 @@
 //! Notes attached to the results of a study of Allan curves.
 
 use crate::fit::choose::Terms;
-use crate::fit::term::Term;
 use crate::kinds::allan::point::Point;
 use crate::noise::Noise;
 use crate::quantity::number::significant;
+use crate::theory::allan::terms::Term;
 
 /// Relative rounding of an interval that needs no note.
 const ROUNDED: f64 = 1e-9;
@@ -67,19 +67,15 @@ fn switching(points: &[Point]) -> Option<String> {
 
 /// Parts of the noise that no fitted term covers.
 fn unfitted(terms: &Terms, points: &[Point]) -> Option<String> {
-    let lacks = |term: Term| !terms.all().contains(&term);
-    let any = |has: &dyn Fn(&Noise) -> bool| points.iter().any(|point| has(&point.inputs.noise));
-    let parts = [
-        ("an angle random walk", lacks(Term::AngleRandomWalk) && any(&|n| n.angle_random_walk > 0.0)),
-        ("quantisation", lacks(Term::Quantisation) && any(&|n| n.quantisation + n.readout_lsb > 0.0)),
-        ("a bias instability", lacks(Term::BiasInstability) && any(&|n| n.bias_instability > 0.0)),
-        ("a rate random walk", lacks(Term::RateRandomWalk) && any(&|n| n.rate_random_walk > 0.0)),
-        ("a rate ramp", lacks(Term::RateRamp) && any(&|n| n.rate_ramp != 0.0)),
-        ("Markov noise", lacks(Term::Markov) && any(&|n| n.markov.is_some())),
-        ("a sine", lacks(Term::Sine) && any(&|n| n.sine.is_some())),
-        ("a warm-up", any(&|n| n.warm_up.is_some())),
-    ];
-    let found: Vec<&str> = parts.into_iter().filter(|part| part.1).map(|part| part.0).collect();
+    let has =
+        |term: Term, noise: &Noise| noise.has(term) || term == Term::Quantisation && noise.readout_lsb > 0.0;
+    let is_unfitted = |term: &Term| {
+        !terms.all().contains(term) && points.iter().any(|point| has(*term, &point.inputs.noise))
+    };
+    // The angle random walk first, which every gyro has.
+    let walk = [Term::AngleRandomWalk];
+    let all = walk.into_iter().chain(Term::EVERY.into_iter().filter(|term| !walk.contains(term)));
+    let found: Vec<String> = all.filter(is_unfitted).map(|term| term.row().name.concat()).collect();
     (!found.is_empty()).then(|| {
         format!("the noise has {}, which is not fitted: other coefficients absorb it", found.join(", "))
     })

@@ -16,6 +16,7 @@ use crate::noise::keys::{
 use crate::quantity::number::significant;
 use crate::source::diagnose::Fault;
 use crate::theory::allan::estimator::{Difference, Stride};
+use crate::theory::allan::terms::Term;
 
 /// The keys of what switches leave in a record.
 static LEFT_BY_SWITCHES: [&str; 4] =
@@ -172,13 +173,12 @@ impl Base<'_> {
             );
             return refuse(&["record.length", "record.sample"], message, label, &help);
         }
-        if let Some(sine) = noise.sine
-            && sine.frequency_hz * sample_s > 0.5
-        {
+        let [_, sine_hz] = noise.of(Term::Sine);
+        if sine_hz * sample_s > 0.5 {
             let nyquist = significant(0.5 / sample_s, 6);
             let message = format!(
                 "noise.sine.frequency = {} Hz is above the Nyquist frequency of samples of {sample_s} s",
-                significant(sine.frequency_hz, 6)
+                significant(sine_hz, 6)
             );
             let help = format!("accepted: up to {nyquist} Hz, or a shorter record.sample");
             let names = ["noise.sine.frequency", "noise.sine", "record.sample"];

@@ -32,9 +32,9 @@ pub const THINNED: Estimator = Estimator { difference: Difference::Second, strid
 /// Quantisation noise, angle random walk and bias instability of the LGK-400 of the Allan paper's table 2.
 pub fn lgk_400() -> Vec<Part> {
     vec![
-        Part::Quantisation { q: 0.24 },
-        Part::AngleRandomWalk { n: 0.00067 * 60.0 },
-        Part::BiasInstability { b: 0.00192, octaves: 24 },
+        Part::quantisation(0.24),
+        Part::angle_random_walk(0.00067 * 60.0),
+        Part::bias_instability(0.00192, 24),
     ]
 }
 
@@ -79,11 +79,11 @@ pub fn named_records() -> Vec<NamedRecords> {
     let everything = || {
         let mut parts = lgk_400();
         parts.extend([
-            Part::RateRandomWalk { k: 2e-4 },
-            Part::Markov { q_c: 4e-4, time_s: 40.0 },
-            Part::Sine { amplitude: 0.02, frequency_hz: 0.0137 },
-            Part::RateRamp { r: 1e-5 },
-            Part::WarmUp { amplitude: 0.03, time_s: 200.0 },
+            Part::rate_random_walk(2e-4),
+            Part::markov(4e-4, 40.0),
+            Part::sine(0.02, 0.0137),
+            Part::rate_ramp(1e-5),
+            Part::warm_up(0.03, 200.0),
         ]);
         parts
     };
@@ -108,7 +108,7 @@ pub fn named_records() -> Vec<NamedRecords> {
         ..of(name, parts, readout_lsb, 700, thinned)
     };
     vec![
-        of("white-noise", vec![Part::AngleRandomWalk { n: 0.04 }], 0.0, 2000, apart),
+        of("white-noise", vec![Part::angle_random_walk(0.04)], 0.0, 2000, apart),
         of("lgk-400", lgk_400(), 0.0, 3000, thinned),
         of("everything", everything(), 0.83, 700, thinned),
         of("everything-hadamard", everything(), 0.83, 700, hadamard),

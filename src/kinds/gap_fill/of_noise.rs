@@ -11,6 +11,7 @@ use crate::noise::{self, Noise};
 use crate::quantity::number::significant;
 use crate::quantity::units::round_12;
 use crate::source::diagnose::{Fault, Wrong};
+use crate::theory::allan::terms::Term;
 
 /// The noise of `[noise]`, where the study has it in place of `gyro.tick_noise`.
 pub(crate) fn read(reading: &mut Reading) -> Result<Option<Noise>, Wrong> {
@@ -36,7 +37,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Option<Noise>, Wrong> {
 
 /// N is the noise of ticks, and Q that of a readout in whole pulses of √12·Q, whose error it is.
 pub(crate) fn set(inputs: &mut Inputs, noise: &Noise) {
-    inputs.tick_noise = TickNoise::AngleRandomWalk(noise.angle_random_walk);
+    inputs.tick_noise = TickNoise::AngleRandomWalk(noise.of(Term::AngleRandomWalk)[0]);
     inputs.readout_lsb = match noise.readout_lsb {
         0.0 => of_quantisation(noise),
         lsb => lsb,
@@ -45,7 +46,7 @@ pub(crate) fn set(inputs: &mut Inputs, noise: &Noise) {
 
 /// The pulse whose error is Q, ″.
 fn of_quantisation(noise: &Noise) -> f64 {
-    round_12(libm::sqrt(12.0) * noise.quantisation)
+    round_12(libm::sqrt(12.0) * noise.of(Term::Quantisation)[0])
 }
 
 /// What a gap leaves out: of each part the angle that it could turn through in the longest gap of the study.
@@ -58,7 +59,8 @@ pub(crate) fn left_out(noise: &Noise, inputs: &Inputs, sweeps: &[Sweep]) -> Opti
     let gap_s = tick_s * longest(GAP_TICKS.name, f64::from(inputs.gap_ticks));
     // Pulses that are given have an error of their own.
     let is_read = inputs.readout_lsb != of_quantisation(noise) || longest(READOUT_LSB.name, 0.0) > 0.0;
-    let quantisation = (is_read && noise.quantisation > 0.0).then_some(("quantisation", noise.quantisation));
+    let [q, _] = noise.of(Term::Quantisation);
+    let quantisation = (is_read && q > 0.0).then_some(("quantisation", q));
     let parts: Vec<String> = noise
         .over(gap_s)
         .into_iter()

@@ -3,39 +3,14 @@
 //! Records are sampled, and at small m their Allan variance is another one: compare them with
 //! [`Process::expected`](crate::theory::allan::process::Process::expected).
 
-use core::f64::consts::PI;
-
-use crate::theory::allan::exponential::beyond_square;
-use crate::theory::allan::part::{FLAT_LEVEL, Part, sine_of_turns};
+use crate::theory::allan::part::Part;
 
 /// The term of one part at `tau_s`, (″/s)²: 3Q²/τ², N²/τ, (2 ln2/π)B², K²τ/3, R²τ²/2 — A(4) — and for Markov noise
 /// (q_cT_c)²/τ·[1 − (T_c/2τ)(3 − 4e^{−τ/T_c} + e^{−2τ/T_c})], for a sine Ω_0²(sin²πfτ/πfτ)².
 ///
 /// `None` of a warm-up, whose Allan variance depends on the length of the record.
 pub fn allan_variance(part: &Part, tau_s: f64) -> Option<f64> {
-    let tau = tau_s;
-    Some(match *part {
-        Part::Quantisation { q } => 3.0 * q * q / (tau * tau),
-        Part::AngleRandomWalk { n } => n * n / tau,
-        Part::BiasInstability { b, .. } => FLAT_LEVEL * b * b,
-        Part::RateRandomWalk { k } => k * k * tau / 3.0,
-        Part::RateRamp { r } => r * r * tau * tau / 2.0,
-        Part::Markov { q_c, time_s } => {
-            let z = tau / time_s;
-            // 2z − 3 + 4e^{−z} − e^{−2z}, whose powers up to z² cancel.
-            let bracket = match z < 0.5 {
-                true => 4.0 * beyond_square(z) - beyond_square(2.0 * z),
-                false => 2.0 * z - 3.0 + 4.0 * libm::exp(-z) - libm::exp(-2.0 * z),
-            };
-            q_c * q_c * time_s * time_s / tau * bracket / (2.0 * z)
-        }
-        Part::Sine { amplitude, frequency_hz } => {
-            let sine = sine_of_turns(0.5 * frequency_hz * tau);
-            let shape = sine * sine / (PI * frequency_hz * tau);
-            amplitude * amplitude * shape * shape
-        }
-        Part::WarmUp { .. } => return None,
-    })
+    (part.term.row().continuous)(part, tau_s)
 }
 
 #[cfg(test)]
@@ -53,11 +28,7 @@ mod tests {
             let cells: Vec<&str> = line.split(',').collect();
             let (tau, expected): (f64, f64) = (cells[1].parse().unwrap(), cells[2].parse().unwrap());
             let (_, [q, n, b]) = gyros.iter().find(|(name, _)| *name == cells[0]).unwrap();
-            let parts = [
-                Part::Quantisation { q: *q },
-                Part::AngleRandomWalk { n: *n },
-                Part::BiasInstability { b: *b, octaves: 24 },
-            ];
+            let parts = [Part::quantisation(*q), Part::angle_random_walk(*n), Part::bias_instability(*b, 24)];
             let found = libm::sqrt(parts.iter().filter_map(|part| allan_variance(part, tau)).sum());
             assert!((found / expected - 1.0).abs() < 1e-11, "{line}: {found}");
         }
@@ -66,11 +37,11 @@ mod tests {
     #[test]
     fn finely_sampled_noise_is_the_continuous_one() {
         let parts = [
-            Part::Quantisation { q: 0.2 },
-            Part::AngleRandomWalk { n: 0.2 },
-            Part::RateRandomWalk { k: 0.2 },
-            Part::Markov { q_c: 0.2, time_s: 3.0 },
-            Part::Sine { amplitude: 0.2, frequency_hz: 0.3 },
+            Part::quantisation(0.2),
+            Part::angle_random_walk(0.2),
+            Part::rate_random_walk(0.2),
+            Part::markov(0.2, 3.0),
+            Part::sine(0.2, 0.3),
         ];
         for part in parts {
             for tau in [0.01, 1.0, 2.5, 41.0] {
@@ -80,6 +51,6 @@ mod tests {
                 assert!((found / sampled - 1.0).abs() < 1e-8, "{part:?} at {tau}: {found}, not {sampled}");
             }
         }
-        assert_eq!(allan_variance(&Part::WarmUp { amplitude: 1.0, time_s: 1.0 }, 1.0), None);
+        assert_eq!(allan_variance(&Part::warm_up(1.0, 1.0), 1.0), None);
     }
 }

@@ -5,64 +5,10 @@
 //! do not see. What is needed is the second difference of G over the shorter of two differences, written so that
 //! nothing cancels for lags that are long beside it.
 
-use crate::theory::allan::part::{FLAT_LEVEL, Part};
-use crate::theory::allan::{holds, markov};
-
-/// Second differences of G, `m` apart, of one part of the angle.
-pub(crate) struct Kernel {
-    m: f64,
-    form: Form,
-}
-
-/// What G is, with its factor in ″².
-enum Form {
-    /// −|n|/2.
-    Walk(f64),
-    /// (|n|³ − |n|)/12.
-    WalkOfRate(f64),
-    Markov {
-        variance: f64,
-        decay: f64,
-    },
-    Holds(Holds),
-    /// Nothing that reaches from one sample to another, or no noise.
-    None,
-}
-
-impl Kernel {
-    pub(crate) fn new(part: &Part, sample_s: f64, m: u64) -> Kernel {
-        let t0 = sample_s;
-        let form = match *part {
-            Part::AngleRandomWalk { n } => Form::Walk(n * n * t0),
-            Part::RateRandomWalk { k } => Form::WalkOfRate(k * k * t0 * t0 * t0),
-            Part::Markov { q_c, time_s } => {
-                Form::Markov { variance: 0.5 * q_c * q_c * time_s * t0 * t0, decay: t0 / time_s }
-            }
-            Part::BiasInstability { b, octaves } => {
-                Form::Holds(Holds::new(FLAT_LEVEL * b * b * t0 * t0, octaves))
-            }
-            Part::Quantisation { .. } | Part::Sine { .. } | Part::RateRamp { .. } | Part::WarmUp { .. } => {
-                Form::None
-            }
-        };
-        Kernel { m: m as f64, form }
-    }
-
-    /// G(n + m) − 2G(n) + G(n − m), ″², at the lag n ≥ 0, less a constant.
-    pub(crate) fn at(&self, n: f64) -> f64 {
-        let m = self.m;
-        match &self.form {
-            Form::Walk(scale) => -scale * (m - n).max(0.0),
-            Form::WalkOfRate(scale) => scale * cubic(m, n),
-            Form::Markov { variance, decay } => variance * markov::kernel(*decay, m, n),
-            Form::Holds(holds) => holds.at(m, n),
-            Form::None => 0.0,
-        }
-    }
-}
+use crate::theory::allan::holds;
 
 /// Octave holds. A hold is a random walk of the rate that is taken back after its length.
-struct Holds {
+pub(crate) struct Holds {
     /// Variance of the rate of each octave times t0², ″²; of all octaves before it; and the sum of the variances over
     /// their lengths from it on.
     octaves: Vec<f64>,
@@ -71,7 +17,7 @@ struct Holds {
 }
 
 impl Holds {
-    fn new(scale: f64, octaves: usize) -> Holds {
+    pub(crate) fn new(scale: f64, octaves: usize) -> Holds {
         let variances = holds::variances(octaves).unwrap_or_else(|| vec![f64::NAN]);
         let octaves: Vec<f64> = variances.iter().map(|variance| scale * variance).collect();
         let (mut before, mut from) = (vec![0.0; octaves.len() + 1], vec![0.0; octaves.len() + 1]);
@@ -84,7 +30,7 @@ impl Holds {
         Holds { octaves, before, from }
     }
 
-    fn at(&self, m: f64, n: f64) -> f64 {
+    pub(crate) fn at(&self, m: f64, n: f64) -> f64 {
         let within = |lag: f64| match lag < 1.0 {
             true => 0,
             false => self.octaves.len().min(1 + libm::ilogb(lag) as usize),
@@ -108,7 +54,7 @@ fn length(octave: usize) -> f64 {
 }
 
 /// Second difference, m apart, of (|n|³ − |n|)/12, n ≥ 0.
-fn cubic(m: f64, n: f64) -> f64 {
+pub(crate) fn cubic(m: f64, n: f64) -> f64 {
     match n >= m {
         true => 0.5 * n * m * m,
         false => g(n + m) - 2.0 * g(n) + g(m - n),

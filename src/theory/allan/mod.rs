@@ -28,9 +28,9 @@
 //! use sagnac::theory::allan::{Difference, Estimator, Part, Process, continuous, quantiser};
 //!
 //! let parts = vec![
-//!     Part::Quantisation { q: 0.11 },
-//!     Part::AngleRandomWalk { n: 0.00048 * 60.0 },
-//!     Part::BiasInstability { b: 0.00164, octaves: 24 },
+//!     Part::quantisation(0.11),
+//!     Part::angle_random_walk(0.00048 * 60.0),
+//!     Part::bias_instability(0.00164, 24),
 //! ];
 //! let gyro = Process { sample_s: 1.0, parts };
 //! let at_100_s = gyro.expected(Estimator::OVERLAPPING, 32_400, 100).unwrap();
@@ -47,7 +47,7 @@
 //! assert!((jumps.angle_random_walk(1.0) / 60.0 - 0.0186).abs() < 5e-5);
 //!
 //! // Whole pulses of 0.381 ″ at rest are no white noise of q/√12: at 1 s they lack most of 6 q²/12.
-//! let still = Process { sample_s: 1.0, parts: vec![Part::AngleRandomWalk { n: 0.0288 }] };
+//! let still = Process { sample_s: 1.0, parts: vec![Part::angle_random_walk(0.0288)] };
 //! let pulses = quantiser::mean_square(0.381, 0.0, &still, Difference::Second, 1).unwrap();
 //! assert!(pulses < 0.5 * 0.381 * 0.381);
 //! ```
@@ -63,7 +63,9 @@ pub mod part;
 pub mod process;
 pub mod quantiser;
 pub mod switching;
+pub mod terms;
 
 pub use crate::theory::allan::estimator::{Difference, Estimator, Stride};
 pub use crate::theory::allan::part::{FLAT_LEVEL, Part, Trend};
 pub use crate::theory::allan::process::Process;
+pub use crate::theory::allan::terms::Term;

@@ -3,60 +3,19 @@
 use core::f64::consts::{LN_2, PI};
 
 use crate::theory::allan::estimator::Difference;
-use crate::theory::allan::{holds, markov};
+use crate::theory::allan::terms::Term;
 
 /// A part of the angle, in ″ and s; how each is sampled is told [above](super).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Part {
-    /// White error of the angles: rms Q, ″.
-    Quantisation {
-        /// Q, ″.
-        q: f64,
-    },
-    /// N, ″/√s.
-    AngleRandomWalk {
-        /// N, ″/√s.
-        n: f64,
-    },
-    /// Flicker of the rate: B, ″/s, whose Allan variance is flat at (2 ln2/π)B², of so many octave holds. Octaves for
-    /// which there are no [variances](holds::variances) make it NaN.
-    BiasInstability {
-        /// B, ″/s.
-        b: f64,
-        /// Of holds: 1, 2, 4, … samples.
-        octaves: usize,
-    },
-    /// K, ″/s^1.5.
-    RateRandomWalk {
-        /// K, ″/s^1.5.
-        k: f64,
-    },
-    /// Exponentially correlated rate: IEEE's q_c, ″/s^1.5, and T_c, s. Its variance is q_c²T_c/2.
-    Markov {
-        /// q_c, ″/s^1.5.
-        q_c: f64,
-        /// T_c, s.
-        time_s: f64,
-    },
-    /// Sine of the rate with a random phase: Ω_0, ″/s, and f, Hz.
-    Sine {
-        /// Ω_0, ″/s.
-        amplitude: f64,
-        /// f, Hz.
-        frequency_hz: f64,
-    },
-    /// R, ″/s².
-    RateRamp {
-        /// R, ″/s².
-        r: f64,
-    },
-    /// Decay of the rate after the start of the record: A, ″/s, and T, s.
-    WarmUp {
-        /// A, ″/s.
-        amplitude: f64,
-        /// T, s.
-        time_s: f64,
-    },
+pub struct Part {
+    /// What it is a part of.
+    pub term: Term,
+    /// Its coefficient; of Markov noise IEEE's q_c.
+    pub size: f64,
+    /// Time, s, or frequency, Hz; 1 where it has none.
+    pub shape: f64,
+    /// Of flicker its holds: 1, 2, 4, … samples; 0 of all else.
+    pub octaves: usize,
 }
 
 /// Deterministic difference k of a record: `first`·e^{−`decay`·k}, ″.
@@ -72,70 +31,34 @@ pub struct Trend {
 pub const FLAT_LEVEL: f64 = 2.0 * LN_2 / PI;
 
 impl Part {
+    pub(crate) const fn new(term: Term, size: f64, shape: f64) -> Part {
+        Part { term, size, shape, octaves: 0 }
+    }
+
+    /// Square of the coefficient: what [`Term::part`] is given.
+    pub fn square(&self) -> f64 {
+        (self.term.row().square)(self)
+    }
+
     /// Variance of a difference of angles `m` samples apart, ″²; 0 of the deterministic ramp and warm-up, which are a
     /// [`Trend`]. The Allan variance is this over 2τ² (A(3), (4)), the Hadamard variance over 6τ².
     ///
     /// Exact for the sampled process at any m, of every record long enough, and so for the mean of overlapping and
     /// non-overlapping differences alike.
     pub fn variance(&self, difference: Difference, sample_s: f64, m: u64) -> f64 {
-        let (t0, n) = (sample_s, m as f64);
-        let tau = t0 * n;
-        let second = difference == Difference::Second;
-        match *self {
-            // Σc² of the coefficients of the angles.
-            Part::Quantisation { q } => q * q * if second { 6.0 } else { 20.0 },
-            // Σc² of the coefficients of the increments.
-            Part::AngleRandomWalk { n } => n * n * tau * difference.divisor(),
-            Part::BiasInstability { b, octaves } => {
-                let variances = holds::variances(octaves).unwrap_or_else(|| vec![f64::NAN]);
-                let one = |(o, v): (usize, &f64)| v * holds::mean_square(difference, 1 << o, m);
-                FLAT_LEVEL * b * b * t0 * t0 * variances.iter().enumerate().map(one).sum::<f64>()
-            }
-            // Squares of 1, 2, … m, … 2, 1 for the second difference: K²τ/3·(1 + 1/2m²) as Allan variance, and
-            // K²τ/6·(1 + 1/m²) as Hadamard variance.
-            Part::RateRandomWalk { k } => {
-                let sum = if second { (2.0 * n * n * n + n) / 3.0 } else { n * n * n + n };
-                k * k * t0 * t0 * t0 * sum
-            }
-            Part::Markov { q_c, time_s } => {
-                0.5 * q_c * q_c * time_s * t0 * t0 * markov::mean_square(difference, t0 / time_s, n)
-            }
-            // The angle's amplitude is Ω_0/2πf, and every difference multiplies it by 2 sin πfτ.
-            Part::Sine { amplitude, frequency_hz } => {
-                let step = 2.0 * sine_of_turns(0.5 * frequency_hz * tau);
-                let angle = amplitude / (2.0 * PI * frequency_hz);
-                0.5 * angle * angle * libm::pow(step * step, if second { 2.0 } else { 3.0 })
-            }
-            Part::RateRamp { .. } | Part::WarmUp { .. } => 0.0,
-        }
+        (self.term.row().variance)(self, difference, sample_s, m)
     }
 
     /// The difference that the ramp or the warm-up makes; `None` of random parts.
     pub fn trend(&self, difference: Difference, sample_s: f64, m: u64) -> Option<Trend> {
-        let tau = sample_s * m as f64;
-        match *self {
-            Part::RateRamp { r } => Some(Trend {
-                first: if difference == Difference::Second { r * tau * tau } else { 0.0 },
-                decay: 0.0,
-            }),
-            // θ = AT(1 − e^{−t/T}): each difference multiplies e^{−t/T} by e^{−τ/T} − 1.
-            Part::WarmUp { amplitude, time_s } => {
-                let power = f64::from(difference.spans() as u32);
-                let first = -amplitude * time_s * libm::pow(libm::expm1(-tau / time_s), power);
-                Some(Trend { first, decay: sample_s / time_s })
-            }
-            _ => None,
-        }
+        (self.term.row().trend)(self, difference, sample_s, m)
     }
 
     /// Largest |difference| of the parts that are not noise: sine, ramp and warm-up, ″; 0 of noise.
     ///
     /// With 16 standard deviations of the noise beside it, what has to fit into a word.
     pub fn largest(&self, difference: Difference, sample_s: f64, m: u64) -> f64 {
-        match self {
-            Part::Sine { .. } => libm::sqrt(2.0 * self.variance(difference, sample_s, m)),
-            _ => self.trend(difference, sample_s, m).map_or(0.0, |trend| trend.first.abs()),
-        }
+        (self.term.row().largest)(self, difference, sample_s, m)
     }
 }
 
@@ -163,20 +86,20 @@ mod tests {
     fn each_part_has_its_law() {
         for (t0, m) in [(0.01, 1), (0.01, 37), (2.0, 4), (1.0, 100_000)] {
             let (n, tau) = (m as f64, t0 * m as f64);
-            near(allan(Part::Quantisation { q: 0.3 }, t0, m), 3.0 * 0.09 / (tau * tau), 1e-13, "Q");
-            near(allan(Part::AngleRandomWalk { n: 0.3 }, t0, m), 0.09 / tau, 1e-13, "N");
+            near(allan(Part::quantisation(0.3), t0, m), 3.0 * 0.09 / (tau * tau), 1e-13, "Q");
+            near(allan(Part::angle_random_walk(0.3), t0, m), 0.09 / tau, 1e-13, "N");
             let walk = 0.09 * tau / 3.0 * (1.0 + 0.5 / (n * n));
-            near(allan(Part::RateRandomWalk { k: 0.3 }, t0, m), walk, 1e-13, "K");
-            near(allan(Part::RateRamp { r: 0.3 }, t0, m), 0.09 * tau * tau / 2.0, 1e-13, "R");
-            near(allan(Part::BiasInstability { b: 0.3, octaves: 24 }, t0, m), FLAT_LEVEL * 0.09, 0.005, "B");
+            near(allan(Part::rate_random_walk(0.3), t0, m), walk, 1e-13, "K");
+            near(allan(Part::rate_ramp(0.3), t0, m), 0.09 * tau * tau / 2.0, 1e-13, "R");
+            near(allan(Part::bias_instability(0.3, 24), t0, m), FLAT_LEVEL * 0.09, 0.005, "B");
         }
-        assert!(allan(Part::BiasInstability { b: 1.0, octaves: 3 }, 1.0, 1).is_nan());
+        assert!(allan(Part::bias_instability(1.0, 3), 1.0, 1).is_nan());
     }
 
     #[test]
     fn a_sine_is_the_mean_over_its_phase() {
         let (t0, f, amplitude) = (0.02, 1.7, 5.0);
-        let part = Part::Sine { amplitude, frequency_hz: f };
+        let part = Part::sine(amplitude, f);
         for difference in [Difference::Second, Difference::Third] {
             for m in [1, 3, 11, 100] {
                 let angle = |k: usize, turns: f64| {
@@ -195,7 +118,7 @@ mod tests {
             }
         }
         // The turns of a long τ keep their digits: fτ is a whole number and a half.
-        let long = Part::Sine { amplitude: 1.0, frequency_hz: 0.5 };
+        let long = Part::sine(1.0, 0.5);
         near(allan(long, 1.0, 1_000_001), 1.0 / (PI * PI * 500_000.5 * 500_000.5), 1e-9, "long sine");
     }
 }

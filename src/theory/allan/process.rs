@@ -57,7 +57,7 @@ mod tests {
     fn a_warm_up_beside_a_ramp_is_its_sum_by_definition() {
         let (t0, samples, r, amplitude, time_s) = (0.5, 400_u64, 1e-3, 2.0, 30.0);
         let process =
-            Process { sample_s: t0, parts: vec![Part::RateRamp { r }, Part::WarmUp { amplitude, time_s }] };
+            Process { sample_s: t0, parts: vec![Part::rate_ramp(r), Part::warm_up(amplitude, time_s)] };
         let angle = |k: u64| {
             let t = t0 * k as f64;
             0.5 * r * t * t - amplitude * time_s * libm::expm1(-t / time_s)

@@ -9,9 +9,9 @@
 use core::f64::consts::PI;
 
 use crate::theory::allan::estimator::Difference;
-use crate::theory::allan::markov;
 use crate::theory::allan::part::{Part, sine_of_turns};
 use crate::theory::allan::process::Process;
+use crate::theory::allan::terms;
 
 /// Variance, in pulses², of the angle between two samples from which on the series is summed: fewer than 4e4 terms.
 const LEAST_VARIANCE: f64 = 1e-9;
@@ -63,13 +63,8 @@ fn pairs(difference: Difference) -> Vec<f64> {
 
 /// Variance of the Gaussian part of the angle over n samples, ″².
 fn noise_variance(process: &Process, n: u64) -> f64 {
-    let t0 = process.sample_s;
-    let one = |part: &Part| match *part {
-        Part::Quantisation { q } => 2.0 * q * q,
-        Part::AngleRandomWalk { n: walk } => walk * walk * t0 * n as f64,
-        Part::Markov { q_c, time_s } => {
-            0.5 * q_c * q_c * time_s * t0 * t0 * markov::summed(t0 / time_s, n as f64)
-        }
+    let one = |part: &Part| match (part.term.row().increment)(part, process.sample_s, n) {
+        terms::Increment::Normal(variance) => variance,
         _ => 0.0,
     };
     process.parts.iter().map(one).sum()
@@ -83,16 +78,12 @@ struct Increment {
 
 impl Increment {
     fn of(process: &Process, n: u64, lsb: f64) -> Option<Increment> {
-        let tau = process.sample_s * n as f64;
         let mut sines = Vec::new();
         for part in &process.parts {
-            match *part {
-                Part::Sine { amplitude, frequency_hz } => {
-                    let peak = amplitude / (PI * frequency_hz) * sine_of_turns(0.5 * frequency_hz * tau);
-                    sines.push(peak / lsb);
-                }
-                Part::Quantisation { .. } | Part::AngleRandomWalk { .. } | Part::Markov { .. } => (),
-                _ => return None,
+            match (part.term.row().increment)(part, process.sample_s, n) {
+                terms::Increment::Sine(peak) => sines.push(peak / lsb),
+                terms::Increment::Normal(_) => (),
+                terms::Increment::Other => return None,
             }
         }
         Some(Increment { variance: noise_variance(process, n) / (lsb * lsb), sines })
@@ -153,12 +144,12 @@ mod tests {
     #[test]
     fn a_frozen_readout_has_no_error_and_a_lively_one_is_white() {
         let (q, white) = (1.0, 6.0 / 12.0);
-        let still = process(vec![Part::AngleRandomWalk { n: 1e-4 }]);
+        let still = process(vec![Part::angle_random_walk(1e-4)]);
         let found = mean_square(q, 0.0, &still, Difference::Second, 1).unwrap();
         // Σ|c·c|·E|Δ|: errors differ only where a pulse comes, with the probability E|Δ|/q.
         assert!(found > 0.0 && found < 5e-4, "{found}");
         assert!(white_error(q, &still, Difference::Second, 1) > white - found);
-        let lively = process(vec![Part::AngleRandomWalk { n: 2.0 }]);
+        let lively = process(vec![Part::angle_random_walk(2.0)]);
         let found = mean_square(q, 0.3, &lively, Difference::Second, 1).unwrap();
         assert!((found - white).abs() < 1e-15, "{found}");
         assert!(white_error(q, &lively, Difference::Second, 1) < 1e-15);
@@ -168,10 +159,9 @@ mod tests {
 
     #[test]
     fn what_has_no_closed_form_is_said() {
-        let flicker =
-            process(vec![Part::AngleRandomWalk { n: 1.0 }, Part::BiasInstability { b: 1.0, octaves: 24 }]);
+        let flicker = process(vec![Part::angle_random_walk(1.0), Part::bias_instability(1.0, 24)]);
         assert_eq!(mean_square(1.0, 0.0, &flicker, Difference::Second, 1), None);
-        let sine = process(vec![Part::Sine { amplitude: 1.0, frequency_hz: 0.1 }]);
+        let sine = process(vec![Part::sine(1.0, 0.1)]);
         assert_eq!(mean_square(1.0, 0.0, &sine, Difference::Second, 1), None);
     }
 }

@@ -66,7 +66,7 @@ pub struct Asked<'a> {
 /// use sagnac::kinds::gap_fill::lower::{Asked, Records};
 /// use sagnac::theory::allan::{Estimator, Part, Process};
 ///
-/// let white = Part::AngleRandomWalk { n: 0.04 };
+/// let white = Part::angle_random_walk(0.04);
 /// let records = Records::new(&Asked {
 ///     process: &Process { sample_s: 1.0, parts: vec![white] },
 ///     readout_lsb: 0.0,

@@ -7,9 +7,10 @@ use crate::kinds::allan::lower::Asked;
 use crate::kinds::allan::lower::MOST_SAMPLES;
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::holds;
-use crate::theory::allan::part::{FLAT_LEVEL, Part};
+use crate::theory::allan::part::Part;
 use crate::theory::allan::process::Process;
 use crate::theory::allan::switching::Switching;
+use crate::theory::allan::terms::{Row, Source};
 
 /// Number of standard deviations for which differences and rates have room.
 pub(crate) const DEVIATIONS: f64 = 16.0;
@@ -82,64 +83,14 @@ impl Model {
             readout_lsb,
             mean_rate: if readout_lsb > 0.0 { mean_rate * t0 } else { 0.0 },
         };
-        let mut flicker = 0.0_f64;
         for part in &asked.process.parts {
-            let noise = &mut model.noise;
-            match *part {
-                Part::Quantisation { q } => {
-                    let q = at_least("noise.quantisation", "a noise of", q, 0.0)?;
-                    noise.quantisation = libm::hypot(noise.quantisation, q);
-                }
-                Part::AngleRandomWalk { n } => {
-                    let n = at_least("noise.angle_random_walk", "a noise of", n, 0.0)?;
-                    noise.white = libm::hypot(noise.white, n * libm::sqrt(t0));
-                }
-                Part::BiasInstability { b, .. } => {
-                    let b = at_least("noise.bias_instability", "a noise of", b, 0.0)?;
-                    flicker = libm::hypot(flicker, b * t0);
-                }
-                Part::RateRandomWalk { k } => {
-                    let k = at_least("noise.rate_random_walk", "a noise of", k, 0.0)?;
-                    noise.walk = libm::hypot(noise.walk, k * t0 * libm::sqrt(t0));
-                }
-                Part::Markov { q_c, time_s } => {
-                    let key = "noise.markov";
-                    let q_c = at_least(key, "a noise of", q_c, 0.0)?;
-                    let time_s = at_least(key, "a correlation time of", time_s, f64::MIN_POSITIVE)?;
-                    let sigma = q_c * libm::sqrt(0.5 * time_s) * t0;
-                    let one = Markov { sigma, decay: t0 / time_s };
-                    if sigma > 0.0 && noise.markov.replace(one).is_some() {
-                        return Err(Refusal::new(
-                            key,
-                            "a record has at most one of them",
-                            "leave one of them out",
-                        ));
-                    }
-                }
-                Part::Sine { amplitude, frequency_hz } => {
-                    let key = "noise.sine";
-                    let amplitude = at_least(key, "an amplitude of", amplitude, 0.0)?;
-                    let frequency_hz = at_least(key, "a frequency of", frequency_hz, f64::MIN_POSITIVE)?;
-                    let amplitude = amplitude / (2.0 * PI * frequency_hz);
-                    let one = Sine { amplitude, turns: frequency_hz * t0 };
-                    if amplitude > 0.0 && model.sine.replace(one).is_some() {
-                        return Err(Refusal::new(
-                            key,
-                            "a record has at most one of them",
-                            "leave one of them out",
-                        ));
-                    }
-                }
-                Part::RateRamp { r } => {
-                    model.ramp += at_least("noise.rate_ramp", "a ramp of", r, f64::MIN)? * t0 * t0;
-                }
-                Part::WarmUp { amplitude, time_s } => {
-                    let key = "noise.warm_up";
-                    let amplitude = at_least(key, "an amplitude of", amplitude, f64::MIN)?;
-                    let time_s = at_least(key, "a time of", time_s, f64::MIN_POSITIVE)?;
-                    let one = WarmUp { reach: amplitude * time_s, decay: t0 / time_s };
-                    model.warm_ups.extend((amplitude != 0.0).then_some(one));
-                }
+            let Row { key, size: (what, least), ref shape, sources, .. } = *part.term.row();
+            at_least(key, what, part.size, least)?;
+            if let Some(shape) = shape {
+                at_least(key, shape.what, part.shape, f64::MIN_POSITIVE)?;
+            }
+            for source in sources(part, t0, asked.samples) {
+                model.add(key, source)?;
             }
         }
         if let Some(switching) = asked.switching {
@@ -147,13 +98,36 @@ impl Model {
             model.sawtooth = switching.sawtooth_range(asked.samples);
             model.switching = Some(switching);
         }
-        if flicker > 0.0 {
-            let variances = holds::octaves(asked.samples).and_then(holds::variances);
-            let variances = variances.ok_or_else(|| too_long(asked.samples))?;
-            let sigma = |v: &f64| flicker * libm::sqrt(FLAT_LEVEL * v);
-            model.noise.octaves = variances.iter().map(sigma).collect();
-        }
         Ok(model)
+    }
+
+    /// Takes up what makes a part of the key `key`.
+    fn add(&mut self, key: &'static str, source: Source) -> Result<(), Refusal> {
+        let noise = &mut self.noise;
+        let join = |into: &mut f64, sigma: f64| *into = libm::hypot(*into, sigma);
+        let only = |is_second: bool| match is_second {
+            true => Err(Refusal::new(key, "a record has at most one of them", "leave one of them out")),
+            false => Ok(()),
+        };
+        match source {
+            Source::Errors(sigma) => join(&mut noise.quantisation, sigma),
+            Source::White(sigma) => join(&mut noise.white, sigma),
+            Source::Walk(sigma) => join(&mut noise.walk, sigma),
+            Source::Holds(sigmas) if sigmas.iter().any(|sigma| *sigma != 0.0) => {
+                noise.octaves.resize(noise.octaves.len().max(sigmas.len()), 0.0);
+                noise.octaves.iter_mut().zip(sigmas).for_each(|(octave, sigma)| join(octave, sigma));
+            }
+            Source::Markov { sigma, decay } if sigma > 0.0 => {
+                only(noise.markov.replace(Markov { sigma, decay }).is_some())?;
+            }
+            Source::Sine { amplitude, turns } if amplitude > 0.0 => {
+                only(self.sine.replace(Sine { amplitude, turns }).is_some())?;
+            }
+            Source::Ramp(ramp) => self.ramp += ramp,
+            Source::Decay { reach, decay } if reach != 0.0 => self.warm_ups.push(WarmUp { reach, decay }),
+            Source::Holds(_) | Source::Markov { .. } | Source::Sine { .. } | Source::Decay { .. } => {}
+        }
+        Ok(())
     }
 
     /// The longest averaging factor for which the record has a difference; 0 if there is none.
@@ -239,8 +213,7 @@ fn at_least(key: &'static str, what: &'static str, found: f64, least: f64) -> Re
 impl Noise {
     /// The parts for which a closed form gives the distribution of every increment: all except holds and random walk.
     pub(crate) fn simple(&self) -> Process {
-        let mut parts =
-            vec![Part::Quantisation { q: self.quantisation }, Part::AngleRandomWalk { n: self.white }];
+        let mut parts = vec![Part::quantisation(self.quantisation), Part::angle_random_walk(self.white)];
         parts.extend(self.markov.map(Markov::part));
         Process { sample_s: 1.0, parts }
     }
@@ -249,7 +222,7 @@ impl Noise {
     pub(crate) fn variance(&self, difference: Difference, m: u64) -> f64 {
         let octave = |(o, sigma): (usize, &f64)| sigma * sigma * holds::mean_square(difference, 1 << o, m);
         self.simple().variance(difference, m)
-            + Part::RateRandomWalk { k: self.walk }.variance(difference, 1.0, m)
+            + Part::rate_random_walk(self.walk).variance(difference, 1.0, m)
             + self.octaves.iter().enumerate().map(octave).sum::<f64>()
     }
 
@@ -264,7 +237,7 @@ impl Noise {
 impl Markov {
     /// The part in the notation of `theory`, with t0 = 1.
     pub(crate) fn part(self) -> Part {
-        Part::Markov { q_c: self.sigma * libm::sqrt(2.0 * self.decay), time_s: 1.0 / self.decay }
+        Part::markov(self.sigma * libm::sqrt(2.0 * self.decay), 1.0 / self.decay)
     }
 }
 
@@ -272,7 +245,7 @@ impl Sine {
     /// The part in the notation of `theory`, with t0 = 1; `None` for a sine that never moves.
     pub(crate) fn part(self) -> Option<Part> {
         let rate = 2.0 * PI * self.turns;
-        (rate > 0.0).then_some(Part::Sine { amplitude: self.amplitude * rate, frequency_hz: self.turns })
+        (rate > 0.0).then_some(Part::sine(self.amplitude * rate, self.turns))
     }
 
     /// Bound of the differences at all averaging factors up to `m`; |2 sin x| is at most 2 and at most 2x.

@@ -7,7 +7,6 @@ use crate::fit::coefficient::{Coefficient, Fit, Verdict};
 use crate::fit::covariance::Covariance;
 use crate::fit::curve::Curve;
 use crate::fit::fitter::{Errors, Fitter};
-use crate::fit::term::Term;
 use crate::kinds::allan::columns::CoefficientRow;
 use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
 use crate::kinds::allan::run::{Estimates, Plan, geometry};
@@ -15,6 +14,7 @@ use crate::noise::Noise;
 use crate::quantity::number::significant;
 use crate::theory::allan::estimator::Stride;
 use crate::theory::allan::part::Part;
+use crate::theory::allan::terms::{Shape, Term};
 
 /// The estimates of one coefficient over all records.
 pub(crate) struct Found {
@@ -86,10 +86,10 @@ fn covariance(point: &RecordPoint, geometry: &Curve, estimates: &Estimates) -> O
     let RecordInputs { sample_s, noise, .. } = &point.inputs;
     let mut process = noise.process(*sample_s, point.inputs.samples());
     if noise.readout_lsb > 0.0 {
-        process.parts.push(Part::Quantisation { q: noise.readout_lsb / libm::sqrt(12.0) });
+        process.parts.push(Part::quantisation(noise.readout_lsb / libm::sqrt(12.0)));
     }
     let jumps = noise.switched(*sample_s).and_then(|switching| switching.jumps());
-    process.parts.extend(jumps.map(|jumps| Part::AngleRandomWalk { n: jumps.angle_random_walk(*sample_s) }));
+    process.parts.extend(jumps.map(|jumps| Part::angle_random_walk(jumps.angle_random_walk(*sample_s))));
     let model = Covariance::of_process(&process, geometry).ok()?;
     let fitted = geometry.ms().len();
     let rows: Vec<Vec<f64>> = estimates.records().map(|record| record[..fitted].to_vec()).collect();
@@ -114,39 +114,29 @@ fn quantities(terms: &[Term]) -> Vec<Quantity> {
 
 impl Quantity {
     pub(crate) fn name(self) -> &'static str {
-        match (self.term, self.shape) {
-            (Term::Markov, true) => "markov_time",
-            (Term::Sine, true) => "sine_frequency",
-            (term, _) => term.symbol(),
-        }
+        self.shape().map_or(self.term.symbol(), |shape| shape.symbol)
     }
 
     /// The factor from ″ and s to the unit of data sheets, and that unit.
     pub(crate) fn unit(self) -> (f64, &'static str) {
-        match (self.term, self.shape) {
-            (Term::Markov, true) => (1.0, "s"),
-            (Term::Sine, true) => (1.0, "Hz"),
-            (term, _) => {
-                let (factor, unit, _) = term.data_sheet_unit();
-                (factor, unit)
-            }
-        }
+        let (factor, unit, _) = self.term.data_sheet_unit();
+        self.shape().map_or((factor, unit), |shape| (1.0, shape.unit))
+    }
+
+    fn shape(self) -> Option<&'static Shape> {
+        self.term.shape().filter(|_| self.shape)
     }
 
     /// The true value, in the unit of data sheets; absent where the noise lacks the term.
     fn truth(self, noise: &Noise) -> Option<f64> {
-        let shape = self.shape;
+        let [size, shape] = noise.of(self.term);
         let value = match self.term {
+            _ if self.shape => shape,
             // A readout in whole pulses has an error of 1/√12 of a pulse.
-            Term::Quantisation => libm::hypot(noise.quantisation, noise.readout_lsb / libm::sqrt(12.0)),
-            Term::AngleRandomWalk => noise.angle_random_walk,
-            Term::BiasInstability => noise.bias_instability,
-            Term::RateRandomWalk => noise.rate_random_walk,
-            Term::RateRamp => noise.rate_ramp.abs(),
-            Term::Markov => noise.markov.map_or(0.0, |m| if shape { m.time_s } else { m.amplitude }),
-            Term::Sine => noise.sine.map_or(0.0, |s| if shape { s.frequency_hz } else { s.amplitude }),
+            Term::Quantisation => libm::hypot(size, noise.readout_lsb / libm::sqrt(12.0)),
+            _ => size.abs(),
         };
-        (!shape || value > 0.0).then_some(self.unit().0 * value)
+        (!self.shape || value > 0.0).then_some(self.unit().0 * value)
     }
 
     /// Value and interval of a fit, in the unit of data sheets.

@@ -9,12 +9,9 @@
 #[cfg(test)]
 mod tests;
 
-use core::f64::consts::PI;
-
 use crate::theory::allan::estimator::Difference;
-use crate::theory::allan::generalised::Kernel;
-use crate::theory::allan::part::{Part, sine_of_turns};
 use crate::theory::allan::process::Process;
+use crate::theory::allan::terms::{Apart, Kernel};
 
 /// Lags beyond the meeting of the differences that are followed, in parts of their length: flicker's covariance there
 /// has fallen with the square of the lag.
@@ -85,7 +82,8 @@ struct Pair<'a> {
     b: f64,
     terms_a: f64,
     terms_b: f64,
-    kernels: Vec<Kernel>,
+    /// Of each part; none of what is no noise, or reaches from no sample to another.
+    kernels: Vec<Option<Kernel>>,
 }
 
 /// For each part the covariance c of two differences of its noise, or the product p of those of what is none.
@@ -104,7 +102,11 @@ impl<'a> Pair<'a> {
             b: b as f64,
             terms_a: terms(a),
             terms_b: terms(b),
-            kernels: process.parts.iter().map(|part| Kernel::new(part, process.sample_s, a)).collect(),
+            kernels: process
+                .parts
+                .iter()
+                .map(|part| (part.term.row().kernel)(part, process.sample_s))
+                .collect(),
         }
     }
 
@@ -170,47 +172,23 @@ impl<'a> Pair<'a> {
     /// coefficients of angles that meet.
     fn products(&self, lag: f64, width: f64, met: f64, products: &mut Products) {
         let coefficients = self.difference.coefficients();
+        let (difference, a, b) = (self.difference, self.a, self.b);
+        let apart = Apart { difference, sample_s: self.process.sample_s, a, b, lag, width };
         for (i, (part, kernel)) in self.process.parts.iter().zip(&self.kernels).enumerate() {
-            // The difference over a, its angles being behind those of b by x.
-            let inner = |x: f64| match self.difference {
-                Difference::Second => kernel.at((x - self.a).abs()),
-                Difference::Third => kernel.at((x - 2.0 * self.a).abs()) - kernel.at((x - self.a).abs()),
-            };
-            let (noise, steady) = match *part {
-                Part::Quantisation { q } => (met * q * q, 0.0),
-                Part::RateRamp { .. } => {
-                    let at = |m: f64| part.trend(self.difference, self.process.sample_s, m as u64);
-                    let [at_a, at_b] = [self.a, self.b].map(|m| at(m).map_or(0.0, |trend| trend.first));
-                    (0.0, at_a * at_b)
-                }
-                Part::Sine { amplitude, frequency_hz } => {
-                    (0.0, self.of_sine(amplitude, frequency_hz, lag, width))
-                }
-                Part::WarmUp { .. } => (0.0, 0.0),
-                _ => {
-                    let one = |(j, v): (u32, &f64)| v * inner(lag + f64::from(j) * self.b);
+            let (noise, steady) = match kernel {
+                Some(kernel) => {
+                    // The difference over a, its angles being behind those of b by x.
+                    let inner = |x: f64| match difference {
+                        Difference::Second => kernel(a, (x - a).abs()),
+                        Difference::Third => kernel(a, (x - 2.0 * a).abs()) - kernel(a, (x - a).abs()),
+                    };
+                    let one = |(j, v): (u32, &f64)| v * inner(lag + f64::from(j) * b);
                     ((0..).zip(coefficients).map(one).sum(), 0.0)
                 }
+                None => ((part.term.row().covariance)(part, met), (part.term.row().product)(part, &apart)),
             };
             (products.noise[i], products.steady[i]) = (noise, steady);
         }
-    }
-
-    /// Mean product of the differences of a sine about a lag.
-    fn of_sine(&self, amplitude: f64, frequency_hz: f64, lag: f64, width: f64) -> f64 {
-        let turns = frequency_hz * self.process.sample_s;
-        let spans = self.difference.spans() as f64;
-        let step = |m: f64| libm::pow(2.0 * sine_of_turns(0.5 * turns * m), spans);
-        let angle = amplitude / (2.0 * PI * frequency_hz);
-        let from_middle = lag + 0.5 * spans * (self.b - self.a);
-        let (part, whole) = (sine_of_turns(0.5 * turns), sine_of_turns(0.5 * turns * width));
-        let smoothed = if width == 1.0 || part == 0.0 { 1.0 } else { whole / (width * part) };
-        0.5 * angle
-            * angle
-            * step(self.a)
-            * step(self.b)
-            * smoothed
-            * sine_of_turns(0.25 + turns * from_middle)
     }
 }
 

@@ -1,18 +1,21 @@
+use core::f64::consts::PI;
+
 use super::*;
 use crate::theory::allan::holds;
-use crate::theory::allan::part::FLAT_LEVEL;
+use crate::theory::allan::part::{FLAT_LEVEL, Part};
+use crate::theory::allan::terms::Term;
 
 fn all_parts() -> Process {
     Process {
         sample_s: 0.5,
         parts: vec![
-            Part::Quantisation { q: 0.4 },
-            Part::AngleRandomWalk { n: 0.5 },
-            Part::BiasInstability { b: 0.3, octaves: 24 },
-            Part::RateRandomWalk { k: 0.02 },
-            Part::Markov { q_c: 0.05, time_s: 20.0 },
-            Part::Sine { amplitude: 0.2, frequency_hz: 0.013 },
-            Part::RateRamp { r: 1e-4 },
+            Part::quantisation(0.4),
+            Part::angle_random_walk(0.5),
+            Part::bias_instability(0.3, 24),
+            Part::rate_random_walk(0.02),
+            Part::markov(0.05, 20.0),
+            Part::sine(0.2, 0.013),
+            Part::rate_ramp(1e-4),
         ],
     }
 }
@@ -20,22 +23,23 @@ fn all_parts() -> Process {
 /// Covariance of the increments of the samples i and j, ″²: of sine and ramp their product.
 fn increments(part: &Part, t0: f64, i: usize, j: usize) -> f64 {
     let lag = i.abs_diff(j) as f64;
+    let Part { size, shape, .. } = *part;
     t0 * t0
-        * match *part {
-            Part::AngleRandomWalk { n } if i == j => n * n / t0,
-            Part::BiasInstability { b, octaves } => {
+        * match part.term {
+            Term::AngleRandomWalk if i == j => size * size / t0,
+            Term::BiasInstability => {
                 let hold = |(o, v): (usize, f64)| v * (1.0 - lag / (1_u64 << o) as f64).max(0.0);
-                let variances = holds::variances(octaves).unwrap();
-                FLAT_LEVEL * b * b * variances.into_iter().enumerate().map(hold).sum::<f64>()
+                let variances = holds::variances(part.octaves).unwrap();
+                FLAT_LEVEL * size * size * variances.into_iter().enumerate().map(hold).sum::<f64>()
             }
-            Part::RateRandomWalk { k } => k * k * t0 * (i.min(j) + 1) as f64,
-            Part::Markov { q_c, time_s } => 0.5 * q_c * q_c * time_s * libm::exp(-lag * t0 / time_s),
-            Part::Sine { amplitude, frequency_hz } => {
-                let half = PI * frequency_hz * t0;
-                let smoothed = amplitude * libm::sin(half) / half;
+            Term::RateRandomWalk => size * size * t0 * (i.min(j) + 1) as f64,
+            Term::Markov => 0.5 * size * size * shape * libm::exp(-lag * t0 / shape),
+            Term::Sine => {
+                let half = PI * shape * t0;
+                let smoothed = size * libm::sin(half) / half;
                 0.5 * smoothed * smoothed * libm::cos(2.0 * half * lag)
             }
-            Part::RateRamp { r } => r * r * t0 * t0 * (i as f64 + 0.5) * (j as f64 + 0.5),
+            Term::RateRamp => size * size * t0 * t0 * (i as f64 + 0.5) * (j as f64 + 0.5),
             _ => 0.0,
         }
 }
@@ -43,7 +47,7 @@ fn increments(part: &Part, t0: f64, i: usize, j: usize) -> f64 {
 /// ΣΣ 2c² + 4cp over all differences, from the covariance of the increments.
 fn by_definition(process: &Process, difference: Difference, samples: usize, a: usize, b: usize) -> f64 {
     let (t0, spans) = (process.sample_s, difference.spans() as usize);
-    let is_noise = |part: &Part| !matches!(part, Part::Sine { .. } | Part::RateRamp { .. });
+    let is_noise = |part: &Part| !matches!(part.term, Term::Sine | Term::RateRamp);
     let (noise, steady): (Vec<Part>, Vec<Part>) = process.parts.iter().partition(|part| is_noise(part));
     let table = |parts: &[Part]| -> Vec<Vec<f64>> {
         let cell = |i, j| parts.iter().map(|part| increments(part, t0, i, j)).sum();
@@ -68,7 +72,7 @@ fn by_definition(process: &Process, difference: Difference, samples: usize, a: u
                 sum += if k + i * a == l + j * b { u * v } else { 0.0 };
             }
         }
-        let q = |part: &Part| if let Part::Quantisation { q } = part { q * q } else { 0.0 };
+        let q = |part: &Part| if part.term == Term::Quantisation { part.size * part.size } else { 0.0 };
         sum * process.parts.iter().map(q).sum::<f64>()
     };
     let mut sum = 0.0;
@@ -88,7 +92,7 @@ fn the_covariance_is_the_double_sum_over_differences() {
     let all = all_parts();
     let alone = all.parts[..5].iter().map(|&part| vec![part]);
     // What is not noise counts beside noise only.
-    let beside = all.parts[5..].iter().map(|&part| vec![Part::AngleRandomWalk { n: 0.5 }, part]);
+    let beside = all.parts[5..].iter().map(|&part| vec![Part::angle_random_walk(0.5), part]);
     for parts in alone.chain(beside).chain([all.parts.clone()]) {
         let process = Process { parts, ..all };
         for difference in [Difference::Second, Difference::Third] {
@@ -113,7 +117,7 @@ fn the_covariance_is_the_double_sum_over_differences() {
 #[test]
 fn panels_are_the_sum_over_every_lag() {
     let mut process = all_parts();
-    process.parts.retain(|part| !matches!(part, Part::Quantisation { .. }));
+    process.parts.retain(|part| part.term != Term::Quantisation);
     let count = process.parts.len();
     for (a, b) in [(1, 1), (1, 900), (40, 45), (30, 700), (1200, 1200)] {
         let pair = Pair::new(&process, Difference::Second, 5000, a, b);
@@ -140,21 +144,7 @@ fn components_are_a_quadratic_form_of_the_variances() {
     let ms = [1, 5, 16];
     let components = Components::new(&process, Difference::Second, 100, &ms);
     let scales = [2.0, 0.5, 1.0, 3.0, 0.0, 1.5, 0.25];
-    let scaled = |(part, scale): (&Part, f64)| {
-        let root = libm::sqrt(scale);
-        match *part {
-            Part::Quantisation { q } => Part::Quantisation { q: root * q },
-            Part::AngleRandomWalk { n } => Part::AngleRandomWalk { n: root * n },
-            Part::BiasInstability { b, octaves } => Part::BiasInstability { b: root * b, octaves },
-            Part::RateRandomWalk { k } => Part::RateRandomWalk { k: root * k },
-            Part::Markov { q_c, time_s } => Part::Markov { q_c: root * q_c, time_s },
-            Part::Sine { amplitude, frequency_hz } => {
-                Part::Sine { amplitude: root * amplitude, frequency_hz }
-            }
-            Part::RateRamp { r } => Part::RateRamp { r: root * r },
-            Part::WarmUp { amplitude, time_s } => Part::WarmUp { amplitude: root * amplitude, time_s },
-        }
-    };
+    let scaled = |(part, scale): (&Part, f64)| Part { size: libm::sqrt(scale) * part.size, ..*part };
     let parts = process.parts.iter().zip(scales).map(scaled).collect();
     let expected = covariance(&Process { parts, ..process }, Difference::Second, 100, &ms);
     let found = components.covariance(&scales);

@@ -1,0 +1,39 @@
+//! Flicker of the rate, as a sum of octave holds.
+
+use crate::theory::allan::generalised::Holds;
+use crate::theory::allan::holds;
+use crate::theory::allan::part::{FLAT_LEVEL, Part};
+use crate::theory::allan::terms::{Row, Source, Term};
+
+pub(super) static ROW: Row = Row {
+    key: "noise.bias_instability",
+    symbol: "B",
+    title: "bias instability B",
+    name: ["a ", "bias instability"],
+    part: |_, b, _, octaves| Part::bias_instability(b, octaves),
+    variance: |part, difference, t0, m| {
+        let variances = holds::variances(part.octaves).unwrap_or_else(|| vec![f64::NAN]);
+        let one = |(o, v): (usize, &f64)| v * holds::mean_square(difference, 1 << o, m);
+        FLAT_LEVEL * part.size * part.size * t0 * t0 * variances.iter().enumerate().map(one).sum::<f64>()
+    },
+    continuous: |part, _| Some(FLAT_LEVEL * part.size * part.size),
+    kernel: |part, t0| {
+        let holds = Holds::new(FLAT_LEVEL * part.size * part.size * t0 * t0, part.octaves);
+        Some(Box::new(move |m, n| holds.at(m, n)))
+    },
+    // The octaves are those that the record needs, whatever the part has.
+    sources: |part, t0, samples| {
+        let variances = holds::octaves(samples).and_then(holds::variances);
+        let sigma = |v: &f64| part.size * t0 * libm::sqrt(FLAT_LEVEL * v);
+        vec![Source::Holds(variances.unwrap_or_else(|| vec![f64::NAN]).iter().map(sigma).collect())]
+    },
+    ..Row::NOISE
+};
+
+impl Part {
+    /// Flicker of the rate: B, ″/s, of so many octave holds. It is NaN if there are no [variances](holds::variances) for
+    /// that many octaves.
+    pub const fn bias_instability(b: f64, octaves: usize) -> Part {
+        Part { octaves, ..Part::new(Term::BiasInstability, b, 1.0) }
+    }
+}

@@ -1,0 +1,293 @@
+//! The terms of noise models: each has a file with all that is known of it, and this is the list of them.
+
+mod angle_random_walk;
+mod bias_instability;
+mod markov;
+mod quantisation;
+mod rate_ramp;
+mod rate_random_walk;
+mod sine;
+mod warm_up;
+
+use crate::theory::allan::estimator::Difference;
+use crate::theory::allan::part::{Part, Trend};
+
+/// Declares the terms, those that a fit can find first: each has a module with its row and, if arguments stand here, a
+/// function of that name that makes a part.
+macro_rules! terms {
+    (fitted { $($(#[$fitted_doc:meta])* $Fitted:ident = $fitted:ident $(($($fitted_args:ident),+))?,)+ }
+     others { $($(#[$other_doc:meta])* $Other:ident = $other:ident $(($($other_args:ident),+))?,)+ }) => {
+        /// A term of a noise model, with the coefficient that is reported for it. Its Allan variance is proportional to the
+        /// square of the coefficient.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+        pub enum Term {
+            $($(#[$fitted_doc])* $Fitted,)+
+            $($(#[$other_doc])* $Other,)+
+        }
+
+        impl Term {
+            /// Every term that a fit can find.
+            pub const ALL: [Term; [$(Term::$Fitted),+].len()] = [$(Term::$Fitted),+];
+
+            /// Every term, including those that no fit finds.
+            pub const EVERY: [Term; [$(Term::$Fitted,)+ $(Term::$Other),+].len()] =
+                [$(Term::$Fitted,)+ $(Term::$Other),+];
+
+            pub(crate) fn row(self) -> &'static Row {
+                match self {
+                    $(Term::$Fitted => &$fitted::ROW,)+
+                    $(Term::$Other => &$other::ROW,)+
+                }
+            }
+        }
+
+        impl Part {
+            $($(#[doc = "A part of this term, in ″ and s."]
+            pub const fn $fitted($($fitted_args: f64),+) -> Part {
+                Part::new(Term::$Fitted, [$($fitted_args),+, 1.0][0], [$($fitted_args),+, 1.0][1])
+            })?)+
+            $($(#[doc = "A part of this term, in ″ and s."]
+            pub const fn $other($($other_args: f64),+) -> Part {
+                Part::new(Term::$Other, [$($other_args),+, 1.0][0], [$($other_args),+, 1.0][1])
+            })?)+
+        }
+    };
+}
+
+terms! {
+    fitted {
+        /// White error of the angles: its rms Q, ″.
+        Quantisation = quantisation(q),
+        /// White rate: N, ″/√s.
+        AngleRandomWalk = angle_random_walk(n),
+        /// Flicker of the rate: B, ″/s. The Allan variance is flat at (2 ln2/π)B².
+        BiasInstability = bias_instability,
+        /// Random walk of the rate: K, ″/s^1.5.
+        RateRandomWalk = rate_random_walk(k),
+        /// Constant acceleration: R, ″/s².
+        RateRamp = rate_ramp(r),
+        /// Exponentially correlated rate: its rms σ, ″/s, and the time T_c, s. The part has IEEE's q_c = σ√(2/T_c).
+        Markov = markov(q_c, time_s),
+        /// Sine of the rate with a random phase: its amplitude Ω_0, ″/s, and frequency f, Hz.
+        Sine = sine(amplitude, frequency_hz),
+    }
+    others {
+        /// Decay of the rate after the start of the record: the rate there, ″/s, and the time T in which it falls to 1/e, s.
+        WarmUp = warm_up(amplitude, time_s),
+    }
+}
+
+/// All that is known of a term: its names, its units, and the closed forms for a part of it.
+pub(crate) struct Row {
+    /// Name in studies; for a term with a shape that of the table of both.
+    pub(crate) key: &'static str,
+    /// Name in lists of terms and in tables of coefficients.
+    pub(crate) symbol: &'static str,
+    /// Name on a data sheet.
+    pub(crate) title: &'static str,
+    /// Article, if it needs one, and name in a sentence.
+    pub(crate) name: [&'static str; 2],
+    /// Factor from ″ and s to the unit of data sheets, that unit in files, and its symbol for people.
+    pub(crate) unit: (f64, &'static str, &'static str),
+    /// Unit of a record of plain numbers, in files and for people: a power of s.
+    pub(crate) plain: (&'static str, &'static str),
+    /// Words before a size that is refused, and the least size that is not.
+    pub(crate) size: (&'static str, f64),
+    pub(crate) shape: Option<Shape>,
+    /// The part with this coefficient and shape; the octaves are those of flicker.
+    pub(crate) part: fn(Term, f64, f64, usize) -> Part,
+    /// Square of the coefficient of a part.
+    pub(crate) square: fn(&Part) -> f64,
+    /// See [`Part::variance`], [`Part::trend`] and [`Part::largest`].
+    pub(crate) variance: fn(&Part, Difference, f64, u64) -> f64,
+    pub(crate) trend: fn(&Part, Difference, f64, u64) -> Option<Trend>,
+    pub(crate) largest: fn(&Part, Difference, f64, u64) -> f64,
+    /// Allan variance of the continuous noise at τ, (″/s)²; `None` if it depends on the length of the record.
+    pub(crate) continuous: fn(&Part, f64) -> Option<f64>,
+    /// What gives two differences of noise their covariance, for a sampling time; `None` if samples are independent.
+    pub(crate) kernel: fn(&Part, f64) -> Option<Kernel>,
+    /// Covariance of two differences of noise without a kernel, from the product of the coefficients of angles that meet.
+    pub(crate) covariance: fn(&Part, f64) -> f64,
+    /// Product of two differences of a part that is not noise.
+    pub(crate) product: fn(&Part, &Apart) -> f64,
+    /// What the part adds to the angle over some samples, for a sampling time.
+    pub(crate) increment: fn(&Part, f64, u64) -> Increment,
+    /// The generators for a sampling time and a number of samples.
+    pub(crate) sources: fn(&Part, f64, u64) -> Vec<Source>,
+    /// Angle that the rate of a coefficient can turn through in a time, ″; 0 for noise of the angle.
+    pub(crate) turned: fn(f64, f64) -> f64,
+}
+
+/// The time or frequency that belongs to a coefficient.
+pub(crate) struct Shape {
+    /// Name in the table of the term.
+    pub(crate) key: &'static str,
+    /// Name in tables of coefficients.
+    pub(crate) symbol: &'static str,
+    pub(crate) unit: &'static str,
+    /// Name for people beside the term, and by itself.
+    pub(crate) name: &'static str,
+    pub(crate) title: &'static str,
+    /// Words before a value that is refused.
+    pub(crate) what: &'static str,
+    /// Letters of coefficient and shape in the legend of a chart.
+    pub(crate) letters: [&'static str; 2],
+    /// Shortest and longest shape that a curve can tell, from its shortest and longest τ.
+    pub(crate) range: fn([f64; 2]) -> [f64; 2],
+    /// Points of a search for each factor of ten.
+    pub(crate) per_decade: f64,
+}
+
+impl Row {
+    /// A noise of the rate without shape, of which nothing is known in closed form.
+    const NOISE: Row = Row {
+        key: "",
+        symbol: "",
+        title: "",
+        name: [""; 2],
+        unit: (1.0, "deg/h", "°/h"),
+        plain: ("", ""),
+        size: ("a noise of", 0.0),
+        shape: None,
+        part: |term, coefficient, shape, _| Part::new(term, coefficient, shape),
+        square: |part| part.size * part.size,
+        variance: |_, _, _, _| 0.0,
+        trend: |_, _, _, _| None,
+        largest: |part, difference, t0, m| {
+            part.trend(difference, t0, m).map_or(0.0, |trend| trend.first.abs())
+        },
+        continuous: |_, _| None,
+        kernel: |_, _| None,
+        covariance: |_, _| 0.0,
+        // A trend that decays is left out, because it is not stationary.
+        product: |part, apart| {
+            let at = |m: f64| part.trend(apart.difference, apart.sample_s, m as u64);
+            let steady = |m| at(m).filter(|trend| trend.decay == 0.0).map_or(0.0, |trend| trend.first);
+            steady(apart.a) * steady(apart.b)
+        },
+        increment: |_, _, _| Increment::Other,
+        sources: |_, _, _| vec![],
+        turned: |coefficient, time_s| coefficient.abs() * time_s,
+    };
+}
+
+impl Shape {
+    /// A time, which a curve tells within its τ.
+    const TIME: Shape = Shape {
+        key: "time",
+        symbol: "time",
+        unit: "s",
+        name: "time constant",
+        title: "time constant",
+        what: "a time of",
+        letters: ["", "T"],
+        range: |taus| taus,
+        per_decade: 12.0,
+    };
+}
+
+/// A generator of the kernel that makes a sampled part, with angles in ″ and times in samples. A part may need several.
+pub(crate) enum Source {
+    /// Independent errors of all angles with this standard deviation.
+    Errors(f64),
+    /// Independent increments of the angle with this standard deviation.
+    White(f64),
+    /// Rates that are held for 1, 2, 4, … samples, with these standard deviations.
+    Holds(Vec<f64>),
+    /// A random walk of the rate with steps of this standard deviation.
+    Walk(f64),
+    /// The rate r_k = e^{−decay}·r_{k−1} + … with this stationary standard deviation. A record has at most one.
+    Markov { sigma: f64, decay: f64 },
+    /// A sine of the angle with so many turns in a sample. A record has at most one.
+    Sine { amplitude: f64, turns: f64 },
+    /// The angle ½ · this · k².
+    Ramp(f64),
+    /// The angle reach·(1 − e^{−decay·k}).
+    Decay { reach: f64, decay: f64 },
+}
+
+/// What a part adds to the angle between two samples.
+pub(crate) enum Increment {
+    /// A normal number with this variance, ″².
+    Normal(f64),
+    /// A sine of random phase with this peak, ″.
+    Sine(f64),
+    /// No closed form is known.
+    Other,
+}
+
+/// Second difference, m apart about the lag n ≥ 0, of the generalised covariance of an angle, ″², but for a constant: see
+/// [`generalised`](crate::theory::allan::generalised).
+pub(crate) type Kernel = Box<dyn Fn(f64, f64) -> f64>;
+
+/// Two differences of angles at the averaging factors `a` and `b`. The second starts `lag` samples after the first, or
+/// anywhere within `width` lags around that.
+pub(crate) struct Apart {
+    pub(crate) difference: Difference,
+    pub(crate) sample_s: f64,
+    pub(crate) a: f64,
+    pub(crate) b: f64,
+    pub(crate) lag: f64,
+    pub(crate) width: f64,
+}
+
+impl Term {
+    /// The five terms of A(4).
+    pub const MODEL: [Term; 5] = [
+        Term::Quantisation,
+        Term::AngleRandomWalk,
+        Term::BiasInstability,
+        Term::RateRandomWalk,
+        Term::RateRamp,
+    ];
+
+    /// As studies and tables name it.
+    pub fn symbol(self) -> &'static str {
+        self.row().symbol
+    }
+
+    /// From ″ and s to the unit of data sheets: the factor, the unit as files have it, and its symbol for people.
+    pub fn data_sheet_unit(self) -> (f64, &'static str, &'static str) {
+        self.row().unit
+    }
+
+    /// The time or frequency of a term, if it has one.
+    pub(crate) fn shape(self) -> Option<&'static Shape> {
+        self.row().shape.as_ref()
+    }
+
+    /// Whether it has a time or frequency that is fitted too.
+    pub fn has_shape(self) -> bool {
+        self.shape().is_some()
+    }
+
+    /// Parameters that a fit of it takes.
+    pub fn parameters(self) -> usize {
+        1 + usize::from(self.has_shape())
+    }
+
+    /// The part of the angle with the square of the coefficient, its shape, and the octaves for flicker.
+    pub fn part(self, square: f64, shape: f64, octaves: usize) -> Part {
+        self.of_coefficient(libm::sqrt(square), shape, octaves)
+    }
+
+    /// The same with the coefficient itself, which may be negative if the term is not noise.
+    pub(crate) fn of_coefficient(self, coefficient: f64, shape: f64, octaves: usize) -> Part {
+        (self.row().part)(self, coefficient, shape, octaves)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_is_taken_back_to_its_term() {
+        for term in Term::EVERY {
+            let shape = if term.has_shape() { 0.7 } else { 1.0 };
+            let part = term.part(0.3, shape, 24);
+            assert_eq!((part.term, part.shape), (term, shape));
+            assert!((part.square() / 0.3 - 1.0).abs() < 1e-14, "{term:?}: {}", part.square());
+        }
+    }
+}

@@ -1,0 +1,23 @@
+//! White error of the angles.
+
+use crate::theory::allan::estimator::Difference;
+use crate::theory::allan::terms::{Increment, Row, Source};
+
+pub(super) static ROW: Row = Row {
+    key: "noise.quantisation",
+    symbol: "Q",
+    title: "quantisation noise Q",
+    name: ["", "quantisation"],
+    unit: (1.0, "arcsec", "″"),
+    plain: ("s", "· s"),
+    // Σc² of the coefficients of the angles.
+    variance: |part, difference, _, _| {
+        part.size * part.size * if difference == Difference::Second { 6.0 } else { 20.0 }
+    },
+    continuous: |part, tau| Some(3.0 * part.size * part.size / (tau * tau)),
+    covariance: |part, met| met * part.size * part.size,
+    increment: |part, _, _| Increment::Normal(2.0 * part.size * part.size),
+    sources: |part, _, _| vec![Source::Errors(part.size)],
+    turned: |_, _| 0.0,
+    ..Row::NOISE
+};
