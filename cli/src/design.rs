@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use sagnac::analysis::design::report;
 use sagnac::analysis::design::{Design, DesignError, Measure, design as find};
 use sagnac::device::select::Selection;
@@ -33,8 +34,8 @@ pub struct Options {
     #[arg(value_name = "STUDY")]
     study: PathBuf,
     /// What is to be least
-    #[arg(long, value_enum, value_name = "ESTIMATE", default_value = "drift_q9973")]
-    by: By,
+    #[arg(long, value_parser = measures(), value_name = "ESTIMATE", default_value = "drift_q9973")]
+    by: Measure,
     #[command(flatten)]
     device: DeviceArg,
     /// Folder of what is written [default: results/<name of the study file>/design; by others than drift_q9973 design_<estimate>]
@@ -59,38 +60,19 @@ pub struct Options {
     quiet: bool,
 }
 
-/// As options call what is to be least.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-#[value(rename_all = "snake_case")]
-enum By {
-    /// The drift that 99.73 % of runs stay below
-    #[value(name = "drift_q9973")]
-    DriftQ9973,
-    /// The rms drift
-    DriftRms,
-    /// The largest angle over the run time, that 99.73 % of runs stay below
-    #[value(name = "largest_q9973")]
-    LargestQ9973,
-    /// The rms of the largest angle over the run time
-    LargestRms,
+/// The measures, as options list them.
+fn measures() -> impl TypedValueParser<Value = Measure> {
+    let value =
+        |measure: Measure| PossibleValue::new(measure.name()).help(measure.meaning().trim_end_matches('.'));
+    let named = |name: String| Measure::ALL.into_iter().find(|measure| measure.name() == name);
+    PossibleValuesParser::new(Measure::ALL.map(value)).map(move |name| named(name).unwrap_or_default())
 }
 
-impl By {
-    /// Where results go: another estimate takes nothing away.
-    fn folder(self) -> String {
-        match self.measure() {
-            Measure::DriftQ9973 => "design".to_owned(),
-            other => format!("design_{}", other.name()),
-        }
-    }
-
-    fn measure(self) -> Measure {
-        match self {
-            By::DriftQ9973 => Measure::DriftQ9973,
-            By::DriftRms => Measure::DriftRms,
-            By::LargestQ9973 => Measure::LargestQ9973,
-            By::LargestRms => Measure::LargestRms,
-        }
+/// The folder of results: another measure takes nothing away.
+fn folder(measure: Measure) -> String {
+    match measure {
+        Measure::DriftQ9973 => "design".to_owned(),
+        other => format!("design_{}", other.name()),
     }
 }
 
@@ -104,12 +86,11 @@ pub fn design(options: &Options) -> Result<(), Failure> {
         say!("device: {}, {reason}", device.name());
     }
     let shown = Shown::new(options.progress.how(options.quiet));
-    let found =
-        find(&study, options.by.measure(), &mut device, &shown).map_err(|error| failure(&study, error))?;
+    let found = find(&study, options.by, &mut device, &shown).map_err(|error| failure(&study, error))?;
     shown.clear();
     let stem = options.study.file_stem().unwrap_or_default();
     let folder =
-        options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(options.by.folder()));
+        options.out.clone().unwrap_or_else(|| Path::new("results").join(stem).join(folder(options.by)));
     let table = report::table(&found);
     let figure = write_all(&study, &found, &table, &folder)?;
     if options.json {

@@ -1,5 +1,6 @@
 //! The best intervals of a drift budget, in words.
 
+use sagnac::drift::schedule::INTERVAL;
 use sagnac::quantity::number::significant;
 use sagnac::study::Study;
 use sagnac::table::{Column, ColumnError, Role, Table};
@@ -12,7 +13,7 @@ const MOST_LINES: usize = 6;
 /// # Errors
 /// The table lacks a swept key.
 pub fn optima(study: &Study, table: &Table) -> Result<String, ColumnError> {
-    let others = study.sweeps.iter().filter(|sweep| sweep.key.name != "switching.interval");
+    let others = study.sweeps.iter().filter(|sweep| sweep.key.name != INTERVAL.name);
     let others = others.map(|sweep| table.column(sweep.key.name)).collect::<Result<Vec<_>, _>>()?;
     let least = table.columns.iter().filter(|column| column.role == Role::Least);
     let least: Vec<_> = least.filter_map(|column| Some((column, table.referred(column)?))).collect();

@@ -26,7 +26,7 @@ keys! {
     /// The mode switches of a run.
     SWITCHING = "switching", "", Holds::Table, "[switching]\ninterval = \"40 s\"";
     /// Switching interval MT: "40 s".
-    INTERVAL = "switching.interval", "switching interval", TIMES, r#"interval = "40 s""#, required;
+    pub INTERVAL = "switching.interval", "switching interval", TIMES, r#"interval = "40 s""#, required;
     /// A whole run.
     RUN = "run", "", Holds::Table, "[run]\nduration = \"1 h\"";
     /// Run time t from switch-on: "1 h".

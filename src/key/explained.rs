@@ -19,19 +19,14 @@ pub struct Explained {
     pub example: &'static str,
     /// Names of the kinds of study that have it.
     pub kinds: Vec<&'static str>,
-    /// Dimensions, units and range of its values, where it can be swept.
-    pub swept: Option<Swept>,
-}
-
-/// The values that a key accepts in a sweep.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Swept {
-    /// Its label, such as `vibration frequency`.
-    pub label: &'static str,
-    /// Accepted values, such as `accepted: a frequency in Hz, kHz, 1/s, for example "20 Hz"`; empty for a name.
+    /// Whether the table that it is in needs it.
+    pub required: bool,
+    /// Accepted quantities, such as `a frequency in Hz, kHz, 1/s, for example "20 Hz"`; empty if it holds none.
     pub accepted: String,
-    /// Range such as `0 to 1e9 arcsec`, or the available names.
+    /// Range such as `0 to 1e9 arcsec`, or the available names; empty without limits.
     pub range: String,
+    /// Its label, such as `vibration frequency`, if it can be swept.
+    pub swept: Option<&'static str>,
 }
 
 /// Explains a key of some kinds of study; `None` for an unknown key.
@@ -42,9 +37,10 @@ pub(crate) fn explain(kinds: &[OfKind], name: &str) -> Option<Explained> {
         _ => key.holds.words().iter().map(|word| (word.word, one_line(word.meaning))).collect(),
     };
     let has = |kind: &&OfKind| kind.keys.iter().any(|known| known.name == name);
-    let accepts: &[Dimension] = match key.holds.measured() {
-        Some(measure) => measure.accepts,
-        None => &[Dimension::Count],
+    let accepted = match key.holds.measured() {
+        Some(measure) => units::accepted(measure.accepts),
+        None if key.is_whole() => units::accepted(&[Dimension::Count]),
+        None => String::new(),
     };
     let is_swept = kinds.iter().any(|kind| kind.sweepable.iter().any(|known| known.name == name));
     Some(Explained {
@@ -54,10 +50,9 @@ pub(crate) fn explain(kinds: &[OfKind], name: &str) -> Option<Explained> {
         choices,
         example: key.example,
         kinds: kinds.iter().filter(has).map(|kind| kind.name).collect(),
-        swept: is_swept.then(|| Swept {
-            label: key.label,
-            accepted: if key.is_name() { String::new() } else { units::accepted(accepts) },
-            range: key.range(),
-        }),
+        required: key.required,
+        accepted: accepted.trim_start_matches("accepted: ").to_owned(),
+        range: key.range(),
+        swept: is_swept.then_some(key.label),
     })
 }

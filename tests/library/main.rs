@@ -21,6 +21,7 @@ mod compare_statistics;
 mod damage;
 mod device_faults;
 mod imports;
+mod keys;
 mod lowering;
 mod motions;
 mod oracles;

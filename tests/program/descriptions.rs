@@ -126,8 +126,10 @@ fn every_role_refers_to_a_column_of_its_file() {
                 Role::Lower | Role::Upper | Role::StandardError | Role::Oracle | Role::Z | Role::Least => {
                     found
                 }
-                // These refer to keys of the study.
-                Role::Key | Role::Coordinate => column.of.is_empty() || explain_key(column.of).is_some(),
+                // These refer to keys of the study, or to a column of which they are the numbers.
+                Role::Key | Role::Coordinate => {
+                    column.of.is_empty() || found || explain_key(column.of).is_some()
+                }
                 _ => column.of.is_empty(),
             };
             assert!(is_right, "{} of {} refers to `{}`", column.name, file.title(), column.of);
@@ -138,11 +140,11 @@ fn every_role_refers_to_a_column_of_its_file() {
 #[test]
 fn every_key_that_can_be_swept_is_described_as_a_column() {
     for key in explained_keys().filter_map(explain_key) {
-        let Some(swept) = &key.swept else { continue };
+        let Some(label) = key.swept else { continue };
         // Not every kind that has the key can sweep it.
         let is_described = |name: &&str| {
             let kind = KINDS.into_iter().find(|kind| kind.name == *name).unwrap();
-            points(kind).column(key.key) == Some(swept.label)
+            points(kind).column(key.key) == Some(label)
         };
         assert!(key.kinds.iter().any(is_described), "{} of {:?}", key.key, key.kinds);
     }

@@ -124,15 +124,16 @@ fn of_key(key: &Explained) -> String {
     if !inner.is_empty() {
         line(&format!("As a table it has {}.", inner.join(", ")));
     }
-    if let Some(swept) = &key.swept {
-        let accepted = swept.accepted.strip_prefix("accepted: ").unwrap_or(&swept.accepted);
-        if !accepted.is_empty() {
-            line(&format!("Accepted: {accepted}."));
+    for (what, text) in [("Accepted", &key.accepted), ("Range", &key.range)] {
+        if !text.is_empty() {
+            line(&format!("{what}: {text}."));
         }
-        if !swept.range.is_empty() {
-            line(&format!("Range: {}.", swept.range));
-        }
-        line(&format!("Can be swept as key = \"{}\": {}.", key.key, swept.label));
+    }
+    if let Some(label) = key.swept {
+        line(&format!("Can be swept as key = \"{}\": {label}.", key.key));
+    }
+    if key.required {
+        line("Required.");
     }
     let kinds = &key.kinds;
     let table = key.key.split_once('.').map_or_else(String::new, |(table, _)| {

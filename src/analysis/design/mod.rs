@@ -39,75 +39,32 @@
 //! ```
 
 pub mod candidates;
+pub mod measure;
 pub mod optimum;
 pub mod paper;
 pub mod report;
 pub mod sampling;
 
+pub use crate::analysis::design::measure::Measure;
 pub use crate::analysis::design::optimum::Optimum;
 pub use crate::analysis::design::paper::PapersRule;
 
 use crate::analysis::design::candidates::{Candidate, Maker, even};
+use crate::analysis::design::optimum::{T_95, jackknife};
 use crate::device::Device;
 use crate::device::error::GpuError;
+use crate::drift::schedule::INTERVAL;
 use crate::kernel::moments::Moments;
 use crate::key::refusal::Refusal;
+use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::Timing;
 use crate::kinds::switched_run::run::late;
-use crate::kinds::switched_run::{Angle as RunAngle, SwitchedRun};
 use crate::progress::Progress;
 use crate::quantity::number::significant;
 use crate::sampling::worker::Worker;
 use crate::study::Study;
 use crate::tally::stats::{Estimates, NORMAL_95};
 use crate::theory::drift::budget::Optimum as Minimum;
-
-/// What is to be least.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Measure {
-    /// The drift that 99.73 % of runs stay below.
-    DriftQ9973,
-    /// The rms drift.
-    DriftRms,
-    /// The largest angle of a run over its time, that 99.73 % of runs stay below.
-    LargestQ9973,
-    /// Its rms.
-    LargestRms,
-}
-
-impl Measure {
-    /// All of them, as `--by` lists them.
-    pub const ALL: [Measure; 4] =
-        [Measure::DriftQ9973, Measure::DriftRms, Measure::LargestQ9973, Measure::LargestRms];
-
-    /// As options and tables call it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Measure::DriftQ9973 => "drift_q9973",
-            Measure::DriftRms => "drift_rms",
-            Measure::LargestQ9973 => "largest_q9973",
-            Measure::LargestRms => "largest_rms",
-        }
-    }
-
-    /// For axes and sentences.
-    pub fn label(self) -> &'static str {
-        match self {
-            Measure::DriftQ9973 => "99.73 % drift",
-            Measure::DriftRms => "rms drift",
-            Measure::LargestQ9973 => "99.73 % largest angle over the run time",
-            Measure::LargestRms => "rms largest angle over the run time",
-        }
-    }
-
-    /// The angle of a run that it is about.
-    fn angle(self) -> RunAngle {
-        match self {
-            Measure::DriftQ9973 | Measure::DriftRms => RunAngle::End,
-            Measure::LargestQ9973 | Measure::LargestRms => RunAngle::Largest,
-        }
-    }
-}
 
 /// A value with its 95 % interval, where it is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -200,16 +157,8 @@ impl Design {
         let best = self.best().best();
         let ratio = |k: usize| other.replicates[k] / best.replicates[k];
         let value = other.drift.value / best.drift.value;
-        let se = crate::analysis::design::optimum::jackknife(
-            &(0..best.replicates.len()).map(ratio).collect::<Vec<f64>>(),
-        );
-        Found {
-            value,
-            interval: Some((
-                value - crate::analysis::design::optimum::T_95 * se,
-                value + crate::analysis::design::optimum::T_95 * se,
-            )),
-        }
+        let half = T_95 * jackknife(&(0..best.replicates.len()).map(ratio).collect::<Vec<f64>>());
+        Found { value, interval: Some((value - half, value + half)) }
     }
 }
 
@@ -268,14 +217,14 @@ pub fn design(
     let Some(runs) = study.asked::<SwitchedRun>() else {
         return Err(DesignError::Kind { kind: study.kind().name });
     };
-    if let Some(sweep) = study.sweeps.iter().find(|sweep| sweep.key.name != "switching.interval") {
+    if let Some(sweep) = study.sweeps.iter().find(|sweep| sweep.key.name != INTERVAL.name) {
         return Err(DesignError::Swept { key: sweep.key.name });
     }
     // Alone: other times cost runs, and are not asked.
     let runs = SwitchedRun { times: vec![], ..runs.clone() };
     let maker = Maker { runs: &runs, seed: study.seed, swept: !study.sweeps.is_empty() };
     let chosen = maker.choose()?;
-    let trials = crate::analysis::design::sampling::trials(study.trials);
+    let trials = sampling::trials(study.trials);
     // The optimum of each filler and what the paper's rule would choose join as they are found.
     let mut total = chosen.iter().flatten().map(|candidate| candidate.switches * trials).sum::<u64>();
     progress.start("switches", 0, total);
@@ -288,7 +237,7 @@ pub fn design(
             progress.start("switches", done, total);
         }
         done += switches;
-        let parts = crate::analysis::design::sampling::parts(candidate, trials, &mut worker, progress)?;
+        let parts = sampling::parts(candidate, trials, &mut worker, progress)?;
         of_parts(candidate, &parts, measure, trials)
     };
     let mut fillers = Vec::new();
@@ -297,12 +246,12 @@ pub fn design(
             .iter()
             .map(|candidate| sampled(candidate, false))
             .collect::<Result<Vec<Tried>, _>>()?;
-        let fitted = crate::analysis::design::optimum::of(&tried);
+        let fitted = optimum::of(&tried);
         if let Some(candidate) = maker.at(fitted.interval_s, place)?.filter(|_| !maker.swept) {
             insert(&mut tried, sampled(&candidate, true)?);
         }
         let point = &runs.points[0];
-        let papers_rule = match crate::analysis::design::paper::optimum(point, &candidates[0].filled) {
+        let papers_rule = match paper::optimum(point, &candidates[0].filled) {
             None => None,
             Some((residual_max, Minimum { interval_s, bound })) => {
                 let candidate = maker.at(interval_s, place)?;
@@ -313,7 +262,7 @@ pub fn design(
         if let Some(rule) = papers_rule.as_ref().filter(|_| !maker.swept) {
             insert(&mut tried, rule.tried.clone());
         }
-        let (best, optimum) = crate::analysis::design::optimum::among(&tried, fitted);
+        let (best, optimum) = optimum::among(&tried, fitted);
         let name = runs.fillers().get(place).map(|filler| filler.name.clone());
         let filled = &candidates[0].filled;
         let (residual_rms, residual_max) = (filled.residual_rms(), filled.residual_max());
@@ -369,7 +318,7 @@ fn of_parts(
     trials: u64,
 ) -> Result<Tried, DesignError> {
     let duration_s = candidate.schedule.duration_s;
-    let which = usize::from(measure.angle() == RunAngle::Largest);
+    let which = usize::from(measure.is_largest());
     let estimate = &candidate.filled.estimates[which];
     let value = |tally: &Moments| -> Option<Found> {
         let found = Estimates::of(tally, estimate.bin_base, estimate.unit_arcsec / duration_s)?;

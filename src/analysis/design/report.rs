@@ -8,7 +8,7 @@ use crate::kinds::gap_fill::columns::FILLER;
 use crate::quantity::number::significant;
 use crate::study::Study;
 use crate::table::column::{Band, columns_of};
-use crate::table::{Cell, ColumnOf, Role, Table, Unit};
+use crate::table::{Cell, Column, ColumnOf, Role, Table, Unit};
 use crate::view::chart::figure::Figure;
 use crate::view::chart::notes::ChartError;
 use serde_json::{Value, json};
@@ -131,14 +131,18 @@ pub fn headline(found: &Design) -> String {
 /// # Errors
 /// Values that cannot be drawn.
 pub fn figure(study: &Study, found: &Design, table: &Table) -> Result<Figure, ChartError> {
-    let series = if found.fillers.len() > 1 { vec!["filler".into()] } else { vec![] };
+    fn name(column: Option<&Column>) -> &str {
+        column.map_or("", |column| &column.name)
+    }
+    let filler = name(table.listed_by(FILLERS));
+    let series = if found.fillers.len() > 1 { vec![filler.into()] } else { vec![] };
     let chart = Chart {
         title: study.title.clone(),
         subtitle: headline(found),
-        x: "interval".into(),
-        y: found.measure.name().into(),
+        x: name(table.of_role(Role::Coordinate)).into(),
+        y: name(table.of_role(Role::Error)).into(),
         shows: Shows::Curves { series, laws: vec![] },
-        apart: vec!["filler".to_owned()],
+        apart: vec![filler.to_owned()],
         points: "Monte Carlo".to_owned(),
         bands: "95 % band".to_owned(),
         ..Chart::default()

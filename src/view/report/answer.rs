@@ -2,6 +2,7 @@
 
 use crate::chart::Chart;
 use crate::chart::Source;
+use crate::drift::schedule::INTERVAL;
 use crate::filler::{FILLERS, Filler, Method};
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::switched_run::SwitchedRun;
@@ -136,7 +137,7 @@ fn of_chart(
 /// Where the estimate of a chart over the switching interval is least: the interval is chosen, so that a limit alone is no answer.
 fn chosen_interval(study: &Study, chart: &Chart, shown: &Shown) -> Result<Option<String>, ColumnError> {
     let table = &shown.table;
-    if table.column(&chart.x.name)?.name != "switching.interval" {
+    if table.column(&chart.x.name)?.name != INTERVAL.name {
         return Ok(None);
     }
     let told = interval_for_each(chart, shown)?;
@@ -154,7 +155,7 @@ fn chosen_interval(study: &Study, chart: &Chart, shown: &Shown) -> Result<Option
 fn interval_for_each(chart: &Chart, shown: &Shown) -> Result<Option<String>, ColumnError> {
     let table = &shown.table;
     let rows = table.rows_where(&chart.filter())?;
-    let is_over_interval = table.column(&chart.x.name)?.name == "switching.interval";
+    let is_over_interval = table.column(&chart.x.name)?.name == INTERVAL.name;
     if !is_over_interval || !less_is_better(table, &shown.estimate, &rows)? {
         return Ok(None);
     }

@@ -1,0 +1,39 @@
+//! What a design makes least.
+
+use crate::key::holds::words;
+
+words! {
+    /// What is to be least, as `--by` lists it.
+    pub enum Measure {
+        /// The drift that 99.73 % of runs stay below.
+        DriftQ9973 = "drift_q9973",
+        /// The rms drift.
+        DriftRms = "drift_rms",
+        /// The largest angle over the run time, that 99.73 % of runs stay below.
+        LargestQ9973 = "largest_q9973",
+        /// The rms of the largest angle over the run time.
+        LargestRms = "largest_rms",
+    }
+}
+
+impl Measure {
+    /// In a sentence.
+    pub fn meaning(self) -> &'static str {
+        Measure::WORDS[self as usize].meaning.trim()
+    }
+
+    /// For axes and sentences.
+    pub fn label(self) -> &'static str {
+        match self {
+            Measure::DriftQ9973 => "99.73 % drift",
+            Measure::DriftRms => "rms drift",
+            Measure::LargestQ9973 => "99.73 % largest angle over the run time",
+            Measure::LargestRms => "rms largest angle over the run time",
+        }
+    }
+
+    /// Whether it is about the largest angle of a run rather than that at its end.
+    pub(crate) fn is_largest(self) -> bool {
+        matches!(self, Measure::LargestQ9973 | Measure::LargestRms)
+    }
+}
