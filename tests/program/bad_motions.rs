@@ -219,7 +219,7 @@ fn precisions_that_make_no_sense_are_refused() {
         let desk = Desk::with(&precision(&format!("{{ q9973 = \"{part} %\" }}")));
         crate::desk::unwrapped(&desk.done("run study.toml --device cpu --trials 1000").stderr)
     };
-    assert!(level("0.7").contains("some may not reach the 0.7 % asked for, and take all trials"));
+    assert!(level("0.7").contains("some may not reach the 0.7 % requested, and take all trials"));
     assert!(
         level("0.1").contains("none reaches the 0.1 %") && !level("1").contains("levels are known to a bin")
     );
