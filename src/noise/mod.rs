@@ -1,4 +1,4 @@
-//! The noise of a gyro by its coefficients, as `[noise]` and noise.toml have it.
+//! The noise of a gyro by its coefficients, as given by `[noise]` and noise.toml.
 
 pub(crate) mod keys;
 pub(crate) mod read;
@@ -8,82 +8,82 @@ use crate::theory::allan::process::Process;
 use crate::theory::allan::{holds, switching};
 use crate::theory::drift::magnetic::Magnetic;
 
-/// Coefficients in ″ and s; 0 is absent.
+/// Noise coefficients in ″ and s; 0 means absent.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Noise {
-    /// Q, ″.
+    /// Quantisation noise Q, ″.
     pub quantisation: f64,
     /// Angle of a pulse where whole pulses are read, ″.
     pub readout_lsb: f64,
-    /// N, ″/√s.
+    /// Angle random walk N, ″/√s.
     pub angle_random_walk: f64,
-    /// B, ″/s.
+    /// Bias instability B, ″/s.
     pub bias_instability: f64,
-    /// K, ″/s^1.5.
+    /// Rate random walk K, ″/s^1.5.
     pub rate_random_walk: f64,
-    /// R, ″/s².
+    /// Rate ramp R, ″/s².
     pub rate_ramp: f64,
-    /// Exponentially correlated.
+    /// Exponentially correlated noise of the rate.
     pub markov: Option<Markov>,
-    /// Of a random phase.
+    /// Sine of the rate with a random phase.
     pub sine: Option<Sine>,
-    /// The same in all records.
+    /// Warm-up, the same in all records.
     pub warm_up: Option<WarmUp>,
-    /// Of a gyro that switches modes.
+    /// Switching, of a gyro that switches modes.
     pub switching: Option<Switching>,
 }
 
 /// Exponentially correlated noise of the rate.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Markov {
-    /// Its rms, ″/s.
+    /// Rms of the rate, ″/s.
     pub amplitude: f64,
-    /// T_c, s.
+    /// Correlation time T_c, s.
     pub time_s: f64,
 }
 
 /// A sine of the rate.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Sine {
-    /// Its peak, ″/s.
+    /// Peak of the rate, ″/s.
     pub amplitude: f64,
-    /// Hz.
+    /// Frequency, Hz.
     pub frequency_hz: f64,
 }
 
-/// A decay of the rate from the start of the record on.
+/// A decay of the rate from the start of the record.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct WarmUp {
-    /// The rate at the start, ″/s.
+    /// Rate at the start, ″/s.
     pub amplitude: f64,
-    /// In which it falls to 1/e, s.
+    /// Time in which the rate falls to 1/e, s.
     pub time_s: f64,
 }
 
-/// A gyro that switches modes from the start of the record on; 0 is absent.
+/// A gyro that switches modes from the start of the record; 0 means absent.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Switching {
-    /// As it is asked for, s; records switch after the nearest whole number of samples.
+    /// Requested interval, s; records switch after the nearest whole number of samples.
     pub interval_s: f64,
-    /// A, ″/s.
+    /// Magnetic drift A, ″/s.
     pub magnetic: f64,
-    /// τ, s; the magnetic drift is A + Ω_m0 from the start on where there is none.
+    /// Time constant of the warm-up τ, s; without it, the magnetic drift is A + Ω_m0 from the start.
     pub warm_up_s: Option<f64>,
-    /// Ω_m0, ″/s.
+    /// Initial magnetic drift Ω_m0, ″/s.
     pub initial_magnetic: f64,
-    /// D, ″.
+    /// Amplitude of the fill residuals D, ″.
     pub residual: f64,
-    /// Standard deviation of the part of fill residuals that is noise, ″.
+    /// Standard deviation of the noise in fill residuals, ″.
     pub residual_noise: f64,
 }
 
 impl Switching {
-    /// Whether a switch changes nothing.
+    /// Whether a switch has no effect.
     pub(crate) fn is_nothing(&self) -> bool {
         [self.magnetic, self.initial_magnetic, self.residual, self.residual_noise].iter().all(|x| *x == 0.0)
     }
 
-    /// From one switch to the next, samples of `sample_s`.
+    /// Samples of `sample_s` from one switch to the next.
     pub fn interval(&self, sample_s: f64) -> u64 {
         libm::round(self.interval_s / sample_s) as u64
     }
@@ -93,12 +93,12 @@ impl Switching {
         self.initial_magnetic.abs().max((self.magnetic + self.initial_magnetic).abs())
     }
 
-    /// Of what a switch leaves, D sin φ and the noise beside it, ″.
+    /// Rms of the fill residual of a switch, D sin φ plus noise, ″.
     fn residual_rms(&self) -> f64 {
         libm::sqrt(0.5 * self.residual * self.residual + self.residual_noise * self.residual_noise)
     }
 
-    /// A, τ and Ω_m0, without warm-up all of it in Ω_m0.
+    /// A, τ and Ω_m0; without a warm-up all of it is in Ω_m0.
     fn drift(&self) -> Magnetic {
         match self.warm_up_s {
             Some(time_s) => Magnetic { amplitude: self.magnetic, time_s, initial: self.initial_magnetic },
@@ -108,7 +108,7 @@ impl Switching {
 }
 
 impl Noise {
-    /// The switches of records of samples of `sample_s`; `None` where they change nothing.
+    /// The switches of records with samples of `sample_s`; `None` where they have no effect.
     pub fn switched(&self, sample_s: f64) -> Option<switching::Switching> {
         let switching = self.switching.filter(|switching| !switching.is_nothing())?;
         Some(switching::Switching {
@@ -119,9 +119,10 @@ impl Noise {
         })
     }
 
-    /// What the records of `samples` rates are made of, each `sample_s` long; but for readout and switches, which no [`Part`] is.
+    /// The process of records of `samples` rates, each `sample_s` long, without readout and switches, for which there
+    /// is no [`Part`].
     ///
-    /// Records too long for the octaves of flicker have the most there are; they are refused elsewhere.
+    /// Records too long for the octaves of flicker get the largest number; they are refused elsewhere.
     pub fn process(&self, sample_s: f64, samples: u64) -> Process {
         let octaves = holds::octaves(samples).unwrap_or(holds::MOST_OCTAVES);
         let some = |value: f64, part: Part| (value != 0.0).then_some(part);
@@ -143,7 +144,7 @@ impl Noise {
         Process { sample_s, parts: parts.into_iter().flatten().collect() }
     }
 
-    /// What determines the draws, key by key in base units; what is absent has no line.
+    /// The inputs that determine the draws, key by key in base units; absent parts have no line.
     pub(crate) fn canonical(&self) -> String {
         let with = |is: bool, value: f64| if is { value } else { 0.0 };
         let [markov, sine, warm_up] = [
@@ -176,8 +177,8 @@ impl Noise {
         given.map(|(name, value)| format!("{name}={value:.11e}\n")).collect()
     }
 
-    /// The angle, ″, that each part of the rate but the angle random walk can turn through in a time, with one switch at the
-    /// most; rms of noise and residuals.
+    /// The angle, ″, that each part of the rate except the angle random walk can accumulate in a time, with at most one
+    /// switch; rms for noise and residuals.
     pub(crate) fn over(&self, time_s: f64) -> Vec<(&'static str, f64)> {
         let t = time_s;
         let all = [

@@ -154,7 +154,7 @@ fn a_value_of_the_wrong_type_is_told_in_the_words_of_studies() {
         "\"quadratic\"",
         "11:21",
         "2",
-        &["switching.fillers: 2 is no filler", "const, linear, quadratic, or a table"],
+        &["switching.fillers: 2 is not a filler", "const, linear, quadratic, or a table"],
     );
     line("\"gap-fill\"", "2:8", "1", &["`kind` is the number 1", "kind = \"gap-fill\""]);
     line("\"5 ms\"", "4:8", "2026-01-01", &["`gyro.tick` is a date", "tick = \"5 ms\""]);
