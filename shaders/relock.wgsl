@@ -1,4 +1,4 @@
-// One trial of a relock: sums over its first ticks of the false rotation that remains after compensation.
+// One trial of a relock: sums over its first ticks of the apparent rotation that remains after compensation.
 // Twin of kernel/src/relock.rs.
 
 fn trial(low: u32, high: u32) -> array<u32, ESTIMATES> {

@@ -1,4 +1,4 @@
-// The first ticks after one mode switch: the false rotation of the closing perimeter loop, less its compensation. Twin
+// The first ticks after one mode switch: the apparent rotation of the closing perimeter loop, less its compensation. Twin
 // of kernel/src/relock_ticks.rs. The places RELOCK_… of the parameters count from RELOCK, the place of their field in
 // the surrounding kernel.
 

@@ -1,4 +1,4 @@
-//! One trial of a relock: sums over its first ticks of the false rotation that remains after compensation.
+//! One trial of a relock: sums over its first ticks of the apparent rotation that remains after compensation.
 //!
 //! Twin of `shaders/relock.wgsl`.
 

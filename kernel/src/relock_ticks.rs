@@ -1,4 +1,4 @@
-//! The first ticks after one mode switch: the false rotation of the closing perimeter loop, less its compensation.
+//! The first ticks after one mode switch: the apparent rotation of the closing perimeter loop, less its compensation.
 //!
 //! Twin of `shaders/relock_ticks.wgsl`. This file is a part of other kernels: `relock` uses it for one switch,
 //! `switched_run` for each switch of a run. A switch has draws of its own, addressed by its number. The miss Δλ0 and
@@ -34,7 +34,7 @@ pub const VERSION: u32 = 1;
 /// How the ticks are compensated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Method {
-    /// Not at all: the false rotation remains.
+    /// Not at all: the apparent rotation remains.
     None,
     /// By the measured frequency of the bias, from the second tick on: Z(11).
     Frequency,
@@ -84,7 +84,7 @@ parameters! {
     drift: |shape: Shape| shape.ticks,
     /// Standard deviation of the relative error of f0, in 2^−34.
     temperature: |_| 1,
-    /// The sign of the false rotation, in its highest bit.
+    /// The sign of the apparent rotation, in its highest bit.
     sign: |_| 1,
     /// Half of f0·T, in units of the beat.
     half_bias: |shape: Shape| shape.only(Method::Frequency, 1),
@@ -119,7 +119,7 @@ pub struct Given<'a> {
     pub shape: Shape,
 }
 
-/// Angles of the ticks of a switch in LSB, of which the first `shape.ticks` count: the false rotation less its
+/// Angles of the ticks of a switch in LSB, of which the first `shape.ticks` count: the apparent rotation less its
 /// compensation.
 // The loops of this file mirror those of the shader.
 #[expect(clippy::needless_range_loop)]

@@ -51,7 +51,7 @@ pub fn of_kinds<'py>(py: Python<'py>, kinds: Vec<String>, made: Made) -> PyResul
         if let Some(unknown) = kinds.iter().find(|kind| !KINDS.contains(&kind.as_str())) {
             let known = KINDS.join(", ");
             return Err(Failure::Usage(format!(
-                "`{unknown}` is no filler\naccepted: some of {known}; or the path of a study, as a pathlib.Path or ending in .toml"
+                "`{unknown}` is not a filler\naccepted: some of {known}; or the path of a study, as a pathlib.Path or ending in .toml"
             )));
         }
         let has_tick = made.tick.is_some();

@@ -73,7 +73,7 @@ def test_the_response_is_the_amplitude_that_the_program_tells(program: Program) 
 @pytest.mark.parametrize(
     "arguments, piece",
     [
-        ({"what": "cubic", "gap_ticks": 3}, "`cubic` is no filler"),
+        ({"what": "cubic", "gap_ticks": 3}, "`cubic` is not a filler"),
         ({"what": "const"}, "gap_ticks is missing"),
         ({"what": "const", "gap_ticks": 0}, "accepted: 1 to"),
         ({"what": "const", "gap_ticks": 100_000}, "gap_ticks"),

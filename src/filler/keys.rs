@@ -1,4 +1,4 @@
-//! The keys of `[switching]` that are about the gap at a switch and what fills it in.
+//! The keys of `[switching]` for the gap at a switch and its fillers.
 
 use crate::filler::ticks::FARTHEST;
 use crate::key::holds::{Holds, Word, words};
@@ -6,19 +6,19 @@ use crate::key::row::keys;
 use crate::motion::keys::FREQUENCIES;
 
 words! {
-    /// Which error of a filler.
+    /// An error of a filler.
     pub enum Error {
-        /// What is left in the angle for good, after the gap is closed and corrected.
+        /// Permanent error of the angle, after the gap is closed and corrected.
         Residual = "residual",
-        /// The error of the angle at the end of the gap, before it is corrected.
+        /// Error of the angle at the end of the gap, before it is corrected.
         Extrapolation = "extrapolation",
-        /// The largest error of the angle while the gap is open.
+        /// Largest error of the angle while the gap is open.
         InGap = "in-gap",
     }
 }
 
 words! {
-    /// How a filler weighs its ticks.
+    /// The method by which a filler weights its ticks.
     pub(crate) enum FillerKind {
         /// Least-squares polynomial of order 0: the mean of the ticks.
         Const = "const",
@@ -26,10 +26,10 @@ words! {
         Linear = "linear",
         /// Least-squares polynomial of order 2: a parabola.
         Quadratic = "quadratic",
-        /// The weights of the least error variance, for the vibration in its band, or without one for the motion of each point,
-        /// and for the study's noise.
+        /// Weights with the least error variance for the study's noise, and for the vibration in its band or, without a
+        /// band, for the motion of each point.
         MinimumVariance = "minimum-variance",
-        /// The weights that are given.
+        /// Given weights.
         Weights = "weights",
     }
 }
@@ -49,37 +49,38 @@ const POLYNOMIAL: &[Word] = &[
 keys! {
     /// The keys of the gap and its fillers.
     pub(crate) static KEYS;
-    /// The mode switch, and how the ticks it loses are filled in.
+    /// The mode switch, and the fillers of the lost ticks.
     pub(crate) SWITCHING = "switching", "", Holds::Table, "[switching]\ngap_ticks = 3\nfillers = [\"const\", \"quadratic\"]";
     /// Number n of lost ticks; they are numbered 1 … n.
     pub(crate) GAP_TICKS = "switching.gap_ticks", "lost ticks n", Holds::Whole(1, LONGEST_GAP), "gap_ticks = 3";
-    /// Ticks that the residual is fitted to; -1, 0, n+1, n+2 if absent. Numbers, "n+1", ranges "-7..0".
+    /// Ticks to which the residual is fitted; -1, 0, n+1, n+2 if absent. Numbers, "n+1", ranges "-7..0".
     pub(crate) FIT_TICKS = "switching.fit_ticks", "", LIST, r#"fit_ticks = [-1, 0, "n+1", "n+2"]"#;
-    /// Ticks that the extrapolation is fitted to, none after 0; -3, -2, -1, 0 if absent.
+    /// Ticks to which the extrapolation is fitted, none after 0; -3, -2, -1, 0 if absent.
     pub(crate) EXTRAPOLATION_TICKS = "switching.extrapolation_ticks", "", LIST, "extrapolation_ticks = [-3, -2, -1, 0]";
-    /// Fillers to compare, each once: a polynomial "const", "linear" or "quadratic", fitted to switching.fit_ticks, or a table of
-    /// kind, name and ticks of its own, as of a minimum-variance filler.
+    /// Fillers to compare, each once: a polynomial "const", "linear" or "quadratic", fitted to switching.fit_ticks, or
+    /// a table with its own kind, name and ticks, such as a minimum-variance filler.
     pub(crate) FILLERS = "switching.fillers", "", Holds::List(&Holds::Either(&[Holds::Any, Holds::Word(POLYNOMIAL), Holds::Table])), r#"fillers = ["const", "quadratic", { kind = "minimum-variance", name = "mv8+2", fit_ticks = ["-7..0", "n+1", "n+2"] }]"#;
-    /// How the filler weighs its ticks.
+    /// Method by which the filler weights its ticks.
     pub(crate) FILLER_KIND = "switching.fillers.kind", "", Holds::Word(FillerKind::WORDS), r#"kind = "minimum-variance""#, required;
-    /// In tables and charts; the kind if absent.
+    /// Name in tables and charts; the kind if absent.
     pub(crate) FILLER_NAME = "switching.fillers.name", "", Holds::Text, r#"name = "mv8+2""#;
-    /// Ticks that the residual is fitted to; switching.fit_ticks if absent.
+    /// Ticks to which the residual is fitted; switching.fit_ticks if absent.
     pub(crate) FILLER_FIT_TICKS = "switching.fillers.fit_ticks", "", LIST, r#"fit_ticks = ["-7..0", "n+1", "n+2"]"#;
-    /// Ticks that the extrapolation is fitted to. If absent the fit ticks up to 0 of a minimum-variance filler that has
-    /// fit_ticks of its own, else switching.extrapolation_ticks.
+    /// Ticks to which the extrapolation is fitted. If absent, they are the fit ticks up to 0 for a minimum-variance
+    /// filler with its own fit_ticks, else switching.extrapolation_ticks.
     pub(crate) FILLER_EXTRAPOLATION_TICKS = "switching.fillers.extrapolation_ticks", "", LIST, r#"extrapolation_ticks = ["-7..0"]"#;
-    /// Vibration band that a minimum-variance filler is designed for, ["18 Hz", "22 Hz"]; the study's own motion if absent.
+    /// Vibration band for which a minimum-variance filler is designed, ["18 Hz", "22 Hz"]; the study's own motion if
+    /// absent.
     pub(crate) FILLER_BAND = "switching.fillers.band", "", Holds::Pair(&FREQUENCIES), r#"band = ["18 Hz", "22 Hz"]"#;
-    /// Weights of the residual in the order of its ticks; they sum to n. Numbers, or fractions "5/2".
+    /// Weights of the residual in the order of its ticks, whose sum is n. Numbers, or fractions "5/2".
     pub(crate) FILLER_WEIGHTS = "switching.fillers.weights", "", LIST, r#"weights = [-1, "5/2", "5/2", -1]"#;
     /// Weights of the extrapolation; without them the filler has none.
     pub(crate) FILLER_EXTRAPOLATION_WEIGHTS = "switching.fillers.extrapolation_weights", "", LIST, r#"extrapolation_weights = ["3/4", "3/4", "3/4", "3/4"]"#;
 }
 
 keys! {
-    /// Which errors are found, where one switch is looked at by itself.
+    /// The keys that apply only where single switches are studied.
     pub(crate) static OF_ONE_SWITCH;
-    /// Errors to find, each once; ["residual", "extrapolation"] if absent.
+    /// Errors to sample, each once; ["residual", "extrapolation"] if absent.
     pub(crate) ERRORS = "switching.errors", "", Holds::List(&Holds::Word(Error::WORDS)), r#"errors = ["residual", "extrapolation", "in-gap"]"#;
 }

@@ -1,4 +1,4 @@
-//! Fillers: ways to fill the gap, as a study names them.
+//! Fillers: the ways to fill the gap.
 
 pub mod keys;
 pub mod read;
@@ -12,24 +12,25 @@ pub const FILLERS: &str = "switching.fillers";
 /// A way to fill the gap.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filler {
-    /// As tables and charts call it; unique in a study.
+    /// Name in tables and charts, unique in a study.
     pub name: String,
-    /// Where its weights come from.
+    /// Method that gives its weights.
     pub method: Method,
 }
 
-/// How a filler weighs its ticks.
+/// The method by which a filler weights its ticks.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Method {
     /// The least-squares polynomial of order 0, 1 or 2.
     Polynomial(usize),
-    /// The least variance for motion of a band, or for the study's own motion where none is given, and its noise.
+    /// The least variance for the study's noise and for motion in a band, or for the study's own motion where no band
+    /// is given.
     MinimumVariance(Option<Band>),
-    /// Weights as given, in the order of the ticks; those of the extrapolation may be absent.
+    /// Given weights, in the order of the ticks.
     Weights {
-        /// For the gap as a whole, after it.
+        /// Weights for the gap as a whole, after it.
         residual: Vec<f64>,
-        /// The same before it is closed.
+        /// Weights for the gap as a whole, before it is closed; may be absent.
         extrapolation: Option<Vec<f64>>,
     },
 }
@@ -37,9 +38,9 @@ pub enum Method {
 /// The ticks that a filler reads at a point, ascending.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fill {
-    /// For the residual.
+    /// Ticks of the residual.
     pub fit_ticks: Vec<i32>,
-    /// For the extrapolation: none after 0. Absent where the filler has none.
+    /// Ticks of the extrapolation, none after 0; absent where the filler has none.
     pub extrapolation_ticks: Option<Vec<i32>>,
 }
 
@@ -47,17 +48,17 @@ pub struct Fill {
 pub const POLYNOMIALS: [&str; 3] = ["const", "linear", "quadratic"];
 
 impl Filler {
-    /// The polynomials of order 0, 1 and 2 under their own names.
+    /// The polynomials of order 0, 1 and 2 under their standard names.
     pub fn polynomials() -> Vec<Filler> {
         (0..POLYNOMIALS.len()).map(Filler::polynomial).collect()
     }
 
-    /// The polynomial of an order up to 2 under its own name.
+    /// The polynomial of an order up to 2 under its standard name.
     pub fn polynomial(order: usize) -> Filler {
         Filler { name: POLYNOMIALS[order].to_owned(), method: Method::Polynomial(order) }
     }
 
-    /// Fewest ticks that it can work with.
+    /// Fewest ticks with which the filler works.
     pub(crate) fn least_ticks(&self) -> usize {
         match self.method {
             Method::Polynomial(order) => order + 1,

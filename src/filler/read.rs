@@ -1,4 +1,4 @@
-//! Reading the fillers of a study, with every fault at its place.
+//! Reading of the fillers of a study, which reports every fault with its place.
 
 use crate::filler::keys::{
     FILLER_BAND, FILLER_EXTRAPOLATION_TICKS, FILLER_EXTRAPOLATION_WEIGHTS, FILLER_FIT_TICKS, FILLER_KIND,
@@ -11,23 +11,23 @@ use crate::key::table::Table;
 use crate::motion::read::band;
 use crate::source::diagnose::{Fault, choices};
 
-/// A filler, and lists of ticks of its own.
+/// A filler, with its own lists of ticks.
 pub(crate) struct Written {
     pub(crate) filler: Filler,
     pub(crate) fit_ticks: Option<TickList>,
     pub(crate) extrapolation: Extrapolation,
-    /// Of the whole entry.
+    /// Place of the whole entry.
     pub(crate) span: std::ops::Range<usize>,
 }
 
-/// Which ticks an extrapolation is fitted to.
+/// The ticks to which an extrapolation is fitted.
 pub(crate) enum Extrapolation {
-    /// Those of the study.
+    /// The ticks of the study.
     Common,
     Own(TickList),
     /// The fit ticks up to 0.
     OfFit,
-    /// There is none.
+    /// No ticks, as there is no extrapolation.
     None,
 }
 
@@ -56,7 +56,7 @@ pub(crate) fn read(list: Given) -> Result<Vec<Written>, Fault> {
 fn named(entry: Given) -> Result<Written, Fault> {
     let text = entry.text();
     let Some(order) = POLYNOMIALS.iter().position(|name| *name == text) else {
-        let message = format!("switching.fillers: {entry} is no filler");
+        let message = format!("switching.fillers: {entry} is not a filler");
         let help = format!("{}, or a table such as {EXAMPLE}", choices(text, &POLYNOMIALS));
         return Err(entry.fault(message, "not a filler", help));
     };
@@ -64,7 +64,7 @@ fn named(entry: Given) -> Result<Written, Fault> {
     Ok(Written { filler, fit_ticks: None, extrapolation: Extrapolation::Common, span: entry.span() })
 }
 
-/// A filler of one's own.
+/// An example of a filler given as a table.
 const EXAMPLE: &str =
     "{ kind = \"minimum-variance\", name = \"mv8+2\", fit_ticks = [\"-7..0\", \"n+1\", \"n+2\"] }";
 
@@ -99,7 +99,7 @@ fn of_table(table: &Table) -> Result<Written, Fault> {
             let numbers = |list: Given| list.items().into_iter().map(weight).collect::<Result<_, _>>();
             let extrapolation = extrapolation_weights.map(numbers).transpose()?;
             if let (None, Some(ticks)) = (&extrapolation, extrapolation_ticks) {
-                let message = "extrapolation_ticks stand without extrapolation_weights";
+                let message = "extrapolation_ticks are given without extrapolation_weights";
                 return Err(ticks.fault(message, "ticks without weights", "add them, or leave it out"));
             }
             Method::Weights { residual: numbers(weights)?, extrapolation }
@@ -117,7 +117,7 @@ fn of_table(table: &Table) -> Result<Written, Fault> {
             let text = name.text().trim();
             if text.is_empty() || text.chars().any(char::is_control) {
                 let message = "the name of a filler is a text on one line";
-                return Err(name.fault(message, "no name", "write for example name = \"mv8+2\""));
+                return Err(name.fault(message, "not a name", "write for example name = \"mv8+2\""));
             }
             text.to_owned()
         }
@@ -126,7 +126,7 @@ fn of_table(table: &Table) -> Result<Written, Fault> {
     Ok(Written { filler: Filler { name, method }, fit_ticks, extrapolation, span: table.span.clone() })
 }
 
-/// A weight: a number, or a fraction as text.
+/// Reads a weight: a number, or a fraction as text.
 fn weight(given: Given) -> Result<f64, Fault> {
     let fraction = |text: &str| {
         let number = |part: &str| part.trim().replace('−', "-").parse::<f64>().ok();
@@ -138,7 +138,7 @@ fn weight(given: Given) -> Result<f64, Fault> {
     let value = if given.is_text() { fraction(given.text()) } else { given.number() };
     value.filter(|x| x.abs() <= MOST_WEIGHT).ok_or_else(|| {
         let help = format!("accepted: numbers up to {MOST_WEIGHT} such as -1.5, fractions such as \"5/2\"");
-        given.fault(format!("{given} is no weight"), "not a weight", help)
+        given.fault(format!("{given} is not a weight"), "not a weight", help)
     })
 }
 

@@ -1,4 +1,4 @@
-//! Lists of ticks to fit: numbers, `"n+1"`, ranges `"-7..0"`, where n is the length of the gap.
+//! Lists of ticks for fits: numbers, `"n+1"`, ranges `"-7..0"`, where n is the length of the gap.
 
 use crate::kernel::gap_fill::shape::MAX_SIDE;
 use std::fmt;
@@ -9,10 +9,10 @@ use toml::Spanned;
 use crate::key::given::Given;
 use crate::source::diagnose::Fault;
 
-/// Ticks farther than this from the gap are refused: a fit over them says nothing about the gap.
+/// Largest distance of a tick from the gap; a fit over farther ticks says nothing about the gap.
 pub(crate) const FARTHEST: i64 = MAX_SIDE as i64;
 
-/// What is accepted in a list of ticks.
+/// Accepted entries of a list of ticks.
 const ACCEPTED: &str =
     "accepted: whole numbers such as -1, texts such as \"n+1\", inclusive ranges such as \"-7..0\"";
 
@@ -43,7 +43,7 @@ impl Tick {
     }
 }
 
-/// Which list, as it decides which ticks make sense.
+/// The purpose of a list, which determines the allowed ticks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Purpose {
     Residual,
@@ -59,18 +59,18 @@ impl fmt::Display for Purpose {
     }
 }
 
-/// The ticks that a polynomial is fitted to, still open in n.
+/// The ticks to which a polynomial is fitted, before n is known.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct TickList {
     pub(crate) purpose: Purpose,
-    /// Of the whole list; empty at 0 if the list is the default one.
+    /// Place of the whole list; empty at 0 if the list is the default one.
     pub(crate) span: Range<usize>,
     /// First and last tick of each inclusive range.
     ranges: Vec<Spanned<(Tick, Tick)>>,
 }
 
 impl TickList {
-    /// The list as `written`, or the default of its `purpose`.
+    /// Reads the list as `written`, or takes the default of its `purpose`.
     pub(crate) fn read(purpose: Purpose, written: Option<Given>) -> Result<TickList, Fault> {
         let Some(written) = written else {
             return Ok(TickList::default_for(purpose));
@@ -107,7 +107,7 @@ impl TickList {
         Ok(ticks)
     }
 
-    /// The same, but refused where they are not written in that order: weights that are given go with the ticks as they stand.
+    /// The ticks in the order written, which must be ascending because given weights belong to them in that order.
     pub(crate) fn resolve_in_order(&self, gap_ticks: u32) -> Result<Vec<i32>, Fault> {
         let ticks = self.as_written(gap_ticks)?;
         if ticks.is_sorted() {
@@ -152,7 +152,7 @@ impl TickList {
                     let what = format!("tick {tick} comes after the gap, an extrapolation cannot know it");
                     return refuse(what, "after the gap", "accepted: ticks up to 0".to_owned());
                 }
-                // Bounded above by FARTHEST on either side, so it fits.
+                // Bounded by FARTHEST on either side, so it fits.
                 let tick = tick as i32;
                 if ticks.contains(&tick) {
                     return refuse(

@@ -1,4 +1,4 @@
-//! The keys of `[noise]` and of noise.toml, and what they set.
+//! The keys of `[noise]` and of noise.toml, with their settings.
 
 use crate::key::holds::{Holds, measure};
 use crate::key::row::keys;
@@ -20,10 +20,10 @@ const SINES: Holds =
 keys! {
     /// Every key of the noise.
     pub(crate) static KEYS;
-    /// The noise of the gyro, by the coefficients of IEEE Std 647 and 952; what is absent is not there. `sagnac allan` writes
-    /// such tables as noise.toml. A gap-fill study may have it in place of gyro.tick_noise.
+    /// The noise of the gyro, by the coefficients of IEEE Std 647 and 952; absent parts are 0. `sagnac allan` writes
+    /// such tables as noise.toml. A gap-fill study may have it instead of gyro.tick_noise.
     pub(crate) NOISE = "noise", "", Holds::Table, "[noise]\nangle_random_walk = \"0.00048 deg/sqrt(h)\"";
-    /// A noise.toml, from the folder of the study; keys beside it replace those in it.
+    /// Path of a noise.toml, relative to the folder of the study; keys in the study replace those in the file.
     pub(crate) FILE = "noise.file", "noise file", Holds::File, r#"file = "noise.toml""#;
     /// Quantisation noise Q, rms error of the angle: "0.11 arcsec".
     QUANTISATION = "noise.quantisation", "quantisation noise Q", ANGLES, r#"quantisation = "0.11 arcsec""#;
@@ -39,35 +39,36 @@ keys! {
     RATE_RAMP = "noise.rate_ramp", "rate ramp R", R, r#"rate_ramp = "0.0001 deg/h/h""#;
     /// Exponentially correlated noise of the rate.
     MARKOV = "noise.markov", "", Holds::Table, r#"markov = { amplitude = "0.002 deg/h", time = "300 s" }"#;
-    /// Its rms: "0.002 deg/h".
+    /// Rms of the Markov noise: "0.002 deg/h".
     MARKOV_AMPLITUDE = "noise.markov.amplitude", "rms of the Markov noise", RATES, r#"amplitude = "0.002 deg/h""#, required;
     /// Correlation time: "300 s".
     MARKOV_TIME = "noise.markov.time", "correlation time", TIMES, r#"time = "300 s""#, required;
     /// A sine of the rate, with a random phase in each record.
     SINE = "noise.sine", "", Holds::Table, r#"sine = { amplitude = "0.01 deg/h", frequency = "0.01 Hz" }"#;
-    /// Its peak: "0.01 deg/h".
+    /// Peak of the sine: "0.01 deg/h".
     SINE_AMPLITUDE = "noise.sine.amplitude", "peak of the sine", RATES, r#"amplitude = "0.01 deg/h""#, required;
-    /// Its frequency: "0.01 Hz".
+    /// Frequency of the sine: "0.01 Hz".
     SINE_FREQUENCY = "noise.sine.frequency", "frequency of the sine", SINES, r#"frequency = "0.01 Hz""#, required;
-    /// An exponential decay of the rate from the start of the record on.
+    /// An exponential decay of the rate from the start of the record.
     WARM_UP = "noise.warm_up", "", Holds::Table, r#"warm_up = { amplitude = "0.1 deg/h", time = "20 min" }"#;
-    /// The rate at the start: "0.1 deg/h".
+    /// Rate of the warm-up at the start: "0.1 deg/h".
     WARM_UP_AMPLITUDE = "noise.warm_up.amplitude", "warm-up", SIGNED_RATES, r#"amplitude = "0.1 deg/h""#, required;
     /// Time constant: "20 min".
     WARM_UP_TIME = "noise.warm_up.time", "time of the warm-up", TIMES, r#"time = "20 min""#, required;
-    /// A gyro that switches modes, the first time one interval after the start of the record: what that leaves in its angle.
+    /// A gyro that switches modes, for the first time one interval after the start of the record, and the effects on
+    /// its angle.
     pub(crate) SWITCHING = "noise.switching", "", Holds::Table, r#"switching = { interval = "40 s", residual = "10 arcsec" }"#;
-    /// From one switch to the next: "40 s". Taken as the nearest whole number of samples.
+    /// Time from one switch to the next: "40 s". It is rounded to a whole number of samples.
     INTERVAL = "noise.switching.interval", "interval between switches", TIMES, r#"interval = "40 s""#, required;
-    /// Magnetic drift A of a warm gyro, which turns its sign with every switch: "14 arcsec/s".
+    /// Magnetic drift A of a warm gyro, whose sign every switch reverses: "14 arcsec/s".
     pub(crate) MAGNETIC = "noise.switching.magnetic", "magnetic drift A", SIGNED_RATES, r#"magnetic = "14 arcsec/s""#;
-    /// Time constant with which A comes in from the start on: "50 min"; it is there at once if absent.
+    /// Time constant with which A builds up from the start: "50 min"; A is present at once if absent.
     pub(crate) SWITCHING_WARM_UP = "noise.switching.warm_up_time", "time of the magnetic warm-up", TIMES, r#"warm_up_time = "50 min""#;
-    /// Magnetic drift at the start, which A adds to: "0.1 deg/h".
+    /// Magnetic drift at the start, to which A is added: "0.1 deg/h".
     pub(crate) INITIAL_MAGNETIC = "noise.switching.initial_magnetic", "magnetic drift Ω_m0 at the start", SIGNED_RATES, r#"initial_magnetic = "0.1 deg/h""#;
-    /// Amplitude D of what the filler leaves at a switch, D sin φ with a random φ at each: "10 arcsec".
+    /// Amplitude D of the residual that the filler leaves at a switch, D sin φ with a random φ at each: "10 arcsec".
     pub(crate) RESIDUAL = "noise.switching.residual", "amplitude of fill residuals D", ANGLES, r#"residual = "10 arcsec""#;
-    /// Standard deviation of the noise that it leaves beside that: "2 arcsec".
+    /// Standard deviation of the additional noise of the residual: "2 arcsec".
     pub(crate) RESIDUAL_NOISE = "noise.switching.residual_noise", "noise of fill residuals", ANGLES, r#"residual_noise = "2 arcsec""#;
 }
 
@@ -82,7 +83,7 @@ macro_rules! of_term {
     };
 }
 
-/// What each coefficient sets; a part that is not there comes to be with its first key.
+/// The settings of the coefficients; the first key of an absent part creates it.
 pub(crate) static SETTINGS: [Setting<Noise>; 18] = [
     of_term!(QUANTISATION, Quantisation, 0),
     Setting::new(&READOUT_LSB, |noise, lsb| noise.readout_lsb = lsb.value),

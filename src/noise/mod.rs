@@ -1,4 +1,4 @@
-//! The noise of a gyro by its coefficients, as `[noise]` and noise.toml have it.
+//! The noise of a gyro by its coefficients, as given by `[noise]` and noise.toml.
 
 pub(crate) mod keys;
 pub(crate) mod read;
@@ -21,30 +21,30 @@ pub struct Noise {
     pub switching: Option<Switching>,
 }
 
-/// A gyro that switches modes from the start of the record on; 0 is absent.
+/// A gyro that switches modes from the start of the record; 0 means absent.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Switching {
-    /// As it is asked for, s; records switch after the nearest whole number of samples.
+    /// Requested interval, s; records switch after the nearest whole number of samples.
     pub interval_s: f64,
-    /// A, ″/s.
+    /// Magnetic drift A, ″/s.
     pub magnetic: f64,
-    /// τ, s; the magnetic drift is A + Ω_m0 from the start on where there is none.
+    /// Time constant of the warm-up τ, s; without it, the magnetic drift is A + Ω_m0 from the start.
     pub warm_up_s: Option<f64>,
-    /// Ω_m0, ″/s.
+    /// Initial magnetic drift Ω_m0, ″/s.
     pub initial_magnetic: f64,
-    /// D, ″.
+    /// Amplitude of the fill residuals D, ″.
     pub residual: f64,
-    /// Standard deviation of the part of fill residuals that is noise, ″.
+    /// Standard deviation of the noise in fill residuals, ″.
     pub residual_noise: f64,
 }
 
 impl Switching {
-    /// Whether a switch changes nothing.
+    /// Whether a switch has no effect.
     pub(crate) fn is_nothing(&self) -> bool {
         [self.magnetic, self.initial_magnetic, self.residual, self.residual_noise].iter().all(|x| *x == 0.0)
     }
 
-    /// From one switch to the next, samples of `sample_s`.
+    /// Samples of `sample_s` from one switch to the next.
     pub fn interval(&self, sample_s: f64) -> u64 {
         libm::round(self.interval_s / sample_s) as u64
     }
@@ -54,12 +54,12 @@ impl Switching {
         self.initial_magnetic.abs().max((self.magnetic + self.initial_magnetic).abs())
     }
 
-    /// Of what a switch leaves, D sin φ and the noise beside it, ″.
+    /// Rms of the fill residual of a switch, D sin φ plus noise, ″.
     fn residual_rms(&self) -> f64 {
         libm::sqrt(0.5 * self.residual * self.residual + self.residual_noise * self.residual_noise)
     }
 
-    /// A, τ and Ω_m0, without warm-up all of it in Ω_m0.
+    /// A, τ and Ω_m0; without a warm-up all of it is in Ω_m0.
     fn drift(&self) -> Magnetic {
         match self.warm_up_s {
             Some(time_s) => Magnetic { amplitude: self.magnetic, time_s, initial: self.initial_magnetic },
@@ -84,7 +84,7 @@ impl Noise {
         self.terms[term as usize].get_or_insert_default()[place] = value;
     }
 
-    /// The switches of records of samples of `sample_s`; `None` where they change nothing.
+    /// The switches of records with samples of `sample_s`; `None` where they have no effect.
     pub fn switched(&self, sample_s: f64) -> Option<switching::Switching> {
         let switching = self.switching.filter(|switching| !switching.is_nothing())?;
         Some(switching::Switching {
@@ -95,9 +95,10 @@ impl Noise {
         })
     }
 
-    /// What the records of `samples` rates are made of, each `sample_s` long; but for readout and switches, which no [`Part`] is.
+    /// The process of records of `samples` rates, each `sample_s` long, without readout and switches, for which there
+    /// is no [`Part`].
     ///
-    /// Records too long for the octaves of flicker have the most there are; they are refused elsewhere.
+    /// Records too long for the octaves of flicker get the largest number; they are refused elsewhere.
     pub fn process(&self, sample_s: f64, samples: u64) -> Process {
         let octaves = holds::octaves(samples).unwrap_or(holds::MOST_OCTAVES);
         let there = Term::EVERY.into_iter().filter_map(|term| {
@@ -111,7 +112,7 @@ impl Noise {
         Process { sample_s, parts: [random, trends].concat() }
     }
 
-    /// What determines the draws, key by key in base units; what is absent has no line.
+    /// The inputs that determine the draws, key by key in base units; absent parts have no line.
     pub(crate) fn canonical(&self) -> String {
         let terms = Term::EVERY.into_iter().filter(|term| self.of(*term)[0] != 0.0).flat_map(|term| {
             let key = term.row().key.trim_start_matches("noise.");
@@ -140,8 +141,8 @@ impl Noise {
         given.iter().map(|(name, value)| format!("{name}={value:.11e}\n")).collect()
     }
 
-    /// The angle, ″, that each part of the rate but the angle random walk can turn through in a time, with one switch at the
-    /// most; rms of noise and residuals.
+    /// The angle, ″, that each part of the rate except the angle random walk can accumulate in a time, with at most one
+    /// switch; rms for noise and residuals.
     pub(crate) fn over(&self, time_s: f64) -> Vec<(&'static str, f64)> {
         let turned = |term: Term| (term.row().name[1], (term.row().turned)(self.of(term)[0], time_s));
         let switching = [

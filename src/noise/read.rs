@@ -1,4 +1,4 @@
-//! Reading `[noise]` and the files that it names.
+//! Reading of `[noise]` and of the files that it names.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -15,30 +15,30 @@ use crate::quantity::units::Quantity;
 use crate::source::diagnose::{Fault, Text, Wrong};
 use crate::source::text_file::{Files, MOST_TOML};
 
-/// The noise of a table, and what is written in it besides a file.
+/// The noise of a table, with the settings written in addition to a file.
 pub(crate) struct WrittenNoise {
     pub(crate) noise: Noise,
     pub(crate) written: Vec<(&'static Setting<Noise>, Quantity)>,
 }
 
-/// The noise that is written, with what the file that it names has besides. Notes the place of each key.
+/// Reads the noise, including that of a file, and records the place of each key.
 pub(crate) fn read(reading: &mut Reading) -> Result<WrittenNoise, Wrong> {
     let mut noise = match reading.get(&FILE) {
         Some(file) => read_file(file.text(), file.span(), reading.files)?,
         None => Noise::default(),
     };
-    // A table before its keys: for an error about the whole of it, that is pointed at.
+    // The table comes before its keys, so that an error about the whole points at it.
     reading.note(&[&NOISE, &FILE, &SWITCHING]);
     let written = reading.set(&mut noise, &SETTINGS)?;
     Ok(WrittenNoise { noise, written })
 }
 
-/// The noise of the file of this name, which is a `[noise]` by itself; the name stands at `span` of the study.
+/// Reads the noise file of this name, which is a `[noise]` table by itself; the name is at `span` of the study.
 pub(crate) fn read_file(name: &str, span: Range<usize>, files: &Files) -> Result<Noise, Wrong> {
     let path = files.path(name);
     let text = files.text(name, MOST_TOML).map_err(|error| {
         let message = format!("cannot read the noise {}: {error}", path.display());
-        let help = "name a noise.toml, from the folder of the study; `sagnac allan` writes them from records";
+        let help = "give the path of a noise.toml, relative to the folder of the study; `sagnac allan` writes such files from records";
         Fault::new(span, message, "named here", help)
     })?;
     let text: Text = Arc::new(NamedSource::new(path.display().to_string(), text.to_string()));
@@ -50,7 +50,7 @@ fn parse(text: &str) -> Result<Noise, Fault> {
     let table = Table::root(NOISE.name, &root);
     check(&table, KEYS, &|_, _| None)?;
     if let Some(file) = table.get(&FILE) {
-        return Err(file.fault("a file of noise names another one", "here", "copy its keys instead"));
+        return Err(file.fault("a noise file names another noise file", "here", "copy its keys instead"));
     }
     let mut noise = Noise::default();
     for setting in &SETTINGS {

@@ -8,33 +8,33 @@ use crate::quantity::number::significant;
 use crate::source::diagnose::Fault;
 
 keys! {
-    /// Where sampling stops.
+    /// The keys of the stop rule.
     pub(crate) static KEYS;
-    /// How precise a point has to be known to stop before all `trials`: "0.5 %", half the 95 % interval of the rms as a part of it, or
-    /// of other estimates by name. "none": all trials.
+    /// Precision at which a point stops before all `trials`: "0.5 %", which is half the 95 % interval of the rms
+    /// relative to it, or precisions of several estimates by name. "none" samples all trials.
     pub(crate) PRECISION = "precision", "", Holds::Either(&[Holds::Percent, Holds::Table]), r#"precision = "0.5 %""#;
-    /// Of the rms: "0.5 %".
+    /// Precision of the rms: "0.5 %".
     PRECISION_RMS = "precision.rms", "", Holds::Percent, r#"rms = "0.5 %""#;
-    /// Of the 99.73 % level: "2 %".
+    /// Precision of the 99.73 % level: "2 %".
     PRECISION_Q9973 = "precision.q9973", "", Holds::Percent, r#"q9973 = "2 %""#;
 }
 
-/// Half the 95 % interval of an estimate, as a part of it, that is precise enough; sampling of a filler at a point stops
-/// where all its errors are.
+/// Half the 95 % interval of each estimate, relative to the estimate, at which sampling may stop. A filler at a point
+/// stops when all its errors are this precise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Precision {
-    /// Of the rms.
+    /// Precision of the rms.
     pub rms: Option<f64>,
-    /// Of the 99.73 % level, whose interval ends where bins of the histogram do.
+    /// Precision of the 99.73 % level, whose interval ends at edges of histogram bins.
     pub q9973: Option<f64>,
 }
 
-const HELP: &str = "accepted: a part in percent such as \"0.5 %\", of the rms; or { rms = \"0.5 %\", q9973 = \"2 %\" }, one or both; or \"none\"";
+const HELP: &str = "accepted: a percentage such as \"0.5 %\", of the rms; or { rms = \"0.5 %\", q9973 = \"2 %\" }, one or both; or \"none\"";
 
-/// What stands for no precision: all trials are sampled.
+/// The word for no precision, with which all trials are sampled.
 pub(crate) const NONE: &str = "none";
 
-/// A bare part is that of the rms.
+/// Reads the precision; a bare percentage is that of the rms.
 pub(crate) fn read(study: &Table) -> Result<Option<Precision>, Fault> {
     let Some(written) = study.get(&PRECISION) else { return Ok(None) };
     if written.text() == NONE {
@@ -50,16 +50,16 @@ pub(crate) fn read(study: &Table) -> Result<Option<Precision>, Fault> {
     }
 }
 
-/// The widest bin of the histogram as a part of the level.
+/// The widest bin of the histogram relative to the level.
 const BIN: f64 = 1.0 / (1 << BIN_BITS) as f64;
 
-/// That a level may not come to be known so well, whatever the trials: its interval has one bin at least, and two where it lies
-/// close to an edge.
+/// A note that a level may not reach its precision with any number of trials, because its interval has at least one
+/// bin, and two where it lies close to an edge.
 pub(crate) fn finer_than_bins(precision: &Precision) -> Option<String> {
     let part = precision.q9973.filter(|part| *part < BIN)?;
     let how = if part < 0.25 * BIN { "none reaches" } else { "some may not reach" };
     Some(format!(
-        "99.73 % levels are known to a bin of their histogram, ±0.2 to ±0.8 %: {how} the {} % asked for, and take all trials",
+        "99.73 % levels are only known to a bin of their histogram, ±0.2 to ±0.8 %: {how} the {} % requested, and take all trials",
         significant(100.0 * part, 3)
     ))
 }

@@ -433,7 +433,7 @@ fn a_fault_in_a_file_of_noise_is_shown_there() {
         ("quantisation = \"1 deg/h\"", &["mine.toml:1:16", "angular rate"][..]),
         ("quantisation = ", &["mine.toml:1", "not valid TOML"]),
         ("quantization = \"1 arcsec\"", &["unknown key `quantization`", "quantisation"]),
-        ("file = \"other.toml\"", &["names another one"]),
+        ("file = \"other.toml\"", &["names another noise file"]),
     ] {
         let folder = with_files(&[("mine.toml", content)]);
         let name = folder.path().join("a.toml").display().to_string();

@@ -180,7 +180,7 @@ fn fillers_that_make_no_sense_are_refused() {
         &["the weights sum to 2, not to n = 3", "a constant rate Ω would leave an error of -1·Ω·T"],
     );
     refused(&weights("[1, 1, 1]"), "11:12", &["3 weights stand for 4 ticks [-1, 0, 4, 5]"]);
-    refused(&weights("[1, 1, \"x\", 1]"), "11:49", &["is no weight", "fractions such as"]);
+    refused(&weights("[1, 1, \"x\", 1]"), "11:49", &["is not a weight", "fractions such as"]);
     refused(&filler("{ kind = \"weights\" }"), "11:12", &["needs weights"]);
     refused(&filler("\"const\", \"const\""), "11:21", &["lists \"const\" twice"]);
     refused(
@@ -188,7 +188,7 @@ fn fillers_that_make_no_sense_are_refused() {
         "11:22",
         &["lists \"linear\" twice", "another name"],
     );
-    refused(&filler("\"cubic\""), "11:12", &["\"cubic\" is no filler", "const, linear, quadratic"]);
+    refused(&filler("\"cubic\""), "11:12", &["\"cubic\" is not a filler", "const, linear, quadratic"]);
     let many = "{ kind = \"minimum-variance\", fit_ticks = [\"-7..0\", \"n+1..n+4\"] }";
     refused(
         &filler(many).replace("1 arcsec", "0 arcsec"),
@@ -219,7 +219,7 @@ fn precisions_that_make_no_sense_are_refused() {
         let desk = Desk::with(&precision(&format!("{{ q9973 = \"{part} %\" }}")));
         crate::desk::unwrapped(&desk.done("run study.toml --device cpu --trials 1000").stderr)
     };
-    assert!(level("0.7").contains("some may not reach the 0.7 % asked for, and take all trials"));
+    assert!(level("0.7").contains("some may not reach the 0.7 % requested, and take all trials"));
     assert!(
         level("0.1").contains("none reaches the 0.1 %") && !level("1").contains("levels are known to a bin")
     );

@@ -160,8 +160,8 @@ fn a_spread_of_a_warm_up_that_is_not_there_is_refused() {
         &replaced(BUDGET, "warm_up_time = \"3000 s\"", "warm_up_time_spread = \"10 %\""),
         "5:23",
         &[
-            "warm_up_time_spread without drift.warm_up_time",
-            "the spread of nothing",
+            "warm_up_time_spread is given without drift.warm_up_time",
+            "no time to spread",
             "warm_up_time = \"3000 s\"",
         ],
     );
@@ -181,10 +181,9 @@ fn what_gives_the_residual_twice_or_not_at_all_is_refused() {
     ];
     refused(&replaced(FILLED, "[motion]", "[drift]\nresidual_max = \"10 arcsec\"\n[motion]"), "7:16", &twice);
     refused(&swept(FILLED, "drift.residual_max", "[\"1 arcsec\", \"2 arcsec\"]"), "17:8", &twice);
-    let of_no_use =
-        |name: &str| format!("{name} says how residuals come about, but switching.fillers is missing");
+    let of_no_use = |name: &str| format!("{name} determines the residuals, but switching.fillers is missing");
     let without = replaced(FILLED, "fillers = [\"const\", \"quadratic\"]\n", "");
-    refused(&without, "3:1", &[&of_no_use("[gyro]"), "of no use without fillers", "give drift.residual_max"]);
+    refused(&without, "3:1", &[&of_no_use("[gyro]"), "no effect without fillers", "give drift.residual_max"]);
     for (table, lines) in [
         ("motion", "amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\""),
         ("noise", "angle_random_walk = \"0.003 deg/sqrt(h)\""),
@@ -319,7 +318,7 @@ fn what_belongs_to_other_kinds_is_refused() {
 
 #[test]
 fn runs_in_which_nothing_happens_are_refused() {
-    let still = ["there is no drift and nothing that a switch could leave", "magnetic = \"14 arcsec/s\""];
+    let still = ["there is no drift and no residual of a switch", "magnetic = \"14 arcsec/s\""];
     let without = replaced(BUDGET, "residual_max = \"10 arcsec\"\n", "");
     let nothing = replaced(&without, "magnetic = \"14 arcsec/s\"\n", "");
     refused(&nothing, "4:16", &still);
@@ -417,13 +416,9 @@ fn a_relock_that_has_no_ticks_or_no_time_to_settle_is_refused() {
     desk.fails(
         "run study.toml --device cpu",
         3,
-        &["37 % of what the relock fakes comes after tick 4", "up to 8 ticks"],
+        &["37 % of the apparent angle of the relock comes after tick 4", "up to 8 ticks"],
     );
-    refused(
-        &format!("{BUDGET}{RELOCK}"),
-        "11:1",
-        &["[relock] works through fillers", "or leave [relock] out"],
-    );
+    refused(&format!("{BUDGET}{RELOCK}"), "11:1", &["[relock] needs fillers", "or leave [relock] out"]);
     refused(
         &replaced(&relocking, "[motion]", "relock = [\"20.3 arcsec\"]\n[motion]"),
         "6:10",

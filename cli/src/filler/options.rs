@@ -74,7 +74,7 @@ impl Options {
                 KINDS.join(", ")
             )),
             ([name, ..], None) => usage(format!(
-                "`{name}` is no filler\naccepted: one study file, or one or more of {}",
+                "`{name}` is not a filler\naccepted: one study file, or one or more of {}",
                 KINDS.join(", ")
             )),
         }

@@ -1,4 +1,4 @@
-//! The columns of a gap-fill study: a row for each point, filler and error.
+//! The columns of a gap-fill study, with a row for each point, filler and error.
 
 use crate::chart::law::Law;
 use crate::filler::{FILLERS, Filler};
@@ -8,7 +8,7 @@ use crate::sampling::found::{self, Found};
 use crate::table::column::abouts;
 use crate::table::{About, ColumnOf, Role, Unit, Usual};
 
-/// What the column of fillers means, here and wherever else there is one.
+/// Meaning of the column of fillers, here and in other files.
 pub(crate) const FILLER: &str = "Name of the gap filler, as in `switching.fillers`.";
 
 /// The laws that a chart can draw, each in a column.
@@ -34,7 +34,7 @@ impl Row<'_> {
     }
 }
 
-/// The columns besides swept keys, in the order of the file.
+/// The columns except the swept keys, in the order of the file.
 #[rustfmt::skip]
 pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
@@ -48,10 +48,10 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("filler", Unit::NONE, "filler", |row| row.filler.name.as_str().into())
             .is_of(FILLERS, Role::Key, FILLER),
         Of::new("error", Unit::NONE, "error", |row| row.estimate.error.name().into())
-            .is_of("switching.errors", Role::Key, "Which error: `residual`, left after the gap is closed and corrected; `extrapolation`, at its end before that; \
+            .is_of("switching.errors", Role::Key, "The error: `residual`, left after the gap is closed and corrected; `extrapolation`, at its end before that; \
                 `in-gap`, the largest while it is open."),
         Of::new("trials", Unit::NONE, "trials", |row| row.found.trials.into())
-            .is(Role::Trials, "How many trials the estimates of the row are from."),
+            .is(Role::Trials, "Number of trials behind the estimates of the row."),
         Of::new("mean", Unit::ARCSEC, "mean error", |row| row.found.cell(|found| found.mean))
             .is(Role::Estimate, "Mean error, ″, with its sign."),
         Of::new("rms", Unit::ARCSEC, "rms error", |row| row.found.cell(|found| found.rms))
@@ -81,7 +81,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
     ]
 }
 
-/// All that a file of such a study can have besides swept keys.
+/// All possible columns of such a study except the swept keys.
 pub(crate) fn described() -> Vec<About> {
     let laws = LAWS.iter().map(|law| law.about());
     abouts(&columns()).into_iter().chain(laws).collect()

@@ -3,34 +3,34 @@
 use crate::motion::Motion;
 use crate::quantity::units::round_12;
 
-/// All that the motion, the noise and the gap of one point depend on. Every number has 12 significant digits.
+/// The inputs on which the motion, the noise and the gap of one point depend. Every number has 12 significant digits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inputs {
-    /// T, s.
+    /// Tick T, s.
     pub tick_s: f64,
-    /// White, from tick to tick.
+    /// White noise of the ticks.
     pub tick_noise: TickNoise,
     /// Angle of a pulse, ″; 0 where the readout is not quantised.
     pub readout_lsb: f64,
-    /// What the relock adds to the ticks n+1, n+2, …, ″.
+    /// Angle that the relock adds to the ticks n+1, n+2, …, ″.
     pub relock: Vec<f64>,
-    /// What the base does.
+    /// Motion of the base.
     pub motion: Motion,
-    /// n.
+    /// Number of lost ticks n.
     pub gap_ticks: u32,
 }
 
 /// Noise of the angle of one tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum TickNoise {
-    /// σ, ″.
+    /// Standard deviation σ, ″.
     Std(f64),
-    /// N, ″/√s.
+    /// Angle random walk N, ″/√s.
     AngleRandomWalk(f64),
 }
 
 impl TickNoise {
-    /// From three standard deviations, ″.
+    /// The noise with the given three standard deviations, ″.
     pub(crate) fn from_three_sigma(three_sigma: f64) -> TickNoise {
         TickNoise::Std(round_12(three_sigma / 3.0))
     }
@@ -45,21 +45,21 @@ impl Inputs {
         }
     }
 
-    /// Whether nothing turns, and nothing is added to the ticks.
+    /// Whether the base is at rest and nothing is added to the ticks.
     pub(crate) fn is_nothing(&self) -> bool {
         let added = self.relock.iter().any(|angle| *angle != 0.0);
         self.motion == Motion::default() && self.sigma_arcsec() == 0.0 && self.readout_lsb == 0.0 && !added
     }
 
-    /// Δt·ν with Δt = (n+1)T/2, from the middle of the gap to the nearest valid tick (our reading of Z(20)); absent where
-    /// the motion is not one tone of fixed frequency.
+    /// Δt·ν with Δt = (n+1)T/2, from the middle of the gap to the nearest valid tick (our reading of Z(20)). `None`
+    /// unless the motion is one tone of fixed frequency.
     pub fn dt_nu(&self) -> Option<f64> {
         let (_, frequency_hz) = self.motion.single_tone()?;
         Some((f64::from(self.gap_ticks) + 1.0) / 2.0 * self.tick_s * frequency_hz)
     }
 
-    /// A_Ω·T/σ, the angle of a tick at the peak of the rate by the standard deviation of its noise; absent where the motion
-    /// is not one tone of fixed frequency and amplitude, or there is no noise.
+    /// A_Ω·T/σ, the ratio of the angle of a tick at the peak of the rate to the standard deviation of its noise. `None`
+    /// without noise, and unless the motion is one tone of fixed frequency and amplitude.
     pub fn amplitude_noise(&self) -> Option<f64> {
         let (rate, _) = self.motion.single_tone()?;
         let sigma = self.sigma_arcsec();

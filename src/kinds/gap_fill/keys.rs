@@ -1,4 +1,4 @@
-//! The keys of a gap-fill study that no other part has, and what sweeps may vary of its inputs besides the motion.
+//! The keys specific to gap-fill studies, and the settings of their inputs except the motion.
 
 use crate::filler::keys::GAP_TICKS;
 use crate::key::holds::{Holds, measure};
@@ -16,11 +16,12 @@ const RELOCKS: Holds = measure(&[Dimension::Angle], -1e6, 1e6, "-1e6 to 1e6 arcs
 const TABLE: Holds = Holds::Table;
 
 keys! {
-    /// The keys of the gyro, but for its tick.
+    /// The keys of the gyro, except its tick.
     pub(crate) static KEYS;
     /// The gyro.
     pub(crate) GYRO = "gyro", "", TABLE, "[gyro]\ntick = \"5 ms\"\ntick_noise = { std = \"0.53 arcsec\" }";
-    /// Noise of the angle of one tick, independent from tick to tick; in exactly one of three forms. Absent where [noise] gives it.
+    /// Noise of the angle of one tick, independent from tick to tick, in exactly one of three forms. It is absent where
+    /// [noise] gives it.
     pub(crate) TICK_NOISE = "gyro.tick_noise", "", Holds::OneOf, "tick_noise = { std = \"0.53 arcsec\" }   # std = \"0 arcsec\" where there is none, as beside readout_lsb alone";
     /// Standard deviation, an angle: "0.53 arcsec".
     NOISE_STD = "gyro.tick_noise.std", "tick noise σ", ANGLES, r#"std = "0.53 arcsec""#;
@@ -28,13 +29,13 @@ keys! {
     NOISE_THREE_SIGMA = "gyro.tick_noise.three_sigma", "tick noise 3σ", THREE_SIGMAS, r#"three_sigma = "1.6 arcsec""#;
     /// Angle random walk N, from which the standard deviation is N·√tick: "0.003 deg/sqrt(h)".
     pub(crate) NOISE_RANDOM_WALK = "gyro.tick_noise.angle_random_walk", "angle random walk", N, r#"angle_random_walk = "0.003 deg/sqrt(h)""#;
-    /// Angle of a pulse, where whole pulses are read: "3.2 arcsec". Not quantised if absent.
+    /// Angle of a pulse, where whole pulses are read: "3.2 arcsec". If absent, the readout is not quantised.
     pub(crate) READOUT_LSB = "gyro.readout_lsb", "pulse weight", PULSES, r#"readout_lsb = "3.2 arcsec""#;
-    /// What the uncorrected relock adds to the ticks n+1, n+2, …: ["20.3 arcsec", "14.8 arcsec"].
+    /// Angles that the uncorrected relock adds to the ticks n+1, n+2, …: ["20.3 arcsec", "14.8 arcsec"].
     pub(crate) RELOCK = "gyro.relock", "", Holds::List(&RELOCKS), r#"relock = ["20.3 arcsec", "14.8 arcsec"]"#;
 }
 
-/// What sweeps may vary besides the motion.
+/// The settings that can be swept, except the motion.
 pub(crate) static SETTINGS: [Setting<Inputs>; 6] = [
     Setting::new(&TICK, |inputs, tick| inputs.tick_s = tick.value),
     Setting::new(&NOISE_STD, |inputs, sigma| inputs.tick_noise = TickNoise::Std(sigma.value)),

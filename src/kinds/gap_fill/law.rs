@@ -9,12 +9,12 @@ use crate::theory::published::{
     taylor_zero_crossing_as_published,
 };
 
-/// Ticks that the published noise is about.
+/// Number of ticks for which the published noise law holds.
 const PUBLISHED_TICKS: usize = 4;
 
 impl Law {
-    /// What it gives for one of the errors of a filler that reads so many ticks, ″; nothing where the law does not speak of
-    /// it.
+    /// The value of the law for one of the errors of a filler that reads `ticks` ticks, ″; `None` where the law does
+    /// not apply.
     pub fn arcsec(self, inputs: &Inputs, filler: &Filler, error: Error, ticks: usize) -> Option<f64> {
         let Method::Polynomial(order) = filler.method else { return None };
         let three_sigma = 3.0 * inputs.sigma_arcsec();

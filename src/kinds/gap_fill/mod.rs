@@ -30,24 +30,24 @@ use crate::source::diagnose::{Fault, Wrong};
 use crate::study::precision::{self, PRECISION, Precision};
 use crate::{filler, noise};
 
-/// What a gap-fill study asks.
+/// The part of a study that is specific to gap filling.
 #[derive(Debug, Clone)]
 pub struct GapFill {
-    /// Before any sweep.
+    /// Inputs before any sweep.
     pub inputs: Inputs,
-    /// One or more, each once.
+    /// Fillers, one or more, each once.
     pub fillers: Vec<Filler>,
-    /// Which errors of them are found, each once.
+    /// Errors of the fillers to sample, each once.
     pub errors: Vec<Error>,
-    /// Where sampling stops before all trials are done.
+    /// Precision at which sampling stops before all trials are done.
     pub precision: Option<Precision>,
-    /// All points, in order; without a sweep the one that is written.
+    /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
-    /// What of the noise is left out, what of a suspension is assumed, and what motion is hardly meant, each in a sentence.
+    /// Notes on omitted noise, assumed suspensions and implausible motion, each a sentence.
     pub notes: Vec<String>,
 }
 
-/// Every key of a switch and its fillers, which whole runs have too.
+/// Every key of a switch and its fillers, which whole runs share.
 pub(crate) fn keys_of_fill() -> Vec<&'static Key> {
     [gap_fill::keys::KEYS, gyro::KEYS, motion::keys::KEYS, filler::keys::KEYS, noise::keys::KEYS].concat()
 }
@@ -57,7 +57,7 @@ pub(crate) fn keys() -> Vec<&'static Key> {
     [precision::KEYS, &keys_of_fill()[..], OF_ONE_SWITCH].concat()
 }
 
-/// Every key that a sweep may vary.
+/// The keys that can be swept.
 pub(crate) fn sweepable() -> Vec<&'static Key> {
     // The gap comes last, as it does in a study.
     let [gyro @ .., gap] = &SETTINGS;
@@ -65,7 +65,7 @@ pub(crate) fn sweepable() -> Vec<&'static Key> {
     gyro.chain(setting::keys(&motion::keys::SETTINGS)).chain([gap.key, &SUSPENDED_GYRO]).collect()
 }
 
-/// Reads what is of this kind.
+/// Reads the part of a study that belongs to this kind.
 pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
     let fillers = reading.table.needed(&FILLERS)?;
     let (inputs, mut notes) = read_inputs(reading)?;
@@ -76,7 +76,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
             Err(Wrong::from(Fault::new(sweep.key_span.clone(), message, label, help)))
         };
         if reading.get(&noise::keys::NOISE).is_some() && sweep.key.table() == TICK_NOISE.name {
-            let message = format!("{} is swept beside [noise]", sweep.key.name);
+            let message = format!("{} is swept, but [noise] gives the noise", sweep.key.name);
             return fault(message, "a second noise", "leave one of them out");
         }
         let mut settings = motion::keys::SETTINGS.iter();
@@ -113,7 +113,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
     Ok(GapFill { inputs, fillers, errors, precision, points, notes })
 }
 
-/// The inputs as written, and what they leave out or assume.
+/// Reads the inputs, and notes on what they leave out or assume.
 fn read_inputs(reading: &mut Reading) -> Result<(Inputs, Vec<String>), Wrong> {
     reading.table.needed(&GAP_TICKS)?;
     let motion = crate::motion::read::read(reading)?;
@@ -138,7 +138,7 @@ fn read_inputs(reading: &mut Reading) -> Result<(Inputs, Vec<String>), Wrong> {
     Ok((inputs, left_out.into_iter().chain(assumed).collect()))
 }
 
-/// Angles that the relock adds to ticks.
+/// Reads the angles that the relock adds to ticks.
 fn read_relock(list: Option<Given>) -> Result<Vec<f64>, Fault> {
     let Some(list) = list else { return Ok(vec![]) };
     let items = list.items();
@@ -162,8 +162,8 @@ fn read_errors(list: Option<Given>) -> Result<Vec<Error>, Fault> {
         errors.push(error);
     }
     if errors.is_empty() {
-        return Err(list.fault("switching.errors is empty", "no error", help));
+        return Err(list.fault("switching.errors is empty", "no errors", help));
     }
-    // In the order of the kernel, so that tables do not depend on how they are listed.
+    // The order of the kernel, so that tables do not depend on the order in the list.
     Ok(Error::ALL.into_iter().filter(|error| errors.contains(error)).collect())
 }

@@ -1,20 +1,21 @@
-//! What of a motion is easily taken for something else.
+//! Notes on motion that is easily mistaken for something else.
 
 use crate::kinds::gap_fill::inputs::Inputs;
 use crate::kinds::gap_fill::point::Point;
 use crate::motion::Tone;
 use crate::quantity::number::significant;
 
-/// Beyond this few gyros see a rate: 1000 °/s, in ″/s.
+/// Largest plausible rate of a gyro: 1000 °/s, in ″/s.
 const PLAUSIBLE_RATE: f64 = 3.6e6;
 
-/// What is to be said of the motion of the points, whose written tones are those of `written`; each once, in a sentence.
+/// Notes on the motion of the points, each once and as a sentence; `written` gives the number of written tones.
 pub(crate) fn of_motion(written: &Inputs, points: &[Point]) -> Vec<String> {
     let written = written.motion.tones.len();
     aliased(written, points).into_iter().chain(fast(written, points)).collect()
 }
 
-/// That a tone shows at another frequency in the ticks; vibration through a suspension says so itself, and bands end below.
+/// Notes that a tone appears at another frequency in the ticks. Vibration through a suspension has its own note, and
+/// bands end below.
 fn aliased(written: usize, points: &[Point]) -> Option<String> {
     let highest = |point: &Point| {
         let tones = point.inputs.motion.tones.iter().take(written);
@@ -24,7 +25,7 @@ fn aliased(written: usize, points: &[Point]) -> Option<String> {
     let most = points.iter().max_by(|a, b| periods(a).total_cmp(&periods(b)))?;
     (periods(most) > 0.5).then(|| {
         format!(
-            "vibration of {} Hz is above half the tick rate, {} Hz: it shows in the ticks at a lower frequency, as it does in those of a \
+            "vibration of {} Hz is above half the tick rate, {} Hz: it appears in the ticks at a lower frequency, as it does in those of a \
              gyro",
             significant(highest(most), 4),
             significant(0.5 / most.inputs.tick_s, 4)
@@ -32,7 +33,7 @@ fn aliased(written: usize, points: &[Point]) -> Option<String> {
     })
 }
 
-/// That an amplitude of the angle is a rate which is hardly meant.
+/// Notes that an amplitude of the angle gives an implausible rate.
 fn fast(written: usize, points: &[Point]) -> Option<String> {
     let rate = |tone: &Tone| tone.amplitude.value.scale() * tone.rate_factor(tone.band().high_hz);
     let tones = points.iter().flat_map(|point| point.inputs.motion.tones.iter().take(written));

@@ -1,4 +1,4 @@
-//! The noise of a gap-fill study from `[noise]`: what of it matters over a gap, and what does not.
+//! The noise of a gap-fill study from `[noise]`: the parts that matter over a gap, and those that do not.
 
 use crate::filler::keys::GAP_TICKS;
 use crate::key::reading::Reading;
@@ -13,7 +13,7 @@ use crate::quantity::units::round_12;
 use crate::source::diagnose::{Fault, Wrong};
 use crate::theory::allan::terms::Term;
 
-/// The noise of `[noise]`, where the study has it in place of `gyro.tick_noise`.
+/// The noise of `[noise]`, where the study has it instead of `gyro.tick_noise`.
 pub(crate) fn read(reading: &mut Reading) -> Result<Option<Noise>, Wrong> {
     const ACCEPTED: &str = "accepted: gyro.tick_noise = { std = \"0.53 arcsec\" }, or the coefficients of a record as in\n\
                             [noise]\nfile = \"noise.toml\"";
@@ -35,7 +35,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Option<Noise>, Wrong> {
     }
 }
 
-/// N is the noise of ticks, and Q that of a readout in whole pulses of √12·Q, whose error it is.
+/// Sets N as the noise of ticks, and Q as that of a readout in whole pulses of √12·Q, whose error is Q.
 pub(crate) fn set(inputs: &mut Inputs, noise: &Noise) {
     inputs.tick_noise = TickNoise::AngleRandomWalk(noise.of(Term::AngleRandomWalk)[0]);
     inputs.readout_lsb = match noise.readout_lsb {
@@ -49,7 +49,8 @@ fn of_quantisation(noise: &Noise) -> f64 {
     round_12(libm::sqrt(12.0) * noise.of(Term::Quantisation)[0])
 }
 
-/// What a gap leaves out: of each part the angle that it could turn through in the longest gap of the study.
+/// A note on the parts that are left out over a gap, each with the angle that it could accumulate in the longest gap of
+/// the study.
 pub(crate) fn left_out(noise: &Noise, inputs: &Inputs, sweeps: &[Sweep]) -> Option<String> {
     let longest = |name: &str, written: f64| {
         let values = sweeps.iter().filter(|sweep| sweep.key.name == name).flat_map(|sweep| &sweep.values);
@@ -57,7 +58,7 @@ pub(crate) fn left_out(noise: &Noise, inputs: &Inputs, sweeps: &[Sweep]) -> Opti
     };
     let tick_s = longest(TICK.name, inputs.tick_s);
     let gap_s = tick_s * longest(GAP_TICKS.name, f64::from(inputs.gap_ticks));
-    // Pulses that are given have an error of their own.
+    // A given pulse has an error of its own.
     let is_read = inputs.readout_lsb != of_quantisation(noise) || longest(READOUT_LSB.name, 0.0) > 0.0;
     let [q, _] = noise.of(Term::Quantisation);
     let quantisation = (is_read && q > 0.0).then_some(("quantisation", q));
@@ -71,8 +72,8 @@ pub(crate) fn left_out(noise: &Noise, inputs: &Inputs, sweeps: &[Sweep]) -> Opti
     let sigma = Inputs { tick_s, ..inputs.clone() }.sigma_arcsec();
     (!parts.is_empty()).then(|| {
         format!(
-            "of [noise] a gap of up to {} s has angle random walk, {} ″ in a tick{}; left out, with the angle \
-             that it makes meanwhile: {}",
+            "of [noise], a gap of up to {} s includes angle random walk, {} ″ in a tick{}; left out, with the angle \
+             accumulated over the gap: {}",
             significant(gap_s, 4),
             significant(sigma, 3),
             if readout > 0.0 { format!(", and pulses of {} ″", significant(readout, 3)) } else { String::new() },

@@ -1,4 +1,4 @@
-//! Points: every combination of swept values, each checked as a whole.
+//! Points of a gap-fill study: every combination of swept values, each checked as a whole.
 
 use crate::filler::read::{Extrapolation, Written};
 use crate::filler::ticks::TickList;
@@ -14,27 +14,27 @@ use crate::quantity::number::significant;
 use crate::source::diagnose::Fault;
 use crate::theory::minimum_variance::Band;
 
-/// Highest vibration frequency, in tick rates; above it the gyro sees nothing of the vibration but aliases.
+/// Highest vibration frequency, in tick rates; above it only aliases of the vibration reach the ticks.
 const MOST_TICK_RATES: f64 = 10.0;
 /// Highest amplitude of the rate, ″/s.
 const MOST_RATE: f64 = 1e9;
 /// Highest σ of one tick, ″.
 const MOST_SIGMA: f64 = 1e6;
 
-/// One combination of swept values, with all that follows from it.
+/// One combination of swept values, with everything derived from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// Place in the order of points; the first sweep changes slowest.
+    /// Index of the point; the first sweep changes slowest.
     pub index: usize,
-    /// Name of each swept key, and its value here, in the order of the sweeps.
+    /// Name of each swept key with its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
-    /// All that the draws depend on.
+    /// Inputs that determine the draws.
     pub inputs: Inputs,
     /// The ticks of each filler, in the order of the fillers.
     pub fills: Vec<Fill>,
 }
 
-/// What all points share, with the places to blame.
+/// The inputs common to all points, with their places in the text.
 pub(crate) struct Base<'a> {
     pub(crate) inputs: Inputs,
     pub(crate) places: &'a Places,
@@ -48,7 +48,7 @@ impl Base<'_> {
     /// All points, in order.
     ///
     /// # Errors
-    /// The first point that makes no sense.
+    /// The first point that is invalid.
     pub(crate) fn points(&self) -> Result<Vec<Point>, Fault> {
         (0..sweep::points(self.sweeps)).map(|index| self.point(index)).collect()
     }
@@ -70,7 +70,7 @@ impl Base<'_> {
         Ok(Point { index, swept, inputs, fills })
     }
 
-    /// Limits that need more than one value.
+    /// Checks limits that involve more than one value.
     fn check(&self, inputs: &Inputs) -> Result<(), Fault> {
         let refuse = |names: &[&str], message, label, accepted: &str| {
             let place = self.places.blame(self.sweeps, names);
@@ -135,7 +135,7 @@ impl Base<'_> {
         if highest * tick_s > MOST_TICK_RATES {
             let tick_rate = significant(1.0 / tick_s, 6);
             let message = format!(
-                "motion.frequency = {highest} Hz is absurd at a tick rate of {tick_rate} Hz (gyro.tick = {tick_s} s)"
+                "motion.frequency = {highest} Hz is too fast for a tick rate of {tick_rate} Hz (gyro.tick = {tick_s} s)"
             );
             let most = significant(MOST_TICK_RATES / tick_s, 6);
             let accepted = format!("up to {MOST_TICK_RATES} times the tick rate, {most} Hz here");
@@ -144,7 +144,7 @@ impl Base<'_> {
         let drawn = inputs.motion.tones.iter().any(|tone| matches!(tone.frequency, Frequency::Band(_)));
         if drawn && highest * tick_s > 0.5 {
             let message = format!(
-                "a tone of {highest} Hz beside one of drawn frequency is above the Nyquist frequency"
+                "a tone of {highest} Hz combined with one of drawn frequency is above the Nyquist frequency"
             );
             let accepted = format!("up to {} Hz here", significant(0.5 / tick_s, 6));
             return refuse(&names, message, "too fast for the ticks", &accepted);
@@ -158,7 +158,7 @@ impl Base<'_> {
         Ok(())
     }
 
-    /// A band has its ends in order and below the Nyquist frequency of the ticks.
+    /// Checks that a band has its ends in order and lies below the Nyquist frequency of the ticks.
     fn check_band(&self, key: &str, band: Band, inputs: &Inputs, names: &[&str]) -> Result<(), Fault> {
         let place = self.places.blame(self.sweeps, names);
         if band.low_hz > band.high_hz {
@@ -170,7 +170,7 @@ impl Base<'_> {
         })
     }
 
-    /// The ticks of one filler at this point, enough of them, and as many as it has weights.
+    /// The ticks of one filler at this point, after checking their number against the method and the weights.
     fn fill(&self, written: &Written, inputs: &Inputs) -> Result<Fill, Fault> {
         let Written { filler, fit_ticks, extrapolation, span } = written;
         let n = inputs.gap_ticks;
@@ -212,7 +212,7 @@ impl Base<'_> {
     }
 }
 
-/// What is wrong with a band that reaches above half the tick rate, and what is accepted.
+/// The message and the accepted values for a band that reaches above half the tick rate.
 fn above_nyquist(name: &str, band: Band, inputs: &Inputs) -> Option<(String, String)> {
     let nyquist = significant(0.5 / inputs.tick_s, 6);
     (band.high_hz * inputs.tick_s > 0.5).then(|| {
@@ -224,10 +224,10 @@ fn above_nyquist(name: &str, band: Band, inputs: &Inputs) -> Option<(String, Str
     })
 }
 
-/// Largest difference between the sum of weights and n that rounding in a text explains.
+/// Largest difference between the sum of given weights and n that counts as rounding.
 const SUM_TOLERANCE: f64 = 1e-6;
 
-/// There is one weight for each tick, and they sum to n.
+/// Checks that there is one weight for each tick and that the weights sum to n.
 fn check_weights(
     key: &str,
     weights: &[f64],

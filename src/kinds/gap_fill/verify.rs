@@ -1,4 +1,4 @@
-//! Named gap-fill points that differ in all that the kernel distinguishes.
+//! Named gap-fill points that cover every distinction made by the kernel.
 
 use std::sync::Arc;
 
@@ -16,25 +16,25 @@ use crate::motion::{Amplitude, Frequency, Gaussian, Motion, Profile, Tone, Value
 use crate::record::Record;
 use crate::theory::minimum_variance::Band;
 
-/// A gap-fill point that identity is checked on.
+/// A gap-fill point on which identity is checked.
 #[derive(Debug, Clone)]
 pub struct Configuration {
-    /// As a report names it.
+    /// Name in reports.
     pub name: &'static str,
     /// Motion, noise and gap.
     pub inputs: Inputs,
-    /// What fills it.
+    /// Fillers of the gap.
     pub fillers: Vec<Filler>,
-    /// Of each filler.
+    /// Errors of each filler.
     pub errors: Vec<Error>,
-    /// Of the residual.
+    /// Ticks of the residual.
     pub fit_ticks: Vec<i32>,
-    /// Of the extrapolation.
+    /// Ticks of the extrapolation.
     pub extrapolation_ticks: Vec<i32>,
 }
 
 impl Configuration {
-    /// The paper's point with some other inputs, ticks or fillers.
+    /// The paper's point with some inputs, ticks or fillers changed.
     pub fn new(name: &'static str, change: impl FnOnce(&mut Configuration)) -> Configuration {
         let inputs = Inputs {
             tick_s: 0.005,
@@ -60,7 +60,7 @@ impl Configuration {
         configuration
     }
 
-    /// Its only point.
+    /// The single point of the configuration.
     pub fn point(&self) -> Point {
         let fill = Fill {
             fit_ticks: self.fit_ticks.clone(),
@@ -70,33 +70,33 @@ impl Configuration {
         Point { index: 0, swept: vec![], inputs: self.inputs.clone(), fills }
     }
 
-    /// Ready to be sampled.
+    /// Lowers the point.
     ///
     /// # Errors
-    /// It cannot be represented.
+    /// The point cannot be represented.
     pub fn lower(&self) -> Result<Lowered, Refusal> {
         Lowered::new(&self.point(), &self.fillers, &self.errors, 1, Streams::Independent)
     }
 
-    /// The same for one that is known to fit.
+    /// Lowers a point that is known to fit.
     pub fn lowered(&self) -> Lowered {
         self.lower().unwrap_or_else(|error| panic!("{} does not lower: {error}", self.name))
     }
 
-    /// The launches that sample it.
+    /// The launches that sample the point.
     pub fn launches(&self) -> Vec<Launch> {
         let lowered = self.lowered();
         let all: Vec<usize> = (0..self.fillers.len()).collect();
         all.chunks(lowered.most_fillers(0)).map(|fillers| lowered.launch(fillers)).collect()
     }
 
-    /// Its only tone.
+    /// The single tone of the motion.
     pub fn tone(&mut self) -> &mut Tone {
         &mut self.inputs.motion.tones[0]
     }
 }
 
-/// A filler of least variance for the point's own motion.
+/// A minimum-variance filler for the point's own motion.
 pub fn minimum_variance() -> Filler {
     Filler { name: "minimum-variance".to_owned(), method: Method::MinimumVariance(None) }
 }
@@ -107,7 +107,7 @@ pub fn tones(count: usize) -> Motion {
     Motion { tones: (0..count).map(tone).collect(), ..Motion::default() }
 }
 
-/// A made-up record of two tones and a drift.
+/// A synthetic record of two tones and a drift.
 pub fn profile(position: Position) -> Motion {
     let rate = |i: usize| {
         let t = i as f64 * 0.002;
@@ -124,16 +124,16 @@ pub fn gaussian(low_hz: f64, high_hz: f64) -> Motion {
     Motion { gaussian: Some(gaussian), ..Motion::default() }
 }
 
-/// The configurations with sums of 32 bits and of 64.
+/// The configurations with sums of 32 bits and of 64 bits.
 const SELF_TEST: [&str; 2] = ["paper", "sparse-fit-ticks"];
 
-/// What the kernel is checked on.
+/// The loads on which the kernel is checked.
 pub fn loads() -> Vec<Load> {
     let of = |c: Configuration| c.launches().into_iter().map(move |launch| (c.name, launch));
     Load::of_launches(configurations().into_iter().flat_map(of).collect(), &SELF_TEST)
 }
 
-/// Points that differ in all that the kernel distinguishes.
+/// Points that cover every distinction made by the kernel.
 pub fn configurations() -> Vec<Configuration> {
     let every_error = Error::ALL.to_vec();
     vec![

@@ -1,4 +1,4 @@
-//! The columns of a relock study: a row for each point, compensation and tick, and one for all ticks together.
+//! The columns of a relock study, with a row for each point, compensation and tick, and one for all ticks together.
 
 use crate::chart::law::Law;
 use crate::kinds::relock::inputs::Compensation;
@@ -18,7 +18,7 @@ pub(crate) struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// A value of the tick of the row, from its relock for the miss as asked and its start, s.
+    /// A value of the row's tick, from the nominal miss and the start of the tick, s.
     fn of_tick(&self, value: impl Fn(&Relock, u32, f64) -> f64) -> Cell {
         let RelockInputs { tick_s, relock } = &self.point.inputs;
         let nominal = Relock {
@@ -44,7 +44,7 @@ impl Row<'_> {
         })
     }
 
-    /// The paper's tables 1 and 2, a law of the chart.
+    /// The law of the paper's tables 1 and 2.
     pub(crate) fn published(&self) -> Option<f64> {
         let RelockEstimate { compensation, tick, .. } = self.estimate;
         published(&self.point.inputs, *compensation, *tick)
@@ -55,37 +55,37 @@ impl Row<'_> {
     }
 }
 
-/// What the column of ticks is for all of them together.
+/// Entry in the column of ticks for all of them together.
 pub(crate) const ALL_TICKS: &str = "all";
 
-/// The columns besides swept keys, in the order of the file.
+/// The columns except the swept keys, in the order of the file.
 #[rustfmt::skip]
 pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
     vec![
         Of::new("compensation", Unit::NONE, "compensation", |row| row.estimate.compensation.name().into())
-            .is(Role::Key, "`none`, `frequency` or `detuning`: which compensation of the paper is taken off."),
+            .is(Role::Key, "The compensation of the paper that is applied: `none`, `frequency` or `detuning`."),
         Of::new("tick", Unit::NONE, "tick", |row| {
             row.estimate.tick.map_or(ALL_TICKS.into(), |tick| Cell::Text(tick.to_string()))
         })
-        .is(Role::Key, "Which tick after the switch, `1`, `2`, …, or `all` for their sum."),
+        .is(Role::Key, "The tick after the switch, `1`, `2`, …, or `all` for their sum."),
         Of::new("tick_number", Unit::NONE, "tick", |row| row.estimate.tick.map_or(Cell::Blank, |tick| u64::from(tick).into()))
-            .is_of("tick", Role::Coordinate, "The same as a number, for charts over ticks; blank for all together.")
+            .is_of("tick", Role::Coordinate, "The tick as a number, for charts over ticks; blank for all together.")
             .usual(Usual::Abscissa),
         Of::new("trials", Unit::NONE, "trials", |row| row.found.trials.into())
-            .is(Role::Trials, "How many switches the estimates of the row are from."),
+            .is(Role::Trials, "Number of switches behind the estimates of the row."),
         Of::new("mean", Unit::ARCSEC, "mean angle left", |row| row.found.cell(|found| found.mean))
-            .is(Role::Estimate, "Mean of the faked angle less its compensation, ″, with its sign."),
+            .is(Role::Estimate, "Mean of the apparent angle less its compensation, ″, with its sign."),
         Of::new("rms", Unit::ARCSEC, "rms angle left", |row| row.found.cell(|found| found.rms))
-            .is(Role::Error, "Root mean square of the faked angle less its compensation, ″.")
+            .is(Role::Error, "Root mean square of the apparent angle less its compensation, ″.")
             .usual(Usual::Estimate)
             .within(|row| row.found.rms_band()),
         Of::new("rms_se", Unit::ARCSEC, "standard error of the rms", |row| row.found.rms_se().into())
             .is_of("rms", Role::StandardError, found::RMS_SE),
         Of::new("max", Unit::ARCSEC, "largest angle left", |row| row.found.cell(|found| found.max))
-            .is(Role::Error, "The largest angle left that was seen, ″, of any sign."),
+            .is(Role::Error, "The largest remaining angle seen, ″, of any sign."),
         Of::new("q9973", Unit::ARCSEC, "99.73 % angle left", |row| row.found.level(|q| Some(q.value)).into())
-            .is(Role::Error, "The level, ″, that 99.73 % of what is left stays below in magnitude.")
+            .is(Role::Error, "The level, ″, below which 99.73 % of the remaining angles stay in magnitude.")
             .within(|row| row.found.level_band()),
         Of::new("q9973_lo", Unit::ARCSEC, "99.73 % angle left (lower)", |row| row.found.level(|q| q.low).into())
             .is_of("q9973", Role::Lower, found::LEVEL_LOWER),
@@ -98,14 +98,14 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is_of("rms", Role::Oracle, "`rms` in closed form, ″, where there is one."),
         Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", Row::z)
             .is_of("rms", Role::Z, found::Z),
-        Of::new("drift", Unit::ARCSEC_PER_S, "faked rate of the miss as asked", Row::drift)
-            .is(Role::Estimate, "ΔΩ_i, the rate that the loop fakes in this tick for the miss as asked, ″/s, Z(11)."),
+        Of::new("drift", Unit::ARCSEC_PER_S, "apparent rate for the nominal miss", Row::drift)
+            .is(Role::Estimate, "ΔΩ_i, the apparent rate of the loop in this tick for the nominal miss, ″/s, Z(11)."),
         Of::new("bias", Unit::HZ, "bias frequency at the start of the tick", |row| row.of_tick(|nominal, _, s| nominal.bias_at(s)))
-            .is(Role::Estimate, "f, the bias frequency at the start of the tick for the miss as asked, Hz, Z(2)."),
+            .is(Role::Estimate, "f, the bias frequency at the start of the tick for the nominal miss, Hz, Z(2)."),
         Of::new("bias_error", Unit::HZ, "error of the bias frequency", |row| row.of_tick(|nominal, tick, _| nominal.bias_error(tick)))
-            .is(Role::Estimate, "y_i, the error of the bias frequency in the tick for the miss as asked, Hz, Z(10)."),
+            .is(Role::Estimate, "y_i, the error of the bias frequency in the tick for the nominal miss, Hz, Z(10)."),
         Of::new("detuning", Unit::NONE, "detuning at the start of the tick", |row| row.of_tick(|nominal, _, s| nominal.detuning(s)))
-            .is(Role::Estimate, "Δλ, the detuning at the start of the tick for the miss as asked, parts of the wavelength, Z(12)."),
+            .is(Role::Estimate, "Δλ, the detuning at the start of the tick for the nominal miss, parts of the wavelength, Z(12)."),
         Of::new("detuning_plus", Unit::NONE, "mean detuning of the first half", |row| {
             row.of_tick(|nominal, tick, _| nominal.detuning_means(tick)[0])
         })
@@ -119,7 +119,8 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
     ]
 }
 
-/// What the paper measured in a tick, or what its compensation leaves of that, ″, without sign; of ticks as long as its own.
+/// The angle that the paper measured in a tick, or the part of it that its compensation leaves, ″, without sign; `None`
+/// for ticks of another length.
 fn published(inputs: &RelockInputs, compensation: Compensation, tick: Option<u32>) -> Option<f64> {
     let left = |row: RelockRow| match compensation {
         Compensation::None => row.measured,
@@ -137,7 +138,7 @@ fn published(inputs: &RelockInputs, compensation: Compensation, tick: Option<u32
     (inputs.tick_s == RELOCK_TICK_S).then_some((angle * RELOCK_TICK_S).abs())
 }
 
-/// All that a file of such a study can have besides swept keys.
+/// All possible columns of such a study except the swept keys.
 pub(crate) fn described() -> Vec<About> {
     abouts(&columns()).into_iter().chain([Law::ZeemanTables.about()]).collect()
 }

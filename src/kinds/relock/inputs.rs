@@ -1,4 +1,4 @@
-//! The perimeter loop after a mode switch: its inputs and their keys, for every kind of study that has it.
+//! The perimeter loop after a mode switch: its inputs and their keys, for every kind of study that uses it.
 
 use crate::kernel::normal::REACH;
 use crate::kernel::relock_ticks::MAX_TICKS;
@@ -10,7 +10,7 @@ use crate::quantity::units::Dimension;
 use crate::source::diagnose::Fault;
 
 words! {
-    /// Which half-period of the bias a tick begins with.
+    /// The half-period of the bias at the beginning of a tick.
     pub enum FirstHalf {
         /// The sign of Z(11).
         Negative = "negative",
@@ -20,59 +20,60 @@ words! {
 }
 
 words! {
-    /// What is taken off the ticks after a switch.
+    /// The compensation of the ticks after a switch.
     pub enum Compensation {
-        /// Nothing.
+        /// No compensation.
         None = "none",
-        /// From the frequency of the bias, from the second tick on: Z(11).
+        /// Compensation by the frequency of the bias, from the second tick on: Z(11).
         Frequency = "frequency",
-        /// From the detuning: Z(13).
+        /// Compensation by the detuning: Z(13).
         Detuning = "detuning",
     }
 }
 
-/// Relock after a mode switch; 0 is absent. Detunings are parts of the wavelength. Every number has 12 significant digits.
+/// Relock after a mode switch; 0 means absent. Detunings are fractions of the wavelength. Every number has 12
+/// significant digits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Relock {
-    /// Δλ0.
+    /// Nominal miss Δλ0.
     pub miss: f64,
-    /// Standard deviation.
+    /// Standard deviation of the miss due to the half-wave voltage.
     pub half_wave_error: f64,
-    /// A whole step; the miss is off by up to half of it to either side.
+    /// Step of the DAC; the miss is off by up to half of it to either side.
     pub dac_step: f64,
-    /// To either side.
+    /// Hysteresis to either side.
     pub hysteresis: f64,
-    /// τ_L, s.
+    /// Time constant of the loop τ_L, s.
     pub loop_s: f64,
-    /// f0, Hz.
+    /// Bias frequency f0, Hz.
     pub bias_frequency_hz: f64,
-    /// ″.
+    /// Pulse weight, ″.
     pub pulse_weight_arcsec: f64,
-    /// χ.
+    /// Curvature χ.
     pub curvature: f64,
-    /// Standard deviation as a part of f0.
+    /// Standard deviation of the relative error of f0.
     pub temperature_error: f64,
-    /// Standard deviation.
+    /// Standard deviation of the noise of the detuning.
     pub adc_noise: f64,
-    /// A whole step; 0 is exact.
+    /// Step of the ADC; 0 means exact.
     pub adc_step: f64,
-    /// Periods.
+    /// Step of the count, in periods.
     pub count_step: f64,
-    /// From the closing of the loop on.
+    /// Number of ticks followed after the loop closes.
     pub ticks: u32,
-    /// Which half of the bias comes first: it gives the sign of what is faked.
+    /// Half-period of the bias that comes first, which determines the sign of the apparent rotation.
     pub first_half: FirstHalf,
-    /// A_I/Δλ.
+    /// Gain of the detuning signal A_I/Δλ.
     pub signal_gain: Option<f64>,
 }
 
 impl Relock {
-    /// The part q^2m of the angle of all ticks ever that comes after the last that is followed.
+    /// The fraction q^2m of the angle of infinitely many ticks that comes after the last one followed.
     pub fn late(&self, tick_s: f64) -> f64 {
         libm::exp(-2.0 * f64::from(self.ticks) * tick_s / self.loop_s)
     }
 
-    /// The angle of all ticks ever, ″: χ f0 Δλ0² (τ_L/2)(1 − q)/(1 + q) of the miss as it should be.
+    /// The angle of infinitely many ticks for the nominal miss, ″: χ f0 Δλ0² (τ_L/2)(1 − q)/(1 + q).
     pub fn whole_angle(&self, tick_s: f64) -> f64 {
         let bias = self.bias_frequency_hz * self.pulse_weight_arcsec;
         0.5 * self.curvature
@@ -83,12 +84,12 @@ impl Relock {
             * libm::tanh(0.5 * tick_s / self.loop_s)
     }
 
-    /// The largest |Δλ0| that is drawn.
+    /// Bound of the drawn |Δλ0|.
     pub fn largest_miss(&self) -> f64 {
         self.miss.abs() + REACH * self.half_wave_error + 0.5 * self.dac_step + self.hysteresis
     }
 
-    /// The sign of the faked rotation.
+    /// The sign of the apparent rotation.
     pub fn sign(&self) -> f64 {
         match self.first_half {
             FirstHalf::Negative => 1.0,
@@ -96,7 +97,7 @@ impl Relock {
         }
     }
 
-    /// All that determines draws and truth, as lines of a text: not how many ticks are looked at, nor the gain.
+    /// Everything that determines draws and truth, as lines of text, without the number of ticks followed and the gain.
     pub fn identity(&self) -> String {
         let Relock { miss, half_wave_error, dac_step, hysteresis, loop_s, bias_frequency_hz, .. } = self;
         let Relock {
@@ -125,47 +126,48 @@ const COUNTS: Holds = measure(&[Dimension::Ratio], 0.0, 1e6, "0 to 1e6 periods")
 keys! {
     /// The keys of the loop.
     pub(crate) static KEYS;
-    /// The perimeter loop after a mode switch: where it starts, and what is measured while it settles. Detunings are parts of the
-    /// wavelength, numbers without unit; what is absent is 0.
+    /// The perimeter loop after a mode switch: its initial detuning, and the measurements made while it settles.
+    /// Detunings are fractions of the wavelength, without unit; absent values are 0.
     pub(crate) RELOCK = "relock", "", Holds::Table, "[relock]\nmiss = 0.05\nloop_time = \"12 ms\"\nbias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40";
-    /// Δλ0, the detuning that a switch leaves: 0.05.
+    /// Detuning Δλ0 left by a switch: 0.05.
     MISS = "relock.miss", "miss Δλ0", MISSES, "miss = 0.05", required;
     /// Error of the half-wave voltage U_λ/2: standard deviation of the miss, normally distributed.
     HALF_WAVE = "relock.half_wave_error", "error of U_λ/2", DETUNINGS, "half_wave_error = 0.005";
-    /// Step of the DAC: the miss is evenly spread by half of it to either side.
+    /// Step of the DAC: the miss is uniformly distributed over half a step to either side.
     DAC_STEP = "relock.dac_step", "step of the DAC", DETUNINGS, "dac_step = 0.002";
-    /// Hysteresis of the piezo: the miss is evenly spread by it to either side.
+    /// Hysteresis of the piezo: the miss is uniformly distributed over this value to either side.
     HYSTERESIS = "relock.hysteresis", "hysteresis of the piezo", DETUNINGS, "hysteresis = 0.005";
-    /// τ_L, time constant of the closed loop: "12 ms".
+    /// Time constant τ_L of the closed loop: "12 ms".
     LOOP_TIME = "relock.loop_time", "time constant of the loop", TIMES, r#"loop_time = "12 ms""#, required;
-    /// f0, frequency of the bias at no detuning: "80 kHz".
+    /// Frequency f0 of the bias at zero detuning: "80 kHz".
     BIAS = "relock.bias_frequency", "frequency of the bias", BIASES, r#"bias_frequency = "80 kHz""#, required;
     /// Angle of a period of the beat: "2.6 arcsec".
     PULSE = "relock.pulse_weight", "pulse weight", PULSES, r#"pulse_weight = "2.6 arcsec""#, required;
-    /// χ of f = f0 (1 − χΔλ²), Z(2): 40.
+    /// Curvature χ in f = f0 (1 − χΔλ²), Z(2): 40.
     CURVATURE = "relock.curvature", "curvature χ", CURVATURES, "curvature = 40", required;
-    /// Error of f0 from its temperature curve, standard deviation as a part of it: "0.1 %".
+    /// Standard deviation of the error of f0 from its temperature curve, relative to f0: "0.1 %".
     TEMPERATURE = "relock.temperature_error", "error of f0", PARTS, r#"temperature_error = "0.1 %""#;
-    /// Noise of the mean detuning over half a tick, standard deviation.
+    /// Standard deviation of the noise of the mean detuning over half a tick.
     ADC_NOISE = "relock.adc_noise", "noise of the detuning", DETUNINGS, "adc_noise = 0.0001";
-    /// Step of the ADC, to which that is rounded.
+    /// Step of the ADC, to which the mean detuning is rounded.
     ADC_STEP = "relock.adc_step", "step of the ADC", DETUNINGS, "adc_step = 0.0002";
-    /// What is counted of the beat in half a tick, in periods: whole ones, 1, if absent; 0 for no rounding.
+    /// Step in which the periods of the beat in half a tick are counted; 1, whole periods, if absent; 0 for no
+    /// rounding.
     COUNT_STEP = "relock.count_step", "step of the count", COUNTS, "count_step = 1";
-    /// Ticks from the closing of the loop on, 1 to 8; 4 if absent.
+    /// Number of ticks followed after the loop closes, 1 to 8; 4 if absent.
     TICKS = "relock.ticks", "", Holds::Whole(1, MAX_TICKS as i64), "ticks = 4";
-    /// Which half-period of the bias a tick begins with; the negative one if absent.
+    /// Half-period of the bias with which a tick begins; the negative one if absent.
     FIRST_HALF = "relock.first_half", "", Holds::Word(FirstHalf::WORDS), r#"first_half = "negative""#;
 }
 
 keys! {
-    /// What is only of kind = "relock".
+    /// The keys that only studies of kind = "relock" have.
     pub(crate) static SIGNAL_KEYS;
-    /// A_I/Δλ of Z(1), 4·a_I·c/Δν, in any unit; a column of its signal.
+    /// Gain A_I/Δλ of Z(1), 4·a_I·c/Δν, in any unit; adds a column with the signal.
     SIGNAL_GAIN = "relock.signal_gain", "", unlimited(&[Dimension::Ratio]), "signal_gain = 20";
 }
 
-/// What each key sets.
+/// The settings of these keys.
 pub(crate) static SETTINGS: [Setting<Relock>; 12] = [
     Setting::new(&MISS, |relock, miss| relock.miss = miss.value),
     Setting::new(&HALF_WAVE, |relock, error| relock.half_wave_error = error.value),
@@ -181,10 +183,10 @@ pub(crate) static SETTINGS: [Setting<Relock>; 12] = [
     Setting::new(&COUNT_STEP, |relock, step| relock.count_step = step.value),
 ];
 
-/// Ticks where none are written: the paper's.
+/// Default number of ticks, as in the paper.
 const PAPER_TICKS: u32 = 4;
 
-/// The relock that is written.
+/// Reads the relock.
 pub(crate) fn read(reading: &mut Reading) -> Result<Relock, Fault> {
     let mut relock = Relock {
         miss: 0.0,

@@ -15,12 +15,12 @@ use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
 use crate::table::column::abouts;
 
-/// Ticks after a switch.
+/// Studies of the ticks after a switch.
 pub static RELOCK: Kind = Kind {
     name: "relock",
-    subject: "The rotation faked by the perimeter loop after a mode switch, and what compensations leave of it.",
-    about: "Samples mode switches with their errors, the perimeter loop that settles after each, and the rotation that it fakes in \
-            the first ticks. points.csv has for each `compensation` and `tick` what is left of that: `mean`, `rms`, `max` and \
+    subject: "The apparent rotation caused by the perimeter loop after a mode switch, and its remainder after compensation.",
+    about: "Samples mode switches with their errors, the perimeter loop that settles after each, and the apparent rotation in \
+            the first ticks. points.csv has the remainder for each `compensation` and `tick`: `mean`, `rms`, `max` and \
             `q9973`, ″.",
     template: include_str!("template.toml"),
     is_exact: false,

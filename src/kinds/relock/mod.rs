@@ -1,4 +1,5 @@
-//! Relock studies: what the closing perimeter loop fakes after a mode switch, and what compensations leave of it.
+//! Relock studies: the apparent rotation of the closing perimeter loop after a mode switch, and its remainder after
+//! compensation.
 
 pub(crate) mod columns;
 pub mod inputs;
@@ -18,35 +19,35 @@ use crate::kinds::gyro;
 use crate::kinds::gyro::TICK;
 use crate::source::diagnose::Wrong;
 
-/// What a relock study asks.
+/// The part of a study that is specific to relocking.
 #[derive(Debug, Clone)]
 pub struct RelockStudy {
-    /// Before any sweep.
+    /// Inputs before any sweep.
     pub inputs: RelockInputs,
-    /// All points, in order; without a sweep the one that is written.
+    /// All points, in order; without a sweep, a single one.
     pub points: Vec<RelockPoint>,
 }
 
-/// All that a relock depends on.
+/// The inputs of a relock.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RelockInputs {
-    /// T, s.
+    /// Tick T, s.
     pub tick_s: f64,
-    /// What the loop does and how it is measured.
+    /// Perimeter loop and its measurements.
     pub relock: Relock,
 }
 
 /// One combination of swept values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RelockPoint {
-    /// Name of each swept key, and its value here, in the order of the sweeps.
+    /// Name of each swept key with its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
-    /// All that the draws depend on.
+    /// Inputs that determine the draws.
     pub inputs: RelockInputs,
 }
 
 keys! {
-    /// The table of the tick, which is all that a relock has of the gyro.
+    /// The table of the tick, the only property of the gyro that a relock uses.
     static GYRO_KEYS;
     /// The gyro.
     GYRO = "gyro", "", Holds::Table, "[gyro]\ntick = \"5 ms\"";
@@ -60,12 +61,12 @@ pub(crate) fn keys() -> Vec<&'static Key> {
     [GYRO_KEYS, gyro::KEYS, inputs::KEYS, inputs::SIGNAL_KEYS].concat()
 }
 
-/// Every key that a sweep may vary.
+/// The keys that can be swept.
 pub(crate) fn sweepable() -> Vec<&'static Key> {
     setting::keys(&SETTINGS).chain(setting::keys(&inputs::SETTINGS)).collect()
 }
 
-/// Reads what is of this kind.
+/// Reads the part of a study that belongs to this kind.
 pub(crate) fn read(reading: &mut Reading) -> Result<RelockStudy, Wrong> {
     let mut inputs = RelockInputs { tick_s: 0.0, relock: inputs::read(reading)? };
     reading.set(&mut inputs, &SETTINGS)?;

@@ -1,4 +1,4 @@
-//! Named relocks that differ in all that the kernel distinguishes.
+//! Named relocks that cover every distinction made by the kernel.
 
 use crate::device::load::Load;
 use crate::kernel::launch::Launch;
@@ -8,7 +8,7 @@ use crate::kinds::relock::inputs::{Compensation, Relock};
 use crate::kinds::relock::lower::{LoweredRelock, RelockEstimate};
 use crate::kinds::relock::{RelockInputs, RelockPoint};
 
-/// A relock like the paper's, with every error there is.
+/// A relock like the paper's, with every kind of error.
 pub fn relock() -> RelockInputs {
     let relock = Relock {
         miss: 0.05,
@@ -30,7 +30,7 @@ pub fn relock() -> RelockInputs {
     RelockInputs { tick_s: 0.005, relock }
 }
 
-/// What is left of the ticks of a relock by one compensation, as launches.
+/// The launches that sample the ticks of a relock with one compensation.
 pub fn launches_of(inputs: &RelockInputs, compensation: Compensation) -> Vec<Launch> {
     let point = RelockPoint { swept: vec![], inputs: inputs.clone() };
     let lowered = LoweredRelock::new(&point, 1, Streams::Independent)
@@ -40,12 +40,12 @@ pub fn launches_of(inputs: &RelockInputs, compensation: Compensation) -> Vec<Lau
     of.chunks(crate::kernel::moments::MAX_ESTIMATES).map(|some| lowered.launch(some)).collect()
 }
 
-/// What the kernel is checked on.
+/// The loads on which the kernel is checked.
 pub fn loads() -> Vec<Load> {
     Load::of_launches(launches(), &["by-frequency", "by-detuning"])
 }
 
-/// Launches that differ in all that the kernel distinguishes.
+/// Launches that cover every distinction made by the kernel.
 fn launches() -> Vec<(&'static str, Launch)> {
     let mut all = Vec::new();
     let mut add = |name, compensation, change: &dyn Fn(&mut Relock)| {
@@ -65,7 +65,7 @@ fn launches() -> Vec<(&'static str, Launch)> {
     add("without-counts", Compensation::Frequency, &|relock| {
         (relock.count_step, relock.temperature_error) = (0.0, 0.0);
     });
-    // So much noise that signs and decays are wrong in many trials.
+    // Noise so large that signs and decays are wrong in many trials.
     add("lost-in-noise-by-frequency", Compensation::Frequency, &|relock| {
         (relock.miss, relock.half_wave_error, relock.temperature_error) = (0.0, 0.01, 0.01);
     });

@@ -1,9 +1,9 @@
-//! The columns of a study of a suspension: a row for each point.
+//! The columns of a study of a suspension, with a row for each point.
 
 use crate::kinds::suspension::Point;
 use crate::table::{ColumnOf, Role, Unit, Usual};
 
-/// The columns besides swept keys, in the order of the file.
+/// The columns except the swept keys, in the order of the file.
 #[rustfmt::skip]
 pub(crate) fn columns() -> Vec<ColumnOf<Point>> {
     type Of = ColumnOf<Point>;
@@ -12,10 +12,10 @@ pub(crate) fn columns() -> Vec<ColumnOf<Point>> {
             .is(Role::Estimate, "Rate of the gyro per acceleration of the base, ″/s per g.")
             .usual(Usual::Estimate),
         Of::new("phase", Unit::DEG, "phase of the rate", |point| point.response().phase_deg().into())
-            .is(Role::Estimate, "Phase of the rate behind the acceleration, °."),
+            .is(Role::Estimate, "Phase of the rate relative to the acceleration, °; negative where the rate lags."),
         Of::new("normalised", Unit::NONE, "response by that of the useful mode", |point| {
             (point.response().amplitude() / point.suspension.useful()).into()
         })
-        .is(Role::Estimate, "`response` by that at the first mode."),
+        .is(Role::Estimate, "`response` relative to that at the first mode."),
     ]
 }

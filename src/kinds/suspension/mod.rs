@@ -1,4 +1,4 @@
-//! Studies of a suspension: its response over the frequency of a vibration, in closed form.
+//! Studies of a suspension: its response as a function of the vibration frequency, in closed form.
 
 pub(crate) mod columns;
 pub mod kind;
@@ -15,23 +15,23 @@ use crate::quantity::units::Dimension;
 use crate::source::diagnose::Wrong;
 use crate::theory::suspension::{Response, Suspension};
 
-/// What a study of a suspension asks.
+/// The part of a study that is specific to a suspension.
 #[derive(Debug, Clone)]
 pub struct SuspensionStudy {
-    /// All points, in order; without a sweep the one that is written.
+    /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
-    /// What is assumed, each in a sentence.
+    /// Notes on assumptions, each a sentence.
     pub notes: Vec<String>,
 }
 
 /// One combination of swept values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// Name of each swept key, and its value here, in the order of the sweeps.
+    /// Name of each swept key with its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
-    /// Its modes.
+    /// Suspension.
     pub suspension: Arc<Suspension>,
-    /// Of the vibration.
+    /// Frequency of the vibration, Hz.
     pub frequency_hz: f64,
 }
 
@@ -44,20 +44,20 @@ impl Point {
 keys! {
     /// The keys of the suspension.
     static KEYS;
-    /// The suspension of a gyro: one that is known by name, or its modes.
+    /// The suspension of a gyro, given by the name of a known one or by its modes.
     SUSPENSION = "suspension", "", Holds::Table, "[suspension]\ngyro = \"LGK-400\"\nfrequency = \"380 Hz\"";
-    /// "LGK-400" or "LGV-1": frequencies as published, Q factors and responses assumed.
+    /// Suspension of "LGK-400" or "LGV-1": frequencies as published, Q factors and responses assumed.
     GYRO = "suspension.gyro", "gyro", GYROS, r#"gyro = "LGK-400""#;
-    /// Or its modes, second-order resonances, the useful one first.
+    /// Modes of the suspension instead of a name, second-order resonances with the useful one first.
     MODES = "suspension.modes", "", Holds::List(&Holds::Table), r#"modes = [{ frequency = "380 Hz", q = 100, response = "20000 arcsec/s/g" }]"#;
     /// Natural frequency: "380 Hz".
     MODE_FREQUENCY = "suspension.modes.frequency", "", MODE_FREQUENCIES, r#"frequency = "380 Hz""#, required;
     /// Q factor, a number.
     MODE_Q = "suspension.modes.q", "", QS, "q = 100", required;
-    /// Amplitude of the rate per acceleration at resonance, of this mode alone; negative where it turns the other way:
+    /// Amplitude of the rate per acceleration at resonance, for this mode alone; negative where it turns the other way:
     /// "20000 arcsec/s/g".
     MODE_RESPONSE = "suspension.modes.response", "", RESPONSES, r#"response = "20000 arcsec/s/g""#, required;
-    /// Frequency of the vibration: "380 Hz". Absent where it is swept.
+    /// Frequency of the vibration: "380 Hz"; absent where it is swept.
     FREQUENCY = "suspension.frequency", "vibration frequency", FREQUENCIES, r#"frequency = "380 Hz""#;
 }
 
@@ -78,12 +78,12 @@ pub(crate) fn keys() -> Vec<&'static Key> {
     KEYS.to_vec()
 }
 
-/// Every key that a sweep may vary.
+/// The keys that can be swept.
 pub(crate) fn sweepable() -> Vec<&'static Key> {
     vec![&FREQUENCY, &GYRO]
 }
 
-/// Reads what is of this kind.
+/// Reads the part of a study that belongs to this kind.
 pub(crate) fn read(reading: &mut Reading) -> Result<SuspensionStudy, Wrong> {
     reading.note(&[&SUSPENSION]);
     let suspension = OF_SUSPENSION.read(reading)?;

@@ -1,4 +1,4 @@
-//! The columns of a study of whole runs: a row for each point, filler and angle; and of their trajectories.
+//! The columns of a study of whole runs, with a row for each point, filler and angle, and of their trajectories.
 
 use crate::filler::FILLERS;
 use crate::kinds::gap_fill::columns::FILLER;
@@ -21,7 +21,7 @@ pub(crate) struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// When the angle is read, s; the largest comes at another time in each run.
+    /// Time at which the angle is read, s; the largest angle comes at a different time in each run.
     fn time_s(&self) -> Option<f64> {
         match self.estimate.angle {
             Angle::End => Some(self.point.schedule.duration_s),
@@ -30,7 +30,7 @@ impl Row<'_> {
         }
     }
 
-    /// Switches before the time of the row, or in all.
+    /// Number of switches before the time of the row, or of all switches.
     fn switches(&self) -> i64 {
         match self.estimate.angle {
             Angle::At(time_s) => switches(self.point.schedule.interval_s, time_s) as i64,
@@ -38,7 +38,7 @@ impl Row<'_> {
         }
     }
 
-    /// An angle over the time.
+    /// An angle divided by the time.
     fn drift(&self, angle: Option<f64>) -> Cell {
         angle.zip(self.time_s()).map(|(angle, time)| angle / time).into()
     }
@@ -72,24 +72,24 @@ const fn filler<R>(cell: fn(&R) -> Cell) -> ColumnOf<R> {
     ColumnOf::new("filler", Unit::NONE, "filler", cell).is_of(FILLERS, Role::Key, FILLER)
 }
 
-/// The columns besides swept keys, in the order of the file; that of fillers where the runs have any.
+/// The columns except the swept keys, in the order of the file, with that of fillers where the runs have any.
 #[rustfmt::skip]
 pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
     type Of<'a> = ColumnOf<Row<'a>>;
     let filler = has_fillers.then(|| filler(|row: &Row| row.filler.map_or(Cell::Blank, Cell::from)).brief());
     filler.into_iter().chain([
         Of::new("angle", Unit::NONE, "angle", |row| Cell::Text(row.estimate.angle.name()))
-            .is(Role::Key, "Which angle: `end` of the run, `largest` (just before or after a switch or at the end), `at 600 s`.")
+            .is(Role::Key, "The angle: `end` of the run, `largest` (just before or after a switch or at the end), `at 600 s`.")
             .brief(),
         Of::new("time", Unit::S, "time in the run", |row| row.time_s().into())
-            .is(Role::Coordinate, "When the angle is read, s; blank of the largest."),
+            .is(Role::Coordinate, "Time at which the angle is read, s; blank for the largest."),
         Of::new("switches", Unit::NONE, "switches", |row| Cell::Integer(row.switches()))
             .is(Role::Count, "Switches before the time of the row.")
             .brief(),
         Of::new("residual_rms", Unit::ARCSEC, "rms residual of a switch", |row| row.filled.residual_rms().into())
-            .is(Role::Error, "What one switch leaves, with its relock, ″ rms."),
+            .is(Role::Error, "Rms residual of one switch, with its relock, ″."),
         Of::new("trials", Unit::NONE, "trials", |row| row.found.trials.into())
-            .is(Role::Trials, "Runs that the estimates of the row are from."),
+            .is(Role::Trials, "Number of runs behind the estimates of the row."),
         Of::new("mean", Unit::ARCSEC, "mean error of the angle", |row| row.found.cell(|found| found.mean))
             .is(Role::Estimate, "Mean error of the angle, ″, with its sign.")
             .brief(),
@@ -101,21 +101,21 @@ pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
         Of::new("max", Unit::ARCSEC, "largest error seen", |row| row.found.cell(|found| found.max))
             .is(Role::Error, "The largest error of the angle seen, ″, of any sign."),
         Of::new("q9973", Unit::ARCSEC, "99.73 % error of the angle", |row| row.found.level(|q| Some(q.value)).into())
-            .is(Role::Error, "The level, ″, that 99.73 % of runs stay below in magnitude.")
+            .is(Role::Error, "The level, ″, below which 99.73 % of runs stay in magnitude.")
             .within(|row| row.found.level_band()),
         Of::new("q9973_lo", Unit::ARCSEC, "99.73 % error of the angle (lower)", |row| row.found.level(|q| q.low).into())
             .is_of("q9973", Role::Lower, found::LEVEL_LOWER),
         Of::new("q9973_hi", Unit::ARCSEC, "99.73 % error of the angle (upper)", |row| row.found.level(|q| q.high).into())
             .is_of("q9973", Role::Upper, found::LEVEL_UPPER),
         Of::new("drift_mean", Unit::DEG_PER_H, "mean drift", |row| row.drift(row.found.value(|found| found.mean)))
-            .is(Role::Estimate, "`mean` over the time, °/h; blank of the largest.")
+            .is(Role::Estimate, "`mean` over the time, °/h; blank for the largest.")
             .brief(),
         Of::new("drift_rms", Unit::DEG_PER_H, "rms drift", |row| row.drift(row.found.value(|found| found.rms)))
-            .is(Role::Error, "`rms` over the time, °/h; blank of the largest.")
+            .is(Role::Error, "`rms` over the time, °/h; blank for the largest.")
             .brief()
             .within(|row| row.drift_band(row.found.rms_band())),
         Of::new("drift_q9973", Unit::DEG_PER_H, "99.73 % drift", |row| row.drift(row.found.level(|q| Some(q.value))))
-            .is(Role::Error, "`q9973` over the time, °/h: 99.73 % of runs drift by less. Blank of the largest.")
+            .is(Role::Error, "`q9973` over the time, °/h: 99.73 % of runs drift by less. Blank for the largest.")
             .brief()
             .usual(Usual::Estimate)
             .within(|row| row.drift_band(row.found.level_band())),
@@ -124,15 +124,15 @@ pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
         Of::new("drift_q9973_hi", Unit::DEG_PER_H, "99.73 % drift (upper)", |row| row.drift(row.found.level(|q| q.high)))
             .is_of("drift_q9973", Role::Upper, "Upper end of the 95 % interval of `drift_q9973`, °/h."),
         Of::new("oracle_mean", Unit::ARCSEC, "mean error of the angle (closed form)", |row| row.oracle_mean().into())
-            .is_of("mean", Role::Oracle, "`mean` in closed form, ″; none of the largest."),
+            .is_of("mean", Role::Oracle, "`mean` in closed form, ″; blank for the largest."),
         Of::new("oracle_rms", Unit::ARCSEC, "rms error of the angle (closed form)", |row| row.oracle_rms().into())
-            .is_of("rms", Role::Oracle, "`rms` in closed form, ″; none of the largest."),
+            .is_of("rms", Role::Oracle, "`rms` in closed form, ″; blank for the largest."),
         Of::new("oracle_drift_mean", Unit::DEG_PER_H, "mean drift (closed form)", |row| row.drift(row.oracle_mean()))
             .is_of("drift_mean", Role::Oracle, "`drift_mean` in closed form, °/h."),
         Of::new("oracle_drift_rms", Unit::DEG_PER_H, "rms drift (closed form)", |row| row.drift(row.oracle_rms()))
             .is_of("drift_rms", Role::Oracle, "`drift_rms` in closed form, °/h."),
         Of::new("z_mean", Unit::NONE, "deviation of the mean from the closed form, standard errors", |row| row.z_mean().into())
-            .is_of("mean", Role::Z, "How many standard errors `mean` is off `oracle_mean`: beyond ±5 something is wrong."),
+            .is_of("mean", Role::Z, "Deviation of `mean` from `oracle_mean` in standard errors; beyond ±5 something is wrong."),
         Of::new("z", Unit::NONE, "deviation of the rms from the closed form, standard errors", |row| row.z().into())
             .is_of("rms", Role::Z, found::Z),
     ])
@@ -145,7 +145,7 @@ pub(crate) struct Moment<'a> {
     pub(crate) filler: Option<&'a str>,
     pub(crate) run: u64,
     pub(crate) time_s: f64,
-    /// ″; absent before anything is made.
+    /// Angle, ″; absent before anything is computed.
     pub(crate) angle: Option<f64>,
 }
 

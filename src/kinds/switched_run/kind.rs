@@ -14,12 +14,12 @@ use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
 use crate::table::column::abouts;
 
-/// Angles of whole runs.
+/// Studies of the angles of whole runs.
 pub static SWITCHED_RUN: Kind = Kind {
     name: "switched-run",
-    subject: "The angle that a gyro which switches modes has wrong after a whole run.",
-    about: "Samples whole runs of a gyro that switches modes: the magnetic drift, which turns its sign with every switch, and what \
-            the switches leave. points.csv has how wrong the angle is at the end and before, `rms` and `q9973` in ″, and the same \
+    subject: "The error of the angle of a gyro that switches modes after a whole run.",
+    about: "Samples whole runs of a gyro that switches modes: the magnetic drift, whose sign every switch reverses, and the \
+            residuals of the switches. points.csv has the error of the angle at the end and before, `rms` and `q9973` in ″, and the same \
             over the time, `drift_rms` and `drift_q9973` in °/h. `sagnac design` finds the best interval of such a study.",
     template: include_str!("template.toml"),
     is_exact: false,
@@ -54,7 +54,7 @@ impl Subject for SwitchedRun {
             (abouts(&columns::columns(has_fillers)), abouts(&columns::trajectory_columns(has_fillers)));
         let points = Ground::of(Source::Points, points, fillers().chain([angles]), limits);
         let trajectories = Ground {
-            // They start at 0, and their angles have both signs.
+            // Trajectories start at 0, and their angles have both signs.
             is_linear: true,
             absent: (self.trajectories == 0).then_some(none_kept),
             legend: ["single runs", points.legend[1]],

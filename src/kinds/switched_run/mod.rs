@@ -32,70 +32,72 @@ use crate::source::diagnose::{Fault, Wrong};
 words! {
     /// Sign of the magnetic drift in the first interval of a run.
     pub enum FirstMode {
-        /// Its own: a magnetic drift above 0 adds to the angle.
+        /// Nominal sign: a magnetic drift above 0 adds to the angle.
         Positive = "positive",
-        /// The opposite.
+        /// The opposite sign.
         Negative = "negative",
-        /// Another in each run.
+        /// A random sign in each run.
         Random = "random",
     }
 }
 
 words! {
-    /// Where in the motion the switches of a run fall; where the motion has a fixed phase, always there.
+    /// The phase of the motion at the switches of a run; where the motion has a fixed phase, it is always that one.
     pub enum Timing {
-        /// At random, each by itself.
+        /// Random phases, independent of each other.
         Random = "random",
-        /// Exactly an interval apart, so that the phase goes on by as much from switch to switch; that of the first is random.
+        /// Switches exactly one interval apart, so that the phase advances equally from switch to switch; that of the
+        /// first is random.
         Periodic = "periodic",
     }
 }
 
 keys! {
-    /// The keys that no other kind has.
+    /// The keys specific to this kind.
     static KEYS;
     /// Sign of the magnetic drift in the first interval; positive if absent.
     FIRST_MODE = "switching.first_mode", "", Holds::Word(FirstMode::WORDS), r#"first_mode = "positive""#;
-    /// Where in the motion the switches fall; random if absent. Where the motion has a fixed phase, they always fall there.
+    /// Phase of the motion at the switches; random if absent. Where the motion has a fixed phase, it is always that
+    /// one.
     TIMING = "switching.timing", "", Holds::Word(Timing::WORDS), r#"timing = "random""#;
-    /// Times at which the angle is wanted besides the end: ["10 min", "30 min"].
+    /// Times at which the angle is estimated in addition to the end: ["10 min", "30 min"].
     pub(crate) TIMES = "run.times", "", Holds::List(&unlimited(&[Dimension::Time])), r#"times = ["10 min", "30 min"]"#;
-    /// How many runs are kept as trajectories; none if absent.
+    /// Number of runs that are kept as trajectories; none if absent.
     TRAJECTORIES = "run.trajectories", "", Holds::Whole(0, 1000), "trajectories = 20";
 }
 
-/// What a study of whole runs asks.
+/// The part of a study that is specific to whole runs.
 #[derive(Debug, Clone)]
 pub struct SwitchedRun {
-    /// The switch and its fillers; absent where the residual is given by its largest value, or there is none.
+    /// The switch and its fillers; absent where the residual is given by its largest value, or is zero.
     pub fill: Option<GapFill>,
-    /// The sign that the magnetic drift starts with.
+    /// Initial sign of the magnetic drift.
     pub first_mode: FirstMode,
-    /// How phases go on from switch to switch.
+    /// Phases of the motion from switch to switch.
     pub timing: Timing,
-    /// Times at which the angle is wanted besides the end, s, each once.
+    /// Times at which the angle is estimated in addition to the end, s, each once.
     pub times: Vec<f64>,
-    /// Runs of each point and filler that are kept as trajectories.
+    /// Number of runs of each point and filler that are kept as trajectories.
     pub trajectories: u64,
-    /// All points, in order; without a sweep the one that is written.
+    /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
-    /// What is rounded or left out, each in a sentence.
+    /// Notes on rounded or omitted inputs, each a sentence.
     pub notes: Vec<String>,
 }
 
-/// Which angle of a run.
+/// An angle of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Angle {
-    /// At the end.
+    /// The angle at the end.
     End,
-    /// The largest, just before or after a switch or at the end.
+    /// The largest angle, just before or after a switch or at the end.
     Largest,
-    /// At a time, s.
+    /// The angle at a time, s.
     At(f64),
 }
 
 impl Angle {
-    /// As tables call it.
+    /// Name in tables.
     pub fn name(&self) -> String {
         match self {
             Angle::End => "end".to_owned(),
@@ -106,7 +108,7 @@ impl Angle {
 }
 
 impl SwitchedRun {
-    /// The angles that are estimated, in the order of tables.
+    /// The estimated angles, in the order of tables.
     pub fn angles(&self) -> Vec<Angle> {
         [Angle::End, Angle::Largest]
             .into_iter()
@@ -126,13 +128,13 @@ pub(crate) fn keys() -> Vec<&'static Key> {
     [&run[..], &gap_fill::keys_of_fill(), &relock::keys()].concat()
 }
 
-/// Every key that a sweep may vary.
+/// The keys that can be swept.
 pub(crate) fn sweepable() -> Vec<&'static Key> {
     let run = setting::keys(&schedule::SETTINGS).chain(setting::keys(&drift::SETTINGS));
     run.chain(gap_fill::sweepable()).chain(relock::sweepable()).collect()
 }
 
-/// Reads what is of this kind.
+/// Reads the part of a study that belongs to this kind.
 pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
     let (mut drift, mut schedule) = (Drift::default(), Schedule::default());
     reading.set(&mut schedule, &schedule::SETTINGS)?;
@@ -158,7 +160,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
     Ok(SwitchedRun { first_mode, timing, notes, fill, times, trajectories, points })
 }
 
-/// Most intervals of all points and fillers together: each has a row in memory.
+/// Most intervals of all points and fillers together, each of which has a row in memory.
 const MOST_ROWS: u64 = 20_000_000;
 
 /// Refuses studies whose points have too many intervals together.
@@ -183,12 +185,12 @@ fn check_moves(points: &[Point], places: &Places, sweeps: &[Sweep]) -> Result<()
     if !points.iter().all(still) {
         return Ok(());
     }
-    let message = "there is no drift and nothing that a switch could leave: all runs would stay at 0";
+    let message = "there is no drift and no residual of a switch: all runs would stay at 0";
     let help = "add a part of it as in\n[drift]\nmagnetic = \"14 arcsec/s\"\nresidual_max = \"10 arcsec\"";
     Err(Fault::new(places.blame(sweeps, &["drift", "kind"]), message, "no drift", help))
 }
 
-/// The switch, where fillers are given.
+/// Reads the switch, where fillers are given.
 fn read_fill(reading: &mut Reading, drift: &Drift) -> Result<Option<GapFill>, Wrong> {
     if reading.get(&FILLERS).is_some() {
         if drift.residual_max != 0.0 || reading.sweep(&RESIDUAL_MAX).is_some() {
@@ -203,9 +205,9 @@ fn read_fill(reading: &mut Reading, drift: &Drift) -> Result<Option<GapFill>, Wr
     if let Some(written) = of_fill.into_iter().find_map(|key| reading.get(key)) {
         let name = written.key.name;
         let name = if written.key.holds.is_table() { format!("[{name}]") } else { name.to_owned() };
-        let message = format!("{name} says how residuals come about, but switching.fillers is missing");
+        let message = format!("{name} determines the residuals, but switching.fillers is missing");
         let help = "add fillers = [\"const\", \"quadratic\"] to [switching], or leave it out and give drift.residual_max";
-        return Err(written.fault(message, "of no use without fillers", help).into());
+        return Err(written.fault(message, "no effect without fillers", help).into());
     }
     for sweep in reading.sweeps {
         if gap_fill::sweepable().iter().any(|key| key.name == sweep.key.name) {
@@ -218,7 +220,7 @@ fn read_fill(reading: &mut Reading, drift: &Drift) -> Result<Option<GapFill>, Wr
     Ok(None)
 }
 
-/// What is taken for granted of the residuals of some motions.
+/// Notes on assumptions about the residuals of some motions.
 fn of_residuals(fill: &GapFill, timing: Timing) -> Vec<String> {
     let motions = || fill.points.iter().map(|point| &point.inputs.motion);
     let drawn = motions().any(|motion| motion.tones.iter().any(|tone| !tone.is_plain()));

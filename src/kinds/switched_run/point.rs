@@ -15,28 +15,29 @@ use crate::quantity::units::round_12;
 use crate::source::diagnose::Fault;
 use crate::theory::drift::magnetic::switches;
 
-/// By how much of itself an interval may miss a whole number of ticks, of which decimal fractions have not all.
+/// Relative deviation of an interval from a whole number of ticks that counts as rounding, since not all decimal
+/// fractions are exact.
 const WHOLE: f64 = 1e-9;
 
-/// Least product of an interval and a run in warm-up times of which the part that the warm-up leaves is right to 0.2 %.
+/// Least product of interval and run, in warm-up times, for which the remainder of the warm-up is accurate to 0.2 %.
 const LEAST_LEFT: f64 = 1e-5;
 
-/// Most of what a relock fakes that may come after the ticks that are followed.
+/// Largest fraction of the apparent angle of a relock that may come after the ticks followed.
 const MOST_LATE: f64 = 0.2;
 
-/// Time constants after which a loop is closed: e^−5 of the miss is left, e^−10 of what it fakes.
+/// Time constants after which a loop counts as closed: e^−5 of the miss and e^−10 of the apparent rotation are left.
 const SETTLED: f64 = 5.0;
 
-/// One combination of swept values, with all that follows from it.
+/// One combination of swept values, with everything derived from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// Place in the order of points; the first sweep changes slowest.
+    /// Index of the point; the first sweep changes slowest.
     pub index: usize,
-    /// Name of each swept key, and its value here, in the order of the sweeps.
+    /// Name of each swept key with its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
     /// The parts of the drift, with their spreads.
     pub drift: Drift,
-    /// Of whole ticks.
+    /// Schedule in whole ticks.
     pub schedule: Schedule,
     /// The switch; absent where the residual is given by its largest value.
     pub fill: Option<gap_fill::point::Point>,
@@ -45,12 +46,12 @@ pub struct Point {
 }
 
 impl Point {
-    /// Switches of the run.
+    /// Number of switches in the run.
     pub fn switches(&self) -> u64 {
         switches(self.schedule.interval_s, self.schedule.duration_s) as u64
     }
 
-    /// The shortest interval that it can have, s: that of most switches, and no shorter than the ticks round a switch.
+    /// The shortest possible interval, s, which is limited by the number of switches and by the ticks around a switch.
     pub fn shortest_s(&self) -> f64 {
         let most = self.schedule.duration_s / (MOST_INTERVALS - 1) as f64;
         let Some(fill) = &self.fill else { return most };
@@ -58,8 +59,8 @@ impl Point {
         most.max(ticks_round_a_switch(fill) * fill.inputs.tick_s).max(settled)
     }
 
-    /// The same with another interval, rounded to whole ticks, and with the nearest time that an even number of them makes;
-    /// `None` for one that is too short, or longer than half the run.
+    /// The same point with another interval, rounded to whole ticks, and with the nearest run time that is an even
+    /// number of intervals; `None` for an interval that is too short, or longer than half the run.
     pub fn with_interval(&self, interval_s: f64) -> Option<Point> {
         let tick_s = self.fill.as_ref().map(|fill| fill.inputs.tick_s);
         let interval_s =
@@ -71,14 +72,14 @@ impl Point {
     }
 }
 
-/// Time from a switch on after which its loop is closed, s.
+/// Time after a switch at which its loop is closed, s.
 fn settled_s(relocking: &Relocking, fill: &gap_fill::point::Point) -> f64 {
     let gap_s = f64::from(fill.inputs.gap_ticks) * fill.inputs.tick_s;
     let ticks_s = f64::from(relocking.relock.ticks) * fill.inputs.tick_s;
     gap_s + ticks_s.max(SETTLED * relocking.relock.loop_s)
 }
 
-/// Ticks from the first that a filler reads to the last.
+/// Number of ticks from the first to the last that a filler reads.
 fn ticks_round_a_switch(fill: &gap_fill::point::Point) -> f64 {
     let ends = [0, fill.inputs.gap_ticks as i32];
     let ticks = fill.fills.iter().flat_map(|fill| &fill.fit_ticks);
@@ -86,7 +87,7 @@ fn ticks_round_a_switch(fill: &gap_fill::point::Point) -> f64 {
     f64::from(last - first + 1)
 }
 
-/// What all points share, with the places to blame.
+/// The inputs common to all points, with their places in the text.
 pub(crate) struct Base<'a> {
     pub(crate) drift: Drift,
     pub(crate) schedule: Schedule,
@@ -98,7 +99,7 @@ pub(crate) struct Base<'a> {
 }
 
 impl Base<'_> {
-    /// All points, in order, and how intervals were rounded.
+    /// All points, in order, and a note on rounded intervals.
     pub(crate) fn points(&self) -> Result<(Vec<Point>, Option<String>), Fault> {
         let (mut points, mut rounded) = (Vec::new(), Vec::new());
         for index in 0..sweep::points(self.sweeps) {
@@ -175,7 +176,7 @@ impl Base<'_> {
         if late > MOST_LATE {
             let percent = libm::round(100.0 * late);
             let message = format!(
-                "{percent} % of what the relock fakes comes after tick {ticks}, which runs do not count"
+                "{percent} % of the apparent angle of the relock comes after tick {ticks}, which runs do not count"
             );
             let names = ["relock.ticks", "relock.loop_time", "relock"];
             let help = "accepted: up to 20 %; follow up to 8 ticks, or take a faster loop";
@@ -194,7 +195,7 @@ impl Base<'_> {
         Err(Fault::new(self.places.blame(self.sweeps, &names), message, "does not settle", help))
     }
 
-    /// Limits that need more than one value.
+    /// Checks limits that involve more than one value.
     fn check(&self, drift: &Drift, schedule: Schedule) -> Result<(), Fault> {
         let refuse = |names: &[&str], message: String, label: &str, help: &str| {
             Err(Fault::new(self.places.blame(self.sweeps, names), message, label, help))
@@ -224,7 +225,7 @@ impl Base<'_> {
             );
         }
         let [warm_ups, run] = [interval_s, duration_s].map(|time| time / drift.warm_up_s);
-        // What is left of the warm-up beside what exponentials are rounded by.
+        // The remainder of the warm-up relative to the rounding of exponentials.
         let left = warm_ups * run.min(1.0);
         if drift.warm_up_spread > 0.0 && drift.warm_up_s > 0.0 && (left < LEAST_LEFT || warm_ups > 4.0) {
             let message = format!(
@@ -238,9 +239,9 @@ impl Base<'_> {
             return refuse(&names, message, "out of range", help);
         }
         if drift.warm_up_spread > 0.0 && drift.warm_up_s == 0.0 {
-            let message = "drift.warm_up_time_spread without drift.warm_up_time".to_owned();
+            let message = "drift.warm_up_time_spread is given without drift.warm_up_time".to_owned();
             let help = "add warm_up_time = \"3000 s\", or leave the spread out";
-            return refuse(&["drift.warm_up_time_spread"], message, "the spread of nothing", help);
+            return refuse(&["drift.warm_up_time_spread"], message, "no time to spread", help);
         }
         Ok(())
     }

@@ -8,39 +8,39 @@ use crate::kinds::gap_fill::{self, GapFill};
 use crate::kinds::relock::inputs::{self, Compensation, RELOCK, Relock};
 use crate::source::diagnose::Fault;
 
-/// Relock after each switch, and what is taken off its ticks.
+/// Relock after each switch, with the compensation of its ticks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Relocking {
-    /// What the loop does after each switch.
+    /// Relock after each switch.
     pub relock: Relock,
-    /// What is taken off before the filler sees the ticks.
+    /// Compensation applied before the filler reads the ticks.
     pub compensation: Compensation,
 }
 
 keys! {
-    /// What no relock by itself has.
+    /// The key that a relock study does not have.
     static KEYS;
-    /// What is taken off the ticks; "none" if absent. A study of kind = "relock" compares all.
+    /// Compensation of the ticks; "none" if absent. A study of kind = "relock" compares all compensations.
     COMPENSATION = "relock.compensation", "compensation", Holds::Word(Compensation::WORDS), r#"compensation = "detuning""#;
 }
 
-/// Every key of it.
+/// Every key of a relock in a run.
 pub(crate) fn keys() -> Vec<&'static Key> {
     [inputs::KEYS, KEYS].concat()
 }
 
-/// Every key of it that a sweep may vary.
+/// The keys of a relock that can be swept.
 pub(crate) fn sweepable() -> impl Iterator<Item = &'static Key> {
     setting::keys(&inputs::SETTINGS).chain([&COMPENSATION])
 }
 
-/// The compensation that a sweep chooses.
+/// The compensation selected by a sweep.
 pub(crate) fn swept(swept: &[(&'static str, Swept)]) -> Option<Compensation> {
     let name = setting::named(swept, &COMPENSATION)?;
     Compensation::ALL.into_iter().find(|compensation| compensation.name() == name)
 }
 
-/// The relock that is written, if any.
+/// Reads the relock, if there is one.
 pub(crate) fn read(reading: &mut Reading, fill: Option<&GapFill>) -> Result<Option<Relocking>, Fault> {
     let Some(table) = reading.get(&RELOCK) else {
         let of_relock = |name: &str| sweepable().any(|key| key.name == name);
@@ -51,7 +51,7 @@ pub(crate) fn read(reading: &mut Reading, fill: Option<&GapFill>) -> Result<Opti
         });
     };
     if fill.is_none() {
-        let message = "[relock] works through fillers and ticks, and there are none";
+        let message = "[relock] needs fillers and ticks, and there are none";
         let help = "add [gyro], [motion] and switching.fillers, or leave [relock] out";
         return Err(table.fault(message, "without fillers", help));
     }

@@ -1,4 +1,4 @@
-//! The times at which the angle of a run is wanted.
+//! The times at which the angle of a run is estimated.
 
 use crate::key::reading::Reading;
 use crate::kinds::switched_run::TIMES;
@@ -7,7 +7,7 @@ use crate::source::diagnose::Fault;
 /// Most times of a study.
 const MOST_TIMES: usize = 100;
 
-/// Times in s, each once.
+/// Reads the times in s, each once.
 pub(crate) fn read(reading: &mut Reading) -> Result<Vec<f64>, Fault> {
     reading.note(&[&TIMES]);
     let Some(list) = reading.get(&TIMES) else { return Ok(vec![]) };

@@ -1,4 +1,4 @@
-//! Named runs that differ in all that the kernel distinguishes.
+//! Named runs that cover every distinction made by the kernel.
 
 use crate::device::load::Load;
 use crate::kernel::launch::Launch;
@@ -13,12 +13,12 @@ const DRIFT: &str =
 /// The paper's gyro with two fillers; the motion follows.
 const FILLED: &str = "[gyro]\ntick = \"5 ms\"\ntick_noise = { three_sigma = \"1.6 arcsec\" }\n[motion]\n";
 
-/// The rest of a study with relock, whose last table goes on.
+/// The rest of a study with relock, whose last table is continued.
 const RELOCKED: &str = "amplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"\n[switching]\ninterval = \"3 s\"\ngap_ticks = 3\n\
     fillers = [\"quadratic\"]\n[run]\nduration = \"60 s\"\n[relock]\nmiss = 0.05\nhalf_wave_error = 0.005\nloop_time = \"12 ms\"\n\
     bias_frequency = \"80 kHz\"\npulse_weight = \"2.6 arcsec\"\ncurvature = 40\n";
 
-/// By name: tables of a study.
+/// Tables of studies, by name.
 const RUNS: [(&str, &[&str]); 10] = [
     (
         "plain",
@@ -88,7 +88,7 @@ const RUNS: [(&str, &[&str]); 10] = [
     ),
 ];
 
-/// What the kernel is checked on.
+/// The loads on which the kernel is checked.
 pub fn loads() -> Vec<Load> {
     Load::of_launches(run_launches(), &["spreads", "warm-up"])
 }

@@ -70,7 +70,7 @@ fn mistakes_are_told_with_what_is_there_and_leave_nothing_behind() {
     desk.fails("filler study.toml --at gap_ticks", 2, &["give a key and a value"]);
     desk.fails("filler nowhere.toml", 3, &["cannot read the study nowhere.toml"]);
     desk.fails("filler", 2, &["<STUDY|FILLER>"]);
-    desk.fails("filler study.toml study.toml", 2, &["is no filler", "one study file", "minimum-variance"]);
+    desk.fails("filler study.toml study.toml", 2, &["is not a filler", "one study file", "minimum-variance"]);
     desk.fails("filler study.toml --gap-ticks 3", 2, &["--gap-ticks describes a filler without a study"]);
     desk.fails("filler study.toml --test-vectors 0", 2, &["--test-vectors"]);
     std::fs::write(desk.path("file"), "").unwrap();

@@ -1,4 +1,4 @@
-//! One estimate of a point: the proof that it fits, and what it comes to exactly.
+//! One estimate of a point: the proof that it fits, and its exact value.
 
 use crate::filler::keys::Error;
 use crate::kernel::gap_fill;
@@ -16,46 +16,46 @@ use crate::tally::id::Id;
 /// The exact values of an estimate for the lowered parameters, in ″.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oracle {
-    /// Absent where there is no closed form.
+    /// Rms error; absent where there is no closed form.
     pub rms: Option<f64>,
-    /// Largest error of the motion alone, where it is known.
+    /// Largest error of the motion alone; absent where it is unknown.
     pub max: Option<f64>,
-    /// Standard deviation of E² in a trial whose place in the record is given, ″²: where every place comes equally often, the
-    /// noise alone scatters.
+    /// Standard deviation of E² in a trial whose place in the record is given, ″². Where every place comes equally
+    /// often, only the noise scatters.
     pub noise_of_square: Option<f64>,
-    /// No sampled rms is farther from `rms` than this for rounding in the kernel.
+    /// Bound of the deviation of a sampled rms from `rms` due to rounding in the kernel.
     pub rounding: f64,
 }
 
 /// One estimate of a point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// Which error of the filler it is.
+    /// The error of the filler.
     pub error: Error,
-    /// Where its tallies are kept.
+    /// Address of its tallies.
     pub address: Address,
     /// Its closed form for the lowered words.
     pub oracle: Oracle,
-    /// ″ per unit of the tally.
+    /// Size of a unit of the tally, ″.
     pub unit_arcsec: f64,
-    /// Where its histogram starts.
+    /// Level at which its histogram starts.
     pub bin_base: u32,
-    /// The weights in whole numbers.
+    /// Weights as integers.
     pub rows: Rows,
-    /// Bits that its sum is rounded by.
+    /// Number of bits by which its sum is shifted, with rounding.
     pub(crate) shift: u32,
 }
 
-/// Most of the rms that rounding may be in an estimate of a filler that was designed for the least: beyond it the weights cancel
-/// the motion to below what the arithmetic can hold.
+/// Largest ratio of rounding to rms for a filler designed for the least error. Beyond it, the weights cancel the motion
+/// to below the resolution of the arithmetic.
 const MOST_ROUNDING: f64 = 0.1;
 
-/// Whose an estimate is.
+/// The filler and error to which an estimate belongs.
 pub(crate) struct Owner<'a> {
     pub(crate) point: Id,
     pub(crate) key: [u32; 2],
     pub(crate) filler: &'a str,
-    /// What the filler is, whatever its name.
+    /// Definition of the filler, regardless of its name.
     pub(crate) definition: &'a str,
     /// Whether its weights were chosen for the least error.
     pub(crate) designed: bool,
@@ -67,7 +67,7 @@ impl Estimate {
     pub(crate) fn new(owner: &Owner, fixed: &Fixed, rows: Rows) -> Result<Estimate, Refusal> {
         let scale = rows.denominator as f64;
         let sigma = fixed.sigma_lsb();
-        // Reading whole pulses changes each tick by less than one.
+        // Reading whole pulses changes each tick by less than one pulse.
         let pulse = fixed.readout.map_or(0.0, |readout| libm::exp2(f64::from(readout.bits)));
         let drawn = fixed.has_amplitudes() || fixed.has_frequencies();
         let functionals = functionals(&rows, owner.error, fixed.gap_ticks);
@@ -75,8 +75,8 @@ impl Estimate {
         for f in &functionals {
             let response = fixed.response(f);
             let gain = f.gain();
-            // Each tick and the gap is rounded once, by half an LSB at most, and the sine is wrong by 2^−29.5; a drawn
-            // amplitude or frequency has factors that are rounded to an eighth of an LSB besides.
+            // Each tick and the gap are rounded once, by at most half an LSB, and the sine is wrong by 2^−29.5. A drawn
+            // amplitude or frequency also has factors that are rounded to an eighth of an LSB.
             let factors = if drawn { 0.25 * (gain + scale * f64::from(f.gap)) } else { 0.0 };
             let own = 0.5 * (gain + scale)
                 + libm::exp2(if drawn { -28.0 } else { -29.5 }) * response.terms
@@ -85,7 +85,7 @@ impl Estimate {
             bound = bound.max(response.bound + (REACH * sigma + pulse) * gain + own);
             terms = terms.max(response.terms + (REACH * sigma + pulse + 1.0) * gain + scale);
         }
-        // Below 2^59 the shift stays below 32, which `bits_from` asks for.
+        // Below 2^59 the shift stays below 32, as `bits_from` requires.
         if terms >= libm::exp2(59.0) {
             let (filler, error, bits) = (owner.filler, owner.error.name(), libm::log2(terms));
             let found = format!(
@@ -99,7 +99,8 @@ impl Estimate {
         let unit_arcsec = fixed.lsb_arcsec / scale * unit;
         let rounding = (rounding / unit + if shift > 0 { 0.5 } else { 0.0 }) * unit_arcsec;
 
-        // The whole gap is the last row. Errors in a gap of one tick are those of the extrapolation without their sign.
+        // The whole gap is the last row. Errors in a gap of one tick equal those of the extrapolation without their
+        // sign.
         let whole = &functionals[functionals.len() - 1];
         let response = fixed.response(whole);
         let noise = sigma * whole.noise_gain();
@@ -125,14 +126,14 @@ impl Estimate {
                     tail / (2.0 * rms_with(variance) * unit).max(1e-9) / unit * unit_arcsec
                 }),
         };
-        // Where the variance of the readout is not known, about that of independent fractions.
+        // Where the variance of the readout is unknown, it is approximated by that of independent fractions.
         let about =
             quantised.map_or(pulse * pulse / 6.0 * whole.noise_gain() * whole.noise_gain(), |(x, _)| x);
-        // A record may have most of its motion in few places: then its own level says where bins are needed.
+        // If a record has most of its motion in few places, its own level determines where bins are needed.
         let tail = response.level.map_or(0.0, |motion| 0.125 * libm::hypot(motion, 3.0 * noise) / unit);
         let bin_base = level(libm::floor((0.25 * rms_with(about)).max(tail)) as u32);
         let lost = oracle.rms.is_some_and(|rms| oracle.rounding > MOST_ROUNDING * rms);
-        // Without motion nothing is cancelled, and what pulses leave of nothing may be 0.
+        // Without motion nothing is cancelled, and an oracle of 0 is possible.
         if owner.designed && lost && response.terms > whole.gain() {
             return Err(singular_covariance(owner.filler, sigma * fixed.lsb_arcsec));
         }
@@ -164,7 +165,7 @@ impl Owner<'_> {
     }
 }
 
-/// The sums of an estimate: one, or for errors in the gap one for each of its first ticks.
+/// The sums of an estimate: a single one, or for errors in the gap one for each number of its first ticks.
 pub(crate) fn functionals(rows: &Rows, error: Error, gap_ticks: i32) -> Vec<Functional<'_>> {
     let first = if error == Error::InGap { 1 } else { gap_ticks };
     (first..)

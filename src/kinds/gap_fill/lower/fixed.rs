@@ -1,4 +1,4 @@
-//! The sampled quantities of a point in fixed point: the very words that the kernel sees, before they are put in order.
+//! The sampled quantities of a point in fixed point: the words of the kernel before they are arranged.
 
 use std::sync::Arc;
 
@@ -16,7 +16,8 @@ pub(crate) const ANGLE_UNITS: f64 = 4.0;
 pub(crate) const SIGMA_UNITS: f64 = 16.0;
 const PEAK_UNITS: f64 = 32.0;
 
-/// Amplitude of a Rayleigh-distributed tone in units of the kernel's sine: its normal numbers have another unit.
+/// Amplitude of a Rayleigh-distributed tone in units of the kernel's sine, because its normal numbers have another
+/// unit.
 pub(crate) const RAYLEIGH_UNIT: f64 = SIGMA as f64 / ONE as f64;
 
 /// A point in fixed point.
@@ -26,11 +27,11 @@ pub(crate) struct Fixed {
     pub(crate) gap_ticks: i32,
     pub(crate) sigma: u32,
     pub(crate) tones: Vec<FixedTone>,
-    /// Integer lower triangular factor of the Gaussian motion's covariance, in the order of [`gaussian_place`], for as many
-    /// ticks on either side as are asked for.
+    /// Integer lower triangular factor of the Gaussian motion's covariance, in the order of [`gaussian_place`], for the
+    /// requested number of ticks on either side.
     pub(crate) gaussian: Option<Vec<Vec<i32>>>,
     pub(crate) profile: Option<FixedProfile>,
-    /// Rate, acceleration and relock, LSB per tick.
+    /// Constant rate, acceleration and relock, LSB per tick.
     pub(crate) rate: f64,
     pub(crate) acceleration: f64,
     pub(crate) relock: Vec<f64>,
@@ -44,30 +45,30 @@ pub(crate) struct FixedTone {
     pub(crate) motion: ToneMotion,
     pub(crate) phase: u32,
     pub(crate) phase_spread: u32,
-    /// Least part of the amplitude and how far it is spread, in 2^−31.
+    /// Least fraction of the amplitude and the width of its range, in 2^−31.
     pub(crate) part: [u32; 2],
     pub(crate) rayleigh: bool,
 }
 
-/// What a tone turns through.
+/// The frequency and angle of a tone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum ToneMotion {
-    /// At a fixed frequency νT: the peak angle of a tick, LSB.
+    /// A fixed frequency νT, with the peak angle of a tick, LSB.
     Fixed { amplitude: f64, nu_t: f64 },
-    /// At a frequency that is drawn: the words of the kernel.
+    /// A drawn frequency, as the words of the kernel.
     Drawn { peak: u32, low: u32, width: u32, of_angle: bool },
 }
 
 /// A recorded profile.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FixedProfile {
-    /// Angle since the start at the boundaries of ticks, LSB; wraps.
+    /// Angle since the start at the boundaries of ticks, LSB, wrapped.
     pub(crate) angles: Arc<[u32]>,
     pub(crate) positions: usize,
     pub(crate) every: bool,
 }
 
-/// Whole pulses.
+/// The readout in whole pulses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Readout {
     pub(crate) bits: u32,
@@ -76,7 +77,7 @@ pub(crate) struct Readout {
 }
 
 impl Fixed {
-    /// The words for a unit of angle; `sides` is how many ticks on either side the Gaussian motion reaches.
+    /// The words for a given unit of angle; the Gaussian motion covers `sides` ticks on either side.
     pub(crate) fn new(physical: &Physical, lsb_arcsec: f64, sides: usize) -> Fixed {
         let n = physical.gap_ticks as i32;
         let sigma = libm::round(physical.sigma_arcsec / lsb_arcsec * SIGMA_UNITS) as u32;
@@ -121,7 +122,7 @@ impl Fixed {
         self.rate != 0.0 || self.acceleration != 0.0 || !self.relock.is_empty()
     }
 
-    /// What is the same in all trials over a tick, in 2^−32 LSB.
+    /// The angle of a tick that is common to all trials, in 2^−32 LSB.
     pub(crate) fn tick_constant(&self, tick: i32) -> i64 {
         let relock = if tick > self.gap_ticks {
             self.relock.get((tick - self.gap_ticks - 1) as usize).copied().unwrap_or(0.0)
@@ -132,12 +133,12 @@ impl Fixed {
         libm::round((self.rate + self.acceleration * from_middle + relock) * libm::exp2(32.0)) as i64
     }
 
-    /// The same over the first `ticks` of the gap.
+    /// The same angle over the first `ticks` of the gap.
     pub(crate) fn gap_constant(&self, ticks: i32) -> i64 {
         (1..=ticks).map(|tick| self.tick_constant(tick)).sum()
     }
 
-    /// The words that determine an estimate which reads `ticks`, but for its weights.
+    /// The words that determine an estimate that reads `ticks`, except its weights.
     pub(crate) fn words(&self, ticks: &[i32]) -> Vec<u32> {
         let n = self.gap_ticks;
         let mut words = vec![n as u32, self.sigma];
@@ -198,7 +199,7 @@ impl FixedTone {
             }
             ToneKind::Drawn { arcsec, of_angle, nu_t } => {
                 let half_turns = nu_t.map(|nu_t| libm::round(0.5 * nu_t * libm::exp2(32.0)) as u32);
-                // A_Ω T sinc νT is 2/π A_Ω T times the ratio that the kernel has.
+                // A_Ω T sinc νT is 2/π A_Ω T times the ratio in the kernel.
                 let factor = if of_angle { 1.0 } else { core::f64::consts::FRAC_2_PI };
                 ToneMotion::Drawn {
                     peak: libm::round(arcsec * scale * factor * PEAK_UNITS) as u32,
@@ -211,7 +212,8 @@ impl FixedTone {
         FixedTone { motion, phase, phase_spread, part, rayleigh }
     }
 
-    /// A tone of fixed frequency over a tick, at sine 1 and at cosine 1 of the phase at the middle of the gap.
+    /// The angle of a tone of fixed frequency over a tick, at sine 1 and at cosine 1 of the phase at the middle of the
+    /// gap.
     pub(crate) fn tick_words(&self, tick: i32, gap_ticks: i32) -> [i32; 2] {
         let ToneMotion::Fixed { amplitude, nu_t } = self.motion else { return [0; 2] };
         let phase = tick_phase(f64::from(tick), gap_ticks as u32, nu_t);
@@ -219,7 +221,7 @@ impl FixedTone {
         [word(libm::cos(phase)), word(libm::sin(phase))]
     }
 
-    /// The same over the first `ticks` of the gap; over all of it the parts at cosine 1 cancel.
+    /// The same angles over the first `ticks` of the gap; over the whole gap the parts at cosine 1 cancel.
     pub(crate) fn gap_words(&self, ticks: i32, gap_ticks: i32) -> [i32; 2] {
         let ToneMotion::Fixed { amplitude, nu_t } = self.motion else { return [0; 2] };
         let phases = (1..=ticks).map(|tick| tick_phase(f64::from(tick), gap_ticks as u32, nu_t));
@@ -237,15 +239,15 @@ impl FixedProfile {
         self.angles[end].wrapping_sub(self.angles[end - 1]) as i32
     }
 
-    /// The angle over the first `ticks` of the gap.
+    /// The angle over the first `ticks` of the gap at one of the positions, LSB.
     pub(crate) fn gap(&self, position: usize, ticks: i32) -> i32 {
         let start = position + MARGIN;
         self.angles[start + ticks as usize].wrapping_sub(self.angles[start]) as i32
     }
 }
 
-/// The place of a tick among the Gaussian draws: the gap first, then outward, after and before it in turn. A tick farther
-/// out comes later, so that its being there changes no nearer one.
+/// The place of a tick among the Gaussian draws: the gap first, then outward, alternately after and before it. A tick
+/// farther out comes later, so that its presence changes no nearer one.
 pub(crate) fn gaussian_place(tick: i32, gap_ticks: i32) -> usize {
     (match tick {
         1.. if tick <= gap_ticks => tick - 1,
@@ -290,7 +292,7 @@ mod tests {
                     factor[i].iter().zip(&factor[j]).map(|(&a, &b)| f64::from(a) * f64::from(b)).sum();
                 let (found, expected) =
                     (product * unit * unit, covariance[ticks[i].abs_diff(ticks[j]) as usize]);
-                // A tick moved by 2 LSB: pivots below that are left out.
+                // A tick moved by 2 LSB; smaller pivots are left out.
                 let tolerance = 4.0 * lsb * libm::sqrt(covariance[0]);
                 assert!((found - expected).abs() < tolerance, "{band:?}, {i}, {j}: {found}, not {expected}");
             }

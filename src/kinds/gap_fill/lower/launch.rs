@@ -1,4 +1,4 @@
-//! The launch of some fillers of a point: shape, parameter words in order, table.
+//! The launch of some fillers of a point: its shape, ordered parameter words and table.
 
 use crate::filler::keys::Error;
 use crate::kernel::gap_fill::shape::{Parameters, Shape};
@@ -9,8 +9,8 @@ use crate::kinds::gap_fill::lower::estimate::Estimate;
 use crate::kinds::gap_fill::lower::fixed::{Fixed, ToneMotion, gaussian_place, long_words};
 
 impl Lowered {
-    /// The launch that samples some of the fillers, which have the same errors; its estimates are all their residuals, then
-    /// all their extrapolations, then all their errors in the gap.
+    /// The launch that samples some of the fillers, which must have the same errors. Its estimates are all residuals,
+    /// then all extrapolations, then all errors in the gap.
     pub fn launch(&self, fillers: &[usize]) -> Launch {
         let estimates: Vec<&Estimate> = self.launched(fillers).collect();
         debug_assert!(estimates.len() <= MAX_ESTIMATES);
@@ -79,14 +79,14 @@ impl Lowered {
             .flat_map(|(e, row)| extrapolation_ticks.iter().map(move |&tick| e.weight(row, tick)))
             .collect();
         let table = match (&fixed.profile, in_gap.is_empty()) {
-            // Shared by all launches of the point.
+            // The table is shared by all launches of the point.
             (Some(profile), true) => profile.angles.clone(),
             _ => [in_gap, motion_table(fixed, shape)].concat().into(),
         };
         Launch::new(shape, words, table)
     }
 
-    /// The estimates of a launch in its order.
+    /// The estimates of a launch in order.
     pub fn launched<'a>(&'a self, fillers: &'a [usize]) -> impl Iterator<Item = &'a Estimate> {
         Error::ALL.into_iter().flat_map(move |error| {
             let all = fillers.iter().flat_map(|&filler| &self.fillers[filler]);
@@ -128,7 +128,7 @@ fn shape(fixed: &Fixed, estimates: &[&Estimate], fillers: usize) -> Shape {
     }
 }
 
-/// The lengths of the gap from its start that have a row.
+/// The lengths of the gap, counted from its start, that have a row.
 fn lengths(shape: Shape, n: i32) -> core::ops::RangeInclusive<i32> {
     if shape.in_gap { 1..=n } else { n..=n }
 }
@@ -140,9 +140,9 @@ struct Tones {
     phase_spread: Vec<u32>,
     gap: [Vec<u32>; 2],
     side: [Vec<u32>; 2],
-    /// Least part, its spread, Rayleigh.
+    /// Least fraction, width of its range, and Rayleigh mask.
     amplitude: [Vec<u32>; 3],
-    /// Peak, least frequency, its spread, of angle.
+    /// Peak, least frequency, width of its range, and mask of angle amplitudes.
     frequency: [Vec<u32>; 4],
 }
 
@@ -191,7 +191,7 @@ impl Tones {
     }
 }
 
-/// What the motion needs in the table: rows of the Gaussian factor over the gap, then of the ticks outward; or a profile.
+/// The table of the motion: rows of the Gaussian factor over the gap, then those of the ticks outward; or a profile.
 fn motion_table(fixed: &Fixed, shape: Shape) -> Vec<u32> {
     if let Some(profile) = &fixed.profile {
         return profile.angles.to_vec();

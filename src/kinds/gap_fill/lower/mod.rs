@@ -1,14 +1,14 @@
-//! Lowering: a point of a study becomes the fixed-point parameters of its kernel, with a proof that they fit.
+//! Lowering: converts a point of a study into the fixed-point parameters of its kernel, with a proof that they fit.
 //!
-//! Everything here is f64 through `libm`, in a fixed order, so that the words are the same on every machine. The
-//! oracle of each estimate is taken from the *lowered* parameters: it is exact for what is sampled.
+//! All computations are in f64 through `libm`, in a fixed order, so that the words are the same on every machine. The
+//! oracle of each estimate is computed from the *lowered* parameters, so it is exact for what is sampled.
 //!
 //! ```text
 //! Inputs ─ physical ─▶ Physical ─ unit ─▶ Fixed ─┬─ weights, response, readout ─▶ Estimates
 //!                                               └─ launch ─▶ Launch
 //! ```
 //!
-//! One point of a sweep, with its closed forms and no trial:
+//! A point of a sweep with its closed forms, without sampling:
 //!
 //! ```
 //! use sagnac::kinds::gap_fill::lower::Lowered;
@@ -56,11 +56,11 @@ use crate::tally::id::Id;
 /// A point, ready to be sampled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lowered {
-    /// Of the point: what its draws and tallies are found by.
+    /// Id of the point, under which its draws and tallies are found.
     pub id: Id,
     key: [u32; 2],
     fixed: Fixed,
-    /// The estimates of each filler: its errors, in the order of the kernel.
+    /// The estimates of each filler, one for each error in the order of the kernel.
     pub fillers: Vec<Vec<Estimate>>,
 }
 
@@ -68,7 +68,7 @@ impl Lowered {
     /// Lowers a point of a study with this seed.
     ///
     /// # Errors
-    /// The point cannot be represented: see [`Refusal`].
+    /// The point cannot be represented; see [`Refusal`].
     pub fn new(
         point: &Point,
         fillers: &[Filler],
@@ -117,18 +117,19 @@ impl Lowered {
         Ok(Lowered { id, key, fixed, fillers })
     }
 
-    /// Most fillers with the errors of one of them that a launch can have.
+    /// Most fillers with as many errors as `filler` that fit into a launch.
     pub fn most_fillers(&self, filler: usize) -> usize {
         MAX_ESTIMATES / self.fillers[filler].len().max(1)
     }
 
-    /// Whether two fillers have the same errors and so can share a launch.
+    /// Whether two fillers have the same errors, so that they can share a launch.
     pub fn alike(&self, a: usize, b: usize) -> bool {
         let errors = |filler: usize| self.fillers[filler].iter().map(|estimate| estimate.error);
         errors(a).eq(errors(b))
     }
 
-    /// The fewest trials, `asked` or more, that the point can have: whole replays of a profile that is taken in turn.
+    /// The least possible number of trials of the point that is at least `asked`: whole replays for a profile that is
+    /// taken in turn.
     pub fn trials(&self, asked: u64) -> u64 {
         match &self.fixed.profile {
             Some(profile) if profile.every => asked.next_multiple_of(profile.positions as u64),
@@ -137,7 +138,7 @@ impl Lowered {
     }
 }
 
-/// What a filler is, whatever its name: part of the identity of its estimates.
+/// Definition of a filler regardless of its name, part of the identity of its estimates.
 pub(crate) fn definition(filler: &Filler) -> String {
     match &filler.method {
         Method::Polynomial(order) => format!("polynomial order={order}"),

@@ -1,5 +1,5 @@
-//! What a point's draws and truth depend on, by what it comes to: a motion given as a rate or as an angle is the same
-//! motion. Every number has 12 significant digits.
+//! The inputs that determine a point's draws and truth, in canonical form: a motion given as a rate or as an angle is
+//! the same motion. Every number has 12 significant digits.
 
 use std::fmt::Write as _;
 
@@ -15,21 +15,21 @@ use crate::quantity::units::round_12;
 use crate::tally::id::Id;
 use crate::theory::gap::tick_amplitude;
 
-/// Most ticks of a profile: a place in it is chosen by 32 random bits, which favour no place by more than 1/1000.
+/// Most ticks of a profile. A place is chosen by 32 random bits, which then favour no place by more than 1/1000.
 const MOST_PROFILE_TICKS: usize = 1 << 22;
 
-/// The canonical inputs, angles in ″ per tick.
+/// The canonical inputs, with angles in ″ per tick.
 #[derive(Debug, Clone)]
 pub(crate) struct Physical {
     pub(crate) gap_ticks: u32,
     pub(crate) sigma_arcsec: f64,
-    /// 0 where the readout is not quantised.
+    /// Angle of a pulse, ″; 0 where the readout is not quantised.
     pub(crate) readout_lsb: f64,
     pub(crate) relock: Vec<f64>,
     pub(crate) tones: Vec<PhysicalTone>,
     pub(crate) gaussian: Option<PhysicalGaussian>,
     pub(crate) profile: Option<PhysicalProfile>,
-    /// ΩT and αT².
+    /// Constant rate and acceleration, ΩT and αT².
     pub(crate) rate_arcsec: f64,
     pub(crate) acceleration_arcsec: f64,
 }
@@ -37,27 +37,29 @@ pub(crate) struct Physical {
 /// One tone.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PhysicalTone {
-    /// What gives it, for refusals.
+    /// The key that gives it, for refusals.
     pub(crate) key: &'static str,
     pub(crate) kind: ToneKind,
-    /// How the amplitude is drawn, as parts of its scale.
+    /// Distribution of the amplitude, relative to its scale.
     pub(crate) value: Value,
     pub(crate) phase: Phase,
 }
 
-/// What a tone turns through in a tick.
+/// The frequency and angle of a tone per tick.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum ToneKind {
-    /// Angle with the peak of the rate in the middle, negative where sinc(νT) is, at νT.
+    /// A fixed frequency νT, with the angle of a tick with the peak of the rate in its middle, which is negative where
+    /// sinc(νT) is.
     Fixed { tick_arcsec: f64, nu_t: f64 },
-    /// A_Ω T at amplitudes of the rate, 2A at those of the angle, and νT between two ends.
+    /// A drawn frequency νT between two ends; `arcsec` is A_Ω T for amplitudes of the rate, and 2A for those of the
+    /// angle.
     Drawn { arcsec: f64, of_angle: bool, nu_t: [f64; 2] },
 }
 
-/// Stationary Gaussian motion: the covariance of tick angles by lag, ″², as far as any tick can be from another.
+/// Stationary Gaussian motion: the covariance of tick angles by lag, ″², up to the largest distance between two ticks.
 #[derive(Debug, Clone)]
 pub(crate) struct PhysicalGaussian {
-    /// What gives it, for refusals.
+    /// The key that gives it, for refusals.
     pub(crate) key: &'static str,
     pub(crate) covariance: Vec<f64>,
 }
@@ -67,7 +69,7 @@ pub(crate) struct PhysicalGaussian {
 pub(crate) struct PhysicalProfile {
     pub(crate) ticks: Vec<f64>,
     pub(crate) every: bool,
-    /// Places that the gap can have.
+    /// Number of places that the gap can have.
     pub(crate) positions: usize,
 }
 
@@ -75,7 +77,7 @@ impl Physical {
     pub(crate) fn of(inputs: &Inputs) -> Result<Physical, Refusal> {
         let tick_s = round_12(inputs.tick_s);
         let motion = &inputs.motion;
-        // Where one frequency is drawn, the kernel draws all of them: a fixed one from a band without width.
+        // Where one frequency is drawn, the kernel draws all of them, a fixed one from a band of zero width.
         let drawn = motion.tones.iter().any(|tone| matches!(tone.frequency, Frequency::Band(_)));
         // The tone of a sine through the suspension is the last one.
         let sine = motion.vibration.iter().filter(|v| matches!(v.acceleration, Acceleration::Sine { .. }));
@@ -156,7 +158,7 @@ impl Physical {
         })
     }
 
-    /// Largest angle of a tick that each part of the motion can have, ″, with the key that gives it.
+    /// Largest angle of a tick for each part of the motion, ″, with the key that gives it.
     pub(crate) fn tick_sizes(&self) -> Vec<(&'static str, f64)> {
         let mut sizes = Vec::new();
         for tone in &self.tones {
@@ -164,7 +166,7 @@ impl Physical {
                 ToneKind::Fixed { tick_arcsec, .. } => tick_arcsec.abs(),
                 ToneKind::Drawn { arcsec, .. } => arcsec,
             };
-            // Of two normal numbers.
+            // The amplitude is made of two normal numbers.
             let reach = if let Value::Rayleigh(_) = tone.value { 2.0 * REACH } else { 1.0 };
             sizes.push((tone.key, arcsec * reach));
         }
@@ -177,14 +179,14 @@ impl Physical {
         sizes
     }
 
-    /// Largest angle of a tick by what is the same in all trials, ″.
+    /// Largest angle of a tick that is common to all trials, ″.
     pub(crate) fn constant_size(&self) -> f64 {
         let farthest = (2 * MARGIN) as f64 + f64::from(self.gap_ticks);
         let relock = self.relock.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
         self.rate_arcsec.abs() + self.acceleration_arcsec.abs() * farthest + relock
     }
 
-    /// The identity of the point in a study of this seed: whatever determines draws and truth.
+    /// The identity of the point in a study with this seed, from everything that determines draws and truth.
     pub(crate) fn id(&self, inputs: &Inputs, seed: u64, streams: Streams) -> Id {
         let Physical { gap_ticks, sigma_arcsec, readout_lsb, .. } = self;
         let mut text = format!(
@@ -196,7 +198,7 @@ impl Physical {
             self.acceleration_arcsec,
         );
         let mut line = |line: std::fmt::Arguments| {
-            // Writing to a text does not fail.
+            // Writing to a text cannot fail.
             let _ = writeln!(text, "{line}");
         };
         for tone in &self.tones {

@@ -1,9 +1,10 @@
-//! The variance that reading whole pulses adds, where it has a closed form.
+//! The variance added by reading whole pulses, where it has a closed form.
 //!
-//! A reading is the tick less the difference of the fractions f of a pulse at its two ends, so that fractions telescope:
-//! the error is Σ_b (w_{b+1} − w_b) f_b over the boundaries b, with w the weight of the tick that ends at b. Each f is
-//! uniform, whatever the motion, and independent of it. Those of two boundaries with an angle d between them have the
-//! covariance q²/(2π²) Σ_m cos(2πmd/q)/m², whose mean over the trials is that of the characteristic function of d.
+//! A reading is the tick less the difference of the fractions f of a pulse at its two ends, so that fractions
+//! telescope: the error is Σ_b (w_{b+1} − w_b) f_b over the boundaries b, where w is the weight of the tick that ends
+//! at b. Each f is uniform and independent of the motion. The fractions at two boundaries with an angle d between them
+//! have the covariance q²/(2π²) Σ_m cos(2πmd/q)/m², whose mean over the trials is that of the characteristic function
+//! of d.
 
 use core::f64::consts::PI;
 
@@ -12,10 +13,10 @@ use crate::kinds::gap_fill::lower::fixed::{
 };
 use crate::kinds::gap_fill::lower::response::Functional;
 
-/// Noise that is not tiny ends the sum within so many terms by itself, to the last digit.
+/// Damping by noise from which on the sum converges within its terms to the last digit.
 const DAMPED: f64 = 64.0;
 
-/// What is left out otherwise, in parts of the first factor: less than a ten millionth of a pulse squared.
+/// Largest omitted part otherwise, relative to the first factor: less than a ten-millionth of a pulse squared.
 const NEGLIGIBLE: f64 = 1e-6;
 
 /// Most terms of the sum over m.
@@ -26,15 +27,15 @@ pub(crate) fn variance(fixed: &Fixed, f: &Functional) -> Option<(f64, f64)> {
     summed(fixed, f, Drawn::Refused)
 }
 
-/// About the same for any motion, LSB²: that of drawn amplitudes and frequencies is taken at some of them, and the fractions of a recorded
-/// profile, and of a drawn tone of fixed phase, as if no two had anything to do with each other.
+/// An approximation of the same variance for any motion, LSB². Drawn amplitudes and frequencies are evaluated at some
+/// of their values. The fractions of a recorded profile, and of a drawn tone of fixed phase, are taken as uncorrelated.
 pub(crate) fn about(fixed: &Fixed, f: &Functional) -> f64 {
     let pulse = fixed.readout.map_or(0.0, |readout| libm::exp2(f64::from(readout.bits)));
     let apart = || boundaries(fixed, f).iter().map(|(_, g)| g * g * pulse * pulse / 12.0).sum();
     summed(fixed, f, Drawn::AtSome).map_or_else(apart, |(variance, _)| variance)
 }
 
-/// What is done of tones that are drawn.
+/// Treatment of tones whose amplitude or frequency is drawn.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Drawn {
     Refused,
@@ -61,11 +62,11 @@ fn summed(fixed: &Fixed, f: &Functional, drawn: Drawn) -> Option<(f64, f64)> {
 fn boundaries(fixed: &Fixed, f: &Functional) -> Vec<(i32, f64)> {
     let weight = |tick: i32| f.ticks.iter().position(|&own| own == tick).map_or(0.0, |k| f.weights[k] as f64);
     let [Some(&first), Some(&last)] = [f.ticks.first(), f.ticks.last()] else { return vec![] };
-    // Boundary b is the end of tick b; those within the gap have no weight.
+    // Boundary b is the end of tick b; boundaries within the gap have no weight.
     (first.min(1) - 1..=last.max(0))
         .filter(|b| !(1..fixed.gap_ticks).contains(b))
         .map(|b| {
-            // What follows the end of tick 0 and what ends the gap belong to the gap, which is not read.
+            // The interval after tick 0 is the gap, which is not read.
             let next = if b == 0 { 0.0 } else { weight(b + 1) };
             let own = if b == fixed.gap_ticks && b > 0 { 0.0 } else { weight(b) };
             (b, next - own)
@@ -74,11 +75,11 @@ fn boundaries(fixed: &Fixed, f: &Functional) -> Vec<(i32, f64)> {
         .collect()
 }
 
-/// Covariance of the fractions at two boundaries, and a bound of what is left out.
+/// Covariance of the fractions at two boundaries, with a bound of the omitted part.
 fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64, drawn: Drawn) -> Option<(f64, f64)> {
     let n = fixed.gap_ticks;
     let parts: Vec<(i32, bool)> = spans(from, to, n);
-    // The angle between the boundaries: a constant, tones of random phase, and what is normal.
+    // The angle between the boundaries consists of a constant, tones of random phase, and a normal part.
     let mut constant = 0.0;
     let mut normal = 0.0;
     let mut swings: Vec<Swing> = Vec::new();
@@ -95,7 +96,7 @@ fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64, drawn: Drawn) -> Op
         if !is_plain(tone) {
             let swing =
                 (drawn == Drawn::AtSome).then(|| Swing::at_some(tone, &parts, to - from, n)).flatten()?;
-            // Of many pulses nothing is left.
+            // Over many pulses the covariance vanishes.
             if swing.sizes.iter().all(|size| *size > FAR * pulse) {
                 return Some((0.0, 0.0));
             }
@@ -126,7 +127,7 @@ fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64, drawn: Drawn) -> Op
         return Some((pulse * pulse / 12.0 * (1.0 - 6.0 * part * (1.0 - part)), 0.0));
     }
     let unit = pulse * pulse / (2.0 * PI * PI);
-    // |J0(x)| is at most √(2/(πx)), and 1: of a swing over many pulses no more than a part of √m stays of term m.
+    // J0(x)| is at most √(2/(πx)) and at most 1, so a swing over many pulses leaves at most a fraction 1/√m of term m.
     let single = swings.iter().filter(|swing| swing.sizes.len() == 1).map(|swing| swing.sizes[0]);
     let parts = single.map(|d| pulse / (PI * PI * d)).filter(|part| *part < 1.0);
     let (envelope, power) =
@@ -151,17 +152,17 @@ fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64, drawn: Drawn) -> Op
     Some((unit * sum, unit * rest))
 }
 
-/// What lies between two boundaries: ticks, and the gap as a whole.
+/// The spans between two boundaries: ticks, and the gap as a whole.
 fn spans(from: i32, to: i32, n: i32) -> Vec<(i32, bool)> {
     (from + 1..=to).filter(|tick| !(2..=n).contains(tick)).map(|tick| (tick, tick == 1)).collect()
 }
 
-/// Whether nothing of a tone is drawn but its phase, or its amplitude from a Rayleigh distribution.
+/// Whether only the phase of a tone is drawn, or also its amplitude from a Rayleigh distribution.
 fn is_plain(tone: &FixedTone) -> bool {
     matches!(tone.motion, ToneMotion::Fixed { .. }) && tone.part[1] == 0
 }
 
-/// A plain tone over the spans, at sine 1 and cosine 1.
+/// The angle of a plain tone over the spans, at sine 1 and cosine 1.
 fn swung(tone: &FixedTone, parts: &[(i32, bool)], n: i32) -> [f64; 2] {
     let mut sum = [0.0; 2];
     for &(tick, gap) in parts {
@@ -172,24 +173,24 @@ fn swung(tone: &FixedTone, parts: &[(i32, bool)], n: i32) -> [f64; 2] {
     sum
 }
 
-/// How far a tone of random phase swings between two boundaries, LSB: at some of the amplitudes and frequencies that are drawn.
+/// Swing of a tone of random phase between two boundaries, LSB, at some of its drawn amplitudes and frequencies.
 struct Swing {
     sizes: Vec<f64>,
     rayleigh: bool,
 }
 
-/// Amplitudes and frequencies at which a drawn tone is taken.
+/// Number of amplitudes and frequencies at which a drawn tone is evaluated.
 const AMPLITUDES: u32 = 4;
 const FREQUENCIES: u32 = 8;
 
-/// Terms of the sum over m of drawn tones: what is left out is below 0.1 % of a pulse squared.
+/// Terms of the sum over m for drawn tones; the omitted part is below 0.1 % of a pulse squared.
 const FEW_TERMS: u32 = 48;
 
-/// Pulses of a swing over which fractions have nothing to do with each other.
+/// Swing in pulses beyond which fractions are uncorrelated.
 const FAR: f64 = 32.0;
 
 impl Swing {
-    /// Of a drawn tone over so many ticks; `None` where its phase is fixed.
+    /// The swing of a drawn tone over `ticks` ticks; `None` where its phase is fixed.
     fn at_some(tone: &FixedTone, parts: &[(i32, bool)], ticks: i32, n: i32) -> Option<Swing> {
         if tone.phase_spread == 0 && !tone.rayleigh {
             return None;
@@ -216,7 +217,7 @@ impl Swing {
         Some(Swing { sizes, rayleigh: tone.rayleigh })
     }
 
-    /// The mean of cos(k·angle) over the phase and what is drawn.
+    /// The mean of cos(k·angle) over the phase and the drawn values.
     fn factor(&self, k: f64) -> f64 {
         let one = |size: &f64| match self.rayleigh {
             true => libm::exp(-0.5 * k * k * size * size),

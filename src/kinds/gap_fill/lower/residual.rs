@@ -1,4 +1,5 @@
-//! What a filler leaves at a switch, as a function of the phase of the motion there: what whole runs add up.
+//! The residual that a filler leaves at a switch, as a function of the phase of the motion there; whole runs accumulate
+//! it.
 
 use crate::filler::keys::Error;
 use crate::kernel::relock_ticks::MAX_TICKS;
@@ -9,12 +10,12 @@ use crate::kinds::gap_fill::lower::{Lowered, readout};
 /// The residual of a switch, ″.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Residual {
-    /// Sines of the phases of tones.
+    /// Sines of the phases of the tones.
     pub tones: Vec<ResidualTone>,
-    /// What every switch leaves.
+    /// Constant part, the same at every switch.
     pub constant_arcsec: f64,
-    /// Of what is normally distributed, or taken as that: noise, Gaussian motion, fractions of a pulse, drawn amplitudes
-    /// and frequencies, profiles.
+    /// Variance of the part that is normally distributed or taken as such: noise, Gaussian motion, fractions of a
+    /// pulse, drawn amplitudes and frequencies, profiles.
     pub variance_arcsec2: f64,
     /// Weights of the filler on the ticks n+1, n+2, … as far as a relock can reach.
     pub after: Vec<f64>,
@@ -29,17 +30,17 @@ impl Residual {
     }
 }
 
-/// What is left of a tone of random phase.
+/// The part of the residual from a tone of random phase.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResidualTone {
-    /// Of the angle that is left, ″.
+    /// Amplitude of the residual angle, ″.
     pub amplitude_arcsec: f64,
-    /// Its place among the tones of the motion.
+    /// Index of the tone in the motion.
     pub tone: usize,
 }
 
 impl Lowered {
-    /// The residual of a filler, of the same words that its trials are sampled with; `None` where it has none.
+    /// The residual of a filler, from the words with which its trials are sampled; `None` where it has none.
     pub fn residual(&self, filler: usize) -> Option<Residual> {
         let estimate: &Estimate =
             self.fillers[filler].iter().find(|estimate| estimate.error == Error::Residual)?;
@@ -54,7 +55,7 @@ impl Lowered {
                 matches!(tone.motion, ToneMotion::Fixed { .. }) && tone.part[1] == 0 && !tone.rayleigh;
             if plain && tone.phase_spread != 0 {
                 let part = tone.response(f, fixed.gap_ticks);
-                // What swings evenly has twice the variance as the square of its amplitude.
+                // A sine of uniform phase has half its squared amplitude as variance.
                 mean -= part.mean;
                 variance -= part.variance;
                 tones.push((place, libm::sqrt(2.0 * part.variance)));
@@ -63,7 +64,7 @@ impl Lowered {
         let sigma = fixed.sigma_lsb() * f.noise_gain();
         let fractions = readout::about(fixed, f);
         let unit = fixed.lsb_arcsec / estimate.rows.denominator as f64;
-        // Differences of equal numbers may miss 0.
+        // Differences of equal numbers may come out below 0.
         let normal = variance.max(0.0) + sigma * sigma + fractions;
         let weight = |tick: i32| {
             let place = f.ticks.iter().position(|&own| own == tick);

@@ -1,4 +1,4 @@
-//! What a weighted sum of ticks less the gap comes to, exactly, for the lowered motion: the oracle of an estimate, and the
+//! The exact response of a weighted sum of ticks less the gap to the lowered motion: the oracle of an estimate, and the
 //! bounds that prove that it fits.
 
 use core::f64::consts::PI;
@@ -10,28 +10,29 @@ use crate::kinds::gap_fill::lower::fixed::{
 use crate::tally::stats::LEVEL;
 use crate::theory::quadrature;
 
-/// Σ w P − D Σ_{j ≤ gap} P_j, the weights being whole numbers on ticks.
+/// Σ w P − D Σ_{j ≤ gap} P_j, with integer weights on ticks.
 #[derive(Debug, Clone)]
 pub(crate) struct Functional<'a> {
     pub(crate) ticks: &'a [i32],
     pub(crate) weights: &'a [i64],
     pub(crate) scale: i64,
-    /// Ticks of the gap, counted from its start.
+    /// Number of ticks of the gap, counted from its start.
     pub(crate) gap: i32,
 }
 
-/// What it comes to for the motion, without noise, in LSB.
+/// Its value for the motion, without noise, in LSB.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Response {
     pub(crate) mean: f64,
     pub(crate) variance: f64,
-    /// No error of the motion is larger.
+    /// Bound of every error of the motion.
     pub(crate) bound: f64,
-    /// The largest error, where it is known and not only bounded.
+    /// Largest error, where it is known and not only bounded.
     pub(crate) largest: Option<f64>,
-    /// The 99.73 % level of |error|, where the motion is so far from a sine or a Gaussian that the rms does not tell it.
+    /// The 99.73 % level of |error|, where the motion differs so much from a sine or a Gaussian that it cannot be
+    /// derived from the rms.
     pub(crate) level: Option<f64>,
-    /// Σ|w||P| + D|Σ P|: no accumulator holds more on the way.
+    /// Σ|w||P| + D|Σ P|, which bounds the accumulator during the sum.
     pub(crate) terms: f64,
 }
 
@@ -44,7 +45,7 @@ impl Functional<'_> {
         libm::sqrt(self.weights.iter().map(|&w| w as f64 * w as f64).sum())
     }
 
-    /// Σ w x(tick) − D x(gap) of a quantity by tick and by length of gap.
+    /// Σ w x(tick) − D x(gap) of a quantity x given by tick and by length of the gap.
     fn of(&self, tick: impl Fn(i32) -> f64, gap: f64) -> f64 {
         let filled: f64 = self.ticks.iter().zip(self.weights).map(|(&t, &w)| w as f64 * tick(t)).sum();
         filled - self.scale as f64 * gap
@@ -66,7 +67,7 @@ impl Fixed {
         let terms = f.terms_of(|tick| lsb(self.tick_constant(tick)), lsb(self.gap_constant(f.gap)));
         let (bound, largest) = (constant.abs(), Some(constant));
         let mut sum = Response { mean: constant, variance: 0.0, bound, largest, level: None, terms };
-        // `largest` is the mean with its sign until the parts that swing about it are added at the end.
+        // `largest` is the signed mean until the parts that swing about it are added at the end.
         let mut swing = 0.0;
         for tone in &self.tones {
             let part = tone.response(f, self.gap_ticks);
@@ -136,13 +137,13 @@ impl FixedTone {
                     let e = self.fixed_phase(a, b);
                     e * e
                 });
-                // Bounded by a grid and by how fast the response can change between its points.
+                // The bound is taken from a grid and from the largest change of the response between its points.
                 let peak = self.peak_at(ends[0]).max(self.peak_at(ends[1]));
                 let gain = f.gain() + f.scale as f64 * f64::from(f.gap);
                 let size = peak * gain;
                 let steps = 64 * panels as usize;
                 let step = (ends[1] - ends[0]) / steps as f64;
-                // The phases turn by at most `reach`, and neither π·sin(x)/2x nor sin(x) is steeper than 1.
+                // The phases turn by at most `reach`, and neither π·sin(x)/2x nor sin(x) has a slope above 1.
                 let reach = f.ticks.iter().map(|tick| (2 * tick - n - 1).abs()).fold(n - 1, i32::max);
                 let slope = gain * (peak * f64::from(reach) + self.full_peak()) * 2.0 * PI / libm::exp2(32.0);
                 let greatest = (0..=steps)
@@ -155,7 +156,8 @@ impl FixedTone {
         }
     }
 
-    /// The response at a frequency, in turns per half tick in 2^−32, as factors of the sine and cosine at the middle.
+    /// The response at a frequency, given in 2^−32 turns per half tick, as factors of the sine and cosine at the
+    /// middle.
     fn at(&self, f: &Functional, n: i32, word: f64) -> [f64; 2] {
         let peak = self.peak_at(word);
         let half_turn = 2.0 * PI * word / libm::exp2(32.0);
@@ -180,7 +182,7 @@ impl FixedTone {
         self.full_peak() * ratio
     }
 
-    /// How far it swings at that frequency over so many ticks on end, LSB.
+    /// The swing at that frequency over `ticks` consecutive ticks, LSB.
     pub(crate) fn swing_at(&self, word: f64, ticks: i32) -> f64 {
         let x = 2.0 * PI * word / libm::exp2(32.0);
         let ratio = if libm::sin(x) == 0.0 {
@@ -191,20 +193,20 @@ impl FixedTone {
         (self.peak_at(word) * ratio).abs()
     }
 
-    /// The same where the ratio is 1.
+    /// The same peak where the ratio is 1.
     fn full_peak(&self) -> f64 {
         let ToneMotion::Drawn { peak, .. } = self.motion else { return 0.0 };
         f64::from(peak) / 32.0
     }
 
-    /// a sin φ + b cos φ at the phase that is fixed.
+    /// a sin φ + b cos φ at the fixed phase.
     fn fixed_phase(&self, a: f64, b: f64) -> f64 {
         let phase = f64::from(self.phase) / libm::exp2(32.0) * 2.0 * PI;
         a * libm::sin(phase) + b * libm::cos(phase)
     }
 
-    /// Takes the amplitude into account. `squares`: ½(a² + b²), then the mean and the mean square at the fixed phase;
-    /// `bounds`: at any phase and at the fixed one; `sum`: |a| + |b|.
+    /// Includes the distribution of the amplitude. `squares` is ½(a² + b²), then the mean and the mean square at the
+    /// fixed phase; `bounds` holds for any phase and for the fixed one; `sum` is |a| + |b|.
     fn parts(&self, squares: [f64; 3], bounds: [f64; 2], sum: f64, terms: f64) -> Response {
         let [swinging, fixed, fixed_square] = squares;
         if self.rayleigh {

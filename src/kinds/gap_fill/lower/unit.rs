@@ -1,4 +1,4 @@
-//! The unit of angle of a point, from its physical inputs alone: another filler never changes it.
+//! The unit of angle of a point, which depends on its physical inputs only and not on the fillers.
 
 use crate::kernel::moments::LIMIT;
 use crate::kernel::normal::REACH;
@@ -9,24 +9,24 @@ use crate::kinds::gap_fill::lower::response::Functional;
 use crate::quantity::number::significant;
 use crate::theory::gap::polynomial_weights;
 
-/// Fewest units of 2^−4 LSB of σ: it is then rounded by at most 1 %.
+/// Fewest units of 2^−4 LSB of σ, which is then rounded by at most 1 %.
 const LEAST_SIGMA: f64 = 50.0;
 
-/// Fewest LSB of the peak angle of a tick: its words are then rounded by less than 0.1 %. Motion without noise has more
-/// even where the longest gap leaves the least room.
+/// Fewest LSB of the peak angle of a tick, whose words are then rounded by less than 0.1 %. Motion without noise has
+/// more, even where the longest gap leaves the least room.
 const LEAST_MOTION: f64 = 128.0;
 
 /// Headroom kept for fillers other than the three polynomials on their default ticks.
 const RESERVE: f64 = 4.0;
 
-/// Finest LSB is 2^−24 ″, coarsest 2^24 ″.
+/// log2 of the finest unit of 2^−24 ″ and of the coarsest of 2^24 ″.
 const FINEST: i32 = 24;
 
 /// Ticks on either side that the default fillers reach.
 const DEFAULT_SIDES: usize = 4;
 
-/// The unit of angle, ″: the worst error of the three polynomials on their default ticks leaves a factor [`RESERVE`] to the
-/// limit. A power of two, or with whole pulses a pulse divided by one.
+/// The unit of angle, ″, at which the worst error of the three polynomials on their default ticks leaves a factor
+/// [`RESERVE`] to the limit. It is a power of two, or with whole pulses a pulse divided by a power of two.
 ///
 /// # Errors
 /// Noise, motion or pulses have too few units.
@@ -39,7 +39,7 @@ pub(crate) fn lsb(physical: &Physical) -> Result<f64, Refusal> {
     let n = physical.gap_ticks as i32;
     let mut worst = f64::from(n + 1) * whole;
     if whole > 0.0 {
-        // In a provisional unit, in which all words fit for certain.
+        // A provisional unit, in which all words certainly fit.
         let provisional = worst / libm::exp2(26.0);
         let fixed = Fixed::new(physical, provisional, DEFAULT_SIDES);
         for order in 0..3 {
@@ -68,7 +68,7 @@ pub(crate) fn lsb(physical: &Physical) -> Result<f64, Refusal> {
                 shown(readout_lsb),
                 significant(unit_arcsec, 3)
             );
-            let help = "leave readout_lsb out: pulses as fine as this change nothing";
+            let help = "leave readout_lsb out: pulses as fine as this have no effect";
             return Err(Refusal::new("gyro.readout_lsb", found, help));
         }
         lsb = physical.readout_lsb / libm::exp2(steps.min(f64::from(FINEST)));

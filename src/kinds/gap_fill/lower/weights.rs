@@ -1,4 +1,4 @@
-//! The weights of a filler at a point: exact fractions where there are, else the nearest over a power of two.
+//! The weights of a filler at a point: exact fractions where possible, else the nearest ones over a power of two.
 
 use core::cell::OnceCell;
 use core::ops::RangeInclusive;
@@ -11,21 +11,22 @@ use crate::kinds::gap_fill::inputs::Inputs;
 use crate::theory::gap::{Weights, polynomial_weights};
 use crate::theory::minimum_variance::minimum_variance_weights;
 
-/// Weights on some ticks over a common denominator: a row for the whole gap, or one for each of its ticks, or for errors in
-/// the gap one for each of its lengths from its first tick on.
+/// Weights on some ticks over a common denominator: one row for the whole gap, one row for each of its ticks, or for
+/// errors in the gap one row for each number of its first ticks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rows {
-    /// Their numbers; 0 is the last before the gap.
+    /// Numbers of the ticks; 0 is the last before the gap.
     pub ticks: Vec<i32>,
-    /// One for each row and tick.
+    /// Numerators, by row and tick.
     pub numerators: Vec<Vec<i64>>,
-    /// Positive, D.
+    /// Common denominator D, positive.
     pub denominator: i64,
-    /// Whether the fractions are the weights themselves, not the nearest over a power of two.
+    /// Whether the fractions are the exact weights instead of the nearest ones over a power of two.
     pub exact: bool,
 }
 
-/// Motion without noise that fewer ticks determine than the filler has: many weights would be equally good.
+/// The refusal of motion without noise that is determined by fewer ticks than the filler reads, so that many weights
+/// would be equally good.
 pub(crate) fn singular_covariance(filler: &str, sigma_arcsec: f64) -> Refusal {
     let found = format!(
         "the covariance of the ticks of `{filler}` is singular, a noise of {} ″ is too small beside the motion to choose weights by",
@@ -36,10 +37,10 @@ pub(crate) fn singular_covariance(filler: &str, sigma_arcsec: f64) -> Refusal {
 }
 
 impl Rows {
-    /// The weights of a filler for one of its errors, on `ticks`; `None` where the filler has no such error.
+    /// The weights of a filler on `ticks` for one of its errors; `None` where the filler does not have that error.
     ///
     /// # Errors
-    /// The ticks do not determine them.
+    /// The ticks do not determine the weights.
     pub fn of(
         filler: &Filler,
         error: Error,
@@ -51,12 +52,12 @@ impl Rows {
         Rows::over(lengths, filler, error, ticks, statistics)
     }
 
-    /// The weights of a filler for each tick of the gap by itself, as firmware needs them: those that interpolate it for the
-    /// residual, else those that extrapolate to it. They sum over the gap to the weights of the error, up to the rounding
-    /// of weights that are no small fractions. `None` where the filler says nothing of single ticks.
+    /// The weights of a filler for each single tick of the gap, as firmware needs them: those that interpolate the tick
+    /// for the residual, else those that extrapolate to it. Over the gap they sum to the weights of the error, up to
+    /// rounding where they are not small fractions. `None` where the filler defines nothing for single ticks.
     ///
     /// # Errors
-    /// The ticks do not determine them.
+    /// The ticks do not determine the weights.
     pub fn by_tick(
         filler: &Filler,
         error: Error,
@@ -67,7 +68,7 @@ impl Rows {
         else {
             return Ok(None);
         };
-        // From the end, so that the row before is still one over a length.
+        // From the end, so that the previous row still belongs to a length.
         for j in (1..rows.numerators.len()).rev() {
             let (before, from) = rows.numerators.split_at_mut(j);
             from[0].iter_mut().zip(&before[j - 1]).for_each(|(w, shorter)| *w -= shorter);
@@ -75,7 +76,7 @@ impl Rows {
         Ok(Some(rows))
     }
 
-    /// The weights over the first ticks of the gap, for each of these numbers of them.
+    /// The weights over the first ticks of the gap, for each of the given numbers of ticks.
     fn over(
         lengths: RangeInclusive<u32>,
         filler: &Filler,
@@ -112,7 +113,7 @@ impl Rows {
                     Error::Residual => Some(residual),
                     Error::Extrapolation | Error::InGap => extrapolation.as_ref(),
                 };
-                // They say nothing of the first ticks of a gap.
+                // Given weights do not define the first ticks of a gap.
                 let n = statistics.inputs.gap_ticks;
                 let weights = weights.filter(|_| *lengths.start() == n);
                 Ok(weights.map(|weights| nearest(ticks, &[(n, weights.clone())])))
@@ -127,11 +128,11 @@ impl Rows {
     }
 }
 
-/// Weights of a designed filler stay below this, with at least ten bits left for their fractions.
+/// Bound of the weights of a designed filler, which leaves at least ten bits for their fractions.
 const LARGEST_WEIGHT: f64 = (1 << 20) as f64;
 
-/// Second-order statistics of a point, which minimum-variance fillers are designed from; those of a long record take their
-/// time, so each is worked out once, when it is first asked for.
+/// Second-order statistics of a point, from which minimum-variance fillers are designed. Those of a long record are
+/// expensive, so each is computed once, on first use.
 #[derive(Debug)]
 pub struct Statistics<'a> {
     inputs: &'a Inputs,
@@ -139,14 +140,14 @@ pub struct Statistics<'a> {
     rate_rms: OnceCell<f64>,
 }
 
-/// What one filler is designed from, ″² by lag.
+/// Covariances from which one filler is designed, ″² by lag.
 struct Design {
     covariance: Vec<f64>,
     noise: Vec<f64>,
 }
 
 impl<'a> Statistics<'a> {
-    /// Those of a point with these inputs.
+    /// The statistics of a point with these inputs.
     pub fn of(inputs: &'a Inputs) -> Statistics<'a> {
         Statistics { inputs, covariance: OnceCell::new(), rate_rms: OnceCell::new() }
     }
@@ -156,20 +157,20 @@ impl<'a> Statistics<'a> {
         let lags = 2 * MARGIN + self.inputs.gap_ticks as usize;
         let covariance = match &filler.method {
             Method::MinimumVariance(Some(band)) => {
-                // As much motion as the study has, spread over the band.
+                // As much motion as in the study, spread over the band.
                 let rms = self.rate_rms.get_or_init(|| motion.rate_rms(*tick_s));
                 band.covariance(rms * core::f64::consts::SQRT_2, *tick_s, lags)
             }
             _ => self.covariance.get_or_init(|| motion.covariance(*tick_s, lags)).clone(),
         };
-        // A reading of whole pulses is wrong by the difference of two fractions, of which neighbours share one.
+        // A reading of whole pulses is wrong by the difference of two fractions, and neighbours share one of them.
         let fraction = readout_lsb * readout_lsb / 12.0;
         let sigma = self.inputs.sigma_arcsec();
         Design { covariance, noise: vec![sigma * sigma + 2.0 * fraction, -fraction] }
     }
 }
 
-/// Fractions on one denominator, where they fit in 32 bits, else the nearest that do.
+/// Fractions over one denominator, where they fit in 32 bits, else the nearest ones that do.
 fn exact(ticks: &[i32], rows: Vec<Weights>) -> Rows {
     let divisor = |a: i64, b: i64| -> i64 {
         let (mut a, mut b) = (a, b);

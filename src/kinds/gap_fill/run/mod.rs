@@ -1,4 +1,4 @@
-//! Running a gap-fill study: launches for what the store lacks, batch by batch.
+//! Running a gap-fill study: trials that the store lacks are sampled batch by batch.
 
 pub mod rows;
 pub mod stop;
@@ -28,7 +28,7 @@ use crate::tally::block::{Block, base_log2, row_log2};
 use crate::tally::id::Id;
 use crate::tally::share::Share;
 
-/// A study whose every point is proven to fit.
+/// A study whose points are all proven to fit.
 #[derive(Debug)]
 pub(crate) struct Plan<'a> {
     study: &'a Study,
@@ -36,10 +36,10 @@ pub(crate) struct Plan<'a> {
     points: Vec<Lowered>,
 }
 
-/// Most trials of a record that is replayed: places are taken by the lower half of the trial's number.
+/// Most trials of a replayed record, because the lower half of a trial's number determines its place.
 const MOST_REPLAYED: u64 = 1 << 32;
 
-/// log2 of the trials after which the stop rule first decides.
+/// log2 of the number of trials after which the stop rule first decides.
 const FEWEST_LOG2: u32 = 10;
 
 impl<'a> Plan<'a> {
@@ -52,7 +52,7 @@ impl<'a> Plan<'a> {
             Lowered::new(point, &gap_fill.fillers, &gap_fill.errors, study.seed, study.streams)
                 .map_err(|refusal| study.refused(&point.swept, &refusal))
         };
-        // The first error is told, whichever thread found it.
+        // The first error in the order of the points is reported, whichever thread found it.
         let points: Vec<Result<Lowered, StudyError>> = gap_fill.points.par_iter().map(lower).collect();
         let points = points.into_iter().collect::<Result<_, _>>()?;
         let plan = Plan { study, gap_fill, points };
@@ -64,28 +64,28 @@ impl<'a> Plan<'a> {
         Ok(plan)
     }
 
-    /// Whether the stop rule decides: a share has no say.
+    /// Whether the stop rule applies; it does not apply to a share.
     pub(crate) fn decides(&self, share: Share) -> bool {
         self.gap_fill.precision.is_some() && share.is_whole()
     }
 
-    /// The trials of each point if no precision ends it.
+    /// The number of trials of each point if no precision stops it.
     pub(crate) fn most_trials(&self) -> Vec<u64> {
         self.points.iter().map(|point| point.trials(self.study.trials)).collect()
     }
 
-    /// The trials of each point after which the stop rule first decides; all where there is none.
+    /// The number of trials of each point after which the stop rule first decides; all where there is no rule.
     fn first_wanted(&self, share: Share) -> Vec<u64> {
         let mut wanted = self.most_trials();
         if self.decides(share) {
-            // Before that many trials a standard error is not known well enough to stop by.
+            // Before that many trials, a standard error is too inaccurate to decide on.
             wanted.iter_mut().for_each(|most| *most = (*most).min(1 << base_log2(*most).max(FEWEST_LOG2)));
         }
         wanted
     }
 
-    /// Trials of all launches of a share where each point has as many as `trials` says: those of a point with many fillers
-    /// count more than once.
+    /// Total trials of all launches of a share where each point has the trials of `trials`; those of a point with many
+    /// fillers count more than once.
     fn launched_trials(&self, trials: &[u64], share: Share) -> u64 {
         let points = self.points.iter().zip(trials).enumerate();
         let of_point = |(turn, (point, &trials)): (usize, (&Lowered, &u64))| {
@@ -96,7 +96,7 @@ impl<'a> Plan<'a> {
         points.map(of_point).sum()
     }
 
-    /// That fillers have other weights at each point, which firmware cannot have.
+    /// A note that fillers have different weights at each point, which firmware cannot have.
     fn designed_anew(&self) -> Option<String> {
         let is_free = |filler: &&Filler| filler.method == Method::MinimumVariance(None);
         let free: Vec<&str> =
@@ -108,7 +108,7 @@ impl<'a> Plan<'a> {
         let is_tuned = tones.iter().any(|tone| matches!(tone.frequency, Frequency::Fixed(_)));
         let how = match (varies, is_tuned) {
             (true, _) => {
-                "anew for the motion and noise of each point, the best there could be; firmware has one set of weights"
+                "anew for the motion and noise of each point, the best possible; firmware has one set of weights"
             }
             (false, true) => {
                 "for exactly this frequency, which firmware does not know: it has one set of weights"
@@ -116,10 +116,10 @@ impl<'a> Plan<'a> {
             (false, false) => return None,
         };
         (!free.is_empty())
-            .then(|| format!("{} without a band: designed {how}, that of a band", free.join(", ")))
+            .then(|| format!("{} without a band: designed {how}, designed for a band", free.join(", ")))
     }
 
-    /// Errors that were asked for and that a filler does not have, each in a sentence.
+    /// Notes on requested errors that a filler does not have, each a sentence.
     fn absent(&self) -> Vec<String> {
         let mut sentences = Vec::new();
         for (index, filler) in self.gap_fill.fillers.iter().enumerate() {
@@ -139,14 +139,14 @@ impl<'a> Plan<'a> {
         sentences
     }
 
-    /// What the store lacks of a share of the trials that are wanted.
+    /// The work that the store lacks of a share of the wanted trials.
     fn missing(&self, store: &Store, wanted: &[u64], share: Share) -> Result<Vec<Work>, StoreError> {
         let index = store.index()?;
         let mut all = Vec::new();
         for (turn, (point, &trials)) in self.points.iter().zip(wanted).enumerate() {
             let trials = share.trials(trials, turn);
             let most = point.trials(self.study.trials);
-            // The stop rule looks at the first trials only, and so needs rows that end with them.
+            // The stop rule evaluates only the first trials, and so needs rows that end with them.
             let log2 = if self.decides(share) { base_log2(most) } else { row_log2(most, 1) };
             let mut lacks = Vec::new();
             for estimates in &point.fillers {
@@ -163,9 +163,10 @@ impl<'a> Plan<'a> {
 }
 
 impl plan::Plan for Plan<'_> {
-    /// With a precision, a point stops after 1, 2, 4, … base blocks of trials and 1024 at least, where all errors of all its fillers are known
-    /// as well as is asked: a rule that depends on nothing but the study. Fillers of a point keep the same trials, so
-    /// that they are compared on the same draws. A share knows nothing of the others and takes all its trials.
+    /// With a precision, a point stops after 1, 2, 4, … base blocks of trials, and at least 1024 trials, when all
+    /// errors of all its fillers have the requested precision. The rule depends on the study only. The fillers of a
+    /// point keep the same trials, so that they are compared on the same draws. A share does not know the others and
+    /// takes all its trials.
     fn run(
         &self,
         store: &mut Store,
@@ -207,7 +208,7 @@ impl plan::Plan for Plan<'_> {
         if imprecise > 0 {
             let trials = self.study.trials;
             notes.push(format!(
-                "{imprecise} of {fillers} fillers at points are not as precise as asked after {trials} trials"
+                "{imprecise} of {fillers} fillers at points have not reached the requested precision after {trials} trials"
             ));
         }
         Ok(notes)
@@ -225,7 +226,7 @@ impl plan::Plan for Plan<'_> {
     }
 
     fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
-        // With a precision `trials` is the most there may be, and so part of the rule.
+        // With a precision, `trials` is the upper limit, and so part of the rule.
         if self.gap_fill.precision.is_some() {
             return Ok(None);
         }
@@ -242,7 +243,7 @@ impl plan::Plan for Plan<'_> {
     }
 }
 
-/// The fillers of a point, in the launches that sample all of them together.
+/// The fillers of a point, grouped into the launches that sample all of them together.
 fn launches(point: &Lowered) -> Vec<Vec<usize>> {
     let groups = grouped(point, (0..point.fillers.len()).map(|_| Vec::new()));
     groups.into_iter().map(|(_, fillers)| fillers).collect()

@@ -11,12 +11,12 @@ use crate::store::error::StoreError;
 use crate::table::Table;
 
 impl Plan<'_> {
-    /// The table before anything is sampled: all rows, without estimates.
+    /// The table before anything is sampled, with all rows but without estimates.
     pub(crate) fn blank_table(&self) -> Table {
         self.table_of(&self.rows())
     }
 
-    /// All estimates held, a row for each point, filler and error.
+    /// The table of all stored estimates, with a row for each point, filler and error.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
@@ -35,12 +35,12 @@ impl Plan<'_> {
         Ok(self.table_of(&rows))
     }
 
-    /// Whether a record is replayed over all its places, which gives whole replays only.
+    /// Whether a record is replayed over all its places, so that only whole replays are possible.
     pub(crate) fn replays(&self) -> bool {
         self.points.iter().any(|point| point.trials(1) > 1)
     }
 
-    /// The table with a column for each law that a chart draws.
+    /// The table, with a column for each law that a chart draws.
     fn table_of(&self, rows: &[Row]) -> Table {
         let mut table = table(&self.study.sweeps, &columns(), rows, |row| &row.point.swept);
         let of_law = |law: Law| law.about().with(rows.iter().map(|row| row.law(law).into()).collect());

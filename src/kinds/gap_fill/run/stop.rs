@@ -1,4 +1,4 @@
-//! The stop rule: which points are known as well as is asked.
+//! The stop rule, which decides which points have the requested precision.
 
 use crate::kernel::moments::Moments;
 use crate::kinds::gap_fill::lower::estimate::Estimate;
@@ -10,7 +10,7 @@ use crate::tally::share::Share;
 use crate::tally::stats::{Estimates, NORMAL_95};
 
 impl Plan<'_> {
-    /// Doubles the trials of points where an error is not known precisely enough; returns whether there were any.
+    /// Doubles the trials of points where an error is not precise enough; returns whether there were any.
     pub(crate) fn raise(&self, wanted: &mut [u64], store: &Store, share: Share) -> Result<bool, StoreError> {
         let Some(precision) = self.gap_fill.precision.as_ref().filter(|_| self.decides(share)) else {
             return Ok(false);
@@ -31,7 +31,8 @@ impl Plan<'_> {
         Ok(raised)
     }
 
-    /// Fillers at points whose errors are not as precise as is asked, and how many there are in all.
+    /// The number of fillers at points whose errors lack the requested precision, followed by the number of all fillers
+    /// at points.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
@@ -50,7 +51,7 @@ impl Plan<'_> {
     }
 }
 
-/// Whether a tally gives the error of an estimate as precisely as is asked.
+/// Whether a tally gives the error of an estimate with the requested precision.
 fn known(precision: &Precision, estimate: &Estimate, tally: &Moments) -> bool {
     let Some(found) = Estimates::of(tally, estimate.bin_base, 1.0) else { return false };
     let within = |part: Option<f64>, half: Option<f64>, value: Option<f64>| {

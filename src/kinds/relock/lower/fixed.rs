@@ -1,4 +1,4 @@
-//! A relock in fixed point: its units, its words, and what the words come to without compensation.
+//! A relock in fixed point: its units, its words, and the exact uncompensated angles that follow from them.
 
 use crate::kernel::normal::REACH;
 use crate::kernel::relock_ticks::{MAX_TICKS, Method, Parameters, Shape};
@@ -14,29 +14,30 @@ const MOST_DETUNING: f64 = 536_870_912.0;
 /// Fewest units of the largest miss.
 const LEAST_MISS: f64 = 1_048_576.0;
 
-/// Largest rotation that the loop can fake in a tick, LSB.
+/// Largest apparent rotation of the loop in a tick, LSB.
 const MOST_FAKED: f64 = 67_108_864.0;
 /// Largest sum of all ticks with their compensation, LSB.
 pub const MOST_LEFT: f64 = 268_435_456.0;
 
-/// Most units of the beat in a tick, and the fewest in a count: its fraction is where a count falls.
+/// Most units of the beat in a tick, and fewest units in a count, whose fraction determines where a count falls.
 const MOST_BEAT: f64 = 134_217_728.0;
 const LEAST_COUNT: f64 = 256.0;
 
-/// Fewest units of a standard deviation, in 2^−4, and of a width: both are then rounded by at most 1 %.
+/// Fewest units, of 2^−4 for a standard deviation, of a standard deviation and of a width, which are then rounded by at
+/// most 1 %.
 const LEAST_SIGMA: f64 = 50.0;
 const LEAST_WIDTH: f64 = 50.0;
 
-/// Slowest and fastest loop, ticks.
+/// Slowest and fastest loop, in ticks.
 const SLOWEST: f64 = 100.0;
 const FASTEST: f64 = 0.05;
 
 /// A relock in fixed point, for all of its [`MAX_TICKS`] ticks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FixedRelock {
-    /// ″.
+    /// Unit of angle, ″.
     pub lsb_arcsec: f64,
-    /// Parts of the wavelength in a unit of detunings.
+    /// Unit of detunings, in fractions of the wavelength.
     unit: f64,
     miss: u32,
     half_wave: u32,
@@ -59,7 +60,7 @@ pub struct FixedRelock {
 
 impl FixedRelock {
     /// # Errors
-    /// It cannot be represented: see [`Refusal`].
+    /// The relock cannot be represented; see [`Refusal`].
     pub fn new(inputs: &Relock, tick_s: f64) -> Result<FixedRelock, Refusal> {
         let Relock { loop_s, curvature, temperature_error, adc_noise, adc_step, .. } = *inputs;
         check_loop(loop_s, tick_s)?;
@@ -93,7 +94,7 @@ impl FixedRelock {
             word_above(found, units, LEAST_WIDTH, || too_small(key, found, reach))
         };
         let square_shift = libm::floor(libm::log2(2_147_483_648.0 / (largest / unit)));
-        // Units of the square that the kernel multiplies by, of 2^32 each.
+        // Units of the square by which the kernel multiplies, of 2^32 each.
         let square = libm::exp2(2.0 * square_shift - 64.0) / (unit * unit);
 
         let bias = inputs.bias_frequency_hz * inputs.pulse_weight_arcsec;
@@ -104,7 +105,7 @@ impl FixedRelock {
         let count = if inputs.count_step > 0.0 { inputs.count_step } else { 1.0 };
         let counts = inputs.bias_frequency_hz * tick_s / count;
         let wrong = REACH * temperature_error;
-        // No compensation is larger: of the frequency |y_1|, of the detuning Z(13) at the least ratio of the halves.
+        // Bounds of all compensations: |y_1| by frequency, and Z(13) at the least ratio of the halves by detuning.
         let [first, second] = of_one.lost(1).map(|lost| 0.5 * lost * at_largest);
         let by_frequency =
             bias * tick_s * (first + second + wrong) + 2.0 * inputs.count_step * inputs.pulse_weight_arcsec;
@@ -143,7 +144,7 @@ impl FixedRelock {
         };
         let step_units = libm::round(adc_step / unit);
         let per_square = curvature * bias * tick_s * unit * unit / lsb_arcsec;
-        // One unit of a logarithm is 2^−26, and each is floored: half a unit is given back.
+        // A unit of a logarithm is 2^−26, and each logarithm is floored, for which half a unit is added.
         let log_word = |log: f64, floors: f64| libm::round(log * 67_108_864.0 + floors) as i64 as u32;
         Ok(FixedRelock {
             lsb_arcsec,
@@ -204,20 +205,20 @@ impl FixedRelock {
         .words()
     }
 
-    /// ⟨Δλ0²⟩ and ⟨Δλ0⁴⟩ of the words, in units.
+    /// ⟨Δλ0²⟩ and ⟨Δλ0⁴⟩ from the words, in units.
     fn moments_of_miss(&self) -> [f64; 2] {
         let mean = f64::from(self.miss as i32);
         let sigma = f64::from(self.half_wave) / 16.0;
         let widths = [self.dac_step, self.hysteresis].map(f64::from);
         let [dac, hysteresis] = widths.map(|width| width * width);
         let variance = sigma * sigma + (dac + hysteresis) / 12.0;
-        // An even spread of width w has the fourth cumulant −w⁴/120.
+        // A uniform distribution of width w has the fourth cumulant −w⁴/120.
         let fourth = -(dac * dac + hysteresis * hysteresis) / 120.0;
         let square = mean * mean;
         [square + variance, square * square + 6.0 * square * variance + 3.0 * variance * variance + fourth]
     }
 
-    /// Mean and rms of the sum of the ticks with these weights, uncompensated, ″; of the words, and so exact.
+    /// Mean and rms of the uncompensated sum of the ticks with these weights, ″; exact, as they follow from the words.
     pub fn faked(&self, weights: &[f64]) -> (f64, f64) {
         let sum: f64 = weights.iter().zip(&self.drift).map(|(weight, word)| weight * f64::from(*word)).sum();
         let sign = if self.sign > 0 { -1.0 } else { 1.0 };
@@ -226,8 +227,8 @@ impl FixedRelock {
         (scale * second, scale.abs() * libm::sqrt(fourth))
     }
 
-    /// No such sum is farther from that of exact arithmetic, ″: the miss is rounded by half a unit, its square down, each tick
-    /// to the LSB.
+    /// Bound of the deviation of such a sum from exact arithmetic, ″: the miss is rounded by half a unit, its square
+    /// down, and each tick to the LSB.
     pub fn rounding(&self, weights: &[f64]) -> f64 {
         let of_square = libm::exp2(f64::from(self.square_shift) - 33.0) + libm::exp2(-32.0);
         let each = self.drift.iter().map(|word| 0.5 + f64::from(*word) * of_square);
@@ -235,13 +236,13 @@ impl FixedRelock {
         (sum + 0.5) * self.lsb_arcsec
     }
 
-    /// Standard deviation of the part by which f0 is taken wrong, of the word.
+    /// Standard deviation of the relative error of f0, from its word.
     pub fn wrong(&self) -> f64 {
         f64::from(self.temperature) * libm::exp2(-34.0)
     }
 
-    /// What the detuning leaves, without noise and steps of the ADC, is within this of 0, or of what a wrong f0 leaves, ″: the
-    /// means are rounded to half a unit, logarithms to 2^−26.
+    /// Bound of the remainder after compensation by detuning, without noise and steps of the ADC, relative to 0 or to
+    /// the effect of a wrong f0, ″. The means are rounded to half a unit, logarithms to 2^−26.
     pub fn rounding_by_detuning(&self, weights: &[f64]) -> f64 {
         let largest = libm::exp2(31.0 - f64::from(self.square_shift));
         let bound = |i: usize| {
@@ -260,9 +261,8 @@ fn check_loop(loop_s: f64, tick_s: f64) -> Result<(), Refusal> {
     let (found, tick, ticks) = (shown(loop_s), shown(tick_s), loop_s / tick_s);
     let refuse = |message, help| Err(Refusal { key: "relock.loop_time", message, help });
     if ticks > SLOWEST {
-        let message = format!(
-            "relock.loop_time = {found} s does not settle in the ticks that it is followed for, of {tick} s"
-        );
+        let message =
+            format!("relock.loop_time = {found} s does not settle within the ticks followed, of {tick} s");
         return refuse(message, "accepted: up to 100 ticks; the paper's values are 1 to 6");
     }
     if ticks < FASTEST {
@@ -272,14 +272,14 @@ fn check_loop(loop_s: f64, tick_s: f64) -> Result<(), Refusal> {
     Ok(())
 }
 
-/// An error that has too few units beside the miss.
+/// The refusal of an error that has too few units relative to the miss.
 fn too_small(key: &'static str, found: f64, largest: f64) -> Refusal {
     let found =
         format!("{} is lost beside detunings of up to {} in 32-bit arithmetic", shown(found), shown(largest));
     Refusal::new(key, found, "make it larger, or 0; or what is large beside it smaller")
 }
 
-/// The unit of detunings of which `largest` is the largest: a power of two, or a step of the ADC divided by one.
+/// The unit of detunings up to `largest`: a power of two, or a step of the ADC divided by a power of two.
 fn unit_of_detuning(largest: f64, adc_step: f64) -> Result<f64, Refusal> {
     let finest = largest / MOST_DETUNING;
     if adc_step == 0.0 {
@@ -296,7 +296,7 @@ fn word(x: f64) -> u32 {
     libm::round(x) as u32
 }
 
-/// The word of `units`, which are not less than `least` but where `found` is 0.
+/// The word of `units`, which must be at least `least` unless `found` is 0.
 fn word_above(found: f64, units: f64, least: f64, error: impl FnOnce() -> Refusal) -> Result<u32, Refusal> {
     if found == 0.0 || units >= least { Ok(units as u32) } else { Err(error()) }
 }

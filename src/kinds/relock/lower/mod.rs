@@ -19,23 +19,23 @@ use crate::kinds::relock::inputs::Compensation;
 use crate::store::Address;
 use crate::tally::id::Id;
 
-/// Trials that say where histograms start.
+/// Number of trials that determine where histograms start.
 pub(crate) const PILOT: u64 = 1024;
 
-/// What is left of some ticks.
+/// An estimate of the angle that remains in some ticks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RelockEstimate {
-    /// What was taken off.
+    /// Compensation applied.
     pub compensation: Compensation,
-    /// Absent for all ticks together.
+    /// Tick; absent for all ticks together.
     pub tick: Option<u32>,
-    /// Where its tallies are kept.
+    /// Address of its tallies.
     pub address: Address,
     /// Mean and rms in closed form for the words, ″; absent where there is none.
     pub oracle: Option<(f64, f64)>,
-    /// No sampled rms is farther from that for rounding in the kernel, ″.
+    /// Bound of the deviation of a sampled rms from the closed form due to rounding in the kernel, ″.
     pub rounding: f64,
-    /// Where its histogram starts.
+    /// Level at which its histogram starts.
     pub bin_base: u32,
     weights: [u32; MAX_TICKS],
 }
@@ -43,13 +43,13 @@ pub struct RelockEstimate {
 /// A point of a relock study, ready to be sampled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoweredRelock {
-    /// Of the point: what its draws and tallies are found by.
+    /// Id of the point, under which its draws and tallies are found.
     pub id: Id,
     key: [u32; 2],
     /// Its parameters in fixed point.
     pub fixed: FixedRelock,
     ticks: usize,
-    /// By compensation, then by tick, then all ticks.
+    /// Estimates by compensation and then by tick, with all ticks together last.
     pub estimates: Vec<RelockEstimate>,
 }
 
@@ -57,7 +57,7 @@ impl LoweredRelock {
     /// Lowers a point of a study with this seed.
     ///
     /// # Errors
-    /// It cannot be represented: see [`Refusal`].
+    /// The point cannot be represented; see [`Refusal`].
     pub fn new(point: &RelockPoint, seed: u64, streams: Streams) -> Result<LoweredRelock, Refusal> {
         let inputs = &point.inputs;
         let id = Id::of(&format!(
@@ -94,7 +94,7 @@ impl LoweredRelock {
         let exact_detuning = relock.adc_noise == 0.0 && relock.adc_step == 0.0;
         let (oracle, rounding) = match compensation {
             Compensation::None => (Some((mean, rms)), rounding),
-            // The first tick has nothing to compare it with.
+            // There is no earlier tick with which the first could be compared.
             Compensation::Frequency if tick == Some(1) => (Some((mean, rms)), rounding),
             Compensation::Detuning if exact_detuning => {
                 (Some((0.0, rms * self.fixed.wrong())), self.fixed.rounding_by_detuning(&weights))
@@ -106,12 +106,12 @@ impl LoweredRelock {
             None => format!("estimate\ncompensation={}\nticks=1..={}\n", compensation.name(), self.ticks),
         };
         let weights = weights.map(|weight| weight as u32 * (1 << WEIGHT_BITS));
-        // Filled in when its histogram is known.
+        // The digest is filled in when the histogram is known.
         let address = Address { point: self.id, estimate: Id::of(&estimate), digest: self.id };
         RelockEstimate { compensation, tick, address, oracle, rounding, bin_base: 0, weights }
     }
 
-    /// The same estimates, whose histograms start at a quarter of the rms of their first trials.
+    /// The same estimates, with histograms that start at a quarter of the rms of their first trials.
     fn with_histograms(&self, estimates: &[RelockEstimate]) -> Vec<RelockEstimate> {
         let trials = Trials { first: 0, count: PILOT, histogram: false };
         let tallies = self.launch(&estimates.iter().collect::<Vec<_>>()).tally(Width::widest(), trials);
@@ -132,7 +132,7 @@ impl LoweredRelock {
         estimates.iter().zip(tallies.iter().map(|tally| tally.square)).map(with).collect()
     }
 
-    /// The launch that samples some of the estimates, of one compensation and at most [`MAX_ESTIMATES`].
+    /// The launch that samples some of the estimates, at most [`MAX_ESTIMATES`] and all of one compensation.
     pub fn launch(&self, estimates: &[&RelockEstimate]) -> Launch {
         let method = estimates.first().map_or(Method::None, |estimate| method(estimate.compensation));
         let ticks = relock_ticks::Shape { ticks: self.ticks, method };
@@ -151,7 +151,7 @@ impl LoweredRelock {
     }
 }
 
-/// How the kernel takes it off.
+/// The method of the kernel for a compensation.
 pub fn method(compensation: Compensation) -> Method {
     match compensation {
         Compensation::None => Method::None,

@@ -24,7 +24,7 @@ use crate::tally::block::row_log2;
 use crate::tally::id::Id;
 use crate::tally::share::Share;
 
-/// A study whose every point is proven to fit.
+/// A study whose points are all proven to fit.
 #[derive(Debug)]
 pub(crate) struct Plan<'a> {
     study: &'a Study,
@@ -47,7 +47,7 @@ impl<'a> Plan<'a> {
         Ok(Plan { study, relock, points })
     }
 
-    /// What the store lacks of a share.
+    /// The work that the store lacks of a share.
     fn missing(&self, store: &Store, share: Share) -> Result<Vec<Work>, StoreError> {
         let index = store.index()?;
         let mut all = Vec::new();
@@ -119,21 +119,21 @@ impl plan::Plan for Plan<'_> {
     }
 }
 
-/// That ticks after the last that is followed would still count, of some relocks with their ticks in s.
+/// A note that ticks after the last one followed would still count, for some relocks with their ticks in s.
 pub(crate) fn late<'a>(relocks: impl Iterator<Item = (&'a Relock, f64)>) -> Option<String> {
     let slow = |(relock, tick_s): &(&Relock, f64)| relock.loop_s / tick_s;
     let (relock, tick_s) = relocks.max_by(|a, b| slow(a).total_cmp(&slow(b)))?;
     let (late, ticks) = (relock.late(tick_s), relock.ticks);
     let (percent, arcsec) = (libm::round(100.0 * late), significant(late * relock.whole_angle(tick_s), 2));
     (late >= LATE).then(|| {
-        format!("up to {percent} % of the faked angle, {arcsec} ″ a switch, comes after tick {ticks} and is not counted")
+        format!("up to {percent} % of the apparent angle, {arcsec} ″ per switch, comes after tick {ticks} and is not counted")
     })
 }
 
-/// The part of the angle after the last tick that is worth a note.
+/// Fraction of the angle after the last tick from which on a note is given.
 const LATE: f64 = 0.01;
 
-/// The estimates of each launch: those of a compensation, as many as one can have.
+/// The estimates of each launch: those of one compensation, as many as a launch can have.
 fn launched(point: &LoweredRelock) -> impl Iterator<Item = Vec<&RelockEstimate>> {
     Compensation::ALL.into_iter().flat_map(|compensation| {
         let of = point.estimates.iter().filter(move |estimate| estimate.compensation == compensation);

@@ -10,12 +10,12 @@ use crate::store::error::StoreError;
 use crate::table::Table;
 
 impl Plan<'_> {
-    /// The table before anything is sampled: all rows, without estimates.
+    /// The table before anything is sampled, with all rows but without estimates.
     pub(crate) fn blank_table(&self) -> Table {
         self.table_of(&self.rows())
     }
 
-    /// All estimates held.
+    /// The table of all stored estimates.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
@@ -36,7 +36,7 @@ impl Plan<'_> {
         each.map(|(point, estimate)| Row { point, estimate, found: Found::default() }).collect()
     }
 
-    /// The table with a column for each law that a chart draws.
+    /// The table, with a column for each law that a chart draws.
     fn table_of(&self, rows: &[Row]) -> Table {
         let mut table = table(&self.study.sweeps, &columns(), rows, |row| &row.point.swept);
         let law = || rows.iter().map(|row| row.published().into()).collect();

@@ -1,27 +1,27 @@
-//! The drift of a run in closed form, ″: what is the same in all runs, and how it deviates.
+//! The drift of a run in closed form, ″: its nominal value, and its deviations.
 
 use crate::kinds::switched_run::FirstMode;
 use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::theory::drift::magnetic::{signed_decay, signed_time, switches};
 
-/// The angle of the drift at a moment.
+/// The angle of the drift at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Row {
     pub(crate) time_s: f64,
-    /// Switches before it.
+    /// Number of switches before that time.
     pub(crate) switches: usize,
-    /// What does not change its sign with the mode.
+    /// Part that does not change its sign with the mode.
     pub(crate) non_magnetic: f64,
-    /// Without what a warm-up does whose time constant is drawn.
+    /// Magnetic part, without the warm-up where its time constant is drawn.
     pub(crate) magnetic: f64,
     /// ∫ s dt with s = +1 in the first interval, s.
     pub(crate) held_s: f64,
-    /// What a standard deviation of A, Ω_m0 and Ω_nm adds.
+    /// Effects of one standard deviation of A, Ω_m0 and Ω_nm.
     pub(crate) deviations: [f64; 3],
 }
 
-/// The drift of a point: at the end of each interval, and at each of the study's times.
+/// The drift of a point at the end of each interval, and at each of the study's times.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Drift {
     pub(crate) ends: Vec<Row>,
@@ -33,7 +33,7 @@ impl Drift {
         let (interval_s, duration_s) = (point.schedule.interval_s, point.schedule.duration_s);
         let intervals = point.switches() + 1;
         let ends = (1..=intervals).map(|k| (k as f64 * interval_s).min(duration_s));
-        // A run of whole intervals ends with the last, whatever its product with their number rounds to.
+        // A run of whole intervals ends with the last one, whatever the rounding of interval times number.
         let end = |(k, time_s): (usize, f64)| {
             let at = if k as u64 + 1 == intervals { duration_s } else { time_s };
             row(point, study.first_mode, at, k)
@@ -48,7 +48,7 @@ fn row(point: &RunPoint, first_mode: FirstMode, time_s: f64, switches: usize) ->
     let interval_s = point.schedule.interval_s;
     let sign = if first_mode == FirstMode::Negative { -1.0 } else { 1.0 };
     let held = sign * signed_time(interval_s, time_s);
-    // Without warm-up all of A is there from the start.
+    // Without a warm-up, all of A is present from the start.
     let warmed = if drift.warm_up_s > 0.0 {
         held - sign * signed_decay(interval_s, drift.warm_up_s, time_s)
     } else {

@@ -1,4 +1,4 @@
-//! A run in fixed point: the very words that the kernel sees, before they are put in order.
+//! A run in fixed point: the words of the kernel before they are arranged.
 
 use crate::kernel::moments::LIMIT;
 use crate::kernel::normal::REACH;
@@ -12,45 +12,46 @@ use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::kinds::switched_run::{FirstMode, Timing};
 use crate::motion::Frequency;
 
-/// Standard deviations of what many switches and the random walk add up to for which there is room: farther comes no run in
-/// 10^27.
+/// Number of standard deviations of the sum of many switches and the random walk for which there is room; not one run
+/// in 10^27 exceeds it.
 const ROOM: f64 = 16.0;
 
-/// Finest LSB is 2^−24 ″.
+/// log2 of the finest unit of 2^−24 ″.
 const FINEST: i32 = 24;
 
-/// The runs of a point with one filler, angles in LSB.
+/// The runs of a point with one filler, with angles in LSB.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fixed {
     pub(crate) lsb_arcsec: f64,
-    /// At the end of each interval, and at each time.
+    /// Drift at the end of each interval.
     pub(crate) ends: Vec<FixedRow>,
     pub(crate) times: Vec<FixedTime>,
     /// Standard deviation of the random walk over an interval and over the last one, 2^−4 LSB.
     pub(crate) walk: [u32; 2],
-    /// Of the normal part of a residual, 2^−4 LSB.
+    /// Standard deviation of the normal part of a residual, 2^−4 LSB.
     pub(crate) noise: u32,
-    /// What every residual has, 2^−32 LSB.
+    /// Part common to all residuals, 2^−32 LSB.
     pub(crate) constant: i64,
     pub(crate) tones: Vec<FixedTone>,
     /// Whether the first mode is drawn.
     pub(crate) mode: bool,
-    /// Where its time constant is drawn.
+    /// Warm-up, where its time constant is drawn.
     pub(crate) warm_up: Option<WarmUp>,
     pub(crate) relock: Option<Coupled>,
 }
 
-/// The drift at a moment.
+/// The drift at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FixedRow {
     pub(crate) switches: usize,
-    /// All of it, or what is not magnetic where the first mode is drawn.
+    /// The whole drift, or its non-magnetic part where the first mode is drawn.
     pub(crate) angle: i32,
-    /// Then the rest.
+    /// The magnetic part where the first mode is drawn.
     pub(crate) magnetic: i32,
-    /// 2^−4 LSB.
+    /// Effects of one standard deviation of A, Ω_m0 and Ω_nm, 2^−4 LSB.
     pub(crate) deviations: [i32; 3],
-    /// ∫ s dt and halvings, for a warm-up whose time constant is drawn; the time, s, and the integral.
+    /// ∫ s dt and halvings as words, for a warm-up whose time constant is drawn; then the time, s, and the integral as
+    /// numbers.
     pub(crate) heating: [i32; 2],
     pub(crate) time_s: f64,
     pub(crate) held_s: f64,
@@ -60,19 +61,19 @@ pub(crate) struct FixedRow {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FixedTime {
     pub(crate) row: FixedRow,
-    /// 2^−4 LSB.
+    /// Standard deviation of the random walk up to the time, 2^−4 LSB.
     pub(crate) walk: u32,
     pub(crate) bridge: u32,
 }
 
-/// The residual of a tone.
+/// The part of the residual from a tone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FixedTone {
-    /// 2^−2 LSB.
+    /// Amplitude, 2^−2 LSB.
     pub(crate) amplitude: u32,
-    /// From switch to switch, 2^−32 turns.
+    /// Phase advance from switch to switch, 2^−32 turns.
     pub(crate) step: u32,
-    /// Whether its phase is drawn at each switch, else for the run.
+    /// Whether its phase is drawn at each switch instead of once for the run.
     pub(crate) each: bool,
 }
 
@@ -91,7 +92,7 @@ impl Fixed {
         let row = |row: &Row| fixed_row(row, mode, lsb_arcsec, warm_up.as_ref());
         let walk = point.drift.angle_random_walk;
         let time = |row_at: &Row| {
-            // How much of the interval has gone by.
+            // Elapsed time of the interval.
             let from = row_at.switches as f64 * point.schedule.interval_s;
             let length = point.schedule.interval_s.min(point.schedule.duration_s - from);
             let part = ((row_at.time_s - from) / length).clamp(0.0, 1.0);
@@ -141,7 +142,7 @@ impl Fixed {
         words.chain(warm_up).chain(relock).chain(self.ends.iter().flat_map(of_row)).collect()
     }
 
-    /// The words that determine one of the study's angles besides.
+    /// The further words that determine one of the study's angles.
     pub(crate) fn time_words(&self, place: usize) -> Vec<u32> {
         let Some(time) = place.checked_sub(2).and_then(|time| self.times.get(time)) else { return vec![] };
         let FixedRow { switches, angle, magnetic, deviations: [a, b, c], heating: [d, e], .. } = time.row;
@@ -175,7 +176,7 @@ fn lsb(
     let each = residual.variance_arcsec2 + squares.sum::<f64>();
     let amplitudes: f64 = residual.tones.iter().map(|tone| tone.amplitude_arcsec).sum();
     let walk = point.drift.angle_random_walk;
-    // Its parts are larger than what is left of them.
+    // The parts of the warm-up are larger than their sum.
     let warm_up = if point.drift.warm_up_spread > 0.0 {
         let rate = point.drift.magnetic.abs() + REACH * point.drift.magnetic_spread;
         INTERVALS * point.schedule.interval_s * rate
@@ -183,10 +184,10 @@ fn lsb(
         0.0
     };
     let most = |row: &Row| {
-        // With a switch that comes after it.
+        // Includes the switch that follows.
         let switches = row.switches as f64 + 1.0;
         let added = libm::sqrt(switches * each + walk * walk * row.time_s);
-        // In phase with each other residuals of tones add up in full.
+        // Residuals of tones that are in phase with each other add up in full.
         let in_phase = if timing == Timing::Random { 0.0 } else { switches * amplitudes };
         row.non_magnetic.abs()
             + row.magnetic.abs()
@@ -199,19 +200,19 @@ fn lsb(
             + relock.map_or(0.0, |relock| relock.most(switches, ROOM))
     };
     let bound = drift.ends.iter().map(most).fold(0.0, f64::max);
-    // A few units are for rounding.
+    // A few units are reserved for rounding.
     let bits = libm::floor(libm::log2((LIMIT - 16) as f64 / bound));
     libm::exp2(-bits.min(f64::from(FINEST)))
 }
 
-/// How far the phase of a tone goes on from switch to switch, 2^−32 turns; a residual without a motion has the same phase at
+/// The phase advance of a tone from switch to switch, 2^−32 turns. A residual without a motion has the same phase at
 /// every switch.
 fn step(point: &RunPoint, tone: usize, timing: Timing) -> u32 {
     let tones = point.fill.as_ref().map_or(&[][..], |fill| &fill.inputs.motion.tones);
     match tones.get(tone).map(|tone| tone.frequency) {
         Some(Frequency::Fixed(frequency_hz)) if timing == Timing::Periodic => {
             let turns = frequency_hz * point.schedule.interval_s;
-            // A fraction that rounds up to a whole turn is none.
+            // A fraction that rounds up to a whole turn becomes 0.
             libm::round((turns - libm::floor(turns)) * libm::exp2(32.0)) as u64 as u32
         }
         _ => 0,

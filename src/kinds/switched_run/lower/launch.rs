@@ -8,11 +8,11 @@ use crate::kinds::switched_run::lower::FilledRun;
 use crate::kinds::switched_run::lower::fixed::{Fixed, FixedRow};
 use crate::kinds::switched_run::lower::warm_up::WarmUp;
 
-/// Angles at the end and the largest, before those at times.
+/// The angle at the end and the largest one, which precede those at given times.
 const ENDS: usize = 2;
 
 impl FilledRun {
-    /// The launches of the filler's runs, each with the places of its estimates.
+    /// The launches of the filler's runs, each with the indices of its estimates.
     pub fn launches(&self) -> Vec<(Launch, Vec<usize>)> {
         let all: Vec<usize> = (0..self.estimates.len()).collect();
         all.chunks(MAX_ESTIMATES).map(|places| (self.launch(places), places.to_vec())).collect()

@@ -1,6 +1,6 @@
-//! Lowering whole runs: the drift of each filler's runs in closed form, row by row, and what is random on top.
+//! Lowering of whole runs: the drift in closed form, row by row, and the random parts of each filler's runs.
 //!
-//! Every part is held to a unit of 2^−29 of the largest angle that a run can reach, or finer.
+//! Every part has a unit of at most 2^−29 of the largest angle that a run can reach.
 
 pub mod drift;
 pub mod fixed;
@@ -31,9 +31,9 @@ use crate::tally::id::Id;
 /// A point of a study of whole runs, ready to be sampled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoweredRun {
-    /// Of the point: what its draws and tallies are found by.
+    /// Id of the point, under which its draws and tallies are found.
     pub id: Id,
-    /// In the order of the study's fillers; one where it has none.
+    /// The runs of each filler, in the order of the study's fillers; a single entry where it has none.
     pub fillers: Vec<FilledRun>,
 }
 
@@ -42,31 +42,31 @@ pub struct LoweredRun {
 pub struct FilledRun {
     key: [u32; 2],
     fixed: Fixed,
-    /// What a switch leaves.
+    /// Residual of a switch.
     pub residual: Residual,
-    /// In the order of the study's angles.
+    /// Estimates in the order of the study's angles.
     pub estimates: Vec<RunEstimate>,
-    /// Where trajectories are kept.
+    /// Address of the trajectories.
     pub trajectory: Address,
 }
 
 /// One angle of the runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunEstimate {
-    /// At the end, the largest or at one of the times.
+    /// The angle: at the end, the largest, or at one of the times.
     pub angle: RunAngle,
-    /// Where its tallies are kept.
+    /// Address of its tallies.
     pub address: Address,
-    /// Absent of the largest, which has no closed form.
+    /// Closed form; absent for the largest angle, which has none.
     pub oracle: Option<RunOracle>,
-    /// ″ per unit of the tally.
+    /// Size of a unit of the tally, ″.
     pub unit_arcsec: f64,
-    /// Where its histogram starts.
+    /// Level at which its histogram starts.
     pub bin_base: u32,
 }
 
 impl FilledRun {
-    /// Root mean square over switches of all that a switch adds, ″.
+    /// Root mean square over switches of everything that a switch adds, ″.
     pub fn residual_rms(&self) -> f64 {
         let relock = self.fixed.relock.as_ref();
         let [mean, deviation] =
@@ -80,7 +80,7 @@ impl FilledRun {
         )
     }
 
-    /// About the largest that a switch adds, ″: sines at their peaks and three standard deviations of the rest.
+    /// Approximate largest effect of a switch, ″: sines at their peaks plus three standard deviations of the rest.
     pub fn residual_max(&self) -> f64 {
         let relock = self.fixed.relock.as_ref();
         let [mean, deviation] =
@@ -90,20 +90,20 @@ impl FilledRun {
         amplitudes + (self.residual.constant_arcsec + mean).abs() + SIGMAS * normal
     }
 
-    /// About the rms of one of the angles, ″; of a compensated relock by its first trials.
+    /// Approximate rms of one of the angles, ″; for a compensated relock it is based on its first trials.
     pub fn expected_rms(&self, place: usize) -> f64 {
         self.fixed.expected_rms(self.estimates[place].angle, place) * self.fixed.lsb_arcsec
     }
 }
 
-/// Standard deviations that the paper takes as the largest error.
+/// Number of standard deviations that the paper takes as the largest error.
 const SIGMAS: f64 = 3.0;
 
 impl LoweredRun {
     /// Lowers a point of a study with this seed.
     ///
     /// # Errors
-    /// The switch cannot be represented: see [`Refusal`].
+    /// The switch cannot be represented; see [`Refusal`].
     pub fn new(
         point: &RunPoint,
         study: &SwitchedRun,
@@ -146,7 +146,7 @@ impl LoweredRun {
     }
 }
 
-/// The residual of each filler by what the filler is, and the identity of the switch.
+/// The residual of each filler by its definition, and the identity of the switch.
 struct Residuals {
     id: String,
     of_fillers: Vec<(String, Residual)>,
@@ -167,7 +167,7 @@ fn residuals(
         return Ok(Residuals { id, of_fillers: vec![("none".to_owned(), residual)] });
     };
     let lowered = Lowered::new(fill, study.fillers(), &[Error::Residual], seed, streams)?;
-    // Delivered with the ticks, besides what it does to the filler.
+    // Delivered with the ticks, in addition to its effect on the filler.
     let relock: f64 = fill.inputs.relock.iter().sum();
     let of_filler = |(place, filler): (usize, &Filler)| {
         let mut residual = lowered.residual(place).unwrap_or_default();
@@ -178,7 +178,7 @@ fn residuals(
     Ok(Residuals { id: lowered.id.to_string(), of_fillers })
 }
 
-/// The identity of what determines the draws and what they are added to.
+/// The identity of everything that determines the draws and the angles to which they are added.
 fn id(point: &RunPoint, study: &SwitchedRun, switch: String, seed: u64, streams: Streams) -> Id {
     let Schedule { interval_s, duration_s } = point.schedule;
     Id::of(&format!(

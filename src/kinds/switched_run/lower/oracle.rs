@@ -1,4 +1,4 @@
-//! What angles of runs come to exactly, for the lowered parameters.
+//! The exact mean and deviation of angles of runs, for the lowered parameters.
 
 use core::f64::consts::PI;
 
@@ -9,11 +9,11 @@ use crate::kinds::switched_run::lower::fixed::{Fixed, FixedRow};
 /// Mean and standard deviation of an angle, ″.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunOracle {
-    /// Over runs, signed.
+    /// Mean over runs, signed.
     pub mean: f64,
-    /// From run to run.
+    /// Standard deviation from run to run.
     pub deviation: f64,
-    /// No sampled mean or rms is farther away than this for rounding in the kernel.
+    /// Bound of the deviation of a sampled mean or rms due to rounding in the kernel.
     pub rounding: f64,
 }
 
@@ -25,7 +25,7 @@ impl RunOracle {
 }
 
 impl Fixed {
-    /// Of an angle of the study at its `place`; none where a compensated relock has no closed form.
+    /// The oracle of an angle of the study with index `place`; `None` where a compensated relock has no closed form.
     pub(crate) fn oracle(&self, angle: RunAngle, place: usize) -> Option<RunOracle> {
         if self.relock.as_ref().is_some_and(|relock| !relock.exact) {
             return None;
@@ -33,7 +33,7 @@ impl Fixed {
         self.about(angle, place)
     }
 
-    /// The same, for a compensated relock by its first trials.
+    /// The same, approximated for a compensated relock by its first trials.
     fn about(&self, angle: RunAngle, place: usize) -> Option<RunOracle> {
         match angle {
             RunAngle::Largest => None,
@@ -51,7 +51,7 @@ impl Fixed {
         }
     }
 
-    /// Where the drift is at `row`, with so much variance of the random walk, LSB².
+    /// Mean and deviation at the drift `row`, with the variance `walk` of the random walk, LSB².
     fn at(&self, row: &FixedRow, walk: f64) -> RunOracle {
         let switches = row.switches as f64;
         let constant = self.constant as f64 / libm::exp2(32.0);
@@ -80,7 +80,7 @@ impl Fixed {
             }
             None => [0.0; 3],
         };
-        // Where the first mode is drawn, what is magnetic has either sign.
+        // Where the first mode is drawn, the magnetic part has either sign.
         let magnetic = f64::from(row.magnetic) + heated;
         let (mean, drawn) = if self.mode { (0.0, magnetic) } else { (heated, 0.0) };
         RunOracle {
@@ -90,7 +90,7 @@ impl Fixed {
         }
     }
 
-    /// About the rms of an angle, LSB: where it is not known, the most at the end of any interval.
+    /// Approximate rms of an angle, LSB; where it is unknown, the largest one at the end of any interval.
     pub(crate) fn expected_rms(&self, angle: RunAngle, place: usize) -> f64 {
         match self.about(angle, place) {
             Some(oracle) => oracle.rms() / self.lsb_arcsec,

@@ -1,4 +1,4 @@
-//! The relock after each switch of a run: its ticks as they are delivered, and what they do to the filler.
+//! The relock after each switch of a run: its ticks as delivered, and their effect on the filler.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use crate::kinds::switched_run::relock::Relocking;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FixedRelocking {
     fixed: FixedRelock,
-    /// The same with the right f0.
+    /// The same relock with the correct f0.
     right: FixedRelock,
     pub(crate) shape: Shape,
 }
@@ -36,7 +36,7 @@ impl FixedRelocking {
         Ok(Some(FixedRelocking { fixed, right, shape }))
     }
 
-    /// With a filler whose weights on the ticks after the gap are `after`.
+    /// Combines the relock with a filler whose weights on the ticks after the gap are `after`.
     pub(crate) fn with(&self, after: &[f64]) -> Coupled {
         let gain = |i: usize| 1.0 + after.get(i).copied().unwrap_or(0.0);
         let gains: Vec<f64> = (0..self.shape.ticks).map(gain).collect();
@@ -55,14 +55,14 @@ impl FixedRelocking {
             mean,
             deviation: libm::sqrt((rms * rms - mean * mean - alike * alike).max(0.0)),
             alike,
-            // A compensation that fails leaves about as much as none.
+            // A compensation that fails leaves about as much as no compensation.
             most_rms: rms.max(faked_rms),
             most: MOST_LEFT * lsb * largest,
         }
     }
 
-    /// Mean and rms over some first trials of the kernel of relocks, and what of it a wrong f0 makes alike at all switches of a
-    /// run, ″.
+    /// Mean and rms over the first trials of the relock kernel, and the standard deviation of the part caused by a
+    /// wrong f0, which is the same at all switches of a run, ″.
     fn pilot(&self, gains: &[f64]) -> [f64; 3] {
         let [wrong, right] = [&self.fixed, &self.right].map(|fixed| self.launch(fixed, gains));
         let one = |launch: &Launch, fixed: &FixedRelock, first: u64| {
@@ -105,28 +105,28 @@ pub(crate) struct Coupled {
     pub(crate) words: Vec<u32>,
     pub(crate) shape: Shape,
     lsb_arcsec: f64,
-    /// What each tick adds by itself and through the filler.
+    /// Effect of each tick, by itself and through the filler.
     gains: Vec<f64>,
-    /// Whether mean and deviation of a switch are closed forms.
+    /// Whether mean and deviation of a switch are in closed form.
     pub(crate) exact: bool,
     pub(crate) mean: f64,
     pub(crate) deviation: f64,
-    /// Standard deviation of what is alike at all switches of a run.
+    /// Standard deviation of the part that is the same at all switches of a run.
     pub(crate) alike: f64,
-    /// No sum of a switch is farther from that of exact arithmetic.
+    /// Bound of the deviation of the sum of a switch from exact arithmetic.
     pub(crate) rounding: f64,
     most_rms: f64,
     most: f64,
 }
 
 impl Coupled {
-    /// What so many switches can add, with `room` standard deviations.
+    /// Bound of the effect of `switches` switches, with `room` standard deviations.
     pub(crate) fn most(&self, switches: f64, room: f64) -> f64 {
         let alike = REACH * switches * self.alike;
         switches * self.mean.abs() + room * libm::sqrt(switches) * self.most_rms + alike + self.most
     }
 
-    /// Weights of the ticks in a run's LSB, and bits of them behind the point.
+    /// Weights of the ticks in LSB of a run, and their number of fractional bits.
     pub(crate) fn weights(&self, lsb_arcsec: f64) -> (Vec<u32>, u32) {
         let in_run = |gain: &f64| gain * self.lsb_arcsec / lsb_arcsec;
         let largest = self.gains.iter().map(in_run).fold(0.0, |most: f64, x| most.max(x.abs()));

@@ -1,4 +1,4 @@
-//! A warm-up whose time constant differs from run to run: its parameters, and what it comes to on average.
+//! A warm-up whose time constant differs from run to run: its parameters, and its average effect.
 
 use core::f64::consts::LOG2_E;
 
@@ -9,8 +9,8 @@ use crate::kinds::switched_run::lower::drift::Row;
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::theory::drift::magnetic::signed_decay;
 
-/// Most intervals in a unit of which no time of the kernel is larger: ∫ s dt, τ tanh(MT/2τ) (1 + e^{−t/τ}) and the rest of an
-/// interval are an interval each, and all of their sum is doubled for headroom.
+/// Bound of all times of the kernel, in intervals: ∫ s dt, τ tanh(MT/2τ) (1 + e^{−t/τ}) and the rest of an interval are
+/// at most one interval each, and their sum is doubled for headroom.
 pub(crate) const INTERVALS: f64 = 6.0;
 
 /// The warm-up in fixed point.
@@ -19,10 +19,10 @@ pub(crate) struct WarmUp {
     interval_s: f64,
     time_s: f64,
     spread: f64,
-    /// A in the first mode, ″/s, and its standard deviation.
+    /// A in the first mode, ″/s, followed by its standard deviation.
     amplitude: f64,
     amplitude_spread: f64,
-    /// Of the kernel's times, s.
+    /// Unit of the kernel's times, s.
     unit_s: f64,
     pub(crate) time_bits: u32,
     pub(crate) halving_bits: u32,
@@ -30,7 +30,7 @@ pub(crate) struct WarmUp {
 }
 
 impl WarmUp {
-    /// That of a point, where it is drawn.
+    /// The warm-up of a point, where its time constant is drawn.
     pub(crate) fn of(point: &RunPoint, study: &SwitchedRun, lsb_arcsec: f64) -> Option<WarmUp> {
         let drift = &point.drift;
         let (interval_s, time_s) = (point.schedule.interval_s, drift.warm_up_s);
@@ -55,7 +55,7 @@ impl WarmUp {
         libm::round(self.spread * LOG2_E * libm::exp2(30.0)) as u32
     }
 
-    /// Halvings until `time_s`; of a time that is so long that nothing is left, the most there are.
+    /// Number of halvings until `time_s`; for a time so long that nothing is left, the largest number.
     pub(crate) fn halvings(&self, time_s: f64) -> u32 {
         let units = time_s / self.time_s * LOG2_E * libm::exp2(f64::from(self.halving_bits));
         libm::round(units).min(libm::exp2(31.0) - 1.0) as u32
@@ -65,18 +65,18 @@ impl WarmUp {
         self.halvings(self.interval_s)
     }
 
-    /// A and its standard deviation, 2^−32 LSB in a unit of time.
+    /// A and its standard deviation, 2^−32 LSB per unit of time.
     pub(crate) fn heated(&self) -> [i32; 2] {
         let unit = self.unit_s / self.lsb_arcsec * libm::exp2(32.0);
         [self.amplitude, self.amplitude_spread].map(|rate| libm::round(rate * unit) as i32)
     }
 
-    /// ∫ s dt at a row as the kernel has it.
+    /// ∫ s dt at a row in the kernel's units.
     pub(crate) fn held(&self, row: &Row) -> i32 {
         libm::round(row.held_s / self.unit_s) as i32
     }
 
-    /// What rounding can change, ″: of exponents, and of times.
+    /// Bound of the rounding of exponents and times, ″.
     pub(crate) fn rounding(&self) -> f64 {
         let rate = self.amplitude.abs() + REACH * self.amplitude_spread;
         let exponent = libm::exp2(-f64::from(self.halving_bits)) + libm::exp2(-25.0);
@@ -103,7 +103,7 @@ impl WarmUp {
         [a * mean, variance]
     }
 
-    /// The same for the usual time constant.
+    /// The effect at the nominal time constant.
     pub(crate) fn usual(&self, time_s: f64, held_s: f64) -> f64 {
         self.amplitude * (held_s - signed_decay(self.interval_s, self.time_s, time_s))
     }

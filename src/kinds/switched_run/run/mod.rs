@@ -1,4 +1,4 @@
-//! Running a study of whole runs: what the store lacks is sampled, trajectories of the first runs besides.
+//! Running a study of whole runs: missing trials are sampled, and the first runs are kept as trajectories.
 
 pub mod rows;
 pub mod trajectories;
@@ -23,7 +23,7 @@ use crate::tally::block::row_log2;
 use crate::tally::id::Id;
 use crate::tally::share::Share;
 
-/// A study whose every point is proven to fit.
+/// A study whose points are all proven to fit.
 #[derive(Debug)]
 pub(crate) struct Plan<'a> {
     study: &'a Study,
@@ -42,7 +42,7 @@ impl<'a> Plan<'a> {
         Ok(Plan { study, runs, points })
     }
 
-    /// What the store lacks of a share.
+    /// The work that the store lacks of a share.
     fn missing(&self, store: &Store, share: Share) -> Result<Vec<Work>, StoreError> {
         let index = store.index()?;
         let mut all = Vec::new();
@@ -68,7 +68,7 @@ impl<'a> Plan<'a> {
         self.points.iter().flat_map(|point| &point.fillers)
     }
 
-    /// That some runs of a sweep over the interval end with one that none cancels.
+    /// A note that some runs of a sweep over the interval end with an interval that no other cancels.
     fn uneven(&self) -> Option<String> {
         let is_even = |point: &&RunPoint| {
             let pairs = 0.5 * point.schedule.duration_s / point.schedule.interval_s;
@@ -79,7 +79,7 @@ impl<'a> Plan<'a> {
         let swept = self.study.sweeps.iter().any(|sweep| sweep.key.name == "switching.interval");
         (swept && uneven > 0).then(|| {
             format!(
-                "{uneven} of {} points have an odd or broken number of intervals: nothing cancels the magnetic drift of the last, which \
+                "{uneven} of {} points have an odd or fractional number of intervals: nothing cancels the magnetic drift of the last, which \
                  can count for more than the interval",
                 points.len()
             )
@@ -146,12 +146,12 @@ impl plan::Plan for Plan<'_> {
     }
 }
 
-/// Whether a share makes the trajectories. They are few: the first one makes them all.
+/// Whether a share makes the trajectories. They are few, so the first share makes them all.
 fn makes_trajectories(share: Share) -> bool {
     share.number() == 1
 }
 
-/// That ticks of the relock after the last that is followed would still count.
+/// A note that ticks of the relock after the last one followed would still count.
 pub(crate) fn late(runs: &SwitchedRun) -> Option<String> {
     let relocks = runs.points.iter().filter_map(|point| {
         let (relocking, fill) = point.relock.as_ref().zip(point.fill.as_ref())?;

@@ -10,12 +10,12 @@ use crate::store::error::StoreError;
 use crate::table::Table;
 
 impl Plan<'_> {
-    /// The table before anything is sampled: all rows, without estimates.
+    /// The table before anything is sampled, with all rows but without estimates.
     pub(crate) fn blank_table(&self) -> Table {
         self.table_of(&self.rows())
     }
 
-    /// All estimates held.
+    /// The table of all stored estimates.
     pub(crate) fn table(&self, store: &Store) -> Result<Table, StoreError> {
         let mut rows = self.rows();
         let found = estimates(store, &rows, |row| {

@@ -1,6 +1,6 @@
 //! Sample trajectories: the angle of the first runs just before and just after their switches.
 //!
-//! They are few and made on the processor, whatever the device: its bits are those of all.
+//! They are few and made on the processor, whatever the device, because the bits are the same.
 
 use crate::kernel::rows::Rows;
 use crate::kernel::switched_run::trajectory;
@@ -14,13 +14,13 @@ use crate::store::{Row, Store};
 use crate::table::Table;
 use crate::tally::block::{Block, missing};
 
-/// Most switches that a trajectory shows: of more of them every second, third, … is taken.
+/// Most switches that a trajectory shows; of more of them every second, third, … is shown.
 const MOST_SHOWN: u64 = 500;
 
-/// Offset of the angles in the store, which holds numbers that are not negative.
+/// Offset of the angles in the store, which holds non-negative numbers.
 const OFFSET: i64 = 1 << 31;
 
-/// How many the store lacks.
+/// Number of trajectories that the store lacks.
 pub(crate) fn lacks(plan: &Plan, store: &Store) -> Result<u64, StoreError> {
     let wanted = plan.runs.trajectories.min(plan.study.trials);
     let (index, mut lacking) = (store.index()?, 0);
@@ -31,7 +31,7 @@ pub(crate) fn lacks(plan: &Plan, store: &Store) -> Result<u64, StoreError> {
     Ok(lacking)
 }
 
-/// Makes those that the store lacks.
+/// Makes the trajectories that the store lacks.
 pub(crate) fn keep(plan: &Plan, store: &mut Store) -> Result<(), StoreError> {
     let wanted = plan.runs.trajectories.min(plan.study.trials);
     let index = store.index()?;
@@ -54,7 +54,7 @@ pub(crate) fn keep(plan: &Plan, store: &mut Store) -> Result<(), StoreError> {
     Ok(())
 }
 
-/// The table before anything is made: a row for each point, filler and run.
+/// The table before anything is computed, with a row for each point, filler and run.
 pub(crate) fn blank(plan: &Plan) -> Table {
     let mut moments = Vec::new();
     for (at, (point, _)) in filled(plan).enumerate() {
@@ -65,7 +65,7 @@ pub(crate) fn blank(plan: &Plan) -> Table {
     table_of(plan, &moments)
 }
 
-/// All that are held and asked for.
+/// The table of the requested trajectories in the store.
 pub(crate) fn table(plan: &Plan, store: &Store) -> Result<Table, StoreError> {
     let mut moments = Vec::new();
     for (at, (point, filled)) in filled(plan).enumerate() {
@@ -92,24 +92,25 @@ fn table_of(plan: &Plan, moments: &[Moment]) -> Table {
     kinds::table::table(&plan.study.sweeps, &columns, moments, |moment| &moment.point.swept)
 }
 
-/// That not every switch is in the table.
+/// A note that not every switch is in the table.
 pub(crate) fn thinned(plan: &Plan) -> Option<String> {
     let most = plan.runs.points.iter().map(RunPoint::switches).max()?;
     (plan.runs.trajectories > 0 && most > MOST_SHOWN).then(|| {
         format!(
-            "trajectories of runs with more than {MOST_SHOWN} switches show some of them only, evenly spread"
+            "trajectories of runs with more than {MOST_SHOWN} switches show only some of them, evenly spaced"
         )
     })
 }
 
-/// The switches that are shown, then the end: numbers of intervals from 0.
+/// The switches shown, and then the end, as numbers of intervals from 0.
 fn shown(point: &RunPoint) -> Vec<u64> {
     let switches = point.switches();
     let stride = switches.div_ceil(MOST_SHOWN).max(1);
     (0..switches).step_by(stride as usize).chain([switches]).collect()
 }
 
-/// Their places among the angles of a run: two at each switch, one at the end.
+/// The indices of those switches and of the end among the angles of a run, which has two for each switch and one for
+/// the end.
 fn places(shown: &[u64]) -> impl Iterator<Item = usize> {
     let last = shown.last().copied().unwrap_or(0);
     shown.iter().flat_map(move |&k| {
@@ -123,7 +124,7 @@ fn filled<'a>(plan: &'a Plan) -> impl Iterator<Item = (&'a RunPoint, &'a FilledR
     points.flat_map(|(point, lowered)| lowered.fillers.iter().map(move |filled| (point, filled)))
 }
 
-/// The name of the filler at a place of [`filled`].
+/// The name of the filler at an index of [`filled`].
 fn filler<'a>(plan: &'a Plan, at: usize) -> Option<&'a str> {
     let fillers = plan.runs.fillers();
     (!fillers.is_empty()).then(|| fillers[at % fillers.len()].name.as_str())
