@@ -1,23 +1,23 @@
-//! The terms a curve is taken apart into.
+//! The terms of a fitted curve.
 
 use crate::theory::allan::part::Part;
 
-/// A term, with the coefficient that is reported for it. Its Allan variance is proportional to the coefficient's square.
+/// A term, with its reported coefficient. Its Allan variance is proportional to the square of the coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Term {
-    /// Q, ″.
+    /// Quantisation noise Q, ″.
     Quantisation,
-    /// N, ″/√s.
+    /// Angle random walk N, ″/√s.
     AngleRandomWalk,
-    /// B, ″/s.
+    /// Bias instability B, ″/s.
     BiasInstability,
-    /// K, ″/s^1.5.
+    /// Rate random walk K, ″/s^1.5.
     RateRandomWalk,
-    /// R, ″/s².
+    /// Rate ramp R, ″/s².
     RateRamp,
-    /// The rms σ of the exponentially correlated rate, ″/s; its shape is T_c, s. IEEE's q_c is σ√(2/T_c).
+    /// Markov noise by the rms σ of its rate, ″/s; its shape is T_c, s. IEEE's q_c is σ√(2/T_c).
     Markov,
-    /// The amplitude Ω_0 of the rate, ″/s; its shape is f, Hz.
+    /// Sine by the amplitude Ω_0 of its rate, ″/s; its shape is f, Hz.
     Sine,
 }
 
@@ -42,7 +42,7 @@ impl Term {
         Term::Sine,
     ];
 
-    /// As studies and tables name it.
+    /// Name in studies and tables.
     pub fn symbol(self) -> &'static str {
         match self {
             Term::Quantisation => "Q",
@@ -55,7 +55,7 @@ impl Term {
         }
     }
 
-    /// The term that a part of a model is of; a warm-up is of none.
+    /// The term for a part of a model; `None` for a warm-up.
     pub(crate) fn of(part: &Part) -> Option<Term> {
         match part {
             Part::Quantisation { .. } => Some(Term::Quantisation),
@@ -69,7 +69,7 @@ impl Term {
         }
     }
 
-    /// From ″ and s to the unit of data sheets: the factor, the unit as files have it, and its symbol for people.
+    /// Conversion from ″ and s to the unit of data sheets: the factor, the unit in files, and its symbol for the user.
     pub fn data_sheet_unit(self) -> (f64, &'static str, &'static str) {
         match self {
             Term::Quantisation => (1.0, "arcsec", "″"),
@@ -80,17 +80,17 @@ impl Term {
         }
     }
 
-    /// Whether it has a time or frequency that is fitted too.
+    /// Whether a time or frequency is fitted too.
     pub fn has_shape(self) -> bool {
         matches!(self, Term::Markov | Term::Sine)
     }
 
-    /// Parameters that a fit of it takes.
+    /// Number of parameters in a fit.
     pub fn parameters(self) -> usize {
         1 + usize::from(self.has_shape())
     }
 
-    /// The part of the angle with the square of the coefficient, its shape, and the octaves for flicker.
+    /// The part of the angle for the square of the coefficient, its shape, and the number of octaves of flicker.
     pub fn part(self, square: f64, shape: f64, octaves: usize) -> Part {
         let coefficient = libm::sqrt(square);
         match self {
@@ -104,8 +104,8 @@ impl Term {
         }
     }
 
-    /// Term, square of the coefficient and shape of a part: what [`Term::part`] is given. `None` of a warm-up, which is
-    /// none.
+    /// Term, square of the coefficient and shape of a part, which are the arguments of [`Term::part`]; `None` for a
+    /// warm-up.
     pub fn of_part(part: &Part) -> Option<(Term, f64, f64)> {
         let plain = |term, coefficient: f64| Some((term, coefficient * coefficient, 1.0));
         match *part {
