@@ -1,6 +1,6 @@
-//! The Allan variance of continuous noise: the model A(4) with Markov noise and a sine, for curves in charts.
+//! The Allan variance of continuous noise, for curves in charts: the model A(4) with Markov noise and a sine.
 //!
-//! Records are sampled, and at small m their Allan variance is another one: compare them with
+//! Records are sampled, and their Allan variance differs at small m; compare them with
 //! [`Process::expected`](crate::theory::allan::process::Process::expected).
 
 use core::f64::consts::PI;
@@ -8,10 +8,10 @@ use core::f64::consts::PI;
 use crate::theory::allan::exponential::beyond_square;
 use crate::theory::allan::part::{FLAT_LEVEL, Part, sine_of_turns};
 
-/// The term of one part at `tau_s`, (″/s)²: 3Q²/τ², N²/τ, (2 ln2/π)B², K²τ/3, R²τ²/2 — A(4) — and for Markov noise
-/// (q_cT_c)²/τ·[1 − (T_c/2τ)(3 − 4e^{−τ/T_c} + e^{−2τ/T_c})], for a sine Ω_0²(sin²πfτ/πfτ)².
+/// The term of one part at `tau_s`, (″/s)²: 3Q²/τ², N²/τ, (2 ln2/π)B², K²τ/3, R²τ²/2 — A(4). It is (q_cT_c)²/τ·[1 −
+/// (T_c/2τ)(3 − 4e^{−τ/T_c} + e^{−2τ/T_c})] for Markov noise, and Ω_0²(sin²πfτ/πfτ)² for a sine.
 ///
-/// `None` of a warm-up, whose Allan variance depends on the length of the record.
+/// `None` for a warm-up, whose Allan variance depends on the length of the record.
 pub fn allan_variance(part: &Part, tau_s: f64) -> Option<f64> {
     let tau = tau_s;
     Some(match *part {
@@ -22,7 +22,7 @@ pub fn allan_variance(part: &Part, tau_s: f64) -> Option<f64> {
         Part::RateRamp { r } => r * r * tau * tau / 2.0,
         Part::Markov { q_c, time_s } => {
             let z = tau / time_s;
-            // 2z − 3 + 4e^{−z} − e^{−2z}, whose powers up to z² cancel.
+            // 2z − 3 + 4e^{−z} − e^{−2z}, in which the powers up to z² cancel.
             let bracket = match z < 0.5 {
                 true => 4.0 * beyond_square(z) - beyond_square(2.0 * z),
                 false => 2.0 * z - 3.0 + 4.0 * libm::exp(-z) - libm::exp(-2.0 * z),

@@ -1,20 +1,20 @@
-//! The generalised covariance of a sampled angle: what gives any two of its differences their covariance.
+//! The generalised covariance of a sampled angle, which gives the covariance of any two of its differences.
 //!
-//! An angle that walks has no covariance, but its differences have: Σ c_i c_j G(k_i − k_j) with G = −V/2, V(n) being
-//! the variance of its increment over n samples, or any function that differs by a parabola, which second differences
-//! do not see. What is needed is the second difference of G over the shorter of two differences, written so that
-//! nothing cancels for lags that are long beside it.
+//! An angle with a random walk has no covariance, but its differences have: Σ c_i c_j G(k_i − k_j) with G = −V/2, where
+//! V(n) is the variance of its increment over n samples. G may differ by a parabola, which second differences cancel.
+//! The quantity needed is the second difference of G over the shorter of two differences, written so that nothing
+//! cancels for lags much longer than it.
 
 use crate::theory::allan::part::{FLAT_LEVEL, Part};
 use crate::theory::allan::{holds, markov};
 
-/// Second differences of G, `m` apart, of one part of the angle.
+/// Second differences of G, `m` apart, for one part of the angle.
 pub(crate) struct Kernel {
     m: f64,
     form: Form,
 }
 
-/// What G is, with its factor in ″².
+/// The form of G, with its factor in ″².
 enum Form {
     /// −|n|/2.
     Walk(f64),
@@ -25,7 +25,7 @@ enum Form {
         decay: f64,
     },
     Holds(Holds),
-    /// Nothing that reaches from one sample to another, or no noise.
+    /// No correlation between samples, or no noise.
     None,
 }
 
@@ -48,7 +48,7 @@ impl Kernel {
         Kernel { m: m as f64, form }
     }
 
-    /// G(n + m) − 2G(n) + G(n − m), ″², at the lag n ≥ 0, less a constant.
+    /// G(n + m) − 2G(n) + G(n − m), ″², at the lag n ≥ 0, up to a constant.
     pub(crate) fn at(&self, n: f64) -> f64 {
         let m = self.m;
         match &self.form {
@@ -61,10 +61,10 @@ impl Kernel {
     }
 }
 
-/// Octave holds. A hold is a random walk of the rate that is taken back after its length.
+/// Octave holds. A hold is a step of a random walk of the rate that is reversed after its length.
 struct Holds {
-    /// Variance of the rate of each octave times t0², ″²; of all octaves before it; and the sum of the variances over
-    /// their lengths from it on.
+    /// Variance of the rate of each octave times t0², ″²; the sum over all octaves before it; and the sum of variance
+    /// over length from it on.
     octaves: Vec<f64>,
     before: Vec<f64>,
     from: Vec<f64>,
@@ -89,8 +89,8 @@ impl Holds {
             true => 0,
             false => self.octaves.len().min(1 + libm::ilogb(lag) as usize),
         };
-        // Holds that end before all three lags give the same at every lag, and of those that end after them nothing is
-        // taken back.
+        // Holds that end before all three lags contribute the same at every lag, and those that end after them are not
+        // reversed.
         let (short, reached) = (within(n - m), within(n + m));
         let hold = |o: usize| {
             let taken_back = one_sided_cubic(m, n - length(o)) + one_sided_cubic(m, -n - length(o));
@@ -102,7 +102,7 @@ impl Holds {
     }
 }
 
-/// Samples of a hold of an octave.
+/// Length in samples of a hold of an octave.
 fn length(octave: usize) -> f64 {
     (1_u64 << octave) as f64
 }
@@ -115,7 +115,7 @@ fn cubic(m: f64, n: f64) -> f64 {
     }
 }
 
-/// The same of (u³ − u)/12 for u > 0, else 0.
+/// The second difference of (u³ − u)/12 for u > 0, else 0.
 fn one_sided_cubic(m: f64, u: f64) -> f64 {
     match u {
         u if u >= m => 0.5 * u * m * m,

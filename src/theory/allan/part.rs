@@ -1,70 +1,70 @@
-//! The parts of a gyro's angle and the variance that each adds to its differences.
+//! The parts of a gyro's angle, with the variance of their differences.
 
 use core::f64::consts::{LN_2, PI};
 
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::{holds, markov};
 
-/// A part of the angle, in ″ and s; how each is sampled is told [above](super).
+/// A part of the angle, in ″ and s, sampled as described [above](super).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Part {
-    /// White error of the angles: rms Q, ″.
+    /// Quantisation noise: a white error of the angles with rms Q.
     Quantisation {
-        /// Q, ″.
+        /// Rms Q, ″.
         q: f64,
     },
-    /// N, ″/√s.
+    /// Angle random walk.
     AngleRandomWalk {
-        /// N, ″/√s.
+        /// Coefficient N, ″/√s.
         n: f64,
     },
-    /// Flicker of the rate: B, ″/s, whose Allan variance is flat at (2 ln2/π)B², of so many octave holds. Octaves for
-    /// which there are no [variances](holds::variances) make it NaN.
+    /// Flicker of the rate as a sum of octave holds, whose Allan variance is flat at (2 ln2/π)B². A number of octaves
+    /// for which there are no [variances](holds::variances) makes it NaN.
     BiasInstability {
-        /// B, ″/s.
+        /// Bias instability B, ″/s.
         b: f64,
-        /// Of holds: 1, 2, 4, … samples.
+        /// Number of octaves of holds, of 1, 2, 4, … samples.
         octaves: usize,
     },
-    /// K, ″/s^1.5.
+    /// Rate random walk.
     RateRandomWalk {
-        /// K, ″/s^1.5.
+        /// Coefficient K, ″/s^1.5.
         k: f64,
     },
-    /// Exponentially correlated rate: IEEE's q_c, ″/s^1.5, and T_c, s. Its variance is q_c²T_c/2.
+    /// Exponentially correlated rate, whose variance is q_c²T_c/2.
     Markov {
-        /// q_c, ″/s^1.5.
+        /// IEEE's coefficient q_c, ″/s^1.5.
         q_c: f64,
-        /// T_c, s.
+        /// Correlation time T_c, s.
         time_s: f64,
     },
-    /// Sine of the rate with a random phase: Ω_0, ″/s, and f, Hz.
+    /// Sine of the rate with a random phase.
     Sine {
-        /// Ω_0, ″/s.
+        /// Amplitude Ω_0, ″/s.
         amplitude: f64,
-        /// f, Hz.
+        /// Frequency f, Hz.
         frequency_hz: f64,
     },
-    /// R, ″/s².
+    /// Rate ramp.
     RateRamp {
-        /// R, ″/s².
+        /// Coefficient R, ″/s².
         r: f64,
     },
-    /// Decay of the rate after the start of the record: A, ″/s, and T, s.
+    /// Exponential decay of the rate after the start of the record.
     WarmUp {
-        /// A, ″/s.
+        /// Initial rate A, ″/s.
         amplitude: f64,
-        /// T, s.
+        /// Time constant T, s.
         time_s: f64,
     },
 }
 
-/// Deterministic difference k of a record: `first`·e^{−`decay`·k}, ″.
+/// The k-th deterministic difference of a record: `first`·e^{−`decay`·k}, ″.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trend {
-    /// Of the difference at the start, ″.
+    /// Difference at the start, ″.
     pub first: f64,
-    /// For each sample.
+    /// Decay per sample.
     pub decay: f64,
 }
 
@@ -72,11 +72,11 @@ pub struct Trend {
 pub const FLAT_LEVEL: f64 = 2.0 * LN_2 / PI;
 
 impl Part {
-    /// Variance of a difference of angles `m` samples apart, ″²; 0 of the deterministic ramp and warm-up, which are a
+    /// Variance of a difference of angles `m` samples apart, ″²; 0 for the deterministic ramp and warm-up, which are a
     /// [`Trend`]. The Allan variance is this over 2τ² (A(3), (4)), the Hadamard variance over 6τ².
     ///
-    /// Exact for the sampled process at any m, of every record long enough, and so for the mean of overlapping and
-    /// non-overlapping differences alike.
+    /// It is exact for the sampled process at any m, for every record that is long enough, and so for the mean of
+    /// overlapping and non-overlapping differences alike.
     pub fn variance(&self, difference: Difference, sample_s: f64, m: u64) -> f64 {
         let (t0, n) = (sample_s, m as f64);
         let tau = t0 * n;
@@ -91,8 +91,8 @@ impl Part {
                 let one = |(o, v): (usize, &f64)| v * holds::mean_square(difference, 1 << o, m);
                 FLAT_LEVEL * b * b * t0 * t0 * variances.iter().enumerate().map(one).sum::<f64>()
             }
-            // Squares of 1, 2, … m, … 2, 1 for the second difference: K²τ/3·(1 + 1/2m²) as Allan variance, and
-            // K²τ/6·(1 + 1/m²) as Hadamard variance.
+            // Squares of 1, 2, … m, … 2, 1 for the second difference: K²τ/3·(1 + 1/2m²) as Allan variance, and K²τ/6·(1
+            // + 1/m²) as Hadamard variance.
             Part::RateRandomWalk { k } => {
                 let sum = if second { (2.0 * n * n * n + n) / 3.0 } else { n * n * n + n };
                 k * k * t0 * t0 * t0 * sum
@@ -100,7 +100,7 @@ impl Part {
             Part::Markov { q_c, time_s } => {
                 0.5 * q_c * q_c * time_s * t0 * t0 * markov::mean_square(difference, t0 / time_s, n)
             }
-            // The angle's amplitude is Ω_0/2πf, and every difference multiplies it by 2 sin πfτ.
+            // The amplitude of the angle is Ω_0/2πf, and every difference multiplies it by 2 sin πfτ.
             Part::Sine { amplitude, frequency_hz } => {
                 let step = 2.0 * sine_of_turns(0.5 * frequency_hz * tau);
                 let angle = amplitude / (2.0 * PI * frequency_hz);
@@ -110,7 +110,7 @@ impl Part {
         }
     }
 
-    /// The difference that the ramp or the warm-up makes; `None` of random parts.
+    /// The differences of a ramp or a warm-up; `None` for random parts.
     pub fn trend(&self, difference: Difference, sample_s: f64, m: u64) -> Option<Trend> {
         let tau = sample_s * m as f64;
         match *self {
@@ -128,9 +128,9 @@ impl Part {
         }
     }
 
-    /// Largest |difference| of the parts that are not noise: sine, ramp and warm-up, ″; 0 of noise.
+    /// Largest |difference| of the deterministic parts and of a sine, ″; 0 for noise.
     ///
-    /// With 16 standard deviations of the noise beside it, what has to fit into a word.
+    /// Together with 16 standard deviations of the noise it must fit into a word.
     pub fn largest(&self, difference: Difference, sample_s: f64, m: u64) -> f64 {
         match self {
             Part::Sine { .. } => libm::sqrt(2.0 * self.variance(difference, sample_s, m)),
@@ -139,7 +139,7 @@ impl Part {
     }
 }
 
-/// sin 2πx without the loss of digits that a large x would bring.
+/// sin 2πx without the loss of digits for large x.
 pub(crate) fn sine_of_turns(x: f64) -> f64 {
     libm::sin(2.0 * PI * (x - libm::round(x)))
 }
@@ -194,7 +194,7 @@ mod tests {
                 near(part.largest(difference, t0, m), libm::sqrt(peak), 1e-6, "peak of a sine");
             }
         }
-        // The turns of a long τ keep their digits: fτ is a whole number and a half.
+        // A long τ keeps its digits where fτ is an integer plus one half.
         let long = Part::Sine { amplitude: 1.0, frequency_hz: 0.5 };
         near(allan(long, 1.0, 1_000_001), 1.0 / (PI * PI * 500_000.5 * 500_000.5), 1e-9, "long sine");
     }

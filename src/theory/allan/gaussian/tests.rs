@@ -17,7 +17,7 @@ fn all_parts() -> Process {
     }
 }
 
-/// Covariance of the increments of the samples i and j, ″²: of sine and ramp their product.
+/// Covariance of the increments of the samples i and j, ″²; for sine and ramp their product.
 fn increments(part: &Part, t0: f64, i: usize, j: usize) -> f64 {
     let lag = i.abs_diff(j) as f64;
     t0 * t0
@@ -50,7 +50,7 @@ fn by_definition(process: &Process, difference: Difference, samples: usize, a: u
         (0..samples).map(|i| (0..samples).map(|j| cell(i, j)).collect()).collect()
     };
     let (noise_table, steady_table) = (table(&noise), table(&steady));
-    // Weights of increments in a difference; of angles for the white errors.
+    // Weights of increments in a difference, or of angles for the white errors.
     let weights = |m: usize| -> Vec<f64> {
         let c = difference.coefficients();
         (0..spans * m).map(|i| c[i / m + 1..].iter().sum()).collect()
@@ -87,7 +87,7 @@ fn by_definition(process: &Process, difference: Difference, samples: usize, a: u
 fn the_covariance_is_the_double_sum_over_differences() {
     let all = all_parts();
     let alone = all.parts[..5].iter().map(|&part| vec![part]);
-    // What is not noise counts beside noise only.
+    // Deterministic parts count only together with noise.
     let beside = all.parts[5..].iter().map(|&part| vec![Part::AngleRandomWalk { n: 0.5 }, part]);
     for parts in alone.chain(beside).chain([all.parts.clone()]) {
         let process = Process { parts, ..all };
