@@ -181,8 +181,7 @@ fn what_gives_the_residual_twice_or_not_at_all_is_refused() {
     ];
     refused(&replaced(FILLED, "[motion]", "[drift]\nresidual_max = \"10 arcsec\"\n[motion]"), "7:16", &twice);
     refused(&swept(FILLED, "drift.residual_max", "[\"1 arcsec\", \"2 arcsec\"]"), "17:8", &twice);
-    let of_no_use =
-        |name: &str| format!("{name} determines the residuals, but switching.fillers is missing");
+    let of_no_use = |name: &str| format!("{name} determines the residuals, but switching.fillers is missing");
     let without = replaced(FILLED, "fillers = [\"const\", \"quadratic\"]\n", "");
     refused(&without, "3:1", &[&of_no_use("[gyro]"), "no effect without fillers", "give drift.residual_max"]);
     for (table, lines) in [
@@ -419,11 +418,7 @@ fn a_relock_that_has_no_ticks_or_no_time_to_settle_is_refused() {
         3,
         &["37 % of the apparent angle of the relock comes after tick 4", "up to 8 ticks"],
     );
-    refused(
-        &format!("{BUDGET}{RELOCK}"),
-        "11:1",
-        &["[relock] needs fillers", "or leave [relock] out"],
-    );
+    refused(&format!("{BUDGET}{RELOCK}"), "11:1", &["[relock] needs fillers", "or leave [relock] out"]);
     refused(
         &replaced(&relocking, "[motion]", "relock = [\"20.3 arcsec\"]\n[motion]"),
         "6:10",

@@ -339,7 +339,10 @@ fn sweeps_that_make_no_sense_are_refused() {
     refused(&frequency("list = [\"1 Hz\", 2]"), &["a.toml:14:17", "a bare number", "Hz, kHz"]);
     refused(&frequency("list = [\"1 Hz\", \"1000 mHz\"]"), &["a.toml:14:17", "`mHz` is not a known unit"]);
     refused(&frequency("list = [\"1000 Hz\", \"1 kHz\"]"), &["a.toml:14:20", "takes 1000 Hz twice"]);
-    refused(&frequency("list = [\"1 Hz\", \"3 kHz\"]"), &["a.toml:14:8", "too fast for a tick rate of 200 Hz"]);
+    refused(
+        &frequency("list = [\"1 Hz\", \"3 kHz\"]"),
+        &["a.toml:14:8", "too fast for a tick rate of 200 Hz"],
+    );
     let log = |from: &str, points: &str| {
         frequency(&format!("log = {{ from = \"{from}\", to = \"4 Hz\", points = {points} }}"))
     };

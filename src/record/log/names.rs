@@ -78,11 +78,11 @@ pub(crate) fn find(word: &str, names: Option<&[Name]>, columns: usize) -> Result
             return Ok(number - 1);
         }
         let message = format!("there is no column {number}, the file has {columns}");
-        return Err(NoColumn { message, help: format!("columns are numbered from 1; the columns are {list}") });
+        return Err(NoColumn { message, help: format!("columns are numbered from 1: {list}") });
     }
     if names.is_none() {
         let message = format!("no column can be called `{word}`: the file has no header");
-        return Err(NoColumn { message, help: format!("give numbers, counted from 1; the columns are {list}") });
+        return Err(NoColumn { message, help: format!("give numbers, counted from 1: {list}") });
     }
     let bare: Vec<&str> = named.iter().map(|name| name.bare.as_str()).collect();
     let help = format!("{}; numbers from 1 are accepted too", choices(word, &bare));

@@ -89,9 +89,10 @@ impl Array {
             .and_then(|count| count.checked_mul(array.element.size() as u64));
         let there = length.map(|length| length.saturating_sub((8 + bytes + size) as u64));
         match (promised, there) {
-            (Some(promised), Some(there)) if promised > there => {
-                Err(bad(file, &format!("its header promises {promised} bytes of numbers, the file has {there}")))
-            }
+            (Some(promised), Some(there)) if promised > there => Err(bad(
+                file,
+                &format!("its header promises {promised} bytes of numbers, the file has {there}"),
+            )),
             (None, _) => Err(bad(file, "its header promises more numbers than can be")),
             _ if array.rows > MOST_SAMPLES => {
                 Err(bad(file, &format!("it has {} rows, more than {MOST_SAMPLES}", array.rows)))

@@ -247,7 +247,7 @@ impl Reader<'_> {
             _ => {
                 let message = format!("the file has {} columns: select some of them", self.columns());
                 let list = listed(self.names(), self.columns());
-                let help = format!("name one or several as in `column = 2,3`; the columns are {list}");
+                let help = format!("name one or several as in `column = 2,3`: {list}");
                 Err(LogError::new(message, "these are the columns", help, self.place(None)))
             }
         }

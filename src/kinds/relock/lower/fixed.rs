@@ -261,9 +261,8 @@ fn check_loop(loop_s: f64, tick_s: f64) -> Result<(), Refusal> {
     let (found, tick, ticks) = (shown(loop_s), shown(tick_s), loop_s / tick_s);
     let refuse = |message, help| Err(Refusal { key: "relock.loop_time", message, help });
     if ticks > SLOWEST {
-        let message = format!(
-            "relock.loop_time = {found} s does not settle within the ticks followed, of {tick} s"
-        );
+        let message =
+            format!("relock.loop_time = {found} s does not settle within the ticks followed, of {tick} s");
         return refuse(message, "accepted: up to 100 ticks; the paper's values are 1 to 6");
     }
     if ticks < FASTEST {
