@@ -1,17 +1,17 @@
-//! The header of a record: which columns hold time and rate, and in which units.
+//! The header of a record, which names the columns of time and rate and their units.
 
 use crate::quantity::units::{Dimension, parse_unit};
 use crate::record::rows::Row;
 use crate::source::diagnose::Fault;
 
-/// How a header is written.
+/// Help with an example of a header.
 const EXAMPLE: &str =
     "name the two columns with their units, a comma between them, as in\ntime [s], rate [deg/s]";
 
 /// Most columns that a message lists.
 const MOST_LISTED: usize = 20;
 
-/// One column that a record needs.
+/// A column that a record requires.
 #[derive(Debug)]
 struct Wanted {
     name: &'static str,
@@ -22,31 +22,31 @@ struct Wanted {
 const TIME: Wanted = Wanted { name: "time", dimension: Dimension::Time, example: "time [s]" };
 const RATE: Wanted = Wanted { name: "rate", dimension: Dimension::Rate, example: "rate [deg/s]" };
 
-/// A column as found.
+/// A column found in the header.
 #[derive(Debug)]
 pub(crate) struct Column {
     name: &'static str,
-    /// Its place in a row.
+    /// Index in a row.
     index: usize,
-    /// The size of its unit in ″ and s.
+    /// Size of its unit in ″ and s.
     factor: f64,
 }
 
-/// The columns that are read.
+/// The required columns.
 #[derive(Debug)]
 pub(crate) struct Columns {
     pub(crate) time: Column,
     pub(crate) rate: Column,
-    /// Of the header, those that are not read among them.
+    /// Number of cells in the header, including those that are not read.
     cells: usize,
 }
 
 impl Columns {
-    /// The columns as a `header` names them.
+    /// Finds the columns in a `header`.
     pub(crate) fn read(header: &Row<'_>) -> Result<Columns, Fault> {
         if header.cells.iter().all(|cell| cell.parse::<f64>().is_ok()) {
             let message = "the first row is numbers, the header is missing";
-            return Err(Fault::new(header.span.clone(), message, "numbers and no names", EXAMPLE));
+            return Err(Fault::new(header.span.clone(), message, "numbers instead of names", EXAMPLE));
         }
         if header.cells.len() == 1 {
             let message = "the header has only one column";
@@ -55,7 +55,7 @@ impl Columns {
         Ok(Columns { time: find(header, &TIME)?, rate: find(header, &RATE)?, cells: header.cells.len() })
     }
 
-    /// Refuses a `row` that has not as many cells as the header.
+    /// Refuses a `row` with a different number of cells than the header.
     pub(crate) fn check(&self, row: &Row<'_>) -> Result<(), Fault> {
         let (found, expected) = (row.cells.len(), self.cells);
         if found == expected {
@@ -86,13 +86,13 @@ impl Column {
         }
     }
 
-    /// Where this column stands in a `row`.
+    /// The place of this column in a `row`.
     pub(crate) fn place(&self, row: &Row<'_>) -> std::ops::Range<usize> {
         row.cell(self.index)
     }
 }
 
-/// The one column of a `header` that is `wanted`.
+/// Finds the single column of a `header` that is `wanted`.
 fn find(header: &Row<'_>, wanted: &Wanted) -> Result<Column, Fault> {
     let Wanted { name, dimension, example } = *wanted;
     let mut named = header.cells.iter().enumerate().filter_map(|(i, cell)| Some((i, unit_in(cell, wanted)?)));
@@ -120,10 +120,10 @@ fn find(header: &Row<'_>, wanted: &Wanted) -> Result<Column, Fault> {
     Ok(Column { name, index, factor })
 }
 
-/// The unit that a header's cell gives to the `wanted` column, empty where it gives none; `None` for another column.
+/// The unit that a header's cell gives for the `wanted` column, empty where it gives none; `None` for another column.
 ///
-/// `name [unit]`, `name (unit)`, or `name_unit` with `_per_` for the stroke: the last only where it is a unit of the
-/// right dimension, since an underscore may also belong to the name of another column.
+/// The forms are `name [unit]`, `name (unit)`, and `name_unit` with `_per_` for the stroke. The last one counts only if
+/// it is a unit of the correct dimension, since an underscore may also belong to the name of another column.
 fn unit_in(cell: &str, wanted: &Wanted) -> Option<String> {
     let (start, rest) = cell.split_at_checked(wanted.name.len())?;
     if !start.eq_ignore_ascii_case(wanted.name) {

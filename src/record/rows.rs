@@ -11,7 +11,7 @@ use crate::record::log::STEPS_HELP;
 use crate::record::{Record, STEPS_S};
 use crate::source::diagnose::Fault;
 
-/// How far a step may be from the median one, as a part of it.
+/// Largest relative deviation of a step from the median one.
 const UNEVEN: f64 = 0.01;
 
 /// Reads the `text` of a record of at most `most` samples.
@@ -72,7 +72,8 @@ fn check_steps(text: &str, time: &Column, times: &[f64]) -> Result<(), Fault> {
     let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
     let is_even = |pair: &[f64]| libm::fabs(pair[1] - pair[0] - median) <= UNEVEN * median;
     let Some(before) = times.windows(2).position(|pair| !is_even(pair)) else { return Ok(()) };
-    // Places are not kept for millions of rows: the one at fault is read again, after the header and those before it.
+    // Places are not kept for millions of rows, so the row at fault is read again, after the header and the rows before
+    // it.
     let mut rows = Rows::new(text);
     for _ in 0..before + 2 {
         rows.advance()?;
@@ -83,21 +84,21 @@ fn check_steps(text: &str, time: &Column, times: &[f64]) -> Result<(), Fault> {
         "the record is not evenly sampled: sample {} comes {step} s after the one before, the median step is {median} s",
         before + 2
     );
-    let help = "resample it evenly first: every step has to be within 1 % of the median step";
+    let help = "resample it evenly first: every step must be within 1 % of the median step";
     Err(Fault::new(place, message, format!("a step of {step} s"), help))
 }
 
-/// One row, as it stands in the file.
+/// One row as in the file.
 #[derive(Debug)]
 pub(crate) struct Row<'r> {
     pub(crate) cells: &'r StringRecord,
-    /// Of the row in the text, without the end of its line.
+    /// Place of the row in the text, without the end of its line.
     pub(crate) span: Range<usize>,
     text: &'r str,
 }
 
 impl Row<'_> {
-    /// Where the cell at `index` stands: the whole row if it is missing, or where a quote may hide a comma.
+    /// The place of the cell at `index`, or the whole row if the cell is missing or a quote may hide a comma.
     pub(crate) fn cell(&self, index: usize) -> Range<usize> {
         let row = &self.text[self.span.clone()];
         let mut start = self.span.start;
@@ -112,7 +113,7 @@ impl Row<'_> {
     }
 }
 
-/// The rows of a text, the header first, comments and blank lines left out.
+/// The rows of a text, with the header first, and without comments and blank lines.
 struct Rows<'t> {
     text: &'t str,
     reader: Reader<&'t [u8]>,
@@ -121,7 +122,7 @@ struct Rows<'t> {
 
 impl<'t> Rows<'t> {
     fn new(text: &'t str) -> Rows<'t> {
-        // Rows of another length than the header are refused with their place, which the reader would not give.
+        // Rows whose length differs from the header's are refused with their place, which the reader would not give.
         let mut form = ReaderBuilder::new();
         form.has_headers(false).flexible(true).comment(Some(b'#')).trim(Trim::All);
         Rows { text, reader: form.from_reader(text.as_bytes()), cells: StringRecord::new() }

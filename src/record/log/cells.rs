@@ -1,18 +1,18 @@
-//! One line of a text log: its cells, and what they say.
+//! The cells of one line of a text log, and their values.
 
 use std::ops::Range;
 
-/// What stands between the cells of a line.
+/// The separator between the cells of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Delimiter {
-    /// A comma, a semicolon or a tab; blanks around cells are no part of them.
+    /// A comma, a semicolon or a tab; blanks around cells are ignored.
     Byte(u8),
     /// Any number of blanks and tabs.
     Blanks,
 }
 
 impl Delimiter {
-    /// What divides a `line` of numbers.
+    /// The delimiter of a `line` of numbers.
     pub(crate) fn of(line: &[u8]) -> Delimiter {
         let trimmed = line.trim_ascii();
         let found = [b'\t', b';', b','].into_iter().find(|byte| trimmed.contains(byte));
@@ -32,7 +32,7 @@ impl Delimiter {
         }
     }
 
-    /// Whether a line is empty or a comment: `#` or `%` before anything else, or `;` where that is no delimiter.
+    /// Whether a line is empty or a comment, which begins with `#` or `%`, or with `;` where that is not the delimiter.
     pub(crate) fn skips(self, line: &[u8]) -> bool {
         match line.trim_ascii_start().first() {
             None | Some(b'#' | b'%') => true,
@@ -42,11 +42,11 @@ impl Delimiter {
     }
 }
 
-/// The cells of a line, as places in it, without blanks and quotes around them.
+/// The cells of a line as byte ranges, without blanks and quotes around them.
 pub(crate) struct Cells<'l> {
     line: &'l [u8],
     delimiter: Delimiter,
-    /// Where the next cell begins; past the end when there is none.
+    /// Start of the next cell; past the end when there is none.
     next: usize,
 }
 
@@ -91,7 +91,7 @@ fn skip_blanks(line: &[u8], from: usize) -> usize {
     line[from..].iter().position(|b| !b.is_ascii_whitespace()).map_or(line.len(), |n| from + n)
 }
 
-/// The end of the cell at `start`; between quotes, or within the brackets of a unit, nothing divides.
+/// The end of the cell at `start`; nothing divides between quotes or within the brackets of a unit.
 #[inline]
 fn end_of(line: &[u8], start: usize, divides: impl Fn(u8) -> bool) -> usize {
     let (mut quoted, mut depth) = (false, 0_u32);
@@ -116,16 +116,16 @@ fn trimmed(line: &[u8], cell: Range<usize>) -> Range<usize> {
     cell.start + lead..cell.end - trail
 }
 
-/// What a cell says.
+/// The value of a cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Value {
-    /// Finite, or NaN for a missing one.
+    /// A finite number, or NaN for a missing one.
     Number(f64),
     Infinite,
     Text,
 }
 
-/// Reads a cell: a number with the point for decimals; nothing, `NaN`, `NA` and `null` are a missing one.
+/// Reads a cell as a number with a decimal point; an empty cell, `NaN`, `NA` and `null` are missing values.
 #[inline]
 pub(crate) fn value(cell: &[u8]) -> Value {
     let text = std::str::from_utf8(cell).unwrap_or("?");

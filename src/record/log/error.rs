@@ -1,4 +1,4 @@
-//! Why a log was refused, with the line at fault.
+//! Errors of logs, with the line at fault.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use crate::source::diagnose::render;
 use crate::source::place::Place;
 use crate::source::setting::spelled;
 
-/// Why a log was refused: what was found and where, what is accepted, how to put it right.
+/// Why a log was refused: the finding with its place, the accepted values and a remedy.
 ///
 /// A [`miette::Diagnostic`]; [`LogError::render`] gives the text for a terminal.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -17,12 +17,12 @@ pub struct LogError {
     message: String,
     label: String,
     help: String,
-    /// Absent where the fault has no line.
+    /// Place; absent where the fault has no line.
     place: Option<Box<Place>>,
 }
 
 impl LogError {
-    /// `message`: the whole finding; `label`: what stands at `place`; `help`: what to do.
+    /// An error with the complete finding as `message`, a `label` for the text at `place`, and advice as `help`.
     pub(crate) fn new(
         message: impl Into<String>,
         label: impl Into<String>,
@@ -37,7 +37,7 @@ impl LogError {
         }
     }
 
-    /// The same error with its settings as a front end spells them, see [`spelled`].
+    /// The same error with its settings in the spelling of a front end; see [`spelled`].
     pub fn spelled(mut self, spell: &dyn Fn(&str, &str) -> Option<String>) -> LogError {
         for text in [&mut self.message, &mut self.label, &mut self.help] {
             *text = spelled(text, spell);
@@ -45,7 +45,8 @@ impl LogError {
         self
     }
 
-    /// The report for people: file, line, caret and help, `width` columns wide; escape codes only if `color`.
+    /// The report for the user, with file, line, caret and help, `width` columns wide; it has escape codes only if
+    /// `color`.
     pub fn render(&self, color: bool, width: usize) -> String {
         render(self, color, width).unwrap_or_else(|| format!("{self}\nhelp: {}\n", self.help))
     }

@@ -1,4 +1,4 @@
-//! How a text log is laid out, found from its first lines.
+//! The layout of a text log, determined from its first lines.
 
 use crate::record::log::cells::{Cells, Delimiter, Value, value};
 use crate::record::log::error::LogError;
@@ -10,14 +10,14 @@ use crate::source::place::Place;
 pub(crate) struct Layout {
     pub file: String,
     pub delimiter: Delimiter,
-    /// Absent without a header.
+    /// Column names; absent without a header.
     pub names: Option<Vec<Name>>,
-    /// Cells of a row.
+    /// Number of cells in a row.
     pub columns: usize,
-    /// Bytes and lines before the first row, the header among them.
+    /// Bytes, and then lines, before the first row, including the header.
     pub start: usize,
     pub lines: usize,
-    /// The line that shows the columns, the header or else the first row, with its number from 1.
+    /// The line that shows the columns, which is the header or else the first row, with its number from 1.
     shown: (usize, Vec<u8>),
 }
 
@@ -32,7 +32,7 @@ impl Layout {
     /// The layout of the log that begins with `head`.
     ///
     /// # Errors
-    /// It has no row.
+    /// The log has no rows.
     pub(crate) fn of(head: &[u8], file: &str) -> Result<Layout, LogError> {
         let (content, comment) = first_lines(head);
         let Some(first) = content.first() else {
@@ -59,7 +59,7 @@ impl Layout {
             layout.lines = first.number;
             layout.start = head.len().min(first.start + first.text.len() + 1);
         } else {
-            // As NumPy's savetxt writes it.
+            // The header as NumPy's savetxt writes it.
             let is_sign = |byte: &u8| b"#%; \t".contains(byte);
             let text = comment.map(|text| &text[text.iter().take_while(|byte| is_sign(byte)).count()..]);
             let words = text.map(|text| texts(text, delimiter)).filter(|words| is_header(words));
@@ -68,11 +68,11 @@ impl Layout {
         Ok(layout)
     }
 
-    /// Where a column is shown.
+    /// The place where a column is shown.
     pub(crate) fn place(&self, column: usize) -> Place {
         let (number, text) = &self.shown;
         let cell = Cells::new(text, self.delimiter).nth(column);
-        // Units with blanks are cells of their own where blanks divide.
+        // Where blanks divide, units separated by blanks are cells of their own.
         let whole = self.delimiter == Delimiter::Blanks && self.names.is_some();
         let span = cell.filter(|_| !whole).unwrap_or(0..text.len());
         Place::new(&self.file, *number, text, span)
@@ -109,7 +109,7 @@ fn texts(line: &[u8], delimiter: Delimiter) -> Vec<String> {
     for cell in Cells::new(line, delimiter) {
         let text = String::from_utf8_lossy(&line[cell]).into_owned();
         match texts.last_mut() {
-            // `time [s]` is one name where blanks divide.
+            // `time [s]` is one name even where blanks divide.
             Some(name) if delimiter == Delimiter::Blanks && text.starts_with(['[', '(']) => {
                 *name += &format!(" {text}")
             }
@@ -123,7 +123,7 @@ fn texts(line: &[u8], delimiter: Delimiter) -> Vec<String> {
     texts
 }
 
-/// Words, and no number among them.
+/// Whether the cells are words without a number among them.
 fn is_header(cells: &[String]) -> bool {
     let values = || cells.iter().map(|cell| value(cell.as_bytes()));
     values().any(|value| value == Value::Text)

@@ -4,9 +4,10 @@
 //! file ─ layout, names ─▶ columns ─ text | npy ─▶ rows ─ time ─▶ Log ─ cut, check, outliers ─▶ channels ─▶ allan::Angles
 //! ```
 //!
-//! Text is read in blocks, and their lines parsed in parallel: memory is 8 bytes for each sample of a column that was
-//! asked for, besides 16 MiB. Numbers are the standard library's correctly rounded ones. The csv crate is not used
-//! here: it takes one delimiter and one comment sign, no runs of blanks, and does not tell where a cell stands.
+//! Text is read in blocks, whose lines are parsed in parallel. Memory is 8 bytes for each sample of a requested column,
+//! plus 16 MiB. Numbers are parsed by the correctly rounded parser of the standard library. The csv crate is not used
+//! here because it takes only one delimiter and one comment sign, no runs of blanks, and does not give the place of a
+//! cell.
 
 pub mod cells;
 pub mod channel;
@@ -33,10 +34,10 @@ pub use crate::record::log::read::{Request, Timing};
 pub use crate::record::log::samples::{Fault, Samples};
 pub use crate::record::log::time::JITTER;
 
-/// Most samples of a log, 2^28: a week at 400 Hz.
+/// Most samples of a log, 2^28, which is a week at 400 Hz.
 pub const MOST_SAMPLES: usize = 1 << 28;
 
-/// What to do about other steps than [`STEPS_S`](crate::record::STEPS_S).
+/// Advice on steps outside [`STEPS_S`](crate::record::STEPS_S).
 pub(crate) const STEPS_HELP: &str = "accepted: 1e-9 s to 1e9 s; is the unit of the time right?";
 
 fn unreadable(file: &str, error: &std::io::Error) -> LogError {

@@ -1,23 +1,23 @@
-//! The names of a log's columns, and the columns that users name.
+//! The names of a log's columns, and the lookup of columns by the user's names.
 
 use crate::quantity::units::{Dimension, parse_unit};
 use crate::source::diagnose::choices;
 
-/// Longest unit behind an underscore, in bytes with that.
+/// Longest unit after an underscore, in bytes including it.
 const LONGEST_UNIT: usize = 64;
 
 /// A column of the header.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Name {
-    /// As it stands in the file.
+    /// Name as in the file.
     pub whole: String,
-    /// Without the unit.
+    /// Name without the unit.
     pub bare: String,
     pub unit: Option<String>,
 }
 
 impl Name {
-    /// `gz [deg/s]`, `gz (deg/s)`, or `gz_deg_per_s` where the end is a unit of a rate, an angle or a time.
+    /// Reads `gz [deg/s]`, `gz (deg/s)`, or `gz_deg_per_s` where the end is a unit of a rate, an angle or a time.
     pub(crate) fn read(cell: &str) -> Name {
         let whole = cell.trim();
         let with = |bare: &str, unit: &str| Name {
@@ -31,7 +31,7 @@ impl Name {
                 return with(bare, unit);
             }
         }
-        // Without a bound a long cell of underscores takes the square of its length.
+        // Without a bound, a long cell of underscores would take time in proportion to the square of its length.
         let is_short = |at: usize| whole.len() - at <= LONGEST_UNIT;
         for (at, _) in whole.match_indices('_').filter(|(at, _)| *at > 0 && is_short(*at)) {
             let unit = whole[at + 1..].replace("_per_", "/");
@@ -50,10 +50,11 @@ pub(crate) struct NoColumn {
     pub help: String,
 }
 
-/// The column that a user means by `word`: its name with or without unit, in upper or lower case, or its number from 1.
+/// Finds the column that a user means by `word`: its name with or without unit, in upper or lower case, or its number
+/// from 1.
 ///
 /// # Errors
-/// No such column, or several; with the list of those there are and the nearest name.
+/// No column matches, or several do; the error lists the columns and the nearest name.
 pub(crate) fn find(word: &str, names: Option<&[Name]>, columns: usize) -> Result<usize, NoColumn> {
     let list = listed(names, columns);
     let word = word.trim();
@@ -77,18 +78,18 @@ pub(crate) fn find(word: &str, names: Option<&[Name]>, columns: usize) -> Result
             return Ok(number - 1);
         }
         let message = format!("there is no column {number}, the file has {columns}");
-        return Err(NoColumn { message, help: format!("columns are numbered from 1; there are {list}") });
+        return Err(NoColumn { message, help: format!("columns are numbered from 1: {list}") });
     }
     if names.is_none() {
         let message = format!("no column can be called `{word}`: the file has no header");
-        return Err(NoColumn { message, help: format!("give numbers, counted from 1; there are {list}") });
+        return Err(NoColumn { message, help: format!("give numbers, counted from 1: {list}") });
     }
     let bare: Vec<&str> = named.iter().map(|name| name.bare.as_str()).collect();
-    let help = format!("{}; numbers from 1 do too", choices(word, &bare));
+    let help = format!("{}; numbers from 1 are accepted too", choices(word, &bare));
     Err(NoColumn { message: format!("no column is called `{word}`"), help })
 }
 
-/// All columns for a sentence: `1 time, 2 gx`, or `columns 1 … 4`.
+/// All columns as part of a sentence, such as `1 time, 2 gx` or `columns 1 … 4`.
 pub(crate) fn listed(names: Option<&[Name]>, columns: usize) -> String {
     const MOST: usize = 20;
     match names {

@@ -1,26 +1,26 @@
 //! NumPy arrays in .npy files, versions 1 to 3.
 //!
-//! Read by hand: the header is one line of text, and the numbers behind it go to f64 in one pass. The format is that
-//! of NEP 1.
+//! The parser is our own: the header is one line of text, and the numbers after it are converted to f64 in one pass.
+//! The format is that of NEP 1.
 
 use std::io::{self, Read};
 
 use crate::record::log::error::LogError;
 use crate::record::log::{MOST_SAMPLES, unreadable};
 
-/// How a .npy file begins.
+/// The first bytes of a .npy file.
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// Longest header that is read.
+/// Length in bytes of the longest header that is read.
 const LONGEST: usize = 1 << 16;
 
-/// Most columns. An array without rows may promise any number of them, and so may one from a pipe.
+/// Most columns. An array without rows may claim any number of them, and so may one from a pipe.
 const MOST_COLUMNS: usize = 1 << 20;
 
-/// Bytes that are read at a time.
+/// Bytes read at a time.
 const BLOCK: usize = 8 << 20;
 
-/// What the header says.
+/// The contents of the header.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Array {
     file: String,
@@ -31,7 +31,7 @@ pub(crate) struct Array {
     pub columns: usize,
 }
 
-/// The types of numbers that are read.
+/// The supported types of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Element {
     F4,
@@ -69,7 +69,7 @@ impl Array {
     /// Reads the header. `length` is that of the file, where it is known.
     ///
     /// # Errors
-    /// No such array as is read here, or one that is longer than its file.
+    /// The array is not supported, or is longer than its file.
     pub(crate) fn read(file: &str, reader: &mut impl Read, length: Option<u64>) -> Result<Array, LogError> {
         let mut start = [0; 8];
         reader.read_exact(&mut start).map_err(|e| short(file, &e))?;
@@ -89,9 +89,10 @@ impl Array {
             .and_then(|count| count.checked_mul(array.element.size() as u64));
         let there = length.map(|length| length.saturating_sub((8 + bytes + size) as u64));
         match (promised, there) {
-            (Some(promised), Some(there)) if promised > there => {
-                Err(bad(file, &format!("its header promises {promised} bytes of numbers, there are {there}")))
-            }
+            (Some(promised), Some(there)) if promised > there => Err(bad(
+                file,
+                &format!("its header promises {promised} bytes of numbers, the file has {there}"),
+            )),
             (None, _) => Err(bad(file, "its header promises more numbers than can be")),
             _ if array.rows > MOST_SAMPLES => {
                 Err(bad(file, &format!("it has {} rows, more than {MOST_SAMPLES}", array.rows)))
@@ -138,7 +139,7 @@ impl Array {
     /// The `wanted` columns, in the order given.
     ///
     /// # Errors
-    /// The file cannot be read, or ends early, or a number is infinite.
+    /// The file cannot be read, ends early, or contains an infinite number.
     pub(crate) fn columns(&self, mut reader: impl Read, wanted: &[usize]) -> Result<Vec<Vec<f64>>, LogError> {
         let mut columns: Vec<Vec<f64>> = wanted.iter().map(|_| Vec::with_capacity(self.rows)).collect();
         // Stretches of numbers that belong to one row, or in Fortran order to one column.
@@ -175,7 +176,7 @@ impl Array {
         Ok(columns)
     }
 
-    /// Reads `count` groups of `width` numbers, and hands them over some whole groups at a time.
+    /// Reads `count` groups of `width` numbers, and passes them on several whole groups at a time.
     fn blocks(
         &self,
         reader: &mut impl Read,

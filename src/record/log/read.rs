@@ -1,4 +1,4 @@
-//! From a file to a [`Log`].
+//! Reading a file into a [`Log`].
 
 use std::fs::File;
 use std::io::{Chain, Cursor, Read};
@@ -22,37 +22,37 @@ use crate::record::log::time::{TimeFault, grid};
 use crate::record::log::{MOST_SAMPLES, STEPS_HELP, unreadable};
 use crate::source::place::Place;
 
-/// Bytes from which the layout of a text is told.
+/// Bytes from which the layout of a text is determined.
 const HEAD: u64 = 1 << 20;
 
-/// Which columns of a log are read, and as what.
+/// The columns of a log to read, and their interpretation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
-    /// Names or numbers from 1. Without any the file must have only one besides that of the time.
+    /// Column names or numbers from 1. If there are none, the file must have only one column besides the time.
     pub columns: Vec<String>,
-    /// How far apart the samples are.
+    /// Spacing of the samples.
     pub timing: Timing,
-    /// Rates, increments or angles.
+    /// Quantity of the samples.
     pub data: Data,
-    /// Absent: that of each column's header.
+    /// Unit; if absent, that in each column's header.
     pub unit: Option<Unit>,
 }
 
-/// When the samples were taken.
+/// The times of the samples.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Timing {
-    /// One after the other, in s.
+    /// A constant step, s.
     Step(f64),
-    /// As a column says: its name or number, and its unit where the header gives none, as in `ms`.
+    /// The times in a column.
     Stamps {
-        /// Name, or number from 1.
+        /// Name of the column, or its number from 1.
         column: String,
-        /// Absent: that of the header.
+        /// Unit of the times, such as `ms`; if absent, that in the header.
         unit: Option<String>,
     },
 }
 
-/// Starts of files that are often given and not read, and what they are.
+/// First bytes of unsupported files that users often give, with their descriptions.
 const OTHERS: [(&[u8], &str); 8] = [
     (b"PK\x03\x04", "a ZIP archive (.npz, .xlsx)"),
     (b"\x1f\x8b", "compressed by gzip"),
@@ -64,18 +64,18 @@ const OTHERS: [(&[u8], &str); 8] = [
     (b"#ROSBAG", "a ROS bag"),
 ];
 
-/// [`Timing`] with the column found.
+/// [`Timing`] with the column looked up.
 #[derive(Clone, Copy)]
 enum When {
     Step(f64),
-    /// `factor`: the size of the stamps' unit in s.
+    /// Time stamps; `factor` is the size of their unit in s.
     Stamps {
         column: usize,
         factor: f64,
     },
 }
 
-/// What the file holds, before any sample is read.
+/// The contents of the file, before any sample is read.
 enum Contents {
     Text(Layout),
     Npy(Array),
@@ -84,12 +84,12 @@ enum Contents {
 type Bytes = Chain<Cursor<Vec<u8>>, File>;
 
 impl Log {
-    /// Reads what `request` asks for of the log at `path`.
+    /// Reads the columns of the log at `path` that `request` selects.
     ///
-    /// Text is CSV, TSV, semicolons or columns with blanks between, with a header or without, comments behind `#`,
-    /// `%` or `;`; a Stable32 .DAT is one. Missing are samples of empty cells and NaN, and those that a step of
-    /// several sampling steps leaves out; the sampling step is the median, and steps are within [`JITTER`] of whole
-    /// multiples of it.
+    /// Text may be CSV, TSV, separated by semicolons or in columns with blanks between, with or without a header, and
+    /// with comments after `#`, `%` or `;`; a Stable32 .DAT is one such file. Empty cells and NaN are missing samples,
+    /// and so are those skipped by a step of several sampling steps. The sampling step is the median step, and all
+    /// steps must be within [`JITTER`] of whole multiples of it.
     ///
     /// # Errors
     /// The first fault found, with its place where the file has lines.
@@ -150,7 +150,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Where a column is shown, or all of them.
+    /// The place where a column is shown, or all of them.
     fn place(&self, column: Option<usize>) -> Option<Place> {
         match &self.contents {
             Contents::Text(layout) => {
@@ -174,7 +174,7 @@ impl Reader<'_> {
             wanted.iter().map(|&column| self.channel(column, request)).collect::<Result<Vec<_>, _>>()?;
         let all: Vec<usize> = time.into_iter().chain(wanted).collect();
         if (1..all.len()).any(|i| all[..i].contains(&all[i])) {
-            let message = "a column is asked for twice";
+            let message = "a column is requested twice";
             return Err(LogError::new(
                 message,
                 "these are the columns",
@@ -204,7 +204,7 @@ impl Reader<'_> {
         Ok(Log { file: self.file, step_s, data: request.data, start_s: 0.0, channels })
     }
 
-    /// The column of the time and the size of its unit.
+    /// The column of the time, with the size of its unit.
     fn stamps(&self, word: &str, unit: Option<&str>) -> Result<When, LogError> {
         let column = self.find(word)?;
         let of_header = self.names().and_then(|names| names[column].unit.as_deref());
@@ -236,7 +236,7 @@ impl Reader<'_> {
         match others[..] {
             [only] => Ok(vec![only]),
             [] => {
-                let help = "add a column of samples, or give `rate = 100Hz` in place of a time column";
+                let help = "add a column of samples, or give `rate = 100Hz` instead of a time column";
                 Err(LogError::new(
                     "there is no column besides the time",
                     "the only one",
@@ -245,15 +245,15 @@ impl Reader<'_> {
                 ))
             }
             _ => {
-                let message = format!("the file has {} columns, which of them?", self.columns());
+                let message = format!("the file has {} columns: select some of them", self.columns());
                 let list = listed(self.names(), self.columns());
-                let help = format!("name one or several as in `column = 2,3`; there are {list}");
+                let help = format!("name one or several as in `column = 2,3`: {list}");
                 Err(LogError::new(message, "these are the columns", help, self.place(None)))
             }
         }
     }
 
-    /// A column without its samples.
+    /// A channel for a column, without its samples.
     fn channel(&self, column: usize, request: &Request) -> Result<Channel, LogError> {
         let name = self.names().map(|names| &names[column]);
         let in_header = name.and_then(|name| name.unit.clone());

@@ -13,15 +13,15 @@ use crate::record::log::layout::Layout;
 use crate::record::log::{MOST_SAMPLES, unreadable};
 use crate::source::place::Place;
 
-/// Bytes that are read at a time. No line may be longer.
+/// Bytes read at a time; no line may be longer.
 const BLOCK: usize = 16 << 20;
 
-/// Bytes that are parsed by one thread at a time.
+/// Bytes parsed by one thread at a time.
 const PART: usize = 1 << 20;
 
-/// A cell or a row that cannot be read, and where.
+/// A cell or a row that cannot be read, with its place.
 struct Flaw {
-    /// Lines before it in its part.
+    /// Number of lines before it in its part.
     line: usize,
     text: Vec<u8>,
     span: Range<usize>,
@@ -45,7 +45,7 @@ struct Part {
 /// Reads the `wanted` columns of a log from its start, in the order given; NaN stands for a missing value.
 ///
 /// # Errors
-/// The file cannot be read, or a row is not of the layout; the first of several such rows.
+/// The file cannot be read, or a row does not fit the layout; of several such rows the first is reported.
 pub(crate) fn read(
     layout: &Layout,
     mut bytes: impl Read,
@@ -57,7 +57,7 @@ pub(crate) fn read(
     let (mut block, mut lines) = (Vec::with_capacity(BLOCK), layout.lines);
     loop {
         let room = BLOCK - block.len();
-        // Fewer bytes than asked for come only at the end.
+        // Fewer bytes than requested come only at the end.
         let at_end = bytes.by_ref().take(room as u64).read_to_end(&mut block).map_err(failed)? < room;
         let last_end = block.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
         let whole = if at_end { block.len() } else { last_end };
@@ -86,7 +86,7 @@ pub(crate) fn read(
     }
 }
 
-/// Pieces of about [`PART`] bytes that end with lines.
+/// Pieces of about [`PART`] bytes that end at ends of lines.
 fn split(block: &[u8]) -> Vec<&[u8]> {
     let (mut parts, mut rest) = (Vec::new(), block);
     while rest.len() > PART {
@@ -159,7 +159,7 @@ fn refusal(layout: &Layout, lines: usize, flaw: Flaw) -> LogError {
     let place = Place::new(&layout.file, lines + line + 1, &text, span);
     match what {
         What::Binary => {
-            LogError::new("this is no text: there is a zero byte", "in this line", TEXT_WANTED, place)
+            LogError::new("this is not text: it contains a zero byte", "in this line", TEXT_WANTED, place)
         }
         What::Cells(found) => {
             let cells = |count: usize| format!("{count} cell{}", if count == 1 { "" } else { "s" });
@@ -179,7 +179,7 @@ fn refusal(layout: &Layout, lines: usize, flaw: Flaw) -> LogError {
             LogError::new(format!("{} is infinite here", column(at)), "not finite", help, place)
         }
         What::Text(at) => {
-            let message = format!("{} holds \"{cell}\", which is no number", column(at));
+            let message = format!("{} holds \"{cell}\", which is not a number", column(at));
             let help = match (cell.contains(','), layout.delimiter) {
                 (true, Delimiter::Byte(b';' | b'\t') | Delimiter::Blanks) => "write decimals with a point",
                 _ => {
@@ -192,14 +192,14 @@ fn refusal(layout: &Layout, lines: usize, flaw: Flaw) -> LogError {
     }
 }
 
-/// What to give instead of something binary.
+/// Advice on binary files.
 pub(crate) const TEXT_WANTED: &str =
     "give CSV, TSV or columns with blanks between them as text, or a NumPy .npy file";
 
 fn endless(layout: &Layout, lines: usize, block: &[u8]) -> LogError {
     if block.contains(&0) {
         return LogError::new(
-            format!("{} is no text: there are zero bytes", layout.file),
+            format!("{} is not text: it contains zero bytes", layout.file),
             "",
             TEXT_WANTED,
             None,
@@ -209,7 +209,7 @@ fn endless(layout: &Layout, lines: usize, block: &[u8]) -> LogError {
     LogError::new(message, "begins here", TEXT_WANTED, Place::new(&layout.file, lines + 1, block, 0..0))
 }
 
-/// Where a row, counted from 0, stands: rows are read once more, as places are not kept for millions of them.
+/// The place of a row, counted from 0. Rows are read again for it, because places are not kept for millions of rows.
 pub(crate) fn place_of_row(layout: &Layout, path: &Path, row: usize, column: usize) -> Option<Place> {
     let mut reader = BufReader::new(File::open(path).ok()?);
     let (mut line, mut number, mut rows) = (Vec::new(), 0, 0);

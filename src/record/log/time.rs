@@ -1,32 +1,32 @@
-//! From time stamps to evenly spaced samples with gaps.
+//! Conversion of time stamps to evenly spaced samples with gaps.
 
 use crate::quantity::number::significant;
 
-/// How far a step may be from a whole number of sampling steps, in sampling steps.
+/// Largest deviation of a step from a whole number of sampling steps, in sampling steps.
 pub const JITTER: f64 = 0.1;
 
-/// Steps from which a gap is taken as the nearest whole number of them: nobody's clock is asked for more.
+/// Steps from which on a gap is rounded to a whole number of them without a check, because clocks drift.
 const LONG_GAP: f64 = 10.0;
 
-/// Most samples, of which so many times those in the file may be missing: more is a slip in a time stamp, and nothing
-/// may be allocated for it.
+/// Largest ratio of the number of samples to those in the file. A larger one is an error in a time stamp, for which no
+/// memory may be allocated.
 const SPARSEST: f64 = 10.0;
 
-/// Steps whose median is taken.
+/// Most steps from which the median is taken.
 const MOST_STEPS: usize = 1 << 16;
 
-/// Where the rows of a log stand on an even grid.
+/// The rows of a log on an even grid.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Grid {
-    /// In the unit of the stamps.
+    /// Step in the unit of the stamps.
     pub step: f64,
-    /// From the first row to the last, both among them.
+    /// Number of samples from the first row to the last, both included.
     pub samples: usize,
-    /// The sample of each row; absent where rows are samples, without a gap.
+    /// Index of the sample of each row; absent where rows are samples without a gap.
     pub places: Option<Vec<u32>>,
 }
 
-/// What is wrong with the stamp of a row, counted from 0.
+/// A fault in the stamp of a row, counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum TimeFault {
     Missing { row: usize },
@@ -45,7 +45,7 @@ impl TimeFault {
         }
     }
 
-    /// What is wrong, what stands there, and what to do; `factor` is the size of the unit of the `stamps` in s.
+    /// Message, label and help for the fault; `factor` is the size of the unit of the `stamps` in s.
     pub(crate) fn words(self, stamps: &[f64], factor: f64) -> [String; 3] {
         let shown = |row: usize| stamps.get(row).map_or_else(String::new, f64::to_string);
         let seconds = |stamp: f64| format!("{} s", significant(stamp * factor, 6));
@@ -53,7 +53,7 @@ impl TimeFault {
             TimeFault::Missing { .. } => [
                 "the time is missing".to_owned(),
                 "no number".to_owned(),
-                "remove the row, or give `rate = 100Hz` in place of stamps".to_owned(),
+                "remove the row, or give `rate = 100Hz` instead of stamps".to_owned(),
             ],
             TimeFault::NotIncreasing { row } => [
                 format!("the time does not increase: {} after {}", shown(row), shown(row.saturating_sub(1))),
@@ -69,7 +69,7 @@ impl TimeFault {
                 "not on the grid".to_owned(),
                 format!(
                     "steps within {} % of whole multiples of the median are taken; resample the log, or give `rate = 100Hz` \
-                     in place of stamps if the stamps are only rounded or late",
+                     instead of stamps if the stamps are only rounded or late",
                     100.0 * JITTER
                 ),
             ],
@@ -84,10 +84,9 @@ impl TimeFault {
     }
 }
 
-/// The grid of `stamps`, of which at most `most` samples are made.
+/// The grid of `stamps`, with at most `most` samples.
 ///
-/// The sampling step is the median one, then made precise by the whole record. Where a step is longer, samples are
-/// missing.
+/// The sampling step is the median one, refined over the whole record. Where a step is longer, samples are missing.
 pub(crate) fn grid(stamps: &[f64], most: usize) -> Result<Grid, TimeFault> {
     for (row, stamp) in stamps.iter().enumerate() {
         if !stamp.is_finite() {
@@ -130,7 +129,8 @@ pub(crate) fn grid(stamps: &[f64], most: usize) -> Result<Grid, TimeFault> {
     Ok(Grid { step: (last - first) / total, samples: total as usize + 1, places })
 }
 
-/// Of all steps, or of so many evenly spread over the record. Of two in the middle the shorter: longer ones are gaps.
+/// The median of all steps, or of [`MOST_STEPS`] evenly spread over the record. Of two in the middle the shorter one is
+/// taken, because longer ones are gaps.
 fn median_step(stamps: &[f64]) -> f64 {
     let stride = (stamps.len() / MOST_STEPS).max(1);
     let mut steps: Vec<f64> = stamps.windows(2).step_by(stride).map(|pair| pair[1] - pair[0]).collect();
@@ -190,7 +190,7 @@ mod tests {
         assert_eq!(with(5, f64::NAN), TimeFault::Missing { row: 5 });
         assert!(matches!(with(5, 5.2), TimeFault::Jitter { row: 5, .. }));
         assert!(matches!(with(5, 4.3), TimeFault::Jitter { row: 5, .. }));
-        // A year at 1 s.
+        // One year at 1 s.
         assert!(matches!(with(19, 3.2e7), TimeFault::Sparse { row: 19, .. }));
         assert!(matches!(with(19, 1e300), TimeFault::Sparse { row: 19, .. }));
     }
