@@ -22,8 +22,8 @@ pub struct Cpu {
 impl Cpu {
     /// A processor that runs kernels in lanes of `width` on `threads` threads; 0 means one thread for each core.
     ///
+    /// # Errors
     /// The system provides no threads.
-    /// The system gives no threads.
     pub fn new(width: Width, threads: usize) -> Result<Cpu, rayon::ThreadPoolBuildError> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         Ok(Cpu { width, pool })
