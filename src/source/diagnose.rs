@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
 
+use crate::source::setting::spelled;
 use crate::source::shown::Shown;
 
 /// Most files of a folder that help names.
@@ -80,8 +81,7 @@ impl Fault {
     pub(crate) fn within(self, text: &Text) -> StudyError {
         let end = first_line_end(text.inner(), &self.span);
         let shown = Shown::new(text, self.span.start..end);
-        let Fault { message, label, help, .. } = self;
-        StudyError { message, label, help, shown: Some(shown) }
+        StudyError::new(self.message, self.label, self.help, Some(shown))
     }
 }
 
@@ -105,14 +105,19 @@ pub struct StudyError {
 }
 
 impl StudyError {
+    /// `message`: the whole finding; `label`: what stands at what is `shown`; `help`: what to do.
+    pub(crate) fn new(
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: impl Into<String>,
+        shown: Option<Shown>,
+    ) -> StudyError {
+        StudyError { message: message.into(), label: label.into(), help: help.into(), shown }
+    }
+
     /// A file that could not be read: `what` it is, `the study`, and in `help` what to give instead.
     pub(crate) fn unreadable(what: &str, path: &Path, error: &std::io::Error, help: &str) -> StudyError {
-        StudyError {
-            message: format!("cannot read {what} {}: {error}", path.display()),
-            label: String::new(),
-            help: help.to_owned(),
-            shown: None,
-        }
+        StudyError::new(format!("cannot read {what} {}: {error}", path.display()), "", help, None)
     }
 
     /// A folder in place of a study file: those in it are named.
@@ -130,23 +135,33 @@ impl StudyError {
             }
             _ => format!("give one of its files: {}", named.join(", ")),
         };
-        let message = format!("{} is a folder, not a study file", path.display());
-        StudyError { message, label: String::new(), help, shown: None }
+        StudyError::new(format!("{} is a folder, not a study file", path.display()), "", help, None)
+    }
+
+    /// The same error with other help.
+    pub(crate) fn with_help(self, help: &str) -> StudyError {
+        StudyError { help: help.to_owned(), ..self }
+    }
+
+    /// The same error with its settings as a front end spells them, see [`spelled`].
+    pub(crate) fn spelled(mut self, spell: &dyn Fn(&str, &str) -> Option<String>) -> StudyError {
+        for text in [&mut self.message, &mut self.label, &mut self.help] {
+            *text = spelled(text, spell);
+        }
+        self
     }
 
     /// The report for people: file, line, caret and help, `width` columns wide; escape codes only if `color`.
     pub fn render(&self, color: bool, width: usize) -> String {
-        render(self, color, width).unwrap_or_else(|| format!("{self}\nhelp: {}\n", self.help))
+        let theme = if color { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
+        let handler = GraphicalReportHandler::new_themed(theme).with_links(color).with_width(width);
+        let mut report = String::new();
+        match handler.render_report(&mut report, self) {
+            Ok(()) => report,
+            // Its place is not in its text.
+            Err(_) => format!("{self}\nhelp: {}\n", self.help),
+        }
     }
-}
-
-/// The report of any diagnostic for people; `None` where its place is not in its text.
-pub(crate) fn render(diagnostic: &dyn Diagnostic, color: bool, width: usize) -> Option<String> {
-    let theme = if color { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
-    let handler = GraphicalReportHandler::new_themed(theme).with_links(color).with_width(width);
-    let mut report = String::new();
-    handler.render_report(&mut report, diagnostic).ok()?;
-    Some(report)
 }
 
 impl Diagnostic for StudyError {

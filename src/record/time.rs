@@ -2,8 +2,15 @@
 
 use crate::quantity::number::significant;
 
-/// How far a step may be from a whole number of sampling steps, in sampling steps.
-pub const JITTER: f64 = 0.1;
+/// Which steps are taken for even.
+pub(crate) struct Spacing {
+    /// How far a step may be from a whole number of sampling steps, in sampling steps.
+    pub jitter: f64,
+    /// Whether a longer step is a gap, and not a fault.
+    pub has_gaps: bool,
+    /// What to do about others.
+    pub help: &'static str,
+}
 
 /// Steps from which a gap is taken as the nearest whole number of them: nobody's clock is asked for more.
 const LONG_GAP: f64 = 10.0;
@@ -46,7 +53,7 @@ impl TimeFault {
     }
 
     /// What is wrong, what stands there, and what to do; `factor` is the size of the unit of the `stamps` in s.
-    pub(crate) fn words(self, stamps: &[f64], factor: f64) -> [String; 3] {
+    pub(crate) fn words(self, stamps: &[f64], factor: f64, spacing: &Spacing) -> [String; 3] {
         let shown = |row: usize| stamps.get(row).map_or_else(String::new, f64::to_string);
         let seconds = |stamp: f64| format!("{} s", significant(stamp * factor, 6));
         match self {
@@ -67,11 +74,7 @@ impl TimeFault {
                     seconds(median)
                 ),
                 "not on the grid".to_owned(),
-                format!(
-                    "steps within {} % of whole multiples of the median are taken; resample the log, or give `rate = 100Hz` \
-                     in place of stamps if the stamps are only rounded or late",
-                    100.0 * JITTER
-                ),
+                spacing.help.to_owned(),
             ],
             TimeFault::Sparse { gap, median, .. } => [
                 format!("most of the record is missing: a gap of {} at steps of {}", seconds(gap), seconds(median)),
@@ -88,7 +91,7 @@ impl TimeFault {
 ///
 /// The sampling step is the median one, then made precise by the whole record. Where a step is longer, samples are
 /// missing.
-pub(crate) fn grid(stamps: &[f64], most: usize) -> Result<Grid, TimeFault> {
+pub(crate) fn grid(stamps: &[f64], most: usize, spacing: &Spacing) -> Result<Grid, TimeFault> {
     for (row, stamp) in stamps.iter().enumerate() {
         if !stamp.is_finite() {
             return Err(TimeFault::Missing { row });
@@ -105,8 +108,8 @@ pub(crate) fn grid(stamps: &[f64], most: usize) -> Result<Grid, TimeFault> {
     for (before, pair) in stamps.windows(2).enumerate() {
         let step = pair[1] - pair[0];
         let steps = libm::round(step / median);
-        let even = steps >= LONG_GAP || (step / median - steps).abs() <= JITTER;
-        if steps < 1.0 || !even {
+        let is_even = steps >= LONG_GAP || (step / median - steps).abs() <= spacing.jitter;
+        if steps < 1.0 || !is_even || steps > 1.0 && !spacing.has_gaps {
             return Err(TimeFault::Jitter { row: before + 1, step, median });
         }
         gapless &= steps == 1.0;
@@ -154,13 +157,15 @@ impl Grid {
 mod tests {
     use super::*;
 
+    const LOG: Spacing = Spacing { jitter: 0.1, has_gaps: true, help: "" };
+
     const MOST: usize = 1 << 20;
 
     #[test]
     fn steps_of_several_samples_are_gaps_and_the_step_is_that_of_the_whole_record() {
         let stamps: Vec<f64> =
             (0..100).filter(|i| ![3, 50, 51].contains(i)).map(|i| 7.0 + 0.02 * f64::from(i)).collect();
-        let grid = grid(&stamps, MOST).unwrap();
+        let grid = grid(&stamps, MOST, &LOG).unwrap();
         assert_eq!(grid.samples, 100);
         assert!((grid.step - 0.02).abs() < 1e-15);
         let samples = grid.spread(vec![1.0; 97]);
@@ -172,7 +177,7 @@ mod tests {
     fn stamps_of_the_epoch_in_ns_keep_their_step() {
         let stamps: Vec<f64> =
             (0..1000_u64).map(|i| (1_700_000_000_000_000_000 + 2_500_000 * i) as f64).collect();
-        let grid = grid(&stamps, MOST).unwrap();
+        let grid = grid(&stamps, MOST, &LOG).unwrap();
         assert_eq!((grid.samples, grid.places), (1000, None));
         assert!((grid.step / 2.5e6 - 1.0).abs() < 1e-6, "{}", grid.step);
     }
@@ -183,7 +188,7 @@ mod tests {
         let with = |row: usize, stamp: f64| {
             let mut stamps: Vec<f64> = (0..20).map(even).collect();
             stamps[row] = stamp;
-            grid(&stamps, MOST).unwrap_err()
+            grid(&stamps, MOST, &LOG).unwrap_err()
         };
         assert_eq!(with(5, 4.0), TimeFault::NotIncreasing { row: 5 });
         assert_eq!(with(5, 3.0), TimeFault::NotIncreasing { row: 5 });
@@ -197,9 +202,9 @@ mod tests {
 
     #[test]
     fn few_rows_are_a_grid_too() {
-        assert_eq!(grid(&[], MOST).unwrap().samples, 0);
-        assert_eq!(grid(&[3.0], MOST).unwrap().samples, 1);
-        assert_eq!(grid(&[3.0, 5.0], MOST).unwrap(), Grid { step: 2.0, samples: 2, places: None });
-        assert_eq!(grid(&[0.0, 1.0, 3.0], MOST).unwrap().places, Some(vec![0, 1, 3]));
+        assert_eq!(grid(&[], MOST, &LOG).unwrap().samples, 0);
+        assert_eq!(grid(&[3.0], MOST, &LOG).unwrap().samples, 1);
+        assert_eq!(grid(&[3.0, 5.0], MOST, &LOG).unwrap(), Grid { step: 2.0, samples: 2, places: None });
+        assert_eq!(grid(&[0.0, 1.0, 3.0], MOST, &LOG).unwrap().places, Some(vec![0, 1, 3]));
     }
 }
