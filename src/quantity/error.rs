@@ -1,60 +1,60 @@
-//! Why a text is no quantity.
+//! Why a text is not a quantity.
 
-/// Why a text is not the quantity it should be.
+/// Why a text is not the expected quantity.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum UnitError {
-    /// A number alone: `"5"`.
+    /// The text is a number without a unit: `"5"`.
     #[error("\"{text}\" is a bare number, its unit is missing")]
     BareNumber {
-        /// As written.
+        /// Text as written.
         text: String,
     },
-    /// No number to begin with: `"fast"`.
+    /// The text does not begin with a number: `"fast"`.
     #[error("\"{text}\" does not begin with a number")]
     NoNumber {
-        /// As written.
+        /// Text as written.
         text: String,
     },
-    /// A comma for the decimal point: `"5,0 deg/s"`.
+    /// The number has a comma: `"5,0 deg/s"`.
     #[error(
-        "\"{text}\" has a comma in its number: decimals take a point, thousands no sign, as in {instead}"
+        "\"{text}\" has a comma in its number: write decimals with a point and thousands without a sign, as in {instead}"
     )]
     Comma {
-        /// As written.
+        /// Text as written.
         text: String,
-        /// What may be meant, as it should be written.
+        /// The possible meanings, as they should be written.
         instead: String,
     },
-    /// Too large a number, or none.
+    /// The number is too large, or not a number.
     #[error("\"{text}\" is not a finite number")]
     NotFinite {
-        /// As written.
+        /// Text as written.
         text: String,
     },
-    /// A word that is no unit: `"5 lightyear"`.
+    /// A word is not a unit: `"5 lightyear"`.
     #[error("`{unit}` is not a known unit")]
     Unknown {
-        /// The word.
+        /// Unknown word.
         unit: String,
     },
-    /// Signs out of place: `"5 deg//h"`.
+    /// Signs are out of place: `"5 deg//h"`.
     #[error("`{unit}` cannot be read as a unit")]
     Malformed {
-        /// As written.
+        /// Unit as written.
         unit: String,
     },
-    /// A quantity of another dimension than the key takes.
+    /// The quantity has another dimension than the key takes.
     #[error("\"{text}\" is {found}")]
     Dimension {
-        /// As written.
+        /// Text as written.
         text: String,
-        /// What it is, as in "an angle".
+        /// Dimension found, such as "an angle".
         found: String,
     },
 }
 
 impl UnitError {
-    /// What stands there, in the few words that fit under a caret.
+    /// A description short enough to fit under a caret.
     pub(crate) fn label(&self) -> &str {
         match self {
             UnitError::BareNumber { .. } => "a bare number",
