@@ -67,24 +67,13 @@ impl Iterator for Cells<'_> {
     #[inline]
     fn next(&mut self) -> Option<Range<usize>> {
         let (line, start) = (self.line, self.next);
-        match self.delimiter {
-            Delimiter::Byte(byte) => {
-                if start > line.len() {
-                    return None;
-                }
-                let end = end_of(line, start, |b| b == byte);
-                self.next = end + 1;
-                Some(trimmed(line, start..end))
-            }
-            Delimiter::Blanks => {
-                if start >= line.len() {
-                    return None;
-                }
-                let end = end_of(line, start, |b| b.is_ascii_whitespace());
-                self.next = skip_blanks(line, end);
-                Some(trimmed(line, start..end))
-            }
-        }
+        let end = match self.delimiter {
+            Delimiter::Byte(byte) if start <= line.len() => end_of(line, start, |b| b == byte),
+            Delimiter::Blanks if start < line.len() => end_of(line, start, |b| b.is_ascii_whitespace()),
+            _ => return None,
+        };
+        self.next = if self.delimiter == Delimiter::Blanks { skip_blanks(line, end) } else { end + 1 };
+        Some(trimmed(line, start..end))
     }
 }
 

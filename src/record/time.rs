@@ -33,71 +33,35 @@ pub(crate) struct Grid {
     pub places: Option<Vec<u32>>,
 }
 
-/// What is wrong with the stamp of a row, counted from 0.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum TimeFault {
-    Missing { row: usize },
-    NotIncreasing { row: usize },
-    Jitter { row: usize, step: f64, median: f64 },
-    Sparse { row: usize, gap: f64, median: f64 },
+/// What is wrong with the stamp of a row, counted from 0: the finding, what stands there, and what to do.
+#[derive(Debug)]
+pub(crate) struct TimeFault {
+    pub row: usize,
+    pub words: [String; 3],
 }
 
 impl TimeFault {
-    pub(crate) fn row(self) -> usize {
-        match self {
-            TimeFault::Missing { row }
-            | TimeFault::NotIncreasing { row }
-            | TimeFault::Jitter { row, .. }
-            | TimeFault::Sparse { row, .. } => row,
-        }
-    }
-
-    /// What is wrong, what stands there, and what to do; `factor` is the size of the unit of the `stamps` in s.
-    pub(crate) fn words(self, stamps: &[f64], factor: f64, spacing: &Spacing) -> [String; 3] {
-        let shown = |row: usize| stamps.get(row).map_or_else(String::new, f64::to_string);
-        let seconds = |stamp: f64| format!("{} s", significant(stamp * factor, 6));
-        match self {
-            TimeFault::Missing { .. } => [
-                "the time is missing".to_owned(),
-                "no number".to_owned(),
-                "remove the row, or give `rate = 100Hz` in place of stamps".to_owned(),
-            ],
-            TimeFault::NotIncreasing { row } => [
-                format!("the time does not increase: {} after {}", shown(row), shown(row.saturating_sub(1))),
-                "not later than the row before".to_owned(),
-                "sort the rows by time and remove doubles; logs appended to each other are several records".to_owned(),
-            ],
-            TimeFault::Jitter { step, median, .. } => [
-                format!(
-                    "the samples are not evenly spaced: a step of {}, the median is {}",
-                    seconds(step),
-                    seconds(median)
-                ),
-                "not on the grid".to_owned(),
-                spacing.help.to_owned(),
-            ],
-            TimeFault::Sparse { gap, median, .. } => [
-                format!("most of the record is missing: a gap of {} at steps of {}", seconds(gap), seconds(median)),
-                "after the longest gap".to_owned(),
-                "is a time stamp wrong? correct it, or cut the log there: at most ten times as many samples may be \
-                 missing as there are"
-                    .to_owned(),
-            ],
-        }
+    fn new(row: usize, message: impl Into<String>, label: &str, help: &str) -> TimeFault {
+        TimeFault { row, words: [message.into(), label.to_owned(), help.to_owned()] }
     }
 }
 
-/// The grid of `stamps`, of which at most `most` samples are made.
+/// The grid of `stamps` in a unit of `unit_s`, of which at most `most` samples are made.
 ///
 /// The sampling step is the median one, then made precise by the whole record. Where a step is longer, samples are
 /// missing.
-pub(crate) fn grid(stamps: &[f64], most: usize, spacing: &Spacing) -> Result<Grid, TimeFault> {
+pub(crate) fn grid(stamps: &[f64], unit_s: f64, most: usize, spacing: &Spacing) -> Result<Grid, TimeFault> {
+    let seconds = |stamp: f64| format!("{} s", significant(stamp * unit_s, 6));
     for (row, stamp) in stamps.iter().enumerate() {
         if !stamp.is_finite() {
-            return Err(TimeFault::Missing { row });
+            let help = "remove the row, or give `rate = 100Hz` in place of stamps";
+            return Err(TimeFault::new(row, "the time is missing", "no number", help));
         }
         if row > 0 && *stamp <= stamps[row - 1] {
-            return Err(TimeFault::NotIncreasing { row });
+            let message = format!("the time does not increase: {stamp} after {}", stamps[row - 1]);
+            let help =
+                "sort the rows by time and remove doubles; logs appended to each other are several records";
+            return Err(TimeFault::new(row, message, "not later than the row before", help));
         }
     }
     let [first, .., last] = *stamps else {
@@ -110,7 +74,10 @@ pub(crate) fn grid(stamps: &[f64], most: usize, spacing: &Spacing) -> Result<Gri
         let steps = libm::round(step / median);
         let is_even = steps >= LONG_GAP || (step / median - steps).abs() <= spacing.jitter;
         if steps < 1.0 || !is_even || steps > 1.0 && !spacing.has_gaps {
-            return Err(TimeFault::Jitter { row: before + 1, step, median });
+            let (step, median) = (seconds(step), seconds(median));
+            let message =
+                format!("the samples are not evenly spaced: a step of {step}, the median is {median}");
+            return Err(TimeFault::new(before + 1, message, "not on the grid", spacing.help));
         }
         gapless &= steps == 1.0;
         total += steps;
@@ -119,7 +86,11 @@ pub(crate) fn grid(stamps: &[f64], most: usize, spacing: &Spacing) -> Result<Gri
         }
     }
     if total + 1.0 > most as f64 || total > SPARSEST * stamps.len() as f64 {
-        return Err(TimeFault::Sparse { row: longest.0, gap: longest.1, median });
+        let (gap, median) = (seconds(longest.1), seconds(median));
+        let message = format!("most of the record is missing: a gap of {gap} at steps of {median}");
+        let help = "is a time stamp wrong? correct it, or cut the log there: at most ten times as many samples may be missing \
+                    as there are";
+        return Err(TimeFault::new(longest.0, message, "after the longest gap", help));
     }
     let places = (!gapless).then(|| {
         let mut place = 0;
@@ -165,7 +136,7 @@ mod tests {
     fn steps_of_several_samples_are_gaps_and_the_step_is_that_of_the_whole_record() {
         let stamps: Vec<f64> =
             (0..100).filter(|i| ![3, 50, 51].contains(i)).map(|i| 7.0 + 0.02 * f64::from(i)).collect();
-        let grid = grid(&stamps, MOST, &LOG).unwrap();
+        let grid = grid(&stamps, 1.0, MOST, &LOG).unwrap();
         assert_eq!(grid.samples, 100);
         assert!((grid.step - 0.02).abs() < 1e-15);
         let samples = grid.spread(vec![1.0; 97]);
@@ -177,7 +148,7 @@ mod tests {
     fn stamps_of_the_epoch_in_ns_keep_their_step() {
         let stamps: Vec<f64> =
             (0..1000_u64).map(|i| (1_700_000_000_000_000_000 + 2_500_000 * i) as f64).collect();
-        let grid = grid(&stamps, MOST, &LOG).unwrap();
+        let grid = grid(&stamps, 1.0, MOST, &LOG).unwrap();
         assert_eq!((grid.samples, grid.places), (1000, None));
         assert!((grid.step / 2.5e6 - 1.0).abs() < 1e-6, "{}", grid.step);
     }
@@ -188,23 +159,29 @@ mod tests {
         let with = |row: usize, stamp: f64| {
             let mut stamps: Vec<f64> = (0..20).map(even).collect();
             stamps[row] = stamp;
-            grid(&stamps, MOST, &LOG).unwrap_err()
+            grid(&stamps, 1.0, MOST, &LOG).unwrap_err()
         };
-        assert_eq!(with(5, 4.0), TimeFault::NotIncreasing { row: 5 });
-        assert_eq!(with(5, 3.0), TimeFault::NotIncreasing { row: 5 });
-        assert_eq!(with(5, f64::NAN), TimeFault::Missing { row: 5 });
-        assert!(matches!(with(5, 5.2), TimeFault::Jitter { row: 5, .. }));
-        assert!(matches!(with(5, 4.3), TimeFault::Jitter { row: 5, .. }));
-        // A year at 1 s.
-        assert!(matches!(with(19, 3.2e7), TimeFault::Sparse { row: 19, .. }));
-        assert!(matches!(with(19, 1e300), TimeFault::Sparse { row: 19, .. }));
+        for (row, stamp, piece) in [
+            (5, 4.0, "does not increase: 4 after 4"),
+            (5, 3.0, "does not increase: 3 after 4"),
+            (5, f64::NAN, "missing"),
+            (5, 5.2, "a step of 1.2 s"),
+            (5, 4.3, "a step of 0.3 s"),
+            // A year at 1 s.
+            (19, 3.2e7, "most of the record is missing"),
+            (19, 1e300, "most of the record is missing"),
+        ] {
+            let fault = with(row, stamp);
+            assert_eq!(fault.row, row, "{fault:?}");
+            assert!(fault.words[0].contains(piece), "{fault:?}");
+        }
     }
 
     #[test]
     fn few_rows_are_a_grid_too() {
-        assert_eq!(grid(&[], MOST, &LOG).unwrap().samples, 0);
-        assert_eq!(grid(&[3.0], MOST, &LOG).unwrap().samples, 1);
-        assert_eq!(grid(&[3.0, 5.0], MOST, &LOG).unwrap(), Grid { step: 2.0, samples: 2, places: None });
-        assert_eq!(grid(&[0.0, 1.0, 3.0], MOST, &LOG).unwrap().places, Some(vec![0, 1, 3]));
+        assert_eq!(grid(&[], 1.0, MOST, &LOG).unwrap().samples, 0);
+        assert_eq!(grid(&[3.0], 1.0, MOST, &LOG).unwrap().samples, 1);
+        assert_eq!(grid(&[3.0, 5.0], 1.0, MOST, &LOG).unwrap(), Grid { step: 2.0, samples: 2, places: None });
+        assert_eq!(grid(&[0.0, 1.0, 3.0], 1.0, MOST, &LOG).unwrap().places, Some(vec![0, 1, 3]));
     }
 }

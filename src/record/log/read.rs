@@ -92,8 +92,8 @@ impl Log {
         let mut columns = file.read(&all, MOST_SAMPLES)?;
         if let Some(time) = time {
             let stamps = columns.remove(0);
-            let grid = grid(&stamps, MOST_SAMPLES, &EVEN)
-                .map_err(|fault| file.refuse_row(fault.row(), time, fault.words(&stamps, step_s, &EVEN)))?;
+            let grid = grid(&stamps, step_s, MOST_SAMPLES, &EVEN)
+                .map_err(|fault| file.refuse_row(fault.row, time, fault.words))?;
             columns = columns.into_iter().map(|values| grid.spread(values)).collect();
             step_s *= grid.step;
         }
