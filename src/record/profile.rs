@@ -3,11 +3,15 @@
 use crate::quantity::units::{Dimension, round_12};
 use crate::record::Record;
 use crate::record::error::RecordError;
-use crate::record::recording::Recording;
+use crate::record::recording::{Limits, Recording};
 use crate::record::time::{Spacing, grid};
 
 /// How the columns are named.
 const NAMES: &str = "name one column `time` and one `rate`, with their units, as in\ntime [s], rate [deg/s]";
+
+/// What to do where a number is missing.
+const MISSING: &str =
+    "every row needs a finite number here: put it in, or cut the record and resample what is left";
 
 /// Steps that are taken as equal: a record of a motion has no gaps.
 const EVEN: Spacing = Spacing {
@@ -23,7 +27,7 @@ pub(crate) fn read(mut file: Recording, most: usize) -> Result<Record, RecordErr
     }
     let (time, time_size) = column(&file, "time", Dimension::Time, "time [s]")?;
     let (rate, rate_size) = column(&file, "rate", Dimension::Rate, "rate [deg/s]")?;
-    let columns = file.read(&[time, rate], most)?;
+    let columns = file.read(&[time, rate], &Limits { most, missing: MISSING })?;
     let times = finite(&file, time, "time", &columns[0], time_size)?;
     let rates = finite(&file, rate, "rate", &columns[1], rate_size)?;
     if rates.len() < 2 {
@@ -62,8 +66,11 @@ fn finite(
     let values: Vec<f64> = numbers.iter().map(|number| number * size).collect();
     let Some(row) = values.iter().position(|value| !value.is_finite()) else { return Ok(values) };
     let wrong = if numbers[row].is_nan() { "missing" } else { "too large" };
-    let help = "every row needs a finite number here: put it in, or cut the record and resample what is left";
-    Err(file.refuse_row(row, column, [format!("the {name} is {wrong}"), wrong.to_owned(), help.to_owned()]))
+    Err(file.refuse_row(
+        row,
+        column,
+        [format!("the {name} is {wrong}"), wrong.to_owned(), MISSING.to_owned()],
+    ))
 }
 
 #[cfg(test)]
@@ -121,7 +128,7 @@ mod tests {
             (rows("0,1\n0.1,fast\n"), "\"fast\", which is no number", "r.csv:3:5", "numbers"),
             (rows("0,1\n0.1,1\n0.2,\n"), "the rate is missing", "r.csv:4:5", "finite number"),
             (rows("0,1\n#\nNaN,1\n"), "the time is missing", "r.csv:4:1", "finite number"),
-            (rows("0,1\n0.1,-inf\n"), "`rate [deg/s]` is infinite", "r.csv:3:5", "number"),
+            (rows("0,1\n0.1,-inf\n"), "`rate [deg/s]` is infinite", "r.csv:3:5", "finite number"),
             (rows("0,1\n0.1, 1e308\n"), "the rate is too large", "r.csv:3:6", "finite number"),
             (rows("0,1\n0.1\n"), "this row has 1 cell, the header has 2", "r.csv:3:1", "needs 2 cells"),
             (rows("0,1\n0,1,1,5\n"), "this row has 4 cells", "r.csv:3:1", "divided by commas"),

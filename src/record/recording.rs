@@ -55,6 +55,14 @@ impl<'a> Origin<'a> {
     }
 }
 
+/// What is taken of the numbers of a file.
+pub(crate) struct Limits {
+    /// Rows.
+    pub most: usize,
+    /// What to do where a number is missing.
+    pub missing: &'static str,
+}
+
 /// What the numbers are read by: a format gives the names and number of columns, and then the numbers.
 enum Format {
     Text(Layout),
@@ -225,11 +233,11 @@ impl<'a> Recording<'a> {
     /// The numbers of the columns in the order asked for; NaN stands for a missing one.
     ///
     /// # Errors
-    /// The file cannot be read, has more than `most` rows, or something else than numbers.
-    pub(crate) fn read(&mut self, columns: &[usize], most: usize) -> Result<Vec<Vec<f64>>, RecordError> {
+    /// The file cannot be read, has too many rows, or something else than numbers.
+    pub(crate) fn read(&mut self, columns: &[usize], limits: &Limits) -> Result<Vec<Vec<f64>>, RecordError> {
         match &self.format {
-            Format::Text(layout) => text::read(layout, &mut self.numbers, columns, most),
-            Format::Npy(array) => array.columns(&mut self.numbers, columns, most),
+            Format::Text(layout) => text::read(layout, &mut self.numbers, columns, limits),
+            Format::Npy(array) => array.columns(&mut self.numbers, columns, limits.most),
         }
     }
 

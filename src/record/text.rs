@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::record::cells::{Cells, Delimiter, value};
 use crate::record::error::RecordError;
 use crate::record::layout::Layout;
-use crate::record::recording::Origin;
+use crate::record::recording::{Limits, Origin};
 use crate::source::place::Place;
 
 /// Bytes that are read at a time. No line may be longer.
@@ -23,12 +23,12 @@ type Part<'b> = Result<(Vec<Vec<f64>>, usize), (&'b [u8], usize)>;
 /// Reads the `wanted` columns in the order given from the `bytes` of all rows; NaN stands for a missing value.
 ///
 /// # Errors
-/// The file cannot be read, has more than `most` rows, or a row is not of the layout; the first of several such rows.
+/// The file cannot be read, has too many rows, or a row is not of the layout; the first of several such rows.
 pub(crate) fn read(
     layout: &Layout,
     mut bytes: impl Read,
     wanted: &[usize],
-    most: usize,
+    limits: &Limits,
 ) -> Result<Vec<Vec<f64>>, RecordError> {
     let mut slots = vec![None; layout.columns];
     wanted.iter().enumerate().for_each(|(slot, &column)| slots[column] = Some(slot));
@@ -48,13 +48,14 @@ pub(crate) fn read(
         let parts: Vec<Part> =
             parts.par_iter().map(|part| parse(part, layout, &slots, wanted.len())).collect();
         for part in parts {
-            let (values, count) =
-                part.map_err(|(line, before)| refusal(layout, lines + before + 1, line, &slots))?;
+            let (values, count) = part.map_err(|(line, before)| {
+                refusal(layout, lines + before + 1, line, &slots, limits.missing)
+            })?;
             lines += count;
             columns.iter_mut().zip(values).for_each(|(column, values)| column.extend(values));
         }
-        if columns.first().is_some_and(|column| column.len() > most) {
-            let message = format!("{} has more than {most} samples", layout.file);
+        if columns.first().is_some_and(|column| column.len() > limits.most) {
+            let message = format!("{} has more than {} samples", layout.file, limits.most);
             return Err(RecordError::new(message, "", "cut it, or average it to a lower rate", None));
         }
         block.drain(..whole);
@@ -110,7 +111,13 @@ fn parse_row(text: &[u8], layout: &Layout, slots: &[Option<usize>], columns: &mu
 }
 
 /// What is wrong with the line of this number, of which [`parse_row`] takes no row.
-fn refusal(layout: &Layout, number: usize, text: &[u8], slots: &[Option<usize>]) -> RecordError {
+fn refusal(
+    layout: &Layout,
+    number: usize,
+    text: &[u8],
+    slots: &[Option<usize>],
+    missing: &str,
+) -> RecordError {
     let refused = |span: Range<usize>, message: String, label: &str, help: &str| {
         RecordError::new(message, label, help, Place::new(&layout.file, number, text, span))
     };
@@ -130,15 +137,17 @@ fn refusal(layout: &Layout, number: usize, text: &[u8], slots: &[Option<usize>])
         let shown = String::from_utf8_lossy(&text[cell.clone()]);
         match value(&text[cell.clone()]) {
             Some(number) if number.is_infinite() => {
-                let help = "leave the cell empty or write NaN where a sample is missing";
-                return refused(cell.clone(), format!("{name} is infinite here"), "not finite", help);
+                return refused(cell.clone(), format!("{name} is infinite here"), "not finite", missing);
             }
             Some(_) => {}
             None => {
                 let has_decimal_comma = shown.contains(',') && layout.delimiter != Delimiter::Byte(b',');
-                let help = if has_decimal_comma { "write decimals with a point" } else { NUMBERS_WANTED };
+                let help = match has_decimal_comma {
+                    true => "write decimals with a point".to_owned(),
+                    false => format!("write numbers with a point for decimals; {missing}"),
+                };
                 let message = format!("{name} holds \"{shown}\", which is no number");
-                return refused(cell.clone(), message, "not a number", help);
+                return refused(cell.clone(), message, "not a number", &help);
             }
         }
     }
@@ -153,10 +162,6 @@ fn refusal(layout: &Layout, number: usize, text: &[u8], slots: &[Option<usize>])
     let label = if cells.len() < layout.columns { "a cell is missing" } else { "a cell too many" };
     refused(0..text.len(), message, label, &help)
 }
-
-/// What to write where a cell holds something else.
-const NUMBERS_WANTED: &str =
-    "write numbers with a point for decimals; leave the cell empty or write NaN where a sample is missing";
 
 /// What to give instead of something binary.
 pub(crate) const TEXT_WANTED: &str =

@@ -7,8 +7,11 @@ use crate::record::error::RecordError;
 use crate::record::log::MOST_SAMPLES;
 use crate::record::log::channel::{Channel, Log};
 use crate::record::log::measure::{Data, Unit, expected};
-use crate::record::recording::{Origin, Recording};
+use crate::record::recording::{Limits, Origin, Recording};
 use crate::record::time::{Spacing, grid};
+
+const LIMITS: Limits =
+    Limits { most: MOST_SAMPLES, missing: "leave the cell empty or write NaN where a sample is missing" };
 
 /// Steps within 10 % of whole multiples of the sampling step; longer ones are gaps.
 const EVEN: Spacing = Spacing {
@@ -89,7 +92,7 @@ impl Log {
             let message = "a column is asked for twice";
             return Err(file.refuse(None, message, "these are the columns", "name each column once"));
         }
-        let mut columns = file.read(&all, MOST_SAMPLES)?;
+        let mut columns = file.read(&all, &LIMITS)?;
         if let Some(time) = time {
             let stamps = columns.remove(0);
             let grid = grid(&stamps, step_s, MOST_SAMPLES, &EVEN)
