@@ -9,7 +9,7 @@ use sagnac::analysis::firmware::choice::ChoiceError;
 use sagnac::analysis::log::kalibr::KalibrError;
 use sagnac::device::error::GpuError;
 use sagnac::device::select::SelectError;
-use sagnac::record::log::error::LogError;
+use sagnac::record::error::RecordError;
 use sagnac::run::keep::KeepError;
 use sagnac::run::{RESOLVED, RunError};
 use sagnac::source::diagnose::StudyError;
@@ -41,7 +41,7 @@ pub enum Failure {
     #[error(transparent)]
     Study(#[from] StudyError),
     #[error(transparent)]
-    Log(LogError),
+    Log(RecordError),
     /// A log that does not have what it is asked for.
     #[error("{0}")]
     Record(String),
@@ -138,8 +138,8 @@ pub fn in_options(message: &dyn std::fmt::Display) -> String {
     spelled(&message.to_string(), &option)
 }
 
-impl From<LogError> for Failure {
-    fn from(error: LogError) -> Failure {
+impl From<RecordError> for Failure {
+    fn from(error: RecordError) -> Failure {
         Failure::Log(error.spelled(&option))
     }
 }

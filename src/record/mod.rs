@@ -1,59 +1,42 @@
-//! Recorded data: profiles of motion, which are evenly spaced samples of an angular rate with the angles of ticks over
-//! them, and in [`log`] the logs of sensors.
+//! Recorded data: one reader of files, and what is made of the columns that it gives.
+//!
+//! ```text
+//! file ─ format: text | npy ─▶ Recording: columns with names, units, places ─▶ Record of a motion | Log of a sensor
+//! ```
+//!
+//! Text is read in blocks, and their lines parsed in parallel: memory is 8 bytes for each sample of a column that was
+//! asked for, besides 16 MiB. Numbers are the standard library's correctly rounded ones. The csv crate is not used
+//! here: it takes one delimiter and one comment sign, no runs of blanks, and does not tell where a cell stands.
 
-pub mod header;
+pub(crate) mod cells;
+pub mod error;
+pub(crate) mod layout;
 pub mod log;
-pub mod rows;
+pub(crate) mod names;
+pub(crate) mod npy;
+pub(crate) mod profile;
+pub(crate) mod recording;
+pub(crate) mod text;
+pub(crate) mod time;
 
 use std::ops::RangeInclusive;
-use std::sync::Arc;
 
-use miette::NamedSource;
-
-use crate::source::diagnose::{StudyError, Text, Wrong};
+use crate::record::error::RecordError;
+use crate::record::recording::{Origin, Recording};
 
 /// Most samples of a record, 2^24, which is more than four hours at 1 kHz.
 pub const MOST_SAMPLES: usize = 1 << 24;
 
-/// Why a record was refused: the finding with its place, the accepted values and a remedy.
-///
-/// A [`miette::Diagnostic`]; [`RecordError::render`] gives the text for a terminal. It converts to a [`StudyError`] for
-/// the study that names the record.
-#[derive(Debug, Clone, thiserror::Error, miette::Diagnostic)]
-#[error(transparent)]
-#[diagnostic(transparent)]
-pub struct RecordError(StudyError);
-
-impl RecordError {
-    /// The report for the user, with file, line, caret and help, `width` columns wide; it has escape codes only if
-    /// `color`.
-    pub fn render(&self, color: bool, width: usize) -> String {
-        self.0.render(color, width)
-    }
-}
-
-impl From<RecordError> for Wrong {
-    fn from(error: RecordError) -> Wrong {
-        Wrong::Elsewhere(error.0)
-    }
-}
-
-impl From<RecordError> for StudyError {
-    fn from(error: RecordError) -> StudyError {
-        error.0
-    }
-}
-
-/// Allowed sampling steps of a record or a log, s. A step outside is an error in a unit, or the bytes are not times.
+/// Sampling steps that a record or a log may have, s. Beyond it is a slip in a unit, or bytes that are no times.
 pub const STEPS_S: RangeInclusive<f64> = 1e-9..=1e9;
 
 /// An angular rate at evenly spaced times, the first of which is time 0; between its samples the rate is linear.
 ///
 /// # File
-/// CSV in UTF-8: a header, then one row per sample. Lines that begin with `#` are comments. Two columns are read, in
-/// any order, and all others ignored: `time` and `rate`, in upper or lower case, each with its unit as in `time [ms]`,
-/// `rate (°/s)` or `rate_deg_per_s`. A name such as `rate_x`, whose end is not a unit of a rate, is another column. The
-/// times may start anywhere, but each step must be within 1 % of the median one; the steps are then taken as equal.
+/// Text in UTF-8, as of a [`Log`](log::channel::Log): a header, then one row a sample. Two columns are read, in any
+/// order, and all others ignored: `time` and `rate`, upper or lower case, each with its unit as in `time [ms]`,
+/// `rate (°/s)` or `rate_deg_per_s`; a name such as `rate_x`, whose end is no unit of a rate, is another column. The
+/// times may start anywhere, but each step is within 1 % of the median one; the steps are then taken as equal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     /// Time from sample to sample, s.
@@ -78,10 +61,7 @@ impl Record {
     /// assert_eq!(record.tick_angles(0.001).len(), 4);
     /// ```
     pub fn parse(name: &str, text: &str) -> Result<Record, RecordError> {
-        crate::record::rows::read(text, MOST_SAMPLES).map_err(|fault| {
-            let text: Text = Arc::new(NamedSource::new(name, text.to_owned()));
-            RecordError(fault.within(&text))
-        })
+        profile::read(Recording::open(name.to_owned(), Origin::Bytes(text.as_bytes()))?, MOST_SAMPLES)
     }
 
     /// Time from the first sample to the last, s.

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
 
+use crate::source::setting::spelled;
 use crate::source::shown::Shown;
 
 /// Most files of a folder that a help lists.
@@ -81,8 +82,7 @@ impl Fault {
     pub(crate) fn within(self, text: &Text) -> StudyError {
         let end = first_line_end(text.inner(), &self.span);
         let shown = Shown::new(text, self.span.start..end);
-        let Fault { message, label, help, .. } = self;
-        StudyError { message, label, help, shown: Some(shown) }
+        StudyError::new(self.message, self.label, self.help, Some(shown))
     }
 }
 
@@ -106,15 +106,20 @@ pub struct StudyError {
 }
 
 impl StudyError {
+    /// An error with its whole `message`, the `label` below the text that is `shown`, and `help` on what to do.
+    pub(crate) fn new(
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: impl Into<String>,
+        shown: Option<Shown>,
+    ) -> StudyError {
+        StudyError { message: message.into(), label: label.into(), help: help.into(), shown }
+    }
+
     /// The error for a file that could not be read; `what` names its purpose, such as `the study`, and `help` an
     /// alternative.
     pub(crate) fn unreadable(what: &str, path: &Path, error: &std::io::Error, help: &str) -> StudyError {
-        StudyError {
-            message: format!("cannot read {what} {}: {error}", path.display()),
-            label: String::new(),
-            help: help.to_owned(),
-            shown: None,
-        }
+        StudyError::new(format!("cannot read {what} {}: {error}", path.display()), "", help, None)
     }
 
     /// The error for a folder in place of a study file, which names the study files in it.
@@ -132,24 +137,34 @@ impl StudyError {
             }
             _ => format!("give one of its files: {}", named.join(", ")),
         };
-        let message = format!("{} is a folder, not a study file", path.display());
-        StudyError { message, label: String::new(), help, shown: None }
+        StudyError::new(format!("{} is a folder, not a study file", path.display()), "", help, None)
+    }
+
+    /// The same error with other help.
+    pub(crate) fn with_help(self, help: &str) -> StudyError {
+        StudyError { help: help.to_owned(), ..self }
+    }
+
+    /// The same error with its settings as a front end spells them, see [`spelled`].
+    pub(crate) fn spelled(mut self, spell: &dyn Fn(&str, &str) -> Option<String>) -> StudyError {
+        for text in [&mut self.message, &mut self.label, &mut self.help] {
+            *text = spelled(text, spell);
+        }
+        self
     }
 
     /// The report for the user, with file, line, caret and help, `width` columns wide; it has escape codes only if
     /// `color`.
     pub fn render(&self, color: bool, width: usize) -> String {
-        render(self, color, width).unwrap_or_else(|| format!("{self}\nhelp: {}\n", self.help))
+        let theme = if color { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
+        let handler = GraphicalReportHandler::new_themed(theme).with_links(color).with_width(width);
+        let mut report = String::new();
+        match handler.render_report(&mut report, self) {
+            Ok(()) => report,
+            // Its place is not in its text.
+            Err(_) => format!("{self}\nhelp: {}\n", self.help),
+        }
     }
-}
-
-/// The report of any diagnostic for the user; `None` where its place is not in its text.
-pub(crate) fn render(diagnostic: &dyn Diagnostic, color: bool, width: usize) -> Option<String> {
-    let theme = if color { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
-    let handler = GraphicalReportHandler::new_themed(theme).with_links(color).with_width(width);
-    let mut report = String::new();
-    handler.render_report(&mut report, diagnostic).ok()?;
-    Some(report)
 }
 
 impl Diagnostic for StudyError {

@@ -9,11 +9,11 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use sagnac::allan::trend::Trend;
 use sagnac::record::Record;
+use sagnac::record::error::RecordError;
 use sagnac::record::log::channel::Log;
 use sagnac::record::log::check::UnitCheck;
-use sagnac::record::log::error::LogError;
 use sagnac::record::log::measure::{Data, Unit};
-use sagnac::record::log::outliers;
+use sagnac::record::log::outliers::outliers;
 use sagnac::record::log::read::{Request, Timing};
 use tempfile::TempDir;
 
@@ -161,13 +161,13 @@ fn log(folder: &Folder, request: &Request) -> Outcome {
 }
 
 /// Reads a log and does what is done before it is analysed.
-fn analysed(folder: &Folder, request: &Request) -> Result<(), LogError> {
+fn analysed(folder: &Folder, request: &Request) -> Result<(), RecordError> {
     let mut log = Log::read(&folder.file(), request)?;
     assert!(log.step_s > 0.0 && log.step_s.is_finite(), "a step of {} s", log.step_s);
     for channel in &log.channels {
         assert_eq!(channel.samples.len(), log.samples(), "channels of one length");
         assert!(!channel.samples.iter().any(|sample| sample.is_infinite()), "an infinite sample");
-        assert!(channel.missing() <= log.samples());
+        assert!(channel.view(log.data, log.step_s).missing() <= log.samples());
     }
     let length_s = log.length_s();
     log.cut(0.1 * length_s, Some(0.9 * length_s))?;

@@ -31,17 +31,17 @@ fn records_without_good_samples_are_refused() {
     bad(
         &record(RECORD, "0.53, 1\n"),
         "102:1",
-        &["not evenly sampled: sample 101 comes 0.035 s", "median step is 0.005 s", "within 1 %"],
+        &["not evenly spaced: a step of 0.035 s", "the median is 0.005 s", "within 1 %"],
     );
-    bad(&record(RECORD, "0.49, 1\n"), "102:1", &["the time does not increase: 0.49 s after 0.495 s"]);
-    bad(&record(RECORD, "0.5, NaN\n"), "102:6", &["\"NaN\" is not a finite number"]);
-    bad(&record(RECORD, "0.5, inf\n"), "102:6", &["\"inf\" is not a finite number"]);
-    bad(&record(RECORD, "0.5, fast\n"), "102:6", &["\"fast\" is not a number"]);
+    bad(&record(RECORD, "0.49, 1\n"), "102:1", &["the time does not increase: 0.49 after 0.495"]);
+    bad(&record(RECORD, "0.5, NaN\n"), "102:6", &["the rate is missing"]);
+    bad(&record(RECORD, "0.5, inf\n"), "102:6", &["`rate [deg/s]` is infinite here"]);
+    bad(&record(RECORD, "0.5, fast\n"), "102:6", &["\"fast\", which is no number"]);
     bad(&record(RECORD, "0.5\n"), "102:1", &["this row has 1 cell, the header has 2"]);
     bad(&record("time [s], rate\n", ""), "1:11", &["`rate` has no unit", "`rate [deg/s]`"]);
     bad(&record("time, rate [deg/s]\n", ""), "1:1", &["`time` has no unit", "time [s]"]);
-    bad("", "1:1", &["the record is empty"]);
-    bad(RECORD, "2:1", &["at least 2 samples, this one has 0"]);
+    record_refused(b"", &["record.csv is empty", "one line for each sample"]);
+    bad(RECORD, "1:1", &["at least 2 samples, this one has 0"]);
     let binary: Vec<u8> = (0..=255).cycle().take(4096).collect();
     record_refused(&binary, &["[study.toml:7:20]", "valid UTF-8"]);
     record_refused(

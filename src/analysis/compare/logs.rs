@@ -81,7 +81,8 @@ impl Side {
 
     fn of((path, log): (&Path, &Log), treatment: &Treatment) -> Side {
         let channel = &log.channels[0];
-        let (angles, outliers) = treatment.angles(&channel.view(log.data, log.step_s));
+        let samples = channel.view(log.data, log.step_s);
+        let (angles, outliers) = treatment.angles(&samples);
         Side {
             path: path.to_owned(),
             column: channel.name.clone(),
@@ -89,7 +90,7 @@ impl Side {
             data: log.data,
             samples: log.samples(),
             step_s: log.step_s,
-            missing: channel.missing(),
+            missing: samples.missing(),
             outliers,
             overruled: channel.unit_in_header.clone().filter(|text| *text != channel.unit.text),
             unit: if channel.unit.is_angular { Unit::Angular } else { Unit::Plain },

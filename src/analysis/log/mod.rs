@@ -25,9 +25,9 @@ use crate::analysis::data_sheet::{DataSheet, Row, Simulated};
 use crate::fit::choose::Terms;
 use crate::progress::Progress;
 use crate::quantity::number::significant;
+use crate::record::error::RecordError;
 use crate::record::log::channel::Log;
 use crate::record::log::check::UnitCheck;
-use crate::record::log::error::LogError;
 use crate::record::log::measure::Data;
 use crate::record::log::outliers::Outliers;
 use crate::record::log::read::Request;
@@ -136,8 +136,8 @@ impl Treatment {
     /// Reads the log at `path`, cuts and checks it.
     ///
     /// # Errors
-    /// The log is refused.
-    pub fn read(&self, path: &Path, request: &Request) -> Result<Log, LogError> {
+    /// A log that is refused.
+    pub fn read(&self, path: &Path, request: &Request) -> Result<Log, RecordError> {
         let mut log = Log::read(path, request)?;
         if self.skip_s > 0.0 || self.until_s.is_some() {
             log.cut(self.skip_s, self.until_s)?;
@@ -262,7 +262,7 @@ fn column(
         name: channel.name.clone(),
         unit,
         overruled: channel.unit_in_header.clone().filter(|text| *text != channel.unit.text),
-        missing: channel.missing(),
+        missing: samples.missing(),
         mean_rate: samples.mean_rate(),
         slope: slope(&angles, &samples),
         curves,

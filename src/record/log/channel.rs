@@ -2,7 +2,7 @@
 
 use crate::quantity::number::significant;
 
-use crate::record::log::error::LogError;
+use crate::record::error::RecordError;
 use crate::record::log::measure::{Data, Unit};
 use crate::record::log::samples::Samples;
 use crate::source::place::Place;
@@ -49,15 +49,15 @@ impl Log {
     /// Keeps the samples from `skip_s` to `until_s`, both from the start of the file.
     ///
     /// # Errors
-    /// No samples are left.
-    pub fn cut(&mut self, skip_s: f64, until_s: Option<f64>) -> Result<(), LogError> {
+    /// None is left.
+    pub fn cut(&mut self, skip_s: f64, until_s: Option<f64>) -> Result<(), RecordError> {
         let sample =
             |time_s: f64| libm::round(time_s / self.step_s).clamp(0.0, self.samples() as f64) as usize;
         let (first, end) = (sample(skip_s), until_s.map_or(self.samples(), sample));
         if first >= end {
             let length = significant(self.length_s(), 6);
             let message = format!("nothing of {} is left: it is {length} s long", self.file);
-            return Err(LogError::new(message, "", "skip less, or go on until later", None));
+            return Err(RecordError::new(message, "", "skip less, or go on until later", None));
         }
         self.start_s = first as f64 * self.step_s;
         for channel in &mut self.channels {
@@ -72,10 +72,5 @@ impl Channel {
     /// The samples of the channel, in a log of quantity `data`.
     pub fn view(&self, data: Data, step_s: f64) -> Samples<'_> {
         Samples { data, unit: &self.unit, step_s, values: &self.samples }
-    }
-
-    /// Number of missing samples.
-    pub fn missing(&self) -> usize {
-        self.samples.iter().filter(|sample| sample.is_nan()).count()
     }
 }

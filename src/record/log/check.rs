@@ -2,8 +2,8 @@
 
 use crate::quantity::number::significant;
 
+use crate::record::error::RecordError;
 use crate::record::log::channel::{Channel, Log};
-use crate::record::log::error::LogError;
 use crate::record::log::measure::Data;
 use crate::record::log::samples::{DEGREES, Fault};
 
@@ -28,12 +28,12 @@ impl Log {
     /// were taken for rad/s. Only the mean is examined, which no deviation depends on.
     ///
     /// # Errors
-    /// The first such fault, with its column.
-    pub fn check(&self, unit: UnitCheck) -> Result<(), LogError> {
+    /// The first of these, with its column.
+    pub fn check(&self, unit: UnitCheck) -> Result<(), RecordError> {
         for channel in &self.channels {
             if let Some(fault) = channel.view(self.data, self.step_s).fault(unit) {
                 let (message, help) = self.told(channel, fault);
-                return Err(LogError::new(message, "this column", help, channel.place.clone()));
+                return Err(RecordError::new(message, "this column", help, channel.place.clone()));
             }
         }
         Ok(())

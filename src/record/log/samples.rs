@@ -21,7 +21,9 @@ const NEVER_AT_REST: f64 = 72_000.0;
 ///
 /// ```
 /// use sagnac::allan::trend::Trend;
-/// use sagnac::record::log::{Data, Samples, Unit, UnitCheck};
+/// use sagnac::record::log::check::UnitCheck;
+/// use sagnac::record::log::measure::{Data, Unit};
+/// use sagnac::record::log::samples::Samples;
 ///
 /// let rates: Vec<f64> = (0..100).map(|i| f64::from(i * 37 % 100)).collect();
 /// let unit = Unit::parse("deg/h", Data::Rate)?;

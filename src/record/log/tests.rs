@@ -4,7 +4,10 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
-use super::*;
+use crate::record::log::channel::Log;
+use crate::record::log::check::UnitCheck;
+use crate::record::log::measure::{Data, Unit};
+use crate::record::log::read::{Request, Timing};
 
 const COUNT: usize = 40;
 
@@ -111,7 +114,8 @@ fn several_columns_come_in_the_order_asked_for_and_gaps_are_nan() {
     let path = desk.write("g.csv", format!("t [s],gx,gy\n{}", lines(row)).as_bytes());
     let log = Log::read(&path, &request(&["gy", "gx"], stamps("t", None))).unwrap();
     assert_eq!((log.channels[0].name.as_str(), log.channels[1].name.as_str()), ("gy", "gx"));
-    assert_eq!((log.samples(), log.channels[0].missing(), log.channels[1].missing()), (COUNT + 3, 3, 5));
+    let missing = |at: usize| log.channels[at].view(log.data, log.step_s).missing();
+    assert_eq!((log.samples(), missing(0), missing(1)), (COUNT + 3, 3, 5));
     assert!(log.channels[1].samples[10].is_nan() && log.channels[1].samples[13] == sample(10));
 }
 

@@ -1,18 +1,18 @@
-//! The layout of a text log, determined from its first lines.
+//! How the columns of a text are laid out, found from its first lines.
 
-use crate::record::log::cells::{Cells, Delimiter, Value, value};
-use crate::record::log::error::LogError;
-use crate::record::log::names::Name;
+use crate::record::cells::{Cells, Delimiter, value};
+use crate::record::error::RecordError;
+use crate::record::names::Name;
 use crate::source::place::Place;
 
-/// The layout of a text log.
+/// The layout of a text.
 #[derive(Debug, Clone)]
 pub(crate) struct Layout {
     pub file: String,
     pub delimiter: Delimiter,
-    /// Column names; absent without a header.
-    pub names: Option<Vec<Name>>,
-    /// Number of cells in a row.
+    /// One for each column; empty without a header.
+    pub names: Vec<Name>,
+    /// Cells of a row.
     pub columns: usize,
     /// Bytes, and then lines, before the first row, including the header.
     pub start: usize,
@@ -25,63 +25,56 @@ pub(crate) struct Layout {
 struct Line<'h> {
     number: usize,
     start: usize,
+    /// Where the next line starts.
+    end: usize,
     text: &'h [u8],
 }
 
 impl Layout {
-    /// The layout of the log that begins with `head`.
+    /// The layout of the text that begins with `head`.
     ///
     /// # Errors
-    /// The log has no rows.
-    pub(crate) fn of(head: &[u8], file: &str) -> Result<Layout, LogError> {
+    /// It has no row.
+    pub(crate) fn of(head: &[u8], file: &str) -> Result<Layout, RecordError> {
         let (content, comment) = first_lines(head);
         let Some(first) = content.first() else {
-            let help =
-                "give a log: one line for each sample, a header with the names of its columns if you like";
-            let message =
-                if head.is_empty() { format!("{file} is empty") } else { format!("{file} has no samples") };
-            return Err(LogError::new(message, "", help, None));
+            let what = if head.is_empty() { "is empty" } else { "has no samples" };
+            let help = "write one line for each sample, below a header with the names of the columns";
+            return Err(RecordError::new(format!("{file} {what}"), "", help, None));
         };
-        let delimiter = Delimiter::of(content.last().unwrap_or(first).text);
+        let delimiter = Delimiter::of(first.text, content.last().unwrap_or(first).text);
         let cells = texts(first.text, delimiter);
         let mut layout = Layout {
             file: file.to_owned(),
             delimiter,
-            names: None,
+            names: vec![],
             columns: cells.len(),
             start: first.start,
             lines: first.number - 1,
             shown: (first.number, first.text.to_vec()),
         };
         if is_header(&cells) {
-            layout.names = Some(names(&cells));
-            layout.columns = layout.names.as_ref().map_or(0, Vec::len);
+            layout.names = names(&cells);
             layout.lines = first.number;
-            layout.start = head.len().min(first.start + first.text.len() + 1);
+            layout.start = head.len().min(first.end);
         } else {
             // The header as NumPy's savetxt writes it.
             let is_sign = |byte: &u8| b"#%; \t".contains(byte);
             let text = comment.map(|text| &text[text.iter().take_while(|byte| is_sign(byte)).count()..]);
-            let words = text.map(|text| texts(text, delimiter)).filter(|words| is_header(words));
-            layout.names = words.map(|words| names(&words)).filter(|names| names.len() == cells.len());
+            let words = text.map(|text| texts(text, delimiter)).unwrap_or_default();
+            layout.names =
+                if words.len() == cells.len() && is_header(&words) { names(&words) } else { vec![] };
         }
         Ok(layout)
     }
 
-    /// The place where a column is shown.
-    pub(crate) fn place(&self, column: usize) -> Place {
+    /// Where a column is shown, or all of them.
+    pub(crate) fn place(&self, column: Option<usize>) -> Place {
         let (number, text) = &self.shown;
-        let cell = Cells::new(text, self.delimiter).nth(column);
-        // Where blanks divide, units separated by blanks are cells of their own.
-        let whole = self.delimiter == Delimiter::Blanks && self.names.is_some();
-        let span = cell.filter(|_| !whole).unwrap_or(0..text.len());
-        Place::new(&self.file, *number, text, span)
-    }
-
-    /// The line that shows the columns.
-    pub(crate) fn line(&self) -> Place {
-        let (number, text) = &self.shown;
-        Place::new(&self.file, *number, text, 0..text.len())
+        // Units with blanks are cells of their own where blanks divide.
+        let is_cut = self.delimiter == Delimiter::Blanks && !self.names.is_empty();
+        let cell = column.filter(|_| !is_cut).and_then(|at| Cells::new(text, self.delimiter).nth(at));
+        Place::new(&self.file, *number, text, cell.unwrap_or(0..text.len()))
     }
 }
 
@@ -95,7 +88,7 @@ fn first_lines(head: &[u8]) -> (Vec<Line<'_>>, Option<&[u8]>) {
         let text = &head[start..end];
         number += 1;
         if !Delimiter::Byte(b',').skips(text) {
-            content.push(Line { number, start, text: text.trim_ascii_end() });
+            content.push(Line { number, start, end: end + 1, text: text.trim_ascii_end() });
         } else if content.is_empty() && !text.trim_ascii().is_empty() {
             comment = Some(text);
         }
@@ -125,9 +118,8 @@ fn texts(line: &[u8], delimiter: Delimiter) -> Vec<String> {
 
 /// Whether the cells are words without a number among them.
 fn is_header(cells: &[String]) -> bool {
-    let values = || cells.iter().map(|cell| value(cell.as_bytes()));
-    values().any(|value| value == Value::Text)
-        && values().all(|value| !matches!(value, Value::Number(number) if !number.is_nan()))
+    let mut values = cells.iter().map(|cell| value(cell.as_bytes()));
+    values.clone().any(|value| value.is_none()) && !values.any(|value| value.is_some_and(f64::is_finite))
 }
 
 fn names(cells: &[String]) -> Vec<Name> {
@@ -143,7 +135,7 @@ mod tests {
     }
 
     fn bare(layout: &Layout) -> Vec<&str> {
-        layout.names.iter().flatten().map(|name| name.bare.as_str()).collect()
+        layout.names.iter().map(|name| name.bare.as_str()).collect()
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The cells of one line of a text log, and their values.
+//! One line of a text: its cells, and what they say.
 
 use std::ops::Range;
 
@@ -12,13 +12,14 @@ pub(crate) enum Delimiter {
 }
 
 impl Delimiter {
-    /// The delimiter of a `line` of numbers.
-    pub(crate) fn of(line: &[u8]) -> Delimiter {
-        let trimmed = line.trim_ascii();
-        let found = [b'\t', b';', b','].into_iter().find(|byte| trimmed.contains(byte));
-        match found {
-            Some(byte) => Delimiter::Byte(byte),
-            None if trimmed.contains(&b' ') => Delimiter::Blanks,
+    /// What divides the `first` line and the one behind it, a `row` of numbers: a sign that is as often in both, or else one in the
+    /// row.
+    pub(crate) fn of(first: &[u8], row: &[u8]) -> Delimiter {
+        let count = |line: &[u8], sign: u8| Cells::new(line.trim_ascii(), Delimiter::Byte(sign)).count();
+        let signs = || b"\t;,".iter().copied().filter(|sign| row.trim_ascii().contains(sign));
+        match signs().find(|sign| count(first, *sign) == count(row, *sign)).or(signs().next()) {
+            Some(sign) => Delimiter::Byte(sign),
+            None if row.trim_ascii().contains(&b' ') => Delimiter::Blanks,
             None => Delimiter::Byte(b','),
         }
     }
@@ -66,24 +67,13 @@ impl Iterator for Cells<'_> {
     #[inline]
     fn next(&mut self) -> Option<Range<usize>> {
         let (line, start) = (self.line, self.next);
-        match self.delimiter {
-            Delimiter::Byte(byte) => {
-                if start > line.len() {
-                    return None;
-                }
-                let end = end_of(line, start, |b| b == byte);
-                self.next = end + 1;
-                Some(trimmed(line, start..end))
-            }
-            Delimiter::Blanks => {
-                if start >= line.len() {
-                    return None;
-                }
-                let end = end_of(line, start, |b| b.is_ascii_whitespace());
-                self.next = skip_blanks(line, end);
-                Some(trimmed(line, start..end))
-            }
-        }
+        let end = match self.delimiter {
+            Delimiter::Byte(byte) if start <= line.len() => end_of(line, start, |b| b == byte),
+            Delimiter::Blanks if start < line.len() => end_of(line, start, |b| b.is_ascii_whitespace()),
+            _ => return None,
+        };
+        self.next = if self.delimiter == Delimiter::Blanks { skip_blanks(line, end) } else { end + 1 };
+        Some(trimmed(line, start..end))
     }
 }
 
@@ -116,25 +106,12 @@ fn trimmed(line: &[u8], cell: Range<usize>) -> Range<usize> {
     cell.start + lead..cell.end - trail
 }
 
-/// The value of a cell.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Value {
-    /// A finite number, or NaN for a missing one.
-    Number(f64),
-    Infinite,
-    Text,
-}
-
-/// Reads a cell as a number with a decimal point; an empty cell, `NaN`, `NA` and `null` are missing values.
+/// Reads a cell: a number with the point for decimals; nothing, `NaN`, `NA` and `null` are a missing one, NaN. Other text is `None`.
 #[inline]
-pub(crate) fn value(cell: &[u8]) -> Value {
-    let text = std::str::from_utf8(cell).unwrap_or("?");
-    match text.parse::<f64>() {
-        Ok(number) if number.is_infinite() => Value::Infinite,
-        Ok(number) => Value::Number(number),
-        Err(_) if ["", "NA", "N/A", "null", "-"].contains(&text) => Value::Number(f64::NAN),
-        Err(_) => Value::Text,
-    }
+pub(crate) fn value(cell: &[u8]) -> Option<f64> {
+    let text = std::str::from_utf8(cell).ok()?;
+    let missing = || ["", "NA", "N/A", "null", "-"].contains(&text).then_some(f64::NAN);
+    text.parse().ok().or_else(missing)
 }
 
 #[cfg(test)]
@@ -142,7 +119,9 @@ mod tests {
     use super::*;
 
     fn cells(line: &str) -> Vec<&str> {
-        Cells::new(line.as_bytes(), Delimiter::of(line.as_bytes())).map(|cell| &line[cell]).collect()
+        Cells::new(line.as_bytes(), Delimiter::of(line.as_bytes(), line.as_bytes()))
+            .map(|cell| &line[cell])
+            .collect()
     }
 
     #[test]
@@ -165,15 +144,15 @@ mod tests {
 
     #[test]
     fn numbers_gaps_and_what_is_neither_are_told_apart() {
-        assert_eq!(value(b"-1.5e-3"), Value::Number(-1.5e-3));
+        assert_eq!(value(b"-1.5e-3"), Some(-1.5e-3));
         for missing in ["", "NaN", "nan", "NA", "null"] {
-            assert!(matches!(value(missing.as_bytes()), Value::Number(x) if x.is_nan()), "{missing}");
+            assert!(value(missing.as_bytes()).unwrap().is_nan(), "{missing}");
         }
         for infinite in ["inf", "-Infinity", "1e999"] {
-            assert_eq!(value(infinite.as_bytes()), Value::Infinite, "{infinite}");
+            assert!(value(infinite.as_bytes()).unwrap().is_infinite(), "{infinite}");
         }
         for text in ["1,5", "12:00", "0x10", "\u{b0}", "1 2"] {
-            assert_eq!(value(text.as_bytes()), Value::Text, "{text}");
+            assert_eq!(value(text.as_bytes()), None, "{text}");
         }
     }
 

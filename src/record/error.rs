@@ -1,0 +1,84 @@
+//! Why recorded data were refused, with the line at fault.
+
+use crate::source::diagnose::{StudyError, Wrong};
+use crate::source::place::Place;
+use crate::source::shown::Shown;
+
+/// Why a record or a log was refused: what was found and where, what is accepted, how to put it right.
+///
+/// A [`miette::Diagnostic`]; [`RecordError::render`] gives the text for a terminal. As a [`StudyError`] it can be that
+/// of the study which names the record.
+#[derive(Debug, Clone, thiserror::Error, miette::Diagnostic)]
+#[error(transparent)]
+#[diagnostic(transparent)]
+pub struct RecordError(StudyError);
+
+impl RecordError {
+    /// `message`: the whole finding; `label`: what stands at `place`; `help`: what to do.
+    pub(crate) fn new(
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: impl Into<String>,
+        place: impl Into<Option<Place>>,
+    ) -> RecordError {
+        let shown = place.into().map(|place| Shown::Piece(Box::new(place)));
+        RecordError(StudyError::new(message, label, help, shown))
+    }
+
+    /// A file that cannot be read.
+    pub(crate) fn unreadable(file: &str, error: &std::io::Error) -> RecordError {
+        RecordError::new(format!("cannot read {file}: {error}"), "", "give the path of a log", None)
+    }
+
+    /// The same error with other help.
+    pub(crate) fn with_help(self, help: &str) -> RecordError {
+        RecordError(self.0.with_help(help))
+    }
+
+    /// The same error with its settings as a front end spells them, see [`spelled`](crate::source::setting::spelled).
+    pub fn spelled(self, spell: &dyn Fn(&str, &str) -> Option<String>) -> RecordError {
+        RecordError(self.0.spelled(spell))
+    }
+
+    /// The report for people: file, line, caret and help, `width` columns wide; escape codes only if `color`.
+    pub fn render(&self, color: bool, width: usize) -> String {
+        self.0.render(color, width)
+    }
+}
+
+impl From<RecordError> for StudyError {
+    fn from(error: RecordError) -> StudyError {
+        error.0
+    }
+}
+
+impl From<RecordError> for Wrong {
+    fn from(error: RecordError) -> Wrong {
+        Wrong::Elsewhere(error.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_shows_the_true_line_and_column_even_of_a_line_that_is_cut() {
+        let line = format!("{}oops,{}", "1,".repeat(5000), "2,".repeat(5000));
+        let place = Place::new("g.csv", 1_000_001, line.as_bytes(), 10_000..10_004);
+        let shown = RecordError::new("bad cell", "not a number", "mend it", place).render(false, 100);
+        for piece in ["g.csv:1000001:10001", "oops", "not a number", "mend it"] {
+            assert!(shown.contains(piece), "{piece} is missing in\n{shown}");
+        }
+        assert!(shown.len() < 1500, "{shown}");
+    }
+
+    #[test]
+    fn a_line_that_is_no_utf_8_is_shown_all_the_same() {
+        let place = Place::new("g.csv", 1, b"rate [\xb0/s],x", 6..8);
+        let shown = RecordError::new("bad unit", "here", "write deg/s", place).render(false, 100);
+        assert!(shown.contains("g.csv:1:7"), "{shown}");
+        let beyond = Place::new("g.csv", 1, b"1,2", 40..50);
+        assert!(RecordError::new("short", "here", "", beyond).render(false, 80).contains("g.csv:1:"));
+    }
+}

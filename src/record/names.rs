@@ -1,0 +1,70 @@
+//! The names of columns, with their units.
+
+use crate::quantity::units::{Dimension, parse_unit};
+
+/// Longest unit behind an underscore, in bytes with that.
+const LONGEST_UNIT: usize = 64;
+
+/// A column of the header.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Name {
+    /// As it stands in the file.
+    pub whole: String,
+    /// Without the unit.
+    pub bare: String,
+    pub unit: Option<String>,
+}
+
+impl Name {
+    /// `gz [deg/s]`, `gz (deg/s)`, or `gz_deg_per_s` where the end is a unit of a rate, an angle or a time.
+    pub(crate) fn read(cell: &str) -> Name {
+        let whole = cell.trim();
+        let with = |bare: &str, unit: &str| Name {
+            whole: whole.to_owned(),
+            bare: bare.trim().to_owned(),
+            unit: Some(unit.trim().to_owned()).filter(|unit| !unit.is_empty()),
+        };
+        for (open, close) in [('[', ']'), ('(', ')')] {
+            let inner = whole.strip_suffix(close).and_then(|rest| rest.split_once(open));
+            if let Some((bare, unit)) = inner.filter(|(bare, _)| !bare.trim().is_empty()) {
+                return with(bare, unit);
+            }
+        }
+        // Without a bound a long cell of underscores takes the square of its length.
+        let is_short = |at: usize| whole.len() - at <= LONGEST_UNIT;
+        for (at, _) in whole.match_indices('_').filter(|(at, _)| *at > 0 && is_short(*at)) {
+            let unit = whole[at + 1..].replace("_per_", "/");
+            if parse_unit(&unit, &[Dimension::Rate, Dimension::Angle, Dimension::Time]).is_ok() {
+                return with(&whole[..at], &unit);
+            }
+        }
+        Name { whole: whole.to_owned(), bare: whole.to_owned(), unit: None }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_stand_in_brackets_or_after_an_underscore() {
+        let read = |cell| {
+            let name = Name::read(cell);
+            (name.bare, name.unit.unwrap_or_default())
+        };
+        for (cell, bare, unit) in [
+            ("gz [deg/s]", "gz", "deg/s"),
+            (" gz(rad/s) ", "gz", "rad/s"),
+            ("gz_deg_per_s", "gz", "deg/s"),
+            ("gyro_z_deg/h", "gyro_z", "deg/h"),
+            ("time_ns", "time", "ns"),
+            ("gyro_x", "gyro_x", ""),
+            (&"_".repeat(1 << 20), &"_".repeat(1 << 20), ""),
+            ("[s]", "[s]", ""),
+            ("t []", "t", ""),
+            ("", "", ""),
+        ] {
+            assert_eq!(read(cell), (bare.to_owned(), unit.to_owned()), "{cell}");
+        }
+    }
+}

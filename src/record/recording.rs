@@ -1,0 +1,291 @@
+//! A file of recorded data, opened: its columns by name or number, their units, and the numbers of those that are asked for.
+
+use std::fs::File;
+use std::io::{self, Chain, Cursor, Read};
+use std::path::Path;
+
+use crate::quantity::number::significant;
+use crate::quantity::units::{Dimension, parse_unit};
+use crate::record::STEPS_S;
+use crate::record::error::RecordError;
+use crate::record::layout::Layout;
+use crate::record::names::Name;
+use crate::record::npy::{Array, MAGIC};
+use crate::record::text::{self, TEXT_WANTED};
+use crate::source::diagnose::choices;
+use crate::source::place::Place;
+
+/// Bytes from which the format and the layout of a file are told.
+const HEAD: u64 = 1 << 20;
+
+/// Most columns that a message lists.
+const MOST_LISTED: usize = 20;
+
+/// Starts of files that are often given and not read, and what they are.
+const OTHERS: [(&[u8], &str); 8] = [
+    (b"PK\x03\x04", "a ZIP archive (.npz, .xlsx)"),
+    (b"\x1f\x8b", "compressed by gzip"),
+    (b"\x89HDF", "HDF5 (.h5, .mat)"),
+    (b"MATLAB 5.0", "a MATLAB file (.mat)"),
+    (b"PAR1", "Parquet"),
+    (b"\xff\xfe", "text in UTF-16"),
+    (b"\xfe\xff", "text in UTF-16"),
+    (b"#ROSBAG", "a ROS bag"),
+];
+
+/// Where the bytes of a file are.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Origin<'a> {
+    Path(&'a Path),
+    /// In memory, as the file was read before.
+    Bytes(&'a [u8]),
+}
+
+impl<'a> Origin<'a> {
+    /// The bytes from the first on, and how many there are unless a pipe gives them.
+    pub(crate) fn open(self) -> io::Result<(Box<dyn Read + 'a>, Option<u64>)> {
+        match self {
+            Origin::Path(path) => {
+                let file = File::open(path)?;
+                let about = file.metadata()?;
+                Ok((Box::new(file), about.is_file().then_some(about.len())))
+            }
+            Origin::Bytes(bytes) => Ok((Box::new(bytes), Some(bytes.len() as u64))),
+        }
+    }
+}
+
+/// What is taken of the numbers of a file.
+pub(crate) struct Limits {
+    /// Rows.
+    pub most: usize,
+    /// What to do where a number is missing.
+    pub missing: &'static str,
+}
+
+/// What the numbers are read by: a format gives the names and number of columns, and then the numbers.
+enum Format {
+    Text(Layout),
+    Npy(Array),
+}
+
+/// A file of which no number has been read yet.
+pub(crate) struct Recording<'a> {
+    /// As messages call it.
+    pub file: String,
+    origin: Origin<'a>,
+    format: Format,
+    /// From the first number on.
+    numbers: Chain<Cursor<Vec<u8>>, Box<dyn Read + 'a>>,
+}
+
+impl<'a> Recording<'a> {
+    /// # Errors
+    /// The file cannot be read, or is of no format that is read here.
+    pub(crate) fn open(file: String, origin: Origin<'a>) -> Result<Recording<'a>, RecordError> {
+        let failed = |error| RecordError::unreadable(&file, &error);
+        let (mut rest, length) = origin.open().map_err(failed)?;
+        let mut head = Vec::new();
+        rest.by_ref().take(HEAD).read_to_end(&mut head).map_err(failed)?;
+        let other = OTHERS.iter().find(|(start, _)| head.starts_with(start)).map(|(_, what)| *what);
+        if let Some(what) = other.or((head.first() == Some(&0)).then_some("binary")) {
+            return Err(RecordError::new(format!("{file} is {what}"), "", TEXT_WANTED, None));
+        }
+        let (format, start) = if head.starts_with(MAGIC) {
+            let (array, start) = Array::read(&file, &head, length)?;
+            (Format::Npy(array), start)
+        } else {
+            let layout = Layout::of(&head, &file)?;
+            let start = layout.start;
+            (Format::Text(layout), start)
+        };
+        let mut head = Cursor::new(head);
+        head.set_position(start as u64);
+        Ok(Recording { file, origin, format, numbers: head.chain(rest) })
+    }
+
+    fn layout(&self) -> Option<&Layout> {
+        match &self.format {
+            Format::Text(layout) => Some(layout),
+            Format::Npy(_) => None,
+        }
+    }
+
+    /// One for each column; empty where columns have no names.
+    pub(crate) fn names(&self) -> &[Name] {
+        self.layout().map_or(&[], |layout| &layout.names)
+    }
+
+    pub(crate) fn columns(&self) -> usize {
+        match &self.format {
+            Format::Text(layout) => layout.columns,
+            Format::Npy(array) => array.columns,
+        }
+    }
+
+    /// All columns for a sentence: `1 time, 2 gx`, or `columns 1 … 4`.
+    pub(crate) fn listed(&self) -> String {
+        let (names, columns) = (self.names(), self.columns());
+        let named = names.iter().zip(1..).map(|(name, number)| format!("{number} {}", name.whole));
+        let more = if columns > MOST_LISTED { ", …" } else { "" };
+        match columns {
+            _ if !names.is_empty() => named.take(MOST_LISTED).collect::<Vec<_>>().join(", ") + more,
+            1 => "column 1".to_owned(),
+            _ => format!("columns 1 … {columns}"),
+        }
+    }
+
+    /// Where a column is shown, or all of them, if the file has lines.
+    pub(crate) fn place(&self, column: Option<usize>) -> Option<Place> {
+        self.layout().map(|layout| layout.place(column))
+    }
+
+    /// An error about a column, or about all of them.
+    pub(crate) fn refuse(
+        &self,
+        column: Option<usize>,
+        message: &str,
+        label: &str,
+        help: &str,
+    ) -> RecordError {
+        RecordError::new(message, label, help, self.place(column))
+    }
+
+    /// An error, as message, label and help, about the number of a column in a row, counted from 0: with its place or else the
+    /// number of the row.
+    pub(crate) fn refuse_row(&self, row: usize, column: usize, words: [String; 3]) -> RecordError {
+        let [message, label, help] = words;
+        let place = self.layout().and_then(|layout| text::place_of_row(layout, self.origin, row, column));
+        let numbered = if place.is_some() { String::new() } else { format!("row {}: ", row + 1) };
+        RecordError::new(numbered + &message, label, help, place)
+    }
+
+    /// The column that is meant by `word`: its name with or without unit, in upper or lower case, or its number from 1. Of
+    /// several with that name it is the one whose unit is of the dimension `preferred`.
+    ///
+    /// # Errors
+    /// No such column, or several; with the list of those there are and the nearest name.
+    pub(crate) fn find(&self, word: &str, preferred: Option<Dimension>) -> Result<usize, RecordError> {
+        let (word, names, columns) = (word.trim(), self.names(), self.columns());
+        let refused =
+            |message: String, help: String| Err(self.refuse(None, &message, "these are the columns", &help));
+        let called = |is: &dyn Fn(&str) -> bool| -> Vec<usize> {
+            (0..names.len()).filter(|&i| is(&names[i].whole) || is(&names[i].bare)).collect()
+        };
+        let mut found = called(&|name| name == word);
+        if found.is_empty() {
+            found = called(&|name| name.eq_ignore_ascii_case(word));
+        }
+        let unit = |i: usize| names[i].unit.as_deref().unwrap_or_default();
+        let is_preferred =
+            |i: &usize| preferred.is_some_and(|wanted| parse_unit(unit(*i), &[wanted]).is_ok());
+        if found.len() > 1 && found.iter().any(is_preferred) {
+            found.retain(is_preferred);
+        }
+        match found[..] {
+            [only] => return Ok(only),
+            [] => {}
+            ref several => {
+                let numbers: Vec<String> = several.iter().map(|i| (i + 1).to_string()).collect();
+                let message = format!("columns {} are both called `{word}`", numbers.join(" and "));
+                return refused(message, "give the number of the one you mean".to_owned());
+            }
+        }
+        let list = self.listed();
+        match word.parse::<usize>() {
+            Ok(number) if (1..=columns).contains(&number) => Ok(number - 1),
+            Ok(number) => refused(
+                format!("there is no column {number}, the file has {columns}"),
+                format!("columns are numbered from 1; there are {list}"),
+            ),
+            Err(_) if names.is_empty() => refused(
+                format!("no column can be called `{word}`: the file has no header"),
+                format!("give numbers, counted from 1; there are {list}"),
+            ),
+            Err(_) => {
+                let bare: Vec<&str> = names.iter().map(|name| name.bare.as_str()).collect();
+                let help = format!("{}; numbers from 1 do too", choices(word, &bare));
+                refused(format!("no column is called `{word}`"), help)
+            }
+        }
+    }
+
+    /// The size in base units of the unit of a column: the one `given`, or else that of its header. `what` names the column in
+    /// messages, `help` says which units are accepted.
+    pub(crate) fn unit_size(
+        &self,
+        column: usize,
+        given: Option<&str>,
+        dimension: Dimension,
+        what: &str,
+        help: &str,
+    ) -> Result<f64, RecordError> {
+        let of_header = self.names().get(column).and_then(|name| name.unit.as_deref());
+        let refused = |message: &str, label: &str| self.refuse(Some(column), message, label, help);
+        let unit = given
+            .or(of_header)
+            .ok_or_else(|| refused(&format!("{what} has no unit"), "its unit is missing"))?;
+        let size = parse_unit(unit, &[dimension])
+            .map_err(|error| refused(&format!("the unit of {what}: {error}"), error.label()))?;
+        Ok(size.0)
+    }
+
+    /// The numbers of the columns in the order asked for; NaN stands for a missing one.
+    ///
+    /// # Errors
+    /// The file cannot be read, has too many rows, or something else than numbers.
+    pub(crate) fn read(&mut self, columns: &[usize], limits: &Limits) -> Result<Vec<Vec<f64>>, RecordError> {
+        match &self.format {
+            Format::Text(layout) => text::read(layout, &mut self.numbers, columns, limits),
+            Format::Npy(array) => array.columns(&mut self.numbers, columns, limits.most),
+        }
+    }
+
+    /// Refuses a sampling step, s, that no sensor has; `time` is the column of the stamps.
+    pub(crate) fn check_step(&self, step_s: f64, time: Option<usize>) -> Result<(), RecordError> {
+        if STEPS_S.contains(&step_s) {
+            return Ok(());
+        }
+        let message = format!("the samples are {} s apart", significant(step_s, 6));
+        let help = "accepted: 1e-9 s to 1e9 s; is the unit of the time right?";
+        Err(self.refuse(time, &message, "of this time", help))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn recording(header: &str) -> Recording<'_> {
+        Recording::open("g.csv".to_owned(), Origin::Bytes(header.as_bytes())).unwrap()
+    }
+
+    #[test]
+    fn a_column_is_found_by_name_with_or_without_unit_or_by_its_number() {
+        let named = recording("time_ms,gx [deg/s],gz (deg/s),Temp,x_y\n");
+        for (word, column) in [("time", 0), ("time_ms", 0), ("gx", 1), ("GZ", 2), ("gz (deg/s)", 2), ("4", 3)]
+        {
+            assert_eq!(named.find(word, None).ok(), Some(column), "{word}");
+        }
+        assert_eq!(recording("1,2,3\n").find("2", None).ok(), Some(1));
+        let doubled = recording("rate_s,rate [deg/s]\n");
+        assert_eq!(doubled.find("rate", Some(Dimension::Rate)).ok(), Some(1));
+    }
+
+    #[test]
+    fn a_wrong_column_is_told_with_the_nearest_and_all_that_there_are() {
+        let named = "time_ms,gx [deg/s],gz (deg/s),Temp,x_y\n";
+        for (header, word, pieces) in [
+            (named, "gzz", ["no column is called `gzz`", "did you mean `gz`", "Temp"]),
+            (named, "9", ["there is no column 9", "the file has 5", "2 gx [deg/s]"]),
+            ("1,2,3\n", "0", ["there is no column 0", "from 1", "columns 1 … 3"]),
+            ("1,2,3\n", "gz", ["can be called `gz`", "no header", "columns 1 … 3"]),
+            ("a,a\n", "a", ["columns 1 and 2", "both called `a`", "g.csv:1:1"]),
+        ] {
+            let said = recording(header).find(word, None).unwrap_err().render(false, 200);
+            for piece in pieces {
+                assert!(said.contains(piece), "{piece} is missing in\n{said}");
+            }
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! The rows of a text, read in blocks and parsed in parallel.
+
+use std::io::{BufRead, BufReader, Read};
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::record::cells::{Cells, Delimiter, value};
+use crate::record::error::RecordError;
+use crate::record::layout::Layout;
+use crate::record::recording::{Limits, Origin};
+use crate::source::place::Place;
+
+/// Bytes that are read at a time. No line may be longer.
+const BLOCK: usize = 16 << 20;
+
+/// Bytes that are parsed by one thread at a time.
+const PART: usize = 1 << 20;
+
+/// The columns and the number of lines of a part, or the line that cannot be read and how many are before it.
+type Part<'b> = Result<(Vec<Vec<f64>>, usize), (&'b [u8], usize)>;
+
+/// Reads the `wanted` columns in the order given from the `bytes` of all rows; NaN stands for a missing value.
+///
+/// # Errors
+/// The file cannot be read, has too many rows, or a row is not of the layout; the first of several such rows.
+pub(crate) fn read(
+    layout: &Layout,
+    mut bytes: impl Read,
+    wanted: &[usize],
+    limits: &Limits,
+) -> Result<Vec<Vec<f64>>, RecordError> {
+    let mut slots = vec![None; layout.columns];
+    wanted.iter().enumerate().for_each(|(slot, &column)| slots[column] = Some(slot));
+    let mut columns = vec![Vec::new(); wanted.len()];
+    let (mut block, mut lines) = (Vec::with_capacity(BLOCK), layout.lines);
+    loop {
+        let room = BLOCK - block.len();
+        let more = bytes.by_ref().take(room as u64).read_to_end(&mut block);
+        // Fewer bytes than asked for come only at the end.
+        let at_end = more.map_err(|error| RecordError::unreadable(&layout.file, &error))? < room;
+        let last_end = block.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
+        let whole = if at_end { block.len() } else { last_end };
+        if whole == 0 && !at_end {
+            return Err(endless(layout, lines, &block));
+        }
+        let parts = split(&block[..whole]);
+        let parts: Vec<Part> =
+            parts.par_iter().map(|part| parse(part, layout, &slots, wanted.len())).collect();
+        for part in parts {
+            let (values, count) = part.map_err(|(line, before)| {
+                refusal(layout, lines + before + 1, line, &slots, limits.missing)
+            })?;
+            lines += count;
+            columns.iter_mut().zip(values).for_each(|(column, values)| column.extend(values));
+        }
+        if columns.first().is_some_and(|column| column.len() > limits.most) {
+            let message = format!("{} has more than {} samples", layout.file, limits.most);
+            return Err(RecordError::new(message, "", "cut it, or average it to a lower rate", None));
+        }
+        block.drain(..whole);
+        if at_end {
+            return Ok(columns);
+        }
+    }
+}
+
+/// Pieces of about [`PART`] bytes that end with lines.
+fn split(block: &[u8]) -> Vec<&[u8]> {
+    let (mut parts, mut rest) = (Vec::new(), block);
+    while rest.len() > PART {
+        let Some(end) = rest[PART..].iter().position(|byte| *byte == b'\n') else { break };
+        let (part, after) = rest.split_at(PART + end + 1);
+        parts.push(part);
+        rest = after;
+    }
+    parts.push(rest);
+    parts
+}
+
+fn parse<'b>(part: &'b [u8], layout: &Layout, slots: &[Option<usize>], wanted: usize) -> Part<'b> {
+    let about = part.len() / 8 / layout.columns.max(1);
+    let mut columns: Vec<Vec<f64>> = (0..wanted).map(|_| Vec::with_capacity(about)).collect();
+    let mut lines = 0;
+    for line in part.split_inclusive(|byte| *byte == b'\n') {
+        let text = line.trim_ascii_end();
+        if !layout.delimiter.skips(text) && !parse_row(text, layout, slots, &mut columns) {
+            return Err((text, lines));
+        }
+        lines += 1;
+    }
+    Ok((columns, lines))
+}
+
+/// Whether a row is of the layout, with finite or missing numbers where they are wanted.
+#[inline]
+fn parse_row(text: &[u8], layout: &Layout, slots: &[Option<usize>], columns: &mut [Vec<f64>]) -> bool {
+    let (mut count, mut last_is_empty) = (0, false);
+    for cell in Cells::new(text, layout.delimiter) {
+        if let Some(slot) = slots.get(count).copied().flatten() {
+            match value(&text[cell.clone()]) {
+                Some(number) if !number.is_infinite() => columns[slot].push(number),
+                _ => return false,
+            }
+        }
+        last_is_empty = cell.is_empty();
+        count += 1;
+    }
+    // Many loggers end each line with a delimiter.
+    count == layout.columns || count == layout.columns + 1 && last_is_empty
+}
+
+/// What is wrong with the line of this number, of which [`parse_row`] takes no row.
+fn refusal(
+    layout: &Layout,
+    number: usize,
+    text: &[u8],
+    slots: &[Option<usize>],
+    missing: &str,
+) -> RecordError {
+    let refused = |span: Range<usize>, message: String, label: &str, help: &str| {
+        RecordError::new(message, label, help, Place::new(&layout.file, number, text, span))
+    };
+    if text.contains(&0) {
+        let message = "this is no text: there is a zero byte".to_owned();
+        return refused(0..text.len(), message, "in this line", TEXT_WANTED);
+    }
+    let cells: Vec<Range<usize>> = Cells::new(text, layout.delimiter).collect();
+    for (column, cell) in cells.iter().enumerate() {
+        if slots.get(column).is_none_or(Option::is_none) {
+            continue;
+        }
+        let name = match layout.names.get(column) {
+            Some(name) => format!("`{}`", name.whole),
+            None => format!("column {}", column + 1),
+        };
+        let shown = String::from_utf8_lossy(&text[cell.clone()]);
+        match value(&text[cell.clone()]) {
+            Some(number) if number.is_infinite() => {
+                return refused(cell.clone(), format!("{name} is infinite here"), "not finite", missing);
+            }
+            Some(_) => {}
+            None => {
+                let has_decimal_comma = shown.contains(',') && layout.delimiter != Delimiter::Byte(b',');
+                let help = match has_decimal_comma {
+                    true => "write decimals with a point".to_owned(),
+                    false => format!("write numbers with a point for decimals; {missing}"),
+                };
+                let message = format!("{name} holds \"{shown}\", which is no number");
+                return refused(cell.clone(), message, "not a number", &help);
+            }
+        }
+    }
+    let cells_of = |count: usize| format!("{count} cell{}", if count == 1 { "" } else { "s" });
+    let before = if layout.names.is_empty() { "the first row" } else { "the header" };
+    let message = format!("this row has {}, {before} has {}", cells_of(cells.len()), layout.columns);
+    let help = format!(
+        "cells are divided by {} here, each row needs {}; a last line that was cut off may be removed",
+        layout.delimiter.name(),
+        cells_of(layout.columns)
+    );
+    let label = if cells.len() < layout.columns { "a cell is missing" } else { "a cell too many" };
+    refused(0..text.len(), message, label, &help)
+}
+
+/// What to give instead of something binary.
+pub(crate) const TEXT_WANTED: &str =
+    "give CSV, TSV or columns with blanks between them as text, or a NumPy .npy file";
+
+fn endless(layout: &Layout, lines: usize, block: &[u8]) -> RecordError {
+    if block.contains(&0) {
+        let message = format!("{} is no text: there are zero bytes", layout.file);
+        return RecordError::new(message, "", TEXT_WANTED, None);
+    }
+    let message = format!("{} has a line of more than {} MiB", layout.file, BLOCK >> 20);
+    RecordError::new(message, "begins here", TEXT_WANTED, Place::new(&layout.file, lines + 1, block, 0..0))
+}
+
+/// Where a row, counted from 0, stands: rows are read once more, as places are not kept for millions of them.
+pub(crate) fn place_of_row(layout: &Layout, origin: Origin, row: usize, column: usize) -> Option<Place> {
+    let lines = BufReader::new(origin.open().ok()?.0).split(b'\n').map_while(Result::ok);
+    let lines = lines.zip(1..).skip(layout.lines);
+    let mut rows = lines.filter(|(line, _)| !layout.delimiter.skips(line));
+    let (line, number) = rows.nth(row)?;
+    let text = line.trim_ascii_end();
+    let span = Cells::new(text, layout.delimiter).nth(column).unwrap_or(0..text.len());
+    Some(Place::new(&layout.file, number, text, span))
+}
