@@ -40,7 +40,7 @@ fn page(bencher: divan::Bencher, points: usize) {
             notes: &[],
             charts: &[drawn],
             tables: vec![(sagnac::chart::Source::Points, &table)],
-            source: Source {
+            source: &Source {
                 inputs: vec![],
                 study: String::new(),
                 kind: &sagnac::kinds::gap_fill::kind::GAP_FILL,

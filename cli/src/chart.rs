@@ -14,7 +14,8 @@ use crate::charts::{is_chart_stem, write_pictures};
 use crate::failure::Failure;
 use crate::output::print;
 use crate::progress::{self, Shown};
-use crate::results::{Results, held, lacking};
+use crate::results::summary::summary;
+use crate::results::{held, lacking};
 use crate::run::checked;
 use crate::{folders, look};
 
@@ -143,14 +144,8 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
     }
     let curves = shown(&study, &tables)?;
     let verdicts = verdicts(&study, &curves)?;
-    let results = Results {
-        study: &study,
-        plan: &plan,
-        folder: &options.folder,
-        done: None,
-        lacking: lacking(&study, &plan, &store, &tables)?,
-    };
-    print(&results.summary(&tables, &curves, &verdicts)?)?;
+    let lacking = lacking(&study, &plan, &store, &tables)?;
+    print(&summary(&study, &tables, &curves, &verdicts, lacking)?)?;
     say!("{}.svg and .png are in {}", options.name, options.folder.display());
     Ok(())
 }

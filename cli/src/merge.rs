@@ -13,7 +13,7 @@ use sagnac::tally::share::Share;
 use crate::failure::Failure;
 use crate::output::print_json;
 use crate::progress::{self, Shown};
-use crate::results::{Out, Results};
+use crate::results::{Out, Ran};
 use crate::run::checked;
 use crate::whole;
 
@@ -88,10 +88,10 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
         }
     }
     let lacking = plan.lacks(&store, Share::WHOLE)?;
-    let results = Results { study: &study, plan: &plan, folder: &options.out, done: None, lacking };
+    let ran = Ran { study: &study, plan: &plan, folder: &options.out, done: None, lacking };
     let out = Out { json: options.json, quiet: options.quiet, plot: options.plot };
     let progress = Shown::new(options.progress.how(options.quiet));
-    if let Some(document) = results.show(&store, out, &progress)? {
+    if let Some(document) = ran.show(&store, out, &progress)? {
         print_json(&document)?;
     }
     match lacking {

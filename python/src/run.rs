@@ -11,10 +11,10 @@ use sagnac::store::whole::write_whole;
 use sagnac::study::Study;
 use sagnac::tally::share::Share;
 use sagnac::verify::select;
-use sagnac::view::picture::verdict::{Verdict, verdicts};
-use sagnac::view::picture::{Drawn, pictures, shown};
-use sagnac::view::report::source::Source;
-use sagnac::view::report::{FILE as REPORT, Report, answer, notes};
+use sagnac::view::picture::verdict::Verdict;
+use sagnac::view::picture::{Drawn, pictures};
+use sagnac::view::report::FILE as REPORT;
+use sagnac::view::results::Results;
 
 use super::compute::compute;
 use super::failure::Failure;
@@ -120,8 +120,6 @@ impl Asked {
         raised()?;
         let tables = plan.tables(&store, listener)?;
         raised()?;
-        let index = store.index()?;
-        let held = plan.held(&index)?;
         if self.is_kept {
             for (source, table) in tables.all() {
                 let name = source.file();
@@ -129,33 +127,21 @@ impl Asked {
                 table.write_csv(&mut csv).map_err(|error| self.unwritten(name, &error))?;
                 self.write(name, &csv)?;
             }
-            self.write(RESOLVED, study.resolved(held).as_bytes())?;
         }
-        let pictures = pictures(&study, &tables)?;
-        let curves = shown(&study, &tables)?;
-        let judged = verdicts(&study, &curves)?;
-        let said = |verdict: &Verdict| (verdict.text("").trim_end().to_owned(), verdict.json().to_string());
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
         // A run that ends early has raised by now.
-        let known = notes(&study, &plan, (&store, &index), &tables, (held, 0), degraded)?;
-        let report = Report {
-            title: &study.title,
-            question: &study.question,
-            answer: answer(&study, &tables, &pictures, &curves, &judged, 0)?,
-            notes: &known,
-            charts: &pictures,
-            tables: tables.as_charted(&study.charts),
-            source: Source::of(&study, &plan, &store, held, 0)?,
-        };
-        let report = report.html();
+        let results = Results::of::<Failure>(&study, &plan, &store, &tables, 0, degraded)?;
+        let judged = results.verdicts()?;
+        let report = results.page(results.answer(&judged)?);
         if self.is_kept {
+            self.write(RESOLVED, results.resolved().as_bytes())?;
             self.write(REPORT, report.as_bytes())?;
         }
+        let said = |verdict: &Verdict| (verdict.text("").trim_end().to_owned(), verdict.json().to_string());
         let verdicts = judged.iter().map(said).collect();
-        let notes = pictures.iter().filter_map(Drawn::sentence).chain(known).collect();
-        let is_sampled = plan.is_sampled();
         drop(judged);
-        drop(curves);
+        let (notes, pictures, is_sampled) = (results.notes(), results.charts, plan.is_sampled());
+        drop(results.curves);
         drop(plan);
         Ok(Ran { is_sampled, tables, pictures, report, verdicts, notes, done, study })
     }

@@ -3,4 +3,5 @@
 pub mod chart;
 pub mod picture;
 pub mod report;
+pub mod results;
 pub mod verdict;

@@ -1,7 +1,6 @@
 //! The reference lists every key of study files, from the rows that declare them.
 
 use sagnac::key::explained::Explained;
-use sagnac::kinds::KINDS;
 use sagnac::kinds::keys::{explain_key, explained_keys};
 
 /// What stands around the list in the reference.
@@ -35,9 +34,11 @@ fn list() -> String {
         }
     }
     let sections = tables.into_iter().map(|table| {
-        let heading = if table.is_empty() { "### At the top".to_owned() } else { format!("### `[{table}]`") };
-        let items: String = keys.iter().filter(|key| table_of(key) == table).map(item).collect();
-        format!("\n{heading}\n\n{items}")
+        let own: Vec<&Explained> = keys.iter().filter(|key| table_of(key) == table).collect();
+        let heading = if table.is_empty() { "At the top".to_owned() } else { format!("`[{table}]`") };
+        let kinds = &own[0].kinds;
+        let items: String = own.iter().map(|key| item(key, kinds)).collect();
+        format!("\n### {heading}\n\nIn studies of kind {}.\n\n{items}", kinds.join(", "))
     });
     sections.collect::<String>() + "\n"
 }
@@ -48,18 +49,17 @@ fn table_of(key: &Explained) -> &'static str {
     key.key.split_once('.').map_or(if is_table { key.key } else { "" }, |(table, _)| table)
 }
 
-fn item(key: &Explained) -> String {
-    let limits = [&key.accepted, &key.range].into_iter().filter(|text| !text.is_empty());
+/// A key, with its kinds of studies where they are not those of its table.
+fn item(key: &Explained, kinds: &[&str]) -> String {
+    let limits = Some(&key.range).filter(|range| !range.is_empty() && key.choices.is_empty());
     let facts = std::iter::once(&key.holds).chain(limits).cloned();
     let facts = facts.chain(key.required.then(|| "required".to_owned()));
-    let facts = facts.chain(key.swept.map(|_| "can be swept".to_owned())).collect::<Vec<_>>().join("; ");
-    let kinds = match key.kinds.len() {
-        all if all == KINDS.len() => String::new(),
-        _ => format!(" In {}.", key.kinds.join(", ")),
-    };
-    let choices =
-        key.choices.iter().map(|(word, meaning)| filled("  - ", &format!("`\"{word}\"`: {meaning}")));
-    filled("- ", &format!("`{}`: {facts}. {}{kinds}", key.key, key.meaning)) + &choices.collect::<String>()
+    let facts = facts.chain(key.swept.map(|_| "can be swept".to_owned()));
+    let facts = facts.chain((key.kinds != kinds).then(|| format!("in {}", key.kinds.join(", "))));
+    let facts = facts.collect::<Vec<_>>().join("; ");
+    let choice = |(word, meaning): &(&str, String)| filled("  - ", &format!("`\"{word}\"`: {meaning}"));
+    filled("- ", &format!("`{}`: {} ({facts})", key.key, key.meaning))
+        + &key.choices.iter().map(choice).collect::<String>()
 }
 
 /// An item of a list, in lines.

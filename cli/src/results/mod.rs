@@ -5,18 +5,14 @@ pub mod summary;
 use std::path::Path;
 
 use sagnac::run::{Done, Plan, RESOLVED, Tables, keep};
-use sagnac::store::index::Index;
 use sagnac::store::{self, Store};
 use sagnac::study::Study;
 use sagnac::table::{Cell, Role, Table};
 use sagnac::tally::share::Share;
-use sagnac::view::chart::stack::Shown as Curves;
-use sagnac::view::picture::verdict::{Verdict, verdicts};
-use sagnac::view::picture::{Drawn, pictures, shown};
-use sagnac::view::report::answer::{Answer, answer};
+use sagnac::view::picture::verdict::Verdict;
+use sagnac::view::report::FILE as REPORT;
 use sagnac::view::report::gallery::Card;
-use sagnac::view::report::source::Source;
-use sagnac::view::report::{FILE as REPORT, Report, notes};
+use sagnac::view::results::Results;
 use serde_json::{Value, json};
 
 use crate::charts::draw;
@@ -24,6 +20,7 @@ use crate::failure::Failure;
 use crate::look;
 use crate::output::{print, write, write_table};
 use crate::progress::{How, Shown};
+use crate::results::summary::summary;
 
 /// The store of results that are there; of closed forms an empty one.
 ///
@@ -48,7 +45,7 @@ pub fn lacking(study: &Study, plan: &Plan, store: &Store, tables: &Tables) -> Re
 }
 
 /// A study whose results are to be shown.
-pub struct Results<'a> {
+pub struct Ran<'a> {
     pub study: &'a Study,
     pub plan: &'a Plan<'a>,
     pub folder: &'a Path,
@@ -82,63 +79,52 @@ pub fn report(
     keep(study, folder)?;
     let tables = plan.tables(store, &Shown::new(progress))?;
     let lacking = lacking(study, plan, store, &tables)?;
-    let results = Results { study, plan, folder, done: None, lacking };
-    let charts = pictures(study, &tables)?;
-    let curves = shown(study, &tables)?;
-    let verdicts = verdicts(study, &curves)?;
-    let answer = answer(study, &tables, &charts, &curves, &verdicts, lacking)?;
+    let results = Results::of::<Failure>(study, plan, store, &tables, lacking, &[])?;
+    let answer = results.answer(&results.verdicts()?)?;
     let headline = answer.headline.clone();
-    let index = store.index()?;
-    let held = plan.held(&index)?;
-    let known = results.known((store, &index), held, &tables)?;
-    results.write_report(store, held, &tables, &charts, answer, &known)?;
+    write(&folder.join(REPORT), results.page(answer).as_bytes())?;
     Ok(Card {
         title: study.title.clone(),
         question: study.question.clone(),
         headline,
-        picture: charts.into_iter().next().map(|drawn| drawn.picture),
+        picture: results.charts.into_iter().next().map(|drawn| drawn.picture),
         folder: folder.display().to_string(),
         report: REPORT.to_owned(),
     })
 }
 
-impl Results<'_> {
+impl Ran<'_> {
     /// Writes the files of all that the store holds, prints what the options ask for, and returns the results as JSON where
     /// that is wanted. `progress` hears of fits, and is cleared.
     ///
     /// # Errors
     /// A row of the store is damaged, or a file cannot be written.
     pub fn show(&self, store: &Store, out: Out, progress: &Shown) -> Result<Option<Value>, Failure> {
-        let Results { study, plan, folder, .. } = self;
+        let Ran { study, plan, folder, done, lacking } = self;
         let tables = plan.tables(store, progress)?;
         for (source, table) in tables.all() {
             write_table(&folder.join(source.file()), table)?;
         }
-        let index = store.index()?;
-        let held = plan.held(&index)?;
-        write(&folder.join(RESOLVED), study.resolved(held).as_bytes())?;
-        let charts = pictures(study, &tables)?;
-        draw(&charts, folder)?;
-        let curves = shown(study, &tables)?;
-        let verdicts = verdicts(study, &curves)?;
-        let known = self.known((store, &index), held, &tables)?;
-        let answer = answer(study, &tables, &charts, &curves, &verdicts, self.lacking)?;
+        let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
+        let results = Results::of::<Failure>(study, plan, store, &tables, *lacking, degraded)?;
+        write(&folder.join(RESOLVED), results.resolved().as_bytes())?;
+        draw(&results.charts, folder)?;
+        let verdicts = results.verdicts()?;
+        let answer = results.answer(&verdicts)?;
         let headline = answer.headline.clone();
-        self.write_report(store, held, &tables, &charts, answer, &known)?;
+        write(&folder.join(REPORT), results.page(answer).as_bytes())?;
         progress.clear();
-        let of_charts = charts.iter().filter_map(Drawn::sentence);
-        let notes: Vec<String> = of_charts.chain(known.iter().cloned()).collect();
         if out.json {
-            return Ok(Some(self.to_json(&tables, &verdicts, &notes)));
+            return Ok(Some(self.to_json(&tables, &verdicts, &results.notes())));
         }
         if !out.quiet {
-            for note in notes {
+            for note in results.notes() {
                 say!("note: {note}");
             }
-            if let Some(first) = charts.first().filter(|_| out.plot) {
+            if let Some(first) = results.charts.first().filter(|_| out.plot) {
                 print(&format!("{}\n", first.picture.text(look::of_output())))?;
             }
-            print(&self.summary(&tables, &curves, &verdicts)?)?;
+            print(&summary(study, &tables, &results.curves, &verdicts, *lacking)?)?;
             // Of a single curve the verdict says the same.
             let judged: usize = verdicts.iter().map(|verdict| verdict.answers().len()).sum();
             if judged != 1 && !headline.is_empty() {
@@ -148,60 +134,12 @@ impl Results<'_> {
         Ok(None)
     }
 
-    /// What should be known besides the results, but of charts.
-    fn known(&self, store: (&Store, &Index), held: u64, tables: &Tables) -> Result<Vec<String>, Failure> {
-        let Results { study, plan, done, lacking, .. } = self;
-        let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
-        Ok(notes(study, plan, store, tables, (held, *lacking), degraded)?)
-    }
-
-    fn write_report(
-        &self,
-        store: &Store,
-        held: u64,
-        tables: &Tables,
-        charts: &[Drawn],
-        answer: Answer,
-        notes: &[String],
-    ) -> Result<(), Failure> {
-        let Results { study, plan, folder, .. } = self;
-        let report = Report {
-            title: &study.title,
-            question: &study.question,
-            answer,
-            notes,
-            charts,
-            tables: tables.as_charted(&study.charts),
-            source: Source::of(study, plan, store, held, self.lacking)?,
-        };
-        write(&folder.join(REPORT), report.html().as_bytes())
-    }
-
-    /// The table of the first chart, coefficients, and all verdicts, for people.
-    ///
-    /// # Errors
-    /// The table does not have what a chart asks for.
-    pub fn summary(
-        &self,
-        tables: &Tables,
-        curves: &[Curves],
-        verdicts: &[Verdict],
-    ) -> Result<String, Failure> {
-        crate::results::summary::summary(self.study, tables, curves, verdicts, self.lacking)
-    }
-
     fn to_json(&self, tables: &Tables, verdicts: &[Verdict], notes: &[String]) -> Value {
         let done = self.done.as_ref().map(|(done, _)| done);
         let sampled = self.plan.is_sampled().then_some(());
-        let cell = |cell: &Cell| match cell {
-            Cell::Blank => json!(null),
-            Cell::Text(text) => json!(text),
-            Cell::Integer(integer) => json!(integer),
-            Cell::Number(number) => json!(number),
-        };
         let rows = |table: &Table| -> Vec<Value> {
             let row = |row: usize| {
-                table.columns.iter().map(|column| (column.header(), cell(&column.cells[row]))).collect()
+                table.columns.iter().map(|column| (column.header(), json!(column.cells[row]))).collect()
             };
             (0..table.rows()).map(row).collect()
         };

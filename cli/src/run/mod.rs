@@ -23,7 +23,7 @@ use crate::failure::Failure;
 use crate::output::{print, print_json};
 use crate::program::DeviceArg;
 use crate::progress::{self, Shown};
-use crate::results::{Out, Results};
+use crate::results::{Out, Ran};
 use crate::run::share::Shard;
 pub use crate::run::stop::Cause;
 use crate::run::stop::Stop;
@@ -282,9 +282,9 @@ fn run_study(
         }
         return Ok(None);
     }
-    let results = Results { study, plan, folder, done: done.as_ref().zip(name), lacking: 0 };
+    let ran = Ran { study, plan, folder, done: done.as_ref().zip(name), lacking: 0 };
     let out = Out { json: options.json, quiet: options.quiet, plot: options.plot };
-    let document = results.show(&store, out, &shown)?;
+    let document = ran.show(&store, out, &shown)?;
     if !options.json && !options.quiet {
         let rate = match &done {
             Some(done) if done.trials > 0 => {

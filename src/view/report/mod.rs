@@ -49,7 +49,7 @@ pub struct Report<'a> {
     /// The tables, each with what it is. Of large ones the page shows a part and says which.
     pub tables: Vec<(chart::Source, &'a Table)>,
     /// What was simulated, and by whom.
-    pub source: Source,
+    pub source: &'a Source,
 }
 
 impl Report<'_> {

@@ -61,7 +61,7 @@ pub(crate) fn page(report: &Report) -> String {
                         (closed_forms(table, &agreements))
                     }
                     (listings(&tables))
-                    (source(&report.source, digest.as_deref()))
+                    (source(report.source, digest.as_deref()))
                 }
                 footer {
                     "Made by sagnac " (env!("CARGO_PKG_VERSION")) ": Monte Carlo studies for laser gyroscopes. \

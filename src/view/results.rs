@@ -1,0 +1,89 @@
+//! The results of a study as a whole: its tables with all that is drawn and said of them.
+
+use crate::run::{Plan, Tables};
+use crate::source::diagnose::StudyError;
+use crate::store::Store;
+use crate::store::error::StoreError;
+use crate::study::Study;
+use crate::view::chart::stack::Shown;
+use crate::view::picture::verdict::{Verdict, verdicts};
+use crate::view::picture::{Drawn, pictures, shown};
+use crate::view::report::answer::{Answer, answer};
+use crate::view::report::source::Source;
+use crate::view::report::{Report, notes};
+
+/// The results of a study that a store holds.
+pub struct Results<'a> {
+    study: &'a Study,
+    tables: &'a Tables,
+    /// Trials that are missing of the whole.
+    pub lacking: u64,
+    /// The charts, in the order of the study.
+    pub charts: Vec<Drawn>,
+    /// What each chart shows.
+    pub curves: Vec<Shown<'a>>,
+    notes: Vec<String>,
+    source: Source,
+}
+
+impl<'a> Results<'a> {
+    /// The results whose `tables` the plan made of what the store holds; `degraded` says why some of a run was not done as asked.
+    ///
+    /// # Errors
+    /// The table does not have what a chart asks for; a row of the store is damaged, or the disk fails.
+    pub fn of<E: From<StudyError> + From<StoreError>>(
+        study: &'a Study,
+        plan: &Plan,
+        store: &Store,
+        tables: &'a Tables,
+        lacking: u64,
+        degraded: &[String],
+    ) -> Result<Results<'a>, E> {
+        let (charts, curves) = (pictures(study, tables)?, shown(study, tables)?);
+        let index = store.index()?;
+        let held = plan.held(&index)?;
+        let notes = notes(study, plan, (store, &index), tables, (held, lacking), degraded)?;
+        let source = Source::of(study, plan, store, held, lacking)?;
+        Ok(Results { study, tables, lacking, charts, curves, notes, source })
+    }
+
+    /// The study that repeats the run.
+    pub fn resolved(&self) -> &str {
+        &self.source.study
+    }
+
+    /// What should be known besides the results, each in a sentence, of charts first.
+    pub fn notes(&self) -> Vec<String> {
+        self.charts.iter().filter_map(Drawn::sentence).chain(self.notes.iter().cloned()).collect()
+    }
+
+    /// The verdicts on all curves with a limit.
+    ///
+    /// # Errors
+    /// The table does not have what a chart asks for.
+    pub fn verdicts(&self) -> Result<Vec<Verdict<'_>>, StudyError> {
+        verdicts(self.study, &self.curves)
+    }
+
+    /// The answer of the study to its question.
+    ///
+    /// # Errors
+    /// The table does not have what a chart asks for.
+    pub fn answer(&self, verdicts: &[Verdict]) -> Result<Answer, StudyError> {
+        answer(self.study, self.tables, &self.charts, &self.curves, verdicts, self.lacking)
+    }
+
+    /// The page of the study.
+    pub fn page(&self, answer: Answer) -> String {
+        let report = Report {
+            title: &self.study.title,
+            question: &self.study.question,
+            answer,
+            notes: &self.notes,
+            charts: &self.charts,
+            tables: self.tables.as_charted(&self.study.charts),
+            source: &self.source,
+        };
+        report.html()
+    }
+}
