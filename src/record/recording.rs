@@ -55,21 +55,21 @@ impl<'a> Origin<'a> {
     }
 }
 
-/// What is taken of the numbers of a file.
+/// How much a caller reads of a file, and what its messages say of gaps.
 pub(crate) struct Limits {
-    /// Rows.
+    /// Most rows.
     pub most: usize,
     /// What to do where a number is missing.
     pub missing: &'static str,
 }
 
-/// What the numbers are read by: a format gives the names and number of columns, and then the numbers.
+/// A format, as far as the head of the file tells: the names and the number of its columns, and then how their numbers are read.
 enum Format {
     Text(Layout),
     Npy(Array),
 }
 
-/// A file of which no number has been read yet.
+/// An open file of which no number has been read yet.
 pub(crate) struct Recording<'a> {
     /// As messages call it.
     pub file: String,
@@ -80,6 +80,8 @@ pub(crate) struct Recording<'a> {
 }
 
 impl<'a> Recording<'a> {
+    /// Opens the file and finds its format; messages call it `file`.
+    ///
     /// # Errors
     /// The file cannot be read, or is of no format that is read here.
     pub(crate) fn open(file: String, origin: Origin<'a>) -> Result<Recording<'a>, RecordError> {
