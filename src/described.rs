@@ -1,4 +1,4 @@
-//! The columns of every file of results: `sagnac explain`, reports and documents read from here what they mean.
+//! The columns of every file of results, from which `sagnac explain`, reports and documents take their meanings.
 
 use crate::analysis::{compare, design, firmware, log};
 use crate::chart::file::Source;
@@ -11,24 +11,24 @@ use crate::table::column::abouts;
 /// A file of results with columns.
 #[derive(Debug, Clone)]
 pub struct File {
-    /// Its name: `points.csv`.
+    /// Name, such as `points.csv`.
     pub name: &'static str,
-    /// What writes it.
+    /// Its writer.
     pub by: By,
-    /// Its columns besides swept keys, in the order of the file.
+    /// Its columns except the swept keys, in the order of the file.
     pub columns: Vec<About>,
 }
 
-/// What writes a file of results.
+/// The writer of a file of results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum By {
-    /// A study of this kind, as this one of its tables.
+    /// A study of this kind, for this one of its tables.
     Study(&'static Kind, Source),
-    /// A command: `sagnac allan`.
+    /// A command, such as `sagnac allan`.
     Command(&'static str),
 }
 
-/// All files that have columns.
+/// All files with columns.
 pub fn files() -> Vec<File> {
     let command = |name, command, columns| File { name, by: By::Command(command), columns };
     let of_kinds = KINDS.iter().flat_map(|kind| {
@@ -58,7 +58,7 @@ impl File {
         files().into_iter().find(|file| file.by == By::Study(kind, source))
     }
 
-    /// For people: `points.csv of kind = "gap-fill"`.
+    /// Title for the user, such as `points.csv of kind = "gap-fill"`.
     pub fn title(&self) -> String {
         match self.by {
             By::Study(kind, _) => format!("{} of kind = \"{}\"", self.name, kind.name),
@@ -66,8 +66,8 @@ impl File {
         }
     }
 
-    /// What the column called `name` means in this file, by its header or its name without unit; of a swept key its label.
-    /// `None` of a column that the file cannot have.
+    /// The meaning of the column `name` in this file, by its header or its name without unit; for a swept key its
+    /// label. `None` for a column that the file cannot have.
     ///
     /// # Example
     /// ```
@@ -82,7 +82,7 @@ impl File {
         own.map(|column| column.meaning).or_else(|| self.swept(name))
     }
 
-    /// What a swept key is that heads a column of this file.
+    /// The label of a swept key that heads a column of this file.
     fn swept(&self, name: &str) -> Option<&'static str> {
         let By::Study(kind, _) = self.by else { return None };
         let keys = (kind.sweepable)();
@@ -91,7 +91,7 @@ impl File {
     }
 }
 
-/// The meanings of a column in all files that have one called so: each text once, with the files.
+/// The meanings of a column in all files that have it: each text once, with its files.
 pub fn meanings(name: &str) -> Vec<(&'static str, Vec<File>)> {
     let mut found: Vec<(&'static str, Vec<File>)> = Vec::new();
     for file in files() {

@@ -1,4 +1,4 @@
-//! Noise coefficients of a record as a data sheet has them: the fit to its overlapping Allan curve, with intervals from
+//! Noise coefficients of a record as in a data sheet: the fit to its overlapping Allan curve, with intervals from
 //! simulated records.
 
 use crate::allan::angles::Angles;
@@ -13,56 +13,56 @@ use crate::kernel::width::Width;
 use crate::kinds::allan::realisations::realisations;
 use crate::theory::allan::terms::Term;
 
-/// Simulated records of a fit, unless told or the record has more than [`MOST_SIMULATED`] samples.
+/// Default number of simulated records of a fit, unless the record has more than [`MOST_SIMULATED`] samples.
 pub const USUAL_REALISATIONS: usize = 1000;
-/// Samples of a record above which simulating it so often takes more than some seconds.
+/// Number of samples of a record above which simulating it so often takes more than a few seconds.
 pub const MOST_SIMULATED: usize = 2_000_000;
 
-/// What the record says of one coefficient, in the unit of data sheets.
+/// The result for one coefficient, in the unit of data sheets.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// Q, N, B, K, R, `markov`, `markov_time`, `sine` or `sine_frequency`.
+    /// Name: Q, N, B, K, R, `markov`, `markov_time`, `sine` or `sine_frequency`.
     pub name: &'static str,
-    /// As files have it.
+    /// Unit in files.
     pub unit: &'static str,
-    /// For people.
+    /// Unit for the user.
     pub symbol: &'static str,
-    /// Absent where it is not identified.
+    /// Value; absent where it is not identified.
     pub value: Option<f64>,
-    /// 95 %.
+    /// 95 % interval.
     pub interval: Option<[f64; 2]>,
-    /// `identified`, or what else is known.
+    /// Verdict, such as `identified`.
     pub verdict: &'static str,
 }
 
 /// The noise of a record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DataSheet {
-    /// A line for each coefficient and shape.
+    /// Rows, one for each coefficient and shape.
     pub rows: Vec<Row>,
-    /// In ″ and s, or in plain numbers and s.
+    /// Fit in ″ and s, or in plain numbers and s.
     pub fit: Fit,
-    /// Where the intervals come from.
+    /// Source of the intervals.
     pub intervals: Intervals,
 }
 
-/// Where the 95 % intervals of coefficients come from.
+/// The source of the 95 % intervals of coefficients.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Intervals {
-    /// So many simulated records of the fit.
+    /// Simulated records of the fit.
     Bootstrap {
-        /// How many.
+        /// Number of simulated records.
         records: usize,
     },
-    /// And where simulated records were asked for, why there are none.
+    /// The closed form, with the reason where simulated records were requested.
     ClosedForm {
-        /// In a sentence.
+        /// Reason, as a sentence.
         why: Option<String>,
     },
 }
 
 impl Intervals {
-    /// In files: `bootstrap of 1000`.
+    /// Name in files, such as `bootstrap of 1000`.
     pub fn name(&self) -> String {
         match self {
             Intervals::Bootstrap { records } => format!("bootstrap of {records}"),
@@ -70,7 +70,7 @@ impl Intervals {
         }
     }
 
-    /// For people: `from 1000 simulated records of the fit`.
+    /// Description for the user, such as `from 1000 simulated records of the fit`.
     pub fn words(&self) -> String {
         match self {
             Intervals::Bootstrap { records } => format!("from {records} simulated records of the fit"),
@@ -78,7 +78,7 @@ impl Intervals {
         }
     }
 
-    /// Simulated records: 0 of the closed form.
+    /// Number of simulated records; 0 for the closed form.
     pub fn records(&self) -> usize {
         match self {
             Intervals::Bootstrap { records } => *records,
@@ -87,18 +87,18 @@ impl Intervals {
     }
 }
 
-/// How many simulated records the intervals are to come from.
+/// The number of simulated records for the intervals.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Simulated {
-    /// 0: intervals in closed form.
+    /// Number of records; 0 means intervals in closed form.
     pub records: usize,
-    /// Why there are none, where nobody asked for that.
+    /// Why there are none although they were not declined.
     pub without: Option<String>,
 }
 
 impl Simulated {
-    /// How many for a record of so many samples: those that are asked for, else none where that would take more than some
-    /// seconds.
+    /// The number for a record of `samples` samples: the requested one, else none where the default number would take
+    /// more than a few seconds.
     pub fn of(asked: Option<usize>, samples: usize) -> Simulated {
         match asked {
             Some(records) => Simulated { records, without: None },
@@ -116,11 +116,11 @@ impl Simulated {
 
 impl DataSheet {
     /// The noise of a record whose curves are in `unit`: the fit of [`Terms`] to its overlapping Allan variances at the
-    /// octaves of τ up to an eighth of the record, with the intervals of [`Fitter::fit_realised`] where records are simulated.
-    /// The same record gives the same bits for any number of threads.
+    /// octaves of τ up to an eighth of the record, with the intervals of [`Fitter::fit_realised`] where records are
+    /// simulated. The same record gives the same bits for any number of threads.
     ///
     /// # Errors
-    /// In words: why the noise of this record cannot be told.
+    /// A sentence that says why the noise of this record cannot be determined.
     ///
     /// # Example
     /// ```
@@ -153,7 +153,7 @@ impl DataSheet {
     }
 }
 
-/// The fit once more, with intervals from simulated records of the first.
+/// Repeats the fit with intervals from simulated records of the first fit.
 fn realised(fitter: &Fitter, curve: &Curve, first: &Fit, count: usize) -> Result<Fit, String> {
     let cpu = Cpu::new(Width::widest(), 0).map_err(|error| error.to_string())?;
     let rows = realisations(&cpu, curve, first, count, &|_| {}).map_err(|error| error.to_string())?;
@@ -190,7 +190,8 @@ fn verdict(coefficient: &Coefficient) -> &'static str {
     }
 }
 
-/// From ″ and s to the unit of data sheets: factor, name in files, symbol. Plain numbers keep theirs, times a power of s.
+/// Conversion from ″ and s to the unit of data sheets: factor, name in files, symbol. Plain numbers keep theirs, times
+/// a power of s.
 pub fn data_sheet_unit(term: Term, unit: Unit) -> (f64, &'static str, &'static str) {
     match unit {
         Unit::Angular => term.data_sheet_unit(),

@@ -1,4 +1,4 @@
-//! What is done with records and designs beside studies: noise of logs, comparison of logs, switching interval, firmware.
+//! Analyses beyond studies: noise of logs, comparison of logs, switching interval, firmware.
 
 pub mod compare;
 pub mod data_sheet;

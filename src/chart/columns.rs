@@ -1,4 +1,4 @@
-//! The columns that curves show: one, or a list.
+//! The columns shown by curves: a single one, or a list.
 
 use crate::chart::Named;
 use crate::chart::file::{LAWS, SERIES};
@@ -7,10 +7,10 @@ use crate::key::given::Given;
 use crate::key::table::Table;
 use crate::source::diagnose::Fault;
 
-/// Most columns that are shown at once.
+/// Most columns shown at once.
 const MOST_COLUMNS: usize = 8;
 
-/// The column y, and those beside it where it is a list.
+/// Reads the column y, and the further columns where y is a list.
 pub(crate) fn read(y: Given) -> Result<(Named, Vec<Named>), Fault> {
     if !y.is_list() {
         return Ok((Named::from(y), vec![]));
@@ -27,16 +27,16 @@ pub(crate) fn read(y: Given) -> Result<(Named, Vec<Named>), Fault> {
     Err(y.fault(format!("chart.y lists {count} columns"), label, help))
 }
 
-/// Refuses what has no place beside several columns y: more than one further column of series, and laws.
+/// Refuses what cannot be combined with several columns y: more than one further column of series, and laws.
 pub(crate) fn check_beside(table: &Table, laws: &[Law]) -> Result<(), Fault> {
     if let Some(series) = table.get(&SERIES).filter(|series| series.items().len() > 1) {
-        let message = "series names two columns beside several columns y";
+        let message = "series names two columns, but y lists several";
         let help = "name one column, for the dash: the columns y have the colours";
         return Err(series.fault(message, "one too many", help));
     }
     match table.get(&LAWS).filter(|_| !laws.is_empty()) {
         Some(written) => {
-            let message = "chart.laws stand beside several columns y";
+            let message = "chart.laws conflict with several columns y";
             Err(written.fault(message, "of one column", "leave them out, or name one column y"))
         }
         None => Ok(()),

@@ -6,13 +6,13 @@ use crate::key::row::keys;
 use crate::key::scale::Scale;
 
 words! {
-    /// What a chart is.
+    /// The kind of a chart.
     pub(crate) enum ChartKind {
-        /// y over x, a curve for each value of series.
+        /// Curves of y over x, one for each value of series.
         Curves = "curves",
-        /// z over x and y, by colour.
+        /// A map of z over x and y, by colour.
         HeatMap = "heat-map",
-        /// Over x and y, whose z is the least.
+        /// A map over x and y of the value whose z is the least.
         WinnerMap = "winner-map",
     }
 }
@@ -20,17 +20,17 @@ words! {
 words! {
     /// A table of a study's results.
     pub enum Source {
-        /// points.csv.
+        /// Table of the points, `points.csv`.
         Points = "points",
-        /// coefficients.csv, of kind = "allan".
+        /// Table of coefficients, `coefficients.csv`, of kind = "allan".
         Coefficients = "coefficients",
-        /// trajectories.csv, of kind = "switched-run".
+        /// Table of trajectories, `trajectories.csv`, of kind = "switched-run".
         Trajectories = "trajectories",
     }
 }
 
 impl Source {
-    /// The name of the file of results.
+    /// The name of the file with this table.
     pub fn file(self) -> &'static str {
         match self {
             Source::Points => "points.csv",
@@ -46,40 +46,41 @@ const SCALE: Holds = Holds::Word(Scale::WORDS);
 keys! {
     /// The keys of charts.
     pub(crate) static KEYS;
-    /// A chart of the estimates, or several: curves, or a map over two columns; absent, a chart that suits the kind of study.
-    /// Columns are named without prefix and unit: "frequency", "rms".
+    /// A chart of the estimates, or several: curves, or a map over two columns. If absent, a chart that suits the kind
+    /// of study. Columns are named without prefix and unit: "frequency", "rms".
     pub(crate) CHART = "chart", "", Holds::Either(&[Holds::Table, Holds::List(&Holds::Table)]), "[chart]\nx = \"dt_nu\"\ny = \"rms\"";
-    /// What the chart is; "curves" if absent.
+    /// Kind of the chart; "curves" if absent.
     pub(crate) KIND = "chart.kind", "", Holds::Word(ChartKind::WORDS), r#"kind = "heat-map""#;
-    /// Which table is drawn; "points" if absent.
+    /// Table to draw; "points" if absent.
     pub(crate) TABLE = "chart.table", "", Holds::Word(Source::WORDS), r#"table = "coefficients""#;
-    /// Above the chart; the study's title if absent.
+    /// Title above the chart; the study's title if absent.
     pub(crate) TITLE = "chart.title", "", Holds::Text, r#"title = "Largest error""#;
-    /// Column of the abscissa, one of text with its values side by side; of a map a swept key, dt_nu or amplitude_noise.
+    /// Column of the abscissa; a text column has its values side by side, and a map takes a swept key, dt_nu or
+    /// amplitude_noise.
     pub(crate) X = "chart.x", "", Holds::Text, r#"x = "dt_nu""#;
-    /// Column of the ordinate: of curves the estimate, or several of one unit, ["bound", "mean_drift"], each a curve of its
-    /// own colour; of a map another swept key or dt_nu.
+    /// Column of the ordinate. For curves it is the estimate, or a list of several with one unit, ["bound",
+    /// "mean_drift"], each drawn in its own colour; for a map it is another swept key or dt_nu.
     pub(crate) Y = "chart.y", "", Holds::Either(&[Holds::Text, TEXTS]), r#"y = "rms""#;
-    /// Column that a map shows, and only a map: the least wins in a winner map.
+    /// Column that a map shows; in a winner map the least value wins.
     pub(crate) Z = "chart.z", "", Holds::Text, r#"z = "q9973""#;
     /// Column whose values compete in a winner map: a swept key, filler or error; "filler" if absent.
     pub(crate) OF = "chart.of", "", Holds::Text, r#"of = "filler""#;
-    /// Columns whose values make the curves: first the colour, second the dash; beside several columns y one, the dash. If
-    /// absent the fillers, the coefficients, or the swept keys.
+    /// Columns whose values make the curves: the first sets the colour, the second the dash; with several columns y
+    /// only one, which sets the dash. If absent, the fillers, the coefficients, or the swept keys.
     pub(crate) SERIES = "chart.series", "", TEXTS, r#"series = ["filler", "gap_ticks"]"#;
-    /// Laws to draw beside curves over a swept key or dt_nu, where y is an error in ″; each once.
+    /// Laws to draw with curves over a swept key or dt_nu, where y is an error in ″; each once.
     pub(crate) LAWS = "chart.laws", "", Holds::List(&Holds::Word(Law::WORDS)), r#"laws = ["taylor-extremum", "noise"]"#;
-    /// Rows to show: a swept key, filler, error, coefficient or tau = one of its values. With error = "residual" unless
-    /// series, of or this names error.
+    /// Rows to show: a swept key, filler, error, coefficient or tau = one of its values. The default is error =
+    /// "residual" unless series, of or this key names error.
     pub(crate) WHERE = "chart.where", "", Holds::Free, r#"where = { error = "residual" }"#;
-    /// What is allowed, above 0: an angle where the estimate is an error in ″, "10 arcsec"; a rate where it is a deviation,
-    /// "0.005 deg/h"; a part where it is relative, "10 %". A line of curves, a contour of a heat map; a winner map is hatched
-    /// where even the least is above.
+    /// Allowed value, above 0: an angle where the estimate is an error in ″, "10 arcsec"; a rate where it is a
+    /// deviation, "0.005 deg/h"; a percentage where it is relative, "10 %". It is a line in curves and a contour in a
+    /// heat map; a winner map is hatched where even the least value is above it.
     pub(crate) LIMIT = "chart.limit", "", Holds::Any, r#"limit = "10 arcsec""#;
-    /// Linear if absent over a sweep that is linear or not above 0, else "log".
+    /// Scale of the abscissa; if absent, "linear" over a sweep that is linear or not above 0, else "log".
     pub(crate) X_SCALE = "chart.x_scale", "", SCALE, r#"x_scale = "log""#;
-    /// As x_scale.
+    /// Scale of the ordinate, like x_scale.
     pub(crate) Y_SCALE = "chart.y_scale", "", SCALE, r#"y_scale = "linear""#;
-    /// The scale of the colours of a heat map; "log" if absent.
+    /// Scale of the colours of a heat map; "log" if absent.
     pub(crate) Z_SCALE = "chart.z_scale", "", SCALE, r#"z_scale = "log""#;
 }

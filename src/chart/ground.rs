@@ -1,4 +1,4 @@
-//! What is known of a table of results before anything is sampled: the ground that charts are checked on.
+//! The properties of a table of results that are known before anything is sampled; charts are checked against them.
 
 use crate::chart::law::Law;
 use crate::chart::rows::coordinate;
@@ -8,43 +8,43 @@ use crate::key::sweep::Sweep;
 use crate::quantity::units::Dimension;
 use crate::table::{About, Cell, Role, Usual};
 
-/// One of the tables of a study, by its columns besides those of swept keys.
+/// One of the tables of a study, described by its columns except the swept keys.
 #[derive(Debug, Clone)]
 pub(crate) struct Ground {
-    /// Which table.
+    /// Source of the table.
     pub(crate) source: Source,
-    /// In the order of the table.
+    /// Columns in the order of the table.
     pub(crate) columns: Vec<About>,
-    /// Columns of text, by which rows are told apart.
+    /// Text columns, which distinguish rows.
     pub(crate) texts: Vec<Text>,
-    /// The laws that can be drawn beside its estimates.
+    /// Laws that can be drawn with its estimates.
     pub(crate) laws: &'static [Law],
-    /// The dimensions of a limit; none where it is a part in percent.
+    /// Dimensions of a limit; none where it is a percentage.
     pub(crate) limits: &'static [Dimension],
-    /// What the points of a chart are, and what its bands are, for legends; empty of closed forms.
+    /// Names of the points and the bands of a chart for legends; empty for closed forms.
     pub(crate) legend: [&'static str; 2],
-    /// Whether its axes are linear unless a chart says otherwise.
+    /// Whether its axes are linear by default.
     pub(crate) is_linear: bool,
-    /// Why this study has no such table, and what to add.
+    /// Why this study has no such table, and how to get one.
     pub(crate) absent: Option<(&'static str, &'static str)>,
 }
 
-/// A column of text.
+/// A text column.
 #[derive(Debug, Clone)]
 pub(crate) struct Text {
     pub(crate) name: &'static str,
-    /// The key that lists its values; empty of none.
+    /// The key that lists its values; empty for none.
     pub(crate) listed_by: &'static str,
-    /// All that it takes.
+    /// All possible values.
     pub(crate) values: Vec<String>,
-    /// What is meant where a chart says nothing.
+    /// The default value where a chart selects none.
     pub(crate) usual: Option<String>,
-    /// What stands for all other values together.
+    /// The value that stands for all others together.
     pub(crate) whole: Option<&'static str>,
 }
 
 impl Ground {
-    /// A table with these columns; `texts` are the values of those that tell rows apart, in their order.
+    /// A table with these columns; `texts` are the values of those that distinguish rows, in order.
     pub(crate) fn of(
         source: Source,
         columns: Vec<About>,
@@ -58,43 +58,43 @@ impl Ground {
         Ground { source, columns, texts, laws: &[], limits, legend, is_linear: false, absent: None }
     }
 
-    /// The names of the columns of text.
+    /// The names of the text columns.
     pub(crate) fn text_names(&self) -> Vec<&'static str> {
         self.texts.iter().map(|text| text.name).collect()
     }
 
-    /// The values of a column of text.
+    /// The values of a text column.
     pub(crate) fn values(&self, name: &str) -> Option<&[String]> {
         self.texts.iter().find(|text| text.name == name).map(|text| &text.values[..])
     }
 
-    /// Columns of numbers that are known before anything is sampled.
+    /// The numeric columns that are known before anything is sampled.
     pub(crate) fn coordinates(&self) -> impl Iterator<Item = &About> {
         self.columns.iter().filter(|column| column.role == Role::Coordinate)
     }
 
-    /// The column that stands for this one where none is named.
+    /// The default column for a purpose.
     pub(crate) fn usual(&self, usual: Usual) -> Option<&About> {
         self.columns.iter().find(|column| column.usual == Some(usual))
     }
 
-    /// The abscissa by which rows are told apart, as curves along it are a row for each of its values.
+    /// The abscissa that distinguishes rows, where a curve has a row for each of its values.
     pub(crate) fn along(&self) -> Option<&About> {
         self.usual(Usual::Abscissa).filter(|column| column.of.is_empty())
     }
 
-    /// The column whose values compete in a winner map that names none: what the study lists to be compared.
+    /// The column whose values compete in a winner map by default, which the study lists for comparison.
     pub(crate) fn rivals(&self) -> Option<&'static str> {
         self.texts.iter().find(|text| !text.listed_by.is_empty()).map(|text| text.name)
     }
 
-    /// The rows that are meant where nothing is said.
+    /// The rows shown by default.
     pub(crate) fn usual_rows(&self) -> impl Iterator<Item = (Named, Cell)> {
         let usual = |text: &Text| Some((text.name.into(), Cell::Text(text.usual.clone()?)));
         self.texts.iter().filter_map(usual)
     }
 
-    /// The scale of an axis over this column where none is written: that of its sweep, or of the sweep that it follows.
+    /// The default scale of an axis over this column: that of its sweep, or of the sweep on which it depends.
     pub(crate) fn scale_over(&self, name: &str, sweeps: &[Sweep]) -> Scale {
         let Ok(column) = coordinate(sweeps, self, name, 0..0, "no axis over") else {
             return Scale::default();
@@ -106,13 +106,13 @@ impl Ground {
 }
 
 impl Text {
-    /// A column of text that takes these values.
+    /// A text column with these values.
     pub(crate) fn of(values: impl IntoIterator<Item = impl Into<String>>) -> Text {
         let values = values.into_iter().map(Into::into).collect();
         Text { name: "", listed_by: "", values, usual: None, whole: None }
     }
 
-    /// The same with the value that is meant where a chart says nothing.
+    /// Sets the default value.
     pub(crate) fn usual(self, value: impl Into<String>) -> Text {
         Text { usual: Some(value.into()), ..self }
     }

@@ -1,12 +1,13 @@
-//! Laws that a chart draws beside the estimates.
+//! Laws that a chart draws with the estimates.
 
 use crate::key::holds::words;
 use crate::table::{About, Role, Unit};
 
 words! {
-    /// A law of error, as published or put right, drawn beside curves.
+    /// A law of error, as published or corrected, drawn with curves.
     pub enum Law {
-        /// Z(20): first dropped Taylor term at an extremum of the rate; the error of one tick, not of the whole gap.
+        /// Z(20): the first dropped Taylor term at an extremum of the rate, which is the error of one tick instead of
+        /// the whole gap.
         TaylorExtremum = "taylor-extremum",
         /// Z(20): the same near a zero crossing of the rate, for linear and quadratic.
         TaylorZeroCrossing = "taylor-zero-crossing",
@@ -14,14 +15,14 @@ words! {
         NoiseAsPublished = "noise-as-published",
         /// Noise of const over the gap by Z(18): A_n n / 2 for a fit to four ticks.
         Noise = "noise",
-        /// The paper's tables 1 and 2: what was measured after a switch, and what the paper's compensations leave of it. Of
-        /// kind = "relock".
+        /// The paper's tables 1 and 2: the drift measured after a switch, and its remainder after the paper's
+        /// compensations. Only for kind = "relock".
         ZeemanTables = "zeeman-tables",
     }
 }
 
 impl Law {
-    /// The estimates that it is about.
+    /// The estimates to which it applies.
     pub(crate) fn subject(self) -> &'static str {
         match self {
             Law::ZeemanTables => "relock",
@@ -44,7 +45,7 @@ impl Law {
                 "A law of the chart, ″: 3 σ of the constant filler as published, which grows as √n with the lost ticks."
             }
             Law::Noise => {
-                "A law of the chart, ″: 3 σ of the constant filler as it should be by Z(18), which grows as n with the lost ticks."
+                "A law of the chart, ″: 3 σ of the constant filler by Z(18), which grows as n with the lost ticks."
             }
             Law::ZeemanTables => {
                 "A law of the chart, ″: tables 1 and 2 of the paper, measured and compensated."
@@ -65,7 +66,8 @@ impl Law {
         }
     }
 
-    /// For people. Z(20) is about one tick, the charts about the whole gap, and the noise is 3σ: each label says so.
+    /// Label for the user. Z(20) holds for one tick while charts show the whole gap, and the noise is 3σ; each label
+    /// says so.
     pub fn label(self) -> &'static str {
         match self {
             Law::TaylorExtremum => "Taylor term of one tick at an extremum, as published, Z(20)",

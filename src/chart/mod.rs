@@ -1,4 +1,5 @@
-//! The specification of a chart: what a study holds, and what is drawn. Columns are named, not yet looked up in a table.
+//! The specification of a chart, as given in a study and as drawn. Columns are given by name and not yet looked up in a
+//! table.
 
 pub mod columns;
 pub mod file;
@@ -17,12 +18,12 @@ use crate::key::scale::Scale;
 use crate::quantity::number::significant;
 use crate::table::{Cell, Unit};
 
-/// A name of a column, and where it stands in the study, so that an unknown one can be pointed at.
+/// The name of a column, with its place in the study for messages about an unknown one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Named {
-    /// As written: `q9973`, `motion.frequency`.
+    /// Name as written, such as `q9973` or `motion.frequency`.
     pub name: String,
-    /// Bytes of the text; empty at 0 for a name that is not written but a default.
+    /// Bytes in the text; empty at 0 for a default that is not written.
     pub span: Range<usize>,
 }
 
@@ -41,35 +42,36 @@ impl From<Given<'_>> for Named {
 /// One chart of a table: curves, or a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
-    /// In bold over the chart.
+    /// Title, in bold above the chart.
     pub title: String,
-    /// A second, smaller line; may be empty.
+    /// A second, smaller line, which may be empty.
     pub subtitle: String,
-    /// The table that it draws.
+    /// Source of the table.
     pub source: Source,
-    /// The abscissa.
+    /// Column of the abscissa.
     pub x: Named,
-    /// Of curves the estimate, of a map an axis like x. Bands are drawn, and the closed form where the table has one.
+    /// Column of the ordinate: of curves the estimate, of a map an axis like x. Bands are drawn, and the closed form
+    /// where the table has one.
     pub y: Named,
-    /// Further columns like y, each a curve of its own colour.
+    /// Further columns like y, each drawn in its own colour.
     pub beside: Vec<Named>,
-    /// Curves or a map.
+    /// Content: curves or a map.
     pub shows: Shows,
-    /// Only rows in which each column, a swept key, `filler` or `error`, has the value: one of those it takes. A chart that is
-    /// supplied has those of the keys that it cannot show.
+    /// Only rows in which each column, a swept key, `filler` or `error`, has the given value. A supplied chart selects
+    /// values of the keys that it cannot show.
     pub rows: Vec<(Named, Cell)>,
-    /// A line, in a unit that the estimate must have, and what the verdict is about.
+    /// A limit in a unit of the estimate, which is drawn as a line and determines the verdict.
     pub limit: Option<Limit>,
-    /// Of the abscissa.
+    /// Scale of the abscissa.
     pub x_scale: Scale,
-    /// Of the ordinate.
+    /// Scale of the ordinate.
     pub y_scale: Scale,
-    /// The columns by which the rows of the table are told apart, such as swept keys: only one of them may vary along a
-    /// curve. Empty: not checked.
+    /// The columns that distinguish the rows of the table, such as swept keys; only one of them may vary along a curve.
+    /// If empty, this is not checked.
     pub apart: Vec<String>,
-    /// What the points are, for the legend: `Monte Carlo`, `measured`. Empty: not said.
+    /// Name of the points in the legend, such as `Monte Carlo` or `measured`; empty for none.
     pub points: String,
-    /// What the bands are: `95 % band`.
+    /// Name of the bands, such as `95 % band`.
     pub bands: String,
 }
 
@@ -95,17 +97,17 @@ impl Default for Chart {
     }
 }
 
-/// What is allowed of an estimate.
+/// A limit of an estimate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limit {
-    /// Above 0.
+    /// Value, above 0.
     pub value: f64,
-    /// Of the column that it is about.
+    /// Unit of the column to which it applies.
     pub unit: Unit,
 }
 
 impl Limit {
-    /// For sentences: `10 ″`, `5 %`.
+    /// Text for sentences, such as `10 ″` or `5 %`.
     pub fn text(&self) -> String {
         match self.unit.symbol {
             "" => format!("{} %", significant(100.0 * self.value, 6)),
@@ -114,29 +116,29 @@ impl Limit {
     }
 }
 
-/// What a chart shows.
+/// The content of a chart.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Shows {
-    /// y over x.
+    /// Curves of y over x.
     Curves {
-        /// At most two columns whose values make the curves: the first gives the colour, the second the dash. At most one, for
-        /// the dash, where several columns are shown.
+        /// At most two columns whose values make the curves: the first sets the colour, the second the dash. With
+        /// several columns y at most one, which sets the dash.
         series: Vec<Named>,
-        /// Each once, angles in ″; with any, x of a study is a swept key or `dt_nu`.
+        /// Laws, each once, for angles in ″; with laws, x of a study is a swept key or `dt_nu`.
         laws: Vec<Law>,
     },
-    /// z by colour, over x and y.
+    /// A map of z by colour, over x and y.
     HeatMap {
-        /// The column by colour.
+        /// The column shown by colour.
         z: Named,
-        /// Of the colours.
+        /// Scale of the colours.
         z_scale: Scale,
     },
-    /// Over x and y, which value of the column `of`, a swept key, `filler` or `error`, has the least z.
+    /// A map over x and y of the value of the column `of`, a swept key, `filler` or `error`, that has the least z.
     WinnerMap {
-        /// The column that competes, the least wins.
+        /// The compared column; the least value wins.
         z: Named,
-        /// Who competes.
+        /// The column whose values compete.
         of: Named,
     },
 }
@@ -150,12 +152,12 @@ impl Chart {
         }
     }
 
-    /// The columns that curves show: y and those beside it.
+    /// The columns that curves show: y and the further ones.
     pub fn columns(&self) -> impl Iterator<Item = &Named> {
         std::iter::once(&self.y).chain(&self.beside)
     }
 
-    /// The columns whose values are told apart.
+    /// The columns whose values distinguish curves.
     pub fn series(&self) -> &[Named] {
         match &self.shows {
             Shows::Curves { series, .. } => series,
@@ -169,12 +171,12 @@ impl Chart {
         Some(self.subtitle.clone()).filter(|text| !text.is_empty())
     }
 
-    /// The rows that are drawn: (column, value as files show it).
+    /// The rows that are drawn, as pairs of a column and its value as files show it.
     pub fn filter(&self) -> Vec<(String, String)> {
         self.rows.iter().map(|(column, value)| (column.name.clone(), value.text())).collect()
     }
 
-    /// The laws drawn beside curves.
+    /// The laws drawn with curves.
     pub fn laws(&self) -> &[Law] {
         match &self.shows {
             Shows::Curves { laws, .. } => laws,

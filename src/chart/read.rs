@@ -1,4 +1,4 @@
-//! Reading the charts of a study.
+//! Reading of the charts of a study.
 
 use crate::chart::file::{
     CHART, ChartKind, KIND, LAWS, LIMIT, OF, SERIES, Source, TABLE, TITLE, WHERE, X, X_SCALE, Y, Y_SCALE, Z,
@@ -20,9 +20,9 @@ use crate::table::{Cell, Unit, Usual};
 /// The charts of a study: those written, or one that suits the sweeps.
 ///
 /// # Errors
-/// A key that the kind of chart lacks or does not have, not one or two `series`, an `of` or a `where` that names another
-/// column than a swept key or one of text, axes of a map or below a law that are not known beforehand, a `limit` of
-/// another dimension or not above 0, a value in `where` that its column does not take.
+/// A key that the kind of chart lacks or does not have; a wrong number of `series`; an `of` or a `where` that names a
+/// column other than a swept key or a text column; axes of a map or below a law that are not known beforehand; a
+/// `limit` of another dimension or not above 0; or a value in `where` that its column does not take.
 pub(crate) fn read_all(study: &Table, sweeps: &[Sweep], grounds: &[Ground]) -> Result<Vec<Chart>, Fault> {
     let Some(charts) = study.get(&CHART) else {
         return Ok(grounds.first().and_then(|points| supplied::chart(sweeps, points)).into_iter().collect());
@@ -31,7 +31,7 @@ pub(crate) fn read_all(study: &Table, sweeps: &[Sweep], grounds: &[Ground]) -> R
     tables.iter().filter_map(Given::table).map(|table| read(&table, sweeps, grounds)).collect()
 }
 
-/// A column that a chart needs; in the example it has the `usual` name.
+/// Reads a required column; the example in its fault uses the name `usual`.
 fn axis<'a>(table: &Table<'a>, key: &'static Key, usual: Option<&str>) -> Result<Given<'a>, Fault> {
     table.get(key).ok_or_else(|| {
         let example = usual.map_or(key.example.to_owned(), |name| format!("{} = \"{name}\"", key.last()));
@@ -82,7 +82,8 @@ fn read(table: &Table, sweeps: &[Sweep], grounds: &[Ground]) -> Result<Chart, Fa
         limit,
         ..Chart::default()
     };
-    // Without a word on them a curve would jump between rows of several errors, and a map show two values at once.
+    // Without a choice of rows, a curve would jump between rows of several errors, and a map would show two values at
+    // once.
     let is_named = |column: &str| {
         let mut drawn = std::iter::once(&chart.x).chain(chart.series());
         chosen.iter().any(|name| name == column) || drawn.any(|named| named.name == column)
@@ -92,7 +93,7 @@ fn read(table: &Table, sweeps: &[Sweep], grounds: &[Ground]) -> Result<Chart, Fa
     Ok(Chart { rows: chart.rows.into_iter().chain(supplied).collect(), ..chart })
 }
 
-/// The table of results that is drawn.
+/// The table of results to draw.
 fn ground<'g>(table: &Table, grounds: &'g [Ground]) -> Result<&'g Ground, Fault> {
     let (source, span) = (Source::of(table.get(&TABLE)), table.span_of(&TABLE).unwrap_or_default());
     let Some(ground) = grounds.iter().find(|ground| ground.source == source) else {
@@ -105,7 +106,7 @@ fn ground<'g>(table: &Table, grounds: &'g [Ground]) -> Result<&'g Ground, Fault>
     }
 }
 
-/// What a table asks to be shown, by its kind.
+/// Reads the content of a chart, by its kind.
 fn shows(
     table: &Table,
     x: &Named,
@@ -167,23 +168,23 @@ fn shows(
     Ok(Shows::WinnerMap { z, of })
 }
 
-/// Refuses a key that is written but belongs to other kinds.
+/// Refuses a key that is written but belongs to other kinds of chart.
 fn only_for(kind: ChartKind, kinds: &[ChartKind], written: Option<Given>) -> Result<(), Fault> {
     let Some(written) = written.filter(|_| !kinds.contains(&kind)) else {
         return Ok(());
     };
     let others: Vec<String> = kinds.iter().map(|kind| format!("kind = \"{}\"", kind.name())).collect();
-    let message = format!("{} is no key of a chart of kind = \"{}\"", written.key.name, kind.name());
+    let message = format!("{} is not a key of a chart of kind = \"{}\"", written.key.name, kind.name());
     let help = format!("leave it out, or write {}", others.join(" or "));
     Err(written.fault(message, "not of this kind", help))
 }
 
-/// The columns that tell curves apart. Where none are written, and a table has neither fillers nor coefficients, swept keys
-/// other than x do.
+/// The columns that distinguish curves. If none are written, and the table has neither fillers nor coefficients, they
+/// are the swept keys other than x.
 fn series(written: Option<Given>, x: &str, sweeps: &[Sweep], ground: &Ground) -> Result<Vec<Named>, Fault> {
     let Some(written) = written else {
         return Ok(match ground.text_names().first() {
-            // Side by side they are told apart already.
+            // Columns side by side need no further distinction.
             Some(name) if *name == x => vec![],
             Some(name) => vec![(*name).into()],
             None => {
@@ -226,9 +227,9 @@ fn laws(table: &Table, x: &Named, sweeps: &[Sweep], ground: &Ground) -> Result<V
     Ok(laws)
 }
 
-const PERCENT: &str = "accepted: a part in percent such as \"10 %\", of a relative column";
+const PERCENT: &str = "accepted: a percentage such as \"10 %\", of a relative column";
 
-/// A limit in the unit of what the table is about.
+/// Reads a limit in the unit of the table's estimates.
 fn read_limit(given: Given, ground: &Ground) -> Result<Limit, Fault> {
     if ground.limits.is_empty() {
         return Ok(Limit { value: given.percent(PERCENT)?, unit: Unit::NONE });
@@ -237,7 +238,7 @@ fn read_limit(given: Given, ground: &Ground) -> Result<Limit, Fault> {
     if limit.value > 0.0 {
         return Ok(Limit { value: limit.value, unit: limit.dimension.unit() });
     }
-    let message = format!("chart.limit = {limit}, and no error stays within that");
+    let message = format!("chart.limit = {limit}, but no error stays within that");
     let help = format!("accepted: {} above 0, or no limit", limit.dimension.name());
     Err(given.fault(message, "not above 0", help))
 }

@@ -1,4 +1,4 @@
-//! Which columns choose rows and span axes, and the rows that a chart's `where` chooses.
+//! The columns that can select rows and span axes, and the rows selected by a chart's `where`.
 
 use std::ops::Range;
 
@@ -18,10 +18,10 @@ const TIMES: Holds = unlimited(&[Dimension::Time]);
 /// Most values of a sweep that a message lists.
 const MOST_LISTED: usize = 12;
 
-/// The column by which rows are told apart that `name` at `span` means: a swept key, a column of text, or τ.
+/// Finds the column that `name` at `span` means among those that distinguish rows: a swept key, a text column, or τ.
 ///
 /// # Errors
-/// It means no such column, or several; `cannot` begins the message: "`where` cannot choose rows by".
+/// No column or several columns match; `cannot` begins the message, such as "`where` cannot choose rows by".
 pub(crate) fn chooser(
     sweeps: &[Sweep],
     ground: &Ground,
@@ -34,11 +34,11 @@ pub(crate) fn chooser(
     input(sweeps, &texts.chain(along).collect::<Vec<_>>(), name, span, cannot)
 }
 
-/// The column of numbers known before anything is sampled that `name` at `span` means: a swept key, or one that follows
-/// from it.
+/// Finds the column that `name` at `span` means among the numeric columns known before anything is sampled: a swept
+/// key, or one that follows from it.
 ///
 /// # Errors
-/// As those of [`chooser`].
+/// The same as for [`chooser`].
 pub(crate) fn coordinate(
     sweeps: &[Sweep],
     ground: &Ground,
@@ -50,7 +50,7 @@ pub(crate) fn coordinate(
     input(sweeps, &numbers, name, span, cannot)
 }
 
-/// The column that `name` means among the swept keys and some `more`.
+/// Finds the column that `name` means among the swept keys and some `more`.
 fn input(
     sweeps: &[Sweep],
     more: &[(&str, Unit)],
@@ -88,7 +88,7 @@ fn input(
     Ok(found.name.clone())
 }
 
-/// The column that one entry of `where` names, and its value there.
+/// The column that one entry of `where` names, with its value there.
 pub(crate) fn row(
     name: &Named,
     value: Given,
@@ -101,13 +101,13 @@ pub(crate) fn row(
     } else if let Some(values) = ground.values(&column) {
         text(&column, value, values.iter().map(String::as_str))?
     } else {
-        // Whether the table has that τ shows when the chart is drawn without estimates.
+        // Whether the table has that τ is found out when the chart is drawn without estimates.
         value.read(&TIMES)?.into()
     };
     Ok((column, cell))
 }
 
-/// The value of a sweep that is meant: the one which tables show like the one given.
+/// The value of a sweep that tables show like the given one.
 fn swept_value<'s>(sweep: &'s Sweep, given: Given) -> Result<&'s Swept, Fault> {
     let wanted = match sweep.key.is_name() {
         true => Swept::Name(given.text().to_owned()),
@@ -124,7 +124,7 @@ fn swept_value<'s>(sweep: &'s Sweep, given: Given) -> Result<&'s Swept, Fault> {
     })
 }
 
-/// One of the texts that a column takes.
+/// One of the values of a text column.
 fn text<'a>(column: &str, given: Given, known: impl Iterator<Item = &'a str>) -> Result<Cell, Fault> {
     let known: Vec<&str> = known.collect();
     if given.is_text() && known.contains(&given.text()) {

@@ -1,4 +1,4 @@
-//! The charts of studies that ask for none.
+//! Default charts of studies that specify none.
 
 use crate::chart::ground::Ground;
 use crate::chart::{Chart, Named, Shows};
@@ -6,9 +6,10 @@ use crate::key::scale::Scale;
 use crate::key::sweep::Sweep;
 use crate::table::{Cell, Role, Usual};
 
-/// A chart of the points that suits the sweeps: the usual estimate over the abscissa of the table, over a coordinate that runs
-/// along with a swept key, or over the first swept key that is no name; a curve for each value of the first two others.
-/// Without any abscissa, what is compared stands side by side. None where there is nothing to draw over.
+/// A chart of the points that suits the sweeps: the default estimate over the abscissa of the table, over a coordinate
+/// that follows from a swept key, or over the first swept key that is not a name, with a curve for each value of the
+/// first two other columns. Without any abscissa, the compared values stand side by side. `None` where there is nothing
+/// to draw over.
 pub(crate) fn chart(sweeps: &[Sweep], ground: &Ground) -> Option<Chart> {
     let y = ground.usual(Usual::Estimate)?.name;
     let is_swept = |name: &str| sweeps.iter().any(|sweep| sweep.key.name == name);
@@ -18,7 +19,7 @@ pub(crate) fn chart(sweeps: &[Sweep], ground: &Ground) -> Option<Chart> {
     let number =
         || sweeps.iter().find(|sweep| !sweep.key.is_name()).map(|sweep| (sweep.key.name, sweep.key.name));
     let along = |column: Option<&crate::table::About>| column.map(|column| (column.name, ""));
-    // What rows are usually chosen by is not compared.
+    // A column with a default value is not compared.
     let compared = || ground.texts.iter().filter(|text| text.usual.is_none() && text.whole.is_none());
     let Some((x, swept)) = along(ground.along()).or(followed).or_else(number).or(along(abscissa)) else {
         return compared().next().map(|text| side_by_side(sweeps, ground, text.name));
@@ -46,13 +47,13 @@ fn curves(x: &str, y: &str, series: Vec<&str>) -> Chart {
     Chart { x: x.into(), y: y.into(), shows, ..Chart::default() }
 }
 
-/// The row at the first value of a sweep: a curve runs along one key, and others stay where they are.
+/// The row at the first value of a sweep, because a curve varies one key while others stay fixed.
 fn at_first(sweep: &Sweep) -> Option<(Named, Cell)> {
     Some((sweep.key.name.into(), sweep.values.first()?.cell()))
 }
 
-/// The values of a column side by side where no number is swept, by the estimates of a summary, for each value of the first
-/// name that is.
+/// A chart with the values of a column side by side, where no number is swept, by the estimates of a summary, for each
+/// value of the first swept name.
 fn side_by_side(sweeps: &[Sweep], ground: &Ground, x: &str) -> Chart {
     let mut estimates = ground
         .columns

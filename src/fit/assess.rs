@@ -1,8 +1,8 @@
-//! How sure a fit is of each coefficient.
+//! Uncertainty of each coefficient of a fit.
 //!
-//! The covariance of squares and logarithms of shapes is the inverse of JᵀC⁻¹J, J being the derivative of the curve by
-//! them. A term that is not in use is judged as if it entered next, by the estimate that it would have, possibly a
-//! negative one.
+//! The covariance of the squares and of the logarithms of the shapes is the inverse of JᵀC⁻¹J, where J is the
+//! derivative of the curve with respect to them. A term that is not in use is assessed as if it entered next, by the
+//! estimate that it would then have, which may be negative.
 
 use crate::fit::basis::shape_range;
 use crate::fit::coefficient::{Coefficient, Fit, Shape, Verdict};
@@ -15,20 +15,20 @@ use crate::fit::search::{Fitted, System};
 use crate::theory::allan::terms::Term;
 use crate::theory::cholesky;
 
-/// Logarithmic step of the derivative by a shape.
+/// Logarithmic step of the derivative with respect to a shape.
 const STEP: f64 = 1e-4;
 
-/// A best fit, and what there is to judge its terms by.
+/// A best fit, with everything needed to assess its terms.
 pub(crate) struct Judge<'a> {
     system: &'a System<'a>,
-    /// With squares above 0.
+    /// Terms with squares above 0.
     used: Vec<Fitted>,
     residual: Vec<f64>,
-    /// How the covariance follows the coefficients; without it it is the same whatever they are.
+    /// The covariance as a function of the coefficients; without it, the covariance is constant.
     growth: Option<&'a Growth>,
-    /// Terms instead of which others would do nearly as well.
+    /// Terms that others could replace almost equally well.
     replaceable: &'a [Term],
-    /// Simulated curves of the fit, one a row; without them estimates are taken for nearly normal.
+    /// Simulated curves of the fit, one per row; without them, estimates are taken as nearly normal.
     realisations: &'a [Vec<f64>],
 }
 
@@ -61,8 +61,8 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// Makes intervals of identified coefficients reach over those that they have in this fit. One that this fit is not
-    /// sure of is not identified.
+    /// Extends the intervals of identified coefficients to those that they have in this fit. A coefficient that is
+    /// uncertain in this fit is not identified.
     pub(crate) fn widen(&self, fit: &mut Fit) {
         let is_used = |term: Term| self.used.iter().any(|fitted| fitted.term == term);
         for found in fit.coefficients.iter_mut().filter(|found| is_used(found.term)) {
@@ -126,13 +126,13 @@ impl<'a> Judge<'a> {
                     evidence: None,
                 }
             }
-            // At another time or frequency the bound would be another one.
+            // At another time or frequency the bound would be different.
             _ => uncertain(below.filter(|_| !term.has_shape())),
         };
         Coefficient { evidence: Some(Evidence::new(estimate, variance)), ..coefficient }
     }
 
-    /// Variance of the square of a term, as it would be for other values of it.
+    /// Variance of the square of a term as a function of its true value.
     fn variance(&self, term: Term, estimate: f64, error: f64, weights: &[f64]) -> Variance {
         let known = Variance::constant(error * error);
         let Some(growth) = self.growth else { return known };
@@ -141,7 +141,7 @@ impl<'a> Judge<'a> {
         };
         let of_model = growth.variance(term, weights, squares);
         let at_estimate = of_model.at(estimate.max(0.0));
-        // The weights may be of a better covariance than that of the model, of which only the growth is taken.
+        // The weights may come from a better covariance than that of the model, of which only the growth is used.
         let scale = error * error / at_estimate;
         if scale.is_finite() { Variance(of_model.0.map(|v| scale * v)) } else { known }
     }
@@ -154,12 +154,13 @@ impl Shape {
     }
 }
 
-/// Whether a search ended where it had to, and not at a minimum.
+/// Whether a search ended at a limit of its range instead of at a minimum.
 fn is_at_the_end(shape: f64, [low, high]: [f64; 2]) -> bool {
     shape < 1.01 * low || shape > high / 1.01
 }
 
-/// Derivative of the curve by the square of each term, followed by that of its logarithm of the shape.
+/// Derivative of the curve with respect to the square of each term, followed by that with respect to the logarithm of
+/// its shape.
 fn derivatives(system: &System, used: &[Fitted]) -> Vec<Vec<f64>> {
     let mut columns = Vec::new();
     for fitted in used {
@@ -180,7 +181,7 @@ struct Inverse {
 }
 
 impl Inverse {
-    /// `None` where columns depend on each other to working precision.
+    /// Inverts JᵀJ; `None` where columns depend on each other to working precision.
     fn of(columns: &[Vec<f64>]) -> Option<Inverse> {
         let count = columns.len();
         let lengths: Vec<f64> = columns.iter().map(|column| libm::sqrt(dot(column, column))).collect();
@@ -197,7 +198,7 @@ impl Inverse {
         libm::sqrt(self.rows[i][i])
     }
 
-    /// Row i of (JᵀJ)⁻¹Jᵀ: what each point does to a parameter.
+    /// Row i of (JᵀJ)⁻¹Jᵀ: the effect of each point on a parameter.
     fn row(&self, i: usize, columns: &[Vec<f64>]) -> Vec<f64> {
         let points = columns.first().map_or(0, Vec::len);
         let at = |point: usize| self.rows[i].iter().zip(columns).map(|(x, column)| x * column[point]).sum();

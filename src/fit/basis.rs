@@ -3,13 +3,13 @@
 use crate::fit::curve::Curve;
 use crate::theory::allan::terms::Term;
 
-/// Columns of one term, one for each shape.
+/// Columns of one term, each with its shape.
 pub type Columns = Vec<(f64, Vec<f64>)>;
 
-/// What terms of unit square add to each point, (″/s)²: the same for all curves of one geometry.
+/// Contributions of terms of unit square to each point, (″/s)²; they are the same for all curves of one geometry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Basis {
-    /// Of each term its shapes, evenly spaced in their logarithm; the only one of a term without shape is 1.
+    /// The terms with their shapes, evenly spaced in their logarithm; a term without shape has the single shape 1.
     terms: Vec<(Term, Columns)>,
 }
 
@@ -23,7 +23,7 @@ impl Basis {
         Basis { terms: terms.iter().map(of_term).collect() }
     }
 
-    /// The same with every column changed.
+    /// The basis with every column changed by `change`.
     pub fn map(&self, change: impl Fn(&[f64]) -> Vec<f64>) -> Basis {
         let of_term = |(term, columns): &(Term, Columns)| {
             (*term, columns.iter().map(|(shape, column)| (*shape, change(column))).collect())
@@ -31,7 +31,7 @@ impl Basis {
         Basis { terms: self.terms.iter().map(of_term).collect() }
     }
 
-    /// The columns of a term with their shapes; none of a term that it does not have.
+    /// The columns of a term with their shapes; empty for a term outside the basis.
     pub fn of(&self, term: Term) -> &[(f64, Vec<f64>)] {
         self.terms.iter().find(|(other, _)| *other == term).map_or(&[], |(_, columns)| columns)
     }
@@ -46,15 +46,16 @@ fn shapes(curve: &Curve, term: Term) -> Vec<f64> {
     (0..=count as u32).map(|i| low * libm::pow(high / low, f64::from(i) / count)).collect()
 }
 
-/// Shortest and longest shape that a curve can tell: times T_c within its τ, frequencies with a hump within them; 1 of
+/// Shortest and longest shape that a curve can resolve: times T_c within its τ, or frequencies with a hump within them;
+/// 1 for terms without shape.
 /// terms without.
 ///
-/// Markov noise beyond is a random walk or white to the curve, a slower sine a ramp.
+/// Markov noise outside this range looks like a random walk or white noise to the curve, and a slower sine like a ramp.
 pub fn shape_range(curve: &Curve, term: Term) -> [f64; 2] {
     term.shape().map_or([1.0; 2], |shape| (shape.range)(curve.tau_range()))
 }
 
-/// Points of the grid of shapes for each factor of ten.
+/// Grid points of shapes per decade.
 pub fn per_decade(term: Term) -> f64 {
     term.shape().map_or(1.0, |shape| shape.per_decade)
 }

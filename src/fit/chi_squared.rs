@@ -1,9 +1,9 @@
-//! The χ² distribution for whole degrees of freedom.
+//! The χ² distribution for integer degrees of freedom.
 
-/// The probability of a χ² of at least `x` at `degrees` degrees of freedom: 1 at 0 degrees and x = 0.
+/// The probability that χ² with `degrees` degrees of freedom is at least `x`; 1 for 0 degrees and x = 0.
 ///
-/// The finite sum e^{−x/2} Σ (x/2)^k/Γ(k + 1) over k = 0, 1, … for even degrees, or ½, 3/2, … and erfc √(x/2) for odd
-/// ones (Abramowitz and Stegun 26.4.4, 26.4.5): right to 1e-13, in `degrees`/2 steps.
+/// It is the finite sum e^{−x/2} Σ (x/2)^k/Γ(k + 1) over k = 0, 1, … for even degrees, or over ½, 3/2, … plus erfc
+/// √(x/2) for odd ones (Abramowitz and Stegun 26.4.4, 26.4.5), accurate to 1e-13 in `degrees`/2 steps.
 pub fn survival(x: f64, degrees: usize) -> f64 {
     let half = 0.5 * x.max(0.0);
     if half == 0.0 || degrees == 0 {

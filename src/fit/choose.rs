@@ -1,62 +1,63 @@
-//! Which terms a curve supports.
+//! The choice of the terms that a curve supports.
 
 use crate::allan::trend::Trend;
 use crate::fit::curve::FitError;
 use crate::fit::search::{Solution, System};
 use crate::theory::allan::terms::Term;
 
-/// What a term has to take off χ² to be chosen.
+/// Decrease of χ² that a term must achieve to be chosen.
 ///
-/// The best square of a surplus term is 0 half the time, and else it takes a χ² of one degree of freedom off: more than
-/// 4 with a probability of 2.3 %. The skewed estimates of one record stay near that (`tests/library/allan_fit_records.rs`). AIC's 2
-/// would let in 8 %; BIC's logarithm of the number of points has no meaning where points are correlated and as many as
-/// one likes.
+/// The best square of a surplus term is 0 half the time; otherwise it decreases χ² by a χ² with one degree of freedom,
+/// which exceeds 4 with a probability of 2.3 %. The skewed estimates of one record stay near that
+/// (`tests/library/allan_fit_records.rs`). AIC's penalty of 2 would admit 8 %. BIC's logarithm of the number of points
+/// is meaningless where points are correlated and their number is arbitrary.
 pub const PENALTY: f64 = 4.0;
 
-/// The same for Markov noise and a sine, whose time or frequency is chosen to take off the most.
+/// The same penalty for Markov noise and a sine, whose time or frequency is chosen for the largest decrease.
 ///
-/// In 300 records of 4096 samples of white noise Markov noise was found in none, a sine in 4 (`tests/library/allan_fit_records.rs`).
+/// In 300 records of 4096 samples of white noise, Markov noise was found in none and a sine in 4
+/// (`tests/library/allan_fit_records.rs`).
 pub const PENALTY_OF_SHAPE: f64 = 10.0;
 
-/// By how much χ² with its penalties has to rise without a term for the term to be identified.
+/// Increase of the penalised χ² without a term that is required for the term to be identified.
 ///
-/// Else another term would do nearly as well, a ramp instead of a random walk of the rate, and which of them is there
-/// is a guess: of a random walk that a record barely shows, B would be made in 11 % of the records without this, in 5 %
-/// with it.
+/// Below it, another term would fit almost equally well, such as a ramp instead of a rate random walk, and the choice
+/// between them is a guess. From a random walk that a record barely shows, B would be identified in 11 % of the records
+/// without this rule, and is in 5 % with it.
 pub const RIVAL: f64 = 2.0;
 
-/// By how much χ² with its penalties may be above the least for a choice of terms to be likely too: the interval of a
-/// coefficient reaches over those that it has in all likely choices.
+/// Largest excess of the penalised χ² over the least for a choice of terms to count as likely too. The interval of a
+/// coefficient covers its intervals in all likely choices.
 ///
-/// A bias instability that is there but does not show makes N come out larger. Without this, intervals of N cover the
-/// truth in 92 % of records of 9 h of LGV-1, where B is left out of some, and in 85 and 88 % of shorter ones; with it in 93
-/// to 95 %, and most are as wide as before. With all choices that let a term in (4) they would be wider by half for white
-/// noise, and cover its N in 97 %.
+/// A bias instability that is present but does not show makes N come out larger. Without this rule, intervals of N
+/// cover the truth in 92 % of records of 9 h of LGV-1, some of which are fitted without B, and in 85 and 88 % of
+/// shorter ones. With it they cover 93 to 95 %, and most are as wide as before. With a limit of 4, which would include
+/// all choices that admit a term, they would be wider by half for white noise, and cover its N in 97 %.
 pub const LIKELY: f64 = 3.0;
 
 /// The terms of a fit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Terms {
-    /// These, whatever the curve says of them.
+    /// These terms, whether or not the curve supports them.
     Given(Vec<Term>),
-    /// Those of these that the curve supports; the others are reported with their bounds.
+    /// Those of these terms that the curve supports; the others are reported with their bounds.
     Auto(Vec<Term>),
 }
 
 impl Terms {
-    /// Those of Q, N, B, K, R that a record supports from which this trend was removed: a line has taken the ramp with it.
+    /// Those of Q, N, B, K, R that a record supports after removal of this trend; a line has removed the ramp.
     pub fn of_model(removed: Trend) -> Terms {
         let gone = |term: &Term| removed == Trend::Linear && *term == Term::RateRamp;
         Terms::Auto(Term::MODEL.into_iter().filter(|term| !gone(term)).collect())
     }
 
-    /// All terms that may enter.
+    /// All terms that may enter the fit.
     pub fn all(&self) -> &[Term] {
         let (Terms::Given(terms) | Terms::Auto(terms)) = self;
         terms
     }
 
-    /// Parameters that a fit has at least.
+    /// Least number of parameters of the fit.
     pub fn fewest_parameters(&self) -> usize {
         match self {
             Terms::Given(terms) => terms.iter().map(|term| term.parameters()).sum(),
@@ -64,7 +65,7 @@ impl Terms {
         }
     }
 
-    /// All terms that may enter, each once.
+    /// All terms that may enter the fit, each once.
     pub(crate) fn candidates(&self) -> Result<Vec<Term>, FitError> {
         let mut candidates: Vec<Term> = Vec::new();
         for &term in self.all() {
@@ -76,25 +77,26 @@ impl Terms {
     }
 }
 
-/// What is chosen of the terms.
+/// The outcome of a choice of terms.
 pub(crate) struct Choice {
     /// The subset with the least penalised χ².
     pub best: Solution,
-    /// Terms of it that others could replace.
+    /// Terms of that subset that others could replace.
     pub replaceable: Vec<Term>,
     /// Other likely subsets.
     pub others: Vec<Solution>,
 }
 
 impl Choice {
-    /// All `terms`, whatever they are good for.
+    /// The choice of all `terms`, regardless of their benefit.
     pub(crate) fn given(system: &System, terms: &[Term]) -> Choice {
         Choice { best: system.best(terms), replaceable: Vec::new(), others: Vec::new() }
     }
 
     /// Compares all subsets of `candidates`.
     ///
-    /// Shapes are searched with all terms beside them, kept while subsets are compared, and searched again with the best.
+    /// Shapes are searched with all terms present, kept while subsets are compared, and searched again for the best
+    /// one.
     pub(crate) fn auto(system: &System, candidates: &[Term]) -> Choice {
         let scored = scored(system, candidates);
         let least = scored.iter().map(|(score, _)| *score).fold(f64::INFINITY, f64::min);
@@ -110,7 +112,7 @@ impl Choice {
         let mut sets = vec![chosen.clone()];
         let mut others = Vec::new();
         for (_, solution) in scored.into_iter().filter(|(score, _)| *score < least + LIKELY) {
-            // A subset with a square of 0 is a smaller one.
+            // A subset in which a square is 0 is a smaller subset.
             let set = used(&solution);
             if !sets.contains(&set) {
                 sets.push(set);
@@ -149,7 +151,7 @@ fn score(solution: &Solution) -> f64 {
     solution.chi_squared + used.map(|fitted| penalty(fitted.term)).sum::<f64>()
 }
 
-/// All subsets, the smallest first among equals: the empty one too.
+/// All subsets including the empty one, the smallest first among equal ones.
 fn subsets(terms: &[Term]) -> Vec<Vec<Term>> {
     let member = |set: usize| (0..terms.len()).filter(move |i| set >> i & 1 == 1);
     (0..1_usize << terms.len()).map(|set| member(set).map(|i| terms[i]).collect()).collect()

@@ -1,15 +1,15 @@
-//! The covariance between the estimates of a curve, ready to weigh with.
+//! The covariance between the estimates of a curve, prepared for weighting.
 
 use crate::fit::curve::{Curve, FitError};
 use crate::theory::allan::gaussian;
 use crate::theory::allan::process::Process;
 use crate::theory::cholesky;
 
-/// Variance, in parts of its own, that every estimate is given as if of its own: the least of these that makes the
-/// correlations positive definite.
+/// Variance of its own that is added to every estimate, relative to its variance: the least of these values that makes
+/// the correlations positive definite.
 ///
-/// Neighbours of a dense curve are nearly the same number, and what they differ by is known to the precision of the
-/// covariance only. Without this, weights of such differences could grow without bound.
+/// Neighbours of a dense curve are nearly the same number, and their difference is known only to the precision of the
+/// covariance. Without this addition, the weights of such differences could grow without bound.
 const OWN: [f64; 3] = [1e-4, 1e-3, 1e-2];
 
 /// A covariance matrix and the factor of its correlations.
@@ -21,10 +21,10 @@ pub struct Covariance {
 }
 
 impl Covariance {
-    /// Of a symmetric matrix, (″/s)⁴, in the order of the curve.
+    /// The covariance given by a symmetric matrix, (″/s)⁴, in the order of the curve.
     ///
     /// # Errors
-    /// A matrix that is not positive definite even with 1 % more on its diagonal.
+    /// The matrix is not positive definite even with 1 % added to its diagonal.
     pub fn new(rows: Vec<Vec<f64>>) -> Result<Covariance, FitError> {
         let deviations: Vec<f64> = rows.iter().enumerate().map(|(i, row)| libm::sqrt(row[i])).collect();
         if !deviations.iter().all(|x| x.is_finite() && *x > 0.0) {
@@ -38,18 +38,19 @@ impl Covariance {
         Ok(Covariance { rows, deviations, factor })
     }
 
-    /// Of the overlapping estimates of one record of a Gaussian process, by closed form; see [`gaussian::covariance`].
+    /// The covariance of the overlapping estimates of one record of a Gaussian process, in closed form; see
+    /// [`gaussian::covariance`].
     ///
     /// # Errors
-    /// A process without noise.
+    /// The process has no noise.
     pub fn of_process(process: &Process, curve: &Curve) -> Result<Covariance, FitError> {
         Covariance::new(gaussian::covariance(process, curve.difference(), curve.samples(), curve.ms()))
     }
 
-    /// Of independent estimates whose relative variances are 2m/N: a first guess that needs no model.
+    /// The covariance of independent estimates with relative variances 2m/N, a first guess that needs no model.
     ///
-    /// A last estimate of very few differences can be 1e4 times too low, and must not weigh by that: it counts as no lower
-    /// than the one before it falling with τ⁻², as steep as noise can.
+    /// A last estimate from very few differences can be 1e4 times too low, and must not be weighted accordingly: it
+    /// counts as no lower than the one before it falling as τ⁻², the steepest slope of noise.
     pub(crate) fn of_independent(curve: &Curve) -> Result<Covariance, FitError> {
         let mut values = curve.variances().to_vec();
         for i in 1..values.len() {
@@ -62,15 +63,16 @@ impl Covariance {
         Covariance::new((0..points).map(|i| (0..points).map(|j| cell(i, j)).collect()).collect())
     }
 
-    /// Of simulated curves, one a row, drawn towards `model`, the covariance of the same process in closed form.
+    /// The covariance of simulated curves, one per row, shrunk towards `model`, the covariance of the same process in
+    /// closed form.
     ///
-    /// A covariance of few realisations is singular or nearly so, and its inverse useless. It is replaced by (1 − λ)S +
-    /// λT, where λ, by Ledoit and Wolf (2004), is the part of the squared distance between sample S and model T that is
-    /// scatter of S, both seen with T as measure of length. Many realisations, or a model that is far off, leave S;
-    /// few, or a model that fits, leave T.
+    /// A covariance from few realisations is singular or nearly so, and its inverse useless. It is replaced by (1 − λ)S
+    /// + λT, where λ, by Ledoit and Wolf (2004), is the fraction of the squared distance between sample S and model T
+    /// that is scatter of S, both measured in units of T. Many realisations, or a model that is far off, give S; few
+    /// realisations, or a model that fits, give T.
     ///
     /// # Errors
-    /// Fewer than two rows, rows that are not as long as the model, or no positive definite result.
+    /// There are fewer than two rows, rows differ in length from the model, or the result is not positive definite.
     pub fn of_realisations(rows: &[Vec<f64>], model: &Covariance) -> Result<Covariance, FitError> {
         let points = model.rows.len();
         if rows.len() < 2 || rows.iter().any(|row| row.len() != points) {
@@ -100,20 +102,20 @@ impl Covariance {
         &self.rows
     }
 
-    /// Numbers with this covariance as independent ones of variance 1.
+    /// Transforms numbers with this covariance to independent ones of variance 1.
     pub fn whiten(&self, values: &[f64]) -> Vec<f64> {
         let scaled = values.iter().zip(&self.deviations).map(|(x, deviation)| x / deviation).collect();
         cholesky::whiten(&self.factor, scaled)
     }
 
-    /// Of a linear function of whitened numbers its coefficients for the numbers themselves.
+    /// Converts the coefficients of a linear function of whitened numbers to those of the original numbers.
     pub(crate) fn before_whitening(&self, coefficients: Vec<f64>) -> Vec<f64> {
         let scaled = cholesky::solve_transposed(&self.factor, coefficients);
         scaled.iter().zip(&self.deviations).map(|(x, deviation)| x / deviation).collect()
     }
 }
 
-/// Mean product of every two columns.
+/// Mean product of every pair of columns.
 fn sample_covariance(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let points = rows.first().map_or(0, Vec::len);
     let mut sums = vec![vec![0.0; points]; points];

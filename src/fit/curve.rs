@@ -1,4 +1,4 @@
-//! What is fitted: estimates of the Allan variance over averaging factors.
+//! The input of a fit: estimates of the Allan variance at averaging factors.
 
 use crate::theory::allan::estimator::{Difference, Estimator};
 use crate::theory::allan::holds;
@@ -19,76 +19,77 @@ pub struct Curve {
 /// Why a curve cannot be fitted.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FitError {
-    /// Two lists that do not belong together.
+    /// The two lists differ in length.
     #[error("{ms} averaging factors for {variances} variances: a curve needs as many of both")]
     Lengths {
-        /// Averaging factors given.
+        /// Number of averaging factors.
         ms: usize,
-        /// Variances given.
+        /// Number of variances.
         variances: usize,
     },
-    /// A variance that has no logarithm.
+    /// A variance has no logarithm.
     #[error(
         "the variance at m = {m} is {value}: a fit needs finite values above 0; a constant record has none"
     )]
     NotPositive {
         /// Its averaging factor.
         m: u64,
-        /// What it is.
+        /// Its value.
         value: f64,
     },
-    /// Averaging factors out of order, or 0.
-    #[error("averaging factors have to ascend from 1; m = {m} does not")]
+    /// Averaging factors are out of order, or 0.
+    #[error("averaging factors must ascend from 1; m = {m} does not")]
     NotAscending {
-        /// The first that does not ascend.
+        /// The first factor that does not ascend.
         m: u64,
     },
-    /// No difference of that length is in the record.
+    /// The record has no difference of that length.
     #[error("m = {m} is too long for a record of {samples} samples")]
     TooLong {
         /// The averaging factor.
         m: u64,
-        /// Of the record.
+        /// Number of samples in the record.
         samples: u64,
     },
-    /// More unknowns than points.
+    /// There are more unknowns than points.
     #[error(
-        "{points} points cannot hold {parameters} parameters: leave out terms or take more averaging factors"
+        "{points} points cannot determine {parameters} parameters: leave out terms or take more averaging factors"
     )]
     TooFewPoints {
-        /// Variances given.
+        /// Number of variances.
         points: usize,
-        /// Of the terms asked for.
+        /// Number of parameters of the terms.
         parameters: usize,
     },
-    /// An empty list of terms.
+    /// The list of terms is empty.
     #[error("no terms to fit")]
     NoTerms,
-    /// More samples than the flicker of the covariance is modelled for.
+    /// The record has more samples than the flicker model of the covariance allows.
     #[error("flicker is modelled up to 2^27 samples, and the record has {samples}")]
     TooManySamples {
-        /// Of the record.
+        /// Number of samples in the record.
         samples: u64,
     },
-    /// Rounding has spoilt the covariance; points too close to each other do that.
+    /// Rounding has corrupted the covariance, as it does where points are too close to each other.
     #[error("the covariance of the estimates is not positive definite")]
     NotDefinite,
-    /// Simulated records from which no covariance can be taken.
+    /// The simulated records give no covariance.
     #[error(
         "{rows} realisations give no covariance: at least two with one estimate for every averaging factor"
     )]
     Realisations {
-        /// That were given.
+        /// Number of realisations.
         rows: usize,
     },
 }
 
 impl Curve {
-    /// The `variances`, (″/s)², at the averaging factors `ms` of a record of `samples` rates, one each `sample_s`.
+    /// The `variances`, (″/s)², at the averaging factors `ms` of a record of `samples` rates, one every `sample_s`
+    /// seconds.
     ///
     /// # Errors
-    /// Lists of unequal length, values that are not above 0, factors that do not ascend or are too long for the record,
-    /// and records too long for the flicker model.
+    /// The lists differ in length, values are not above 0, factors do not ascend or are too long for the record, or the
+    /// record is too long for the flicker model.
     pub fn new(
         sample_s: f64,
         samples: u64,
@@ -110,26 +111,26 @@ impl Curve {
         Ok(Curve { sample_s, samples, difference, ms, variances, octaves })
     }
 
-    /// Another curve of the same averaging factors and length.
+    /// Another curve with the same averaging factors and length.
     ///
     /// # Errors
-    /// Another number of values, or some that are not above 0.
+    /// The number of values differs, or some are not above 0.
     pub fn with(&self, variances: &[f64]) -> Result<Curve, FitError> {
         check(&self.ms, variances)?;
         Ok(Curve { ms: self.ms.clone(), variances: variances.to_vec(), ..*self })
     }
 
-    /// From one sample to the next, s.
+    /// Time from one sample to the next, s.
     pub fn sample_s(&self) -> f64 {
         self.sample_s
     }
 
-    /// Rates of the record.
+    /// Number of rates in the record.
     pub fn samples(&self) -> u64 {
         self.samples
     }
 
-    /// What the variances are of: second differences, or third ones of Hadamard.
+    /// The differences of the variances: second, or third for the Hadamard variance.
     pub fn difference(&self) -> Difference {
         self.difference
     }
@@ -149,7 +150,8 @@ impl Curve {
         [self.ms.first(), self.ms.last()].map(|m| self.sample_s * m.copied().unwrap_or(1) as f64)
     }
 
-    /// What a term of the square `square` adds to each point, (″/s)²; `shape` is that of Markov noise or a sine.
+    /// Contribution of a term with the square `square` to each point, (″/s)²; `shape` is that of Markov noise or a
+    /// sine.
     pub fn of_term(&self, term: Term, square: f64, shape: f64) -> Vec<f64> {
         let process = self.process(&[(term, square, shape)]);
         let estimator = Estimator { difference: self.difference, ..Estimator::OVERLAPPING };
@@ -157,7 +159,7 @@ impl Curve {
         self.ms.iter().map(at).collect()
     }
 
-    /// The model of so many terms with their squares and shapes.
+    /// The noise model of terms with their squares and shapes.
     pub fn process(&self, terms: &[(Term, f64, f64)]) -> Process {
         let part = |&(term, square, shape): &(Term, f64, f64)| term.part(square, shape, self.octaves);
         Process { sample_s: self.sample_s, parts: terms.iter().map(part).collect() }

@@ -1,22 +1,22 @@
-//! What a fit says of the square of a coefficient, for every true value of it.
+//! The likelihood of the estimated square of a coefficient, for every true value of it.
 
 use crate::fit::interval::Variance;
 
-/// Skewness of a χ² of one degree of freedom: no noise of one record has more.
+/// Skewness of a χ² with one degree of freedom, the largest for the noise of one record.
 const MOST_SKEWED: f64 = 2.0 * core::f64::consts::SQRT_2;
-/// Below this a distribution counts as normal.
+/// Skewness below which a distribution counts as normal.
 const NOT_SKEWED: f64 = 1e-5;
-/// Doublings in search of a true value, and steps within its bracket down to this precision.
+/// Most doublings in search of a true value, then most steps within its bracket down to the precision.
 const DOUBLINGS: usize = 60;
 const STEPS: usize = 200;
 const PRECISION: f64 = 1e-13;
-/// Deviates count as no farther, so that one without bound has a place too.
+/// Bound of a deviate, so that infinite ones are handled too.
 const FARTHEST: f64 = 1e6;
 
-/// The estimate of a square, and its variance in the true value.
+/// The estimate of a square, with its variance as a function of the true value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Evidence {
-    /// At least 0: an estimate below says no less than that.
+    /// At least 0, because a negative estimate says no less than 0.
     estimate: f64,
     variance: Variance,
 }
@@ -26,7 +26,7 @@ impl Evidence {
         Evidence { estimate: estimate.max(0.0), variance }
     }
 
-    /// The same with `times` the variance.
+    /// The same estimate with `times` the variance.
     pub(crate) fn widened(&self, times: f64) -> Evidence {
         Evidence { variance: Variance(self.variance.0.map(|v| times * v)), ..*self }
     }
@@ -35,11 +35,11 @@ impl Evidence {
         self.estimate
     }
 
-    /// Of a normal number the one that is as rare as the estimate is if the square is `x`; it falls with x.
+    /// The standard normal deviate that is as rare as the estimate if the square is `x`; it falls with x.
     ///
-    /// The estimate is taken as a χ² of the skewness that it then has, shifted and scaled, and that by its cube root
-    /// (Wilson and Hilferty): unlike the first terms of Cornish and Fisher this rises everywhere, so that an estimate far
-    /// below x has its place too.
+    /// The estimate is taken as a shifted and scaled χ² with the skewness at `x`, which is transformed by its cube root
+    /// (Wilson and Hilferty). Unlike the first terms of Cornish and Fisher, this rises everywhere, so that an estimate
+    /// far below x is handled too.
     pub(crate) fn deviate(&self, x: f64) -> f64 {
         let variance = self.variance.at(x);
         if variance <= 0.0 {
@@ -54,8 +54,8 @@ impl Evidence {
         (libm::cbrt(1.0 + 0.5 * skewness * distance) - middle) * 6.0 / skewness
     }
 
-    /// The square for which the estimate is `deviate` from the middle: 0 where it is nearer for every square, `None`
-    /// where it is farther for every one.
+    /// The square for which the estimate has the deviate `deviate`; 0 where it is less for every square, `None` where
+    /// it is greater for every square.
     pub(crate) fn square_at(&self, deviate: f64) -> Option<f64> {
         if self.deviate(0.0) <= deviate {
             return Some(0.0);
@@ -64,7 +64,7 @@ impl Evidence {
         let mut high = (0..DOUBLINGS)
             .map(|k| self.estimate + step * (1_u64 << k) as f64)
             .find(|&x| self.deviate(x) <= deviate)?;
-        // False position (Illinois): the end that stays counts for half.
+        // False position (Illinois): the value at the end that stays is halved.
         let mut low = 0.0;
         let mut above = self.deviate(low).min(FARTHEST) - deviate;
         let mut below = self.deviate(high) - deviate;

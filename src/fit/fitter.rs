@@ -1,4 +1,4 @@
-//! The fit of one curve, or of many from records of one length.
+//! The fit of one curve, or of many curves from records of one length.
 
 use std::sync::{Arc, OnceLock};
 
@@ -12,47 +12,51 @@ use crate::fit::growth::Growth;
 use crate::fit::search::{Solution, System};
 use crate::theory::allan::terms::Term;
 
-/// Where the covariance between the estimates comes from, and with it what errors a coefficient has.
+/// The source of the covariance between the estimates, which determines the errors of the coefficients.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Errors {
-    /// It is known, and the same whatever the coefficients are: intervals are ± 1.96 standard errors of the square.
+    /// The covariance is known and does not depend on the coefficients: intervals are ± 1.96 standard errors of the
+    /// square.
     Known,
-    /// It is that of one record of the fitted model, so that a coefficient that came out low seems precise: intervals
-    /// hold the values at which the outcome would not be a rare one, with the covariance of a record of that value.
+    /// The covariance is that of one record of the fitted model, so that a coefficient that came out low seems precise.
+    /// Intervals contain the values for which the outcome would not be rare, with the covariance of a record of that
+    /// value.
     OfModel,
 }
 
 /// Fits `terms` to a curve whose estimates have this covariance.
 ///
-/// With [`Terms::Auto`] the terms are those of the least χ² + Σ penalty, over all subsets ([`PENALTY`](crate::fit::choose::PENALTY)):
-/// all compared with the same covariance, so that a term gains nothing by making points uncertain.
+/// With [`Terms::Auto`], the terms are those with the least χ² + Σ penalty over all subsets
+/// ([`PENALTY`](crate::fit::choose::PENALTY)). All subsets are compared with the same covariance, so that a term gains
+/// nothing by making points uncertain.
 ///
 /// # Errors
-/// No terms, or fewer points than fitted parameters.
+/// There are no terms, or fewer points than fitted parameters.
 pub fn fit(curve: &Curve, covariance: &Covariance, terms: &Terms, errors: Errors) -> Result<Fit, FitError> {
     Fitter::new(curve, terms)?.fit(curve.variances(), covariance, errors)
 }
 
-/// Fits `terms` to the overlapping estimates of one record, of which nothing else is known.
+/// Fits `terms` to the overlapping estimates of one record, without further information on their covariance.
 ///
-/// Estimates at m above N/8 are so few differences that a low one of all of them is not rare: with them intervals of K
-/// cover the truth in 86 to 92 % of records instead of 94 to 96 %. Q, N and B of a gyro without K lose nothing by them,
-/// and a ramp is best seen there.
+/// Estimates at m above N/8 come from so few differences that all of them are often low together. If they are included,
+/// intervals of K cover the truth in 86 to 92 % of records instead of 94 to 96 %. Q, N and B of a gyro without K are
+/// not impaired by them, and a ramp shows best there.
 ///
-/// The first weights are those of independent points with relative variances 2m/N. The best fit of all terms gives the
-/// covariance in closed form, that a better fit, and that fit the covariance which counts. To go on from there with
-/// simulated realisations of `Fit::process`: [`Covariance::of_realisations`] and [`fit`].
+/// The first weights are those of independent points with relative variances 2m/N. The best fit of all terms gives a
+/// covariance in closed form, with that a better fit, and that fit gives the final covariance. To continue with
+/// simulated realisations of `Fit::process`, use [`Covariance::of_realisations`] and [`fit`].
 ///
 /// # Errors
-/// As [`fit`], and a curve that is best explained without any noise.
+/// The same as for [`fit`]; moreover, the curve may be explained best without any noise.
 pub fn fit_record(curve: &Curve, terms: &Terms) -> Result<Fit, FitError> {
     Fitter::new(curve, terms)?.fit_record(curve.variances())
 }
 
-/// Fits the same terms to many curves of one geometry: of records of one length, at the same averaging factors.
+/// Fits the same terms to many curves of one geometry, from records of one length and at the same averaging factors.
 ///
-/// The terms at these factors and, of terms without shape, the covariance as a form of their squares are worked out once: a
-/// fit is some hundred times faster than [`fit_record`] and gives the same bits. One serves any number of threads.
+/// The terms at these factors and, for terms without shape, the covariance as a form of their squares are computed
+/// once. A fit is some hundred times faster than [`fit_record`] and gives the same bits. One fitter serves any number
+/// of threads.
 ///
 /// ```
 /// # use sagnac::fit::{Curve, Fitter, Term, Terms, fit_record};
@@ -72,15 +76,15 @@ pub struct Fitter {
     terms: Terms,
     candidates: Vec<Term>,
     basis: Basis,
-    /// Where no term has a shape, which each curve would have of its own.
+    /// Growth of the covariance, where no term has a shape, which each curve would have of its own.
     growth: OnceLock<Arc<Growth>>,
 }
 
 impl Fitter {
-    /// For curves as this one, whatever its variances are.
+    /// A fitter for curves with the geometry of this one, whatever its variances.
     ///
     /// # Errors
-    /// No terms.
+    /// There are no terms.
     pub fn new(geometry: &Curve, terms: &Terms) -> Result<Fitter, FitError> {
         let candidates = terms.candidates()?;
         let basis = Basis::new(geometry, &candidates);
@@ -88,21 +92,23 @@ impl Fitter {
         Ok(Fitter { geometry, terms, candidates, basis, growth: OnceLock::new() })
     }
 
-    /// As [`fit`], of the curve with these variances, (″/s)².
+    /// Fits the curve with these variances, (″/s)², like [`fit`].
     ///
     /// # Errors
-    /// As [`fit`], and variances that are no curve.
+    /// The same as for [`fit`]; moreover, the variances may be invalid.
     pub fn fit(&self, variances: &[f64], covariance: &Covariance, errors: Errors) -> Result<Fit, FitError> {
         self.fit_with(&self.geometry.with(variances)?, covariance, errors, None, &[])
     }
 
-    /// As [`fit_record`], with simulated curves of `first`, a fit of the same variances: [`realisations`].
+    /// Fits like [`fit_record`], with simulated curves of `first`, a fit of the same variances; see [`realisations`].
     ///
-    /// They give the weights, as [`Covariance::of_realisations`], and to the intervals the quantiles of the outcomes, in
-    /// standard deviations of these, which grow with the coefficient as the closed form says.
+    /// The simulated curves give the weights by [`Covariance::of_realisations`]. They also give the quantiles of the
+    /// outcomes for the intervals, in standard deviations of the outcomes, which grow with the coefficient according to
+    /// the closed form.
     ///
     /// # Errors
-    /// As [`fit`], variances that are no curve, and fewer than two realisations or of another geometry.
+    /// The same as for [`fit`]; moreover, the variances may be invalid, or there may be fewer than two realisations or
+    /// some of another geometry.
     ///
     /// [`realisations`]: fn@crate::kinds::allan::realisations::realisations
     pub fn fit_realised(
@@ -125,10 +131,10 @@ impl Fitter {
         self.fit_with(&curve, &covariance, Errors::OfModel, Some(growth), realisations)
     }
 
-    /// As [`fit_record`], of the curve with these variances, (″/s)².
+    /// Fits the curve with these variances, (″/s)², like [`fit_record`].
     ///
     /// # Errors
-    /// As [`fit_record`], and variances that are no curve.
+    /// The same as for [`fit_record`]; moreover, the variances may be invalid.
     pub fn fit_record(&self, variances: &[f64]) -> Result<Fit, FitError> {
         let curve = self.geometry.with(variances)?;
         let mut covariance = Covariance::of_independent(&curve)?;
@@ -168,7 +174,7 @@ impl Fitter {
         Ok(fit)
     }
 
-    /// The candidates with the shapes that they have in a solution, or the shortest.
+    /// The candidates with their shapes in a solution, or with the shortest ones.
     fn shapes(&self, solution: &Solution) -> Vec<(Term, f64)> {
         let shape = |&term: &Term| {
             let fitted = solution.terms.iter().find(|fitted| fitted.term == term);
@@ -177,7 +183,7 @@ impl Fitter {
         self.candidates.iter().map(shape).collect()
     }
 
-    /// That of all candidates with these shapes; the one at hand if it is.
+    /// The growth of all candidates with these shapes, which is `at_hand` if that matches.
     fn growth(&self, shapes: Vec<(Term, f64)>, at_hand: Option<Arc<Growth>>) -> Arc<Growth> {
         if !self.candidates.iter().any(|term| term.has_shape()) {
             return self.growth.get_or_init(|| Arc::new(Growth::new(&self.geometry, shapes))).clone();

@@ -1,4 +1,4 @@
-//! How the covariance of the estimates follows the coefficients of the model.
+//! The covariance of the estimates as a function of the coefficients of the model.
 
 use crate::fit::curve::{Curve, FitError};
 use crate::fit::interval::Variance;
@@ -8,7 +8,7 @@ use crate::theory::allan::terms::Term;
 /// The covariance of the estimates of one record as a function of the squares of some terms.
 #[derive(Debug)]
 pub(crate) struct Growth {
-    /// With their shapes.
+    /// Terms with their shapes.
     terms: Vec<(Term, f64)>,
     components: Components,
 }
@@ -21,17 +21,17 @@ impl Growth {
         Growth { terms, components }
     }
 
-    /// Whether it is that of these terms and shapes.
+    /// Whether it belongs to these terms and shapes.
     pub(crate) fn is_of(&self, terms: &[(Term, f64)]) -> bool {
         self.terms == terms
     }
 
-    /// The covariance for the squares of the terms, in their order.
+    /// The covariance for the squares of the terms, in order.
     pub(crate) fn covariance(&self, squares: &[f64]) -> Result<crate::fit::covariance::Covariance, FitError> {
         crate::fit::covariance::Covariance::new(self.components.covariance(squares))
     }
 
-    /// Variance of a weighted sum of estimates in the square of one term, the others being as given.
+    /// Variance of a weighted sum of estimates as a function of the square of one term, with the others given.
     pub(crate) fn variance(&self, term: Term, weights: &[f64], square_of: impl Fn(Term) -> f64) -> Variance {
         let form = self.components.variance_of(weights);
         let mut variance = [0.0; 3];

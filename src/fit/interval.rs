@@ -1,28 +1,29 @@
 //! The 95 % interval of the square of a coefficient whose uncertainty grows with it.
 //!
-//! The variance of a fitted square x̂ is v_0 + v_1x + v_2x² in its true value x: v_2x² is the scatter of the noise
-//! itself, which is that of a χ² of 2/v_2 degrees of freedom. A fit that comes out low also claims to be precise, so
-//! that x̂ ± 2 standard errors at x̂ misses the truth too often. The interval holds instead every x of which x̂ is not
-//! among the 2.5 % least or greatest outcomes (test inversion), with the quantiles of a normal distribution corrected
-//! for the skewness of that χ² (Cornish and Fisher).
+//! The variance of a fitted square x̂ is v_0 + v_1x + v_2x² as a function of its true value x. v_2x² is the scatter of
+//! the noise itself, which is that of a χ² with 2/v_2 degrees of freedom. A fit that comes out low also claims to be
+//! precise, so x̂ ± 2 standard errors at x̂ misses the truth too often. Instead, the interval contains every x for
+//! which x̂ is not among the 2.5 % least or greatest outcomes (test inversion), with the quantiles of a normal
+//! distribution corrected for the skewness of that χ² (Cornish and Fisher).
 
-/// Standard deviations of a normal distribution within which 95 % lie.
+/// Number of standard deviations of a normal distribution within which 95 % lie.
 pub(crate) const WITHIN_95: f64 = 1.959_963_984_540_054;
-/// What lies outside of them on one side.
+/// Probability outside them on one side.
 const OUTSIDE: f64 = 0.025;
-/// Halvings of a bracket: down to rounding.
+/// Halvings of a bracket, down to rounding.
 const HALVINGS: usize = 60;
-/// Skewness of χ² with 4 degrees of freedom, up to which the correction is of use: with fewer there is no upper end.
+/// Skewness of χ² with 4 degrees of freedom, up to which the correction is useful; with fewer degrees there is no upper
+/// end.
 const MOST_SKEWED: f64 = core::f64::consts::SQRT_2;
-/// Doublings in search of an upper end.
+/// Most doublings in search of an upper end.
 const DOUBLINGS: usize = 40;
 
-/// Variance of a fitted square in its true value: `[v_0, v_1, v_2]`.
+/// Variance of a fitted square as a function of its true value, by the coefficients `[v_0, v_1, v_2]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Variance(pub [f64; 3]);
 
 impl Variance {
-    /// The same at every x.
+    /// A variance that is the same at every x.
     pub(crate) fn constant(variance: f64) -> Variance {
         Variance([variance, 0.0, 0.0])
     }
@@ -32,18 +33,18 @@ impl Variance {
         v0 + x * (v1 + x * v2)
     }
 
-    /// Of the outcomes if x is true: κ_3 of the noise itself is 2v_2²x³.
+    /// Skewness of the outcomes if x is true; κ_3 of the noise itself is 2v_2²x³.
     pub(crate) fn skewness(&self, x: f64) -> f64 {
         2.0 * self.0[2] * self.0[2] * libm::pow(x / libm::sqrt(self.at(x)), 3.0)
     }
 
-    /// Standard deviations between the middle and the outcome that would be at `sigmas` of a normal distribution, if x is
-    /// true.
+    /// Deviation from the middle, in standard deviations, of the outcome that a normal distribution would have at
+    /// `sigmas`, if x is true.
     fn skewed(&self, x: f64, sigmas: f64) -> f64 {
         sigmas + (sigmas * sigmas - 1.0) / 6.0 * self.skewness(x).min(MOST_SKEWED)
     }
 
-    /// The outcome that is `sigmas` from the middle if x is true, `more` standard deviations added.
+    /// The outcome at the quantile `sigmas` if x is true, shifted by `more` standard deviations.
     fn quantile(&self, x: f64, sigmas: f64, more: f64) -> f64 {
         let variance = self.at(x);
         if variance <= 0.0 {
@@ -52,8 +53,8 @@ impl Variance {
         x + libm::sqrt(variance) * (self.skewed(x, sigmas) + more)
     }
 
-    /// What the lower and the upper quantile need added, in standard deviations, to be those of simulated outcomes,
-    /// whose mean is the true value; 0 without any.
+    /// Corrections of the lower and the upper quantile, in standard deviations, to those of simulated outcomes whose
+    /// mean is the true value; 0 without outcomes.
     pub(crate) fn corrections(&self, mut outcomes: Vec<f64>) -> [f64; 2] {
         outcomes.sort_by(f64::total_cmp);
         let count = outcomes.len() as f64;
@@ -63,7 +64,7 @@ impl Variance {
         if outcomes.is_empty() || deviation <= 0.0 {
             return [0.0; 2];
         }
-        // Of the places 1 … n the p(n + 1)-th, and between two the line.
+        // The p(n + 1)-th of the ranks 1 … n, with linear interpolation.
         let quantile = |p: f64| {
             let place = (p * (count + 1.0) - 1.0).clamp(0.0, count - 1.0);
             let (below, part) = (libm::floor(place), place - libm::floor(place));
@@ -74,8 +75,9 @@ impl Variance {
         [correction(OUTSIDE, -WITHIN_95), correction(1.0 - OUTSIDE, WITHIN_95)]
     }
 
-    /// Ends of the interval of the square for an estimate of it, which may be negative: the lower one 0 where nothing is
-    /// excluded, the upper one `None` where the estimate scatters so much that nothing is.
+    /// Ends of the interval of the square for an estimate of it, which may be negative. The lower end is 0 where
+    /// nothing is excluded below; the upper one is `None` where the estimate scatters so much that nothing is excluded
+    /// above.
     ///
     /// A negative estimate counts as 0 for the upper end. The `corrections` are those of the quantiles.
     pub(crate) fn interval(&self, estimate: f64, corrections: [f64; 2]) -> (f64, Option<f64>) {
@@ -93,7 +95,7 @@ impl Variance {
     }
 }
 
-/// Where `is_below` ends between low and high.
+/// The point between `low` and `high` where `is_below` ceases to hold.
 fn bisect(mut low: f64, mut high: f64, is_below: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
@@ -131,13 +133,14 @@ mod tests {
             assert!((low * most - 1.0).abs() < 0.02, "{degrees}: {low}, not {}", 1.0 / most);
             assert!((high.unwrap() * least - 1.0).abs() < 0.05, "{degrees}: {high:?}, not {}", 1.0 / least);
         }
-        // One degree of freedom says nothing of how large it can be.
+        // One degree of freedom gives no upper limit.
         assert_eq!(Variance([0.0, 0.0, 2.0]).interval(1.0, NONE).1, None);
     }
 
     #[test]
     fn simulated_outcomes_give_the_quantiles_where_they_were_and_the_variance_takes_them_on() {
-        // Exponential outcomes of the true value 3, with its standard deviation of 0.5: skewed as no formula here.
+        // Exponential outcomes with the true value 3 and a standard deviation of 0.5, more skewed than any formula
+        // here.
         let at = |p: f64| 3.0 - 0.5 * (1.0 + libm::log(1.0 - p));
         let outcomes: Vec<f64> = (1..2000).map(|i| at(f64::from(i) / 2000.0)).collect();
         let [least, most] = [at(OUTSIDE), at(1.0 - OUTSIDE)];
@@ -149,7 +152,7 @@ mod tests {
                 let found = variance.quantile(3.0, sigmas, more);
                 assert!((found - expected).abs() < 2e-3, "{variance:?}: {found}, not {expected}");
             }
-            // The value is in the interval of an outcome just inside the quantiles, and in none just outside.
+            // The value lies in the interval of an outcome just inside the quantiles, and in none just outside.
             for (outcome, inside) in [(least, 0.01), (most, -0.01)] {
                 let covers = |outcome| {
                     let (low, high) = variance.interval(outcome, corrections);

@@ -20,18 +20,18 @@
 //! ```
 //!
 //! **Method.** A curve is a sum of terms, linear in the squares of their coefficients. Each term is the closed form of
-//! the *sampled* noise ([`crate::theory::allan`]), so that short τ bring no bias. The squares are found by least
-//! squares with the full covariance between the estimates, none of them negative (Lawson and Hanson); the correlation
-//! time of Markov noise and the frequency of a sine by a search outside of that (variable projection). Weights come
-//! from the covariance of a model ([`Covariance`]) and not from the estimates themselves, of which the low ones would
-//! then weigh most.
+//! the *sampled* noise ([`crate::theory::allan`]), so short τ cause no bias. The squares are found by non-negative
+//! least squares (Lawson and Hanson) with the full covariance between the estimates. The correlation time of Markov
+//! noise and the frequency of a sine are found by an outer search (variable projection). Weights come from the
+//! covariance of a model ([`Covariance`]) instead of the estimates themselves, because low estimates would then get the
+//! largest weights.
 //!
-//! **What is said of a term.** A value only where the 95 % interval of its square does not contain 0; else a bound, or
-//! that the curve says nothing ([`Verdict`]). Intervals hold for the terms of the fit; those of [`Terms::Auto`] reach
-//! over all choices of terms that are [likely](LIKELY).
+//! **Results.** A term has a value only where the 95 % interval of its square does not contain 0; otherwise it has a
+//! bound, or the statement that the curve gives none ([`Verdict`]). Intervals hold for the terms of the fit; those of
+//! [`Terms::Auto`] cover all [likely](LIKELY) choices of terms.
 //!
-//! Linear algebra is that of [`crate::theory::cholesky`]: systems have at most nine columns, and loops in fixed order
-//! give the same digits on every machine, which a library that picks its kernels at run time does not.
+//! Linear algebra is that of [`crate::theory::cholesky`]. Systems have at most nine columns, and loops in fixed order
+//! give the same digits on every machine, unlike a library that selects its kernels at run time.
 
 pub mod assess;
 pub mod basis;

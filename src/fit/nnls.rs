@@ -1,18 +1,18 @@
-//! Least squares with coefficients that are not negative.
+//! Least squares with non-negative coefficients.
 
 use crate::theory::cholesky;
 
-/// A coefficient whose gradient is below this part of what rounding makes of it stays 0.
+/// Relative gradient below which a coefficient stays 0, because it may be rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Steps for each column after which rounding goes round in circles.
+/// Steps per column after which only rounding keeps the method going.
 const STEPS: usize = 8;
 
-/// The x ≥ 0 of the least |Ax − b|², `columns` being those of A.
+/// The x ≥ 0 that minimises |Ax − b|², where `columns` are those of A.
 ///
-/// The active-set method of Lawson and Hanson (Solving Least Squares Problems, 1974, ch. 23) on normal equations, whose
-/// columns are scaled to length 1: coefficients are right to rounding times the square of the condition of the scaled
-/// columns. A column that depends on those already in use to working precision stays out.
+/// The method is the active-set method of Lawson and Hanson (Solving Least Squares Problems, 1974, ch. 23) on normal
+/// equations with columns scaled to length 1. Coefficients are accurate to rounding times the squared condition number
+/// of the scaled columns. A column that depends on those in use to working precision stays out.
 pub fn nnls(columns: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
     let lengths: Vec<f64> = columns.iter().map(|column| libm::sqrt(dot(column, column))).collect();
     let is_usable = |j: usize| lengths[j].is_finite() && lengths[j] > 0.0;
@@ -25,7 +25,7 @@ pub fn nnls(columns: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
     let mut x = vec![0.0; columns.len()];
     let mut used: Vec<usize> = Vec::new();
     let mut refused: Vec<usize> = Vec::new();
-    // Every step makes the residual less, so no set of columns comes twice, but for rounding.
+    // Every step decreases the residual, so no set of columns occurs twice except through rounding.
     for _ in 0..STEPS * columns.len() {
         let gradient = |j: usize| onto[j] - used.iter().map(|&i| gram[j][i] * x[i]).sum::<f64>();
         let candidates =
@@ -35,13 +35,13 @@ pub fn nnls(columns: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
         used.push(entering);
         let Some(mut solution) = solve(&gram, &onto, &used).filter(|solution| solution[used.len() - 1] > 0.0)
         else {
-            // It depends on the others, or only rounding made it enter.
+            // The column depends on the others, or entered only through rounding.
             used.pop();
             refused.push(entering);
             continue;
         };
         refused.clear();
-        // Columns that the new one makes negative leave where the way towards the solution meets 0.
+        // Columns that the new one makes negative leave where the path towards the solution reaches 0.
         while solution.iter().any(|value| *value <= 0.0) {
             let to_zero = |(&j, value): (&usize, &f64)| (*value <= 0.0).then(|| (x[j] / (x[j] - value), j));
             let mut ends: Vec<(f64, usize)> = used.iter().zip(&solution).filter_map(to_zero).collect();
@@ -68,7 +68,7 @@ fn unscaled(x: Vec<f64>, lengths: &[f64]) -> Vec<f64> {
     x.iter().zip(lengths).map(|(x, length)| if *x > 0.0 { x / length } else { 0.0 }).collect()
 }
 
-/// The least squares of the columns in use.
+/// The least-squares solution for the columns in use.
 fn solve(gram: &[Vec<f64>], onto: &[f64], used: &[usize]) -> Option<Vec<f64>> {
     let factor = cholesky::definite(used.len(), |i, j| gram[used[i]][used[j]])?;
     Some(cholesky::solve(&factor, used.iter().map(|&j| onto[j]).collect()))

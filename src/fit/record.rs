@@ -1,4 +1,4 @@
-//! From a record to the curve that coefficients are fitted to.
+//! The curve of a record to which coefficients are fitted.
 
 use crate::allan::angles::Angles;
 use crate::allan::curve;
@@ -6,13 +6,14 @@ use crate::allan::deviation::Deviation;
 use crate::fit::curve::{Curve, FitError};
 use crate::theory::allan::estimator::Difference;
 
-/// Longest averaging time of the fit, as a part of the record: beyond it intervals of K come out too short.
+/// Inverse of the longest averaging time of the fit relative to the record; beyond it, intervals of K come out too
+/// short.
 const LONGEST: usize = 8;
 
 /// The overlapping Allan variances at the octaves of τ up to an eighth of a record, for [`crate::fit::fitter::fit_record`].
 ///
 /// # Errors
-/// A record whose variance is 0 or that is too long for the flicker model.
+/// The variance of the record is 0, or the record is too long for the flicker model.
 pub fn curve_of(angles: &Angles) -> Result<Curve, FitError> {
     let samples = angles.len().saturating_sub(1);
     let points = curve(angles, Deviation::Oadev, &factors(samples), 0.95);
@@ -22,7 +23,7 @@ pub fn curve_of(angles: &Angles) -> Result<Curve, FitError> {
     Curve::new(angles.step_s, samples as u64, Difference::Second, ms, variances)
 }
 
-/// The averaging factors of a fit to a record of so many samples.
+/// The averaging factors of a fit to a record of `samples` samples.
 pub(crate) fn factors(samples: usize) -> Vec<usize> {
     (0..usize::BITS).map(|octave| 1 << octave).take_while(|m| LONGEST * m <= samples).collect()
 }

@@ -1,8 +1,8 @@
-//! The least squares of a set of terms, and the search for correlation time and frequency.
+//! Least squares for a set of terms, and the search for correlation time and frequency.
 //!
-//! For given shapes the squares follow by [`nnls()`]; what is left is χ² as a function of the logarithms of the shapes
-//! alone (variable projection; Golub and Pereyra 1973). It has more than one minimum, so a grid comes first and golden
-//! sections around its best point after.
+//! For given shapes the squares follow by [`nnls()`], which leaves χ² as a function of the logarithms of the shapes
+//! alone (variable projection; Golub and Pereyra 1973). It has more than one minimum, so a grid is searched first, then
+//! golden sections around its best point.
 
 use crate::fit::basis::{Basis, per_decade, shape_range};
 use crate::fit::covariance::Covariance;
@@ -10,17 +10,18 @@ use crate::fit::curve::Curve;
 use crate::fit::nnls::{dot, nnls};
 use crate::theory::allan::terms::Term;
 
-/// Golden sections of one bracket, down to 1e-8 of it.
+/// Golden sections of one bracket, which reduce it to 1e-8 of its length.
 const SECTIONS: usize = 40;
-/// Rounds over several shapes, at most, and the change of a logarithm that is none. Between the frequencies of the grid a
-/// strong sine fits nowhere, and the best time there can be many steps from the one beside the right frequency.
+/// Most rounds over several shapes, followed by the change of a logarithm that counts as none. A strong sine fits at no
+/// frequency between those of the grid, and the best correlation time there can be many steps from that at the correct
+/// frequency.
 const ROUNDS: usize = 40;
 const NEAR: f64 = 1e-6;
 
 /// A term of a fit: the square of its coefficient, and its shape (1 where it has none).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fitted {
-    /// Which one.
+    /// Term.
     pub term: Term,
     /// Square of the coefficient.
     pub square: f64,
@@ -28,10 +29,10 @@ pub struct Fitted {
     pub shape: f64,
 }
 
-/// The least squares of some terms.
+/// The least-squares solution for some terms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solution {
-    /// In the order asked for; 0 squares included.
+    /// Terms in the given order, including those with a square of 0.
     pub terms: Vec<Fitted>,
     /// Weighted sum of squared residuals.
     pub chi_squared: f64,
@@ -42,12 +43,12 @@ pub struct System<'a> {
     curve: &'a Curve,
     covariance: &'a Covariance,
     target: Vec<f64>,
-    /// In standard deviations of independent points.
+    /// Columns in standard deviations of independent points.
     basis: Basis,
 }
 
 impl<'a> System<'a> {
-    /// Of the terms of a basis.
+    /// The system of a curve for the terms of a basis.
     pub fn new(curve: &'a Curve, covariance: &'a Covariance, basis: &Basis) -> System<'a> {
         let basis = basis.map(|column| covariance.whiten(column));
         System { curve, covariance, target: covariance.whiten(curve.variances()), basis }
@@ -66,12 +67,12 @@ impl<'a> System<'a> {
         }
     }
 
-    /// Of a linear function of such deviations its coefficients for the points of the curve.
+    /// Converts the coefficients of a linear function of such deviations to those of the points of the curve.
     pub(crate) fn weights(&self, coefficients: Vec<f64>) -> Vec<f64> {
         self.covariance.before_whitening(coefficients)
     }
 
-    /// What a solution leaves of the curve, in the same.
+    /// Residuals of a solution, in the same units.
     pub fn residual(&self, terms: &[Fitted]) -> Vec<f64> {
         let mut residual = self.target.clone();
         for fitted in terms.iter().filter(|fitted| fitted.square > 0.0) {
@@ -81,7 +82,7 @@ impl<'a> System<'a> {
         residual
     }
 
-    /// The least squares of `terms`, with the best shapes.
+    /// The least-squares solution for `terms` with the best shapes.
     pub fn best(&self, terms: &[Term]) -> Solution {
         let places: Vec<usize> = (0..terms.len()).filter(|&i| terms[i].has_shape()).collect();
         let mut columns: Vec<Vec<f64>> = terms.iter().map(|&term| self.column(term, 1.0)).collect();
@@ -109,7 +110,7 @@ impl<'a> System<'a> {
         self.given(terms, &shapes)
     }
 
-    /// The least squares of `terms` with these shapes.
+    /// The least-squares solution for `terms` with these shapes.
     pub fn given(&self, terms: &[Term], shapes: &[f64]) -> Solution {
         let columns: Vec<Vec<f64>> =
             terms.iter().zip(shapes).map(|(&term, &shape)| self.column(term, shape)).collect();
@@ -128,7 +129,7 @@ impl<'a> System<'a> {
         (squares, dot(&residual, &residual))
     }
 
-    /// Golden sections of one shape after the other, one step of the grid to either side, until none moves.
+    /// Refines one shape after the other by golden sections within one grid step to either side, until none moves.
     fn refine(&self, terms: &[Term], places: &[usize], shapes: &mut [f64], columns: &mut [Vec<f64>]) {
         let golden = 0.5 * (libm::sqrt(5.0) - 1.0);
         let mut at = |place: usize, logarithm: f64| {

@@ -1,4 +1,4 @@
-//! Reading a study file: its kind is looked up in [`KINDS`], which reads the rest.
+//! Reading of a study file: its kind is looked up in [`KINDS`] and reads the rest.
 //!
 //! ```text
 //! text ─ toml ─▶ table ─ keys, units ─▶ inputs, sweeps ─ expand, check ─▶ points
@@ -34,7 +34,7 @@ impl Study {
     /// Reads the study file at `path`.
     ///
     /// # Errors
-    /// A file that cannot be read, and those of [`Study::parse`].
+    /// The file cannot be read, or [`Study::parse`] fails.
     pub fn read(path: &Path) -> Result<Study, StudyError> {
         let text = read_text(path, MOST_TOML).map_err(|error| {
             if path.is_dir() {
@@ -45,7 +45,7 @@ impl Study {
         Study::parse(&path.display().to_string(), &text)
     }
 
-    /// Reads a study from its `text`; `name` is that of the file, for messages.
+    /// Reads a study from its `text`; `name` is the name of the file in messages.
     ///
     /// # Errors
     /// The first fault found, with its place in the text.

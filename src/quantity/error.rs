@@ -1,4 +1,4 @@
-//! Why a text is not a quantity.
+//! Errors of quantities written as text.
 
 /// Why a text is not the expected quantity.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

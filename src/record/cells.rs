@@ -1,19 +1,19 @@
-//! One line of a text: its cells, and what they say.
+//! The cells of one line of a text, and their values.
 
 use std::ops::Range;
 
-/// What stands between the cells of a line.
+/// The separator between the cells of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Delimiter {
-    /// A comma, a semicolon or a tab; blanks around cells are no part of them.
+    /// A comma, a semicolon or a tab; blanks around cells are ignored.
     Byte(u8),
     /// Any number of blanks and tabs.
     Blanks,
 }
 
 impl Delimiter {
-    /// What divides the `first` line and the one behind it, a `row` of numbers: a sign that is as often in both, or else one in the
-    /// row.
+    /// The delimiter of the `first` line and of the one after it, a `row` of numbers: a sign that occurs equally often in both, or
+    /// else one in the row.
     pub(crate) fn of(first: &[u8], row: &[u8]) -> Delimiter {
         let count = |line: &[u8], sign: u8| Cells::new(line.trim_ascii(), Delimiter::Byte(sign)).count();
         let signs = || b"\t;,".iter().copied().filter(|sign| row.trim_ascii().contains(sign));
@@ -33,7 +33,7 @@ impl Delimiter {
         }
     }
 
-    /// Whether a line is empty or a comment: `#` or `%` before anything else, or `;` where that is no delimiter.
+    /// Whether a line is empty or a comment, which begins with `#` or `%`, or with `;` where that is not the delimiter.
     pub(crate) fn skips(self, line: &[u8]) -> bool {
         match line.trim_ascii_start().first() {
             None | Some(b'#' | b'%') => true,
@@ -43,11 +43,11 @@ impl Delimiter {
     }
 }
 
-/// The cells of a line, as places in it, without blanks and quotes around them.
+/// The cells of a line as byte ranges, without blanks and quotes around them.
 pub(crate) struct Cells<'l> {
     line: &'l [u8],
     delimiter: Delimiter,
-    /// Where the next cell begins; past the end when there is none.
+    /// Start of the next cell; past the end when there is none.
     next: usize,
 }
 
@@ -81,7 +81,7 @@ fn skip_blanks(line: &[u8], from: usize) -> usize {
     line[from..].iter().position(|b| !b.is_ascii_whitespace()).map_or(line.len(), |n| from + n)
 }
 
-/// The end of the cell at `start`; between quotes, or within the brackets of a unit, nothing divides.
+/// The end of the cell at `start`; nothing divides between quotes or within the brackets of a unit.
 #[inline]
 fn end_of(line: &[u8], start: usize, divides: impl Fn(u8) -> bool) -> usize {
     let (mut quoted, mut depth) = (false, 0_u32);
@@ -106,7 +106,8 @@ fn trimmed(line: &[u8], cell: Range<usize>) -> Range<usize> {
     cell.start + lead..cell.end - trail
 }
 
-/// Reads a cell: a number with the point for decimals; nothing, `NaN`, `NA` and `null` are a missing one, NaN. Other text is `None`.
+/// Reads a cell as a number with a decimal point; an empty cell, `NaN`, `NA` and `null` are missing values, NaN. Other text is
+/// `None`.
 #[inline]
 pub(crate) fn value(cell: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(cell).ok()?;

@@ -1,4 +1,4 @@
-//! How the columns of a text are laid out, found from its first lines.
+//! The layout of a text with columns, determined from its first lines.
 
 use crate::record::cells::{Cells, Delimiter, value};
 use crate::record::error::RecordError;
@@ -10,14 +10,14 @@ use crate::source::place::Place;
 pub(crate) struct Layout {
     pub file: String,
     pub delimiter: Delimiter,
-    /// One for each column; empty without a header.
+    /// Column names; empty without a header.
     pub names: Vec<Name>,
-    /// Cells of a row.
+    /// Number of cells in a row.
     pub columns: usize,
-    /// Bytes and lines before the first row, the header among them.
+    /// Bytes, and then lines, before the first row, including the header.
     pub start: usize,
     pub lines: usize,
-    /// The line that shows the columns, the header or else the first row, with its number from 1.
+    /// The line that shows the columns, which is the header or else the first row, with its number from 1.
     shown: (usize, Vec<u8>),
 }
 
@@ -34,7 +34,7 @@ impl Layout {
     /// The layout of the text that begins with `head`.
     ///
     /// # Errors
-    /// It has no row.
+    /// The log has no rows.
     pub(crate) fn of(head: &[u8], file: &str) -> Result<Layout, RecordError> {
         let (content, comment) = first_lines(head);
         let Some(first) = content.first() else {
@@ -58,7 +58,7 @@ impl Layout {
             layout.lines = first.number;
             layout.start = head.len().min(first.end);
         } else {
-            // As NumPy's savetxt writes it.
+            // The header as NumPy's savetxt writes it.
             let is_sign = |byte: &u8| b"#%; \t".contains(byte);
             let text = comment.map(|text| &text[text.iter().take_while(|byte| is_sign(byte)).count()..]);
             let words = text.map(|text| texts(text, delimiter)).unwrap_or_default();
@@ -68,10 +68,10 @@ impl Layout {
         Ok(layout)
     }
 
-    /// Where a column is shown, or all of them.
+    /// The place where a column is shown, or all of them.
     pub(crate) fn place(&self, column: Option<usize>) -> Place {
         let (number, text) = &self.shown;
-        // Units with blanks are cells of their own where blanks divide.
+        // Where blanks divide, units separated by blanks are cells of their own.
         let is_cut = self.delimiter == Delimiter::Blanks && !self.names.is_empty();
         let cell = column.filter(|_| !is_cut).and_then(|at| Cells::new(text, self.delimiter).nth(at));
         Place::new(&self.file, *number, text, cell.unwrap_or(0..text.len()))
@@ -102,7 +102,7 @@ fn texts(line: &[u8], delimiter: Delimiter) -> Vec<String> {
     for cell in Cells::new(line, delimiter) {
         let text = String::from_utf8_lossy(&line[cell]).into_owned();
         match texts.last_mut() {
-            // `time [s]` is one name where blanks divide.
+            // `time [s]` is one name even where blanks divide.
             Some(name) if delimiter == Delimiter::Blanks && text.starts_with(['[', '(']) => {
                 *name += &format!(" {text}")
             }
@@ -116,7 +116,7 @@ fn texts(line: &[u8], delimiter: Delimiter) -> Vec<String> {
     texts
 }
 
-/// Words, and no number among them.
+/// Whether the cells are words without a number among them.
 fn is_header(cells: &[String]) -> bool {
     let mut values = cells.iter().map(|cell| value(cell.as_bytes()));
     values.clone().any(|value| value.is_none()) && !values.any(|value| value.is_some_and(f64::is_finite))

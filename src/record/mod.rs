@@ -1,12 +1,14 @@
-//! Recorded data: one reader of files, and what is made of the columns that it gives.
+//! Recorded data: one reader for all files, profiles of motion, which are evenly spaced samples of an angular rate with the
+//! angles of ticks over them, and in [`log`] the logs of sensors.
 //!
 //! ```text
 //! file ─ format: text | npy ─▶ Recording: columns with names, units, places ─▶ Record of a motion | Log of a sensor
 //! ```
 //!
-//! Text is read in blocks, and their lines parsed in parallel: memory is 8 bytes for each sample of a column that was
-//! asked for, besides 16 MiB. Numbers are the standard library's correctly rounded ones. The csv crate is not used
-//! here: it takes one delimiter and one comment sign, no runs of blanks, and does not tell where a cell stands.
+//! Text is read in blocks, whose lines are parsed in parallel. Memory is 8 bytes for each sample of a requested column,
+//! plus 16 MiB. Numbers are parsed by the correctly rounded parser of the standard library. The csv crate is not used
+//! here because it takes only one delimiter and one comment sign, no runs of blanks, and does not give the place of a
+//! cell.
 
 pub(crate) mod cells;
 pub mod error;
@@ -24,34 +26,34 @@ use std::ops::RangeInclusive;
 use crate::record::error::RecordError;
 use crate::record::recording::{Origin, Recording};
 
-/// Most samples of a record, 2^24: more than four hours at 1 kHz.
+/// Most samples of a record, 2^24, which is more than four hours at 1 kHz.
 pub const MOST_SAMPLES: usize = 1 << 24;
 
-/// Sampling steps that a record or a log may have, s. Beyond it is a slip in a unit, or bytes that are no times.
+/// Allowed sampling steps of a record or a log, s. A step outside is an error in a unit, or the bytes are not times.
 pub const STEPS_S: RangeInclusive<f64> = 1e-9..=1e9;
 
-/// An angular rate at evenly spaced times, the first of them time 0; between its samples the rate is a straight line.
+/// An angular rate at evenly spaced times, the first of which is time 0; between its samples the rate is linear.
 ///
 /// # File
-/// Text in UTF-8, as of a [`Log`](log::channel::Log): a header, then one row a sample. Two columns are read, in any
-/// order, and all others ignored: `time` and `rate`, upper or lower case, each with its unit as in `time [ms]`,
-/// `rate (°/s)` or `rate_deg_per_s`; a name such as `rate_x`, whose end is no unit of a rate, is another column. The
-/// times may start anywhere, but each step is within 1 % of the median one; the steps are then taken as equal.
+/// Text in UTF-8, as of a [`Log`](log::channel::Log): a header, then one row per sample. Two columns are read, in
+/// any order, and all others ignored: `time` and `rate`, in upper or lower case, each with its unit as in `time [ms]`,
+/// `rate (°/s)` or `rate_deg_per_s`. A name such as `rate_x`, whose end is not a unit of a rate, is another column. The
+/// times may start anywhere, but each step must be within 1 % of the median one; the steps are then taken as equal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
-    /// From sample to sample, s.
+    /// Time from sample to sample, s.
     pub step_s: f64,
     /// The samples, ″/s, 2 … [`MOST_SAMPLES`] of them.
     pub rates: Vec<f64>,
 }
 
 impl Record {
-    /// Reads a record from its `text`; `name` is that of the file, for messages.
+    /// Reads a record from its `text`; `name` is the name of the file in messages.
     ///
     /// # Errors
-    /// The first fault found, with its place in the text: no such columns, no unit or a wrong one, a cell that is missing
-    /// or not a finite number, times that do not increase or not evenly, steps out of [`STEPS_S`], too few samples or too
-    /// many.
+    /// The first fault found, with its place in the text: a missing column, a missing or wrong unit, a cell that is
+    /// missing or not a finite number, times that do not increase or are not evenly spaced, steps outside [`STEPS_S`],
+    /// too few or too many samples.
     ///
     /// # Example
     /// ```
@@ -64,23 +66,24 @@ impl Record {
         profile::read(Recording::open(name.to_owned(), Origin::Bytes(text.as_bytes()))?, MOST_SAMPLES)
     }
 
-    /// From the first sample to the last, s.
+    /// Time from the first sample to the last, s.
     pub fn duration_s(&self) -> f64 {
         self.last() as f64 * self.step_s
     }
 
-    /// How many whole ticks of `tick_s` > 0 fit in the record.
+    /// Number of whole ticks of `tick_s` > 0 in the record.
     pub fn whole_ticks(&self, tick_s: f64) -> usize {
-        // Times are rounded to 12 digits: a tick that ends with the record must not be lost to that.
+        // Times are rounded to 12 digits, which must not drop a tick that ends with the record.
         let ticks = self.duration_s() / tick_s * (1.0 + 1e-11);
         if tick_s > 0.0 { ticks as usize } else { 0 }
     }
 
     /// The angle of each whole tick of `tick_s` > 0, ″: tick k is the integral of the rate over (kT, (k + 1)T].
     ///
-    /// Exact for straight lines between the samples, whatever the ratio of tick and step. It knows nothing of what the
-    /// rate did between samples: with a step longer than the tick the ticks in between only follow the line. Takes time
-    /// in proportion to samples and ticks, and 8 bytes a tick; [`Record::whole_ticks`] counts them before.
+    /// It is exact for a rate that is linear between the samples, whatever the ratio of tick and step. It does not know
+    /// the rate between samples: with a step longer than the tick, the ticks in between only follow the line. It takes
+    /// time in proportion to samples and ticks, and 8 bytes per tick; [`Record::whole_ticks`] counts the ticks
+    /// beforehand.
     pub fn tick_angles(&self, tick_s: f64) -> Vec<f64> {
         let samples_at = |tick: usize| (tick as f64 * tick_s / self.step_s).min(self.last() as f64);
         (0..self.whole_ticks(tick_s)).map(|k| self.angle(samples_at(k), samples_at(k + 1))).collect()
@@ -93,12 +96,13 @@ impl Record {
 
     /// The integral of the rate from `start` to `end`, both counted in steps from the first sample, ″.
     ///
-    /// Summed anew for each tick: differences of one running integral would lose digits over a long record.
+    /// It is summed for each tick separately, because differences of one running integral would lose digits over a long
+    /// record.
     fn angle(&self, start: f64, end: f64) -> f64 {
         let mut sum = 0.0;
         for i in start as usize..(libm::ceil(end) as usize).min(self.last()) {
             let (from, to) = (start.max(i as f64), end.min((i + 1) as f64));
-            // A straight line has its mean at its middle.
+            // The mean of a straight line is at its middle.
             let along = 0.5 * (from + to) - i as f64;
             sum += (to - from) * (self.rates[i] + along * (self.rates[i + 1] - self.rates[i]));
         }
@@ -116,7 +120,7 @@ mod tests {
         Record { step_s, rates: (0..=steps).map(|i| rate(i as f64 * step_s)).collect() }
     }
 
-    /// Shorter and longer than the steps of 2 ms that the tests take, commensurate and not.
+    /// Ticks shorter and longer than the steps of 2 ms used in the tests, commensurate and not.
     const TICKS: [f64; 6] = [0.0005, 0.000_73, 0.002, 0.003_1, 0.005, 0.031_4];
 
     #[test]
@@ -152,7 +156,7 @@ mod tests {
         let omega = core::f64::consts::TAU * 20.0;
         let record = sampled(2.0, step_s, |t| amplitude * libm::sin(omega * t));
         for tick_s in TICKS {
-            // The line misses the curve by at most h²/8 of its second derivative, at their middle.
+            // The line deviates from the curve by at most h²/8 of its second derivative, in the middle.
             let bound = tick_s * amplitude * omega * omega * step_s * step_s / 8.0;
             let error = |(k, angle): (usize, &f64)| {
                 let (from, to) = (k as f64 * tick_s, (k + 1) as f64 * tick_s);

@@ -1,4 +1,4 @@
-//! A file of recorded data, opened: its columns by name or number, their units, and the numbers of those that are asked for.
+//! An open file of recorded data: its columns by name or number, their units, and the numbers of the requested columns.
 
 use std::fs::File;
 use std::io::{self, Chain, Cursor, Read};
@@ -15,13 +15,13 @@ use crate::record::text::{self, TEXT_WANTED};
 use crate::source::diagnose::choices;
 use crate::source::place::Place;
 
-/// Bytes from which the format and the layout of a file are told.
+/// Bytes from which the format and the layout of a file are determined.
 const HEAD: u64 = 1 << 20;
 
 /// Most columns that a message lists.
 const MOST_LISTED: usize = 20;
 
-/// Starts of files that are often given and not read, and what they are.
+/// First bytes of unsupported files that users often give, with their descriptions.
 const OTHERS: [(&[u8], &str); 8] = [
     (b"PK\x03\x04", "a ZIP archive (.npz, .xlsx)"),
     (b"\x1f\x8b", "compressed by gzip"),
@@ -55,15 +55,15 @@ impl<'a> Origin<'a> {
     }
 }
 
-/// How much a caller reads of a file, and what its messages say of gaps.
+/// The largest file that a caller reads, and its advice on gaps.
 pub(crate) struct Limits {
     /// Most rows.
     pub most: usize,
-    /// What to do where a number is missing.
+    /// Advice on missing numbers.
     pub missing: &'static str,
 }
 
-/// A format, as far as the head of the file tells: the names and the number of its columns, and then how their numbers are read.
+/// The format of a file. Its head gives the names and the number of the columns, and the bytes after it the numbers.
 enum Format {
     Text(Layout),
     Npy(Array),
@@ -113,7 +113,7 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// One for each column; empty where columns have no names.
+    /// Names of the columns; empty where they have none.
     pub(crate) fn names(&self) -> &[Name] {
         self.layout().map_or(&[], |layout| &layout.names)
     }
@@ -125,7 +125,7 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// All columns for a sentence: `1 time, 2 gx`, or `columns 1 … 4`.
+    /// All columns as part of a sentence, such as `1 time, 2 gx` or `columns 1 … 4`.
     pub(crate) fn listed(&self) -> String {
         let (names, columns) = (self.names(), self.columns());
         let named = names.iter().zip(1..).map(|(name, number)| format!("{number} {}", name.whole));
@@ -137,7 +137,7 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// Where a column is shown, or all of them, if the file has lines.
+    /// The place where a column is shown, or all of them, if the file has lines.
     pub(crate) fn place(&self, column: Option<usize>) -> Option<Place> {
         self.layout().map(|layout| layout.place(column))
     }
@@ -162,11 +162,11 @@ impl<'a> Recording<'a> {
         RecordError::new(numbered + &message, label, help, place)
     }
 
-    /// The column that is meant by `word`: its name with or without unit, in upper or lower case, or its number from 1. Of
-    /// several with that name it is the one whose unit is of the dimension `preferred`.
+    /// Finds the column that a user means by `word`: its name with or without unit, in upper or lower case, or its number
+    /// from 1. Of several with that name it is the one whose unit is of the dimension `preferred`.
     ///
     /// # Errors
-    /// No such column, or several; with the list of those there are and the nearest name.
+    /// No column matches, or several do; the error lists the columns and the nearest name.
     pub(crate) fn find(&self, word: &str, preferred: Option<Dimension>) -> Result<usize, RecordError> {
         let (word, names, columns) = (word.trim(), self.names(), self.columns());
         let refused =
@@ -198,15 +198,15 @@ impl<'a> Recording<'a> {
             Ok(number) if (1..=columns).contains(&number) => Ok(number - 1),
             Ok(number) => refused(
                 format!("there is no column {number}, the file has {columns}"),
-                format!("columns are numbered from 1; there are {list}"),
+                format!("columns are numbered from 1: {list}"),
             ),
             Err(_) if names.is_empty() => refused(
                 format!("no column can be called `{word}`: the file has no header"),
-                format!("give numbers, counted from 1; there are {list}"),
+                format!("give numbers, counted from 1: {list}"),
             ),
             Err(_) => {
                 let bare: Vec<&str> = names.iter().map(|name| name.bare.as_str()).collect();
-                let help = format!("{}; numbers from 1 do too", choices(word, &bare));
+                let help = format!("{}; numbers from 1 are accepted too", choices(word, &bare));
                 refused(format!("no column is called `{word}`"), help)
             }
         }

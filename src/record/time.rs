@@ -1,39 +1,39 @@
-//! From time stamps to evenly spaced samples with gaps.
+//! Conversion of time stamps to evenly spaced samples with gaps.
 
 use crate::quantity::number::significant;
 
-/// Which steps are taken for even.
+/// The steps that count as even.
 pub(crate) struct Spacing {
-    /// How far a step may be from a whole number of sampling steps, in sampling steps.
+    /// Largest deviation of a step from a whole number of sampling steps, in sampling steps.
     pub jitter: f64,
-    /// Whether a longer step is a gap, and not a fault.
+    /// Whether a longer step is a gap instead of a fault.
     pub has_gaps: bool,
-    /// What to do about others.
+    /// Advice on other steps.
     pub help: &'static str,
 }
 
-/// Steps from which a gap is taken as the nearest whole number of them: nobody's clock is asked for more.
+/// Steps from which on a gap is rounded to a whole number of them without a check, because clocks drift.
 const LONG_GAP: f64 = 10.0;
 
-/// Most samples, of which so many times those in the file may be missing: more is a slip in a time stamp, and nothing
-/// may be allocated for it.
+/// Largest ratio of the number of samples to those in the file. A larger one is an error in a time stamp, for which no
+/// memory may be allocated.
 const SPARSEST: f64 = 10.0;
 
-/// Steps whose median is taken.
+/// Most steps from which the median is taken.
 const MOST_STEPS: usize = 1 << 16;
 
-/// Where the rows of a log stand on an even grid.
+/// The rows of a log on an even grid.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Grid {
-    /// In the unit of the stamps.
+    /// Step in the unit of the stamps.
     pub step: f64,
-    /// From the first row to the last, both among them.
+    /// Number of samples from the first row to the last, both included.
     pub samples: usize,
-    /// The sample of each row; absent where rows are samples, without a gap.
+    /// Index of the sample of each row; absent where rows are samples without a gap.
     pub places: Option<Vec<u32>>,
 }
 
-/// What is wrong with the stamp of a row, counted from 0: the finding, what stands there, and what to do.
+/// A fault in the stamp of a row, counted from 0, with its message, label and help.
 #[derive(Debug)]
 pub(crate) struct TimeFault {
     pub row: usize,
@@ -46,15 +46,14 @@ impl TimeFault {
     }
 }
 
-/// The grid of `stamps` in a unit of `unit_s`, of which at most `most` samples are made.
+/// The grid of `stamps` in a unit of `unit_s`, with at most `most` samples.
 ///
-/// The sampling step is the median one, then made precise by the whole record. Where a step is longer, samples are
-/// missing.
+/// The sampling step is the median one, refined over the whole record. Where a step is longer, samples are missing.
 pub(crate) fn grid(stamps: &[f64], unit_s: f64, most: usize, spacing: &Spacing) -> Result<Grid, TimeFault> {
     let seconds = |stamp: f64| format!("{} s", significant(stamp * unit_s, 6));
     for (row, stamp) in stamps.iter().enumerate() {
         if !stamp.is_finite() {
-            let help = "remove the row, or give `rate = 100Hz` in place of stamps";
+            let help = "remove the row, or give `rate = 100Hz` instead of stamps";
             return Err(TimeFault::new(row, "the time is missing", "no number", help));
         }
         if row > 0 && *stamp <= stamps[row - 1] {
@@ -104,7 +103,8 @@ pub(crate) fn grid(stamps: &[f64], unit_s: f64, most: usize, spacing: &Spacing) 
     Ok(Grid { step: (last - first) / total, samples: total as usize + 1, places })
 }
 
-/// Of all steps, or of so many evenly spread over the record. Of two in the middle the shorter: longer ones are gaps.
+/// The median of all steps, or of [`MOST_STEPS`] evenly spread over the record. Of two in the middle the shorter one is
+/// taken, because longer ones are gaps.
 fn median_step(stamps: &[f64]) -> f64 {
     let stride = (stamps.len() / MOST_STEPS).max(1);
     let mut steps: Vec<f64> = stamps.windows(2).step_by(stride).map(|pair| pair[1] - pair[0]).collect();
@@ -167,7 +167,7 @@ mod tests {
             (5, f64::NAN, "missing"),
             (5, 5.2, "a step of 1.2 s"),
             (5, 4.3, "a step of 0.3 s"),
-            // A year at 1 s.
+            // One year at 1 s.
             (19, 3.2e7, "most of the record is missing"),
             (19, 1e300, "most of the record is missing"),
         ] {

@@ -20,14 +20,14 @@ use crate::table::Table;
 use crate::tally::id::Id;
 use crate::tally::share::Share;
 
-/// A study whose every point is proven to fit.
+/// A study whose points are all proven to fit.
 #[derive(Debug)]
 pub struct Plan<'a> {
     study: &'a Study,
     work: Box<dyn plan::Plan + 'a>,
 }
 
-/// The name of the study that stands beside its results: run it to repeat the run.
+/// The name of the study file beside its results, which repeats the run.
 pub const RESOLVED: &str = "resolved_study.toml";
 
 impl<'a> Plan<'a> {

@@ -4,4 +4,5 @@ pub mod batches;
 pub(crate) mod found;
 pub mod plan;
 pub mod tables;
+pub(crate) mod trials;
 pub mod worker;

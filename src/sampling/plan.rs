@@ -13,34 +13,34 @@ use crate::store::index::Index;
 use crate::tally::id::Id;
 use crate::tally::share::Share;
 
-/// Why a run ended early. What was computed before is in the store.
+/// Why a run ended early. Results computed before are in the store.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The results folder failed.
     #[error(transparent)]
     Store(#[from] StoreError),
-    /// The device failed, and nothing could take its place.
+    /// The device failed and could not be replaced.
     #[error(transparent)]
     Gpu(#[from] GpuError),
-    /// Of a point that was lowered before: not on the same machine.
+    /// A point was refused that was lowered before, on another machine.
     #[error(transparent)]
     Refused(#[from] Refusal),
 }
 
-/// What a run did.
+/// The outcome of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Done {
-    /// Trials sampled, over all points.
+    /// Trials sampled over all points.
     pub trials: u64,
-    /// It took, s.
+    /// Duration of the run, s.
     pub seconds: f64,
-    /// Whether it ended before all was done, as [`Progress::stops`] asked for.
+    /// Whether it ended early, as [`Progress::stops`] requested.
     pub stopped: bool,
-    /// Why some of it was not done as asked, each in a sentence.
+    /// Deviations from the requested execution, each a sentence.
     pub degraded: Vec<String>,
 }
 
-/// The plan of a study of some kind.
+/// The plan of a study of any kind.
 pub(crate) trait Plan: fmt::Debug {
     /// Whether there is anything to sample.
     fn is_sampled(&self) -> bool {

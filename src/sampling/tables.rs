@@ -3,26 +3,26 @@
 use crate::chart::{Chart, Source};
 use crate::table::Table;
 
-/// The results of a study, each a table of its own.
+/// The results of a study, as tables.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tables {
-    /// points.csv
+    /// Table of the points, `points.csv`.
     pub points: Table,
-    /// coefficients.csv, where coefficients are fitted.
+    /// Table of the coefficients, `coefficients.csv`, where coefficients are fitted.
     pub coefficients: Option<Table>,
-    /// trajectories.csv, where some are kept.
+    /// Table of trajectories, `trajectories.csv`, where some are kept.
     pub trajectories: Option<Table>,
 }
 
 impl Tables {
-    /// All tables, each with what it is.
+    /// All tables, each with its source.
     pub fn all(&self) -> impl Iterator<Item = (Source, &Table)> {
         let coefficients = self.coefficients.as_ref().map(|table| (Source::Coefficients, table));
         let trajectories = self.trajectories.as_ref().map(|table| (Source::Trajectories, table));
         std::iter::once((Source::Points, &self.points)).chain(coefficients).chain(trajectories)
     }
 
-    /// All tables, that of the first of these charts before the others.
+    /// All tables, with that of the first of these charts before the others.
     pub fn as_charted(&self, charts: &[Chart]) -> Vec<(Source, &Table)> {
         let first = charts.first().map_or(Source::Points, |chart| chart.source);
         let mut all: Vec<_> = self.all().collect();
@@ -30,12 +30,12 @@ impl Tables {
         all
     }
 
-    /// Only that of the points.
+    /// Tables that consist of the points only.
     pub(crate) fn of_points(points: Table) -> Tables {
         Tables { points, coefficients: None, trajectories: None }
     }
 
-    /// The table that a chart is drawn from.
+    /// The table for a source.
     pub fn of(&self, source: Source) -> &Table {
         let other = match source {
             Source::Points => None,

@@ -1,4 +1,4 @@
-//! What is wrong with a study, or a file that it names, where, and how to put it right.
+//! Faults of a study, or of a file that it names: the finding, its place and a remedy.
 
 use std::fmt;
 use std::ops::Range;
@@ -10,13 +10,13 @@ use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, Na
 use crate::source::setting::spelled;
 use crate::source::shown::Shown;
 
-/// Most files of a folder that help names.
+/// Most files of a folder that a help lists.
 const MOST_FILES: usize = 4;
 
 /// The text of a study, or of a file that it names, with the name of that file.
 pub(crate) type Text = Arc<NamedSource<String>>;
 
-/// A fault at one place of a text, as found by code that does not hold its name.
+/// A fault at a place of a text, as found by code that does not have the name of the file.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Fault {
     span: Range<usize>,
@@ -25,7 +25,7 @@ pub(crate) struct Fault {
     help: String,
 }
 
-/// What is wrong with a study, or with a file that it names.
+/// A fault of a study, or of a file that it names.
 pub(crate) enum Wrong {
     Study(Fault),
     Elsewhere(StudyError),
@@ -38,7 +38,7 @@ impl From<Fault> for Wrong {
 }
 
 impl Wrong {
-    /// With the text of the study; another file has its own.
+    /// Combines the fault with the text of the study; a fault of another file has its own text.
     pub(crate) fn within(self, text: &Text) -> StudyError {
         match self {
             Wrong::Study(fault) => fault.within(text),
@@ -48,7 +48,8 @@ impl Wrong {
 }
 
 impl Fault {
-    /// `message`: the whole finding; `label`: what stands at `span`; `help`: what is accepted.
+    /// A fault with the complete finding as `message`, a `label` for the text at `span`, and the accepted values as
+    /// `help`.
     pub(crate) fn new(
         span: Range<usize>,
         message: impl Into<String>,
@@ -77,7 +78,7 @@ impl Fault {
         Fault::new(kind_span, message, "of this kind", format!("add it as in\n{example}"))
     }
 
-    /// The fault with the text it is about.
+    /// Combines the fault with its text.
     pub(crate) fn within(self, text: &Text) -> StudyError {
         let end = first_line_end(text.inner(), &self.span);
         let shown = Shown::new(text, self.span.start..end);
@@ -85,13 +86,13 @@ impl Fault {
     }
 }
 
-/// The end of `span`, or of its first line: a caret under a whole table points at nothing.
+/// The end of `span`, or of its first line, because a caret under a whole table points at nothing.
 fn first_line_end(text: &str, span: &Range<usize>) -> usize {
     let marked = text.get(span.clone()).unwrap_or_default();
     marked.find(['\r', '\n']).map_or(span.end, |length| span.start + length)
 }
 
-/// Why a study was refused: what was found and where, what is accepted, how to put it right.
+/// Why a study was refused: the finding with its place, the accepted values and a remedy.
 ///
 /// A [`miette::Diagnostic`]; [`StudyError::render`] gives the text for a terminal.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -100,7 +101,7 @@ pub struct StudyError {
     message: String,
     label: String,
     help: String,
-    /// Absent where the file could not be read.
+    /// Lines to show; absent where the file could not be read.
     shown: Option<Shown>,
 }
 
@@ -115,12 +116,13 @@ impl StudyError {
         StudyError { message: message.into(), label: label.into(), help: help.into(), shown }
     }
 
-    /// A file that could not be read: `what` it is, `the study`, and in `help` what to give instead.
+    /// The error for a file that could not be read; `what` names its purpose, such as `the study`, and `help` an
+    /// alternative.
     pub(crate) fn unreadable(what: &str, path: &Path, error: &std::io::Error, help: &str) -> StudyError {
         StudyError::new(format!("cannot read {what} {}: {error}", path.display()), "", help, None)
     }
 
-    /// A folder in place of a study file: those in it are named.
+    /// The error for a folder in place of a study file, which names the study files in it.
     pub(crate) fn of_folder(path: &Path) -> StudyError {
         let entries = std::fs::read_dir(path).into_iter().flatten().filter_map(Result::ok);
         let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
@@ -151,7 +153,8 @@ impl StudyError {
         self
     }
 
-    /// The report for people: file, line, caret and help, `width` columns wide; escape codes only if `color`.
+    /// The report for the user, with file, line, caret and help, `width` columns wide; it has escape codes only if
+    /// `color`.
     pub fn render(&self, color: bool, width: usize) -> String {
         let theme = if color { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
         let handler = GraphicalReportHandler::new_themed(theme).with_links(color).with_width(width);
@@ -179,10 +182,10 @@ impl Diagnostic for StudyError {
     }
 }
 
-/// Most names that help lists: more than there are keys, but not more than a file may have columns.
+/// Most names that a help lists: more than the number of keys, but fewer than the columns that a file may have.
 const MOST_CHOICES: usize = 200;
 
-/// Help for a wrong name: the nearest of `known` if one is near, and all of them.
+/// Help for a wrong name, with the nearest of `known` if one is near, and all of them.
 pub(crate) fn choices(found: &str, known: &[&str]) -> String {
     let more = if known.len() > MOST_CHOICES { ", …" } else { "" };
     let accepted = format!("accepted: {}{more}", known[..known.len().min(MOST_CHOICES)].join(", "));
@@ -192,13 +195,14 @@ pub(crate) fn choices(found: &str, known: &[&str]) -> String {
     }
 }
 
-/// Longest name of which the nearest is looked for: that takes time and memory by the product of two lengths.
+/// Longest name whose nearest match is computed, which takes time and memory in proportion to the product of two
+/// lengths.
 const LONGEST_SLIP: usize = 100;
 
-/// Fewest letters that are taken for the beginning of a name.
+/// Fewest letters that count as the beginning of a name.
 const LEAST_BEGINNING: usize = 3;
 
-/// The name most like `found`, where one is alike: a slip of the fingers, a name without its prefix, or the beginning of one.
+/// The most similar name to `found`, if one is close enough: one with a typing error, without its prefix, or cut short.
 pub(crate) fn nearest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
     if found.len() > LONGEST_SLIP {
         return None;
@@ -209,7 +213,7 @@ pub(crate) fn nearest<'a>(found: &str, known: &[&'a str]) -> Option<&'a str> {
         let begun = found.len() >= LEAST_BEGINNING && (bare.starts_with(found) || name.starts_with(found));
         whole.max(strsim::normalized_damerau_levenshtein(found, bare)).max(if begun { 0.5 } else { 0.0 })
     };
-    // Of several that are as near the first.
+    // Of several equally near names, the first.
     let best = known.iter().rev().copied().max_by(|a, b| likeness(a).total_cmp(&likeness(b)))?;
     (likeness(best) >= 0.5).then_some(best)
 }

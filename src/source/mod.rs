@@ -1,4 +1,4 @@
-//! A text with places in it, and faults that are told with their place.
+//! Texts with places in them, and faults reported with their place.
 
 pub mod diagnose;
 pub mod place;

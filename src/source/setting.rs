@@ -1,6 +1,8 @@
-//! Settings in messages. The library writes them as `name = value` in backticks; a front end spells them as its own options.
+//! Settings in messages. The library writes them as `name = value` in backticks; a front end replaces them by its own
+//! options.
 
-/// A message with its settings as `spell` writes them from name and value; those that it does not know stay.
+/// A message with its settings written by `spell` from name and value; settings that `spell` does not know stay
+/// unchanged.
 ///
 /// ```
 /// # use sagnac::source::setting::spelled;

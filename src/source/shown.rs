@@ -1,4 +1,4 @@
-//! What an error shows of a text.
+//! The lines of a text that an error shows.
 
 use std::ops::Range;
 
@@ -7,20 +7,20 @@ use miette::{MietteError, SourceCode, SourceSpan, SpanContents};
 use crate::source::diagnose::Text;
 use crate::source::place::Place;
 
-/// Bytes of a line from which on only a piece of it is shown. Nobody reads more in a report, and miette panics under a
-/// caret beyond column 65535.
+/// Length in bytes from which on only a piece of a line is shown. Longer lines are unreadable in a report, and miette
+/// panics for a caret beyond column 65535.
 const LONG: usize = 1000;
 
-/// The lines round a fault, or of a long one a piece.
+/// The lines around a fault, or a piece of a long line.
 #[derive(Debug, Clone)]
 pub(crate) enum Shown {
-    /// The bytes of the whole text under the caret.
+    /// A text with the bytes under the caret.
     Lines(Text, Range<usize>),
     Piece(Box<Place>),
 }
 
 impl Shown {
-    /// The bytes `span` of `text`.
+    /// The part of `text` to show for the bytes `span`.
     pub(crate) fn new(text: &Text, span: Range<usize>) -> Shown {
         let whole = text.inner();
         let is_end = |c: char| matches!(c, '\n' | '\r');
@@ -38,14 +38,14 @@ impl Shown {
         if end - start <= LONG && neighbours.all(|line| line.len() <= LONG) {
             return Shown::Lines(text.clone(), span);
         }
-        // Of \r\n one is counted.
+        // \r\n counts as one line end.
         let ends = before[..start].bytes().zip(before[..start].bytes().skip(1).chain([0]));
         let line = 1 + ends.filter(|&(byte, next)| byte == b'\n' || (byte == b'\r' && next != b'\n')).count();
         let within = span.start - start..span.end - start;
         Shown::Piece(Box::new(Place::new(text.name(), line, &whole.as_bytes()[start..end], within)))
     }
 
-    /// The bytes under the caret, of what is shown.
+    /// The bytes under the caret, relative to the part shown.
     pub(crate) fn span(&self) -> Range<usize> {
         match self {
             Shown::Lines(_, span) => span.clone(),

@@ -6,16 +6,16 @@ use std::io::{Error, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Most bytes of a study, or of a file of noise: nobody writes as many.
+/// Largest size of a study or of a noise file, in bytes.
 pub(crate) const MOST_TOML: u64 = 16 << 20;
 
-/// Most bytes of a record, 2^28, so that it is read and refused in less than 1 GiB of memory.
+/// Largest size of a record in bytes, 2^28, which is read and refused in less than 1 GiB of memory.
 pub(crate) const MOST_RECORD: u64 = 1 << 28;
 
 /// The text of the file at `path`, which may be a pipe.
 ///
 /// # Errors
-/// It cannot be read, or has as many bytes as `most`: a device may have no end.
+/// The file cannot be read, or has `most` bytes or more; a device may have no end.
 pub(crate) fn read_text(path: &Path, most: u64) -> Result<String, Error> {
     let file = File::open(path)?;
     let mut text = String::new();
@@ -28,20 +28,20 @@ pub(crate) fn read_text(path: &Path, most: u64) -> Result<String, Error> {
     Err(Error::new(ErrorKind::FileTooLarge, format!("it is longer than {} MiB", most >> 20)))
 }
 
-/// The files that a study names, each read once: what is kept of a study is what was computed with, though a file changes meanwhile
-/// or is a pipe.
+/// The files that a study names, each read once. The stored copies are therefore what was computed with, even if a file
+/// changes meanwhile or is a pipe.
 pub(crate) struct Files {
     folder: PathBuf,
     read: RefCell<Vec<(PathBuf, Arc<str>)>>,
 }
 
 impl Files {
-    /// Of a study that lies in this folder.
+    /// The files of a study in this folder.
     pub(crate) fn of(folder: &Path) -> Files {
         Files { folder: folder.to_owned(), read: RefCell::default() }
     }
 
-    /// Where a file is.
+    /// The path of a file.
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }
@@ -49,7 +49,7 @@ impl Files {
     /// The text of a file.
     ///
     /// # Errors
-    /// Those of [`read_text`].
+    /// The same as for [`read_text`].
     pub(crate) fn text(&self, name: &str, most: u64) -> Result<Arc<str>, Error> {
         let path = self.path(name);
         let known = self.read.borrow().iter().find(|(known, _)| *known == path).map(|(_, text)| text.clone());

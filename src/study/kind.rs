@@ -42,7 +42,7 @@ pub struct Kind {
     pub(crate) kernels: fn() -> String,
     /// The loads on which its kernels are checked; none for closed forms.
     pub(crate) loads: fn() -> Vec<Load>,
-    /// Reads what is of this kind in a study.
+    /// Reads the part of a study that belongs to this kind.
     pub(crate) read: fn(&mut Reading) -> Result<Box<dyn Subject>, Wrong>,
 }
 
@@ -68,10 +68,10 @@ pub(crate) trait Subject: Any + fmt::Debug + Send + Sync {
     /// A point cannot be represented; the error points at the key to change.
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError>;
 
-    /// The tables of its results, as far as they are known before anything is sampled; that of the points first.
+    /// The tables of its results, as far as they are known before anything is sampled, with that of the points first.
     fn grounds(&self) -> Vec<Ground>;
 
-    /// What of the inputs is left out, rounded or assumed, each in a sentence.
+    /// Notes on inputs that are ignored, rounded or assumed, each a sentence.
     fn notes(&self) -> &[String] {
         &[]
     }

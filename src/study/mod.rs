@@ -51,7 +51,7 @@ pub struct Study {
 }
 
 impl Study {
-    /// The kind that it is of.
+    /// The kind of the study.
     pub fn kind(&self) -> &'static Kind {
         self.kind
     }
@@ -76,14 +76,14 @@ impl Study {
         self.ground(source).map(|ground| ground.text_names()).unwrap_or_default()
     }
 
-    /// The rows of its points that are meant where nothing is said: (column, value as files show it).
+    /// The default rows of its points, as pairs of a column and its value as files show it.
     pub fn usual_rows(&self) -> Vec<(String, String)> {
         let ground = self.ground(Source::Points);
         let rows = ground.iter().flat_map(Ground::usual_rows);
         rows.map(|(column, value)| (column.name, value.text())).collect()
     }
 
-    /// Whether points stop at a precision rather than after a number of trials.
+    /// Whether points stop at a precision instead of after a number of trials.
     pub fn has_stop_rule(&self) -> bool {
         self.subject.has_stop_rule()
     }
@@ -95,7 +95,7 @@ impl Study {
     pub fn fix_trials(&mut self) -> Result<(), StudyError> {
         let Some(span) = self.written.precision.clone() else { return Ok(()) };
         if !self.text.inner()[span.clone()].starts_with(['"', '\'', '{']) {
-            let message = "this precision cannot be left out for all trials to be taken";
+            let message = "this precision cannot be left out to sample all trials";
             return Err(self.error_at(
                 span,
                 message,

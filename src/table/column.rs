@@ -6,9 +6,11 @@ use crate::table::{Cell, Column};
 /// The role of a column in its table. A role that refers to another column is stored with the name of that column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Role {
-    /// Tells rows apart: a swept key, or a text such as the filler; refers to the key of the study that lists its values.
+    /// Distinguishes rows: a swept key, or a text such as the filler. Refers to the key of the study that lists its
+    /// values.
     Key,
-    /// A number that follows from the keys and can be an abscissa, as τ or Δt·ν; refers to the key or column that it runs along with.
+    /// A number that follows from the keys and can be an abscissa, such as τ or Δt·ν. Refers to the key or column with
+    /// which it varies.
     Coordinate,
     /// An estimate, or a value in closed form.
     #[default]
@@ -37,18 +39,19 @@ pub enum Role {
     Note,
 }
 
-/// What a column stands for where a chart or a summary names none. Each table has at most one column for each.
+/// The purpose for which a column is the default where a chart or a summary names none. Each table has at most one
+/// column for each purpose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Usual {
-    /// The estimate that charts show, and by which the best row is told unless another column is the [`Usual::Answer`].
+    /// The estimate that charts show. It also determines the best row unless another column is the [`Usual::Answer`].
     Estimate,
-    /// The column by which the best row is told.
+    /// The column that determines the best row.
     Answer,
-    /// The abscissa where nothing is swept. If it runs along with no other column, it tells rows apart.
+    /// The abscissa where nothing is swept. If it does not refer to another column, it distinguishes rows.
     Abscissa,
 }
 
-/// What is known of a column without its rows.
+/// The properties of a column, without its cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct About {
     /// Name without the unit. A name that ends in `[…]` stands for one column for each tick.
@@ -65,7 +68,7 @@ pub struct About {
     pub meaning: &'static str,
     /// Whether the column is part of a brief summary.
     pub brief: bool,
-    /// What it stands for where none is named.
+    /// The purpose for which it is the default.
     pub usual: Option<Usual>,
 }
 
@@ -150,12 +153,12 @@ impl<R> ColumnOf<R> {
         ColumnOf { about: About { brief: true, ..self.about }, ..self }
     }
 
-    /// The same as what stands for the column of this use.
+    /// Makes the column the default for this purpose.
     pub(crate) const fn usual(self, usual: Usual) -> ColumnOf<R> {
         ColumnOf { about: About { usual: Some(usual), ..self.about }, ..self }
     }
 
-    /// The same with the 95 % interval of each cell.
+    /// Sets the function that computes the 95 % interval of each cell.
     pub(crate) const fn within(self, band: fn(&R) -> Band) -> ColumnOf<R> {
         ColumnOf { band: Some(band), ..self }
     }

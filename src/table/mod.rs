@@ -100,9 +100,9 @@ pub struct Column {
     pub meaning: String,
     /// Whether the column is part of a brief summary.
     pub brief: bool,
-    /// What it stands for where none is named.
+    /// The purpose for which it is the default.
     pub usual: Option<Usual>,
-    /// One for each row.
+    /// Cells, one for each row.
     pub cells: Vec<Cell>,
     /// Lower and upper ends of the 95 % interval of each cell, where there is one.
     pub band: Option<Vec<Option<(f64, f64)>>>,
@@ -234,13 +234,13 @@ impl Table {
         self.columns.iter().find(|column| column.role == role)
     }
 
-    /// The column that stands for this one where none is named; the estimate answers where no other column does.
+    /// The default column for this purpose; the estimate is also the answer where no other column is.
     pub fn usual(&self, usual: Usual) -> Option<&Column> {
         let of = |usual| self.columns.iter().find(|column| column.usual == Some(usual));
         of(usual).or_else(|| (usual == Usual::Answer).then(|| of(Usual::Estimate))?)
     }
 
-    /// The column that tells rows apart by what this key of the study lists, as fillers.
+    /// The column that distinguishes rows by the values that this key of the study lists, such as fillers.
     pub fn listed_by(&self, key: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.role == Role::Key && column.of == key)
     }

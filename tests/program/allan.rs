@@ -132,7 +132,7 @@ fn gaps_outliers_and_what_was_done_are_said() {
     let treatment = &curve(&desk, "results/log")[0]["treatment"];
     assert_eq!(treatment, "from 20 s; until 180 s; linear trend removed: no R, K too low");
     let removed = done(&desk, "log.csv --data rate --time t --remove-outliers");
-    assert!(removed.stderr.contains("taken for gaps"), "{}", removed.stderr);
+    assert!(removed.stderr.contains("treated as gaps"), "{}", removed.stderr);
     let first =
         |ended: &Ended| ended.stdout.lines().nth(5).unwrap().split_whitespace().nth(2).unwrap().to_owned();
     let [kept, removed]: [f64; 2] = [kept, removed].map(|ended| first(&ended).parse().unwrap());

@@ -46,7 +46,7 @@ fn a_log_that_is_none_is_refused_with_its_place_and_what_to_do() {
             RATE.into(),
             vec!["log.csv:10:1", "column 1 is infinite", "NaN where a sample is missing"],
         ),
-        (number(9, "1.2.3"), RATE.into(), vec!["log.csv:10:1", "\"1.2.3\", which is no number"]),
+        (number(9, "1.2.3"), RATE.into(), vec!["log.csv:10:1", "\"1.2.3\", which is not a number"]),
         (
             of(&|i, y| format!("{i};{y}").replace('.', ",")),
             format!("{RATE} --column 2"),
@@ -61,9 +61,9 @@ fn a_log_that_is_none_is_refused_with_its_place_and_what_to_do() {
         (
             good.clone().into(),
             RATE.into(),
-            vec!["has 3 columns, which of them?", "2 gx [deg/s], 3 gz [deg/s]"],
+            vec!["has 3 columns: select some of them", "2 gx [deg/s], 3 gz [deg/s]"],
         ),
-        (good.clone().into(), format!("{RATE} --column gx,2"), vec!["asked for twice"]),
+        (good.clone().into(), format!("{RATE} --column gx,2"), vec!["requested twice"]),
         (
             good.clone().into(),
             "--data angle --rate 1Hz --column gx".into(),
@@ -94,7 +94,7 @@ fn a_log_that_is_none_is_refused_with_its_place_and_what_to_do() {
                 "log.csv:10:1",
                 "a step of 1.3 s, the median is 1 s",
                 "within 10 %",
-                "--rate 100Hz in place of stamps",
+                "--rate 100Hz instead of stamps",
             ],
         ),
         (stamp(9, f64::NAN), by_time.into(), vec!["log.csv:10:1", "the time is missing"]),

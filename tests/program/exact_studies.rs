@@ -280,7 +280,7 @@ fn lists_of_columns_that_make_no_sense_are_refused() {
     let limited = "y = [\"bound\", \"mean_drift\"]\nlimit = \"10 s\"";
     refused(&chart(limited), "17:6", &["`bound` is in ″/s, a limit in s cannot be drawn on it"]);
     let series = "y = [\"bound\", \"mean_drift\"]\nseries = [\"duration\", \"switches\"]";
-    refused(&chart(series), "18:10", &["series names two columns beside several columns y"]);
+    refused(&chart(series), "18:10", &["series names two columns, but y lists several"]);
     let map = "y = [\"bound\", \"mean_drift\"]\nkind = \"heat-map\"\nz = \"bound\"";
     refused(&chart(map), "17:5", &["has one column y"]);
 }

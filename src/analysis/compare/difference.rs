@@ -9,39 +9,41 @@ use crate::fit::fitter::fit_record;
 use crate::fit::interval::WITHIN_95;
 use crate::theory::allan::terms::Term;
 
-/// Differences with a smaller p are significant.
+/// Significance level: differences with a smaller p are significant.
 pub const SIGNIFICANT: f64 = 0.05;
 
-/// No p is less: 0 would say that something is impossible.
+/// Least p; 0 would claim that something is impossible.
 pub const LEAST_P: f64 = 1e-300;
 
-/// What is compared.
+/// A compared quantity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// In the unit of the [`Term`].
+    /// A coefficient, in the unit of its [`Term`].
     Coefficient(Term),
     /// The correlation time of Markov noise, s, or the frequency of a sine, Hz.
     Shape(Term),
 }
 
-/// A coefficient of both records.
+/// A quantity of both records.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Difference {
-    /// Which coefficient, with its unit.
+    /// Quantity, which determines the unit.
     pub quantity: Quantity,
-    /// Absent where the record does not show it.
+    /// Values; absent where the record does not show the quantity.
     pub values: [Option<f64>; 2],
-    /// What the true value is at most, at 97.5 %; absent where the record does not tell.
+    /// Upper bounds of the true values, at 97.5 %; absent where the record gives none.
     pub at_most: [Option<f64>; 2],
-    /// The second less the first, where both are there.
+    /// The second value less the first, where both are known.
     pub difference: Option<f64>,
-    /// 95 % interval of it, with an end absent that the records do not tell, and both where no record shows it.
+    /// 95 % interval of the difference; an end is absent where the records do not determine it, both where no record
+    /// shows the quantity.
     pub interval: [Option<f64>; 2],
-    /// The second over the first, where both are there.
+    /// The second value over the first, where both are known.
     pub ratio: Option<f64>,
-    /// 95 % interval of it.
+    /// 95 % interval of the ratio.
     pub ratio_interval: [Option<f64>; 2],
-    /// Probability of estimates as far apart or farther if the true values are equal; absent where no record shows it.
+    /// Probability of estimates at least as far apart if the true values are equal; absent where no record shows the
+    /// quantity.
     pub p: Option<f64>,
 }
 
@@ -50,12 +52,12 @@ pub struct Difference {
 pub(crate) struct Fits {
     pub fits: [Fit; 2],
     pub terms: Vec<Term>,
-    /// Those that at least one record shows if it may choose.
+    /// Terms that at least one record shows if its fit may choose.
     shown: Vec<Term>,
 }
 
 impl Fits {
-    /// With [`Terms::Auto`] the terms are those that the best fit of either record uses.
+    /// The fits of two curves. With [`Terms::Auto`] the terms are those used by the best fit of either record.
     pub fn of(curves: [&Curve; 2], terms: &Terms) -> Result<Fits, FitError> {
         let both = |terms: &Terms| -> Result<[Fit; 2], FitError> {
             let (a, b) = rayon::join(|| fit_record(curves[0], terms), || fit_record(curves[1], terms));
@@ -80,20 +82,20 @@ impl Fits {
         Ok(Fits { fits: both(&Terms::Given(used.clone()))?, terms: used, shown })
     }
 
-    /// Both estimates of a term; `widening`: of the variance of each record.
+    /// Both estimates of a term; `widening` multiplies the variance of each record.
     pub fn of_term(&self, term: Term, widening: [f64; 2]) -> Option<Two> {
         let [a, b] = &self.fits;
         two(a, b, Quantity::Coefficient(term), widening)
     }
 
-    /// All quantities of the terms.
+    /// The differences of all quantities of the terms.
     pub fn differences(&self, widening: [f64; 2]) -> Vec<Difference> {
         let [a, b] = &self.fits;
         let difference = |quantity| Some(self.difference(quantity, &two(a, b, quantity, widening)?));
         self.quantities().into_iter().filter_map(difference).collect()
     }
 
-    /// How long records must be for each of `differences`, but for those of which the values to be told apart are unknown.
+    /// Required lengths of the records for each of `differences`; unknown where the values to distinguish are unknown.
     pub fn lengths(&self, differences: &[Difference], steps: [f64; 2]) -> Vec<Length> {
         let is_open = |found: &&Difference| {
             found.difference.is_some_and(|difference| difference != 0.0)
@@ -166,7 +168,7 @@ pub(crate) fn two(a: &Fit, b: &Fit, quantity: Quantity, widening: [f64; 2]) -> O
     Some(Two { a: estimate(a, widening[0])?, b: estimate(b, widening[1])? })
 }
 
-/// The probability of a normal number at least this far from its mean, on either side.
+/// The probability that a normal number is at least this far from its mean, on either side.
 fn two_sided(distance: f64) -> f64 {
     libm::erfc(distance / core::f64::consts::SQRT_2).max(LEAST_P)
 }

@@ -1,27 +1,28 @@
-//! What one record says of a coefficient, a correlation time or a frequency, and how far two of these are apart.
+//! The estimate of a coefficient, a correlation time or a frequency from one record, and the distance between two of
+//! them.
 //!
-//! Each outcome has a place for every true value: the normal number z that is as rare. Two records would have the same
-//! value x with the distance √min_x(z_A(x)² + z_B(x)²), which is that of a normal number if they do: the square is
-//! one of χ² of one degree of freedom, since one value is found for two. The values of both that are less far than
-//! 1.96 make the 95 % interval of any function of them, such as their difference.
+//! Each outcome has a rank for every true value: the standard normal number z that is equally rare. If both records
+//! have the same value x, their distance √min_x(z_A(x)² + z_B(x)²) is that of a normal number: its square is a χ² with
+//! one degree of freedom, since one value is fitted to two. The pairs of values at a distance below 1.96 make up the 95
+//! % interval of any function of them, such as their difference.
 
 use crate::fit::evidence::Evidence;
 
-/// Points of a grid, and golden sections of one step of it to either side.
+/// Number of grid points, and of golden sections of one grid step on either side.
 const GRID: u32 = 16;
 const SECTIONS: usize = 24;
 
-/// An estimate, of which every true value makes something rarer or less rare.
+/// An estimate, which is more or less rare depending on the true value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Estimate {
-    /// Of the square of a coefficient.
+    /// An estimate of the square of a coefficient.
     Square(Evidence),
-    /// Of a correlation time or a frequency: its value and the standard error of its logarithm.
+    /// An estimate of a correlation time or a frequency: its value and the standard error of its logarithm.
     Logarithm { value: f64, error: f64 },
 }
 
 impl Estimate {
-    /// The coefficient or shape for which the estimate is `deviate` from the middle; as [`Evidence::square_at`].
+    /// The coefficient or shape for which the estimate has the deviate `deviate`; see [`Evidence::square_at`].
     pub fn at(&self, deviate: f64) -> Option<f64> {
         match self {
             Estimate::Square(evidence) => evidence.square_at(deviate).map(libm::sqrt),
@@ -29,7 +30,7 @@ impl Estimate {
         }
     }
 
-    /// What was found, in the same unit.
+    /// The estimated value, in the same unit.
     pub fn found(&self) -> f64 {
         match self {
             Estimate::Square(evidence) => libm::sqrt(evidence.estimate()),
@@ -45,7 +46,7 @@ impl Estimate {
     }
 }
 
-/// Two estimates of what may be the same.
+/// Two estimates of the same quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Two {
     pub a: Estimate,
@@ -53,7 +54,7 @@ pub(crate) struct Two {
 }
 
 impl Two {
-    /// How far apart they are, in standard deviations of a normal number, and the value that both are least far from.
+    /// The distance between them, in standard deviations of a normal number, and the common value with that distance.
     pub fn distance(&self) -> (f64, f64) {
         let middle = |estimate: &Estimate| estimate.at(0.0).unwrap_or(estimate.found());
         let (a, b) = (middle(&self.a), middle(&self.b));
@@ -69,13 +70,13 @@ impl Two {
         (libm::sqrt(least), value)
     }
 
-    /// The 95 % interval of `of`, which falls with the value of the first and rises with that of the second.
+    /// The 95 % interval of `of`, a function that falls with the first value and rises with the second.
     ///
-    /// `of` gets `None` for values without a bound.
+    /// `of` receives `None` for a value without a bound.
     pub fn interval(&self, distance: f64, of: impl Fn(Option<f64>, Option<f64>) -> f64) -> [f64; 2] {
         let quarter = core::f64::consts::FRAC_PI_2;
         let at = |turn: f64, sign: f64| {
-            // Without the rounding of cos π/2, which asks for what lies beyond every bound.
+            // The exact quarter avoids the rounding of cos π/2, which would request a value beyond every bound.
             let (a, b) = if turn >= quarter { (1.0, 0.0) } else { (libm::sin(turn), libm::cos(turn)) };
             of(self.a.at(sign * distance * a), self.b.at(-sign * distance * b))
         };
@@ -85,7 +86,7 @@ impl Two {
     }
 }
 
-/// Where a function is least, and what it is there: by a grid and golden sections about its best point.
+/// The minimum of a function and its value, by a grid and golden sections around its best point.
 fn least(low: f64, high: f64, of: impl Fn(f64) -> f64) -> (f64, f64) {
     let step = (high - low) / f64::from(GRID);
     let at = |i: u32| if i == GRID { high } else { low + f64::from(i) * step };
@@ -135,7 +136,7 @@ mod tests {
         let two = Two { a: square(40.0, [1.0, 0.0, 0.0]), b: square(44.0, [3.0, 0.0, 0.0]) };
         let (distance, value) = two.distance();
         assert!((distance - 2.0).abs() < 1e-9, "{distance}");
-        // The mean with the inverse variances as weights.
+        // The mean weighted by the inverse variances.
         assert!((value * value - 41.0).abs() < 1e-4, "{value}");
     }
 
@@ -143,7 +144,7 @@ mod tests {
     fn the_interval_ends_at_0_where_both_are_1_96_apart() {
         for variance in [[1.0, 0.0, 0.0], [0.5, 0.1, 0.02], [0.0, 0.01, 0.1]] {
             for apart in [WITHIN_95 * 0.98, WITHIN_95 * 1.02] {
-                // The second estimate for which both are so far apart.
+                // The second estimate at which both have this distance.
                 let (mut low, mut high) = (10.0, 1e4);
                 for _ in 0..60 {
                     let middle = 0.5 * (low + high);
@@ -169,7 +170,7 @@ mod tests {
 
     #[test]
     fn what_scatters_without_bound_has_no_end() {
-        // Three degrees of freedom: 1.96 standard deviations below the middle nothing is left.
+        // With three degrees of freedom nothing is left 1.96 standard deviations below the middle.
         let two = Two { a: square(1.0, [0.01, 0.0, 0.0]), b: square(1.0, [0.0, 0.0, 2.0]) };
         let [low, high] = two.interval(WITHIN_95, difference);
         assert!(low.is_finite() && high == f64::INFINITY, "{low} … {high}");

@@ -12,13 +12,13 @@ use crate::analysis::compare::words::{duration, probability, times};
 use crate::analysis::log::Curve;
 use crate::analysis::log::figures::line;
 
-/// Averaging times that differ by less are the same.
+/// Relative difference below which averaging times are the same.
 const SAME: f64 = 1e-4;
 
-/// Ratios within this factor of each other are drawn on a linear axis.
+/// Range of ratios below which the axis is linear.
 const NARROW: f64 = 3.0;
 
-/// Both curves.
+/// The chart of both curves.
 pub fn curves(analysis: &Analysis) -> Figure {
     let labels = [0, 1].map(|i| analysis.sides[i].label.clone());
     let entries = [0, 1].map(|style| Entry { style, name: labels[style].clone() }).into();
@@ -49,7 +49,7 @@ pub fn curves(analysis: &Analysis) -> Figure {
     }
 }
 
-/// The second curve over the first.
+/// The chart of the ratio of the second curve to the first.
 pub fn ratio(analysis: &Analysis) -> Figure {
     let [a, b] = [0, 1].map(|i| analysis.sides[i].label.clone());
     let point = |ratio: &Ratio| {
@@ -59,7 +59,7 @@ pub fn ratio(analysis: &Analysis) -> Figure {
     let points: Vec<SeriesPoint> = analysis.comparison.ratios.iter().filter_map(point).collect();
     let ends = points.iter().flat_map(|point| point.band.map_or([point.y; 2], |(low, high)| [low, high]));
     let (low, high) = ends.fold((1.0_f64, 1.0_f64), |(low, high), end| (low.min(end), high.max(end)));
-    // A logarithmic axis over less has hardly a tick above 1.
+    // A logarithmic axis over a smaller range has hardly a tick above 1.
     let scale = if high < NARROW * low { Scale::Linear } else { Scale::Log };
     let law = of_fits(&fits(analysis).unwrap_or_default());
     Figure {
@@ -86,7 +86,7 @@ pub fn ratio(analysis: &Analysis) -> Figure {
 /// A line by its points.
 type Line = Vec<(f64, f64)>;
 
-/// What the fits of both records give on average.
+/// The expected curves of the fits of both records.
 fn fits(analysis: &Analysis) -> Option<[Line; 2]> {
     let models = analysis.comparison.models()?;
     Some([0, 1].map(|i| {
@@ -96,7 +96,7 @@ fn fits(analysis: &Analysis) -> Option<[Line; 2]> {
     }))
 }
 
-/// The second over the first, at the times of the first that the second has or runs past.
+/// The second line over the first, at the times of the first that the second contains or spans.
 fn of_fits([a, b]: &[Line; 2]) -> Line {
     let at = |&(tau, of_a): &(f64, f64)| {
         let next = b.iter().position(|point| point.0 >= tau * (1.0 - SAME))?;
@@ -104,7 +104,7 @@ fn of_fits([a, b]: &[Line; 2]) -> Line {
         if high <= tau * (1.0 + SAME) {
             return Some((tau, of_high / of_a));
         }
-        // Between two places the line is nearly a power of τ.
+        // Between two points the line is nearly a power of τ.
         let (low, of_low) = b[next.checked_sub(1)?];
         let part = libm::log(tau / low) / libm::log(high / low);
         Some((tau, of_low * libm::pow(of_high / of_low, part) / of_a))
@@ -112,12 +112,12 @@ fn of_fits([a, b]: &[Line; 2]) -> Line {
     a.iter().filter_map(at).collect()
 }
 
-/// Where there is a fit, points are told from it.
+/// Name of the points in the legend, needed where there is a fit too.
 fn measured(fit: &Line) -> String {
     if fit.is_empty() { String::new() } else { "measured".to_owned() }
 }
 
-/// How long both records are and what was done to them.
+/// The lengths of both records and their treatment.
 fn subtitle(analysis: &Analysis) -> String {
     let of = |i: usize| format!("{}: {}", analysis.sides[i].label, duration(analysis.sides[i].length_s()));
     format!("{}; {}; {}", of(0), of(1), analysis.treatment().summary())
@@ -128,7 +128,7 @@ fn found(analysis: &Analysis) -> String {
     let rows = analysis.rows.iter().flatten();
     let of = |row: &Row| {
         let ratio = times(row.found.ratio?, 3);
-        let open = if row.verdict() == Verdict::NotToldApart { ", not told apart" } else { "" };
+        let open = if row.verdict() == Verdict::NotToldApart { ", not significant" } else { "" };
         Some(format!("{}: {ratio} ({}{open})", row.name, probability(row.found.p?)))
     };
     let coefficients = rows.filter_map(of);

@@ -1,20 +1,20 @@
-//! The F distribution with any real numbers of degrees of freedom.
+//! The F distribution for any real numbers of degrees of freedom.
 //!
-//! By the incomplete beta function of statrs, which against SciPy is right to 3e-8 up to 1e7 degrees of freedom, but
-//! near the middle only where one of the two is below 1e5: at 1e7 and 1e7 the median comes out as 0.37. There the cube
-//! root of F is normal instead (Paulson), right to 2e-5 from 1e5 degrees on. statrs' own inverse is off by 0.6 % at 1e7 and
-//! 6 degrees: it is not used.
+//! It uses the incomplete beta function of statrs, which compared with SciPy is accurate to 3e-8 up to 1e7 degrees of
+//! freedom. Near the middle, however, one of the two numbers must be below 1e5: for 1e7 and 1e7 the median comes out as
+//! 0.37. In that range the cube root of F is taken as normal (Paulson), which is accurate to 2e-5 from 1e5 degrees on.
+//! The inverse in statrs is off by 0.6 % for 1e7 and 6 degrees and is not used.
 
 use statrs::function::beta::checked_beta_reg;
 
-/// Both degrees of freedom from which the cube root is taken.
+/// Number of both degrees of freedom from which on the cube root is used.
 const MANY: f64 = 1e5;
 /// Halvings of a bracket of the logarithm of a quantile.
 const HALVINGS: usize = 100;
-/// Quantiles are sought within e^±700.
+/// Quantiles are searched within e^±700.
 const FARTHEST: f64 = 700.0;
 
-/// The probabilities of less and of more than `x` > 0 of F with these degrees of freedom, both above 0.
+/// The probabilities that F with these degrees of freedom, both above 0, is less and greater than `x` > 0.
 pub(crate) fn tails(x: f64, numerator: f64, denominator: f64) -> Option<[f64; 2]> {
     let sensible = |degrees: f64| degrees > 0.0 && degrees.is_finite();
     if !(sensible(numerator) && sensible(denominator) && x > 0.0 && x.is_finite()) {
@@ -33,11 +33,11 @@ pub(crate) fn tails(x: f64, numerator: f64, denominator: f64) -> Option<[f64; 2]
     Some([below, above])
 }
 
-/// The value below which F lies with `probability`, 0 < p < 1: to 1e-7 from 1e-6 to 1 − 1e-6.
+/// The value below which F lies with `probability`, accurate to 1e-7 for probabilities from 1e-6 to 1 − 1e-6.
 pub(crate) fn quantile(probability: f64, numerator: f64, denominator: f64) -> Option<f64> {
     let is_below = |log: f64| {
         let [below, above] = tails(libm::exp(log), numerator, denominator)?;
-        // Without the loss of digits in 1 − p near 1.
+        // This form avoids the loss of digits in 1 − p near 1.
         Some(if probability < 0.5 { below < probability } else { above > 1.0 - probability })
     };
     let (mut low, mut high) = (-FARTHEST, FARTHEST);
@@ -56,7 +56,7 @@ pub(crate) fn quantile(probability: f64, numerator: f64, denominator: f64) -> Op
 mod tests {
     use super::*;
 
-    /// Degrees of freedom, probability and quantile: scipy.stats.f.ppf, SciPy 1.17.
+    /// Degrees of freedom, probability and quantile from scipy.stats.f.ppf, SciPy 1.17.
     const TABLE: &[(f64, f64, f64, f64)] = &[
         (0.9, 0.9, 0.025, 0.0008171473242102984),
         (0.9, 0.9, 0.5, 1.0),

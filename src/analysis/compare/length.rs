@@ -1,4 +1,4 @@
-//! How long two records must be for their coefficients to be told apart.
+//! The length of two records that is required to distinguish their coefficients.
 
 use std::collections::BTreeMap;
 
@@ -14,37 +14,38 @@ use crate::theory::allan::part::Part;
 use crate::theory::allan::process::Process;
 use crate::theory::allan::terms::Term;
 
-/// Distance of 1.96 standard deviations, for p = 5 %, and 1.28 more, so that 90 % of records are as far or farther.
+/// Distance of 1.96 standard deviations for p = 5 %, plus 1.28, so that 90 % of records have at least that distance.
 const DISTANCE: f64 = 1.959_963_984_540_054 + 1.281_551_565_544_600_4;
 
-/// Lengths that are tried: 2^5 to 2^26 samples of the shorter step, so many to an octave.
+/// Tried lengths: 2^5 to 2^26 samples of the shorter step, this many per octave.
 const SHORTEST: u32 = 5;
 const LONGEST: u32 = 26;
 const STEPS: u32 = 32;
 
-/// The length that each of two records of equal length must have for a difference to be significant at 5 % in 90 % of
-/// comparisons, the true values being those that were found.
+/// The length that each of two equally long records must have for a difference to be significant at 5 % in 90 % of
+/// comparisons, if the true values are the estimated ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Length {
-    /// So many s, to 2 %.
+    /// The required length, to 2 %.
     Needed {
-        /// Of each record, s.
+        /// Length of each record, s.
         length_s: f64,
     },
-    /// More than the longest that was tried, s.
+    /// More than the longest tried length.
     Beyond {
-        /// The longest that was tried, s.
+        /// The longest tried length, s.
         length_s: f64,
     },
-    /// The values found are equal, or one is not known and the difference not significant.
+    /// The values found are equal, or one is unknown and the difference not significant.
     Unknown,
 }
 
-/// For each of `quantities`: of records of two `processes`, sampled in these `steps`, s, and fitted with `terms`.
+/// The lengths for each of `quantities`, for records of two `processes` sampled in these `steps`, s, and fitted with
+/// `terms`.
 ///
-/// A curve that is the closed form of its process is fitted with the covariance of the estimates of a record of that
-/// length, up to an eighth of it: the fit is the process itself, with the uncertainty that a record has. It does not
-/// fall with the root of the length alone, for longer τ come with it.
+/// The closed-form curve of each process is fitted with the covariance of the estimates of a record of that length, up
+/// to an eighth of it. The fit is then the process itself, with the uncertainty of such a record. The uncertainty falls
+/// faster than the square root of the length, because longer τ become available.
 pub(crate) fn needed(
     processes: [&Process; 2],
     steps: [f64; 2],
@@ -74,7 +75,7 @@ struct Search<'a> {
     processes: [&'a Process; 2],
     steps: [f64; 2],
     terms: &'a [Term],
-    /// By the logarithm of the length.
+    /// Fits by the logarithm of the length.
     fits: BTreeMap<u32, [Option<Fit>; 2]>,
 }
 
@@ -83,7 +84,7 @@ impl Search<'_> {
         libm::exp2(f64::from(at) / f64::from(STEPS)) * self.steps[0].min(self.steps[1])
     }
 
-    /// How far apart the estimates of a quantity are, those being what they are on average.
+    /// The distance between the expected estimates of a quantity.
     fn distance(&mut self, at: u32, quantity: Quantity) -> Option<f64> {
         let length = self.length(at);
         let (processes, steps, terms) = (self.processes, self.steps, self.terms);
@@ -96,7 +97,7 @@ impl Search<'_> {
         Some(two(a, b, quantity, [1.0; 2])?.distance().0)
     }
 
-    /// The shortest length, within an octave below one that is enough, from which on it is enough.
+    /// The shortest sufficient length within an octave below one that is sufficient.
     fn between(&mut self, enough: u32, quantity: Quantity) -> f64 {
         let (mut low, mut high) = ((enough - STEPS).max(SHORTEST * STEPS), enough);
         while high - low > 1 {
@@ -111,7 +112,7 @@ impl Search<'_> {
     }
 }
 
-/// The fit of the curve that records of so many samples have on average.
+/// The fit of the expected curve of records of `samples` samples.
 fn expected(process: &Process, samples: u64, terms: &[Term]) -> Option<Fit> {
     let octaves = holds::octaves(samples)?;
     let of_length = |part: &Part| Part { octaves, ..*part };

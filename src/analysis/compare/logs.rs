@@ -1,4 +1,4 @@
-//! Two logs, from their files to what they say of each other.
+//! The comparison of two logs, from their files to the results.
 
 use std::path::{Path, PathBuf};
 
@@ -16,32 +16,32 @@ use crate::analysis::log::Treatment;
 /// Why two logs cannot be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
-    /// Only one of them is in a unit of angle.
+    /// Only one of the logs is in a unit of angle.
     #[error(
         "{} has plain numbers, {} has angular rates: they cannot be compared\ngive the unit of both",
         plain.display(), angular.display()
     )]
     Units {
-        /// The log of plain numbers.
+        /// Log of plain numbers.
         plain: PathBuf,
-        /// The other one.
+        /// Log with a unit of angle.
         angular: PathBuf,
     },
-    /// No averaging time is in both.
+    /// The logs have no averaging time in common.
     #[error(transparent)]
     NoCommonTime(#[from] NoCommonTime),
 }
 
-/// Everything that is said of two logs.
+/// The complete comparison of two logs.
 #[derive(Debug)]
 pub struct Analysis {
     /// The logs.
     pub sides: [Side; 2],
-    /// Of both.
+    /// Unit of both logs.
     pub unit: Unit,
-    /// Whether both are one record, so that nothing can differ.
+    /// Whether both are the same record, so that nothing can differ.
     pub is_one_record: bool,
-    /// What they say of each other.
+    /// Comparison of their records.
     pub comparison: Comparison,
     /// Coefficients in the units of data sheets, or why there are none.
     pub rows: Result<Vec<Row>, String>,
@@ -52,21 +52,21 @@ pub struct Analysis {
 pub struct Side {
     /// Its file.
     pub path: PathBuf,
-    /// The column that is compared.
+    /// Compared column.
     pub column: String,
-    /// What it is called beside the other one.
+    /// Label that distinguishes it from the other log.
     pub label: String,
-    /// What its samples are.
+    /// Quantity of its samples.
     pub data: Data,
-    /// How many there are, missing ones among them.
+    /// Number of samples, including missing ones.
     pub samples: usize,
-    /// From sample to sample, s.
+    /// Time from sample to sample, s.
     pub step_s: f64,
-    /// Samples that are missing.
+    /// Number of missing samples.
     pub missing: usize,
-    /// Of the rates or increments as they stand in the file.
+    /// Outliers of the rates or increments in the file.
     pub outliers: Outliers,
-    /// What the header says of the unit, where that is something else.
+    /// Unit in the header, where another one was used.
     pub overruled: Option<String>,
     unit: Unit,
     treatment: Treatment,
@@ -74,7 +74,7 @@ pub struct Side {
 }
 
 impl Side {
-    /// From the first sample to the end of the last, s.
+    /// Time from the first sample to the end of the last, s.
     pub fn length_s(&self) -> f64 {
         self.samples as f64 * self.step_s
     }
@@ -101,11 +101,11 @@ impl Side {
 }
 
 impl Analysis {
-    /// Compares the first columns of two logs, which were read from these paths with this treatment; without `terms` their
-    /// curves only.
+    /// Compares the first columns of two logs, which were read from these paths with this treatment. Without `terms`,
+    /// only the curves are compared.
     ///
     /// # Errors
-    /// Logs that have nothing in common to compare.
+    /// The logs have nothing in common to compare.
     pub fn of(
         logs: [(&Path, &Log); 2],
         treatment: &Treatment,
@@ -122,18 +122,18 @@ impl Analysis {
         Ok(Analysis { unit: a.unit, is_one_record: is_one_record(&a, &b), comparison, rows, sides: [a, b] })
     }
 
-    /// What was done to both records.
+    /// The treatment of both records.
     pub fn treatment(&self) -> &Treatment {
         &self.sides[0].treatment
     }
 
-    /// The record that is shorter, s.
+    /// Length of the shorter record, s.
     pub fn shorter_s(&self) -> f64 {
         self.sides[0].length_s().min(self.sides[1].length_s())
     }
 }
 
-/// As short as tells them apart: the names of the files, with their columns, with their folders.
+/// Labels as short as possible: the names of the files, then with columns, then with folders.
 fn labels(a: &Side, b: &Side) -> [String; 2] {
     let stem = |side: &Side| side.path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let with_column = |side: &Side| format!("{} {}", stem(side), side.column);

@@ -1,4 +1,5 @@
-//! Two records held against each other: which is noisier, in what, how sure that is, and how long records must be to tell.
+//! Comparison of two records: which is noisier, in which coefficient, with which confidence, and the record length
+//! required.
 //!
 //! ```text
 //! Angles, Angles ─┬ common τ ─▶ Ratios (F distribution) ─┬▶ Same: the same noise?
@@ -22,17 +23,17 @@
 //! # Ok::<(), sagnac::analysis::compare::NoCommonTime>(())
 //! ```
 //!
-//! The records are taken as independent of each other: noise that both have in common, such as the motion of a table on
-//! which both gyros stood, makes ratios nearer to 1 than is said here.
+//! The records are taken as independent. Common noise, such as the motion of a table on which both gyros stood, makes
+//! ratios closer to 1 than stated here.
 //!
-//! **Ratios.** The ratio of two variances of Gaussian noise is F with the degrees of freedom of Greenhall and Riley. Each
-//! interval is right for itself; many of them are judged together by [`Same`].
+//! **Ratios.** The ratio of two variances of Gaussian noise has the F distribution with the degrees of freedom of
+//! Greenhall and Riley. Each interval is correct by itself; [`Same`] judges all of them together.
 //!
-//! **Coefficients.** Both curves are fitted with the same terms. An estimate of a square is a χ² of so many degrees of
-//! freedom, shifted and scaled, whose variance follows the true value. The estimates of both are as far apart as the
-//! common value for which they are least rare together makes them: p, the interval of the difference and that of the
-//! ratio follow from that one distance, so that p < 5 % where the 95 % interval leaves out 0. A square that came out below 0
-//! counts as 0, so that p errs towards "no difference" for terms that a record does not show.
+//! **Coefficients.** Both curves are fitted with the same terms. An estimate of a square is a shifted and scaled χ²
+//! whose variance depends on the true value. The distance between two estimates is that from the common value for which
+//! they are least rare together. p, the interval of the difference and that of the ratio follow from this distance, so
+//! p < 5 % exactly where the 95 % interval excludes 0. A square estimated below 0 counts as 0, so p errs towards "no
+//! difference" for terms that a record does not show.
 
 pub mod difference;
 pub mod estimate;
@@ -61,18 +62,18 @@ use crate::fit::curve::{Curve, FitError};
 use crate::fit::record::curve_of;
 use crate::theory::allan::process::Process;
 
-/// What two records say of each other; the first is `[0]`.
+/// The comparison of two records, the first of which has index 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
     /// Overlapping Allan deviations at the octaves of each record.
     pub curves: [Vec<Point>; 2],
-    /// The averaging times that both have, and the differences to take there.
+    /// Averaging times common to both, and the factors there.
     pub common: Common,
-    /// One for each common time.
+    /// Ratios, one for each common time.
     pub ratios: Vec<Ratio>,
-    /// Absent where no ratio is known.
+    /// Test for equal noise; absent where no ratio is known.
     pub same: Option<Same>,
-    /// Coefficients of both fits; empty where none were asked for, else why there are none.
+    /// Coefficients of both fits; empty where none were requested, an error where the fit failed.
     pub differences: Result<Vec<Difference>, FitError>,
     fits: Option<Fits>,
 }
@@ -84,7 +85,7 @@ impl Comparison {
         Some([&a.process, &b.process])
     }
 
-    /// For each of the differences how long both records must be to tell the values found apart; in a second or two.
+    /// The record length required for each of the differences; takes a second or two.
     pub fn lengths(&self) -> Vec<Length> {
         let steps = self.ratios.first().map_or([0.0; 2], |ratio| ratio.points.map(|p| p.tau_s / p.m as f64));
         let differences = self.differences.as_deref().unwrap_or_default();
@@ -92,7 +93,7 @@ impl Comparison {
     }
 }
 
-/// Two records without an averaging time that both have.
+/// The records have no averaging time in common.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
     "the records have no averaging time in common: the first has steps of {} s up to τ = {} s, the second of {} s up to \
@@ -106,10 +107,10 @@ pub struct NoCommonTime {
     pub longest: [f64; 2],
 }
 
-/// Compares two records, whose angles are in the same unit; without `terms` their curves only.
+/// Compares two records whose angles are in the same unit. Without `terms`, only the curves are compared.
 ///
 /// # Errors
-/// Records without an averaging time in common.
+/// The records have no averaging time in common.
 pub fn compare(a: &Angles, b: &Angles, terms: Option<&Terms>) -> Result<Comparison, NoCommonTime> {
     let records = [a, b];
     let sampling = records.map(|angles| (angles.step_s, angles.len().saturating_sub(1)));
@@ -133,7 +134,7 @@ pub fn compare(a: &Angles, b: &Angles, terms: Option<&Terms>) -> Result<Comparis
     Ok(Comparison { curves: [curve_a, curve_b], common, ratios, same, differences, fits })
 }
 
-/// The curve of a record at its octaves, and at the common factors.
+/// The curve of a record at its octaves, and that at the common factors.
 fn points(angles: &Angles, common: &[usize]) -> (Vec<Point>, Vec<Point>) {
     let octaves = Taus::Octave.factors(angles.len(), angles.step_s, Deviation::Oadev).unwrap_or_default();
     let mut all = [&octaves, common].concat();
@@ -154,7 +155,7 @@ fn of_fits(
     let curves: [Curve; 2] = [curve_of(records[0])?, curve_of(records[1])?];
     let curves = [&curves[0], &curves[1]];
     let fits = Fits::of(curves, terms)?;
-    // A gap costs what the samples in it are worth.
+    // A gap costs as much information as the samples missing in it.
     let widening = records.map(|angles| 1.0 / (1.0 - angles.missing() as f64 / angles.len() as f64));
     let differences = fits.differences(widening);
     let left = |point: &Point, angles: &Angles| {

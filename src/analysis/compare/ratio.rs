@@ -1,33 +1,33 @@
-//! Two curves at the averaging times that both have, and their ratio.
+//! Two curves at their common averaging times, and their ratio.
 
 use crate::allan::curve::Point;
 use crate::allan::deviation::Deviation;
 use crate::analysis::compare::difference::LEAST_P;
 use crate::analysis::compare::fisher;
 
-/// How far apart two averaging times may be to count as one.
+/// Largest relative difference between two averaging times that count as one.
 pub const NEAREST: f64 = 0.02;
-/// Averaging times that differ by less are the same: clocks do not agree better.
+/// Relative difference below which averaging times are the same, given the agreement of clocks.
 const SAME: f64 = 1e-4;
-/// Probability of the intervals.
+/// Confidence of the intervals.
 const CONFIDENCE: f64 = 0.95;
 
 /// The averaging factors of two records at common times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Common {
-    /// Of the first and of the second record, rising.
+    /// Factors of the first and of the second record, rising.
     pub factors: Vec<[usize; 2]>,
-    /// Octaves of the longer step to which the other record has no time within [`NEAREST`].
+    /// Octaves of the longer step for which the other record has no time within [`NEAREST`].
     pub left_out: usize,
-    /// The largest distance between two times that are taken as one, as a part of them; 0 where all are the same.
+    /// The largest relative difference between two times that count as one; 0 where all are the same.
     pub farthest: f64,
 }
 
-/// A step, s, and how many samples there are of it.
+/// A step, s, with the number of samples.
 pub(crate) type Sampling = (f64, usize);
 
 impl Common {
-    /// The octaves of the record of the longer step, as far as both records reach.
+    /// The octaves of the record with the longer step, as far as both records extend.
     pub(crate) fn of(a: Sampling, b: Sampling) -> Common {
         let swapped = a.0 < b.0;
         let ((long, samples), (short, others)) = if swapped { (b, a) } else { (a, b) };
@@ -51,21 +51,21 @@ impl Common {
     }
 }
 
-/// Two deviations at one averaging time, and the second over the first.
+/// Two deviations at one averaging time, and the ratio of the second to the first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ratio {
-    /// Of the first record and of the second, which differ by [`NEAREST`] at most.
+    /// Points of the first and of the second record, whose times differ by at most [`NEAREST`].
     pub points: [Point; 2],
-    /// Absent where a deviation is, or is 0.
+    /// Ratio; absent where a deviation is absent or 0.
     pub value: Option<f64>,
     /// 95 % interval of the ratio of the true deviations.
     pub interval: Option<[f64; 2]>,
-    /// Probability of a ratio as far from 1 or farther if the true deviations are equal, on either side.
+    /// Probability of a ratio at least as far from 1, on either side, if the true deviations are equal.
     pub p: Option<f64>,
 }
 
 impl Ratio {
-    /// The ratio of the variances of Gaussian noise is F with their equivalent degrees of freedom.
+    /// The ratio of the variances of Gaussian noise has the F distribution with their equivalent degrees of freedom.
     pub(crate) fn of(a: Point, b: Point) -> Ratio {
         let positive = |point: &Point| point.value.filter(|value| *value > 0.0);
         let value = positive(&a).zip(positive(&b)).map(|(a, b)| b / a);

@@ -6,40 +6,40 @@ use crate::analysis::compare::difference::{Difference, Quantity, SIGNIFICANT};
 use crate::analysis::compare::length::Length;
 use crate::analysis::data_sheet::data_sheet_unit;
 
-/// What two logs say of one coefficient.
+/// The result for one coefficient of two logs.
 #[derive(Debug, Clone)]
 pub struct Row {
-    /// Which one.
+    /// Quantity.
     pub quantity: Quantity,
-    /// As files have it.
+    /// Name in files.
     pub name: &'static str,
-    /// As files have it.
+    /// Unit in files.
     pub unit: &'static str,
-    /// For people.
+    /// Unit for the user.
     pub symbol: &'static str,
-    /// In this unit, but for p and the ratio.
+    /// Result in this unit, except p and the ratio.
     pub found: Difference,
-    /// Of records that tell the values apart.
+    /// Record length required to distinguish the values.
     pub length: Length,
 }
 
-/// What the p of a row says.
+/// The verdict that follows from p.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// The second record has more of it.
+    /// The second record has a higher value.
     Higher,
-    /// The second record has less of it.
+    /// The second record has a lower value.
     Lower,
-    /// The records do not show a difference.
+    /// The records show no significant difference.
     NotToldApart,
     /// Both values are the same number.
     Equal,
-    /// Neither record shows it.
+    /// Neither record shows the quantity.
     Neither,
 }
 
 impl Verdict {
-    /// As files have it.
+    /// Name in files.
     pub fn name(self) -> &'static str {
         match self {
             Verdict::Higher => "B higher",
@@ -52,7 +52,7 @@ impl Verdict {
 }
 
 impl Row {
-    /// What its p says.
+    /// The verdict that follows from p.
     pub fn verdict(&self) -> Verdict {
         match self.found.p {
             None => Verdict::Neither,
@@ -66,7 +66,7 @@ impl Row {
     }
 }
 
-/// The rows of a comparison, or why there are none.
+/// The rows of a comparison, or the reason why there are none.
 pub fn rows(comparison: &Comparison, unit: Unit) -> Result<Vec<Row>, String> {
     let differences = comparison.differences.as_ref().map_err(ToString::to_string)?;
     Ok(differences.iter().zip(comparison.lengths()).map(|(found, length)| row(found, length, unit)).collect())

@@ -1,4 +1,4 @@
-//! Whether two curves are those of the same noise, all averaging times taken together.
+//! Test whether two curves have the same noise, over all averaging times together.
 
 use statrs::function::gamma::digamma;
 
@@ -12,38 +12,38 @@ use crate::theory::allan::estimator::{Difference, Estimator};
 use crate::theory::allan::gaussian;
 use crate::theory::allan::terms::Term;
 
-/// The test of two records for the same noise.
+/// The test of two records for equal noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Same {
-    /// Probability of curves as far apart or farther if the noise is the same.
+    /// Probability of curves at least as far apart if the noise is the same.
     pub p: f64,
-    /// How many averaging times went into it.
+    /// Number of averaging times in the test.
     pub times: usize,
-    /// The longest of them, s.
+    /// Longest of these times, s.
     pub longest_s: f64,
-    /// Which test it is: that of all times together needs a fit.
+    /// Method of the test; a test of all times together needs a fit.
     pub by: By,
 }
 
-/// How it was tested.
+/// The method of a test.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum By {
     /// χ² of the logarithms of all ratios, with the covariance between them.
     ChiSquared {
-        /// χ², of as many degrees of freedom as there are times.
+        /// χ², with as many degrees of freedom as times.
         value: f64,
     },
-    /// The least p of a single ratio times the number of them (Bonferroni): where there is no fit.
+    /// The least p of a single ratio times the number of ratios (Bonferroni), where there is no fit.
     LeastP,
 }
 
-/// By χ² of the logarithms of the ratios up to an eighth of the shorter record.
+/// Tests by χ² of the logarithms of the ratios up to an eighth of the shorter record.
 ///
-/// Under the hypothesis both records are of one process, with the squares that both are least far from. Its closed form
-/// gives what the logarithms are on average, also where the samplings differ, and their covariance: that of the
-/// estimates over their means, with mean and variance of the logarithm of a χ² of as many degrees of freedom.
+/// Under the hypothesis both records have one process, with the squares from which both have the least distance. Its
+/// closed form gives the expected logarithms, even where the samplings differ, and their covariance: that of the
+/// estimates relative to their means, with mean and variance of the logarithm of a χ² with the same degrees of freedom.
 ///
-/// `left`: of each ratio the part of the differences of each record that gaps leave.
+/// `left` is the fraction of the differences of each record that remain despite gaps, for each ratio.
 pub(crate) fn by_fits(
     ratios: &[Ratio],
     left: &[[f64; 2]],
@@ -63,7 +63,7 @@ pub(crate) fn by_fits(
     let mut rows = vec![vec![0.0; used.len()]; used.len()];
     let mut logarithms: Vec<f64> =
         used.iter().filter_map(|ratio| Some(2.0 * libm::log(ratio.value?))).collect();
-    // Of two records of one length it is the same.
+    // Two records of equal length share the covariance.
     let mut known = None;
     for (i, sign) in [(0, -1.0), (1, 1.0)] {
         let process = curves[i].process(&model);
@@ -101,7 +101,7 @@ pub(crate) fn by_fits(
     }))
 }
 
-/// By the least p of all ratios.
+/// Tests by the least p of all ratios.
 pub(crate) fn by_least_p(ratios: &[Ratio]) -> Option<Same> {
     let known: Vec<(&Ratio, f64)> = ratios.iter().filter_map(|ratio| Some((ratio, ratio.p?))).collect();
     let least = known.iter().map(|(_, p)| *p).fold(1.0, f64::min);
@@ -110,7 +110,7 @@ pub(crate) fn by_least_p(ratios: &[Ratio]) -> Option<Same> {
     Some(Same { p: (times as f64 * least).min(1.0), times, longest_s: last.tau_s(), by: By::LeastP })
 }
 
-/// A term with the square and the shape that both records are least far from.
+/// A term with the square and the shape from which both records have the least distance.
 fn pooled(fits: &Fits, term: Term, widening: [f64; 2]) -> Option<(Term, f64, f64)> {
     let (_, value) = fits.of_term(term, widening)?.distance();
     let shapes: Vec<f64> =
@@ -124,13 +124,14 @@ fn pooled(fits: &Fits, term: Term, widening: [f64; 2]) -> Option<(Term, f64, f64
     Some((term, value * value, shape))
 }
 
-/// Mean and variance of the logarithm of a χ² over its mean, by its relative variance 2/ν: ψ(ν/2) − ln(ν/2) and ψ′(ν/2).
+/// Mean and variance of the logarithm of a χ² relative to its mean, by its relative variance 2/ν: ψ(ν/2) − ln(ν/2) and
+/// ψ′(ν/2).
 fn moments_of_logarithm(relative: f64) -> (f64, f64) {
     let half = 1.0 / relative;
     (digamma(half) - libm::log(half), trigamma(half))
 }
 
-/// ψ′: by its recurrence up to 10 and the asymptotic series (Abramowitz and Stegun 6.4.12), right to 1e-12.
+/// ψ′ by its recurrence up to 10 and the asymptotic series (Abramowitz and Stegun 6.4.12), accurate to 1e-12.
 fn trigamma(x: f64) -> f64 {
     let (mut x, mut sum) = (x, 0.0);
     while x < 10.0 {

@@ -27,9 +27,9 @@ pub(crate) fn ratio_columns<'a>() -> Vec<ColumnOf<RatioRow<'a>>> {
         Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.ratio.tau_s()))
             .is(Role::Coordinate, "Averaging time τ, s."),
         Of::new("m_a", Unit::NONE, "m_a", |row| Cell::Integer(row.ratio.points[0].m as i64))
-            .is(Role::Count, "The same in samples of A."),
+            .is(Role::Count, "Averaging time in samples of A."),
         Of::new("m_b", Unit::NONE, "m_b", |row| Cell::Integer(row.ratio.points[1].m as i64))
-            .is(Role::Count, "The same in samples of B."),
+            .is(Role::Count, "Averaging time in samples of B."),
         Of::new("a", Unit::NONE, "a", |row| row.ratio.points[0].value.into())
             .is(Role::Error, "Overlapping Allan deviation of A, in `unit`."),
         Of::new("b", Unit::NONE, "b", |row| row.ratio.points[1].value.into())
@@ -43,13 +43,13 @@ pub(crate) fn ratio_columns<'a>() -> Vec<ColumnOf<RatioRow<'a>>> {
         Of::new("unit", Unit::NONE, "unit", |row| text(row.unit))
             .is(Role::Note, "Unit of `a` and `b`."),
         Of::new("p", Unit::NONE, "p", |row| row.ratio.p.into())
-            .is(Role::Estimate, "How often a ratio as far from 1 comes by chance where both have the same noise."),
+            .is(Role::Estimate, "Probability of a ratio at least as far from 1 by chance where both have the same noise."),
         Of::new("verdict", Unit::NONE, "verdict", |row| text(verdict(row.ratio)))
             .is(Role::Note, "`B higher`, `B lower` or `not told apart`, at 95 %."),
     ]
 }
 
-/// Every ratio: `compare.csv`.
+/// The table of all ratios, `compare.csv`.
 pub fn ratios(analysis: &Analysis) -> Table {
     let unit = &analysis.unit.in_files(Deviation::Oadev);
     let rows: Vec<RatioRow> =
@@ -77,9 +77,9 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<&'a Row>> {
         Of::new("upper", Unit::NONE, "upper", |row| row.found.interval[1].into())
             .is_of("difference", Role::Upper, "Upper end of the 95 % interval of `difference`."),
         Of::new("p", Unit::NONE, "p", |row| row.found.p.into())
-            .is(Role::Estimate, "How often as large a difference comes by chance where both have the same coefficient."),
+            .is(Role::Estimate, "Probability of at least as large a difference by chance where both have the same coefficient."),
         Of::new("length_needed", Unit::S, "length_needed", |row| needed(row.length).into())
-            .is(Role::Estimate, "Length of records, s, that tells such values apart in 9 of 10 cases."),
+            .is(Role::Estimate, "Length of records, s, that distinguishes such values in 9 of 10 cases."),
         Of::new("verdict", Unit::NONE, "verdict", |row| text(row.verdict().name()))
             .is(Role::Note, "`B higher`, `B lower`, `not told apart`, `equal` or `in neither record`."),
         Of::new("ratio", Unit::NONE, "ratio", |row| row.found.ratio.into())
@@ -93,11 +93,11 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<&'a Row>> {
         Of::new("b_at_most", Unit::NONE, "b_at_most", |row| row.found.at_most[1].into())
             .is(Role::Estimate, "The coefficient of B is at most this, where its record does not show it."),
         Of::new("length_beyond", Unit::S, "length_beyond", |row| beyond(row.length).into())
-            .is(Role::Estimate, "Length of records, s, up to which none was found that would tell such values apart."),
+            .is(Role::Estimate, "Length of records, s, up to which none was found that would distinguish such values."),
     ]
 }
 
-/// Every coefficient: `coefficients.csv`.
+/// The table of all coefficients, `coefficients.csv`.
 pub fn coefficients(analysis: &Analysis) -> Table {
     let rows: Vec<&Row> = analysis.rows.iter().flatten().collect();
     Table { columns: columns_of(&coefficient_columns(), &rows) }
@@ -120,12 +120,12 @@ fn needed(length: Length) -> Option<f64> {
     if let Length::Needed { length_s } = length { Some(length_s) } else { None }
 }
 
-/// The length up to which none was found.
+/// The length up to which none was found to suffice.
 fn beyond(length: Length) -> Option<f64> {
     if let Length::Beyond { length_s } = length { Some(length_s) } else { None }
 }
 
-/// Everything, for programs.
+/// The complete comparison as JSON.
 pub fn document(analysis: &Analysis) -> Value {
     let comparison = &analysis.comparison;
     let [a, b] = &analysis.sides;

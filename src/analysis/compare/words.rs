@@ -1,4 +1,4 @@
-//! What a comparison says in sentences.
+//! A comparison as sentences.
 
 use crate::analysis::compare::difference::Quantity;
 use crate::analysis::compare::length::Length;
@@ -8,7 +8,7 @@ use crate::quantity::number::significant;
 use crate::analysis::compare::logs::Analysis;
 use crate::analysis::compare::rows::{Row, Verdict};
 
-/// Smaller probabilities are not said: they are of tails that no approximation knows.
+/// Least probability that is stated; smaller ones belong to tails that no approximation describes.
 const LEAST_SAID: f64 = 1e-12;
 
 /// All sentences: on the curves as a whole, then on each coefficient.
@@ -24,12 +24,12 @@ pub fn sentences(analysis: &Analysis) -> Vec<String> {
     same(analysis).into_iter().chain(of_rows.map(|row| of_row(row, a, b, shorter_s))).collect()
 }
 
-/// `p = 0.03`, `p < 1e-12`
+/// Formats a probability as `p = 0.03` or `p < 1e-12`.
 pub fn probability(p: f64) -> String {
     if p < LEAST_SAID { format!("p < {LEAST_SAID:e}") } else { format!("p = {}", significant(p, 2)) }
 }
 
-/// `31 h`, with two digits.
+/// Formats a duration with two digits, such as `31 h`.
 pub fn duration(seconds: f64) -> String {
     const UNITS: [(f64, f64, &str); 5] = [
         (120.0, 1.0, "s"),
@@ -42,7 +42,7 @@ pub fn duration(seconds: f64) -> String {
     format!("{} {name}", significant(seconds / size, 2))
 }
 
-/// The length that a row asks for: `31 h`, `> 2.1 years`; empty where none can be named.
+/// The required length of a row, such as `31 h` or `> 2.1 years`; empty where it is unknown.
 pub fn length(length: Length) -> String {
     match length {
         Length::Needed { length_s } => duration(length_s),
@@ -51,7 +51,7 @@ pub fn length(length: Length) -> String {
     }
 }
 
-/// Whether the noise is the same, all averaging times together.
+/// Whether the noise is the same over all averaging times together.
 fn same(analysis: &Analysis) -> Option<String> {
     let same = analysis.comparison.same?;
     let times = format!("{} averaging times up to {} s", same.times, significant(same.longest_s, 6));
@@ -61,9 +61,8 @@ fn same(analysis: &Analysis) -> Option<String> {
         }
         By::LeastP => format!("the least p of {times}, times {}", same.times),
     };
-    let said =
-        if same.p < 0.05 { "The noise is not the same" } else { "Nothing speaks against the same noise" };
-    Some(format!("{said}: {} for the same in both ({how}).", probability(same.p)))
+    let said = if same.p < 0.05 { "The noise differs" } else { "No evidence that the noise differs" };
+    Some(format!("{said}: {} for equal noise ({how}).", probability(same.p)))
 }
 
 fn of_row(row: &Row, a: &str, b: &str, shorter_s: f64) -> String {
@@ -77,7 +76,9 @@ fn of_row(row: &Row, a: &str, b: &str, shorter_s: f64) -> String {
             let [a_most, b_most] = found.at_most.map(|most| at_most(row, most));
             format!("Neither record shows {name}: {a} has {a_most}, {b} {b_most}.")
         }
-        (Verdict::Equal, _) => format!("Both have the same {name}: no length of records tells them apart."),
+        (Verdict::Equal, _) => {
+            format!("Both have the same {name}: no length of records would show a difference.")
+        }
         (Verdict::Higher | Verdict::Lower, Some(ratio)) => format!(
             "{b} has {} times the {name} of {a} ({}, {p}){}.",
             times(ratio, 3),
@@ -89,19 +90,19 @@ fn of_row(row: &Row, a: &str, b: &str, shorter_s: f64) -> String {
             of_significant(row.length, shorter_s)
         ),
         (Verdict::NotToldApart, Some(ratio)) => format!(
-            "The {name} is not told apart: {b} has {} times that of {a} ({}, {p}){}.",
+            "No significant difference in {name}: {b} has {} times that of {a} ({}, {p}){}.",
             times(ratio, 3),
             interval(found.ratio_interval),
             of_open(row.length, ratio)
         ),
         (Verdict::NotToldApart, None) => format!(
-            "Only {shows} shows {name}, but {other} may have as much: {most} ({p}). As long as its value is not known, no \
-             length can be named that would tell them apart."
+            "Only {shows} shows {name}, but {other} may have as much: {most} ({p}). As long as its value is unknown, no \
+             length of records can be given that would show a difference."
         ),
     }
 }
 
-/// How long would have been enough.
+/// The required length of records for a significant difference.
 fn of_significant(length: Length, shorter_s: f64) -> String {
     match length {
         Length::Needed { length_s } if length_s <= shorter_s => {
@@ -117,7 +118,7 @@ fn of_significant(length: Length, shorter_s: f64) -> String {
     }
 }
 
-/// How long records would tell values of this ratio apart.
+/// The length of records required to resolve values with this ratio.
 fn of_open(length: Length, ratio: f64) -> String {
     let apart = match ratio {
         0.5..=2.0 => format!("{} %", significant(100.0 * (ratio - 1.0).abs(), 2)),
@@ -125,10 +126,10 @@ fn of_open(length: Length, ratio: f64) -> String {
     };
     match length {
         Length::Needed { length_s } => {
-            format!("; records of {} each would tell {apart} apart", duration(length_s))
+            format!("; records of {} each would resolve {apart}", duration(length_s))
         }
         Length::Beyond { length_s } => {
-            format!("; to tell {apart} apart takes records of more than {} each", duration(length_s))
+            format!("; to resolve {apart} takes records of more than {} each", duration(length_s))
         }
         Length::Unknown => String::new(),
     }
@@ -137,17 +138,17 @@ fn of_open(length: Length, ratio: f64) -> String {
 fn at_most(row: &Row, most: Option<f64>) -> String {
     match most {
         Some(most) => format!("at most {} {}", significant(most, 3), row.symbol).trim_end().to_owned(),
-        None => "an amount it cannot tell".to_owned(),
+        None => "an unknown amount".to_owned(),
     }
 }
 
-/// A ratio with so many digits, near 1 with as many as tell it from 1.
+/// A ratio with `digits` digits, or near 1 with enough to distinguish it from 1.
 pub fn times(ratio: f64, digits: usize) -> String {
     let shown = (digits..digits + 6).map(|digits| significant(ratio, digits));
     shown.into_iter().find(|text| text != "1").unwrap_or_else(|| "1".to_owned())
 }
 
-/// `0.6 … 1.3`, with words where an end is not known.
+/// An interval such as `0.6 … 1.3`, with words where an end is unknown.
 fn interval([low, high]: [Option<f64>; 2]) -> String {
     let number = |end: f64| times(end, 3);
     match (low, high) {

@@ -1,4 +1,4 @@
-//! The intervals that are tried with each filler.
+//! The candidate intervals for each filler.
 
 use crate::analysis::design::DesignError;
 use crate::drift::schedule::Schedule;
@@ -7,13 +7,13 @@ use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::lower::{FilledRun, LoweredRun};
 use crate::kinds::switched_run::point::Point as RunPoint;
 
-/// Intervals that are tried where the study names none.
+/// Number of candidate intervals where the study names none.
 const CANDIDATES: usize = 17;
 
-/// They reach as far as the rms drift is at most this many times its least, in closed form.
+/// Candidates extend as far as the rms drift in closed form is at most this many times its minimum.
 const REACH: f64 = 2.0;
 
-/// Intervals that are looked at to find those.
+/// Number of intervals examined to find the candidates.
 const LOOKED_AT: usize = 150;
 
 /// Runs with one interval and one filler, ready to be sampled.
@@ -23,7 +23,7 @@ pub(crate) struct Candidate {
     pub(crate) filled: FilledRun,
 }
 
-/// What makes candidates.
+/// Makes the candidates of a study.
 pub(crate) struct Maker<'a> {
     pub(crate) runs: &'a SwitchedRun,
     pub(crate) seed: u64,
@@ -32,7 +32,7 @@ pub(crate) struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    /// Those of each filler, in the order of the intervals; none is empty.
+    /// The candidates of each filler, in the order of the intervals; no list is empty.
     pub(crate) fn choose(&self) -> Result<Vec<Vec<Candidate>>, DesignError> {
         let mut points = if self.swept { even(&self.runs.points) } else { spread(&self.runs.points[0]) };
         points.sort_by(|a, b| a.schedule.interval_s.total_cmp(&b.schedule.interval_s));
@@ -43,7 +43,7 @@ impl Maker<'_> {
         (0..self.runs.fillers().len().max(1)).map(|place| self.of_filler(&all, place)).collect()
     }
 
-    /// The runs of one filler at an interval as near as ticks allow; none where it is too short or too long.
+    /// The runs of one filler at an interval rounded to ticks; `None` where it is too short or too long.
     pub(crate) fn at(&self, interval_s: f64, place: usize) -> Result<Option<Candidate>, DesignError> {
         let Some(point) = self.runs.points[0].with_interval(interval_s) else { return Ok(None) };
         self.lowered(point).map(|lowered| Some(candidate(&lowered, place)))
@@ -51,7 +51,7 @@ impl Maker<'_> {
 
     fn lowered(&self, mut point: RunPoint) -> Result<(RunPoint, LoweredRun), DesignError> {
         point.drift.non_magnetic = 0.0;
-        // On the same random numbers, whatever the interval.
+        // All intervals use the same random numbers.
         let lowered = LoweredRun::new(&point, self.runs, self.seed, Streams::Common)?;
         Ok((point, lowered))
     }
@@ -77,11 +77,12 @@ fn candidate((point, lowered): &(RunPoint, LoweredRun), place: usize) -> Candida
     Candidate { schedule: point.schedule, switches: point.switches(), filled }
 }
 
-/// By how much of itself a run of an even number of intervals may be longer or shorter than that of the study: less drift because a run
-/// is longer says nothing of the interval.
+/// Largest relative deviation of the length of a run with an even number of intervals from that in the study, because a
+/// lower drift of a longer run says nothing about the interval.
 const MOST_OFF: f64 = 0.1;
 
-/// Points with runs of even numbers of their own intervals, but for those that make no such run of about the length asked for.
+/// Points whose runs have even numbers of their own intervals, without those for which no such run has about the
+/// requested length.
 pub(crate) fn even(points: &[RunPoint]) -> Vec<RunPoint> {
     let of = |point: &RunPoint| {
         let even = point.with_interval(point.schedule.interval_s)?;
@@ -91,7 +92,7 @@ pub(crate) fn even(points: &[RunPoint]) -> Vec<RunPoint> {
     points.iter().filter_map(of).collect()
 }
 
-/// Points with intervals that are evenly spread in their logarithm, from the shortest to half the run.
+/// Points with intervals evenly spaced in their logarithm, from the shortest to half the run.
 fn spread(point: &RunPoint) -> Vec<RunPoint> {
     let [first, last] = [point.shortest_s(), 0.5 * point.schedule.duration_s].map(libm::log);
     let at = |k: usize| libm::exp(first + (last - first) * k as f64 / (LOOKED_AT - 1) as f64);
@@ -100,7 +101,7 @@ fn spread(point: &RunPoint) -> Vec<RunPoint> {
     points
 }
 
-/// So many of some points, evenly spread, the ends among them.
+/// A limited number of points, evenly spaced and including both ends.
 fn thinned<'a, T>(near: &[&'a T]) -> Vec<&'a T> {
     let last = near.len().saturating_sub(1);
     let mut places: Vec<usize> = (0..CANDIDATES).map(|i| i * last / (CANDIDATES - 1)).collect();

@@ -1,13 +1,14 @@
-//! Which switching interval and which filler: whole runs over candidate intervals, all on the same random numbers.
+//! Design: the best switching interval and filler, from whole runs over candidate intervals with the same random
+//! numbers.
 //!
 //! ```text
 //! study ─ candidates ─▶ runs of each filler and interval ─ jackknife ─▶ best interval with its uncertainty ─▶ recommendation
 //! ```
 //!
-//! The non-magnetic drift is left out: no interval changes it, and an interval whose magnetic drift happens to cancel it would
-//! look better than it is. Each candidate, of a sweep over the interval too, runs for the nearest time that an even number of
-//! intervals makes: an odd one would be left uncancelled, and where a run ends would count for more than how often the gyro
-//! switches.
+//! The non-magnetic drift is left out: no interval changes it, and an interval whose magnetic drift happens to cancel
+//! it would look better than it is. Each candidate, even in a sweep over the interval, runs for the nearest time with
+//! an even number of intervals. An odd number would leave one interval uncancelled, and the end of the run would matter
+//! more than the switching interval.
 //!
 //! ```
 //! use sagnac::analysis::design::{Measure, design};
@@ -69,74 +70,74 @@ use crate::theory::drift::budget::Optimum as Minimum;
 /// A value with its 95 % interval, where it is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
-    /// In the unit of the measure.
+    /// Value, in the unit of the measure.
     pub value: f64,
-    /// Its ends; absent of runs too few for them.
+    /// 95 % interval; absent for too few runs.
     pub interval: Option<(f64, f64)>,
 }
 
-/// The runs at one interval with one filler.
+/// The result of the runs at one interval with one filler.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tried {
-    /// MT, s; the nearest to what was asked for that gives an even number of intervals.
+    /// Switching interval MT, s; the nearest possible one that gives an even number of intervals.
     pub interval_s: f64,
-    /// Within a run.
+    /// Number of switches in a run.
     pub switches: u64,
-    /// ″/s.
+    /// Drift, ″/s.
     pub drift: Found,
-    /// rms drift in closed form, ″/s; absent of the largest angle.
+    /// Rms drift in closed form, ″/s; absent for the largest angle.
     pub closed_form: Option<f64>,
-    /// Without each part of the trials in turn.
+    /// Drift without each part of the trials in turn.
     replicates: Vec<f64>,
 }
 
-/// All that was tried with one filler, in the order of the intervals.
+/// The results of one filler, in the order of the intervals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Filler {
-    /// Absent where the study gives the residual by its largest value.
+    /// Name; absent where the study gives the residual by its largest value.
     pub name: Option<String>,
-    /// Of one switch, rms and about the largest, δP_max, ″.
+    /// Rms residual of one switch, ″.
     pub residual_rms: f64,
-    /// Sines at their peaks and three standard deviations of the rest.
+    /// Approximate largest residual δP_max, ″: sines at their peaks plus three standard deviations of the rest.
     pub residual_max: f64,
-    /// Ascending.
+    /// Results, by ascending interval.
     pub tried: Vec<Tried>,
-    /// Place of the interval to choose.
+    /// Index of the best interval.
     pub best: usize,
-    /// From a law through those near the least.
+    /// Optimum from a law fitted near the minimum.
     pub optimum: Optimum,
-    /// The interval that the paper's bound would choose, and what comes of it.
+    /// The interval of the paper's rule, with its result.
     pub papers_rule: Option<PapersRule>,
 }
 
 impl Filler {
-    /// What was found at the best interval.
+    /// The result at the best interval.
     pub fn best(&self) -> &Tried {
         &self.tried[self.best]
     }
 
-    /// Whether a shorter or longer interval than any that was tried may be better.
+    /// Whether an interval shorter or longer than all that were tried may be better.
     pub fn is_at_edge(&self) -> bool {
         self.tried.len() > 1 && (self.best == 0 || self.best + 1 == self.tried.len())
     }
 }
 
-/// What a design came to.
+/// The result of a design.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
-    /// What is made least.
+    /// Minimised quantity.
     pub measure: Measure,
-    /// Runs of each filler and interval.
+    /// Number of runs for each filler and interval.
     pub trials: u64,
-    /// t, s.
+    /// Run time t, s.
     pub duration_s: f64,
-    /// Left out, ″/s.
+    /// Non-magnetic drift that was left out, ″/s.
     pub non_magnetic: f64,
-    /// What should be known besides, each in a sentence.
+    /// Notes on the results, each a sentence.
     pub notes: Vec<String>,
-    /// In the order of the study.
+    /// Results by filler, in the order of the study.
     pub fillers: Vec<Filler>,
-    /// Place of the filler with the least drift.
+    /// Index of the filler with the least drift.
     pub best: usize,
 }
 
@@ -146,13 +147,13 @@ impl Design {
         &self.fillers[self.best]
     }
 
-    /// How many times more drift another filler leaves at its own best interval, with its 95 % interval: both on the same
-    /// random numbers.
+    /// The ratio of the drift of another filler at its own best interval to the least one, with its 95 % interval, from
+    /// the same random numbers.
     pub fn worse_by(&self, filler: &Filler) -> Found {
         self.times_best(filler.best())
     }
 
-    /// The same of any runs.
+    /// The same ratio for any runs.
     pub fn times_best(&self, other: &Tried) -> Found {
         let best = self.best().best();
         let ratio = |k: usize| other.replicates[k] / best.replicates[k];
@@ -162,19 +163,19 @@ impl Design {
     }
 }
 
-/// Why there is no design.
+/// Why a design is not possible.
 #[derive(Debug, thiserror::Error)]
 pub enum DesignError {
-    /// Of another kind of study.
+    /// The study is of another kind.
     #[error("a study of kind = \"{kind}\" has no switching interval to choose")]
     Kind {
-        /// The kind that it is.
+        /// Kind of the study.
         kind: &'static str,
     },
-    /// A key that makes it more than one gyro.
+    /// A swept key makes the study describe more than one gyro.
     #[error("{key} is swept: a design is for one gyro, and chooses the interval and the filler itself")]
     Swept {
-        /// Which one.
+        /// Swept key.
         key: &'static str,
     },
     /// Nothing depends on the interval.
@@ -185,7 +186,7 @@ pub enum DesignError {
         "no run of about {duration_s} s has an even number of the intervals that are tried, of which the shortest have to hold the fit ticks"
     )]
     NoCandidate {
-        /// t, s.
+        /// Run time t, s.
         duration_s: f64,
     },
     /// A run at one of the intervals does not fit into fixed point.
@@ -197,9 +198,9 @@ pub enum DesignError {
     /// The runs do not say where 99.73 % of them lie.
     #[error("{trials} runs are too few for the {}", measure.label())]
     TooFew {
-        /// That there are.
+        /// Number of runs.
         trials: u64,
-        /// The one asked for.
+        /// Requested measure.
         measure: Measure,
     },
 }
@@ -207,7 +208,7 @@ pub enum DesignError {
 /// Runs all candidates; `progress` counts the switches of their runs.
 ///
 /// # Errors
-/// The study is of another kind or sweeps more than the interval, has nothing to choose by, or the device fails.
+/// The study is of another kind or sweeps more than the interval, has nothing to choose, or the device fails.
 pub fn design(
     study: &Study,
     measure: Measure,
@@ -220,7 +221,7 @@ pub fn design(
     if let Some(sweep) = study.sweeps.iter().find(|sweep| sweep.key.name != INTERVAL.name) {
         return Err(DesignError::Swept { key: sweep.key.name });
     }
-    // Alone: other times cost runs, and are not asked.
+    // Further times would cost runs and are not needed.
     let runs = SwitchedRun { times: vec![], ..runs.clone() };
     let maker = Maker { runs: &runs, seed: study.seed, swept: !study.sweeps.is_empty() };
     let chosen = maker.choose()?;
@@ -282,13 +283,13 @@ pub fn design(
     })
 }
 
-/// What holds of the runs, and where the recommendation leans on an exact frequency.
+/// Notes on the runs, and on a recommendation that depends on an exact frequency.
 fn notes(study: &Study, runs: &SwitchedRun) -> Vec<String> {
     let steady = runs.timing == Timing::Periodic
         && runs.points[0].fill.as_ref().is_some_and(|fill| !fill.inputs.motion.tones.is_empty());
     let phases = steady.then(|| {
-        "with timing = \"periodic\" residuals add up or cancel by the phase of the vibration from switch to switch: what is best holds \
-         for exactly this frequency, and may be a coincidence; timing = \"random\" has none"
+        "with timing = \"periodic\" residuals add up or cancel by the phase of the vibration from switch to switch: the best interval holds \
+         for exactly this frequency and may be a coincidence, which timing = \"random\" avoids"
             .to_owned()
     });
     let left_out = match (study.sweeps.is_empty(), runs.points.len() - even(&runs.points).len()) {
@@ -302,7 +303,7 @@ fn notes(study: &Study, runs: &SwitchedRun) -> Vec<String> {
     study.notes().iter().cloned().chain(late(runs)).chain(phases).chain(left_out).collect()
 }
 
-/// Puts what was tried in the order of the intervals, each once.
+/// Inserts a result in the order of the intervals, each interval once.
 fn insert(all: &mut Vec<Tried>, tried: Tried) {
     let at = all.partition_point(|other| other.interval_s < tried.interval_s);
     if all.get(at).is_none_or(|other| other.interval_s != tried.interval_s) {
@@ -310,7 +311,7 @@ fn insert(all: &mut Vec<Tried>, tried: Tried) {
     }
 }
 
-/// What some parts of the trials say together, and without each of them.
+/// The result of all parts of the trials together, and without each of them.
 fn of_parts(
     candidate: &Candidate,
     parts: &[[Moments; 2]],

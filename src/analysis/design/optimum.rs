@@ -1,4 +1,4 @@
-//! The interval of least drift between those that were tried, and how well it is known.
+//! The interval of least drift between those that were tried, with its uncertainty.
 
 use crate::analysis::design::Tried;
 use crate::fit::nnls;
@@ -6,16 +6,17 @@ use crate::fit::nnls;
 /// Half the width of a 95 % interval in jackknife standard errors of 32 parts: Student's t with 31 degrees of freedom.
 pub(crate) const T_95: f64 = 2.039_513;
 
-/// The law is fitted where the drift is at most this many times its least.
+/// The law is fitted where the drift is at most this many times its minimum.
 const FITTED: f64 = 1.6;
 
-/// Fewest candidates for a fit of its four terms.
+/// Fewest candidates for a fit of the four terms.
 const FEWEST: usize = 6;
 
-/// The interval of least drift, s, with its 95 % interval. Without that where the least lies at an end of what was tried.
+/// The interval of least drift, s, with its 95 % interval, which is absent where the minimum is at an end of the tried
+/// range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Optimum {
-    /// MT, s.
+    /// Switching interval MT, s.
     pub interval_s: f64,
     /// Lower end, s.
     pub lo_s: Option<f64>,
@@ -23,11 +24,12 @@ pub struct Optimum {
     pub hi_s: Option<f64>,
 }
 
-/// Where the law of the drift is least; by a jackknife over parts of the trials, which all candidates share, how that scatters.
+/// The minimum of the law of the drift, with its scatter from a jackknife over parts of the trials, which all
+/// candidates share.
 ///
-/// The square of a level of the drift is about (a MT + k √(b/MT + c))²: the part of the magnetic drift that is left grows with
-/// MT, what the switches add falls as 1/√MT, the rest does not depend on it. So it is fitted as a sum of MT², √MT, 1 and 1/MT, none of them
-/// negative.
+/// The square of a level of the drift is approximately (a MT + k √(b/MT + c))²: the uncancelled magnetic drift grows
+/// with MT, the contribution of the switches falls as 1/√MT, and the rest does not depend on it. It is therefore fitted
+/// as a non-negative sum of MT², √MT, 1 and 1/MT.
 pub(crate) fn of(tried: &[Tried]) -> Optimum {
     let all: Vec<f64> = tried.iter().map(|tried| tried.drift.value).collect();
     let place = (0..all.len()).min_by(|&a, &b| all[a].total_cmp(&all[b])).unwrap_or(0);
@@ -53,9 +55,9 @@ pub(crate) fn of(tried: &[Tried]) -> Optimum {
     }
 }
 
-/// The place of the interval to choose, and between which intervals the best one lies: the fitted optimum and its interval,
-/// and all that were tried whose drift cannot be told from the least. The law is no more than smooth, so an interval that is
-/// better than what it says stands against it.
+/// The index of the interval to choose, and the range of the best one: the fitted optimum with its interval, extended
+/// to all tried intervals whose drift does not differ significantly from the least. The law is only smooth, so a tried
+/// interval that is better than it predicts takes precedence.
 pub(crate) fn among(tried: &[Tried], fitted: Optimum) -> (usize, Optimum) {
     let drift = |place: &usize| tried[*place].drift.value;
     let least = (0..tried.len()).min_by(|a, b| drift(a).total_cmp(&drift(b))).unwrap_or(0);
@@ -80,7 +82,7 @@ pub(crate) fn among(tried: &[Tried], fitted: Optimum) -> (usize, Optimum) {
     (best, optimum)
 }
 
-/// The standard error that delete-one replicates show.
+/// The standard error from delete-one replicates.
 pub(crate) fn jackknife(replicates: &[f64]) -> f64 {
     let n = replicates.len() as f64;
     let mean = replicates.iter().sum::<f64>() / n;
@@ -88,22 +90,22 @@ pub(crate) fn jackknife(replicates: &[f64]) -> f64 {
     libm::sqrt((n - 1.0) / n * squares)
 }
 
-/// Terms of the square of the drift, of the interval as a part of the middle one.
+/// Terms of the squared drift at an interval relative to the middle one.
 fn terms(u: f64) -> [f64; 4] {
     [u * u, libm::sqrt(u), 1.0, 1.0 / u]
 }
 
-/// Steps between the first and the last interval among which the least is looked for.
+/// Steps between the first and the last interval in the search for the minimum.
 const STEPS: usize = 2000;
 
-/// Where the law fitted to these drifts is least, if not at either end.
+/// The minimum of the law fitted to these drifts, if it is not at either end.
 fn least(x: &[f64], y: &[f64]) -> Option<f64> {
     let (first, last) = (*x.first()?, *x.last()?);
     if x.len() < FEWEST {
         return None;
     }
     let middle = libm::sqrt(first * last);
-    // Each by its own square, so that all are known equally well.
+    // Each weighted by its own square, which makes all equally accurate.
     let column = |term: usize| -> Vec<f64> {
         x.iter().zip(y).map(|(x, y)| terms(x / middle)[term] / (y * y)).collect()
     };

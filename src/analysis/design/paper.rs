@@ -1,4 +1,4 @@
-//! What the paper's rule would choose: the interval at which the bound Z(7) is least.
+//! The choice of the paper's rule: the interval at which the bound Z(7) is least.
 
 use crate::analysis::design::Tried;
 use crate::kinds::switched_run::lower::FilledRun;
@@ -11,15 +11,15 @@ pub(crate) use crate::theory::drift::budget::Optimum;
 pub struct PapersRule {
     /// δP_max of the filler, ″.
     pub residual_max: f64,
-    /// The interval that the bound has its minimum at, s, and the bound there, ″/s.
+    /// The interval at which the bound has its minimum, s.
     pub interval_s: f64,
     /// Z(7) at that interval, ″/s.
     pub bound: f64,
-    /// What comes of it, of an even number of intervals.
+    /// The result at that interval, for an even number of intervals.
     pub tried: Tried,
 }
 
-/// δP_max of a filler, and the minimum of the bound; none where switching costs nothing.
+/// δP_max of a filler, and the minimum of the bound; `None` where switching costs nothing.
 pub(crate) fn optimum(point: &RunPoint, filled: &FilledRun) -> Option<(f64, Optimum)> {
     let residual_max = filled.residual_max();
     let drift = &point.drift;

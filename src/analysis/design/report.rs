@@ -1,4 +1,4 @@
-//! What a design says: the recommendation in words, all that was tried as a table, both as JSON.
+//! The output of a design: the recommendation in words, all results as a table, and both as JSON.
 
 use crate::analysis::design::paper::PapersRule;
 use crate::analysis::design::{Design, Filler, Measure, Tried};
@@ -34,13 +34,13 @@ fn first_columns<'a>() -> [Of<'a>; 3] {
         Of::new("filler", Unit::NONE, "filler", |row| called(row.filler).into())
             .is_of(FILLERS, Role::Key, FILLER),
         Of::new("interval", Unit::S, "switching interval", |row| Cell::Number(row.tried.interval_s))
-            .is(Role::Coordinate, "Switching interval that was tried, s."),
+            .is(Role::Coordinate, "Tried switching interval, s."),
         Of::new("switches", Unit::NONE, "switches", |row| row.tried.switches.into())
             .is(Role::Count, "Switches in a run with that interval."),
     ]
 }
 
-/// Those of a measure.
+/// The columns of a measure.
 fn measured<'a>(measure: Measure) -> [Of<'a>; 3] {
     macro_rules! columns {
         ($name:literal, $meaning:literal) => {
@@ -97,14 +97,14 @@ pub(crate) fn columns<'a>(measures: &[Measure]) -> Vec<Of<'a>> {
     first_columns().into_iter().chain(measured).chain([closed]).collect()
 }
 
-/// All that was tried: a row for each filler and interval.
+/// The table of all results, with a row for each filler and interval.
 pub fn table(found: &Design) -> Table {
     let of_filler = |filler| move |tried| Row { filler, tried };
     let rows = found.fillers.iter().flat_map(|filler: &Filler| filler.tried.iter().map(of_filler(filler)));
     Table { columns: columns_of(&columns(&[found.measure]), &rows.collect::<Vec<Row>>()) }
 }
 
-/// As tables call the filler.
+/// Name of the filler in tables.
 pub fn called(filler: &Filler) -> &str {
     filler.name.as_deref().unwrap_or("as given")
 }
@@ -114,7 +114,7 @@ pub fn range(filler: &Filler) -> Option<(f64, f64)> {
     filler.optimum.lo_s.zip(filler.optimum.hi_s)
 }
 
-/// The recommendation in a line.
+/// The recommendation in one line.
 pub fn headline(found: &Design) -> String {
     let best = found.best();
     let interval = significant(best.best().interval_s, 4);
@@ -126,10 +126,10 @@ pub fn headline(found: &Design) -> String {
     )
 }
 
-/// Drift over the interval, of each filler.
+/// The chart of the drift over the interval for each filler.
 ///
 /// # Errors
-/// Values that cannot be drawn.
+/// The values cannot be drawn.
 pub fn figure(study: &Study, found: &Design, table: &Table) -> Result<Figure, ChartError> {
     fn name(column: Option<&Column>) -> &str {
         column.map_or("", |column| &column.name)
@@ -150,7 +150,7 @@ pub fn figure(study: &Study, found: &Design, table: &Table) -> Result<Figure, Ch
     Ok(Figure::from_table(table, &chart)?.0)
 }
 
-/// The recommendation in words, with what speaks for it.
+/// The recommendation in words, with its evidence.
 pub fn recommendation(found: &Design) -> String {
     let best = found.best();
     let mut sentences = vec![format!("{}.", headline(found))];
@@ -181,7 +181,7 @@ pub fn recommendation(found: &Design) -> String {
                 significant(high, 3)
             )
         } else {
-            format!("{} cannot be told from it by these runs.", called(next))
+            format!("{} does not differ significantly from it in these runs.", called(next))
         });
     }
     if let Some(PapersRule { interval_s, bound, tried, residual_max }) = &best.papers_rule {
@@ -209,7 +209,7 @@ pub fn recommendation(found: &Design) -> String {
     sentences.join("\n")
 }
 
-/// The recommendation and all that was tried.
+/// The recommendation and all results.
 pub fn json(study: &Study, found: &Design) -> Value {
     let best = found.best();
     let drift = best.best().drift;

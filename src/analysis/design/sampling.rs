@@ -1,4 +1,4 @@
-//! Runs of one candidate, in parts.
+//! Sampling of the runs of one candidate, in parts.
 
 use crate::analysis::design::candidates::Candidate;
 use crate::device::Job;
@@ -8,15 +8,15 @@ use crate::progress::Progress;
 use crate::sampling::worker::Worker;
 use crate::tally::block::Block;
 
-/// Parts of the trials, for the jackknife.
+/// Number of parts of the trials for the jackknife.
 const PARTS: u64 = 32;
 
-/// Trials, of which all parts have the same power of two: the nearest, so many at least.
+/// The number of trials, at least `asked`, for which all parts have the same power of two.
 pub(crate) fn trials(asked: u64) -> u64 {
     asked.div_ceil(PARTS).max(32).next_power_of_two() * PARTS
 }
 
-/// Of each part the tallies at the end and of the largest angle.
+/// The tallies of the angle at the end and of the largest angle, for each part.
 pub(crate) fn parts(
     Candidate { filled, switches, .. }: &Candidate,
     trials: u64,

@@ -1,37 +1,37 @@
-//! Fillers without a study of their own: the study they make.
+//! Fillers without a study of their own, and the study made for them.
 
 use std::fmt::Write as _;
 
 use crate::filler::POLYNOMIALS;
 
-/// Designed for a vibration and the noise beside it.
+/// A filler designed for a vibration with noise.
 pub const MINIMUM_VARIANCE: &str = "minimum-variance";
 
-/// Fillers that need no study.
+/// Kinds of fillers that need no study.
 pub const KINDS: [&str; 4] = [POLYNOMIALS[0], POLYNOMIALS[1], POLYNOMIALS[2], MINIMUM_VARIANCE];
 
-/// What fillers are made of; quantities are texts with units, as in a study.
+/// The properties of fillers; quantities are texts with units, as in a study.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Alone {
-    /// n, lost ticks.
+    /// Number of lost ticks n.
     pub gap_ticks: u32,
-    /// Length of a tick, `5 ms`; without it a tick is the unit of time.
+    /// Length of a tick, such as `5 ms`; without it a tick is the unit of time.
     pub tick: Option<String>,
-    /// Ticks that the residual is fitted to, `-7..0,n+1,n+2`; by default −1, 0, n + 1, n + 2.
+    /// Ticks to which the residual is fitted, such as `-7..0,n+1,n+2`; by default −1, 0, n + 1, n + 2.
     pub fit_ticks: Option<String>,
-    /// Ticks that the extrapolation is fitted to; by default −3 … 0, for minimum variance the fit ticks up to 0.
+    /// Ticks to which the extrapolation is fitted; by default −3 … 0, for minimum variance the fit ticks up to 0.
     pub extrapolation_ticks: Option<String>,
-    /// Frequencies of the vibration, `18 Hz,22 Hz`, or a single one.
+    /// Frequencies of the vibration, such as `18 Hz,22 Hz`, or a single one.
     pub band: Option<String>,
-    /// Amplitude of the vibration, of its rate or angle, `12000 arcsec/s`.
+    /// Amplitude of the vibration, of its rate or angle, such as `12000 arcsec/s`.
     pub amplitude: Option<String>,
-    /// Standard deviation of the noise of a tick, `0.5 arcsec`.
+    /// Standard deviation of the noise of a tick, such as `0.5 arcsec`.
     pub noise: Option<String>,
 }
 
 impl Alone {
-    /// The text of a gap-fill study of one point with fillers of these [`KINDS`], for [`Study::parse`](crate::study::Study::parse),
-    /// which says what is wrong with them.
+    /// The text of a gap-fill study of one point with fillers of these [`KINDS`], for
+    /// [`Study::parse`](crate::study::Study::parse), which reports any faults in them.
     ///
     /// ```
     /// # use sagnac::analysis::firmware::{Alone, Firmware};
@@ -47,7 +47,7 @@ impl Alone {
         let kinds: Vec<&str> = kinds.iter().map(AsRef::as_ref).collect();
         let n = self.gap_ticks;
         let plural = if n == 1 { "" } else { "s" };
-        // Without a tick length a tick is the unit of time.
+        // Without a tick length, a tick is the unit of time.
         let tick = quoted(self.tick.as_deref().unwrap_or("1 s"));
         let noise = quoted(self.noise.as_deref().unwrap_or("0 arcsec"));
         let mut text = format!(
@@ -82,12 +82,12 @@ impl Alone {
     }
 }
 
-/// A text as TOML writes it.
+/// A text in TOML notation.
 fn quoted(text: &str) -> String {
     toml::Value::from(text.trim()).to_string()
 }
 
-/// Texts between commas as a list.
+/// Converts texts separated by commas to a list.
 fn list(texts: &str) -> String {
     let each: Vec<String> = texts.split(',').map(quoted).collect();
     format!("[{}]", each.join(", "))

@@ -1,4 +1,4 @@
-//! Which point of a study, and which of its fillers.
+//! The choice of a point of a study, and of its fillers.
 
 use crate::analysis::firmware::design::{Firmware, rules};
 use crate::filler::Filler;
@@ -11,10 +11,10 @@ use crate::quantity::units::{Dimension, Quantity, parse as parse_quantity};
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 
-/// Why nothing is chosen.
+/// Why nothing could be chosen.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum ChoiceError {
-    /// What is asked for is not there, or is not enough; what there is to choose from.
+    /// The requested choice does not exist or is ambiguous; the message lists the alternatives.
     #[error("{0}")]
     Asked(String),
     /// The fillers have no weights at a point.
@@ -22,19 +22,19 @@ pub enum ChoiceError {
     Study(#[from] StudyError),
 }
 
-/// Most difference between a value asked for and a swept one, which reports show to six digits.
+/// Largest relative difference between a requested value and a swept one, which reports show with six digits.
 const TOLERANCE: f64 = 1e-5;
 
 /// Most values of a sweep that a message lists.
 const MOST_LISTED: usize = 12;
 
-/// The point whose swept keys have the values that are asked for, each as `key=value`; where several have them and the
-/// weights are the same at all of these, the first of them.
+/// The point whose swept keys have the requested values, each given as `key=value`. Where several points match and
+/// their weights are all the same, it is the first of them.
 ///
-/// A key may lack what stands before its last dot; a value without a unit is in the unit of tables.
+/// A key may omit everything before its last dot; a value without a unit is in the unit of tables.
 ///
 /// # Errors
-/// A key that is not swept, a value that it does not take, points of different weights.
+/// A key is not swept, it does not take the value, or the matching points have different weights.
 pub fn choose_point<'s>(
     study: &Study,
     gap_fill: &'s GapFill,
@@ -63,10 +63,10 @@ pub fn choose_point<'s>(
         values.all(|((_, own), chosen)| chosen.is_none_or(|chosen| own.quantity() == Some(chosen)))
     };
     let points: Vec<&Point> = gap_fill.points.iter().filter(wanted).collect();
-    // Sweeps multiply, so that every choice of their values is a point.
+    // Sweeps multiply, so every combination of their values is a point.
     let first = points.first().copied().unwrap_or(&gap_fill.points[0]);
     let own = weights(first)?;
-    // Of each key, whether it changes the weights by itself.
+    // For each key, whether it changes the weights by itself.
     let mut matters = vec![false; study.sweeps.len()];
     let mut differ = false;
     for point in points {
@@ -82,7 +82,7 @@ pub fn choose_point<'s>(
     if differ { Err(ChoiceError::Asked(ambiguous(study, &chosen, &matters))) } else { Ok(first) }
 }
 
-/// Whether the weights are others at another value of a sweep, as along that from the first point.
+/// Whether the weights change along a sweep, starting from the first point.
 fn changes_weights<W: PartialEq>(
     gap_fill: &GapFill,
     place: usize,
@@ -102,7 +102,7 @@ fn changes_weights<W: PartialEq>(
     Ok(false)
 }
 
-/// What there is to choose from: the keys that matter, or all that are open where none does by itself.
+/// The alternatives: the keys that change the weights, or all open keys where none does by itself.
 fn ambiguous(study: &Study, chosen: &[Option<Quantity>], matters: &[bool]) -> String {
     let any = matters.contains(&true);
     let asked = study.sweeps.iter().zip(chosen).zip(matters);
@@ -114,7 +114,7 @@ fn ambiguous(study: &Study, chosen: &[Option<Quantity>], matters: &[bool]) -> St
     )
 }
 
-/// The values of a sweep, or the ends of many.
+/// The values of a sweep, or only the ends of a long one.
 fn values(sweep: &Sweep) -> String {
     match &quantities(sweep)[..] {
         [first, .., last] if sweep.values.len() > MOST_LISTED => {
@@ -124,7 +124,7 @@ fn values(sweep: &Sweep) -> String {
     }
 }
 
-/// The swept keys of fillers hold quantities.
+/// The values of a sweep as quantities, which the swept keys of fillers hold.
 fn quantities(sweep: &Sweep) -> Vec<Quantity> {
     sweep.values.iter().filter_map(Swept::quantity).collect()
 }
@@ -134,11 +134,11 @@ fn shown(value: &Quantity) -> String {
     format!("{} {unit}", significant(value.shown(), 6)).trim_end().to_owned()
 }
 
-/// The sweep that `key=value` means, and the value, in the unit of tables.
+/// The sweep and the value, in the unit of tables, to which `key=value` refers.
 fn find(study: &Study, asked: &str) -> Result<(usize, f64), String> {
     let names: Vec<&str> = study.sweeps.iter().map(|sweep| sweep.key.name).collect();
     if names.is_empty() {
-        return Err("the study has one point\nask for no other".to_owned());
+        return Err("the study has only one point\nleave `at` out".to_owned());
     }
     let Some((key, value)) = asked.split_once('=') else {
         return Err("give a key and a value, such as `at = frequency=\"20 Hz\"`".to_owned());
@@ -153,10 +153,10 @@ fn find(study: &Study, asked: &str) -> Result<(usize, f64), String> {
     }
 }
 
-/// The value for a sweep that a text means, in the unit of tables.
+/// The value for a sweep that a text gives, in the unit of tables.
 fn value_of(sweep: &Sweep, text: &str) -> Result<f64, String> {
     let Some(dimension) = quantities(sweep).first().map(|value| value.dimension) else {
-        return Err("its values are no quantities".to_owned());
+        return Err("its values are not quantities".to_owned());
     };
     match (dimension, text.parse::<f64>()) {
         (_, Ok(number)) => Ok(number),
@@ -165,7 +165,7 @@ fn value_of(sweep: &Sweep, text: &str) -> Result<f64, String> {
     }
 }
 
-/// The value of a sweep that is the one asked for.
+/// The value of a sweep that equals the requested one.
 fn swept(sweep: &Sweep, asked: f64) -> Result<Quantity, String> {
     let known = quantities(sweep);
     let far = |value: &&Quantity| (value.shown() - asked).abs();
@@ -174,7 +174,7 @@ fn swept(sweep: &Sweep, asked: f64) -> Result<Quantity, String> {
         Some(near) if far(&near) <= TOLERANCE * near.shown().abs() => Ok(*near),
         _ => {
             let there = if sweep.values.len() <= MOST_LISTED {
-                format!("there are {}", values(sweep))
+                format!("the values are {}", values(sweep))
             } else {
                 format!("the nearest is {}", nearest.map(shown).unwrap_or_default())
             };
@@ -186,10 +186,10 @@ fn swept(sweep: &Sweep, asked: f64) -> Result<Quantity, String> {
 }
 
 impl Firmware {
-    /// Those of the fillers of these names, all where none is named, at the point of a study that [`choose_point`] finds.
+    /// The firmware for the named fillers, or for all where none is named, at the point that [`choose_point`] finds.
     ///
     /// # Errors
-    /// A study without fillers, names or values that it does not have, and those of [`Firmware::new`].
+    /// The study has no fillers, or not the given names or values, or [`Firmware::new`] fails.
     pub fn choose(study: &Study, at: &[String], names: &[String]) -> Result<Firmware, ChoiceError> {
         let Some(gap_fill) = study.asked::<GapFill>() else {
             let kind = study.kind().name;
@@ -203,10 +203,10 @@ impl Firmware {
     }
 }
 
-/// The fillers of these names, in the order of the study; all of them where none is named.
+/// The fillers with these names, in the order of the study; all of them where none is named.
 ///
 /// # Errors
-/// A name that no filler has.
+/// No filler has one of the names.
 pub fn choose_fillers(gap_fill: &GapFill, names: &[String]) -> Result<Vec<Filler>, ChoiceError> {
     let unknown = |name: &&String| gap_fill.fillers.iter().all(|filler| filler.name != **name);
     if let Some(unknown) = names.iter().find(unknown) {

@@ -1,4 +1,4 @@
-//! `weights.csv`: every weight in a row of its own.
+//! `weights.csv`, with a row for each weight.
 
 use std::io;
 
@@ -30,24 +30,24 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Key, "`extrapolation`: the weights deliver E_j while the gap is open; `residual`: they give I_j once the ticks after \
                 it are known."),
         Of::new("row", Unit::NONE, "row", |row| row.row.as_str().into())
-            .is(Role::Key, "The lost tick that the weights give, from 1, or `sum`, all of them together."),
+            .is(Role::Key, "The lost tick given by the weights, from 1, or `sum` for all of them together."),
         Of::new("tick", Unit::NONE, "tick", |row| Cell::Integer(row.tick.into()))
-            .is(Role::Coordinate, "The valid tick that is weighted: up to 0 before the gap, from n+1 on behind it."),
+            .is(Role::Coordinate, "The valid tick that is weighted: up to 0 before the gap, from n+1 on after it."),
         Of::new("numerator", Unit::NONE, "numerator", |row| Cell::Integer(row.numerator))
-            .is(Role::Estimate, "The weight as a whole number over `denominator`."),
+            .is(Role::Estimate, "Numerator of the weight over `denominator`."),
         Of::new("denominator", Unit::NONE, "denominator", |row| Cell::Integer(row.denominator))
             .is(Role::Estimate, "Common denominator of a filler's weights."),
-        // With all digits of an f64.
+        // All digits of an f64.
         Of::new("weight", Unit::NONE, "weight", |row| Cell::Text((row.numerator as f64 / row.denominator as f64).to_string()))
             .is(Role::Estimate, "The weight as a number."),
     ]
 }
 
 impl Firmware {
-    /// Writes a line for each weight: of each lost tick, and of their sum.
+    /// Writes a line for each weight, of each lost tick and of their sum.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// The errors of the writer.
     pub fn write_weights(&self, to: impl io::Write) -> io::Result<()> {
         let mut rows = Vec::new();
         for design in &self.designs {

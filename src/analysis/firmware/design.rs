@@ -1,4 +1,4 @@
-//! The fillers of one point of a study as rules in whole numbers, with what is known of their errors.
+//! The fillers of one point of a study as integer rules, with their errors in closed form.
 
 use crate::analysis::firmware::rule::Rule;
 use crate::filler::keys::Error;
@@ -18,45 +18,45 @@ use crate::theory::gap::{Weights, sine_response, tick_amplitude};
 /// The fillers of one point of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Firmware {
-    /// Of the study.
+    /// Title of the study.
     pub title: String,
     /// Name and value of each swept key.
     pub at: Vec<(&'static str, Swept)>,
-    /// T, s. Where it is not known, times are in ticks and frequencies in cycles per tick.
+    /// Tick T, s; where it is unknown, times are in ticks and frequencies in cycles per tick.
     pub tick_s: Option<f64>,
-    /// n.
+    /// Number of lost ticks n.
     pub gap_ticks: u32,
     /// Rate amplitude, ″/s, and frequency, Hz, where the motion is a single tone.
     pub tone: Option<(f64, f64)>,
-    /// In the order of the study, or as they were asked for.
+    /// Fillers, in the order of the study or as requested.
     pub designs: Vec<Design>,
     /// Why there is no rms, where the point cannot be sampled.
     pub unsampled: Option<String>,
-    /// Of the study; that of the test vectors follows from it.
+    /// Seed of the study, from which that of the test vectors is derived.
     pub seed: u64,
 }
 
 /// A filler.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
-    /// As the study calls it; the C functions are named after it.
+    /// Name in the study, after which the C functions are named.
     pub name: String,
-    /// What it is: `polynomial of order 2`.
+    /// Description, such as `polynomial of order 2`.
     pub method: String,
-    /// Gives I_j once the ticks after the gap are known.
+    /// The rule for I_j once the ticks after the gap are known.
     pub interpolation: Rule,
-    /// Gives E_j while the gap is open; absent where the filler has none.
+    /// The rule for E_j while the gap is open; absent where the filler has none.
     pub extrapolation: Option<Rule>,
-    /// Of the residual and of the extrapolation.
+    /// Errors of the residual and of the extrapolation.
     pub errors: [Closed; 2],
 }
 
-/// What an error comes to in closed form, ″. Absent where the motion has none.
+/// The closed form of an error, ″; values are absent where the motion has none.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Closed {
-    /// Largest over the phase of a single tone, without noise.
+    /// Largest error over the phase of a single tone, without noise.
     pub amplitude: Option<f64>,
-    /// With noise.
+    /// Rms error with noise.
     pub rms: Option<f64>,
 }
 
@@ -64,10 +64,10 @@ pub struct Closed {
 const ERRORS: [Error; 2] = [Error::Residual, Error::Extrapolation];
 
 impl Firmware {
-    /// Those of `fillers` at a point; they are fillers of the study.
+    /// The firmware of `fillers` of the study at a point.
     ///
     /// # Errors
-    /// Ticks do not determine the weights of a filler, or the weights need more than 32 bits.
+    /// The ticks do not determine the weights of a filler, or the weights need more than 32 bits.
     pub fn new(study: &Study, point: &Point, fillers: &[Filler]) -> Result<Firmware, StudyError> {
         let rules = rules(study, point, fillers)?;
         let fill_of = |filler: &Filler| {
@@ -103,7 +103,7 @@ impl Firmware {
         })
     }
 
-    /// The point in words, `motion.frequency = 20 Hz, …`; empty without sweeps.
+    /// The point as text, such as `motion.frequency = 20 Hz, …`; empty without sweeps.
     pub fn place(&self) -> String {
         let each = self.at.iter().filter_map(|(key, value)| {
             let value = value.quantity()?;
@@ -115,7 +115,7 @@ impl Firmware {
 }
 
 impl Design {
-    /// The two rules by the error they leave, where the filler has them.
+    /// The two rules with the errors that they leave, as far as the filler has them.
     pub fn rules(&self) -> impl Iterator<Item = (Error, &Rule, Closed)> {
         let [residual, extrapolation] = self.errors;
         let second = self.extrapolation.as_ref().map(|rule| (Error::Extrapolation, rule, extrapolation));
@@ -123,10 +123,10 @@ impl Design {
     }
 }
 
-/// The rules of fillers of a study at a point: for the residual, and for the extrapolation where there is one.
+/// The rules of fillers of a study at a point: that of the residual, and that of the extrapolation where there is one.
 ///
 /// # Errors
-/// Those of [`Firmware::new`].
+/// The same as for [`Firmware::new`].
 pub fn rules(
     study: &Study,
     point: &Point,
@@ -155,7 +155,7 @@ pub fn rules(
     Ok(rules)
 }
 
-/// Takes the rms of each error from the oracle; returns why there is none.
+/// Takes the rms of each error from the oracle; returns the reason where there is none.
 fn add_rms(designs: &mut [Design], lowered: &Result<Lowered, Refusal>) -> Option<String> {
     let lowered = match lowered {
         Ok(lowered) => lowered,
@@ -170,16 +170,16 @@ fn add_rms(designs: &mut [Design], lowered: &Result<Lowered, Refusal>) -> Option
     None
 }
 
-/// Amplitude of the error of some weights for a vibration, per amplitude of its rate: ″ per ″/s, which is s.
+/// Amplitude of the error of some weights for a vibration per amplitude of its rate, in ″ per ″/s, which is s.
 ///
-/// T sinc νT |Σ w e^{iωt} − Σ_gap e^{iωt}|, the largest over the phase.
+/// T sinc νT |Σ w e^{iωt} − Σ_gap e^{iωt}|, the largest value over the phase.
 pub(crate) fn response(weights: &Weights, gap_ticks: u32, tick_s: f64, frequency_hz: f64) -> f64 {
     let nu_t = frequency_hz * tick_s;
     let (a, b) = sine_response(weights, gap_ticks, nu_t);
     tick_amplitude(tick_s, nu_t).abs() * libm::hypot(a, b)
 }
 
-/// What a filler is, with the statistics it is designed from, in ASCII.
+/// The description of a filler in ASCII, with the statistics for which it is designed.
 fn method(filler: &Filler, inputs: &Inputs) -> String {
     let band = match &filler.method {
         Method::Polynomial(order) => return format!("polynomial of order {order}"),

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::analysis::firmware::design::Firmware;
 
 impl Firmware {
-    /// Everything, for programs.
+    /// All fillers as JSON.
     pub fn document(&self) -> Value {
         let fillers: Vec<Value> = self
             .designs

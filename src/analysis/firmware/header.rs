@@ -6,7 +6,7 @@ use crate::analysis::firmware::design::{Design, Firmware};
 use crate::analysis::firmware::rule::Rule;
 use crate::quantity::number::significant;
 
-/// How to use the tables, as the header says it.
+/// Instructions in the header for using the tables.
 const USE: &str = " * Use. P(k) is the whole number read at tick k, in any unit of angle; all results have the same unit, and are rounded
  *   to whole ones, which adds 0.29 units rms to what is left: where that counts let P be pulses times 16, say.
  *   1. when the gap opens     e = sagnac_fill(&f->extrapolation, p, E), p[i] = P(f->extrapolation.ticks[i])
@@ -72,7 +72,7 @@ static inline int64_t sagnac_correction(int64_t extrapolated, int64_t interpolat
 ";
 
 impl Firmware {
-    /// The header, C99: tables of 32-bit whole numbers and the functions that use them, exactly as [`Rule::fill`] does.
+    /// The header in C99: tables of 32-bit integers and the functions that use them, exactly as [`Rule::fill`] does.
     pub fn header(&self) -> String {
         let names = identifiers(self.designs.iter().map(|design| design.name.as_str()));
         let mut text = String::new();
@@ -147,8 +147,8 @@ fn table_of(name: &str, rule: &Rule) -> String {
     )
 }
 
-/// Names of fillers as parts of C identifiers, each once: other characters than letters and digits become `_`, and a number
-/// tells apart what is then the same.
+/// Names of fillers as unique parts of C identifiers: characters other than letters and digits become `_`, and a number
+/// distinguishes equal results.
 pub fn identifiers<'n>(names: impl Iterator<Item = &'n str>) -> Vec<String> {
     let mut found: Vec<String> = Vec::new();
     for name in names {
@@ -163,7 +163,7 @@ pub fn identifiers<'n>(names: impl Iterator<Item = &'n str>) -> Vec<String> {
     found
 }
 
-/// Whether a filler of this name would have an identifier that the header has already.
+/// Whether the identifier of a filler with this name would already exist in the header.
 fn taken(found: &[String], name: &str) -> bool {
     const OWN: [&str; 4] = ["rule", "filler", "round", "fill"];
     const PARTS: [&str; 4] =
@@ -175,7 +175,7 @@ fn taken(found: &[String], name: &str) -> bool {
         || found.iter().any(|own| own == name || part_of(own, name) || part_of(name, own))
 }
 
-/// Text that cannot end a comment, nor begin one or a trigraph in it.
+/// Text that can neither end a comment, nor begin one or a trigraph in it.
 fn comment(text: &str) -> String {
     let one_line: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     one_line.replace("*/", "* /").replace("/*", "/ *").replace("??", "? ?").replace('\\', "/")

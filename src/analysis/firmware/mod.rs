@@ -1,4 +1,4 @@
-//! Fillers as firmware needs them: whole numbers, one rule of rounding, a C header and vectors to test an implementation by.
+//! Fillers for firmware: integers with one rounding rule, a C header, and vectors to test an implementation.
 //!
 //! ```text
 //! Study, Point ─ design ─▶ Firmware ─┬─ header ─▶ sagnac_filler.h
@@ -7,8 +7,9 @@
 //!                                    └─ response ─▶ Figure
 //! ```
 //!
-//! The algorithm is that of Z(14)–Z(17): while the gap 1 … n is open the extrapolation E_j is delivered in place of tick j;
-//! once the fit ticks after it are known, ΔP = Σ(E_j − I_j) is subtracted from the next tick, I_j being the interpolation.
+//! The algorithm is that of Z(14)–Z(17). While the gap 1 … n is open, the extrapolation E_j is delivered instead of
+//! tick j. Once the fit ticks after it are known, ΔP = Σ(E_j − I_j) is subtracted from the next tick, where I_j is the
+//! interpolation.
 //!
 //! ```
 //! # use sagnac::analysis::firmware::design::Firmware;

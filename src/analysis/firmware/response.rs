@@ -1,4 +1,4 @@
-//! The response of fillers over frequency, as a chart.
+//! The frequency response of fillers, as a chart.
 
 use crate::analysis::firmware::design::{Firmware, response};
 use crate::filler::keys::Error;
@@ -7,20 +7,20 @@ use crate::quantity::number::significant;
 use crate::theory::gap::Weights;
 use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Law, LawLine, Parts, Series, SeriesPoint};
 
-/// The chart begins this many decades below the Nyquist frequency: at 1 Hz for ticks of 5 ms. Below it the errors go down on
-/// straight lines.
+/// Decades below the Nyquist frequency at which the chart begins, which is 1 Hz for ticks of 5 ms. Below it the errors
+/// fall on straight lines.
 const DECADES: f64 = 2.0;
-/// Steps of a curve, and of its markers.
+/// Steps of a curve and of its markers.
 const STEPS: usize = 720;
 const MARKER_STEPS: usize = 60;
-/// The chart reaches down to this part of the angle that the gap turns through at a constant rate: what is less is lost in
-/// any noise.
+/// Lower end of the chart relative to the angle of the gap at a constant rate; smaller errors are lost in any noise.
 const LEAST: f64 = 1e-4;
 
 impl Firmware {
-    /// Amplitude of the error per amplitude of the rate over the frequency of a vibration, up to half the tick rate: a
-    /// colour for each filler, solid for the residual and dashed for the extrapolation. Beside them the angle of the gap
-    /// itself, which is the error without any filler, and the frequency of a motion that is a single tone.
+    /// The amplitude of the error per amplitude of the rate as a function of the vibration frequency, up to half the
+    /// tick rate: a colour for each filler, solid for the residual and dashed for the extrapolation. The chart also has
+    /// the angle of the gap itself, which is the error without any filler, and the frequency of a motion that is a
+    /// single tone.
     pub fn response(&self) -> Figure {
         let tick_s = self.tick_s.unwrap_or(1.0);
         let nyquist = 0.5 / tick_s;
@@ -48,7 +48,7 @@ impl Firmware {
         if let Some((_, nu)) = self.tone.filter(|(_, nu)| (frequency(0)..=nyquist).contains(nu)) {
             let markers = || series.iter().flat_map(|series| &series.points).map(|point| point.y);
             let curves = series.iter().flat_map(|series| &series.law).map(|place| place.1);
-            // As far down as the axis, which reaches for curves to a decade below the markers.
+            // The lower end of the axis, which for curves is a decade below the markers.
             let low = curves.fold(f64::INFINITY, f64::min).max(0.1 * markers().fold(f64::INFINITY, f64::min));
             let label = format!("the motion, {} Hz", significant(nu, 4));
             laws.push(law(label, vec![(nu, low), (nu, markers().fold(0.0, f64::max))]));

@@ -1,27 +1,27 @@
-//! The integer rule: weights on ticks as whole numbers, and how their sums are rounded.
+//! The integer rule: integer weights on ticks, and the rounding of their sums.
 
 use crate::kinds::gap_fill::lower::weights::Rows;
 use crate::theory::gap::Weights;
 
-/// Weights that give the lost ticks from others, in whole numbers of 32 bits over a denominator.
+/// Weights that give the lost ticks from others, as 32-bit integers over a denominator.
 ///
-/// With S_j the sum of w·P over the rows 1 … j and R_j = ⌊S_j/D + ½⌋, the value of lost tick j is R_j − R_(j−1). Rounding
-/// the running sum and not each value keeps the angle within half a unit of the exact one throughout the gap, whatever its
-/// length, as a gyro that counts whole pulses does. Halves go up, towards +∞.
+/// With S_j the sum of w·P over the rows 1 … j and R_j = ⌊S_j/D + ½⌋, the value of lost tick j is R_j − R_(j−1).
+/// Rounding the running sum instead of each value keeps the angle within half a unit of the exact one throughout the
+/// gap, whatever its length, as in a gyro that counts whole pulses. Halves are rounded up, towards +∞.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rule {
-    /// The ticks that are read, ascending.
+    /// Ticks that are read, ascending.
     pub ticks: Vec<i32>,
-    /// A row of numerators for each lost tick, or a single one for all of them together where the filler says no more.
+    /// A row of numerators for each lost tick, or a single row for their sum where the filler defines no more.
     pub rows: Vec<Vec<i32>>,
-    /// D, positive.
+    /// Denominator D, positive.
     pub denominator: i32,
-    /// Whether the fractions are the weights themselves, not the nearest over a power of two.
+    /// Whether the fractions are the exact weights instead of the nearest ones over a power of two.
     pub exact: bool,
 }
 
 impl Rule {
-    /// `None` where a number needs more than 32 bits.
+    /// Makes the rule; `None` where a number needs more than 32 bits.
     pub(crate) fn new(rows: &Rows) -> Option<Rule> {
         let word = |w: &i64| i32::try_from(*w).ok();
         let words = |row: &Vec<i64>| row.iter().map(word).collect::<Option<Vec<_>>>();
@@ -43,21 +43,22 @@ impl Rule {
         }
     }
 
-    /// The largest |P| for which no sum leaves 63 bits, so that no difference of two leaves 64; nor do those of smaller ones.
+    /// The largest |P| for which every sum fits 63 bits, so that every difference of two fits 64; smaller inputs fit as
+    /// well.
     pub fn largest_input(&self) -> i32 {
         let gain: i64 = self.rows.iter().flatten().map(|w| i64::from(*w).abs()).sum();
         let room = i64::MAX / 2 - i64::from(self.denominator);
         i32::try_from(room / gain.max(1)).unwrap_or(i32::MAX)
     }
 
-    /// The lost ticks, or their sum alone where the rule has a single row, from `inputs` on its ticks that are within
-    /// [`Rule::largest_input`].
+    /// The lost ticks, or only their sum where the rule has a single row, from `inputs` on its ticks, which must be
+    /// within [`Rule::largest_input`].
     pub fn fill(&self, inputs: &[i32]) -> Vec<i64> {
         let denominator = i128::from(self.denominator);
         let (mut sum, mut filled) = (0_i128, 0_i64);
         let value = |row: &Vec<i32>| {
             sum += row.iter().zip(inputs).map(|(w, p)| i128::from(*w) * i128::from(*p)).sum::<i128>();
-            // Within 63 bits for such inputs.
+            // Such inputs stay within 63 bits.
             let rounded = (sum + denominator / 2).div_euclid(denominator) as i64;
             let value = rounded - filled;
             filled = rounded;

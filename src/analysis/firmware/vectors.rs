@@ -1,4 +1,4 @@
-//! Test vectors: whole numbers on the ticks and what a filler makes of them, to verify an implementation bit by bit.
+//! Test vectors: integers on the ticks with the resulting output of a filler, to verify an implementation bit by bit.
 
 use std::io;
 
@@ -14,15 +14,15 @@ use crate::tally::id::Id;
 /// Inputs on all ticks that any of the fillers reads.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Vectors {
-    /// Ascending.
+    /// Ticks, ascending.
     pub ticks: Vec<i32>,
-    /// One number for each tick.
+    /// Vectors of inputs, one number for each tick.
     pub inputs: Vec<Vec<i32>>,
 }
 
 impl Firmware {
-    /// As many vectors as asked for, the same for the same fillers and seed: first 0, constants, alternating signs, ramps
-    /// and the signs of the weights of each filler, up to the largest inputs that all fillers take; then random ones of
+    /// `count` vectors, which depend only on the fillers and the seed: first 0, constants, alternating signs, ramps and
+    /// the signs of the weights of each filler, up to the largest inputs that all fillers accept, then random ones of
     /// every magnitude.
     pub fn vectors(&self, count: usize) -> Vectors {
         let rules = || self.designs.iter().flat_map(Design::rules).map(|(_, rule, _)| rule);
@@ -41,7 +41,7 @@ impl Firmware {
             inputs.push(ticks.iter().map(|tick| slope * tick).collect());
         }
         for rule in rules() {
-            // No sum is larger than where every input has the sign of its weight.
+            // The sum is largest where every input has the sign of its weight.
             let weights = rule.whole();
             let sign = |tick: i32| {
                 let place = weights.ticks.iter().position(|own| *own == tick);
@@ -54,7 +54,7 @@ impl Firmware {
         inputs.truncate(count);
         let mut words = Philox::new(Id::of(&format!("test vectors\nseed={}\n", self.seed)).key());
         let limit = i64::from(most);
-        // A word loses from none to all but one of its bits, so that every magnitude comes up.
+        // A word loses between none and all but one of its bits, so that every magnitude occurs.
         let mut number = || {
             let (bits, shift) = (words.next_u32() as i32, words.next_u32() % 31);
             i64::from(bits >> shift).clamp(-limit, limit) as i32
@@ -65,11 +65,11 @@ impl Firmware {
         Vectors { ticks, inputs }
     }
 
-    /// Writes a line for each filler and vector: the inputs `P[tick]`, then `E[j]` and `I[j]` for each lost tick, their sums
-    /// and `dP`. What a filler does not have is blank.
+    /// Writes a line for each filler and vector: the inputs `P[tick]`, then `E[j]` and `I[j]` for each lost tick, their
+    /// sums and `dP`. Values that a filler does not have are blank.
     ///
     /// # Errors
-    /// Those of the writer.
+    /// The errors of the writer.
     pub fn write_vectors(&self, vectors: &Vectors, to: impl io::Write) -> io::Result<()> {
         let lost = self.gap_ticks as usize;
         let rows: Vec<Row> = self
@@ -87,7 +87,7 @@ impl Firmware {
             let name = about.name.replace('…', tick);
             Column { name, ..of(about, cell) }
         };
-        // Rules that give the gap as a whole have no values of single ticks.
+        // Rules that give only the sum over the gap have no values of single ticks.
         let single =
             |values: &[i64], j: usize| whole(values.get(j - 1).filter(|_| values.len() == lost).copied());
         let inputs = vectors.ticks.iter().enumerate();
@@ -126,7 +126,7 @@ impl Row<'_> {
     }
 }
 
-/// A number, or a blank where there is none.
+/// A number, or a blank where it is absent.
 fn whole(value: Option<i64>) -> Cell {
     value.map_or(Cell::Blank, Cell::Integer)
 }
@@ -141,12 +141,12 @@ const INPUT: About =
 const DELIVERED: About = about(
     "E[…]",
     Role::Estimate,
-    "What is delivered in place of this lost tick while the gap is open; blank where the filler has no extrapolation.",
+    "Value delivered instead of this lost tick while the gap is open; blank where the filler has no extrapolation.",
 );
 const KNOWN: About = about(
     "I[…]",
     Role::Estimate,
-    "What the filler makes of this lost tick once the ticks after the gap are known.",
+    "Value of the filler for this lost tick once the ticks after the gap are known.",
 );
 const SUM_DELIVERED: About = about("sum_E", Role::Estimate, "Sum of all E.");
 const SUM_KNOWN: About = about("sum_I", Role::Estimate, "Sum of all I.");
@@ -161,7 +161,7 @@ pub(crate) const COLUMNS: [About; 7] =
     [FILLER_COLUMN, INPUT, DELIVERED, KNOWN, SUM_DELIVERED, SUM_KNOWN, CORRECTION];
 
 impl Vectors {
-    /// Of some inputs those on the ticks of a rule.
+    /// Selects the inputs on the ticks of a rule.
     fn read(&self, rule: &Rule, inputs: &[i32]) -> Vec<i32> {
         let of = |tick| self.ticks.iter().zip(inputs).find(|(own, _)| *own == tick).map(|(_, p)| *p);
         rule.ticks.iter().filter_map(of).collect()

@@ -14,19 +14,19 @@ use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Part, Parts, Ser
 use crate::analysis::log::notes::heading;
 use crate::analysis::log::{Analysis, Column, Curve};
 
-/// Places of a line from one octave of τ to the next: of a sine, whose hump has ripples, and of all else.
+/// Points of a line per octave of τ: of a sine, whose hump has ripples, and of any other term.
 const PLACES: [f64; 2] = [64.0, 12.0];
-/// Ripples of a sine's own line: later ones would fill the picture below the curve.
+/// Most ripples of a sine's own line; further ones would fill the picture below the curve.
 const MOST_RIPPLES: f64 = 8.0;
 
-/// The figures with the stems of their files: one for deviations of the rate, one for those of the angle.
+/// The figures with the stems of their file names: one for deviations of the rate, one for those of the angle.
 pub fn figures(analysis: &Analysis) -> Vec<(&'static str, Option<Figure>)> {
     [("chart", false), ("chart-tdev", true)]
         .map(|(stem, of_angle)| (stem, figure(analysis, &|deviation| deviation.is_of_angle() == of_angle)))
         .into()
 }
 
-/// The deviations that are `wanted`; `None` without any.
+/// The figure of the `wanted` deviations; `None` without any.
 fn figure(analysis: &Analysis, wanted: &dyn Fn(Deviation) -> bool) -> Option<Figure> {
     let first = analysis.columns.first()?;
     let deviations: Vec<Deviation> =
@@ -51,7 +51,7 @@ fn figure(analysis: &Analysis, wanted: &dyn Fn(Deviation) -> bool) -> Option<Fig
         title: "deviations".to_owned(),
         entries: entries(deviations.iter().map(|deviation| deviation.name().to_owned()).collect()),
     };
-    // One column needs no colours of its own: they tell the deviations apart.
+    // With one column, colours distinguish the deviations instead of the columns.
     let (colours, dashes) = match (others.is_empty(), several) {
         (true, _) => (columns, Grouping::default()),
         (false, true) => (columns, names),
@@ -95,7 +95,7 @@ fn series(analysis: &Analysis, column: &Column, curve: &Curve, (colour, dash): (
     Series { colour, dash, points: points.collect(), law: law.unwrap_or_default() }
 }
 
-/// The deviation that a process gives on average, over the times of a curve; none where there is no closed form.
+/// The expected deviation of a process over the times of a curve; empty where there is no closed form.
 pub fn line(process: &Process, curve: &Curve, samples: usize) -> Vec<(f64, f64)> {
     let Some(estimator) = estimator(curve.deviation) else { return vec![] };
     let shown: Vec<f64> =
@@ -114,7 +114,7 @@ pub fn line(process: &Process, curve: &Curve, samples: usize) -> Vec<(f64, f64)>
     ms.into_iter().filter_map(at).collect()
 }
 
-/// What the mean of a deviation's square is known of.
+/// The estimator that has the expected square of a deviation in closed form.
 fn estimator(deviation: Deviation) -> Option<Estimator> {
     let (difference, stride) = match deviation {
         Deviation::Adev => (Difference::Second, Stride::Cluster),
@@ -126,7 +126,7 @@ fn estimator(deviation: Deviation) -> Option<Estimator> {
     Some(Estimator { difference, stride })
 }
 
-/// The identified terms of the only column, where its Allan deviation is among those of a figure.
+/// The identified terms of the single column, where its Allan deviation is among those of a figure.
 fn parts(analysis: &Analysis, column: &Column, deviations: &[Deviation]) -> Parts {
     let is_allan = |curve: &&Curve| {
         deviations.contains(&curve.deviation) && matches!(curve.deviation, Deviation::Adev | Deviation::Oadev)
@@ -145,7 +145,7 @@ fn parts(analysis: &Analysis, column: &Column, deviations: &[Deviation]) -> Part
         }
         Some(Part {
             label: label(coefficient, value, data_sheet_unit(term, column.unit)),
-            // Those before are the curves'.
+            // Earlier colours are those of the curves.
             colour: deviations.len() + Term::ALL.iter().position(|other| *other == term)?,
             points,
         })
@@ -157,7 +157,7 @@ fn parts(analysis: &Analysis, column: &Column, deviations: &[Deviation]) -> Part
     Parts { title, lines: noise.fit.coefficients.iter().filter_map(part).collect() }
 }
 
-/// `N = 0.003 °/√h`
+/// A label such as `N = 0.003 °/√h`.
 fn label(coefficient: &Coefficient, value: f64, (factor, _, unit): (f64, &str, &str)) -> String {
     let shown = |value: f64| significant(value, 3);
     let value = format!("{} {unit}", shown(factor * value));

@@ -1,7 +1,7 @@
-//! The gyroscope part of an `imu.yaml`, as Kalibr and other visual-inertial tools read it.
+//! The gyroscope part of an `imu.yaml` for Kalibr and other visual-inertial tools.
 //!
-//! Kalibr's model is a white rate and a bias that walks, both by the root of their two-sided density per Hz: N in rad/√s
-//! and K in rad/s^1.5. It has no other terms.
+//! Kalibr's model is a white rate noise and a random walk of the bias, both given by the square root of their two-sided
+//! density per Hz: N in rad/√s and K in rad/s^1.5. It has no other terms.
 
 use crate::allan::unit::Unit;
 use crate::fit::coefficient::Fit;
@@ -10,10 +10,10 @@ use crate::theory::allan::terms::Term;
 
 use crate::analysis::log::notes::{heading, one_line};
 use crate::analysis::log::{Analysis, Column};
-/// rad of 1 ″.
+/// Size of 1 ″ in rad.
 const RADIANS: f64 = core::f64::consts::PI / 648_000.0;
 
-/// A key of the file and the coefficient that it is.
+/// A key of the file with its coefficient.
 struct Key {
     name: &'static str,
     term: Term,
@@ -25,31 +25,31 @@ const KEYS: [Key; 2] = [
     Key { name: "gyroscope_random_walk", term: Term::RateRandomWalk, unit: "rad/s^2/sqrt(Hz)" },
 ];
 
-/// What one key is, of the column where it is largest.
+/// The value of one key, from the column where it is largest.
 enum Found<'a> {
-    /// With the largest bound of the others, where that is larger.
+    /// A value with its column, and the largest bound of the other columns where that is larger.
     Value(f64, &'a str, Option<f64>),
-    /// In no column; the largest of the bounds, where every column has one.
+    /// No column identifies it; the largest of the bounds, where every column has one.
     Below(Option<f64>),
-    /// It was not among the terms of the fit.
+    /// The fit does not include the term.
     NotFitted,
 }
 
-/// Why there is no file.
+/// Why the file cannot be written.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum KalibrError {
-    /// A column without a unit of angle.
+    /// A column has no unit of angle.
     #[error("an imu.yaml needs rates or angles: {column} is plain numbers\ngive their unit, as in deg/s")]
     Plain {
-        /// Which one.
+        /// Name of the column.
         column: String,
     },
-    /// A column without noise.
+    /// A column has no noise coefficients.
     #[error("there is nothing to write: {column}: no coefficients: {why}")]
     NoCoefficients {
-        /// Which one.
+        /// Name of the column.
         column: String,
-        /// Why it has none.
+        /// Reason why it has none.
         why: String,
     },
 }
@@ -57,7 +57,7 @@ pub enum KalibrError {
 /// The text of the file.
 ///
 /// # Errors
-/// A column of plain numbers, or one whose noise cannot be told.
+/// A column has plain numbers, or its noise cannot be determined.
 pub fn text(analysis: &Analysis) -> Result<String, KalibrError> {
     let mut text = format!(
         "# Gyroscope noise from sagnac allan, {}; {}.\n",
@@ -81,10 +81,10 @@ pub fn text(analysis: &Analysis) -> Result<String, KalibrError> {
     Ok(text)
 }
 
-/// Which keys have no value, for people.
+/// Notes on keys without a value, for the user.
 ///
 /// # Errors
-/// Those of [`text`].
+/// The same as for [`text`].
 pub fn notes(analysis: &Analysis) -> Result<Vec<String>, KalibrError> {
     let mut notes = Vec::new();
     for key in &KEYS {
@@ -155,7 +155,7 @@ fn line(key: &Key, found: &Found, several: bool) -> String {
     }
 }
 
-/// Six digits as YAML 1.1 takes them for a number: with a point, and with a sign before the exponent.
+/// Six digits in a form that YAML 1.1 accepts as a number: with a point, and with a sign in the exponent.
 fn number(value: f64) -> String {
     let text = format!("{value:.5e}");
     match text.split_once('e') {
@@ -164,7 +164,7 @@ fn number(value: f64) -> String {
     }
 }
 
-/// The same for a number that is short without.
+/// The same for a number that is short enough without an exponent.
 fn plain_number(value: f64) -> String {
     match significant(value, 9) {
         long if long.contains('e') => number(value),

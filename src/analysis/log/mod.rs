@@ -1,4 +1,4 @@
-//! The noise of a recorded log: its deviations, its coefficients, and what is to be known of both.
+//! The noise of a recorded log: its deviations, its coefficients, and notes on both.
 //!
 //! ```text
 //! Log, Asked ─ of ─▶ Analysis ─┬─ tables ─▶ curve.csv, coefficients.csv, JSON
@@ -33,10 +33,10 @@ use crate::record::log::outliers::Outliers;
 use crate::record::log::read::Request;
 use crate::record::log::samples::Samples;
 
-/// Simulated samples that take long enough to be announced.
+/// Number of simulated samples from which on the simulation is announced.
 const LONG: usize = 1_000_000_000;
 
-/// What an analysis computes.
+/// The request for an analysis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Asked {
     /// Averaging times.
@@ -47,49 +47,50 @@ pub struct Asked {
     pub confidence: f64,
     /// Terms to fit, if any.
     pub terms: Option<Terms>,
-    /// Simulated records for the intervals of coefficients, 0 for intervals in closed form; by default as many as take seconds.
+    /// Number of simulated records for the intervals of coefficients, 0 for intervals in closed form; by default as
+    /// many as take a few seconds.
     pub simulated: Option<usize>,
 }
 
-/// What was found in one file.
+/// The result for one file.
 #[derive(Debug)]
 pub struct Analysis {
-    /// The log.
+    /// Path of the log.
     pub path: PathBuf,
-    /// What its samples are.
+    /// Quantity of its samples.
     pub data: Data,
-    /// How many there are, missing ones among them.
+    /// Number of samples, including missing ones.
     pub samples: usize,
-    /// From sample to sample, s.
+    /// Time from sample to sample, s.
     pub step_s: f64,
     /// Probability of the intervals of deviations.
     pub confidence: f64,
-    /// What was done to it before.
+    /// Treatment of the log.
     pub treatment: Treatment,
-    /// The columns that were asked for.
+    /// Requested columns.
     pub columns: Vec<Column>,
 }
 
-/// One column of the file.
+/// The result for one column of the file.
 #[derive(Debug)]
 pub struct Column {
-    /// Without unit.
+    /// Name without unit.
     pub name: String,
-    /// Of its curves.
+    /// Unit of its curves.
     pub unit: Unit,
-    /// What the header says of the unit, where that is something else.
+    /// Unit in the header, where another one was used.
     pub overruled: Option<String>,
-    /// Samples missing in the file.
+    /// Number of samples missing in the file.
     pub missing: usize,
-    /// Of the rates or increments as they stand in the file.
+    /// Outliers of the rates or increments in the file.
     pub outliers: Outliers,
-    /// In the unit of the curve; absent for plain numbers that are no rates.
+    /// Mean rate in the unit of the curve; absent for plain numbers that are not rates.
     pub mean_rate: Option<f64>,
-    /// Slope that was removed, in the unit of the curve per s.
+    /// Removed slope, in the unit of the curve per s.
     pub slope: f64,
-    /// One for each deviation.
+    /// Curves, one for each deviation.
     pub curves: Vec<Curve>,
-    /// Absent where it was not asked for; else why it cannot be told.
+    /// Noise coefficients; absent where they were not requested, or the reason why they cannot be determined.
     pub noise: Result<Option<DataSheet>, String>,
 }
 
@@ -99,7 +100,7 @@ impl Column {
         self.noise.as_ref().ok()?.as_ref()
     }
 
-    /// Its coefficients; none without.
+    /// Its coefficients; empty where there are none.
     pub fn coefficients(&self) -> &[Row] {
         self.noise().map_or(&[], |noise| &noise.rows)
     }
@@ -108,26 +109,26 @@ impl Column {
 /// A deviation of a column.
 #[derive(Debug)]
 pub struct Curve {
-    /// Which one.
+    /// Deviation.
     pub deviation: Deviation,
-    /// In the order of τ.
+    /// Points in the order of τ.
     pub points: Vec<Point>,
     /// The lowest point.
     pub minimum: Option<Minimum>,
 }
 
-/// What is done to a log before its curves are taken.
+/// The treatment of a log before its curves are computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Treatment {
     /// Time left out at the start, s.
     pub skip_s: f64,
-    /// End of what is used, from the start of the file, s.
+    /// End of the part that is used, from the start of the file, s.
     pub until_s: Option<f64>,
-    /// What is removed from the rate.
+    /// Trend removed from the rate.
     pub trend: Trend,
-    /// Whether outliers are taken for gaps.
+    /// Whether outliers are treated as gaps.
     pub outliers_removed: bool,
-    /// Whether rates that look as if in another unit are refused.
+    /// Whether rates that appear to be in a wrong unit are refused.
     pub unit_check: UnitCheck,
 }
 
@@ -135,7 +136,7 @@ impl Treatment {
     /// Reads the log at `path`, cuts and checks it.
     ///
     /// # Errors
-    /// A log that is refused.
+    /// The log is refused.
     pub fn read(&self, path: &Path, request: &Request) -> Result<Log, RecordError> {
         let mut log = Log::read(path, request)?;
         if self.skip_s > 0.0 || self.until_s.is_some() {
@@ -145,7 +146,8 @@ impl Treatment {
         Ok(log)
     }
 
-    /// The angles of some samples, and the outliers among their rates or increments: left out where that is asked for.
+    /// The angles of some samples, without outliers where they are to be removed, and the outliers among the rates or
+    /// increments.
     pub fn angles(&self, samples: &Samples) -> (Angles, Outliers) {
         let outliers = samples.outliers();
         let angles = match self.outliers_removed {
@@ -155,7 +157,7 @@ impl Treatment {
         (angles, outliers)
     }
 
-    /// What was left out, in a few words.
+    /// The parts left out, in a few words.
     pub fn left_out(&self) -> String {
         let part = |time_s: f64, words: &str| format!("{words} {} s", significant(time_s, 9));
         let parts = [
@@ -166,7 +168,7 @@ impl Treatment {
         parts.into_iter().flatten().map(|part| format!("; {part}")).collect()
     }
 
-    /// All of it in a few words, for every output.
+    /// The whole treatment in a few words, for every output.
     pub fn summary(&self) -> String {
         let trend = match self.trend {
             Trend::None => "; no trend removed",
@@ -175,7 +177,7 @@ impl Treatment {
         (self.left_out() + trend).trim_start_matches("; ").to_owned()
     }
 
-    /// What the trend does to the coefficients R and K.
+    /// The effect of the trend on the coefficients R and K.
     pub fn effect(&self, length_s: f64) -> String {
         match self.trend {
             Trend::None => {
@@ -192,10 +194,10 @@ impl Treatment {
 }
 
 impl Analysis {
-    /// Analyses a log that was read from `path` with this treatment; `progress` hears of simulations that take long.
+    /// Analyses a log that was read from `path` with this treatment; `progress` receives a note on long simulations.
     ///
     /// # Errors
-    /// Averaging times that the log does not have.
+    /// An averaging time is outside the range of the log.
     pub fn of(
         log: &Log,
         path: &Path,
@@ -216,12 +218,12 @@ impl Analysis {
         })
     }
 
-    /// From the first sample to the end of the last, s.
+    /// Time from the first sample to the end of the last, s.
     pub fn length_s(&self) -> f64 {
         self.samples as f64 * self.step_s
     }
 
-    /// `95 %`
+    /// The confidence as a percentage, such as `95 %`.
     pub fn percent(&self) -> String {
         format!("{} %", significant(100.0 * self.confidence, 6))
     }
@@ -269,7 +271,7 @@ fn column(
     })
 }
 
-/// The slope that was removed from some samples, in the unit of the curve per s.
+/// The slope removed from some samples, in the unit of the curve per s.
 pub fn slope(angles: &Angles, samples: &Samples) -> f64 {
     let Line { slope, .. } = angles.removed();
     let factor = samples.unit.factor;

@@ -1,4 +1,4 @@
-//! `noise.toml`: the identified coefficients of a column as studies read them.
+//! `noise.toml`: the identified coefficients of a column, in the form that studies read.
 
 use crate::allan::unit::Unit;
 use crate::analysis::data_sheet::data_sheet_unit;
@@ -9,7 +9,7 @@ use crate::theory::allan::terms::{Shape, Term};
 use crate::analysis::log::notes::one_line;
 use crate::analysis::log::{Analysis, Column};
 
-/// With the end of the first line, what tells files of ours from others.
+/// Beginning of the first line; with its end, it identifies our files.
 const START: &str = "# Noise of column ";
 const FITTED: &str = ", fitted by sagnac allan";
 
@@ -29,14 +29,14 @@ fn names(columns: &[Column]) -> Vec<String> {
         let kept = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' };
         let name: String = column.name.chars().map(kept).collect();
         let name = format!("noise_{name}.toml");
-        // Names that differ in signs only, or a column that is taken twice.
+        // Names may differ only in punctuation, or a column may be taken twice.
         let is_taken = names.iter().any(|other| other.eq_ignore_ascii_case(&name));
         names.push(if is_taken { format!("noise_{number}_{}", &name["noise_".len()..]) } else { name });
     }
     names
 }
 
-/// `None` without coefficients, or of plain numbers.
+/// The text for a column; `None` without coefficients, or for plain numbers.
 fn text(analysis: &Analysis, column: &Column) -> Option<String> {
     let noise = column.noise().filter(|_| column.unit == Unit::Angular)?;
     let file = analysis.path.file_name().unwrap_or(analysis.path.as_os_str()).to_string_lossy();
@@ -57,13 +57,13 @@ fn text(analysis: &Analysis, column: &Column) -> Option<String> {
     Some(text)
 }
 
-/// A value with its unit, as studies read it.
+/// A value with its unit, in the form that studies read.
 fn quantity(term: Term, value: f64) -> String {
     let (factor, unit, _) = data_sheet_unit(term, Unit::Angular);
     format!("{} {unit}", significant(factor * value, 6))
 }
 
-/// `Q: 0.109 to 0.111 arcsec`, and of a shape a line of its own.
+/// Lines such as `Q: 0.109 to 0.111 arcsec`, with a separate line for a shape.
 fn intervals(coefficient: &Coefficient) -> Vec<String> {
     let (Some(_), Some([low, high])) = (coefficient.value, coefficient.interval) else { return vec![] };
     let (term, symbol) = (coefficient.term, coefficient.term.symbol());
@@ -76,7 +76,7 @@ fn intervals(coefficient: &Coefficient) -> Vec<String> {
     std::iter::once(line(symbol, [low, high].map(|end| factor * end), unit)).chain(of_shape).collect()
 }
 
-/// What is known of a coefficient without value.
+/// The bound of a coefficient without value.
 fn bound(coefficient: &Coefficient) -> String {
     let symbol = coefficient.term.symbol();
     let most = coefficient.interval.map(|[_, most]| quantity(coefficient.term, most));
@@ -96,7 +96,7 @@ fn entry(coefficient: &Coefficient) -> Option<String> {
     })
 }
 
-/// Whether such a file holds this text: a user's own `noise.toml` is left alone.
+/// Whether the text is that of such a file; a user's own `noise.toml` is not overwritten.
 pub fn is_ours(text: &str) -> bool {
     text.lines().next().is_some_and(|line| line.starts_with(START) && line.contains(FITTED))
 }

@@ -1,4 +1,4 @@
-//! What should be known of an analysis besides its results.
+//! Notes attached to the results of an analysis.
 
 use crate::allan::unit::Unit;
 use crate::analysis::data_sheet::Intervals;
@@ -7,22 +7,22 @@ use crate::quantity::number::significant;
 use crate::record::log::measure::Data;
 use crate::record::log::outliers::OUTLYING;
 
-/// Probability of the residuals of a fit below which it does not describe its curve, with room for the scatter of single
-/// records at long τ, which is wider than that of a χ².
+/// Probability of the residuals of a fit below which it does not describe its curve. It leaves room for the scatter of
+/// single records at long τ, which is wider than that of a χ².
 const UNLIKELY: f64 = 1e-9;
 
-/// What should be known besides the results.
+/// All notes on the results.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
     let mut notes = Vec::new();
     for column in &analysis.columns {
         if let Some(unit) = &column.overruled {
-            notes.push(format!("{}: the header says {unit}, the unit given was followed", column.name));
+            notes.push(format!("{}: the header says {unit}, but the given unit was used", column.name));
         }
         if let Err(why) = &column.noise {
             notes.push(format!("{}: no coefficients: {why}", column.name));
         }
         if column.unit == Unit::Plain && column.noise().is_some() {
-            notes.push(format!("{}: no noise.toml: plain numbers are no noise of a gyro", column.name));
+            notes.push(format!("{}: no noise.toml: plain numbers are not the noise of a gyro", column.name));
         }
         if let Some(Intervals::ClosedForm { why: Some(why) }) = column.noise().map(|noise| &noise.intervals) {
             notes.push(format!("{}: intervals of coefficients are in closed form: {why}", column.name));
@@ -72,7 +72,7 @@ fn outliers(column: &Column, analysis: &Analysis) -> Option<String> {
         .collect();
     let more = if found.len() > MOST { ", …" } else { "" };
     let fate = match analysis.treatment.outliers_removed {
-        true => "taken for gaps",
+        true => "treated as gaps",
         false => "kept, unless outliers are removed",
     };
     let named = if found.len() == 1 { "outlier" } else { "outliers" };
@@ -89,7 +89,7 @@ fn outliers(column: &Column, analysis: &Analysis) -> Option<String> {
     })
 }
 
-/// The file, its rate and how much of it was taken.
+/// The file, its rate and the part that was used.
 pub fn heading(analysis: &Analysis) -> String {
     let file = analysis.path.file_name().unwrap_or(analysis.path.as_os_str()).to_string_lossy();
     format!(
@@ -100,7 +100,7 @@ pub fn heading(analysis: &Analysis) -> String {
     )
 }
 
-/// For a comment in a file, which ends where its line does and may have no other control characters either.
+/// Text for a comment in a file, which must be a single line without control characters.
 pub fn one_line(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }

@@ -24,15 +24,15 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
     type Of<'a> = ColumnOf<CurveRow<'a>>;
     vec![
         Of::new("column", Unit::NONE, "column", |row| text(&row.column.name))
-            .is(Role::Key, "Column of the log that the row is about."),
+            .is(Role::Key, "Column of the log to which the row belongs."),
         Of::new("deviation", Unit::NONE, "deviation", |row| text(row.curve.deviation.name()))
-            .is(Role::Key, "Which deviation: `adev`, `oadev`, `mdev`, `tdev`, `hdev`, `ohdev`."),
+            .is(Role::Key, "The deviation: `adev`, `oadev`, `mdev`, `tdev`, `hdev`, `ohdev`."),
         Of::new("m", Unit::NONE, "m", |row| Cell::Integer(row.point.m as i64))
             .is(Role::Count, "Averaging time in samples."),
         Of::new("tau", Unit::S, "tau", |row| Cell::Number(row.point.tau_s))
             .is(Role::Coordinate, "Averaging time τ, s."),
         Of::new("terms", Unit::NONE, "terms", |row| Cell::Integer(row.point.terms as i64))
-            .is(Role::Count, "Differences that the value is from."),
+            .is(Role::Count, "Number of differences behind the value."),
         Of::new("alpha", Unit::NONE, "alpha", |row| {
             row.point.noise.map_or(Cell::Blank, |noise| Cell::Integer(noise.alpha.into()))
         })
@@ -48,7 +48,7 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
         Of::new("unit", Unit::NONE, "unit", |row| text(row.column.unit.in_files(row.curve.deviation)))
             .is(Role::Note, "Unit of `value`, `lower` and `upper`."),
         Of::new("alpha_from", Unit::NONE, "alpha_from", |row| text(alpha_from(row.point)))
-            .is(Role::Note, "`identified` at this τ, or `carried` from a shorter one, as where there are fewer than 30 groups."),
+            .is(Role::Note, "`identified` at this τ, or `carried` from a shorter one, for example where there are fewer than 30 groups."),
         Of::new("treatment", Unit::NONE, "treatment", |row| text(row.treatment))
             .is(Role::Note, "What was done to the record: skipped, cut, a line removed, outliers removed."),
     ]
@@ -95,7 +95,7 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a>>> {
     type Of<'a> = ColumnOf<Line<'a>>;
     vec![
         Of::new("column", Unit::NONE, "column", |line| text(line.column))
-            .is(Role::Key, "Column of the log that the row is about."),
+            .is(Role::Key, "Column of the log to which the row belongs."),
         Of::new("coefficient", Unit::NONE, "coefficient", |line| text(line.row.name))
             .is(Role::Key, "Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`, and \
                 `in_run_stability`, the minimum of the curve, with its `in_run_stability_tau`."),
@@ -110,17 +110,17 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a>>> {
         Of::new("verdict", Unit::NONE, "verdict", |line| text(line.row.verdict))
             .is(Role::Note, "Whether the record identifies the coefficient, in words."),
         Of::new("intervals", Unit::NONE, "intervals", |line| text(&line.intervals))
-            .is(Role::Note, "How the intervals were found: by bootstrap or in closed form; of the minimum, those of the curve."),
+            .is(Role::Note, "How the intervals were found: by bootstrap or in closed form; for the minimum, those of the curve."),
     ]
 }
 
-/// The coefficients of all columns, and of each the minimum of its curve: `coefficients.csv`.
+/// The coefficients of all columns, each with the minimum of its curve: `coefficients.csv`.
 pub fn coefficients(analysis: &Analysis) -> Table {
     let lines: Vec<Line> = analysis.columns.iter().flat_map(lines).collect();
     Table { columns: columns_of(&coefficient_columns(), &lines) }
 }
 
-/// The minimum of the first curve that has one, as a row of its own: the in-run stability of data sheets, not B.
+/// The minimum of the first curve that has one, as a separate row: the in-run stability of data sheets, not B.
 fn stability(column: &log::Column) -> Vec<Row> {
     let curve = column.curves.iter().find(|curve| !curve.deviation.is_of_angle());
     let Some((curve, minimum)) = curve.and_then(|curve| Some((curve, curve.minimum?))) else { return vec![] };
@@ -134,7 +134,7 @@ fn stability(column: &log::Column) -> Vec<Row> {
     ]
 }
 
-/// A coefficient for programs.
+/// A coefficient as JSON.
 fn document_of(row: &Row) -> Value {
     json!({
         "coefficient": row.name,
@@ -155,7 +155,7 @@ fn alpha_from(point: &Point) -> &'static str {
     }
 }
 
-/// Everything, for programs.
+/// The complete analysis as JSON.
 pub fn document(analysis: &Analysis) -> Value {
     let treatment = &analysis.treatment;
     let columns: Vec<Value> = analysis.columns.iter().map(|column| of_column(analysis, column)).collect();
@@ -178,7 +178,7 @@ pub fn document(analysis: &Analysis) -> Value {
 }
 
 fn of_column(analysis: &Analysis, column: &log::Column) -> Value {
-    /// Enough to find them; a document with millions helps nobody.
+    /// Most outliers in a document, which suffice to find them.
     const MOST: usize = 100;
     let outliers = &column.outliers;
     let times: Vec<f64> = outliers

@@ -1,4 +1,4 @@
-//! A log in memory, and what is done to it before it is analysed.
+//! A log in memory, and its preparation for analysis.
 
 use crate::quantity::number::significant;
 
@@ -7,41 +7,41 @@ use crate::record::log::measure::{Data, Unit};
 use crate::record::log::samples::Samples;
 use crate::source::place::Place;
 
-/// A log: one or several columns of evenly spaced samples.
+/// A log with one or several columns of evenly spaced samples.
 #[derive(Debug, Clone)]
 pub struct Log {
     pub(crate) file: String,
-    /// From sample to sample, s.
+    /// Time from sample to sample, s.
     pub step_s: f64,
-    /// What the samples are.
+    /// Quantity of the samples.
     pub data: Data,
-    /// Where the samples begin, from the start of the file, s.
+    /// Time of the first sample from the start of the file, s.
     pub start_s: f64,
-    /// One for each column that was asked for.
+    /// Channels, one for each requested column.
     pub channels: Vec<Channel>,
 }
 
 /// One column of a log.
 #[derive(Debug, Clone)]
 pub struct Channel {
-    /// Without unit; the column's number where it has none.
+    /// Name without unit; the column's number where it has no name.
     pub name: String,
-    /// Of `samples`.
+    /// Unit of `samples`.
     pub unit: Unit,
-    /// What the header says, whether or not it was followed.
+    /// Unit in the header, whether or not it was used.
     pub unit_in_header: Option<String>,
-    /// As in the file, finite; NaN where one is missing.
+    /// Samples as in the file, finite; NaN where one is missing.
     pub samples: Vec<f64>,
     pub(crate) place: Option<Place>,
 }
 
 impl Log {
-    /// The number of samples of a channel, missing ones among them.
+    /// The number of samples of a channel, including missing ones.
     pub fn samples(&self) -> usize {
         self.channels.first().map_or(0, |channel| channel.samples.len())
     }
 
-    /// From the first sample to the end of the last, s.
+    /// Time from the first sample to the end of the last, s.
     pub fn length_s(&self) -> f64 {
         self.samples() as f64 * self.step_s
     }
@@ -49,7 +49,7 @@ impl Log {
     /// Keeps the samples from `skip_s` to `until_s`, both from the start of the file.
     ///
     /// # Errors
-    /// None is left.
+    /// No samples are left.
     pub fn cut(&mut self, skip_s: f64, until_s: Option<f64>) -> Result<(), RecordError> {
         let sample =
             |time_s: f64| libm::round(time_s / self.step_s).clamp(0.0, self.samples() as f64) as usize;
@@ -69,7 +69,7 @@ impl Log {
 }
 
 impl Channel {
-    /// Its samples with what they measure, in a log of such `data`.
+    /// The samples of the channel, in a log of quantity `data`.
     pub fn view(&self, data: Data, step_s: f64) -> Samples<'_> {
         Samples { data, unit: &self.unit, step_s, values: &self.samples }
     }

@@ -1,4 +1,4 @@
-//! Whether a log is one that deviations can be taken of.
+//! Check of a log before deviations are computed.
 
 use crate::quantity::number::significant;
 
@@ -7,28 +7,28 @@ use crate::record::log::channel::{Channel, Log};
 use crate::record::log::measure::Data;
 use crate::record::log::samples::{DEGREES, Fault};
 
-/// Fewest samples that are analysed.
+/// Fewest samples for an analysis.
 pub const LEAST_SAMPLES: usize = 16;
 
-/// Whether rates that look as if in another unit are refused.
+/// Whether rates that appear to be in a wrong unit are refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UnitCheck {
-    /// They are, with what to write instead.
+    /// They are refused, with a suggestion.
     On,
-    /// They are taken as they stand.
+    /// They are accepted.
     Off,
 }
 
 impl Log {
-    /// Refuses what says nothing, by [`Samples::fault`](crate::record::log::samples::Samples::fault): fewer than [`LEAST_SAMPLES`] samples, and
-    /// all of them equal.
+    /// Refuses channels that carry no information, by [`Samples::fault`](crate::record::log::samples::Samples::fault):
+    /// those with fewer than [`LEAST_SAMPLES`] samples, or with all samples equal.
     ///
-    /// With [`UnitCheck::On`] also numbers in rad whose mean rate is above the Earth's rotation and 1 °/h of bias, if
-    /// in ° it would be within these, as those of a gyro at rest in °/s that were taken for rad/s; and any mean rate
-    /// above 20 °/s. Only the mean is looked at, which no deviation depends on.
+    /// With [`UnitCheck::On`] it also refuses any mean rate above 20 °/s, and numbers in rad whose mean rate is above
+    /// the Earth's rotation plus 1 °/h of bias but would be below it in °, like those of a gyro at rest in °/s that
+    /// were taken for rad/s. Only the mean is examined, which no deviation depends on.
     ///
     /// # Errors
-    /// The first of these, with its column.
+    /// The first such fault, with its column.
     pub fn check(&self, unit: UnitCheck) -> Result<(), RecordError> {
         for channel in &self.channels {
             if let Some(fault) = channel.view(self.data, self.step_s).fault(unit) {
@@ -39,7 +39,7 @@ impl Log {
         Ok(())
     }
 
-    /// A fault of a column, and what to do about it.
+    /// The message and the help for a fault of a column.
     fn told(&self, channel: &Channel, fault: Fault) -> (String, String) {
         let (name, file) = (&channel.name, &self.file);
         let help_off = "if the unit is right, say `unit_check = off`";
@@ -81,7 +81,7 @@ impl Log {
     }
 }
 
-/// A rate in ″/s for people.
+/// A rate in ″/s, formatted for the user.
 fn rate(mean: f64) -> String {
     if mean < 3600.0 {
         format!("{} °/h", significant(mean, 3))

@@ -1,15 +1,15 @@
-//! What the numbers of a log measure, and in which unit.
+//! The quantity measured by a log, and its unit.
 
 use crate::quantity::units::{Dimension, parse as parse_quantity, parse_unit};
 
-/// What one number of a log is.
+/// The quantity of the numbers of a log.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Data {
-    /// The angular rate, the mean over a sample.
+    /// The mean angular rate over a sample.
     Rate,
     /// The angle turned during a sample.
     Increment,
-    /// The angle since some start; phase records too.
+    /// The angle since some start; also for phase records.
     Angle,
 }
 
@@ -21,7 +21,7 @@ impl Data {
         }
     }
 
-    /// As the option has it.
+    /// Name as in the option.
     pub fn name(self) -> &'static str {
         match self {
             Data::Rate => "rate",
@@ -31,35 +31,35 @@ impl Data {
     }
 }
 
-/// The size of one unit of a log's numbers.
+/// The unit of a log's numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unit {
-    /// As the user or the header wrote it.
+    /// Text as written by the user or in the header.
     pub text: String,
-    /// In ″/s for rates, in ″ for increments and angles; 1 for plain numbers.
+    /// Size in ″/s for rates and in ″ for increments and angles; 1 for plain numbers.
     pub factor: f64,
-    /// Whether it is a unit of rate or angle at all, and not `none`.
+    /// Whether it is a unit of rate or angle, as opposed to `none`.
     pub is_angular: bool,
 }
 
-/// How pulses are called in a scale.
+/// Accepted names of pulses in a scale.
 const PULSES: [&str; 6] = ["pulse", "pulses", "count", "counts", "LSB", "lsb"];
 
 /// Why a unit or scale does not fit.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}")]
 pub struct UnitMismatch {
-    /// What does not fit, for people.
+    /// The mismatch, for the user.
     pub message: String,
     /// What to write instead.
     pub help: String,
 }
 
 impl Unit {
-    /// A unit as in `deg/h`; `none` for plain numbers.
+    /// Reads a unit such as `deg/h`; `none` stands for plain numbers.
     ///
     /// # Errors
-    /// An unknown unit, or one that does not measure this `data`.
+    /// The unit is unknown, or does not measure this `data`.
     pub fn parse(text: &str, data: Data) -> Result<Unit, UnitMismatch> {
         let text = text.trim();
         if text == "none" {
@@ -74,10 +74,10 @@ impl Unit {
             })
     }
 
-    /// The size of a pulse as in `0.5 arcsec/pulse`; `count` and `LSB` are pulses too.
+    /// Reads the size of a pulse such as `0.5 arcsec/pulse`; `count` and `LSB` are accepted for a pulse.
     ///
     /// # Errors
-    /// No number with a unit over pulses, or a unit that does not measure this `data`.
+    /// The text is not a number with a unit per pulse, or the unit does not measure this `data`.
     pub fn parse_scale(text: &str, data: Data) -> Result<Unit, UnitMismatch> {
         let wrong = |message: String| UnitMismatch {
             message,
@@ -103,7 +103,7 @@ impl Unit {
     }
 }
 
-/// What may be written for the unit of this data.
+/// Help with the accepted units for this data.
 pub(crate) fn expected(data: Data) -> String {
     match data {
         Data::Rate => "accepted: `unit = deg/h`, deg/s, rad/s, arcsec/s, or `unit = none` for plain numbers; angles are \

@@ -13,5 +13,5 @@ pub mod samples;
 #[cfg(test)]
 mod tests;
 
-/// Most samples of a log, 2^28: a week at 400 Hz.
+/// Most samples of a log, 2^28, which is a week at 400 Hz.
 pub const MOST_SAMPLES: usize = 1 << 28;

@@ -2,16 +2,16 @@
 
 use rayon::prelude::*;
 
-/// How many times the scatter a sample has to be off. One normal sample in 1e15 is.
+/// Deviation from which on a sample is an outlier, in units of the scatter; one normal sample in 1e15 exceeds it.
 pub const OUTLYING: f64 = 8.0;
 
-/// Samples on each side that a sample is compared with.
+/// Number of samples on each side with which a sample is compared.
 const BESIDE: usize = 2;
 
-/// Samples that one thread looks through at a time, and by which the scatter is measured.
+/// Samples that one thread examines at a time, and from which the scatter is estimated.
 const PART: usize = 1 << 16;
 
-/// The standard deviation of a normal distribution over its median absolute deviation.
+/// Ratio of the standard deviation of a normal distribution to its median absolute deviation.
 const NORMAL: f64 = 1.4826;
 
 /// The outliers of a record.
@@ -19,16 +19,16 @@ const NORMAL: f64 = 1.4826;
 pub struct Outliers {
     /// Indices of the samples, rising.
     pub samples: Vec<usize>,
-    /// How far from the median of its neighbourhood a sample may be.
+    /// Largest allowed distance from the median of the neighbourhood.
     pub threshold: f64,
 }
 
 /// Finds the samples whose distance from the median of themselves and two neighbours on each side is more than
-/// [`OUTLYING`] times the scatter: 1.4826 times the median of all such distances, or their least above 0 where most
-/// are 0, as in counts of pulses.
+/// [`OUTLYING`] times the scatter. The scatter is 1.4826 times the median of all such distances, or their least value
+/// above 0 where most are 0, as in counts of pulses.
 ///
-/// Spikes of one or two samples are found whatever the record does slowly; steps are none. NaN is neither an outlier
-/// nor a neighbour. `samples` are rates or increments.
+/// Spikes of one or two samples are found even in a record with slow changes; steps are not outliers. NaN is neither an
+/// outlier nor a neighbour. `samples` are rates or increments.
 pub fn outliers(samples: &[f64]) -> Outliers {
     let scatter = scatter(samples);
     let threshold = OUTLYING * scatter;
@@ -43,7 +43,7 @@ pub fn outliers(samples: &[f64]) -> Outliers {
     Outliers { samples, threshold }
 }
 
-/// Of [`PART`] samples evenly spread over the record.
+/// The scatter of [`PART`] samples evenly spread over the record.
 fn scatter(samples: &[f64]) -> f64 {
     let stride = (samples.len() / PART).max(1);
     let mut distances: Vec<f64> = (0..samples.len())
@@ -63,8 +63,8 @@ fn scatter(samples: &[f64]) -> f64 {
     if least.is_finite() { least } else { 0.0 }
 }
 
-/// Whether sample `i` is within `threshold` of those before and after it, and so of the median: beyond it are three of
-/// four neighbours.
+/// Whether sample `i` is within `threshold` of those before and after it, and therefore of the median, beyond which lie
+/// three of four neighbours.
 #[inline]
 fn is_near(samples: &[f64], i: usize, threshold: f64) -> bool {
     let Some(&[before, sample, after]) = i.checked_sub(1).and_then(|from| samples.get(from..i + 2)) else {
@@ -73,13 +73,13 @@ fn is_near(samples: &[f64], i: usize, threshold: f64) -> bool {
     (sample - before).abs() <= threshold && (sample - after).abs() <= threshold
 }
 
-/// From the median of sample `i` and its neighbours; NaN where it is missing or alone.
+/// The distance of sample `i` from the median of itself and its neighbours; NaN where it is missing or alone.
 fn distance(samples: &[f64], i: usize) -> f64 {
     let near = &samples[i.saturating_sub(BESIDE)..(i + BESIDE + 1).min(samples.len())];
     let mut known = [0.0; 2 * BESIDE + 1];
     let mut count = 0;
     for value in near.iter().filter(|value| !value.is_nan()) {
-        // Insertion into what is sorted already: five values need no more.
+        // Insertion into the sorted part, which suffices for five values.
         let mut at = count;
         while at > 0 && known[at - 1] > *value {
             known[at] = known[at - 1];

@@ -1,4 +1,4 @@
-//! From a file to a [`Log`].
+//! Reading a file into a [`Log`].
 
 use std::path::Path;
 
@@ -17,44 +17,44 @@ const LIMITS: Limits =
 const EVEN: Spacing = Spacing {
     jitter: 0.1,
     has_gaps: true,
-    help: "steps within 10 % of whole multiples of the median are taken; resample the log, or give `rate = 100Hz` in place \
+    help: "steps within 10 % of whole multiples of the median are taken; resample the log, or give `rate = 100Hz` instead \
            of stamps if the stamps are only rounded or late",
 };
 
-/// Which columns of a log are read, and as what.
+/// The columns of a log to read, and their interpretation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request {
-    /// Names or numbers from 1. Without any the file must have only one besides that of the time.
+    /// Column names or numbers from 1. If there are none, the file must have only one column besides the time.
     pub columns: Vec<String>,
-    /// How far apart the samples are.
+    /// Spacing of the samples.
     pub timing: Timing,
-    /// Rates, increments or angles.
+    /// Quantity of the samples.
     pub data: Data,
-    /// Absent: that of each column's header.
+    /// Unit; if absent, that in each column's header.
     pub unit: Option<Unit>,
 }
 
-/// When the samples were taken.
+/// The times of the samples.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Timing {
-    /// One after the other, in s.
+    /// A constant step, s.
     Step(f64),
-    /// As a column says: its name or number, and its unit where the header gives none, as in `ms`.
+    /// The times in a column.
     Stamps {
-        /// Name, or number from 1.
+        /// Name of the column, or its number from 1.
         column: String,
-        /// Absent: that of the header.
+        /// Unit of the times, such as `ms`; if absent, that in the header.
         unit: Option<String>,
     },
 }
 
 impl Log {
-    /// Reads what `request` asks for of the log at `path`.
+    /// Reads the columns of the log at `path` that `request` selects.
     ///
-    /// Text is CSV, TSV, semicolons or columns with blanks between, with a header or without, comments behind `#`,
-    /// `%` or `;`; a Stable32 .DAT is one. Missing are samples of empty cells and NaN, and those that a step of
-    /// several sampling steps leaves out; the sampling step is the median, and steps are within 10 % of whole
-    /// multiples of it.
+    /// Text may be CSV, TSV, separated by semicolons or in columns with blanks between, with or without a header, and
+    /// with comments after `#`, `%` or `;`; a Stable32 .DAT is one such file. Empty cells and NaN are missing samples,
+    /// and so are those skipped by a step of several sampling steps. The sampling step is the median step, and all
+    /// steps must be within 10 % of whole multiples of it.
     ///
     /// # Errors
     /// The first fault found, with its place where the file has lines.
@@ -90,7 +90,7 @@ impl Log {
         let mut channels = channels.collect::<Result<Vec<_>, _>>()?;
         let all: Vec<usize> = time.into_iter().chain(wanted).collect();
         if (1..all.len()).any(|i| all[..i].contains(&all[i])) {
-            let message = "a column is asked for twice";
+            let message = "a column is requested twice";
             return Err(file.refuse(None, message, "these are the columns", "name each column once"));
         }
         let mut columns = file.read(&all, &LIMITS)?;
@@ -107,7 +107,7 @@ impl Log {
     }
 }
 
-/// The columns of samples.
+/// The columns of samples that `words` select, or the only one.
 fn wanted(file: &Recording, words: &[String], time: Option<usize>) -> Result<Vec<usize>, RecordError> {
     if !words.is_empty() {
         return words.iter().map(|word| file.find(word, None)).collect();
@@ -116,18 +116,18 @@ fn wanted(file: &Recording, words: &[String], time: Option<usize>) -> Result<Vec
     match others[..] {
         [_] => Ok(others),
         [] => {
-            let help = "add a column of samples, or give `rate = 100Hz` in place of a time column";
+            let help = "add a column of samples, or give `rate = 100Hz` instead of a time column";
             Err(file.refuse(None, "there is no column besides the time", "the only one", help))
         }
         _ => {
-            let message = format!("the file has {} columns, which of them?", file.columns());
-            let help = format!("name one or several as in `column = 2,3`; there are {}", file.listed());
+            let message = format!("the file has {} columns: select some of them", file.columns());
+            let help = format!("name one or several as in `column = 2,3`: {}", file.listed());
             Err(file.refuse(None, &message, "these are the columns", &help))
         }
     }
 }
 
-/// A column without its samples.
+/// A channel for a column, without its samples.
 fn channel(file: &Recording, column: usize, request: &Request) -> Result<Channel, RecordError> {
     let name = file.names().get(column);
     let unit_in_header = name.and_then(|name| name.unit.clone());

@@ -1,4 +1,4 @@
-//! Samples in memory, wherever they come from: what they measure, and what is made of them before they are analysed.
+//! Samples in memory from any source: their quantity and unit, and their preparation for analysis.
 
 use std::borrow::Cow;
 
@@ -8,16 +8,16 @@ use crate::record::log::check::{LEAST_SAMPLES, UnitCheck};
 use crate::record::log::measure::{Data, Unit};
 use crate::record::log::outliers::{Outliers, outliers};
 
-/// The most that a good gyro at rest shows, ″/s (°/h): the Earth's rotation on its axis, and 1 °/h of bias.
+/// Largest mean rate of a good gyro at rest, ″/s (°/h): the Earth's rotation on its axis, and 1 °/h of bias.
 const AT_REST: f64 = 16.041_067;
 
 /// One rad in °.
 pub(crate) const DEGREES: f64 = 57.295_779_513_082_32;
 
-/// Above this, ″/s, no gyro is at rest: 20 °/s is the bias of the worst.
+/// Mean rate, ″/s, above which no gyro is at rest; 20 °/s is the bias of the worst.
 const NEVER_AT_REST: f64 = 72_000.0;
 
-/// Evenly spaced samples of one axis. Nothing is copied until angles are made of them.
+/// Evenly spaced samples of one axis. Nothing is copied until angles are computed from them.
 ///
 /// ```
 /// use sagnac::allan::trend::Trend;
@@ -34,45 +34,46 @@ const NEVER_AT_REST: f64 = 72_000.0;
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Samples<'a> {
-    /// What each of them is.
+    /// Quantity of the samples.
     pub data: Data,
-    /// What they are measured in.
+    /// Unit of the samples.
     pub unit: &'a Unit,
-    /// From sample to sample, s.
+    /// Time from sample to sample, s.
     pub step_s: f64,
-    /// Finite; NaN where one is missing.
+    /// Values, finite; NaN where one is missing.
     pub values: &'a [f64],
 }
 
-/// Why samples say nothing of a gyro, or hardly what they should.
+/// Why samples are unusable or suspicious.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fault {
-    /// There are only so many, fewer than [`LEAST_SAMPLES`].
+    /// There are fewer than [`LEAST_SAMPLES`] samples.
     TooFew {
-        /// Those that are not missing.
+        /// Number of samples that are not missing.
         there: usize,
     },
-    /// All of them are equal.
+    /// All samples are equal.
     Constant {
-        /// Those that are not missing.
+        /// Number of samples that are not missing.
         there: usize,
-        /// What they all are.
+        /// Their value.
         value: f64,
     },
-    /// Rates in rad whose mean is above the Earth's rotation and 1 °/h of bias, and in degrees would not be.
+    /// The samples are rates in rad whose mean is above the Earth's rotation plus 1 °/h of bias, but would not be in
+    /// degrees.
     DegreesAsRadians {
-        /// |mean rate|, ″/s.
+        /// Magnitude of the mean rate, ″/s.
         mean: f64,
     },
-    /// The mean rate is above 20 °/s, which that of no gyro at rest is.
+    /// The mean rate is above 20 °/s, unlike that of any gyro at rest.
     NeverAtRest {
-        /// |mean rate|, ″/s.
+        /// Magnitude of the mean rate, ″/s.
         mean: f64,
     },
 }
 
 impl<'a> Samples<'a> {
-    /// How many samples are missing.
+    /// Number of missing samples.
     pub fn missing(&self) -> usize {
         self.values.iter().filter(|sample| sample.is_nan()).count()
     }
@@ -85,7 +86,7 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// The angles, in ″; of plain numbers in their unit, rates times s.
+    /// The angles, in ″; for plain numbers in their unit, or for plain rates in their unit times s.
     pub fn angles(&self, trend: Trend) -> Angles {
         match self.data {
             Data::Angle => Angles::from_angles(self.values, self.scale(), self.step_s, trend),
@@ -93,7 +94,7 @@ impl<'a> Samples<'a> {
         }
     }
 
-    /// The same with outliers taken for missing increments.
+    /// The angles with outliers treated as missing increments.
     pub fn angles_without(&self, outliers: &Outliers, trend: Trend) -> Angles {
         if outliers.samples.is_empty() {
             return self.angles(trend);
@@ -103,17 +104,17 @@ impl<'a> Samples<'a> {
         Angles::from_increments(&increments, self.scale(), self.step_s, trend)
     }
 
-    /// From a sample, or the difference of two angles, to ″.
+    /// Factor from a sample, or from the difference of two angles, to ″.
     fn scale(&self) -> f64 {
         if self.data == Data::Rate { self.unit.factor * self.step_s } else { self.unit.factor }
     }
 
-    /// The samples that stand out among the rates or increments.
+    /// The outliers among the rates or increments.
     pub fn outliers(&self) -> Outliers {
         outliers(&self.increments())
     }
 
-    /// The mean rate, in ″/s or for plain numbers in their unit over s where they are no rates.
+    /// The mean rate, in ″/s; for plain numbers in their unit, or per s where they are not rates.
     pub fn mean_rate(&self) -> Option<f64> {
         let known = || self.values.iter().copied().enumerate().filter(|(_, sample)| sample.is_finite());
         let mean = match self.data {
@@ -129,8 +130,9 @@ impl<'a> Samples<'a> {
         mean.is_finite().then_some(mean * self.unit.factor)
     }
 
-    /// Why these samples are refused, if they are: too few, all equal, or with [`UnitCheck::On`] of a mean rate that no
-    /// gyro at rest has in this unit. Only the mean is looked at there, which no deviation depends on.
+    /// Why these samples are refused, if they are: they are too few, all equal, or with [`UnitCheck::On`] have a mean
+    /// rate that no gyro at rest has in this unit. Only the mean is examined for the latter, which no deviation depends
+    /// on.
     pub fn fault(&self, unit: UnitCheck) -> Option<Fault> {
         let mut known = self.values.iter().copied().filter(|sample| !sample.is_nan());
         let there = known.clone().count();

@@ -1,4 +1,4 @@
-//! Whole files, as loggers write them.
+//! Whole files as loggers write them.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ use crate::record::log::read::{Request, Timing};
 
 const COUNT: usize = 40;
 
-/// The samples that every file below holds.
+/// The samples in every file below.
 fn sample(i: usize) -> f64 {
     (i * 7 % 16) as f64 - 7.5
 }
@@ -187,12 +187,12 @@ fn arrays_that_are_no_records_are_refused_before_anything_is_allocated() {
 #[test]
 fn the_first_fault_of_a_long_file_is_told_with_its_line_whatever_part_it_is_in() {
     let desk = Desk::new();
-    // Some parts of 1 MiB, the fault in one of the last, another after it.
+    // Several parts of 1 MiB, with the fault in one of the last and another one after it.
     let mut text: String = (0..600_000).map(|i| format!("{i},{}\n", sample(i))).collect();
     text += "600000,1\n600001,oops\n600002\n";
     let path = desk.write("g.csv", text.as_bytes());
     let said = refused(&path, &request(&["2"], Timing::Step(1.0)));
-    for piece in ["g.csv:600002:8", "\"oops\", which is no number"] {
+    for piece in ["g.csv:600002:8", "\"oops\", which is not a number"] {
         assert!(said.contains(piece), "{piece} is missing in\n{said}");
     }
     let good = text.replace("oops", "5").replace("600002\n", "599000,3\n");

@@ -1,14 +1,14 @@
-//! The Allan variance of continuous noise: the model A(4) with Markov noise and a sine, for curves in charts.
+//! The Allan variance of continuous noise, for curves in charts: the model A(4) with Markov noise and a sine.
 //!
-//! Records are sampled, and at small m their Allan variance is another one: compare them with
+//! Records are sampled, and their Allan variance differs at small m; compare them with
 //! [`Process::expected`](crate::theory::allan::process::Process::expected).
 
 use crate::theory::allan::part::Part;
 
-/// The term of one part at `tau_s`, (″/s)²: 3Q²/τ², N²/τ, (2 ln2/π)B², K²τ/3, R²τ²/2 — A(4) — and for Markov noise
-/// (q_cT_c)²/τ·[1 − (T_c/2τ)(3 − 4e^{−τ/T_c} + e^{−2τ/T_c})], for a sine Ω_0²(sin²πfτ/πfτ)².
+/// The term of one part at `tau_s`, (″/s)²: 3Q²/τ², N²/τ, (2 ln2/π)B², K²τ/3, R²τ²/2 — A(4). It is (q_cT_c)²/τ·[1 −
+/// (T_c/2τ)(3 − 4e^{−τ/T_c} + e^{−2τ/T_c})] for Markov noise, and Ω_0²(sin²πfτ/πfτ)² for a sine.
 ///
-/// `None` of a warm-up, whose Allan variance depends on the length of the record.
+/// `None` for a warm-up, whose Allan variance depends on the length of the record.
 pub fn allan_variance(part: &Part, tau_s: f64) -> Option<f64> {
     (part.term.row().continuous)(part, tau_s)
 }

@@ -1,12 +1,12 @@
-//! What is averaged to estimate a variance at τ: differences of the angle, and how many of them.
+//! Estimators of a variance at τ: the differences of the angle that are averaged, and their number.
 
 /// Differences of angles that are m samples apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Difference {
     /// θ_{k+2m} − 2θ_{k+m} + θ_k, whose mean square over 2τ² is the Allan variance.
     Second,
-    /// θ_{k+3m} − 3θ_{k+2m} + 3θ_{k+m} − θ_k, whose mean square over 6τ² is the Hadamard variance. It does not see a
-    /// ramp.
+    /// θ_{k+3m} − 3θ_{k+2m} + 3θ_{k+m} − θ_k, whose mean square over 6τ² is the Hadamard variance. It is insensitive to
+    /// a ramp.
     Third,
 }
 
@@ -19,7 +19,7 @@ impl Difference {
         }
     }
 
-    /// How many times m samples a difference spans: 2 or 3.
+    /// Number of times that a difference spans m samples: 2 or 3.
     pub fn spans(self) -> u64 {
         match self {
             Difference::Second => 2,
@@ -27,7 +27,7 @@ impl Difference {
         }
     }
 
-    /// The factor between the mean square of the differences over τ² and the variance: 2 or 6, Σc².
+    /// The factor between the mean square of the differences over τ² and the variance: 2 or 6.
     pub fn divisor(self) -> f64 {
         match self {
             Difference::Second => 2.0,
@@ -36,37 +36,37 @@ impl Difference {
     }
 }
 
-/// From one difference to the next.
+/// Distance from one difference to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stride {
-    /// Every sample: the overlapping estimators.
+    /// Every sample, for the overlapping estimators.
     Sample,
-    /// m samples: the non-overlapping ones.
+    /// m samples, for the non-overlapping estimators.
     Cluster,
     /// The largest divisor of m that is at most max(1, m/parts), so that the angles of all differences at m are whole
-    /// strides apart; it loses next to nothing of the overlapping ones from 64 parts on.
+    /// strides apart. From 64 parts on it loses almost nothing compared with the overlapping estimators.
     Part(u64),
 }
 
 /// An estimator of a variance at τ = m·t0: the mean square of its differences over `divisor`·τ².
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Estimator {
-    /// Second, or third differences.
+    /// Order of the differences.
     pub difference: Difference,
-    /// From where to where one goes to the next.
+    /// Distance between the differences.
     pub stride: Stride,
 }
 
 impl Estimator {
     /// The overlapping Allan variance, A(3).
     pub const OVERLAPPING: Estimator = Estimator { difference: Difference::Second, stride: Stride::Sample };
-    /// The Allan variance of ⌊N/m⌋ groups side by side.
+    /// The Allan variance of ⌊N/m⌋ adjacent groups.
     pub const NON_OVERLAPPING: Estimator =
         Estimator { difference: Difference::Second, stride: Stride::Cluster };
     /// The overlapping Hadamard variance.
     pub const HADAMARD: Estimator = Estimator { difference: Difference::Third, stride: Stride::Sample };
 
-    /// Samples from one difference to the next at the averaging factor `m`.
+    /// Number of samples from one difference to the next at the averaging factor `m`.
     pub fn stride(self, m: u64) -> u64 {
         match self.stride {
             Stride::Sample => 1,
@@ -78,7 +78,8 @@ impl Estimator {
         }
     }
 
-    /// Differences in a record of `samples` rate samples, that is `samples` + 1 angles; 0 where it is too short.
+    /// Number of differences in a record of `samples` rate samples, which has `samples` + 1 angles; 0 where the record
+    /// is too short.
     pub fn terms(self, samples: u64, m: u64) -> u64 {
         match samples.checked_sub(self.difference.spans() * m) {
             Some(left) if m > 0 => left / self.stride(m) + 1,

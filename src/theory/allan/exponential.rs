@@ -1,6 +1,6 @@
-//! Exponentials with their leading powers removed, right to rounding for small arguments too.
+//! Exponentials without their leading powers, accurate to rounding even for small arguments.
 
-/// Below this the series is summed: e^{−z} less its powers would lose digits.
+/// Argument below which the series is summed, because e^{−z} minus its powers would lose digits.
 const SERIES_BELOW: f64 = 0.5;
 
 /// e^{−z} − 1 + z − z²/2, which is −z³/6 and so on.
@@ -8,12 +8,12 @@ pub(crate) fn beyond_square(z: f64) -> f64 {
     if z.abs() >= SERIES_BELOW {
         return libm::exp(-z) - 1.0 + z - 0.5 * z * z;
     }
-    // From the last term inwards; 0.5^17/17! is below rounding.
+    // Summed from the last term inwards; 0.5^17/17! is below rounding.
     let inner = (4..18).rev().fold(1.0, |sum, k| 1.0 - z / f64::from(k) * sum);
     -z * z * z / 6.0 * inner
 }
 
-/// e^{−z} − 1 + z, z ≥ 0: what a decay is short of its first rate.
+/// e^{−z} − 1 + z for z ≥ 0, the deficit of a decay relative to its initial slope.
 pub(crate) fn settling(z: f64) -> f64 {
     beyond_square(z) + 0.5 * z * z
 }
@@ -28,7 +28,7 @@ pub(crate) fn sinh_beyond_linear(x: f64) -> f64 {
     libm::exp(-x) * x * x * x / 6.0 * inner
 }
 
-/// Mean of e^{−x·s·k} over k = 0 … `terms` − 1, for steps `s` and x ≥ 0.
+/// Mean of e^{−x·s·k} over k = 0 … `terms` − 1, for the step s and x ≥ 0.
 pub(crate) fn mean_of_decay(x: f64, step: f64, terms: u64) -> f64 {
     let count = terms as f64;
     match x * step == 0.0 {

@@ -1,9 +1,9 @@
-//! The generalised covariance of a sampled angle: what gives any two of its differences their covariance.
+//! The generalised covariance of a sampled angle, which gives the covariance of any two of its differences.
 //!
-//! An angle that walks has no covariance, but its differences have: Σ c_i c_j G(k_i − k_j) with G = −V/2, V(n) being
-//! the variance of its increment over n samples, or any function that differs by a parabola, which second differences
-//! do not see. What is needed is the second difference of G over the shorter of two differences, written so that
-//! nothing cancels for lags that are long beside it.
+//! An angle with a random walk has no covariance, but its differences have: Σ c_i c_j G(k_i − k_j) with G = −V/2, where
+//! V(n) is the variance of its increment over n samples. G may differ by a parabola, which second differences cancel.
+//! The quantity needed is the second difference of G over the shorter of two differences, written so that nothing
+//! cancels for lags much longer than it.
 
 use crate::theory::allan::holds;
 
@@ -35,8 +35,8 @@ impl Holds {
             true => 0,
             false => self.octaves.len().min(1 + libm::ilogb(lag) as usize),
         };
-        // Holds that end before all three lags give the same at every lag, and of those that end after them nothing is
-        // taken back.
+        // Holds that end before all three lags contribute the same at every lag, and those that end after them are not
+        // reversed.
         let (short, reached) = (within(n - m), within(n + m));
         let hold = |o: usize| {
             let taken_back = one_sided_cubic(m, n - length(o)) + one_sided_cubic(m, -n - length(o));
@@ -48,7 +48,7 @@ impl Holds {
     }
 }
 
-/// Samples of a hold of an octave.
+/// Length in samples of a hold of an octave.
 fn length(octave: usize) -> f64 {
     (1_u64 << octave) as f64
 }
@@ -61,7 +61,7 @@ pub(crate) fn cubic(m: f64, n: f64) -> f64 {
     }
 }
 
-/// The same of (u³ − u)/12 for u > 0, else 0.
+/// The second difference of (u³ − u)/12 for u > 0, else 0.
 fn one_sided_cubic(m: f64, u: f64) -> f64 {
     match u {
         u if u >= m => 0.5 * u * m * m,

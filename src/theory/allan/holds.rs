@@ -1,19 +1,20 @@
 //! Flicker as a sum of octave holds, and the closed form of its differences.
 //!
-//! Octave o holds one Gaussian rate for L = 2^o samples; the grid of its holds lies at random, evenly over the L
-//! positions, so that the rate is stationary with the covariance v·max(0, 1 − |lag|/L). Several independent streams of
-//! a part of the variance each have the same second moments. With [`variances`] the Allan variance is flat.
+//! Octave o holds one Gaussian rate for L = 2^o samples. The grid of its holds has a random position, uniformly
+//! distributed over the L possible ones, so the rate is stationary with the covariance v·max(0, 1 − |lag|/L). Several
+//! independent streams, each with a fraction of the variance, have the same second moments. With [`variances`] the
+//! Allan variance is flat.
 
 use crate::theory::allan::estimator::Difference;
 
-/// Octaves of the committed table; it is flat up to m = 2^20.
+/// Octaves of the committed table, which is flat up to m = 2^20.
 pub const OCTAVES: usize = 24;
-/// The most octaves there are variances for.
+/// Largest number of octaves for which there are variances.
 pub const MOST_OCTAVES: usize = 30;
 
 /// Variance of the rate of each octave, o = 0 …, for an Allan variance of 1.
 ///
-/// By non-negative least squares over m = 1 … 2^20: `tests/data/flicker_weights.csv`, of which this is a copy.
+/// They are a copy of `tests/data/flicker_weights.csv`, obtained by non-negative least squares over m = 1 … 2^20.
 const VARIANCES: [f64; OCTAVES] = [
     0.420864908298,
     0.628540620188,
@@ -41,33 +42,35 @@ const VARIANCES: [f64; OCTAVES] = [
     0.522489901647,
 ];
 
-/// Octave after which more are put in: far from both ends, where the variance is that of an endless sum.
+/// Octave after which further octaves are inserted, far from both ends, where the variance is that of an infinite sum.
 const MIDDLE: usize = 12;
 /// Variance of an octave far from both ends.
 const ENDLESS: f64 = 0.5;
 
 /// The variance of each of `octaves` octaves for an Allan variance of 1 up to m = 2^(`octaves` − 4).
 ///
-/// Longer tables have octaves of ½ put in between the two halves of the committed one. `None` outside of 24 … 30.
+/// Longer tables have octaves of ½ inserted between the two halves of the committed one. `None` outside 24 … 30.
 pub fn variances(octaves: usize) -> Option<Vec<f64>> {
     let more = octaves.checked_sub(OCTAVES).filter(|_| octaves <= MOST_OCTAVES)?;
     let (start, end) = VARIANCES.split_at(MIDDLE);
     Some([start, &vec![ENDLESS; more], end].concat())
 }
 
-/// The octaves that a record of `samples` needs to be flat up to its longest τ, m = `samples`/2; at least 24.
+/// Number of octaves that a record of `samples` samples needs to be flat up to its longest τ, m = `samples`/2; at least
+/// 24.
 ///
-/// `None` for more than 2^27 samples, for which there are no variances: their flicker is refused.
+/// `None` for more than 2^27 samples, for which there are no variances; their flicker is refused.
 pub fn octaves(samples: u64) -> Option<usize> {
     let needed = (samples.max(2).div_ceil(2).next_power_of_two().ilog2() + 4) as usize;
     (needed <= MOST_OCTAVES).then_some(needed.max(OCTAVES))
 }
 
-/// Variance of a difference at `m` of the angle of one octave of holds of `length` samples with a rate of variance 1 and
-/// t0 = 1: in squares of rate · sample.
+/// Variance of a difference at `m` of the angle of one octave of holds of `length` samples, with a rate of variance 1
+/// and t0 = 1, in units of (rate · sample)².
 ///
-/// From the variance V(n) = n² − n(n² − 1)/3L of n ≤ L summed rates, nL − (L² − 1)/3 beyond, as 4V(m) − V(2m) and
-/// 15V(m) − 6V(2m) + V(3m); where no hold ends twice in it the cubes are left alone, so that nothing cancels.
+/// It is 4V(m) − V(2m) or 15V(m) − 6V(2m) + V(3m), where V(n) is the variance of n summed rates: n² − n(n² − 1)/3L for
+/// n ≤ L, and nL − (L² − 1)/3 beyond. Where no hold ends twice in a difference, only the cubes remain, so that nothing
+/// cancels.
 pub fn mean_square(difference: Difference, length: u64, m: u64) -> f64 {
     let (l, n) = (length as f64, m as f64);
     let inside = difference.spans() * m <= length;
@@ -144,7 +147,7 @@ mod tests {
                     (0..octaves).map(|o| variances[o] * mean_square(Difference::Second, 1 << o, m)).sum();
                 sum / (2.0 * m as f64 * m as f64)
             };
-            // Eight to the octave.
+            // Eight steps per octave.
             for step in 0..=8 * (octaves as u32 - 4) {
                 let m = libm::exp2(f64::from(step) / 8.0).round() as u64;
                 assert!((at(m) - 1.0).abs() < 0.005, "{octaves} octaves, m = {m}: {}", at(m));

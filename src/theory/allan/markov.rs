@@ -1,20 +1,21 @@
 //! First-order Gauss–Markov rate, sampled: r_k = a·r_{k−1} + σ√(1 − a²)·g_k, held over t0.
 //!
-//! With x = t0/T_c, a = e^{−x}, the sum of n rates of unit variance has the variance V(n) = [n(1 − a²) − 2a(1 −
-//! a^n)]/(1 − a)². Differences are written with the powers of x that cancel in them left out: sampled they are those of
-//! the continuous noise plus a term in sinh x − x. All lengths are in samples, all variances for σ = 1 and t0 = 1.
+//! With x = t0/T_c and a = e^{−x}, the sum of n rates of unit variance has the variance V(n) = [n(1 − a²) − 2a(1 −
+//! a^n)]/(1 − a)². Differences are written without the powers of x that cancel in them; for the sampled noise they are
+//! those of the continuous noise plus a term in sinh x − x. All lengths are in samples, all variances for σ = 1 and t0
+//! = 1.
 
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::exponential::{beyond_square, sinh_beyond_linear};
 
-/// Below this product of lag and rate of decay, forms without the leading powers are used.
+/// Product of lag and decay rate below which forms without the leading powers are used.
 const SHORT: f64 = 0.5;
 
 /// V(n), the variance of the sum of n rates.
 pub(crate) fn summed(x: f64, n: f64) -> f64 {
     let (a, z) = (libm::exp(-x), n * x);
     let less = libm::expm1(-x);
-    // n(1 − a²) − 2a(1 − a^n), of which the linear terms cancel for long correlations.
+    // n(1 − a²) − 2a(1 − a^n), in which the linear terms cancel for long correlations.
     let numerator = match z < SHORT {
         true => 2.0 * (n * sinh_beyond_linear(x) + a * (beyond_square(z) + 0.5 * z * z)),
         false => -n * libm::expm1(-2.0 * x) + 2.0 * a * libm::expm1(-z),
@@ -43,8 +44,8 @@ pub(crate) fn mean_square(difference: Difference, x: f64, m: f64) -> f64 {
     }
 }
 
-/// Second difference, m apart about the lag n ≥ 0, of −V/2, but for a constant of its own for every m: what
-/// [`crate::theory::allan::gaussian`] builds covariances from.
+/// Second difference of −V/2, m apart around the lag n ≥ 0, up to a constant for every m;
+/// [`crate::theory::allan::gaussian`] builds covariances from it.
 pub(crate) fn kernel(x: f64, m: f64, n: f64) -> f64 {
     let a = libm::exp(-x);
     let less = libm::expm1(-x);
@@ -81,7 +82,7 @@ mod tests {
             weights.iter().enumerate().map(term).sum::<f64>()
         };
         let total: f64 = weights.iter().sum();
-        // Σw is 0 in differences: taking 1 from the covariance changes nothing there, and keeps digits.
+        // Σw is 0 in differences, so subtracting 1 from the covariance changes nothing and preserves digits.
         total * total + weights.iter().enumerate().map(|(i, w)| w * row(i)).sum::<f64>()
     }
 

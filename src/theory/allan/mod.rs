@@ -1,11 +1,12 @@
 //! The Allan variance of sampled noise, in closed form: the oracle of the Monte Carlo and the basis of the fit.
 //!
-//! Angles θ_k, in ″, at the times k·t0, k = 0 … N, are a record of N samples; at the averaging factor m and τ = m·t0 an
-//! estimator takes the mean square of differences of angles over 2τ² or 6τ² ([`Difference`], [`Estimator`]). Everything
-//! here is about that sampled record and not about the continuous noise of A(4), from which it differs at small m; see
-//! [`continuous`] for that. Definitions: IEEE Std 952-2020 and 647-2006, two-sided spectra of the rate.
+//! The angles θ_k, in ″, at the times k·t0, k = 0 … N, are a record of N samples. At the averaging factor m and τ =
+//! m·t0 an estimator takes the mean square of differences of angles over 2τ² or 6τ² ([`Difference`], [`Estimator`]).
+//! Everything here refers to that sampled record instead of the continuous noise of A(4), from which it differs at
+//! small m; see [`continuous`] for the latter. Definitions: IEEE Std 952-2020 and 647-2006, two-sided spectra of the
+//! rate.
 //!
-//! How each [`Part`] of the angle is sampled, t0 being `sample_s`:
+//! Each [`Part`] of the angle is sampled as follows, where t0 is `sample_s`:
 //!
 //! | part | sampled as |
 //! |---|---|
@@ -18,9 +19,8 @@
 //! | rate ramp R | rate R·t; whether integrated exactly or held over t0 is the same in all differences |
 //! | warm-up A, T | rate A·e^{−t/T} from t = 0, the start of the record, integrated exactly |
 //!
-//! A readout that counts whole pulses is not white: [`quantiser`]. A gyro that switches modes has a sawtooth and jumps beside all
-//! that: [`switching`].
-//! LGV-1 by A's table 2, 9 hours at 1 Hz:
+//! A readout that counts whole pulses is not white: see [`quantiser`]. A gyro that switches modes adds a sawtooth and
+//! jumps: see [`switching`]. LGV-1 by table 2 of A, 9 hours at 1 Hz:
 //!
 //! ```
 //! use sagnac::theory::allan::gaussian::covariance;

@@ -1,11 +1,11 @@
-//! The parts of a gyro's angle and the variance that each adds to its differences.
+//! The parts of a gyro's angle, with the variance of their differences.
 
 use core::f64::consts::{LN_2, PI};
 
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::terms::Term;
 
-/// A part of the angle, in ″ and s; how each is sampled is told [above](super).
+/// A part of the angle, in ″ and s, sampled as described [above](super).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Part {
     /// What it is a part of.
@@ -18,12 +18,12 @@ pub struct Part {
     pub octaves: usize,
 }
 
-/// Deterministic difference k of a record: `first`·e^{−`decay`·k}, ″.
+/// The k-th deterministic difference of a record: `first`·e^{−`decay`·k}, ″.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Trend {
-    /// Of the difference at the start, ″.
+    /// Difference at the start, ″.
     pub first: f64,
-    /// For each sample.
+    /// Decay per sample.
     pub decay: f64,
 }
 
@@ -43,26 +43,26 @@ impl Part {
     /// Variance of a difference of angles `m` samples apart, ″²; 0 of the deterministic ramp and warm-up, which are a
     /// [`Trend`]. The Allan variance is this over 2τ² (A(3), (4)), the Hadamard variance over 6τ².
     ///
-    /// Exact for the sampled process at any m, of every record long enough, and so for the mean of overlapping and
-    /// non-overlapping differences alike.
+    /// It is exact for the sampled process at any m, for every record that is long enough, and so for the mean of
+    /// overlapping and non-overlapping differences alike.
     pub fn variance(&self, difference: Difference, sample_s: f64, m: u64) -> f64 {
         (self.term.row().variance)(self, difference, sample_s, m)
     }
 
-    /// The difference that the ramp or the warm-up makes; `None` of random parts.
+    /// The differences of a ramp or a warm-up; `None` for random parts.
     pub fn trend(&self, difference: Difference, sample_s: f64, m: u64) -> Option<Trend> {
         (self.term.row().trend)(self, difference, sample_s, m)
     }
 
-    /// Largest |difference| of the parts that are not noise: sine, ramp and warm-up, ″; 0 of noise.
+    /// Largest |difference| of the deterministic parts and of a sine, ″; 0 for noise.
     ///
-    /// With 16 standard deviations of the noise beside it, what has to fit into a word.
+    /// Together with 16 standard deviations of the noise it must fit into a word.
     pub fn largest(&self, difference: Difference, sample_s: f64, m: u64) -> f64 {
         (self.term.row().largest)(self, difference, sample_s, m)
     }
 }
 
-/// sin 2πx without the loss of digits that a large x would bring.
+/// sin 2πx without the loss of digits for large x.
 pub(crate) fn sine_of_turns(x: f64) -> f64 {
     libm::sin(2.0 * PI * (x - libm::round(x)))
 }

@@ -1,4 +1,4 @@
-//! A whole noise model, and what the estimators of its record give on average.
+//! A whole noise model, and the expected values of the estimators of its record.
 
 use crate::theory::allan::estimator::{Difference, Estimator};
 use crate::theory::allan::exponential::mean_of_decay;
@@ -7,28 +7,30 @@ use crate::theory::allan::part::{Part, Trend};
 /// Independent parts of an angle sampled every `sample_s`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Process {
-    /// From one sample to the next, t0, s.
+    /// Time t0 from one sample to the next, s.
     pub sample_s: f64,
-    /// Any, each as often as wanted.
+    /// Parts, of which any kind may occur several times.
     pub parts: Vec<Part>,
 }
 
 impl Process {
-    /// Variance of a difference at `m` of all random parts, ″²: with it and [`Process::largest`] the headroom is proven.
+    /// Variance of a difference at `m` of all random parts, ″²; it proves the headroom together with
+    /// [`Process::largest`].
     pub fn variance(&self, difference: Difference, m: u64) -> f64 {
         self.parts.iter().map(|part| part.variance(difference, self.sample_s, m)).sum()
     }
 
-    /// Bound of a difference at `m` of everything that is not noise, ″.
+    /// Bound of a difference at `m` of everything except noise, ″.
     pub fn largest(&self, difference: Difference, m: u64) -> f64 {
         self.parts.iter().map(|part| part.largest(difference, self.sample_s, m)).sum()
     }
 
-    /// Expected value of an estimator on a record of `samples` rate samples, (″/s)²; `None` where it has no term.
+    /// Expected value of an estimator on a record of `samples` rate samples, (″/s)²; `None` where the estimator has no
+    /// difference.
     ///
     /// Variances add. Ramp and warm-up are the same in every record, so their differences are added before they are
-    /// squared, and how many of them the estimator takes matters for a warm-up:
-    /// its mean over the M differences at k = 0, s, 2s, … is a geometric sum.
+    /// squared. For a warm-up the number of differences matters: its mean over the M differences at k = 0, s, 2s, … is
+    /// a geometric sum.
     pub fn expected(&self, estimator: Estimator, samples: u64, m: u64) -> Option<f64> {
         let terms = estimator.terms(samples, m);
         if terms == 0 {

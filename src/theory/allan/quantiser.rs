@@ -1,10 +1,10 @@
-//! A readout that counts whole pulses: q⌊(θ + u)/q⌋ of the total angle, its start u even over one pulse q.
+//! A readout that counts whole pulses: q⌊(θ + u)/q⌋ of the total angle, whose start u is uniform over one pulse q.
 //!
-//! The error of such a readout is even over one pulse at every sample, so that it is uncorrelated with the angle, and
-//! its variance is q²/12, that of the quantisation noise Q = q/√12. It is *not* white: while the angle moves by much
-//! less than a pulse it stays, and where the pulses come at an even rate it is a beat. The covariance of two errors
-//! whose angles differ by Δ is q²·B(Δ/q)/2 with the Bernoulli polynomial B = d² − d + 1/6 of the fractional part d, a
-//! series of cosines; its mean over Δ needs the characteristic function of Δ and nothing else.
+//! The error of such a readout is uniform over one pulse at every sample, so it is uncorrelated with the angle, and its
+//! variance is q²/12, that of the quantisation noise Q = q/√12. It is *not* white: it stays constant while the angle
+//! moves by much less than a pulse, and it is a beat where the pulses come at an even rate. The covariance of two
+//! errors whose angles differ by Δ is q²·B(Δ/q)/2 with the Bernoulli polynomial B = d² − d + 1/6 of the fractional part
+//! d, a series of cosines; its mean over Δ follows from the characteristic function of Δ.
 
 use core::f64::consts::PI;
 
@@ -13,17 +13,19 @@ use crate::theory::allan::part::{Part, sine_of_turns};
 use crate::theory::allan::process::Process;
 use crate::theory::allan::terms;
 
-/// Variance, in pulses², of the angle between two samples from which on the series is summed: fewer than 4e4 terms.
+/// Variance, in pulses², of the angle between two samples from which on the series is summed, with fewer than 4e4
+/// terms.
 const LEAST_VARIANCE: f64 = 1e-9;
-/// Exponent beyond which a term is below rounding.
+/// Exponent above which a term is below rounding.
 const NEGLIGIBLE: f64 = 40.0;
 
-/// Mean square of a difference of the readout's error at `m`, ″², which adds to that of the angle.
+/// Mean square of a difference of the readout's error at `m`, ″², which is added to that of the angle.
 ///
-/// `lsb` is q, ″; `mean_rate` the constant rate of the gyro, ″/s, of which the beat with the pulses depends. Exact for
-/// quantisation noise before the readout, angle random walk, Markov noise and sines beside it. `None` with any other
-/// part, whose increments are not those of one Gaussian (the octave holds) or change along the record, and with a sine
-/// beside less noise than √1e-9 pulses: take the white 6q²/12 (20q²/12) then and [`white_error`] as its bound.
+/// `lsb` is q, ″; `mean_rate` is the constant rate of the gyro, ″/s, which determines the beat with the pulses. The
+/// result is exact for quantisation noise before the readout, angle random walk, Markov noise and sines. It is `None`
+/// for any other part, whose increments are not those of one Gaussian (the octave holds) or change along the record,
+/// and for a sine with less noise than √1e-9 pulses. Then take the white 6q²/12 (20q²/12), with [`white_error`] as its
+/// bound.
 pub fn mean_square(
     lsb: f64,
     mean_rate: f64,
@@ -41,10 +43,11 @@ pub fn mean_square(
     Some(lsb * lsb * sum)
 }
 
-/// Bound of the deviation of [`mean_square`] from that of white noise of Q = q/√12, ″², whatever else the angle does.
+/// Bound of the deviation of [`mean_square`] from that of white noise of Q = q/√12, ″², whatever other parts the angle
+/// has.
 ///
-/// From the angle random walk, the Markov noise and the white noise before the readout alone: other parts are
-/// independent of them and can but shrink the correlation of the errors.
+/// It follows from the angle random walk, the Markov noise and the white noise before the readout. Other parts are
+/// independent of them and can only reduce the correlation of the errors.
 pub fn white_error(lsb: f64, process: &Process, difference: Difference, m: u64) -> f64 {
     let bound = |apart: u64| {
         let variance = noise_variance(process, apart * m) / (lsb * lsb);
@@ -54,7 +57,7 @@ pub fn white_error(lsb: f64, process: &Process, difference: Difference, m: u64) 
     lsb * lsb * (1..).zip(pairs(difference)).map(|(apart, weight)| weight.abs() * bound(apart)).sum::<f64>()
 }
 
-/// Twice the sum of the products of coefficients m, 2m, … apart.
+/// Twice the sums of the products of coefficients m, 2m, … apart.
 fn pairs(difference: Difference) -> Vec<f64> {
     let c = difference.coefficients();
     let at = |apart: usize| 2.0 * c.iter().zip(&c[apart..]).map(|(a, b)| a * b).sum::<f64>();
@@ -135,7 +138,7 @@ mod tests {
                 };
                 let mean = (0..starts).map(square).sum::<f64>() / f64::from(starts);
                 let found = mean_square(q, rate, &process(vec![]), difference, m).unwrap();
-                // Of 1e5 starts a jump is off by half of one.
+                // With 1e5 starts, a jump is off by up to half a start.
                 assert!((found - mean).abs() < 1e-4 * q * q, "{difference:?}, m = {m}: {found}, not {mean}");
             }
         }
@@ -146,7 +149,7 @@ mod tests {
         let (q, white) = (1.0, 6.0 / 12.0);
         let still = process(vec![Part::angle_random_walk(1e-4)]);
         let found = mean_square(q, 0.0, &still, Difference::Second, 1).unwrap();
-        // Σ|c·c|·E|Δ|: errors differ only where a pulse comes, with the probability E|Δ|/q.
+        // Σ|c·c|·E|Δ|: errors differ only where a pulse comes, which has the probability E|Δ|/q.
         assert!(found > 0.0 && found < 5e-4, "{found}");
         assert!(white_error(q, &still, Difference::Second, 1) > white - found);
         let lively = process(vec![Part::angle_random_walk(2.0)]);

@@ -1,28 +1,28 @@
-//! What a gyro that switches its mode every M samples adds to its angle: a sawtooth and jumps.
+//! The effect of switching modes every M samples on the angle of a gyro: a sawtooth and jumps.
 //!
-//! The magnetic drift Ω_m turns its sign with every switch, so that its angle rises and falls, the same in every record. What
-//! the filler of the gap leaves at each switch is a jump, drawn anew each time: with the independent J_j of variance σ_J² =
-//! D²/2 + σ² after the samples M, 2M, … a second difference is ΣJ over its later half less ΣJ over its earlier one. Over
-//! many intervals that is an angle random walk of N² = σ_J²/MT.
+//! The magnetic drift Ω_m reverses its sign with every switch, so its angle rises and falls, the same in every record.
+//! The residual of the filler at each switch is a jump, drawn independently each time. With independent J_j of variance
+//! σ_J² = D²/2 + σ² after the samples M, 2M, …, a second difference is ΣJ over its later half minus ΣJ over its earlier
+//! one. Over many intervals this is an angle random walk of N² = σ_J²/MT.
 
 use crate::theory::allan::estimator::{Difference, Estimator};
 use crate::theory::drift::magnetic::Magnetic;
 
-/// A gyro that switches modes, the first switch after the first M samples.
+/// A gyro that switches modes, for the first time after the first M samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Switching {
-    /// M, at least 1.
+    /// Switching interval M in samples, at least 1.
     pub interval: u64,
-    /// Ω_m, in the first mode with its own sign.
+    /// Magnetic drift Ω_m, with its own sign in the first mode.
     pub magnetic: Magnetic,
-    /// D of the part D sin φ of a residual, φ random, ″.
+    /// Amplitude D of the part D sin φ of a residual with random φ, ″.
     pub residual: f64,
-    /// Standard deviation of the rest of it, ″.
+    /// Standard deviation of the rest of the residual, ″.
     pub residual_noise: f64,
 }
 
 impl Switching {
-    /// The same with times in samples of `sample_s` and rates for each.
+    /// The same switching with times in samples of `sample_s` and rates per sample.
     pub fn per_sample(self, sample_s: f64) -> Switching {
         let Magnetic { amplitude, time_s, initial } = self.magnetic;
         let magnetic = Magnetic {
@@ -38,15 +38,15 @@ impl Switching {
         self.magnetic.amplitude != 0.0 || self.magnetic.initial != 0.0
     }
 
-    /// What its fillers leave; `None` where that is nothing.
+    /// The jumps left by its fillers; `None` where there are none.
     pub fn jumps(&self) -> Option<Jumps> {
         let variance = 0.5 * self.residual * self.residual + self.residual_noise * self.residual_noise;
         (variance > 0.0).then_some(Jumps { interval: self.interval, variance })
     }
 
-    /// The largest angle of the sawtooth less its least in a record, ″; times are in samples.
+    /// The range of the sawtooth of angles in a record, ″; times are in samples.
     ///
-    /// It turns at switches, at the ends and where the drift itself changes its sign.
+    /// Its extremes are at switches, at the ends and where the drift itself changes its sign.
     pub fn sawtooth_range(&self, samples: u64) -> f64 {
         if !self.drifts() {
             return 0.0;
@@ -65,30 +65,30 @@ impl Switching {
 /// Independent jumps of the angle after the samples M, 2M, ….
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jumps {
-    /// M, at least 1.
+    /// Switching interval M in samples, at least 1.
     pub interval: u64,
-    /// σ_J², ″².
+    /// Variance σ_J², ″².
     pub variance: f64,
 }
 
 impl Jumps {
-    /// N of the angle random walk that many jumps are, ″/√s.
+    /// Coefficient N of the angle random walk that many jumps form, ″/√s.
     pub fn angle_random_walk(self, sample_s: f64) -> f64 {
         libm::sqrt(self.variance / (self.interval as f64 * sample_s))
     }
 
-    /// Mean square of a difference at `m`, wherever it may begin, ″².
+    /// Mean square of a difference at `m` with an arbitrary start, ″².
     pub fn variance(self, difference: Difference, m: u64) -> f64 {
         self.variance * difference.divisor() * m as f64 / self.interval as f64
     }
 
-    /// Bound of it for any one difference, ″².
+    /// Bound of that mean square for a difference with any given start, ″².
     pub fn largest_variance(self, difference: Difference, m: u64) -> f64 {
         self.variance * difference.divisor() * (m / self.interval + 1) as f64
     }
 
-    /// Mean square of the differences at `m` that an estimator takes of a record of `samples` rates, ″², exactly: each spans
-    /// whole jumps, and how many depends on where it begins. 0 where it has none.
+    /// The exact mean square of the differences at `m` that an estimator takes from a record of `samples` rates, ″².
+    /// Each spans whole jumps, whose number depends on its start. It is 0 where the estimator has no difference.
     pub fn mean_square(self, estimator: Estimator, samples: u64, m: u64) -> f64 {
         let terms = estimator.terms(samples, m);
         let Some(last) = terms.checked_sub(1) else { return 0.0 };
@@ -118,7 +118,7 @@ mod tests {
 
     const JUMPS: Jumps = Jumps { interval: 7, variance: 3.0 };
 
-    /// Each difference as the combination of jumps that it is.
+    /// Each difference as a combination of jumps.
     fn summed(jumps: Jumps, estimator: Estimator, samples: u64, m: u64) -> f64 {
         let terms = estimator.terms(samples, m);
         let mut sum = 0.0;
@@ -174,7 +174,7 @@ mod tests {
             for (interval, samples) in [(1, 50), (13, 400), (90, 400), (399, 400), (40, 400)] {
                 let magnetic = Magnetic { amplitude, time_s: 120.0, initial };
                 let switching = Switching { interval, magnetic, residual: 0.0, residual_noise: 0.0 };
-                // Between samples too.
+                // Extremes between samples count too.
                 let angles =
                     (0..=8 * samples).map(|k| magnetic.signed_integral(interval as f64, k as f64 / 8.0));
                 let [low, high] =

@@ -40,7 +40,7 @@ fn a_point_is_asked_for_where_weights_differ_and_by_the_keys_that_matter() {
     own("").fails("filler study.toml", 2, &["weights differ", "motion.frequency = 20 Hz, 25 Hz"]);
     own("").done("filler study.toml --at frequency=25Hz");
     let pieces =
-        ["no point has motion.frequency = 21 Hz; there are 20 Hz, 25 Hz", "add the value to the sweep"];
+        ["no point has motion.frequency = 21 Hz; the values are 20 Hz, 25 Hz", "add the value to the sweep"];
     own("").fails("filler study.toml --at frequency=21Hz", 2, &pieces);
     let banded = own(r#", band = ["18 Hz", "22 Hz"]"#);
     banded.done("filler study.toml");
@@ -65,7 +65,7 @@ fn mistakes_are_told_with_what_is_there_and_leave_nothing_behind() {
     desk.fails("filler study.toml --filler cubic", 2, &["cubic", "it has const, linear, quadratic"]);
     let unswept = ["does not sweep `tick`", "it sweeps motion.frequency, switching.gap_ticks"];
     desk.fails("filler study.toml --at tick=5ms", 2, &unswept);
-    let missed = ["no point has switching.gap_ticks = 4", "there are 1, 2, 3"];
+    let missed = ["no point has switching.gap_ticks = 4", "the values are 1, 2, 3"];
     desk.fails("filler study.toml --at gap_ticks=4", 2, &missed);
     desk.fails("filler study.toml --at gap_ticks", 2, &["give a key and a value"]);
     desk.fails("filler nowhere.toml", 3, &["cannot read the study nowhere.toml"]);
@@ -79,7 +79,7 @@ fn mistakes_are_told_with_what_is_there_and_leave_nothing_behind() {
     let invalid = STUDY.replace("gap_ticks = 3", "gap_ticks = 0");
     Desk::with(&invalid).fails("filler study.toml", 3, &["switching.gap_ticks", "study.toml:"]);
     let alone = Desk::with(STUDY);
-    alone.fails("filler study.toml --at gap_ticks=3", 2, &["the study has one point"]);
+    alone.fails("filler study.toml --at gap_ticks=3", 2, &["the study has only one point"]);
     alone.fails("filler study.toml --filler both --filler bth", 2, &["--filler bth"]);
     for desk in [desk, alone] {
         assert!(!desk.path("results").exists(), "something was left behind");

@@ -2,27 +2,18 @@
 
 pub mod rows;
 
-use std::time::Instant;
-
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::kinds::relock::RelockStudy;
 use crate::kinds::relock::inputs::{Compensation, Relock};
 use crate::kinds::relock::lower::{LoweredRelock, RelockEstimate};
-use crate::progress::Progress;
 use crate::quantity::number::significant;
-use crate::sampling::batches::{Work, held_by_all, lacking, sample};
-use crate::sampling::plan;
-use crate::sampling::plan::{Done, RunError};
+use crate::sampling::plan::RunError;
 use crate::sampling::tables::Tables;
-use crate::sampling::worker::Worker;
+use crate::sampling::trials::{Addressed, Trials};
 use crate::source::diagnose::StudyError;
 use crate::store::Store;
-use crate::store::error::StoreError;
-use crate::store::index::Index;
 use crate::study::Study;
-use crate::tally::block::row_log2;
 use crate::tally::id::Id;
-use crate::tally::share::Share;
 
 /// A study whose points are all proven to fit.
 #[derive(Debug)]
@@ -46,76 +37,32 @@ impl<'a> Plan<'a> {
         }
         Ok(Plan { study, relock, points })
     }
-
-    /// The work that the store lacks of a share.
-    fn missing(&self, store: &Store, share: Share) -> Result<Vec<Work>, StoreError> {
-        let index = store.index()?;
-        let mut all = Vec::new();
-        for (turn, point) in self.points.iter().enumerate() {
-            let trials = share.trials(self.study.trials, turn);
-            for estimates in launched(point) {
-                let addresses: Vec<_> = estimates.iter().map(|estimate| estimate.address).collect();
-                let launch = point.launch(&estimates);
-                let log2 = row_log2(self.study.trials, launch.steps());
-                let blocks = lacking(&index, &addresses, trials.clone(), log2)?;
-                if !blocks.is_empty() {
-                    all.push(Work { launch, addresses, blocks });
-                }
-            }
-        }
-        Ok(all)
-    }
 }
 
-impl plan::Plan for Plan<'_> {
-    fn run(
-        &self,
-        store: &mut Store,
-        worker: &mut Worker,
-        share: Share,
-        progress: &dyn Progress,
-    ) -> Result<Done, RunError> {
-        let started = Instant::now();
-        let work = self.missing(store, share)?;
-        let left: u64 = work.iter().map(Work::trials).sum();
-        let of_point = |(turn, point)| {
-            let trials = share.trials(self.study.trials, turn);
-            launched(point).count() as u64 * (trials.end - trials.start)
-        };
-        let all: u64 = self.points.iter().enumerate().map(of_point).sum();
-        progress.start("trials", all.saturating_sub(left), all.max(left));
-        let trials = sample(&work, 0, store, worker, progress, started)?;
-        let seconds = started.elapsed().as_secs_f64();
-        Ok(Done { trials, seconds, stopped: trials < left, degraded: vec![] })
-    }
-
-    fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
-        Ok(self.missing(store, share)?.iter().map(Work::trials).sum())
-    }
-
-    fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
-        let estimates = self.points.iter().flat_map(|point| &point.estimates);
-        held_by_all(index, estimates.map(|estimate| &estimate.address))
+impl Trials for Plan<'_> {
+    fn trials(&self) -> u64 {
+        self.study.trials
     }
 
     fn ids(&self) -> Vec<Id> {
         self.points.iter().map(|point| point.id).collect()
     }
 
-    fn notes(&self, _: &Store) -> Result<Vec<String>, StoreError> {
+    fn launches(&self, point: usize) -> Vec<Addressed> {
+        let point = &self.points[point];
+        let addressed = |estimates: Vec<&RelockEstimate>| {
+            (point.launch(&estimates), estimates.iter().map(|estimate| estimate.address).collect())
+        };
+        launched(point).map(addressed).collect()
+    }
+
+    fn tables(&self, store: Option<&Store>) -> Result<Tables, RunError> {
+        Ok(Tables::of_points(self.table(store)?))
+    }
+
+    fn notes(&self) -> Vec<String> {
         let relocks = self.relock.points.iter().map(|point| (&point.inputs.relock, point.inputs.tick_s));
-        Ok(late(relocks).into_iter().collect())
-    }
-
-    fn tables(&self, store: Option<&Store>, _: &dyn Progress) -> Result<Tables, RunError> {
-        Ok(Tables::of_points(match store {
-            Some(store) => self.table(store)?,
-            None => self.blank_table(),
-        }))
-    }
-
-    fn all_trials(&self) -> u64 {
-        self.study.trials.saturating_mul(self.points.len() as u64)
+        late(relocks).into_iter().collect()
     }
 }
 

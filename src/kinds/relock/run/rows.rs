@@ -10,22 +10,20 @@ use crate::store::error::StoreError;
 use crate::table::Table;
 
 impl Plan<'_> {
-    /// The table before anything is sampled, with all rows but without estimates.
-    pub(crate) fn blank_table(&self) -> Table {
-        self.table_of(&self.rows())
-    }
-
-    /// The table of all stored estimates.
+    /// The table of all stored estimates; without a store, all rows without estimates.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    pub(crate) fn table(&self, store: &Store) -> Result<Table, StoreError> {
+    pub(crate) fn table(&self, store: Option<&Store>) -> Result<Table, StoreError> {
         let mut rows = self.rows();
-        let units = self.points.iter().flat_map(|point| vec![point.fixed.lsb_arcsec; point.estimates.len()]);
-        let sampled: Vec<_> = rows.iter().map(|row| row.estimate).zip(units).collect();
-        let found =
-            estimates(store, &sampled, |(estimate, unit)| (estimate.address, estimate.bin_base, *unit))?;
-        rows.iter_mut().zip(found).for_each(|(row, found)| row.found = found);
+        if let Some(store) = store {
+            let units =
+                self.points.iter().flat_map(|point| vec![point.fixed.lsb_arcsec; point.estimates.len()]);
+            let sampled: Vec<_> = rows.iter().map(|row| row.estimate).zip(units).collect();
+            let found =
+                estimates(store, &sampled, |(estimate, unit)| (estimate.address, estimate.bin_base, *unit))?;
+            rows.iter_mut().zip(found).for_each(|(row, found)| row.found = found);
+        }
         Ok(self.table_of(&rows))
     }
 

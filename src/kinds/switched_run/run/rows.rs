@@ -10,18 +10,15 @@ use crate::store::error::StoreError;
 use crate::table::Table;
 
 impl Plan<'_> {
-    /// The table before anything is sampled, with all rows but without estimates.
-    pub(crate) fn blank_table(&self) -> Table {
-        self.table_of(&self.rows())
-    }
-
-    /// The table of all stored estimates.
-    pub(crate) fn table(&self, store: &Store) -> Result<Table, StoreError> {
+    /// The table of all stored estimates; without a store, all rows without estimates.
+    pub(crate) fn table(&self, store: Option<&Store>) -> Result<Table, StoreError> {
         let mut rows = self.rows();
-        let found = estimates(store, &rows, |row| {
-            (row.estimate.address, row.estimate.bin_base, row.estimate.unit_arcsec)
-        })?;
-        rows.iter_mut().zip(found).for_each(|(row, found)| row.found = found);
+        if let Some(store) = store {
+            let found = estimates(store, &rows, |row| {
+                (row.estimate.address, row.estimate.bin_base, row.estimate.unit_arcsec)
+            })?;
+            rows.iter_mut().zip(found).for_each(|(row, found)| row.found = found);
+        }
         Ok(self.table_of(&rows))
     }
 

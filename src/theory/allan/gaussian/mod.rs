@@ -1,10 +1,10 @@
 //! Covariance between the estimates of a curve, for Gaussian noise.
 //!
 //! For Gaussian differences D of the angle, overlapping at every sample, two estimates have the covariance ΣΣ [2c² +
-//! 4cp]/(M_i M_j d²τ_i²τ_j²), c the covariance of the two differences and p the product of what is not noise in them, d
-//! the divisor 2 or 6. The sum over lags is exact near the lags where an angle of one difference meets one of the
-//! other, and by quadrature in between, where c is smooth: right to 1e-4 of √(C_ii·C_jj), 2e-3 beside a sine, at a cost
-//! that does not grow with the record.
+//! 4cp]/(M_i M_j d²τ_i²τ_j²), where c is the covariance of the two differences, p the product of their deterministic
+//! parts, and d the divisor 2 or 6. The sum over lags is exact near the lags where an angle of one difference meets one
+//! of the other, and by quadrature in between, where c is smooth. It is accurate to 1e-4 of √(C_ii·C_jj), or 2e-3 with
+//! a sine, at a cost that does not grow with the record.
 
 #[cfg(test)]
 mod tests;
@@ -13,35 +13,36 @@ use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::process::Process;
 use crate::theory::allan::terms::{Apart, Kernel};
 
-/// Lags beyond the meeting of the differences that are followed, in parts of their length: flicker's covariance there
-/// has fallen with the square of the lag.
+/// Lags beyond the meeting of the differences up to which the sum extends, relative to their length; the covariance of
+/// flicker has then fallen as the square of the lag.
 const FOLLOWED: f64 = 32.0;
-/// A panel of the quadrature is as long as this part of its distance to the nearest meeting.
+/// Length of a quadrature panel relative to its distance to the nearest meeting.
 const PANEL: f64 = 0.25;
-/// Lags summed one by one at either side of a meeting.
+/// Number of lags on either side of a meeting that are summed one by one.
 const DENSE: f64 = 6.0;
 
 /// Covariance of the overlapping estimates at the averaging factors `ms` of one record, (″/s)⁴.
 ///
 /// Octave holds are taken as Gaussian, which makes the scatter of flicker at most 2 % too small (four streams). A
-/// warm-up is left out: it is the same in every record and not stationary. Every m leaves at least one difference.
+/// warm-up is left out, as it is the same in every record and not stationary. Every m must leave at least one
+/// difference.
 pub fn covariance(process: &Process, difference: Difference, samples: u64, ms: &[u64]) -> Vec<Vec<f64>> {
     Components::new(process, difference, samples, ms).covariance(&vec![1.0; process.parts.len()])
 }
 
-/// The covariance of estimates taken apart: what each two parts of a process add to it.
+/// The covariance of estimates by components: the contribution of each pair of parts of a process.
 ///
 /// The covariance of differences is a sum over parts, so that of the estimates is a quadratic form of the parts'
-/// variances: with it the covariance for other coefficients costs next to nothing.
+/// variances. The covariance for other coefficients then costs almost nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Components {
     parts: usize,
-    /// For each pair of points i ≥ j the symmetric matrix over parts, row by row.
+    /// For each pair of points i ≥ j, the symmetric matrix over parts, row by row.
     points: Vec<Vec<Vec<f64>>>,
 }
 
 impl Components {
-    /// Of the overlapping estimates at `ms` of a record of `samples`; as [`covariance`].
+    /// The components for the overlapping estimates at `ms` of a record of `samples` samples; see [`covariance`].
     pub fn new(process: &Process, difference: Difference, samples: u64, ms: &[u64]) -> Components {
         let pair = |i: usize, j: usize| {
             let (a, b) = (ms[i].min(ms[j]), ms[i].max(ms[j]));
@@ -51,7 +52,7 @@ impl Components {
         Components { parts: process.parts.len(), points }
     }
 
-    /// The covariance with the square of the coefficient of every part multiplied by its scale, (″/s)⁴.
+    /// The covariance, (″/s)⁴, with the squared coefficient of every part multiplied by its scale.
     pub fn covariance(&self, scales: &[f64]) -> Vec<Vec<f64>> {
         let products: Vec<f64> = scales.iter().flat_map(|a| scales.iter().map(move |b| a * b)).collect();
         let total =
@@ -61,7 +62,7 @@ impl Components {
         (0..count).map(|i| (0..count).map(|j| cell(i, j)).collect()).collect()
     }
 
-    /// What each two parts add to the variance of Σ `weights` · estimates.
+    /// The contribution of each pair of parts to the variance of Σ `weights` · estimates.
     pub fn variance_of(&self, weights: &[f64]) -> Vec<Vec<f64>> {
         let mut sums = vec![0.0; self.parts * self.parts];
         for (i, row) in self.points.iter().enumerate() {
@@ -74,7 +75,7 @@ impl Components {
     }
 }
 
-/// Two averaging factors a ≤ b, and what the sums over their differences need.
+/// Two averaging factors a ≤ b, with the quantities needed for the sums over their differences.
 struct Pair<'a> {
     process: &'a Process,
     difference: Difference,
@@ -86,7 +87,7 @@ struct Pair<'a> {
     kernels: Vec<Option<Kernel>>,
 }
 
-/// For each part the covariance c of two differences of its noise, or the product p of those of what is none.
+/// For each part, the covariance c of two differences if it is noise, else the product p of them.
 struct Products {
     noise: Vec<f64>,
     steady: Vec<f64>,
@@ -110,13 +111,13 @@ impl<'a> Pair<'a> {
         }
     }
 
-    /// 2cc + 2cp + 2pc of every two parts, summed over all differences, as part of the covariance.
+    /// 2cc + 2cp + 2pc for each pair of parts, summed over all differences and scaled to the covariance.
     fn components(&self) -> Vec<f64> {
         let spans = self.difference.spans() as f64;
         let (t0, divisor) = (self.process.sample_s, self.difference.divisor());
         let white_errors = self.meetings();
         let mut meetings: Vec<f64> = white_errors.iter().map(|meeting| meeting.0).collect();
-        // Where the number of pairs begins to fall, and the ends.
+        // The lags where the number of pairs begins to fall, and the ends.
         let reach = FOLLOWED * (self.a + self.b) * spans;
         let (low, high) = ((1.0 - self.terms_a).max(-reach), (self.terms_b - 1.0).min(reach));
         meetings.extend([0.0, self.terms_b - self.terms_a, low, high]);
@@ -152,13 +153,13 @@ impl<'a> Pair<'a> {
         sums.iter().map(|sum| sum / scale).collect()
     }
 
-    /// Pairs of differences this far apart.
+    /// Number of pairs of differences at this lag.
     fn pairs_at(&self, lag: f64) -> f64 {
         self.terms_a.min(self.terms_b - lag) - (-lag).max(0.0)
     }
 
-    /// Lags of the difference at b after that at a where an angle of one meets one of the other, and the product of
-    /// their coefficients there.
+    /// Lags of the difference at b relative to that at a where an angle of one meets one of the other, each with the
+    /// product of their coefficients there.
     fn meetings(&self) -> Vec<(f64, f64)> {
         let coefficients = self.difference.coefficients();
         let of_angle = |(i, u): (u32, &f64)| {
@@ -168,7 +169,7 @@ impl<'a> Pair<'a> {
         (0_u32..).zip(coefficients).flat_map(of_angle).collect()
     }
 
-    /// The products at a lag, the turns of a sine averaged over so many lags around it; `met` is the product of the
+    /// The products at a lag, with a sine averaged over `width` lags around it; `met` is the product of the
     /// coefficients of angles that meet.
     fn products(&self, lag: f64, width: f64, met: f64, products: &mut Products) {
         let coefficients = self.difference.coefficients();
@@ -192,14 +193,14 @@ impl<'a> Pair<'a> {
     }
 }
 
-/// The whole lags between two meetings, both left out, in panels of which `add` gets the middle of a part and its width:
-/// single lags near the ends, else three points of Gauss–Legendre.
+/// Divides the whole lags between two meetings, both excluded, into panels and passes the middle and the width of each
+/// part to `add`: single lags near the ends, else three points of Gauss–Legendre.
 fn panels(low: f64, high: f64, mut add: impl FnMut(f64, f64)) {
     const NODE: f64 = 0.774_596_669_241_483_4;
     let mut next = low + 1.0;
     while next < high {
         let distance = (next - low).min(high - next);
-        // Towards the far end panels shrink again.
+        // Towards the far end panels become shorter again.
         let width = libm::floor(PANEL * distance).min(high - next);
         if distance <= DENSE || width < 3.0 {
             add(next, 1.0);

@@ -20,7 +20,7 @@ fn all_parts() -> Process {
     }
 }
 
-/// Covariance of the increments of the samples i and j, ″²: of sine and ramp their product.
+/// Covariance of the increments of the samples i and j, ″²; for sine and ramp their product.
 fn increments(part: &Part, t0: f64, i: usize, j: usize) -> f64 {
     let lag = i.abs_diff(j) as f64;
     let Part { size, shape, .. } = *part;
@@ -54,7 +54,7 @@ fn by_definition(process: &Process, difference: Difference, samples: usize, a: u
         (0..samples).map(|i| (0..samples).map(|j| cell(i, j)).collect()).collect()
     };
     let (noise_table, steady_table) = (table(&noise), table(&steady));
-    // Weights of increments in a difference; of angles for the white errors.
+    // Weights of increments in a difference, or of angles for the white errors.
     let weights = |m: usize| -> Vec<f64> {
         let c = difference.coefficients();
         (0..spans * m).map(|i| c[i / m + 1..].iter().sum()).collect()
