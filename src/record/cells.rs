@@ -1,4 +1,4 @@
-//! One line of a text: its cells, and what they say.
+//! The cells of one line of a text, and their values.
 
 use std::ops::Range;
 
@@ -12,8 +12,8 @@ pub(crate) enum Delimiter {
 }
 
 impl Delimiter {
-    /// What divides the `first` line and the one behind it, a `row` of numbers: a sign that is as often in both, or else one in the
-    /// row.
+    /// The delimiter of the `first` line and of the one after it, a `row` of numbers: a sign that occurs equally often in both, or
+    /// else one in the row.
     pub(crate) fn of(first: &[u8], row: &[u8]) -> Delimiter {
         let count = |line: &[u8], sign: u8| Cells::new(line.trim_ascii(), Delimiter::Byte(sign)).count();
         let signs = || b"\t;,".iter().copied().filter(|sign| row.trim_ascii().contains(sign));
@@ -106,7 +106,8 @@ fn trimmed(line: &[u8], cell: Range<usize>) -> Range<usize> {
     cell.start + lead..cell.end - trail
 }
 
-/// Reads a cell: a number with the point for decimals; nothing, `NaN`, `NA` and `null` are a missing one, NaN. Other text is `None`.
+/// Reads a cell as a number with a decimal point; an empty cell, `NaN`, `NA` and `null` are missing values, NaN. Other text is
+/// `None`.
 #[inline]
 pub(crate) fn value(cell: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(cell).ok()?;

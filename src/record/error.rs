@@ -1,20 +1,20 @@
-//! Why recorded data were refused, with the line at fault.
+//! Errors of recorded data, with the line at fault.
 
 use crate::source::diagnose::{StudyError, Wrong};
 use crate::source::place::Place;
 use crate::source::shown::Shown;
 
-/// Why a record or a log was refused: what was found and where, what is accepted, how to put it right.
+/// Why a record or a log was refused: the finding with its place, the accepted values and a remedy.
 ///
-/// A [`miette::Diagnostic`]; [`RecordError::render`] gives the text for a terminal. As a [`StudyError`] it can be that
-/// of the study which names the record.
+/// A [`miette::Diagnostic`]; [`RecordError::render`] gives the text for a terminal. It converts to a [`StudyError`] for
+/// the study that names the record.
 #[derive(Debug, Clone, thiserror::Error, miette::Diagnostic)]
 #[error(transparent)]
 #[diagnostic(transparent)]
 pub struct RecordError(StudyError);
 
 impl RecordError {
-    /// `message`: the whole finding; `label`: what stands at `place`; `help`: what to do.
+    /// An error with the complete finding as `message`, a `label` for the text at `place`, and advice as `help`.
     pub(crate) fn new(
         message: impl Into<String>,
         label: impl Into<String>,
@@ -25,7 +25,7 @@ impl RecordError {
         RecordError(StudyError::new(message, label, help, shown))
     }
 
-    /// A file that cannot be read.
+    /// The error for a file that cannot be read.
     pub(crate) fn unreadable(file: &str, error: &std::io::Error) -> RecordError {
         RecordError::new(format!("cannot read {file}: {error}"), "", "give the path of a log", None)
     }
@@ -35,12 +35,13 @@ impl RecordError {
         RecordError(self.0.with_help(help))
     }
 
-    /// The same error with its settings as a front end spells them, see [`spelled`](crate::source::setting::spelled).
+    /// The same error with its settings in the spelling of a front end; see [`spelled`](crate::source::setting::spelled).
     pub fn spelled(self, spell: &dyn Fn(&str, &str) -> Option<String>) -> RecordError {
         RecordError(self.0.spelled(spell))
     }
 
-    /// The report for people: file, line, caret and help, `width` columns wide; escape codes only if `color`.
+    /// The report for the user, with file, line, caret and help, `width` columns wide; it has escape codes only if
+    /// `color`.
     pub fn render(&self, color: bool, width: usize) -> String {
         self.0.render(color, width)
     }

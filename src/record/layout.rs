@@ -1,4 +1,4 @@
-//! How the columns of a text are laid out, found from its first lines.
+//! The layout of a text with columns, determined from its first lines.
 
 use crate::record::cells::{Cells, Delimiter, value};
 use crate::record::error::RecordError;
@@ -10,9 +10,9 @@ use crate::source::place::Place;
 pub(crate) struct Layout {
     pub file: String,
     pub delimiter: Delimiter,
-    /// One for each column; empty without a header.
+    /// Column names; empty without a header.
     pub names: Vec<Name>,
-    /// Cells of a row.
+    /// Number of cells in a row.
     pub columns: usize,
     /// Bytes, and then lines, before the first row, including the header.
     pub start: usize,
@@ -34,7 +34,7 @@ impl Layout {
     /// The layout of the text that begins with `head`.
     ///
     /// # Errors
-    /// It has no row.
+    /// The log has no rows.
     pub(crate) fn of(head: &[u8], file: &str) -> Result<Layout, RecordError> {
         let (content, comment) = first_lines(head);
         let Some(first) = content.first() else {
@@ -68,10 +68,10 @@ impl Layout {
         Ok(layout)
     }
 
-    /// Where a column is shown, or all of them.
+    /// The place where a column is shown, or all of them.
     pub(crate) fn place(&self, column: Option<usize>) -> Place {
         let (number, text) = &self.shown;
-        // Units with blanks are cells of their own where blanks divide.
+        // Where blanks divide, units separated by blanks are cells of their own.
         let is_cut = self.delimiter == Delimiter::Blanks && !self.names.is_empty();
         let cell = column.filter(|_| !is_cut).and_then(|at| Cells::new(text, self.delimiter).nth(at));
         Place::new(&self.file, *number, text, cell.unwrap_or(0..text.len()))

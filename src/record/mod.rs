@@ -1,12 +1,14 @@
-//! Recorded data: one reader of files, and what is made of the columns that it gives.
+//! Recorded data: one reader for all files, profiles of motion, which are evenly spaced samples of an angular rate with the
+//! angles of ticks over them, and in [`log`] the logs of sensors.
 //!
 //! ```text
 //! file ─ format: text | npy ─▶ Recording: columns with names, units, places ─▶ Record of a motion | Log of a sensor
 //! ```
 //!
-//! Text is read in blocks, and their lines parsed in parallel: memory is 8 bytes for each sample of a column that was
-//! asked for, besides 16 MiB. Numbers are the standard library's correctly rounded ones. The csv crate is not used
-//! here: it takes one delimiter and one comment sign, no runs of blanks, and does not tell where a cell stands.
+//! Text is read in blocks, whose lines are parsed in parallel. Memory is 8 bytes for each sample of a requested column,
+//! plus 16 MiB. Numbers are parsed by the correctly rounded parser of the standard library. The csv crate is not used
+//! here because it takes only one delimiter and one comment sign, no runs of blanks, and does not give the place of a
+//! cell.
 
 pub(crate) mod cells;
 pub mod error;
@@ -27,16 +29,16 @@ use crate::record::recording::{Origin, Recording};
 /// Most samples of a record, 2^24, which is more than four hours at 1 kHz.
 pub const MOST_SAMPLES: usize = 1 << 24;
 
-/// Sampling steps that a record or a log may have, s. Beyond it is a slip in a unit, or bytes that are no times.
+/// Allowed sampling steps of a record or a log, s. A step outside is an error in a unit, or the bytes are not times.
 pub const STEPS_S: RangeInclusive<f64> = 1e-9..=1e9;
 
 /// An angular rate at evenly spaced times, the first of which is time 0; between its samples the rate is linear.
 ///
 /// # File
-/// Text in UTF-8, as of a [`Log`](log::channel::Log): a header, then one row a sample. Two columns are read, in any
-/// order, and all others ignored: `time` and `rate`, upper or lower case, each with its unit as in `time [ms]`,
-/// `rate (°/s)` or `rate_deg_per_s`; a name such as `rate_x`, whose end is no unit of a rate, is another column. The
-/// times may start anywhere, but each step is within 1 % of the median one; the steps are then taken as equal.
+/// Text in UTF-8, as of a [`Log`](log::channel::Log): a header, then one row per sample. Two columns are read, in
+/// any order, and all others ignored: `time` and `rate`, in upper or lower case, each with its unit as in `time [ms]`,
+/// `rate (°/s)` or `rate_deg_per_s`. A name such as `rate_x`, whose end is not a unit of a rate, is another column. The
+/// times may start anywhere, but each step must be within 1 % of the median one; the steps are then taken as equal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     /// Time from sample to sample, s.

@@ -1,22 +1,22 @@
-//! The names of columns, with their units.
+//! The names of columns and their units, as in a header.
 
 use crate::quantity::units::{Dimension, parse_unit};
 
-/// Longest unit behind an underscore, in bytes with that.
+/// Longest unit after an underscore, in bytes including it.
 const LONGEST_UNIT: usize = 64;
 
 /// A column of the header.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Name {
-    /// As it stands in the file.
+    /// Name as in the file.
     pub whole: String,
-    /// Without the unit.
+    /// Name without the unit.
     pub bare: String,
     pub unit: Option<String>,
 }
 
 impl Name {
-    /// `gz [deg/s]`, `gz (deg/s)`, or `gz_deg_per_s` where the end is a unit of a rate, an angle or a time.
+    /// Reads `gz [deg/s]`, `gz (deg/s)`, or `gz_deg_per_s` where the end is a unit of a rate, an angle or a time.
     pub(crate) fn read(cell: &str) -> Name {
         let whole = cell.trim();
         let with = |bare: &str, unit: &str| Name {
@@ -30,7 +30,7 @@ impl Name {
                 return with(bare, unit);
             }
         }
-        // Without a bound a long cell of underscores takes the square of its length.
+        // Without a bound, a long cell of underscores would take time in proportion to the square of its length.
         let is_short = |at: usize| whole.len() - at <= LONGEST_UNIT;
         for (at, _) in whole.match_indices('_').filter(|(at, _)| *at > 0 && is_short(*at)) {
             let unit = whole[at + 1..].replace("_per_", "/");

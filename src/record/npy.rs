@@ -1,25 +1,25 @@
 //! NumPy arrays in .npy files, versions 1 to 3.
 //!
-//! Read by hand: the header is one line of text, and the numbers behind it go to f64 in one pass. The format is that
-//! of NEP 1.
+//! The parser is our own: the header is one line of text, and the numbers after it are converted to f64 in one pass.
+//! The format is that of NEP 1.
 
 use std::io::{self, Read};
 
 use crate::record::error::RecordError;
 
-/// How a .npy file begins.
+/// The first bytes of a .npy file.
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// Longest header that is read.
+/// Length in bytes of the longest header that is read.
 const LONGEST: usize = 1 << 16;
 
-/// Most columns. An array without rows may promise any number of them, and so may one from a pipe.
+/// Most columns. An array without rows may claim any number of them, and so may one from a pipe.
 const MOST_COLUMNS: usize = 1 << 20;
 
-/// Bytes that are read at a time.
+/// Bytes read at a time.
 const BLOCK: usize = 8 << 20;
 
-/// What the header says.
+/// The contents of the header.
 pub(crate) struct Array {
     file: String,
     number: &'static Number,
@@ -49,7 +49,7 @@ macro_rules! numbers {
     };
 }
 
-/// The types that are read.
+/// The supported types of numbers.
 static NUMBERS: &[Number] = numbers!(
     "f4" f32, "f8" f64, "i1" i8, "i2" i16, "i4" i32, "i8" i64, "u1" u8, "u2" u16, "u4" u32, "u8" u64
 );
@@ -58,7 +58,7 @@ impl Array {
     /// Reads the header, which is in the `head` of the file, and where it ends. `length` is that of the file, where it is known.
     ///
     /// # Errors
-    /// No such array as is read here, or one that is longer than its file.
+    /// The array is not supported, or is longer than its file.
     pub(crate) fn read(file: &str, head: &[u8], length: Option<u64>) -> Result<(Array, usize), RecordError> {
         let short = || bad(file, "it ends too early");
         let wide = *head.get(6).ok_or_else(short)? > 1;
@@ -75,9 +75,10 @@ impl Array {
             .and_then(|count| count.checked_mul(array.number.size as u64));
         let there = length.map(|length| length.saturating_sub((begin + size) as u64));
         match (promised, there) {
-            (Some(promised), Some(there)) if promised > there => {
-                Err(bad(file, &format!("its header promises {promised} bytes of numbers, there are {there}")))
-            }
+            (Some(promised), Some(there)) if promised > there => Err(bad(
+                file,
+                &format!("its header promises {promised} bytes of numbers, the file has {there}"),
+            )),
             (None, _) => Err(bad(file, "its header promises more numbers than can be")),
             _ if array.columns > MOST_COLUMNS => {
                 Err(bad(file, &format!("it has {} columns, more than {MOST_COLUMNS}", array.columns)))
@@ -121,7 +122,7 @@ impl Array {
     /// The `wanted` columns, in the order given.
     ///
     /// # Errors
-    /// More than `most` rows, the file cannot be read or ends early, or a number is infinite.
+    /// The array has more than `most` rows, or the file cannot be read, ends early, or contains an infinite number.
     pub(crate) fn columns(
         &self,
         mut reader: impl Read,
@@ -156,7 +157,7 @@ impl Array {
         Ok(columns)
     }
 
-    /// Reads `count` groups of `width` numbers, and hands them over some whole groups at a time.
+    /// Reads `count` groups of `width` numbers, and passes them on several whole groups at a time.
     fn blocks(
         &self,
         reader: &mut impl Read,

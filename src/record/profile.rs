@@ -1,4 +1,4 @@
-//! A recorded motion: the columns `time` and `rate` of a file, every one of their numbers finite and the times even.
+//! Reading a recorded motion from the columns `time` and `rate` of a file. It has no gaps, and its times are evenly spaced.
 
 use crate::quantity::units::{Dimension, round_12};
 use crate::record::Record;
@@ -6,10 +6,10 @@ use crate::record::error::RecordError;
 use crate::record::recording::{Limits, Recording};
 use crate::record::time::{Spacing, grid};
 
-/// How the columns are named.
+/// Help with an example of a header.
 const NAMES: &str = "name one column `time` and one `rate`, with their units, as in\ntime [s], rate [deg/s]";
 
-/// What to do where a number is missing.
+/// Advice on missing numbers.
 const MISSING: &str =
     "every row needs a finite number here: put it in, or cut the record and resample what is left";
 
@@ -17,13 +17,13 @@ const MISSING: &str =
 const EVEN: Spacing = Spacing {
     jitter: 0.01,
     has_gaps: false,
-    help: "resample it evenly first: every step has to be within 1 % of the median step",
+    help: "resample it evenly first: every step must be within 1 % of the median step",
 };
 
 /// Reads a record of at most `most` samples.
 pub(crate) fn read(mut file: Recording, most: usize) -> Result<Record, RecordError> {
     if file.names().is_empty() {
-        return Err(file.refuse(None, "the header is missing", "numbers and no names", NAMES));
+        return Err(file.refuse(None, "the header is missing", "numbers instead of names", NAMES));
     }
     let (time, time_size) = column(&file, "time", Dimension::Time, "time [s]")?;
     let (rate, rate_size) = column(&file, "rate", Dimension::Rate, "rate [deg/s]")?;
@@ -125,7 +125,7 @@ mod tests {
                 "r.csv:1:1",
                 names,
             ),
-            (rows("0,1\n0.1,fast\n"), "\"fast\", which is no number", "r.csv:3:5", "numbers"),
+            (rows("0,1\n0.1,fast\n"), "\"fast\", which is not a number", "r.csv:3:5", "numbers"),
             (rows("0,1\n0.1,1\n0.2,\n"), "the rate is missing", "r.csv:4:5", "finite number"),
             (rows("0,1\n#\nNaN,1\n"), "the time is missing", "r.csv:4:1", "finite number"),
             (rows("0,1\n0.1,-inf\n"), "`rate [deg/s]` is infinite", "r.csv:3:5", "finite number"),

@@ -1,4 +1,4 @@
-//! A file of recorded data, opened: its columns by name or number, their units, and the numbers of those that are asked for.
+//! An open file of recorded data: its columns by name or number, their units, and the numbers of the requested columns.
 
 use std::fs::File;
 use std::io::{self, Chain, Cursor, Read};
@@ -15,13 +15,13 @@ use crate::record::text::{self, TEXT_WANTED};
 use crate::source::diagnose::choices;
 use crate::source::place::Place;
 
-/// Bytes from which the format and the layout of a file are told.
+/// Bytes from which the format and the layout of a file are determined.
 const HEAD: u64 = 1 << 20;
 
 /// Most columns that a message lists.
 const MOST_LISTED: usize = 20;
 
-/// Starts of files that are often given and not read, and what they are.
+/// First bytes of unsupported files that users often give, with their descriptions.
 const OTHERS: [(&[u8], &str); 8] = [
     (b"PK\x03\x04", "a ZIP archive (.npz, .xlsx)"),
     (b"\x1f\x8b", "compressed by gzip"),
@@ -55,21 +55,21 @@ impl<'a> Origin<'a> {
     }
 }
 
-/// What is taken of the numbers of a file.
+/// The largest file that a caller reads, and its advice on gaps.
 pub(crate) struct Limits {
-    /// Rows.
+    /// Most rows.
     pub most: usize,
-    /// What to do where a number is missing.
+    /// Advice on missing numbers.
     pub missing: &'static str,
 }
 
-/// What the numbers are read by: a format gives the names and number of columns, and then the numbers.
+/// The format of a file. Its head gives the names and the number of the columns, and the bytes after it the numbers.
 enum Format {
     Text(Layout),
     Npy(Array),
 }
 
-/// A file of which no number has been read yet.
+/// An open file of which no number has been read yet.
 pub(crate) struct Recording<'a> {
     /// As messages call it.
     pub file: String,
@@ -80,6 +80,8 @@ pub(crate) struct Recording<'a> {
 }
 
 impl<'a> Recording<'a> {
+    /// Opens the file and finds its format; messages call it `file`.
+    ///
     /// # Errors
     /// The file cannot be read, or is of no format that is read here.
     pub(crate) fn open(file: String, origin: Origin<'a>) -> Result<Recording<'a>, RecordError> {
@@ -111,7 +113,7 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// One for each column; empty where columns have no names.
+    /// Names of the columns; empty where they have none.
     pub(crate) fn names(&self) -> &[Name] {
         self.layout().map_or(&[], |layout| &layout.names)
     }
@@ -123,7 +125,7 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// All columns for a sentence: `1 time, 2 gx`, or `columns 1 … 4`.
+    /// All columns as part of a sentence, such as `1 time, 2 gx` or `columns 1 … 4`.
     pub(crate) fn listed(&self) -> String {
         let (names, columns) = (self.names(), self.columns());
         let named = names.iter().zip(1..).map(|(name, number)| format!("{number} {}", name.whole));
@@ -135,7 +137,7 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// Where a column is shown, or all of them, if the file has lines.
+    /// The place where a column is shown, or all of them, if the file has lines.
     pub(crate) fn place(&self, column: Option<usize>) -> Option<Place> {
         self.layout().map(|layout| layout.place(column))
     }
@@ -160,11 +162,11 @@ impl<'a> Recording<'a> {
         RecordError::new(numbered + &message, label, help, place)
     }
 
-    /// The column that is meant by `word`: its name with or without unit, in upper or lower case, or its number from 1. Of
-    /// several with that name it is the one whose unit is of the dimension `preferred`.
+    /// Finds the column that a user means by `word`: its name with or without unit, in upper or lower case, or its number
+    /// from 1. Of several with that name it is the one whose unit is of the dimension `preferred`.
     ///
     /// # Errors
-    /// No such column, or several; with the list of those there are and the nearest name.
+    /// No column matches, or several do; the error lists the columns and the nearest name.
     pub(crate) fn find(&self, word: &str, preferred: Option<Dimension>) -> Result<usize, RecordError> {
         let (word, names, columns) = (word.trim(), self.names(), self.columns());
         let refused =
@@ -196,15 +198,15 @@ impl<'a> Recording<'a> {
             Ok(number) if (1..=columns).contains(&number) => Ok(number - 1),
             Ok(number) => refused(
                 format!("there is no column {number}, the file has {columns}"),
-                format!("columns are numbered from 1; there are {list}"),
+                format!("columns are numbered from 1: {list}"),
             ),
             Err(_) if names.is_empty() => refused(
                 format!("no column can be called `{word}`: the file has no header"),
-                format!("give numbers, counted from 1; there are {list}"),
+                format!("give numbers, counted from 1: {list}"),
             ),
             Err(_) => {
                 let bare: Vec<&str> = names.iter().map(|name| name.bare.as_str()).collect();
-                let help = format!("{}; numbers from 1 do too", choices(word, &bare));
+                let help = format!("{}; numbers from 1 are accepted too", choices(word, &bare));
                 refused(format!("no column is called `{word}`"), help)
             }
         }

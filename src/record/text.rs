@@ -11,19 +11,19 @@ use crate::record::layout::Layout;
 use crate::record::recording::{Limits, Origin};
 use crate::source::place::Place;
 
-/// Bytes that are read at a time. No line may be longer.
+/// Bytes read at a time; no line may be longer.
 const BLOCK: usize = 16 << 20;
 
-/// Bytes that are parsed by one thread at a time.
+/// Bytes parsed by one thread at a time.
 const PART: usize = 1 << 20;
 
-/// The columns and the number of lines of a part, or the line that cannot be read and how many are before it.
+/// The columns and the number of lines of a part, or the line that cannot be read and the number of lines before it.
 type Part<'b> = Result<(Vec<Vec<f64>>, usize), (&'b [u8], usize)>;
 
 /// Reads the `wanted` columns in the order given from the `bytes` of all rows; NaN stands for a missing value.
 ///
 /// # Errors
-/// The file cannot be read, has too many rows, or a row is not of the layout; the first of several such rows.
+/// The file cannot be read, has too many rows, or a row does not fit the layout; of several such rows the first is reported.
 pub(crate) fn read(
     layout: &Layout,
     mut bytes: impl Read,
@@ -37,7 +37,7 @@ pub(crate) fn read(
     loop {
         let room = BLOCK - block.len();
         let more = bytes.by_ref().take(room as u64).read_to_end(&mut block);
-        // Fewer bytes than asked for come only at the end.
+        // Fewer bytes than requested come only at the end.
         let at_end = more.map_err(|error| RecordError::unreadable(&layout.file, &error))? < room;
         let last_end = block.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
         let whole = if at_end { block.len() } else { last_end };
@@ -65,7 +65,7 @@ pub(crate) fn read(
     }
 }
 
-/// Pieces of about [`PART`] bytes that end with lines.
+/// Pieces of about [`PART`] bytes that end at ends of lines.
 fn split(block: &[u8]) -> Vec<&[u8]> {
     let (mut parts, mut rest) = (Vec::new(), block);
     while rest.len() > PART {
@@ -92,7 +92,7 @@ fn parse<'b>(part: &'b [u8], layout: &Layout, slots: &[Option<usize>], wanted: u
     Ok((columns, lines))
 }
 
-/// Whether a row is of the layout, with finite or missing numbers where they are wanted.
+/// Whether a row fits the layout and has finite or missing numbers in the wanted columns.
 #[inline]
 fn parse_row(text: &[u8], layout: &Layout, slots: &[Option<usize>], columns: &mut [Vec<f64>]) -> bool {
     let (mut count, mut last_is_empty) = (0, false);
@@ -110,7 +110,7 @@ fn parse_row(text: &[u8], layout: &Layout, slots: &[Option<usize>], columns: &mu
     count == layout.columns || count == layout.columns + 1 && last_is_empty
 }
 
-/// What is wrong with the line of this number, of which [`parse_row`] takes no row.
+/// The error for the line of this number, which [`parse_row`] does not accept.
 fn refusal(
     layout: &Layout,
     number: usize,
@@ -122,7 +122,7 @@ fn refusal(
         RecordError::new(message, label, help, Place::new(&layout.file, number, text, span))
     };
     if text.contains(&0) {
-        let message = "this is no text: there is a zero byte".to_owned();
+        let message = "this is not text: it contains a zero byte".to_owned();
         return refused(0..text.len(), message, "in this line", TEXT_WANTED);
     }
     let cells: Vec<Range<usize>> = Cells::new(text, layout.delimiter).collect();
@@ -146,7 +146,7 @@ fn refusal(
                     true => "write decimals with a point".to_owned(),
                     false => format!("write numbers with a point for decimals; {missing}"),
                 };
-                let message = format!("{name} holds \"{shown}\", which is no number");
+                let message = format!("{name} holds \"{shown}\", which is not a number");
                 return refused(cell.clone(), message, "not a number", &help);
             }
         }
@@ -163,20 +163,20 @@ fn refusal(
     refused(0..text.len(), message, label, &help)
 }
 
-/// What to give instead of something binary.
+/// Advice on binary files.
 pub(crate) const TEXT_WANTED: &str =
     "give CSV, TSV or columns with blanks between them as text, or a NumPy .npy file";
 
 fn endless(layout: &Layout, lines: usize, block: &[u8]) -> RecordError {
     if block.contains(&0) {
-        let message = format!("{} is no text: there are zero bytes", layout.file);
+        let message = format!("{} is not text: it contains zero bytes", layout.file);
         return RecordError::new(message, "", TEXT_WANTED, None);
     }
     let message = format!("{} has a line of more than {} MiB", layout.file, BLOCK >> 20);
     RecordError::new(message, "begins here", TEXT_WANTED, Place::new(&layout.file, lines + 1, block, 0..0))
 }
 
-/// Where a row, counted from 0, stands: rows are read once more, as places are not kept for millions of them.
+/// The place of a row, counted from 0. Rows are read again for it, because places are not kept for millions of rows.
 pub(crate) fn place_of_row(layout: &Layout, origin: Origin, row: usize, column: usize) -> Option<Place> {
     let lines = BufReader::new(origin.open().ok()?.0).split(b'\n').map_while(Result::ok);
     let lines = lines.zip(1..).skip(layout.lines);

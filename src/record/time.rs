@@ -2,13 +2,13 @@
 
 use crate::quantity::number::significant;
 
-/// Which steps are taken for even.
+/// The steps that count as even.
 pub(crate) struct Spacing {
-    /// How far a step may be from a whole number of sampling steps, in sampling steps.
+    /// Largest deviation of a step from a whole number of sampling steps, in sampling steps.
     pub jitter: f64,
-    /// Whether a longer step is a gap, and not a fault.
+    /// Whether a longer step is a gap instead of a fault.
     pub has_gaps: bool,
-    /// What to do about others.
+    /// Advice on other steps.
     pub help: &'static str,
 }
 
@@ -33,7 +33,7 @@ pub(crate) struct Grid {
     pub places: Option<Vec<u32>>,
 }
 
-/// What is wrong with the stamp of a row, counted from 0: the finding, what stands there, and what to do.
+/// A fault in the stamp of a row, counted from 0, with its message, label and help.
 #[derive(Debug)]
 pub(crate) struct TimeFault {
     pub row: usize,
@@ -46,15 +46,14 @@ impl TimeFault {
     }
 }
 
-/// The grid of `stamps` in a unit of `unit_s`, of which at most `most` samples are made.
+/// The grid of `stamps` in a unit of `unit_s`, with at most `most` samples.
 ///
-/// The sampling step is the median one, then made precise by the whole record. Where a step is longer, samples are
-/// missing.
+/// The sampling step is the median one, refined over the whole record. Where a step is longer, samples are missing.
 pub(crate) fn grid(stamps: &[f64], unit_s: f64, most: usize, spacing: &Spacing) -> Result<Grid, TimeFault> {
     let seconds = |stamp: f64| format!("{} s", significant(stamp * unit_s, 6));
     for (row, stamp) in stamps.iter().enumerate() {
         if !stamp.is_finite() {
-            let help = "remove the row, or give `rate = 100Hz` in place of stamps";
+            let help = "remove the row, or give `rate = 100Hz` instead of stamps";
             return Err(TimeFault::new(row, "the time is missing", "no number", help));
         }
         if row > 0 && *stamp <= stamps[row - 1] {
@@ -168,7 +167,7 @@ mod tests {
             (5, f64::NAN, "missing"),
             (5, 5.2, "a step of 1.2 s"),
             (5, 4.3, "a step of 0.3 s"),
-            // A year at 1 s.
+            // One year at 1 s.
             (19, 3.2e7, "most of the record is missing"),
             (19, 1e300, "most of the record is missing"),
         ] {

@@ -106,7 +106,7 @@ pub struct StudyError {
 }
 
 impl StudyError {
-    /// An error with its whole `message`, the `label` below the text that is `shown`, and `help` on what to do.
+    /// `message`: the whole finding; `label`: what stands at what is `shown`; `help`: what to do.
     pub(crate) fn new(
         message: impl Into<String>,
         label: impl Into<String>,

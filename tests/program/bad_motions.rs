@@ -36,7 +36,7 @@ fn records_without_good_samples_are_refused() {
     bad(&record(RECORD, "0.49, 1\n"), "102:1", &["the time does not increase: 0.49 after 0.495"]);
     bad(&record(RECORD, "0.5, NaN\n"), "102:6", &["the rate is missing"]);
     bad(&record(RECORD, "0.5, inf\n"), "102:6", &["`rate [deg/s]` is infinite here"]);
-    bad(&record(RECORD, "0.5, fast\n"), "102:6", &["\"fast\", which is no number"]);
+    bad(&record(RECORD, "0.5, fast\n"), "102:6", &["\"fast\", which is not a number"]);
     bad(&record(RECORD, "0.5\n"), "102:1", &["this row has 1 cell, the header has 2"]);
     bad(&record("time [s], rate\n", ""), "1:11", &["`rate` has no unit", "`rate [deg/s]`"]);
     bad(&record("time, rate [deg/s]\n", ""), "1:1", &["`time` has no unit", "time [s]"]);

@@ -136,7 +136,7 @@ impl Treatment {
     /// Reads the log at `path`, cuts and checks it.
     ///
     /// # Errors
-    /// A log that is refused.
+    /// The log is refused.
     pub fn read(&self, path: &Path, request: &Request) -> Result<Log, RecordError> {
         let mut log = Log::read(path, request)?;
         if self.skip_s > 0.0 || self.until_s.is_some() {

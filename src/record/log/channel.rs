@@ -49,7 +49,7 @@ impl Log {
     /// Keeps the samples from `skip_s` to `until_s`, both from the start of the file.
     ///
     /// # Errors
-    /// None is left.
+    /// No samples are left.
     pub fn cut(&mut self, skip_s: f64, until_s: Option<f64>) -> Result<(), RecordError> {
         let sample =
             |time_s: f64| libm::round(time_s / self.step_s).clamp(0.0, self.samples() as f64) as usize;

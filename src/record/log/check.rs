@@ -28,7 +28,7 @@ impl Log {
     /// were taken for rad/s. Only the mean is examined, which no deviation depends on.
     ///
     /// # Errors
-    /// The first of these, with its column.
+    /// The first such fault, with its column.
     pub fn check(&self, unit: UnitCheck) -> Result<(), RecordError> {
         for channel in &self.channels {
             if let Some(fault) = channel.view(self.data, self.step_s).fault(unit) {

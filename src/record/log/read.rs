@@ -17,7 +17,7 @@ const LIMITS: Limits =
 const EVEN: Spacing = Spacing {
     jitter: 0.1,
     has_gaps: true,
-    help: "steps within 10 % of whole multiples of the median are taken; resample the log, or give `rate = 100Hz` in place \
+    help: "steps within 10 % of whole multiples of the median are taken; resample the log, or give `rate = 100Hz` instead \
            of stamps if the stamps are only rounded or late",
 };
 
@@ -51,10 +51,10 @@ pub enum Timing {
 impl Log {
     /// Reads the columns of the log at `path` that `request` selects.
     ///
-    /// Text is CSV, TSV, semicolons or columns with blanks between, with a header or without, comments behind `#`,
-    /// `%` or `;`; a Stable32 .DAT is one. Missing are samples of empty cells and NaN, and those that a step of
-    /// several sampling steps leaves out; the sampling step is the median, and steps are within 10 % of whole
-    /// multiples of it.
+    /// Text may be CSV, TSV, separated by semicolons or in columns with blanks between, with or without a header, and
+    /// with comments after `#`, `%` or `;`; a Stable32 .DAT is one such file. Empty cells and NaN are missing samples,
+    /// and so are those skipped by a step of several sampling steps. The sampling step is the median step, and all
+    /// steps must be within 10 % of whole multiples of it.
     ///
     /// # Errors
     /// The first fault found, with its place where the file has lines.
@@ -68,7 +68,8 @@ impl Log {
     /// let timing = Timing::Stamps { column: "time".to_owned(), unit: None };
     /// let request = Request { columns: vec!["gz".to_owned()], timing, data: Data::Rate, unit: None };
     /// let log = Log::read(path, &request)?;
-    /// assert_eq!((log.step_s, log.samples(), log.channels[0].samples.len()), (0.01, 4, 4));
+    /// assert_eq!((log.step_s, log.samples()), (0.01, 4));
+    /// assert!(log.channels[0].samples[2].is_nan());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn read(path: &Path, request: &Request) -> Result<Log, RecordError> {
@@ -89,7 +90,7 @@ impl Log {
         let mut channels = channels.collect::<Result<Vec<_>, _>>()?;
         let all: Vec<usize> = time.into_iter().chain(wanted).collect();
         if (1..all.len()).any(|i| all[..i].contains(&all[i])) {
-            let message = "a column is asked for twice";
+            let message = "a column is requested twice";
             return Err(file.refuse(None, message, "these are the columns", "name each column once"));
         }
         let mut columns = file.read(&all, &LIMITS)?;
@@ -106,7 +107,7 @@ impl Log {
     }
 }
 
-/// The columns of samples.
+/// The columns of samples that `words` select, or the only one.
 fn wanted(file: &Recording, words: &[String], time: Option<usize>) -> Result<Vec<usize>, RecordError> {
     if !words.is_empty() {
         return words.iter().map(|word| file.find(word, None)).collect();
@@ -115,18 +116,18 @@ fn wanted(file: &Recording, words: &[String], time: Option<usize>) -> Result<Vec
     match others[..] {
         [_] => Ok(others),
         [] => {
-            let help = "add a column of samples, or give `rate = 100Hz` in place of a time column";
+            let help = "add a column of samples, or give `rate = 100Hz` instead of a time column";
             Err(file.refuse(None, "there is no column besides the time", "the only one", help))
         }
         _ => {
-            let message = format!("the file has {} columns, which of them?", file.columns());
-            let help = format!("name one or several as in `column = 2,3`; there are {}", file.listed());
+            let message = format!("the file has {} columns: select some of them", file.columns());
+            let help = format!("name one or several as in `column = 2,3`: {}", file.listed());
             Err(file.refuse(None, &message, "these are the columns", &help))
         }
     }
 }
 
-/// A column without its samples.
+/// A channel for a column, without its samples.
 fn channel(file: &Recording, column: usize, request: &Request) -> Result<Channel, RecordError> {
     let name = file.names().get(column);
     let unit_in_header = name.and_then(|name| name.unit.clone());
