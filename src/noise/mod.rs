@@ -17,7 +17,7 @@ pub struct Noise {
     terms: [Option<[f64; 2]>; Term::EVERY.len()],
     /// Angle of a pulse where whole pulses are read, ″.
     pub readout_lsb: f64,
-    /// Of a gyro that switches modes.
+    /// Switching, of a gyro that switches modes.
     pub switching: Option<Switching>,
 }
 

@@ -5,7 +5,7 @@ use crate::key::holds::words;
 words! {
     /// What is to be least, as `--by` lists it.
     pub enum Measure {
-        /// The drift that 99.73 % of runs stay below.
+        /// The drift below which 99.73 % of runs stay.
         DriftQ9973 = "drift_q9973",
         /// The rms drift.
         DriftRms = "drift_rms",
@@ -17,12 +17,12 @@ words! {
 }
 
 impl Measure {
-    /// In a sentence.
+    /// Reason, as a sentence.
     pub fn meaning(self) -> &'static str {
         Measure::WORDS[self as usize].meaning.trim()
     }
 
-    /// For axes and sentences.
+    /// Label for axes and sentences.
     pub fn label(self) -> &'static str {
         match self {
             Measure::DriftQ9973 => "99.73 % drift",

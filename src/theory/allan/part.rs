@@ -117,7 +117,7 @@ mod tests {
                 near(part.largest(difference, t0, m), libm::sqrt(peak), 1e-6, "peak of a sine");
             }
         }
-        // The turns of a long τ keep their digits: fτ is a whole number and a half.
+        // A long τ keeps its digits where fτ is an integer plus one half.
         let long = Part::sine(1.0, 0.5);
         near(allan(long, 1.0, 1_000_001), 1.0 / (PI * PI * 500_000.5 * 500_000.5), 1e-9, "long sine");
     }

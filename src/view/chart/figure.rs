@@ -19,7 +19,7 @@ pub struct Figure {
     pub colours: Grouping,
     /// What dashes and markers tell apart. Without entries they follow the colour, for readers in greyscale.
     pub dashes: Grouping,
-    /// What the points are, for the legend: `Monte Carlo`, `measured`. Empty: not said.
+    /// Name of the points in the legend, such as `Monte Carlo` or `measured`; empty for none.
     pub points: String,
     /// What the bands are, for the legend: `95 % band`.
     pub bands: String,
@@ -138,7 +138,7 @@ pub struct Parts {
 /// One part of a sum.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Part {
-    /// `N = 0.003 °/√h`
+    /// A label such as `N = 0.003 °/√h`.
     pub label: String,
     /// Index of its colour, as of an [`Entry`].
     pub colour: usize,

@@ -8,7 +8,7 @@ use crate::key::scale::Scale;
 const TINY: f64 = 1e-250;
 
 impl Serialize for Scale {
-    /// As study files call it.
+    /// The word as written in study files.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name())
     }

@@ -19,7 +19,7 @@ pub struct Shown<'t> {
     pub table: Cow<'t, Table>,
     /// The column of the estimates.
     pub estimate: String,
-    /// The columns whose values are told apart.
+    /// The columns whose values distinguish curves.
     pub series: Vec<String>,
 }
 

@@ -58,7 +58,7 @@ pub(crate) struct Listed<'t> {
 struct Listing<'t> {
     header: String,
     title: String,
-    /// What it means.
+    /// Its meaning.
     about: &'t str,
     /// Whether it holds text.
     text: bool,

@@ -14,7 +14,7 @@ use crate::study::kind::Kind;
 pub struct Source {
     /// The study as it was run, as TOML.
     pub study: String,
-    /// The files that it names.
+    /// The files that the study names.
     pub inputs: Vec<Named>,
     /// What it is about.
     pub kind: &'static Kind,

@@ -241,12 +241,12 @@ impl Term {
         Term::RateRamp,
     ];
 
-    /// As studies and tables name it.
+    /// Name in studies and tables.
     pub fn symbol(self) -> &'static str {
         self.row().symbol
     }
 
-    /// From ″ and s to the unit of data sheets: the factor, the unit as files have it, and its symbol for people.
+    /// Conversion from ″ and s to the unit of data sheets: the factor, the unit in files, and its symbol for the user.
     pub fn data_sheet_unit(self) -> (f64, &'static str, &'static str) {
         self.row().unit
     }
@@ -256,17 +256,17 @@ impl Term {
         self.row().shape.as_ref()
     }
 
-    /// Whether it has a time or frequency that is fitted too.
+    /// Whether a time or frequency is fitted too.
     pub fn has_shape(self) -> bool {
         self.shape().is_some()
     }
 
-    /// Parameters that a fit of it takes.
+    /// Number of parameters in a fit.
     pub fn parameters(self) -> usize {
         1 + usize::from(self.has_shape())
     }
 
-    /// The part of the angle with the square of the coefficient, its shape, and the octaves for flicker.
+    /// The part of the angle for the square of the coefficient, its shape, and the number of octaves of flicker.
     pub fn part(self, square: f64, shape: f64, octaves: usize) -> Part {
         self.of_coefficient(libm::sqrt(square), shape, octaves)
     }

@@ -8,7 +8,7 @@ use crate::view::chart::notes::ChartError;
 
 /// One axis of a grid: its different values, as files show them.
 struct Lines {
-    /// Ascending.
+    /// Values, ascending.
     values: Vec<f64>,
     /// The place of each value that files show, as text.
     places: HashMap<String, usize>,
