@@ -8,13 +8,13 @@ use crate::theory::allan::terms::Term;
 /// A part of the angle, in ″ and s, sampled as described [above](super).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Part {
-    /// What it is a part of.
+    /// Term of the part.
     pub term: Term,
-    /// Its coefficient; of Markov noise IEEE's q_c.
+    /// Coefficient; for Markov noise IEEE's q_c.
     pub size: f64,
-    /// Time, s, or frequency, Hz; 1 where it has none.
+    /// Time, s, or frequency, Hz; 1 for a term without either.
     pub shape: f64,
-    /// Of flicker its holds: 1, 2, 4, … samples; 0 of all else.
+    /// Number of octaves of holds for flicker, of 1, 2, 4, … samples; 0 for other terms.
     pub octaves: usize,
 }
 
@@ -35,7 +35,7 @@ impl Part {
         Part { term, size, shape, octaves: 0 }
     }
 
-    /// Square of the coefficient: what [`Term::part`] is given.
+    /// Square of the coefficient, as [`Term::part`] takes it.
     pub fn square(&self) -> f64 {
         (self.term.row().square)(self)
     }
