@@ -11,10 +11,10 @@ use crate::view::report::agreement::{Agreement, agreements};
 use crate::view::report::data::{Listed, Packed, data};
 use crate::view::report::source::{Source, hexadecimal};
 
-/// How pages look, in light and dark, on paper and on phones.
+/// Styles of pages in light and dark, on paper and on phones.
 const STYLE: &str = include_str!("../../../assets/report/style.css");
 
-/// What draws the charts and sorts the tables. The parts stand in one scope, in this order.
+/// Scripts that draw the charts and sort the tables. They share one scope, in this order.
 const SCRIPT: [&str; 9] = [
     include_str!("../../../assets/report/elements.js"),
     include_str!("../../../assets/report/numbers.js"),
@@ -30,7 +30,7 @@ const SCRIPT: [&str; 9] = [
 pub(crate) fn page(report: &Report) -> String {
     let points =
         report.tables.iter().find(|(source, _)| *source == chart::Source::Points).map(|(_, table)| *table);
-    // Half of the time each, where there are many rows.
+    // Each takes half of the time where there are many rows.
     let (packed, digest) = rayon::join(|| data(report), || points.map(digest));
     let Packed { text: packed, tables, thinned } = packed;
     let agreements = points.map(agreements).unwrap_or_default();
@@ -76,14 +76,14 @@ pub(crate) fn page(report: &Report) -> String {
     page.into_string()
 }
 
-/// What stands before a page.
+/// The head of a page.
 pub(crate) fn head(title: &str) -> Markup {
     html! {
         head {
             meta charset="utf-8";
             meta name="viewport" content="width=device-width, initial-scale=1";
             meta name="generator" content=(concat!("sagnac ", env!("CARGO_PKG_VERSION")));
-            // A browser would ask a server for one.
+            // Without this a browser would request an icon from a server.
             link rel="icon" href="data:,";
             title { (title) }
             style { (PreEscaped(STYLE)) (PreEscaped(style_sheet())) }
@@ -225,15 +225,15 @@ fn source(source: &Source, digest: Option<&str>) -> Markup {
     }
 }
 
-/// SHA-256 of a table as its file.
+/// SHA-256 of a table in the form of its file.
 fn digest(table: &Table) -> String {
     let mut bytes = Vec::new();
-    // Memory takes whatever is written to it.
+    // Writing to memory cannot fail.
     let _ = table.write_csv(&mut bytes);
     hexadecimal(&bytes)
 }
 
-/// A file to look at, and to save by its name.
+/// A file to read, and to save under its name.
 fn file(name: &str, text: &str) -> Markup {
     html! {
         details {
@@ -248,7 +248,7 @@ fn rate(rate: f64) -> String {
     if rate < 1e6 { significant(rate, 3) } else { format!("{} million", significant(rate / 1e6, 3)) }
 }
 
-/// A count with its thousands apart.
+/// A count with separated thousands.
 fn grouped(count: u64) -> String {
     let figures = count.to_string();
     let first = figures.len() % 3;
