@@ -12,8 +12,8 @@ fn main() {
     divan::main();
 }
 
-/// Nine hours of a laser gyro at 1 Hz, up to τ of an eighth of them; points a little off their mean, as those of a
-/// record are.
+/// Nine hours of a laser gyro at 1 Hz, up to τ of an eighth of the record; the points scatter slightly about their
+/// mean, like those of a record.
 fn gyro() -> Curve {
     const SAMPLES: u64 = 32_400;
     let parts =

@@ -1,4 +1,4 @@
-//! Throughput of each kernel on each width of this processor: `cargo bench`.
+//! Throughput of each kernel at each width of this processor: `cargo bench`.
 
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ fn width(name: &str) -> Width {
     Width::available().into_iter().find(|width| width.name() == name).expect("an available width")
 }
 
-/// Building blocks over a list of items; packing items into lanes and out again is part of it.
+/// Building blocks over a list of items, including packing into lanes and unpacking.
 fn map(bencher: divan::Bencher, kernel: &str, name: &str) {
     let Some(Form::Map(map)) = KERNELS.iter().find(|entry| entry.name == kernel).map(|entry| entry.form)
     else {
@@ -71,7 +71,7 @@ fn gap_fill_with_histogram(bencher: divan::Bencher, name: &str) {
     trials(bencher, &Configuration::new("paper", |_| {}).launches(), name, ITEMS, true);
 }
 
-/// 89 switches each.
+/// Runs of an hour with 89 switches each.
 #[divan::bench(args = widths(), sample_count = 20)]
 fn runs_of_an_hour(bencher: divan::Bencher, name: &str) {
     trials(bencher, &hour_launches(), name, 1 << 12, true);
@@ -94,7 +94,7 @@ fn relock_from_detuning(bencher: divan::Bencher, name: &str) {
 
 const RECORDS: usize = 1024;
 
-/// Records of 32768 samples on all cores; m and the distance of differences are powers of two.
+/// Records of 32768 samples on all cores; m and the spacing of differences are powers of two.
 fn records(bencher: divan::Bencher, name: &str, overlap: u32) {
     const SAMPLES: u32 = 32_768;
     let mut levels: Vec<Level> = Vec::new();

@@ -16,7 +16,7 @@ fn main() {
     divan::main();
 }
 
-/// So many points of three fillers over the frequency, with intervals and closed forms.
+/// `points` points of three fillers over the frequency, with intervals and closed forms.
 fn table(points: usize) -> Table {
     let error = |point: usize, filler: usize| Some(1.0 + filler as f64 + libm::sin(point as f64));
     let mut table = fillers::table(points, error);
@@ -26,7 +26,7 @@ fn table(points: usize) -> Table {
     table
 }
 
-/// From the table to the text of the page.
+/// The text of the page from the table.
 #[divan::bench(args = [72, 1000, 10_000])]
 fn page(bencher: divan::Bencher, points: usize) {
     let table = table(points);

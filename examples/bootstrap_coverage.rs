@@ -1,6 +1,7 @@
-//! How often 95 % intervals of noise coefficients cover the truth, by three ways to take them from simulated records:
-//! `cargo run --release --example bootstrap_coverage -- 2000 1000 [gyro|small|short|walk|faint|ramp] [auto]`: records,
-//! realisations of each, truth, and whether the fit chooses its terms. What it printed: docs/numerics.md.
+//! How often 95 % intervals of noise coefficients cover the true values, for several methods of deriving them from
+//! simulated records: `cargo run --release --example bootstrap_coverage -- 2000 1000 [gyro|small|short|walk|faint|ramp]
+//! [auto]`. The arguments are the number of records, the number of realisations for each, the truth, and whether the
+//! fit chooses its terms. docs/numerics.md has the results.
 
 use std::thread;
 
@@ -58,7 +59,7 @@ impl Study {
         Study { process, truth, fitter, curve }
     }
 
-    /// Curves of records of the truth.
+    /// Curves of simulated records of the truth.
     fn records(&self, count: usize) -> Vec<Curve> {
         let asked = Asked {
             process: &self.process,
@@ -113,7 +114,7 @@ fn coefficient(part: &Part) -> (Term, f64) {
     (part.term, part.square().sqrt())
 }
 
-/// One thread of it: records are what threads share.
+/// A CPU with one thread, because records run in parallel.
 fn cpu() -> Cpu {
     Cpu::new(Width::widest(), 1).unwrap()
 }

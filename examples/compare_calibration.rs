@@ -21,12 +21,12 @@ mod noise;
 
 const PAIRS: u64 = 1000;
 
-/// True coefficients, 0 where there is none, in the order of the model.
+/// True coefficients in the order of the model, 0 for absent terms.
 type Truth = [f64; 4];
 
 const GYRO: Truth = [3.0, 1.0, 0.3, 0.0];
 
-/// A sampling step, s, and how many samples.
+/// A sampling step, s, and the number of samples.
 type Sampling = (f64, usize);
 
 const LONG: Sampling = (1.0, 4096);
@@ -59,7 +59,7 @@ fn main() {
         let shares: Vec<String> = (0..all[0].ratios.len())
             .map(|i| format!("{:.1}", 100.0 * left_out(i) as f64 / PAIRS as f64))
             .collect();
-        println!("  the interval of the ratio leaves out 1, over τ: {} %", shares.join(" "));
+        println!("  the interval of the ratio excludes 1, over τ: {} %", shares.join(" "));
     }
 }
 

@@ -1,6 +1,6 @@
-//! The Gaussian over all its 2^31 magnitudes and the sine over all its 2^32 phases, beside the exact functions.
+//! The Gaussian for all its 2^31 magnitudes and the sine for all its 2^32 phases, compared with the exact functions.
 //!
-//! `cargo run --release --example exhaustive`: the figures of `docs/numerics.md`.
+//! `cargo run --release --example exhaustive` prints the figures of `docs/numerics.md`.
 
 use core::f64::consts::{PI, SQRT_2};
 use std::time::Instant;
@@ -11,7 +11,7 @@ use sagnac::kernel::sine::ONE;
 use sagnac::kernel::width::Width;
 use sagnac::kernel::{Form, normal, sine};
 
-/// Words that a thread takes at a time.
+/// Number of words in the piece of a thread.
 const PIECE: u64 = 1 << 16;
 
 /// The results of a building block for some items.
@@ -38,11 +38,11 @@ fn words(piece: u64) -> Vec<u32> {
     (piece * PIECE..(piece + 1) * PIECE).map(|word| word as u32).collect()
 }
 
-/// Exact sums over the magnitudes of some words, which are in descending order where the generator is monotone.
+/// Exact sums over the magnitudes of some words, which are in descending order if the generator is monotone.
 #[derive(Clone, Copy, Default)]
 struct Magnitudes {
     square: u128,
-    /// Σ (z² / 2^12)², rounded down: what that loses is below 2^−40 of the sum.
+    /// Σ (z² / 2^12)², rounded down, with an error below 2^−40 of the sum.
     fourth: u128,
     beyond: [u64; 6],
     largest: u32,
@@ -95,12 +95,12 @@ fn gaussian(width: Width) {
             let mut words = words(piece);
             let mut z = evaluated(normal::FORM, width, &words);
             let mut sums = Magnitudes::of(&z);
-            // The step into the next piece; behind the last word there is none.
+            // Includes the step to the next piece, except after the last word.
             let next = (piece + 1) * PIECE;
             if next < 1 << 31 {
                 sums.add_rises(&[z[z.len() - 1], evaluated(normal::FORM, width, &[next as u32])[0]]);
             }
-            // The same words with the sign bit: each number must be the opposite one.
+            // The same words with the sign bit: each number must be the opposite.
             words.iter_mut().for_each(|word| *word |= 1 << 31);
             let opposite = evaluated(normal::FORM, width, &words);
             z.iter_mut().for_each(|z| *z = z.wrapping_neg());
@@ -142,7 +142,7 @@ fn gaussian(width: Width) {
 fn sine(width: Width) {
     let pieces = (1_u64 << 32) / PIECE;
     let turn = 2.0 * PI / libm::exp2(32.0);
-    // Exact sines of a piece by rotation from its start: two library calls a piece, and not one a phase.
+    // Exact sines of a piece by rotation from its start, which takes two library calls per piece instead of per phase.
     let rotation: Vec<(f64, f64)> = (0..PIECE).map(|k| (k as f64 * turn).sin_cos()).collect();
     let (largest, sum, square) = (0..pieces)
         .into_par_iter()
@@ -171,7 +171,7 @@ fn sine(width: Width) {
     println!("  |sine| ≤ 1 within ±2^16 of the quarter turns: {below}");
 }
 
-/// Whether no sine next to its largest values exceeds them.
+/// Whether no sine near its largest values exceeds them.
 fn quarters_around(width: Width) -> bool {
     let near: Vec<u32> = [1_u32 << 30, 3 << 30]
         .into_iter()

@@ -4,7 +4,7 @@
 //! study.toml ─ study ─▶ points ─ lower ─▶ launches ─ kernel on a backend ─▶ tallies ─ store ─▶ stats ─▶ table ─ chart
 //! ```
 //!
-//! What the program `sagnac` does is here as a library; this is `sagnac run` without its files:
+//! The library does what the program `sagnac` does. This example is `sagnac run` without its files:
 //!
 //! ```
 //! use sagnac::verify::select;
@@ -48,17 +48,17 @@
 //! | name | purpose |
 //! |---|---|
 //! | [`Study`](study::Study) | a study: text, checked and expanded into points |
-//! | [`Plan`](run::Plan), [`Done`](run::Done), [`Tables`](run::Tables) | a study that can be run, what a run did, its tables |
+//! | [`Plan`](run::Plan), [`Done`](run::Done), [`Tables`](run::Tables) | the plan of a study, the work done by a run, and its tables |
 //! | [`Store`](store::Store), [`Source`](store::source::Source), [`Share`](tally::share::Share) | results folders, and shares of a study |
-//! | [`Progress`](progress::Progress), [`Silent`](progress::Silent) | how far a run is, and how to stop it |
-//! | [`select`](verify::select), [`verify`](verify::verify) | the device that samples, and whether its bits are right |
+//! | [`Progress`](progress::Progress), [`Silent`](progress::Silent) | progress of a run, and a way to stop it |
+//! | [`select`](verify::select), [`verify`](verify::verify) | the choice of a device, and the check of its bits |
 //! | [`Table`](table::Table), [`Column`](table::Column) | results, with units and bands |
 //! | [`Report`](view::report::Report), [`Figure`](view::chart::figure::Figure), [`pictures`](view::picture::pictures) | the page of a study, and charts |
 //! | [`Log`](record::log::channel::Log), [`Samples`](record::log::samples::Samples) | recorded data, from files and from memory |
 //! | [`curve`](allan::curve::curve), [`DataSheet`](analysis::data_sheet::DataSheet) | deviations of a record, and noise coefficients fitted to them |
-//! | [`log::Analysis`](analysis::log::Analysis), [`compare`](analysis::compare::compare) | the noise of a log, and that of two held against each other |
-//! | [`design`](analysis::design::design), [`Firmware`](analysis::firmware::design::Firmware) | how often to switch, and fillers as firmware needs them |
-//! | [`theory`] | the closed forms by themselves |
+//! | [`log::Analysis`](analysis::log::Analysis), [`compare`](analysis::compare::compare) | the noise of a log, and the comparison of two logs |
+//! | [`design`](analysis::design::design), [`Firmware`](analysis::firmware::design::Firmware) | the best switching interval and filler, and fillers for firmware |
+//! | [`theory`] | closed forms |
 //!
 //! Messages write settings as `name = value` in backticks; [`spelled`](source::setting::spelled) turns them into the options of a front end.
 

@@ -29,10 +29,10 @@ struct Figure {
     kernel: &'static str,
     /// The configuration that is sampled.
     configuration: &'static str,
-    /// Estimates of a trial, averaging times of a record.
+    /// Number of estimates of a trial, or of averaging times of a record.
     estimates: usize,
     histogram: bool,
-    /// Best of the runs.
+    /// Best rate of all runs.
     #[serde(flatten)]
     rate: Rate,
 }
@@ -47,11 +47,11 @@ enum Rate {
     Samples(f64),
 }
 
-/// Runs of a measurement; each takes about this long.
+/// Number of runs of a measurement; each takes about this long.
 const RUNS: usize = 5;
 const SECONDS: f64 = 0.5;
 
-/// What is measured of gap fillers: configurations of `verify`, and whether with the histogram that a study has.
+/// Measured gap-fill configurations: those of `verify`, and whether they have a histogram as in studies.
 const MEASURED: [(&str, bool); 5] = [
     ("paper", false),
     ("paper", true),
@@ -63,12 +63,12 @@ const MEASURED: [(&str, bool); 5] = [
 /// The kernel whose trials are whole runs.
 const RUNS_KERNEL: &str = "switched_run";
 
-/// Records of nine hours at 1 Hz, with differences a 64th of τ apart and at every sample.
+/// Records of nine hours at 1 Hz, with differences spaced by a 64th of τ, and at every sample.
 const MEASURED_RECORDS: [(&str, Estimator); 2] =
     [("lgk-400, overlap m/64", THINNED), ("lgk-400, full overlap", Estimator::OVERLAPPING)];
 const SAMPLES: u64 = 32_400;
 
-/// Measures the kernels of trials and of records on every width of the CPU and on the device.
+/// Measures the kernels for trials and records at every width of the CPU and on the device.
 pub fn bench(options: &crate::program::Bench) -> Result<(), Failure> {
     let selection = select(&options.device.name, options.device.threads.unwrap_or(0))?;
     say!("device: {}, {}", selection.device.name(), selection.reason);
@@ -130,7 +130,7 @@ pub fn bench(options: &crate::program::Bench) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Trials that are measured.
+/// A measured kernel of trials.
 struct Measured {
     kernel: &'static str,
     configuration: &'static str,
@@ -138,7 +138,7 @@ struct Measured {
     histogram: bool,
 }
 
-/// Of every kernel of trials.
+/// All measured kernels of trials.
 fn measured() -> Vec<Measured> {
     let all = configurations();
     let mut measured = Vec::new();
@@ -178,7 +178,7 @@ impl Figure {
     }
 }
 
-/// Best rate of some runs, which start with so many trials.
+/// The best rate of some runs, of which the first has this number of trials.
 fn trials_per_second(
     device: &mut Device,
     launch: &Launch,
@@ -191,13 +191,14 @@ fn trials_per_second(
     })
 }
 
-/// Best rate of some runs.
+/// The best rate of some runs.
 fn samples_per_second(device: &mut Device, recipe: &Recipe) -> Result<f64, GpuError> {
     let records = best(64, |records| device.sums(recipe, 0, records as usize, &|_| {}).map(drop))?;
     Ok(records * f64::from(recipe.samples))
 }
 
-/// Best rate of some runs, units per second; a run takes as many units, a power of two times `units`, as last long enough.
+/// The best rate of some runs, in units per second. The number of units is `units` times the power of two that makes a
+/// run long enough.
 fn best(mut units: u64, mut run: impl FnMut(u64) -> Result<(), GpuError>) -> Result<f64, GpuError> {
     let mut best = 0.0_f64;
     let mut runs = 0;

@@ -25,15 +25,15 @@ pub struct Options {
     /// Results folder
     #[arg(value_name = "DIR")]
     folder: PathBuf,
-    /// Which of the study's charts is changed
+    /// Number of the study's chart to change
     #[arg(long, value_name = "NUMBER", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
     chart: u16,
     #[command(flatten)]
     keys: Keys,
-    /// Name of the files in DIR, without their endings
+    /// Name of the files in DIR, without extension
     #[arg(long, value_name = "NAME", default_value = "redrawn", value_parser = name)]
     name: String,
-    /// Show the chart in the terminal too
+    /// Also show the chart in the terminal
     #[arg(long)]
     plot: bool,
     /// Print only errors
@@ -43,41 +43,41 @@ pub struct Options {
     progress: progress::Options,
 }
 
-/// The keys of a chart, as studies have them.
+/// The keys of a chart, as in studies.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "The chart, as in a study's [chart]; \"none\" leaves a key out")]
+#[command(next_help_heading = "The chart, as in a study's [chart]; \"none\" removes a key")]
 struct Keys {
-    /// curves, heat-map or winner-map: a chart of its own, in which nothing of the study's is kept
+    /// curves, heat-map or winner-map: a new chart, which keeps nothing of the study's
     #[arg(long, value_name = "KIND")]
     kind: Option<String>,
     /// points, coefficients or trajectories
     #[arg(long, value_name = "TABLE")]
     table: Option<String>,
-    /// Above the chart
+    /// Title above the chart
     #[arg(long, value_name = "TEXT")]
     title: Option<String>,
     /// Column of the horizontal axis
     #[arg(long, value_name = "COLUMN")]
     x: Option<String>,
-    /// Column of the vertical axis, of curves the estimate; several of one unit with commas
+    /// Column of the vertical axis, for curves the estimate; several of the same unit, separated by commas
     #[arg(long, value_name = "COLUMN", value_delimiter = ',')]
     y: Vec<String>,
-    /// Column that a map shows
+    /// Column shown by a map
     #[arg(long, value_name = "COLUMN")]
     z: Option<String>,
     /// Column whose values compete in a winner map
     #[arg(long, value_name = "COLUMN")]
     of: Option<String>,
-    /// Columns that make the curves: colour, dash
+    /// Columns that distinguish the curves: colour, dash
     #[arg(long, value_name = "COLUMN", value_delimiter = ',')]
     series: Vec<String>,
-    /// Laws beside the curves
+    /// Laws drawn with the curves
     #[arg(long, value_name = "LAW", value_delimiter = ',')]
     laws: Vec<String>,
-    /// Only rows with this value, as in filler=const or frequency="20 Hz"; may be given several times
+    /// Only rows with this value, as in filler=const or frequency="20 Hz"; may be repeated
     #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = row)]
     rows: Vec<(String, String)>,
-    /// What is allowed, as in "5 arcsec"
+    /// Limit, as in "5 arcsec"
     #[arg(long, value_name = "LIMIT")]
     limit: Option<String>,
     /// log or linear
@@ -100,13 +100,13 @@ Examples:
 
 The chart goes to DIR as a picture. The page, report.html, keeps the charts of the study: `sagnac report DIR` makes it again.";
 
-/// What leaves a key of the study's chart out.
+/// The value that removes a key of the study's chart.
 const NONE: &str = "none";
 
-/// The name of files that a run does not take for charts of its own.
+/// A file name that a run does not use for its own charts.
 fn name(text: &str) -> Result<String, String> {
     match text {
-        text if is_chart_stem(text) => Err("charts of the study are called so".to_owned()),
+        text if is_chart_stem(text) => Err("this name is reserved for charts of the study".to_owned()),
         text if text.is_empty() || text.contains(['/', '\\']) => {
             Err("expected a name without a folder".to_owned())
         }
@@ -119,13 +119,13 @@ fn row(text: &str) -> Result<(String, String), String> {
     Ok((column.trim().to_owned(), value.trim().to_owned()))
 }
 
-/// Draws a chart of results that are there, with other keys than the study's.
+/// Redraws existing results with other keys than the study's.
 pub fn chart(options: &Options) -> Result<(), Failure> {
     let path = options.folder.join(RESOLVED);
-    // As a study, so that what is wrong with the file itself is told as ever.
+    // Parsed as a study, so that errors in the file itself are reported as usual.
     let written = folders::study(&options.folder)?;
     let asked = changed(&written, options)?;
-    let study = Study::parse(&format!("{} with the chart asked for", path.display()), &asked)?;
+    let study = Study::parse(&format!("{} with the requested chart", path.display()), &asked)?;
     let plan = checked(&study)?;
     let store = held(&options.folder, &plan)?;
     let tables = plan.tables(&store, &Shown::new(options.progress.how(options.quiet)))?;
@@ -150,7 +150,7 @@ pub fn chart(options: &Options) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The study with the one chart that is asked for.
+/// The study with only the requested chart.
 fn changed(written: &Study, options: &Options) -> Result<String, Failure> {
     let unread = |error: toml::de::Error| Failure::Usage(format!("cannot read {RESOLVED}: {error}"));
     let mut study: Table = written.text().parse().map_err(unread)?;
@@ -186,7 +186,7 @@ fn changed(written: &Study, options: &Options) -> Result<String, Failure> {
         ("y_scale", &keys.y_scale),
         ("z_scale", &keys.z_scale),
     ];
-    // Another table has other columns, of other units.
+    // Another table has other columns, with other units.
     let own = chart.get("table").and_then(Value::as_str).unwrap_or("points").to_owned();
     if keys.table.as_ref().is_some_and(|table| *table != own) {
         chart.remove("limit");
@@ -219,7 +219,7 @@ fn changed(written: &Study, options: &Options) -> Result<String, Failure> {
     Ok(study.to_string())
 }
 
-/// Refuses a chart without axes, in words of options.
+/// Refuses a chart without axes, in terms of the options.
 fn check_axes(chart: &Table, study: &Study) -> Result<(), Failure> {
     let lacks = |key: &str| !chart.contains_key(key);
     let is_map = chart.get("kind").and_then(Value::as_str).is_some_and(|kind| kind != "curves");
@@ -232,7 +232,7 @@ fn check_axes(chart: &Table, study: &Study) -> Result<(), Failure> {
     let plan = checked(study)?;
     let columns: Vec<String> = plan.blank_tables().points.columns.iter().map(Column::header).collect();
     let swept = match &study.sweeps[..] {
-        [] => "the study sweeps nothing".to_owned(),
+        [] => "the study has no sweeps".to_owned(),
         sweeps => {
             let names: Vec<&str> = sweeps.iter().map(|sweep| sweep.key.name).collect();
             format!("the study sweeps {}", names.join(", "))
@@ -243,7 +243,7 @@ fn check_axes(chart: &Table, study: &Study) -> Result<(), Failure> {
     Err(Failure::Usage(message))
 }
 
-/// Puts a value in place of another one; [`NONE`] leaves the key out.
+/// Replaces a value; [`NONE`] removes the key.
 fn set(table: &mut Table, key: &str, value: Option<Value>) {
     match value {
         None => {}
@@ -256,7 +256,7 @@ fn set(table: &mut Table, key: &str, value: Option<Value>) {
     }
 }
 
-/// A value as a study has it: counts as numbers, all others as texts.
+/// A value as in a study: counts as numbers, everything else as text.
 fn scalar(text: &str) -> Value {
     match text.parse::<i64>() {
         Ok(count) => Value::Integer(count),

@@ -10,12 +10,12 @@ use sagnac::view::picture::{Drawn, chart_stem};
 use crate::failure::Failure;
 use crate::output::write;
 
-/// Writes the charts as SVG and PNG, and removes those of earlier runs that are drawn no more.
+/// Writes the charts as SVG and PNG, and removes those of earlier runs that no longer exist.
 ///
 /// # Errors
-/// One cannot be drawn or written.
+/// A chart cannot be drawn or written.
 pub fn draw(pictures: &[Drawn], folder: &Path) -> Result<(), Failure> {
-    // Side by side: one of 10,000 points takes half a second.
+    // In parallel: a chart of 10,000 points takes half a second.
     pictures.par_iter().try_for_each(|drawn| write_pictures(folder, &drawn.stem, &drawn.picture))?;
     remove_undrawn(folder, pictures.len())
 }
@@ -31,7 +31,7 @@ pub fn write_pictures(folder: &Path, stem: &str, picture: &Picture) -> Result<()
     write(&folder.join(format!("{stem}.png")), &png)
 }
 
-/// Removes the pictures of charts that a folder of `charts` charts does not have; other files are not ours.
+/// Removes the pictures of charts beyond the first `charts`. Other files are kept.
 fn remove_undrawn(folder: &Path, charts: usize) -> Result<(), Failure> {
     let failed = |source| Failure::Write { path: folder.to_owned(), source };
     let drawn: Vec<String> = (0..charts).map(|index| chart_stem(index, charts)).collect();
@@ -47,7 +47,7 @@ fn remove_undrawn(folder: &Path, charts: usize) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Whether [`chart_stem`] gives this name to some chart.
+/// Whether [`chart_stem`] gives this name to a chart.
 pub fn is_chart_stem(stem: &str) -> bool {
     let number = stem.strip_prefix("chart-").and_then(|number| number.parse().ok());
     stem == "chart" || number.is_some_and(|number: usize| number >= 1 && stem == format!("chart-{number}"))

@@ -31,20 +31,20 @@ pub struct Options {
     quiet: bool,
 }
 
-/// How a folder is.
+/// State of a folder.
 enum State {
     Sound,
     /// Trials are missing.
     Incomplete,
-    /// So many things are wrong.
+    /// This number of faults was found.
     Faulty(usize),
 }
 
-/// Most faults of a folder that are told one by one.
+/// Most faults of a folder that are listed individually.
 const MOST_TOLD: usize = 10;
 
-/// Reads everything in the folders and says whether it is sound, complete, and what the tables say. All folders are looked at,
-/// whatever the first ones are like.
+/// Reads everything in the folders and reports whether it is intact, complete and matches its tables. All folders are
+/// read, whatever is found in the first ones.
 pub fn check(options: &Options) -> Result<(), Failure> {
     let (mut faulty, mut incomplete, mut unread) = (0, vec![], None);
     for folder in &options.folders {
@@ -70,7 +70,7 @@ pub fn check(options: &Options) -> Result<(), Failure> {
 
 fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
     if folder.is_file() {
-        // Tells that it is one.
+        // Reports whether it is a results folder.
         folders::study(folder)?;
     }
     let source = Source::open(folder).map_err(|error| match (error, folders::several(folder)) {
@@ -80,7 +80,7 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
     let report = source.check()?;
     let mut faults: Vec<String> = report.faults.iter().map(ToString::to_string).collect();
     let mut lacking = 0;
-    let mut about = "no study is beside them".to_owned();
+    let mut about = "the folder has no study".to_owned();
     let resolved = folder.join(RESOLVED);
     if faults.is_empty() && resolved.is_file() {
         let study = Study::read(&resolved)?;
@@ -108,12 +108,12 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
             let name = source.file();
             let path = folder.join(name);
             match std::fs::read(&path) {
-                Ok(found) if found == csv(table, &path)? => about += &format!(", {name} is what they give"),
-                // A run that was stopped has not made it yet, or not of all.
-                Ok(_) if lacking > 0 => about += &format!(", {name} is of an earlier state"),
+                Ok(found) if found == csv(table, &path)? => about += &format!(", {name} matches them"),
+                // An interrupted run has not written the table yet, or not for all trials.
+                Ok(_) if lacking > 0 => about += &format!(", {name} is from an earlier state"),
                 Err(_) if lacking > 0 => {}
                 Ok(_) => faults.push(format!(
-                    "{} is not what the tallies give\nrun {} again to make it anew",
+                    "{} does not match the tallies\nrun {} again to rebuild it",
                     path.display(),
                     resolved.display()
                 )),
@@ -135,11 +135,11 @@ fn check_folder(folder: &Path, quiet: bool) -> Result<State, Failure> {
     })
 }
 
-/// Says what is sound, and what else there is to say.
+/// Reports intact rows and the state of the results.
 fn say_sound(folder: &Path, report: &Report, about: &str, quiet: bool) -> Result<(), Failure> {
     let Report { sound, points, .. } = report;
     if !quiet {
-        print(&format!("{}: {sound} rows of {points} points are sound; {about}", folder.display()))?;
+        print(&format!("{}: {sound} rows of {points} points are intact; {about}", folder.display()))?;
     }
     Ok(())
 }

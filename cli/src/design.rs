@@ -30,15 +30,17 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Study of kind = "switched-run": its intervals are tried, or without a sweep over them such as suit the run
+    /// Study of kind = "switched-run"; candidates are its swept intervals, or without such a sweep intervals that suit
+    /// the run
     #[arg(value_name = "STUDY")]
     study: PathBuf,
-    /// What is to be least
+    /// Estimate to minimise
     #[arg(long, value_parser = measures(), value_name = "ESTIMATE", default_value = "drift_q9973")]
     by: Measure,
     #[command(flatten)]
     device: DeviceArg,
-    /// Folder of what is written [default: results/<name of the study file>/design; by others than drift_q9973 design_<estimate>]
+    /// Output folder [default: results/<name of the study file>/design; with --by other than drift_q9973
+    /// design_<estimate>]
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Runs of each candidate, in place of the study's; rounded up to 32 times a power of two
@@ -68,7 +70,7 @@ fn measures() -> impl TypedValueParser<Value = Measure> {
     PossibleValuesParser::new(Measure::ALL.map(value)).map(move |name| named(name).unwrap_or_default())
 }
 
-/// The folder of results: another measure takes nothing away.
+/// The folder of results; each measure has its own.
 fn folder(measure: Measure) -> String {
     match measure {
         Measure::DriftQ9973 => "design".to_owned(),
@@ -76,7 +78,7 @@ fn folder(measure: Measure) -> String {
     }
 }
 
-/// Finds the best interval and filler, and says so.
+/// Finds and prints the best interval and filler.
 pub fn design(options: &Options) -> Result<(), Failure> {
     let mut study = Study::read(&options.study)?;
     study.trials = options.trials.unwrap_or(study.trials);
@@ -122,12 +124,12 @@ fn failure(study: &Study, error: DesignError) -> Failure {
         |key: &str, help: &str| Failure::Study(study.error_at(study.place_of(key), error.to_string(), help));
     match &error {
         DesignError::Kind { .. } => at("kind", "give a study of kind = \"switched-run\""),
-        DesignError::Swept { key } => at(key, "give one value, or make a study of each"),
+        DesignError::Swept { key } => at(key, "give one value, or one study for each"),
         DesignError::Nothing => at("drift", "give drift.magnetic, and fillers or drift.residual_max"),
         DesignError::NoCandidate { .. } => {
             at("run.duration", "lengthen the run, or sweep switching.interval")
         }
-        DesignError::TooFew { .. } => at("trials", "take more: 100_000 are usual"),
+        DesignError::TooFew { .. } => at("trials", "increase them; 100_000 is usual"),
         DesignError::Lower(lower) => at(lower.key, lower.help),
         DesignError::Gpu(error) => Failure::Gpu(error.clone()),
     }
@@ -160,8 +162,8 @@ fn summary(found: &Design, table: &Table) -> String {
         let best = filler.best();
         let range = match report::range(filler) {
             Some((lo, hi)) => format!("{} to {}", significant(lo, 4), significant(hi, 4)),
-            None if filler.is_at_edge() => "at the end of what was tried".to_owned(),
-            None => "too few were tried near it".to_owned(),
+            None if filler.is_at_edge() => "at the end of the range".to_owned(),
+            None => "too few candidates near it".to_owned(),
         };
         let worse = found.worse_by(filler);
         lines.push(vec![

@@ -6,7 +6,7 @@ use sagnac::kernel::width::Width;
 use crate::failure::Failure;
 use crate::output::print;
 
-/// Lists what kernels can run on.
+/// Lists the devices that can run kernels.
 pub fn devices() -> Result<(), Failure> {
     let widths: Vec<&str> = Width::available().into_iter().map(Width::name).collect();
     print(&format!("cpu: {}", widths.join(", ")))?;

@@ -1,4 +1,4 @@
-//! What can go wrong, and with which exit code.
+//! Errors of commands, with their exit codes.
 
 use std::io::ErrorKind;
 use std::path::PathBuf;
@@ -21,19 +21,19 @@ use crate::look;
 use crate::run::stop::Cause;
 use sagnac::quantity::number::short;
 
-/// What the program returns, and what that means.
+/// Exit codes with their meanings.
 pub const EXIT_CODES: [(&str, &str); 8] = [
     ("0", "done"),
     ("1", "runtime error"),
-    ("2", "usage, unknown device"),
+    ("2", "wrong usage, unknown device"),
     ("3", "invalid study or log, folder of another study or version"),
-    ("4", "stopped or incomplete, run again to go on"),
+    ("4", "stopped or incomplete; run again to continue"),
     ("5", "a check failed"),
     ("6", "storage or output (full, read-only, locked)"),
-    ("130, 143", "signals: Ctrl-C (SIGINT), SIGTERM; what was sampled is kept, run again to go on"),
+    ("130, 143", "signals: Ctrl-C (SIGINT), SIGTERM; completed work is kept, run again to continue"),
 ];
 
-/// The end of a command that did not do what it was asked for.
+/// Why a command did not complete its task.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
     #[error("{0}")]
@@ -42,60 +42,60 @@ pub enum Failure {
     Study(#[from] StudyError),
     #[error(transparent)]
     Log(RecordError),
-    /// A log that does not have what it is asked for.
+    /// A log lacks something that an option requires.
     #[error("{0}")]
     Record(String),
     #[error("{}", in_options(.0))]
     Select(#[from] SelectError),
     #[error("{}", in_options(.0))]
     Store(#[from] StoreError),
-    #[error("{0}\nchoose another device with --device; `sagnac devices` lists what is there")]
+    #[error("{0}\nchoose another device with --device; `sagnac devices` lists the available ones")]
     Gpu(#[from] GpuError),
-    /// The same in the middle of a run.
-    #[error("{0}\nwhat was computed is kept: run again to go on, or use --device cpu")]
+    /// A device error during a run.
+    #[error("{0}\ncompleted work is kept: run again to continue, or use --device cpu")]
     Interrupted(GpuError),
     #[error("{0}")]
     Picture(String),
     #[error("cannot write {path}: {source}")]
     Write { path: PathBuf, source: std::io::Error },
-    #[error("cannot write to the standard output: {0}\nsend it where there is room and run again")]
+    #[error("cannot write to the standard output: {0}\nredirect it to a place with free space and run again")]
     Output(std::io::Error),
     #[error("cannot listen for signals: {0}")]
     Signals(std::io::Error),
     #[error(
-        "stopped by {cause}: {} of {} {} are kept in {folder}\nresumable: run the same command again and it goes on from there; `sagnac report {folder}` makes the page of what there is",
+        "stopped by {cause}: {} of {} {} are kept in {folder}\nresumable: run the same command again to continue; `sagnac report {folder}` builds a report from the partial results",
         short(reached.0 as f64), short(reached.1 as f64), reached.2
     )]
     Stopped { cause: Cause, reached: (u64, u64, &'static str), folder: PathBuf },
     #[error(
-        "{folder} is incomplete: {} trials are missing{}\nmerge the shares that have them, or sample them with `sagnac run {folder}/{RESOLVED}`",
+        "{folder} is incomplete: {} trials are missing{}\nmerge the shares that contain them, or sample them with `sagnac run {folder}/{RESOLVED}`",
         short(*lacking as f64), of_shares(absent)
     )]
     Incomplete { lacking: u64, folder: PathBuf, absent: Vec<Share> },
-    #[error("not complete: {}\nrun each again as it was begun, or merge what there is", named(.0))]
+    #[error("not complete: {}\nrepeat the command of each, or merge the existing results", named(.0))]
     Unfinished(Vec<PathBuf>),
     #[error("{} found", faults(*.0))]
     Unsound(usize),
     #[error("a kernel gives different bits: do not trust results of that device")]
     Different,
-    /// Whoever read our output went away: there is nobody to tell.
+    /// The reader of the output has closed it, so no message is printed.
     #[error("the output was closed")]
     OutputClosed,
 }
 
-/// Whether a file stands where a folder should be.
+/// Whether a file is in the place of a folder.
 fn is_no_folder(kind: ErrorKind) -> bool {
     matches!(kind, ErrorKind::AlreadyExists | ErrorKind::NotADirectory)
 }
 
-/// Which shares are not there.
+/// The missing shares.
 fn of_shares(absent: &[Share]) -> String {
     match absent {
         [] => String::new(),
-        [share] => format!("; {share} is not there"),
+        [share] => format!("; {share} is missing"),
         [first, ..] => {
             let numbers: Vec<String> = absent.iter().map(|share| share.number().to_string()).collect();
-            format!("; shares {} of {} are not there", numbers.join(", "), first.of())
+            format!("; shares {} of {} are missing", numbers.join(", "), first.of())
         }
     }
 }
@@ -104,12 +104,12 @@ fn named(folders: &[PathBuf]) -> String {
     folders.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>().join(", ")
 }
 
-/// So many faults, in words.
+/// A number of faults in words.
 pub fn faults(count: usize) -> String {
     if count == 1 { "1 fault".to_owned() } else { format!("{count} faults") }
 }
 
-/// Settings that the library names and the program has options for.
+/// Settings of the library for which the program has options.
 const OPTIONS: [&str; 14] = [
     "at",
     "bootstrap",
@@ -189,7 +189,7 @@ impl From<RunError> for Failure {
 }
 
 impl Failure {
-    /// Says what went wrong on the standard error stream.
+    /// Prints the error on the standard error stream.
     pub fn report(&self) -> ExitCode {
         match self {
             Failure::Study(error) => say!("{}", error.render(look::colours_messages(), 110)),
@@ -202,7 +202,7 @@ impl Failure {
                     "error: cannot use the results folder {path}: {part} a file\nname a folder with --out DIR"
                 );
             }
-            // No error: as it was asked for.
+            // Not an error: it was requested.
             Failure::Stopped { .. } => say!("{self}"),
             other => say!("error: {other}"),
         }

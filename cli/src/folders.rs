@@ -1,4 +1,4 @@
-//! Which folders hold results of studies, and what others hold.
+//! Detection of results folders of studies and of other commands.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use sagnac::study::Study;
 
 use crate::failure::Failure;
 
-/// Files by which folders are known, with the command that writes them.
+/// Files that identify folders, with the commands that write them.
 const WRITTEN: [(&str, &str); 6] = [
     ("curve.csv", "allan"),
     ("compare.csv", "compare"),
@@ -17,18 +17,18 @@ const WRITTEN: [(&str, &str); 6] = [
     ("weights.csv", "filler"),
 ];
 
-/// Most folders that a message names.
+/// Most folders listed in a message.
 const MOST_NAMED: usize = 4;
 
-/// Whether a study was run into the folder.
+/// Whether the folder contains results of a study.
 pub fn is_study(folder: &Path) -> bool {
     folder.join(RESOLVED).is_file()
 }
 
-/// The folders in a folder, by name.
+/// The subfolders of a folder, sorted by name.
 ///
 /// # Errors
-/// It cannot be read.
+/// The folder cannot be read.
 pub fn within(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let entries = std::fs::read_dir(folder)?.map(|entry| entry.map(|entry| entry.path()));
     let mut found = entries.collect::<Result<Vec<_>, _>>()?;
@@ -37,10 +37,10 @@ pub fn within(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// The study that was run into the folder.
+/// The study whose results the folder contains.
 ///
 /// # Errors
-/// There is none, which is told with what there is; a study that cannot be read.
+/// The folder has no results of a study, and the message says what it has instead; or the study cannot be read.
 pub fn study(folder: &Path) -> Result<Study, Failure> {
     if is_study(folder) {
         return Ok(Study::read(&folder.join(RESOLVED))?);
@@ -52,15 +52,15 @@ pub fn study(folder: &Path) -> Result<Study, Failure> {
     } else if !folder.exists() {
         format!("there is no folder {shown}\n{give}")
     } else if let Some(command) = writer(folder) {
-        format!("{shown} holds what `sagnac {command}` wrote, and no results of a study\n{give}")
+        format!("{shown} holds output of `sagnac {command}`, not results of a study\n{give}")
     } else {
-        let none = || format!("{shown} has no {RESOLVED}, so no results of a study\n{give}");
+        let none = || format!("{shown} has no {RESOLVED}, so it holds no results of a study\n{give}");
         several(folder).unwrap_or_else(none)
     };
     Err(Failure::Usage(message))
 }
 
-/// That a folder has results in folders of its own, if it has.
+/// A message if the folder has results in subfolders instead.
 pub fn several(folder: &Path) -> Option<String> {
     let mut studies = within(folder).unwrap_or_default();
     studies.retain(|folder| is_study(folder));
@@ -69,12 +69,12 @@ pub fn several(folder: &Path) -> Option<String> {
     (!names.is_empty()).then(holds)
 }
 
-/// The command other than `run` that wrote to the folder, where there is one.
+/// The command other than `run` that wrote to the folder, if any.
 fn writer(folder: &Path) -> Option<&'static str> {
     WRITTEN.iter().find(|(file, _)| folder.join(file).is_file()).map(|(_, command)| *command)
 }
 
-/// What a gallery leaves out, in a line: folders in `folder` in which another command than `run` wrote.
+/// A line with the folders in `folder` that a gallery omits, because another command than `run` wrote them.
 pub fn left_out(folder: &Path) -> Option<String> {
     if is_study(folder) {
         return None;
@@ -87,7 +87,7 @@ pub fn left_out(folder: &Path) -> Option<String> {
         })
         .collect();
     (!named.is_empty())
-        .then(|| format!("left out, as only studies that were run have a page: {}", named.join(", ")))
+        .then(|| format!("left out, because only studies that were run have a report: {}", named.join(", ")))
 }
 
 fn named(folders: &[PathBuf]) -> String {

@@ -1,4 +1,4 @@
-//! How what is printed looks: colour, width and signs, by what the reader has.
+//! Appearance of printed text: colour, width and characters, as the terminal supports them.
 
 use std::env::var_os;
 use std::io::IsTerminal;
@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 use clap::{Args, ColorChoice, ValueEnum};
 use sagnac::view::chart::console::Look;
 
-/// Columns where no terminal says how many it has.
+/// Number of columns if no terminal specifies it.
 const USUAL_WIDTH: usize = 80;
 
 #[derive(Debug, Args)]
@@ -25,7 +25,7 @@ pub struct Options {
     pub color: Color,
 }
 
-/// When to colour.
+/// When colour is used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Color {
     Auto,
@@ -33,10 +33,10 @@ pub enum Color {
     Never,
 }
 
-/// What the command line asks for.
+/// The option of the command line.
 static ASKED: OnceLock<Color> = OnceLock::new();
 
-/// What is asked for before the command line is read, so that its errors look like it too.
+/// The colour choice before the command line is parsed, so that its errors follow it too.
 pub fn of_arguments(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ColorChoice {
     let arguments: Vec<String> =
         arguments.into_iter().map(|argument| argument.to_string_lossy().into_owned()).collect();
@@ -51,9 +51,9 @@ pub fn of_arguments(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> 
     }
 }
 
-/// Follows the options from now on.
+/// Applies the options from now on.
 pub fn follow(options: &Options) {
-    // There is one command line.
+    // There is only one command line.
     let _ = ASKED.set(options.color);
 }
 
@@ -62,25 +62,25 @@ pub fn colours_messages() -> bool {
     colours(std::io::stderr().is_terminal())
 }
 
-/// What plots on the standard output may use.
+/// The capabilities that plots on the standard output may use.
 pub fn of_output() -> Look {
     let terminal = std::io::stdout().is_terminal();
     Look { width: width(), unicode: shows_unicode(), color: colours(terminal) }
 }
 
-/// Columns of the standard output: those of its terminal, else 80.
+/// Number of columns of the standard output: that of its terminal, else 80.
 pub fn width() -> usize {
     columns().unwrap_or(USUAL_WIDTH)
 }
 
-/// The same where there is a terminal, or where COLUMNS says how wide the reader's is.
+/// The number of columns, if there is a terminal or COLUMNS is set.
 pub fn columns() -> Option<usize> {
     let told = || var_os("COLUMNS")?.to_str()?.parse().ok();
     let asked = || std::io::stdout().is_terminal().then(terminal_size::terminal_size).flatten();
     asked().map(|(width, _)| usize::from(width.0)).or_else(told).filter(|&width| width > 0)
 }
 
-/// Words in lines of so many columns, those of an indented line deeper than its first one.
+/// Text in lines of at most `width` columns; continuation lines of an indented line are indented further.
 pub fn wrapped(line: &str, width: usize) -> String {
     let words = line.trim_start();
     let indent = &line[..line.len() - words.len()];
@@ -101,7 +101,7 @@ pub fn wrapped(line: &str, width: usize) -> String {
     text
 }
 
-/// Columns of the terminal that the standard error stream goes to, else 80.
+/// Number of columns of the terminal of the standard error stream, else 80.
 pub fn error_columns() -> usize {
     let asked = terminal_size::terminal_size_of(std::io::stderr());
     asked.map(|(width, _)| usize::from(width.0)).filter(|&width| width > 0).unwrap_or(USUAL_WIDTH)
@@ -119,7 +119,7 @@ fn is_dumb() -> bool {
     var_os("TERM").is_some_and(|term| term == "dumb")
 }
 
-/// Whether the locale is one of UTF-8, which elsewhere than on Unix is not told by variables.
+/// Whether the locale uses UTF-8; only Unix has variables for it.
 fn shows_unicode() -> bool {
     let set = |name: &str| var_os(name).filter(|value| !value.is_empty());
     let locale = ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().find_map(set);

@@ -1,7 +1,7 @@
-//! The `sagnac` program: arguments to library calls, with one exit point.
+//! The `sagnac` program: it maps arguments to library calls, with one exit point.
 
-/// A line on the standard error stream. Where that cannot be written, as to a full disk, there is nobody to tell, and what the program
-/// does and its exit code stay the same.
+/// Prints a line on the standard error stream. If that cannot be written, for example on a full disk, neither the work
+/// nor the exit code changes.
 macro_rules! say {
     ($($words:tt)*) => {{
         use std::io::Write as _;
@@ -48,13 +48,13 @@ fn main() -> std::process::ExitCode {
     program::main()
 }
 
-/// Keeps a layer of Mesa's Vulkan drivers out where there is no desktop session: it orders devices, which is done here, asks for the
-/// folder of the session, and complains on the terminal of whoever has none.
+/// Disables a layer of Mesa's Vulkan drivers if there is no desktop session. The layer reorders devices, which is not
+/// needed here, and prints a warning if it finds no session folder.
 fn without_session() {
     const LAYER_OFF: &str = "NODEVICE_SELECT";
     let has_session = std::env::var_os("XDG_RUNTIME_DIR").is_some_and(|folder| Path::new(&folder).is_dir());
     if !has_session && std::env::var_os(LAYER_OFF).is_none() {
-        // SAFETY: nothing else runs yet.
+        // SAFETY: no other thread is running yet.
         unsafe { std::env::set_var(LAYER_OFF, "1") };
     }
 }

@@ -26,13 +26,13 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Results folders of one study: of its shares, of other machines, or of runs that were cut short
+    /// Results folders of one study: of its shares, from other machines, or of interrupted runs
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
-    /// Folder of the whole, which may hold results already; theirs and these become its
+    /// Folder of the combined results; it may already contain some, which are kept
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: PathBuf,
-    /// Study file whose tables and charts are made [default: the resolved_study.toml that the folders share]
+    /// Study file for the tables and charts [default: the resolved_study.toml that the folders share]
     #[arg(long, value_name = "STUDY")]
     study: Option<PathBuf>,
     /// Trials at each point, in place of the study's
@@ -41,7 +41,7 @@ pub struct Options {
     /// Seed, in place of the study's
     #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed, allow_negative_numbers = true)]
     seed: Option<u64>,
-    /// Leave damaged rows out instead of refusing their folder
+    /// Omit damaged rows instead of refusing their folder
     #[arg(long)]
     salvage: bool,
     /// Print the table and the verdict as JSON
@@ -57,14 +57,14 @@ pub struct Options {
     quiet: bool,
 }
 
-/// Merges results, and makes tables and charts of the whole.
+/// Merges results, and writes tables and charts of the whole.
 pub fn merge(options: &Options) -> Result<(), Failure> {
     let mut study = study(options)?;
     study.trials = options.trials.unwrap_or(study.trials);
     study.seed = options.seed.unwrap_or(study.seed);
     let plan = checked(&study)?;
-    // Before anything is taken over: a mistyped name or another study leaves nothing behind. One is open at a time, as there
-    // may be thousands.
+    // All folders are checked before anything is merged, so a mistyped name or another study has no effect. They are
+    // opened one at a time, as there may be thousands.
     let mut shares = BTreeSet::new();
     for folder in distinct(options) {
         let source = Source::open(folder)?;
@@ -80,11 +80,11 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
         let source = Source::open(folder)?;
         let Merged { added, held, damaged } = store.merge(&source, options.salvage)?;
         if !options.quiet {
-            let known = if held > 0 { format!(", {held} were there already") } else { String::new() };
+            let known = if held > 0 { format!(", {held} already present") } else { String::new() };
             say!("{}: {added} rows added{known}", folder.display());
         }
         if damaged > 0 {
-            say!("note: {}: {damaged} damaged rows or pages are left out", folder.display());
+            say!("note: {}: omitted {damaged} damaged rows or pages", folder.display());
         }
     }
     let lacking = plan.lacks(&store, Share::WHOLE)?;
@@ -107,7 +107,7 @@ pub fn merge(options: &Options) -> Result<(), Failure> {
     }
 }
 
-/// The shares that were not among the folders, where all are of one split.
+/// The shares that no folder contained, if all shares belong to one split.
 fn absent(shares: &BTreeSet<(u64, u64)>) -> Vec<Share> {
     match shares.first().zip(shares.last()) {
         Some((&(first, _), &(of, _))) if first == of => (1..=of)
@@ -118,7 +118,7 @@ fn absent(shares: &BTreeSet<(u64, u64)>) -> Vec<Share> {
     }
 }
 
-/// The folders to be merged, each once and not the one that they are merged into.
+/// The folders to be merged, each once, without the destination.
 fn distinct(options: &Options) -> impl Iterator<Item = &PathBuf> {
     let whole = |folder: &Path| folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
     let mut taken = vec![whole(&options.out)];
@@ -153,7 +153,7 @@ fn study(options: &Options) -> Result<Study, Failure> {
                 let differ = lines.map(|(at, lines)| (at + 1, lines)).find(|(_, (a, b))| a != b);
                 let at = differ.map_or(String::new(), |(at, (a, b))| format!(": line {at}, `{a}` and `{b}`"));
                 return Err(Failure::Usage(format!(
-                    "{} and {} are not the same{at}\ngive the study whose tables and charts are to be made with --study FILE, and its --trials",
+                    "{} and {} are not the same{at}\ngive the study for the tables and charts with --study FILE, and its --trials",
                     first.display(),
                     path.display()
                 )));
@@ -166,12 +166,12 @@ fn study(options: &Options) -> Result<Study, Failure> {
     Ok(study)
 }
 
-/// Refuses folders whose study names files that hold something else than those of the study at `path`.
+/// Refuses folders whose input files differ from those of the study at `path`.
 fn have_the_same_inputs(options: &Options, study: &Study, path: &Path) -> Result<(), Failure> {
     for input in study.inputs() {
         for folder in &options.folders {
             let other = folder.join(&input.name);
-            // Folders of earlier versions have none.
+            // Folders of earlier versions do not contain them.
             if std::fs::read(&other).is_ok_and(|found| found != input.text.as_bytes()) {
                 return Err(Failure::Usage(format!(
                     "{} is not what {} was run with\nmerge shards of the same {}",

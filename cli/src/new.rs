@@ -1,4 +1,4 @@
-//! `sagnac new`: a study file to begin with.
+//! `sagnac new`: a study file as a starting point.
 
 use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write};
@@ -20,10 +20,10 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// What is to be studied
+    /// Kind of the study
     #[arg(value_name = "KIND", value_parser = kinds())]
     kind: &'static Kind,
-    /// Where it is written [default: <KIND>.toml]
+    /// File to write [default: <KIND>.toml]
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
 }
@@ -35,7 +35,7 @@ fn kinds() -> impl TypedValueParser {
         .map(|name| KINDS.into_iter().find(|kind| kind.name == name).unwrap_or(KINDS[0]))
 }
 
-/// Writes a commented study, where no file is yet.
+/// Writes a commented study, unless the file exists.
 pub fn new(options: &Options) -> Result<(), Failure> {
     let kind = options.kind.name;
     let path = options.file.clone().unwrap_or_else(|| PathBuf::from(format!("{kind}.toml")));
@@ -43,7 +43,7 @@ pub fn new(options: &Options) -> Result<(), Failure> {
     let written = made.and_then(|mut file| file.write_all(options.kind.template.as_bytes()));
     written.map_err(|source| match source.kind() {
         ErrorKind::AlreadyExists => Failure::Usage(format!(
-            "{} is there already and stays as it is\nname another file: sagnac new {kind} FILE",
+            "{} already exists and was not changed\nname another file: sagnac new {kind} FILE",
             path.display()
         )),
         _ => Failure::Write { path: path.clone(), source },

@@ -1,17 +1,17 @@
-//! What a study of one point says to people: its fillers side by side, and the best of them for each error.
+//! Output for a study of one point: its fillers side by side, and the best one for each error.
 
 use sagnac::quantity::number::significant;
 use sagnac::table::{Column, Role, Table};
 
 use crate::terminal::aligned;
 
-/// A line for each filler, with the estimates of a summary for each error; then the filler with the least of the last of them, the
-/// 99.73 % level, and how far the next one is.
+/// A line for each filler with the estimates of a summary for each error; then the filler with the least value of the
+/// last estimate, the 99.73 % level, and the distance of the next one.
 pub fn one_point(table: &Table) -> String {
     let keys: Vec<&Column> = table.columns.iter().filter(|column| column.role == Role::Key).collect();
     let estimates: Vec<&Column> = table.columns.iter().filter(|column| column.brief).collect();
     let ([fillers, errors], Some(level)) = (&keys[..], estimates.last()) else { return String::new() };
-    // What labels say of every estimate goes without saying.
+    // The word that all labels share is omitted.
     let name = |column: &Column| column.label.trim_end_matches(" error").to_owned();
     let distinct = |cells: &[sagnac::table::Cell]| {
         let mut texts: Vec<String> = Vec::new();
@@ -58,7 +58,7 @@ pub fn one_point(table: &Table) -> String {
 struct Level<'n> {
     name: &'n str,
     value: f64,
-    /// Its 95 % interval, where the trials bound it.
+    /// Its 95 % interval, if there are enough trials to bound it.
     band: Option<(f64, f64)>,
 }
 
@@ -69,12 +69,12 @@ impl<'n> Level<'n> {
     }
 }
 
-/// Who has the least level, all of them where several are equal, and how far the next one is; nothing to say of a single
-/// one.
+/// The filler with the least level, or all of them if several are equal, and the distance of the next one; `None` for a
+/// single level.
 fn least(mut levels: Vec<Level>) -> Option<String> {
     levels.sort_by(|a, b| a.value.total_cmp(&b.value));
     let (first, others) = levels.split_first().filter(|(_, others)| !others.is_empty())?;
-    // To the nine digits that files show.
+    // Equal to the nine digits that files show.
     let equal = others.iter().take_while(|level| level.value - first.value <= 1e-9 * level.value).count();
     let names: Vec<&str> = levels[..=equal].iter().map(|level| level.name).collect();
     let best = format!("{}, {} ″", names.join(" = "), significant(first.value, 4));
@@ -97,7 +97,7 @@ fn least(mut levels: Vec<Level>) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// Of levels with this half width of their intervals.
+    /// The sentence for levels with these half widths of their intervals.
     fn said(levels: &[(&str, f64, f64)]) -> String {
         let level = |&(name, value, width)| Level { name, value, band: Some((value - width, value + width)) };
         least(levels.iter().map(level).collect()).unwrap_or_default()

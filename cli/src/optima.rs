@@ -5,10 +5,10 @@ use sagnac::quantity::number::significant;
 use sagnac::study::Study;
 use sagnac::table::{Column, ColumnError, Role, Table};
 
-/// Most budgets that have a line each.
+/// Most budgets with their own line.
 const MOST_LINES: usize = 6;
 
-/// A line for each budget: at which interval its errors are least, and what is left there. Of more budgets the table has to do.
+/// A line for each budget with the interval of its least errors and their values; empty if there are too many budgets.
 ///
 /// # Errors
 /// The table lacks a swept key.

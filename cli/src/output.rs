@@ -1,4 +1,4 @@
-//! Data to the standard output, and to files.
+//! Writing of data to the standard output and to files.
 
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
@@ -12,7 +12,7 @@ use crate::failure::Failure;
 /// Prints `text` with a final line end.
 ///
 /// # Errors
-/// The reader has gone away, or the output cannot be written.
+/// The reader has closed the output, or it cannot be written.
 pub fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = io::stdout().lock();
     writeln!(stdout, "{}", text.trim_end()).and_then(|()| stdout.flush()).map_err(failure)
@@ -21,7 +21,7 @@ pub fn print(text: &str) -> Result<(), Failure> {
 /// Prints `value` as an indented JSON document.
 ///
 /// # Errors
-/// Those of [`print`].
+/// As for [`print`].
 pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
     let mut stdout = BufWriter::new(io::stdout().lock());
     serde_json::to_writer_pretty(&mut stdout, value)
@@ -31,7 +31,8 @@ pub fn print_json(value: &impl Serialize) -> Result<(), Failure> {
         .map_err(failure)
 }
 
-/// A reader that went away, as `head` does, has what it wanted; anything else is output that is lost.
+/// A closed output is not an error, because the reader, such as `head`, has all it wants. Everything else is lost
+/// output.
 fn failure(error: io::Error) -> Failure {
     match error.kind() {
         ErrorKind::BrokenPipe => Failure::OutputClosed,
@@ -39,7 +40,7 @@ fn failure(error: io::Error) -> Failure {
     }
 }
 
-/// Writes a file as a whole or not at all: what was there stays until the new one is on disk.
+/// Writes a file completely or not at all: the existing file stays until the new one is on disk.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -47,7 +48,7 @@ pub fn write(path: &Path, contents: &[u8]) -> Result<(), Failure> {
     write_whole(path, contents).map_err(|source| Failure::Write { path: path.to_owned(), source })
 }
 
-/// Writes a table as CSV, in a folder that is made where there is none.
+/// Writes a table as CSV; a missing folder is created.
 ///
 /// # Errors
 /// The folder or the file cannot be written.
@@ -60,19 +61,19 @@ pub fn write_table(path: &Path, table: &Table) -> Result<(), Failure> {
 /// A table as the bytes of its file.
 ///
 /// # Errors
-/// None but of the memory that it is written to.
+/// Writing to memory fails.
 pub fn csv(table: &Table, path: &Path) -> Result<Vec<u8>, Failure> {
     let mut csv = Vec::new();
     table.write_csv(&mut csv).map_err(|source| Failure::Write { path: path.to_owned(), source })?;
     Ok(csv)
 }
 
-/// Makes a limit on the size of files an error like any other; by itself it would end the program.
+/// Turns the signal for an exceeded file size limit into an ordinary error; by default it ends the program.
 pub fn outlive_limits() {
     #[cfg(unix)]
     {
         let unheard = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
-        // Where it cannot be had the program ends as others do.
+        // If the handler cannot be registered, the signal ends the program as usual.
         let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, unheard);
     }
 }

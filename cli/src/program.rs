@@ -44,36 +44,36 @@ enum Command {
     ///
     /// Results go to a folder. Running again resumes; a larger --trials continues.
     Run(crate::run::Options),
-    /// Put results together: shares of a study, runs of several machines; in any order, any number of times
+    /// Merge results: shares of a study, or runs of several machines, in any order and any number of times
     Merge(crate::merge::Options),
-    /// Look whether results are sound, complete and what the tables say
+    /// Check that results are intact, complete and match their tables
     Check(crate::check::Options),
-    /// Make report.html of results again, and of several studies a gallery
+    /// Rebuild report.html, or a gallery of several studies
     Report(crate::report::Options),
-    /// Draw results that are there with other axes, estimates or limits
+    /// Redraw existing results with other axes, estimates or limits
     Chart(crate::chart::Options),
-    /// How often to switch, and with which filler: the recommendation, with evidence
+    /// Recommend how often to switch and with which filler, with evidence
     Design(crate::design::Options),
-    /// The weights of fillers for firmware: table, response over frequency, C header, test vectors
+    /// Compute the weights of fillers for firmware: table, response over frequency, C header, test vectors
     Filler(crate::filler::options::Options),
-    /// Deviations of recorded logs: Allan, modified Allan, time, Hadamard, with intervals and noise types
+    /// Compute deviations of recorded logs: Allan, modified Allan, time, Hadamard, with intervals and noise types
     Allan(crate::allan::options::Options),
-    /// Two recorded logs: is one noisier than the other, in what, how sure is that, and how long must they be to tell
+    /// Compare the noise of two recorded logs: coefficients, significance, and the record length needed
     Compare(crate::compare::options::Options),
     /// List the devices that kernels can run on
     #[command(after_long_help = "Examples:\n  sagnac devices")]
     Devices,
-    /// Prove that every kernel gives the same bits on every device, here and now
+    /// Verify that every kernel gives the same bits on every device of this machine
     Verify(Verify),
     /// Measure the throughput of the kernels
     Bench(Bench),
     /// Print the JSON schema of study files, or of what a command prints with --json
     Schema(crate::schemas::Options),
-    /// Write a commented study to begin with
+    /// Write a commented study as a starting point
     New(crate::new::Options),
-    /// What a key of a study, a column of results or an exit code means
+    /// Explain a key of a study, a column of results, a term or an exit code
     Explain(crate::explain::Options),
-    /// Print a script that completes commands and options in a shell
+    /// Print a script for the completion of commands and options in a shell
     Completions(crate::shells::Completions),
     /// Write manual pages
     Man(crate::shells::Man),
@@ -90,7 +90,7 @@ pub struct Verify {
     /// cpu, gpu, part of an adapter's name, or its PCI address: see `sagnac devices` [default: all adapters]
     #[arg(long, value_name = "DEVICE")]
     pub device: Option<String>,
-    /// Units of work in all for each kernel: trials or samples over its configurations, or numbers
+    /// Work per kernel, in trials or samples over all its configurations, or in numbers
     #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = verified)]
     pub trials: u64,
 }
@@ -115,7 +115,7 @@ pub struct DeviceArg {
     /// auto, cpu, gpu, a width of the CPU such as avx2, part of an adapter's name, or its PCI address: see `sagnac devices`
     #[arg(help_heading = "Device", long = "device", value_name = "DEVICE", default_value = "auto")]
     pub name: String,
-    /// Threads of the CPU [default: as many as it runs at once]
+    /// Threads of the CPU [default: all logical cores]
     #[arg(help_heading = "Device", long, value_name = "N", value_parser = threads)]
     pub threads: Option<usize>,
 }

@@ -1,4 +1,4 @@
-//! Progress on the standard error stream: a bar on a terminal, now and then a line elsewhere.
+//! Progress on the standard error stream: a bar on a terminal, else a line at intervals.
 
 use std::io::IsTerminal;
 use std::sync::{Mutex, OnceLock};
@@ -12,10 +12,10 @@ use sagnac::quantity::number::short;
 use crate::look;
 use crate::run::stop::Stop;
 
-/// Between lines where there is no terminal.
+/// Interval between lines where there is no terminal.
 const LINE: Duration = Duration::from_secs(10);
 
-// As a group it would be called as the options are that it stands among, which debug builds refuse.
+// As a group it would have the name of the options around it, which debug builds refuse.
 #[derive(Debug, Args)]
 #[group(skip)]
 pub struct Options {
@@ -32,7 +32,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// How it is shown to someone who wants to hear of errors only, or of more.
+    /// The kind of progress for someone who wants only errors, or more.
     pub fn how(&self, quiet: bool) -> How {
         match self.progress {
             How::Auto if quiet => How::None,
@@ -41,7 +41,7 @@ impl Options {
     }
 }
 
-/// What is asked for.
+/// The requested kind of progress.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum How {
     Auto,
@@ -50,10 +50,10 @@ pub enum How {
     None,
 }
 
-/// The bar that is on the terminal.
+/// The bar on the terminal.
 static ON_TERMINAL: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
-/// Prints something beside the bar, which makes room for it meanwhile.
+/// Prints something while the bar is hidden.
 pub fn aside(print: impl FnOnce()) {
     let bar = ON_TERMINAL.lock().ok().and_then(|bar| bar.clone());
     match bar {
@@ -62,7 +62,7 @@ pub fn aside(print: impl FnOnce()) {
     }
 }
 
-/// Takes the bar from the terminal, for good.
+/// Removes the bar from the terminal for good.
 pub fn leave() {
     let bar = ON_TERMINAL.lock().ok().and_then(|mut bar| bar.take());
     if let Some(bar) = bar {
@@ -70,23 +70,25 @@ pub fn leave() {
     }
 }
 
-/// From so many columns on a bar of 30 leaves room for all there is to say; else it is as wide as the rest leaves it, without the rate.
+/// From this number of columns on, a bar of 30 leaves room for all information; else the bar takes the rest, without a
+/// rate.
 const ROOMY: usize = 108;
 
-/// How progress is shown. A bar stays until it is cleared or dropped: tables and charts are made when all is sampled.
+/// Displays progress. A bar stays until it is cleared or dropped, because tables and charts follow the sampling.
 pub struct Shown {
     how: How,
-    /// Counts and measures the rate, also where it is not drawn.
+    /// Counts, and measures the rate, even if it is not drawn.
     bar: ProgressBar,
     /// The unit of the first phase.
     unit: OnceLock<&'static str>,
-    /// When the next line is due.
+    /// Time of the next line.
     next: Mutex<Instant>,
     stop: Option<Stop>,
 }
 
 impl Shown {
-    /// As it is asked for. Without a terminal lines take the place of a bar: control characters are no text.
+    /// Progress of the requested kind. Without a terminal, lines replace the bar, because control characters are not
+    /// text.
     pub fn new(how: How) -> Shown {
         let bare =
             !std::io::stderr().is_terminal() || std::env::var_os("TERM").is_some_and(|term| term == "dumb");
@@ -102,13 +104,13 @@ impl Shown {
         Shown { how, bar, unit: OnceLock::new(), next: Mutex::new(Instant::now() + LINE), stop: None }
     }
 
-    /// The same progress, which asks the run to stop as soon as there is a cause.
+    /// The same progress, which also asks the run to stop as soon as there is a cause.
     pub fn until(mut self, stop: &Stop) -> Shown {
         self.stop = Some(stop.clone());
         self
     }
 
-    /// How far the first phase came: done, of all, in this unit.
+    /// Progress of the first phase: the amount done, the total and their unit.
     pub fn reached(&self) -> (u64, u64, &'static str) {
         (self.bar.position(), self.bar.length().unwrap_or(0), self.unit.get().unwrap_or(&"trials"))
     }
@@ -140,7 +142,7 @@ fn drawn() -> ProgressBar {
             let [done, all] = [state.pos(), state.len().unwrap_or(0)].map(|units| short(units as f64));
             let _ = write!(to, "{done} of {all}");
         };
-        // When all is done the rate would only fall.
+        // When all is done, the rate would only fall.
         let goes_on = |state: &ProgressState| state.len().is_some_and(|len| state.pos() < len);
         let rate = move |state: &ProgressState, to: Out| {
             let _ = if goes_on(state) { write!(to, "{}/s", short(state.per_sec())) } else { Ok(()) };
@@ -156,7 +158,7 @@ fn drawn() -> ProgressBar {
     bar
 }
 
-/// The time left in words; none as long as there is no rate to tell it from.
+/// The time left in words; `None` as long as there is no rate.
 fn left(time: Duration) -> Option<String> {
     (!time.is_zero()).then(|| format!("{} left", words(time)))
 }
@@ -165,7 +167,7 @@ impl Progress for Shown {
     fn start(&self, unit: &'static str, done: u64, total: u64) {
         let first = *self.unit.get_or_init(|| unit);
         let bar = &self.bar;
-        // More work of the same kind keeps its rate.
+        // More work of the same kind keeps the rate.
         if bar.message() == unit && bar.position() == done {
             return bar.set_length(total);
         }
@@ -173,7 +175,7 @@ impl Progress for Shown {
         bar.set_message(unit);
         bar.set_length(total);
         bar.set_position(done);
-        // The estimate of the rate takes note of the position before it forgets all else.
+        // The estimator of the rate needs this position before it is reset.
         bar.tick();
         bar.reset_eta();
         match self.how {
@@ -187,7 +189,7 @@ impl Progress for Shown {
 
     fn advance(&self, more: u64) {
         self.bar.inc(more);
-        // A thread that finds another one printing has nothing to add.
+        // If another thread is printing, there is nothing to add.
         let Some(mut next) = self.next.try_lock().ok().filter(|_| self.how == How::Plain) else { return };
         if Instant::now() >= *next {
             *next = Instant::now() + LINE;

@@ -1,4 +1,4 @@
-//! How recorded logs are read: the options that every command on logs has.
+//! Options for reading recorded logs, common to all commands on logs.
 
 use clap::{Args, ValueEnum};
 use sagnac::allan::trend::Trend;
@@ -14,40 +14,40 @@ use crate::failure::{Failure, in_options};
 
 #[derive(Debug, Args)]
 pub struct Reading {
-    /// What the numbers are: angular rate, angle turned in each sample, or angle (phase) since the start
+    /// Kind of the numbers: angular rate, angle turned in each sample, or angle (phase) since the start
     #[arg(help_heading = "Reading the log", long, value_name = "KIND")]
     data: Kind,
-    /// Unit of the numbers, as in deg/h, deg/s, rad/s, arcsec; none for plain ones [default: that of the header]
+    /// Unit of the numbers, as in deg/h, deg/s, rad/s, arcsec; none for plain numbers [default: that of the header]
     #[arg(help_heading = "Reading the log", long, value_name = "UNIT", conflicts_with = "scale")]
     unit: Option<String>,
-    /// Size of a pulse, where the numbers count pulses
+    /// Size of a pulse, if the numbers count pulses
     #[arg(help_heading = "Reading the log", long, value_name = "SIZE/pulse")]
     scale: Option<String>,
     /// Sampling rate, as in 100Hz
     #[arg(help_heading = "Reading the log", long, value_name = "RATE", conflicts_with = "time")]
     rate: Option<String>,
-    /// Column of time stamps, by name or number, in place of a rate
+    /// Column of time stamps, by name or number, instead of a rate
     #[arg(help_heading = "Reading the log", long, value_name = "COLUMN")]
     time: Option<String>,
     /// Unit of the time stamps: s, ms, us, ns [default: that of the header]
     #[arg(help_heading = "Reading the log", long, value_name = "UNIT", requires = "time")]
     time_unit: Option<String>,
-    /// Columns by name or number from 1, with commas between [default: the only one]
+    /// Columns by name or number from 1, separated by commas [default: the only one]
     #[arg(help_heading = "Reading the log", long, value_name = "COLUMNS", value_delimiter = ',')]
     column: Vec<String>,
-    /// Leave out the beginning, as in "30 min"
+    /// Omit the beginning, as in "30 min"
     #[arg(long, value_name = "TIME", default_value = "0 s", value_parser = seconds)]
     skip: f64,
-    /// Leave out what is later than this after the start of the file
+    /// Omit everything later than this after the start of the file
     #[arg(long, value_name = "TIME", value_parser = seconds)]
     until: Option<f64>,
-    /// Remove a straight line from the rate: with it goes the rate ramp R, and K comes out too low
+    /// Remove a straight line from the rate; this also removes the rate ramp R and makes K too low
     #[arg(help_heading = "Reading the log", long, value_name = "TREND", default_value = "none")]
     detrend: Detrend,
-    /// Take outliers for gaps: samples more than 8 standard deviations from the median of their neighbours
+    /// Treat outliers as gaps: samples more than 8 standard deviations from the median of their neighbours
     #[arg(long)]
     remove_outliers: bool,
-    /// Refuse rates that look as if in another unit: see docs/reference.md
+    /// Refuse rates that seem to be in another unit: see docs/reference.md
     #[arg(help_heading = "Reading the log", long, value_name = "SWITCH", default_value = "on")]
     unit_check: Switch,
     /// Coefficients to fit: auto (those of Q, N, B, K, R that the record supports), none, or a list of Q, N, B, K, R,
@@ -75,7 +75,7 @@ enum Switch {
     Off,
 }
 
-/// What `--fit` asks for.
+/// Value of `--fit`.
 #[derive(Debug, Clone, PartialEq)]
 enum Fitted {
     None,
@@ -88,7 +88,7 @@ fn fit_terms(text: &str) -> Result<Fitted, String> {
         let found = Term::ALL.into_iter().find(|term| term.symbol().eq_ignore_ascii_case(name.trim()));
         found.ok_or_else(|| {
             let known = Term::ALL.map(Term::symbol).join(",");
-            format!("`{}` is no term; accepted: auto, none, or some of {known}", name.trim())
+            format!("`{}` is not a term; accepted: auto, none, or some of {known}", name.trim())
         })
     };
     match text {
@@ -99,7 +99,7 @@ fn fit_terms(text: &str) -> Result<Fitted, String> {
 }
 
 impl Reading {
-    /// The terms to fit, if any. A removed trend has taken the ramp with it.
+    /// The terms to fit, if any. A removed trend includes the ramp.
     pub fn terms(&self) -> Option<Terms> {
         match &self.fit {
             Fitted::None => None,
@@ -113,10 +113,10 @@ impl Reading {
         &self.column
     }
 
-    /// What is to be read of each file.
+    /// The request for each file.
     ///
     /// # Errors
-    /// A unit, scale or rate that is none, or no word on when the samples were taken.
+    /// A unit, scale or rate is invalid, or the times of the samples are not given.
     pub fn request(&self) -> Result<Request, Failure> {
         let data = match self.data {
             Kind::Rate => Data::Rate,
@@ -135,7 +135,7 @@ impl Reading {
             (Some(rate), _) => Timing::Step(step(rate)?),
             (None, Some(column)) => Timing::Stamps { column: column.clone(), unit: self.time_unit.clone() },
             (None, None) => {
-                let message = "it is not said when the samples were taken\ngive --rate 100Hz, or --time COLUMN for a \
+                let message = "the times of the samples are not given\ngive --rate 100Hz, or --time COLUMN for a \
                                column of time stamps";
                 return Err(Failure::Usage(message.to_owned()));
             }
@@ -150,7 +150,7 @@ impl Reading {
         }
     }
 
-    /// What is done to each log before it is analysed.
+    /// The treatment of each log before its analysis.
     pub fn treatment(&self) -> Treatment {
         let unit_check = match self.unit_check {
             Switch::On => UnitCheck::On,
@@ -166,7 +166,7 @@ impl Reading {
     }
 }
 
-/// From sample to sample at a rate, s.
+/// The sampling interval for a rate, s.
 fn step(rate: &str) -> Result<f64, Failure> {
     let wrong = |why: String| {
         Failure::Usage(format!("--rate {rate}: {why}\ngive samples per second, as in --rate 100Hz"))
@@ -175,7 +175,7 @@ fn step(rate: &str) -> Result<f64, Failure> {
     if quantity.value > 0.0 {
         Ok(1.0 / quantity.value)
     } else {
-        Err(wrong("the rate is not above 0".to_owned()))
+        Err(wrong("the rate is not positive".to_owned()))
     }
 }
 

@@ -20,10 +20,10 @@ const GALLERY: &str = "gallery.html";
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Results folders, or folders of such
+    /// Results folders, or folders that contain them
     #[arg(required = true, value_name = "DIR")]
     folders: Vec<PathBuf>,
-    /// Where the gallery of several studies goes [default: gallery.html in the folder that holds all of theirs]
+    /// File of the gallery of several studies [default: gallery.html in the common parent folder]
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Print only errors
@@ -39,7 +39,7 @@ Examples:
   sagnac report results/my results/error_vs_dtnu --out both.html
   sagnac report results";
 
-/// Makes the reports of results again, and of several a gallery. A folder that is in a bad way keeps none of the others from theirs.
+/// Rebuilds the reports of results, with a gallery for several. A damaged folder does not affect the others.
 pub fn report(options: &Options) -> Result<(), Failure> {
     let folders = studies_in(&options.folders)?;
     for left_out in options.folders.iter().filter(|_| !options.quiet).filter_map(|folder| left_out(folder)) {
@@ -54,7 +54,7 @@ pub fn report(options: &Options) -> Result<(), Failure> {
                 }
                 reports.push((folder.join(REPORT), card));
             }
-            // The others have their pages nevertheless.
+            // The other folders still get their reports.
             Err(failure) => failures.push(failure),
         }
     }
@@ -68,7 +68,7 @@ pub fn report(options: &Options) -> Result<(), Failure> {
     last.map_or(Ok(()), Err)
 }
 
-/// The page of all studies that have one.
+/// Writes the page of all studies that have a report.
 fn write_gallery(
     reports: Vec<(PathBuf, Card)>,
     folders: &[PathBuf],
@@ -90,13 +90,13 @@ fn write_gallery(
 
 fn of_folder(folder: &Path, options: &Options) -> Result<Card, Failure> {
     let study = Study::read(&folder.join(RESOLVED))?;
-    // Its charts are drawn at once, so that there is nothing to find out before.
+    // Its charts are drawn at once, so nothing needs to be checked before.
     let plan = Plan::new(&study)?;
     let store = held(folder, &plan)?;
     results::report(&study, &plan, folder, &store, options.progress.how(options.quiet))
 }
 
-/// The folders of studies: those named, and in others those that they hold.
+/// The folders of studies: those given, and those inside other given folders.
 fn studies_in(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     let mut studies: Vec<PathBuf> = Vec::new();
     for folder in named {
@@ -131,13 +131,13 @@ fn studies_in(named: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     Ok(studies)
 }
 
-/// The path from the root; as it is where the file system does not say.
+/// The absolute path; the given one if the file system cannot resolve it.
 fn whole(path: &Path) -> PathBuf {
     let path = if path == Path::new("") { Path::new(".") } else { path };
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
-/// The folder that holds all of `folders`.
+/// The common parent folder of `folders`.
 fn common(folders: &[PathBuf]) -> PathBuf {
     let mut paths = folders.iter().map(|folder| whole(folder));
     let first = paths.next().unwrap_or_default();
@@ -148,7 +148,7 @@ fn common(folders: &[PathBuf]) -> PathBuf {
     })
 }
 
-/// A link to a file from pages in a folder, both from the root.
+/// The link to a file from pages in a folder, both as absolute paths.
 fn link(from: &Path, to: &Path) -> String {
     let shared = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
     let ups = from.components().skip(shared).map(|_| "..".to_owned());
@@ -159,7 +159,7 @@ fn link(from: &Path, to: &Path) -> String {
     ups.chain(downs).collect::<Vec<_>>().join("/")
 }
 
-/// A name as a part of a link.
+/// A name escaped for a link.
 fn escaped(name: &str) -> String {
     let one = |byte: u8| match byte {
         b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' | b'~' => char::from(byte).to_string(),

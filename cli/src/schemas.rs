@@ -1,4 +1,4 @@
-//! `sagnac schema`: what study files and the documents of `--json` look like.
+//! `sagnac schema`: the JSON schemas of study files and of the documents of `--json`.
 
 use clap::{Args, ValueEnum};
 use sagnac::kinds::keys;
@@ -14,7 +14,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Of which documents: study files, or what a command prints with --json
+    /// Documents to describe: study files, or the output of a command with --json
     #[arg(value_name = "OF", value_enum, default_value = "study")]
     of: Document,
 }

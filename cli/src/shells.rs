@@ -1,4 +1,4 @@
-//! `sagnac completions` and `sagnac man`: what shells and `man` read of the command line.
+//! `sagnac completions` and `sagnac man`: files for shells and for `man`.
 
 use std::path::{Path, PathBuf};
 
@@ -16,7 +16,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Completions {
-    /// Which shell
+    /// Shell
     #[arg(value_name = "SHELL", value_enum)]
     shell: Shell,
 }
@@ -28,7 +28,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_long_help = MAN_EXAMPLES)]
 pub struct Man {
-    /// Folder of the pages, such as ~/.local/share/man/man1
+    /// Folder for the pages, such as ~/.local/share/man/man1
     #[arg(value_name = "DIR")]
     folder: PathBuf,
 }

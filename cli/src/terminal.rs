@@ -7,16 +7,16 @@ use sagnac::table::{Column, ColumnError, Table};
 
 use crate::look;
 
-/// Rows of a table that are shown; of longer ones every second, third, … is.
+/// Most rows of a table that are shown; of longer ones every second, third, … row.
 const MOST_ROWS: usize = 48;
 
-/// Significant digits of a number: as few as tell it from the others beside it.
+/// Significant digits of a number: as few as distinguish it from its neighbours.
 const DIGITS: std::ops::RangeInclusive<usize> = 4..=17;
 
-/// One column of a table over the sweeps: a line for each combination of their values, a column for each curve.
+/// One column of a table over the sweeps: a line for each combination of their values, and a column for each curve.
 ///
-/// `sweeps` are the columns that name lines, but for those in `series`; the first of them always is. What else in `texts` differs
-/// between rows, filler or error, names columns too, so that no cell has two values.
+/// `sweeps` are the columns that label lines, except those in `series`; the first of them always does. Other columns in
+/// `texts` that differ between rows, filler or error, label columns too, so that no cell has two values.
 ///
 /// # Errors
 /// A name selects no single column, or the filter leaves no row.
@@ -41,13 +41,13 @@ pub fn pivot(
     let others = texts.into_iter().filter(unnamed).map(|c| Names::new(c, &rows));
     let mut curves: Vec<Names> = series.iter().map(|column| Names::new(column, &rows)).collect();
     curves.extend(others.filter(Names::differ));
-    // The first sweep stands for the lines even where it has one value.
+    // The first sweep labels the lines even if it has one value.
     let mut first = true;
     across.retain(|names| std::mem::take(&mut first) || names.differ());
     let (line_of, lines) = combinations(&across, rows.len());
     let (curve_of, columns) = combinations(&curves, rows.len());
     let least = lines.len().div_ceil(MOST_ROWS).max(1);
-    // A step that shares no factor with a faster sweep does not show the same of its values again and again.
+    // A step that shares no factor with a faster sweep does not show the same of its values repeatedly.
     let inner = || across.iter().skip(1).map(|names| names.texts.len());
     let step = (least..).find(|&step| step == 1 || inner().all(|n| gcd(step, n) == 1)).unwrap_or(least);
     let mut grid = vec![vec![String::new(); across.len() + columns.len()]; lines.len() + 1];
@@ -78,17 +78,17 @@ pub fn pivot(
     Ok(format!("{}{by}{note}\n{}", y.title(), fitted(&shown, across.len(), look::columns())))
 }
 
-/// The different values of a column in the rows shown.
+/// The different values of a column in the shown rows.
 struct Names<'t> {
     column: &'t Column,
-    /// For each row shown, the place of its value in `texts`.
+    /// For each shown row, the index of its value in `texts`.
     values: Vec<usize>,
     texts: Vec<String>,
 }
 
 impl<'t> Names<'t> {
     fn new(column: &'t Column, rows: &[usize]) -> Names<'t> {
-        // Debug writes a number with as many digits as it has.
+        // Debug writes a number with all its digits.
         let (values, firsts) = distinct(rows.iter().map(|&row| format!("{:?}", column.cells[row])));
         let text = |digits: usize| {
             let cells = firsts.iter().map(|&at| &column.cells[rows[at]]);
@@ -105,13 +105,13 @@ impl<'t> Names<'t> {
         self.texts.len() > 1
     }
 
-    /// The value in a row shown.
+    /// The value in a shown row.
     fn at(&self, at: usize) -> &str {
         &self.texts[self.values[at]]
     }
 }
 
-/// The place of each item among the different ones, and where each of these first stands.
+/// The index of each item among the different ones, and the first place of each of these.
 fn distinct<T: std::hash::Hash + Eq>(items: impl Iterator<Item = T>) -> (Vec<usize>, Vec<usize>) {
     let (mut known, mut firsts) = (HashMap::new(), Vec::new());
     let places = items
@@ -126,7 +126,7 @@ fn distinct<T: std::hash::Hash + Eq>(items: impl Iterator<Item = T>) -> (Vec<usi
     (places, firsts)
 }
 
-/// The same of the combinations of several columns, over `count` rows.
+/// The same for the combinations of several columns, over `count` rows.
 fn combinations(columns: &[Names], count: usize) -> (Vec<usize>, Vec<usize>) {
     distinct((0..count).map(|at| columns.iter().map(|names| names.values[at]).collect::<Vec<_>>()))
 }
@@ -135,16 +135,16 @@ fn gcd(a: usize, b: usize) -> usize {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// Columns beyond which headings are broken where no terminal says how wide it is.
+/// Width beyond which headings are broken if no terminal has a known width.
 const USUAL_MOST: usize = 100;
 
-/// Rows of cells with every column as wide as its widest cell, flush right; where a terminal is narrower, as [`fitted`].
+/// Rows of cells, flush right, with every column as wide as its widest cell; on a narrower terminal as in [`fitted`].
 pub(crate) fn aligned(rows: &[Vec<String>]) -> String {
     fitted(rows, 1, look::columns())
 }
 
-/// The same within so many columns: headings are broken into lines, and what is still too wide goes on below, the first `keys`
-/// columns standing in each part. Without a limit headings are broken in wide tables, and nothing goes on below.
+/// The same within `limit` columns: headings are broken into lines, and columns that do not fit continue below, with
+/// the first `keys` columns repeated. Without a limit, headings of wide tables are broken, and nothing continues below.
 fn fitted(rows: &[Vec<String>], keys: usize, limit: Option<usize>) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let widest = |rows: &[Vec<String>], column: usize| {
@@ -181,12 +181,12 @@ fn fitted(rows: &[Vec<String>], keys: usize, limit: Option<usize>) -> String {
     parts.iter().map(trimmed).collect::<Vec<_>>().join("\n")
 }
 
-/// Columns of the terminal that some columns of a table take.
+/// Number of terminal columns for some columns of a table.
 fn width_of(widths: &[usize], shown: &[usize]) -> usize {
     shown.iter().map(|&column| widths[column] + 2).sum()
 }
 
-/// A heading in as many lines as its longest cell needs, the last words of each cell in the last one.
+/// A heading in as many lines as its longest cell needs; the last words of each cell are on the last line.
 fn heading_lines(heading: &[String], widths: &[usize]) -> Vec<Vec<String>> {
     let broken: Vec<Vec<String>> =
         heading.iter().zip(widths).map(|(cell, &width)| broken(cell, width)).collect();
@@ -200,7 +200,7 @@ fn heading_lines(heading: &[String], widths: &[usize]) -> Vec<Vec<String>> {
     (0..height).map(line).collect()
 }
 
-/// The words of a heading; a sign or a unit behind a comma stays with the word before it.
+/// The words of a heading; a sign, or a unit after a comma, stays with the previous word.
 fn words(text: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     for word in text.split(' ') {
@@ -213,7 +213,7 @@ fn words(text: &str) -> Vec<String> {
     words
 }
 
-/// A text in lines of at most `width`, but for longer words.
+/// A text in lines of at most `width`, except for longer words.
 fn broken(text: &str, width: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in words(text) {

@@ -8,7 +8,7 @@ use sagnac::verify;
 use crate::failure::Failure;
 use crate::output::print;
 
-/// Compares every kernel on every width of the CPU and on the device, or on every adapter there is.
+/// Compares every kernel at every width of the CPU and on the device, or on all adapters.
 pub fn verify(options: &crate::program::Verify) -> Result<(), Failure> {
     let mut devices = match &options.device {
         Some(name) => vec![verify::select(name, 0)?.device],
@@ -19,7 +19,7 @@ pub fn verify(options: &crate::program::Verify) -> Result<(), Failure> {
     names.extend(devices.iter().filter(|device| matches!(device, Device::Gpu(_))).map(Device::name));
     say!("comparing: {}", names.join(", "));
     if !devices.iter().any(|device| matches!(device, Device::Gpu(_))) {
-        say!("no adapter is compared: no shader runs");
+        say!("no GPU adapter: only the CPU kernels were verified");
     }
     let mut printed = Ok(());
     let identical = verify::verify(&mut devices, options.trials, |verdict| {

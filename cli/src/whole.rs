@@ -1,4 +1,4 @@
-//! Whole numbers of options, as people write large ones.
+//! Integers in options, in the notations that people use for large ones.
 
 use std::ops::RangeInclusive;
 
@@ -14,10 +14,10 @@ pub fn seed(text: &str) -> Result<u64, String> {
     whole(text, 0..=i64::MAX.unsigned_abs())
 }
 
-/// A whole number within `range`: `1000000`, `1_000_000`, `1e6` or `1.5e6`.
+/// An integer within `range`: `1000000`, `1_000_000`, `1e6` or `1.5e6`.
 ///
 /// # Errors
-/// No number, one with a fraction, or one out of the range, in words.
+/// The text is not a number, has a fraction, or is out of range.
 pub fn whole(text: &str, range: RangeInclusive<u64>) -> Result<u64, String> {
     let (least, most) = (range.start(), range.end());
     let accepted = "write a whole number, as in 1000000, 1_000_000 or 1e6";
@@ -27,11 +27,11 @@ pub fn whole(text: &str, range: RangeInclusive<u64>) -> Result<u64, String> {
     let power = power.parse::<i32>().ok().filter(|_| are_digits(digits) && are_digits(fraction));
     let digits = format!("{digits}{fraction}").replace('_', "");
     let Some(power) = power.filter(|_| !digits.is_empty()) else {
-        return Err(format!("no whole number: {accepted}"));
+        return Err(format!("not a whole number: {accepted}"));
     };
     let significant = digits.trim_end_matches('0');
     let fraction = fraction.bytes().filter(|byte| *byte != b'_').count();
-    // In i64 no power that is an i32 overflows.
+    // In i64, no power that is an i32 overflows.
     let zeros = i64::from(power) - fraction as i64 + (digits.len() - significant.len()) as i64;
     let significant = significant.trim_start_matches('0');
     if !significant.is_empty() && zeros < 0 {

@@ -167,10 +167,10 @@ def filler(
         asked = [f"{key}={value}" for key, value in (at or {}).items()]
         return _fillers(_sagnac.of_study(path, asked, list(fillers)))
     if at or fillers:
-        raise UsageError("at and fillers choose from a study, and none is given\nleave them out")
+        raise UsageError("at and fillers select from a study, but none is given\nleave them out")
     kinds = [what] if isinstance(what, str) else [str(kind) for kind in what]  # type: ignore[union-attr]
     if gap_ticks is None:
-        raise UsageError("gap_ticks is missing: how many ticks are lost\nadd for example gap_ticks=3")
+        raise UsageError("gap_ticks is missing: the number of lost ticks\nadd for example gap_ticks=3")
     if MINIMUM_VARIANCE in kinds:
         _check_design(tick, band, amplitude, noise)
     if (band is None) != (amplitude is None):
@@ -205,7 +205,7 @@ def _check_design(tick: str | None, band: str | None, amplitude: str | None, noi
     for name, (value, example) in needed.items():
         if value is None:
             raise UsageError(
-                f"{name} is missing: a minimum-variance filler is designed for a vibration and the noise beside it\n"
+                f"{name} is missing: a minimum-variance filler is designed for a given vibration and noise\n"
                 f'add for example {name}="{example}"'
             )
 

@@ -119,7 +119,7 @@ def _whole(name: str, value: int, least: int, most: int) -> int:
     try:
         whole = operator.index(value)
     except TypeError:
-        raise UsageError(f"{name}={value!r} is no whole number\naccepted: {least} to {most}") from None
+        raise UsageError(f"{name}={value!r} is not a whole number\naccepted: {least} to {most}") from None
     if not least <= whole <= most:
         raise UsageError(f"{name}={whole}\naccepted: {least} to {most}")
     return whole

@@ -91,9 +91,9 @@ def gap_error(
     """
     orders = {"const": 0, "linear": 1, "quadratic": 2}
     if kind not in orders:
-        raise UsageError(f'kind="{kind}" is none\naccepted: {", ".join(orders)}; of other fillers sagnac.filler gives a response')
+        raise UsageError(f'kind="{kind}" is not known\naccepted: {", ".join(orders)}; for other fillers sagnac.filler gives the response')
     if error not in ("residual", "extrapolation"):
-        raise UsageError(f'error="{error}" is none\naccepted: residual, extrapolation')
+        raise UsageError(f'error="{error}" is not known\naccepted: residual, extrapolation')
     if not 1 <= gap_ticks <= 64:
         raise UsageError(f"gap_ticks={gap_ticks}\naccepted: 1 to 64")
     if ticks is None:
@@ -116,7 +116,7 @@ def taylor_term_as_published(order: int, dt_nu: ArrayLike, *, at: Literal["extre
     11.8
     """
     if at not in ("extremum", "zero crossing"):
-        raise UsageError(f'at="{at}" is none\naccepted: "extremum", "zero crossing"')
+        raise UsageError(f'at="{at}" is not known\naccepted: "extremum", "zero crossing"')
     arrays, shaped = _broadcast(dt_nu)
     return shaped(_sagnac.taylor(_small(order), at == "extremum", arrays))
 
@@ -266,7 +266,7 @@ def drift_of_runs(
     (-0.0044, 0.0185, 15.6)
     """
     if first_mode not in ("positive", "negative"):
-        raise UsageError(f'first_mode="{first_mode}" is none\naccepted: positive, negative')
+        raise UsageError(f'first_mode="{first_mode}" is not known\naccepted: positive, negative')
     values = (interval, run, magnetic, warm_up_time, initial_magnetic, non_magnetic, residual_rms)
     arrays, shaped = _broadcast(*values)
     return RunDrift(*map(shaped, _sagnac.drift_of_runs(first_mode == "positive", arrays)))
@@ -451,7 +451,7 @@ def suspension_response(
     if isinstance(suspension, str):
         modes = _sagnac.suspension_modes(suspension)
         if modes is None:
-            raise UsageError(f'suspension="{suspension}" is none\naccepted: LGK-400, LGV-1, or modes')
+            raise UsageError(f'suspension="{suspension}" is not known\naccepted: LGK-400, LGV-1, or modes')
     else:
         modes = [(float(natural), float(q), float(response)) for natural, q, response in suspension]
     if not modes:

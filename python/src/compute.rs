@@ -1,4 +1,4 @@
-//! Work without Python's lock.
+//! Computation without Python's lock.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -6,15 +6,15 @@ use pyo3::prelude::*;
 
 use super::failure::Failure;
 
-/// Does `work` while other threads of Python go on. A fault of the program itself is an error like any other.
+/// Does `work` while other Python threads continue. A panic becomes an error like any other.
 pub fn compute<T: Send>(py: Python, work: impl FnOnce() -> Result<T, Failure> + Send) -> PyResult<T> {
     let done = py.detach(|| catch_unwind(AssertUnwindSafe(work)).unwrap_or(Err(Failure::Panic)));
     done.map_err(PyErr::from)
 }
 
-/// The same on so many threads, for 0 as many as the machine runs at once.
+/// The same on `threads` threads, for 0 on as many as the machine has logical cores.
 ///
-/// They are started for this work alone: a process that is forked later has none of them, and would wait for ever for
+/// The threads are started for this work alone: a process forked later has none of them, and would wait forever for
 /// those of a pool that outlives the call.
 pub fn compute_on<T: Send>(
     py: Python,

@@ -1,4 +1,4 @@
-//! What can go wrong, as exceptions of `sagnac.errors`.
+//! Errors, as exceptions of `sagnac.errors`.
 
 use pyo3::import_exception;
 use pyo3::prelude::*;
@@ -18,25 +18,25 @@ import_exception!(sagnac.errors, StorageError);
 import_exception!(sagnac.errors, StudyError);
 import_exception!(sagnac.errors, UsageError);
 
-/// Columns of a study's report.
+/// Width of the report of an error in a study, in columns.
 const WIDTH: usize = 100;
 
-/// Why a call did not do what it was asked for.
+/// Why a call did not complete its task.
 #[derive(Debug)]
 pub enum Failure {
     Study(Refused),
-    /// An argument.
+    /// An invalid argument.
     Usage(String),
-    /// Samples.
+    /// Unusable samples.
     Record(String),
     Store(StoreError),
     Select(SelectError),
     Run(RunError),
     Write(String),
     Threads(String),
-    /// What a function of the caller raised, or an interruption.
+    /// An exception raised by a function of the caller, or an interruption.
     Python(PyErr),
-    /// The panic itself is told by Rust on the standard error stream.
+    /// A panic, which Rust has printed on the standard error stream.
     Panic,
 }
 
@@ -51,14 +51,14 @@ impl From<Failure> for PyErr {
             Failure::Select(error) => DeviceError::new_err(in_python(&error.to_string())),
             Failure::Run(RunError::Store(error)) => StorageError::new_err(in_python(&error.to_string())),
             Failure::Run(RunError::Gpu(error)) => DeviceError::new_err(format!(
-                "{error}\nwhat was computed is kept where out= is given: run again to go on, or use device=\"cpu\""
+                "{error}\ncompleted work is kept if out= is given: run again to continue, or use device=\"cpu\""
             )),
             Failure::Run(RunError::Refused(error)) => RecordError::new_err(error.to_string()),
             Failure::Write(message) => StorageError::new_err(message),
             Failure::Threads(message) => DeviceError::new_err(format!("cannot start threads: {message}")),
             Failure::Python(error) => error,
             Failure::Panic => InternalError::new_err(
-                "the program came into a state that it should not: this is a fault of sagnac, and nothing is wrong with \
+                "the program reached an invalid state: this is a fault of sagnac, and nothing is wrong with \
                  what it was given\nplease report it with the message above",
             ),
         }
@@ -110,7 +110,7 @@ impl From<ChoiceError> for Failure {
     }
 }
 
-/// Settings that the library names, and the arguments that stand for them.
+/// Settings of the library with the corresponding arguments.
 const ARGUMENTS: [(&str, &str); 10] = [
     ("at", "at"),
     ("bootstrap", "bootstrap"),

@@ -13,7 +13,7 @@ use sagnac::study::Study;
 use super::compute::compute;
 use super::failure::Failure;
 
-/// What fillers without a study are made of.
+/// The parameters of fillers without a study.
 #[derive(FromPyObject)]
 pub struct Made {
     gap_ticks: u32,
@@ -25,7 +25,7 @@ pub struct Made {
     noise: Option<String>,
 }
 
-/// Keys of the study that is made of the arguments, and the arguments that stand for them; longer keys first.
+/// Keys of the resulting study with the corresponding arguments; longer keys first.
 const NAMES: [(&str, &str); 9] = [
     ("switching.extrapolation_ticks", "extrapolation_ticks"),
     ("switching.fit_ticks", "fit_ticks"),
@@ -38,13 +38,13 @@ const NAMES: [(&str, &str); 9] = [
     ("gyro.tick", "tick"),
 ];
 
-/// A fault of that study in terms of the arguments: its text is not one that the user knows.
+/// An error of that study in terms of the arguments, because the user does not know its text.
 fn in_arguments(error: &StudyError) -> Failure {
     let help = miette::Diagnostic::help(error).map_or_else(String::new, |help| format!("\n{help}"));
     Failure::Usage(NAMES.iter().fold(format!("{error}{help}"), |said, (key, name)| said.replace(key, name)))
 }
 
-/// Fillers of these kinds.
+/// The weights of fillers of these kinds.
 #[pyfunction]
 pub fn of_kinds<'py>(py: Python<'py>, kinds: Vec<String>, made: Made) -> PyResult<Bound<'py, PyDict>> {
     let firmware = compute(py, || {
@@ -70,7 +70,7 @@ pub fn of_kinds<'py>(py: Python<'py>, kinds: Vec<String>, made: Made) -> PyResul
     document(py, &firmware)
 }
 
-/// Fillers of a study at one of its points.
+/// The weights of fillers of a study at one of its points.
 #[pyfunction]
 pub fn of_study<'py>(
     py: Python<'py>,

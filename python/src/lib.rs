@@ -1,5 +1,5 @@
-//! The native part of the Python package `sagnac`: arguments to library calls, and what they return as arrays and plain
-//! objects. What users call, with its documentation, is written in Python, in `python/sagnac`.
+//! The native part of the Python package `sagnac`: it maps arguments to library calls, and returns arrays and plain
+//! objects. The functions for users, with their documentation, are written in Python, in `python/sagnac`.
 
 mod compute;
 mod failure;
@@ -12,7 +12,7 @@ mod theory;
 
 use pyo3::prelude::*;
 
-/// What the package is made of.
+/// The contents of the module.
 #[pymodule]
 fn _sagnac(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("version", env!("CARGO_PKG_VERSION"))?;

@@ -1,4 +1,4 @@
-//! Progress for a function of the caller, and the end that it or Ctrl-C puts to a run.
+//! Progress for a function of the caller, which can end the run, as Ctrl-C can.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -7,10 +7,10 @@ use std::time::{Duration, Instant};
 use pyo3::prelude::*;
 use sagnac::progress::Progress;
 
-/// Between two calls of the function.
+/// Interval between two calls of the function.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// Tells a function how far a run has come, `progress(done, total, unit)`, and hears of interruptions.
+/// Calls a function with the progress of a run, `progress(done, total, unit)`, and checks for interruptions.
 pub struct Listener {
     function: Option<Py<PyAny>>,
     unit: Mutex<&'static str>,
@@ -32,7 +32,7 @@ impl Listener {
         }
     }
 
-    /// What the function raised, or the interruption, if the run was ended by one.
+    /// The exception or the interruption that ended the run, if any.
     pub fn raised(&self) -> Option<PyErr> {
         self.raised.lock().ok().and_then(|mut raised| raised.take())
     }
@@ -45,7 +45,7 @@ impl Listener {
 
     fn tell(&self) {
         let Some(function) = &self.function else { return };
-        // A thread that finds another one telling has nothing to add.
+        // If another thread is calling the function, there is nothing to add.
         let Ok(mut told) = self.told.try_lock() else { return };
         *told = Instant::now();
         let [done, total] = [&self.done, &self.total].map(|count| count.load(Ordering::Relaxed));
@@ -79,7 +79,7 @@ impl Progress for Listener {
     }
 
     fn stops(&self) -> bool {
-        // Signals are heard on Python's main thread alone; elsewhere this finds none.
+        // Signals arrive only on Python's main thread; elsewhere this finds none.
         if let Err(error) = Python::attach(|py| py.check_signals()) {
             self.keep(error);
         }

@@ -25,7 +25,7 @@ use sagnac::theory::allan::terms::Term;
 use super::compute::compute_on;
 use super::failure::{Failure, in_python};
 
-/// What the samples are and what is done to them.
+/// The kind of the samples, and their treatment.
 #[derive(FromPyObject)]
 pub struct Reading {
     kind: String,
@@ -37,21 +37,21 @@ pub struct Reading {
     threads: usize,
 }
 
-/// A point of a curve that was fitted: τ, the deviation, that of the fit.
+/// A point of a fitted curve: τ, the deviation, and that of the fit.
 type Fitted = (f64, f64, Option<f64>);
 
-/// An array as it is analysed.
+/// An array prepared for the analysis.
 struct Record {
     angles: Angles,
     outliers: Outliers,
     missing: usize,
     mean_rate: Option<f64>,
-    /// In the unit of the curve per s.
+    /// Slope in the unit of the curve per s.
     slope: f64,
     unit: sagnac::allan::unit::Unit,
 }
 
-/// Averaging times: a name, or seconds.
+/// Averaging times: the name of a choice, or seconds.
 #[derive(FromPyObject)]
 pub enum Times {
     Named(String),
@@ -68,7 +68,7 @@ impl Times {
                 "decade20" => Ok(Taus::Decade(20)),
                 "all" => Ok(Taus::All),
                 other => Err(Failure::Usage(format!(
-                    "taus=\"{other}\" is none\naccepted: \"octave\", \"decade10\", \"decade20\", \"all\", or seconds as in \
+                    "taus=\"{other}\" is not known\naccepted: \"octave\", \"decade10\", \"decade20\", \"all\", or seconds as in \
                      [1, 10, 100]"
                 ))),
             },
@@ -89,7 +89,7 @@ impl Reading {
             other => {
                 let accepted =
                     "accepted: \"rate\", \"increment\" (the angle turned in each sample), \"angle\"";
-                return Err(Failure::Usage(format!("kind=\"{other}\" is none\n{accepted}")));
+                return Err(Failure::Usage(format!("kind=\"{other}\" is not known\n{accepted}")));
             }
         };
         let unit = Unit::parse(&self.unit, data).or_else(|wrong| match self.unit.contains('/') {
@@ -103,7 +103,7 @@ impl Reading {
             return Err(Failure::Record(format!("{found}\nanalyse a part of it, or average neighbours")));
         }
         if let Some(place) = values.iter().position(|value| value.is_infinite()) {
-            let help = "give NaN for samples that are missing";
+            let help = "give NaN for missing samples";
             return Err(Failure::Record(format!("sample {place} of the array is infinite\n{help}")));
         }
         let samples = Samples { data, unit: &unit, step_s: self.step_s, values };
@@ -133,13 +133,13 @@ impl Reading {
     }
 }
 
-/// Why samples are refused.
+/// The message for refused samples.
 fn in_words(fault: Fault, unit: &Unit) -> String {
     let off = "if the unit is right, give unit_check=False";
     let rate = |mean: f64| format!("{} deg/h", significant(mean, 3));
     match fault {
         Fault::TooFew { there } => format!(
-            "the array has {there} samples, at least {LEAST_SAMPLES} are needed\nrecord longer, or cut less of it"
+            "the array has {there} samples, at least {LEAST_SAMPLES} are needed\nrecord longer, or remove less"
         ),
         Fault::Constant { there, value } => format!(
             "the array is constant: all {there} samples are {value}\nis it the right column, and was the sensor on? a \
@@ -150,19 +150,19 @@ fn in_words(fault: Fault, unit: &Unit) -> String {
             rate(mean)
         ),
         Fault::NeverAtRest { mean } => format!(
-            "the array has a mean rate of {}: no gyro at rest has\nis {} its unit? is kind= right? {off}",
+            "the array has a mean rate of {}, which no gyro at rest has\nis {} its unit? is kind= right? {off}",
             rate(mean),
             unit.text
         ),
     }
 }
 
-/// The samples of an array that lie side by side: nothing is copied.
+/// The contiguous samples of an array, without a copy.
 fn side_by_side<'a>(data: &'a PyReadonlyArray1<'_, f64>) -> PyResult<&'a [f64]> {
     data.as_slice().map_err(|error| Failure::Usage(error.to_string()).into())
 }
 
-/// What both functions say of a record.
+/// The common results of both functions for a record.
 fn document<'py>(py: Python<'py>, record: &Record) -> PyResult<Bound<'py, PyDict>> {
     let document = PyDict::new(py);
     let outliers: Vec<i64> = record.outliers.samples.iter().map(|&sample| sample as i64).collect();
@@ -228,7 +228,7 @@ fn of_curve<'py>(
     let carried: Vec<bool> = points.iter().map(|p| p.noise.is_some_and(|noise| noise.carried)).collect();
     document.set_item("alpha_carried", PyArray1::from_vec(py, carried))?;
     document.set_item("edf", numbers(&|point| point.edf))?;
-    // A time deviation rises with τ: its minimum is no stability.
+    // A time deviation rises with τ, so its minimum does not describe stability.
     let least = minimum(points).filter(|_| !deviation.is_of_angle()).map(|least| {
         let ends = least.point.interval.unzip();
         (least.point.tau_s, least.point.value, ends.0, ends.1, least.at_end)
@@ -237,7 +237,7 @@ fn of_curve<'py>(
     Ok(document)
 }
 
-/// The coefficients of an array, each as a tuple, with the curve that they are fitted to.
+/// The coefficients of an array, each as a tuple, with the fitted curve.
 #[pyfunction]
 pub fn fit<'py>(
     py: Python<'py>,
@@ -295,6 +295,6 @@ fn term(name: &str) -> Result<Term, Failure> {
     let found = Term::ALL.into_iter().find(|term| term.symbol().eq_ignore_ascii_case(name));
     found.ok_or_else(|| {
         let known = Term::ALL.map(Term::symbol).join(", ");
-        Failure::Usage(format!("terms: `{name}` is none\naccepted: \"auto\", or some of {known}"))
+        Failure::Usage(format!("terms: `{name}` is not a term\naccepted: \"auto\", or some of {known}"))
     })
 }

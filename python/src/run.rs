@@ -21,9 +21,9 @@ use super::failure::Failure;
 use super::progress::Listener;
 use super::table::columns;
 
-/// What is asked for.
+/// The request.
 struct Asked {
-    /// A file, or else the text.
+    /// Path of the study; `None` for a study given as text.
     path: Option<PathBuf>,
     text: String,
     trials: Option<u64>,
@@ -41,15 +41,15 @@ struct Ran {
     is_sampled: bool,
     tables: Tables,
     pictures: Vec<Drawn>,
-    /// The page of the study.
+    /// The report as HTML.
     report: String,
-    /// Each as text and as JSON.
+    /// Verdicts, each as text and as JSON.
     verdicts: Vec<(String, String)>,
     notes: Vec<String>,
     done: Option<(Done, String)>,
 }
 
-/// Runs a study from a file, or from its text where there is no `path`, and returns its tables and what is said of them.
+/// Runs a study from a file, or from its text if there is no `path`, and returns its tables, verdicts and report.
 #[pyfunction]
 #[pyo3(signature = (path, text, trials, seed, device, threads, folder, is_kept, progress))]
 #[expect(clippy::too_many_arguments, reason = "each is one of the function in Python")]
@@ -102,11 +102,11 @@ impl Asked {
         study.trials = self.trials.unwrap_or(study.trials);
         study.seed = self.seed.unwrap_or(study.seed);
         let plan = Plan::new(&study)?;
-        // What would otherwise fail after the sampling.
+        // Checks for errors that would otherwise occur after sampling.
         pictures(&study, &plan.blank_tables())?;
         let mut store = Store::open(&self.folder, &plan.identity())?;
         if self.is_kept {
-            // From the start on, as it may be killed.
+            // Kept from the start, as the run may be killed.
             keep(&study, &self.folder)?;
             store.note_share(Share::WHOLE)?;
         }
@@ -129,7 +129,7 @@ impl Asked {
             }
         }
         let degraded = done.as_ref().map_or(&[][..], |(done, _)| &done.degraded);
-        // A run that ends early has raised by now.
+        // A run that ended early has raised an exception before.
         let results = Results::of::<Failure>(&study, &plan, &store, &tables, 0, degraded)?;
         let judged = results.verdicts()?;
         let report = results.page(results.answer(&judged)?);

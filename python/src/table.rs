@@ -13,8 +13,8 @@ pub fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyLis
     PyList::new(py, table.columns.iter().map(column).collect::<PyResult<Vec<_>>>()?)
 }
 
-/// Whole numbers where all cells are such, a list of texts with None for blanks where some are texts, else numbers with NaN
-/// for blanks.
+/// An integer array if all cells are integers, a list of texts with None for blanks if some are texts, else an array of
+/// floats with NaN for blanks.
 fn values<'py>(py: Python<'py>, column: &Column) -> PyResult<Bound<'py, PyAny>> {
     let cells = &column.cells;
     if cells.iter().any(|cell| matches!(cell, Cell::Text(_))) {

@@ -1,4 +1,4 @@
-//! Closed forms over arrays: each function takes arrays of one length and returns such arrays.
+//! Closed forms over arrays: each function takes arrays of equal length and returns arrays of that length.
 
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -21,7 +21,7 @@ use super::failure::Failure;
 type Numbers<'py> = PyReadonlyArray1<'py, f64>;
 type Column<'py> = Bound<'py, PyArray1<f64>>;
 
-/// `of` at every place of `arrays`: M results from N values.
+/// Applies `of` at every index of `arrays`: M results from N values.
 fn over<'py, const N: usize, const M: usize>(
     py: Python<'py>,
     arrays: &[Numbers<'py>; N],
@@ -44,7 +44,7 @@ fn over<'py, const N: usize, const M: usize>(
     Ok(columns.map(|column| PyArray1::from_vec(py, column)))
 }
 
-/// One result from N values.
+/// Applies `of` at every index of `arrays`: one result from N values.
 fn each<'py, const N: usize>(
     py: Python<'py>,
     arrays: &[Numbers<'py>; N],
@@ -70,7 +70,7 @@ fn polynomial(ticks: Vec<i32>, order: usize, gap_ticks: u32) -> PyResult<(Vec<i6
     Ok((weights.numerators, weights.denominator))
 }
 
-/// Amplitude of the error of some weights, ″ per ″/s: arrays of ν and T.
+/// Amplitude of the error of given weights, ″ per ″/s: arrays of ν and T.
 #[pyfunction]
 fn gap_response<'py>(
     py: Python<'py>,
@@ -108,7 +108,7 @@ fn magnetic([amplitude, time_s, initial]: [f64; 3]) -> Magnetic {
     Magnetic { amplitude, time_s, initial }
 }
 
-/// Ω_m and the angle that it leaves of a run of intervals: arrays of t, MT, A, τ, Ω_m0.
+/// Ω_m and its remaining angle after a run of intervals: arrays of t, MT, A, τ, Ω_m0.
 #[pyfunction]
 fn magnetic_drift<'py>(py: Python<'py>, arrays: [Numbers<'py>; 5]) -> PyResult<[Column<'py>; 2]> {
     over(py, &arrays, |[t, interval, a, tau, initial]| {
@@ -127,7 +127,8 @@ fn drift_bound<'py>(py: Python<'py>, arrays: [Numbers<'py>; 7]) -> PyResult<[Col
     })
 }
 
-/// Intervals of the least bound, exact, expanded, as published, and the limits: arrays of t, A, τ, Ω_m0, Ω_nm, δP_max.
+/// Interval of the least bound, exact, expanded and as published, and its limits: arrays of t, A, τ, Ω_m0, Ω_nm,
+/// δP_max.
 #[pyfunction]
 fn drift_optimum<'py>(py: Python<'py>, arrays: [Numbers<'py>; 6]) -> PyResult<[Column<'py>; 6]> {
     over(py, &arrays, |[t, a, tau, initial, non_magnetic, residual_max]| {
@@ -145,8 +146,8 @@ fn drift_optimum<'py>(py: Python<'py>, arrays: [Numbers<'py>; 6]) -> PyResult<[C
     })
 }
 
-/// Mean drift by the sign of the first mode, its deviation at random phases and in phase, the best interval and the rms there:
-/// arrays of MT, t, A, τ, Ω_m0, Ω_nm, σ_δP.
+/// Mean drift by the sign of the first mode, its deviation for random phases and in phase, and the best interval with
+/// its rms drift: arrays of MT, t, A, τ, Ω_m0, Ω_nm, σ_δP.
 #[pyfunction]
 fn drift_of_runs<'py>(
     py: Python<'py>,
@@ -165,12 +166,12 @@ fn drift_of_runs<'py>(
     })
 }
 
-/// A tick's number, from 1 on: others have no relock.
+/// The number of a tick as an integer from 1; `None` for others, which have no relock.
 fn tick_number(tick: f64) -> Option<u32> {
     (tick >= 1.0 && tick <= f64::from(u16::MAX) && tick == tick.trunc()).then_some(tick as u32)
 }
 
-/// Apparent drift, error of the bias and mean detunings of the halves: arrays of i, T, τ_L, f0, χ, Δλ0.
+/// Apparent drift, error of the bias, and mean detunings of the halves: arrays of i, T, τ_L, f0, χ, Δλ0.
 #[pyfunction]
 fn relock_ticks<'py>(py: Python<'py>, arrays: [Numbers<'py>; 6]) -> PyResult<[Column<'py>; 4]> {
     over(py, &arrays, |[tick, tick_s, loop_s, bias, curvature, miss]| {
@@ -198,7 +199,7 @@ fn drift_from_detuning<'py>(py: Python<'py>, arrays: [Numbers<'py>; 4]) -> PyRes
     })
 }
 
-/// Noise in ″ and s; what is 0 is not there.
+/// Noise in ″ and s; terms that are 0 are absent.
 #[derive(FromPyObject)]
 struct Noise {
     q: f64,
@@ -251,7 +252,7 @@ fn sampled_variance<'py>(
         "hadamard" => Estimator::HADAMARD,
         other => {
             let accepted = "accepted: \"overlapping\", \"non-overlapping\", \"hadamard\"";
-            return Err(Failure::Usage(format!("estimator=\"{other}\" is none\n{accepted}")).into());
+            return Err(Failure::Usage(format!("estimator=\"{other}\" is not known\n{accepted}")).into());
         }
     };
     let octaves = holds::octaves(samples).ok_or_else(|| {
@@ -282,14 +283,14 @@ fn suspension_response<'py>(
     })
 }
 
-/// The modes of a suspension that is known by name: frequency, Q, response.
+/// The modes of a named suspension: frequency, Q, response.
 #[pyfunction]
 fn suspension_modes(name: &str) -> Option<Vec<(f64, f64, f64)>> {
     let suspension = Suspension::named(name)?;
     Some(suspension.modes().iter().map(|mode| (mode.frequency_hz, mode.q, mode.response)).collect())
 }
 
-/// Adds all of these to the module.
+/// Adds all functions to the module.
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(polynomial, module)?)?;
     module.add_function(wrap_pyfunction!(gap_response, module)?)?;

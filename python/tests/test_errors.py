@@ -43,7 +43,7 @@ def test_what_shows_in_charts_only_is_found_before_anything_is_sampled(studies: 
     [
         ({"trials": 0}, "trials=0"),
         ({"trials": 1 << 41}, "accepted: 1 to"),
-        ({"trials": 10.5}, "no whole number"),
+        ({"trials": 10.5}, "not a whole number"),
         ({"seed": -1}, "seed=-1"),
         ({"seed": 1 << 63}, "accepted: 0 to"),
         ({"threads": 0}, "threads=0"),
@@ -120,7 +120,7 @@ def test_arguments_of_deviations_are_refused_with_what_is_accepted(arguments: An
     "arguments, piece",
     [
         ({"terms": "QNB"}, "accepted: \"auto\""),
-        ({"terms": ["Z"]}, "`Z` is none"),
+        ({"terms": ["Z"]}, "`Z` is not a term"),
         ({"terms": []}, "no coefficients"),
         ({"bootstrap": 10}, "accepted: 200 to"),
     ],

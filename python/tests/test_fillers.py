@@ -79,7 +79,7 @@ def test_the_response_is_the_amplitude_that_the_program_tells(program: Program) 
         ({"what": "const", "gap_ticks": 100_000}, "gap_ticks"),
         ({"what": "minimum-variance", "gap_ticks": 3}, "tick is missing"),
         ({"what": "quadratic", "gap_ticks": 3, "fit_ticks": "0,4"}, "fit_ticks"),
-        ({"what": "const", "gap_ticks": 3, "at": {"n": 1}}, "choose from a study"),
+        ({"what": "const", "gap_ticks": 3, "at": {"n": 1}}, "select from a study"),
         ({"what": "const", "gap_ticks": 3, "band": "20 Hz"}, "belong together"),
     ],
 )

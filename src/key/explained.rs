@@ -19,7 +19,7 @@ pub struct Explained {
     pub example: &'static str,
     /// Names of the kinds of study that have it.
     pub kinds: Vec<&'static str>,
-    /// Whether the table that it is in needs it.
+    /// Whether its table requires it.
     pub required: bool,
     /// Accepted quantities, such as `a frequency in Hz, kHz, 1/s, for example "20 Hz"`; empty if it holds none.
     pub accepted: String,

@@ -97,7 +97,7 @@ pub enum Gaussian {
     },
 }
 
-/// A recorded motion that is replayed.
+/// A recorded motion to be replayed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     /// File name in the study.

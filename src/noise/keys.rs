@@ -72,7 +72,8 @@ keys! {
     pub(crate) RESIDUAL_NOISE = "noise.switching.residual_noise", "noise of fill residuals", ANGLES, r#"residual_noise = "2 arcsec""#;
 }
 
-/// The setting of the coefficient (0) or the shape (1) of a term: what has a shape is swept only where its table is.
+/// The setting of the coefficient (0) or the shape (1) of a term. A term with a shape can be swept only where its table
+/// is present.
 macro_rules! of_term {
     ($key:ident, $term:ident, $place:literal) => {
         Setting::of(

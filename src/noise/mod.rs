@@ -10,14 +10,14 @@ use crate::theory::allan::terms::Term;
 use crate::theory::allan::{holds, switching};
 use crate::theory::drift::magnetic::Magnetic;
 
-/// Coefficients of terms, and what is no term; 0 is absent.
+/// Coefficients of terms, with readout and switching; 0 means absent.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Noise {
-    /// Of each term its coefficient and shape in ″ and s, in the order of [`Term::EVERY`]; `None` of those that are not written.
+    /// Coefficient and shape of each term in ″ and s, in the order of [`Term::EVERY`]; `None` for an absent term.
     terms: [Option<[f64; 2]>; Term::EVERY.len()],
     /// Angle of a pulse where whole pulses are read, ″.
     pub readout_lsb: f64,
-    /// Of a gyro that switches modes.
+    /// Switching, of a gyro that switches modes.
     pub switching: Option<Switching>,
 }
 
@@ -69,17 +69,17 @@ impl Switching {
 }
 
 impl Noise {
-    /// Coefficient and shape of a term; 0 where it is absent.
+    /// Coefficient and shape of a term; 0 where the term is absent.
     pub fn of(&self, term: Term) -> [f64; 2] {
         self.terms[term as usize].unwrap_or_default()
     }
 
-    /// Whether it has a term: of those with a shape the table, of the others a coefficient that is not 0.
+    /// Whether the term is present: a term with a shape by its table, another one by a coefficient other than 0.
     pub fn has(&self, term: Term) -> bool {
         self.terms[term as usize].is_some_and(|[size, _]| size != 0.0 || term.has_shape())
     }
 
-    /// Sets the coefficient (0) or the shape (1) of a term, which comes to be with that.
+    /// Sets the coefficient (0) or the shape (1) of a term, which creates an absent term.
     pub(crate) fn set(&mut self, term: Term, place: usize, value: f64) {
         self.terms[term as usize].get_or_insert_default()[place] = value;
     }
@@ -106,7 +106,7 @@ impl Noise {
             let shape = if term.has_shape() { shape } else { 1.0 };
             (size != 0.0).then(|| term.of_coefficient(size, shape, octaves))
         });
-        // What is the same in all records comes last.
+        // Parts common to all records come last.
         let is_trend = |part: &Part| part.trend(Difference::Second, sample_s, 1).is_some();
         let (trends, random): (Vec<Part>, Vec<Part>) = there.partition(is_trend);
         Process { sample_s, parts: [random, trends].concat() }

@@ -1,4 +1,4 @@
-//! Everything that people look at: charts, verdicts and the page of a study.
+//! Output for people: charts, verdicts and the page of a study.
 
 pub mod chart;
 pub mod picture;

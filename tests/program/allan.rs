@@ -177,6 +177,6 @@ fn the_coefficients_of_white_noise_are_n_alone_in_the_units_of_data_sheets() {
     desk.fails(
         "allan rest.csv --data rate --unit deg/h --rate 1Hz --fit Q,Z",
         2,
-        &["`Z` is no term", "auto, none, or some of Q,N,B,K,R,markov,sine"],
+        &["`Z` is not a term", "auto, none, or some of Q,N,B,K,R,markov,sine"],
     );
 }

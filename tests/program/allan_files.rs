@@ -198,7 +198,7 @@ fn imu_yaml_has_n_and_k_in_rad_and_says_what_is_missing() {
     let columns = [rates(&WALK, 30_000, 10), rates(&WALK, 30_000, 11), rates(&GYRO, 30_000, 12)];
     let desk = desk_with("gyro.csv", log("gx [deg/h],gy [deg/h],gz [deg/h]", &columns));
     let ended = allan(&desk, "gyro.csv --column gx --kalibr imu.yaml");
-    assert!(ended.stderr.contains("what Kalibr reads is in imu.yaml"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("the Kalibr file is imu.yaml"), "{}", ended.stderr);
     let text = desk.read("imu.yaml");
     let found = entries(&text);
     let keys: Vec<&str> = found.keys().map(String::as_str).collect();

@@ -136,7 +136,7 @@ fn folders_of_folders_negative_numbers_and_terms_are_understood() {
     let desk = Desk::with(&replaced("[gyro]", "trials = 1000\n[gyro]"));
     desk.done("run study.toml --device cpu --quiet");
     desk.fails("check results", 2, &["results holds folders of results", "give one of them: results/study"]);
-    desk.fails("run study.toml --trials -5", 2, &["no whole number: write a whole number"]);
+    desk.fails("run study.toml --trials -5", 2, &["not a whole number: write a whole number"]);
     for (word, meaning) in
         [("N", "angle random walk"), ("arw", "angle random walk"), ("lsb", "one pulse"), ("shard", "merge")]
     {

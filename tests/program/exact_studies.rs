@@ -272,7 +272,7 @@ fn lists_of_columns_that_make_no_sense_are_refused() {
     let chart = |lines: &str| format!("{BUDGET}{RUNS}[chart]\nx = \"duration\"\n{lines}\n");
     refused(&chart("y = [\"bound\"]"), "17:5", &["chart.y lists 1 columns", "2 to 8"]);
     refused(&chart("y = 5"), "17:5", &["`chart.y` is the number 5"]);
-    refused(&chart("y = [\"bound\", \"bound\"]"), "17:15", &["`bound` stands twice"]);
+    refused(&chart("y = [\"bound\", \"bound\"]"), "17:15", &["`bound` is listed twice"]);
     refused(&chart("y = [\"bound\", \"optimum\"]"), "17:15", &["`optimum` is in s, a curve in ″/s"]);
     refused(&chart("y = [\"bound\", \"none\"]"), "17:15", &["no column is called `none`"]);
     let missing = format!("{BUDGET}{RUNS}[chart]\nx = \"duration\"\n");

@@ -27,7 +27,7 @@ fn a_chart_of_no_results_is_refused_with_what_there_is() {
     create_dir_all(desk.path("compared")).unwrap();
     desk.fails("chart compared", 2, &["compared has no resolved_study.toml"]);
     write(desk.path("compared/compare.csv"), "").unwrap();
-    desk.fails("chart compared", 2, &["compared holds what `sagnac compare` wrote"]);
+    desk.fails("chart compared", 2, &["compared holds output of `sagnac compare`"]);
     desk.fails("chart results/study --chart 2", 2, &["the study has no chart of its own"]);
     desk.fails(
         "chart results/study --kind heat-map --x frequency",
@@ -203,7 +203,7 @@ fn a_run_says_which_file_is_another_one_than_before() {
     gyros(&desk, "other", "0.003");
     desk.done("run one/study.toml --device cpu --out out");
     let said = desk.done("run other/study.toml --device cpu --out out").stderr;
-    assert!(said.contains("note: inputs/a.toml is another one than in the earlier run"), "{said}");
+    assert!(said.contains("note: inputs/a.toml changed since the last run"), "{said}");
     assert!(!said.contains("inputs/b.toml"), "{said}");
 }
 

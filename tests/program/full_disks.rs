@@ -94,7 +94,7 @@ fn a_full_file_system_keeps_what_was_complete_and_a_run_goes_on_when_there_is_ro
         let Some(said) = with_mounts(&desk, &script) else { return };
         assert!(said.contains("code 6"), "{kib} KiB: {said}");
         assert!(said.contains("no space is left") || said.contains("No space left"), "{kib} KiB: {said}");
-        assert!(said.contains("complete, points.csv is what they give"), "{said}");
+        assert!(said.contains("complete, points.csv matches them"), "{said}");
         assert_eq!(desk.read(&format!("found-{part}.csv")), table);
     }
 }
@@ -117,6 +117,6 @@ fn a_read_only_folder_can_be_checked_and_merged_but_not_run_in() {
     let Some(said) = with_mounts(&desk, &script) else { return };
     assert_eq!(said.matches("code 6").count(), 3, "{said}");
     assert!(said.contains("read-only") || said.contains("Read-only"), "{said}");
-    assert!(said.contains("complete, points.csv is what they give"), "{said}");
+    assert!(said.contains("complete, points.csv matches them"), "{said}");
     assert_eq!(desk.read("merged/points.csv"), table);
 }

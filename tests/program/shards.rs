@@ -117,7 +117,7 @@ fn shards_are_run_merged_and_checked_as_a_user_would() {
     let ended = desk.sagnac(&format!("merge {} {} --out part", parts[2], parts[0]));
     assert_eq!(ended.code, 4, "{}", ended.stderr);
     assert!(ended.stderr.contains("part is incomplete: 1"), "{}", ended.stderr);
-    assert!(ended.stderr.contains("share 2 of 3 is not there"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("share 2 of 3 is missing"), "{}", ended.stderr);
     assert_eq!(desk.sagnac("check part").code, 4);
     // Every point has a half of them; a study that goes on from there still asks for all.
     desk.done("run study.toml --device cpu --trials 2000 --shard 1/2 --out half");
@@ -139,12 +139,12 @@ fn shards_are_run_merged_and_checked_as_a_user_would() {
     assert_eq!(desk.read("part/points.csv"), desk.read("whole/points.csv"));
 
     let ended = desk.done("check whole results/study twice part");
-    assert_eq!(ended.stdout.matches("complete, points.csv is what they give").count(), 4, "{}", ended.stdout);
+    assert_eq!(ended.stdout.matches("complete, points.csv matches them").count(), 4, "{}", ended.stdout);
     let table = desk.read("whole/points.csv").replace("const", "cost");
     desk.write("whole/points.csv", &table);
     let ended = desk.sagnac("check whole");
     assert_eq!(ended.code, 5);
-    assert!(ended.stderr.contains("whole/points.csv is not what the tallies give"), "{}", ended.stderr);
+    assert!(ended.stderr.contains("whole/points.csv does not match the tallies"), "{}", ended.stderr);
 }
 
 #[test]
@@ -200,7 +200,7 @@ fn shares_that_make_no_sense_are_refused() {
     desk.fails(
         "merge b --out part --quiet",
         4,
-        &["part is incomplete: 147 thousand", "share 1 of 2 is not there"],
+        &["part is incomplete: 147 thousand", "share 1 of 2 is missing"],
     );
     desk.done("merge a b --out c");
     assert_eq!(desk.read("c/points.csv"), desk.read("whole/points.csv"));

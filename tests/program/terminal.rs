@@ -82,11 +82,7 @@ fn every_kind_has_a_study_to_begin_with_that_runs_and_a_file_that_is_there_stays
         let study = Study::read(&desk.path(&format!("{kind}.toml"))).unwrap();
         assert_eq!(study.kind().name, kind);
         desk.done(&format!("run {kind}.toml --trials 64 --device cpu --plot"));
-        desk.fails(
-            &format!("new {kind} study.toml"),
-            2,
-            &["study.toml is there already", "name another file"],
-        );
+        desk.fails(&format!("new {kind} study.toml"), 2, &["study.toml already exists", "name another file"]);
         assert_eq!(desk.read("study.toml"), "mine");
     }
 }

@@ -44,7 +44,7 @@ pub fn allan(options: &Options) -> Result<(), Failure> {
             print(&crate::allan::report::report(&analysis))?;
             say!("results are in {}", folder.display());
             if let Some(path) = &options.kalibr {
-                say!("what Kalibr reads is in {}", path.display());
+                say!("the Kalibr file is {}", path.display());
             }
         }
     }
@@ -79,7 +79,7 @@ fn folders(options: &Options) -> Result<Vec<PathBuf>, Failure> {
     Ok(folders)
 }
 
-/// Writes tables, noise and charts, and removes what an earlier run left that is there no more.
+/// Writes tables, noise and charts, and removes files of an earlier run that are no longer written.
 fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
     write_table(&folder.join("curve.csv"), &tables::table(analysis))?;
     write_table(&folder.join("coefficients.csv"), &tables::coefficients(analysis))?;
@@ -100,7 +100,7 @@ fn save(analysis: &Analysis, folder: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Removes files of ours that are not among those written now.
+/// Removes files that an earlier run wrote and this one did not.
 fn remove_others(folder: &Path, written: &[(String, String)]) -> Result<(), Failure> {
     let failed = |path: &Path| {
         let path = path.to_owned();

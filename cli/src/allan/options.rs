@@ -1,4 +1,4 @@
-//! What `sagnac allan` is asked for.
+//! Options of `sagnac allan`.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use sagnac::record::log::read::Request;
 use crate::failure::Failure;
 use crate::reading::Reading;
 
-/// Examples, after the options.
+/// Examples, shown after the options.
 pub const EXAMPLES: &str = "\
 Examples:
   sagnac allan gyro.csv --data rate --unit deg/h --rate 100Hz --column gz
@@ -32,26 +32,26 @@ pub struct Options {
     pub files: Vec<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
-    /// Averaging times: octave, decade10, decade20, all, or seconds with commas between
+    /// Averaging times: octave, decade10, decade20, all, or seconds separated by commas
     #[arg(long, value_name = "TAUS", default_value = "octave", value_parser = taus)]
     pub tau: Taus,
-    /// Which of adev, oadev, mdev, tdev, hdev, ohdev, with commas between
+    /// One or more of adev, oadev, mdev, tdev, hdev, ohdev, separated by commas
     #[arg(long, value_name = "NAMES", default_value = "oadev", value_delimiter = ',')]
     pub deviation: Vec<Deviation>,
-    /// Simulated records of the fit, from which the intervals of coefficients come; 0 takes them in closed form [default:
-    /// 1000, of more than 2 million samples 0]
+    /// Simulated records of the fit, which give the intervals of coefficients; 0 uses closed forms [default: 1000, for
+    /// more than 2 million samples 0]
     #[arg(long, value_name = "N", value_parser = simulated)]
     bootstrap: Option<usize>,
-    /// Probability of the intervals of deviations
+    /// Probability of the confidence intervals of deviations
     #[arg(long, value_name = "P", default_value_t = 0.95, value_parser = probability)]
     pub confidence: f64,
     /// Results folder [default: results/<name of the file>]
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Also write the gyroscope part of an imu.yaml, as Kalibr reads it: noise density N and random walk K
+    /// Also write the gyroscope part of an imu.yaml for Kalibr: noise density N and random walk K
     #[arg(help_heading = "Output", long, value_name = "FILE.yaml")]
     pub kalibr: Option<PathBuf>,
-    /// Print the results as JSON: one object, or with several files one array of them
+    /// Print the results as JSON: one object, or an array of objects for several files
     #[arg(help_heading = "Output", long)]
     pub json: bool,
     /// Also draw the chart as text
@@ -63,7 +63,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// What is computed of each log.
+    /// The requested computations for each log.
     pub fn asked(&self) -> Asked {
         Asked {
             taus: self.tau.clone(),
@@ -74,15 +74,15 @@ impl Options {
         }
     }
 
-    /// Whether people hear nothing but errors.
+    /// Whether only errors are printed for people.
     pub fn is_silent(&self) -> bool {
         self.quiet || self.json
     }
 
-    /// Whether what is asked for can be done.
+    /// Checks that the options agree with each other.
     ///
     /// # Errors
-    /// A file for Kalibr of what cannot be in one.
+    /// The results do not fit into one file for Kalibr.
     pub fn check(&self, request: &Request) -> Result<(), Failure> {
         let wrong = |why: &str| Err(Failure::Usage(format!("--kalibr {why}")));
         match &self.kalibr {
@@ -107,7 +107,7 @@ fn probability(text: &str) -> Result<f64, String> {
 fn simulated(text: &str) -> Result<usize, String> {
     let count = text.parse().ok().filter(|&count| count == 0 || count >= LEAST_REALISATIONS);
     count.ok_or_else(|| {
-        format!("give 0, or at least {LEAST_REALISATIONS}: of fewer, 2.5 % are too few to tell an end by")
+        format!("give 0, or at least {LEAST_REALISATIONS}: fewer do not resolve the 2.5 % quantiles")
     })
 }
 

@@ -1,4 +1,4 @@
-//! What `sagnac allan` says to people.
+//! Output of `sagnac allan` for people.
 
 use sagnac::allan::curve::{Minimum, Point};
 use sagnac::allan::noise::LEAST_GROUPS;
@@ -11,10 +11,10 @@ use sagnac::quantity::number::significant;
 
 use crate::terminal::aligned;
 
-/// Lines of a curve that are shown; of longer ones every second, third, … is.
+/// Most lines of a curve; of longer curves every second, third, … point is shown.
 const MOST_LINES: usize = 48;
 
-/// The curves of all columns, with what they were taken of.
+/// The curves of all columns, with the treatment of the data.
 pub fn report(analysis: &Analysis) -> String {
     let mut text = format!("{}{}\n", heading(analysis), analysis.treatment.left_out());
     text += &format!("{}\n", analysis.treatment.effect(analysis.length_s()));
@@ -43,15 +43,15 @@ fn of_curve(analysis: &Analysis, column: &Column, curve: &Curve) -> String {
     let rows: Vec<Vec<String>> = std::iter::once(header.to_vec()).chain(lines).collect();
     text += &format!("\n{}", aligned(&rows));
     if step > 1 {
-        text += &format!("  one of {step} of the {} times; all are in curve.csv\n", curve.points.len());
+        text += &format!("  one in {step} of the {} times; curve.csv has all of them\n", curve.points.len());
     }
     if curve.points.iter().any(|point| point.noise.is_some_and(|noise| noise.carried)) {
-        text += &format!("  * of fewer than {LEAST_GROUPS} groups: the noise is that of a shorter τ\n");
+        text += &format!("  * fewer than {LEAST_GROUPS} groups: noise type of a shorter τ\n");
     }
     text + &stability(curve, column.unit)
 }
 
-/// The coefficients of a column, a line each.
+/// The coefficients of a column, one per line.
 fn coefficients(column: &Column) -> String {
     let Some(noise) = column.noise() else { return String::new() };
     let number = |value: Option<f64>| value.map_or_else(String::new, |value| significant(value, 4));
@@ -108,9 +108,9 @@ fn line(point: &Point) -> Vec<String> {
     ]
 }
 
-/// The minimum of a curve, and whether the record shows it.
+/// The minimum of a curve, and whether the curve ends there.
 fn stability(curve: &Curve, unit: Unit) -> String {
-    // A time deviation rises with τ: its minimum is no stability.
+    // A time deviation rises with τ, so its minimum does not describe stability.
     let Some(Minimum { point, at_end }) = curve.minimum.filter(|_| !curve.deviation.is_of_angle()) else {
         return String::new();
     };
@@ -119,7 +119,7 @@ fn stability(curve: &Curve, unit: Unit) -> String {
     let interval = point
         .interval
         .map_or_else(String::new, |(lower, upper)| format!(" ({} … {})", shown(lower), shown(upper)));
-    let end = if at_end { "; the curve ends there, a longer record may show less" } else { "" };
+    let end = if at_end { "; the curve ends there, and a longer record may show a lower one" } else { "" };
     format!(
         "  in-run stability, the minimum: {}{interval} {symbol}{}at τ = {} s{end}\n",
         shown(point.value.unwrap_or_default()),

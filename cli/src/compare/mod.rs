@@ -40,7 +40,7 @@ fn analysis(options: &Options) -> Result<Analysis, Failure> {
     let reading = &options.reading;
     let (request, treatment, columns) = (reading.request()?, reading.treatment(), reading.columns());
     if columns.len() > 2 {
-        let message = "--column names more than two columns\ngive one of each log, as in --column gx,gy";
+        let message = "--column names more than two columns\ngive one for each log, as in --column gx,gy";
         return Err(Failure::Usage(message.to_owned()));
     }
     let log = |path: &Path, column: Option<&String>| -> Result<Log, Failure> {

@@ -1,4 +1,4 @@
-//! What `sagnac compare` is asked for.
+//! Options of `sagnac compare`.
 
 use std::path::PathBuf;
 
@@ -20,10 +20,10 @@ are compared at the averaging times that both have.";
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// The log that the other one is held against
+    /// First log
     #[arg(value_name = "A")]
     pub a: PathBuf,
-    /// The other log
+    /// Log that is compared with the first
     #[arg(value_name = "B")]
     pub b: PathBuf,
     #[command(flatten)]

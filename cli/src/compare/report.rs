@@ -1,4 +1,4 @@
-//! What `sagnac compare` says to people.
+//! Output of `sagnac compare` for people.
 
 use sagnac::analysis::compare::logs::{Analysis, Side};
 use sagnac::analysis::compare::ratio::{NEAREST, Ratio};
@@ -9,7 +9,7 @@ use sagnac::record::log::measure::Data;
 
 use crate::terminal::aligned;
 
-/// What should be known besides the results.
+/// Notes attached to the results.
 pub fn notes(analysis: &Analysis) -> Vec<String> {
     let mut notes = Vec::new();
     for side in &analysis.sides {
@@ -18,13 +18,13 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
     let common = &analysis.comparison.common;
     if common.farthest > 0.0 {
         notes.push(format!(
-            "the averaging times of the records are up to {} % apart: those of A are given",
+            "the averaging times of the records are up to {} % apart; those of A are shown",
             significant(100.0 * common.farthest, 2)
         ));
     }
     if common.left_out > 0 {
         notes.push(format!(
-            "{} averaging times are left out: the other record has none within {} %",
+            "{} averaging times are omitted, because the other record has none within {} %",
             common.left_out,
             significant(100.0 * NEAREST, 2)
         ));
@@ -38,7 +38,7 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
 fn of_side(side: &Side, analysis: &Analysis) -> Vec<String> {
     let mut notes = Vec::new();
     if let Some(unit) = &side.overruled {
-        notes.push(format!("{}: the header says {unit}, --unit or --scale was followed", side.label));
+        notes.push(format!("{}: the header says {unit}; --unit or --scale takes precedence", side.label));
     }
     if side.missing > 0 {
         notes.push(format!(
@@ -52,15 +52,15 @@ fn of_side(side: &Side, analysis: &Analysis) -> Vec<String> {
         let of = if side.data == Data::Angle { " among the increments" } else { "" };
         let named = if count == 1 { "outlier" } else { "outliers" };
         let fate = match analysis.treatment().outliers_removed {
-            true => "taken for gaps",
-            false => "kept; --remove-outliers takes them for gaps",
+            true => "treated as gaps",
+            false => "kept; --remove-outliers treats them as gaps",
         };
         notes.push(format!("{}: {count} {named}{of}: {fate}", side.label));
     }
     notes
 }
 
-/// Both records, the ratios, the coefficients and what they say.
+/// Both records, the ratios, the coefficients and their statement.
 pub fn report(analysis: &Analysis) -> String {
     let [a, b] = &analysis.sides;
     let treatment = analysis.treatment();
@@ -70,7 +70,7 @@ pub fn report(analysis: &Analysis) -> String {
     text + "\n" + &sentences(analysis).join("\n")
 }
 
-/// `lgv1.csv: 32400 samples at 1 Hz, 9 h`
+/// A heading such as `lgv1.csv: 32400 samples at 1 Hz, 9 h`.
 fn heading(side: &Side) -> String {
     format!(
         "{}, {}: {} samples at {} Hz, {}",
@@ -105,7 +105,7 @@ fn ratios(analysis: &Analysis) -> String {
     let apart = all.iter().filter(|ratio| ratio.is_above().is_some()).count();
     format!(
         "overlapping Allan deviations{comma}{symbol}, and the second over the first with 95 % interval\n{}  \
-         at {apart} of {} averaging times the interval leaves out 1; of equal noise it does at 1 in 20\n",
+         at {apart} of {} averaging times the interval excludes 1, as it would at 1 in 20 for equal noise\n",
         aligned(&lines),
         all.len()
     )
@@ -115,7 +115,7 @@ fn of_ratio(ratio: Option<f64>) -> String {
     ratio.map_or_else(String::new, |ratio| times(ratio, 4))
 }
 
-/// The coefficients, a line each.
+/// The coefficients, one per line.
 fn coefficients(analysis: &Analysis) -> String {
     let Ok(rows) = &analysis.rows else { return String::new() };
     if rows.is_empty() {

@@ -1,6 +1,6 @@
-//! Words of the field and of this program that are no key and no column.
+//! Terms of the field and of this program that are neither keys nor columns.
 
-/// A word, as it may be written, and what it means.
+/// A term with its spellings and its meaning.
 pub struct Term {
     pub names: &'static [&'static str],
     pub meaning: &'static str,
@@ -29,7 +29,7 @@ pub const TERMS: [Term; 26] = [
     },
     Term {
         names: &["R", "rate ramp"],
-        meaning: "Rate ramp, (°/h)/h, a drift of the rate that goes on: an Allan deviation of R·τ/√2, slope +1. Key: noise.rate_ramp.",
+        meaning: "Rate ramp, (°/h)/h, a steady drift of the rate: an Allan deviation of R·τ/√2, slope +1. Key: noise.rate_ramp.",
     },
     Term {
         names: &["LSB", "pulse"],
@@ -38,7 +38,7 @@ pub const TERMS: [Term; 26] = [
     },
     Term {
         names: &["n", "gap"],
-        meaning: "The ticks 1 to n that a mode switch takes, and that a filler fills in. Key: switching.gap_ticks.",
+        meaning: "The ticks 1 to n that are lost in a mode switch and that a filler fills. Key: switching.gap_ticks.",
     },
     Term {
         names: &["MT"],
@@ -46,91 +46,92 @@ pub const TERMS: [Term; 26] = [
     },
     Term {
         names: &["Δt·ν", "dt·nu", "Δtν"],
-        meaning: "The time from the middle of a gap to the nearest tick that is there, (n+1)·T/2, in periods of the vibration: for one n \
-                  it tells alone how much of the motion a polynomial misses. Column: dt_nu.",
+        meaning: "The time from the middle of a gap to the nearest measured tick, (n+1)·T/2, in periods of the vibration. For a given n \
+                  it alone determines what part of the motion a polynomial misses. Column: dt_nu.",
     },
     Term {
         names: &["Ω_m", "magnetic drift"],
-        meaning: "The drift that turns its sign with the mode, °/h: A·(1 − e^(−t/τ)) + Ω_m0. An even number of intervals cancels most of it. \
+        meaning: "The drift that changes its sign with the mode, °/h: A·(1 − e^(−t/τ)) + Ω_m0. An even number of intervals cancels most of it. \
                   Key: drift.magnetic.",
     },
     Term {
         names: &["Ω_nm", "non-magnetic drift"],
-        meaning: "The drift that does not turn its sign with the mode, °/h: no switching cancels it. Key: drift.non_magnetic.",
+        meaning: "The drift that does not change its sign with the mode, °/h: switching does not cancel it. Key: drift.non_magnetic.",
     },
     Term {
         names: &["auto"],
-        meaning: "Of allan.fit: those of Q, N, B, K and R that a record supports. Of --device: the fastest device that there is. \
-                  Of --progress: a bar on a terminal, else lines.",
+        meaning: "For allan.fit: those of Q, N, B, K and R that a record supports. For --device: the fastest available device. \
+                  For --progress: a bar on a terminal, else lines.",
     },
     Term {
         names: &["octave", "decade10", "decade20"],
-        meaning: "How dense averaging times are: each twice the one before, or 10 or 20 to a factor of ten. Key: allan.tau.",
+        meaning: "Density of averaging times: each twice the previous one, or 10 or 20 per factor of ten. Key: allan.tau.",
     },
     Term {
         names: &["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"],
-        meaning: "Deviations over an averaging time τ that `sagnac allan --deviation` takes: the Allan deviation of averages side by side \
-                  (adev) or of all that overlap (oadev, the usual one), the modified Allan deviation (mdev), the time deviation (tdev), and \
-                  the Hadamard deviation, which a rate ramp does not touch (hdev, ohdev). The column adev of a study is that of its \
+        meaning: "Deviations over an averaging time τ that `sagnac allan --deviation` computes: the Allan deviation of adjacent averages \
+                  (adev) or of all overlapping ones (oadev, the usual one), the modified Allan deviation (mdev), the time deviation (tdev), \
+                  and the Hadamard deviation, which a rate ramp does not affect (hdev, ohdev). The column adev of a study is that of its \
                   allan.estimator.",
     },
     Term {
         names: &["filler", "gap filler"],
-        meaning: "The rule by which the angle over a gap is put together from the ticks around it: weights w of those samples. \
+        meaning: "The rule that estimates the angle over a gap from the ticks around it, with a weight w for each of these. \
                   `sagnac filler` lists them. Key: switching.fillers.",
     },
     Term {
         names: &["Σ|w|", "Σw²", "√Σw²", "noise gain"],
-        meaning: "Of the weights of a filler: √Σw², the noise gain, times the noise of a tick, if that is white, is the noise of the filled \
-                  angle, and Σ|w| times the largest error of a tick is the most that such errors can do.",
+        meaning: "Gains of the weights of a filler. √Σw², the noise gain, times the white noise of a tick is the noise of the filled \
+                  angle; Σ|w| times the largest error of a tick is the largest possible effect of such errors.",
     },
     Term {
         names: &["jackknife"],
-        meaning: "How the standard error of what is no mean is found, as of the best interval: it is worked out again with each of 32 parts of \
-                  the trials left out, and the differences tell.",
+        meaning: "Method for the standard error of an estimate that is not a mean, such as the best interval: the estimate is computed without \
+                  each of 32 parts of the trials in turn, and the differences give the error.",
     },
     Term {
         names: &["oracle", "closed form"],
-        meaning: "What theory says of a simulated value, where it has a formula: columns that begin with oracle_. The column z is how far \
-                  the simulation lies from it, in its own standard errors.",
+        meaning: "The theoretical value of a simulated estimate, where there is a formula: columns that begin with oracle_. The column z is \
+                  the difference of the simulation from it, in standard errors of the simulation.",
     },
     Term {
         names: &["trial"],
-        meaning: "One sampled switch, run or record, with draws of its own that depend on the seed, its number and, unless streams are common, the point alone. \
-                  Key: trials.",
+        meaning: "One sampled switch, run or record. Its random draws depend only on the seed, its number and, unless streams are common, \
+                  the point. Key: trials.",
     },
     Term {
         names: &["tally", "tallies"],
-        meaning: "What a results folder keeps of trials, in tallies.sqlite: exact sums, extremes and the histogram of an error. More trials \
-                  add to them, and folders of one study can be put together with `sagnac merge`.",
+        meaning: "The summary of trials that a results folder keeps in tallies.sqlite: exact sums, extremes and the histogram of an error. \
+                  More trials add to them, and `sagnac merge` combines the folders of one study.",
     },
     Term {
         names: &["shard", "share"],
-        meaning: "A part of the trials of a study, which one of several machines samples: --shard 2/8. `sagnac merge` puts the folders \
-                  together, to the bits of one run of as many trials.",
+        meaning: "A part of the trials of a study, sampled by one of several machines: --shard 2/8. `sagnac merge` combines the folders; \
+                  the result has the same bits as one run of all trials.",
     },
     Term {
         names: &["kernel"],
-        meaning: "The part of the program that samples, in whole numbers, as a shader on a GPU and the same on the CPU. Results name its \
-                  version: those of another one are not mixed.",
+        meaning: "The part of the program that samples, in integer arithmetic, with identical code for the GPU and the CPU. Results record \
+                  its version, and results of different versions are never mixed.",
     },
     Term {
         names: &["perimeter control", "loop"],
-        meaning: "The loop that holds the optical path, and locks anew after each mode switch; until then the readout fakes a rotation. \
+        meaning: "The control loop that keeps the optical path constant and relocks after each mode switch; until then the readout shows an \
+                  apparent rotation. \
                   Keys: those of [relock].",
     },
     Term {
         names: &["point"],
-        meaning: "One combination of the values of all sweeps, with results of its own: a row of points.csv for each filler and error.",
+        meaning: "One combination of the values of all sweeps, with its own results: a row of points.csv for each filler and error.",
     },
     Term {
         names: &["points.csv", "coefficients.csv", "trajectories.csv"],
         meaning: "Tables of a results folder: a row for each point, filler and error, τ or angle; for each fitted coefficient; for each time of \
-                  a run. `sagnac explain COLUMN` tells what a column holds.",
+                  a run. `sagnac explain COLUMN` describes a column.",
     },
     Term {
         names: &["resolved_study.toml", "tallies.sqlite", "report.html"],
-        meaning: "Files of a results folder: the study as it was run, which repeats it; the exact tallies, from which a run goes on; the page, \
-                  which can be sent alone.",
+        meaning: "Files of a results folder: the study as it was run, which reproduces the run; the exact tallies, from which a run continues; the \
+                  report, which is complete in one file.",
     },
 ];

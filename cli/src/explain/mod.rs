@@ -28,15 +28,16 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Key or word of a study file, kind of study, term, column of a file of results, or exit code; without it all of these are listed
+    /// Key or word of a study file, kind of study, term, column of a results file, or exit code; without it all of
+    /// these are listed
     #[arg(value_name = "WHAT")]
     what: Vec<String>,
 }
 
-/// Names that are offered for one that is not known.
+/// Most names that are suggested for an unknown one.
 const OFFERED: usize = 3;
 
-/// Prints what is known of the word.
+/// Prints all explanations of the word.
 pub fn explain(options: &Options) -> Result<(), Failure> {
     // Terms of several words need no quotes.
     match &options.what[..] {
@@ -51,7 +52,7 @@ fn of(what: &str) -> Result<String, Failure> {
         let found = EXIT_CODES.iter().find(|(codes, _)| codes.split(", ").any(|code| code == what));
         return found.map(|(_, meaning)| format!("exit code {what}: {meaning}")).ok_or_else(|| {
             let codes: Vec<&str> = EXIT_CODES.iter().map(|(codes, _)| *codes).collect();
-            Failure::Usage(format!("there is no exit code {what}\nthere are {}", codes.join(", ")))
+            Failure::Usage(format!("there is no exit code {what}\nthe exit codes are {}", codes.join(", ")))
         });
     }
     let exact = all_of(what, |name| name == what);
@@ -62,12 +63,13 @@ fn of(what: &str) -> Result<String, Failure> {
     if found.is_empty() { Err(Failure::Usage(unknown(what))) } else { Ok(found.join("\n")) }
 }
 
-/// A name as it is looked for where it is not written exactly so.
+/// The form in which names are compared if none matches exactly.
 fn folded(name: &str) -> String {
     name.to_lowercase().replace(['-', ' '], "_")
 }
 
-/// What is known of kinds, terms, keys, words and columns that are called so. Keys that only end so come behind words.
+/// The explanations of all kinds, terms, keys, words and columns with a matching name. Keys of which only the last part
+/// matches follow after words.
 fn all_of(what: &str, is_called: impl Fn(&str) -> bool) -> Vec<String> {
     let kinds = KINDS.into_iter().filter(|kind| is_called(kind.name)).map(of_kind);
     let terms = TERMS.iter().filter(|term| term.names.iter().any(|name| is_called(name))).map(of_term);
@@ -92,7 +94,7 @@ fn of_kind(kind: &Kind) -> String {
     text + &format!("  Example:\n    kind = \"{name}\"\n")
 }
 
-/// Words that keys take, but for the kinds, which are told at length.
+/// The words that keys accept, except the kinds, which have their own explanation.
 fn of_words(is_called: impl Fn(&str) -> bool) -> Vec<String> {
     let mut found: Vec<(&str, String, Vec<&str>)> = Vec::new();
     for key in explained_keys().filter(|key| *key != "kind").filter_map(explain_key) {
@@ -136,15 +138,15 @@ fn of_key(key: &Explained) -> String {
         line("Required.");
     }
     let kinds = &key.kinds;
-    let table = key.key.split_once('.').map_or_else(String::new, |(table, _)| {
-        format!(" with a table [{table}], as far as they have a use for it")
-    });
-    line(&format!("In studies of kind {}{table}.", kinds.join(", ")));
+    let table =
+        key.key.split_once('.').map_or_else(String::new, |(table, _)| format!(" that use a table [{table}]"));
+    line(&format!("Used in studies of kind {}{table}.", kinds.join(", ")));
     let example: String = key.example.lines().map(|line| format!("    {line}\n")).collect();
     text + "  Example:\n" + &example
 }
 
-/// A column, by the files that have one called so; of a key that can be swept only where it is none itself.
+/// A column, with the files that contain it; for a name that is also a swept key, only if a file has a column with
+/// exactly this name.
 fn of_column(name: &str) -> Option<String> {
     let found = meanings(name);
     let is_key = explain_key(name).is_some()
@@ -162,7 +164,7 @@ fn of_column(name: &str) -> Option<String> {
     Some(text)
 }
 
-/// All that can be asked for.
+/// Everything that can be explained.
 fn subjects() -> String {
     let mut tables: BTreeMap<usize, (&str, Vec<&str>)> = BTreeMap::new();
     for (at, key) in explained_keys().enumerate() {
@@ -197,7 +199,7 @@ fn subjects() -> String {
     text
 }
 
-/// A name that is not known, with those that are most like it.
+/// The message for an unknown name, with the most similar known ones.
 fn unknown(what: &str) -> String {
     let columns = files().into_iter().flat_map(|file| file.columns).map(|column| column.name);
     let kinds = KINDS.iter().map(|kind| kind.name);
@@ -218,10 +220,12 @@ fn unknown(what: &str) -> String {
         .map(|name| format!("`{name}`"))
         .collect();
     let offer = if near.is_empty() { String::new() } else { format!("did you mean {}? ", near.join(", ")) };
-    format!("`{what}` is no kind, key, word, term, column or exit code\n{offer}`sagnac explain` lists all")
+    format!(
+        "`{what}` is not a known kind, key, word, term, column or exit code\n{offer}`sagnac explain` lists all of them"
+    )
 }
 
-/// Words in indented lines no wider than the terminal.
+/// A text in indented lines no wider than the terminal.
 fn filled(words: &str) -> String {
     let words: Vec<&str> = words.split_whitespace().collect();
     look::wrapped(&format!("  {}", words.join(" ")), look::width().clamp(40, 110)) + "\n"

@@ -1,4 +1,4 @@
-//! Fillers from options alone: the options, and the study they make.
+//! Fillers from options alone: the options and the resulting study.
 
 use clap::Args;
 use miette::Diagnostic;
@@ -7,7 +7,7 @@ use sagnac::source::diagnose::StudyError;
 
 use crate::failure::Failure;
 
-/// Keys of the study that is made of the options, and the options that stand for them; longer keys first.
+/// Keys of the resulting study with the corresponding options; longer keys first.
 const NAMES: [(&str, &str); 9] = [
     ("switching.extrapolation_ticks", "--extrapolation-ticks"),
     ("switching.fit_ticks", "--fit-ticks"),
@@ -26,7 +26,7 @@ pub struct Given {
     /// Lost ticks n
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     gap_ticks: Option<u32>,
-    /// Length of a tick, such as "5 ms"; polynomials do without
+    /// Length of a tick, such as "5 ms"; not needed for polynomials
     #[arg(long, value_name = "TIME")]
     pub tick: Option<String>,
     /// Ticks that the residual is fitted to, such as "-7..0,n+1,n+2" [default: -1,0,n+1,n+2]
@@ -35,10 +35,10 @@ pub struct Given {
     /// Ticks that the extrapolation is fitted to [default: -3..0; for minimum-variance the fit ticks up to 0]
     #[arg(long, value_name = "TICKS", allow_hyphen_values = true)]
     extrapolation_ticks: Option<String>,
-    /// Frequencies of the vibration, "18 Hz,22 Hz", or a single one
+    /// Frequencies of the vibration, such as "18 Hz,22 Hz", or a single one
     #[arg(long, value_name = "LOW,HIGH", requires_all = ["tick", "amplitude"])]
     band: Option<String>,
-    /// Amplitude of the vibration, of its rate or angle, such as "12000 arcsec/s"
+    /// Amplitude of the vibration as a rate or an angle, such as "12000 arcsec/s"
     #[arg(long, value_name = "RATE", requires = "band")]
     amplitude: Option<String>,
     /// Standard deviation of the noise of a tick, such as "0.5 arcsec"
@@ -47,7 +47,7 @@ pub struct Given {
 }
 
 impl Given {
-    /// One of the options that is given.
+    /// The name of one option that is given, if any.
     pub fn given(&self) -> Option<&'static str> {
         let all = [
             ("--tick", &self.tick),
@@ -61,18 +61,18 @@ impl Given {
         self.gap_ticks.map(|_| "--gap-ticks").or(text)
     }
 
-    /// The text of a study of fillers of these kinds.
+    /// The text of a study with fillers of these kinds.
     ///
     /// # Errors
-    /// What the fillers are made of is not given.
+    /// An option that the fillers require is missing.
     pub fn study(&self, kinds: &[String]) -> Result<String, Failure> {
         let missing = |option: &str, example: &str, of: &str| {
             Failure::Usage(format!("{option} is missing: {of}\nadd for example {option} {example}"))
         };
         let gap_ticks =
-            self.gap_ticks.ok_or_else(|| missing("--gap-ticks", "3", "how many ticks are lost"))?;
+            self.gap_ticks.ok_or_else(|| missing("--gap-ticks", "3", "the number of lost ticks"))?;
         if kinds.iter().any(|kind| kind == MINIMUM_VARIANCE) {
-            let of = "a minimum-variance filler is designed for a vibration and the noise beside it";
+            let of = "a minimum-variance filler is designed for a given vibration and noise";
             let needed = [
                 ("--tick", "\"5 ms\"", &self.tick),
                 ("--band", "\"18 Hz,22 Hz\"", &self.band),
@@ -95,7 +95,7 @@ impl Given {
         Ok(alone.study(kinds))
     }
 
-    /// A fault of that study, in terms of the options.
+    /// An error of that study in terms of the options.
     pub fn failure(&self, error: &StudyError) -> Failure {
         let help = error.help().map_or_else(String::new, |help| format!("\n{help}"));
         let said = NAMES.iter().fold(format!("{error}{help}"), |said, (key, name)| said.replace(key, name));

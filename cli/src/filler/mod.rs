@@ -15,7 +15,7 @@ use crate::failure::Failure;
 pub use crate::filler::options::Options;
 use crate::output::{print, print_json, write};
 
-/// Shows the weights of fillers at one point, and writes what firmware needs.
+/// Shows the weights of fillers at one point, and writes the files for firmware.
 pub fn filler(options: &Options) -> Result<(), Failure> {
     let source = options.source()?;
     let study = options.study(&source)?;
@@ -56,12 +56,9 @@ fn write_all(firmware: &Firmware, folder: &Path, test_vectors: Option<u32>) -> R
         firmware.write_vectors(&firmware.vectors(count as usize), &mut csv).map_err(failed(&path))?;
         write(&path, &csv)?;
     } else if path.exists() {
-        // Those of an earlier call may be of other weights.
+        // Existing vectors may belong to other weights.
         std::fs::remove_file(&path).map_err(failed(&path))?;
-        say!(
-            "note: {} was of an earlier call and is removed; --test-vectors makes them anew",
-            path.display()
-        );
+        say!("note: removed {} of an earlier call; --test-vectors writes a new one", path.display());
     }
     Ok(())
 }

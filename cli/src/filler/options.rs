@@ -10,7 +10,7 @@ use sagnac::study::Study;
 use crate::failure::Failure;
 use crate::filler::alone::Given;
 
-/// Most test vectors.
+/// Largest number of test vectors.
 const MOST_VECTORS: i64 = 1_000_000;
 
 const EXAMPLES: &str = "\
@@ -23,19 +23,19 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Study file; or without one const, linear, quadratic, minimum-variance: one or more of these
+    /// Study file; or without a study one or more of const, linear, quadratic, minimum-variance
     #[arg(required = true, value_name = "STUDY|FILLER")]
     what: Vec<String>,
     /// Point of a study with sweeps: value of a swept key, such as frequency="20 Hz"
     #[arg(long, value_name = "KEY=VALUE")]
     pub at: Vec<String>,
-    /// Only this filler of the study; may be given again
+    /// Only this filler of the study; may be repeated
     #[arg(long = "filler", value_name = "NAME")]
     pub fillers: Vec<String>,
-    /// Folder of what is written [default: results/<name of the study file, or of the filler>/filler]
+    /// Output folder [default: results/<name of the study file, or of the filler>/filler]
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Also write test_vectors.csv with this many inputs for each filler, and what it makes of them
+    /// Also write test_vectors.csv with this many inputs for each filler, and the expected outputs
     #[arg(help_heading = "Output", long, value_name = "N", num_args = 0..=1, default_missing_value = "1000",
           value_parser = clap::value_parser!(u32).range(1..=MOST_VECTORS))]
     pub test_vectors: Option<u32>,
@@ -46,7 +46,7 @@ pub struct Options {
     alone: Given,
 }
 
-/// Where the fillers come from.
+/// Origin of the fillers.
 pub enum Source {
     File(PathBuf),
     /// Kinds of fillers.
@@ -54,22 +54,22 @@ pub enum Source {
 }
 
 impl Options {
-    /// What stands before the options: a study file, or kinds of fillers.
+    /// The arguments before the options: a study file, or kinds of fillers.
     ///
     /// # Errors
-    /// Neither, or options that belong to the other one.
+    /// The arguments are neither, or an option does not apply to them.
     pub fn source(&self) -> Result<Source, Failure> {
         let unknown: Vec<&String> = self.what.iter().filter(|what| !KINDS.contains(&what.as_str())).collect();
         let given = self.alone.given();
         let usage = |message: String| Err(Failure::Usage(message));
         match (&unknown[..], given) {
             ([], _) if !self.at.is_empty() || !self.fillers.is_empty() => {
-                usage("--at and --filler choose from a study, and none is given\nleave them out".to_owned())
+                usage("--at and --filler select from a study, but none is given\nleave them out".to_owned())
             }
             ([], _) => Ok(Source::Kinds(self.what.clone())),
             ([file], None) if self.what.len() == 1 => Ok(Source::File(PathBuf::from(file))),
             ([name, ..], Some(option)) => usage(format!(
-                "{option} describes a filler without a study, and `{name}` is none\naccepted: {}; a study says it in \
+                "{option} describes a filler without a study, but `{name}` is not a filler\naccepted: {}; a study says it in \
                  its file",
                 KINDS.join(", ")
             )),
@@ -80,10 +80,10 @@ impl Options {
         }
     }
 
-    /// The study of a file, or one made of the options.
+    /// The study of a file, or one built from the options.
     ///
     /// # Errors
-    /// Those of a study file; those of a study made of options are errors of usage.
+    /// The study is invalid; for a study built from the options this is an error of usage.
     pub fn study(&self, source: &Source) -> Result<Study, Failure> {
         match source {
             Source::File(file) => Ok(Study::read(file)?),
@@ -94,7 +94,7 @@ impl Options {
         }
     }
 
-    /// Of a fault in a study: a study made of options has no text that a user knows.
+    /// The failure for an error in a study; for a study built from the options it is stated in their terms.
     pub fn failure(&self, source: &Source, error: StudyError) -> Failure {
         match source {
             Source::File(_) => error.into(),
@@ -102,12 +102,12 @@ impl Options {
         }
     }
 
-    /// Whether the length of a tick is known: polynomials do without.
+    /// Whether the length of a tick is known; polynomials do not need it.
     pub fn has_tick(&self, source: &Source) -> bool {
         matches!(source, Source::File(_)) || self.alone.tick.is_some()
     }
 
-    /// The folder that everything is written to.
+    /// The output folder.
     pub fn folder(&self, source: &Source) -> PathBuf {
         let stem = match source {
             Source::File(file) => file.file_stem().map(PathBuf::from).unwrap_or_default(),

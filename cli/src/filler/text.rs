@@ -1,4 +1,4 @@
-//! The weights for people.
+//! The weights as text for people.
 
 use sagnac::analysis::firmware::design::{Closed, Design, Firmware};
 use sagnac::analysis::firmware::rule::Rule;
@@ -11,10 +11,10 @@ use crate::terminal::aligned;
 /// Denominators up to this are shown as fractions.
 const MOST_DENOMINATOR: i64 = 999;
 
-/// Ticks beside each other; more go on below.
+/// Most ticks side by side; more continue below.
 const ACROSS: usize = 10;
 
-/// Every filler with its weights, gains and errors.
+/// All fillers with their weights, gains and errors.
 pub fn of(firmware: &Firmware) -> String {
     let n = firmware.gap_ticks;
     let plural = if n == 1 { "" } else { "s" };
@@ -37,11 +37,11 @@ pub fn of(firmware: &Firmware) -> String {
     text
 }
 
-/// The table of a rule, and what is known of its error.
+/// The table of a rule, with its gains and closed-form errors.
 fn part(firmware: &Firmware, error: Error, rule: &Rule, closed: Closed) -> String {
     let whole = rule.whole();
     let (letter, heading) = match error {
-        Error::Residual => ('I', "interpolation I and the residual it leaves"),
+        Error::Residual => ('I', "interpolation I and its residual"),
         Error::Extrapolation | Error::InGap => ('E', "extrapolation E and its error"),
     };
     let row = |numerators: Vec<i64>| Weights { numerators, ..whole.clone() };
@@ -93,14 +93,14 @@ fn part(firmware: &Firmware, error: Error, rule: &Rule, closed: Closed) -> Strin
     text
 }
 
-/// What the filler does not say.
+/// What the filler does not provide.
 fn missing(design: &Design, n: u32) -> String {
     let mut text = String::new();
     if design.rules().any(|(_, rule, _)| rule.rows.len() != n as usize) {
-        text += "  it gives the sum over the gap alone, no single ticks\n";
+        text += "  it gives the sum over the gap alone, not single ticks\n";
     }
     if design.extrapolation.is_none() {
-        text += "  it has no extrapolation: nothing to deliver while the gap is open\n";
+        text += "  it has no extrapolation, so it has no value while the gap is open\n";
     }
     text
 }
@@ -109,7 +109,7 @@ fn line(name: &str, cells: impl Iterator<Item = String>) -> Vec<String> {
     std::iter::once(name.to_owned()).chain(cells).collect()
 }
 
-/// The weights as reduced fractions, where all of them are small ones.
+/// The weights as reduced fractions, if all of them have small denominators.
 fn fractions(weights: &Weights) -> Option<Vec<String>> {
     let fraction = |w: &i64| {
         let divisor = greatest_common_divisor(*w, weights.denominator);
@@ -127,7 +127,7 @@ fn greatest_common_divisor(a: i64, b: i64) -> i64 {
     if b == 0 { a.abs() } else { greatest_common_divisor(b, a % b) }
 }
 
-/// `2^24`, or the number where it is no power of two.
+/// The denominator as `2^24` if it is a power of two, else as a number.
 fn denominator(denominator: i32) -> String {
     if denominator > 1 << 10 && denominator & (denominator - 1) == 0 {
         format!("2^{}", denominator.trailing_zeros())

@@ -22,16 +22,16 @@ use crate::output::{print, write, write_table};
 use crate::progress::{How, Shown};
 use crate::results::summary::summary;
 
-/// The store of results that are there; of closed forms an empty one.
+/// The store of existing results; an empty one for closed forms.
 ///
 /// # Errors
-/// The folder is in use, of another study or kernel, or damaged.
+/// The folder is in use, belongs to another study or kernel, or is damaged.
 pub fn held(folder: &Path, plan: &Plan) -> Result<Store, Failure> {
     Ok(store::Source::open(folder)?.into_store(&plan.identity())?)
 }
 
-/// Trials that results which are there lack of the whole. Rows of all that is asked for tell that nothing is missing without another look
-/// into the store.
+/// Number of trials that existing results lack. If rows of all requested trials exist, this is known to be 0 without
+/// another look into the store.
 ///
 /// # Errors
 /// A row of the store is damaged, or the disk fails.
@@ -44,18 +44,18 @@ pub fn lacking(study: &Study, plan: &Plan, store: &Store, tables: &Tables) -> Re
     }
 }
 
-/// A study whose results are to be shown.
+/// A study with results to show.
 pub struct Ran<'a> {
     pub study: &'a Study,
     pub plan: &'a Plan<'a>,
     pub folder: &'a Path,
-    /// What was sampled, and on which device, where anything can be.
+    /// The work done, and the device, if anything can be sampled.
     pub done: Option<(&'a Done, String)>,
-    /// Trials that are missing of the whole.
+    /// Number of missing trials.
     pub lacking: u64,
 }
 
-/// Where results go besides their files.
+/// Where results are shown besides their files.
 #[derive(Debug, Clone, Copy)]
 pub struct Out {
     pub json: bool,
@@ -64,7 +64,7 @@ pub struct Out {
     pub plot: bool,
 }
 
-/// Makes the report of results that are there anew, and returns what a gallery shows of it, without the way to it.
+/// Rebuilds the report of existing results, and returns its card for a gallery, without the link.
 ///
 /// # Errors
 /// A row of the store is damaged, or the file cannot be written.
@@ -75,7 +75,7 @@ pub fn report(
     store: &Store,
     progress: How,
 ) -> Result<Card, Failure> {
-    // Folders of earlier versions lack what the study names.
+    // Folders of earlier versions lack the input files of the study.
     keep(study, folder)?;
     let tables = plan.tables(store, &Shown::new(progress))?;
     let lacking = lacking(study, plan, store, &tables)?;
@@ -94,8 +94,8 @@ pub fn report(
 }
 
 impl Ran<'_> {
-    /// Writes the files of all that the store holds, prints what the options ask for, and returns the results as JSON where
-    /// that is wanted. `progress` hears of fits, and is cleared.
+    /// Writes the files of all results in the store, prints what the options select, and returns the results as JSON if
+    /// requested. `progress` receives the progress of fits, and is cleared.
     ///
     /// # Errors
     /// A row of the store is damaged, or a file cannot be written.
@@ -125,7 +125,7 @@ impl Ran<'_> {
                 print(&format!("{}\n", first.picture.text(look::of_output())))?;
             }
             print(&summary(study, &tables, &results.curves, &verdicts, *lacking)?)?;
-            // Of a single curve the verdict says the same.
+            // For a single curve the verdict says the same.
             let judged: usize = verdicts.iter().map(|verdict| verdict.answers().len()).sum();
             if judged != 1 && !headline.is_empty() {
                 print(&format!("\n{}", look::wrapped(&headline, look::width())))?;

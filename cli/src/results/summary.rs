@@ -19,7 +19,7 @@ use crate::optima::optima;
 use crate::terminal::{aligned, pivot};
 use sagnac::quantity::number::short;
 
-/// The table of the first chart, coefficients, and all verdicts, for people.
+/// The table of the first chart, the coefficients and all verdicts, for people.
 pub(crate) fn summary(
     study: &Study,
     tables: &Tables,
@@ -54,7 +54,7 @@ pub(crate) fn summary(
         lacking => format!(", of an incomplete run ({} trials are missing)", short(lacking as f64)),
     };
     for verdict in verdicts {
-        // A pipe gets whole sentences.
+        // A pipe gets unbroken lines.
         let lines: Vec<String> = match look::columns() {
             Some(width) => verdict.text(&incomplete).lines().map(|line| look::wrapped(line, width)).collect(),
             None => verdict.text(&incomplete).lines().map(str::to_owned).collect(),
@@ -64,7 +64,7 @@ pub(crate) fn summary(
     Ok(text)
 }
 
-/// Each column of a table in a line of its own, with its values.
+/// Each column of a table on its own line, with its values.
 fn columns(table: &Table) -> String {
     let line = |column: &Column| {
         let cell = |cell: &Cell| cell.number().map_or_else(|| cell.text(), |x| significant(x, 6));
@@ -73,8 +73,8 @@ fn columns(table: &Table) -> String {
     aligned(&table.columns.iter().map(line).collect::<Vec<_>>())
 }
 
-/// The points of a study without a chart as a grid, as after sweeps over names alone. Of what a summary of one point lists,
-/// only the usual rows are shown.
+/// The points of a study without a chart as a grid, as after sweeps over names alone. Of the texts that a summary of
+/// one point lists, only the usual one is shown.
 fn undrawn(study: &Study, table: &Table) -> Result<String, ColumnError> {
     let Some(estimate) = table.usual(Usual::Estimate).filter(|_| !study.kind().is_exact) else {
         return Ok(columns(table));
@@ -87,8 +87,8 @@ fn undrawn(study: &Study, table: &Table) -> Result<String, ColumnError> {
     pivot(table, &across, &estimate.name, &[], &study.text_columns(Source::Points), &rows)
 }
 
-/// The columns of a table of points that name lines before those of swept keys and after them: an abscissa that tells rows
-/// apart, and the text that another one is the number of.
+/// The columns of a table of points that label lines, before and after those of swept keys: an abscissa that
+/// distinguishes rows, and the text for which another column is the number.
 fn lines(table: &Table) -> [Option<&str>; 2] {
     match table.usual(Usual::Abscissa) {
         Some(column) if column.of.is_empty() => [Some(&column.name), None],
@@ -102,7 +102,7 @@ fn of_chart(study: &Study, points: &Table, shown: &Curves, chart: &Chart) -> Res
     let table: &Table = &shown.table;
     let sweeps = study.sweeps.iter().map(|sweep| sweep.key.name);
     let across: Vec<&str> = match lines(points) {
-        // Compensations side by side, and ticks below each other.
+        // Compensations are side by side, and ticks one below the other.
         [_, Some(last)] => sweeps.chain([last]).collect(),
         [None, None] if !study.sweeps.is_empty() => sweeps.collect(),
         _ => {
@@ -124,10 +124,10 @@ fn listed(columns: &[&Column]) -> String {
     aligned(&std::iter::once(heading).chain((0..rows).map(line)).collect::<Vec<_>>())
 }
 
-/// Most coefficients that are shown besides the file of them.
+/// Most coefficients that are shown in addition to their file.
 const MOST_COEFFICIENTS: usize = 24;
 
-/// The coefficients of every point, a line each.
+/// The coefficients of every point, one per line.
 fn coefficients_found(study: &Study, table: &Table) -> String {
     if table.rows() > MOST_COEFFICIENTS {
         return format!("coefficients of {} points are in coefficients.csv\n", points_of(study));

@@ -47,7 +47,8 @@ pub struct Options {
     studies: Vec<PathBuf>,
     #[command(flatten)]
     device: DeviceArg,
-    /// Results folder [default: results/<name of the study file>, of a resolved_study.toml its own; of a share shard-I-of-N in that]
+    /// Results folder [default: results/<name of the study file>; for a resolved_study.toml its own folder; with
+    /// --shard the subfolder shard-I-of-N]
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Trials at each point, in place of the study's
@@ -59,10 +60,10 @@ pub struct Options {
     /// Sample share I of N only, for `sagnac merge`; slurm: the share of this task of a job array
     #[arg(help_heading = "Sampling", long, value_name = "I/N", value_parser = crate::run::share::parse)]
     shard: Option<Shard>,
-    /// Stop in time, "55 min" or 8:00:00 from now, with exit code 4: run again to go on
+    /// Stop in time, "55 min" or 8:00:00 from now, with exit code 4; run again to continue
     #[arg(help_heading = "Sampling", long, value_name = "TIME", value_parser = time)]
     time_limit: Option<Duration>,
-    /// Print the table and the verdict as JSON: one object, or with several studies one array of them
+    /// Print the table and the verdict as JSON: one object, or an array of objects for several studies
     #[arg(help_heading = "Output", long, conflicts_with = "shard")]
     json: bool,
     /// Also draw the first chart as text
@@ -75,21 +76,17 @@ pub struct Options {
     quiet: bool,
 }
 
-/// That trials count more than once, where they do.
+/// A remark if trials count more than once.
 fn again(plan: &Plan, sampled: u64) -> &'static str {
-    if plan.counts_again(sampled) {
-        " (once for each part of the estimates that is sampled apart)"
-    } else {
-        ""
-    }
+    if plan.counts_again(sampled) { " (counted once per separate launch)" } else { "" }
 }
 
-/// The folder of a share in that of the whole.
+/// The subfolder of a share.
 fn share_folder(share: Share) -> String {
     format!("shard-{}-of-{}", share.number(), share.of())
 }
 
-/// The command that puts shares together, of folders as they are called without --out.
+/// The command that merges shares in folders with their default names.
 fn merging(folder: &Path, share: Share) -> String {
     let of = share.of();
     match folder.parent().filter(|_| folder.ends_with(share_folder(share))) {
@@ -107,7 +104,7 @@ fn merging(folder: &Path, share: Share) -> String {
     }
 }
 
-/// A time with its unit, or as schedulers write it.
+/// A duration with its unit, or in the notation of schedulers.
 fn time(text: &str) -> Result<Duration, String> {
     if text.contains(':') {
         return clock(text).ok_or_else(|| {
@@ -119,7 +116,7 @@ fn time(text: &str) -> Result<Duration, String> {
         .map_err(|_| "expected a time from now, such as \"55 min\"".to_owned())
 }
 
-/// `8:00:00` or `1-08:00:00`. Two parts would be minutes to one scheduler and hours to another.
+/// A duration such as `8:00:00` or `1-08:00:00`. With two parts, one scheduler would read minutes and another hours.
 fn clock(text: &str) -> Option<Duration> {
     let (days, text) = text.split_once('-').unwrap_or(("0", text));
     let number =
@@ -131,13 +128,13 @@ fn clock(text: &str) -> Option<Duration> {
     whole.checked_add(minutes)?.checked_mul(60)?.checked_add(seconds).map(Duration::from_secs)
 }
 
-/// What is run of the studies, and what ends it.
+/// The share to sample, and the causes to stop.
 struct Course {
     share: Share,
     stop: Stop,
 }
 
-/// Runs the studies one after the other. All are read and checked before the first starts.
+/// Runs the studies in sequence. All are read and checked before the first starts.
 pub fn run(options: &Options) -> Result<(), Failure> {
     let share = match options.shard {
         None => Share::WHOLE,
@@ -161,7 +158,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
             }
         }
     }
-    // What is done is shown, whatever ended the next one.
+    // Completed studies are shown, whatever ended the next one.
     match &documents[..] {
         [] => {}
         [document] if studies.len() == 1 => print_json(document)?,
@@ -170,7 +167,7 @@ pub fn run(options: &Options) -> Result<(), Failure> {
     ended
 }
 
-/// The studies with the folders of their results, which differ.
+/// The studies with their results folders, which are all different.
 fn studies(options: &Options, share: Share) -> Result<Vec<(PathBuf, Study)>, Failure> {
     if options.out.is_some() && options.studies.len() > 1 {
         let message =
@@ -186,8 +183,8 @@ fn studies(options: &Options, share: Share) -> Result<Vec<(PathBuf, Study)>, Fai
             if options.trials.is_none() {
                 return Err(Failure::Study(study.error_at(
                     study.place_of("precision"),
-                    "a share cannot stop by itself at a precision: it does not see the others' trials",
-                    "fix how many there are with --trials N, or run the study as a whole",
+                    "a share cannot stop at a precision, because it does not know the trials of the others",
+                    "give a fixed number with --trials N, or run the study as a whole",
                 )));
             }
             study.fix_trials()?;
@@ -208,7 +205,7 @@ fn studies(options: &Options, share: Share) -> Result<Vec<(PathBuf, Study)>, Fai
 
 fn folder(options: &Options, study: &Path, share: Share) -> PathBuf {
     let whole = match study.parent() {
-        // What repeats a run goes where its results are.
+        // A resolved study goes into its own folder, where its results are.
         Some(here) if study.file_name() == Some(RESOLVED.as_ref()) && here == Path::new("") => {
             PathBuf::from(".")
         }
@@ -222,7 +219,7 @@ fn folder(options: &Options, study: &Path, share: Share) -> PathBuf {
     options.out.clone().unwrap_or_else(default)
 }
 
-/// The device that is asked for, if there is anything to sample.
+/// The requested device, if there is anything to sample.
 fn device(plans: &[Plan], options: &Options) -> Result<Option<Device>, Failure> {
     if !plans.iter().any(Plan::is_sampled) {
         return Ok(None);
@@ -234,14 +231,14 @@ fn device(plans: &[Plan], options: &Options) -> Result<Option<Device>, Failure> 
     Ok(Some(device))
 }
 
-/// The plan of a study. Finds what would otherwise fail after the sampling.
+/// The plan of a study, with checks for errors that would otherwise occur after sampling.
 pub fn checked(study: &Study) -> Result<Plan<'_>, Failure> {
     let plan = Plan::new(study)?;
     pictures(study, &plan.blank_tables())?;
     Ok(plan)
 }
 
-/// Runs one study, and returns its results as JSON where the options ask for that.
+/// Runs one study, and returns its results as JSON if requested.
 fn run_study(
     study: &Study,
     plan: &Plan,
@@ -250,11 +247,11 @@ fn run_study(
     course: &Course,
     options: &Options,
 ) -> Result<Option<Value>, Failure> {
-    // Also of closed forms, as a folder is of one study.
+    // Closed forms too have a store, which binds the folder to one study.
     let mut store = Store::open(folder, &plan.identity())?;
-    // From the start on, as it may be killed.
+    // Kept from the start, as the run may be killed.
     for name in keep(study, folder)? {
-        say!("note: {name} is another one than in the earlier run: what it changes is sampled anew");
+        say!("note: {name} changed since the last run; the affected points are resampled");
     }
     store.note_share(course.share)?;
     let shown = Shown::new(options.progress.how(options.quiet)).until(&course.stop);
@@ -278,7 +275,11 @@ fn run_study(
         }
         if !options.quiet {
             let share = course.share;
-            say!("{share} is done and in {}; when all are: {}", folder.display(), merging(folder, share));
+            say!(
+                "{share} is done and in {}; when all are done: {}",
+                folder.display(),
+                merging(folder, share)
+            );
         }
         return Ok(None);
     }

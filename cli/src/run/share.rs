@@ -2,11 +2,11 @@
 
 use sagnac::tally::share::Share;
 
-/// As it is asked for.
+/// The value of `--shard`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shard {
     Given(Share),
-    /// That of the task of a Slurm job array.
+    /// The share of this task of a Slurm job array.
     Slurm,
 }
 
@@ -22,10 +22,10 @@ pub fn parse(text: &str) -> Result<Shard, String> {
 }
 
 impl Shard {
-    /// The share that is meant.
+    /// The selected share.
     ///
     /// # Errors
-    /// The variables of a job array are missing, or are of one whose tasks are not evenly numbered.
+    /// The variables of a job array are missing, or its task numbers are not evenly spaced.
     pub fn share(self, variable: impl Fn(&str) -> Option<String>) -> Result<Share, String> {
         match self {
             Shard::Given(share) => Ok(share),
@@ -34,12 +34,12 @@ impl Shard {
     }
 }
 
-/// The share of a task: its place in the array.
+/// The share of a task by its place in the array.
 fn of_array(variable: impl Fn(&str) -> Option<String>) -> Result<Share, String> {
     const HELP: &str = "start it by `sbatch --array=1-N`, or give --shard I/N";
     let number = |name: &str| -> Result<u64, String> {
         let text = variable(name).ok_or_else(|| format!("--shard slurm: {name} is not set\n{HELP}"))?;
-        text.parse().map_err(|_| format!("--shard slurm: {name} is `{text}`, no number\n{HELP}"))
+        text.parse().map_err(|_| format!("--shard slurm: {name} is `{text}`, not a number\n{HELP}"))
     };
     let task = number("SLURM_ARRAY_TASK_ID")?;
     let [least, most, count] =
@@ -52,7 +52,7 @@ fn of_array(variable: impl Fn(&str) -> Option<String>) -> Result<Share, String> 
     let whole = even && least <= 1;
     place.filter(|_| whole).and_then(|place| Share::new(place + 1, count)).ok_or_else(|| {
         format!(
-            "--shard slurm: task {task} of an array of {count} from {least} to {most} is no share of the whole\n\
+            "--shard slurm: task {task} of an array of {count} from {least} to {most} is not a share of the whole\n\
              number the tasks evenly, --array=1-N; to repeat some of them give --shard I/N"
         )
     })
@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn what_is_no_share_of_the_whole_is_refused() {
-        // 1,3,7; a task between; one beyond; variables that are not there or are no numbers.
+        // The array 1,3,7; a task between its tasks; one beyond; missing variables, and variables that are not numbers.
         for (task, least, most, count, step, piece) in [
             ("3", "1", "7", "3", "1", "number the tasks evenly"),
             ("2", "1", "13", "4", "4", "number the tasks evenly"),

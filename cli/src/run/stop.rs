@@ -1,4 +1,4 @@
-//! What ends a run before its time: signals and the time limit.
+//! Causes that end a run early: signals and the time limit.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
@@ -9,7 +9,7 @@ use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
 
 use crate::progress::leave;
 
-/// Elsewhere none comes: an interruption leaves at once, and what was sampled is kept.
+/// Other systems have no such signals; an interruption ends the program at once, and completed work is kept.
 #[cfg(not(unix))]
 const SIGINT: i32 = 2;
 #[cfg(not(unix))]
@@ -17,16 +17,17 @@ const SIGTERM: i32 = 15;
 #[cfg(not(unix))]
 const SIGUSR1: i32 = 10;
 
-/// Why a run is to end.
+/// Why a run ends early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cause {
-    /// A signal, by its number.
+    /// A signal with its number.
     Signal(i32),
     TimeLimit,
 }
 
 impl Cause {
-    /// 130 and 143 for those who interrupt or end it, 4 for those who want it to go on later.
+    /// The exit code: 130 for SIGINT, 143 for SIGTERM; 4 for SIGUSR1 and the time limit, after which the run is to
+    /// continue.
     pub fn code(self) -> u8 {
         match self {
             Cause::Signal(signal) if signal != SIGUSR1 => 128_u8.wrapping_add(signal as u8),
@@ -53,8 +54,9 @@ fn name(signal: i32) -> &'static str {
     }
 }
 
-/// Hears signals and knows the time. While it [samples](Stop::sampling) a first signal ends it after the batch, a second one at once; at other
-/// times, when nothing is on its way to the disk that could not be made again, the first one does.
+/// Receives signals and watches the time limit. While the program [samples](Stop::sampling), a first signal ends it
+/// after the current batch, and a second one at once. At other times, when everything not yet on disk can be
+/// recomputed, the first one ends it at once.
 #[derive(Debug, Clone)]
 pub struct Stop {
     signal: Arc<AtomicI32>,
@@ -63,10 +65,10 @@ pub struct Stop {
 }
 
 impl Stop {
-    /// Listens from now on; the time `limit` counts from now.
+    /// Starts listening; the time `limit` counts from now.
     ///
     /// # Errors
-    /// The system does not let it listen.
+    /// The system refuses to register a handler.
     pub fn listen(limit: Option<Duration>) -> std::io::Result<Stop> {
         let deadline = limit.and_then(|limit| Instant::now().checked_add(limit));
         let stop = Stop {
@@ -92,14 +94,14 @@ impl Stop {
                     continue;
                 }
                 leave();
-                say!("stopped by {cause}; what was sampled is kept, resumable: run again to go on");
+                say!("stopped by {cause}; completed work is kept; resumable: run again to continue");
                 signal_hook::low_level::exit(cause.code().into());
             }
         })?;
         Ok(())
     }
 
-    /// Why to stop, if there is a reason.
+    /// The cause to stop, if there is one.
     pub fn cause(&self) -> Option<Cause> {
         match self.signal.load(Ordering::SeqCst) {
             0 if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) => Some(Cause::TimeLimit),
@@ -108,7 +110,7 @@ impl Stop {
         }
     }
 
-    /// Does something that stops by itself.
+    /// Does work that stops by itself when there is a cause.
     pub fn sampling<T>(&self, work: impl FnOnce() -> T) -> T {
         self.sampling.store(true, Ordering::SeqCst);
         let done = work();

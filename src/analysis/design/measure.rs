@@ -1,15 +1,15 @@
-//! What a design makes least.
+//! The quantity that a design minimises.
 
 use crate::key::holds::words;
 
 words! {
-    /// What is to be least, as `--by` lists it.
+    /// The quantity to minimise, as listed by `--by`.
     pub enum Measure {
-        /// The drift that 99.73 % of runs stay below.
+        /// The drift below which 99.73 % of runs stay.
         DriftQ9973 = "drift_q9973",
         /// The rms drift.
         DriftRms = "drift_rms",
-        /// The largest angle over the run time, that 99.73 % of runs stay below.
+        /// The level of the largest angle over the run time below which 99.73 % of runs stay.
         LargestQ9973 = "largest_q9973",
         /// The rms of the largest angle over the run time.
         LargestRms = "largest_rms",
@@ -17,12 +17,12 @@ words! {
 }
 
 impl Measure {
-    /// In a sentence.
+    /// Meaning, as a sentence.
     pub fn meaning(self) -> &'static str {
         Measure::WORDS[self as usize].meaning.trim()
     }
 
-    /// For axes and sentences.
+    /// Label for axes and sentences.
     pub fn label(self) -> &'static str {
         match self {
             Measure::DriftQ9973 => "99.73 % drift",
@@ -32,7 +32,7 @@ impl Measure {
         }
     }
 
-    /// Whether it is about the largest angle of a run rather than that at its end.
+    /// Whether it refers to the largest angle of a run instead of that at its end.
     pub(crate) fn is_largest(self) -> bool {
         matches!(self, Measure::LargestQ9973 | Measure::LargestRms)
     }

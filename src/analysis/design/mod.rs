@@ -67,7 +67,7 @@ use crate::study::Study;
 use crate::tally::stats::{Estimates, NORMAL_95};
 use crate::theory::drift::budget::Optimum as Minimum;
 
-/// A value with its 95 % interval, where it is known.
+/// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
     /// Value, in the unit of the measure.
@@ -226,7 +226,7 @@ pub fn design(
     let maker = Maker { runs: &runs, seed: study.seed, swept: !study.sweeps.is_empty() };
     let chosen = maker.choose()?;
     let trials = sampling::trials(study.trials);
-    // The optimum of each filler and what the paper's rule would choose join as they are found.
+    // The optimum of each filler and the interval of the paper's rule are added when they are found.
     let mut total = chosen.iter().flatten().map(|candidate| candidate.switches * trials).sum::<u64>();
     progress.start("switches", 0, total);
     let mut worker = Worker::new(device, progress);

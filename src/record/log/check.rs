@@ -70,7 +70,10 @@ impl Log {
                 (message, format!("give {other}; {help_off}"))
             }
             Fault::NeverAtRest { mean } => (
-                format!("column {name} of {file} has a mean rate of {}: no gyro at rest has", rate(mean)),
+                format!(
+                    "column {name} of {file} has a mean rate of {}, which no gyro at rest has",
+                    rate(mean)
+                ),
                 format!(
                     "is {} its unit? is `data = {}` right? {help_off}",
                     channel.unit.text,

@@ -7,10 +7,10 @@
 
 use crate::theory::allan::holds;
 
-/// Octave holds. A hold is a random walk of the rate that is taken back after its length.
+/// Octave holds. A hold is a step of a random walk of the rate that is reversed after its length.
 pub(crate) struct Holds {
-    /// Variance of the rate of each octave times t0², ″²; of all octaves before it; and the sum of the variances over
-    /// their lengths from it on.
+    /// Variance of the rate of each octave times t0², ″²; the sum over all octaves before it; and the sum of variance
+    /// over length from it on.
     octaves: Vec<f64>,
     before: Vec<f64>,
     from: Vec<f64>,

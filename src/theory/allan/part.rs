@@ -8,13 +8,13 @@ use crate::theory::allan::terms::Term;
 /// A part of the angle, in ″ and s, sampled as described [above](super).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Part {
-    /// What it is a part of.
+    /// Term of the part.
     pub term: Term,
-    /// Its coefficient; of Markov noise IEEE's q_c.
+    /// Coefficient; for Markov noise IEEE's q_c.
     pub size: f64,
-    /// Time, s, or frequency, Hz; 1 where it has none.
+    /// Time, s, or frequency, Hz; 1 for a term without either.
     pub shape: f64,
-    /// Of flicker its holds: 1, 2, 4, … samples; 0 of all else.
+    /// Number of octaves of holds for flicker, of 1, 2, 4, … samples; 0 for other terms.
     pub octaves: usize,
 }
 
@@ -35,7 +35,7 @@ impl Part {
         Part { term, size, shape, octaves: 0 }
     }
 
-    /// Square of the coefficient: what [`Term::part`] is given.
+    /// Square of the coefficient, as [`Term::part`] takes it.
     pub fn square(&self) -> f64 {
         (self.term.row().square)(self)
     }
@@ -117,7 +117,7 @@ mod tests {
                 near(part.largest(difference, t0, m), libm::sqrt(peak), 1e-6, "peak of a sine");
             }
         }
-        // The turns of a long τ keep their digits: fτ is a whole number and a half.
+        // A long τ keeps its digits where fτ is an integer plus one half.
         let long = Part::sine(1.0, 0.5);
         near(allan(long, 1.0, 1_000_001), 1.0 / (PI * PI * 500_000.5 * 500_000.5), 1e-9, "long sine");
     }

@@ -1,4 +1,4 @@
-//! The part of a picture that two axes span.
+//! The area of a picture that two axes span.
 
 use crate::view::chart::scale::Range;
 
@@ -11,7 +11,7 @@ pub(crate) struct Frame {
     pub bottom: f64,
 }
 
-/// What two axes cover, and where that is in the picture.
+/// The ranges of two axes, and the frame that they span in the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Area {
     pub x: Range,
@@ -20,18 +20,18 @@ pub(crate) struct Area {
 }
 
 impl Area {
-    /// Where a point of the data stands in the picture.
+    /// The place in the picture of a point of the data.
     pub fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
         (self.across(x), self.down(y))
     }
 
-    /// Where a value of the x axis stands.
+    /// The horizontal place of a value of the x axis.
     pub fn across(&self, x: f64) -> f64 {
         let Frame { left, right, .. } = self.frame;
         left + self.x.fraction(x) * (right - left)
     }
 
-    /// Where a value of the y axis stands.
+    /// The vertical place of a value of the y axis.
     pub fn down(&self, y: f64) -> f64 {
         let Frame { top, bottom, .. } = self.frame;
         bottom - self.y.fraction(y) * (bottom - top)

@@ -11,13 +11,13 @@ pub(crate) const TICK_SIZE: f64 = 13.0;
 
 const LABEL: Lettering = Lettering { size: TICK_SIZE, bold: false, colour: INK, anchor: "middle" };
 const AXIS: Stroke = Stroke { colour: INK, width: 1.1, dash: "" };
-/// Lengths of the labelled ticks and of the others.
+/// Lengths of ticks with and without a label.
 const LENGTHS: [f64; 2] = [6.0, 3.0];
 
 /// Draws lines across the frame, stronger ones at the labelled ticks.
 pub(crate) fn draw_grid(canvas: &mut Canvas, area: &Area, x_ticks: &Ticks, y_ticks: &Ticks) {
     let Frame { left, top, right, bottom } = area.frame;
-    // The stronger lines last, over the others.
+    // The stronger lines come last, over the others.
     for rank in [1, 0] {
         let stroke = Stroke { colour: GRID[rank], width: 1.0, dash: "" };
         for x in columns(area, x_ticks, rank) {
@@ -44,7 +44,7 @@ pub(crate) fn draw_axes(canvas: &mut Canvas, area: &Area, x_ticks: &Ticks, y_tic
     let mut free_from = f64::NEG_INFINITY;
     for (x, (_, label)) in columns(area, x_ticks, 0).zip(&x_ticks.major) {
         let half = 0.5 * text::width(label, TICK_SIZE, false);
-        // A label that would touch the one before it is left out; its tick stays.
+        // A label that would touch the one before is left out; its tick stays.
         if x - half > free_from && !label.is_empty() {
             canvas.text((x, bottom + 23.0), label, LABEL);
             free_from = x + half + 6.0;
@@ -55,7 +55,7 @@ pub(crate) fn draw_axes(canvas: &mut Canvas, area: &Area, x_ticks: &Ticks, y_tic
     }
 }
 
-/// Writes what stands side by side under an axis, each name in up to two lines as wide as its share.
+/// Writes the names that stand side by side under an axis, each in up to two lines within its share of the width.
 pub(crate) fn draw_names(canvas: &mut Canvas, area: &Area, names: &[String]) {
     let Frame { left, right, bottom, .. } = area.frame;
     let room = (right - left) / names.len().max(1) as f64 - 8.0;
@@ -67,7 +67,7 @@ pub(crate) fn draw_names(canvas: &mut Canvas, area: &Area, names: &[String]) {
     }
 }
 
-/// A name in one line if it fits, else in two that are about as long.
+/// A name in one line if it fits, else in two of about equal length.
 fn in_lines(name: &str, room: f64) -> Vec<&str> {
     let width = |line: &str| text::width(line, TICK_SIZE, false);
     if width(name) <= room {
@@ -79,12 +79,12 @@ fn in_lines(name: &str, room: f64) -> Vec<&str> {
     best.map_or(vec![name], Vec::from)
 }
 
-/// Where the ticks of the x axis stand: the labelled ones (rank 0) or the others (rank 1).
+/// The places of the ticks of the x axis: the labelled ones (rank 0) or the others (rank 1).
 fn columns(area: &Area, ticks: &Ticks, rank: usize) -> impl Iterator<Item = f64> {
     ranked(ticks, rank).map(move |x| area.across(x))
 }
 
-/// The same for the y axis.
+/// The places of the ticks of the y axis.
 fn rows(area: &Area, ticks: &Ticks, rank: usize) -> impl Iterator<Item = f64> {
     ranked(ticks, rank).map(move |y| area.down(y))
 }

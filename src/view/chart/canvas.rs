@@ -11,7 +11,7 @@ use crate::view::chart::text;
 /// The shapes of a picture, from the lowest to the uppermost.
 #[derive(Debug)]
 pub(crate) struct Canvas {
-    /// For those who cannot see it.
+    /// Description for screen readers.
     name: String,
     pub shapes: Vec<Shape>,
 }
@@ -24,12 +24,12 @@ type Place = (f64, f64);
 
 #[derive(Debug)]
 pub(crate) enum Shape {
-    /// Begins a part outside of which nothing shows.
+    /// Begins a part that is clipped to a frame.
     Window(Frame),
     /// Begins a named part.
     Group {
         name: String,
-        /// Edges are not smoothed, so that no seam shows between areas that touch.
+        /// Whether edges are not smoothed, so that no seams show between adjacent areas.
         crisp: bool,
     },
     /// Ends the part begun last.
@@ -42,13 +42,13 @@ pub(crate) enum Shape {
     Line { places: Vec<Place>, stroke: Stroke },
     /// A translucent polygon.
     Area { corners: Vec<Place>, colour: &'static str },
-    /// Its corners, none of a circle, and the width of its white rim.
+    /// A polygon, or a circle if it has no corners, with the width of its white rim.
     Marker { middle: Place, radius: f64, corners: Vec<Place>, colour: &'static str, rim: Option<f64> },
     /// A text with its baseline at a place.
     Text { place: Place, text: String, lettering: Lettering, set: Set },
 }
 
-/// How a text is set.
+/// The way in which a text is set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Set {
     Level,
@@ -56,22 +56,22 @@ pub(crate) enum Set {
     OnWhite,
 }
 
-/// How a line is drawn.
+/// The style of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Stroke {
     pub colour: &'static str,
     pub width: f64,
-    /// As `stroke-dasharray` has it; empty for a solid line.
+    /// Pattern for `stroke-dasharray`; empty for a solid line.
     pub dash: &'static str,
 }
 
-/// How a text is drawn.
+/// The style of a text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Lettering {
     pub size: f64,
     pub bold: bool,
     pub colour: &'static str,
-    /// `start`, `middle` or `end`: which part of the text stands at its place.
+    /// Anchor `start`, `middle` or `end`: the part of the text that is at its place.
     pub anchor: &'static str,
 }
 
@@ -88,7 +88,7 @@ impl Display for Px {
     }
 }
 
-/// Text as XML has it; characters that XML forbids are left out.
+/// Text escaped for XML, without the characters that XML forbids.
 pub(crate) struct Escaped<'a>(pub &'a str);
 
 impl Display for Escaped<'_> {
@@ -105,7 +105,7 @@ impl Display for Escaped<'_> {
     }
 }
 
-/// `x,y x,y …`
+/// Writes places as `x,y x,y …`.
 struct Corners<'a>(&'a [(f64, f64)]);
 
 impl Display for Corners<'_> {
@@ -131,7 +131,7 @@ impl Canvas {
         Canvas { name: name.to_owned(), shapes: vec![] }
     }
 
-    /// Draws a part outside of whose frame nothing shows; places keep their meaning.
+    /// Draws a part that is clipped to its frame; places keep their meaning.
     pub fn window(&mut self, frame: Frame, draw: impl FnOnce(&mut Canvas)) {
         self.part(Shape::Window(frame), draw);
     }
@@ -152,13 +152,13 @@ impl Canvas {
         self.shapes.push(Shape::End);
     }
 
-    /// A filled rectangle between two corners; those that touch are drawn with the same corners.
+    /// Draws a filled rectangle between two corners; adjacent ones are drawn with the same corners.
     pub fn block(&mut self, (left, top): Place, (right, bottom): Place, colour: impl Into<Colour>) {
         let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
         self.shapes.push(Shape::Block { corners, colour: colour.into() });
     }
 
-    /// Separate straight lines; nothing where there is none.
+    /// Draws separate straight lines, if there are any.
     pub fn lines(&mut self, lines: impl IntoIterator<Item = [Place; 2]>, stroke: Stroke) {
         let lines: Vec<_> = lines.into_iter().collect();
         if !lines.is_empty() {
@@ -166,17 +166,18 @@ impl Canvas {
         }
     }
 
-    /// A line through two or more places.
+    /// Draws a line through two or more places.
     pub fn line(&mut self, places: &[Place], stroke: Stroke) {
         self.shapes.push(Shape::Line { places: places.to_vec(), stroke });
     }
 
-    /// A translucent area.
+    /// Draws a translucent area.
     pub fn area(&mut self, corners: &[Place], colour: &'static str) {
         self.shapes.push(Shape::Area { corners: corners.to_vec(), colour });
     }
 
-    /// A marker with a white rim, so that neighbours stay apart; the rims of small ones would hide each other.
+    /// Draws a marker with a white rim, which separates neighbours; small ones have none, because their rims would hide
+    /// each other.
     pub fn marker(&mut self, middle: Place, radius: f64, style: usize, colour: &'static str) {
         let corner = |(dx, dy): &Place| (middle.0 + radius * dx, middle.1 + radius * dy);
         let corners = palette::marker(style).iter().map(corner).collect();
@@ -184,17 +185,17 @@ impl Canvas {
         self.shapes.push(Shape::Marker { middle, radius, corners, colour, rim });
     }
 
-    /// A text with its baseline at a place.
+    /// Draws a text with its baseline at a place.
     pub fn text(&mut self, place: Place, text: &str, lettering: Lettering) {
         self.set(Set::Level, place, text, lettering);
     }
 
-    /// A text that reads upwards.
+    /// Draws a text that reads upwards.
     pub fn upward_text(&mut self, place: Place, text: &str, lettering: Lettering) {
         self.set(Set::Upwards, place, text, lettering);
     }
 
-    /// A text with a white rim, legible over lines.
+    /// Draws a text with a white rim, legible over lines.
     pub fn text_on_white(&mut self, place: Place, text: &str, lettering: Lettering) {
         self.set(Set::OnWhite, place, text, lettering);
     }
@@ -203,7 +204,8 @@ impl Canvas {
         self.shapes.push(Shape::Text { place, text: text.to_owned(), lettering, set });
     }
 
-    /// The picture as SVG, one element a line. Windows are nested pictures, which clip as a `clipPath` does and need no id.
+    /// The picture as SVG, one element per line. Windows are nested pictures, which clip like a `clipPath` but need no
+    /// id.
     pub fn svg(&self) -> String {
         let mut svg = String::new();
         let mut depth = 0;

@@ -1,12 +1,12 @@
-//! Curves that are the same and would hide each other.
+//! Identical curves, which would hide each other.
 
 use crate::view::chart::figure::{Entry, Figure, Series};
 
 impl Figure {
-    /// Merges colours, then dashes, whose curves are the same throughout: one curve stays, and its entry names both,
-    /// as in `const = linear`. The remaining styles keep their indices, hence their looks. Returns the new names.
+    /// Merges colours, then dashes, whose curves are identical throughout: one curve remains, and its entry names both,
+    /// as in `const = linear`. The other styles keep their indices and therefore their looks. Returns the new names.
     ///
-    /// Curves are the same where all their numbers agree to the nine digits that files show.
+    /// Curves are identical where all their numbers agree to the nine digits that files show.
     pub fn merge_coincident(&mut self) -> Vec<String> {
         let colour: fn(&Series) -> usize = |series| series.colour;
         let dash: fn(&Series) -> usize = |series| series.dash;
@@ -18,7 +18,7 @@ impl Figure {
         names
     }
 
-    /// Pairs of curves that cover each other though their styles differ elsewhere, as `const, 1 and linear, 1`.
+    /// Pairs of curves that cover each other although their styles differ elsewhere, such as `const, 1 and linear, 1`.
     pub fn coincident(&self) -> Vec<String> {
         let pairs =
             (0..self.series.len()).flat_map(|i| self.covering(i).map(move |later| (&self.series[i], later)));
@@ -32,14 +32,14 @@ impl Figure {
     }
 }
 
-/// The names of the entries that others were merged into: (merged style, style that stays).
+/// The names of the entries into which others were merged; a pair is a merged style and the style that remains.
 fn names_of(entries: &[Entry], merged: &[(usize, usize)]) -> Vec<String> {
     let stays = |entry: &&Entry| merged.iter().any(|(_, to)| *to == entry.style);
     entries.iter().filter(stays).map(|entry| entry.name.clone()).collect()
 }
 
 /// Merges the entries of one grouping; `style` is a curve's style in it, `other` that in the other grouping. Returns
-/// the styles that went and those that stand for them.
+/// the removed styles with those that replace them.
 fn merge(
     entries: &mut Vec<Entry>,
     series: &mut Vec<Series>,
@@ -70,7 +70,7 @@ fn merge(
     merged
 }
 
-/// Whether two curves are the same to the nine digits that files show. Curves without points are not compared.
+/// Whether two curves are identical to the nine digits that files show. Curves without points are not compared.
 fn same_curve(a: &Series, b: &Series) -> bool {
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
     let near_pair = |a: (f64, f64), b: (f64, f64)| near(a.0, b.0) && near(a.1, b.1);

@@ -1,4 +1,4 @@
-//! What a chart shows, independent of how it is drawn.
+//! The content of a chart, independent of how it is drawn.
 
 use serde::{Serialize, Serializer};
 
@@ -7,7 +7,7 @@ use crate::key::scale::Scale;
 /// A chart of curves y(x).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Figure {
-    /// What it answers, in bold.
+    /// Title, in bold.
     pub title: String,
     /// A second, smaller line.
     pub subtitle: Option<String>,
@@ -15,40 +15,40 @@ pub struct Figure {
     pub x: Axis,
     /// The vertical axis.
     pub y: Axis,
-    /// What the colours tell apart. Without entries the legend has no such part.
+    /// The distinctions made by colours. Without entries the legend has no such part.
     pub colours: Grouping,
-    /// What dashes and markers tell apart. Without entries they follow the colour, for readers in greyscale.
+    /// The distinctions made by dashes and markers. Without entries they follow the colour, for readers in greyscale.
     pub dashes: Grouping,
-    /// What the points are, for the legend: `Monte Carlo`, `measured`. Empty: not said.
+    /// Name of the points in the legend, such as `Monte Carlo` or `measured`; empty for none.
     pub points: String,
-    /// What the bands are, for the legend: `95 % band`.
+    /// Name of the bands in the legend, such as `95 % band`.
     pub bands: String,
-    /// What the laws of the series are, for the legend: `closed form`.
+    /// Name of the laws of the series in the legend, such as `closed form`.
     pub lines: String,
     /// The curves; later ones are drawn over earlier ones.
     pub series: Vec<Series>,
-    /// Laws beside the curves.
+    /// Laws drawn with the curves.
     pub laws: Vec<Law>,
-    /// What a curve is the sum of.
+    /// Parts of which a curve is the sum.
     pub parts: Parts,
-    /// What the curves are judged by.
+    /// Limit against which the curves are judged.
     pub limit: Option<Limit>,
-    /// How the rows of the table were chosen, for the legend: `filler = const`.
+    /// Rows selected from the table for the legend, such as `filler = const`.
     pub chosen: Vec<String>,
 }
 
 /// One axis.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Axis {
-    /// `rms error`
+    /// Label, such as `rms error`.
     pub label: String,
-    /// `″`; empty for a pure number.
+    /// Unit, such as `″`; empty for a pure number.
     pub unit: String,
-    /// How it is divided.
+    /// Scale.
     pub scale: Scale,
-    /// Whether it counts: ticks are at whole numbers only.
+    /// Whether the axis counts, so that ticks are at whole numbers only.
     pub whole: bool,
-    /// What stands at its places 1, 2, 3, …, side by side; empty of an axis of numbers.
+    /// Names at the places 1, 2, 3, … of the axis; empty for an axis of numbers.
     pub names: Vec<String>,
 }
 
@@ -59,32 +59,32 @@ impl Axis {
     }
 }
 
-/// A part of the legend: a heading and what each style stands for.
+/// A part of the legend: a heading and the meaning of each style.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
 pub struct Grouping {
-    /// What is told apart: `gap ticks`.
+    /// Heading, such as `gap ticks`.
     pub title: String,
-    /// From top to bottom.
+    /// Entries from top to bottom.
     pub entries: Vec<Entry>,
 }
 
-/// What one style stands for.
+/// The meaning of one style.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Entry {
     /// Index of the colour, or of the dash with its marker. The palettes repeat.
     pub style: usize,
-    /// `quadratic`
+    /// Name, such as `quadratic`.
     pub name: String,
 }
 
 /// One curve.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Series {
-    /// [`Entry::style`] among the colours.
+    /// Colour: an [`Entry::style`] among the colours.
     pub colour: usize,
-    /// [`Entry::style`] among the dashes.
+    /// Dash: an [`Entry::style`] among the dashes.
     pub dash: usize,
-    /// By rising x.
+    /// Points by rising x.
     pub points: Vec<SeriesPoint>,
     /// The closed form of the same quantity, a thin line under the points. In a figure where no series has one, lines
     /// join the points instead.
@@ -94,64 +94,64 @@ pub struct Series {
 /// One point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SeriesPoint {
-    /// In the unit of the x axis.
+    /// Value in the unit of the x axis.
     pub x: f64,
-    /// In the unit of the y axis.
+    /// Value in the unit of the y axis.
     pub y: f64,
-    /// Lower and upper ends of the uncertainty (95 %).
+    /// Lower and upper end of the 95 % interval.
     pub band: Option<(f64, f64)>,
 }
 
-/// A law that is not the closed form of the curves, such as one that was published: broad pale lines under them.
+/// A law that is not the closed form of the curves, such as a published one, drawn as broad pale lines under them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Law {
     /// Its name in the legend.
     pub label: String,
-    /// What it gives for the curves of each style: [`Figure::merge_laws`] joins those that are the same.
+    /// Lines for the curves of each style; [`Figure::merge_laws`] joins equal ones.
     pub lines: Vec<LawLine>,
 }
 
 /// One line of a law.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LawLine {
-    /// The [`Entry::style`] among the colours of the curves it is about. Only the line of a single one has its colour.
+    /// Styles among the colours of the curves to which it applies. Only the line for a single style has its colour.
     #[serde(rename = "colour", serialize_with = "only")]
     pub colours: Vec<usize>,
-    /// By rising x.
+    /// Points by rising x.
     pub points: Vec<(f64, f64)>,
 }
 
-/// The only one of several styles, for pages.
+/// The single one of several styles, for pages.
 fn only<S: Serializer>(colours: &[usize], serializer: S) -> Result<S::Ok, S::Error> {
     crate::view::chart::laws::only(colours).serialize(serializer)
 }
 
-/// What a curve is the sum of: thin dashed lines, for which the axes do not reach.
+/// The parts of which a curve is the sum, drawn as thin dashed lines that do not extend the axes.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Parts {
-    /// Their heading in the legend: `parts of the fit`.
+    /// Heading in the legend, such as `parts of the fit`.
     pub title: String,
-    /// From top to bottom of the legend.
+    /// Parts from top to bottom of the legend.
     pub lines: Vec<Part>,
 }
 
 /// One part of a sum.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Part {
-    /// `N = 0.003 °/√h`
+    /// Label, such as `N = 0.003 °/√h`.
     pub label: String,
-    /// Index of its colour, as of an [`Entry`].
+    /// Index of its colour, like [`Entry::style`].
     pub colour: usize,
-    /// By rising x.
+    /// Points by rising x.
     pub points: Vec<(f64, f64)>,
 }
 
-/// A horizontal line that the curves are judged by. An axis that cannot show its value leaves it out.
+/// A horizontal line against which the curves are judged. An axis that cannot show its value omits it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Limit {
-    /// In the unit of the y axis.
+    /// Value in the unit of the y axis.
     pub value: f64,
-    /// `limit 10 ″`
+    /// Label, such as `limit 10 ″`.
     pub label: String,
 }
 
@@ -175,12 +175,12 @@ impl Figure {
         self.series.iter().any(|series| !series.law.is_empty())
     }
 
-    /// The style of a series' dash and marker.
+    /// The style of the dash and the marker of a series.
     pub(crate) fn dash_of(&self, series: &Series) -> usize {
         if self.dashes.entries.is_empty() { series.colour } else { series.dash }
     }
 
-    /// The name of a series: those of its colour and of its dash.
+    /// The name of a series, from those of its colour and its dash.
     pub(crate) fn name(&self, series: &Series) -> String {
         let of = |grouping: &Grouping, style| {
             grouping.entries.iter().find(|entry| entry.style == style).map(|entry| entry.name.clone())

@@ -13,12 +13,12 @@ use crate::view::chart::notes::{ChartError, Notes};
 use crate::view::chart::stack::Shown;
 
 impl Figure {
-    /// The curves of `table` that `chart` asks for, in the order of their first rows, with points by rising x; curves that
-    /// coincide are merged by [`Figure::merge_coincident`].
+    /// The curves of `table` that `chart` selects, in the order of their first rows, with points by rising x. Identical
+    /// curves are merged by [`Figure::merge_coincident`].
     ///
     /// # Errors
-    /// A limit or a law in another unit than that of y, a column that is not there, holds text instead of numbers, or has no row with a
-    /// value asked for, a curve through rows that belong on several.
+    /// A limit or a law has another unit than y; a column is missing, holds text instead of numbers, or has no row with
+    /// a selected value; or a curve runs through rows that belong to several curves.
     pub fn from_table(table: &Table, chart: &Chart) -> Result<(Figure, Notes), ChartError> {
         let Shown { table, estimate, series } = Shown::of(table, chart)?;
         let table: &Table = &table;
@@ -44,7 +44,7 @@ impl Figure {
             y: axis(y, chart.y_scale),
             colours: grouping(colours, &rows),
             dashes: grouping(dashes, &rows),
-            // What the closed form gives is not sampled.
+            // The closed form is not sampled.
             points: if y.role == Role::Oracle { "closed form".to_owned() } else { chart.points.clone() },
             bands: chart.bands.clone(),
             lines: "closed form".to_owned(),
@@ -61,7 +61,7 @@ impl Figure {
             true => x.cells[row].number(),
             false => Some(1.0 + names.iter().position(|name| *name == x.cells[row].text())? as f64),
         };
-        // Rows that have no place on an axis on which others have one are about something else, as the sum of all ticks.
+        // Rows without a place on an axis where other rows have one are of another kind, such as the sum of all ticks.
         let some = rows.iter().any(|&row| place(row).is_some());
         for row in rows.into_iter().filter(|&row| !some || x.cells[row] != Cell::Blank) {
             let colour = colours.map_or(0, |column| style(&figure.colours, &column.cells[row]));
@@ -101,7 +101,7 @@ impl Figure {
     }
 }
 
-/// The column of that name, if it holds numbers.
+/// The column with that name, if it holds numbers.
 pub(crate) fn numbers<'t>(table: &'t Table, name: &str) -> Result<&'t Column, ChartError> {
     let column = table.column(name)?;
     match column.cells.iter().find(|cell| matches!(cell, Cell::Text(_))) {
@@ -110,7 +110,7 @@ pub(crate) fn numbers<'t>(table: &'t Table, name: &str) -> Result<&'t Column, Ch
     }
 }
 
-/// Refuses the first thing that stands `beside` a column and is in another unit.
+/// Refuses the first item `beside` a column that has another unit.
 pub(crate) fn check_unit<const N: usize>(
     name: &str,
     column: &Column,
@@ -131,7 +131,7 @@ pub(crate) fn axis(column: &Column, scale: Scale) -> Axis {
     Axis { label: column.label.clone(), unit: column.unit.symbol.to_owned(), scale, whole, names: vec![] }
 }
 
-/// An axis on which the different texts of a column stand side by side, in the order of their first rows; none of numbers.
+/// An axis with the different texts of a column side by side, in the order of their first rows; `None` for numbers.
 fn named_axis(column: &Column, rows: &[usize]) -> Option<Axis> {
     let mut names: Vec<String> = vec![];
     for &row in rows {
@@ -162,7 +162,7 @@ pub(crate) fn grouping(column: Option<&Column>, rows: &[usize]) -> Grouping {
     Grouping { title: column.title(), entries }
 }
 
-/// A value as the legend names it.
+/// The name of a value in the legend.
 fn name(cell: &Cell) -> String {
     if *cell == Cell::Blank { "(blank)".to_owned() } else { cell.text() }
 }
@@ -172,7 +172,7 @@ pub(crate) fn style(grouping: &Grouping, cell: &Cell) -> usize {
     grouping.entries.iter().find(|entry| entry.name == name).map_or(0, |entry| entry.style)
 }
 
-/// The curve of these styles, a new one if there is none yet.
+/// The curve with these styles, which is created if it does not exist yet.
 fn curve(series: &mut Vec<Series>, colour: usize, dash: usize) -> &mut Series {
     let place = series.iter().position(|s| (s.colour, s.dash) == (colour, dash)).unwrap_or_else(|| {
         series.push(Series { colour, dash, points: vec![], law: vec![] });
@@ -327,7 +327,7 @@ mod tests {
         for name in ["const", "quad", "copy"] {
             assert_eq!(svg.matches(&format!(">{name}<")).count(), 1, "{name}");
         }
-        // Whiskers have two ends, closed forms too; a line along the curve would have three places.
+        // Whiskers have two ends, and so do closed forms; a line along the curve would have three places.
         let lines = svg.split("<polyline points=\"").skip(1).map(|rest| rest.split('"').next().unwrap_or(""));
         let longest = lines.map(|places| places.split(' ').count()).max();
         assert_eq!(longest, Some(3), "the axes alone");
@@ -362,7 +362,7 @@ mod tests {
                 (law.label.as_str(), lines.collect::<Vec<_>>())
             })
             .collect();
-        // "copy" is merged into "const", and with it the law that only the copy has.
+        // "copy" is merged into "const", together with the law that only the copy has.
         assert_eq!(
             lines,
             [(LAWS[0].column(), vec![(Some(0), 3), (Some(1), 3)]), (LAWS[1].column(), vec![(None, 3)])]

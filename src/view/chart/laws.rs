@@ -2,14 +2,14 @@
 
 use crate::view::chart::figure::{Figure, LawLine};
 
-/// How far apart lines of the same law may be: more than rounding, less than can be seen.
+/// Largest difference between equal lines of a law: more than rounding, less than can be seen.
 const NEAR: f64 = 1e-6;
 
 impl Figure {
-    /// Joins the lines of each law that run on one curve, as those of several gap lengths do over Δt·ν.
+    /// Joins the lines of each law that lie on one curve, such as those of several gap lengths over Δt·ν.
     ///
-    /// Where they overlap, each has to pass through the points of the other; between points a law is taken as a power
-    /// of x, which those of theory are. Lines with no stretch in common stay apart.
+    /// Where they overlap, each must pass through the points of the other. Between points a law is taken as a power of
+    /// x, as laws of theory are. Lines without a common stretch stay separate.
     pub fn merge_laws(&mut self) {
         for law in &mut self.laws {
             let mut kept: Vec<LawLine> = vec![];
@@ -24,7 +24,7 @@ impl Figure {
         self.laws.retain(|law| !law.lines.is_empty());
     }
 
-    /// Gives the lines of laws that are about the colour `from` to the colour `to`.
+    /// Reassigns the lines of laws for the colour `from` to the colour `to`.
     pub(crate) fn recolour_laws(&mut self, from: usize, to: usize) {
         let lines = self.laws.iter_mut().flat_map(|law| &mut law.lines);
         for colour in lines.flat_map(|line| &mut line.colours).filter(|colour| **colour == from) {
@@ -43,19 +43,19 @@ impl LawLine {
         self.colours.dedup();
     }
 
-    /// The style of the only colour that it is about.
+    /// The style of the single colour to which it applies.
     pub(crate) fn colour(&self) -> Option<usize> {
         only(&self.colours)
     }
 }
 
-/// The style that several are, if they are one.
+/// The common style of several, if they are equal.
 pub(crate) fn only(colours: &[usize]) -> Option<usize> {
     let (first, others) = colours.split_first()?;
     others.iter().all(|other| other == first).then_some(*first)
 }
 
-/// Whether two lines have a stretch in common, and are the same there.
+/// Whether two lines have a common stretch and agree on it.
 fn same_law(a: &[(f64, f64)], b: &[(f64, f64)]) -> bool {
     let deviations = |points: &[(f64, f64)], line: &[(f64, f64)]| -> Vec<f64> {
         let of = |&(x, y): &(f64, f64)| on_line(line, x).map(|law| (y - law).abs() / y.abs().max(law.abs()));
@@ -65,7 +65,8 @@ fn same_law(a: &[(f64, f64)], b: &[(f64, f64)]) -> bool {
     !all.is_empty() && all.iter().all(|deviation| *deviation <= NEAR)
 }
 
-/// The value at `x` of the power law between the points beside it; none outside the line, or where it is not positive.
+/// The value at `x` of the power law between the neighbouring points; `None` outside the line, or where it is not
+/// positive.
 fn on_line(line: &[(f64, f64)], x: f64) -> Option<f64> {
     if let Some((_, y)) = line.iter().find(|point| point.0 == x) {
         return Some(*y);

@@ -1,4 +1,4 @@
-//! What all pictures share: their size, their titles, and the room for their axes.
+//! The layout common to all pictures: their size, their titles, and the room for their axes.
 
 use crate::view::chart::area::Frame;
 use crate::view::chart::axes::TICK_SIZE;
@@ -13,7 +13,7 @@ pub const WIDTH: f64 = 1000.0;
 pub const HEIGHT: f64 = 650.0;
 
 pub(crate) const MARGIN: f64 = 26.0;
-/// About as many labels as an axis has room for.
+/// Approximate number of labels for which an axis has room.
 pub(crate) const MOST_LABELS: usize = 9;
 
 const TITLE_SIZE: f64 = 20.0;
@@ -24,9 +24,9 @@ const AXIS_TITLE: Lettering = Lettering { size: 14.5, bold: false, colour: INK, 
 pub(crate) struct Titles<'a> {
     pub title: &'a str,
     pub subtitle: Option<&'a str>,
-    /// Under the horizontal axis.
+    /// Title under the horizontal axis.
     pub x: String,
-    /// Along the vertical axis.
+    /// Title along the vertical axis.
     pub y: String,
 }
 
@@ -66,15 +66,14 @@ pub(crate) fn draw_axis_title(canvas: &mut Canvas, x: f64, (top, bottom): (f64, 
     canvas.upward_text((x, 0.5 * (top + bottom)), &title, AXIS_TITLE);
 }
 
-/// Says why the frame is empty: there is no `what`, or all `left_out` of them cannot be shown. `what` is one of them,
-/// `point`.
+/// Says why the frame is empty: there is no `what`, such as `point`, or all `left_out` of them cannot be shown.
 pub(crate) fn draw_nothing(canvas: &mut Canvas, what: &str, left_out: usize, frame: Frame) {
     let why = match left_out {
         0 => format!("no {what}s"),
         1 => format!("the only {what} cannot be shown on these axes"),
         n => format!("none of the {n} {what}s can be shown on these axes"),
     };
-    // Above the middle, where a limit would be.
+    // Above the middle, where a limit might be.
     let place = (0.5 * (frame.left + frame.right), frame.top + 0.3 * (frame.bottom - frame.top));
     let lettering = Lettering { size: 16.0, bold: false, colour: MUTED, anchor: "middle" };
     canvas.text_on_white(place, &why, lettering);

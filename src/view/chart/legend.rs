@@ -1,4 +1,4 @@
-//! The legend: what colours, dashes and signs stand for, beside the plot.
+//! The legend beside the plot, which explains colours, dashes and characters.
 
 use crate::view::chart::canvas::{Canvas, Lettering, Stroke};
 use crate::view::chart::figure::{Figure, Grouping, Law, LawLine, Part, Series};
@@ -12,7 +12,7 @@ const SAMPLE: f64 = 36.0;
 const GAP: f64 = 10.0;
 /// Half the height of the sample of an area.
 const FILL: f64 = 7.0;
-/// Longer entries are shortened.
+/// Largest width of an entry; longer ones are shortened.
 const WIDEST_TEXT: f64 = 210.0;
 
 /// The legend of a figure, ready to be drawn.
@@ -25,17 +25,17 @@ pub(crate) struct Legend {
 pub(crate) enum Row {
     Heading(String),
     Entry(Sample, String),
-    /// The next line of an entry.
+    /// The continuation line of an entry.
     Continued(String),
     Remark(String),
     Space,
 }
 
-/// A piece of what the entry stands for.
+/// A sample of the style that an entry explains.
 #[derive(Debug, Default)]
 pub(crate) struct Sample {
     pub line: Option<Stroke>,
-    /// Style and colour.
+    /// Style and colour of a marker.
     pub marker: Option<(usize, &'static str)>,
     pub band: Option<&'static str>,
     /// Colour of an area, and whether it is hatched.
@@ -43,8 +43,8 @@ pub(crate) struct Sample {
 }
 
 impl Legend {
-    /// One part for the colours, one for dashes and markers, one for laws, one on how to read points, lines and bands,
-    /// one for the parts of a sum.
+    /// The legend of a figure: one part for the colours, one for dashes and markers, one for laws, one for the meaning
+    /// of points, lines and bands, and one for the parts of a sum.
     pub fn of(figure: &Figure) -> Legend {
         let mut legend = Legend::default();
         let own_dashes = !figure.dashes.entries.is_empty();
@@ -75,7 +75,7 @@ impl Legend {
         self.part(Some(&grouping.title), entries.collect());
     }
 
-    /// How the rows of the table were chosen.
+    /// Adds the rows selected from the table.
     pub fn shown(&mut self, chosen: &[String]) {
         self.part(Some("shown"), chosen.iter().cloned().map(Row::Remark).collect());
     }
@@ -91,7 +91,7 @@ impl Legend {
         self.rows.extend(rows);
     }
 
-    /// The width that it takes, 0 if it is empty.
+    /// Its width, 0 if it is empty.
     pub fn width(&self) -> f64 {
         let of_row = |row: &Row| match row {
             Row::Heading(text) => text::width(text, SIZE, true).min(WIDEST_TEXT + SAMPLE + GAP),
@@ -104,7 +104,7 @@ impl Legend {
         self.rows.iter().map(of_row).fold(0.0, f64::max)
     }
 
-    /// Draws it downwards from its upper left corner; what does not fit above `bottom` is counted in a last row.
+    /// Draws it downwards from its upper left corner; a last row counts the entries that do not fit above `bottom`.
     pub fn draw(&self, canvas: &mut Canvas, (left, top): (f64, f64), bottom: f64) {
         let lettering = Lettering { size: SIZE, bold: false, colour: INK, anchor: "start" };
         let mut y = top;
@@ -139,12 +139,12 @@ impl Legend {
         }
     }
 
-    /// The height that it takes, 0 if it is empty.
+    /// Its height, 0 if it is empty.
     pub fn height(&self) -> f64 {
         (0..self.rows.len()).map(|row| self.height_of(row)).sum()
     }
 
-    /// From one row to the next.
+    /// Distance from one row to the next.
     fn height_of(&self, row: usize) -> f64 {
         match (&self.rows[row], self.rows.get(row + 1)) {
             (Row::Space, _) => 0.6 * ROW,
@@ -159,7 +159,7 @@ fn curve_sample(style: usize, colour: &'static str, has_line: bool) -> Sample {
     Sample { line: has_line.then_some(line), marker: Some((style, colour)), ..Sample::default() }
 }
 
-/// Whether a line is drawn for some of the series: beside closed forms, those without one are points alone.
+/// Whether a line is drawn for some of the series; if others have closed forms, series without one are points only.
 fn has_line(figure: &Figure, is_meant: impl Fn(&Series) -> bool) -> bool {
     !figure.has_laws() || figure.series.iter().any(|series| is_meant(series) && !series.law.is_empty())
 }
@@ -176,7 +176,7 @@ fn law_rows(figure: &Figure) -> Vec<Row> {
     laws.flat_map(|(i, law)| wrapped_entry(sample(i, law), &law.label)).collect()
 }
 
-/// How the lines of a law are drawn: broad and pale, in the colour of the curves it is about if they have one.
+/// The style of the lines of a law: broad and pale, in the colour of the curves to which it applies if they have one.
 pub(crate) fn law_stroke(law: usize, colour: Option<usize>) -> Stroke {
     let colour = colour.map_or(palette::PALE_MUTED, palette::pale);
     Stroke { colour, width: 4.5, dash: palette::broad_dash(law) }
@@ -188,12 +188,12 @@ fn part_rows(figure: &Figure) -> Vec<Row> {
     parts.flat_map(|(i, part)| wrapped_entry(sample(i, part), &part.label)).collect()
 }
 
-/// How a part of a sum is drawn: dashed, thinner than the sum.
+/// The style of a part of a sum: dashed, and thinner than the sum.
 pub(crate) fn part_stroke(index: usize, part: &Part) -> Stroke {
     Stroke { colour: palette::colour(part.colour), width: 1.2, dash: palette::thin_dash(index) }
 }
 
-/// An entry with all of its text, in as many lines as it takes.
+/// An entry with its complete text, in as many lines as needed.
 pub(crate) fn wrapped_entry(sample: Sample, text: &str) -> Vec<Row> {
     let mut lines = text::wrapped(text, SIZE, WIDEST_TEXT).into_iter();
     let first = Row::Entry(sample, lines.next().unwrap_or_default());
@@ -204,12 +204,12 @@ fn reading_entries(figure: &Figure) -> Vec<Row> {
     let has_band = figure.series.iter().flat_map(|series| &series.points).any(|point| point.band.is_some());
     let mut rows = vec![];
     if !figure.points.is_empty() && !figure.series.is_empty() {
-        // As they are drawn: joined where there is no closed form.
+        // In the style in which they are drawn: joined where there is no closed form.
         let line = (!figure.has_laws()).then_some(Stroke { colour: MUTED, width: 1.8, dash: "" });
         let sample = Sample { line, marker: Some((0, MUTED)), ..Sample::default() };
         rows.push(Row::Entry(sample, figure.points.clone()));
     }
-    // Where points are not said to be something else there is nothing to tell them from.
+    // Without a name for the points there is no need to explain them.
     if figure.has_laws() && !figure.points.is_empty() {
         let line = Stroke { colour: MUTED, width: 1.4, dash: "" };
         rows.push(Row::Entry(Sample { line: Some(line), ..Sample::default() }, figure.lines.clone()));

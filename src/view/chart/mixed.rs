@@ -1,4 +1,4 @@
-//! Curves that run through rows which belong on several.
+//! Curves that run through rows of several curves.
 
 use std::collections::HashMap;
 
@@ -6,11 +6,11 @@ use crate::chart::Chart;
 use crate::table::{Cell, Column, Role, Table};
 use crate::view::chart::notes::ChartError;
 
-/// Refuses curves along which more varies than one of the columns that tell rows apart, or whose abscissa stands still
-/// while that one varies.
+/// Refuses curves along which more than one of the columns that distinguish rows varies, or whose abscissa is constant
+/// while one of them varies.
 ///
 /// # Errors
-/// A column that is not there, and the first such curve.
+/// A column is missing, or a curve is refused; the error is for the first such curve.
 pub(crate) fn check_curves(
     table: &Table,
     chart: &Chart,
@@ -30,7 +30,7 @@ pub(crate) fn check_curves(
         }
         curves[place].push(row);
     }
-    // The key that x runs along with; of an estimate that of the first coordinate.
+    // The key with which x varies; for an estimate that of the first coordinate.
     let coordinate = |column: &&Column| column.role == Role::Coordinate && !column.of.is_empty();
     let base = Some(x).filter(coordinate).or_else(|| table.columns.iter().find(coordinate));
     let base = base.map_or("", |column| column.of.as_str());
@@ -44,7 +44,7 @@ pub(crate) fn check_curves(
     })
 }
 
-/// The column besides that along which the rows of one curve run, and two of its values.
+/// The other column that varies along the rows of one curve, with two of its values.
 fn mixed<'t>(
     x: &Column,
     base: &str,
@@ -63,9 +63,9 @@ fn mixed<'t>(
     if let Some((column, row)) = varying.first() {
         return Some(found(column, rows[0], *row));
     }
-    // An x that stands still, while another column varies; an estimate may be the same by chance.
+    // An x that is constant while another column varies; an estimate may be constant by chance.
     let (column, row) = along?;
-    // What follows from the study is the same by no chance.
+    // A value that follows from the study is not constant by chance.
     let coordinate = x.role == Role::Coordinate || apart.iter().any(|column| column.name == x.name);
     let known = x.cells[rows[0]] != Cell::Blank;
     let still = coordinate && known && !rows.iter().any(|&row| differ(x, rows[0], row));
@@ -108,7 +108,7 @@ mod tests {
         Table { columns }
     }
 
-    /// What is said of a chart over `x` with these series and rows; nothing where it is drawn.
+    /// The error of a chart over `x` with these series and rows; empty where it is drawn.
     fn said(x: &str, series: &[&str], filter: &[(&str, &str)]) -> String {
         let names = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<String>>();
         let apart = names(&["motion.frequency", "switching.gap_ticks", "filler"]);

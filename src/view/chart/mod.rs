@@ -1,4 +1,5 @@
-//! Charts: a table becomes a [`Figure`](figure::Figure) of curves or a [`Map`](map::Map), these a list of shapes, which is written as SVG or painted as PNG.
+//! Charts: a table becomes a [`Figure`](figure::Figure) of curves or a [`Map`](map::Map), and these become a list of
+//! shapes, which is written as SVG or painted as PNG.
 //!
 //! ```text
 //! Table, Chart ─┬─▶ Figure ─┬─▶ Canvas ─┬─ svg() ─▶ SVG text
@@ -6,11 +7,11 @@
 //! ```
 //!
 //! The same figure gives the same SVG on every machine: logarithms are libm's, coordinates are rounded to 0.01 px,
-//! lettering is measured in the bundled DejaVu Sans, and nothing carries a date, a version or an id. A picture has no
-//! ids also because several of them may stand in one HTML page, where equal ids would meet.
+//! lettering is measured in the bundled DejaVu Sans, and there is no date, version or id. Ids would also collide where
+//! several pictures are in one HTML page.
 //!
-//! The drawing is our own. kuva 0.6, whose source was read for it, takes no explicit ticks, writes 0.01 as `1e-2`,
-//! shows line *or* marker in a legend, never both, and takes logarithms from the platform.
+//! The drawing code is our own. kuva 0.6, whose source was examined, takes no explicit ticks, writes 0.01 as `1e-2`,
+//! shows a line *or* a marker in a legend but never both, and uses the platform's logarithms.
 //!
 //! ```
 //! use sagnac::chart::{Chart, Limit, Shows};

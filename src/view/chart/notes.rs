@@ -1,24 +1,24 @@
-//! What comes back beside a picture, and why there is none.
+//! Notes returned with a picture, and errors of charts.
 
 use crate::table::ColumnError;
 #[cfg(doc)]
 use crate::view::chart::figure::Figure;
 
-/// What the reader of a chart should be told besides.
+/// Notes for the reader of a chart.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Notes {
-    /// Points that the axes cannot show, as [`Figure::left_out`] counts them.
+    /// Number of points that the axes cannot show; see [`Figure::left_out`].
     pub left_out: usize,
-    /// Rows of the chart without x or without y.
+    /// Number of rows of the chart without x or without y.
     pub blank: usize,
-    /// Entries that stand for several curves because they coincide: `const = linear`.
+    /// Merged entries for identical curves, such as `const = linear`.
     pub merged: Vec<String>,
-    /// Single curves that coincide: `const, 1 and linear, 1`.
+    /// Single curves that coincide, such as `const, 1 and linear, 1`.
     pub coincident: Vec<String>,
 }
 
 impl Notes {
-    /// One sentence, or none if there is nothing to say.
+    /// All notes as one sentence; `None` if there are none.
     pub fn sentence(&self) -> Option<String> {
         let counted = |count: usize, what: &str| (count > 0).then(|| format!("{count} {what}"));
         let equal: Vec<&str> = self.merged.iter().chain(&self.coincident).map(String::as_str).collect();
@@ -35,25 +35,25 @@ impl Notes {
     }
 }
 
-/// What the reader of a map should be told besides.
+/// Notes for the reader of a map.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct MapNotes {
-    /// Rows without x or y, or with one that its axis cannot show.
+    /// Number of rows without x or y, or with one that its axis cannot show.
     pub off_axes: usize,
-    /// Cells without a row of the table, or without one for each series that competes.
+    /// Number of cells without a row of the table, or without one for each competing series.
     pub no_row: usize,
-    /// Cells with rows, but without a value, or without that of each series that competes.
+    /// Number of cells with rows but without a value, or without that of each competing series.
     pub blank: usize,
-    /// Cells with a value that the colours cannot show: not positive on a logarithmic scale.
+    /// Number of cells with a value that the colours cannot show: not positive on a logarithmic scale.
     pub left_out: usize,
-    /// Series that have the same values throughout: `const = linear`.
+    /// Series with the same values throughout, such as `const = linear`.
     pub merged: Vec<String>,
-    /// Where there is a limit: cells within it, and cells with a value.
+    /// Where there is a limit: the number of cells within it, and that of cells with a value.
     pub within_limit: Option<(usize, usize)>,
 }
 
 impl MapNotes {
-    /// One sentence, or none if there is nothing to say.
+    /// All notes as one sentence; `None` if there are none.
     pub fn sentence(&self) -> Option<String> {
         let counted = |count: usize, what: &str| (count > 0).then(|| format!("{count} {what}"));
         let parts = [
@@ -70,68 +70,68 @@ impl MapNotes {
     }
 }
 
-/// Why a table makes no such chart.
+/// Why a table does not give such a chart.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ChartError {
-    /// A name that selects no single column, or a filter that leaves nothing.
+    /// A name selects no single column, or a filter leaves no rows.
     #[error(transparent)]
     Column(#[from] ColumnError),
-    /// More than two columns to tell curves apart.
-    #[error("{found} columns are to tell the curves apart; a chart has one for colour and one for dash")]
+    /// More than two columns distinguish curves.
+    #[error("{found} columns distinguish the curves; a chart has one for colour and one for dash")]
     TooManySeries {
-        /// How many were named.
+        /// Number of columns.
         found: usize,
     },
-    /// A column of text for an axis.
+    /// An axis has a column of text.
     #[error("`{column}` holds text such as `{example}`; an axis needs numbers")]
     NotNumbers {
-        /// Its header.
+        /// Header of the column.
         column: String,
         /// One of its texts.
         example: String,
     },
-    /// A column is two of the curves.
-    #[error("`{column}` stands twice among the columns of y")]
+    /// A column occurs twice among the curves.
+    #[error("`{column}` is listed twice among the columns of y")]
     Twice {
-        /// As it is named the second time.
+        /// Name of the second occurrence.
         column: String,
     },
-    /// Both axes of a map show the same.
+    /// Both axes of a map have the same column.
     #[error("`{column}` is both x and y; a map needs two different columns")]
     SameAxes {
-        /// As y names it.
+        /// Name as given for y.
         column: String,
     },
-    /// Rows on one curve that belong on several.
+    /// Rows on one curve belong to several curves.
     #[error("one curve{} runs through rows that differ in {column} ({})", of_curve(curve), values.join(", "))]
     MixedCurve {
-        /// What tells the curve from the others: `filler = const`; empty for the only one.
+        /// Description that distinguishes the curve, such as `filler = const`; empty for a single one.
         curve: String,
-        /// The column besides that along which the curve runs.
+        /// The other column that varies along the curve.
         column: String,
         /// Two of its values there.
         values: Vec<String>,
     },
-    /// Several rows on one cell of a map.
+    /// Several rows fall on one cell of a map.
     #[error("several rows fall on one cell of the map, as at {cell}{}", differing(column.as_deref(), values))]
     SeveralRows {
-        /// The values of the axes there: `dt_nu = 0.1, motion.amplitude = 5`.
+        /// Values of the axes there, such as `dt_nu = 0.1, motion.amplitude = 5`.
         cell: String,
         /// The first column in which two of the rows differ.
         column: Option<String>,
         /// Their values there.
         values: Vec<String>,
     },
-    /// A limit or a law in one unit beside estimates in another.
+    /// A limit or a law has another unit than the estimates.
     #[error("`{column}` is {}, a {beside} {} cannot be drawn on it", in_unit(unit), in_words(wanted))]
     OtherUnit {
-        /// The name of the column of the estimates.
+        /// Name of the column of the estimates.
         column: String,
-        /// The symbol of its unit; empty for a pure number.
+        /// Symbol of its unit; empty for a pure number.
         unit: String,
-        /// `limit` or `law`.
+        /// Kind of the item: `limit` or `law`.
         beside: &'static str,
-        /// The symbol of its unit; empty for a pure number.
+        /// Symbol of the item's unit; empty for a pure number.
         wanted: &'static str,
     },
 }

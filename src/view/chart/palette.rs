@@ -1,35 +1,35 @@
-//! The looks that tell curves apart.
+//! The styles that distinguish curves.
 
 use serde::Serialize;
 
 use crate::view::chart::map::colour_scale;
 use crate::view::chart::plot::{MARKED, MOST_MARKED};
 
-/// Colours that differ for colour-blind readers and, in the first three, by lightness in greyscale (L* 29, 48, 69).
+/// Colours that colour-blind readers can distinguish, the first three also by lightness in greyscale (L* 29, 48, 69).
 /// After Paul Tol's schemes and Okabe and Ito.
 const COLOURS: [&str; 8] =
     ["#004488", "#c24a00", "#4fb9a8", "#aa3377", "#e0a100", "#5aaae0", "#444444", "#999933"];
 
-/// The same for dark paper: lighter, in the same hues.
+/// The colours for dark backgrounds: lighter, in the same hues.
 const ON_DARK: [&str; 8] =
     ["#6fa8ff", "#ff9457", "#63d3c2", "#e58cc4", "#f2c14a", "#a3dcff", "#bdbdbd", "#cfcf6b"];
 
-/// The colours with 28 % and with 62 % of white in them: for areas, and for what stands behind.
+/// The colours mixed with 28 % and with 62 % of white, for areas and for the background.
 const TINTS: [[&str; 8]; 2] = [
     ["#4778a9", "#d37d47", "#80cdc0", "#c26c9d", "#e9bb47", "#88c2e9", "#787878", "#b6b66c"],
     ["#9eb8d2", "#e8ba9e", "#bce4de", "#dfb1cb", "#f3db9e", "#c0dff3", "#b8b8b8", "#d8d8b1"],
 ];
 
-/// Dash patterns, as `stroke-dasharray` has them.
+/// Dash patterns for `stroke-dasharray`.
 const DASHES: [&str; 6] = ["", "7 3", "2 2.5", "9 3 2 3", "14 4", "9 3 2 3 2 3"];
 
-/// The same for thin lines, none of them solid.
+/// Dash patterns for thin lines, none of them solid.
 const THIN_DASHES: [&str; 7] = ["6 3", "2 2", "8 3 2 3", "12 4", "8 3 2 3 2 3", "4 2", "12 3 4 3"];
 
-/// The same for broad lines.
+/// Dash patterns for broad lines.
 const BROAD_DASHES: [&str; 4] = ["", "12 5", "3 4", "12 4 3 4"];
 
-/// Markers of about equal area, as corners in units of the radius; a circle where there are none.
+/// Markers of about equal area, as corners in units of the radius; without corners a circle.
 const MARKERS: [&[(f64, f64)]; 6] = [
     &[],
     &[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)],
@@ -41,32 +41,32 @@ const MARKERS: [&[(f64, f64)]; 6] = [
 
 /// Text and axes.
 pub(crate) const INK: &str = "#222222";
-/// What is said beside the main thing.
+/// Secondary text.
 pub(crate) const MUTED: &str = "#5c5c5c";
-/// The same for what stands behind.
+/// Secondary items in the background.
 pub(crate) const PALE_MUTED: &str = "#c1c1c1";
 /// Grid lines at the labelled ticks, and between them.
 pub(crate) const GRID: [&str; 2] = ["#d9dde1", "#eff1f3"];
 /// The limit line.
 pub(crate) const LIMIT: &str = "#b3001b";
 
-/// What pages need to draw as pictures do.
+/// The styles that pages need to draw like pictures.
 #[derive(Debug, Serialize)]
 pub(crate) struct Looks {
     dashes: &'static [&'static str],
     thin_dashes: &'static [&'static str],
     broad_dashes: &'static [&'static str],
     markers: &'static [&'static [(f64, f64)]],
-    /// From the least to the greatest value, evenly.
+    /// Colours from the least to the greatest value, evenly spaced.
     viridis: Vec<String>,
-    /// Most points of a line that all have markers, and how many have of more.
+    /// Most points of a line that all have markers, and the number of markers of a line with more.
     most_marked: usize,
     marked: usize,
 }
 
 impl Looks {
     pub(crate) fn new() -> Looks {
-        /// Finer than can be told apart.
+        /// Number of colours, more than can be distinguished.
         const COLOURS: u8 = 200;
         let colour = |at: u8| colour_scale::colour(f64::from(at) / f64::from(COLOURS));
         Looks {
@@ -81,7 +81,7 @@ impl Looks {
     }
 }
 
-/// A style sheet with the colours of styles on light and on dark paper, of the class `c0` and so on.
+/// A style sheet with the colours of styles on light and on dark backgrounds, for the classes `c0` and so on.
 pub(crate) fn style_sheet() -> String {
     let colours = COLOURS.iter().zip(ON_DARK).enumerate();
     colours.map(|(style, (light, dark))| format!(".c{style}{{--c:light-dark({light},{dark})}}\n")).collect()
@@ -97,7 +97,7 @@ pub(crate) fn area_colour(style: usize) -> &'static str {
     TINTS[0][style % COLOURS.len()]
 }
 
-/// The colour of a style for what stands behind.
+/// The colour of a style in the background.
 pub(crate) fn pale(style: usize) -> &'static str {
     TINTS[1][style % COLOURS.len()]
 }

@@ -8,7 +8,7 @@ use crate::view::chart::map::Map;
 #[cfg(feature = "png")]
 use crate::view::chart::png::PngError;
 
-/// What a chart shows, as a picture or, as JSON, for pages that draw it themselves.
+/// The content of a chart, drawn as a picture or, as JSON, by pages.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Picture {
@@ -19,7 +19,7 @@ pub enum Picture {
 }
 
 impl Picture {
-    /// As SVG: equal pictures give equal bytes on every machine.
+    /// The picture as SVG. Equal pictures give equal bytes on every machine.
     pub fn svg(&self) -> String {
         match self {
             Picture::Curves(figure) => figure.svg(),
@@ -27,10 +27,10 @@ impl Picture {
         }
     }
 
-    /// As PNG, with `scale` pixels per CSS pixel.
+    /// The picture as PNG, with `scale` pixels per CSS pixel.
     ///
     /// # Errors
-    /// A scale that makes no picture of 1 to 20000 pixels each way.
+    /// The scale does not give a picture of 1 to 20000 pixels each way.
     #[cfg(feature = "png")]
     pub fn png(&self, scale: f32) -> Result<Vec<u8>, PngError> {
         match self {
@@ -39,7 +39,7 @@ impl Picture {
         }
     }
 
-    /// For a terminal.
+    /// The picture as text for a terminal.
     pub fn text(&self, look: Look) -> String {
         match self {
             Picture::Curves(figure) => figure.text(look),
@@ -47,7 +47,7 @@ impl Picture {
         }
     }
 
-    /// What it answers.
+    /// The title.
     pub fn title(&self) -> &str {
         match self {
             Picture::Curves(figure) => &figure.title,
@@ -55,7 +55,7 @@ impl Picture {
         }
     }
 
-    /// The axis of what is shown: y of curves, z of maps.
+    /// The axis of the shown quantity: y of curves, z of maps.
     pub fn shown(&self) -> &Axis {
         match self {
             Picture::Curves(figure) => &figure.y,

@@ -12,7 +12,7 @@ use crate::view::chart::text;
 /// Most points of a line that all have markers.
 pub(crate) const MOST_MARKED: usize = 200;
 
-/// How many have of more points, at the most.
+/// Largest number of markers of a line with more points.
 pub(crate) const MARKED: usize = 40;
 
 /// Half the width of a closed form where names stand side by side.
@@ -25,7 +25,7 @@ pub(crate) struct Plot<'a> {
     pub area: Area,
 }
 
-/// The x range of a figure: its points and laws.
+/// The x range of a figure, from its points and laws.
 pub(crate) fn x_range(figure: &Figure) -> Range {
     let points = shown_points(figure).map(|point| point.x);
     let laws = figure
@@ -38,7 +38,7 @@ pub(crate) fn x_range(figure: &Figure) -> Range {
     figure.x.around(points.chain(laws))
 }
 
-/// The y range of a figure: its points, its limit and, no farther than is good for the points, bands and laws.
+/// The y range of a figure: its points, its limit and, within reason, bands and laws.
 pub(crate) fn y_range(figure: &Figure) -> Range {
     let scale = figure.y.scale;
     let points: Vec<f64> = shown_points(figure).map(|point| point.y).collect();
@@ -52,7 +52,7 @@ pub(crate) fn y_range(figure: &Figure) -> Range {
     figure.y.around(points.iter().copied().chain(beside).chain(limit))
 }
 
-/// How far from the points the axis may reach for what stands beside them: one decade, or once their own span.
+/// Distance by which the axis may extend beyond the points for other items: one decade, or the span of the points.
 fn reach(scale: Scale, points: &[f64]) -> (f64, f64) {
     let low = points.iter().copied().fold(f64::INFINITY, f64::min);
     let high = points.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -93,9 +93,9 @@ impl Plot<'_> {
                 canvas.line(&[(left, y), (right, y)], Stroke { colour: LIMIT, width: 1.4, dash: "10 4" });
             }
         });
-        // Outside the window: markers on the frame stay whole.
+        // Outside the window, so that markers on the frame are complete.
         for (i, series) in self.figure.series.iter().enumerate() {
-            // Larger under others that would hide it.
+            // Larger under curves that would hide it.
             let size = 1.0 + 0.45 * self.figure.covering(i).count() as f64;
             self.draw_markers(canvas, series, size);
         }
@@ -112,7 +112,7 @@ impl Plot<'_> {
         runs.filter(move |run| run.iter().all(shown))
     }
 
-    /// Whether one point leads to the next, as names do not.
+    /// Whether one point leads to the next, unlike names.
     fn is_joined(&self) -> bool {
         self.figure.x.names.is_empty()
     }
@@ -140,7 +140,8 @@ impl Plot<'_> {
         }
     }
 
-    /// The closed form. Lines join the points where no series has one; beside closed forms they would pass for such.
+    /// Draws the closed form. Lines join the points where no series has one; otherwise they would be mistaken for
+    /// closed forms.
     fn draw_curve(&self, canvas: &mut Canvas, series: &Series) {
         let (colour, dash) = (palette::colour(series.colour), palette::dash(self.figure.dash_of(series)));
         if !self.is_joined() {
@@ -172,7 +173,7 @@ impl Plot<'_> {
 
     fn draw_markers(&self, canvas: &mut Canvas, series: &Series, size: f64) {
         let points: Vec<_> = self.runs(series).flatten().collect();
-        // Along a line that joins very many, some tell the curves apart.
+        // Along a line through very many points, only some have markers.
         let step = match points.len() {
             many if many > MOST_MARKED && !self.figure.has_laws() => many.div_ceil(MARKED),
             _ => 1,
@@ -187,7 +188,7 @@ impl Plot<'_> {
         });
     }
 
-    /// Writes the label over the limit line, at that end or in the middle where it covers the fewest points.
+    /// Writes the label over the limit line, at the end or in the middle, wherever it covers the fewest points.
     fn draw_limit_label(&self, canvas: &mut Canvas, limit: &Limit) {
         const SIZE: f64 = 13.0;
         let Frame { left, right, .. } = self.area.frame;

@@ -12,17 +12,17 @@ use crate::view::chart::area::Frame;
 use crate::view::chart::canvas::{Canvas, Lettering, Set, Shape, Stroke, TEXT_RIM, TRANSLUCENT};
 use crate::view::chart::layout::{HEIGHT, WIDTH};
 
-/// Why there is no PNG.
+/// Why a PNG could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum PngError {
-    /// Too small, too large or no number.
+    /// The size is too small, too large or not a number.
     #[error(
         "a picture of {width} × {height} pixels cannot be drawn; choose a scale that gives 1 to 20000 each way"
     )]
     Size {
-        /// Pixels.
+        /// Width in pixels.
         width: f32,
-        /// Pixels.
+        /// Height in pixels.
         height: f32,
     },
     /// The encoder failed.
@@ -30,7 +30,7 @@ pub enum PngError {
     Encoding(String),
 }
 
-/// DejaVu Sans, regular and bold, and no font of the system's: those differ from machine to machine.
+/// DejaVu Sans, regular and bold. Fonts of the system are not used, because they differ from machine to machine.
 static FACES: LazyLock<[Option<Face<'static>>; 2]> = LazyLock::new(|| {
     const REGULAR: &[u8] =
         include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/fonts/DejaVuSans.ttf"));
@@ -72,7 +72,7 @@ impl Canvas {
 
 struct Painter {
     pixmap: Pixmap,
-    /// From CSS pixels to those of the picture.
+    /// Scale from CSS pixels to those of the picture.
     scale: Transform,
     window: Option<Mask>,
     smooth: bool,
@@ -180,8 +180,8 @@ fn path<'p>(lines: impl IntoIterator<Item = &'p [(f64, f64)]>, closed: bool) -> 
     path.finish()
 }
 
-/// The outline of a text that starts at the origin, and its width; none of one without ink. Glyphs are set one after the
-/// other, from left to right, and kerned.
+/// The outline of a text that starts at the origin, with its width; `None` for a text without ink. Glyphs are set from
+/// left to right and kerned.
 fn outline(text: &str, lettering: &Lettering) -> Option<(Path, f32)> {
     let face = FACES[usize::from(lettering.bold)].as_ref()?;
     let scale = lettering.size as f32 / f32::from(face.units_per_em());
@@ -198,14 +198,14 @@ fn outline(text: &str, lettering: &Lettering) -> Option<(Path, f32)> {
     Some((pen.path.finish()?, width))
 }
 
-/// How much closer or farther than by its advance a glyph stands after another, in units of the font.
+/// Correction of the distance between two glyphs relative to the advance, in units of the font.
 fn kerning(face: &Face, left: GlyphId, right: GlyphId) -> i16 {
     let tables = face.tables().kern.iter().flat_map(|kern| kern.subtables);
     let mut usual = tables.filter(|table| table.horizontal && !table.variable && !table.has_cross_stream);
     usual.find_map(|table| table.glyphs_kerning(left, right)).unwrap_or(0)
 }
 
-/// Takes the outline of a glyph at `x`; fonts count upwards, pictures downwards.
+/// Collects the outline of a glyph at `x`; vertical coordinates of fonts point upwards, those of pictures downwards.
 struct Glyphs {
     path: PathBuilder,
     scale: f32,

@@ -1,14 +1,14 @@
-//! From numbers to places on an axis.
+//! Conversion of numbers to places on an axis.
 
 use serde::{Serialize, Serializer};
 
 use crate::key::scale::Scale;
 
-/// Numbers below are as good as zero.
+/// Numbers below this count as zero.
 const TINY: f64 = 1e-250;
 
 impl Serialize for Scale {
-    /// As study files call it.
+    /// The word as written in study files.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name())
     }
@@ -16,12 +16,12 @@ impl Serialize for Scale {
 
 impl Scale {
     /// Whether an axis can show `value`: finite, and positive if logarithmic. Numbers beyond 10^±250 count as infinite
-    /// or zero; margins and ticks around them would leave f64.
+    /// or zero, because margins and ticks around them would exceed the range of f64.
     pub fn shows(self, value: f64) -> bool {
         value.abs() < 1.0 / TINY && (self == Scale::Linear || value > TINY)
     }
 
-    /// A coordinate in which the axis is divided evenly.
+    /// A coordinate in which the axis is uniform.
     pub(crate) fn coordinate(self, value: f64) -> f64 {
         match self {
             Scale::Log => libm::log10(value),
@@ -37,8 +37,8 @@ impl Scale {
         }
     }
 
-    /// The edges of cells about `values`, which ascend and can be shown: in the middle between two, and as far beyond the
-    /// outer ones. The cell of a single value reaches as far as an axis about it.
+    /// The edges of cells around `values`, which ascend and can be shown: midway between neighbours, and equally far
+    /// beyond the outer ones. The cell of a single value is as wide as an axis around it.
     pub(crate) fn edges(self, values: &[f64]) -> Vec<f64> {
         match *values {
             [] => vec![],
@@ -59,7 +59,7 @@ impl Scale {
     }
 }
 
-/// The stretch of numbers that an axis covers.
+/// The range of numbers on an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Range {
     pub scale: Scale,
@@ -68,7 +68,7 @@ pub(crate) struct Range {
 }
 
 impl Range {
-    /// A range with all of `values` that the scale can show, and a margin around them. Without any it is arbitrary.
+    /// A range with all of `values` that the scale can show, and a margin around them; arbitrary without values.
     pub fn around(scale: Scale, values: impl IntoIterator<Item = f64>) -> Range {
         let ends =
             values.into_iter().filter(|&value| scale.shows(value)).fold(None, |ends, value| match ends {
@@ -84,9 +84,9 @@ impl Range {
         Range { scale, low, high }
     }
 
-    /// Where `value` lies: 0 at the lower end, 1 at the upper. What has no place on the axis lies far below.
+    /// The place of `value`: 0 at the lower end, 1 at the upper. Values that cannot be shown lie far below.
     pub fn fraction(&self, value: f64) -> f64 {
-        /// Many axis lengths, yet a number that a drawing takes.
+        /// Many axis lengths, but still drawable.
         const FAR: f64 = 20.0;
         if value.is_nan() || (self.scale == Scale::Log && value <= 0.0) {
             return -FAR;

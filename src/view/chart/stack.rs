@@ -6,28 +6,28 @@ use crate::chart::Chart;
 use crate::table::{Cell, Column, Role, Table};
 use crate::view::chart::notes::ChartError;
 
-/// The column that names what a stacked value is.
+/// The column with the names of the stacked quantities.
 pub const CURVE: &str = "curve";
 
-/// What stands in labels between the quantity that columns share and what each of them is.
+/// Separator in labels between the common quantity and its parts.
 const BETWEEN: &str = ": ";
 
-/// The table of a chart; of a chart of several columns one in which they are stacked.
+/// The table of a chart; for a chart of several columns, a table in which these are stacked.
 #[derive(Debug)]
 pub struct Shown<'t> {
-    /// With a column that tells the stacked ones apart.
+    /// Table, with a column that distinguishes the stacked ones.
     pub table: Cow<'t, Table>,
-    /// The column of the estimates.
+    /// Column of the estimates.
     pub estimate: String,
-    /// The columns whose values are told apart.
+    /// The columns whose values distinguish curves.
     pub series: Vec<String>,
 }
 
 impl<'t> Shown<'t> {
-    /// What `chart` shows of a table.
+    /// The part of a table that `chart` shows.
     ///
     /// # Errors
-    /// A column to be stacked is not there, stands twice or is in another unit.
+    /// A column to be stacked is missing, is listed twice or has another unit.
     pub fn of(table: &'t Table, chart: &Chart) -> Result<Shown<'t>, ChartError> {
         let series = chart.series().iter().map(|column| column.name.clone());
         let estimate = chart.estimate().name.clone();
@@ -45,18 +45,19 @@ impl<'t> Shown<'t> {
         x.is_ok_and(|x| x.cells.iter().any(|cell| matches!(cell, Cell::Text(_))))
     }
 
-    /// Whether the chart is not written but supplied with names side by side, as where no number is swept.
+    /// Whether the chart is supplied with names side by side instead of written, as where no number is swept.
     pub fn is_supplied(&self, chart: &Chart) -> bool {
         chart.x.span.is_empty() && self.is_named(chart)
     }
 }
 
-/// The table with the columns `names` one below the other, under the name of the first: all other columns are repeated for
-/// each, closed forms stay with their columns, and [`CURVE`] tells them apart by their labels. Of labels such as `drift: bound` and `drift: mean` the first part
-/// becomes that of the stacked column, else the word that all end with.
+/// The table with the columns `names` below one another, under the name of the first. All other columns are repeated
+/// for each, closed forms stay with their columns, and [`CURVE`] distinguishes them by their labels. For labels such as
+/// `drift: bound` and `drift: mean`, the first part becomes the label of the stacked column, otherwise their common
+/// last word does.
 ///
 /// # Errors
-/// A name selects no single column, or one that is there already, or a column in another unit than that of the first.
+/// A name selects no single column, an existing column is in the way, or a column has another unit than the first.
 pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
     let mut columns: Vec<&Column> = vec![];
     for name in names {
@@ -115,14 +116,14 @@ pub fn stacked(table: &Table, names: &[&str]) -> Result<Table, ChartError> {
     Ok(Table { columns: all })
 }
 
-/// The word that the labels of all columns end with: `error` of `rms error` and `99.73 % error`.
+/// The common last word of the labels of all columns, such as `error` for `rms error` and `99.73 % error`.
 fn last_word<'c>(columns: &[&'c Column]) -> Option<&'c str> {
     let words = |column: &&'c Column| column.label.rsplit_once(' ').map(|(_, last)| last);
     let first = words(columns.first()?)?;
     columns.iter().all(|column| words(column) == Some(first)).then_some(first)
 }
 
-/// What a column is of the quantity `shared`.
+/// The part of the quantity `shared` that a column stands for.
 fn part<'c>(column: &'c Column, shared: &str) -> Option<&'c str> {
     column.label.strip_prefix(shared)?.strip_prefix(BETWEEN)
 }
@@ -191,7 +192,7 @@ mod tests {
         assert_eq!(error(&["bound", "duration"]), "`duration` is in s, a curve in ″/s cannot be drawn on it");
         assert_eq!(
             error(&["bound", "bound_arcsec_per_s"]),
-            "`bound_arcsec_per_s` stands twice among the columns of y"
+            "`bound_arcsec_per_s` is listed twice among the columns of y"
         );
         assert!(error(&["bound", "none"]).contains("no column is called `none`"));
     }

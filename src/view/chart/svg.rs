@@ -47,7 +47,7 @@ impl Figure {
     /// The figure as PNG, with `scale` pixels per CSS pixel, lettered with the bundled font.
     ///
     /// # Errors
-    /// A scale that makes no picture of 1 to 20000 pixels each way.
+    /// The scale does not give a picture of 1 to 20000 pixels each way.
     #[cfg(feature = "png")]
     pub fn png(&self, scale: f32) -> Result<Vec<u8>, PngError> {
         self.canvas().png(scale)
@@ -57,7 +57,7 @@ impl Figure {
         let (x, y) = (plot::x_range(self), plot::y_range(self));
         let (mut x_ticks, y_ticks) = (self.x.ticks(x), self.y.ticks(y));
         if !self.x.names.is_empty() {
-            // They are written in lines.
+            // The names are written in lines instead.
             x_ticks.major.iter_mut().for_each(|(_, label)| label.clear());
         }
         let legend = Legend::of(self);
@@ -116,7 +116,7 @@ mod tests {
         }
     }
 
-    /// Everything that a figure can have, small.
+    /// A small figure with every possible part.
     fn figure() -> Figure {
         let points = |slope: f64| (1..=4).map(move |k| (0.02 * f64::from(k), slope * f64::from(k * k)));
         let series = |colour: usize, dash: usize, slope: f64| Series {

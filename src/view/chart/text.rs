@@ -1,21 +1,21 @@
-//! How wide text is in DejaVu Sans.
+//! The width of text in DejaVu Sans.
 
 use std::ops::Range;
 
-/// The font's name, for a picture to ask for, and what comes near where it is not installed.
+/// The font's name for pictures, with substitutes where it is not installed.
 pub(crate) const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 
-/// The advances of DejaVu Sans, regular, then bold: for each of [`KNOWN`] a u16 in units of the font, with the lowest byte
-/// first. A test in `png.rs` makes them from the fonts.
+/// The advances of DejaVu Sans, regular, then bold: for each of [`KNOWN`] a u16 in units of the font, lowest byte
+/// first. A test in `png.rs` derives them from the fonts.
 pub(crate) const ADVANCES: &[u8] =
     include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/fonts/advances"));
 
-/// The code points whose advances are kept; others are taken to be as wide as the widest letter.
+/// The code points whose advances are known; others count as wide as the widest letter.
 pub(crate) const KNOWN: Range<u32> = 0x20..0x2800;
 
 pub(crate) const UNITS_PER_EM: u16 = 2048;
 
-/// The width of a text in px, rounded up to a whole one; 0 for text without any. Kerning, which brings letters closer
+/// The width of a text in px, rounded up to an integer; 0 for empty text. Kerning, which brings letters closer
 /// together, is left out.
 pub(crate) fn width(text: &str, size: f64, bold: bool) -> f64 {
     let known = KNOWN.len();
@@ -31,7 +31,7 @@ pub(crate) fn width(text: &str, size: f64, bold: bool) -> f64 {
 
 /// `text`, shortened with an ellipsis until it is at most `room` px wide.
 pub(crate) fn fitted(text: &str, size: f64, bold: bool, room: f64) -> String {
-    /// More than fits across a picture, and few enough to be tried one by one.
+    /// Number of characters that is more than fits across a picture, but few enough to try one by one.
     const LONGEST: usize = 200;
     let mut kept: String = text.chars().take(LONGEST).collect();
     let mut shown = if kept.len() < text.len() { format!("{kept}…") } else { kept.clone() };
@@ -41,8 +41,8 @@ pub(crate) fn fitted(text: &str, size: f64, bold: bool, room: f64) -> String {
     shown
 }
 
-/// `text` in lines of at most `room` px, broken at spaces; a longer word stays whole, and so do
-/// words with a no-break space between them.
+/// `text` in lines of at most `room` px, broken at spaces. A longer word stays whole, and so do words with a no-break
+/// space between them.
 pub(crate) fn wrapped(text: &str, size: f64, room: f64) -> Vec<String> {
     let mut lines: Vec<String> = vec![];
     for word in text.split(' ').filter(|word| !word.is_empty()) {

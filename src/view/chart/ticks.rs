@@ -1,6 +1,6 @@
-//! Ticks that people would choose, and their labels.
+//! Ticks at round numbers, with their labels.
 //!
-//! A tick is `count · 10^exponent` with whole numbers, so that its label is exact and never 0.30000000000000004.
+//! A tick is `count · 10^exponent` with integers, so that its label is exact and never 0.30000000000000004.
 
 use serde::Serialize;
 
@@ -10,9 +10,9 @@ use crate::view::chart::scale::Range;
 /// The ticks of one axis.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub(crate) struct Ticks {
-    /// Labelled.
+    /// Ticks with a label.
     pub major: Vec<(f64, String)>,
-    /// Not labelled.
+    /// Ticks without a label.
     pub minor: Vec<f64>,
 }
 
@@ -23,17 +23,17 @@ struct Decimal {
     exponent: i32,
 }
 
-/// The ticks that an axis has as a whole and in its parts.
+/// The ticks of a whole axis and of its parts.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Ladder {
-    /// Those by powers of ten, the best first; none of a linear axis.
+    /// Ticks by powers of ten, the best first; empty for a linear axis.
     levels: Vec<Ticks>,
-    /// The distances of even ones, rising.
+    /// Even distances between ticks, rising.
     steps: Vec<Step>,
 }
 
-/// Ticks at even distances, and how their labels are written: as multiples of `shown` with so many decimals, and a power of
-/// ten.
+/// Ticks at even distances, with the format of their labels: multiples of `shown` with a number of decimals, and a
+/// power of ten.
 #[derive(Debug, Clone, Serialize)]
 struct Step {
     step: f64,
@@ -53,7 +53,7 @@ impl Step {
 }
 
 impl Decimal {
-    /// The least of 1, 2 and 5 times a power of ten that is `least` or more.
+    /// The least of 1, 2 and 5 times a power of ten that is at least `least`.
     fn step(least: f64) -> Decimal {
         let exponent = libm::floor(libm::log10(least)) as i32;
         let leading = least / Decimal { count: 1, exponent }.value();
@@ -81,19 +81,19 @@ impl Decimal {
         }
     }
 
-    /// How many decimals it takes to write it in full.
+    /// Number of decimals needed to write it in full.
     fn decimals(self) -> usize {
         (-self.exponent).max(0) as usize
     }
 
-    /// The nearest f64, by way of text: that conversion rounds correctly on every machine.
+    /// The nearest f64, converted through text, which rounds correctly on every machine.
     fn value(self) -> f64 {
         format!("{}e{}", self.count, self.exponent).parse().unwrap_or(f64::NAN)
     }
 }
 
 impl Range {
-    /// Ticks inside the range, with about `most` labels at most.
+    /// Ticks inside the range, with at most about `most` labels.
     pub fn ticks(&self, most: usize) -> Ticks {
         match self.scale {
             Scale::Log => self.log_ticks(most),
@@ -110,8 +110,8 @@ impl Range {
         self.log_levels().into_iter().find(few).unwrap_or_else(|| self.linear_ticks(most))
     }
 
-    /// Ticks of a logarithmic axis; the first with at least three labels, and not too many, are the best: the decades, some of
-    /// them, 1, 2 and 5 of each, every digit. Where none are, ticks at even distances suit.
+    /// Ticks of a logarithmic axis: all decades, some of them, 1, 2 and 5 of each, or every digit. The first with at
+    /// least three labels, but not too many, are the best. If there are none, ticks at even distances are used.
     fn log_levels(&self) -> Vec<Ticks> {
         let [first, last] = [self.low, self.high].map(|end| libm::floor(libm::log10(end)) as i32);
         let digits = |digits: &[i64]| -> Vec<Decimal> {
@@ -136,9 +136,9 @@ impl Range {
         Ticks { minor: without(&self.multiples(major.minor()), &labels), major: labels }
     }
 
-    /// All ticks that parts of the range may have, and what lies somewhat beyond it; at whole numbers only if it is of counts.
+    /// All ticks that parts of the range and its surroundings may have; only at whole numbers if the axis counts.
     pub fn ladder(&self, whole: bool) -> Ladder {
-        /// A reader may look so far beyond a logarithmic axis.
+        /// Factor by which a reader may go beyond a logarithmic axis.
         const BEYOND: f64 = 100.0;
         let wider = Range { low: self.low / BEYOND, high: self.high * BEYOND, ..*self };
         let mut levels = if self.scale == Scale::Log { wider.log_levels() } else { vec![] };
@@ -149,13 +149,13 @@ impl Range {
             }
         }
         let largest = self.low.abs().max(self.high.abs());
-        // Down to a thousandth of the axis; on a logarithmic one small values have as much room as large ones.
+        // Down to a thousandth of the axis; on a logarithmic axis small values have as much room as large ones.
         let smallest = if self.scale == Scale::Log { self.low } else { self.high - self.low };
         let least = 1e-3 * smallest;
         let mut step = Decimal::step(if whole { least.max(1.0) } else { least });
         let mut steps = vec![];
         while steps.is_empty() || step.value() < self.high - self.low {
-            // A logarithmic axis has even distances in less than a decade only.
+            // A logarithmic axis has even distances only within less than a decade.
             let shown = if self.scale == Scale::Log { largest.min(30.0 * step.value()) } else { largest };
             steps.push(Step::new(step, shown));
             step = step.next();
@@ -172,7 +172,7 @@ impl Range {
     }
 }
 
-/// The values of `all` that carry no label.
+/// The values of `all` without a label.
 fn without(all: &[Decimal], labelled: &[(f64, String)]) -> Vec<f64> {
     let values = all.iter().map(|tick| tick.value());
     values
@@ -185,7 +185,7 @@ fn plain(size: f64) -> bool {
     size == 0.0 || (1e-3 * (1.0 - 1e-9)..=1e5 * (1.0 + 1e-9)).contains(&size)
 }
 
-/// Labels all alike: in full where that suits each of them, as powers of ten otherwise.
+/// Labels in a common format: in full where that suits all of them, else as powers of ten.
 fn labelled_log(labels: &[Decimal], all: &[Decimal]) -> Ticks {
     let in_full = labels.iter().all(|tick| plain(tick.value()));
     let text = |tick: Decimal| match (tick.count, tick.exponent) {
@@ -198,12 +198,12 @@ fn labelled_log(labels: &[Decimal], all: &[Decimal]) -> Ticks {
     Ticks { minor: without(all, &major), major }
 }
 
-/// The power of ten that labels up to `largest` are written over.
+/// The power of ten by which labels up to `largest` are divided.
 fn power_of(largest: f64) -> i32 {
     if plain(largest) { 0 } else { libm::floor(libm::log10(largest) + 1e-9) as i32 }
 }
 
-/// Labels with the decimals that their step asks for, over one common power of ten where the numbers are unwieldy.
+/// Labels with the decimals of their step, with a common power of ten where the numbers are unwieldy.
 fn linear_labels(labels: &[Decimal]) -> Vec<(f64, String)> {
     let largest = labels.iter().map(|tick| tick.value().abs()).fold(0.0, f64::max);
     let power = power_of(largest);
@@ -219,7 +219,7 @@ fn linear_labels(labels: &[Decimal]) -> Vec<(f64, String)> {
     labels.iter().map(|&tick| (tick.value(), text(tick))).collect()
 }
 
-/// An exponent in raised figures.
+/// An exponent in superscript digits.
 fn superscript(exponent: i32) -> String {
     let raised = |figure: char| match figure {
         '-' => '⁻',

@@ -1,4 +1,4 @@
-//! Axes and their ticks, which for counts and names are at whole numbers only.
+//! Axes and their ticks, which are at whole numbers only for counts and names.
 
 use crate::key::scale::Scale;
 use crate::view::chart::figure::Axis;
@@ -6,11 +6,12 @@ use crate::view::chart::layout::MOST_LABELS;
 use crate::view::chart::scale::Range;
 use crate::view::chart::ticks::Ticks;
 
-/// So many whole numbers have a label each.
+/// Number of whole numbers that all get a label.
 const FEW: f64 = 12.0;
 
 impl Axis {
-    /// What the axis covers to show `values`, with a margin. One that counts does not reach down to 0 because it is near.
+    /// The range of the axis that shows `values`, with a margin. An axis that counts does not extend to 0 merely
+    /// because 0 is near.
     pub(crate) fn around(&self, values: impl IntoIterator<Item = f64>) -> Range {
         let values: Vec<f64> = values.into_iter().filter(|&value| self.scale.shows(value)).collect();
         if !self.names.is_empty() {
@@ -50,7 +51,7 @@ impl Axis {
 mod tests {
     use super::*;
 
-    /// Labels, and the ticks without one, of an axis about these values.
+    /// Labels, and the ticks without one, of an axis around these values.
     fn ticks(scale: Scale, whole: bool, values: &[f64]) -> (Vec<String>, Vec<f64>) {
         let axis = Axis { label: String::new(), unit: String::new(), scale, whole, names: vec![] };
         let ticks = axis.ticks(axis.around(values.iter().copied()));

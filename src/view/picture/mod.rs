@@ -1,4 +1,4 @@
-//! The charts of a study: the pictures that it asks for, and what they say against their limits.
+//! The charts of a study: its pictures, and their verdicts against limits.
 //!
 //! ```text
 //! Study, Tables ─┬─ pictures ─▶ what is drawn
@@ -30,29 +30,29 @@ pub fn chart_stem(index: usize, charts: usize) -> String {
     if charts == 1 { "chart".to_owned() } else { format!("chart-{}", index + 1) }
 }
 
-/// A chart with what belongs to it.
+/// A drawn chart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawn {
-    /// The name of its files, without their endings: `chart-1`.
+    /// Stem of its file names, such as `chart-1`.
     pub stem: String,
     /// What it shows.
     pub picture: Picture,
-    /// A sentence on what is to be said of it.
+    /// Note on the chart, as a sentence.
     pub note: Option<String>,
 }
 
 impl Drawn {
-    /// What is to be said of it, with its name.
+    /// The note with the name of the chart.
     pub fn sentence(&self) -> Option<String> {
         self.note.as_ref().map(|note| format!("{}: {note}", self.stem))
     }
 }
 
-/// All charts of a study, in its order.
+/// All charts of a study, in order.
 ///
 /// # Errors
-/// The table does not have what a chart asks for; the error points at the name in the study. Those of
-/// [`Plan::blank_tables`](crate::run::Plan::blank_tables) show that before anything is sampled.
+/// The table lacks something that a chart requires; the error points at the name in the study. Charts of
+/// [`Plan::blank_tables`](crate::run::Plan::blank_tables) show this before anything is sampled.
 pub fn pictures(study: &Study, tables: &Tables) -> Result<Vec<Drawn>, StudyError> {
     let of = |(index, chart): (usize, &Chart)| {
         let (picture, note) = picture(study, tables, chart)?;
@@ -61,10 +61,10 @@ pub fn pictures(study: &Study, tables: &Tables) -> Result<Vec<Drawn>, StudyError
     study.charts.iter().enumerate().map(of).collect()
 }
 
-/// What each chart of a study shows.
+/// The part of a table that each chart of a study shows.
 ///
 /// # Errors
-/// The table does not have what a chart asks for.
+/// The table lacks something that a chart requires.
 pub fn shown<'t>(study: &Study, tables: &'t Tables) -> Result<Vec<Shown<'t>>, StudyError> {
     let of = |chart: &Chart| {
         Shown::of(tables.of(chart.source), chart).map_err(|error| refused(study, chart, &error))
@@ -72,10 +72,10 @@ pub fn shown<'t>(study: &Study, tables: &'t Tables) -> Result<Vec<Shown<'t>>, St
     study.charts.iter().map(of).collect()
 }
 
-/// One chart, and a sentence on what is to be said of it.
+/// One chart, with a note on it.
 ///
 /// # Errors
-/// The table does not have what the chart asks for; the error points at the name in the study.
+/// The table lacks something that the chart requires; the error points at the name in the study.
 fn picture(study: &Study, tables: &Tables, chart: &Chart) -> Result<(Picture, Option<String>), StudyError> {
     let table = tables.of(chart.source);
     let drawn = match &chart.shows {
@@ -88,7 +88,8 @@ fn picture(study: &Study, tables: &Tables, chart: &Chart) -> Result<(Picture, Op
     drawn.map_err(|error| refused(study, chart, &error))
 }
 
-/// The same without the values that were supplied, but for those that every chart of the table has: a table has a line for each.
+/// The rows that a chart selects, without supplied values except those common to all charts of the table, which has a
+/// row for each.
 pub fn written(study: &Study, chart: &Chart) -> Vec<(String, String)> {
     let ground = study.ground(chart.source);
     let texts = ground.map_or(vec![], |ground| ground.texts);
@@ -102,7 +103,7 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
     let named = || [&chart.x, chart.estimate()].into_iter().chain(chart.columns()).chain(chart.series());
     let rows = || chart.rows.iter().map(|row| &row.0);
     let place = |mut names: Box<dyn Iterator<Item = &Named> + '_>, name: &str| {
-        // A default is written nowhere; another name may be.
+        // A default has no place in the text; another name may have one.
         names
             .find(|named| named.name == name && !named.span.is_empty())
             .map_or(0..0, |named| named.span.clone())
@@ -138,7 +139,7 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
             (place(Box::new(std::iter::once(chart.estimate()).chain(chart.columns())), column), help)
         }
         ChartError::Twice { column } => {
-            // The first one that is called so may be the other.
+            // The first one with this name may be the other one.
             let last = chart.beside.iter().rev().find(|named| named.name == *column);
             (last.unwrap_or(&chart.y).span.clone(), "leave it out here".to_owned())
         }
@@ -164,15 +165,15 @@ pub fn refused(study: &Study, chart: &Chart, error: &ChartError) -> StudyError {
     study.error_at(span, format!("chart: {error}"), help)
 }
 
-/// The column whose name is most like one that there is not, without its unit.
+/// The existing column whose name is most similar to an unknown one, without its unit.
 fn nearest_column<'k>(name: &str, headers: &'k [String]) -> Option<&'k str> {
     let bare = |header: &'k String| bare(header).min_by_key(|name| name.len()).unwrap_or(header);
     nearest(name, &headers.iter().map(bare).collect::<Vec<_>>())
 }
 
-/// How to leave one of several rows that differ in `column`, and what to do else with its name.
+/// Advice to select one of several rows that differ in `column`, with an alternative for its name.
 fn choose_one(study: &Study, column: &str, value: &str, otherwise: impl Fn(&str) -> String) -> String {
-    // As studies write it, with the unit that files leave out.
+    // In the notation of studies, with the unit that files omit.
     let swept = study.sweeps.iter().find(|sweep| sweep.key.name == column);
     let shown = swept.and_then(|sweep| sweep.values.iter().find(|swept| swept.cell().text() == value));
     let value = match shown {
@@ -180,7 +181,7 @@ fn choose_one(study: &Study, column: &str, value: &str, otherwise: impl Fn(&str)
         Some(swept) => format!("\"{swept}\""),
         None => format!("\"{value}\""),
     };
-    // The last part says enough where no other sweep ends alike; a key with dots stands in quotes.
+    // The last part of a key suffices where no other sweep has the same ending; a key with dots is quoted.
     let last = |key: &str| key.rsplit('.').next().map(str::to_owned).unwrap_or_default();
     let alike = study.sweeps.iter().filter(|sweep| last(sweep.key.name) == last(column)).count();
     let name = if alike > 1 { format!("\"{column}\"") } else { last(column) };

@@ -1,4 +1,4 @@
-//! What the charts with a limit say of their curves.
+//! Verdicts of charts with a limit on their curves.
 
 use serde_json::{Map, Value, json};
 
@@ -11,22 +11,23 @@ use crate::view::chart::stack::Shown;
 use crate::view::picture::{chart_stem, refused};
 use crate::view::verdict::{Answer, Question, verdict};
 
-/// The verdict of one chart, or of several that show the same.
+/// The verdict of one chart, or of several with the same content.
 pub struct Verdict<'t> {
-    /// The names of their files.
+    /// Names of their files.
     charts: Vec<String>,
-    /// What is judged.
+    /// Column that is judged.
     of: &'t Column,
     limit: Limit,
-    /// The rows it is about: column, value as files show it.
+    /// Rows to which it applies, as columns with their values in files.
     rows: Vec<(&'t Column, String)>,
     answers: Vec<Answer<'t>>,
 }
 
-/// The verdict of all curves with a limit, equal ones once; a map shows for itself where it is passed.
+/// The verdicts of all charts of curves with a limit, equal ones once. A map shows by itself where the limit is
+/// exceeded.
 ///
 /// # Errors
-/// The table does not have what a chart asks for.
+/// The table lacks something that a chart requires.
 pub fn verdicts<'t>(study: &Study, shown: &'t [Shown]) -> Result<Vec<Verdict<'t>>, StudyError> {
     let mut all: Vec<Verdict> = Vec::new();
     for (index, (chart, shown)) in study.charts.iter().zip(shown).enumerate() {
@@ -76,14 +77,14 @@ impl Verdict<'_> {
             && self.limit == other.limit
     }
 
-    /// A heading that says what is judged, and `besides` it what is to be known of that, and a sentence for each curve.
+    /// A heading that says what is judged, with the remarks `besides`, and a sentence for each curve.
     pub fn text(&self, besides: &str) -> String {
         let sentences: String =
             self.sentences().into_iter().map(|sentence| format!("  {sentence}\n")).collect();
         format!("{}{besides}\n{sentences}", self.heading())
     }
 
-    /// What is judged, and where it is drawn.
+    /// The judged column, and the charts that show it.
     pub fn heading(&self) -> String {
         let rows = self.rows.iter().map(|(column, value)| format!(", {}", column.valued(value)));
         format!("{}: {} against the limit{}", self.charts.join(", "), self.of.label, rows.collect::<String>())
@@ -95,17 +96,17 @@ impl Verdict<'_> {
         self.answers.iter().map(|answer| answer.sentence(&limit)).collect()
     }
 
-    /// How each curve stands to the limit.
+    /// The answer of each curve.
     pub fn answers(&self) -> &[Answer<'_>] {
         &self.answers
     }
 
-    /// What it is judged by.
+    /// The limit.
     pub fn limit(&self) -> Limit {
         self.limit
     }
 
-    /// What is judged, where, against which limit, and for each curve its outcome and places: an object for programs.
+    /// Column, charts, limit, and for each curve its outcome and places, as JSON.
     pub fn json(&self) -> Value {
         let rows = self.rows.iter().map(|(column, value)| (column.header(), json!(value)));
         let answers = self.answers.iter().map(|answer| {

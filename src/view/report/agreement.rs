@@ -1,4 +1,4 @@
-//! How well simulated values agree with their closed forms.
+//! The agreement of simulated values with their closed forms.
 
 use statrs::function::erf::erfc_inv;
 
@@ -8,21 +8,21 @@ use crate::table::{Cell, Column, Role, Table};
 /// The deviations of one estimate from its closed form, in standard errors of the simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Agreement {
-    /// The column of the deviations: `z`.
+    /// Column of the deviations, `z`.
     pub column: String,
-    /// What deviates: `rms error`.
+    /// Quantity that deviates, such as `rms error`.
     pub of: String,
-    /// Rows that have a closed form.
+    /// Number of rows with a closed form.
     pub rows: usize,
-    /// Root mean square of the deviations: near 1 where nothing but chance is in them.
+    /// Root mean square of the deviations, which is near 1 if they are due to chance only.
     pub rms: f64,
     /// The largest magnitude.
     pub largest: f64,
-    /// Its row.
+    /// Index of its row.
     pub at: usize,
-    /// The 2.5 % and 97.5 % quantiles of the largest of so many independent standard normal magnitudes.
+    /// The 2.5 % and 97.5 % quantiles of the largest of equally many independent standard normal magnitudes.
     pub expected: (f64, f64),
-    /// What the largest of so many stays below in 999 of 1000 cases.
+    /// Level below which the largest of equally many stays in 999 of 1000 cases.
     pub most: f64,
 }
 
@@ -50,20 +50,20 @@ fn of_column(table: &Table, column: &Column) -> Option<Agreement> {
     })
 }
 
-/// The quantile p of the largest of n independent standard normal magnitudes: all n are below it with probability p.
+/// The p quantile of the largest of n independent standard normal magnitudes, below which all n lie with probability p.
 fn largest_normal(n: usize, p: f64) -> f64 {
-    // 1 − p^(1/n), also where that is tiny.
+    // 1 − p^(1/n), accurate even where it is tiny.
     let beyond = -libm::expm1(libm::log(p) / n as f64);
     std::f64::consts::SQRT_2 * erfc_inv(beyond)
 }
 
 impl Agreement {
-    /// Whether chance explains the largest deviation: in one of 1000 cases it would be as large.
+    /// Whether chance explains the largest deviation, which would be as large in more than one of 1000 cases.
     pub fn holds(&self) -> bool {
         self.largest <= self.most
     }
 
-    /// The agreement as a sentence; `table` is the one that it is of.
+    /// The agreement as a sentence; `table` is the table to which it belongs.
     pub fn sentence(&self, table: &Table) -> String {
         let [rms, largest, low, high] =
             [self.rms, self.largest, self.expected.0, self.expected.1].map(|z| significant(z, 3));
@@ -83,7 +83,7 @@ impl Agreement {
     }
 }
 
-/// What tells a row from others: its texts, and its values before them.
+/// Description that distinguishes a row: its texts, and the values before them.
 fn place(table: &Table, row: usize) -> String {
     let told = table.columns.iter().take_while(|column| column.role != Role::Trials);
     let unlike = told.filter(|column| column.cells.iter().any(|cell| *cell != column.cells[row]));
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn the_largest_of_many_is_where_the_normal_distribution_puts_it() {
-        // Of one magnitude: the quantiles of |z|.
+        // For one magnitude: the quantiles of |z|.
         assert!((largest_normal(1, 0.95) - 1.959_963_985).abs() < 1e-8);
         // All of 100 within 3.3 with (1 − 2·Φ(−3.3))^100.
         let p = libm::pow(libm::erf(3.3 / std::f64::consts::SQRT_2), 100.0);

@@ -20,27 +20,28 @@ use crate::view::picture::{Drawn, refused};
 use crate::view::report::curves::{Curves, least_for_each};
 use crate::view::report::sentences::{best, less_is_better, of_map, of_verdict, side_by_side};
 
-/// Most rows or curves that a headline tells side by side.
+/// Most rows or curves that a headline lists side by side.
 const MOST_BESIDE: usize = 4;
 
-/// Beginnings of keys that nobody chooses for the sake of the drift.
+/// Prefixes of keys that are not chosen to reduce the drift.
 const GIVEN: [&str; 5] = ["run.", "motion.", "drift.", "gyro.tick_noise", "gyro.readout_lsb"];
 
-/// The answer: a sentence, and what stands behind it.
+/// The answer as a sentence, with its details.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Answer {
-    /// One sentence; empty where there is nothing to say, as of a table without a value.
+    /// One sentence; empty where there is nothing to say, as for a table without a value.
     pub headline: String,
-    /// A sentence for each curve, under a heading for each chart that is answered so: its verdict, or where it is least.
+    /// A heading for each chart with this kind of answer, with a sentence for each curve: its verdict, or its minimum.
     pub curves: Vec<(String, Vec<String>)>,
 }
 
-/// The answer of a study: what the verdicts say, else what the first chart shows, else the best row of the table.
+/// The answer of a study: the verdicts if there are any, else the content of the first chart, else the best row of the
+/// table.
 ///
-/// `lacking` is how many trials are missing of the whole, which is said first.
+/// `lacking` is the number of missing trials, which the answer states first.
 ///
 /// # Errors
-/// The table does not have what a chart asks for.
+/// The table lacks something that a chart requires.
 pub fn answer(
     study: &Study,
     tables: &Tables,
@@ -114,7 +115,7 @@ fn of_chart(
         shown.is_named(chart) || shown.table.column(&chart.x.name).is_ok_and(|x| x.role == Role::Coordinate);
     let whole = whole.filter(|(name, _)| is_by_part && rows.iter().all(|(column, _)| column != name));
     if let Some((name, whole)) = whole {
-        // The least of all ticks says nothing of a compensation: what it leaves of their sum does.
+        // The least of all ticks says nothing about a compensation; the remainder in their sum does.
         let all = [&rows[..], &[(name.to_owned(), whole.to_owned())]].concat();
         let sums = shown.table.rows_where(&all).unwrap_or_default();
         let beside = side_by_side(&shown.table, &shown.estimate, &sums, &by)?;
@@ -134,7 +135,8 @@ fn of_chart(
     Ok(leading(study, &shown.table, &shown.estimate, &rows, &by)?)
 }
 
-/// Where the estimate of a chart over the switching interval is least: the interval is chosen, so that a limit alone is no answer.
+/// The minimum of a chart over the switching interval: the interval is chosen, so the limit alone does not answer the
+/// question.
 fn chosen_interval(study: &Study, chart: &Chart, shown: &Shown) -> Result<Option<String>, ColumnError> {
     let table = &shown.table;
     if table.column(&chart.x.name)?.name != INTERVAL.name {
@@ -150,8 +152,8 @@ fn chosen_interval(study: &Study, chart: &Chart, shown: &Shown) -> Result<Option
     Ok(best.map(|best| best.sentence()))
 }
 
-/// Where an estimate over the switching interval is least for each of what a gyro has to do or to live with, if its curves differ in that:
-/// the best of them all is of no use to the others.
+/// The minimum over the switching interval for each condition or requirement of a gyro, if its curves differ in these;
+/// the best of all of them would not help the others.
 fn interval_for_each(chart: &Chart, shown: &Shown) -> Result<Option<String>, ColumnError> {
     let table = &shown.table;
     let rows = table.rows_where(&chart.filter())?;
@@ -165,14 +167,14 @@ fn interval_for_each(chart: &Chart, shown: &Shown) -> Result<Option<String>, Col
     least_for_each(table, (&chart.x.name, &shown.estimate), &rows, [&given, &chosen], MOST_BESIDE)
 }
 
-/// Whether the abscissa is what a gyro meets and nobody chooses, so that the worst counts there.
+/// Whether the abscissa is a condition that is not chosen, so that the worst case counts.
 fn is_environment(chart: &Chart, shown: &Shown) -> bool {
     let Ok(x) = shown.table.column(&chart.x.name) else { return false };
     let key = if x.role == Role::Coordinate { &x.of } else { &x.name };
     key.starts_with("motion.")
 }
 
-/// What the curves of a chart say of an estimate that is the better the less it is; nothing of another one.
+/// The statement of `say` on the curves of a chart, if less of the estimate is better.
 fn of_range<T>(chart: &Chart, shown: &Shown, say: impl Fn(&Curves) -> T) -> Result<Option<T>, ColumnError> {
     let (table, estimate) = (&shown.table, shown.estimate.as_str());
     let rows = table.rows_where(&chart.filter())?;
@@ -183,7 +185,7 @@ fn of_range<T>(chart: &Chart, shown: &Shown, say: impl Fn(&Curves) -> T) -> Resu
     Ok(Some(say(&Curves::of(table, (&chart.x.name, estimate), &rows, &series)?)))
 }
 
-/// The best row, and where that is of a filler that firmware cannot have, the best of the others.
+/// The best row, and where that has a filler that firmware cannot have, the best of the others.
 fn leading(
     study: &Study,
     table: &Table,
@@ -208,8 +210,9 @@ fn leading(
     Ok(Some(format!("{sentence} That filler is designed for {why}{known}.")))
 }
 
-/// The names of fillers whose weights firmware cannot have, and why: designed without a band they follow the motion of each point, or
-/// one frequency to the last digit. Of a motion that is drawn from a band they are those of the band.
+/// The names of fillers whose weights firmware cannot have, with the reason: designed without a band, they follow the
+/// motion of each point, or one frequency to the last digit. For a motion that is drawn from a band, they are those of
+/// the band.
 fn free_fillers(study: &Study) -> Option<(Vec<&str>, &'static str)> {
     let gap_fill = study.asked::<GapFill>().or_else(|| study.asked::<SwitchedRun>()?.fill.as_ref())?;
     let is_free = |filler: &&Filler| filler.method == Method::MinimumVariance(None);
@@ -227,7 +230,7 @@ fn free_fillers(study: &Study) -> Option<(Vec<&str>, &'static str)> {
     (!free.is_empty()).then_some((free, why))
 }
 
-/// A headline with what is to be known of the fillers among some rows.
+/// A headline with a caveat on the fillers among some rows.
 fn with_caveat(
     study: &Study,
     headline: Option<String>,
@@ -251,7 +254,7 @@ fn with_caveat(
     }))
 }
 
-/// Where each curve of a chart is least, or largest where that counts; nothing where that is not asked for.
+/// The minimum of each curve of a chart, or the maximum where that counts; empty where neither is of interest.
 fn of_each(chart: &Chart, shown: &Shown) -> Result<Vec<String>, ColumnError> {
     let is_largest = is_environment(chart, shown);
     let each =
@@ -265,11 +268,11 @@ fn of_each(chart: &Chart, shown: &Shown) -> Result<Vec<String>, ColumnError> {
     Ok(each?.unwrap_or_default())
 }
 
-/// The best row of a study without a chart of its own.
+/// The best row of a study without its own chart.
 fn undrawn(study: &Study, tables: &Tables) -> Option<String> {
     let points = &tables.points;
     let estimate = points.usual(Usual::Answer)?;
-    // Errors and angles that the study leaves out have no rows.
+    // Errors and angles that the study omits have no rows.
     let rows = Some(study.usual_rows()).filter(|rows| points.rows_where(rows).is_ok()).unwrap_or_default();
     let abscissa = points.usual(Usual::Abscissa).map(|column| column.name.as_str());
     let by = apart(study, Source::Points, abscissa.into_iter().collect());
@@ -283,11 +286,11 @@ fn undrawn(study: &Study, tables: &Tables) -> Option<String> {
     }
 }
 
-/// The columns that tell rows apart, each once, with those of a chart first.
+/// The columns that distinguish rows, each once, with those of a chart first.
 fn apart<'n>(study: &'n Study, source: Source, mut columns: Vec<&'n str>) -> Vec<&'n str> {
     let sweeps = study.sweeps.iter().map(|sweep| sweep.key.name);
     for name in study.text_columns(source).into_iter().chain(sweeps) {
-        // A chart may name a column by its end.
+        // A chart may give only the end of a column's name.
         if !columns.iter().any(|column| name == *column || name.ends_with(&format!(".{column}"))) {
             columns.push(name);
         }

@@ -1,4 +1,4 @@
-//! The axes of a chart as pages need them: with the ticks of all parts that may be enlarged, for either scale.
+//! The axes of a chart for pages, with the ticks of all parts that may be enlarged, for either scale.
 
 use serde::Serialize;
 
@@ -14,13 +14,13 @@ use crate::view::chart::ticks::Ladder;
 pub(crate) struct Axes {
     x: Either<Ladder>,
     y: Either<Ladder>,
-    /// Of a map.
+    /// Axis z of a map.
     z: Option<Either<Ladder>>,
-    /// The edges of the cells of a map along x and y that have a place.
+    /// The edges of the cells of a map along x and y, where they can be shown.
     edges: Option<[Either<Vec<f64>>; 2]>,
 }
 
-/// Something for a logarithmic and for a linear axis.
+/// Data for a logarithmic and for a linear axis.
 #[derive(Serialize)]
 struct Either<T> {
     log: T,

@@ -1,4 +1,4 @@
-//! Sentences on whole curves: where each is least, or how large it gets.
+//! Sentences on whole curves: the place of the minimum, or the largest value.
 
 use crate::quantity::number::significant;
 use crate::table::{Column, ColumnError, Table};
@@ -11,12 +11,12 @@ type Place = (f64, f64);
 pub(crate) struct Curves<'t> {
     x: &'t Column,
     y: &'t Column,
-    /// Name and places by x, in the order of the table.
+    /// Names and places by x, in the order of the table.
     curves: Vec<(String, Vec<Place>)>,
 }
 
 impl<'t> Curves<'t> {
-    /// The values of y over x in some rows; `series` are the columns that tell curves apart.
+    /// The curves of y over x in some rows; `series` are the columns that distinguish curves.
     ///
     /// # Errors
     /// A name selects no single column.
@@ -43,13 +43,14 @@ impl<'t> Curves<'t> {
         Ok(Curves { x, y, curves })
     }
 
-    /// Where each is least, a sentence each: `600 s: 0.153 °/h at switching interval 37.5 s`. A curve that is least at one of its ends is
+    /// The minimum of each curve as a sentence, such as `600 s: 0.153 °/h at switching interval 37.5 s`. A minimum at
+    /// an end of the range is marked.
     /// said to be.
     pub(crate) fn least_of_each(&self) -> Vec<String> {
         self.each(|places| places.iter().min_by(|a, b| a.1.total_cmp(&b.1)))
     }
 
-    /// How large each gets, in the same way.
+    /// The largest value of each curve, in the same form.
     pub(crate) fn largest_of_each(&self) -> Vec<String> {
         self.each(largest)
     }
@@ -69,8 +70,7 @@ impl<'t> Curves<'t> {
         self.curves.iter().filter_map(sentence).collect()
     }
 
-    /// Which curve is the least where it is largest, and how large, as a sentence; the next one is told too. Nothing where there is no
-    /// range to look over.
+    /// The curve with the least largest value as a sentence, with the next one. `None` where there is no range.
     pub(crate) fn least_at_worst(&self) -> Option<String> {
         let mut worst: Vec<(&str, Place)> = self
             .curves
@@ -106,8 +106,9 @@ impl<'t> Curves<'t> {
     }
 }
 
-/// At which x some rows have the least y, for each value of the columns `given`, and with which of the columns `chosen`: of more than
-/// `most` values from where to where only. Nothing where one has no range of x, all its values alike, or where there is one alone.
+/// The x at which some rows have the least y, for each value of the columns `given`, and the values of the columns
+/// `chosen` there. For more than `most` values only the range is stated. `None` where a group has no range of x or
+/// equal values, or where there is only one group.
 ///
 /// # Errors
 /// A name selects no single column.
@@ -215,7 +216,7 @@ mod tests {
         let expected =
             "The rms is least at frequency 2 Hz to 4 Hz, which depends on the filler: 1.5 ″ to 2 ″.";
         assert_eq!(least(&all, [&[filler], &[]], 1).as_deref(), Some(expected));
-        // What is chosen is told with the place; one alone, or without a range, is told elsewhere.
+        // A chosen column is stated with the place; a single one, or one without a range, is stated elsewhere.
         assert_eq!(least(&all, [&[], &[filler]], 4), None);
         assert_eq!(least(&[0, 3], [&[filler], &[]], 4), None);
         assert_eq!(least(&[], [&[filler], &[]], 4), None);

@@ -1,4 +1,4 @@
-//! The data of a page: what its script draws and lists, as compressed JSON.
+//! The data of a page for its script, as compressed JSON.
 
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -19,10 +19,10 @@ use crate::view::chart::picture::Picture;
 use crate::view::report::Report;
 use crate::view::report::axes::Axes;
 
-/// Significant digits: as many as files have.
+/// Number of significant digits, as in files.
 const DIGITS: usize = 9;
 
-/// Most cells of a table of a page, so that it stays below 1.5 MB and is drawn at once.
+/// Most cells of a table in a page, which keep it below 1.5 MB and fast to draw.
 const MOST_CELLS: usize = 80_000;
 
 /// Most points of all curves of a page.
@@ -42,14 +42,14 @@ struct Chart {
     axes: Axes,
 }
 
-/// The part of a table that a page has.
+/// The part of a table in a page.
 #[derive(Serialize)]
 pub(crate) struct Listed<'t> {
     file: &'static str,
-    /// Of the whole table.
+    /// Number of rows of the whole table.
     pub(crate) rows: usize,
     pub(crate) all_columns: usize,
-    /// How many rows the page has.
+    /// Number of rows in the page.
     shown: usize,
     columns: Vec<Listing<'t>>,
 }
@@ -58,13 +58,13 @@ pub(crate) struct Listed<'t> {
 struct Listing<'t> {
     header: String,
     title: String,
-    /// What it means.
+    /// Its meaning.
     about: &'t str,
     /// Whether it holds text.
     text: bool,
-    /// Whether it tells rows apart.
+    /// Whether it distinguishes rows.
     tells: bool,
-    /// Its cells; one if all are the same.
+    /// Cells; a single one if all are equal.
     cells: Box<RawValue>,
 }
 
@@ -73,7 +73,7 @@ impl Listed<'_> {
         self.file
     }
 
-    /// What the page leaves out, if anything.
+    /// The part of the table that the page omits, if any.
     pub(crate) fn left_out(&self) -> Option<String> {
         let (rows, columns) = (self.shown, self.columns.len());
         let part = match (rows < self.rows, columns < self.all_columns) {
@@ -89,11 +89,11 @@ impl Listed<'_> {
     }
 }
 
-/// The data of a page, and what of the report is among them.
+/// The data of a page, with the parts of the report that it contains.
 pub(crate) struct Packed<'t> {
     pub(crate) text: String,
     pub(crate) tables: Vec<Listed<'t>>,
-    /// Of curves one point in so many is there.
+    /// Thinning factor of the points of curves.
     pub(crate) thinned: usize,
 }
 
@@ -119,7 +119,7 @@ fn points(picture: &Picture) -> usize {
     }
 }
 
-/// A picture with one in so many points of its curves, and of what stands beside them.
+/// A picture with only every `step`-th point of its curves and laws.
 fn one_in(step: usize, picture: &Picture) -> Cow<'_, Picture> {
     let Picture::Curves(figure) = picture else { return Cow::Borrowed(picture) };
     if step == 1 {
@@ -136,7 +136,7 @@ fn one_in(step: usize, picture: &Picture) -> Cow<'_, Picture> {
     Cow::Owned(Picture::Curves(figure))
 }
 
-/// The first one, then one in so many, and the last.
+/// The first item, every `step`-th one, and the last.
 fn thin<T: Copy>(items: &[T], step: usize) -> Vec<T> {
     let last = items.len().saturating_sub(1);
     let kept = |(at, item): (usize, &T)| (at % step == 0 || at == last).then_some(*item);
@@ -144,7 +144,7 @@ fn thin<T: Copy>(items: &[T], step: usize) -> Vec<T> {
 }
 
 fn listed<'t>(source: Source, table: &'t Table, report: &Report) -> Listed<'t> {
-    // A column without a value, as Δt·ν of a motion that has many frequencies, takes room only.
+    // A column without values, such as Δt·ν of a motion with many frequencies, only takes room.
     let known = |column: &&Column| column.cells.iter().any(|cell| *cell != Cell::Blank);
     let all: Vec<&Column> = table.columns.iter().filter(known).collect();
     let small = table.rows() * all.len() <= MOST_CELLS;
@@ -172,11 +172,11 @@ fn listed<'t>(source: Source, table: &'t Table, report: &Report) -> Listed<'t> {
     }
 }
 
-/// The heading of a column, which no other column of its table has.
+/// The heading of a column, which is unique in its table.
 fn title(column: &Column, table: &Table) -> String {
     let first = table.columns.iter().find(|other| other.title() == column.title());
     match first {
-        // As the name of a tick and its number are.
+        // As for the name of a tick and its number.
         Some(other) if other.name != column.name => {
             Column { label: column.name.replace('_', " "), cells: vec![], ..column.clone() }.title()
         }
@@ -184,12 +184,12 @@ fn title(column: &Column, table: &Table) -> String {
     }
 }
 
-/// Whether rows are told apart by a column: swept keys and texts.
+/// Whether a column distinguishes rows: swept keys and texts.
 fn tells(column: &Column) -> bool {
     column.role == Role::Key || column.cells.iter().any(|cell| matches!(cell, Cell::Text(_)))
 }
 
-/// Whether a column tells rows apart, or a chart shows it with its interval.
+/// Whether a column distinguishes rows, or a chart shows it or its interval.
 fn is_charted(column: &Column, table: &Table, report: &Report) -> bool {
     let shown = |label: &String| table.columns.iter().find(|other| other.label == *label);
     let belongs = |to: &Column| {
@@ -204,7 +204,7 @@ fn is_charted(column: &Column, table: &Table, report: &Report) -> bool {
 }
 
 impl Serialize for Cell {
-    /// As JSON has it: null for a blank.
+    /// The cell in JSON: null for a blank.
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self {
             Cell::Blank => serializer.serialize_none(),
@@ -228,7 +228,7 @@ impl Formatter for Rounded {
 fn json(value: &(impl Serialize + ?Sized)) -> Box<RawValue> {
     let mut text = Vec::new();
     let mut serializer = serde_json::Serializer::with_formatter(&mut text, Rounded);
-    // Writing to memory cannot fail, nor do names that are no text occur.
+    // Writing to memory cannot fail, and all names are valid text.
     let written = value.serialize(&mut serializer).ok();
     let text =
         written.and_then(|()| String::from_utf8(text).ok()).and_then(|text| RawValue::from_string(text).ok());
@@ -237,7 +237,7 @@ fn json(value: &(impl Serialize + ?Sized)) -> Box<RawValue> {
 
 /// Compressed by gzip, as text.
 fn packed(text: &[u8]) -> String {
-    // The best there is takes three times as long for a third of a percent.
+    // The highest level takes three times as long for a third of a percent.
     let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
     let packed = encoder.write_all(text).and_then(|()| encoder.finish());
     BASE64_STANDARD.encode(packed.unwrap_or_default())

@@ -8,21 +8,22 @@ use crate::view::report::page::head;
 /// A study in a gallery.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Card {
-    /// The title of the study.
+    /// Title of the study.
     pub title: String,
-    /// Its question; may be empty.
+    /// Question of the study; may be empty.
     pub question: String,
-    /// The answer in a sentence.
+    /// Answer as a sentence.
     pub headline: String,
-    /// Its first chart, if it has one.
+    /// First chart, if it has one.
     pub picture: Option<Picture>,
-    /// The name of its folder, by which studies of one title are told apart.
+    /// Name of its folder, which distinguishes studies with the same title.
     pub folder: String,
-    /// Where its report is, as a link of the gallery's own folder.
+    /// Link to its report, relative to the gallery's folder.
     pub report: String,
 }
 
-/// The page of several studies, with a card for each that leads to its report. Equal cards give equal bytes on every machine.
+/// The page of several studies, with a card for each that links to its report. Equal cards give equal bytes on every
+/// machine.
 pub fn gallery(cards: &[Card]) -> String {
     let count = match cards.len() {
         1 => "One study".to_owned(),

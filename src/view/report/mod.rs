@@ -5,9 +5,10 @@
 //!                                   several ─ Gallery ─▶ one file with a card for each
 //! ```
 //!
-//! A page draws its charts itself, from the numbers of the pictures, so that curves can be switched, axes changed and values
-//! read off. Its script is our own, some tens of kilobytes: a chart library that has bands, closed forms under points, winner maps with hatching,
-//! slices, keyboard and print takes a megabyte, or a canvas that neither prints sharply nor can be read by a screen reader.
+//! A page draws its charts itself from the numbers of the pictures, so that curves can be switched, axes changed and
+//! values read. Its script is our own, some tens of kilobytes. A chart library with bands, closed forms under points,
+//! winner maps with hatching, slices, keyboard control and printing takes a megabyte, or uses a canvas that neither
+//! prints sharply nor works with a screen reader.
 
 pub mod agreement;
 pub mod answer;
@@ -33,22 +34,22 @@ use crate::view::picture::Drawn;
 /// The name of a study's page in its folder of results.
 pub const FILE: &str = "report.html";
 
-/// All that a page says of a study.
+/// The contents of the page of a study.
 #[derive(Debug)]
 pub struct Report<'a> {
-    /// The title of the study.
+    /// Title of the study.
     pub title: &'a str,
-    /// Its question; may be empty.
+    /// Question of the study; may be empty.
     pub question: &'a str,
-    /// The answer.
+    /// Answer.
     pub answer: Answer,
-    /// What should be known besides, each a sentence.
+    /// Notes attached to the results, each a sentence.
     pub notes: &'a [String],
-    /// The charts, in the order of the study.
+    /// Charts, in the order of the study.
     pub charts: &'a [Drawn],
-    /// The tables, each with what it is. Of large ones the page shows a part and says which.
+    /// Tables with their sources. Of a large table the page shows a part and says which.
     pub tables: Vec<(chart::Source, &'a Table)>,
-    /// What was simulated, and by whom.
+    /// Simulation and its provenance.
     pub source: &'a Source,
 }
 

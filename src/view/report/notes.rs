@@ -1,4 +1,4 @@
-//! What should be known of results besides them.
+//! Notes attached to results.
 
 use crate::quantity::number::short;
 use crate::run::{Plan, Tables};
@@ -8,10 +8,11 @@ use crate::store::index::Index;
 use crate::study::Study;
 use crate::table::{Cell, Role, Table};
 
-/// What should be known of results, each in a sentence, but of their charts: what is missing or was not done as asked, what the plan
-/// says, and that rows are from different numbers of trials.
+/// The notes on results, each a sentence, except those on charts: missing or degraded work, the notes of the plan, and
+/// different numbers of trials.
 ///
-/// `index` says what the store holds, `held` are the trials that [`Plan::held`] says, `lacking` those that are missing of the whole, `degraded` why some of a run was not done as
+/// `index` is that of the store, `held` the result of [`Plan::held`], `lacking` the number of missing trials, and
+/// `degraded` the deviations of a run from the requested execution.
 /// asked.
 ///
 /// # Errors
@@ -31,7 +32,7 @@ pub fn notes(
     Ok(incomplete.into_iter().chain(degraded).chain(plan.notes(store, index, held)?).chain(uneven).collect())
 }
 
-/// That rows are of different numbers of trials.
+/// A note that rows have different numbers of trials.
 fn uneven(table: &Table) -> Option<String> {
     let column = table.of_role(Role::Trials)?;
     let trials = || column.cells.iter().filter_map(Cell::number);

@@ -11,10 +11,10 @@ use crate::view::report::agreement::{Agreement, agreements};
 use crate::view::report::data::{Listed, Packed, data};
 use crate::view::report::source::{Source, hexadecimal};
 
-/// How pages look, in light and dark, on paper and on phones.
+/// Styles of pages in light and dark, on paper and on phones.
 const STYLE: &str = include_str!("../../../assets/report/style.css");
 
-/// What draws the charts and sorts the tables. The parts stand in one scope, in this order.
+/// Scripts that draw the charts and sort the tables. They share one scope, in this order.
 const SCRIPT: [&str; 9] = [
     include_str!("../../../assets/report/elements.js"),
     include_str!("../../../assets/report/numbers.js"),
@@ -30,7 +30,7 @@ const SCRIPT: [&str; 9] = [
 pub(crate) fn page(report: &Report) -> String {
     let points =
         report.tables.iter().find(|(source, _)| *source == chart::Source::Points).map(|(_, table)| *table);
-    // Half of the time each, where there are many rows.
+    // Each takes half of the time where there are many rows.
     let (packed, digest) = rayon::join(|| data(report), || points.map(digest));
     let Packed { text: packed, tables, thinned } = packed;
     let agreements = points.map(agreements).unwrap_or_default();
@@ -76,14 +76,14 @@ pub(crate) fn page(report: &Report) -> String {
     page.into_string()
 }
 
-/// What stands before a page.
+/// The head of a page.
 pub(crate) fn head(title: &str) -> Markup {
     html! {
         head {
             meta charset="utf-8";
             meta name="viewport" content="width=device-width, initial-scale=1";
             meta name="generator" content=(concat!("sagnac ", env!("CARGO_PKG_VERSION")));
-            // A browser would ask a server for one.
+            // Without this a browser would request an icon from a server.
             link rel="icon" href="data:,";
             title { (title) }
             style { (PreEscaped(STYLE)) (PreEscaped(style_sheet())) }
@@ -115,11 +115,11 @@ fn charts(report: &Report, thinned: usize) -> Markup {
             section #charts {
                 h2 { "Charts" }
                 p.hint {
-                    "Point at a chart or use the arrow keys to read values off, drag to enlarge a part, double click to see all again; \
-                     names in the legend switch curves off and on."
+                    "Point at a chart or use the arrow keys to read values. Drag to enlarge a part, and double-click to return to the \
+                     whole. Names in the legend switch curves off and on."
                 }
                 @if thinned > 1 {
-                    p.note { "Curves of so many points have one in " (thinned) " here; all are in the tables of the results folder and in its chart.svg." }
+                    p.note { "Curves show one point in " (thinned) "; the tables and chart.svg in the results folder have all points." }
                 }
                 @for (at, drawn) in report.charts.iter().enumerate() {
                     figure.chart data-chart=(at) {
@@ -138,7 +138,7 @@ fn closed_forms(table: &Table, agreements: &[Agreement]) -> Markup {
         section #closed-forms {
             h2 { "Closed forms" }
             p {
-                "Where theory has a formula, every simulated value is held against it. The deviation z is the difference in standard errors \
+                "Where theory has a formula, every simulated value is compared with it. The deviation z is the difference in standard errors \
                  of the simulation."
             }
             @for agreement in agreements {
@@ -177,7 +177,7 @@ fn source(source: &Source, digest: Option<&str>) -> Markup {
                     dt { "Seed" } dd { (seed) }
                     dt { "Trials at each point" }
                     dd {
-                        @if source.stops { "at most " (grouped(trials)) ", fewer where a point is precise enough before" } @else { (grouped(trials)) }
+                        @if source.stops { "at most " (grouped(trials)) ", fewer where a point reaches its precision earlier" } @else { (grouped(trials)) }
                         @if source.lacking > 0 { ", of which " (grouped(source.lacking)) " over all points are missing" }
                     }
                 } @else {
@@ -187,7 +187,7 @@ fn source(source: &Source, digest: Option<&str>) -> Markup {
                     dt { "Sampled" }
                     dd {
                         (grouped(trials)) " trials in all"
-                        @if source.counts_again { ", once for each part of the estimates that is sampled apart" }
+                        @if source.counts_again { ", counted once per separate launch" }
                         @for by in &source.provenance {
                             br; (by.device) ": " (grouped(by.trials)) " in " (significant(by.seconds, 3)) " s"
                             @if by.seconds > 0.0 { ", " (rate(by.trials as f64 / by.seconds)) " per second" }
@@ -201,14 +201,14 @@ fn source(source: &Source, digest: Option<&str>) -> Markup {
             }
             p {
                 "The same study gives the same bits on any machine, device and number of threads. Save it as " code { "study.toml" }
-                @if !source.inputs.is_empty() { ", the files that it names in the folder " code { "inputs" } " beside it," }
+                @if !source.inputs.is_empty() { ", the files that it names in a folder " code { "inputs" } " next to it," }
                 " and run"
             }
             pre.command { code { "sagnac run study.toml --out again" } }
             @if source.lacking > 0 {
-                p { "which samples all of it: " code { "again/points.csv" } " is then another one than that of so far, with the SHA-256 above." }
+                p { "This samples all trials, so " code { "again/points.csv" } " will differ from the partial one, whose SHA-256 is given above." }
             } @else {
-                p { "then " code { "again/points.csv" } " has the SHA-256 above." }
+                p { "Then " code { "again/points.csv" } " has the SHA-256 given above." }
             }
             (file("study.toml", &source.study))
             @for input in &source.inputs {
@@ -216,7 +216,7 @@ fn source(source: &Source, digest: Option<&str>) -> Markup {
                     Some(text) => { (file(&input.name, text)) }
                     None => {
                         p {
-                            code { (input.name) } " is in the folder of the results; its SHA-256 is " code.digest { (input.digest) }
+                            code { (input.name) } " is in the results folder; its SHA-256 is " code.digest { (input.digest) }
                         }
                     }
                 }
@@ -225,15 +225,15 @@ fn source(source: &Source, digest: Option<&str>) -> Markup {
     }
 }
 
-/// SHA-256 of a table as its file.
+/// SHA-256 of a table in the form of its file.
 fn digest(table: &Table) -> String {
     let mut bytes = Vec::new();
-    // Memory takes whatever is written to it.
+    // Writing to memory cannot fail.
     let _ = table.write_csv(&mut bytes);
     hexadecimal(&bytes)
 }
 
-/// A file to look at, and to save by its name.
+/// A file to read, and to save under its name.
 fn file(name: &str, text: &str) -> Markup {
     html! {
         details {
@@ -248,7 +248,7 @@ fn rate(rate: f64) -> String {
     if rate < 1e6 { significant(rate, 3) } else { format!("{} million", significant(rate / 1e6, 3)) }
 }
 
-/// A count with its thousands apart.
+/// A count with separated thousands.
 fn grouped(count: u64) -> String {
     let figures = count.to_string();
     let first = figures.len() % 3;

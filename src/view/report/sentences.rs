@@ -1,4 +1,4 @@
-//! Sentences that answer: where something is least, who wins, who stays within a limit.
+//! Sentences with answers: the minimum, the winner, the curves within a limit.
 
 use crate::chart::Limit;
 use crate::quantity::number::significant;
@@ -7,14 +7,14 @@ use crate::view::chart::map::{Cells, Map, share};
 use crate::view::report::agreement::capitalised;
 use crate::view::verdict::{Answer as Judged, Outcome};
 
-/// What a table says about an estimate.
+/// The statement of a table about an estimate.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Best {
-    /// `The least rms error is`.
+    /// Beginning of the sentence, such as `The least rms error is`.
     subject: String,
-    /// `2.1 ″ (95 %: 2 to 2.2): quadratic, frequency 4 Hz`.
+    /// Value and place, such as `2.1 ″ (95 %: 2 to 2.2): quadratic, frequency 4 Hz`.
     pub(crate) value: String,
-    /// Its row, or one of several, where the estimate is the better the less it is and rows differ.
+    /// Index of the best row, or of one of several, if less is better and rows differ.
     pub(crate) row: Option<usize>,
 }
 
@@ -25,10 +25,10 @@ impl Best {
     }
 }
 
-/// The rows that answer about an estimate: where it is least, or of one that is not the better the less it is, from where to where it runs.
+/// The rows that answer a question about an estimate: where it is least, or its range if less is not better.
 ///
-/// `rows` are those that are compared, `by` the columns that tell them apart. None where no row has a value. Rows with the same value to
-/// the four digits that are said are counted.
+/// `rows` are the compared rows, `by` the columns that distinguish them. `None` where no row has a value. Rows that
+/// agree to the four digits shown are counted.
 ///
 /// # Errors
 /// A name selects no single column.
@@ -50,7 +50,7 @@ pub(crate) fn best(
         let mut places: Vec<String> = Vec::new();
         for column in by.iter().filter(|column| rows.iter().any(|&at| column.cells[at] != column.cells[row]))
         {
-            // A count may have a column for its name too.
+            // The name of a count may have a column of its own.
             places.extend(named(column, &column.cells[row]).filter(|name| !places.contains(name)));
         }
         places.join(", ")
@@ -80,10 +80,10 @@ pub(crate) fn best(
     }))
 }
 
-/// Whether less of an estimate is better in all rows chosen: it is such an estimate, and none of its values is negative.
+/// Whether less of an estimate is better in all selected rows: its role says so, and none of its values is negative.
 ///
 /// # Errors
-/// Those of [`best`].
+/// The same as for [`best`].
 pub(crate) fn less_is_better(table: &Table, estimate: &str, rows: &[usize]) -> Result<bool, ColumnError> {
     let column = table.column(estimate)?;
     let estimate = if column.role == Role::Oracle { table.referred(column) } else { Some(column) };
@@ -91,8 +91,8 @@ pub(crate) fn less_is_better(table: &Table, estimate: &str, rows: &[usize]) -> R
     Ok(estimate.is_some_and(|column| column.role.less_is_better()) && !signed)
 }
 
-/// The estimate of some rows side by side, which `by` tells apart: `rms angle left: 34.7 ″ (none), 20.4 ″ (frequency)`. None where a
-/// row has no value, or there is none.
+/// The estimate of some rows side by side, distinguished by `by`, such as `rms angle left: 34.7 ″ (none), 20.4 ″
+/// (frequency)`. `None` where a row has no value, or there are no rows.
 ///
 /// # Errors
 /// A name selects no single column.
@@ -120,7 +120,7 @@ pub(crate) fn measured(column: &Column, value: f64) -> String {
     format!("{} {}", significant(value, 4).replace('-', "−"), column.unit.symbol).trim_end().to_owned()
 }
 
-/// A value as a sentence has it; none of a blank.
+/// A value as in a sentence; `None` for a blank.
 pub(crate) fn named(column: &Column, cell: &Cell) -> Option<String> {
     match cell {
         Cell::Blank => None,
@@ -130,7 +130,7 @@ pub(crate) fn named(column: &Column, cell: &Cell) -> Option<String> {
     }
 }
 
-/// What a map shows, as a sentence: of a winner map who wins how many cells, of a heat map its least and greatest value.
+/// The content of a map as a sentence: the shares of the winners, or the least and greatest value of a heat map.
 pub(crate) fn of_map(map: &Map) -> Option<String> {
     let within = map.within_limit().zip(map.limit.as_ref()).map(|(within, limit)| {
         let share = share(within, map.known());
@@ -175,18 +175,18 @@ pub(crate) fn of_map(map: &Map) -> Option<String> {
     Some(std::iter::once(found).chain(within).collect::<Vec<String>>().join("; ") + ".")
 }
 
-/// How the curves stand to their limit, as a sentence: how many keep within it everywhere and nowhere, and of those that rise above it which one
-/// does last and which first; none without curves.
+/// The relation of the curves to their limit as a sentence: how many stay within it everywhere and how many nowhere,
+/// and of those that exceed it which one does so last and which first. `None` without curves.
 pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
     let (limit, most) = (&*limit.text(), |value: f64| Limit { value: rounded(value), ..limit }.text());
     let is_always =
         |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && !answer.open && answer.first.is_empty();
     let is_never = |answer: &&Judged| answer.outcome == Outcome::AboveFrom;
-    // What the rest of these does is not known, as of a run that is incomplete: they have no place in an order.
+    // The rest of these is unknown, as in an incomplete run, so they cannot be ordered.
     let is_open =
         |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && answer.open && answer.first.is_empty();
     let mut always: Vec<&Judged> = answers.iter().filter(is_always).collect();
-    // The one with the most room first.
+    // The one with the largest margin first.
     always.sort_by(|a, b| a.most.total_cmp(&b.most));
     let never: Vec<&Judged> = answers.iter().filter(is_never).collect();
     let mut open: Vec<&Judged> = answers.iter().filter(is_open).collect();
@@ -226,11 +226,12 @@ pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
     Some(capitalised(&said.join("; ")) + ".")
 }
 
-/// Which of the curves that are within the limit in part is so longest or first, and which shortest or last. Curves that leave it and such
-/// that come to it have no common order, and are counted. `are_others` tells that some do not rise above it at all, so that none of these is the longest of all.
+/// Of the curves that are partly within the limit, the one that is so longest or first, and the one shortest or last.
+/// Curves that leave the range and curves that enter it have no common order and are counted. `are_others` says that
+/// some never exceed the limit, so that none of these is the longest of all.
 fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
     let at = |answer: &Judged| answer.at.first().map_or(0.0, |at| at.1);
-    // What has no values at first, or is within once more, has no place in an order.
+    // A curve without values at first, or within the limit once more, cannot be ordered.
     let is_plain = |answer: &Judged| !answer.again && answer.first.is_empty();
     let leaves = |answer: &&&Judged| {
         let outcomes = [Outcome::Passes, Outcome::LastWithin, Outcome::WithinUpTo];
@@ -239,7 +240,7 @@ fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
     let comes = |answer: &&&Judged| is_plain(answer) && answer.outcome == Outcome::WithinFrom;
     let greatest = curves.iter().max_by(|a, b| at(a).total_cmp(&at(b)))?;
     let least = curves.iter().min_by(|a, b| at(a).total_cmp(&at(b)))?;
-    // All that are where one of them is, to the digits that are said.
+    // All curves with the same value as one, to the digits shown.
     let there = |one: &Judged| {
         let place = one.place();
         names(&curves.iter().copied().filter(|answer| answer.place() == place).collect::<Vec<_>>())
@@ -267,7 +268,7 @@ fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
 
 /// The names of curves.
 fn names(curves: &[&Judged]) -> String {
-    // Names have commas of their own.
+    // Names contain commas.
     let between = if curves.len() > 2 { "; " } else { " and " };
     listed(curves.len(), curves.iter().map(|answer| answer.name()), between)
 }
@@ -277,7 +278,7 @@ fn rounded(value: f64) -> f64 {
     significant(value, 3).parse().unwrap_or(value)
 }
 
-/// Some texts, of more than four the first three.
+/// Some texts; of more than four the first three.
 fn listed(count: usize, texts: impl Iterator<Item = String>, between: &str) -> String {
     let shown: Vec<String> = texts.take(if count == 4 { 4 } else { 3 }).collect();
     let more = if count > shown.len() { " and others" } else { "" };
@@ -366,7 +367,7 @@ pub(crate) mod tests {
             said.contains("1 of 2 curves stays within 10 ″ as far as there are values (open, at most 2 ″)"),
             "{said}"
         );
-        // Where its values end it has not risen above the limit, and has no place among those that do.
+        // It has not exceeded the limit where its values end, and cannot be ordered among those that do.
         let early = judged(&[
             open,
             ("good", [1.0, 2.0, 3.0]),

@@ -1,4 +1,4 @@
-//! Where results are from, so that they can be had again.
+//! The origin of results, with which they can be reproduced.
 
 use sha2::{Digest, Sha256};
 
@@ -9,39 +9,39 @@ use crate::study::Study;
 use crate::study::kept::Input;
 use crate::study::kind::Kind;
 
-/// What was simulated, and by whom.
+/// The simulation and its provenance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Source {
     /// The study as it was run, as TOML.
     pub study: String,
-    /// The files that it names.
+    /// The files that the study names.
     pub inputs: Vec<Named>,
-    /// What it is about.
+    /// Kind of the study.
     pub kind: &'static Kind,
-    /// Seed and trials at each point; none of closed forms.
+    /// Seed and trials at each point; `None` for closed forms.
     pub sampled: Option<(u64, u64)>,
-    /// Whether points stop at a precision, so that the trials are the most there are.
+    /// Whether points stop at a precision, so that the trials are an upper limit.
     pub stops: bool,
-    /// Trials that are missing of the whole.
+    /// Number of missing trials.
     pub lacking: u64,
-    /// How many points its sweeps make.
+    /// Number of points of its sweeps.
     pub points: usize,
-    /// Whether trials count more than once, as estimates of a point that are not sampled together take their own.
+    /// Whether trials count more than once, because estimates of a point that are not sampled together take their own.
     pub counts_again: bool,
-    /// Who sampled how much.
+    /// Provenance: devices with their trials and times.
     pub provenance: Vec<Provenance>,
-    /// The kernels with their versions; empty of closed forms.
+    /// Kernels with their versions; empty for closed forms.
     pub kernels: String,
 }
 
 /// A file that a study names.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Named {
-    /// As the study calls it: `inputs/LGK-400.toml`.
+    /// Name in the study, such as `inputs/LGK-400.toml`.
     pub name: String,
-    /// SHA-256 of its bytes, in hexadecimal figures.
+    /// SHA-256 of its bytes, in hexadecimal.
     pub digest: String,
-    /// What it says, where that is short.
+    /// Contents, where they are short.
     pub text: Option<String>,
 }
 
@@ -55,14 +55,14 @@ impl Named {
     }
 }
 
-/// SHA-256.
+/// SHA-256 of some bytes, in hexadecimal.
 pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 impl Source {
-    /// Of what a store holds of a study; `held` are the trials that [`Plan::held`] says, `lacking` those that are missing of the
-    /// whole.
+    /// The source for the results of a study in a store; `held` is the result of [`Plan::held`], `lacking` the number
+    /// of missing trials.
     ///
     /// # Errors
     /// The store cannot be read, or a row of it is damaged.

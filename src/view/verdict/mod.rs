@@ -1,4 +1,4 @@
-//! The answer against a limit: how far along a curve what it shows stays within it.
+//! Verdicts against a limit: how far along a curve its value stays within it.
 //!
 //! ```
 //! use sagnac::table::{Cell, Column, Table, Unit};
@@ -15,7 +15,7 @@
 //! let question = Question { x: "x", y: "y", series: vec![], filter: vec![], limit: 10.0 };
 //! let answers = verdict(&table, &question)?;
 //! assert_eq!(answers[0].outcome, Outcome::Passes);
-//! // Straight in the logarithms of both: 5·(x/2)² is 10 at 2√2.
+//! Linear in the logarithms of both: 5·(x/2)² is 10 at 2√2.
 //! assert!((answers[0].at[0].1 - 8_f64.sqrt()).abs() < 1e-9);
 //! # Ok::<(), sagnac::table::ColumnError>(())
 //! ```
@@ -30,58 +30,59 @@ use serde::Serialize;
 use crate::quantity::number::significant;
 use crate::table::{Cell, Column, ColumnError, Role, Table};
 
-/// What is asked of a table.
+/// A question about a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Question<'a> {
     /// The column along which the curves run.
     pub x: &'a str,
     /// The column that is judged.
     pub y: &'a str,
-    /// The columns that tell curves apart.
+    /// The columns that distinguish curves.
     pub series: Vec<&'a str>,
-    /// Only rows with these values: (column, value as files show it).
+    /// Rows to use, as pairs of a column and its value in files.
     pub filter: Vec<(String, String)>,
-    /// In the unit of y.
+    /// Limit, in the unit of y.
     pub limit: f64,
 }
 
 /// The answer for one curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer<'t> {
-    /// Column and value of what tells the curve apart.
+    /// Columns and values that distinguish the curve.
     pub series: Vec<(&'t Column, &'t Cell)>,
-    /// What the curve does about the limit.
+    /// Relation of the curve to the limit.
     pub outcome: Outcome,
-    /// Where that is: column and value, in the order of the table; nowhere of what stands side by side.
+    /// Place of that outcome as columns and values, in the order of the table; empty for names side by side.
     pub at: Vec<(&'t Column, f64)>,
-    /// Its largest magnitude, in the unit of y.
+    /// Largest magnitude of the curve, in the unit of y.
     pub most: f64,
-    /// Whether points of the curve beyond its last value have none, as of a run that is incomplete.
+    /// Whether points after the last value of the curve have none, as in an incomplete run.
     pub open: bool,
-    /// Of [`Outcome::WithinBetween`] where it rises above the limit again.
+    /// For [`Outcome::WithinBetween`], the place where it rises above the limit again.
     pub until: Vec<(&'t Column, f64)>,
     /// Whether it is within the limit once more further on.
     pub again: bool,
-    /// Where its first value is, if points before have none; else empty.
+    /// The place of its first value, if points before it have none; else empty.
     pub first: Vec<(&'t Column, f64)>,
 }
 
-/// How a curve stands to the limit.
+/// The relation of a curve to the limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
-    /// It rises above the limit for the first time there, found between two points.
+    /// It rises above the limit for the first time at this place, which lies between two points.
     Passes,
-    /// It is above the limit from its first point on, which is there.
+    /// It is above the limit from its first point on, which is this place.
     AboveFrom,
-    /// It stays within the limit up to the point there and is above at the next one; points that count have none between
-    /// them.
+    /// It stays within the limit up to the point at this place and is above it at the next one; counted quantities have
+    /// no points in between.
     LastWithin,
-    /// It is above the limit at first, comes below it for the last time there, found between two points, and stays.
+    /// It is above the limit at first, falls below it for the last time at this place, which lies between two points,
+    /// and stays below.
     WithinFrom,
-    /// It is above the limit at first and at last, and within it from there on for a while.
+    /// It is above the limit at first and at last, and within it from this place on for a while.
     WithinBetween,
-    /// It stays within the limit up to its last point, which is there.
+    /// It stays within the limit up to its last point, which is this place.
     WithinUpTo,
 }
 
@@ -92,14 +93,14 @@ pub enum Outcome {
 pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'t>>, ColumnError> {
     let (x, y) = (table.column(question.x)?, table.column(question.y)?);
     let mut series = question.series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
-    // Of names side by side each is judged for itself.
+    // Names side by side are judged separately.
     let named = x.cells.iter().any(|cell| matches!(cell, Cell::Text(_)));
     if named {
         series.push(x);
     }
     let mut curves: Vec<Vec<usize>> = Vec::new();
     let mut place = BTreeMap::new();
-    // Of each curve the least and the greatest x without a value.
+    // The least and the greatest x without a value, for each curve.
     let mut blank: BTreeMap<Vec<String>, (f64, f64)> = BTreeMap::new();
     for row in table.rows_where(&question.filter)? {
         let key: Vec<String> = series.iter().map(|column| column.cells[row].text()).collect();
@@ -119,7 +120,7 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
     let answer = |mut rows: Vec<usize>| {
         rows.sort_by(|&a, &b| value(x, a).total_cmp(&value(x, b)));
         let last = rows[rows.len() - 1];
-        // What has both signs is judged by its magnitude.
+        // Values of both signs are judged by their magnitude.
         let is_above = |row: usize| value(y, row).abs() > question.limit;
         let mut again = None;
         let within_from = |at: usize| rows[at..].iter().any(|&row| !is_above(row));
@@ -127,14 +128,14 @@ pub fn verdict<'t>(table: &'t Table, question: &Question) -> Result<Vec<Answer<'
         let (outcome, before, after) = match rows.iter().position(|&row| is_above(row)) {
             None => (Outcome::WithinUpTo, last, last),
             Some(0) if !is_above(last) => {
-                // It is above somewhere, and not at its end.
+                // It is above the limit somewhere, but not at its end.
                 let above = rows.iter().rposition(|&row| is_above(row)).unwrap_or(0);
                 (Outcome::WithinFrom, rows[above], rows[above + 1])
             }
             Some(0) => match rows.iter().position(|&row| !is_above(row)) {
                 None => (Outcome::AboveFrom, rows[0], rows[0]),
                 Some(within) => {
-                    // Its end is above.
+                    // It is above the limit at its end.
                     let above = within + rows[within..].iter().position(|&row| is_above(row)).unwrap_or(0);
                     again = Some((rows[above - 1], rows[above]));
                     is_again = within_from(above);
@@ -175,8 +176,8 @@ fn value(column: &Column, row: usize) -> f64 {
     column.cells[row].number().unwrap_or(f64::NAN)
 }
 
-/// What tells where a curve from row `a` to row `b` is: x, and what varies of coordinates and the keys that they run along with, as
-/// Δt·ν and the frequency.
+/// The coordinates that describe the place on a curve between the rows `a` and `b`: x, and those coordinates and keys
+/// that vary with it, such as Δt·ν and the frequency.
 fn coordinates<'t>(table: &'t Table, x: &Column, a: usize, b: usize) -> impl Iterator<Item = &'t Column> {
     let coordinates = || table.columns.iter().filter(|column| column.role == Role::Coordinate);
     let told = move |column: &Column| {
@@ -186,7 +187,7 @@ fn coordinates<'t>(table: &'t Table, x: &Column, a: usize, b: usize) -> impl Ite
     table.columns.iter().filter(move |column| column.name == x.name || told(column))
 }
 
-/// Whether a count leads from one row to the other, so that nothing is between them.
+/// Whether a count leads from one row to the other, so that nothing lies between them.
 fn counts_between(table: &Table, a: usize, b: usize) -> bool {
     table.columns.iter().filter(|column| !matches!(column.role, Role::Trials | Role::Count)).any(|column| {
         let (a, b) = (&column.cells[a], &column.cells[b]);
@@ -194,7 +195,8 @@ fn counts_between(table: &Table, a: usize, b: usize) -> bool {
     })
 }
 
-/// How far the limit lies from a to b, of which one is beyond it; on a logarithmic scale where there is one.
+/// The fraction of the way from a to b at which the limit lies, one of the two being beyond it; on a logarithmic scale
+/// where possible.
 fn fraction(a: f64, b: f64, limit: f64) -> f64 {
     let beyond = if a.abs() > b.abs() { a } else { b };
     let limit = limit * beyond.signum();
@@ -210,7 +212,7 @@ fn between(a: f64, b: f64, part: f64) -> f64 {
 }
 
 impl Answer<'_> {
-    /// What tells the curve apart, as a sentence has it: `quadratic, lost ticks n = 1`.
+    /// Description that distinguishes the curve, such as `quadratic, lost ticks n = 1`.
     pub fn name(&self) -> String {
         let name = |(column, cell): &(&Column, &Cell)| match cell {
             Cell::Text(text) => text.clone(),
@@ -221,12 +223,12 @@ impl Answer<'_> {
         if series.is_empty() { "the curve".to_owned() } else { series.join(", ") }
     }
 
-    /// Where its outcome is, as a sentence has it: `vibration frequency 20 Hz, Δt·ν = 0.2`.
+    /// The place of its outcome as in a sentence, such as `vibration frequency 20 Hz, Δt·ν = 0.2`.
     pub fn place(&self) -> String {
         places(&self.at)
     }
 
-    /// Where it rises above the limit again, in the same way.
+    /// The place where it rises above the limit again, in the same form.
     pub fn end(&self) -> String {
         places(&self.until)
     }
@@ -272,7 +274,7 @@ fn places(places: &[(&Column, f64)]) -> String {
     each.collect::<Vec<_>>().join(", ")
 }
 
-/// A long time in the unit that people would say: `52.2 min`, `20.1 h`.
+/// A long time in a convenient unit, such as `52.2 min` or `20.1 h`.
 fn spoken(seconds: f64) -> String {
     let (unit_s, unit) = match seconds {
         172_800.0.. => (86_400.0, "d"),

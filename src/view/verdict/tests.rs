@@ -28,7 +28,7 @@ fn asked<'a>(x: &'a str, y: &'a str, limit: f64) -> Question<'a> {
     Question { x, y, series: vec!["filler"], filter: vec![], limit }
 }
 
-/// Over the frequency alone.
+/// A table over the frequency alone.
 fn over_frequency() -> Table {
     let mut table = table();
     table.columns.remove(1);
@@ -55,7 +55,7 @@ fn signed_values_are_judged_by_their_magnitude_and_a_curve_without_its_last_valu
     table.columns[3].cells = all.map(Cell::Number).to_vec();
     let answers = verdict(&table, &asked("frequency", "q9973", 10.0)).unwrap();
     assert_eq!(answers[0].outcome, Outcome::WithinBetween);
-    // Logarithmic between −40 and −5, even between −5 and 20.
+    // Logarithmic between −40 and −5, linear between −5 and 20.
     let (from, to) = (answers[0].at[0].1, answers[0].until[0].1);
     assert!((from - libm::pow(2.0, 2.0 / 3.0)).abs() < 1e-12, "{from}");
     assert!((to - 2.0 * libm::pow(2.0, 0.6)).abs() < 1e-12, "{to}");
@@ -109,7 +109,7 @@ fn along_a_count_the_last_value_within_is_told_and_nothing_between() {
     let answers = verdict(&table, &asked("gap_ticks", "q9973", 10.0)).unwrap();
     assert_eq!(answers[0].sentence("10 ″"), "a: within 10 ″ up to n = 1");
     assert_eq!(answers[1].sentence("10 ″"), "b: within 10 ″ up to the last point, n = 4");
-    // Over another column that the count moves.
+    // Over another column that varies with the count.
     table.columns[1].cells = table.columns[0].cells.iter().map(|n| n.number().into()).collect();
     let answers = verdict(&table, &asked("dt_nu", "q9973", 10.0)).unwrap();
     assert_eq!(answers[0].sentence("10 ″"), "a: within 10 ″ up to Δt·ν = 1");

@@ -132,7 +132,7 @@ fn mistakes_in_options_are_told_in_terms_of_options() {
         ("quadratic --gap-ticks 3 --fit-ticks -1,0,2,5", &["--fit-ticks: tick 2 lies inside the gap"]),
         ("quadratic --gap-ticks 3 --fit-ticks -1,0", &["needs 3 ticks, --fit-ticks has 2"]),
         ("quadratic quadratic --gap-ticks 3", &["quadratic", "twice"]),
-        ("cubic --gap-ticks 3", &["`cubic` is none", "const, linear, quadratic, minimum-variance"]),
+        ("cubic --gap-ticks 3", &["`cubic` is not a filler", "const, linear, quadratic, minimum-variance"]),
         ("const --gap-ticks 3 --at gap_ticks=3", &["--at", "none is given"]),
         ("minimum-variance --gap-ticks 3", &["--tick is missing"]),
         ("minimum-variance --gap-ticks 3 --tick 5ms --noise 1arcsec", &["--band is missing", "18 Hz,22 Hz"]),

@@ -21,7 +21,7 @@ impl LoweredCurve {
     /// Lowers a point of a study with this seed.
     ///
     /// # Errors
-    /// The point cannot be represented: see [`Refusal`].
+    /// The point cannot be represented; see [`Refusal`].
     pub fn new(
         point: &RecordPoint,
         estimator: Estimator,

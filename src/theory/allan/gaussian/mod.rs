@@ -178,7 +178,7 @@ impl<'a> Pair<'a> {
         for (i, (part, kernel)) in self.process.parts.iter().zip(&self.kernels).enumerate() {
             let (noise, steady) = match kernel {
                 Some(kernel) => {
-                    // The difference over a, its angles being behind those of b by x.
+                    // The difference over a, whose angles are x behind those of b.
                     let inner = |x: f64| match difference {
                         Difference::Second => kernel(a, (x - a).abs()),
                         Difference::Third => kernel(a, (x - 2.0 * a).abs()) - kernel(a, (x - a).abs()),

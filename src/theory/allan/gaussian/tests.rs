@@ -91,7 +91,7 @@ fn by_definition(process: &Process, difference: Difference, samples: usize, a: u
 fn the_covariance_is_the_double_sum_over_differences() {
     let all = all_parts();
     let alone = all.parts[..5].iter().map(|&part| vec![part]);
-    // What is not noise counts beside noise only.
+    // Deterministic parts count only together with noise.
     let beside = all.parts[5..].iter().map(|&part| vec![Part::angle_random_walk(0.5), part]);
     for parts in alone.chain(beside).chain([all.parts.clone()]) {
         let process = Process { parts, ..all };

@@ -21,7 +21,7 @@ pub(super) static ROW: Row = Row {
         let holds = Holds::new(FLAT_LEVEL * part.size * part.size * t0 * t0, part.octaves);
         Some(Box::new(move |m, n| holds.at(m, n)))
     },
-    // The octaves are those that the record needs, whatever the part has.
+    // The number of octaves is that which the record needs, regardless of the part.
     sources: |part, t0, samples| {
         let variances = holds::octaves(samples).and_then(holds::variances);
         let sigma = |v: &f64| part.size * t0 * libm::sqrt(FLAT_LEVEL * v);
@@ -31,8 +31,8 @@ pub(super) static ROW: Row = Row {
 };
 
 impl Part {
-    /// Flicker of the rate: B, ″/s, of so many octave holds. It is NaN if there are no [variances](holds::variances) for
-    /// that many octaves.
+    /// Flicker of the rate with the coefficient B, ″/s, as a sum of `octaves` octave holds. It is NaN if there are no
+    /// [variances](holds::variances) for that number of octaves.
     pub const fn bias_instability(b: f64, octaves: usize) -> Part {
         Part { octaves, ..Part::new(Term::BiasInstability, b, 1.0) }
     }

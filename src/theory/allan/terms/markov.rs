@@ -27,7 +27,7 @@ pub(super) static ROW: Row = Row {
     continuous: |part, tau| {
         let (q_c, time_s) = (part.size, part.shape);
         let z = tau / time_s;
-        // 2z − 3 + 4e^{−z} − e^{−2z}, whose powers up to z² cancel.
+        // 2z − 3 + 4e^{−z} − e^{−2z}, in which the powers up to z² cancel.
         let bracket = match z < 0.5 {
             true => 4.0 * beyond_square(z) - beyond_square(2.0 * z),
             false => 2.0 * z - 3.0 + 4.0 * libm::exp(-z) - libm::exp(-2.0 * z),

@@ -1,4 +1,4 @@
-//! The terms of noise models: each has a file with all that is known of it, and this is the list of them.
+//! The terms of noise models; each has a file with all its properties, and this is the list of them.
 
 mod angle_random_walk;
 mod bias_instability;
@@ -12,13 +12,13 @@ mod warm_up;
 use crate::theory::allan::estimator::Difference;
 use crate::theory::allan::part::{Part, Trend};
 
-/// Declares the terms, those that a fit can find first: each has a module with its row and, if arguments stand here, a
-/// function of that name that makes a part.
+/// Declares the terms, those that can be fitted first. Each has a module with its row and, if arguments are given here,
+/// a function of that name that makes a part.
 macro_rules! terms {
     (fitted { $($(#[$fitted_doc:meta])* $Fitted:ident = $fitted:ident $(($($fitted_args:ident),+))?,)+ }
      others { $($(#[$other_doc:meta])* $Other:ident = $other:ident $(($($other_args:ident),+))?,)+ }) => {
-        /// A term of a noise model, with the coefficient that is reported for it. Its Allan variance is proportional to the
-        /// square of the coefficient.
+        /// A term of a noise model, with its reported coefficient. Its Allan variance is proportional to the square of
+        /// the coefficient.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
         pub enum Term {
             $($(#[$fitted_doc])* $Fitted,)+
@@ -26,10 +26,10 @@ macro_rules! terms {
         }
 
         impl Term {
-            /// Every term that a fit can find.
+            /// Every term that can be fitted.
             pub const ALL: [Term; [$(Term::$Fitted),+].len()] = [$(Term::$Fitted),+];
 
-            /// Every term, including those that no fit finds.
+            /// Every term, including those that cannot be fitted.
             pub const EVERY: [Term; [$(Term::$Fitted,)+ $(Term::$Other),+].len()] =
                 [$(Term::$Fitted,)+ $(Term::$Other),+];
 
@@ -77,9 +77,9 @@ terms! {
     }
 }
 
-/// All that is known of a term: its names, its units, and the closed forms for a part of it.
+/// The properties of a term: its names, its units, and the closed forms for a part of it.
 pub(crate) struct Row {
-    /// Name in studies; for a term with a shape that of the table of both.
+    /// Name in studies; for a term with a shape, the name of its table.
     pub(crate) key: &'static str,
     /// Name in lists of terms and in tables of coefficients.
     pub(crate) symbol: &'static str,
@@ -87,11 +87,11 @@ pub(crate) struct Row {
     pub(crate) title: &'static str,
     /// Article, if it needs one, and name in a sentence.
     pub(crate) name: [&'static str; 2],
-    /// Factor from ″ and s to the unit of data sheets, that unit in files, and its symbol for people.
+    /// Factor from ″ and s to the unit of data sheets, that unit in files, and its symbol for the user.
     pub(crate) unit: (f64, &'static str, &'static str),
-    /// Unit of a record of plain numbers, in files and for people: a power of s.
+    /// Unit for a record of plain numbers, in files and for the user: a power of s.
     pub(crate) plain: (&'static str, &'static str),
-    /// Words before a size that is refused, and the least size that is not.
+    /// Words before a refused coefficient, and the least accepted one.
     pub(crate) size: (&'static str, f64),
     pub(crate) shape: Option<Shape>,
     /// The part with this coefficient and shape; the octaves are those of flicker.
@@ -104,17 +104,17 @@ pub(crate) struct Row {
     pub(crate) largest: fn(&Part, Difference, f64, u64) -> f64,
     /// Allan variance of the continuous noise at τ, (″/s)²; `None` if it depends on the length of the record.
     pub(crate) continuous: fn(&Part, f64) -> Option<f64>,
-    /// What gives two differences of noise their covariance, for a sampling time; `None` if samples are independent.
+    /// The covariance of two differences of noise, for a sampling time; `None` if samples are independent.
     pub(crate) kernel: fn(&Part, f64) -> Option<Kernel>,
     /// Covariance of two differences of noise without a kernel, from the product of the coefficients of angles that meet.
     pub(crate) covariance: fn(&Part, f64) -> f64,
     /// Product of two differences of a part that is not noise.
     pub(crate) product: fn(&Part, &Apart) -> f64,
-    /// What the part adds to the angle over some samples, for a sampling time.
+    /// The angle of the part over some samples, for a sampling time.
     pub(crate) increment: fn(&Part, f64, u64) -> Increment,
     /// The generators for a sampling time and a number of samples.
     pub(crate) sources: fn(&Part, f64, u64) -> Vec<Source>,
-    /// Angle that the rate of a coefficient can turn through in a time, ″; 0 for noise of the angle.
+    /// Largest angle that the rate of a coefficient can accumulate in a time, ″; 0 for noise of the angle.
     pub(crate) turned: fn(f64, f64) -> f64,
 }
 
@@ -125,21 +125,21 @@ pub(crate) struct Shape {
     /// Name in tables of coefficients.
     pub(crate) symbol: &'static str,
     pub(crate) unit: &'static str,
-    /// Name for people beside the term, and by itself.
+    /// Name for the user next to the term, followed by the name on its own.
     pub(crate) name: &'static str,
     pub(crate) title: &'static str,
-    /// Words before a value that is refused.
+    /// Words before a refused value.
     pub(crate) what: &'static str,
     /// Letters of coefficient and shape in the legend of a chart.
     pub(crate) letters: [&'static str; 2],
-    /// Shortest and longest shape that a curve can tell, from its shortest and longest τ.
+    /// Shortest and longest shape that a curve can resolve, from its shortest and longest τ.
     pub(crate) range: fn([f64; 2]) -> [f64; 2],
-    /// Points of a search for each factor of ten.
+    /// Points of a search per decade.
     pub(crate) per_decade: f64,
 }
 
 impl Row {
-    /// A noise of the rate without shape, of which nothing is known in closed form.
+    /// Defaults for a noise of the rate without a shape and without closed forms.
     const NOISE: Row = Row {
         key: "",
         symbol: "",
@@ -172,7 +172,7 @@ impl Row {
 }
 
 impl Shape {
-    /// A time, which a curve tells within its τ.
+    /// A time, which a curve resolves within its τ.
     const TIME: Shape = Shape {
         key: "time",
         symbol: "time",
@@ -198,7 +198,7 @@ pub(crate) enum Source {
     Walk(f64),
     /// The rate r_k = e^{−decay}·r_{k−1} + … with this stationary standard deviation. A record has at most one.
     Markov { sigma: f64, decay: f64 },
-    /// A sine of the angle with so many turns in a sample. A record has at most one.
+    /// A sine of the angle that turns `turns` times per sample. A record has at most one.
     Sine { amplitude: f64, turns: f64 },
     /// The angle ½ · this · k².
     Ramp(f64),
@@ -206,7 +206,7 @@ pub(crate) enum Source {
     Decay { reach: f64, decay: f64 },
 }
 
-/// What a part adds to the angle between two samples.
+/// The contribution of a part to the angle between two samples.
 pub(crate) enum Increment {
     /// A normal number with this variance, ″².
     Normal(f64),
@@ -216,12 +216,12 @@ pub(crate) enum Increment {
     Other,
 }
 
-/// Second difference, m apart about the lag n ≥ 0, of the generalised covariance of an angle, ″², but for a constant: see
-/// [`generalised`](crate::theory::allan::generalised).
+/// Second difference, m apart around the lag n ≥ 0, of the generalised covariance of an angle, ″², up to a constant;
+/// see [`generalised`](crate::theory::allan::generalised).
 pub(crate) type Kernel = Box<dyn Fn(f64, f64) -> f64>;
 
-/// Two differences of angles at the averaging factors `a` and `b`. The second starts `lag` samples after the first, or
-/// anywhere within `width` lags around that.
+/// Two differences of angles at the averaging factors `a` and `b`. The second starts `lag` samples after the first,
+/// averaged over `width` lags around that.
 pub(crate) struct Apart {
     pub(crate) difference: Difference,
     pub(crate) sample_s: f64,
@@ -241,12 +241,12 @@ impl Term {
         Term::RateRamp,
     ];
 
-    /// As studies and tables name it.
+    /// Name in studies and tables.
     pub fn symbol(self) -> &'static str {
         self.row().symbol
     }
 
-    /// From ″ and s to the unit of data sheets: the factor, the unit as files have it, and its symbol for people.
+    /// Conversion from ″ and s to the unit of data sheets: the factor, the unit in files, and its symbol for the user.
     pub fn data_sheet_unit(self) -> (f64, &'static str, &'static str) {
         self.row().unit
     }
@@ -256,22 +256,22 @@ impl Term {
         self.row().shape.as_ref()
     }
 
-    /// Whether it has a time or frequency that is fitted too.
+    /// Whether a time or frequency is fitted too.
     pub fn has_shape(self) -> bool {
         self.shape().is_some()
     }
 
-    /// Parameters that a fit of it takes.
+    /// Number of parameters in a fit.
     pub fn parameters(self) -> usize {
         1 + usize::from(self.has_shape())
     }
 
-    /// The part of the angle with the square of the coefficient, its shape, and the octaves for flicker.
+    /// The part of the angle for the square of the coefficient, its shape, and the number of octaves of flicker.
     pub fn part(self, square: f64, shape: f64, octaves: usize) -> Part {
         self.of_coefficient(libm::sqrt(square), shape, octaves)
     }
 
-    /// The same with the coefficient itself, which may be negative if the term is not noise.
+    /// The part for the coefficient itself, which may be negative if the term is not noise.
     pub(crate) fn of_coefficient(self, coefficient: f64, shape: f64, octaves: usize) -> Part {
         (self.row().part)(self, coefficient, shape, octaves)
     }

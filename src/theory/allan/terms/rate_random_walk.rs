@@ -11,8 +11,8 @@ pub(super) static ROW: Row = Row {
     name: ["a ", "rate random walk"],
     unit: (60.0, "deg/h/sqrt(h)", "°/h/√h"),
     plain: ("1/sqrt(s)", "/ √s"),
-    // Squares of 1, 2, … m, … 2, 1 for the second difference: K²τ/3·(1 + 1/2m²) as Allan variance, and
-    // K²τ/6·(1 + 1/m²) as Hadamard variance.
+    // Squares of 1, 2, … m, … 2, 1 for the second difference: K²τ/3·(1 + 1/2m²) as Allan variance, and K²τ/6·(1
+    // + 1/m²) as Hadamard variance.
     variance: |part, difference, t0, m| {
         let n = m as f64;
         let sum = match difference {

@@ -19,7 +19,7 @@ pub(super) static ROW: Row = Row {
         title: "frequency of the sine",
         what: "a frequency of",
         letters: ["sine: Ω", "f"],
-        // Its hump, a third of an octave wide, has to be within the curve: a slower sine is a ramp.
+        // Its hump, a third of an octave wide, must lie within the curve; a slower sine looks like a ramp.
         range: |[shortest, longest]| [0.2 / longest, 0.5 / shortest],
         per_decade: 40.0,
     }),

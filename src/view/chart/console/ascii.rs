@@ -1,6 +1,6 @@
-//! The signs of charts in plain ASCII.
+//! Replacement of the characters of charts by plain ASCII.
 
-/// Raised signs with what they are the exponent of.
+/// Superscript characters with their plain forms.
 const RAISED: [(char, char); 12] = [
     ('⁰', '0'),
     ('¹', '1'),
@@ -16,7 +16,7 @@ const RAISED: [(char, char); 12] = [
     ('⁺', '+'),
 ];
 
-/// Other signs, in words where there is no sign alike.
+/// Other characters, replaced by words where there is no similar one.
 const OTHERS: [(char, &str); 20] = [
     ('″', "arcsec"),
     ('′', "arcmin"),
@@ -40,7 +40,8 @@ const OTHERS: [(char, &str); 20] = [
     ('Ω', "Omega"),
 ];
 
-/// The text in ASCII: `10⁻²` is `1e-2`, `(°/h)²` is `(deg/h)^2`; a sign that has no spelling is `?`.
+/// The text in ASCII: `10⁻²` becomes `1e-2`, `(°/h)²` becomes `(deg/h)^2`; a character without a replacement becomes
+/// `?`.
 pub(crate) fn spelled(text: &str) -> String {
     let mut out = String::new();
     let mut raised = false;
@@ -63,7 +64,7 @@ pub(crate) fn spelled(text: &str) -> String {
     out
 }
 
-/// Powers of ten are written as numbers, others with `^`.
+/// Powers of ten are written as numbers, other powers with `^`.
 fn begin_exponent(out: &mut String) {
     if let Some(number) = out.strip_suffix("*10") {
         *out = format!("{number}e");

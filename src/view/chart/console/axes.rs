@@ -8,12 +8,12 @@ use crate::view::chart::scale::Range;
 /// Rows of the inner part of a chart.
 const ROWS: usize = 20;
 
-/// What two axes cover, with their labels.
+/// The ranges of two axes, with their labels.
 pub(crate) struct Frame<'a> {
     x: (&'a Axis, Range),
     y: (&'a Axis, Range),
     look: Look,
-    /// Of each row of cells, where it has one.
+    /// Label of each row of cells, where it has one.
     labels: Vec<Option<String>>,
     margin: usize,
 }
@@ -23,19 +23,19 @@ impl<'a> Frame<'a> {
         let mut labels = vec![None; ROWS];
         for (value, label) in y.0.ticks(y.1).major {
             let row = ((1.0 - y.1.fraction(value)) * ROWS as f64) as usize;
-            // Of two labels in a row the first is as good as the other.
+            // Of two labels in a row either one is suitable.
             labels[row.min(ROWS - 1)].get_or_insert(look.spelled(&label));
         }
         let margin = labels.iter().flatten().map(|label| label.chars().count()).max().unwrap_or(0);
         Frame { x, y, look, labels, margin }
     }
 
-    /// Cells for what the axes are about.
+    /// Cells for the contents of the axes.
     pub(crate) fn page(&self) -> Page {
         Page::new(self.look.wide().saturating_sub(self.margin + 3).max(1), ROWS, self.look.unicode)
     }
 
-    /// Where a place of the data is, as parts of the lengths of the axes.
+    /// The place of a point of the data, as fractions of the lengths of the axes.
     pub(crate) fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
         (self.x.1.fraction(x), self.y.1.fraction(y))
     }
@@ -52,7 +52,7 @@ impl<'a> Frame<'a> {
             text += &format!("{}\n", format!(" {label:>margin$} {side}{cells}").trim_end());
         }
         let mut line = vec![base; page.columns];
-        // A label may reach beyond the last cell.
+        // A label may extend beyond the last cell.
         let mut rows = [vec![' '; margin + 3 + page.columns], vec![' '; margin + 3 + page.columns]];
         let mut free = [0; 2];
         for (value, label) in self.x.0.ticks(self.x.1).major {
@@ -88,7 +88,8 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// A label in one row of so many signs if it fits, else in two that are about as long; what is longer still is cut.
+/// A label in one row of at most `most` characters if it fits, else in two of about equal length; longer ones are
+/// truncated.
 fn in_rows(label: &str, most: usize) -> Vec<String> {
     let length = |text: &str| text.chars().count();
     let cuts = label.match_indices(' ').map(|(at, _)| [&label[..at], &label[at + 1..]]);
@@ -100,7 +101,7 @@ fn in_rows(label: &str, most: usize) -> Vec<String> {
     rows.map_or(vec![cut(label)], |rows| rows.into_iter().map(cut).collect())
 }
 
-/// Entries of a legend in lines as wide as the terminal; `width` is of signs as they are seen.
+/// Entries of a legend in lines as wide as the terminal; widths are those of visible characters.
 pub(crate) fn legend(entries: &[String], look: Look) -> String {
     let (mut text, mut used) = (String::new(), 0);
     for entry in entries {
@@ -115,7 +116,7 @@ pub(crate) fn legend(entries: &[String], look: Look) -> String {
     if used > 0 { text + "\n" } else { text }
 }
 
-/// How many signs of a text are seen: escape codes are not.
+/// Number of visible characters of a text, without escape codes.
 fn seen(text: &str) -> usize {
     let mut hidden = false;
     let shown = text.chars().filter(|&sign| {

@@ -6,11 +6,11 @@ use crate::view::chart::console::page::{Page, painted};
 use crate::view::chart::figure::{Figure, Series};
 use crate::view::chart::plot::{x_range, y_range};
 
-/// The signs of few curves, and of many.
+/// The characters of a few curves, and those of many.
 const FEW: [char; 6] = ['●', '■', '▲', '◆', '▼', '○'];
 const FEW_ASCII: [char; 6] = ['o', 'x', '*', '#', '@', '%'];
 
-/// One point in so many cells of a curve of more points has its sign.
+/// Number of cells for each point that is marked in a curve with more points.
 const CELLS_PER_SIGN: usize = 3;
 
 pub(crate) fn text(figure: &Figure, look: Look) -> String {
@@ -47,13 +47,13 @@ pub(crate) fn text(figure: &Figure, look: Look) -> String {
     text
 }
 
-/// A line through those of some places that the axes can show.
+/// Draws a line through those places that the axes can show.
 fn joined(page: &mut Page, frame: &Frame, places: &[(f64, f64)], step: usize, colour: Option<usize>) {
     let places: Vec<(f64, f64)> = places.iter().map(|place| frame.place(*place)).collect();
     places.windows(2).for_each(|pair| page.line(pair[0], pair[1], step, colour));
 }
 
-/// The sign of a curve: of few curves one of its own shape, of many a letter.
+/// The character of a curve: a shape of its own if there are few curves, else a letter.
 fn sign(figure: &Figure, at: usize, look: Look) -> char {
     let signs = if look.unicode { FEW } else { FEW_ASCII };
     if figure.series.len() <= signs.len() {
@@ -67,7 +67,7 @@ fn limit_sign(look: Look) -> char {
     if look.unicode { '─' } else { '-' }
 }
 
-/// What each sign and line stands for.
+/// The meaning of each character and line.
 fn entries(figure: &Figure, look: Look) -> Vec<String> {
     let series = figure.series.iter().enumerate().map(|(at, series): (usize, &Series)| {
         let sign = painted(sign(figure, at, look), Some(series.colour).filter(|_| look.color));

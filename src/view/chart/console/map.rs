@@ -8,7 +8,7 @@ use crate::view::chart::figure::Grouping;
 use crate::view::chart::map::{Cells, Map, Won};
 use crate::view::chart::scale::Range;
 
-/// From the least to the largest value.
+/// Shades from the least to the largest value.
 const SHADES: [char; 5] = ['·', '░', '▒', '▓', '█'];
 const SHADES_ASCII: [char; 5] = ['.', ':', '+', '*', '#'];
 
@@ -39,7 +39,7 @@ pub(crate) fn text(map: &Map, look: Look) -> String {
     text
 }
 
-/// The cell between `edges` that lies at a part of the length of an axis.
+/// The cell between `edges` that lies at a fraction of the length of an axis.
 fn at(range: &Range, edges: &[f64], part: f64) -> Option<usize> {
     let place = edges.iter().position(|&edge| range.fraction(edge) > part)?;
     place.checked_sub(1)
@@ -56,7 +56,8 @@ fn sign(map: &Map, shades: &Shades, cell: usize, look: Look) -> Option<(char, Op
     }
 }
 
-/// A capital for a certain winner, a small letter for one that may be another; a sign for none within the limit.
+/// A capital for a certain winner, a small letter for an uncertain one, and a dot where no competitor is within the
+/// limit.
 fn letter(won: Won, over: bool) -> char {
     let letter = (b'A' + (won.style % 26) as u8) as char;
     match (over, won.certain) {
@@ -66,7 +67,7 @@ fn letter(won: Won, over: bool) -> char {
     }
 }
 
-/// Where one shade ends and the next begins, ascending; a limit is one of these places.
+/// The boundaries between shades, ascending; a limit is one of them.
 struct Shades {
     ends: Vec<f64>,
 }
@@ -83,7 +84,7 @@ impl Shades {
         };
         let limit = map.limit.as_ref().map(|limit| limit.value).filter(|limit| (low..high).contains(limit));
         let ends = match limit {
-            // Two shades within the limit, three beyond.
+            // Two shades within the limit, three beyond it.
             Some(limit) => {
                 vec![part(low, limit, 0.5), limit, part(limit, high, 1.0 / 3.0), part(limit, high, 2.0 / 3.0)]
             }

@@ -1,7 +1,7 @@
 //! Charts as text, for a quick look in a terminal.
 //!
-//! The axes, their ticks and what they cover are those of the pictures. Lines are dots of Braille, four rows of two in a cell, or
-//! in plain ASCII two rows of one; points are letters and signs that the legend explains.
+//! The axes, their ticks and their ranges are those of the pictures. Lines consist of Braille dots, four rows of two in
+//! a cell, or in plain ASCII of two rows of one; points are letters and characters explained in the legend.
 
 pub mod ascii;
 pub mod axes;
@@ -14,22 +14,22 @@ mod tests;
 use crate::view::chart::figure::Figure;
 use crate::view::chart::map::Map;
 
-/// What a terminal can show.
+/// The capabilities of a terminal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Look {
-    /// Columns, at least [`Look::LEAST_WIDTH`]; of fewer the text is wider than the terminal.
+    /// Number of columns, at least [`Look::LEAST_WIDTH`]; with fewer the text is wider than the terminal.
     pub width: usize,
-    /// Whether it shows more than ASCII.
+    /// Whether it shows characters beyond ASCII.
     pub unicode: bool,
     /// Whether escape codes colour the curves.
     pub color: bool,
 }
 
 impl Look {
-    /// Below this there is no room for axes and curves.
+    /// Least width with room for axes and curves.
     pub const LEAST_WIDTH: usize = 40;
 
-    /// In the characters that it can show.
+    /// The text in characters that the terminal can show.
     fn spelled(self, text: &str) -> String {
         if self.unicode { text.to_owned() } else { crate::view::chart::console::ascii::spelled(text) }
     }
@@ -40,7 +40,8 @@ impl Look {
 }
 
 impl Figure {
-    /// The figure as lines of text, each with its line end: title, curves in their axes, legend. Bands and parts are left out.
+    /// The figure as lines of text, each with its line end: title, curves in their axes, legend. Bands and parts are
+    /// left out.
     pub fn text(&self, look: Look) -> String {
         crate::view::chart::console::curves::text(self, look)
     }

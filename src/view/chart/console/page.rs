@@ -1,6 +1,6 @@
 //! Cells of text with dots between them.
 
-/// A rectangle of cells, and a finer one of dots in which lines are drawn; signs stand before dots.
+/// A rectangle of cells with a finer grid of dots in which lines are drawn; characters take precedence over dots.
 pub(crate) struct Page {
     pub(crate) columns: usize,
     pub(crate) rows: usize,
@@ -9,7 +9,7 @@ pub(crate) struct Page {
     dots: Vec<Dots>,
 }
 
-/// What stands in a cell, and in which colour of a terminal.
+/// The contents of a cell, with their terminal colour.
 #[derive(Debug, Clone, Copy)]
 struct Cell {
     sign: char,
@@ -22,7 +22,7 @@ struct Dots {
     colour: Option<usize>,
 }
 
-/// Codes of the colours, after those of the pictures as far as a terminal has them.
+/// Codes of the colours, similar to those of the pictures as far as a terminal has them.
 const COLOURS: [&str; 8] = ["34", "31", "36", "35", "33", "94", "90", "32"];
 
 /// The bits of Braille by column and row.

@@ -56,11 +56,12 @@ fn a_figure_has_its_title_units_ticks_limit_and_legend_in_no_more_columns_than_t
 #[test]
 fn points_stand_where_their_logarithms_are() {
     let text = figure().text(PLAIN);
-    // Behind the axis of y: the margin is as wide as its longest label, 10000.
+    // The rows after the axis of y, whose margin is as wide as its longest label, 10000.
     let rows: Vec<String> = text.lines().skip(2).take(20).map(|row| row.chars().skip(8).collect()).collect();
     let first =
         |sign: char| rows.iter().enumerate().find_map(|(row, cells)| Some((row, cells.find(sign)?))).unwrap();
-    // The axes are x = 1 … 100 and y = 1 … 10⁴ with margins: the square ends in the upper right corner, the other one half as high.
+    // The axes are x = 1 … 100 and y = 1 … 10⁴ with margins, so the square ends in the upper right corner and the other
+    // curve at half the height.
     let (square, other) = (first('o'), first('x'));
     assert!(square.0 <= 1 && square.1 >= 48, "{square:?}\n{text}");
     assert!((9..=11).contains(&other.0) && other.1 == square.1, "{other:?} beside {square:?}\n{text}");

@@ -1,4 +1,4 @@
-//! The scale of the colours, beside the map.
+//! The scale of the colours, next to the map.
 
 use crate::view::chart::axes::TICK_SIZE;
 use crate::view::chart::canvas::{Canvas, Lettering, Stroke};
@@ -11,11 +11,11 @@ use crate::view::chart::text;
 use crate::view::chart::ticks::Ticks;
 
 const WIDTH: f64 = 22.0;
-/// From the bar to the labels of its ticks.
+/// Distance from the bar to the labels of its ticks.
 const TO_LABELS: f64 = 9.0;
-/// From the labels to the baseline of the title.
+/// Distance from the labels to the baseline of the title.
 const TO_TITLE: f64 = 22.0;
-/// Pieces of one colour: finer than can be told apart.
+/// Number of pieces of one colour, more than can be distinguished.
 const PIECES: usize = 160;
 
 /// A bar with its ticks and title.
@@ -24,7 +24,7 @@ pub(crate) struct ColourBar<'a> {
     pub range: Range,
     pub ticks: &'a Ticks,
     pub title: &'a str,
-    /// Where the limit stands, if it is on the scale.
+    /// Place of the limit, if it is on the scale.
     pub limit: Option<f64>,
 }
 
@@ -33,7 +33,7 @@ impl ColourBar<'_> {
         self.ticks.major.iter().map(|(_, label)| text::width(label, TICK_SIZE, false)).fold(0.0, f64::max)
     }
 
-    /// The width that it takes, with everything.
+    /// The total width.
     pub fn width(&self) -> f64 {
         WIDTH + TO_LABELS + self.labels() + TO_TITLE
     }

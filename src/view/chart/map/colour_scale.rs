@@ -1,7 +1,7 @@
 //! Colours for values, from dark for the least to light for the greatest.
 
-/// Viridis of matplotlib, in tenths. Lightness rises evenly, so that equal steps look equal, in greyscale and to
-/// colour-blind readers too. By S. van der Walt, N. Smith and E. Firing, in the public domain (CC0).
+/// Viridis of matplotlib, in tenths. Lightness rises evenly, so that equal steps look equal, even in greyscale and to
+/// colour-blind readers. By S. van der Walt, N. Smith and E. Firing, in the public domain (CC0).
 const VIRIDIS: [[u8; 3]; 11] = [
     [0x44, 0x01, 0x54],
     [0x48, 0x24, 0x75],
@@ -16,7 +16,7 @@ const VIRIDIS: [[u8; 3]; 11] = [
     [0xfd, 0xe7, 0x25],
 ];
 
-/// The colour at a fraction of the scale, 0 … 1, as SVG has it; beyond the ends that of the end.
+/// The colour at a fraction of the scale, 0 … 1, in SVG notation; beyond the ends, the colour of the end.
 pub(crate) fn colour(fraction: f64) -> String {
     let last = VIRIDIS.len() - 1;
     let at = fraction.clamp(0.0, 1.0) * last as f64;

@@ -13,8 +13,9 @@ enum Towards {
 
 /// The lines through a grid of points at `xs` and `ys` along which `value` of (column, row) crosses `level`.
 ///
-/// Marching squares: sides are crossed where straight interpolation puts the level; a square with two opposite corners
-/// above and two below is divided as the mean of its corners says. Squares with an unknown corner have no line.
+/// The method is marching squares. A side is crossed where linear interpolation puts the level; a square with two
+/// opposite corners above and two below is divided according to the mean of its corners. Squares with an unknown corner
+/// have no line.
 pub(crate) fn contour(
     xs: &[f64],
     ys: &[f64],
@@ -37,7 +38,7 @@ pub(crate) fn contour(
         let between = |a: f64, b: f64| a + (b - a) * part;
         (between(xs[column], xs[next_column]), between(ys[row], ys[next_row]))
     };
-    // Ends first: what is left then are rings.
+    // Lines with ends come first; the rest are rings.
     let ends = neighbours.iter().filter(|(_, others)| others.len() == 1);
     let starts: Vec<Side> = ends.chain(neighbours.iter()).map(|(side, _)| *side).collect();
     let mut seen = BTreeSet::new();
@@ -66,7 +67,7 @@ fn beyond((column, row, towards): Side) -> (usize, usize) {
     }
 }
 
-/// The sides that the level joins in the square above and to the right of a point.
+/// The sides connected by the level in the square above and to the right of a point.
 fn crossings(
     column: usize,
     row: usize,
@@ -90,7 +91,7 @@ fn crossings(
         .collect();
     match crossed[..] {
         [one, other] => vec![(one, other)],
-        // The corners a and c, or b and d, are alone on their sides.
+        // The corners a and c, or b and d, are isolated on their sides.
         [_, _, _, _] if above[0] == ((a + b + c + d) / 4.0 > level) => vec![(bottom, right), (top, left)],
         [_, _, _, _] => vec![(left, bottom), (right, top)],
         _ => vec![],

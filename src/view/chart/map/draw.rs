@@ -7,13 +7,13 @@ use crate::view::chart::map::{Cells, Map, Won};
 use crate::view::chart::palette::{self, INK};
 use crate::view::chart::scale::Range;
 
-/// Distance of hatching lines, across.
+/// Distance between hatching lines, measured horizontally.
 const HATCHING: f64 = 9.0;
-/// How cells beyond the limit are hatched.
+/// Style of the hatching of cells beyond the limit.
 pub(crate) const HATCH: Stroke = Stroke { colour: INK, width: 0.8, dash: "" };
 const BOUNDARY: Stroke = Stroke { colour: INK, width: 1.8, dash: "" };
 
-/// The edges of the cells in the picture: one more than there are columns, from the left, and rows, from below.
+/// The edges of the cells in the picture, from the left and from below; one more than there are columns and rows.
 pub(crate) struct Edges {
     xs: Vec<f64>,
     ys: Vec<f64>,
@@ -38,7 +38,7 @@ impl Edges {
     }
 }
 
-/// Draws the cells: values by their place on the `range` of colours, winners by their own.
+/// Draws the cells: values in the colour of their place on the `range`, winners in their own colour.
 pub(crate) fn draw_cells(canvas: &mut Canvas, map: &Map, edges: &Edges, range: Range) {
     canvas.crisp_group("cells", |canvas| match &map.cells {
         Cells::Values(values) => {
@@ -58,7 +58,7 @@ pub(crate) fn draw_cells(canvas: &mut Canvas, map: &Map, edges: &Edges, range: R
     });
 }
 
-/// Paler where the next one may be as good.
+/// The colour of a winner, paler where the next one may be as good.
 fn winner_colour(won: &Won) -> &'static str {
     if won.certain { palette::area_colour(won.style) } else { palette::pale(won.style) }
 }
@@ -74,9 +74,9 @@ pub(crate) fn draw_hatching(canvas: &mut Canvas, edges: &Edges, won: &[Option<Wo
     canvas.group("beyond the limit", |canvas| canvas.lines(lines, HATCH));
 }
 
-/// Lines at 45° across a rectangle, those of neighbours in one line.
+/// Lines at 45° across a rectangle, which continue those of neighbouring rectangles.
 pub(crate) fn hatching((left, top): (f64, f64), (right, bottom): (f64, f64)) -> Vec<[(f64, f64); 2]> {
-    // Each line has one sum of x and y.
+    // Each line has a constant sum of x and y.
     let first = libm::ceil((left + top) / HATCHING) as i64;
     let last = libm::floor((right + bottom) / HATCHING) as i64;
     (first..=last)
@@ -86,7 +86,7 @@ pub(crate) fn hatching((left, top): (f64, f64), (right, bottom): (f64, f64)) -> 
             let to = right.min(sum - top);
             [(from, sum - from), (to, sum - to)]
         })
-        // A corner that is only touched.
+        // Excludes a corner that is only touched.
         .filter(|[from, to]| from.0 < to.0)
         .collect()
 }
@@ -111,7 +111,7 @@ pub(crate) fn draw_boundaries(canvas: &mut Canvas, edges: &Edges, won: &[Option<
     canvas.group("boundaries", |canvas| canvas.lines(lines, BOUNDARY));
 }
 
-/// The stretches of 0 … `count` in which something holds: first, and one after the last.
+/// The stretches of 0 … `count` in which a condition holds, each by its first index and one after the last.
 fn runs(count: usize, holds: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
     let mut runs: Vec<(usize, usize)> = vec![];
     for place in (0..count).filter(|place| holds(*place)) {

@@ -11,11 +11,12 @@ use crate::view::chart::map::{Cells, Estimate, Layer, Map};
 use crate::view::chart::notes::{ChartError, MapNotes};
 
 impl Map {
-    /// The map of `table` that `chart` asks for, with a cell for each pair of values of x and y.
+    /// The map of `table` that `chart` selects, with a cell for each pair of values of x and y.
     ///
     /// # Errors
-    /// Two rows on one cell, or of one series where series compete; a limit in another unit than that of z; the same column for
-    /// both axes; a column that is not there, holds text instead of numbers, or has no row with a value asked for.
+    /// Two rows fall on one cell, or two of one series where series compete; a limit has another unit than z; both axes
+    /// have the same column; or a column is missing, holds text instead of numbers, or has no row with a selected
+    /// value.
     pub fn from_table(table: &Table, chart: &Chart) -> Result<(Map, MapNotes), ChartError> {
         let estimate = &chart.estimate().name;
         let (x, y, z) =
@@ -58,14 +59,14 @@ impl Map {
     }
 }
 
-/// What is known of each cell, for each of so many series.
+/// The estimate of each cell, for each of `series` series.
 fn estimates(grid: &Grid, z: &Column, series: usize) -> Vec<Vec<Option<Estimate>>> {
     let band = |row: usize| z.band.as_ref().and_then(|band| band.get(row).copied().flatten());
     let estimate = |row: &Option<usize>| row.and_then(|row| Some((z.cells[row].number()?, band(row))));
     grid.found.iter().take(series).map(|found| found.iter().map(estimate).collect()).collect()
 }
 
-/// The value of each cell that the scale can show.
+/// The value of each cell, where the scale can show it.
 fn heat(
     grid: &Grid,
     z: &Column,
@@ -92,7 +93,7 @@ fn heat(
     (Cells::Values(cells), layers.collect())
 }
 
-/// The winner of each cell in which the value of everyone who competes is known.
+/// The winner of each cell in which the values of all competitors are known.
 fn competition(
     grid: &Grid,
     z: &Column,
@@ -110,7 +111,7 @@ fn competition(
     estimates.truncate(of.entries.len());
     let (won, merged) = winners(&mut of.entries, &estimates);
     notes.merged = merged;
-    // Not those that stand for others, nor those of ties, which come last.
+    // Neither merged entries nor those of ties, which come last.
     let layer = |entry: &Entry| {
         let values = estimates.get_mut(entry.style).map(std::mem::take)?;
         Some(Layer { style: entry.style, name: entry.name.clone(), values })

@@ -1,4 +1,4 @@
-//! The cells that rows of a table fall on.
+//! The cells of a map to which rows of a table belong.
 
 use std::collections::HashMap;
 
@@ -6,11 +6,11 @@ use crate::key::scale::Scale;
 use crate::table::{Column, Table};
 use crate::view::chart::notes::ChartError;
 
-/// One axis of a grid: its different values, as files show them.
+/// One axis of a grid, with its different values as files show them.
 struct Lines {
-    /// Ascending.
+    /// Values, ascending.
     values: Vec<f64>,
-    /// The place of each value that files show, as text.
+    /// The index of each value, by its text in files.
     places: HashMap<String, usize>,
 }
 
@@ -26,18 +26,19 @@ impl Lines {
     }
 }
 
-/// The values along two axes, and what falls on which cell.
+/// The values along two axes, with the rows on each cell.
 pub(crate) struct Grid {
     pub columns: Vec<f64>,
     pub rows: Vec<f64>,
-    /// For each series, the row of the table on each cell.
+    /// Row of the table on each cell, for each series.
     pub found: Vec<Vec<Option<usize>>>,
-    /// Rows of the table without a place.
+    /// Number of rows of the table without a cell.
     pub off_axes: usize,
 }
 
 impl Grid {
-    /// Places the `rows` of a table by their columns x and y, apart for each of `series` as `series_of` a row says.
+    /// Assigns the `rows` of a table to cells by their columns x and y, separately for each of `series` series, which
+    /// `series_of` gives for a row.
     ///
     /// # Errors
     /// Two rows of one series fall on one cell.
@@ -69,8 +70,8 @@ impl Grid {
     }
 }
 
-/// Two rows are on one cell: they differ first in a swept column, in the filler or in the error, which stand before all
-/// estimates.
+/// The error for two rows on one cell. They differ first in a swept column, in the filler or in the error, which
+/// precede all estimates.
 fn several(table: &Table, axes: [&Column; 2], a: usize, b: usize) -> ChartError {
     let shown = |column: &Column, row: usize| column.cells[row].text();
     let at = axes.map(|axis| format!("{} = {}", axis.name, shown(axis, a)));

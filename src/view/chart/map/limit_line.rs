@@ -9,12 +9,12 @@ use crate::view::chart::palette::LIMIT;
 use crate::view::chart::text;
 
 const SIZE: f64 = 13.0;
-/// How the line is drawn: red on white, to be seen over dark and light.
+/// Strokes of the line: red on white, visible over dark and light colours.
 const LINES: [Stroke; 2] =
     [Stroke { colour: "#ffffff", width: 5.0, dash: "" }, Stroke { colour: LIMIT, width: 2.2, dash: "" }];
 
-/// Draws the line with its label. It runs between the middles of the cells, on the scale of the values; from the
-/// outermost middles to the frame the values go on as they change before.
+/// Draws the line with its label. It runs between the centres of the cells, on the scale of the values; from the
+/// outermost centres to the frame the values are extrapolated.
 pub(crate) fn draw(canvas: &mut Canvas, map: &Map, area: &Area, limit: &Limit) {
     if !map.z.scale.shows(limit.value) {
         return;
@@ -37,7 +37,7 @@ pub(crate) fn draw(canvas: &mut Canvas, map: &Map, area: &Area, limit: &Limit) {
     draw_label(canvas, &lines, area.frame, &limit.label);
 }
 
-/// The middles of the cells along one axis, between the two ends of the frame.
+/// The centres of the cells along one axis, between the two ends of the frame.
 struct Points {
     places: Vec<f64>,
 }
@@ -47,8 +47,8 @@ impl Points {
         Points { places: std::iter::once(from).chain(middles).chain([to]).collect() }
     }
 
-    /// The value at a point where `of` gives that of each cell: at the ends, that of the outermost cell and on along the
-    /// straight line through it and the next one, but not across the `level`: noise would grow to lines of its own.
+    /// The value at a point, where `of` gives that of each cell. At the ends it is extrapolated along the straight line
+    /// through the two outermost cells, but not across the `level`, because noise would then create additional lines.
     fn value(&self, point: usize, level: f64, of: impl Fn(usize) -> Option<f64>) -> Option<f64> {
         let cells = self.places.len() - 2;
         let (outer, inner) = match point {
@@ -67,12 +67,12 @@ impl Points {
     }
 }
 
-/// Draws a line of the limit.
+/// Draws a stretch of the limit.
 pub(crate) fn draw_line(canvas: &mut Canvas, places: &[(f64, f64)]) {
     LINES.into_iter().for_each(|stroke| canvas.line(places, stroke));
 }
 
-/// Writes the label beside the longest line, within the frame, where it covers least of any line.
+/// Writes the label next to the longest line, within the frame, where it covers the fewest lines.
 fn draw_label(canvas: &mut Canvas, lines: &[Vec<(f64, f64)>], frame: Frame, label: &str) {
     let Frame { left, top, right, bottom } = frame;
     let label = text::fitted(label, SIZE, true, right - left - 16.0);
@@ -90,7 +90,7 @@ fn draw_label(canvas: &mut Canvas, lines: &[Vec<(f64, f64)>], frame: Frame, labe
     let within = |(x, y): &(f64, f64)| {
         *x > left + 6.0 && x + width < right - 6.0 && *y > top + SIZE + 6.0 && *y < bottom - 8.0
     };
-    // Near the middle of the line first, on either side of it.
+    // Places near the middle of the line come first, on either side of it.
     let middle = longest.len() / 2;
     let mut beside: Vec<usize> = (0..longest.len()).collect();
     beside.sort_by_key(|place| place.abs_diff(middle));
@@ -104,7 +104,7 @@ fn draw_label(canvas: &mut Canvas, lines: &[Vec<(f64, f64)>], frame: Frame, labe
     }
 }
 
-/// Places along a line, a few px from each other.
+/// Places along a line at intervals of a few px.
 fn densely(line: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let mut places = vec![];
     for pair in line.windows(2) {

@@ -1,6 +1,6 @@
-//! Maps: what stands over two swept quantities, a cell for each pair of their values.
+//! Maps of a quantity over two swept ones, with a cell for each pair of their values.
 //!
-//! A heat map shows a value by colour, a winner map the series whose value is the least.
+//! A heat map shows a value by colour, a winner map the series with the least value.
 
 pub mod colour_bar;
 pub mod colour_scale;
@@ -21,7 +21,7 @@ use crate::view::chart::figure::{Axis, Grouping, Limit};
 /// A map.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Map {
-    /// What it answers, in bold.
+    /// Title, in bold.
     pub title: String,
     /// A second, smaller line.
     pub subtitle: Option<String>,
@@ -29,52 +29,52 @@ pub struct Map {
     pub x: Axis,
     /// The vertical axis.
     pub y: Axis,
-    /// What is shown, or judged.
+    /// The quantity that is shown or compared.
     pub z: Axis,
-    /// The values of x that have a column of cells, ascending; the axis can show them.
+    /// The values of x with a column of cells, ascending, which the axis can show.
     pub columns: Vec<f64>,
-    /// The values of y that have a row of cells, ascending; the axis can show them.
+    /// The values of y with a row of cells, ascending, which the axis can show.
     pub rows: Vec<f64>,
     /// The cells.
     pub cells: Cells,
-    /// What they are made of: of a heat map its values, of a winner map those of everyone who competes.
+    /// Values of the cells: those of a heat map, or those of all competitors of a winner map.
     pub layers: Vec<Layer>,
-    /// What z is judged by.
+    /// Limit against which z is judged.
     pub limit: Option<Limit>,
-    /// How the rows of the table were chosen, for the legend: `filler = const`.
+    /// Rows selected from the table for the legend, such as `filler = const`.
     pub chosen: Vec<String>,
 }
 
-/// The cells of a map row by row, from the least y: that of a column and a row is at row · columns + column. Cells of
-/// which nothing is known stay blank.
+/// The cells of a map row by row, from the least y: the cell of a column and a row has the index row · columns +
+/// column. Cells without a known value stay blank.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cells {
-    /// Values that the scale of z can show, by colour.
+    /// Values by colour, where the scale of z can show them.
     Values(Vec<Option<f64>>),
-    /// Which entry has the least value.
+    /// The entries with the least value.
     Winners {
-        /// Who competes, and, for cells with several winners, these together.
+        /// Competitors, and joint entries for cells with several winners.
         of: Grouping,
-        /// The winners.
+        /// Winners.
         won: Vec<Option<Won>>,
         /// Whether the values have uncertainties, so that a lead can be judged.
         banded: bool,
     },
 }
 
-/// The values of all cells, in the order of [`Cells`], with their uncertainties.
+/// The values of all cells, in the order of [`Cells`], with their intervals.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Layer {
-    /// [`Entry::style`](crate::view::chart::figure::Entry::style) of who competes; 0 of a heat map.
+    /// [`Entry::style`](crate::view::chart::figure::Entry::style) of the competitor; 0 for a heat map.
     pub style: usize,
-    /// Who that is; empty of a heat map.
+    /// Name of the competitor; empty for a heat map.
     pub name: String,
-    /// In the unit of z. None of which nothing is known.
+    /// Values in the unit of z; `None` where unknown.
     pub values: Vec<Option<Estimate>>,
 }
 
-/// A value, and the lower and upper ends of its uncertainty (95 %).
+/// A value with the lower and upper end of its 95 % interval.
 pub type Estimate = (f64, Option<(f64, f64)>);
 
 /// The winner of a cell.
@@ -84,12 +84,12 @@ pub struct Won {
     pub style: usize,
     /// Its value.
     pub value: f64,
-    /// Whether its uncertainty ends below that of the next. Where no uncertainty is known it is as if there were none.
+    /// Whether its interval ends below that of the next competitor. Unknown intervals count as having zero width.
     pub certain: bool,
 }
 
 impl Map {
-    /// The value of each cell: that shown, or that of the winner.
+    /// The value of each cell: the one shown, or that of the winner.
     fn values(&self) -> Vec<Option<f64>> {
         match &self.cells {
             Cells::Values(values) => values.clone(),
@@ -102,14 +102,14 @@ impl Map {
         self.values().iter().flatten().count()
     }
 
-    /// Number of cells with a value within the limit; none if there is no limit.
+    /// Number of cells with a value within the limit; `None` without a limit.
     pub fn within_limit(&self) -> Option<usize> {
         let limit = self.limit.as_ref()?.value;
         Some(self.values().into_iter().flatten().filter(|value| *value <= limit).count())
     }
 }
 
-/// A part of all cells in percent, never rounded to all or none.
+/// A fraction of all cells in percent, which is never rounded to all or none.
 pub(crate) fn share(part: usize, cells: usize) -> String {
     let percent = 100.0 * part as f64 / cells.max(1) as f64;
     let shown = match percent {

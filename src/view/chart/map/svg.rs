@@ -24,7 +24,7 @@ impl Map {
     /// The map as PNG, with `scale` pixels per CSS pixel, lettered with the bundled font.
     ///
     /// # Errors
-    /// A scale that makes no picture of 1 to 20000 pixels each way.
+    /// The scale does not give a picture of 1 to 20000 pixels each way.
     #[cfg(feature = "png")]
     pub fn png(&self, scale: f32) -> Result<Vec<u8>, PngError> {
         self.canvas().png(scale)
@@ -73,7 +73,7 @@ impl Map {
         canvas
     }
 
-    /// The scale of the colours: exactly the values shown, or some about a single one.
+    /// The scale of the colours: exactly the range of the values shown, or a range around a single one.
     fn colours(&self) -> Range {
         let values: Vec<f64> = self.values().into_iter().flatten().collect();
         let low = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -82,13 +82,13 @@ impl Map {
         if low < high { Range { scale, low, high } } else { Range::around(scale, values) }
     }
 
-    /// The limit, where the colours have it.
+    /// The limit, where it is on the scale of the colours.
     fn limit_on(&self, colours: Range) -> Option<f64> {
         let limit = self.limit.as_ref()?.value;
         (colours.low..=colours.high).contains(&limit).then_some(limit)
     }
 
-    /// Draws what stands over the cells.
+    /// Draws the parts that lie over the cells.
     fn draw_over(&self, canvas: &mut Canvas, area: &Area, edges: &Edges) {
         match (&self.cells, &self.limit) {
             (Cells::Values(_), Some(limit)) => limit_line::draw(canvas, self, area, limit),
@@ -127,7 +127,7 @@ impl Map {
         legend
     }
 
-    /// What the limit is, and how many cells are within it.
+    /// Rows with the limit and the number of cells within it.
     fn limit_rows(&self) -> Vec<Row> {
         let Some((limit, within)) = self.limit.as_ref().zip(self.within_limit()) else {
             return vec![];
@@ -155,12 +155,12 @@ impl Map {
     }
 }
 
-/// A text that is not broken into lines.
+/// A text with its spaces replaced by no-break spaces.
 fn no_break(text: &str) -> String {
     text.replace(' ', "\u{a0}")
 }
 
-/// How many winners may be none, if any.
+/// Rows with the number of uncertain winners, if there are any.
 fn close_rows(won: &[Won]) -> Vec<Row> {
     let close = won.iter().filter(|won| !won.certain).count();
     if close == 0 {
@@ -170,13 +170,13 @@ fn close_rows(won: &[Won]) -> Vec<Row> {
     wrapped_entry(Sample { fill: Some((PALE_MUTED, false)), ..Sample::default() }, &text)
 }
 
-/// What is said of leads where no uncertainty is known.
+/// Rows about leads where no intervals are known.
 fn unjudged_rows() -> Vec<Row> {
     let lines = ["no 95 % bands are known here:", "any lead is shown as certain"];
     lines.map(|line| Row::Remark(line.to_owned())).into()
 }
 
-/// What an axis covers: the cells, from edge to edge.
+/// The range of an axis: the cells, from edge to edge.
 fn range(scale: Scale, values: &[f64]) -> Range {
     match scale.edges(values)[..] {
         [low, .., high] => Range { scale, low, high },
@@ -184,9 +184,9 @@ fn range(scale: Scale, values: &[f64]) -> Range {
     }
 }
 
-/// The ticks of an axis: those of its scale, or, of counts that are few and well apart, one at each.
+/// The ticks of an axis: those of its scale, or one at each of a few well-separated counts.
 fn ticks(axis: &Axis, range: Range, cells: &[f64]) -> Ticks {
-    /// Least distance of two labels, in lengths of the axis.
+    /// Least distance of two labels, relative to the length of the axis.
     const APART: f64 = 0.045;
     let apart = cells.windows(2).all(|pair| range.fraction(pair[1]) - range.fraction(pair[0]) >= APART);
     if cells.is_empty() || cells.len() > MOST_LABELS || !axis.whole || !apart {

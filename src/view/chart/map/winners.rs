@@ -1,13 +1,13 @@
-//! Who has the least value in each cell.
+//! The series with the least value in each cell.
 
 use crate::view::chart::figure::Entry;
 use crate::view::chart::map::{Estimate, Won};
 
-/// The winner of each cell in which every entry has a value: the one with the least.
+/// Finds the winner of each cell in which every entry has a value: the entry with the least one.
 ///
-/// Entries that agree in all cells become one, named `const = linear`; the names of such are returned. Several winners
-/// of single cells, which no grouping of their entries explains, get an entry of their own. Values are the same that agree
-/// to the nine digits that files show.
+/// Entries that agree in all cells become one, named `const = linear`; the names of such entries are returned. Several
+/// winners of single cells, which no merging of their entries explains, get an entry of their own. Values are equal if
+/// they agree to the nine digits that files show.
 pub(crate) fn winners(
     entries: &mut Vec<Entry>,
     values: &[Vec<Option<Estimate>>],
@@ -17,7 +17,7 @@ pub(crate) fn winners(
     let cells = values.first().map_or(0, Vec::len);
     let mut ties: Vec<Entry> = vec![];
     let won = (0..cells).map(|cell| {
-        // Merged entries stand for others, so all have to be there.
+        // Merged entries stand for others, so all of them must have a value.
         let here: Vec<Estimate> = values.iter().map(|series| series[cell]).collect::<Option<_>>()?;
         let value = here.iter().map(|estimate| estimate.0).fold(f64::INFINITY, f64::min);
         let (first, others): (Vec<&Entry>, Vec<&Entry>) =
@@ -27,7 +27,7 @@ pub(crate) fn winners(
             [only] => only.style,
             _ => tie(&mut ties, styles, &first),
         };
-        // Equal winners share their uncertainty, whatever its width.
+        // Equal winners share their interval, whatever its width.
         let top = first.iter().filter_map(|entry| here[entry.style].1).map(|band| band.1);
         let top = top.fold(f64::NEG_INFINITY, f64::max);
         let certain = others.iter().filter_map(|entry| here[entry.style].1).all(|(low, _)| top < low);
@@ -38,7 +38,7 @@ pub(crate) fn winners(
     (won, merged)
 }
 
-/// The style of an entry for several winners, a new one if there is none yet.
+/// The style of an entry for several winners, which is created if it does not exist yet.
 fn tie(ties: &mut Vec<Entry>, styles: usize, winners: &[&Entry]) -> usize {
     let names: Vec<&str> = winners.iter().map(|entry| entry.name.as_str()).collect();
     let name = names.join(" = ");
