@@ -219,7 +219,6 @@ mod tests {
 
     /// The exact degrees of freedom edf = (Σ ρ_ij²)⁻¹ M² from the covariances of the terms, for white rate noise and
     /// white angle noise, by counting the samples that two terms share.
-    /// noise, by counting samples that two terms share.
     fn by_definition(deviation: Deviation, white_angle: bool, angles: usize, m: usize) -> f64 {
         let terms = deviation.terms(angles, m);
         let stride = if deviation.overlaps() { 1 } else { m };

@@ -1,8 +1,7 @@
 //! Estimates with uncertainties, computed from exact tallies.
 
-use std::cell::Cell;
-
 use crate::kernel::moments::{BIN_BITS, BINS, Moments, level_edge};
+use crate::tally::binomial::central_interval;
 
 /// The probability whose quantile is reported: 99.73 %, three standard deviations of a normal distribution.
 pub const LEVEL: f64 = 0.9973;
@@ -182,7 +181,7 @@ fn quantile(tally: &Moments, edges: Edges) -> Option<Quantile> {
         a + (b - a) * within
     };
     // Of n trials about n (1 − level) lie above the quantile; in 95 % of all cases their number is between these two.
-    let (fewest, most) = trials_above(n);
+    let (fewest, most) = central_interval(n, 1.0 - LEVEL);
     let low = bin_of_rank(tally, n.saturating_sub(most) as f64)
         .filter(|_| most < n)
         .map(|(bin, _)| edges.of(bin).0);
@@ -210,48 +209,6 @@ fn bin_of_rank(tally: &Moments, rank: f64) -> Option<(usize, f64)> {
         below += count;
     }
     None
-}
-
-/// Least and greatest number of the n trials that lie above the quantile in 95 % of all cases. The result is cached,
-/// because it takes as long as thousands of trials, and most rows of a table have as many trials as the one before.
-/// most rows of a table have as many trials as the one before.
-fn trials_above(n: u64) -> (u64, u64) {
-    thread_local! {
-        static LAST: Cell<(u64, (u64, u64))> = const { Cell::new((0, (0, 0))) };
-    }
-    let (known, interval) = LAST.get();
-    if known == n {
-        return interval;
-    }
-    let interval = binomial_interval(n, 1.0 - LEVEL);
-    LAST.set((n, interval));
-    interval
-}
-
-/// The central 95 % of a binomial distribution; at most 2.5 % lie outside on either side.
-fn binomial_interval(n: u64, p: f64) -> (u64, u64) {
-    let mean = n as f64 * p;
-    let sd = libm::sqrt(mean * (1.0 - p));
-    if mean > 10_000.0 {
-        let half = 1.959_963_985 * sd + 0.5;
-        return (libm::floor(mean - half) as u64, (libm::ceil(mean + half) as u64).min(n));
-    }
-    let log_factorial = |k: u64| libm::lgamma(k as f64 + 1.0);
-    let probability = |k: u64| {
-        let choose = log_factorial(n) - log_factorial(k) - log_factorial(n - k);
-        libm::exp(choose + k as f64 * libm::log(p) + (n - k) as f64 * libm::log1p(-p))
-    };
-    let (mut below, mut fewest) = (0.0, None);
-    for k in 0..=n {
-        below += probability(k);
-        if fewest.is_none() && below > 0.025 {
-            fewest = Some(k);
-        }
-        if below >= 0.975 {
-            return (fewest.unwrap_or(0), k);
-        }
-    }
-    (fewest.unwrap_or(0), n)
 }
 
 /// Deviation of an estimate from its closed form in standard errors; `proven` bounds the additional error of rounding.
@@ -398,7 +355,7 @@ mod tests {
     fn binomial_intervals_are_those_of_the_tables() {
         // scipy.stats.binom.ppf([0.025, 0.975], n, 0.0027)
         for (n, interval) in [(100, (0, 2)), (1000, (0, 6)), (100_000, (238, 303)), (100_000, (238, 303))] {
-            assert_eq!(trials_above(n), interval, "n = {n}");
+            assert_eq!(central_interval(n, 1.0 - LEVEL), interval, "n = {n}");
         }
     }
 }
