@@ -246,11 +246,6 @@ impl Term {
         self.row().symbol
     }
 
-    /// From ″ and s to the unit of data sheets: the factor, the unit as files have it, and its symbol for people.
-    pub fn data_sheet_unit(self) -> (f64, &'static str, &'static str) {
-        self.row().unit
-    }
-
     /// The time or frequency of a term, if it has one.
     pub(crate) fn shape(self) -> Option<&'static Shape> {
         self.row().shape.as_ref()
