@@ -38,6 +38,9 @@ macro_rules! fillers {
         /// Every closed filler.
         pub static CLOSED: [Closed; [$($name),+].len()] = [$(Closed { name: $name, $($field: $value),+ }),+];
 
+        /// The names of the closed fillers.
+        pub(crate) const LISTED: &[&str] = &[$($name),+];
+
         /// The kinds of fillers that need no weights.
         pub const DESIGNED: &[&str] = &[$($name,)+ MINIMUM_VARIANCE];
 

@@ -1,6 +1,6 @@
 //! Reading of the fillers of a study, which reports every fault with its place.
 
-use crate::filler::closed::{CLOSED, MINIMUM_VARIANCE, WEIGHTS, named};
+use crate::filler::closed::{CLOSED, LISTED, MINIMUM_VARIANCE, WEIGHTS, named};
 use crate::filler::keys::{
     FILLER_BAND, FILLER_EXTRAPOLATION_TICKS, FILLER_EXTRAPOLATION_WEIGHTS, FILLER_FIT_TICKS, FILLER_KIND,
     FILLER_NAME, FILLER_WEIGHTS,
@@ -35,7 +35,7 @@ pub(crate) enum Extrapolation {
 pub(crate) fn read(list: Given) -> Result<Vec<Written>, Fault> {
     if list.items().is_empty() {
         let message = "switching.fillers is empty, there is nothing to compare";
-        return Err(list.fault(message, "no filler", choices("", &names())));
+        return Err(list.fault(message, "no filler", choices("", LISTED)));
     }
     let mut fillers: Vec<Written> = Vec::new();
     for entry in list.items() {
@@ -54,16 +54,11 @@ pub(crate) fn read(list: Given) -> Result<Vec<Written>, Fault> {
     Ok(fillers)
 }
 
-/// The names of fillers that need no table.
-fn names() -> [&'static str; CLOSED.len()] {
-    std::array::from_fn(|i| CLOSED[i].name)
-}
-
 fn of_name(entry: Given) -> Result<Written, Fault> {
     let text = entry.text();
     let Some(closed) = named(text) else {
         let message = format!("switching.fillers: {entry} is not a filler");
-        let help = format!("{}, or a table such as {EXAMPLE}", choices(text, &names()));
+        let help = format!("{}, or a table such as {EXAMPLE}", choices(text, LISTED));
         return Err(entry.fault(message, "not a filler", help));
     };
     let filler = Filler::closed(closed);

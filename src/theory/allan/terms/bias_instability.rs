@@ -44,6 +44,6 @@ impl Part {
     /// Flicker of the rate: B, ″/s, of so many octave holds. It is NaN if there are no [variances](holds::variances) for
     /// that many octaves.
     pub const fn bias_instability(b: f64, octaves: usize) -> Part {
-        Part { octaves, ..Part::new(Term::BiasInstability, b, 1.0) }
+        Part { octaves, ..Part::new(Term::BiasInstability, [b, 1.0]) }
     }
 }
