@@ -8,10 +8,10 @@ use crate::fit::choose::Terms;
 use crate::fit::coefficient::{Coefficient, Fit, Verdict};
 use crate::fit::curve::{Curve, FitError};
 use crate::fit::fitter::Fitter;
+use crate::fit::quantity::Quantity;
 use crate::fit::record::curve_of;
 use crate::kernel::width::Width;
 use crate::kinds::allan::realisations::realisations;
-use crate::theory::allan::terms::Term;
 
 /// Default number of simulated records of a fit, unless the record has more than [`MOST_SIMULATED`] samples.
 pub const USUAL_REALISATIONS: usize = 1000;
@@ -161,24 +161,23 @@ fn realised(fitter: &Fitter, curve: &Curve, first: &Fit, count: usize) -> Result
 }
 
 fn rows(fit: &Fit, unit: Unit) -> Vec<Row> {
-    let mut rows = Vec::new();
-    for coefficient in &fit.coefficients {
-        let (factor, in_files, symbol) = data_sheet_unit(coefficient.term, unit);
-        rows.push(Row {
-            name: coefficient.term.symbol(),
-            unit: in_files,
-            symbol,
-            value: coefficient.value.map(|value| factor * value),
-            interval: coefficient.interval.map(|ends| ends.map(|end| factor * end)),
-            verdict: verdict(coefficient),
-        });
-        if let Some(shape) = coefficient.shape {
-            let (name, unit) = coefficient.term.shape().map_or(("", ""), |row| (row.symbol, row.unit));
-            let (value, interval) = (Some(shape.value), Some(shape.interval));
-            rows.push(Row { name, unit, symbol: unit, value, interval, verdict: verdict(coefficient) });
-        }
-    }
-    rows
+    let of_coefficient = |coefficient: &Coefficient| {
+        let of_quantity = |quantity: Quantity| {
+            let (factor, unit, symbol) = quantity.unit(unit);
+            let (value, interval) = quantity.of(coefficient);
+            Row {
+                name: quantity.name(),
+                unit,
+                symbol,
+                value: value.map(|value| factor * value),
+                interval: interval.map(|ends| ends.map(|end| factor * end)),
+                verdict: verdict(coefficient),
+            }
+        };
+        let shown = 1 + usize::from(coefficient.shape.is_some());
+        Quantity::all(&[coefficient.term]).into_iter().take(shown).map(of_quantity).collect::<Vec<_>>()
+    };
+    fit.coefficients.iter().flat_map(of_coefficient).collect()
 }
 
 fn verdict(coefficient: &Coefficient) -> &'static str {
@@ -187,17 +186,5 @@ fn verdict(coefficient: &Coefficient) -> &'static str {
         Verdict::AtBoundary { .. } => "none found, at most the upper end",
         Verdict::NotIdentifiable { below: Some(_) } => "not identifiable, at most the upper end",
         Verdict::NotIdentifiable { below: None } => "not identifiable",
-    }
-}
-
-/// Conversion from ″ and s to the unit of data sheets: factor, name in files, symbol. Plain numbers keep theirs, times
-/// a power of s.
-pub fn data_sheet_unit(term: Term, unit: Unit) -> (f64, &'static str, &'static str) {
-    match unit {
-        Unit::Angular => term.data_sheet_unit(),
-        Unit::Plain => {
-            let (in_files, symbol) = term.row().plain;
-            (1.0, in_files, symbol)
-        }
     }
 }

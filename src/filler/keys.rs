@@ -1,7 +1,8 @@
 //! The keys of `[switching]` for the gap at a switch and its fillers.
 
+use crate::filler::closed;
 use crate::filler::ticks::FARTHEST;
-use crate::key::holds::{Holds, Word, words};
+use crate::key::holds::{Holds, words};
 use crate::key::row::keys;
 use crate::motion::keys::FREQUENCIES;
 
@@ -17,34 +18,10 @@ words! {
     }
 }
 
-words! {
-    /// The method by which a filler weights its ticks.
-    pub(crate) enum FillerKind {
-        /// Least-squares polynomial of order 0: the mean of the ticks.
-        Const = "const",
-        /// Least-squares polynomial of order 1: a straight line.
-        Linear = "linear",
-        /// Least-squares polynomial of order 2: a parabola.
-        Quadratic = "quadratic",
-        /// Weights with the least error variance for the study's noise, and for the vibration in its band or, without a
-        /// band, for the motion of each point.
-        MinimumVariance = "minimum-variance",
-        /// Given weights.
-        Weights = "weights",
-    }
-}
-
 /// Longest gap, ticks.
 pub(crate) const LONGEST_GAP: i64 = FARTHEST;
 
 const LIST: Holds = Holds::List(&Holds::Any);
-
-/// The polynomials, in the order of [`POLYNOMIALS`](crate::filler::POLYNOMIALS).
-const POLYNOMIAL: &[Word] = &[
-    Word { word: "const", meaning: "The mean of the ticks." },
-    Word { word: "linear", meaning: "A straight line." },
-    Word { word: "quadratic", meaning: "A parabola." },
-];
 
 keys! {
     /// The keys of the gap and its fillers.
@@ -59,9 +36,9 @@ keys! {
     pub(crate) EXTRAPOLATION_TICKS = "switching.extrapolation_ticks", "", LIST, "extrapolation_ticks = [-3, -2, -1, 0]";
     /// Fillers to compare, each once: a polynomial "const", "linear" or "quadratic", fitted to switching.fit_ticks, or
     /// a table with its own kind, name and ticks, such as a minimum-variance filler.
-    pub(crate) FILLERS = "switching.fillers", "", Holds::List(&Holds::Either(&[Holds::Any, Holds::Word(POLYNOMIAL), Holds::Table])), r#"fillers = ["const", "quadratic", { kind = "minimum-variance", name = "mv8+2", fit_ticks = ["-7..0", "n+1", "n+2"] }]"#;
+    pub(crate) FILLERS = "switching.fillers", "", Holds::List(&Holds::Either(&[Holds::Any, Holds::Word(closed::NAMES), Holds::Table])), r#"fillers = ["const", "quadratic", { kind = "minimum-variance", name = "mv8+2", fit_ticks = ["-7..0", "n+1", "n+2"] }]"#;
     /// Method by which the filler weights its ticks.
-    pub(crate) FILLER_KIND = "switching.fillers.kind", "", Holds::Word(FillerKind::WORDS), r#"kind = "minimum-variance""#, required;
+    pub(crate) FILLER_KIND = "switching.fillers.kind", "", Holds::Word(closed::KINDS), r#"kind = "minimum-variance""#, required;
     /// Name in tables and charts; the kind if absent.
     pub(crate) FILLER_NAME = "switching.fillers.name", "", Holds::Text, r#"name = "mv8+2""#;
     /// Ticks to which the residual is fitted; switching.fit_ticks if absent.

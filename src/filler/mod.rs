@@ -1,9 +1,11 @@
 //! Fillers: the ways to fill the gap.
 
+pub mod closed;
 pub mod keys;
 pub mod read;
 pub mod ticks;
 
+use crate::filler::closed::{CLOSED, Closed};
 use crate::theory::minimum_variance::Band;
 
 /// The key of a study that lists its fillers.
@@ -21,8 +23,8 @@ pub struct Filler {
 /// The method by which a filler weights its ticks.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Method {
-    /// The least-squares polynomial of order 0, 1 or 2.
-    Polynomial(usize),
+    /// Exact weights that follow from the ticks and the gap.
+    Closed(&'static Closed),
     /// The least variance for the study's noise and for motion in a band, or for the study's own motion where no band
     /// is given.
     MinimumVariance(Option<Band>),
@@ -44,24 +46,26 @@ pub struct Fill {
     pub extrapolation_ticks: Option<Vec<i32>>,
 }
 
-/// Names of the polynomials, by order.
-pub const POLYNOMIALS: [&str; 3] = ["const", "linear", "quadratic"];
-
 impl Filler {
+    /// A filler of exact weights under its standard name.
+    pub fn closed(closed: &'static Closed) -> Filler {
+        Filler { name: closed.name.to_owned(), method: Method::Closed(closed) }
+    }
+
     /// The polynomials of order 0, 1 and 2 under their standard names.
     pub fn polynomials() -> Vec<Filler> {
-        (0..POLYNOMIALS.len()).map(Filler::polynomial).collect()
+        CLOSED.iter().filter(|closed| closed.order.is_some()).map(Filler::closed).collect()
     }
 
     /// The polynomial of an order up to 2 under its standard name.
     pub fn polynomial(order: usize) -> Filler {
-        Filler { name: POLYNOMIALS[order].to_owned(), method: Method::Polynomial(order) }
+        Filler::polynomials().swap_remove(order)
     }
 
     /// Fewest ticks with which the filler works.
     pub(crate) fn least_ticks(&self) -> usize {
         match self.method {
-            Method::Polynomial(order) => order + 1,
+            Method::Closed(closed) => closed.least_ticks,
             Method::MinimumVariance(_) | Method::Weights { .. } => 1,
         }
     }

@@ -1,11 +1,12 @@
 //! Reading of the fillers of a study, which reports every fault with its place.
 
+use crate::filler::closed::{CLOSED, LISTED, MINIMUM_VARIANCE, WEIGHTS, named};
 use crate::filler::keys::{
     FILLER_BAND, FILLER_EXTRAPOLATION_TICKS, FILLER_EXTRAPOLATION_WEIGHTS, FILLER_FIT_TICKS, FILLER_KIND,
-    FILLER_NAME, FILLER_WEIGHTS, FillerKind,
+    FILLER_NAME, FILLER_WEIGHTS,
 };
 use crate::filler::ticks::{Purpose, TickList};
-use crate::filler::{Filler, Method, POLYNOMIALS};
+use crate::filler::{Filler, Method};
 use crate::key::given::Given;
 use crate::key::table::Table;
 use crate::motion::read::band;
@@ -34,12 +35,12 @@ pub(crate) enum Extrapolation {
 pub(crate) fn read(list: Given) -> Result<Vec<Written>, Fault> {
     if list.items().is_empty() {
         let message = "switching.fillers is empty, there is nothing to compare";
-        return Err(list.fault(message, "no filler", choices("", &POLYNOMIALS)));
+        return Err(list.fault(message, "no filler", choices("", LISTED)));
     }
     let mut fillers: Vec<Written> = Vec::new();
     for entry in list.items() {
         let written = match entry.table() {
-            None => named(entry)?,
+            None => of_name(entry)?,
             Some(table) => of_table(&table)?,
         };
         let name = &written.filler.name;
@@ -53,14 +54,14 @@ pub(crate) fn read(list: Given) -> Result<Vec<Written>, Fault> {
     Ok(fillers)
 }
 
-fn named(entry: Given) -> Result<Written, Fault> {
+fn of_name(entry: Given) -> Result<Written, Fault> {
     let text = entry.text();
-    let Some(order) = POLYNOMIALS.iter().position(|name| *name == text) else {
+    let Some(closed) = named(text) else {
         let message = format!("switching.fillers: {entry} is not a filler");
-        let help = format!("{}, or a table such as {EXAMPLE}", choices(text, &POLYNOMIALS));
+        let help = format!("{}, or a table such as {EXAMPLE}", choices(text, LISTED));
         return Err(entry.fault(message, "not a filler", help));
     };
-    let filler = Filler::polynomial(order);
+    let filler = Filler::closed(closed);
     Ok(Written { filler, fit_ticks: None, extrapolation: Extrapolation::Common, span: entry.span() })
 }
 
@@ -69,14 +70,14 @@ const EXAMPLE: &str =
     "{ kind = \"minimum-variance\", name = \"mv8+2\", fit_ticks = [\"-7..0\", \"n+1\", \"n+2\"] }";
 
 fn of_table(table: &Table) -> Result<Written, Fault> {
-    let kind = FillerKind::of(table.get(&FILLER_KIND));
+    let kind = table.get(&FILLER_KIND).map_or(CLOSED[0].name, |kind| kind.text());
     for (key, wanted) in [
-        (&FILLER_WEIGHTS, FillerKind::Weights),
-        (&FILLER_EXTRAPOLATION_WEIGHTS, FillerKind::Weights),
-        (&FILLER_BAND, FillerKind::MinimumVariance),
+        (&FILLER_WEIGHTS, WEIGHTS),
+        (&FILLER_EXTRAPOLATION_WEIGHTS, WEIGHTS),
+        (&FILLER_BAND, MINIMUM_VARIANCE),
     ] {
         if let Some(written) = table.get(key).filter(|_| kind != wanted) {
-            let message = format!("{} has no meaning for a filler of kind \"{}\"", key.last(), kind.name());
+            let message = format!("{} has no meaning for a filler of kind \"{kind}\"", key.last());
             return Err(written.fault(message, "not for this kind", "leave it out"));
         }
     }
@@ -84,13 +85,8 @@ fn of_table(table: &Table) -> Result<Written, Fault> {
         [&FILLER_FIT_TICKS, &FILLER_EXTRAPOLATION_TICKS, &FILLER_WEIGHTS, &FILLER_EXTRAPOLATION_WEIGHTS]
             .map(|key| table.get(key));
     let method = match kind {
-        FillerKind::Const => Method::Polynomial(0),
-        FillerKind::Linear => Method::Polynomial(1),
-        FillerKind::Quadratic => Method::Polynomial(2),
-        FillerKind::MinimumVariance => {
-            Method::MinimumVariance(table.get(&FILLER_BAND).map(band).transpose()?)
-        }
-        FillerKind::Weights => {
+        MINIMUM_VARIANCE => Method::MinimumVariance(table.get(&FILLER_BAND).map(band).transpose()?),
+        WEIGHTS => {
             let Some(weights) = weights else {
                 let message = "a filler of kind \"weights\" needs weights";
                 let help = format!("add for example {}", FILLER_WEIGHTS.example);
@@ -104,6 +100,7 @@ fn of_table(table: &Table) -> Result<Written, Fault> {
             }
             Method::Weights { residual: numbers(weights)?, extrapolation }
         }
+        name => Method::Closed(named(name).unwrap_or(&CLOSED[0])),
     };
     let extrapolation = match (&method, extrapolation_ticks) {
         (Method::Weights { extrapolation: None, .. }, _) => Extrapolation::None,
@@ -112,7 +109,7 @@ fn of_table(table: &Table) -> Result<Written, Fault> {
         (_, None) => Extrapolation::Common,
     };
     let name = match table.get(&FILLER_NAME) {
-        None => kind.name().to_owned(),
+        None => kind.to_owned(),
         Some(name) => {
             let text = name.text().trim();
             if text.is_empty() || text.chars().any(char::is_control) {

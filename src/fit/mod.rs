@@ -45,6 +45,7 @@ pub mod fitter;
 pub mod growth;
 pub mod interval;
 pub mod nnls;
+pub mod quantity;
 pub mod record;
 pub mod search;
 
@@ -55,5 +56,6 @@ pub use crate::fit::covariance::Covariance;
 pub use crate::fit::curve::{Curve, FitError};
 pub use crate::fit::fitter::{Errors, Fitter, fit, fit_record};
 pub(crate) use crate::fit::nnls::nnls;
+pub use crate::fit::quantity::Quantity;
 pub use crate::fit::record::curve_of;
 pub use crate::theory::allan::terms::Term;

@@ -136,9 +136,10 @@ impl Noise {
             ("switching.warm_up_time", warm_up_s),
         ];
         let others = others.map(|(key, value)| (key.to_owned(), value));
-        let mut given: Vec<(String, f64)> = terms.chain(others).filter(|(_, value)| *value != 0.0).collect();
-        given.sort_by(|(a, _), (b, _)| a.cmp(b));
-        given.iter().map(|(name, value)| format!("{name}={value:.11e}\n")).collect()
+        let given = terms.chain(others).filter(|(_, value)| *value != 0.0);
+        let mut lines: Vec<String> = given.map(|(key, value)| format!("{key}={value:.11e}\n")).collect();
+        lines.sort();
+        lines.concat()
     }
 
     /// The angle, ″, that each part of the rate except the angle random walk can accumulate in a time, with at most one

@@ -7,6 +7,7 @@ use crate::fit::coefficient::Fit;
 use crate::fit::curve::{Curve, FitError};
 use crate::fit::fitter::fit_record;
 use crate::fit::interval::WITHIN_95;
+use crate::fit::quantity::Quantity;
 use crate::theory::allan::terms::Term;
 
 /// Significance level: differences with a smaller p are significant.
@@ -14,15 +15,6 @@ pub const SIGNIFICANT: f64 = 0.05;
 
 /// Least p; 0 would claim that something is impossible.
 pub const LEAST_P: f64 = 1e-300;
-
-/// A compared quantity.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
-    /// A coefficient, in the unit of its [`Term`].
-    Coefficient(Term),
-    /// The correlation time of Markov noise, s, or the frequency of a sine, Hz.
-    Shape(Term),
-}
 
 /// A quantity of both records.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,7 +84,7 @@ impl Fits {
     pub fn differences(&self, widening: [f64; 2]) -> Vec<Difference> {
         let [a, b] = &self.fits;
         let difference = |quantity| Some(self.difference(quantity, &two(a, b, quantity, widening)?));
-        self.quantities().into_iter().filter_map(difference).collect()
+        Quantity::all(&self.terms).into_iter().filter_map(difference).collect()
     }
 
     /// Required lengths of the records for each of `differences`; unknown where the values to distinguish are unknown.
@@ -111,24 +103,10 @@ impl Fits {
         differences.iter().map(of).collect()
     }
 
-    fn quantities(&self) -> Vec<Quantity> {
-        let of_term = |&term: &Term| {
-            let shape = term.has_shape().then_some(Quantity::Shape(term));
-            [Some(Quantity::Coefficient(term)), shape].into_iter().flatten()
-        };
-        self.terms.iter().flat_map(of_term).collect()
-    }
-
     fn difference(&self, quantity: Quantity, two: &Two) -> Difference {
-        let (Quantity::Coefficient(term) | Quantity::Shape(term)) = quantity;
+        let (term, _) = quantity.parts();
         let is_shown = self.shown.contains(&term);
-        let value = |fit: &Fit| {
-            let found = fit.coefficient(term).filter(|_| is_shown)?;
-            match quantity {
-                Quantity::Coefficient(_) => found.value,
-                Quantity::Shape(_) => found.shape.map(|shape| shape.value),
-            }
-        };
+        let value = |fit: &Fit| quantity.of(fit.coefficient(term).filter(|_| is_shown)?).0;
         let values = [value(&self.fits[0]), value(&self.fits[1])];
         let both = values[0].zip(values[1]);
         let is_there = values.iter().any(Option::is_some);

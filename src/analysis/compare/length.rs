@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use crate::analysis::compare::difference::{Quantity, two};
+use crate::analysis::compare::difference::two;
 use crate::fit::choose::Terms;
 use crate::fit::coefficient::Fit;
 use crate::fit::curve::Curve;
 use crate::fit::fitter::fit_record;
+use crate::fit::quantity::Quantity;
 use crate::fit::record::factors;
 use crate::theory::allan::estimator::{Difference, Estimator};
 use crate::theory::allan::holds;

@@ -8,8 +8,8 @@
 //!
 //! ```
 //! use sagnac::allan::{Angles, Trend};
-//! use sagnac::analysis::compare::{Quantity, compare};
-//! use sagnac::fit::{Term, Terms};
+//! use sagnac::analysis::compare::compare;
+//! use sagnac::fit::{Quantity, Term, Terms};
 //!
 //! // Rates that jump about evenly, and the same at half the size.
 //! let rates: Vec<f64> = (0..4096_u64).map(|i| (i * 2_654_435_761 % 4096) as f64 - 2047.5).collect();
@@ -47,7 +47,7 @@ pub mod same;
 pub mod tables;
 pub mod words;
 
-pub use crate::analysis::compare::difference::{Difference, LEAST_P, Quantity, SIGNIFICANT};
+pub use crate::analysis::compare::difference::{Difference, LEAST_P, SIGNIFICANT};
 pub use crate::analysis::compare::length::Length;
 pub use crate::analysis::compare::ratio::{Common, NEAREST, Ratio};
 pub use crate::analysis::compare::same::{By, Same};

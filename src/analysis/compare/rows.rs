@@ -2,9 +2,9 @@
 
 use crate::allan::unit::Unit;
 use crate::analysis::compare::Comparison;
-use crate::analysis::compare::difference::{Difference, Quantity, SIGNIFICANT};
+use crate::analysis::compare::difference::{Difference, SIGNIFICANT};
 use crate::analysis::compare::length::Length;
-use crate::analysis::data_sheet::data_sheet_unit;
+use crate::fit::quantity::Quantity;
 
 /// The result for one coefficient of two logs.
 #[derive(Debug, Clone)]
@@ -73,13 +73,7 @@ pub fn rows(comparison: &Comparison, unit: Unit) -> Result<Vec<Row>, String> {
 }
 
 fn row(found: &Difference, length: Length, unit: Unit) -> Row {
-    let (name, (factor, unit, symbol)) = match found.quantity {
-        Quantity::Coefficient(term) => (term.symbol(), data_sheet_unit(term, unit)),
-        Quantity::Shape(term) => {
-            let (name, unit) = term.shape().map_or(("", ""), |row| (row.symbol, row.unit));
-            (name, (1.0, unit, unit))
-        }
-    };
+    let (factor, unit, symbol) = found.quantity.unit(unit);
     let scaled = |value: Option<f64>| value.map(|value| factor * value);
     let found = Difference {
         values: found.values.map(scaled),
@@ -88,5 +82,5 @@ fn row(found: &Difference, length: Length, unit: Unit) -> Row {
         interval: found.interval.map(scaled),
         ..*found
     };
-    Row { quantity: found.quantity, name, unit, symbol, found, length }
+    Row { quantity: found.quantity, name: found.quantity.name(), unit, symbol, found, length }
 }

@@ -1,6 +1,5 @@
 //! A comparison as sentences.
 
-use crate::analysis::compare::difference::Quantity;
 use crate::analysis::compare::length::Length;
 use crate::analysis::compare::same::By;
 use crate::quantity::number::significant;
@@ -66,7 +65,7 @@ fn same(analysis: &Analysis) -> Option<String> {
 }
 
 fn of_row(row: &Row, a: &str, b: &str, shorter_s: f64) -> String {
-    let name = title(row.quantity);
+    let name = row.quantity.title();
     let found = &row.found;
     let p = found.p.map(probability).unwrap_or_default();
     let (shows, other) = if found.values[1].is_some() { (b, a) } else { (a, b) };
@@ -156,12 +155,5 @@ fn interval([low, high]: [Option<f64>; 2]) -> String {
         (Some(low), None) => format!("at least {}", number(low)),
         (None, Some(high)) => format!("at most {}", number(high)),
         (None, None) => "no interval".to_owned(),
-    }
-}
-
-fn title(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Coefficient(term) => term.row().title,
-        Quantity::Shape(term) => term.shape().map_or("", |shape| shape.title),
     }
 }

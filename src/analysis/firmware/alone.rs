@@ -2,13 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::filler::POLYNOMIALS;
-
-/// A filler designed for a vibration with noise.
-pub const MINIMUM_VARIANCE: &str = "minimum-variance";
-
-/// Kinds of fillers that need no study.
-pub const KINDS: [&str; 4] = [POLYNOMIALS[0], POLYNOMIALS[1], POLYNOMIALS[2], MINIMUM_VARIANCE];
+pub use crate::filler::closed::{DESIGNED as KINDS, MINIMUM_VARIANCE};
 
 /// The properties of fillers; quantities are texts with units, as in a study.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

@@ -182,7 +182,7 @@ pub(crate) fn response(weights: &Weights, gap_ticks: u32, tick_s: f64, frequency
 /// The description of a filler in ASCII, with the statistics for which it is designed.
 fn method(filler: &Filler, inputs: &Inputs) -> String {
     let band = match &filler.method {
-        Method::Polynomial(order) => return format!("polynomial of order {order}"),
+        Method::Closed(closed) => return closed.about.to_owned(),
         Method::Weights { .. } => return "weights as given".to_owned(),
         Method::MinimumVariance(band) => band,
     };

@@ -1,8 +1,8 @@
 //! The charts of `sagnac allan`.
 
 use crate::allan::deviation::Deviation;
-use crate::analysis::data_sheet::data_sheet_unit;
 use crate::fit::coefficient::Coefficient;
+use crate::fit::quantity::Quantity;
 use crate::key::scale::Scale;
 use crate::quantity::number::significant;
 use crate::theory::allan::estimator::{Difference, Estimator, Stride};
@@ -144,7 +144,7 @@ fn parts(analysis: &Analysis, column: &Column, deviations: &[Deviation]) -> Part
             points.retain(|(tau_s, _)| shape * tau_s <= MOST_RIPPLES);
         }
         Some(Part {
-            label: label(coefficient, value, data_sheet_unit(term, column.unit)),
+            label: label(coefficient, value, Quantity::Coefficient(term).unit(column.unit)),
             // Earlier colours are those of the curves.
             colour: deviations.len() + Term::ALL.iter().position(|other| *other == term)?,
             points,

@@ -1,7 +1,6 @@
 //! `noise.toml`: the identified coefficients of a column, in the form that studies read.
 
 use crate::allan::unit::Unit;
-use crate::analysis::data_sheet::data_sheet_unit;
 use crate::fit::coefficient::Coefficient;
 use crate::quantity::number::significant;
 use crate::theory::allan::terms::{Shape, Term};
@@ -59,7 +58,7 @@ fn text(analysis: &Analysis, column: &Column) -> Option<String> {
 
 /// A value with its unit, in the form that studies read.
 fn quantity(term: Term, value: f64) -> String {
-    let (factor, unit, _) = data_sheet_unit(term, Unit::Angular);
+    let (factor, unit, _) = term.row().unit;
     format!("{} {unit}", significant(factor * value, 6))
 }
 
@@ -67,7 +66,7 @@ fn quantity(term: Term, value: f64) -> String {
 fn intervals(coefficient: &Coefficient) -> Vec<String> {
     let (Some(_), Some([low, high])) = (coefficient.value, coefficient.interval) else { return vec![] };
     let (term, symbol) = (coefficient.term, coefficient.term.symbol());
-    let (factor, unit, _) = data_sheet_unit(term, Unit::Angular);
+    let (factor, unit, _) = term.row().unit;
     let line = |name: &str, [low, high]: [f64; 2], unit: &str| {
         format!("{name}: {} to {} {unit}", significant(low, 6), significant(high, 6))
     };

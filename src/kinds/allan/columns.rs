@@ -1,7 +1,9 @@
 //! The columns of a study of Allan curves, with a row for each point and averaging time, and of its coefficients.
 
+use crate::allan::unit::Unit as Angles;
+use crate::fit::quantity::Quantity;
 use crate::kinds::allan::point::Point;
-use crate::kinds::allan::run::coefficients::{Found, Quantity};
+use crate::kinds::allan::run::coefficients::Found;
 use crate::kinds::allan::run::curves::Scatter;
 use crate::table::column::Band;
 use crate::table::{Cell, ColumnOf, Role, Unit, Usual};
@@ -89,7 +91,7 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<CoefficientRow<'a>>> {
         Of::new("coefficient", Unit::NONE, "coefficient", |row| row.quantity.name().into())
             .is(Role::Key, "The coefficient: Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`.")
             .brief(),
-        Of::new("unit", Unit::NONE, "unit", |row| row.quantity.unit().1.into())
+        Of::new("unit", Unit::NONE, "unit", |row| row.quantity.unit(Angles::Angular).1.into())
             .is(Role::Note, "Unit of `truth`, `mean`, `sd` and `rmse`.")
             .brief(),
         Of::new("truth", Unit::NONE, "true value", |row| row.truth.into())

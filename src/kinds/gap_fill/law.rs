@@ -1,6 +1,7 @@
 //! The values of the laws of gap fillers.
 
 use crate::chart::law::Law;
+use crate::filler::closed::Closed;
 use crate::filler::keys::Error;
 use crate::filler::{Filler, Method};
 use crate::kinds::gap_fill::inputs::Inputs;
@@ -16,7 +17,7 @@ impl Law {
     /// The value of the law for one of the errors of a filler that reads `ticks` ticks, ″; `None` where the law does
     /// not apply.
     pub fn arcsec(self, inputs: &Inputs, filler: &Filler, error: Error, ticks: usize) -> Option<f64> {
-        let Method::Polynomial(order) = filler.method else { return None };
+        let Method::Closed(&Closed { order: Some(order), .. }) = filler.method else { return None };
         let three_sigma = 3.0 * inputs.sigma_arcsec();
         let of_const = order == 0 && error != Error::InGap;
         let taylor = |share: fn(usize, f64) -> Option<f64>| {

@@ -5,9 +5,7 @@
 //! The quantity needed is the second difference of G over the shorter of two differences, written so that nothing
 //! cancels for lags much longer than it.
 
-use crate::theory::allan::holds;
-
-/// Octave holds. A hold is a step of a random walk of the rate that is reversed after its length.
+/// Octave holds. A hold is a random walk of the rate that is taken back after its length.
 pub(crate) struct Holds {
     /// Variance of the rate of each octave times t0², ″²; the sum over all octaves before it; and the sum of variance
     /// over length from it on.
@@ -17,9 +15,7 @@ pub(crate) struct Holds {
 }
 
 impl Holds {
-    pub(crate) fn new(scale: f64, octaves: usize) -> Holds {
-        let variances = holds::variances(octaves).unwrap_or_else(|| vec![f64::NAN]);
-        let octaves: Vec<f64> = variances.iter().map(|variance| scale * variance).collect();
+    pub(crate) fn new(octaves: Vec<f64>) -> Holds {
         let (mut before, mut from) = (vec![0.0; octaves.len() + 1], vec![0.0; octaves.len() + 1]);
         for o in 0..octaves.len() {
             before[o + 1] = before[o] + octaves[o];

@@ -8,13 +8,13 @@ use crate::theory::allan::terms::Term;
 /// A part of the angle, in ″ and s, sampled as described [above](super).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Part {
-    /// Term of the part.
+    /// Term of which this is a part.
     pub term: Term,
-    /// Coefficient; for Markov noise IEEE's q_c.
+    /// Coefficient; IEEE's q_c for Markov noise.
     pub size: f64,
-    /// Time, s, or frequency, Hz; 1 for a term without either.
+    /// Time, s, or frequency, Hz; 1 for terms without one.
     pub shape: f64,
-    /// Number of octaves of holds for flicker, of 1, 2, 4, … samples; 0 for other terms.
+    /// Number of octaves of holds of flicker, of 1, 2, 4, … samples; 0 for all other terms.
     pub octaves: usize,
 }
 
@@ -31,8 +31,9 @@ pub struct Trend {
 pub const FLAT_LEVEL: f64 = 2.0 * LN_2 / PI;
 
 impl Part {
-    pub(crate) const fn new(term: Term, size: f64, shape: f64) -> Part {
-        Part { term, size, shape, octaves: 0 }
+    /// The part whose first numbers are its size and shape.
+    pub(crate) const fn new<const N: usize>(term: Term, numbers: [f64; N]) -> Part {
+        Part { term, size: numbers[0], shape: numbers[1], octaves: 0 }
     }
 
     /// Square of the coefficient, as [`Term::part`] takes it.

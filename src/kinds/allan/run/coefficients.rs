@@ -2,11 +2,13 @@
 
 use rayon::prelude::*;
 
+use crate::allan::unit::Unit;
 use crate::fit::choose::Terms;
-use crate::fit::coefficient::{Coefficient, Fit, Verdict};
+use crate::fit::coefficient::{Fit, Verdict};
 use crate::fit::covariance::Covariance;
 use crate::fit::curve::Curve;
 use crate::fit::fitter::{Errors, Fitter};
+use crate::fit::quantity::Quantity;
 use crate::kinds::allan::columns::CoefficientRow;
 use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
 use crate::kinds::allan::run::{Estimates, Plan, geometry};
@@ -14,7 +16,7 @@ use crate::noise::Noise;
 use crate::quantity::number::significant;
 use crate::theory::allan::estimator::Stride;
 use crate::theory::allan::part::Part;
-use crate::theory::allan::terms::{Shape, Term};
+use crate::theory::allan::terms::Term;
 
 /// The estimates of one coefficient over all records.
 pub(crate) struct Found {
@@ -39,8 +41,8 @@ impl Plan<'_> {
         progress: &(dyn Fn(u64) + Sync),
     ) -> impl Iterator<Item = CoefficientRow<'p>> + use<'p> {
         let fits = self.fits(point, terms, estimates, progress);
-        quantities(terms.all()).into_iter().map(move |quantity| {
-            let truth = quantity.truth(&point.inputs.noise);
+        Quantity::all(terms.all()).into_iter().map(move |quantity| {
+            let truth = truth(quantity, &point.inputs.noise);
             CoefficientRow { point, quantity, truth, found: Found::of(&fits, quantity, truth) }
         })
     }
@@ -96,72 +98,30 @@ fn covariance(point: &RecordPoint, geometry: &Curve, estimates: &Estimates) -> O
     Covariance::of_realisations(&rows, &model).ok()
 }
 
-/// A coefficient, or the time or frequency that belongs to it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Quantity {
-    term: Term,
-    shape: bool,
-}
-
-/// The coefficients of some terms, each followed by its time or frequency if it has one.
-fn quantities(terms: &[Term]) -> Vec<Quantity> {
-    let of_term = |&term: &Term| {
-        let shape = term.has_shape().then_some(Quantity { term, shape: true });
-        core::iter::once(Quantity { term, shape: false }).chain(shape)
+/// The true value of a quantity, in the unit of data sheets; absent for the shape of a term that the noise lacks.
+fn truth(quantity: Quantity, noise: &Noise) -> Option<f64> {
+    let (term, shape) = quantity.parts();
+    let [size, of_shape] = noise.of(term);
+    let value = match term {
+        _ if shape.is_some() => of_shape,
+        // A readout in whole pulses has an error of 1/√12 of a pulse.
+        Term::Quantisation => libm::hypot(size, noise.readout_lsb / libm::sqrt(12.0)),
+        _ => size.abs(),
     };
-    terms.iter().flat_map(of_term).collect()
-}
-
-impl Quantity {
-    pub(crate) fn name(self) -> &'static str {
-        self.shape().map_or(self.term.symbol(), |shape| shape.symbol)
-    }
-
-    /// The factor from ″ and s to the unit of data sheets, and that unit.
-    pub(crate) fn unit(self) -> (f64, &'static str) {
-        let (factor, unit, _) = self.term.data_sheet_unit();
-        self.shape().map_or((factor, unit), |shape| (1.0, shape.unit))
-    }
-
-    fn shape(self) -> Option<&'static Shape> {
-        self.term.shape().filter(|_| self.shape)
-    }
-
-    /// The true value, in the unit of data sheets; absent where the noise lacks the term.
-    fn truth(self, noise: &Noise) -> Option<f64> {
-        let [size, shape] = noise.of(self.term);
-        let value = match self.term {
-            _ if self.shape => shape,
-            // A readout in whole pulses has an error of 1/√12 of a pulse.
-            Term::Quantisation => libm::hypot(size, noise.readout_lsb / libm::sqrt(12.0)),
-            _ => size.abs(),
-        };
-        (!self.shape || value > 0.0).then_some(self.unit().0 * value)
-    }
-
-    /// Value and interval of a fit, in the unit of data sheets.
-    fn of(self, coefficient: &Coefficient) -> (Option<f64>, Option<[f64; 2]>) {
-        let factor = self.unit().0;
-        let (value, interval) = match self.shape {
-            true => {
-                (coefficient.shape.map(|shape| shape.value), coefficient.shape.map(|shape| shape.interval))
-            }
-            false => (coefficient.value, coefficient.interval),
-        };
-        (value.map(|value| factor * value), interval.map(|ends| ends.map(|end| factor * end)))
-    }
+    (shape.is_none() || value > 0.0).then_some(quantity.unit(Unit::Angular).0 * value)
 }
 
 impl Found {
     fn of(fits: &[Option<Fit>], quantity: Quantity, truth: Option<f64>) -> Found {
+        let (factor, ..) = quantity.unit(Unit::Angular);
         let mut found = Found { values: vec![], intervals: 0, covered: 0, fitted: 0, records: fits.len() };
-        for coefficient in fits.iter().flatten().filter_map(|fit| fit.coefficient(quantity.term)) {
+        for coefficient in fits.iter().flatten().filter_map(|fit| fit.coefficient(quantity.parts().0)) {
             found.fitted += 1;
             let (value, interval) = quantity.of(coefficient);
             if coefficient.verdict == Verdict::Identified {
-                found.values.extend(value);
+                found.values.extend(value.map(|value| factor * value));
             }
-            if let Some([low, high]) = interval {
+            if let Some([low, high]) = interval.map(|ends| ends.map(|end| factor * end)) {
                 found.intervals += 1;
                 found.covered += usize::from(truth.is_some_and(|truth| low <= truth && truth <= high));
             }

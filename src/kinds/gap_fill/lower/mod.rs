@@ -141,7 +141,7 @@ impl Lowered {
 /// Definition of a filler regardless of its name, part of the identity of its estimates.
 pub(crate) fn definition(filler: &Filler) -> String {
     match &filler.method {
-        Method::Polynomial(order) => format!("polynomial order={order}"),
+        Method::Closed(closed) => closed.identity.to_owned(),
         Method::MinimumVariance(None) => "minimum-variance".to_owned(),
         Method::MinimumVariance(Some(band)) => {
             format!("minimum-variance band_hz={:.11e} {:.11e}", band.low_hz, band.high_hz)

@@ -8,7 +8,7 @@ use crate::filler::{Filler, Method};
 use crate::kernel::gap_fill::shape::MARGIN;
 use crate::key::refusal::{Refusal, shown};
 use crate::kinds::gap_fill::inputs::Inputs;
-use crate::theory::gap::{Weights, polynomial_weights};
+use crate::theory::gap::Weights;
 use crate::theory::minimum_variance::minimum_variance_weights;
 
 /// Weights on some ticks over a common denominator: one row for the whole gap, one row for each of its ticks, or for
@@ -85,8 +85,8 @@ impl Rows {
         statistics: &Statistics,
     ) -> Result<Option<Rows>, Refusal> {
         match &filler.method {
-            Method::Polynomial(order) => {
-                let rows = lengths.map(|length| polynomial_weights(ticks, *order, length));
+            Method::Closed(closed) => {
+                let rows = lengths.map(|length| (closed.weights)(ticks, length));
                 let singular = || {
                     let found =
                         format!("`{}` does not determine its polynomial from ticks {ticks:?}", filler.name);

@@ -44,11 +44,11 @@ macro_rules! terms {
         impl Part {
             $($(#[doc = "A part of this term, in ″ and s."]
             pub const fn $fitted($($fitted_args: f64),+) -> Part {
-                Part::new(Term::$Fitted, [$($fitted_args),+, 1.0][0], [$($fitted_args),+, 1.0][1])
+                Part::new(Term::$Fitted, [$($fitted_args,)+ 1.0])
             })?)+
             $($(#[doc = "A part of this term, in ″ and s."]
             pub const fn $other($($other_args: f64),+) -> Part {
-                Part::new(Term::$Other, [$($other_args),+, 1.0][0], [$($other_args),+, 1.0][1])
+                Part::new(Term::$Other, [$($other_args,)+ 1.0])
             })?)+
         }
     };
@@ -149,7 +149,7 @@ impl Row {
         plain: ("", ""),
         size: ("a noise of", 0.0),
         shape: None,
-        part: |term, coefficient, shape, _| Part::new(term, coefficient, shape),
+        part: |term, coefficient, shape, _| Part::new(term, [coefficient, shape]),
         square: |part| part.size * part.size,
         variance: |_, _, _, _| 0.0,
         trend: |_, _, _, _| None,
@@ -244,11 +244,6 @@ impl Term {
     /// Name in studies and tables.
     pub fn symbol(self) -> &'static str {
         self.row().symbol
-    }
-
-    /// Conversion from ″ and s to the unit of data sheets: the factor, the unit in files, and its symbol for the user.
-    pub fn data_sheet_unit(self) -> (f64, &'static str, &'static str) {
-        self.row().unit
     }
 
     /// The time or frequency of a term, if it has one.

@@ -1,0 +1,67 @@
+//! What a fit finds of a term: its coefficient, and the time or frequency that belongs to it.
+
+use crate::allan::unit::Unit;
+use crate::fit::coefficient::Coefficient;
+use crate::theory::allan::terms::{Shape, Term};
+
+/// A number that a fit finds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Quantity {
+    /// In the unit of the [`Term`].
+    Coefficient(Term),
+    /// The correlation time of Markov noise, s, or the frequency of a sine, Hz.
+    Shape(Term),
+}
+
+impl Quantity {
+    /// The coefficients of some terms, each followed by its time or frequency.
+    pub(crate) fn all(terms: &[Term]) -> Vec<Quantity> {
+        let of_term = |&term: &Term| {
+            let shape = term.has_shape().then_some(Quantity::Shape(term));
+            [Some(Quantity::Coefficient(term)), shape].into_iter().flatten()
+        };
+        terms.iter().flat_map(of_term).collect()
+    }
+
+    /// The term, and its row if this is the shape.
+    pub(crate) fn parts(self) -> (Term, Option<&'static Shape>) {
+        match self {
+            Quantity::Coefficient(term) => (term, None),
+            Quantity::Shape(term) => (term, term.shape()),
+        }
+    }
+
+    /// Name in tables of coefficients.
+    pub(crate) fn name(self) -> &'static str {
+        let (term, shape) = self.parts();
+        shape.map_or(term.symbol(), |shape| shape.symbol)
+    }
+
+    /// Name for people.
+    pub(crate) fn title(self) -> &'static str {
+        let (term, shape) = self.parts();
+        shape.map_or(term.row().title, |shape| shape.title)
+    }
+
+    /// Factor from ″ and s to the unit of data sheets, that unit in files, and its symbol. Plain numbers keep their unit, times
+    /// a power of s.
+    pub fn unit(self, unit: Unit) -> (f64, &'static str, &'static str) {
+        let (term, shape) = self.parts();
+        let (in_files, symbol) = term.row().plain;
+        match (shape, unit) {
+            (Some(shape), _) => (1.0, shape.unit, shape.unit),
+            (None, Unit::Angular) => term.row().unit,
+            (None, Unit::Plain) => (1.0, in_files, symbol),
+        }
+    }
+
+    /// Value and interval of a fitted coefficient or its shape, in ″ and s.
+    pub(crate) fn of(self, found: &Coefficient) -> (Option<f64>, Option<[f64; 2]>) {
+        match self {
+            Quantity::Coefficient(_) => (found.value, found.interval),
+            Quantity::Shape(_) => {
+                (found.shape.map(|shape| shape.value), found.shape.map(|shape| shape.interval))
+            }
+        }
+    }
+}
