@@ -80,7 +80,7 @@ impl Ground {
 
     /// The abscissa by which rows are told apart, as curves along it are a row for each of its values.
     pub(crate) fn along(&self) -> Option<&About> {
-        self.usual(Usual::Abscissa).filter(|column| column.of.is_empty())
+        self.usual(Usual::Abscissa).filter(|_| self.usual(Usual::Places).is_none())
     }
 
     /// The column whose values compete in a winner map that names none: what the study lists to be compared.

@@ -8,7 +8,7 @@ use crate::table::{Cell, Column};
 pub enum Role {
     /// Tells rows apart: a swept key, or a text such as the filler; refers to the key of the study that lists its values.
     Key,
-    /// A number that follows from the keys and can be an abscissa, as τ or Δt·ν; refers to the key or column that it runs along with.
+    /// A number that follows from the keys and can be an abscissa, as τ or Δt·ν; refers to the key that it runs along with.
     Coordinate,
     /// An estimate, or a value in closed form.
     #[default]
@@ -44,8 +44,10 @@ pub enum Usual {
     Estimate,
     /// The column by which the best row is told.
     Answer,
-    /// The abscissa where nothing is swept. If it runs along with no other column, it tells rows apart.
+    /// The abscissa where nothing is swept; it tells rows apart unless the table has [`Usual::Places`].
     Abscissa,
+    /// The text that names the places of the abscissa.
+    Places,
 }
 
 /// What is known of a column without its rows.

@@ -41,7 +41,7 @@ fn page_of(table: &Table, chart: &Chart) -> String {
         notes: &[],
         charts: &[drawn],
         tables: vec![(sagnac::chart::Source::Points, table)],
-        source,
+        source: &source,
     };
     report.html()
 }
