@@ -149,7 +149,7 @@ mod tests {
             assert!(said.contains(&format!("τ ≤ {longest} s")) && said.contains(needs), "{said}");
         }
         assert!(error(0.2, Deviation::Oadev).contains("sampling step of 0.5 s"));
-        assert!(error(-1.0, Deviation::Oadev).contains("no time"));
+        assert!(error(-1.0, Deviation::Oadev).contains("is not a time"));
         let many = Taus::All.factors(MOST_FOR_ALL + 2, 1.0, Deviation::Oadev).unwrap_err();
         assert!(many.to_string().contains("decade20"), "{many}");
     }
