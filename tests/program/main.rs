@@ -37,8 +37,10 @@ mod goldens;
 mod help;
 mod kills;
 mod report;
+mod resumed;
 mod shards;
 mod stops;
+mod tables;
 mod terminal;
 mod verdicts;
 
