@@ -145,7 +145,7 @@ impl StudyError {
         StudyError { help: help.to_owned(), ..self }
     }
 
-    /// The same error with its settings as a front end spells them, see [`spelled`].
+    /// The same error with its settings in the spelling of a front end; see [`spelled`].
     pub(crate) fn spelled(mut self, spell: &dyn Fn(&str, &str) -> Option<String>) -> StudyError {
         for text in [&mut self.message, &mut self.label, &mut self.help] {
             *text = spelled(text, spell);

@@ -16,9 +16,9 @@ use crate::view::report::{Report, notes};
 pub struct Results<'a> {
     study: &'a Study,
     tables: &'a Tables,
-    /// Trials that are missing of the whole.
+    /// Number of missing trials.
     pub lacking: u64,
-    /// The charts, in the order of the study.
+    /// Charts, in the order of the study.
     pub charts: Vec<Drawn>,
     /// What each chart shows.
     pub curves: Vec<Shown<'a>>,
