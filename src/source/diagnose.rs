@@ -140,7 +140,7 @@ impl StudyError {
         StudyError::new(format!("{} is a folder, not a study file", path.display()), "", help, None)
     }
 
-    /// The same error with other help.
+    /// The same error with other advice.
     pub(crate) fn with_help(self, help: &str) -> StudyError {
         StudyError { help: help.to_owned(), ..self }
     }
@@ -161,7 +161,7 @@ impl StudyError {
         let mut report = String::new();
         match handler.render_report(&mut report, self) {
             Ok(()) => report,
-            // Its place is not in its text.
+            // The text does not contain the place.
             Err(_) => format!("{self}\nhelp: {}\n", self.help),
         }
     }
