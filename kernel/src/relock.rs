@@ -110,7 +110,7 @@ impl launch::Shape for Shape {
 }
 
 impl From<Shape> for Arc<dyn Sampled> {
-    // The kernel is compiled for every width where its table of methods is made: here, beside the dependencies of the library.
+    // The table of methods compiles the kernel for every width. It is made here, so that this happens in this package.
     fn from(shape: Shape) -> Self {
         Arc::new(shape)
     }

@@ -1,4 +1,4 @@
-//! Published values, and statements about whole curves.
+//! Published values, and properties of whole curves.
 
 use super::*;
 
@@ -85,7 +85,7 @@ fn phase_dat_has_stable32s_deviations_bounds_terms_and_noise() {
             let (lower, upper) = point.interval.unwrap();
             assert_eq!((point.tau_s, point.terms), (row.tau_s, row.terms), "{place}");
             let noise = point.noise.unwrap();
-            // From 64 on there are fewer than 30 groups.
+            // From 64 on, there are fewer than 30 groups.
             assert_eq!((noise.alpha, noise.carried), (row.alpha, row.m >= 64), "{place}");
             for (found, expected, bound) in
                 [(point.value.unwrap(), row.value, 5e-5), (lower, row.lower, 1e-3), (upper, row.upper, 1e-3)]
@@ -131,7 +131,7 @@ fn gaps_leave_out_terms_and_keep_values_and_intervals() {
             assert_eq!(b.noise.unwrap().alpha, 0, "{deviation}, m = {}", a.m);
         }
     }
-    // Longer than the stretches between gaps.
+    // Longer than any stretch between gaps.
     let none = curve(&gapped, Deviation::Oadev, &[600], 0.95)[0];
     assert_eq!((none.terms, none.value, none.interval), (0, None, None));
 }

@@ -144,7 +144,7 @@ pub enum Shows {
 }
 
 impl Chart {
-    /// The column of the estimates.
+    /// Column of the estimates.
     pub fn estimate(&self) -> &Named {
         match &self.shows {
             Shows::Curves { .. } => &self.y,

@@ -30,7 +30,7 @@ impl RecordError {
         RecordError::new(format!("cannot read {file}: {error}"), "", "give the path of a log", None)
     }
 
-    /// The same error with other help.
+    /// The same error with other advice.
     pub(crate) fn with_help(self, help: &str) -> RecordError {
         RecordError(self.0.with_help(help))
     }

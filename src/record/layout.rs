@@ -25,13 +25,13 @@ pub(crate) struct Layout {
 struct Line<'h> {
     number: usize,
     start: usize,
-    /// Where the next line starts.
+    /// Offset of the next line, in bytes.
     end: usize,
     text: &'h [u8],
 }
 
 impl Layout {
-    /// The layout of the text that begins with `head`.
+    /// Finds the layout of the text that begins with `head`.
     ///
     /// # Errors
     /// The log has no rows.

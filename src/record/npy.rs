@@ -29,7 +29,7 @@ pub(crate) struct Array {
     pub columns: usize,
 }
 
-/// A type of numbers: its name, its bytes, and how those of many numbers are decoded, the lowest first.
+/// A type of numbers: its name, its size in bytes, and its decoder for many numbers, lowest byte first.
 struct Number {
     name: &'static str,
     size: usize,
@@ -55,7 +55,8 @@ static NUMBERS: &[Number] = numbers!(
 );
 
 impl Array {
-    /// Reads the header, which is in the `head` of the file, and where it ends. `length` is that of the file, where it is known.
+    /// Reads the header from the `head` of the file, and returns it with the offset of its end. `length` is that of the
+    /// file, if known.
     ///
     /// # Errors
     /// The array is not supported, or is longer than its file.

@@ -13,7 +13,7 @@ const NAMES: &str = "name one column `time` and one `rate`, with their units, as
 const MISSING: &str =
     "every row needs a finite number here: put it in, or cut the record and resample what is left";
 
-/// Steps that are taken as equal: a record of a motion has no gaps.
+/// Steps that count as equal; a record of a motion has no gaps.
 const EVEN: Spacing = Spacing {
     jitter: 0.01,
     has_gaps: false,
@@ -43,7 +43,7 @@ pub(crate) fn read(mut file: Recording, most: usize) -> Result<Record, RecordErr
     Ok(Record { step_s, rates })
 }
 
-/// The column of this name, and the size of its unit.
+/// The column with this name, and the size of its unit.
 fn column(
     file: &Recording,
     name: &str,

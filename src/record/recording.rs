@@ -33,16 +33,16 @@ const OTHERS: [(&[u8], &str); 8] = [
     (b"#ROSBAG", "a ROS bag"),
 ];
 
-/// Where the bytes of a file are.
+/// The source of the bytes of a file.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Origin<'a> {
     Path(&'a Path),
-    /// In memory, as the file was read before.
+    /// The bytes of a file that was read before.
     Bytes(&'a [u8]),
 }
 
 impl<'a> Origin<'a> {
-    /// The bytes from the first on, and how many there are unless a pipe gives them.
+    /// The bytes from the first on, with their number, which is unknown for a pipe.
     pub(crate) fn open(self) -> io::Result<(Box<dyn Read + 'a>, Option<u64>)> {
         match self {
             Origin::Path(path) => {
@@ -71,11 +71,11 @@ enum Format {
 
 /// An open file of which no number has been read yet.
 pub(crate) struct Recording<'a> {
-    /// As messages call it.
+    /// Its name in messages.
     pub file: String,
     origin: Origin<'a>,
     format: Format,
-    /// From the first number on.
+    /// The bytes from the first number on.
     numbers: Chain<Cursor<Vec<u8>>, Box<dyn Read + 'a>>,
 }
 
@@ -83,7 +83,7 @@ impl<'a> Recording<'a> {
     /// Opens the file and finds its format; messages call it `file`.
     ///
     /// # Errors
-    /// The file cannot be read, or is of no format that is read here.
+    /// The file cannot be read, or its format is not supported.
     pub(crate) fn open(file: String, origin: Origin<'a>) -> Result<Recording<'a>, RecordError> {
         let failed = |error| RecordError::unreadable(&file, &error);
         let (mut rest, length) = origin.open().map_err(failed)?;
@@ -153,8 +153,8 @@ impl<'a> Recording<'a> {
         RecordError::new(message, label, help, self.place(column))
     }
 
-    /// An error, as message, label and help, about the number of a column in a row, counted from 0: with its place or else the
-    /// number of the row.
+    /// An error about the number of a column in a row, counted from 0, with its place or else the number of the row.
+    /// `words` are message, label and help.
     pub(crate) fn refuse_row(&self, row: usize, column: usize, words: [String; 3]) -> RecordError {
         let [message, label, help] = words;
         let place = self.layout().and_then(|layout| text::place_of_row(layout, self.origin, row, column));
@@ -212,8 +212,8 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// The size in base units of the unit of a column: the one `given`, or else that of its header. `what` names the column in
-    /// messages, `help` says which units are accepted.
+    /// The size in base units of the unit of a column: the one `given`, or else that of its header. `what` names the
+    /// column in messages, and `help` lists the accepted units.
     pub(crate) fn unit_size(
         &self,
         column: usize,
@@ -232,10 +232,10 @@ impl<'a> Recording<'a> {
         Ok(size.0)
     }
 
-    /// The numbers of the columns in the order asked for; NaN stands for a missing one.
+    /// The numbers of the columns in the requested order, with NaN for missing ones.
     ///
     /// # Errors
-    /// The file cannot be read, has too many rows, or something else than numbers.
+    /// The file cannot be read, has too many rows, or contains something other than numbers.
     pub(crate) fn read(&mut self, columns: &[usize], limits: &Limits) -> Result<Vec<Vec<f64>>, RecordError> {
         match &self.format {
             Format::Text(layout) => text::read(layout, &mut self.numbers, columns, limits),
@@ -243,7 +243,7 @@ impl<'a> Recording<'a> {
         }
     }
 
-    /// Refuses a sampling step, s, that no sensor has; `time` is the column of the stamps.
+    /// Refuses a sampling step, s, that is impossible for a sensor; `time` is the column of the stamps.
     pub(crate) fn check_step(&self, step_s: f64, time: Option<usize>) -> Result<(), RecordError> {
         if STEPS_S.contains(&step_s) {
             return Ok(());

@@ -20,7 +20,7 @@ const PART: usize = 1 << 20;
 /// The columns and the number of lines of a part, or the line that cannot be read and the number of lines before it.
 type Part<'b> = Result<(Vec<Vec<f64>>, usize), (&'b [u8], usize)>;
 
-/// Reads the `wanted` columns in the order given from the `bytes` of all rows; NaN stands for a missing value.
+/// Reads the `wanted` columns in the given order from the `bytes` of all rows, with NaN for missing values.
 ///
 /// # Errors
 /// The file cannot be read, has too many rows, or a row does not fit the layout; of several such rows the first is reported.

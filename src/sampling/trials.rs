@@ -1,4 +1,4 @@
-//! Kinds whose points all take the same number of trials.
+//! Plans of kinds whose points all take the same number of trials.
 
 use std::time::Instant;
 
@@ -20,7 +20,7 @@ pub(crate) type Addressed = (Launch, Vec<Address>);
 
 /// The plan of a study whose points all take the same number of trials.
 pub(crate) trait Trials: std::fmt::Debug {
-    /// Trials of each point.
+    /// Number of trials of each point.
     fn trials(&self) -> u64;
 
     /// The identities of all points.
@@ -38,7 +38,7 @@ pub(crate) trait Trials: std::fmt::Debug {
     /// Notes on the results, each a sentence.
     fn notes(&self) -> Vec<String>;
 
-    /// What a share keeps besides tallies, after its trials.
+    /// Stores what a share keeps besides tallies, after its trials.
     ///
     /// # Errors
     /// The disk fails.
@@ -46,7 +46,7 @@ pub(crate) trait Trials: std::fmt::Debug {
         Ok(())
     }
 
-    /// How much of what [`keep`](Trials::keep) keeps is missing.
+    /// The amount of missing results that [`keep`](Trials::keep) would store.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
@@ -55,7 +55,7 @@ pub(crate) trait Trials: std::fmt::Debug {
     }
 }
 
-/// The work that the store lacks of a share, and the trials of all its launches.
+/// The work of a share that the store lacks, and the trials of all its launches.
 fn missing(plan: &impl Trials, store: &Store, share: Share) -> Result<(Vec<Work>, u64), StoreError> {
     let index = store.index()?;
     let (mut lacks, mut all) = (Vec::new(), 0);

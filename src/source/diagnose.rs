@@ -140,12 +140,12 @@ impl StudyError {
         StudyError::new(format!("{} is a folder, not a study file", path.display()), "", help, None)
     }
 
-    /// The same error with other help.
+    /// The same error with other advice.
     pub(crate) fn with_help(self, help: &str) -> StudyError {
         StudyError { help: help.to_owned(), ..self }
     }
 
-    /// The same error with its settings as a front end spells them, see [`spelled`].
+    /// The same error with its settings in the spelling of a front end; see [`spelled`].
     pub(crate) fn spelled(mut self, spell: &dyn Fn(&str, &str) -> Option<String>) -> StudyError {
         for text in [&mut self.message, &mut self.label, &mut self.help] {
             *text = spelled(text, spell);
@@ -161,7 +161,7 @@ impl StudyError {
         let mut report = String::new();
         match handler.render_report(&mut report, self) {
             Ok(()) => report,
-            // Its place is not in its text.
+            // The text does not contain the place.
             Err(_) => format!("{self}\nhelp: {}\n", self.help),
         }
     }

@@ -1,4 +1,4 @@
-//! The results of a study as a whole: its tables with all that is drawn and said of them.
+//! The results of a study as a whole: tables, charts, verdicts, notes and the report.
 
 use crate::run::{Plan, Tables};
 use crate::source::diagnose::StudyError;
@@ -16,21 +16,22 @@ use crate::view::report::{Report, notes};
 pub struct Results<'a> {
     study: &'a Study,
     tables: &'a Tables,
-    /// Trials that are missing of the whole.
+    /// Number of missing trials.
     pub lacking: u64,
-    /// The charts, in the order of the study.
+    /// Charts, in the order of the study.
     pub charts: Vec<Drawn>,
-    /// What each chart shows.
+    /// The part of a table that each chart shows.
     pub curves: Vec<Shown<'a>>,
     notes: Vec<String>,
     source: Source,
 }
 
 impl<'a> Results<'a> {
-    /// The results whose `tables` the plan made of what the store holds; `degraded` says why some of a run was not done as asked.
+    /// The results from `tables`, which the plan made from the store. `degraded` lists the deviations of a run from the
+    /// requested execution.
     ///
     /// # Errors
-    /// The table does not have what a chart asks for; a row of the store is damaged, or the disk fails.
+    /// The table lacks something that a chart requires, a row of the store is damaged, or the disk fails.
     pub fn of<E: From<StudyError> + From<StoreError>>(
         study: &'a Study,
         plan: &Plan,
@@ -47,12 +48,12 @@ impl<'a> Results<'a> {
         Ok(Results { study, tables, lacking, charts, curves, notes, source })
     }
 
-    /// The study that repeats the run.
+    /// The study that reproduces the run.
     pub fn resolved(&self) -> &str {
         &self.source.study
     }
 
-    /// What should be known besides the results, each in a sentence, of charts first.
+    /// Notes attached to the results, each a sentence, with those on charts first.
     pub fn notes(&self) -> Vec<String> {
         self.charts.iter().filter_map(Drawn::sentence).chain(self.notes.iter().cloned()).collect()
     }
@@ -60,7 +61,7 @@ impl<'a> Results<'a> {
     /// The verdicts on all curves with a limit.
     ///
     /// # Errors
-    /// The table does not have what a chart asks for.
+    /// The table lacks something that a chart requires.
     pub fn verdicts(&self) -> Result<Vec<Verdict<'_>>, StudyError> {
         verdicts(self.study, &self.curves)
     }
@@ -68,7 +69,7 @@ impl<'a> Results<'a> {
     /// The answer of the study to its question.
     ///
     /// # Errors
-    /// The table does not have what a chart asks for.
+    /// The table lacks something that a chart requires.
     pub fn answer(&self, verdicts: &[Verdict]) -> Result<Answer, StudyError> {
         answer(self.study, self.tables, &self.charts, &self.curves, verdicts, self.lacking)
     }

@@ -361,7 +361,7 @@ const PLAIN: Shape = Shape {
 const WALKING: Shape = Shape { walk: true, ..PLAIN };
 
 impl From<Shape> for Arc<dyn Sampled> {
-    // The kernel is compiled for every width where its table of methods is made: here, beside the dependencies of the library.
+    // The table of methods compiles the kernel for every width. It is made here, so that this happens in this package.
     fn from(shape: Shape) -> Self {
         Arc::new(shape)
     }

@@ -36,7 +36,7 @@ pub static ALLAN: Kind = Kind {
     read: |reading| Ok(Box::new(read(reading)?)),
 };
 
-/// What the bands of charts are.
+/// Description of the bands of charts.
 const BANDS: &str = "95 % of records";
 
 impl Subject for Allan {

@@ -72,7 +72,7 @@ fn unfitted(terms: &Terms, points: &[Point]) -> Option<String> {
     let is_unfitted = |term: &Term| {
         !terms.all().contains(term) && points.iter().any(|point| has(*term, &point.inputs.noise))
     };
-    // The angle random walk first, which every gyro has.
+    // The angle random walk comes first, as every gyro has one.
     let walk = [Term::AngleRandomWalk];
     let all = walk.into_iter().chain(Term::EVERY.into_iter().filter(|term| !walk.contains(term)));
     let found: Vec<String> = all.filter(is_unfitted).map(|term| term.row().name.concat()).collect();

@@ -1,4 +1,4 @@
-//! Simulated records of a fit: what its estimates would have been in other records of the same gyro.
+//! Simulated records of a fit: its estimates in other records of the same gyro.
 
 use crate::device::cpu::Cpu;
 use crate::fit::coefficient::Fit;
@@ -9,25 +9,25 @@ use crate::tally::id::Id;
 use crate::theory::allan::estimator::{Estimator, Stride};
 use crate::theory::allan::process::Process;
 
-/// Fewest realisations whose 2.5 % quantiles are worth anything: the fifth of them from the end.
+/// Least number of realisations with usable 2.5 % quantiles: the fifth value from each end.
 pub const LEAST_REALISATIONS: usize = 200;
 
-/// Differences of the angle are taken this part of τ apart, which loses next to nothing of all of them.
+/// Differences of the angle are spaced by this part of τ, with almost no loss of precision.
 const STRIDE: Stride = Stride::Part(64);
 
-/// A term that adds less than this part to every point of the curve is left out: what it does cannot be seen, and the
-/// kernel refuses what is too small beside the rest.
+/// A term that adds less than this fraction to every point of the curve is omitted: its effect is invisible, and the
+/// kernel refuses terms that are too small relative to the others.
 const SEEN: f64 = 1e-6;
 
-/// The curves of `count` simulated records of a fit, one a row: records as long as that of the curve, at its averaging
-/// factors.
+/// The curves of `count` simulated records of a fit, one per row. The records have the length and the averaging factors
+/// of the fitted curve.
 ///
-/// Every random number is determined by the fitted curve and the number of the record, so that the same record has the
-/// same realisations on every machine, and more of them go on from the first. `progress` hears of records as they are
-/// done.
+/// Every random number is determined by the fitted curve and the number of the record, so the same record has the same
+/// realisations on every machine, and a larger count extends the same sequence. `progress` receives the number of
+/// completed records.
 ///
 /// # Errors
-/// A fit that cannot be represented in the kernel's fixed point: see [`Refusal`].
+/// The fit cannot be represented in the kernel's fixed point: see [`Refusal`].
 pub fn realisations(
     cpu: &Cpu,
     curve: &Curve,
@@ -50,7 +50,7 @@ pub fn realisations(
     Ok(sums.chunks_exact(records.recipe().places()).map(|sums| records.variances(sums)).collect())
 }
 
-/// The parts of a process that a curve shows.
+/// The parts of a process that have a visible effect on a curve.
 fn seen(process: &Process, curve: &Curve) -> Process {
     let estimator = Estimator { difference: curve.difference(), stride: Stride::Sample };
     let at = |process: &Process, m: u64| process.expected(estimator, curve.samples(), m).unwrap_or(0.0);
@@ -61,7 +61,7 @@ fn seen(process: &Process, curve: &Curve) -> Process {
     Process { sample_s: process.sample_s, parts: process.parts.iter().filter(is_seen).copied().collect() }
 }
 
-/// Of all that is known of the record.
+/// The key of the random numbers, from all that is known of the record.
 fn key(curve: &Curve) -> [u32; 2] {
     let numbers = core::iter::once(curve.sample_s()).chain(curve.variances().iter().copied());
     let words = numbers.map(f64::to_bits).chain([curve.samples()]).chain(curve.ms().iter().copied());

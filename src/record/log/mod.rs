@@ -1,4 +1,4 @@
-//! Logs of sensors, read into evenly spaced samples that may be missing, and made ready for analysis.
+//! Logs of sensors, read into evenly spaced samples, some of which may be missing, and prepared for analysis.
 //!
 //! ```text
 //! Recording ─ Request ─▶ Log ─ cut, check, outliers ─▶ channels ─▶ allan::Angles

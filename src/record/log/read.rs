@@ -57,7 +57,7 @@ impl Log {
     /// steps must be within 10 % of whole multiples of it.
     ///
     /// # Errors
-    /// The first fault found, with its place where the file has lines.
+    /// The first fault found, with its place if the file has lines.
     ///
     /// # Example
     /// ```
@@ -74,7 +74,7 @@ impl Log {
     /// ```
     pub fn read(path: &Path, request: &Request) -> Result<Log, RecordError> {
         let mut file = Recording::open(path.display().to_string(), Origin::Path(path))?;
-        // From sample to sample, or of stamps their column and its unit, s.
+        // The sampling step, s; or for time stamps their column and its unit, s.
         let (mut step_s, time) = match &request.timing {
             Timing::Step(step_s) => (*step_s, None),
             Timing::Stamps { column: word, unit } => {

@@ -101,7 +101,7 @@ impl Model {
         Ok(model)
     }
 
-    /// Takes up what makes a part of the key `key`.
+    /// Adds the source of noise given by the key `key`.
     fn add(&mut self, key: &'static str, source: Source) -> Result<(), Refusal> {
         let noise = &mut self.noise;
         let join = |into: &mut f64, sigma: f64| *into = libm::hypot(*into, sigma);

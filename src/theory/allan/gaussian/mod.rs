@@ -83,7 +83,7 @@ struct Pair<'a> {
     b: f64,
     terms_a: f64,
     terms_b: f64,
-    /// Of each part; none of what is no noise, or reaches from no sample to another.
+    /// Kernel of each part; `None` for a part that is not noise or has no correlation between samples.
     kernels: Vec<Option<Kernel>>,
 }
 

@@ -65,7 +65,7 @@ fn winners() -> Chart {
     spec(Shows::WinnerMap { z: "rms".into(), of: "filler".into() })
 }
 
-/// Elements of a tag in a named part.
+/// Number of elements of a tag in a named part.
 fn elements(svg: &str, tag: &str, name: &str) -> usize {
     let document = Document::parse(svg).unwrap();
     let group = document.descendants().find(|node| node.attribute("aria-label") == Some(name));
@@ -106,7 +106,7 @@ fn the_least_wins_equal_competitors_as_one_and_shares_are_told() {
     assert_eq!(styles, [0, 2, 2, 0, 2, 2]);
     assert!(won.iter().flatten().all(|won| won.certain));
     assert_eq!(notes.merged, ["const = copy"]);
-    // 1, 5, 50, 10, 50, 500 against 20.
+    // The values are 1, 5, 50, 10, 50, 500, and the limit is 20.
     assert_eq!(notes.within_limit, Some((3, 6)));
     let svg = map.svg();
     assert!(svg.contains("const = copy: 33 % of cells") && svg.contains("quad: 67 % of cells"), "{svg}");
@@ -201,7 +201,7 @@ fn shares_are_never_rounded_to_all_or_none() {
     );
 }
 
-/// After a wanted change of the drawing: look at the new pictures, then rename them.
+/// After an intended change of the drawing, check the new pictures and rename them.
 #[test]
 fn the_pictures_are_the_golden_ones_byte_for_byte() {
     let goldens = [
