@@ -225,7 +225,7 @@ fn what_makes_no_sense_is_refused_with_its_place_and_what_is_accepted() {
     let table: &[(String, &[&str])] = &[
         (
             allan("tau = \"octaves\""),
-            &["a.toml:13:7", "no list of averaging times", "did you mean", "octave"],
+            &["a.toml:13:7", "is not a list of averaging times", "did you mean", "octave"],
         ),
         (allan("tau = []"), &["allan.tau is empty"]),
         (allan("tau = [\"1.5 s\"]"), &["not a whole number of samples of 1 s", "multiples of record.sample"]),
