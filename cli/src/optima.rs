@@ -1,7 +1,6 @@
 //! The best intervals of a drift budget, in words.
 
 use sagnac::drift::schedule::INTERVAL;
-use sagnac::quantity::number::significant;
 use sagnac::study::Study;
 use sagnac::table::{Column, ColumnError, Role, Table};
 
@@ -19,10 +18,7 @@ pub fn optima(study: &Study, table: &Table) -> Result<String, ColumnError> {
     let least: Vec<_> = least.filter_map(|column| Some((column, table.referred(column)?))).collect();
     let mut lines: Vec<String> = Vec::new();
     for row in 0..table.rows() {
-        let value = |column: &Column| {
-            let cell = &column.cells[row];
-            cell.number().map_or_else(|| cell.text(), |x| significant(x, 4))
-        };
+        let value = |column: &Column| column.cells[row].rounded(4);
         let at: String = others.iter().map(|column| format!(", {}", column.valued(&value(column)))).collect();
         let best = |(least, interval): &(&Column, &Column)| {
             let known = interval.cells[row].number().is_some() && least.cells[row].number().is_some();

@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 
-use sagnac::quantity::number::significant;
 use sagnac::table::{Column, ColumnError, Table};
 
 use crate::look;
@@ -62,9 +61,7 @@ pub fn pivot(
         grid[0][across.len() + place] = if words.is_empty() { y.title() } else { words.join(" ") };
     }
     for (at, &row) in rows.iter().enumerate() {
-        let cell = &y.cells[row];
-        let text = cell.number().map_or_else(|| cell.text(), |x| significant(x, *DIGITS.start()));
-        grid[line_of[at] + 1][across.len() + curve_of[at]] = text;
+        grid[line_of[at] + 1][across.len() + curve_of[at]] = y.cells[row].rounded(*DIGITS.start());
     }
     let shown: Vec<Vec<String>> = grid
         .into_iter()
@@ -92,9 +89,7 @@ impl<'t> Names<'t> {
         let (values, firsts) = distinct(rows.iter().map(|&row| format!("{:?}", column.cells[row])));
         let text = |digits: usize| {
             let cells = firsts.iter().map(|&at| &column.cells[rows[at]]);
-            cells
-                .map(|cell| cell.number().map_or_else(|| cell.text(), |x| significant(x, digits)))
-                .collect::<Vec<String>>()
+            cells.map(|cell| cell.rounded(digits)).collect::<Vec<String>>()
         };
         let tells_apart = |texts: &Vec<String>| distinct(texts.iter()).1.len() == texts.len();
         let texts = DIGITS.map(text).find(tells_apart).unwrap_or_else(|| text(*DIGITS.end()));

@@ -80,7 +80,7 @@ impl Ground {
 
     /// The abscissa that distinguishes rows, where a curve has a row for each of its values.
     pub(crate) fn along(&self) -> Option<&About> {
-        self.usual(Usual::Abscissa).filter(|column| column.of.is_empty())
+        self.usual(Usual::Abscissa).filter(|_| self.usual(Usual::Places).is_none())
     }
 
     /// The column whose values compete in a winner map by default, which the study lists for comparison.

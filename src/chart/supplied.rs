@@ -30,7 +30,7 @@ pub(crate) fn chart(sweeps: &[Sweep], ground: &Ground) -> Option<Chart> {
     let whole = ground.texts.iter().filter(|_| !swept.is_empty());
     let whole = whole.filter_map(|text| Some((text.name.into(), Cell::from(text.whole?))));
     let x_scale = match abscissa.filter(|column| column.name == x) {
-        Some(column) if column.of.is_empty() => Scale::Log,
+        Some(_) if ground.along().is_some() => Scale::Log,
         Some(_) => Scale::Linear,
         None => ground.scale_over(x, sweeps),
     };

@@ -9,8 +9,8 @@ pub enum Role {
     /// Distinguishes rows: a swept key, or a text such as the filler. Refers to the key of the study that lists its
     /// values.
     Key,
-    /// A number that follows from the keys and can be an abscissa, such as τ or Δt·ν. Refers to the key or column with
-    /// which it varies.
+    /// A number that follows from the keys and can be an abscissa, such as τ or Δt·ν. Refers to the key with which
+    /// it varies.
     Coordinate,
     /// An estimate, or a value in closed form.
     #[default]
@@ -47,8 +47,10 @@ pub enum Usual {
     Estimate,
     /// The column that determines the best row.
     Answer,
-    /// The abscissa where nothing is swept. If it does not refer to another column, it distinguishes rows.
+    /// The abscissa where nothing is swept. It distinguishes rows unless the table has [`Usual::Places`].
     Abscissa,
+    /// The text that names the places of the abscissa.
+    Places,
 }
 
 /// The properties of a column, without its cells.

@@ -42,6 +42,11 @@ impl Cell {
         }
     }
 
+    /// The cell with so many significant digits, for people.
+    pub fn rounded(&self, digits: usize) -> String {
+        self.number().map_or_else(|| self.text(), |x| significant(x, digits))
+    }
+
     /// Whether files show the cell as `value`, or `value` is the same number written differently, such as `0.10` for
     /// 0.1.
     fn shows(&self, value: &str) -> bool {

@@ -126,10 +126,8 @@ fn every_role_refers_to_a_column_of_its_file() {
                 Role::Lower | Role::Upper | Role::StandardError | Role::Oracle | Role::Z | Role::Least => {
                     found
                 }
-                // These refer to keys of the study, or to a column of which they are the numbers.
-                Role::Key | Role::Coordinate => {
-                    column.of.is_empty() || found || explain_key(column.of).is_some()
-                }
+                // These refer to keys of the study.
+                Role::Key | Role::Coordinate => column.of.is_empty() || explain_key(column.of).is_some(),
                 _ => column.of.is_empty(),
             };
             assert!(is_right, "{} of {} refers to `{}`", column.name, file.title(), column.of);

@@ -67,8 +67,8 @@ pub(crate) fn summary(
 /// Each column of a table on its own line, with its values.
 fn columns(table: &Table) -> String {
     let line = |column: &Column| {
-        let cell = |cell: &Cell| cell.number().map_or_else(|| cell.text(), |x| significant(x, 6));
-        std::iter::once(column.title()).chain(column.cells.iter().map(cell)).collect::<Vec<String>>()
+        let cells = column.cells.iter().map(|cell| cell.rounded(6));
+        std::iter::once(column.title()).chain(cells).collect::<Vec<String>>()
     };
     aligned(&table.columns.iter().map(line).collect::<Vec<_>>())
 }
@@ -88,12 +88,12 @@ fn undrawn(study: &Study, table: &Table) -> Result<String, ColumnError> {
 }
 
 /// The columns of a table of points that label lines, before and after those of swept keys: an abscissa that
-/// distinguishes rows, and the text for which another column is the number.
+/// distinguishes rows, and the text that names its places otherwise.
 fn lines(table: &Table) -> [Option<&str>; 2] {
-    match table.usual(Usual::Abscissa) {
-        Some(column) if column.of.is_empty() => [Some(&column.name), None],
-        Some(column) => [None, Some(&column.of)],
-        None => [None, None],
+    let name = |usual| table.usual(usual).map(|column| column.name.as_str());
+    match name(Usual::Places) {
+        None => [name(Usual::Abscissa), None],
+        places => [None, places],
     }
 }
 
@@ -117,8 +117,7 @@ fn of_chart(study: &Study, points: &Table, shown: &Curves, chart: &Chart) -> Res
 
 /// Some columns, with a line for each of their rows.
 fn listed(columns: &[&Column]) -> String {
-    let cell = |cell: &Cell| cell.number().map_or_else(|| cell.text(), |x| significant(x, 4));
-    let line = |row: usize| columns.iter().map(|column| cell(&column.cells[row])).collect();
+    let line = |row: usize| columns.iter().map(|column| column.cells[row].rounded(4)).collect();
     let heading: Vec<String> = columns.iter().map(|column| column.title()).collect();
     let rows = columns.first().map_or(0, |column| column.cells.len());
     aligned(&std::iter::once(heading).chain((0..rows).map(line)).collect::<Vec<_>>())

@@ -68,9 +68,10 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("tick", Unit::NONE, "tick", |row| {
             row.estimate.tick.map_or(ALL_TICKS.into(), |tick| Cell::Text(tick.to_string()))
         })
-        .is(Role::Key, "The tick after the switch, `1`, `2`, …, or `all` for their sum."),
+        .is(Role::Key, "The tick after the switch, `1`, `2`, …, or `all` for their sum.")
+        .usual(Usual::Places),
         Of::new("tick_number", Unit::NONE, "tick", |row| row.estimate.tick.map_or(Cell::Blank, |tick| u64::from(tick).into()))
-            .is_of("tick", Role::Coordinate, "The tick as a number, for charts over ticks; blank for all together.")
+            .is(Role::Coordinate, "The tick as a number, for charts over ticks; blank for all together.")
             .usual(Usual::Abscissa),
         Of::new("trials", Unit::NONE, "trials", |row| row.found.trials.into())
             .is(Role::Trials, "Number of switches behind the estimates of the row."),

@@ -18,7 +18,8 @@ use crate::view::chart::stack::Shown;
 use crate::view::picture::verdict::Verdict;
 use crate::view::picture::{Drawn, refused};
 use crate::view::report::curves::{Curves, least_for_each};
-use crate::view::report::sentences::{best, less_is_better, of_map, of_verdict, side_by_side};
+use crate::view::report::sentences::{best, less_is_better, of_map, side_by_side};
+use crate::view::report::standing::of_verdict;
 
 /// Most rows or curves that a headline lists side by side.
 const MOST_BESIDE: usize = 4;

@@ -28,17 +28,10 @@ impl<'t> Curves<'t> {
     ) -> Result<Curves<'t>, ColumnError> {
         let (x, y) = (table.column(x)?, table.column(y)?);
         let series = series.iter().map(|name| table.column(name)).collect::<Result<Vec<_>, _>>()?;
-        let mut curves: Vec<(String, Vec<Place>)> = Vec::new();
-        for &row in rows {
-            let Some(place) = x.cells[row].number().zip(y.cells[row].number()) else { continue };
-            let names: Vec<String> =
-                series.iter().filter_map(|column| named(column, &column.cells[row])).collect();
-            let name = names.join(", ");
-            match curves.iter_mut().find(|(known, _)| *known == name) {
-                Some((_, places)) => places.push(place),
-                None => curves.push((name, vec![place])),
-            }
-        }
+        let groups = grouped((x, y), rows, &series).into_iter();
+        let strip = |places: Vec<(usize, Place)>| places.into_iter().map(|(_, place)| place).collect();
+        let mut curves: Vec<(String, Vec<Place>)> =
+            groups.map(|(name, places)| (name, strip(places))).collect();
         curves.iter_mut().for_each(|(_, places)| places.sort_by(|a, b| a.0.total_cmp(&b.0)));
         Ok(Curves { x, y, curves })
     }
@@ -120,18 +113,7 @@ pub(crate) fn least_for_each(
     most: usize,
 ) -> Result<Option<String>, ColumnError> {
     let (x, y) = (table.column(x)?, table.column(y)?);
-    let names = |columns: &[&Column], row: usize| {
-        columns.iter().filter_map(|column| named(column, &column.cells[row])).collect::<Vec<_>>().join(", ")
-    };
-    let mut groups: Vec<(String, Vec<(usize, Place)>)> = Vec::new();
-    for &row in rows {
-        let Some(place) = x.cells[row].number().zip(y.cells[row].number()) else { continue };
-        let name = names(given, row);
-        match groups.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, places)) => places.push((row, place)),
-            None => groups.push((name, vec![(row, place)])),
-        }
-    }
+    let groups = grouped((x, y), rows, given);
     let least = |(name, places): &(String, Vec<(usize, Place)>)| {
         let (row, (at, value)) = *places.iter().min_by(|a, b| a.1.1.total_cmp(&b.1.1))?;
         let has_range = places.iter().any(|one| one.1.0 != at) && places.iter().any(|one| one.1.1 != value);
@@ -157,7 +139,7 @@ pub(crate) fn least_for_each(
         )));
     }
     let told = |(name, row, at, value, at_end): &(String, usize, f64, f64, bool)| {
-        let with = names(chosen, *row);
+        let with = name_of(chosen, *row);
         let with = if with.is_empty() { with } else { format!(" with {with}") };
         let end = if *at_end { ", the end of its range" } else { "" };
         format!("{}{with}{end} ({name}: {})", measured(x, *at), measured(y, *value))
@@ -165,6 +147,24 @@ pub(crate) fn least_for_each(
     let told: Vec<String> = found.iter().map(told).collect();
     let (last, others) = (&told[told.len() - 1], &told[..told.len() - 1]);
     Ok(Some(format!("The {y_label} is least at {x_label} {} and {last}.", others.join(", "))))
+}
+
+/// The places of some rows that have one, with their rows, by the names of what tells curves apart.
+fn grouped((x, y): (&Column, &Column), rows: &[usize], by: &[&Column]) -> Vec<(String, Vec<(usize, Place)>)> {
+    let mut groups: Vec<(String, Vec<(usize, Place)>)> = Vec::new();
+    for &row in rows {
+        let Some(place) = x.cells[row].number().zip(y.cells[row].number()) else { continue };
+        let name = name_of(by, row);
+        match groups.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, places)) => places.push((row, place)),
+            None => groups.push((name, vec![(row, place)])),
+        }
+    }
+    groups
+}
+
+fn name_of(columns: &[&Column], row: usize) -> String {
+    columns.iter().filter_map(|column| named(column, &column.cells[row])).collect::<Vec<_>>().join(", ")
 }
 
 fn largest(places: &[Place]) -> Option<&Place> {

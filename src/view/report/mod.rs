@@ -20,6 +20,7 @@ pub mod notes;
 pub mod page;
 pub mod sentences;
 pub mod source;
+pub mod standing;
 
 pub use crate::view::report::agreement::{Agreement, agreements};
 pub use crate::view::report::answer::{Answer, answer};

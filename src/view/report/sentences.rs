@@ -1,11 +1,8 @@
-//! Sentences with answers: the minimum, the winner, the curves within a limit.
+//! Sentences with answers: the minimum and the winner.
 
-use crate::chart::Limit;
 use crate::quantity::number::significant;
 use crate::table::{Cell, Column, ColumnError, Role, Table};
 use crate::view::chart::map::{Cells, Map, share};
-use crate::view::report::agreement::capitalised;
-use crate::view::verdict::{Answer as Judged, Outcome};
 
 /// The statement of a table about an estimate.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -175,121 +172,10 @@ pub(crate) fn of_map(map: &Map) -> Option<String> {
     Some(std::iter::once(found).chain(within).collect::<Vec<String>>().join("; ") + ".")
 }
 
-/// The relation of the curves to their limit as a sentence: how many stay within it everywhere and how many nowhere,
-/// and of those that exceed it which one does so last and which first. `None` without curves.
-pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
-    let (limit, most) = (&*limit.text(), |value: f64| Limit { value: rounded(value), ..limit }.text());
-    let is_always =
-        |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && !answer.open && answer.first.is_empty();
-    let is_never = |answer: &&Judged| answer.outcome == Outcome::AboveFrom;
-    // The rest of these is unknown, as in an incomplete run, so they cannot be ordered.
-    let is_open =
-        |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && answer.open && answer.first.is_empty();
-    let mut always: Vec<&Judged> = answers.iter().filter(is_always).collect();
-    // The one with the largest margin first.
-    always.sort_by(|a, b| a.most.total_cmp(&b.most));
-    let never: Vec<&Judged> = answers.iter().filter(is_never).collect();
-    let mut open: Vec<&Judged> = answers.iter().filter(is_open).collect();
-    open.sort_by(|a, b| a.most.total_cmp(&b.most));
-    let is_partly = |answer: &&Judged| !is_always(answer) && !is_never(answer) && !is_open(answer);
-    let partly: Vec<&Judged> = answers.iter().filter(is_partly).collect();
-    let all = answers.len();
-    let counted = |curves: &[&Judged], [one, more]: [&str; 2], how: &str, named: String| {
-        let count = curves.len();
-        let verb = if count == 1 { one } else { more };
-        (count > 0).then(|| format!("{count} of {all} curves {verb} {how} ({named})"))
-    };
-    let with_most = |curves: &[&Judged]| {
-        let named = curves.iter().map(|one| format!("{}, at most {}", one.name(), most(one.most)));
-        listed(curves.len(), named, "; ")
-    };
-    let parts = match all {
-        0 => return None,
-        1 => return Some(capitalised(&answers[0].sentence(limit)) + "."),
-        _ if always.len() == all => {
-            return Some(format!("All {all} curves stay within {limit} ({}).", with_most(&always)));
-        }
-        _ if never.len() == all => return Some(format!("None of the {all} curves is within {limit}.")),
-        _ => [
-            counted(&always, ["stays", "stay"], &format!("within {limit}"), with_most(&always)),
-            counted(
-                &open,
-                ["stays", "stay"],
-                &format!("within {limit} as far as there are values"),
-                with_most(&open),
-            ),
-            order(&partly, limit, partly.len() + never.len() < all),
-            counted(&never, ["is", "are"], &format!("nowhere within {limit}"), names(&never)),
-        ],
-    };
-    let said: Vec<String> = parts.into_iter().flatten().collect();
-    Some(capitalised(&said.join("; ")) + ".")
-}
-
-/// Of the curves that are partly within the limit, the one that is so longest or first, and the one shortest or last.
-/// Curves that leave the range and curves that enter it have no common order and are counted. `are_others` says that
-/// some never exceed the limit, so that none of these is the longest of all.
-fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
-    let at = |answer: &Judged| answer.at.first().map_or(0.0, |at| at.1);
-    // A curve without values at first, or within the limit once more, cannot be ordered.
-    let is_plain = |answer: &Judged| !answer.again && answer.first.is_empty();
-    let leaves = |answer: &&&Judged| {
-        let outcomes = [Outcome::Passes, Outcome::LastWithin, Outcome::WithinUpTo];
-        is_plain(answer) && outcomes.contains(&answer.outcome)
-    };
-    let comes = |answer: &&&Judged| is_plain(answer) && answer.outcome == Outcome::WithinFrom;
-    let greatest = curves.iter().max_by(|a, b| at(a).total_cmp(&at(b)))?;
-    let least = curves.iter().min_by(|a, b| at(a).total_cmp(&at(b)))?;
-    // All curves with the same value as one, to the digits shown.
-    let there = |one: &Judged| {
-        let place = one.place();
-        names(&curves.iter().copied().filter(|answer| answer.place() == place).collect::<Vec<_>>())
-    };
-    let (first, how, last, end) = if curves.iter().filter(leaves).count() == curves.len() {
-        ("longest", "up to", greatest, least)
-    } else if curves.iter().filter(comes).count() == curves.len() {
-        ("first", "from", least, greatest)
-    } else {
-        return Some(match curves[..] {
-            [one] => one.sentence(limit),
-            _ => format!("{} are within {limit} in part ({})", curves.len(), names(curves)),
-        });
-    };
-    let others = if are_others { "of the others " } else { "" };
-    let side = |one: &Judged| format!("{}, {how} {}", there(one), one.place());
-    Some(match last.place() == end.place() {
-        true => format!("{others}within {limit}: {}", side(last)),
-        false => {
-            let other = if first == "longest" { "shortest" } else { "last" };
-            format!("{others}{first} within {limit}: {}; {other}: {}", side(last), side(end))
-        }
-    })
-}
-
-/// The names of curves.
-fn names(curves: &[&Judged]) -> String {
-    // Names contain commas.
-    let between = if curves.len() > 2 { "; " } else { " and " };
-    listed(curves.len(), curves.iter().map(|answer| answer.name()), between)
-}
-
-/// A value to three digits.
-fn rounded(value: f64) -> f64 {
-    significant(value, 3).parse().unwrap_or(value)
-}
-
-/// Some texts; of more than four the first three.
-fn listed(count: usize, texts: impl Iterator<Item = String>, between: &str) -> String {
-    let shown: Vec<String> = texts.take(if count == 4 { 4 } else { 3 }).collect();
-    let more = if count > shown.len() { " and others" } else { "" };
-    format!("{}{more}", shown.join(between))
-}
-
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
     use crate::table::Unit;
-    use crate::view::verdict::{Question, verdict};
 
     fn column(name: &str, unit: Unit, cells: Vec<Cell>) -> Column {
         Column { name: name.to_owned(), label: name.to_owned(), unit, cells, ..Column::default() }
@@ -308,74 +194,6 @@ pub(crate) mod tests {
                 Column { role, ..column(estimate, Unit::ARCSEC, values) },
             ],
         }
-    }
-
-    fn judged(curves: &[(&str, [f64; 3])]) -> String {
-        let table = table("rms", curves);
-        let question =
-            Question { x: "frequency", y: "rms", series: vec!["filler"], filter: vec![], limit: 10.0 };
-        of_verdict(&verdict(&table, &question).unwrap(), Limit { value: 10.0, unit: Unit::ARCSEC }).unwrap()
-    }
-
-    #[test]
-    fn curves_that_leave_the_limit_are_told_by_how_far_they_stay_and_equal_ones_together() {
-        let late = ("late", [1.0, 5.0, 20.0]);
-        let early = [("a", [5.0, 20.0, 40.0]), ("b", [5.0, 20.0, 40.0])];
-        assert_eq!(
-            judged(&[early[0], late, early[1]]),
-            "Longest within 10 ″: late, up to frequency 2.83 Hz; shortest: a and b, up to frequency 1.41 Hz."
-        );
-        assert_eq!(judged(&early), "Within 10 ″: a and b, up to frequency 1.41 Hz.");
-    }
-
-    #[test]
-    fn curves_that_are_within_everywhere_and_nowhere_are_counted() {
-        let (good, bad) = (("good", [1.0, 2.0, 3.0]), ("bad", [20.0, 30.0, 40.0]));
-        assert_eq!(
-            judged(&[good, ("fine", [1.0; 3])]),
-            "All 2 curves stay within 10 ″ (fine, at most 1 ″; good, at most 3 ″)."
-        );
-        assert_eq!(judged(&[good]), "Good: within 10 ″ up to the last point, frequency 4 Hz.");
-        assert_eq!(
-            judged(&[good, bad]),
-            "1 of 2 curves stays within 10 ″ (good, at most 3 ″); 1 of 2 curves is nowhere within 10 ″ (bad)."
-        );
-        assert_eq!(judged(&[bad, ("worse", [30.0; 3])]), "None of the 2 curves is within 10 ″.");
-    }
-
-    #[test]
-    fn curves_that_come_to_the_limit_and_that_leave_it_have_no_order() {
-        let (comes, leaves, between) =
-            (("comes", [20.0, 5.0, 2.0]), ("leaves", [2.0, 5.0, 20.0]), ("between", [20.0, 5.0, 20.0]));
-        assert_eq!(judged(&[comes, leaves]), "2 are within 10 ″ in part (comes and leaves).");
-        assert_eq!(
-            judged(&[comes, ("soon", [11.0, 5.0, 2.0])]),
-            "First within 10 ″: soon, from frequency 1.09 Hz; last: comes, from frequency 1.41 Hz."
-        );
-        assert_eq!(
-            judged(&[between, ("bad", [20.0; 3])]),
-            "Between: within 10 ″ from frequency 1.41 Hz to frequency 2.83 Hz; 1 of 2 curves is nowhere within 10 ″ (bad)."
-        );
-    }
-
-    #[test]
-    fn values_that_are_missing_at_the_end_are_not_taken_for_within() {
-        let open = ("open", [1.0, 2.0, f64::NAN]);
-        let said = judged(&[open, ("good", [1.0, 2.0, 3.0])]);
-        assert!(said.starts_with("1 of 2 curves stays within 10 ″ (good, at most 3 ″)"), "{said}");
-        assert!(
-            said.contains("1 of 2 curves stays within 10 ″ as far as there are values (open, at most 2 ″)"),
-            "{said}"
-        );
-        // It has not exceeded the limit where its values end, and cannot be ordered among those that do.
-        let early = judged(&[
-            open,
-            ("good", [1.0, 2.0, 3.0]),
-            ("early", [1.0, 20.0, 20.0]),
-            ("late", [1.0, 2.0, 20.0]),
-        ]);
-        assert!(early.contains("of the others longest within 10 ″: late, up to "), "{early}");
-        assert!(early.contains("; shortest: early, up to "), "{early}");
     }
 
     #[test]
