@@ -4,7 +4,7 @@ use std::env::var_os;
 use std::io::IsTerminal;
 use std::sync::OnceLock;
 
-use clap::{Args, ColorChoice, ValueEnum};
+use clap::{Args, ColorChoice};
 use sagnac::view::chart::console::Look;
 
 /// Number of columns if no terminal specifies it.
@@ -22,19 +22,11 @@ pub struct Options {
         default_value = "auto",
         hide_possible_values = true
     )]
-    pub color: Color,
-}
-
-/// When colour is used.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Color {
-    Auto,
-    Always,
-    Never,
+    pub color: ColorChoice,
 }
 
 /// The option of the command line.
-static ASKED: OnceLock<Color> = OnceLock::new();
+static ASKED: OnceLock<ColorChoice> = OnceLock::new();
 
 /// The colour choice before the command line is parsed, so that its errors follow it too.
 pub fn of_arguments(arguments: impl IntoIterator<Item = std::ffi::OsString>) -> ColorChoice {
@@ -108,10 +100,12 @@ pub fn error_columns() -> usize {
 }
 
 fn colours(terminal: bool) -> bool {
-    match ASKED.get().copied().unwrap_or(Color::Auto) {
-        Color::Always => true,
-        Color::Never => false,
-        Color::Auto => terminal && !is_dumb() && var_os("NO_COLOR").is_none_or(|value| value.is_empty()),
+    match ASKED.get().copied().unwrap_or(ColorChoice::Auto) {
+        ColorChoice::Always => true,
+        ColorChoice::Never => false,
+        ColorChoice::Auto => {
+            terminal && !is_dumb() && var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+        }
     }
 }
 

@@ -40,6 +40,7 @@ mod shells;
 mod terminal;
 mod verify;
 mod whole;
+mod words;
 
 use std::path::Path;
 

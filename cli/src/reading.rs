@@ -1,6 +1,7 @@
 //! Options for reading recorded logs, common to all commands on logs.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::TypedValueParser;
 use sagnac::allan::trend::Trend;
 use sagnac::analysis::log::Treatment;
 use sagnac::fit::choose::Terms;
@@ -11,12 +12,13 @@ use sagnac::record::log::read::{Request, Timing};
 use sagnac::theory::allan::terms::Term;
 
 use crate::failure::{Failure, in_options};
+use crate::words::one_of;
 
 #[derive(Debug, Args)]
 pub struct Reading {
     /// Kind of the numbers: angular rate, angle turned in each sample, or angle (phase) since the start
-    #[arg(help_heading = "Reading the log", long, value_name = "KIND")]
-    data: Kind,
+    #[arg(help_heading = "Reading the log", long, value_name = "KIND", value_parser = data())]
+    data: Data,
     /// Unit of the numbers, as in deg/h, deg/s, rad/s, arcsec; none for plain numbers [default: that of the header]
     #[arg(help_heading = "Reading the log", long, value_name = "UNIT", conflicts_with = "scale")]
     unit: Option<String>,
@@ -42,37 +44,18 @@ pub struct Reading {
     #[arg(long, value_name = "TIME", value_parser = seconds)]
     until: Option<f64>,
     /// Remove a straight line from the rate; this also removes the rate ramp R and makes K too low
-    #[arg(help_heading = "Reading the log", long, value_name = "TREND", default_value = "none")]
-    detrend: Detrend,
+    #[arg(help_heading = "Reading the log", long, value_name = "TREND", default_value = "none", value_parser = trend())]
+    detrend: Trend,
     /// Treat outliers as gaps: samples more than 8 standard deviations from the median of their neighbours
     #[arg(long)]
     remove_outliers: bool,
     /// Refuse rates that seem to be in another unit: see docs/reference.md
-    #[arg(help_heading = "Reading the log", long, value_name = "SWITCH", default_value = "on")]
-    unit_check: Switch,
+    #[arg(help_heading = "Reading the log", long, value_name = "SWITCH", default_value = "on", value_parser = unit_check())]
+    unit_check: UnitCheck,
     /// Coefficients to fit: auto (those of Q, N, B, K, R that the record supports), none, or a list of Q, N, B, K, R,
     /// markov, sine
     #[arg(help_heading = "Reading the log", long, value_name = "TERMS", default_value = "auto", value_parser = fit_terms)]
     fit: Fitted,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Kind {
-    Rate,
-    Increment,
-    Angle,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Detrend {
-    None,
-    Linear,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Switch {
-    On,
-    Off,
 }
 
 /// Value of `--fit`.
@@ -81,6 +64,18 @@ enum Fitted {
     None,
     Auto,
     Given(Vec<Term>),
+}
+
+fn data() -> impl TypedValueParser<Value = Data> {
+    one_of([("rate", Data::Rate), ("increment", Data::Increment), ("angle", Data::Angle)])
+}
+
+fn trend() -> impl TypedValueParser<Value = Trend> {
+    one_of([("none", Trend::None), ("linear", Trend::Linear)])
+}
+
+fn unit_check() -> impl TypedValueParser<Value = UnitCheck> {
+    one_of([("on", UnitCheck::On), ("off", UnitCheck::Off)])
 }
 
 fn fit_terms(text: &str) -> Result<Fitted, String> {
@@ -104,7 +99,7 @@ impl Reading {
         match &self.fit {
             Fitted::None => None,
             Fitted::Given(terms) => Some(Terms::Given(terms.clone())),
-            Fitted::Auto => Some(Terms::of_model(self.trend())),
+            Fitted::Auto => Some(Terms::of_model(self.detrend)),
         }
     }
 
@@ -118,11 +113,7 @@ impl Reading {
     /// # Errors
     /// A unit, scale or rate is invalid, or the times of the samples are not given.
     pub fn request(&self) -> Result<Request, Failure> {
-        let data = match self.data {
-            Kind::Rate => Data::Rate,
-            Kind::Increment => Data::Increment,
-            Kind::Angle => Data::Angle,
-        };
+        let data = self.data;
         let unit = match (&self.unit, &self.scale) {
             (Some(unit), _) => Some(Unit::parse(unit, data)),
             (None, Some(scale)) => Some(Unit::parse_scale(scale, data)),
@@ -143,25 +134,14 @@ impl Reading {
         Ok(Request { columns: self.column.clone(), timing, data, unit })
     }
 
-    fn trend(&self) -> Trend {
-        match self.detrend {
-            Detrend::None => Trend::None,
-            Detrend::Linear => Trend::Linear,
-        }
-    }
-
     /// The treatment of each log before its analysis.
     pub fn treatment(&self) -> Treatment {
-        let unit_check = match self.unit_check {
-            Switch::On => UnitCheck::On,
-            Switch::Off => UnitCheck::Off,
-        };
         Treatment {
             skip_s: self.skip,
             until_s: self.until,
-            trend: self.trend(),
+            trend: self.detrend,
             outliers_removed: self.remove_outliers,
-            unit_check,
+            unit_check: self.unit_check,
         }
     }
 }

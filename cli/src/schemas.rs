@@ -1,10 +1,12 @@
 //! `sagnac schema`: the JSON schemas of study files and of the documents of `--json`.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::TypedValueParser;
 use sagnac::kinds::keys;
 
 use crate::failure::Failure;
 use crate::output::print;
+use crate::words::one_of;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -15,31 +17,30 @@ Examples:
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
     /// Documents to describe: study files, or the output of a command with --json
-    #[arg(value_name = "OF", value_enum, default_value = "study")]
-    of: Document,
+    #[arg(value_name = "OF", value_parser = documents(), default_value = "study")]
+    of: fn() -> String,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Document {
-    Study,
-    Run,
-    Merge,
-    Design,
-    Filler,
-    Allan,
-    Compare,
-    Bench,
+/// The documents, each with its schema.
+fn documents() -> impl TypedValueParser<Value = fn() -> String> {
+    macro_rules! shipped {
+        ($name:literal) => {
+            || include_str!(concat!("../../schema/", $name, ".schema.json")).to_owned()
+        };
+    }
+    one_of::<fn() -> String, 8>([
+        ("study", keys::schema),
+        ("run", shipped!("run")),
+        ("merge", shipped!("run")),
+        ("design", shipped!("design")),
+        ("filler", shipped!("filler")),
+        ("allan", shipped!("allan")),
+        ("compare", shipped!("compare")),
+        ("bench", shipped!("bench")),
+    ])
 }
 
 /// Prints a JSON schema.
 pub fn schema(options: &Options) -> Result<(), Failure> {
-    match options.of {
-        Document::Study => print(&keys::schema()),
-        Document::Run | Document::Merge => print(include_str!("../../schema/run.schema.json")),
-        Document::Design => print(include_str!("../../schema/design.schema.json")),
-        Document::Filler => print(include_str!("../../schema/filler.schema.json")),
-        Document::Allan => print(include_str!("../../schema/allan.schema.json")),
-        Document::Compare => print(include_str!("../../schema/compare.schema.json")),
-        Document::Bench => print(include_str!("../../schema/bench.schema.json")),
-    }
+    print(&(options.of)())
 }

@@ -9,7 +9,8 @@ pub enum Role {
     /// Distinguishes rows: a swept key, or a text such as the filler. Refers to the key of the study that lists its
     /// values.
     Key,
-    /// A number that follows from the keys and can be an abscissa, as τ or Δt·ν; refers to the key that it runs along with.
+    /// A number that follows from the keys and can be an abscissa, such as τ or Δt·ν. Refers to the key with which
+    /// it varies.
     Coordinate,
     /// An estimate, or a value in closed form.
     #[default]
@@ -46,7 +47,7 @@ pub enum Usual {
     Estimate,
     /// The column that determines the best row.
     Answer,
-    /// The abscissa where nothing is swept; it tells rows apart unless the table has [`Usual::Places`].
+    /// The abscissa where nothing is swept. It distinguishes rows unless the table has [`Usual::Places`].
     Abscissa,
     /// The text that names the places of the abscissa.
     Places,

@@ -87,8 +87,8 @@ fn undrawn(study: &Study, table: &Table) -> Result<String, ColumnError> {
     pivot(table, &across, &estimate.name, &[], &study.text_columns(Source::Points), &rows)
 }
 
-/// The columns of a table of points that name lines before those of swept keys and after them: an abscissa that tells rows
-/// apart, and the text that names the places of one that does not.
+/// The columns of a table of points that label lines, before and after those of swept keys: an abscissa that
+/// distinguishes rows, and the text that names its places otherwise.
 fn lines(table: &Table) -> [Option<&str>; 2] {
     let name = |usual| table.usual(usual).map(|column| column.name.as_str());
     match name(Usual::Places) {

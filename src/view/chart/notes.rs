@@ -20,7 +20,6 @@ pub struct Notes {
 impl Notes {
     /// All notes as one sentence; `None` if there are none.
     pub fn sentence(&self) -> Option<String> {
-        let counted = |count: usize, what: &str| (count > 0).then(|| format!("{count} {what}"));
         let equal: Vec<&str> = self.merged.iter().chain(&self.coincident).map(String::as_str).collect();
         let parts = [
             counted(
@@ -30,8 +29,7 @@ impl Notes {
             counted(self.blank, "of the rows have no value"),
             (!equal.is_empty()).then(|| format!("curves that coincide: {}", equal.join("; "))),
         ];
-        let parts: Vec<String> = parts.into_iter().flatten().collect();
-        (!parts.is_empty()).then(|| format!("{}.", parts.join("; ")))
+        joined(parts)
     }
 }
 
@@ -55,7 +53,6 @@ pub struct MapNotes {
 impl MapNotes {
     /// All notes as one sentence; `None` if there are none.
     pub fn sentence(&self) -> Option<String> {
-        let counted = |count: usize, what: &str| (count > 0).then(|| format!("{count} {what}"));
         let parts = [
             self.within_limit
                 .map(|(within, known)| format!("{within} of the {known} cells are within the limit")),
@@ -65,9 +62,19 @@ impl MapNotes {
             counted(self.left_out, "of the cells have a value that a logarithmic scale cannot show"),
             (!self.merged.is_empty()).then(|| format!("the same in every cell: {}", self.merged.join("; "))),
         ];
-        let parts: Vec<String> = parts.into_iter().flatten().collect();
-        (!parts.is_empty()).then(|| format!("{}.", parts.join("; ")))
+        joined(parts)
     }
+}
+
+/// So many things, if there are any.
+fn counted(count: usize, what: &str) -> Option<String> {
+    (count > 0).then(|| format!("{count} {what}"))
+}
+
+/// The parts as one sentence, or none without parts.
+fn joined<const N: usize>(parts: [Option<String>; N]) -> Option<String> {
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
+    (!parts.is_empty()).then(|| format!("{}.", parts.join("; ")))
 }
 
 /// Why a table does not give such a chart.

@@ -5,18 +5,18 @@ use crate::quantity::number::significant;
 use crate::view::report::agreement::capitalised;
 use crate::view::verdict::{Answer as Judged, Outcome};
 
-/// How the curves stand to their limit, as a sentence: how many keep within it everywhere and nowhere, and of those that rise above it which one
-/// does last and which first; none without curves.
+/// The relation of the curves to their limit as a sentence: how many stay within it everywhere and how many nowhere,
+/// and of those that exceed it which one does so last and which first. `None` without curves.
 pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
     let (limit, most) = (&*limit.text(), |value: f64| Limit { value: rounded(value), ..limit }.text());
     let is_always =
         |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && !answer.open && answer.first.is_empty();
     let is_never = |answer: &&Judged| answer.outcome == Outcome::AboveFrom;
-    // What the rest of these does is not known, as of a run that is incomplete: they have no place in an order.
+    // The rest of these is unknown, as in an incomplete run, so they cannot be ordered.
     let is_open =
         |answer: &&Judged| answer.outcome == Outcome::WithinUpTo && answer.open && answer.first.is_empty();
     let mut always: Vec<&Judged> = answers.iter().filter(is_always).collect();
-    // The one with the most room first.
+    // The one with the largest margin first.
     always.sort_by(|a, b| a.most.total_cmp(&b.most));
     let never: Vec<&Judged> = answers.iter().filter(is_never).collect();
     let mut open: Vec<&Judged> = answers.iter().filter(is_open).collect();
@@ -56,11 +56,12 @@ pub(crate) fn of_verdict(answers: &[Judged], limit: Limit) -> Option<String> {
     Some(capitalised(&said.join("; ")) + ".")
 }
 
-/// Which of the curves that are within the limit in part is so longest or first, and which shortest or last. Curves that leave it and such
-/// that come to it have no common order, and are counted. `are_others` tells that some do not rise above it at all, so that none of these is the longest of all.
+/// Of the curves that are partly within the limit, the one that is so longest or first, and the one shortest or last.
+/// Curves that leave the range and curves that enter it have no common order and are counted. `are_others` says that
+/// some never exceed the limit, so that none of these is the longest of all.
 fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
     let at = |answer: &Judged| answer.at.first().map_or(0.0, |at| at.1);
-    // What has no values at first, or is within once more, has no place in an order.
+    // A curve without values at first, or within the limit once more, cannot be ordered.
     let is_plain = |answer: &Judged| !answer.again && answer.first.is_empty();
     let leaves = |answer: &&&Judged| {
         let outcomes = [Outcome::Passes, Outcome::LastWithin, Outcome::WithinUpTo];
@@ -69,7 +70,7 @@ fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
     let comes = |answer: &&&Judged| is_plain(answer) && answer.outcome == Outcome::WithinFrom;
     let greatest = curves.iter().max_by(|a, b| at(a).total_cmp(&at(b)))?;
     let least = curves.iter().min_by(|a, b| at(a).total_cmp(&at(b)))?;
-    // All that are where one of them is, to the digits that are said.
+    // All curves with the same value as one, to the digits shown.
     let there = |one: &Judged| {
         let place = one.place();
         names(&curves.iter().copied().filter(|answer| answer.place() == place).collect::<Vec<_>>())
@@ -97,7 +98,7 @@ fn order(curves: &[&Judged], limit: &str, are_others: bool) -> Option<String> {
 
 /// The names of curves.
 fn names(curves: &[&Judged]) -> String {
-    // Names have commas of their own.
+    // Names contain commas.
     let between = if curves.len() > 2 { "; " } else { " and " };
     listed(curves.len(), curves.iter().map(|answer| answer.name()), between)
 }
@@ -107,7 +108,7 @@ fn rounded(value: f64) -> f64 {
     significant(value, 3).parse().unwrap_or(value)
 }
 
-/// Some texts, of more than four the first three.
+/// Some texts; of more than four the first three.
 fn listed(count: usize, texts: impl Iterator<Item = String>, between: &str) -> String {
     let shown: Vec<String> = texts.take(if count == 4 { 4 } else { 3 }).collect();
     let more = if count > shown.len() { " and others" } else { "" };
