@@ -38,7 +38,7 @@
 //! let model: f64 = gyro.parts.iter().filter_map(|part| continuous::allan_variance(part, 100.0)).sum();
 //! assert!((at_100_s / model - 1.0).abs() < 1e-3);
 //!
-//! The uncertainty of one record: the scatter of σ² at 100 s.
+//! // The uncertainty of one record: the scatter of σ² at 100 s.
 //! let scatter = covariance(&gyro, Difference::Second, 32_400, &[100])[0][0].sqrt();
 //! assert!((scatter / at_100_s - 0.0474).abs() < 5e-4);
 //!
@@ -46,7 +46,7 @@
 //! let jumps = Jumps { interval: 40, variance: 50.0 };
 //! assert!((jumps.angle_random_walk(1.0) / 60.0 - 0.0186).abs() < 5e-5);
 //!
-//! At rest, whole pulses of 0.381 ″ are not white noise of q/√12: at 1 s they lack most of 6 q²/12.
+//! // At rest, whole pulses of 0.381 ″ are not white noise of q/√12: at 1 s they lack most of 6 q²/12.
 //! let still = Process { sample_s: 1.0, parts: vec![Part::angle_random_walk(0.0288)] };
 //! let pulses = quantiser::mean_square(0.381, 0.0, &still, Difference::Second, 1).unwrap();
 //! assert!(pulses < 0.5 * 0.381 * 0.381);

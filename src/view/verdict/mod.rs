@@ -15,7 +15,7 @@
 //! let question = Question { x: "x", y: "y", series: vec![], filter: vec![], limit: 10.0 };
 //! let answers = verdict(&table, &question)?;
 //! assert_eq!(answers[0].outcome, Outcome::Passes);
-//! Linear in the logarithms of both: 5·(x/2)² is 10 at 2√2.
+//! // Linear in the logarithms of both: 5·(x/2)² is 10 at 2√2.
 //! assert!((answers[0].at[0].1 - 8_f64.sqrt()).abs() < 1e-9);
 //! # Ok::<(), sagnac::table::ColumnError>(())
 //! ```

@@ -78,7 +78,7 @@ pub struct Asked<'a> {
 ///     key: [1, 2],
 /// })?;
 /// let sums = Cpu::new(Width::widest(), 1)?.sums(records.recipe(), 0, 1, &|_| {});
-/// σ²(1 s) of one record, and its mean over all records.
+/// // σ²(1 s) of one record, and its mean over all records.
 /// let (found, expected) = (records.variances(&sums)[0], records.oracle(0).value.unwrap());
 /// assert!((found / expected - 1.0).abs() < 0.2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
