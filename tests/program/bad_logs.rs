@@ -155,7 +155,7 @@ fn options_that_make_no_sense_are_told_with_what_does() {
         ("--data rate --unit deg/h --rate 100", vec!["its unit is missing", "--rate 100Hz"]),
         ("--data rate --unit deg/h --rate 0Hz", vec!["not above 0"]),
         ("--data rate --rate 1Hz --tau tenth", vec!["octave, decade10, decade20 or all"]),
-        ("--data rate --rate 1Hz --tau -1 --unit deg/h --column gx", vec!["no time"]),
+        ("--data rate --rate 1Hz --tau -1 --unit deg/h --column gx", vec!["is not a time"]),
         ("--data rate --rate 1Hz --deviation avar", vec!["`avar` is not a deviation", "oadev"]),
         ("--data rate --rate 1Hz --confidence 95", vec!["between 0 and 1"]),
         ("--data rate --rate 1Hz --skip 30", vec!["its unit is missing"]),

@@ -53,7 +53,7 @@ fn half_the_noise_is_found_in_table_csv_json_sentences_and_pictures() {
         "no trend was removed",
         "ratio",
         "lower",
-        "The noise is not the same: p < 1e-12",
+        "The noise differs: p < 1e-12",
         "times the angle random walk N of a",
         "would have been enough",
         "results/a_vs_b",

@@ -143,7 +143,7 @@ fn keys_columns_and_exit_codes_are_explained_and_near_names_are_offered() {
         says(kind, &[&*format!("{kind} (kind of study)"), "points.csv", &*format!("sagnac new {kind}")]);
     }
     says("GAP_FILL", &["gap-fill (kind of study)"]);
-    says("in-gap", &["The largest error of the angle while the gap is open", "switching.errors"]);
+    says("in-gap", &["Largest error of the angle while the gap is open", "switching.errors"]);
     says("minimum_variance", &["least error variance", "switching.fillers.kind"]);
     says("switching.fillers", &["\"linear\" A straight line", "fit_ticks, extrapolation_ticks, band"]);
     says("Gyro.Tick-Noise", &["gyro.tick_noise (key of a study file)", "As a table it has std, three_sigma"]);
