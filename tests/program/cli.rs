@@ -4,7 +4,7 @@ use std::io::{BufRead, BufReader};
 use std::process::{Command as Process, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::desk::{Desk, HEADER, PROGRAM, SHIPPED, STUDY, replaced, unwrapped, with};
+use crate::desk::{Desk, HEADER, PROGRAM, SHIPPED, STUDY, replaced, unwrapped};
 
 #[test]
 fn a_bad_study_among_good_ones_stops_all_before_the_first_starts() {
