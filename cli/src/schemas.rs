@@ -21,7 +21,7 @@ pub struct Options {
     of: fn() -> String,
 }
 
-/// The documents, each with its schema.
+/// The documents with their schemas.
 fn documents() -> impl TypedValueParser<Value = fn() -> String> {
     macro_rules! shipped {
         ($name:literal) => {

@@ -1,8 +1,8 @@
-//! Options that take one of some words.
+//! Options whose value is one of several words.
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-/// One of some words, each of which stands for a value.
+/// A parser that accepts one of several words, each with its value.
 pub fn one_of<T, const N: usize>(values: [(&'static str, T); N]) -> impl TypedValueParser<Value = T>
 where
     T: Clone + Send + Sync + 'static,

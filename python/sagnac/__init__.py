@@ -1,13 +1,13 @@
-"""Monte Carlo studies for laser gyroscopes, and what belongs to them, with NumPy in and out.
+"""Monte Carlo studies for laser gyroscopes and related analyses, with NumPy arrays as input and output.
 
 - :func:`run` runs a study: the tables, charts and verdicts of the program ``sagnac``, bit for bit.
-- :func:`allan` takes deviations of a record: Allan, modified Allan, time, Hadamard, with intervals and noise types.
+- :func:`allan` computes deviations of a record: Allan, modified Allan, time, Hadamard, with intervals and noise types.
 - :func:`fit` fits the noise coefficients Q, N, B, K, R to a record.
 - :func:`filler` gives the weights that fill the gap at a mode switch, as exact fractions.
-- :mod:`sagnac.theory` has the closed forms behind all of that, over arrays.
+- :mod:`sagnac.theory` has the underlying closed forms, over arrays.
 
-Angles are in ″ (arcsec), rates in °/h, which is the same number in ″/s, times in s; where something else is meant the name
-or the ``unit`` says so. What is not known is NaN in an array and None elsewhere, never 0.
+Angles are in ″ (arcsec), rates in °/h, which is the same number in ″/s, times in s; any other unit is given
+by the name or the ``unit``. Unknown values are NaN in an array and None elsewhere, never 0.
 
 Errors are those of :mod:`sagnac.errors`, all of them a :class:`SagnacError`.
 

@@ -1,4 +1,4 @@
-"""What can go wrong. Each message says what was found, what is accepted, and what to do.
+"""Errors. Each message says what was found, what is accepted, and what to do.
 
 >>> import sagnac
 >>> try:
@@ -22,23 +22,23 @@ class SagnacError(Exception):
 
 
 class StudyError(SagnacError, ValueError):
-    """A study that makes no sense. The message shows the file, the line and a caret below what is wrong."""
+    """An invalid study. The message shows the file, the line and a caret below the error."""
 
 
 class UsageError(SagnacError, ValueError):
-    """An argument that is none of those accepted."""
+    """An argument that is not accepted."""
 
 
 class RecordError(SagnacError, ValueError):
-    """Samples of which nothing can be said: too few, all equal, or of another unit than said."""
+    """Unusable samples: too few, all equal, or in another unit than stated."""
 
 
 class StorageError(SagnacError):
-    """A results folder that cannot be used: full, read-only, in use, damaged, or of another study."""
+    """An unusable results folder: full, read-only, in use, damaged, or of another study."""
 
 
 class DeviceError(SagnacError, RuntimeError):
-    """A device that failed. What was sampled before is kept where there is a results folder."""
+    """A device that failed. Completed work is kept if there is a results folder."""
 
 
 class InternalError(SagnacError, RuntimeError):

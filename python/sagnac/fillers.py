@@ -25,28 +25,28 @@ class Rule:
     """Weights on ticks: the lost ticks, or their sum, are Σ w·P over ``ticks``."""
 
     error: str
-    """What the rule leaves: ``residual`` for the interpolation I, ``extrapolation`` for E."""
+    """Kind of error: ``residual`` for the interpolation I, ``extrapolation`` for E."""
     ticks: tuple[int, ...]
-    """The ticks that are read; 1 … n are lost."""
+    """The ticks with weights; ticks 1 … n are lost."""
     rows: tuple[tuple[Fraction, ...], ...]
-    """The weights of each lost tick, or of their sum alone where the filler says no more."""
+    """The weights of each lost tick, or of their sum alone if the filler gives nothing else."""
     denominator: int
-    """The common one, as firmware has it."""
+    """Common denominator, as used by firmware."""
     exact: bool
-    """Whether the fractions are the weights themselves, not the nearest over a power of two."""
+    """Whether the fractions are the exact weights, instead of the nearest ones over a power of two."""
     gap_ticks: int
     tick: float | None
-    """Length of a tick, s; None where it is not known."""
+    """Length of a tick, s; None if unknown."""
     noise_gain: float
     """√Σw² of the sum: the standard deviation of the error for unit white noise on the ticks."""
     largest_gain: float
     """Σ|w| of the sum."""
     largest_input: int
-    """The largest |P| in whole numbers for which 64 bits are enough."""
+    """The largest integer |P| for which 64 bits suffice."""
     amplitude: float | None
-    """Largest error of a single tone over its phase, without noise, ″; None where the motion is none."""
+    """Largest error of a single tone over its phase, without noise, ″; None unless the motion is a single tone."""
     rms: float | None
-    """The error with noise, ″; None where it is not known."""
+    """Rms error including noise, ″; None if unknown."""
 
     @property
     def fractions(self) -> tuple[Fraction, ...]:
@@ -55,13 +55,13 @@ class Rule:
 
     @property
     def weights(self) -> NDArray[np.float64]:
-        """The same as numbers."""
+        """The weights of the whole gap as floats."""
         return np.array([float(weight) for weight in self.fractions])
 
     def response(self, frequency: ArrayLike, *, tick: ArrayLike | None = None) -> Values:
-        """Amplitude of the error over that of the rate of a vibration, in ″ per ″/s, which is s.
+        """Amplitude of the error over that of the rate of a vibration, in ″ per ″/s, that is in s.
 
-        ``frequency`` is in Hz; ``tick``, s, is by default that of the filler. The rms over a random phase is 1/√2 of it.
+        ``frequency`` is in Hz; ``tick``, s, is by default that of the filler. The rms over a random phase is 1/√2 of the amplitude.
         """
         length = self.tick if tick is None else tick
         if length is None:
@@ -74,15 +74,15 @@ class Rule:
 
 @dataclass(frozen=True)
 class Filler:
-    """A filler: how the gap is bridged while it is open, and how that is corrected afterwards."""
+    """A filler: an extrapolation for use while the gap is open, and an interpolation that corrects it afterwards."""
 
     name: str
     method: str
-    """What it is, such as ``polynomial of order 2``."""
+    """Description, such as ``polynomial of order 2``."""
     interpolation: Rule
-    """From the ticks on both sides."""
+    """Rule for the ticks on both sides."""
     extrapolation: Rule | None
-    """From the ticks before the gap; None where the filler has none."""
+    """Rule for the ticks before the gap, if the filler has one."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class Fillers(Mapping[str, Filler]):
     tick: float | None
     fillers: dict[str, Filler]
     no_rms_because: str | None
-    """Why there is no rms, where the point cannot be sampled."""
+    """Why there is no rms, if the point cannot be sampled."""
     header: str
     """The fillers as a C99 header for firmware."""
 
@@ -123,31 +123,31 @@ def filler(
     at: Mapping[str, object] | None = None,
     fillers: Sequence[str] = (),
 ) -> Fillers:
-    """The weights of fillers, as ``sagnac filler`` gives them.
+    """The weights of fillers, as computed by ``sagnac filler``.
 
     Parameters
     ----------
     what
-        One or several of ``const``, ``linear``, ``quadratic``, ``minimum-variance``; or the path of a gap-fill study, a
+        One or more of ``const``, ``linear``, ``quadratic``, ``minimum-variance``; or the path of a gap-fill study, a
         :class:`~pathlib.Path` or a text ending in ``.toml``.
     gap_ticks
-        n, lost ticks.
+        Number n of lost ticks.
     tick
-        Length of a tick, ``"5 ms"``; polynomials do without.
+        Length of a tick, such as ``"5 ms"``; not needed for polynomials.
     fit_ticks, extrapolation_ticks
-        Ticks that are read, ``"-7..0,n+1,n+2"``; by default −1, 0, n + 1, n + 2 and −3 … 0.
+        Ticks with weights, such as ``"-7..0,n+1,n+2"``; by default −1, 0, n + 1, n + 2 and −3 … 0.
     band, amplitude, noise
-        What a minimum-variance filler is designed for: frequencies of the vibration, ``"18 Hz,22 Hz"`` or a single one, its
+        Design conditions of a minimum-variance filler: frequencies of the vibration, ``"18 Hz,22 Hz"`` or a single one, its
         amplitude, ``"12000 arcsec/s"``, and the standard deviation of the noise of a tick, ``"0.5 arcsec"``.
     at
-        The point of a study: values of its swept keys, ``{"gap_ticks": 3}``.
+        The point of a study as values of its swept keys, such as ``{"gap_ticks": 3}``.
     fillers
-        Only these of the study.
+        Names of the fillers of the study to compute; by default all.
 
     Raises
     ------
     UsageError, StudyError
-        An argument that is none of those accepted or is missing, or a study that makes no sense.
+        An argument is not accepted or is missing, or the study is invalid.
 
     Examples
     --------

@@ -21,7 +21,7 @@ Deviation = Literal["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"]
 Numbers = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
-#: Fewest simulated records whose 2.5 % ends are worth anything.
+#: Least number of simulated records with usable 2.5 % quantiles.
 LEAST_REALISATIONS = 200
 
 
@@ -38,39 +38,39 @@ class _Reading:
 
 @dataclass(frozen=True)
 class Minimum:
-    """Where a curve is lowest: what data sheets call in-run bias stability. The bias instability B is another thing."""
+    """The minimum of a curve, which data sheets call in-run bias stability. It differs from the bias instability B."""
 
     tau: float
     value: float
     lower: float | None
     upper: float | None
     at_end: bool
-    """Whether the curve ends there, so that a longer record may show less."""
+    """Whether the curve ends there, so that a longer record may show a lower one."""
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A deviation over averaging times. All arrays have one value for each."""
+    """A deviation over averaging times. All arrays have one value for each time."""
 
     deviation: str
     unit: str
-    """``deg/h``, of a time deviation ``arcsec``; empty for plain numbers."""
+    """``deg/h``, or ``arcsec`` for a time deviation; empty for plain numbers."""
     m: Counts
     """Averaging factors: τ in samples."""
     tau: Numbers
-    """s."""
+    """Averaging times, s."""
     terms: Counts
-    """How many differences were averaged; those that touch a gap are not among them."""
+    """Number of averaged differences; those that touch a gap are omitted."""
     value: Numbers
-    """NaN where there is no term."""
+    """Deviation; NaN where there is no term."""
     lower: Numbers
     upper: Numbers
-    """Ends of the interval; NaN where it cannot be told."""
+    """Ends of the interval; NaN where it is unknown."""
     alpha: Numbers
     """The noise, S(f) ∝ f^α: 2 quantisation, 0 angle random walk, −1 bias instability, −2 rate random walk; NaN where the
-    record is too short to tell."""
+    record is too short."""
     alpha_carried: NDArray[np.bool_]
-    """Whether α was found at a shorter τ, because here there are too few groups."""
+    """Whether α was identified at a shorter τ, because there are too few groups at this one."""
     edf: Numbers
     """Equivalent degrees of freedom of the variance."""
     minimum: Minimum | None
@@ -89,13 +89,13 @@ class Allan(Mapping[str, Curve]):
 
     curves: dict[str, Curve]
     missing: int
-    """Samples that are NaN."""
+    """Number of samples that are NaN."""
     mean_rate: float | None
-    """°/h, or for plain numbers in their unit over s where they are no rates."""
+    """Mean rate, °/h; for plain numbers in their unit, or per s if they are not rates."""
     removed_slope_per_s: float
     """Slope of the rate that ``detrend`` removed, in the unit of the curve per s."""
     outliers: Counts
-    """Which samples, or for angles which increments, stand out from their neighbours; they are in the curves unless
+    """Indices of the samples, or for angles of the increments, that are outliers; the curves include them unless
     ``remove_outliers`` is given."""
     outlier_threshold: float
 
@@ -111,22 +111,22 @@ class Allan(Mapping[str, Curve]):
 
 @dataclass(frozen=True)
 class Coefficient:
-    """What a record says of one coefficient."""
+    """One coefficient of a record."""
 
     name: str
     unit: str
-    """That of data sheets: Q ``arcsec``, N ``deg/sqrt(h)``, B ``deg/h``, K ``deg/h/sqrt(h)``, R ``deg/h/h``."""
+    """Unit as in data sheets: Q ``arcsec``, N ``deg/sqrt(h)``, B ``deg/h``, K ``deg/h/sqrt(h)``, R ``deg/h/h``."""
     value: float | None
-    """None where it is not identified."""
+    """Value; None if it is not identified."""
     lower: float | None
     upper: float | None
-    """Ends of the 95 % interval; where there is no value, ``upper`` is the most that it is."""
+    """Ends of the 95 % interval; without a value, ``upper`` is an upper bound."""
     verdict: str
-    """``identified``, or what else is known."""
+    """``identified``, or another statement."""
 
     @property
     def is_identified(self) -> bool:
-        """Whether the interval of its square does not contain 0, and no other term would do as well."""
+        """Whether the interval of its square does not contain 0, and no other term fits equally well."""
         return self.verdict == "identified"
 
 
@@ -135,27 +135,27 @@ class Fit(Mapping[str, Coefficient]):
     """The coefficients of a record by their names: ``found["N"].value``."""
 
     coefficients: dict[str, Coefficient]
-    """Q, N, B, K, R; ``markov``, ``markov_time``, ``sine``, ``sine_frequency`` where they are asked for."""
+    """Q, N, B, K, R; ``markov``, ``markov_time``, ``sine``, ``sine_frequency`` if requested."""
     intervals: str
-    """Where the intervals come from, ``bootstrap of 1000`` or ``closed form``."""
+    """Method of the intervals, such as ``bootstrap of 1000`` or ``closed form``."""
     without_bootstrap: str | None
-    """Why no records were simulated, where nobody asked for that."""
+    """Why no records were simulated, if that was not requested."""
     chi_squared: float
-    """Residuals in the measure of the covariance between the points of the curve."""
+    """Sum of the squared residuals, weighted with the covariance of the points of the curve."""
     degrees_of_freedom: int
     p_value: float | None
-    """Probability of residuals as large if the fit is right: below 1e-9 other terms are needed."""
+    """Probability of such large residuals if the fit is right; below 1e-9 other terms are needed."""
     tau: Numbers
-    """Averaging times of the curve that is fitted, up to an eighth of the record, s."""
+    """Averaging times of the fitted curve, s, up to an eighth of the record."""
     deviation: Numbers
-    """The overlapping Allan deviation there, °/h."""
+    """The overlapping Allan deviation at these times, °/h."""
     fitted: Numbers
-    """That of the best fit, as it shows in samples of this rate, also of terms that are not identified."""
+    """The deviation of the best fit at this sampling rate, including terms that are not identified."""
     missing: int
     mean_rate: float | None
     removed_slope_per_s: float
     outliers: Counts
-    """As in :class:`Allan`."""
+    """The same as in :class:`Allan`."""
 
     def __getitem__(self, name: str) -> Coefficient:
         return self.coefficients[name]
@@ -187,49 +187,49 @@ def allan(
     unit_check: bool = True,
     threads: int | None = None,
 ) -> Allan:
-    """Deviations of a record with intervals and noise types, as ``sagnac allan`` gives them.
+    """Deviations of a record with intervals and noise types, as computed by ``sagnac allan``.
 
     Parameters
     ----------
     data
-        One axis: evenly spaced samples in one dimension, NaN for those that are missing. An array of float64 whose numbers lie
-        side by side is not copied; the angles made of it take as much memory again. Do not write to it meanwhile.
+        One axis: evenly spaced samples in one dimension, NaN for missing ones. A contiguous array of float64 is not copied; the
+        angles computed from it take the same amount of memory. Do not write to it during the call.
     rate
         Samples per second.
     unit
-        ``deg/h``, ``deg/s``, ``rad/s``, ``arcsec``, … as ``kind`` has it; pulses by their size, ``0.5 arcsec/pulse``; ``none`` for
+        ``deg/h``, ``deg/s``, ``rad/s``, ``arcsec``, … in accordance with ``kind``; pulses by their size, ``0.5 arcsec/pulse``; ``none`` for
         plain numbers.
     kind
         ``rate``: the mean angular rate over each sample; ``increment``: the angle turned in it; ``angle``: the angle, or phase,
         since some start.
     deviation
-        One or several of ``adev``, ``oadev``, ``mdev``, ``tdev``, ``hdev``, ``ohdev``.
+        One or more of ``adev``, ``oadev``, ``mdev``, ``tdev``, ``hdev``, ``ohdev``.
     taus
-        ``octave``, ``decade10``, ``decade20``, ``all`` (of at most 200,000 samples), or seconds, each taken at the nearest whole
+        ``octave``, ``decade10``, ``decade20``, ``all`` (of at most 200,000 samples), or seconds, each rounded to a whole
         number of samples.
     confidence
         Probability of the intervals.
     detrend
         Removes a straight line from the rate.
     remove_outliers
-        Takes samples more than 8 standard deviations from the median of their neighbours for missing.
+        Treats samples more than 8 standard deviations from the median of their neighbours as missing.
     unit_check
-        Refuses rates that look as if in another unit: degrees taken for radians, means above 20 °/s.
+        Refuses rates that seem to be in another unit: degrees taken for radians, means above 20 °/s.
     threads
-        By default as many as the processor runs at once. The curves are the same bits for any number.
+        Threads; by default all logical cores. The curves have the same bits for any number.
 
     Notes
     -----
-    Definitions are those of NIST SP 1065 and IEEE Std 952; a rate in °/h is one in ″/s. The noise is identified by its
+    Definitions are those of NIST SP 1065 and IEEE Std 952; a rate in °/h is the same number in ″/s. The noise is identified by its
     lag-1 autocorrelation; intervals are those of χ² with the degrees of freedom of Greenhall and Riley. Terms that touch a
-    gap are left out.
+    gap are omitted.
 
     Raises
     ------
     RecordError
-        Fewer than 16 samples, all of them equal, infinite ones, another unit than said.
+        There are fewer than 16 samples, all are equal, some are infinite, or the unit is wrong.
     UsageError
-        An argument that is none of those accepted, averaging times that the record does not have.
+        An argument is not accepted, or the record is too short for an averaging time.
 
     Examples
     --------
@@ -284,30 +284,30 @@ def fit(
     unit_check: bool = True,
     threads: int | None = None,
 ) -> Fit:
-    """Noise coefficients of a record with 95 % intervals and a verdict for each, as ``sagnac allan`` gives them.
+    """Noise coefficients of a record with 95 % intervals and a verdict for each, as computed by ``sagnac allan``.
 
     Parameters
     ----------
     data, rate, unit, kind, detrend, remove_outliers, unit_check, threads
-        As of :func:`allan`. With ``detrend`` the rate ramp R is gone and K comes out too low.
+        As for :func:`allan`. ``detrend`` also removes the rate ramp R and makes K too low.
     terms
-        ``auto``, those of Q, N, B, K, R that the record supports, or a list of Q, N, B, K, R, ``markov``, ``sine``.
+        ``auto`` for those of Q, N, B, K, R that the record supports, or a list of Q, N, B, K, R, ``markov``, ``sine``.
     bootstrap
-        Simulated records of the fit, from which the intervals come by test inversion: at least 200, or 0 for intervals in
-        closed form. By default 1000, of more than 2 million samples 0, which :attr:`Fit.without_bootstrap` then says.
+        Number of simulated records of the fit, from which test inversion gives the intervals: at least 200, or 0 for intervals
+        in closed form. The default is 1000, or 0 for more than 2 million samples; :attr:`Fit.without_bootstrap` says so then.
 
     Notes
     -----
     Least squares on the overlapping Allan variances at the octaves of τ up to an eighth of the record, with the
-    covariance between them, each term as it shows in samples. A value is given only where it is identified, else a bound.
+    covariance between them; each term is that of sampled noise. A value is given only if it is identified, else a bound.
     Intervals are those of a record without gaps.
 
-    Ctrl-C is heard when the fit is done, some seconds at the most without a ``bootstrap`` of long records.
+    Ctrl-C takes effect when the fit is done, within some seconds unless a ``bootstrap`` simulates long records.
 
     Raises
     ------
     RecordError, UsageError
-        As of :func:`allan`; and a record whose noise cannot be told.
+        As for :func:`allan`; or the noise of the record cannot be identified.
 
     Examples
     --------
@@ -356,7 +356,7 @@ def _reading(
     try:
         values = np.ascontiguousarray(data, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise RecordError(f"the data are no array of numbers: {error}") from error
+        raise RecordError(f"the data are not an array of numbers: {error}") from error
     if np.ndim(data) != 1:
         raise RecordError(f"the array has {np.ndim(data)} dimensions\ngive one axis, as in data[:, 0]")
     step = 1.0 / rate if rate > 0.0 else 0.0

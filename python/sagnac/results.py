@@ -1,4 +1,4 @@
-"""What a study gives."""
+"""The results of a study."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ._raw import RawColumn
 if TYPE_CHECKING:
     import pandas
 
-#: A column: float64 with NaN for what is not known, int64 for counts, object (str, or None for a blank) for names.
+#: A column: float64 with NaN for unknown values, int64 for counts, object (str, or None for a blank) for names.
 Column = NDArray[Any]
 
 
@@ -29,9 +29,9 @@ class Table(Mapping[str, Column]):
     def __init__(self, columns: list[RawColumn]) -> None:
         self._columns: dict[str, Column] = {}
         self.labels: dict[str, str] = {}
-        """What each column is, for people."""
+        """The label of each column, for people."""
         self.units: dict[str, str] = {}
-        """The unit of each column as an axis has it, such as ``″``; empty for plain numbers."""
+        """The unit of each column as on an axis, such as ``″``; empty for plain numbers."""
         for name, label, unit, values in columns:
             if isinstance(values, list):
                 texts = np.empty(len(values), dtype=object)
@@ -71,7 +71,7 @@ class Table(Mapping[str, Column]):
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the curves of a chart are against its limit."""
+    """The relation of the curves of a chart to its limit."""
 
     text: str
     """A heading, and a sentence for each curve."""
@@ -89,37 +89,38 @@ class Results:
 
     title: str
     question: str
-    """Empty where the study asks none."""
+    """Question of the study; may be empty."""
     kind: str
-    """Such as ``gap-fill``."""
+    """Kind of the study, such as ``gap-fill``."""
     points: Table
     """A row for each point and estimate: points.csv."""
     coefficients: Table | None
-    """How well coefficients are found again, where a study fits them: coefficients.csv."""
+    """The recovered coefficients, if the study fits any: coefficients.csv."""
     trajectories: Table | None
-    """The runs that a study keeps as curves: trajectories.csv."""
+    """The runs that the study keeps as curves, if any: trajectories.csv."""
     verdicts: tuple[Verdict, ...]
     notes: tuple[str, ...]
-    """What is left out, rounded or assumed, each in a sentence."""
+    """Notes on omissions, rounding and assumptions, each a sentence."""
     charts: dict[str, str]
     """The charts of the study as SVG texts, by the names of their files."""
     report: str
-    """The page ``report.html`` of ``sagnac run``, as text: one file that needs no network. A notebook shows it as the result of a cell."""
+    """The page ``report.html`` of ``sagnac run``, as text: one file that needs no network. A notebook
+    shows it as the result of a cell."""
     seed: int | None
-    """None where nothing is sampled; so are trials, device and seconds."""
+    """Seed; like trials, device and seconds, None if nothing is sampled."""
     trials: int | None
-    """At each point, as asked for."""
+    """Requested trials at each point."""
     device: str | None
     sampled_trials: int | None
-    """Over all points, in this run: what the folder held before is not among them."""
+    """Trials sampled in this run over all points, without those that the folder contained before."""
     seconds: float | None
-    """Of sampling."""
+    """Duration of the sampling."""
     folder: Path | None
-    """Where the results are kept, if they are."""
+    """The folder in which the results are kept, if any."""
 
     def __repr__(self) -> str:
         return f"<Results of {self.title!r}: {self.points.rows} rows>"
 
     def _repr_html_(self) -> str:
-        # In a frame of its own, so that its style and script stay with it.
+        # A separate frame isolates its style and script.
         return f'<iframe srcdoc="{html.escape(self.report)}" style="width: 100%; height: 900px; border: 0"></iframe>'

@@ -31,40 +31,42 @@ def run(
     out: str | os.PathLike[str] | None = None,
     progress: Callable[[int, int, str], object] | None = None,
 ) -> Results:
-    """Runs a study: samples what its results folder lacks, and returns all tables, charts and verdicts.
+    """Runs a study: samples the trials that its results folder lacks, and returns all tables, charts and verdicts.
 
     The numbers are those of ``sagnac run``, to the last bit, on every device and with any number of threads.
 
     Parameters
     ----------
     study
-        The path of a study file, or its text, which is told by its line ends. Files that a text names are looked for
-        in the working directory.
+        The path of a study file, or its text, which is recognised by its line ends. Files named in a text are relative
+        to the working directory.
     trials, seed
-        In place of those of the study: 1 to 2**40 trials at each point, a seed below 2**63.
+        Values that replace those of the study: 1 to 2**40 trials at each point, a seed below 2**63.
     device
         ``auto``, ``cpu``, ``gpu``, a width of the processor such as ``avx2``, part of an adapter's name or its PCI address.
         ``auto`` is a GPU that passes its self-test, else the processor.
     threads
-        Of the processor; by default as many as it runs at once.
+        Threads of the processor; by default all logical cores.
     out
-        The results folder: the exact tallies, from which a later run, also one of the program, goes on, the tables as
-        CSV, the report and the study as it was run. ``sagnac run`` on that study adds the charts. Without it nothing is kept.
+        The results folder. It keeps the exact tallies, from which a later run, also one of the program, continues; the tables
+        as CSV; the report; and the study as it was run. ``sagnac run`` on that study adds the charts. Without ``out`` nothing
+        is kept.
     progress
-        Called as ``progress(done, total, unit)`` some times a second, ``unit`` being ``trials``, ``samples`` or ``fits``.
-        What it raises ends the run and is raised here.
+        Called as ``progress(done, total, unit)`` several times a second; ``unit`` is ``trials``, ``samples`` or ``fits``.
+        An exception that it raises ends the run and is raised here.
 
     Notes
     -----
-    Other threads of Python go on meanwhile. Ctrl-C ends the run within a batch, a third of a second or longer of
-    studies of more than a billion trials, with a KeyboardInterrupt; with ``out`` what was sampled is kept, and the same call goes on from there.
+    Other Python threads continue during the run. Ctrl-C ends it with a KeyboardInterrupt after the current batch, which takes
+    a third of a second, or longer for studies of more than a billion trials. With ``out``, completed work is kept, and the
+    same call continues from there.
 
     Raises
     ------
     StudyError
-        The study makes no sense; the message shows where.
+        The study is invalid; the message shows the place.
     StorageError, DeviceError, UsageError
-        The folder or the device cannot be used, or an argument is none of those accepted.
+        The folder or the device cannot be used, or an argument is not accepted.
 
     Examples
     --------
@@ -115,7 +117,7 @@ def _source(study: str | os.PathLike[str]) -> tuple[Path | None, str]:
 
 
 def _whole(name: str, value: int, least: int, most: int) -> int:
-    """A whole number between these, of any type that is one."""
+    """The value as a whole number within the limits, from any integer type."""
     try:
         whole = operator.index(value)
     except TypeError:

@@ -1,11 +1,11 @@
 """Closed forms over arrays: errors of gap fillers, drift of a switched gyro, relock, Allan deviation, suspension.
 
-All arguments that are numbers may be arrays and are broadcast against each other; of numbers alone the result is a number.
-Where a formula has no answer, or is given what is no number, the result is NaN.
+All numeric arguments may be arrays and are broadcast against each other; for numbers alone the result is a number.
+Where a formula has no solution, or an argument is NaN, the result is NaN.
 
 Angles are in ″, rates in ″/s, which is the same number in °/h, times in s, frequencies in Hz. Z(n) and A(n) are equations
 of the two papers on the Zeeman gyro and on Allan variance; functions that end in ``as_published`` keep the errors of
-the print.
+the published version.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ __all__ = [
     "taylor_term_as_published",
 ]
 
-#: A float of numbers, an array of arrays.
+#: A float for numbers, an array for arrays.
 Values: TypeAlias = Any
 Numbers = NDArray[np.float64]
 
@@ -49,7 +49,7 @@ MOST_TICKS = 128
 
 
 def _broadcast(*values: ArrayLike) -> tuple[list[Numbers], Callable[[NDArray[Any]], Values]]:
-    """The values as flat arrays of one length, and what gives a flat result their shape."""
+    """The values as flat arrays of equal length, and a function that gives a flat result their shape."""
     arrays = np.broadcast_arrays(*(np.asarray(value, dtype=np.float64) for value in values))
     shape = arrays[0].shape
 
@@ -69,7 +69,7 @@ def gap_error(
     error: Literal["residual", "extrapolation"] = "residual",
     ticks: Sequence[int] | None = None,
 ) -> Values:
-    """Largest error over the phase that a filler leaves of a vibration, ″; its rms is 1/√2 of it — Z(18).
+    """Largest error of a filler over the phase of a vibration, ″; the rms error is 1/√2 of it — Z(18).
 
     A_Ω T sinc νT |Σ w e^{iωt} − Σ_gap e^{iωt}|, for a vibration of one frequency, without noise: with noise of σ on each tick
     the rms is √(D²/2 + σ² Σw²), where √Σw² is ``noise_gain`` of :func:`sagnac.filler`.
@@ -77,7 +77,7 @@ def gap_error(
     Parameters
     ----------
     kind, gap_ticks
-        The polynomial, and n, 1 to 64 lost ticks.
+        The polynomial, and the number n of lost ticks, 1 to 64.
     frequency, amplitude, tick
         ν, Hz; the amplitude A_Ω of the rate, ″/s; T, s.
     error, ticks
@@ -107,10 +107,10 @@ def gap_error(
 
 
 def taylor_term_as_published(order: int, dt_nu: ArrayLike, *, at: Literal["extremum", "zero crossing"]) -> Values:
-    """The first term that a Taylor polynomial of this order drops, as a share of A_Ω — Z(20).
+    """The first term that a Taylor polynomial of this order omits, as a fraction of A_Ω — Z(20).
 
     With x = 2πΔt·ν: x³/6 at a zero crossing of the rate for orders 1 and 2; at an extremum x²/2 up to order 1, x⁴/24 for order
-    2. Times A_Ω·T it is the error of a single tick, not of the angle over the gap. NaN for other orders.
+    2. Multiplied by A_Ω·T, it is the error of a single tick, not of the angle over the gap. NaN for other orders.
 
     >>> round(12000 * 0.005 * taylor_term_as_published(1, 0.1, at="extremum"), 1)
     11.8
@@ -122,9 +122,9 @@ def taylor_term_as_published(order: int, dt_nu: ArrayLike, *, at: Literal["extre
 
 
 def noise_of_const(sigma: ArrayLike, gap_ticks: ArrayLike, *, ticks: int = 4, as_published: bool = False) -> Values:
-    """Noise of the angle over a gap that is filled with a constant: σ n/√ticks, the mean of so many ticks taken n times.
+    """Noise of the angle over a gap that is filled with a constant: σ n/√ticks, n times the mean of ``ticks`` ticks.
 
-    ``as_published`` gives σ √n/2, which is too small by √n: the filled values share one mean, so that their errors add up.
+    ``as_published`` gives σ √n/2, which is too small by √n: the filled values share one mean, so their errors add up.
 
     >>> noise_of_const(1.6, 3), round(noise_of_const(1.6, 3, as_published=True), 4)
     (2.4000000000000004, 1.3856)
@@ -135,12 +135,12 @@ def noise_of_const(sigma: ArrayLike, gap_ticks: ArrayLike, *, ticks: int = 4, as
 
 
 class MagneticDrift(NamedTuple):
-    """Of the magnetic drift of a gyro that switches modes."""
+    """The magnetic drift of a gyro that switches modes."""
 
     rate: Values
     """Ω_m at the time t, ″/s."""
     angle: Values
-    """What it leaves of the angle of a run of length t, ″."""
+    """Its remaining angle after a run of length t, ″."""
 
 
 def magnetic_drift(
@@ -151,7 +151,7 @@ def magnetic_drift(
     warm_up_time: ArrayLike,
     initial_magnetic: ArrayLike = 0.0,
 ) -> MagneticDrift:
-    """Ω_m = A (1 − e^{−t/τ}) + Ω_m0, which grows as the gyro warms up, and its angle where every switch turns its sign — Z(5).
+    """Ω_m = A (1 − e^{−t/τ}) + Ω_m0, which grows as the gyro warms up, and its angle if every switch changes its sign — Z(5).
 
     ``time`` t and the ``interval`` MT between switches in s; ``magnetic`` A, ″/s; ``warm_up_time`` τ, s; ``initial_magnetic`` Ω_m0, ″/s.
 
@@ -168,11 +168,11 @@ class DriftBound(NamedTuple):
     total: Values
     non_magnetic: Values
     quasi_non_magnetic: Values
-    """What warming up leaves of two opposite intervals."""
+    """The remainder of two opposite intervals because of the warm-up."""
     magnetic: Values
-    """An interval that no other cancels."""
+    """The part of an interval that no other one cancels."""
     residual: Values
-    """The errors at the switches, all of one sign."""
+    """The errors at the switches, all with the same sign."""
 
 
 def drift_bound(
@@ -185,10 +185,10 @@ def drift_bound(
     initial_magnetic: ArrayLike = 0.0,
     non_magnetic: ArrayLike = 0.0,
 ) -> DriftBound:
-    """The bound of the mean drift over a run — Z(7), with the sign and limit of Z(6) put right.
+    """The bound of the mean drift over a run — Z(7), with corrected sign and limit of Z(6).
 
     Ω_nm + Aτ/(2MT) (1 − e^{−MT/τ})² + MT·Ω_m(t)/t + δP_max/MT, each part as its magnitude. ``interval`` MT and ``run`` t in s,
-    ``residual_max`` δP_max in ″, ``non_magnetic`` Ω_nm in ″/s, others as of :func:`magnetic_drift`.
+    ``residual_max`` δP_max in ″, ``non_magnetic`` Ω_nm in ″/s, the others as for :func:`magnetic_drift`.
 
     >>> round(drift_bound(40.0, 3600.0, magnetic=14.0, warm_up_time=3000.0, residual_max=10.0, non_magnetic=0.05).total, 4)
     0.5008
@@ -199,16 +199,16 @@ def drift_bound(
 
 
 class DriftOptimum(NamedTuple):
-    """Intervals between switches at which the bound is least, s; NaN where there is none."""
+    """Intervals between switches with the least bound, s; NaN where there is none."""
 
     interval: Values
     """The exact minimum within the run."""
     bound: Values
-    """The bound there, ″/s."""
+    """The bound at the exact minimum, ″/s."""
     expanded: Values
-    """Root of Z(8) to the first order in MT/τ, which Z(9) should be."""
+    """Root of Z(8) to the first order in MT/τ, the correct form of Z(9)."""
     as_published: Values
-    """The smaller root of Z(9) as it is printed."""
+    """The smaller root of Z(9) as printed."""
     limit: Values
     """√(δP_max/(A/2τ + Ω_m/t)), for slow warm-up."""
     limit_as_published: Values
@@ -224,7 +224,7 @@ def drift_optimum(
     initial_magnetic: ArrayLike = 0.0,
     non_magnetic: ArrayLike = 0.0,
 ) -> DriftOptimum:
-    """The interval between switches at which :func:`drift_bound` is least, and approximations of it — Z(8), Z(9).
+    """The interval between switches that minimises :func:`drift_bound`, and approximations of it — Z(8), Z(9).
 
     >>> best = drift_optimum([600.0, 3600.0], magnetic=14.0, warm_up_time=3000.0, residual_max=10.0, non_magnetic=0.05)
     >>> best.interval.round(2), best.as_published.round(2)
@@ -239,13 +239,13 @@ class RunDrift(NamedTuple):
 
     mean: Values
     deviation: Values
-    """Its standard deviation where switches come at random phases of the motion: errors add up as √n."""
+    """Its standard deviation if switches occur at random phases of the motion, so that errors add up as √n."""
     deviation_in_phase: Values
-    """The same where all come at one phase: as n."""
+    """Its standard deviation if all switches occur at one phase, so that errors add up as n."""
     best_interval: Values
-    """The interval of the least rms drift at random phases, s; NaN where there is none. It has no use of ``interval``."""
+    """The interval of the least rms drift at random phases, s; NaN where there is none. It does not depend on ``interval``."""
     least_rms: Values
-    """The rms drift there without the non-magnetic drift."""
+    """The rms drift at that interval, without the non-magnetic drift."""
 
 
 def drift_of_runs(
@@ -259,7 +259,7 @@ def drift_of_runs(
     non_magnetic: ArrayLike = 0.0,
     first_mode: Literal["positive", "negative"] = "positive",
 ) -> RunDrift:
-    """What the drift of whole runs really is, and not its bound; ``residual_rms`` is the rms error at a switch, ″.
+    """The statistics of the drift of whole runs, as opposed to its bound; ``residual_rms`` is the rms error at a switch, ″.
 
     >>> found = drift_of_runs(40.0, 3600.0, magnetic=14.0, warm_up_time=3000.0, residual_rms=7.07, non_magnetic=0.05)
     >>> round(found.mean, 4), round(found.deviation, 4), round(found.best_interval, 1)
@@ -273,15 +273,15 @@ def drift_of_runs(
 
 
 class RelockTicks(NamedTuple):
-    """Of the ticks after a mode switch."""
+    """The ticks after a mode switch."""
 
     apparent_drift: Values
-    """ΔΩ_i, the rotation that the loop fakes, in the unit of f0 — Z(11)."""
+    """ΔΩ_i, the apparent rotation caused by the loop, in the unit of f0 — Z(11)."""
     bias_error: Values
-    """y_i = f_i − f0."""
+    """Error of the bias, y_i = f_i − f0."""
     detuning_plus: Values
     detuning_minus: Values
-    """Mean detunings over the halves of the tick, h⁺ and h⁻, parts of the wavelength — Z(12)."""
+    """Mean detunings over the halves of the tick, h⁺ and h⁻, as fractions of the wavelength — Z(12)."""
 
 
 def relock_ticks(
@@ -293,22 +293,22 @@ def relock_ticks(
     curvature: ArrayLike,
     miss: ArrayLike,
 ) -> RelockTicks:
-    """What the perimeter loop does while it takes out the detuning that a mode switch leaves — Z(2), Z(10)–Z(12).
+    """The effect of the perimeter loop while it removes the detuning after a mode switch — Z(2), Z(10)–Z(12).
 
     Parameters
     ----------
     tick_number
-        i, from 1 on, the first after the loop closes.
+        i, counted from 1, the first tick after the loop closes.
     tick, loop_time
         T and τ_L, s.
     bias, curvature
-        f0, ″/s where it is Hz × pulse weight, and χ of f = f0 (1 − χΔλ²).
+        f0, in ″/s as Hz × pulse weight, and χ of f = f0 (1 − χΔλ²).
     miss
-        Δλ0, a part of the wavelength.
+        Δλ0, as a fraction of the wavelength.
 
     Notes
     -----
-    Signs are those of the negative half-period first. Z(11) lacks χ in print, Z(12) has other exponents for i > 1.
+    Signs are for the negative half-period first. The printed Z(11) lacks χ, and the printed Z(12) has other exponents for i > 1.
 
     >>> found = relock_ticks([1, 2], tick=0.005, loop_time=0.012, bias=2e5, curvature=40.0, miss=0.059)
     >>> found.apparent_drift.round(1)
@@ -321,7 +321,7 @@ def relock_ticks(
 def drift_from_frequency(first: ArrayLike, error: ArrayLike, tick_number: ArrayLike) -> Values:
     """ΔΩ_i from the frequency of the bias: −y_i (1 − q)/(1 + q) with q = (y_i/y_1)^{1/2(i−1)}, i ≥ 2.
 
-    ``first`` is y_1, ``error`` y_i. NaN where they are not below 0 or do not decay.
+    ``first`` is y_1, ``error`` y_i. The result is NaN where they are not negative or do not decay.
 
     >>> round(drift_from_frequency(-4000.0, -1000.0, 2), 3)
     333.333
@@ -333,7 +333,7 @@ def drift_from_frequency(first: ArrayLike, error: ArrayLike, tick_number: ArrayL
 def drift_from_detuning(bias: ArrayLike, curvature: ArrayLike, plus: ArrayLike, minus: ArrayLike) -> Values:
     """ΔΩ_i from the mean detunings of the halves of a tick, Z(13) in Z(11): χ f0 h⁺² (−ln r)(1 + r)²/4 with r = h⁻/h⁺.
 
-    NaN where r is not between 0 and 1.
+    The result is NaN where r is not between 0 and 1.
 
     >>> ticks = relock_ticks(1, tick=0.005, loop_time=0.012, bias=2e5, curvature=40.0, miss=0.059)
     >>> round(drift_from_detuning(2e5, 40.0, ticks.detuning_plus, ticks.detuning_minus) / ticks.apparent_drift, 9)
@@ -362,7 +362,7 @@ def _noise(
     markov: tuple[float, float] | None,
     sine: tuple[float, float] | None,
 ) -> _Noise:
-    """From the units of data sheets to ″ and s."""
+    """Converts from the units of data sheets to ″ and s."""
     return _Noise(
         quantisation, 60.0 * angle_random_walk, bias_instability, rate_random_walk / 60.0, rate_ramp / 3600.0, markov, sine
     )
@@ -382,7 +382,7 @@ def allan_deviation(
     """Allan deviation of continuous noise, °/h — A(4).
 
     The root of 3Q²/τ² + N²/τ + (2 ln2/π)B² + K²τ/3 + R²τ²/2, with exponentially correlated noise and a sine. Definitions are
-    those of IEEE Std 952 and 647. Records are sampled and have another one at short τ: :func:`sampled_allan_deviation`.
+    those of IEEE Std 952 and 647. Sampled records differ at short τ: see :func:`sampled_allan_deviation`.
 
     Parameters
     ----------
@@ -391,7 +391,7 @@ def allan_deviation(
     quantisation, angle_random_walk, bias_instability, rate_random_walk, rate_ramp
         Q, ″ rms; N, °/√h; B, °/h; K, °/h/√h; R, °/h/h.
     markov
-        rms, °/h, and correlation time, s.
+        rms rate, °/h, and correlation time, s.
     sine
         Amplitude, °/h, and frequency, Hz.
 
@@ -421,10 +421,10 @@ def sampled_allan_deviation(
     markov: tuple[float, float] | None = None,
     sine: tuple[float, float] | None = None,
 ) -> Values:
-    """Root of the mean of an estimator over records of sampled noise, °/h: what studies are held against, and fits are made of.
+    """Root of the mean of an estimator over records of sampled noise, °/h: the closed form of studies and the basis of fits.
 
-    ``m`` are averaging factors, τ in samples; ``sample`` is the time between samples, s; ``samples`` their number in a record, up
-    to 2**27. The noise is that of :func:`allan_deviation`. NaN where the record has no difference at m.
+    ``m`` are averaging factors, τ in samples; ``sample`` is the time between samples, s; ``samples`` is their number in a record, up
+    to 2**27. The noise is that of :func:`allan_deviation`. The result is NaN where the record has no difference at m.
 
     >>> round(sampled_allan_deviation(1, sample=1.0, samples=1000, rate_random_walk=60.0) ** 2, 3)      # not 1/3
     0.5
@@ -442,8 +442,8 @@ def suspension_response(
     """Rate of the block on its suspension per acceleration of its base, ″/s per g, as complex numbers.
 
     H(f) = Σ g_i/(1 − (f/f_i)² + j f/(f_i Q_i)); the real part is in phase with the acceleration. ``suspension`` is ``LGK-400`` or
-    ``LGV-1``, whose frequencies are published and whose **Q factors and responses are assumed**, or modes, each as its frequency,
-    Hz, its Q factor and its response at resonance, ″/s per g.
+    ``LGV-1``, whose frequencies are published and whose **Q factors and responses are assumed**, or a list of modes, each with its
+    frequency, Hz, its Q factor and its response at resonance, ″/s per g.
 
     >>> round(abs(suspension_response(380.0, [(380.0, 100.0, 20000.0)])))
     20000
@@ -464,5 +464,5 @@ def suspension_response(
 
 def _small(count: int) -> int:
     if not 0 <= count <= 1 << 62:
-        raise UsageError(f"{count} is no count")
+        raise UsageError(f"{count} is not a count")
     return int(count)

@@ -74,7 +74,7 @@ def test_a_folder_that_cannot_be_used_is_an_error_of_storage(studies: Path, tmp_
         (np.append(RATES, np.inf), {}, sagnac.RecordError, "sample 1000 of the array is infinite"),
         (RATES.reshape(10, 100), {}, sagnac.RecordError, "2 dimensions"),
         (np.float64(3.0), {}, sagnac.RecordError, "0 dimensions"),
-        (["a", "b"], {}, sagnac.RecordError, "no array of numbers"),
+        (["a", "b"], {}, sagnac.RecordError, "not an array of numbers"),
         (RATES * 1e-6 + 0.0042, {"unit": "rad/s"}, sagnac.RecordError, "degrees taken for radians"),
         (RATES + 30.0, {"unit": "deg/s"}, sagnac.RecordError, "no gyro at rest"),
         (RATES, {"unit": "deg"}, sagnac.UsageError, "an angle"),

@@ -92,7 +92,7 @@ impl Intervals {
 pub struct Simulated {
     /// Number of records; 0 means intervals in closed form.
     pub records: usize,
-    /// Why there are none although they were not declined.
+    /// Why there are none, if they were not declined.
     pub without: Option<String>,
 }
 

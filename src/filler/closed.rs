@@ -21,8 +21,8 @@ pub struct Closed {
     pub(crate) order: Option<usize>,
     /// Fewest ticks with which the filler works.
     pub(crate) least_ticks: usize,
-    /// Weights of some ticks for the first so many ticks of the gap, whose sum is that number. `None` where the ticks do not
-    /// determine them.
+    /// Weights of the given ticks for the sum over the first ticks of the gap, whose number is the second argument.
+    /// `None` where the ticks do not determine them.
     pub(crate) weights: fn(&[i32], u32) -> Option<Weights>,
 }
 

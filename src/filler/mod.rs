@@ -47,7 +47,7 @@ pub struct Fill {
 }
 
 impl Filler {
-    /// A filler of exact weights under its standard name.
+    /// A filler with exact weights under its standard name.
     pub fn closed(closed: &'static Closed) -> Filler {
         Filler { name: closed.name.to_owned(), method: Method::Closed(closed) }
     }

@@ -5,8 +5,8 @@ use crate::theory::allan::gaussian;
 use crate::theory::allan::process::Process;
 use crate::theory::cholesky;
 
-/// Variance of its own that is added to every estimate, relative to its variance: the least of these values that makes
-/// the correlations positive definite.
+/// Independent variance added to every estimate, relative to its own variance: the least of these values that makes the
+/// correlations positive definite.
 ///
 /// Neighbours of a dense curve are nearly the same number, and their difference is known only to the precision of the
 /// covariance. Without this addition, the weights of such differences could grow without bound.

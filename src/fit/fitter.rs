@@ -76,7 +76,7 @@ pub struct Fitter {
     terms: Terms,
     candidates: Vec<Term>,
     basis: Basis,
-    /// Growth of the covariance, where no term has a shape, which each curve would have of its own.
+    /// Growth of the covariance, common to all curves; unused if a term has a shape, because the growth then differs.
     growth: OnceLock<Arc<Growth>>,
 }
 

@@ -1,13 +1,13 @@
-//! What a fit finds of a term: its coefficient, and the time or frequency that belongs to it.
+//! The results of a fit for a term: its coefficient, and its time or frequency.
 
 use crate::allan::unit::Unit;
 use crate::fit::coefficient::Coefficient;
 use crate::theory::allan::terms::{Shape, Term};
 
-/// A number that a fit finds.
+/// A number that a fit determines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Quantity {
-    /// In the unit of the [`Term`].
+    /// Coefficient, in the unit of the [`Term`].
     Coefficient(Term),
     /// The correlation time of Markov noise, s, or the frequency of a sine, Hz.
     Shape(Term),
@@ -23,7 +23,7 @@ impl Quantity {
         terms.iter().flat_map(of_term).collect()
     }
 
-    /// The term, and its row if this is the shape.
+    /// The term, with the row of its shape if this is a shape.
     pub(crate) fn parts(self) -> (Term, Option<&'static Shape>) {
         match self {
             Quantity::Coefficient(term) => (term, None),

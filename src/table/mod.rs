@@ -42,7 +42,7 @@ impl Cell {
         }
     }
 
-    /// The cell with so many significant digits, for people.
+    /// The cell with `digits` significant digits, for people.
     pub fn rounded(&self, digits: usize) -> String {
         self.number().map_or_else(|| self.text(), |x| significant(x, digits))
     }

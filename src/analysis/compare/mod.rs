@@ -11,7 +11,7 @@
 //! use sagnac::analysis::compare::compare;
 //! use sagnac::fit::{Quantity, Term, Terms};
 //!
-//! // Rates that jump about evenly, and the same at half the size.
+//! // Scattered rates, and the same at half the size.
 //! let rates: Vec<f64> = (0..4096_u64).map(|i| (i * 2_654_435_761 % 4096) as f64 - 2047.5).collect();
 //! let [a, b] = [1.0, 0.5].map(|scale| Angles::from_increments(&rates, scale, 1.0, Trend::None));
 //!

@@ -5,7 +5,7 @@
 //! The quantity needed is the second difference of G over the shorter of two differences, written so that nothing
 //! cancels for lags much longer than it.
 
-/// Octave holds. A hold is a random walk of the rate that is taken back after its length.
+/// Octave holds. A hold is a random walk of the rate that is undone after its length.
 pub(crate) struct Holds {
     /// Variance of the rate of each octave times t0², ″²; the sum over all octaves before it; and the sum of variance
     /// over length from it on.

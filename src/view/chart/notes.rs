@@ -66,12 +66,12 @@ impl MapNotes {
     }
 }
 
-/// So many things, if there are any.
+/// A count with its noun; `None` for 0.
 fn counted(count: usize, what: &str) -> Option<String> {
     (count > 0).then(|| format!("{count} {what}"))
 }
 
-/// The parts as one sentence, or none without parts.
+/// The parts as one sentence; `None` without parts.
 fn joined<const N: usize>(parts: [Option<String>; N]) -> Option<String> {
     let parts: Vec<String> = parts.into_iter().flatten().collect();
     (!parts.is_empty()).then(|| format!("{}.", parts.join("; ")))

@@ -149,7 +149,7 @@ pub(crate) fn least_for_each(
     Ok(Some(format!("The {y_label} is least at {x_label} {} and {last}.", others.join(", "))))
 }
 
-/// The places of some rows that have one, with their rows, by the names of what tells curves apart.
+/// The places of some rows that have one, with their rows, grouped by the names that distinguish curves.
 fn grouped((x, y): (&Column, &Column), rows: &[usize], by: &[&Column]) -> Vec<(String, Vec<(usize, Place)>)> {
     let mut groups: Vec<(String, Vec<(usize, Place)>)> = Vec::new();
     for &row in rows {

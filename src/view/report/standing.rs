@@ -1,4 +1,4 @@
-//! How curves stand to their limit, as a sentence on all of them.
+//! The relation of the curves to their limit, in one sentence for all.
 
 use crate::chart::Limit;
 use crate::quantity::number::significant;
@@ -179,7 +179,7 @@ mod tests {
             said.contains("1 of 2 curves stays within 10 ″ as far as there are values (open, at most 2 ″)"),
             "{said}"
         );
-        // Where its values end it has not risen above the limit, and has no place among those that do.
+        // It has not exceeded the limit where its values end, and cannot be ordered among those that do.
         let early = judged(&[
             open,
             ("good", [1.0, 2.0, 3.0]),

@@ -14,7 +14,7 @@ const LEAST_TREND: f64 = 128.0;
 const LEAST_TURN: f64 = 64.0;
 
 impl Fixed {
-    /// Refuses the first part that is lost beside `whole`, the largest difference of the angle, ″.
+    /// Refuses the first part that is too small next to `whole`, the largest difference of the angle, ″.
     pub(crate) fn check(&self, model: &Model, whole: f64) -> Result<(), Refusal> {
         let Model { noise, .. } = model;
         let check = |key, what: &str, found: f64, unit: &str, units: f64, least: f64| {

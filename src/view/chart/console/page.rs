@@ -52,7 +52,7 @@ impl Page {
         let (fine_x, fine_y) = self.fine();
         let size = [(self.columns * fine_x) as f64, (self.rows * fine_y) as f64];
         let length = ((to.0 - from.0) * size[0]).abs().max(((to.1 - from.1) * size[1]).abs());
-        // What is far outside has no dots of its own.
+        // Places far outside have no separate dots.
         let steps = length.ceil().clamp(1.0, 1e5) as usize;
         for at in (0..=steps).step_by(step.max(1)) {
             let part = at as f64 / steps as f64;
