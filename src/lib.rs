@@ -63,6 +63,7 @@
 //! Messages write settings as `name = value` in backticks; [`spelled`](source::setting::spelled) turns them into the options of a front end.
 
 #![deny(missing_docs)]
+#![warn(unreachable_pub)]
 
 pub mod allan;
 pub mod analysis;
@@ -98,10 +99,10 @@ pub mod kinds;
 #[doc(hidden)]
 pub mod motion;
 #[doc(hidden)]
-pub mod noise;
+pub(crate) mod noise;
 #[doc(hidden)]
 pub mod quantity;
 #[doc(hidden)]
-pub mod sampling;
+pub(crate) mod sampling;
 #[doc(hidden)]
 pub mod source;

@@ -11,12 +11,12 @@
 //! Definitions and test values: W. J. Riley, "Handbook of frequency stability analysis", NIST SP 1065; IEEE Std 952.
 
 pub mod angles;
-pub mod chi_squared;
+pub(crate) mod chi_squared;
 pub mod curve;
 pub mod deviation;
-pub mod edf;
+pub(crate) mod edf;
 pub mod noise;
-pub mod sums;
+pub(crate) mod sums;
 pub mod tau;
 #[cfg(test)]
 mod tests;

@@ -190,7 +190,7 @@ mod tests {
     use crate::allan::trend::Trend;
 
     /// White noise from the generator of the NBS sets.
-    pub fn noise(count: usize) -> Vec<f64> {
+    pub(super) fn noise(count: usize) -> Vec<f64> {
         let mut n: u64 = 1_234_567_890;
         let mut next = || {
             n = 16807 * n % 2_147_483_647;

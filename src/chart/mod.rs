@@ -1,13 +1,13 @@
 //! The specification of a chart, as given in a study and as drawn. Columns are given by name and not yet looked up in a
 //! table.
 
-pub mod columns;
+pub(crate) mod columns;
 pub mod file;
-pub mod ground;
-pub mod law;
+pub(crate) mod ground;
+pub(crate) mod law;
 pub(crate) mod read;
-pub mod rows;
-pub mod supplied;
+pub(crate) mod rows;
+pub(crate) mod supplied;
 
 use std::ops::Range;
 

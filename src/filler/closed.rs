@@ -36,7 +36,7 @@ impl PartialEq for Closed {
 macro_rules! fillers {
     ($($name:literal, $meaning:literal, $kind:literal { $($field:ident: $value:expr,)+ })+) => {
         /// Every closed filler.
-        pub static CLOSED: [Closed; [$($name),+].len()] = [$(Closed { name: $name, $($field: $value),+ }),+];
+        pub(crate) static CLOSED: [Closed; [$($name),+].len()] = [$(Closed { name: $name, $($field: $value),+ }),+];
 
         /// The names of the closed fillers.
         pub(crate) const LISTED: &[&str] = &[$($name),+];

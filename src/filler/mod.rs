@@ -1,9 +1,9 @@
 //! Fillers: the ways to fill the gap.
 
-pub mod closed;
+pub(crate) mod closed;
 pub mod keys;
-pub mod read;
-pub mod ticks;
+pub(crate) mod read;
+pub(crate) mod ticks;
 
 use crate::filler::closed::{CLOSED, Closed};
 use crate::theory::minimum_variance::Band;

@@ -4,18 +4,18 @@ use crate::fit::curve::Curve;
 use crate::theory::allan::terms::Term;
 
 /// Columns of one term, each with its shape.
-pub type Columns = Vec<(f64, Vec<f64>)>;
+pub(crate) type Columns = Vec<(f64, Vec<f64>)>;
 
 /// Contributions of terms of unit square to each point, (″/s)²; they are the same for all curves of one geometry.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Basis {
+pub(crate) struct Basis {
     /// The terms with their shapes, evenly spaced in their logarithm; a term without shape has the single shape 1.
     terms: Vec<(Term, Columns)>,
 }
 
 impl Basis {
     /// The columns of these terms over a curve.
-    pub fn new(curve: &Curve, terms: &[Term]) -> Basis {
+    pub(crate) fn new(curve: &Curve, terms: &[Term]) -> Basis {
         let of_term = |&term: &Term| {
             let column = |shape: f64| (shape, curve.of_term(term, 1.0, shape));
             (term, shapes(curve, term).into_iter().map(column).collect())
@@ -24,7 +24,7 @@ impl Basis {
     }
 
     /// The basis with every column changed by `change`.
-    pub fn map(&self, change: impl Fn(&[f64]) -> Vec<f64>) -> Basis {
+    pub(crate) fn map(&self, change: impl Fn(&[f64]) -> Vec<f64>) -> Basis {
         let of_term = |(term, columns): &(Term, Columns)| {
             (*term, columns.iter().map(|(shape, column)| (*shape, change(column))).collect())
         };
@@ -32,7 +32,7 @@ impl Basis {
     }
 
     /// The columns of a term with their shapes; empty for a term outside the basis.
-    pub fn of(&self, term: Term) -> &[(f64, Vec<f64>)] {
+    pub(crate) fn of(&self, term: Term) -> &[(f64, Vec<f64>)] {
         self.terms.iter().find(|(other, _)| *other == term).map_or(&[], |(_, columns)| columns)
     }
 }
@@ -51,11 +51,11 @@ fn shapes(curve: &Curve, term: Term) -> Vec<f64> {
 /// terms without.
 ///
 /// Markov noise outside this range looks like a random walk or white noise to the curve, and a slower sine like a ramp.
-pub fn shape_range(curve: &Curve, term: Term) -> [f64; 2] {
+pub(crate) fn shape_range(curve: &Curve, term: Term) -> [f64; 2] {
     term.shape().map_or([1.0; 2], |shape| (shape.range)(curve.tau_range()))
 }
 
 /// Grid points of shapes per decade.
-pub fn per_decade(term: Term) -> f64 {
+pub(crate) fn per_decade(term: Term) -> f64 {
     term.shape().map_or(1.0, |shape| shape.per_decade)
 }

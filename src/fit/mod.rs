@@ -33,21 +33,21 @@
 //! Linear algebra is that of [`crate::theory::cholesky`]. Systems have at most nine columns, and loops in fixed order
 //! give the same digits on every machine, unlike a library that selects its kernels at run time.
 
-pub mod assess;
-pub mod basis;
-pub mod chi_squared;
+pub(crate) mod assess;
+pub(crate) mod basis;
+pub(crate) mod chi_squared;
 pub mod choose;
 pub mod coefficient;
 pub mod covariance;
 pub mod curve;
-pub mod evidence;
+pub(crate) mod evidence;
 pub mod fitter;
-pub mod growth;
-pub mod interval;
-pub mod nnls;
+pub(crate) mod growth;
+pub(crate) mod interval;
+pub(crate) mod nnls;
 pub mod quantity;
 pub mod record;
-pub mod search;
+pub(crate) mod search;
 
 pub use crate::fit::chi_squared::survival;
 pub use crate::fit::choose::{LIKELY, PENALTY, PENALTY_OF_SHAPE, RIVAL, Terms};

@@ -13,7 +13,7 @@ const STEPS: usize = 8;
 /// The method is the active-set method of Lawson and Hanson (Solving Least Squares Problems, 1974, ch. 23) on normal
 /// equations with columns scaled to length 1. Coefficients are accurate to rounding times the squared condition number
 /// of the scaled columns. A column that depends on those in use to working precision stays out.
-pub fn nnls(columns: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
+pub(crate) fn nnls(columns: &[Vec<f64>], b: &[f64]) -> Vec<f64> {
     let lengths: Vec<f64> = columns.iter().map(|column| libm::sqrt(dot(column, column))).collect();
     let is_usable = |j: usize| lengths[j].is_finite() && lengths[j] > 0.0;
     let gram = |i: usize, j: usize| dot(&columns[i], &columns[j]) / (lengths[i] * lengths[j]);

@@ -20,7 +20,7 @@ const NEAR: f64 = 1e-6;
 
 /// A term of a fit: the square of its coefficient, and its shape (1 where it has none).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Fitted {
+pub(crate) struct Fitted {
     /// Term.
     pub term: Term,
     /// Square of the coefficient.
@@ -31,7 +31,7 @@ pub struct Fitted {
 
 /// The least-squares solution for some terms.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Solution {
+pub(crate) struct Solution {
     /// Terms in the given order, including those with a square of 0.
     pub terms: Vec<Fitted>,
     /// Weighted sum of squared residuals.
@@ -39,7 +39,7 @@ pub struct Solution {
 }
 
 /// A curve with the weights of its points.
-pub struct System<'a> {
+pub(crate) struct System<'a> {
     curve: &'a Curve,
     covariance: &'a Covariance,
     target: Vec<f64>,
@@ -49,18 +49,18 @@ pub struct System<'a> {
 
 impl<'a> System<'a> {
     /// The system of a curve for the terms of a basis.
-    pub fn new(curve: &'a Curve, covariance: &'a Covariance, basis: &Basis) -> System<'a> {
+    pub(crate) fn new(curve: &'a Curve, covariance: &'a Covariance, basis: &Basis) -> System<'a> {
         let basis = basis.map(|column| covariance.whiten(column));
         System { curve, covariance, target: covariance.whiten(curve.variances()), basis }
     }
 
     /// The curve that is fitted.
-    pub fn curve(&self) -> &Curve {
+    pub(crate) fn curve(&self) -> &Curve {
         self.curve
     }
 
     /// A term of unit square, in standard deviations of independent points.
-    pub fn column(&self, term: Term, shape: f64) -> Vec<f64> {
+    pub(crate) fn column(&self, term: Term, shape: f64) -> Vec<f64> {
         match self.basis.of(term) {
             [(_, column)] if !term.has_shape() => column.clone(),
             _ => self.covariance.whiten(&self.curve.of_term(term, 1.0, shape)),
@@ -73,7 +73,7 @@ impl<'a> System<'a> {
     }
 
     /// Residuals of a solution, in the same units.
-    pub fn residual(&self, terms: &[Fitted]) -> Vec<f64> {
+    pub(crate) fn residual(&self, terms: &[Fitted]) -> Vec<f64> {
         let mut residual = self.target.clone();
         for fitted in terms.iter().filter(|fitted| fitted.square > 0.0) {
             let column = self.column(fitted.term, fitted.shape);
@@ -83,7 +83,7 @@ impl<'a> System<'a> {
     }
 
     /// The least-squares solution for `terms` with the best shapes.
-    pub fn best(&self, terms: &[Term]) -> Solution {
+    pub(crate) fn best(&self, terms: &[Term]) -> Solution {
         let places: Vec<usize> = (0..terms.len()).filter(|&i| terms[i].has_shape()).collect();
         let mut columns: Vec<Vec<f64>> = terms.iter().map(|&term| self.column(term, 1.0)).collect();
         let grids: Vec<&[(f64, Vec<f64>)]> = places.iter().map(|&i| self.basis.of(terms[i])).collect();
@@ -111,7 +111,7 @@ impl<'a> System<'a> {
     }
 
     /// The least-squares solution for `terms` with these shapes.
-    pub fn given(&self, terms: &[Term], shapes: &[f64]) -> Solution {
+    pub(crate) fn given(&self, terms: &[Term], shapes: &[f64]) -> Solution {
         let columns: Vec<Vec<f64>> =
             terms.iter().zip(shapes).map(|(&term, &shape)| self.column(term, shape)).collect();
         let (squares, chi_squared) = self.solve(&columns);

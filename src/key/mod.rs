@@ -3,13 +3,13 @@
 pub mod common;
 pub mod explained;
 pub(crate) mod given;
-pub mod holds;
+pub(crate) mod holds;
 pub(crate) mod places;
 pub(crate) mod reading;
 pub mod refusal;
-pub mod row;
+pub(crate) mod row;
 pub mod scale;
 pub(crate) mod schema;
-pub mod setting;
-pub mod sweep;
+pub(crate) mod setting;
+pub(crate) mod sweep;
 pub(crate) mod table;

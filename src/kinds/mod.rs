@@ -3,14 +3,14 @@
 //! The rest of the library knows them only as entries of [`KINDS`].
 
 pub mod allan;
-pub mod drift_budget;
-pub mod exact;
+pub(crate) mod drift_budget;
+pub(crate) mod exact;
 pub mod gap_fill;
 pub(crate) mod gyro;
 pub mod keys;
 mod read;
 pub mod relock;
-pub mod suspension;
+pub(crate) mod suspension;
 pub mod switched_run;
 pub(crate) mod table;
 #[cfg(test)]

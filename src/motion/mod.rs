@@ -1,10 +1,10 @@
 //! The motion of the base at one point, in ″ and s.
 
 pub mod keys;
-pub mod read;
-pub mod read_psd;
+pub(crate) mod read;
+pub(crate) mod read_psd;
 pub(crate) mod suspension;
-pub mod vibration;
+pub(crate) mod vibration;
 
 use std::f64::consts::TAU;
 use std::sync::Arc;

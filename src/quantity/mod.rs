@@ -1,7 +1,7 @@
 //! Dimensions, units and quantities, and how numbers are written.
 
 pub mod error;
-pub mod expression;
+pub(crate) mod expression;
 pub mod number;
-pub mod unit;
+pub(crate) mod unit;
 pub mod units;

@@ -1,7 +1,7 @@
 //! Texts with places in them, and faults reported with their place.
 
 pub mod diagnose;
-pub mod place;
+pub(crate) mod place;
 pub mod setting;
-pub mod shown;
-pub mod text_file;
+pub(crate) mod shown;
+pub(crate) mod text_file;

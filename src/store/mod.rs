@@ -31,16 +31,16 @@
 #[cfg(feature = "store")]
 pub mod check;
 #[cfg(feature = "store")]
-pub mod database;
-pub mod encoding;
+pub(crate) mod database;
+pub(crate) mod encoding;
 pub mod error;
-pub mod index;
+pub(crate) mod index;
 #[cfg(feature = "store")]
-pub mod lock;
+pub(crate) mod lock;
 mod memory;
-pub mod row;
+pub(crate) mod row;
 #[cfg(feature = "store")]
-pub mod schema;
+pub(crate) mod schema;
 #[cfg(feature = "store")]
 pub mod source;
 #[cfg(all(test, feature = "store"))]

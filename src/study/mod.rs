@@ -6,7 +6,7 @@
 //!
 //! All faults are found here, before any work, and reported with their place in the file.
 
-pub mod kept;
+pub(crate) mod kept;
 pub mod kind;
 pub mod precision;
 

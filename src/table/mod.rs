@@ -1,6 +1,6 @@
 //! The table: named columns with units, the sole source of files, charts, reports and JSON.
 
-pub mod column;
+pub(crate) mod column;
 
 use std::io;
 

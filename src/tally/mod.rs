@@ -2,6 +2,6 @@
 
 pub(crate) mod binomial;
 pub mod block;
-pub mod id;
+pub(crate) mod id;
 pub mod share;
 pub mod stats;

@@ -8,6 +8,6 @@ pub mod gap;
 pub mod minimum_variance;
 pub mod psd;
 pub mod published;
-pub mod quadrature;
+pub(crate) mod quadrature;
 pub mod relock;
 pub mod suspension;

@@ -28,7 +28,7 @@ pub(crate) fn pairs(low: f64, high: f64, panels: f64) -> impl Iterator<Item = ([
 }
 
 /// The mean of `f` between `low` and `high`; its value where the ends are equal.
-pub fn mean(low: f64, high: f64, panels: f64, f: impl Fn(f64) -> f64) -> f64 {
+pub(crate) fn mean(low: f64, high: f64, panels: f64, f: impl Fn(f64) -> f64) -> f64 {
     if low == high {
         return f(low);
     }

@@ -50,7 +50,7 @@ pub(crate) struct Fits {
 
 impl Fits {
     /// The fits of two curves. With [`Terms::Auto`] the terms are those used by the best fit of either record.
-    pub fn of(curves: [&Curve; 2], terms: &Terms) -> Result<Fits, FitError> {
+    pub(crate) fn of(curves: [&Curve; 2], terms: &Terms) -> Result<Fits, FitError> {
         let both = |terms: &Terms| -> Result<[Fit; 2], FitError> {
             let (a, b) = rayon::join(|| fit_record(curves[0], terms), || fit_record(curves[1], terms));
             Ok([a?, b?])
@@ -75,20 +75,20 @@ impl Fits {
     }
 
     /// Both estimates of a term; `widening` multiplies the variance of each record.
-    pub fn of_term(&self, term: Term, widening: [f64; 2]) -> Option<Two> {
+    pub(crate) fn of_term(&self, term: Term, widening: [f64; 2]) -> Option<Two> {
         let [a, b] = &self.fits;
         two(a, b, Quantity::Coefficient(term), widening)
     }
 
     /// The differences of all quantities of the terms.
-    pub fn differences(&self, widening: [f64; 2]) -> Vec<Difference> {
+    pub(crate) fn differences(&self, widening: [f64; 2]) -> Vec<Difference> {
         let [a, b] = &self.fits;
         let difference = |quantity| Some(self.difference(quantity, &two(a, b, quantity, widening)?));
         Quantity::all(&self.terms).into_iter().filter_map(difference).collect()
     }
 
     /// Required lengths of the records for each of `differences`; unknown where the values to distinguish are unknown.
-    pub fn lengths(&self, differences: &[Difference], steps: [f64; 2]) -> Vec<Length> {
+    pub(crate) fn lengths(&self, differences: &[Difference], steps: [f64; 2]) -> Vec<Length> {
         let is_open = |found: &&Difference| {
             found.difference.is_some_and(|difference| difference != 0.0)
                 || found.p.is_some_and(|p| p < SIGNIFICANT)

@@ -23,7 +23,7 @@ pub(crate) enum Estimate {
 
 impl Estimate {
     /// The coefficient or shape for which the estimate has the deviate `deviate`; see [`Evidence::square_at`].
-    pub fn at(&self, deviate: f64) -> Option<f64> {
+    pub(crate) fn at(&self, deviate: f64) -> Option<f64> {
         match self {
             Estimate::Square(evidence) => evidence.square_at(deviate).map(libm::sqrt),
             Estimate::Logarithm { value, error } => Some(value * libm::exp(-deviate * error)),
@@ -31,7 +31,7 @@ impl Estimate {
     }
 
     /// The estimated value, in the same unit.
-    pub fn found(&self) -> f64 {
+    pub(crate) fn found(&self) -> f64 {
         match self {
             Estimate::Square(evidence) => libm::sqrt(evidence.estimate()),
             Estimate::Logarithm { value, .. } => *value,
@@ -55,7 +55,7 @@ pub(crate) struct Two {
 
 impl Two {
     /// The distance between them, in standard deviations of a normal number, and the common value with that distance.
-    pub fn distance(&self) -> (f64, f64) {
+    pub(crate) fn distance(&self) -> (f64, f64) {
         let middle = |estimate: &Estimate| estimate.at(0.0).unwrap_or(estimate.found());
         let (a, b) = (middle(&self.a), middle(&self.b));
         let (low, high) = (a.min(b), a.max(b));
@@ -73,7 +73,7 @@ impl Two {
     /// The 95 % interval of `of`, a function that falls with the first value and rises with the second.
     ///
     /// `of` receives `None` for a value without a bound.
-    pub fn interval(&self, distance: f64, of: impl Fn(Option<f64>, Option<f64>) -> f64) -> [f64; 2] {
+    pub(crate) fn interval(&self, distance: f64, of: impl Fn(Option<f64>, Option<f64>) -> f64) -> [f64; 2] {
         let quarter = core::f64::consts::FRAC_PI_2;
         let at = |turn: f64, sign: f64| {
             // The exact quarter avoids the rounding of cos π/2, which would request a value beyond every bound.

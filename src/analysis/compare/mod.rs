@@ -36,14 +36,14 @@
 //! difference" for terms that a record does not show.
 
 pub mod difference;
-pub mod estimate;
+pub(crate) mod estimate;
 pub mod figures;
-pub mod fisher;
+pub(crate) mod fisher;
 pub mod length;
 pub mod logs;
 pub mod ratio;
 pub mod rows;
-pub mod same;
+pub(crate) mod same;
 pub mod tables;
 pub mod words;
 

@@ -39,12 +39,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod candidates;
-pub mod measure;
-pub mod optimum;
-pub mod paper;
+pub(crate) mod candidates;
+pub(crate) mod measure;
+pub(crate) mod optimum;
+pub(crate) mod paper;
 pub mod report;
-pub mod sampling;
+pub(crate) mod sampling;
 
 pub use crate::analysis::design::measure::Measure;
 pub use crate::analysis::design::optimum::Optimum;

@@ -27,13 +27,13 @@
 
 pub mod alone;
 pub mod choice;
-pub mod csv;
+pub(crate) mod csv;
 pub mod design;
-pub mod document;
-pub mod header;
-pub mod response;
+pub(crate) mod document;
+pub(crate) mod header;
+pub(crate) mod response;
 pub mod rule;
-pub mod vectors;
+pub(crate) mod vectors;
 
 pub use crate::analysis::firmware::alone::{Alone, KINDS, MINIMUM_VARIANCE};
 pub use crate::analysis::firmware::choice::{ChoiceError, choose_fillers, choose_point};

@@ -2,10 +2,10 @@
 
 pub mod adapter;
 pub mod fault;
-pub mod records;
-pub mod resource;
-pub mod rest;
-pub mod tile;
+pub(crate) mod records;
+pub(crate) mod resource;
+pub(crate) mod rest;
+pub(crate) mod tile;
 
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -11,7 +11,7 @@ use crate::kernel::moments::{BINS, GROUPS_PER_ROW, Moments, PARTIAL_WORDS};
 /// Work of one workgroup, in the layout that the shader reads.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct Job {
+pub(crate) struct Job {
     low: u32,
     high: u32,
     count: u32,
@@ -20,7 +20,7 @@ pub struct Job {
 
 /// Ranges of trials of one launch, which form one dispatch.
 #[derive(Debug, Clone)]
-pub struct Part<'a> {
+pub(crate) struct Part<'a> {
     /// The launch.
     pub launch: &'a Launch,
     /// Its ranges, in order.
@@ -46,7 +46,7 @@ impl Part<'_> {
 
 /// A range of trials; its tallies are added to place `to` of the results.
 #[derive(Debug, Clone, Copy)]
-pub struct Piece {
+pub(crate) struct Piece {
     /// Number of the first trial.
     pub first: u64,
     /// Number of trials.
@@ -63,7 +63,7 @@ impl Piece {
 }
 
 /// A submitted tile whose results have not been read.
-pub struct InFlight<'a> {
+pub(crate) struct InFlight<'a> {
     parts: Vec<Part<'a>>,
     histogram: bool,
     results: wgpu::Buffer,

@@ -15,7 +15,7 @@ use crate::table::column::abouts;
 use crate::theory::allan::terms::Term;
 
 /// Allan curves of simulated records.
-pub static ALLAN: Kind = Kind {
+pub(crate) static ALLAN: Kind = Kind {
     name: "allan",
     subject: "The Allan curve of a gyro at rest, and the coefficients fitted to it.",
     about: "Makes records of a gyro at rest with the noise of [noise], takes the Allan curve of each and fits its coefficients. \

@@ -1,14 +1,14 @@
 //! Studies of Allan curves: the record, its noise and its estimates.
 
 pub(crate) mod columns;
-pub mod estimate;
+pub(crate) mod estimate;
 pub(crate) mod keys;
-pub mod kind;
+pub(crate) mod kind;
 pub mod lower;
-pub mod notes;
-pub mod point;
+pub(crate) mod notes;
+pub(crate) mod point;
 pub mod realisations;
-pub mod run;
+pub(crate) mod run;
 pub mod verify;
 
 pub use crate::kinds::allan::point::{Inputs, Point};

@@ -14,7 +14,7 @@ use crate::study::kind::{Kind, Subject};
 use crate::table::column::abouts;
 
 /// The bound of the drift of a gyro that switches modes, and the switching interval at which it is least.
-pub static DRIFT_BUDGET: Kind = Kind {
+pub(crate) static DRIFT_BUDGET: Kind = Kind {
     name: "drift-budget",
     subject: "The bound of the drift of a gyro that switches modes, and the switching interval at which it is least, in closed form.",
     about: "Samples nothing: formulas of the drift of a gyro that switches modes. points.csv has the paper's `bound`, Z(7), the \

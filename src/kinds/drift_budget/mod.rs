@@ -1,7 +1,7 @@
 //! Studies of the drift budget: the paper's bound, its optimum, and the true drift of a run, in closed form.
 
 pub(crate) mod columns;
-pub mod kind;
+pub(crate) mod kind;
 
 use crate::drift::schedule::{SETTINGS as SCHEDULE_SETTINGS, Schedule};
 use crate::drift::{self as parts, Drift, RESIDUAL_MAX};
@@ -13,14 +13,14 @@ use crate::source::diagnose::{Fault, Wrong};
 
 /// The part of a study that is specific to the drift budget.
 #[derive(Debug, Clone)]
-pub struct DriftBudget {
+pub(crate) struct DriftBudget {
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
 }
 
 /// One combination of swept values.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Point {
+pub(crate) struct Point {
     /// Name of each swept key with its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
     /// The parts of the drift.

@@ -2,14 +2,14 @@
 
 pub(crate) mod columns;
 pub mod inputs;
-pub mod keys;
+pub(crate) mod keys;
 pub mod kind;
-pub mod law;
+pub(crate) mod law;
 pub mod lower;
-pub mod notes;
-pub mod of_noise;
+pub(crate) mod notes;
+pub(crate) mod of_noise;
 pub mod point;
-pub mod run;
+pub(crate) mod run;
 pub mod verify;
 
 use crate::filler::Filler;

@@ -5,7 +5,7 @@ pub(crate) mod columns;
 pub mod inputs;
 pub mod kind;
 pub mod lower;
-pub mod run;
+pub(crate) mod run;
 pub mod verify;
 
 pub use crate::kinds::relock::inputs::{Compensation, Relock};

@@ -14,7 +14,7 @@ use crate::study::kind::{Kind, Subject};
 use crate::table::column::abouts;
 
 /// The rotation of a gyro on its suspension under vibration.
-pub static SUSPENSION: Kind = Kind {
+pub(crate) static SUSPENSION: Kind = Kind {
     name: "suspension",
     subject: "The rotation of a gyro on its suspension under vibration, in closed form.",
     about: "Samples nothing: the response of an elastic suspension to a vibration of its base. points.csv has the rate by the \

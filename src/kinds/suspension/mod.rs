@@ -1,7 +1,7 @@
 //! Studies of a suspension: its response as a function of the vibration frequency, in closed form.
 
 pub(crate) mod columns;
-pub mod kind;
+pub(crate) mod kind;
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::theory::suspension::{Response, Suspension};
 
 /// The part of a study that is specific to a suspension.
 #[derive(Debug, Clone)]
-pub struct SuspensionStudy {
+pub(crate) struct SuspensionStudy {
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
     /// Notes on assumptions, each a sentence.
@@ -26,7 +26,7 @@ pub struct SuspensionStudy {
 
 /// One combination of swept values.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Point {
+pub(crate) struct Point {
     /// Name of each swept key with its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
     /// Suspension.

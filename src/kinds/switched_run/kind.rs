@@ -15,7 +15,7 @@ use crate::study::kind::{Kind, Subject};
 use crate::table::column::abouts;
 
 /// Studies of the angles of whole runs.
-pub static SWITCHED_RUN: Kind = Kind {
+pub(crate) static SWITCHED_RUN: Kind = Kind {
     name: "switched-run",
     subject: "The error of the angle of a gyro that switches modes after a whole run.",
     about: "Samples whole runs of a gyro that switches modes: the magnetic drift, whose sign every switch reverses, and the \

@@ -1,12 +1,12 @@
 //! Studies of whole runs of a gyro that switches modes.
 
 pub(crate) mod columns;
-pub mod kind;
+pub(crate) mod kind;
 pub mod lower;
-pub mod point;
-pub mod relock;
-pub mod run;
-pub mod times;
+pub(crate) mod point;
+pub(crate) mod relock;
+pub(crate) mod run;
+pub(crate) mod times;
 pub mod verify;
 
 pub use crate::kinds::switched_run::point::Point;

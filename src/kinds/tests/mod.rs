@@ -1,6 +1,6 @@
 //! Whole studies: their expansion, and reports of faults.
 
-pub mod charts;
+pub(crate) mod charts;
 
 use std::path::Path;
 

@@ -54,11 +54,11 @@
 
 pub mod continuous;
 pub mod estimator;
-pub mod exponential;
+pub(crate) mod exponential;
 pub mod gaussian;
-pub mod generalised;
+pub(crate) mod generalised;
 pub mod holds;
-pub mod markov;
+pub(crate) mod markov;
 pub mod part;
 pub mod process;
 pub mod quantiser;

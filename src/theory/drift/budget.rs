@@ -108,14 +108,14 @@ pub(crate) mod tests {
     use super::*;
 
     /// The paper's figures 4 and 5.
-    pub const PAPER: Budget = Budget {
+    pub(crate) const PAPER: Budget = Budget {
         magnetic: Magnetic { amplitude: 14.0, time_s: 3000.0, initial: 0.0 },
         non_magnetic: 0.05,
         residual_max: 10.0,
     };
 
     /// The columns of the reference: run, interval, bound, optimum, bound at the optimum, published root, limit.
-    pub fn reference() -> impl Iterator<Item = [f64; 7]> {
+    pub(crate) fn reference() -> impl Iterator<Item = [f64; 7]> {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/drift_budget.csv");
         let of_record = |record: Result<csv::StringRecord, _>| {
             let record = record.unwrap();

@@ -21,18 +21,18 @@ pub(crate) struct Area {
 
 impl Area {
     /// The place in the picture of a point of the data.
-    pub fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
+    pub(crate) fn place(&self, (x, y): (f64, f64)) -> (f64, f64) {
         (self.across(x), self.down(y))
     }
 
     /// The horizontal place of a value of the x axis.
-    pub fn across(&self, x: f64) -> f64 {
+    pub(crate) fn across(&self, x: f64) -> f64 {
         let Frame { left, right, .. } = self.frame;
         left + self.x.fraction(x) * (right - left)
     }
 
     /// The vertical place of a value of the y axis.
-    pub fn down(&self, y: f64) -> f64 {
+    pub(crate) fn down(&self, y: f64) -> f64 {
         let Frame { top, bottom, .. } = self.frame;
         bottom - self.y.fraction(y) * (bottom - top)
     }

@@ -127,22 +127,22 @@ pub(crate) const TRANSLUCENT: f64 = 0.22;
 pub(crate) const TEXT_RIM: f64 = 4.0;
 
 impl Canvas {
-    pub fn new(name: &str) -> Canvas {
+    pub(crate) fn new(name: &str) -> Canvas {
         Canvas { name: name.to_owned(), shapes: vec![] }
     }
 
     /// Draws a part that is clipped to its frame; places keep their meaning.
-    pub fn window(&mut self, frame: Frame, draw: impl FnOnce(&mut Canvas)) {
+    pub(crate) fn window(&mut self, frame: Frame, draw: impl FnOnce(&mut Canvas)) {
         self.part(Shape::Window(frame), draw);
     }
 
     /// Draws a named part.
-    pub fn group(&mut self, name: &str, draw: impl FnOnce(&mut Canvas)) {
+    pub(crate) fn group(&mut self, name: &str, draw: impl FnOnce(&mut Canvas)) {
         self.part(Shape::Group { name: name.to_owned(), crisp: false }, draw);
     }
 
     /// Draws a named part whose edges are not smoothed.
-    pub fn crisp_group(&mut self, name: &str, draw: impl FnOnce(&mut Canvas)) {
+    pub(crate) fn crisp_group(&mut self, name: &str, draw: impl FnOnce(&mut Canvas)) {
         self.part(Shape::Group { name: name.to_owned(), crisp: true }, draw);
     }
 
@@ -153,13 +153,13 @@ impl Canvas {
     }
 
     /// Draws a filled rectangle between two corners; adjacent ones are drawn with the same corners.
-    pub fn block(&mut self, (left, top): Place, (right, bottom): Place, colour: impl Into<Colour>) {
+    pub(crate) fn block(&mut self, (left, top): Place, (right, bottom): Place, colour: impl Into<Colour>) {
         let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
         self.shapes.push(Shape::Block { corners, colour: colour.into() });
     }
 
     /// Draws separate straight lines, if there are any.
-    pub fn lines(&mut self, lines: impl IntoIterator<Item = [Place; 2]>, stroke: Stroke) {
+    pub(crate) fn lines(&mut self, lines: impl IntoIterator<Item = [Place; 2]>, stroke: Stroke) {
         let lines: Vec<_> = lines.into_iter().collect();
         if !lines.is_empty() {
             self.shapes.push(Shape::Lines { lines, stroke });
@@ -167,18 +167,18 @@ impl Canvas {
     }
 
     /// Draws a line through two or more places.
-    pub fn line(&mut self, places: &[Place], stroke: Stroke) {
+    pub(crate) fn line(&mut self, places: &[Place], stroke: Stroke) {
         self.shapes.push(Shape::Line { places: places.to_vec(), stroke });
     }
 
     /// Draws a translucent area.
-    pub fn area(&mut self, corners: &[Place], colour: &'static str) {
+    pub(crate) fn area(&mut self, corners: &[Place], colour: &'static str) {
         self.shapes.push(Shape::Area { corners: corners.to_vec(), colour });
     }
 
     /// Draws a marker with a white rim, which separates neighbours; small ones have none, because their rims would hide
     /// each other.
-    pub fn marker(&mut self, middle: Place, radius: f64, style: usize, colour: &'static str) {
+    pub(crate) fn marker(&mut self, middle: Place, radius: f64, style: usize, colour: &'static str) {
         let corner = |(dx, dy): &Place| (middle.0 + radius * dx, middle.1 + radius * dy);
         let corners = palette::marker(style).iter().map(corner).collect();
         let rim = (radius >= SMALL_MARKER).then_some(0.2 * radius);
@@ -186,17 +186,17 @@ impl Canvas {
     }
 
     /// Draws a text with its baseline at a place.
-    pub fn text(&mut self, place: Place, text: &str, lettering: Lettering) {
+    pub(crate) fn text(&mut self, place: Place, text: &str, lettering: Lettering) {
         self.set(Set::Level, place, text, lettering);
     }
 
     /// Draws a text that reads upwards.
-    pub fn upward_text(&mut self, place: Place, text: &str, lettering: Lettering) {
+    pub(crate) fn upward_text(&mut self, place: Place, text: &str, lettering: Lettering) {
         self.set(Set::Upwards, place, text, lettering);
     }
 
     /// Draws a text with a white rim, legible over lines.
-    pub fn text_on_white(&mut self, place: Place, text: &str, lettering: Lettering) {
+    pub(crate) fn text_on_white(&mut self, place: Place, text: &str, lettering: Lettering) {
         self.set(Set::OnWhite, place, text, lettering);
     }
 
@@ -206,7 +206,7 @@ impl Canvas {
 
     /// The picture as SVG, one element per line. Windows are nested pictures, which clip like a `clipPath` but need no
     /// id.
-    pub fn svg(&self) -> String {
+    pub(crate) fn svg(&self) -> String {
         let mut svg = String::new();
         let mut depth = 0;
         // Writing to a String cannot fail.

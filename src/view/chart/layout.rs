@@ -8,9 +8,9 @@ use crate::view::chart::text;
 use crate::view::chart::ticks::Ticks;
 
 /// Width of every picture in CSS px.
-pub const WIDTH: f64 = 1000.0;
+pub(crate) const WIDTH: f64 = 1000.0;
 /// Height of every picture in CSS px.
-pub const HEIGHT: f64 = 650.0;
+pub(crate) const HEIGHT: f64 = 650.0;
 
 pub(crate) const MARGIN: f64 = 26.0;
 /// Approximate number of labels for which an axis has room.
@@ -32,7 +32,7 @@ pub(crate) struct Titles<'a> {
 
 impl Titles<'_> {
     /// The frame that leaves room for the titles, the labels of the vertical axis and `beside` px on the right.
-    pub fn frame(&self, y_ticks: &Ticks, beside: f64) -> Frame {
+    pub(crate) fn frame(&self, y_ticks: &Ticks, beside: f64) -> Frame {
         let labels =
             y_ticks.major.iter().map(|(_, label)| text::width(label, TICK_SIZE, false)).fold(0.0, f64::max);
         Frame {
@@ -43,7 +43,7 @@ impl Titles<'_> {
         }
     }
 
-    pub fn draw(&self, canvas: &mut Canvas, frame: Frame) {
+    pub(crate) fn draw(&self, canvas: &mut Canvas, frame: Frame) {
         let room = WIDTH - 2.0 * MARGIN;
         let wanted = text::width(self.title, TITLE_SIZE, true);
         let size = (TITLE_SIZE * (room / wanted.max(1.0)).min(1.0)).max(14.0);

@@ -45,7 +45,7 @@ pub(crate) struct Sample {
 impl Legend {
     /// The legend of a figure: one part for the colours, one for dashes and markers, one for laws, one for the meaning
     /// of points, lines and bands, and one for the parts of a sum.
-    pub fn of(figure: &Figure) -> Legend {
+    pub(crate) fn of(figure: &Figure) -> Legend {
         let mut legend = Legend::default();
         let own_dashes = !figure.dashes.entries.is_empty();
         legend.grouping(&figure.colours, |style| {
@@ -76,11 +76,11 @@ impl Legend {
     }
 
     /// Adds the rows selected from the table.
-    pub fn shown(&mut self, chosen: &[String]) {
+    pub(crate) fn shown(&mut self, chosen: &[String]) {
         self.part(Some("shown"), chosen.iter().cloned().map(Row::Remark).collect());
     }
 
-    pub fn part(&mut self, heading: Option<&str>, rows: Vec<Row>) {
+    pub(crate) fn part(&mut self, heading: Option<&str>, rows: Vec<Row>) {
         if rows.is_empty() {
             return;
         }
@@ -92,7 +92,7 @@ impl Legend {
     }
 
     /// Its width, 0 if it is empty.
-    pub fn width(&self) -> f64 {
+    pub(crate) fn width(&self) -> f64 {
         let of_row = |row: &Row| match row {
             Row::Heading(text) => text::width(text, SIZE, true).min(WIDEST_TEXT + SAMPLE + GAP),
             Row::Entry(_, text) | Row::Continued(text) => {
@@ -105,7 +105,7 @@ impl Legend {
     }
 
     /// Draws it downwards from its upper left corner; a last row counts the entries that do not fit above `bottom`.
-    pub fn draw(&self, canvas: &mut Canvas, (left, top): (f64, f64), bottom: f64) {
+    pub(crate) fn draw(&self, canvas: &mut Canvas, (left, top): (f64, f64), bottom: f64) {
         let lettering = Lettering { size: SIZE, bold: false, colour: INK, anchor: "start" };
         let mut y = top;
         for (i, row) in self.rows.iter().enumerate() {
@@ -140,7 +140,7 @@ impl Legend {
     }
 
     /// Its height, 0 if it is empty.
-    pub fn height(&self) -> f64 {
+    pub(crate) fn height(&self) -> f64 {
         (0..self.rows.len()).map(|row| self.height_of(row)).sum()
     }
 

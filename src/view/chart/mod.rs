@@ -55,27 +55,27 @@
 //! # Ok::<(), sagnac::view::chart::notes::ChartError>(())
 //! ```
 
-pub mod area;
-pub mod axes;
-pub mod canvas;
-pub mod coincidence;
+pub(crate) mod area;
+pub(crate) mod axes;
+pub(crate) mod canvas;
+pub(crate) mod coincidence;
 pub mod console;
 pub mod figure;
-pub mod from_table;
-pub mod laws;
-pub mod layout;
-pub mod legend;
+pub(crate) mod from_table;
+pub(crate) mod laws;
+pub(crate) mod layout;
+pub(crate) mod legend;
 pub mod map;
-pub mod mixed;
+pub(crate) mod mixed;
 pub mod notes;
-pub mod palette;
+pub(crate) mod palette;
 pub mod picture;
-pub mod plot;
+pub(crate) mod plot;
 #[cfg(feature = "png")]
-pub mod png;
-pub mod scale;
+pub(crate) mod png;
+pub(crate) mod scale;
 pub mod stack;
-pub mod svg;
-pub mod text;
-pub mod ticks;
-pub mod whole;
+pub(crate) mod svg;
+pub(crate) mod text;
+pub(crate) mod ticks;
+pub(crate) mod whole;

@@ -70,7 +70,7 @@ fn shown_points(figure: &Figure) -> impl Iterator<Item = &SeriesPoint> {
 
 impl Plot<'_> {
     /// Draws laws, bands, parts, closed forms, limit and points, in this order from below.
-    pub fn draw(&self, canvas: &mut Canvas) {
+    pub(crate) fn draw(&self, canvas: &mut Canvas) {
         let Frame { left, right, .. } = self.area.frame;
         let limit = self.figure.limit.as_ref().filter(|limit| self.area.y.scale.shows(limit.value));
         canvas.window(self.area.frame, |canvas| {

@@ -41,7 +41,7 @@ static FACES: LazyLock<[Option<Face<'static>>; 2]> = LazyLock::new(|| {
 
 impl Canvas {
     /// The picture as PNG, with `scale` pixels per CSS pixel.
-    pub fn png(&self, scale: f32) -> Result<Vec<u8>, PngError> {
+    pub(crate) fn png(&self, scale: f32) -> Result<Vec<u8>, PngError> {
         let [width, height] = [WIDTH, HEIGHT].map(|side| (side as f32 * scale).round());
         let sensible = [width, height].iter().all(|side| (1.0..=20_000.0).contains(side));
         let mut pixmap = Some((width as u32, height as u32))

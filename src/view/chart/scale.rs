@@ -69,7 +69,7 @@ pub(crate) struct Range {
 
 impl Range {
     /// A range with all of `values` that the scale can show, and a margin around them; arbitrary without values.
-    pub fn around(scale: Scale, values: impl IntoIterator<Item = f64>) -> Range {
+    pub(crate) fn around(scale: Scale, values: impl IntoIterator<Item = f64>) -> Range {
         let ends =
             values.into_iter().filter(|&value| scale.shows(value)).fold(None, |ends, value| match ends {
                 None => Some((value, value)),
@@ -85,7 +85,7 @@ impl Range {
     }
 
     /// The place of `value`: 0 at the lower end, 1 at the upper. Values that cannot be shown lie far below.
-    pub fn fraction(&self, value: f64) -> f64 {
+    pub(crate) fn fraction(&self, value: f64) -> f64 {
         /// Many axis lengths, but still drawable.
         const FAR: f64 = 20.0;
         if value.is_nan() || (self.scale == Scale::Log && value <= 0.0) {

@@ -94,7 +94,7 @@ impl Decimal {
 
 impl Range {
     /// Ticks inside the range, with at most about `most` labels.
-    pub fn ticks(&self, most: usize) -> Ticks {
+    pub(crate) fn ticks(&self, most: usize) -> Ticks {
         match self.scale {
             Scale::Log => self.log_ticks(most),
             Scale::Linear => self.linear_ticks(most),
@@ -137,7 +137,7 @@ impl Range {
     }
 
     /// All ticks that parts of the range and its surroundings may have; only at whole numbers if the axis counts.
-    pub fn ladder(&self, whole: bool) -> Ladder {
+    pub(crate) fn ladder(&self, whole: bool) -> Ladder {
         /// Factor by which a reader may go beyond a logarithmic axis.
         const BEYOND: f64 = 100.0;
         let wider = Range { low: self.low / BEYOND, high: self.high * BEYOND, ..*self };

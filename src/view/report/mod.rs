@@ -10,17 +10,17 @@
 //! winner maps with hatching, slices, keyboard control and printing takes a megabyte, or uses a canvas that neither
 //! prints sharply nor works with a screen reader.
 
-pub mod agreement;
+pub(crate) mod agreement;
 pub mod answer;
 pub(crate) mod axes;
-pub mod curves;
-pub mod data;
+pub(crate) mod curves;
+pub(crate) mod data;
 pub mod gallery;
-pub mod notes;
-pub mod page;
-pub mod sentences;
+pub(crate) mod notes;
+pub(crate) mod page;
+pub(crate) mod sentences;
 pub mod source;
-pub mod standing;
+pub(crate) mod standing;
 
 pub use crate::view::report::agreement::{Agreement, agreements};
 pub use crate::view::report::answer::{Answer, answer};

@@ -182,7 +182,7 @@ pub(crate) mod tests {
     }
 
     /// Curves over the frequencies 1, 2, 4 Hz, with the values of an estimate.
-    pub fn table(estimate: &str, curves: &[(&str, [f64; 3])]) -> Table {
+    pub(crate) fn table(estimate: &str, curves: &[(&str, [f64; 3])]) -> Table {
         let role = if estimate == "rms" { Role::Error } else { Role::Estimate };
         let names = curves.iter().flat_map(|(name, _)| vec![Cell::Text((*name).to_owned()); 3]).collect();
         let xs = curves.iter().flat_map(|_| [1.0, 2.0, 4.0].map(Cell::Number)).collect();

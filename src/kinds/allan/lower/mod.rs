@@ -8,12 +8,12 @@
 //! Words, unit of angle and headroom: `docs/numerics.md`, "Synthetic records".
 
 pub mod curve;
-pub mod drift;
-pub mod enough;
-pub mod fixed;
-pub mod levels;
-pub mod model;
-pub mod oracle;
+pub(crate) mod drift;
+pub(crate) mod enough;
+pub(crate) mod fixed;
+pub(crate) mod levels;
+pub(crate) mod model;
+pub(crate) mod oracle;
 
 use crate::key::refusal::Refusal;
 use crate::kinds::allan::lower::model::too_long;

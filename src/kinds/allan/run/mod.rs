@@ -1,10 +1,10 @@
 //! Running a study of Allan curves: records that the store lacks are made batch by batch.
 
-pub mod coefficients;
-pub mod curves;
-pub mod estimates;
-pub mod rows;
-pub mod sampling;
+pub(crate) mod coefficients;
+pub(crate) mod curves;
+pub(crate) mod estimates;
+pub(crate) mod rows;
+pub(crate) mod sampling;
 
 use std::ops::Range;
 

@@ -24,15 +24,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod estimate;
-pub mod fixed;
-pub mod launch;
-pub mod physical;
-pub mod readout;
-pub mod residual;
-pub mod response;
-pub mod unit;
-pub mod weights;
+pub(crate) mod estimate;
+pub(crate) mod fixed;
+pub(crate) mod launch;
+pub(crate) mod physical;
+pub(crate) mod readout;
+pub(crate) mod residual;
+pub(crate) mod response;
+pub(crate) mod unit;
+pub(crate) mod weights;
 
 use crate::key::refusal::Refusal;
 pub use crate::kinds::allan::lower::curve::LoweredCurve;

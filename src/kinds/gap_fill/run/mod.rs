@@ -1,7 +1,7 @@
 //! Running a gap-fill study: trials that the store lacks are sampled batch by batch.
 
-pub mod rows;
-pub mod stop;
+pub(crate) mod rows;
+pub(crate) mod stop;
 
 use std::time::Instant;
 

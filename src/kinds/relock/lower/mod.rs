@@ -1,6 +1,6 @@
 //! Lowering of a relock: words of the kernel, and the estimates of each compensation.
 
-pub mod fixed;
+pub(crate) mod fixed;
 
 use crate::key::refusal::Refusal;
 pub use crate::kinds::relock::lower::fixed::{FixedRelock, MOST_LEFT};

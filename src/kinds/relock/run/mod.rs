@@ -1,6 +1,6 @@
 //! Running a relock study: launches for what the store lacks.
 
-pub mod rows;
+pub(crate) mod rows;
 
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::kinds::relock::RelockStudy;

@@ -2,12 +2,12 @@
 //!
 //! Every part has a unit of at most 2^−29 of the largest angle that a run can reach.
 
-pub mod drift;
-pub mod fixed;
-pub mod launch;
-pub mod oracle;
-pub mod relocking;
-pub mod warm_up;
+pub(crate) mod drift;
+pub(crate) mod fixed;
+pub(crate) mod launch;
+pub(crate) mod oracle;
+pub(crate) mod relocking;
+pub(crate) mod warm_up;
 
 pub use crate::kinds::switched_run::lower::oracle::RunOracle;
 

@@ -1,7 +1,7 @@
 //! Running a study of whole runs: missing trials are sampled, and the first runs are kept as trajectories.
 
-pub mod rows;
-pub mod trajectories;
+pub(crate) mod rows;
+pub(crate) mod trajectories;
 
 use crate::kinds::switched_run::SwitchedRun;
 use crate::kinds::switched_run::lower::{FilledRun, LoweredRun};

@@ -3,11 +3,11 @@
 //! The axes, their ticks and their ranges are those of the pictures. Lines consist of Braille dots, four rows of two in
 //! a cell, or in plain ASCII of two rows of one; points are letters and characters explained in the legend.
 
-pub mod ascii;
-pub mod axes;
-pub mod curves;
-pub mod map;
-pub mod page;
+pub(crate) mod ascii;
+pub(crate) mod axes;
+pub(crate) mod curves;
+pub(crate) mod map;
+pub(crate) mod page;
 #[cfg(test)]
 mod tests;
 

@@ -34,12 +34,12 @@ impl ColourBar<'_> {
     }
 
     /// The total width.
-    pub fn width(&self) -> f64 {
+    pub(crate) fn width(&self) -> f64 {
         WIDTH + TO_LABELS + self.labels() + TO_TITLE
     }
 
     /// Draws it to the right of `left`.
-    pub fn draw(&self, canvas: &mut Canvas, left: f64, (top, bottom): (f64, f64)) {
+    pub(crate) fn draw(&self, canvas: &mut Canvas, left: f64, (top, bottom): (f64, f64)) {
         let right = left + WIDTH;
         let height = |fraction: f64| bottom - fraction * (bottom - top);
         canvas.crisp_group("colour scale", |canvas| {

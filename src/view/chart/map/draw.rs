@@ -20,7 +20,7 @@ pub(crate) struct Edges {
 }
 
 impl Edges {
-    pub fn new(map: &Map, area: &Area) -> Edges {
+    pub(crate) fn new(map: &Map, area: &Area) -> Edges {
         let xs = map.x.scale.edges(&map.columns).into_iter().map(|x| area.across(x));
         let ys = map.y.scale.edges(&map.rows).into_iter().map(|y| area.down(y));
         Edges { xs: xs.collect(), ys: ys.collect() }

@@ -42,7 +42,7 @@ impl Grid {
     ///
     /// # Errors
     /// Two rows of one series fall on one cell.
-    pub fn new(
+    pub(crate) fn new(
         table: &Table,
         rows: &[usize],
         (x, x_scale): (&Column, Scale),

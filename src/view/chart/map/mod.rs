@@ -2,17 +2,17 @@
 //!
 //! A heat map shows a value by colour, a winner map the series with the least value.
 
-pub mod colour_bar;
-pub mod colour_scale;
-pub mod contour;
-pub mod draw;
-pub mod from_table;
-pub mod grid;
-pub mod limit_line;
-pub mod svg;
+pub(crate) mod colour_bar;
+pub(crate) mod colour_scale;
+pub(crate) mod contour;
+pub(crate) mod draw;
+pub(crate) mod from_table;
+pub(crate) mod grid;
+pub(crate) mod limit_line;
+pub(crate) mod svg;
 #[cfg(test)]
 mod tests;
-pub mod winners;
+pub(crate) mod winners;
 
 use serde::Serialize;
 
