@@ -80,6 +80,9 @@ pub mod theory;
 pub mod verify;
 pub mod view;
 
+mod noise;
+mod sampling;
+
 // Below the front page: for tests, benches and the front ends, and free to change.
 #[doc(hidden)]
 pub use sagnac_kernel as kernel;
@@ -99,10 +102,6 @@ pub mod kinds;
 #[doc(hidden)]
 pub mod motion;
 #[doc(hidden)]
-pub(crate) mod noise;
-#[doc(hidden)]
 pub mod quantity;
-#[doc(hidden)]
-pub(crate) mod sampling;
 #[doc(hidden)]
 pub mod source;
