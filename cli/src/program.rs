@@ -113,8 +113,8 @@ pub struct Bench {
 
 #[derive(Debug, Args)]
 pub struct DeviceArg {
-    /// Device that samples: auto, cpu, gpu, a vector width of the CPU such as avx2, part of an adapter's name, or its
-    /// PCI address; see `sagnac devices`
+    /// Device to use: auto, cpu, gpu, a vector width of the CPU such as avx2, part of an adapter's name, or its PCI
+    /// address; see `sagnac devices`
     #[arg(help_heading = "Device", long = "device", value_name = "DEVICE", default_value = "auto")]
     pub name: String,
     /// Number of CPU threads [default: all logical cores]

@@ -151,8 +151,8 @@ keys! {
     ADC_NOISE = "relock.adc_noise", "noise of the detuning", DETUNINGS, "adc_noise = 0.0001";
     /// Step of the ADC, to which the mean detuning is rounded.
     ADC_STEP = "relock.adc_step", "step of the ADC", DETUNINGS, "adc_step = 0.0002";
-    /// Step in which the periods of the beat in half a tick are counted; 1, whole periods, if absent; 0 for no
-    /// rounding.
+    /// Step in which the periods of the beat in half a tick are counted. 1 counts whole periods, and 0 does not round;
+    /// 1 if absent.
     COUNT_STEP = "relock.count_step", "step of the count", COUNTS, "count_step = 1";
     /// Number of ticks followed after the loop closes, 1 to 8; 4 if absent.
     TICKS = "relock.ticks", "", Holds::Whole(1, MAX_TICKS as i64), "ticks = 4";
