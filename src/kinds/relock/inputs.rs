@@ -114,8 +114,8 @@ impl Relock {
     }
 }
 
-const MISSES: Holds = measure(&[Dimension::Ratio], -1.0, 1.0, "-1 to 1, parts of the wavelength");
-const DETUNINGS: Holds = measure(&[Dimension::Ratio], 0.0, 1.0, "0 to 1, parts of the wavelength");
+const MISSES: Holds = measure(&[Dimension::Ratio], -1.0, 1.0, "-1 to 1, in fractions of the wavelength");
+const DETUNINGS: Holds = measure(&[Dimension::Ratio], 0.0, 1.0, "0 to 1, in fractions of the wavelength");
 const TIMES: Holds = measure(&[Dimension::Time], 1e-6, 1e3, "1 µs to 1000 s");
 const BIASES: Holds = measure(&[Dimension::Frequency], 1e-3, 1e9, "0.001 Hz to 1e9 Hz");
 const PULSES: Holds = measure(&[Dimension::Angle], 1e-6, 1e6, "1e-6 to 1e6 arcsec");
