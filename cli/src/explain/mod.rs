@@ -89,8 +89,9 @@ fn of_term(term: &Term) -> String {
 fn of_kind(kind: &Kind) -> String {
     let name = kind.name;
     let mut text = format!("{name} (kind of study)\n{}", filled(kind.about));
-    text +=
-        &filled(&format!("`sagnac new {name}` writes such a study with its keys explained, and `sagnac run` runs it."));
+    text += &filled(&format!(
+        "`sagnac new {name}` writes such a study with its keys explained, and `sagnac run` runs it."
+    ));
     text + &format!("  Example:\n    kind = \"{name}\"\n")
 }
 
@@ -132,7 +133,10 @@ fn of_key(key: &Explained) -> String {
         }
     }
     if let Some(label) = key.swept {
-        line(&format!("Can be swept with key = \"{}\"; the label in tables and charts is \"{label}\".", key.key));
+        line(&format!(
+            "Can be swept with key = \"{}\"; the label in tables and charts is \"{label}\".",
+            key.key
+        ));
     }
     if key.required {
         line("Required.");
