@@ -104,17 +104,17 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("bias", Unit::HZ, "bias frequency at the start of the tick", |row| row.of_tick(|nominal, _, s| nominal.bias_at(s)))
             .is(Role::Estimate, "f, the bias frequency at the start of the tick for the nominal miss, Hz, Z(2)."),
         Of::new("bias_error", Unit::HZ, "error of the bias frequency", |row| row.of_tick(|nominal, tick, _| nominal.bias_error(tick)))
-            .is(Role::Estimate, "y_i, the error of the bias frequency in the tick for the nominal miss, Hz, Z(10)."),
+            .is(Role::Estimate, "y_i = f_i − f0, the error of the bias frequency in the tick for the nominal miss, Hz."),
         Of::new("detuning", Unit::NONE, "detuning at the start of the tick", |row| row.of_tick(|nominal, _, s| nominal.detuning(s)))
-            .is(Role::Estimate, "Δλ, the detuning at the start of the tick for the nominal miss, in fractions of the wavelength, Z(12)."),
+            .is(Role::Estimate, "Δλ, the detuning at the start of the tick for the nominal miss, in fractions of the wavelength, Z(10)."),
         Of::new("detuning_plus", Unit::NONE, "mean detuning of the first half", |row| {
             row.of_tick(|nominal, tick, _| nominal.detuning_means(tick)[0])
         })
-            .is(Role::Estimate, "h_i⁺, the mean detuning of the first half of the tick, in fractions of the wavelength."),
+            .is(Role::Estimate, "h_i⁺, the mean detuning of the first half of the tick, in fractions of the wavelength, Z(12)."),
         Of::new("detuning_minus", Unit::NONE, "mean detuning of the second half", |row| {
             row.of_tick(|nominal, tick, _| nominal.detuning_means(tick)[1])
         })
-            .is(Role::Estimate, "h_i⁻, the mean detuning of the second half of the tick, in fractions of the wavelength."),
+            .is(Role::Estimate, "h_i⁻, the mean detuning of the second half of the tick, in fractions of the wavelength, Z(12)."),
         Of::new("signal", Unit::NONE, "signal of the detuning at the start of the tick", Row::signal)
             .is(Role::Estimate, "A_I, the signal of the detuning at the start of the tick, in the unit of `relock.signal_gain`, Z(1)."),
     ]
