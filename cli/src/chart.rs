@@ -45,12 +45,12 @@ pub struct Options {
 
 /// The keys of a chart, as in studies.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "The chart, as in a study's [chart]; \"none\" removes a key")]
+#[command(next_help_heading = "Keys of the chart, as in [chart] of a study; \"none\" removes a key")]
 struct Keys {
-    /// curves, heat-map or winner-map: a new chart, which keeps nothing of the study's
+    /// Kind of a new chart that keeps no key of the study's chart: curves, heat-map or winner-map
     #[arg(long, value_name = "KIND")]
     kind: Option<String>,
-    /// points, coefficients or trajectories
+    /// Table to draw: points, coefficients or trajectories
     #[arg(long, value_name = "TABLE")]
     table: Option<String>,
     /// Title above the chart
@@ -59,7 +59,7 @@ struct Keys {
     /// Column of the horizontal axis
     #[arg(long, value_name = "COLUMN")]
     x: Option<String>,
-    /// Column of the vertical axis, for curves the estimate; several of the same unit, separated by commas
+    /// Column of the vertical axis; for curves it is the estimate, or several with the same unit, separated by commas
     #[arg(long, value_name = "COLUMN", value_delimiter = ',')]
     y: Vec<String>,
     /// Column shown by a map
@@ -68,7 +68,7 @@ struct Keys {
     /// Column whose values compete in a winner map
     #[arg(long, value_name = "COLUMN")]
     of: Option<String>,
-    /// Columns that distinguish the curves: colour, dash
+    /// Columns that distinguish the curves, the first by colour and the second by dash
     #[arg(long, value_name = "COLUMN", value_delimiter = ',')]
     series: Vec<String>,
     /// Laws drawn with the curves
@@ -77,16 +77,16 @@ struct Keys {
     /// Only rows with this value, as in filler=const or frequency="20 Hz"; may be repeated
     #[arg(long = "where", value_name = "COLUMN=VALUE", value_parser = row)]
     rows: Vec<(String, String)>,
-    /// Limit, as in "5 arcsec"
+    /// Allowed value, as in "5 arcsec"
     #[arg(long, value_name = "LIMIT")]
     limit: Option<String>,
-    /// log or linear
+    /// Scale of the horizontal axis: log or linear
     #[arg(long, value_name = "SCALE")]
     x_scale: Option<String>,
-    /// log or linear
+    /// Scale of the vertical axis: log or linear
     #[arg(long, value_name = "SCALE")]
     y_scale: Option<String>,
-    /// log or linear
+    /// Scale of the colours of a heat map: log or linear
     #[arg(long, value_name = "SCALE")]
     z_scale: Option<String>,
 }
@@ -98,7 +98,7 @@ Examples:
   sagnac chart results/error_vs_dtnu --kind heat-map --x frequency --y gap_ticks --z q9973 \\
     --where filler=quadratic
 
-The chart goes to DIR as a picture. The page, report.html, keeps the charts of the study: `sagnac report DIR` makes it again.";
+The chart is written to DIR as an SVG and a PNG. The page report.html keeps the charts of the study; `sagnac report DIR` rebuilds it.";
 
 /// The value that removes a key of the study's chart.
 const NONE: &str = "none";

@@ -30,8 +30,8 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Study of kind = "switched-run"; candidates are its swept intervals, or without such a sweep intervals that suit
-    /// the run
+    /// Study of kind = "switched-run". The candidates are its swept intervals; without such a sweep they are intervals
+    /// that suit the run
     #[arg(value_name = "STUDY")]
     study: PathBuf,
     /// Estimate to minimise
@@ -39,14 +39,14 @@ pub struct Options {
     by: Measure,
     #[command(flatten)]
     device: DeviceArg,
-    /// Output folder [default: results/<name of the study file>/design; with --by other than drift_q9973
-    /// design_<estimate>]
+    /// Output folder [default: design in results/<name of the study file>, or design_<estimate> for another --by than
+    /// drift_q9973]
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Runs of each candidate, in place of the study's; rounded up to 32 times a power of two
+    /// Runs of each candidate, instead of the number in the study; rounded up to 32 times a power of two
     #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials, allow_negative_numbers = true)]
     trials: Option<u64>,
-    /// Seed, in place of the study's
+    /// Seed, instead of the one in the study
     #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed, allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Print the recommendation as JSON

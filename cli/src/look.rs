@@ -12,7 +12,7 @@ const USUAL_WIDTH: usize = 80;
 
 #[derive(Debug, Args)]
 pub struct Options {
-    /// Colour messages and plots: on a terminal, unless NO_COLOR is set or TERM is dumb; always; never
+    /// When to colour messages and plots: auto (on a terminal, unless NO_COLOR is set or TERM is dumb), always or never
     #[arg(
         help_heading = "Output",
         long,

@@ -35,10 +35,10 @@ pub struct Options {
     /// Study file for the tables and charts [default: the resolved_study.toml that the folders share]
     #[arg(long, value_name = "STUDY")]
     study: Option<PathBuf>,
-    /// Trials at each point, in place of the study's
+    /// Trials at each point, instead of the number in the study
     #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials, allow_negative_numbers = true)]
     trials: Option<u64>,
-    /// Seed, in place of the study's
+    /// Seed, instead of the one in the study
     #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed, allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Omit damaged rows instead of refusing their folder

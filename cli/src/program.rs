@@ -42,7 +42,7 @@ fn after_help() -> String {
 enum Command {
     /// Run studies: sample what is missing, write the table and the charts
     ///
-    /// Results go to a folder. Running again resumes; a larger --trials continues.
+    /// Results are written to a folder. Repeating a command resumes the run; a larger --trials adds trials to it.
     Run(crate::run::Options),
     /// Merge results: shares of a study, or runs of several machines, in any order and any number of times
     Merge(crate::merge::Options),
@@ -87,10 +87,11 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_long_help = VERIFY_EXAMPLES)]
 pub struct Verify {
-    /// cpu, gpu, part of an adapter's name, or its PCI address: see `sagnac devices` [default: all adapters]
+    /// Device to verify: cpu, gpu, part of an adapter's name, or its PCI address; see `sagnac devices` [default: all
+    /// adapters]
     #[arg(long, value_name = "DEVICE")]
     pub device: Option<String>,
-    /// Work per kernel, in trials or samples over all its configurations, or in numbers
+    /// Work per kernel: total number of trials, samples or values over all its configurations
     #[arg(long, value_name = "N", default_value_t = 1 << 21, value_parser = verified)]
     pub trials: u64,
 }
@@ -112,10 +113,11 @@ pub struct Bench {
 
 #[derive(Debug, Args)]
 pub struct DeviceArg {
-    /// auto, cpu, gpu, a width of the CPU such as avx2, part of an adapter's name, or its PCI address: see `sagnac devices`
+    /// Device to use: auto, cpu, gpu, a vector width of the CPU such as avx2, part of an adapter's name, or its PCI
+    /// address; see `sagnac devices`
     #[arg(help_heading = "Device", long = "device", value_name = "DEVICE", default_value = "auto")]
     pub name: String,
-    /// Threads of the CPU [default: all logical cores]
+    /// Number of CPU threads [default: all logical cores]
     #[arg(help_heading = "Device", long, value_name = "N", value_parser = threads)]
     pub threads: Option<usize>,
 }

@@ -19,7 +19,8 @@ const LINE: Duration = Duration::from_secs(10);
 #[derive(Debug, Args)]
 #[group(skip)]
 pub struct Options {
-    /// Progress on the standard error stream: a bar on a terminal, else lines; bar, plain (a line every 10 s), none
+    /// Progress on the standard error stream: auto (a bar on a terminal, else lines), bar, plain (a line every 10 s) or
+    /// none
     #[arg(
         help_heading = "Output",
         long,

@@ -40,7 +40,7 @@ pub struct Reading {
     /// Omit the beginning, as in "30 min"
     #[arg(long, value_name = "TIME", default_value = "0 s", value_parser = seconds)]
     skip: f64,
-    /// Omit everything later than this after the start of the file
+    /// Omit everything later than this time after the start of the file
     #[arg(long, value_name = "TIME", value_parser = seconds)]
     until: Option<f64>,
     /// Remove a straight line from the rate; this also removes the rate ramp R and makes K too low
@@ -49,7 +49,7 @@ pub struct Reading {
     /// Treat outliers as gaps: samples more than 8 standard deviations from the median of their neighbours
     #[arg(long)]
     remove_outliers: bool,
-    /// Refuse rates that seem to be in another unit: see docs/reference.md
+    /// Whether to refuse rates that seem to be in another unit; see docs/reference.md
     #[arg(help_heading = "Reading the log", long, value_name = "SWITCH", default_value = "on", value_parser = unit_check())]
     unit_check: UnitCheck,
     /// Coefficients to fit: auto (those of Q, N, B, K, R that the record supports), none, or a list of Q, N, B, K, R,

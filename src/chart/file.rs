@@ -46,8 +46,8 @@ const SCALE: Holds = Holds::Word(Scale::WORDS);
 keys! {
     /// The keys of charts.
     pub(crate) static KEYS;
-    /// A chart of the estimates, or several: curves, or a map over two columns. If absent, a chart that suits the kind
-    /// of study. Columns are named without prefix and unit: "frequency", "rms".
+    /// One or several charts of the estimates: curves, or a map over two columns. If absent, the study has a chart that
+    /// suits its kind. Columns are named without prefix and unit: "frequency", "rms".
     pub(crate) CHART = "chart", "", Holds::Either(&[Holds::Table, Holds::List(&Holds::Table)]), "[chart]\nx = \"dt_nu\"\ny = \"rms\"";
     /// Kind of the chart; "curves" if absent.
     pub(crate) KIND = "chart.kind", "", Holds::Word(ChartKind::WORDS), r#"kind = "heat-map""#;
@@ -55,7 +55,7 @@ keys! {
     pub(crate) TABLE = "chart.table", "", Holds::Word(Source::WORDS), r#"table = "coefficients""#;
     /// Title above the chart; the study's title if absent.
     pub(crate) TITLE = "chart.title", "", Holds::Text, r#"title = "Largest error""#;
-    /// Column of the abscissa; a text column has its values side by side, and a map takes a swept key, dt_nu or
+    /// Column of the abscissa; the values of a text column stand side by side. For a map it is a swept key, dt_nu or
     /// amplitude_noise.
     pub(crate) X = "chart.x", "", Holds::Text, r#"x = "dt_nu""#;
     /// Column of the ordinate. For curves it is the estimate, or a list of several with one unit, ["bound",
@@ -65,17 +65,18 @@ keys! {
     pub(crate) Z = "chart.z", "", Holds::Text, r#"z = "q9973""#;
     /// Column whose values compete in a winner map: a swept key, filler or error; "filler" if absent.
     pub(crate) OF = "chart.of", "", Holds::Text, r#"of = "filler""#;
-    /// Columns whose values make the curves: the first sets the colour, the second the dash; with several columns y
-    /// only one, which sets the dash. If absent, the fillers, the coefficients, or the swept keys.
+    /// Columns whose values make the curves: the first sets the colour, the second the dash. If y has several columns,
+    /// series has only one, which sets the dash. If absent, the curves are those of the fillers, the coefficients, or
+    /// the swept keys.
     pub(crate) SERIES = "chart.series", "", TEXTS, r#"series = ["filler", "gap_ticks"]"#;
     /// Laws to draw with curves over a swept key or dt_nu, where y is an error in ″; each once.
     pub(crate) LAWS = "chart.laws", "", Holds::List(&Holds::Word(Law::WORDS)), r#"laws = ["taylor-extremum", "noise"]"#;
-    /// Rows to show: a swept key, filler, error, coefficient or tau = one of its values. The default is error =
-    /// "residual" unless series, of or this key names error.
+    /// Rows to show: each entry names a swept key, filler, error, coefficient or tau, and one of its values. Rows with
+    /// error = "residual" are shown unless error is named here, in series or in of.
     pub(crate) WHERE = "chart.where", "", Holds::Free, r#"where = { error = "residual" }"#;
     /// Allowed value, above 0: an angle where the estimate is an error in ″, "10 arcsec"; a rate where it is a
-    /// deviation, "0.005 deg/h"; a percentage where it is relative, "10 %". It is a line in curves and a contour in a
-    /// heat map; a winner map is hatched where even the least value is above it.
+    /// deviation, "0.005 deg/h"; a percentage where it is relative, "10 %". Curves show it as a line and a heat map as
+    /// a contour; a winner map is hatched where even the least value is above it.
     pub(crate) LIMIT = "chart.limit", "", Holds::Any, r#"limit = "10 arcsec""#;
     /// Scale of the abscissa; if absent, "linear" over a sweep that is linear or not above 0, else "log".
     pub(crate) X_SCALE = "chart.x_scale", "", SCALE, r#"x_scale = "log""#;

@@ -30,7 +30,8 @@ keys! {
     pub(crate) SWITCHING = "switching", "", Holds::Table, "[switching]\ngap_ticks = 3\nfillers = [\"const\", \"quadratic\"]";
     /// Number n of lost ticks; they are numbered 1 … n.
     pub(crate) GAP_TICKS = "switching.gap_ticks", "lost ticks n", Holds::Whole(1, LONGEST_GAP), "gap_ticks = 3";
-    /// Ticks to which the residual is fitted; -1, 0, n+1, n+2 if absent. Numbers, "n+1", ranges "-7..0".
+    /// Ticks to which the residual is fitted; -1, 0, n+1, n+2 if absent. A tick is a number or "n+1"; "-7..0" is a
+    /// range of ticks.
     pub(crate) FIT_TICKS = "switching.fit_ticks", "", LIST, r#"fit_ticks = [-1, 0, "n+1", "n+2"]"#;
     /// Ticks to which the extrapolation is fitted, none after 0; -3, -2, -1, 0 if absent.
     pub(crate) EXTRAPOLATION_TICKS = "switching.extrapolation_ticks", "", LIST, "extrapolation_ticks = [-3, -2, -1, 0]";
@@ -49,9 +50,9 @@ keys! {
     /// Vibration band for which a minimum-variance filler is designed, ["18 Hz", "22 Hz"]; the study's own motion if
     /// absent.
     pub(crate) FILLER_BAND = "switching.fillers.band", "", Holds::Pair(&FREQUENCIES), r#"band = ["18 Hz", "22 Hz"]"#;
-    /// Weights of the residual in the order of its ticks, whose sum is n. Numbers, or fractions "5/2".
+    /// Weights of the residual in the order of its ticks; their sum is n. They are numbers, or fractions such as "5/2".
     pub(crate) FILLER_WEIGHTS = "switching.fillers.weights", "", LIST, r#"weights = [-1, "5/2", "5/2", -1]"#;
-    /// Weights of the extrapolation; without them the filler has none.
+    /// Weights of the extrapolation. If absent, the filler does not extrapolate.
     pub(crate) FILLER_EXTRAPOLATION_WEIGHTS = "switching.fillers.extrapolation_weights", "", LIST, r#"extrapolation_weights = ["3/4", "3/4", "3/4", "3/4"]"#;
 }
 

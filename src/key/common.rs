@@ -27,8 +27,8 @@ keys! {
     pub(crate) KIND = "kind", "", Holds::Text, r#"kind = "gap-fill""#, required;
     /// Seed of all random numbers; 1 if absent.
     pub(crate) SEED = "seed", "", Holds::Whole(0, i64::MAX), "seed = 1";
-    /// Monte Carlo trials at each point; 1 000 000 if absent, 100 000 runs of kind = "switched-run", and 1000 records of
-    /// kind = "allan"; unused where all is in closed form.
+    /// Monte Carlo trials at each point. If absent, 1 000 000; for kind = "switched-run" 100 000 runs, and for kind =
+    /// "allan" 1000 records. Kinds in closed form do not use it.
     pub(crate) TRIALS = "trials", "", Holds::Whole(1, MOST_TRIALS as i64), "trials = 1_000_000";
     /// Whether the points share their random numbers.
     pub(crate) STREAMS = "streams", "", Holds::Word(Streams::WORDS), r#"streams = "independent""#;

@@ -54,8 +54,8 @@ keys! {
     /// The motion of the base: one tone (amplitude, frequency, phase) or several, Gaussian motion, vibration through
     /// the suspension, or a recorded profile; a constant rate and an angular acceleration can be added.
     pub(crate) MOTION = "motion", "", Holds::Table, "[motion]\namplitude = \"12000 arcsec/s\"\nfrequency = \"20 Hz\"";
-    /// Amplitude of the rate, "12000 arcsec/s", or of the angle, "90 arcsec", which is multiplied by 2πν at each point;
-    /// or drawn for each trial.
+    /// Amplitude of the rate, "12000 arcsec/s", or of the angle, "90 arcsec"; an amplitude of the angle is multiplied
+    /// by 2πν at each point. A table draws the amplitude for each trial.
     pub(crate) AMPLITUDE = "motion.amplitude", "vibration amplitude", ONE_AMPLITUDE, r#"amplitude = "12000 arcsec/s""#;
     /// Drawn uniformly between two ends: ["8000 arcsec/s", "12000 arcsec/s"].
     UNIFORM = "motion.amplitude.uniform", "", Holds::Pair(&AMPLITUDES), r#"uniform = ["8000 arcsec/s", "12000 arcsec/s"]"#;

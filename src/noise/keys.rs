@@ -27,11 +27,11 @@ keys! {
     pub(crate) FILE = "noise.file", "noise file", Holds::File, r#"file = "noise.toml""#;
     /// Quantisation noise Q, rms error of the angle: "0.11 arcsec".
     QUANTISATION = "noise.quantisation", "quantisation noise Q", ANGLES, r#"quantisation = "0.11 arcsec""#;
-    /// Angle of a pulse, where whole pulses are read: "0.38 arcsec".
+    /// Angle of a pulse, if the gyro counts whole pulses: "0.38 arcsec".
     pub(crate) READOUT_LSB = "noise.readout_lsb", "pulse weight", ANGLES, r#"readout_lsb = "0.38 arcsec""#;
     /// Angle random walk N: "0.00048 deg/sqrt(h)".
     ANGLE_RANDOM_WALK = "noise.angle_random_walk", "angle random walk N", N, r#"angle_random_walk = "0.00048 deg/sqrt(h)""#;
-    /// Bias instability B, the flat level over 0.664: "0.00164 deg/h".
+    /// Bias instability B, the flat level of the curve divided by 0.664: "0.00164 deg/h".
     BIAS_INSTABILITY = "noise.bias_instability", "bias instability B", RATES, r#"bias_instability = "0.00164 deg/h""#;
     /// Rate random walk K: "0.001 deg/h/sqrt(h)".
     RATE_RANDOM_WALK = "noise.rate_random_walk", "rate random walk K", K, r#"rate_random_walk = "0.001 deg/h/sqrt(h)""#;
@@ -55,16 +55,15 @@ keys! {
     WARM_UP_AMPLITUDE = "noise.warm_up.amplitude", "warm-up", SIGNED_RATES, r#"amplitude = "0.1 deg/h""#, required;
     /// Time constant: "20 min".
     WARM_UP_TIME = "noise.warm_up.time", "time of the warm-up", TIMES, r#"time = "20 min""#, required;
-    /// A gyro that switches modes, for the first time one interval after the start of the record, and the effects on
-    /// its angle.
+    /// Mode switches, the first one interval after the start of the record, and their effects on the angle.
     pub(crate) SWITCHING = "noise.switching", "", Holds::Table, r#"switching = { interval = "40 s", residual = "10 arcsec" }"#;
     /// Time from one switch to the next: "40 s". It is rounded to a whole number of samples.
     INTERVAL = "noise.switching.interval", "interval between switches", TIMES, r#"interval = "40 s""#, required;
     /// Magnetic drift A of a warm gyro, whose sign every switch reverses: "14 arcsec/s".
     pub(crate) MAGNETIC = "noise.switching.magnetic", "magnetic drift A", SIGNED_RATES, r#"magnetic = "14 arcsec/s""#;
-    /// Time constant with which A builds up from the start: "50 min"; A is present at once if absent.
+    /// Time constant with which A builds up from the start: "50 min". If absent, A is present from the start.
     pub(crate) SWITCHING_WARM_UP = "noise.switching.warm_up_time", "time of the magnetic warm-up", TIMES, r#"warm_up_time = "50 min""#;
-    /// Magnetic drift at the start, to which A is added: "0.1 deg/h".
+    /// Magnetic drift that is present from the start, to which A is added: "0.1 deg/h".
     pub(crate) INITIAL_MAGNETIC = "noise.switching.initial_magnetic", "magnetic drift Ω_m0 at the start", SIGNED_RATES, r#"initial_magnetic = "0.1 deg/h""#;
     /// Amplitude D of the residual that the filler leaves at a switch, D sin φ with a random φ at each: "10 arcsec".
     pub(crate) RESIDUAL = "noise.switching.residual", "amplitude of fill residuals D", ANGLES, r#"residual = "10 arcsec""#;

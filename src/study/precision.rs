@@ -10,8 +10,9 @@ use crate::source::diagnose::Fault;
 keys! {
     /// The keys of the stop rule.
     pub(crate) static KEYS;
-    /// Precision at which a point stops before all `trials`: "0.5 %", which is half the 95 % interval of the rms
-    /// relative to it, or precisions of several estimates by name. "none" samples all trials.
+    /// Precision at which a point stops before it has all `trials`. "0.5 %" is half the width of the 95 % interval of
+    /// the rms, relative to the rms. A table gives a precision for each of several estimates. "none" samples all
+    /// trials.
     pub(crate) PRECISION = "precision", "", Holds::Either(&[Holds::Percent, Holds::Table]), r#"precision = "0.5 %""#;
     /// Precision of the rms: "0.5 %".
     PRECISION_RMS = "precision.rms", "", Holds::Percent, r#"rms = "0.5 %""#;

@@ -34,7 +34,7 @@ fn a_chart_of_no_results_is_refused_with_what_there_is() {
         2,
         &["the chart needs --y and --z", "the study sweeps motion.frequency", "rms_arcsec"],
     );
-    assert!(desk.done("chart --help").stdout.contains("report.html, keeps the charts of the study"));
+    assert!(desk.done("chart --help").stdout.contains("keeps the charts of the study"));
 }
 
 #[test]

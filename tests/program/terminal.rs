@@ -145,8 +145,11 @@ fn keys_columns_and_exit_codes_are_explained_and_near_names_are_offered() {
     says("GAP_FILL", &["gap-fill (kind of study)"]);
     says("in-gap", &["Largest error of the angle while the gap is open", "switching.errors"]);
     says("minimum_variance", &["least error variance", "switching.fillers.kind"]);
-    says("switching.fillers", &["\"linear\" A straight line", "fit_ticks, extrapolation_ticks, band"]);
-    says("Gyro.Tick-Noise", &["gyro.tick_noise (key of a study file)", "As a table it has std, three_sigma"]);
+    says("switching.fillers", &["\"linear\": A straight line", "fit_ticks, extrapolation_ticks, band"]);
+    says(
+        "Gyro.Tick-Noise",
+        &["gyro.tick_noise (key of a study file)", "As a table it has the keys std, three_sigma"],
+    );
     says("q9973-hi", &["Upper end of the 95 % interval"]);
     for code in ["0", "1", "2", "3", "4", "5", "6", "130", "143"] {
         says(code, &[&format!("exit code {code}: ")]);

@@ -21,13 +21,13 @@ Examples:
   sagnac allan PHASE.DAT --data angle --unit none --rate 1Hz --deviation oadev,hdev --tau decade10
 
 Files are text (CSV, TSV, semicolons or blanks between columns, a header or none, comments
-behind # % ;), Stable32 .DAT, or NumPy .npy. Empty cells, NaN and missing time stamps are gaps:
-terms that touch one are left out.";
+behind # % ;), Stable32 .DAT, or NumPy .npy. Empty cells, NaN and missing time stamps are gaps.
+The deviations omit every difference that touches a gap.";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Logs
+    /// Recorded logs
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     #[command(flatten)]
@@ -35,11 +35,11 @@ pub struct Options {
     /// Averaging times: octave, decade10, decade20, all, or seconds separated by commas
     #[arg(long, value_name = "TAUS", default_value = "octave", value_parser = taus)]
     pub tau: Taus,
-    /// One or more of adev, oadev, mdev, tdev, hdev, ohdev, separated by commas
+    /// Deviations to compute: one or more of adev, oadev, mdev, tdev, hdev, ohdev, separated by commas
     #[arg(long, value_name = "NAMES", default_value = "oadev", value_delimiter = ',')]
     pub deviation: Vec<Deviation>,
-    /// Simulated records of the fit, which give the intervals of coefficients; 0 uses closed forms [default: 1000, for
-    /// more than 2 million samples 0]
+    /// Number of simulated records from which the intervals of the coefficients are found; 0 uses closed forms
+    /// [default: 1000, or 0 for more than 2 million samples]
     #[arg(long, value_name = "N", value_parser = simulated)]
     bootstrap: Option<usize>,
     /// Probability of the confidence intervals of deviations

@@ -13,9 +13,9 @@ Examples:
     --column gz
   sagnac compare log.csv log.csv --data rate --unit deg/s --rate 100Hz --column gx,gy
 
-Both logs are read with the same options, as `sagnac allan` reads them. Of two columns the first
-is that of A, the second that of B. Where time stamps give them, sampling rates may differ: curves
-are compared at the averaging times that both have.";
+Both logs are read with the same options, as `sagnac allan` reads them. If --column names two
+columns, the first is read from A and the second from B. If the logs have time stamps, their
+sampling rates may differ; the curves are compared at the averaging times that both have.";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
@@ -23,7 +23,7 @@ pub struct Options {
     /// First log
     #[arg(value_name = "A")]
     pub a: PathBuf,
-    /// Log that is compared with the first
+    /// Second log, which is compared with the first
     #[arg(value_name = "B")]
     pub b: PathBuf,
     #[command(flatten)]

@@ -9,7 +9,7 @@ pub struct Term {
 pub const TERMS: [Term; 26] = [
     Term {
         names: &["Q", "quantisation noise"],
-        meaning: "Coefficient of quantisation noise, ″: an Allan deviation of √3·Q/τ, slope −1. Pulses of q give Q = q/√12. \
+        meaning: "Coefficient of quantisation noise, ″: an Allan deviation of √3·Q/τ, slope −1. A readout in pulses of weight q gives Q = q/√12. \
                   Key: noise.quantisation.",
     },
     Term {
@@ -65,7 +65,7 @@ pub const TERMS: [Term; 26] = [
     },
     Term {
         names: &["octave", "decade10", "decade20"],
-        meaning: "Density of averaging times: each twice the previous one, or 10 or 20 per factor of ten. Key: allan.tau.",
+        meaning: "Density of the averaging times: each is twice the previous one (octave), or there are 10 or 20 per factor of ten. Key: allan.tau.",
     },
     Term {
         names: &["adev", "oadev", "mdev", "tdev", "hdev", "ohdev"],
@@ -126,12 +126,13 @@ pub const TERMS: [Term; 26] = [
     },
     Term {
         names: &["points.csv", "coefficients.csv", "trajectories.csv"],
-        meaning: "Tables of a results folder: a row for each point, filler and error, τ or angle; for each fitted coefficient; for each time of \
-                  a run. `sagnac explain COLUMN` describes a column.",
+        meaning: "Tables of a results folder. points.csv has a row for each point, and at a point for each filler and error, τ, or angle. \
+                  coefficients.csv has a row for each fitted coefficient, and trajectories.csv one for each time of a run. \
+                  `sagnac explain COLUMN` describes a column.",
     },
     Term {
         names: &["resolved_study.toml", "tallies.sqlite", "report.html"],
-        meaning: "Files of a results folder: the study as it was run, which reproduces the run; the exact tallies, from which a run continues; the \
-                  report, which is complete in one file.",
+        meaning: "Files of a results folder. resolved_study.toml is the study as it was run, which reproduces the run. tallies.sqlite holds the \
+                  exact tallies, from which a run continues. report.html is the report, complete in one file.",
     },
 ];

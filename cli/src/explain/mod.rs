@@ -28,8 +28,8 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Key or word of a study file, kind of study, term, column of a results file, or exit code; without it all of
-    /// these are listed
+    /// Key or word of a study file, kind of study, term, column of a results file, or exit code [default: a list of all
+    /// of these]
     #[arg(value_name = "WHAT")]
     what: Vec<String>,
 }
@@ -89,8 +89,9 @@ fn of_term(term: &Term) -> String {
 fn of_kind(kind: &Kind) -> String {
     let name = kind.name;
     let mut text = format!("{name} (kind of study)\n{}", filled(kind.about));
-    text +=
-        &filled(&format!("`sagnac new {name}` writes one with its keys explained, `sagnac run` runs it."));
+    text += &filled(&format!(
+        "`sagnac new {name}` writes such a study with its keys explained, and `sagnac run` runs it."
+    ));
     text + &format!("  Example:\n    kind = \"{name}\"\n")
 }
 
@@ -119,12 +120,12 @@ fn of_key(key: &Explained) -> String {
     line(&key.meaning);
     line(&format!("Holds {}.", key.holds));
     for (word, meaning) in &key.choices {
-        line(&format!("\"{word}\" {meaning}"));
+        line(&format!("\"{word}\": {meaning}"));
     }
     let inner: Vec<&str> =
         explained_keys().filter_map(|other| other.strip_prefix(&format!("{}.", key.key))).collect();
     if !inner.is_empty() {
-        line(&format!("As a table it has {}.", inner.join(", ")));
+        line(&format!("As a table it has the keys {}.", inner.join(", ")));
     }
     for (what, text) in [("Accepted", &key.accepted), ("Range", &key.range)] {
         if !text.is_empty() {
@@ -132,7 +133,10 @@ fn of_key(key: &Explained) -> String {
         }
     }
     if let Some(label) = key.swept {
-        line(&format!("Can be swept as key = \"{}\": {label}.", key.key));
+        line(&format!(
+            "Can be swept with key = \"{}\"; the label in tables and charts is \"{label}\".",
+            key.key
+        ));
     }
     if key.required {
         line("Required.");

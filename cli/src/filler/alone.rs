@@ -23,19 +23,19 @@ const NAMES: [(&str, &str); 9] = [
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Without a study")]
 pub struct Given {
-    /// Lost ticks n
+    /// Number n of lost ticks
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     gap_ticks: Option<u32>,
     /// Length of a tick, such as "5 ms"; not needed for polynomials
     #[arg(long, value_name = "TIME")]
     pub tick: Option<String>,
-    /// Ticks that the residual is fitted to, such as "-7..0,n+1,n+2" [default: -1,0,n+1,n+2]
+    /// Ticks to which the residual is fitted, such as "-7..0,n+1,n+2" [default: -1,0,n+1,n+2]
     #[arg(long, value_name = "TICKS", allow_hyphen_values = true)]
     fit_ticks: Option<String>,
-    /// Ticks that the extrapolation is fitted to [default: -3..0; for minimum-variance the fit ticks up to 0]
+    /// Ticks to which the extrapolation is fitted [default: -3..0, or for minimum-variance the fit ticks up to 0]
     #[arg(long, value_name = "TICKS", allow_hyphen_values = true)]
     extrapolation_ticks: Option<String>,
-    /// Frequencies of the vibration, such as "18 Hz,22 Hz", or a single one
+    /// Frequency band of the vibration, such as "18 Hz,22 Hz", or a single frequency
     #[arg(long, value_name = "LOW,HIGH", requires_all = ["tick", "amplitude"])]
     band: Option<String>,
     /// Amplitude of the vibration as a rate or an angle, such as "12000 arcsec/s"

@@ -23,10 +23,10 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
 pub struct Options {
-    /// Study file; or without a study one or more of const, linear, quadratic, minimum-variance
+    /// Study file, or without a study one or more of const, linear, quadratic and minimum-variance
     #[arg(required = true, value_name = "STUDY|FILLER")]
     what: Vec<String>,
-    /// Point of a study with sweeps: value of a swept key, such as frequency="20 Hz"
+    /// Value of a swept key that selects the point of the study, such as frequency="20 Hz"; may be repeated
     #[arg(long, value_name = "KEY=VALUE")]
     pub at: Vec<String>,
     /// Only this filler of the study; may be repeated
@@ -35,7 +35,8 @@ pub struct Options {
     /// Output folder [default: results/<name of the study file, or of the filler>/filler]
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Also write test_vectors.csv with this many inputs for each filler, and the expected outputs
+    /// Also write test_vectors.csv with this many inputs for each filler and the expected outputs; 1000 if N is left
+    /// out
     #[arg(help_heading = "Output", long, value_name = "N", num_args = 0..=1, default_missing_value = "1000",
           value_parser = clap::value_parser!(u32).range(1..=MOST_VECTORS))]
     pub test_vectors: Option<u32>,

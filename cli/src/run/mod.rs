@@ -37,7 +37,7 @@ Examples:
   sagnac run my.toml --shard 2/4 --time-limit 8:00:00
   sagnac run studies/smoke.toml --json --out results/smoke
 
-Results go to a folder; running again resumes, and a larger --trials continues. A run that is stopped keeps what it sampled.";
+A run that is stopped keeps its completed work. Repeating the command resumes it, and a larger --trials adds trials.";
 
 #[derive(Debug, Args)]
 #[command(after_long_help = EXAMPLES)]
@@ -47,20 +47,20 @@ pub struct Options {
     studies: Vec<PathBuf>,
     #[command(flatten)]
     device: DeviceArg,
-    /// Results folder [default: results/<name of the study file>; for a resolved_study.toml its own folder; with
-    /// --shard the subfolder shard-I-of-N]
+    /// Results folder [default: results/<name of the study file>, or the own folder of a resolved_study.toml; with
+    /// --shard its subfolder shard-I-of-N]
     #[arg(help_heading = "Output", long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Trials at each point, in place of the study's
+    /// Trials at each point, instead of the number in the study
     #[arg(help_heading = "Sampling", long, value_name = "N", value_parser = whole::trials, allow_negative_numbers = true)]
     trials: Option<u64>,
-    /// Seed, in place of the study's
+    /// Seed, instead of the one in the study
     #[arg(help_heading = "Sampling", long, value_name = "S", value_parser = whole::seed, allow_negative_numbers = true)]
     seed: Option<u64>,
-    /// Sample share I of N only, for `sagnac merge`; slurm: the share of this task of a job array
+    /// Sample only share I of N, which `sagnac merge` combines with the others; slurm takes I and N from the job array
     #[arg(help_heading = "Sampling", long, value_name = "I/N", value_parser = crate::run::share::parse)]
     shard: Option<Shard>,
-    /// Stop in time, "55 min" or 8:00:00 from now, with exit code 4; run again to continue
+    /// Stop within this time, such as "55 min" or 8:00:00, with exit code 4; run again to continue
     #[arg(help_heading = "Sampling", long, value_name = "TIME", value_parser = time)]
     time_limit: Option<Duration>,
     /// Print the table and the verdict as JSON: one object, or an array of objects for several studies

@@ -35,7 +35,7 @@ pub(crate) fn ratio_columns<'a>() -> Vec<ColumnOf<RatioRow<'a>>> {
         Of::new("b", Unit::NONE, "b", |row| row.ratio.points[1].value.into())
             .is(Role::Error, "Overlapping Allan deviation of B, in `unit`."),
         Of::new("ratio", Unit::NONE, "ratio", |row| row.ratio.value.into())
-            .is(Role::Estimate, "B over A."),
+            .is(Role::Estimate, "Value of B divided by that of A."),
         Of::new("lower", Unit::NONE, "lower", |row| row.ratio.interval.map(|ends| ends[0]).into())
             .is_of("ratio", Role::Lower, "Lower end of the 95 % interval of `ratio`."),
         Of::new("upper", Unit::NONE, "upper", |row| row.ratio.interval.map(|ends| ends[1]).into())
@@ -43,7 +43,7 @@ pub(crate) fn ratio_columns<'a>() -> Vec<ColumnOf<RatioRow<'a>>> {
         Of::new("unit", Unit::NONE, "unit", |row| text(row.unit))
             .is(Role::Note, "Unit of `a` and `b`."),
         Of::new("p", Unit::NONE, "p", |row| row.ratio.p.into())
-            .is(Role::Estimate, "Probability of a ratio at least as far from 1 by chance where both have the same noise."),
+            .is(Role::Estimate, "Probability that a ratio is at least as far from 1 by chance if both have the same noise."),
         Of::new("verdict", Unit::NONE, "verdict", |row| text(verdict(row.ratio)))
             .is(Role::Note, "`B higher`, `B lower` or `not told apart`, at 95 %."),
     ]
@@ -71,27 +71,27 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<&'a Row>> {
         Of::new("b", Unit::NONE, "b", |row| row.found.values[1].into())
             .is(Role::Estimate, "The coefficient of B; blank where its record does not show it."),
         Of::new("difference", Unit::NONE, "difference", |row| row.found.difference.into())
-            .is(Role::Estimate, "B less A."),
+            .is(Role::Estimate, "Value of B minus that of A."),
         Of::new("lower", Unit::NONE, "lower", |row| row.found.interval[0].into())
             .is_of("difference", Role::Lower, "Lower end of the 95 % interval of `difference`."),
         Of::new("upper", Unit::NONE, "upper", |row| row.found.interval[1].into())
             .is_of("difference", Role::Upper, "Upper end of the 95 % interval of `difference`."),
         Of::new("p", Unit::NONE, "p", |row| row.found.p.into())
-            .is(Role::Estimate, "Probability of at least as large a difference by chance where both have the same coefficient."),
+            .is(Role::Estimate, "Probability that a difference is at least as large by chance if both have the same coefficient."),
         Of::new("length_needed", Unit::S, "length_needed", |row| needed(row.length).into())
             .is(Role::Estimate, "Length of records, s, that distinguishes such values in 9 of 10 cases."),
         Of::new("verdict", Unit::NONE, "verdict", |row| text(row.verdict().name()))
             .is(Role::Note, "`B higher`, `B lower`, `not told apart`, `equal` or `in neither record`."),
         Of::new("ratio", Unit::NONE, "ratio", |row| row.found.ratio.into())
-            .is(Role::Estimate, "B over A."),
+            .is(Role::Estimate, "Value of B divided by that of A."),
         Of::new("ratio_lower", Unit::NONE, "ratio_lower", |row| row.found.ratio_interval[0].into())
             .is_of("ratio", Role::Lower, "Lower end of the 95 % interval of `ratio`."),
         Of::new("ratio_upper", Unit::NONE, "ratio_upper", |row| row.found.ratio_interval[1].into())
             .is_of("ratio", Role::Upper, "Upper end of the 95 % interval of `ratio`."),
         Of::new("a_at_most", Unit::NONE, "a_at_most", |row| row.found.at_most[0].into())
-            .is(Role::Estimate, "The coefficient of A is at most this, where its record does not show it."),
+            .is(Role::Estimate, "Upper bound on the coefficient of A, if its record does not show it."),
         Of::new("b_at_most", Unit::NONE, "b_at_most", |row| row.found.at_most[1].into())
-            .is(Role::Estimate, "The coefficient of B is at most this, where its record does not show it."),
+            .is(Role::Estimate, "Upper bound on the coefficient of B, if its record does not show it."),
         Of::new("length_beyond", Unit::S, "length_beyond", |row| beyond(row.length).into())
             .is(Role::Estimate, "Length of records, s, up to which none was found that would distinguish such values."),
     ]

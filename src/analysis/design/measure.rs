@@ -5,13 +5,13 @@ use crate::key::holds::words;
 words! {
     /// The quantity to minimise, as listed by `--by`.
     pub enum Measure {
-        /// The drift below which 99.73 % of runs stay.
+        /// The drift that 99.73 % of runs do not exceed.
         DriftQ9973 = "drift_q9973",
         /// The rms drift.
         DriftRms = "drift_rms",
-        /// The level of the largest angle over the run time below which 99.73 % of runs stay.
+        /// The largest angle of a run, divided by the run time, that 99.73 % of runs do not exceed.
         LargestQ9973 = "largest_q9973",
-        /// The rms of the largest angle over the run time.
+        /// The rms of the largest angle of a run, divided by the run time.
         LargestRms = "largest_rms",
     }
 }

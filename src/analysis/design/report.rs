@@ -70,7 +70,7 @@ fn measured<'a>(measure: Measure) -> [Of<'a>; 3] {
     match measure {
         Measure::DriftQ9973 => columns!(
             "drift_q9973",
-            "99.73 % of runs drift by less with that interval, °/h, without the non-magnetic drift."
+            "Drift, °/h, which 99.73 % of runs with that interval stay below, without the non-magnetic drift."
         ),
         Measure::DriftRms => columns!(
             "drift_rms",
@@ -78,11 +78,11 @@ fn measured<'a>(measure: Measure) -> [Of<'a>; 3] {
         ),
         Measure::LargestQ9973 => columns!(
             "largest_q9973",
-            "99.73 % level of the largest angle of a run by its duration, °/h (measure `largest_q9973`)."
+            "99.73 % level of the largest angle of a run divided by its duration, °/h (measure `largest_q9973`)."
         ),
         Measure::LargestRms => columns!(
             "largest_rms",
-            "Root mean square of the largest angle of a run by its duration, °/h (measure `largest_rms`)."
+            "Root mean square of the largest angle of a run divided by its duration, °/h (measure `largest_rms`)."
         ),
     }
 }

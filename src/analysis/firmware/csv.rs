@@ -30,7 +30,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Key, "`extrapolation`: the weights deliver E_j while the gap is open; `residual`: they give I_j once the ticks after \
                 it are known."),
         Of::new("row", Unit::NONE, "row", |row| row.row.as_str().into())
-            .is(Role::Key, "The lost tick given by the weights, from 1, or `sum` for all of them together."),
+            .is(Role::Key, "The lost tick that the weights fill, from 1, or `sum` for all lost ticks together."),
         Of::new("tick", Unit::NONE, "tick", |row| Cell::Integer(row.tick.into()))
             .is(Role::Coordinate, "The valid tick that is weighted: up to 0 before the gap, from n+1 on after it."),
         Of::new("numerator", Unit::NONE, "numerator", |row| Cell::Integer(row.numerator))

@@ -137,7 +137,7 @@ const fn about(name: &'static str, role: Role, meaning: &'static str) -> About {
 
 const FILLER_COLUMN: About = about("filler", Role::Key, FILLER);
 const INPUT: About =
-    about("P[…]", Role::Estimate, "Angle of this valid tick, a whole number of units: an input.");
+    about("P[…]", Role::Estimate, "Input: the angle of this valid tick, a whole number of units.");
 const DELIVERED: About = about(
     "E[…]",
     Role::Estimate,

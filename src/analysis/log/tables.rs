@@ -104,7 +104,7 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<Line<'a>>> {
         Of::new("lower", Unit::NONE, "lower", |line| line.row.interval.map(|ends| ends[0]).into())
             .is_of("value", Role::Lower, "Lower end of the 95 % interval."),
         Of::new("upper", Unit::NONE, "upper", |line| line.row.interval.map(|ends| ends[1]).into())
-            .is_of("value", Role::Upper, "Upper end of the 95 % interval; without a `value` the coefficient is at most this."),
+            .is_of("value", Role::Upper, "Upper end of the 95 % interval; if `value` is blank, an upper bound on the coefficient."),
         Of::new("unit", Unit::NONE, "unit", |line| text(line.row.unit))
             .is(Role::Note, "Unit of `value`, `lower` and `upper`."),
         Of::new("verdict", Unit::NONE, "verdict", |line| text(line.row.verdict))

@@ -44,24 +44,24 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("m", Unit::NONE, "averaging factor m", |row| row.m.into())
             .is(Role::Count, "Averaging time in samples."),
         Of::new("terms", Unit::NONE, "differences", |row| row.terms.into())
-            .is(Role::Count, "Differences that one record gives at this averaging time."),
+            .is(Role::Count, "Number of differences in one record at this averaging time."),
         Of::new("trials", Unit::NONE, "records", |row| row.records.into())
-            .is(Role::Trials, "Records that the estimates of the row are from."),
+            .is(Role::Trials, "Number of records behind the estimates of the row."),
         Of::new("mean_avar", Unit::DEG2_PER_H2, "mean Allan variance", |row| row.scatter.mean.into())
             .is(Role::Error, "Mean Allan (or Hadamard) variance over the records, (°/h)²."),
         Of::new("mean_avar_se", Unit::DEG2_PER_H2, "standard error of the mean Allan variance", |row| row.scatter.error.into())
             .is_of("mean_avar", Role::StandardError, "Standard error (1 σ) of `mean_avar`, (°/h)²."),
         Of::new("lo", Unit::DEG2_PER_H2, "95 % band of records (lower), Allan variance", |row| row.scatter.band.map(|band| band.0).into())
-            .is_of("mean_avar", Role::Lower, "95 % of single records have a variance above this and below `hi`, (°/h)²; blank of fewer \
+            .is_of("mean_avar", Role::Lower, "95 % of single records have a variance above this and below `hi`, (°/h)²; blank for fewer \
                 than 40 records."),
         Of::new("hi", Unit::DEG2_PER_H2, "95 % band of records (upper), Allan variance", |row| row.scatter.band.map(|band| band.1).into())
-            .is_of("mean_avar", Role::Upper, "95 % of single records have a variance below this and above `lo`, (°/h)²; blank of fewer \
+            .is_of("mean_avar", Role::Upper, "95 % of single records have a variance below this and above `lo`, (°/h)²; blank for fewer \
                 than 40 records."),
         Of::new("oracle_avar", Unit::DEG2_PER_H2, "closed form of the Allan variance", |row| row.oracle.into())
             .is_of("mean_avar", Role::Oracle, "The variance in closed form for the noise as sampled, (°/h)²."),
         Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", |row| row.z().into())
-            .is_of("mean_avar", Role::Z, "Deviation of `mean_avar` from `oracle_avar` in standard errors; beyond ±5 something is wrong. Of 40 \
-                records and more."),
+            .is_of("mean_avar", Role::Z, "Deviation of `mean_avar` from `oracle_avar` in standard errors; beyond ±5 something is wrong. Blank for \
+                fewer than 40 records."),
         Of::new("adev", Unit::DEG_PER_H, "Allan deviation σ(τ)", |row| row.scatter.mean.map(libm::sqrt).into())
             .is(Role::Error, "Allan (or Hadamard) deviation, the root of `mean_avar`, °/h.")
             .usual(Usual::Estimate)
@@ -89,7 +89,7 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<CoefficientRow<'a>>> {
     type Of<'a> = ColumnOf<CoefficientRow<'a>>;
     vec![
         Of::new("coefficient", Unit::NONE, "coefficient", |row| row.quantity.name().into())
-            .is(Role::Key, "The coefficient: Q, N, B, K, R of data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`.")
+            .is(Role::Key, "The coefficient: Q, N, B, K or R as in data sheets, `markov`, `markov_time`, `sine`, `sine_frequency`.")
             .brief(),
         Of::new("unit", Unit::NONE, "unit", |row| row.quantity.unit(Angles::Angular).1.into())
             .is(Role::Note, "Unit of `truth`, `mean`, `sd` and `rmse`.")
@@ -104,20 +104,20 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<CoefficientRow<'a>>> {
             .is(Role::Estimate, "Standard deviation of the estimates from record to record.")
             .brief(),
         Of::new("rmse", Unit::NONE, "rms error of estimates", |row| row.found.rmse(row.truth).into())
-            .is(Role::Error, "Root mean square of estimate less truth.")
+            .is(Role::Error, "Root mean square of the difference between estimate and truth.")
             .brief(),
         Of::new("coverage95", Unit::NONE, "part of 95 % intervals that hold the truth", |row| row.found.coverage(row.truth).into())
-            .is(Role::Estimate, "Part of the 95 % intervals, bounds included, that hold the truth: 0.95 where they are right.")
+            .is(Role::Estimate, "Fraction of the 95 % intervals, bounds included, that contain the truth; 0.95 if they are right.")
             .brief(),
         Of::new("relative_rmse", Unit::NONE, "rms error over true value", |row| row.found.relative_rmse(row.truth).into())
-            .is(Role::Error, "`rmse` by `truth`: 0.1 is 10 %. Blank where fewer than half of the records show the coefficient: those would be \
-                the ones in which it came out too large."),
+            .is(Role::Error, "`rmse` divided by `truth`: 0.1 is 10 %. Blank if fewer than half of the records show the coefficient, because those \
+                are the ones in which it came out too large."),
         Of::new("identified", Unit::NONE, "part of records that show it", |row| row.found.identified().into())
-            .is(Role::Estimate, "Part of the records that show the coefficient, 0 to 1."),
+            .is(Role::Estimate, "Fraction of the records that show the coefficient, 0 to 1."),
         Of::new("trials", Unit::NONE, "records", |row| row.found.records().into())
-            .is(Role::Trials, "Records."),
+            .is(Role::Trials, "Number of records."),
         Of::new("verdict", Unit::NONE, "verdict", |row| Cell::Text(row.found.verdict(row.truth)))
-            .is(Role::Note, "What the records say of the coefficient, in words.")
+            .is(Role::Note, "Verdict on the coefficient from all records, in words.")
             .brief(),
     ]
 }

@@ -21,7 +21,7 @@ words! {
 words! {
     /// The fraction of the overlapping differences that is used.
     pub(crate) enum Overlap {
-        /// 64 in an averaging time, which increases the scatter by less than 0.2 %.
+        /// 64 differences in each averaging time, which increases the scatter by less than 0.2 %.
         Part64 = "m/64",
         /// All differences.
         Full = "full",

@@ -18,9 +18,9 @@ use crate::theory::allan::terms::Term;
 pub(crate) static ALLAN: Kind = Kind {
     name: "allan",
     subject: "The Allan curve of a gyro at rest, and the coefficients fitted to it.",
-    about: "Makes records of a gyro at rest with the noise of [noise], takes the Allan curve of each and fits its coefficients. \
+    about: "Simulates records of a gyro at rest with the noise of [noise], computes the Allan curve of each and fits the coefficients. \
             points.csv has the mean curve, `adev` over `tau`, with the band of single records, `adev_lo` to `adev_hi`; \
-            coefficients.csv how well each coefficient is found again: `mean`, `rmse`, `coverage95`.",
+            coefficients.csv has the accuracy with which each coefficient is recovered: `mean`, `rmse`, `coverage95`.",
     template: include_str!("template.toml"),
     is_exact: false,
     trials: 1000,

@@ -87,12 +87,12 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("rms_switching", RATE, "drift: left by switching, rms", |row| libm::hypot(row.left(), row.deviation()).into())
             .is(Role::Error, "`rms_drift` without the non-magnetic drift, ″/s: the part that depends on the choice of the interval."),
         Of::new("optimum", Unit::S, "best interval: of the bound, Z(8)", |row| row.optimum.map(|best| best.interval_s).into())
-            .is(Role::Estimate, "The interval of the least bound, s: the root of Z(8).")
+            .is(Role::Estimate, "The interval with the least bound, s: the root of Z(8).")
             .usual(Usual::Answer),
         Of::new("optimum_bound", RATE, "drift: least bound, Z(7)", |row| row.optimum.map(|best| best.bound).into())
-            .is_of("optimum", Role::Least, "The bound there, ″/s."),
+            .is_of("optimum", Role::Least, "The bound at that interval, ″/s."),
         Of::new("optimum_as_published", Unit::S, "best interval: Z(9) as published", |row| row.budget.optimum_as_published(row.t_s).into())
-            .is(Role::Estimate, "The smaller root of Z(9) as printed, s; blank where it has none."),
+            .is(Role::Estimate, "The smaller root of Z(9) as printed, s; blank where Z(9) has no root."),
         Of::new("optimum_expanded", Unit::S, "best interval: Z(9) put right", |row| row.budget.optimum_expanded(row.t_s).into())
             .is(Role::Estimate, "The root of the corrected Z(9), s."),
         Of::new("optimum_limit", Unit::S, "best interval: limit as published", |row| limit_as_published(&row.budget, row.t_s).into())
@@ -100,7 +100,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("optimum_limit_small", Unit::S, "best interval: limit put right", |row| row.budget.limit(row.t_s).into())
             .is(Role::Estimate, "The corrected limit for a small A or a large τ, s; blank without residuals."),
         Of::new("optimum_true", Unit::S, "best interval: of the rms drift", |row| row.spread.best_interval(row.t_s).into())
-            .is(Role::Estimate, "The interval of the least `rms_switching` among even counts of intervals, s."),
+            .is(Role::Estimate, "The interval with the least `rms_switching`, s, among those of which an even number makes the run."),
         Of::new("optimum_true_rms", RATE, "drift: least rms left by switching", |row| row.spread.least_rms(row.t_s).into())
             .is_of("optimum_true", Role::Least, "`rms_switching` at that interval, ″/s."),
     ]

@@ -43,13 +43,13 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is_of("motion.frequency", Role::Coordinate, "Δt·ν with Δt = (n+1)T/2, from the middle of the gap to the nearest valid sample; for \
                 one tone of fixed frequency, else blank."),
         Of::new("amplitude_noise", Unit::NONE, "rate amplitude · T / σ", |row| row.point.inputs.amplitude_noise().into())
-            .is(Role::Coordinate, "A_Ω·T/σ, the angle of a tick at the peak of the rate by its noise (1 σ); for one \
+            .is(Role::Coordinate, "A_Ω·T/σ, the angle of a tick at the peak of the rate, divided by the noise of the tick (1 σ); for one \
                 tone of fixed frequency and amplitude, else blank."),
         Of::new("filler", Unit::NONE, "filler", |row| row.filler.name.as_str().into())
             .is_of(FILLERS, Role::Key, FILLER),
         Of::new("error", Unit::NONE, "error", |row| row.estimate.error.name().into())
-            .is_of("switching.errors", Role::Key, "The error: `residual`, left after the gap is closed and corrected; `extrapolation`, at its end before that; \
-                `in-gap`, the largest while it is open."),
+            .is_of("switching.errors", Role::Key, "The error: `residual` after the gap is closed and corrected; `extrapolation` at the end of the gap, before the \
+                correction; `in-gap`, the largest error while the gap is open."),
         Of::new("trials", Unit::NONE, "trials", |row| row.found.trials.into())
             .is(Role::Trials, "Number of trials behind the estimates of the row."),
         Of::new("mean", Unit::ARCSEC, "mean error", |row| row.found.cell(|found| found.mean))
@@ -62,9 +62,9 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("rms_se", Unit::ARCSEC, "standard error of the rms", |row| row.found.rms_se().into())
             .is_of("rms", Role::StandardError, found::RMS_SE),
         Of::new("max", Unit::ARCSEC, "largest error seen", |row| row.found.cell(|found| found.max))
-            .is(Role::Error, "The largest error seen, ″, of any sign; the noise reaches 6.3 standard deviations."),
+            .is(Role::Error, "The largest magnitude of an error among the trials, ″; the noise reaches 6.3 standard deviations."),
         Of::new("q9973", Unit::ARCSEC, "99.73 % error", |row| row.found.level(|q| Some(q.value)).into())
-            .is(Role::Error, "The level, ″, that 99.73 % of errors stay below in magnitude, 3 σ of a Gaussian.")
+            .is(Role::Error, "The level, ″, which 99.73 % of errors stay below in magnitude; for a Gaussian it is 3 σ.")
             .brief()
             .usual(Usual::Answer)
             .within(|row| row.found.level_band()),
@@ -73,9 +73,9 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("q9973_hi", Unit::ARCSEC, "99.73 % error (upper)", |row| row.found.level(|q| q.high).into())
             .is_of("q9973", Role::Upper, found::LEVEL_UPPER),
         Of::new("oracle_rms", Unit::ARCSEC, "rms error (closed form)", |row| row.estimate.oracle.rms.into())
-            .is_of("rms", Role::Oracle, "`rms` in closed form, ″, for the values as computed with; blank where there is none."),
+            .is_of("rms", Role::Oracle, "`rms` in closed form, ″, for the rounded inputs of the computation; blank where there is no closed form."),
         Of::new("oracle_max", Unit::ARCSEC, "largest error of the motion (closed form)", |row| row.estimate.oracle.max.into())
-            .is_of("max", Role::Oracle, "The largest error of the motion in closed form, ″, without noise; of one tone of fixed amplitude."),
+            .is_of("max", Role::Oracle, "The largest error due to the motion in closed form, ″, without noise; only for one tone of fixed amplitude."),
         Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", |row| row.z().into())
             .is_of("rms", Role::Z, found::Z),
     ]

@@ -71,20 +71,20 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         .is(Role::Key, "The tick after the switch, `1`, `2`, …, or `all` for their sum.")
         .usual(Usual::Places),
         Of::new("tick_number", Unit::NONE, "tick", |row| row.estimate.tick.map_or(Cell::Blank, |tick| u64::from(tick).into()))
-            .is(Role::Coordinate, "The tick as a number, for charts over ticks; blank for all together.")
+            .is(Role::Coordinate, "The tick as a number, for charts over ticks; blank for the sum of all ticks.")
             .usual(Usual::Abscissa),
         Of::new("trials", Unit::NONE, "trials", |row| row.found.trials.into())
             .is(Role::Trials, "Number of switches behind the estimates of the row."),
         Of::new("mean", Unit::ARCSEC, "mean angle left", |row| row.found.cell(|found| found.mean))
-            .is(Role::Estimate, "Mean of the apparent angle less its compensation, ″, with its sign."),
+            .is(Role::Estimate, "Mean of the apparent angle minus its compensation, ″, with its sign."),
         Of::new("rms", Unit::ARCSEC, "rms angle left", |row| row.found.cell(|found| found.rms))
-            .is(Role::Error, "Root mean square of the apparent angle less its compensation, ″.")
+            .is(Role::Error, "Root mean square of the apparent angle minus its compensation, ″.")
             .usual(Usual::Estimate)
             .within(|row| row.found.rms_band()),
         Of::new("rms_se", Unit::ARCSEC, "standard error of the rms", |row| row.found.rms_se().into())
             .is_of("rms", Role::StandardError, found::RMS_SE),
         Of::new("max", Unit::ARCSEC, "largest angle left", |row| row.found.cell(|found| found.max))
-            .is(Role::Error, "The largest remaining angle seen, ″, of any sign."),
+            .is(Role::Error, "The largest magnitude of a remaining angle among the trials, ″."),
         Of::new("q9973", Unit::ARCSEC, "99.73 % angle left", |row| row.found.level(|q| Some(q.value)).into())
             .is(Role::Error, "The level, ″, below which 99.73 % of the remaining angles stay in magnitude.")
             .within(|row| row.found.level_band()),
@@ -93,8 +93,8 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("q9973_hi", Unit::ARCSEC, "99.73 % angle left (upper)", |row| row.found.level(|q| q.high).into())
             .is_of("q9973", Role::Upper, found::LEVEL_UPPER),
         Of::new("oracle_mean", Unit::ARCSEC, "mean angle left (closed form)", |row| row.estimate.oracle.map(|oracle| oracle.0).into())
-            .is_of("mean", Role::Oracle, "`mean` in closed form, ″: uncompensated, the first tick by frequency, and by detuning without noise and \
-                steps."),
+            .is_of("mean", Role::Oracle, "`mean` in closed form, ″. It exists without compensation, for the first tick with frequency compensation, and with \
+                detuning compensation if there is neither noise nor a step."),
         Of::new("oracle_rms", Unit::ARCSEC, "rms angle left (closed form)", |row| row.estimate.oracle.map(|oracle| oracle.1).into())
             .is_of("rms", Role::Oracle, "`rms` in closed form, ″, where there is one."),
         Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", Row::z)
@@ -104,17 +104,17 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("bias", Unit::HZ, "bias frequency at the start of the tick", |row| row.of_tick(|nominal, _, s| nominal.bias_at(s)))
             .is(Role::Estimate, "f, the bias frequency at the start of the tick for the nominal miss, Hz, Z(2)."),
         Of::new("bias_error", Unit::HZ, "error of the bias frequency", |row| row.of_tick(|nominal, tick, _| nominal.bias_error(tick)))
-            .is(Role::Estimate, "y_i, the error of the bias frequency in the tick for the nominal miss, Hz, Z(10)."),
+            .is(Role::Estimate, "y_i = f_i − f0, the error of the bias frequency in the tick for the nominal miss, Hz."),
         Of::new("detuning", Unit::NONE, "detuning at the start of the tick", |row| row.of_tick(|nominal, _, s| nominal.detuning(s)))
-            .is(Role::Estimate, "Δλ, the detuning at the start of the tick for the nominal miss, parts of the wavelength, Z(12)."),
+            .is(Role::Estimate, "Δλ, the detuning at the start of the tick for the nominal miss, in fractions of the wavelength, Z(10)."),
         Of::new("detuning_plus", Unit::NONE, "mean detuning of the first half", |row| {
             row.of_tick(|nominal, tick, _| nominal.detuning_means(tick)[0])
         })
-            .is(Role::Estimate, "h_i⁺, the mean detuning of the first half of the tick, parts of the wavelength."),
+            .is(Role::Estimate, "h_i⁺, the mean detuning of the first half of the tick, in fractions of the wavelength, Z(12)."),
         Of::new("detuning_minus", Unit::NONE, "mean detuning of the second half", |row| {
             row.of_tick(|nominal, tick, _| nominal.detuning_means(tick)[1])
         })
-            .is(Role::Estimate, "h_i⁻, the mean detuning of the second half of the tick, parts of the wavelength."),
+            .is(Role::Estimate, "h_i⁻, the mean detuning of the second half of the tick, in fractions of the wavelength, Z(12)."),
         Of::new("signal", Unit::NONE, "signal of the detuning at the start of the tick", Row::signal)
             .is(Role::Estimate, "A_I, the signal of the detuning at the start of the tick, in the unit of `relock.signal_gain`, Z(1)."),
     ]

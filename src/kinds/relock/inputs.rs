@@ -114,8 +114,8 @@ impl Relock {
     }
 }
 
-const MISSES: Holds = measure(&[Dimension::Ratio], -1.0, 1.0, "-1 to 1, parts of the wavelength");
-const DETUNINGS: Holds = measure(&[Dimension::Ratio], 0.0, 1.0, "0 to 1, parts of the wavelength");
+const MISSES: Holds = measure(&[Dimension::Ratio], -1.0, 1.0, "-1 to 1, in fractions of the wavelength");
+const DETUNINGS: Holds = measure(&[Dimension::Ratio], 0.0, 1.0, "0 to 1, in fractions of the wavelength");
 const TIMES: Holds = measure(&[Dimension::Time], 1e-6, 1e3, "1 µs to 1000 s");
 const BIASES: Holds = measure(&[Dimension::Frequency], 1e-3, 1e9, "0.001 Hz to 1e9 Hz");
 const PULSES: Holds = measure(&[Dimension::Angle], 1e-6, 1e6, "1e-6 to 1e6 arcsec");
@@ -151,8 +151,8 @@ keys! {
     ADC_NOISE = "relock.adc_noise", "noise of the detuning", DETUNINGS, "adc_noise = 0.0001";
     /// Step of the ADC, to which the mean detuning is rounded.
     ADC_STEP = "relock.adc_step", "step of the ADC", DETUNINGS, "adc_step = 0.0002";
-    /// Step in which the periods of the beat in half a tick are counted; 1, whole periods, if absent; 0 for no
-    /// rounding.
+    /// Step in which the periods of the beat in half a tick are counted. 1 counts whole periods, and 0 does not round;
+    /// 1 if absent.
     COUNT_STEP = "relock.count_step", "step of the count", COUNTS, "count_step = 1";
     /// Number of ticks followed after the loop closes, 1 to 8; 4 if absent.
     TICKS = "relock.ticks", "", Holds::Whole(1, MAX_TICKS as i64), "ticks = 4";

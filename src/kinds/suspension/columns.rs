@@ -16,6 +16,6 @@ pub(crate) fn columns() -> Vec<ColumnOf<Point>> {
         Of::new("normalised", Unit::NONE, "response by that of the useful mode", |point| {
             (point.response().amplitude() / point.suspension.useful()).into()
         })
-        .is(Role::Estimate, "`response` relative to that at the first mode."),
+        .is(Role::Estimate, "`response` divided by the response at the first mode."),
     ]
 }

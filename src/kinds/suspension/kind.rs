@@ -17,8 +17,8 @@ use crate::table::column::abouts;
 pub(crate) static SUSPENSION: Kind = Kind {
     name: "suspension",
     subject: "The rotation of a gyro on its suspension under vibration, in closed form.",
-    about: "Samples nothing: the response of an elastic suspension to a vibration of its base. points.csv has the rate by the \
-            acceleration, `response`, and its `phase` at each frequency that is swept.",
+    about: "Samples nothing: the response of an elastic suspension to a vibration of its base. points.csv has `response`, the rate \
+            divided by the acceleration, and its `phase` at each swept frequency.",
     template: include_str!("template.toml"),
     is_exact: true,
     trials: 1_000_000,

@@ -82,7 +82,7 @@ pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
             .is(Role::Key, "The angle: `end` of the run, `largest` (just before or after a switch or at the end), `at 600 s`.")
             .brief(),
         Of::new("time", Unit::S, "time in the run", |row| row.time_s().into())
-            .is(Role::Coordinate, "Time at which the angle is read, s; blank for the largest."),
+            .is(Role::Coordinate, "Time at which the angle is read, s; blank for the largest angle."),
         Of::new("switches", Unit::NONE, "switches", |row| Cell::Integer(row.switches()))
             .is(Role::Count, "Switches before the time of the row.")
             .brief(),
@@ -99,23 +99,23 @@ pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
         Of::new("rms_se", Unit::ARCSEC, "standard error of the rms", |row| row.found.rms_se().into())
             .is_of("rms", Role::StandardError, found::RMS_SE),
         Of::new("max", Unit::ARCSEC, "largest error seen", |row| row.found.cell(|found| found.max))
-            .is(Role::Error, "The largest error of the angle seen, ″, of any sign."),
+            .is(Role::Error, "The largest magnitude of an error of the angle among the runs, ″."),
         Of::new("q9973", Unit::ARCSEC, "99.73 % error of the angle", |row| row.found.level(|q| Some(q.value)).into())
-            .is(Role::Error, "The level, ″, below which 99.73 % of runs stay in magnitude.")
+            .is(Role::Error, "The level, ″, below which the error of the angle stays in magnitude in 99.73 % of runs.")
             .within(|row| row.found.level_band()),
         Of::new("q9973_lo", Unit::ARCSEC, "99.73 % error of the angle (lower)", |row| row.found.level(|q| q.low).into())
             .is_of("q9973", Role::Lower, found::LEVEL_LOWER),
         Of::new("q9973_hi", Unit::ARCSEC, "99.73 % error of the angle (upper)", |row| row.found.level(|q| q.high).into())
             .is_of("q9973", Role::Upper, found::LEVEL_UPPER),
         Of::new("drift_mean", Unit::DEG_PER_H, "mean drift", |row| row.drift(row.found.value(|found| found.mean)))
-            .is(Role::Estimate, "`mean` over the time, °/h; blank for the largest.")
+            .is(Role::Estimate, "`mean` divided by the time, °/h; blank for the largest angle.")
             .brief(),
         Of::new("drift_rms", Unit::DEG_PER_H, "rms drift", |row| row.drift(row.found.value(|found| found.rms)))
-            .is(Role::Error, "`rms` over the time, °/h; blank for the largest.")
+            .is(Role::Error, "`rms` divided by the time, °/h; blank for the largest angle.")
             .brief()
             .within(|row| row.drift_band(row.found.rms_band())),
         Of::new("drift_q9973", Unit::DEG_PER_H, "99.73 % drift", |row| row.drift(row.found.level(|q| Some(q.value))))
-            .is(Role::Error, "`q9973` over the time, °/h: 99.73 % of runs drift by less. Blank for the largest.")
+            .is(Role::Error, "`q9973` divided by the time, °/h: 99.73 % of runs drift by less. Blank for the largest angle.")
             .brief()
             .usual(Usual::Estimate)
             .within(|row| row.drift_band(row.found.level_band())),
@@ -124,9 +124,9 @@ pub(crate) fn columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Row<'a>>> {
         Of::new("drift_q9973_hi", Unit::DEG_PER_H, "99.73 % drift (upper)", |row| row.drift(row.found.level(|q| q.high)))
             .is_of("drift_q9973", Role::Upper, "Upper end of the 95 % interval of `drift_q9973`, °/h."),
         Of::new("oracle_mean", Unit::ARCSEC, "mean error of the angle (closed form)", |row| row.oracle_mean().into())
-            .is_of("mean", Role::Oracle, "`mean` in closed form, ″; blank for the largest."),
+            .is_of("mean", Role::Oracle, "`mean` in closed form, ″; blank for the largest angle."),
         Of::new("oracle_rms", Unit::ARCSEC, "rms error of the angle (closed form)", |row| row.oracle_rms().into())
-            .is_of("rms", Role::Oracle, "`rms` in closed form, ″; blank for the largest."),
+            .is_of("rms", Role::Oracle, "`rms` in closed form, ″; blank for the largest angle."),
         Of::new("oracle_drift_mean", Unit::DEG_PER_H, "mean drift (closed form)", |row| row.drift(row.oracle_mean()))
             .is_of("drift_mean", Role::Oracle, "`drift_mean` in closed form, °/h."),
         Of::new("oracle_drift_rms", Unit::DEG_PER_H, "rms drift (closed form)", |row| row.drift(row.oracle_rms()))
@@ -156,7 +156,7 @@ pub(crate) fn trajectory_columns<'a>(has_fillers: bool) -> Vec<ColumnOf<Moment<'
     let filler = has_fillers.then(|| filler(|row: &Moment| row.filler.map_or(Cell::Blank, Cell::from)));
     filler.into_iter().chain([
         Of::new("run", Unit::NONE, "run", |row| Cell::Text(row.run.to_string()))
-            .is(Role::Key, "Number of the run, from 1: the first of those sampled."),
+            .is(Role::Key, "Number of the run, from 1; the first runs sampled are kept."),
         Of::new("time", Unit::S, "time in the run", |row| row.time_s.into())
             .is(Role::Coordinate, "Time in the run, s."),
         Of::new("error", Unit::ARCSEC, "error of the angle", |row| row.angle.into())

@@ -46,8 +46,8 @@ words! {
     pub enum Timing {
         /// Random phases, independent of each other.
         Random = "random",
-        /// Switches exactly one interval apart, so that the phase advances equally from switch to switch; that of the
-        /// first is random.
+        /// Switches exactly one interval apart, so that the phase advances equally from switch to switch; the first
+        /// phase is random.
         Periodic = "periodic",
     }
 }
@@ -57,8 +57,8 @@ keys! {
     static KEYS;
     /// Sign of the magnetic drift in the first interval; positive if absent.
     FIRST_MODE = "switching.first_mode", "", Holds::Word(FirstMode::WORDS), r#"first_mode = "positive""#;
-    /// Phase of the motion at the switches; random if absent. Where the motion has a fixed phase, it is always that
-    /// one.
+    /// Phase of the motion at the switches; random if absent. If the motion has a fixed phase, every switch has that
+    /// phase.
     TIMING = "switching.timing", "", Holds::Word(Timing::WORDS), r#"timing = "random""#;
     /// Times at which the angle is estimated in addition to the end: ["10 min", "30 min"].
     pub(crate) TIMES = "run.times", "", Holds::List(&unlimited(&[Dimension::Time])), r#"times = ["10 min", "30 min"]"#;
