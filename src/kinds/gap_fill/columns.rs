@@ -73,7 +73,7 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("q9973_hi", Unit::ARCSEC, "99.73 % error (upper)", |row| row.found.level(|q| q.high).into())
             .is_of("q9973", Role::Upper, found::LEVEL_UPPER),
         Of::new("oracle_rms", Unit::ARCSEC, "rms error (closed form)", |row| row.estimate.oracle.rms.into())
-            .is_of("rms", Role::Oracle, "`rms` in closed form, ″, for the values as computed with; blank where there is none."),
+            .is_of("rms", Role::Oracle, "`rms` in closed form, ″, for the values used in the computation; blank where there is none."),
         Of::new("oracle_max", Unit::ARCSEC, "largest error of the motion (closed form)", |row| row.estimate.oracle.max.into())
             .is_of("max", Role::Oracle, "The largest error of the motion in closed form, ″, without noise; of one tone of fixed amplitude."),
         Of::new("z", Unit::NONE, "deviation from the closed form, standard errors", |row| row.z().into())
