@@ -47,7 +47,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Motion, Wrong> {
     }
     let written = [&RATE, &ACCELERATION].into_iter().any(|key| reading.get(key).is_some());
     if motion == Motion::default() && !written {
-        let message = "[motion] is empty, there is no motion to fill in";
+        let message = "[motion] is empty: there is no motion";
         let span = reading.table.span_of(&MOTION).unwrap_or_default();
         let help = format!("{FORMS}; rate = \"0 deg/s\" for none");
         return Err(Fault::new(span, message, "nothing here", help).into());

@@ -28,8 +28,8 @@ pub(crate) fn read_text(path: &Path, most: u64) -> Result<String, Error> {
     Err(Error::new(ErrorKind::FileTooLarge, format!("it is longer than {} MiB", most >> 20)))
 }
 
-/// The files that a study names, each read once. The stored copies are therefore what was computed with, even if a file
-/// changes meanwhile or is a pipe.
+/// The files that a study names, each read once. The stored copies are therefore the data used in the computation, even
+/// if a file changes meanwhile or is a pipe.
 pub(crate) struct Files {
     folder: PathBuf,
     read: RefCell<Vec<(PathBuf, Arc<str>)>>,

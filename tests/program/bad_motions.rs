@@ -221,7 +221,8 @@ fn precisions_that_make_no_sense_are_refused() {
     };
     assert!(level("0.7").contains("some may not reach the 0.7 % requested, and take all trials"));
     assert!(
-        level("0.1").contains("none reaches the 0.1 %") && !level("1").contains("levels are known to a bin")
+        level("0.1").contains("none reaches the 0.1 %")
+            && !level("1").contains("levels are only known to a bin")
     );
     refused(&precision("{}"), "1:13", &["names no estimate"]);
     let desk = Desk::with(&format!(

@@ -188,7 +188,7 @@ fn shares_that_make_no_sense_are_refused() {
     desk.fails(
         "run precise.toml --device cpu --shard 1/2",
         3,
-        &["precise.toml:2", "does not see the others' trials", "--trials N"],
+        &["precise.toml:2", "does not know the trials of the others", "--trials N"],
     );
     // All are sampled then, in any split, though a run as a whole stops earlier.
     let shard = |shard: &str, out: &str| {

@@ -130,7 +130,7 @@ fn fit(column: &Column) -> Result<&Fit, KalibrError> {
             return Err(KalibrError::Plain { column: name.clone() });
         }
         (Ok(Some(noise)), _) => return Ok(&noise.fit),
-        (Ok(None), _) => "none were asked for",
+        (Ok(None), _) => "none were requested",
         (Err(why), _) => why,
     };
     Err(KalibrError::NoCoefficients { column: name.clone(), why: why.to_owned() })

@@ -61,7 +61,7 @@ const FILLERS: [&str; 6] = ["const", "linear", "quadratic", "mv8+2", "given", "b
 fn the_c_header_gives_the_test_vectors_bit_for_bit() {
     if Process::new("cc").arg("--version").output().is_err() {
         eprintln!(
-            "no C compiler `cc`: the header is not compiled, weights.csv alone is held against the vectors"
+            "no C compiler `cc`: the header is not compiled, weights.csv alone is compared with the vectors"
         );
         return;
     }

@@ -108,7 +108,7 @@ impl<'a> Plan<'a> {
         let is_tuned = tones.iter().any(|tone| matches!(tone.frequency, Frequency::Fixed(_)));
         let how = match (varies, is_tuned) {
             (true, _) => {
-                "anew for the motion and noise of each point, the best possible; firmware has one set of weights"
+                "separately for the motion and noise of each point, which is the best possible; firmware has one set of weights"
             }
             (false, true) => {
                 "for exactly this frequency, which firmware does not know: it has one set of weights"
