@@ -62,7 +62,7 @@ mod tests {
         for text in
             ["", "many", "1e", "e6", ".", "-1", "+1", "1e6.5", "1 000", "1,000", "0x10", "1e99999999999", "∞"]
         {
-            assert!(read(text).is_err_and(|why| why.starts_with("no whole number: write")), "{text}");
+            assert!(read(text).is_err_and(|why| why.starts_with("not a whole number: write")), "{text}");
         }
         for text in ["1.5", "1.25e1", "1e-1"] {
             assert!(read(text).is_err_and(|why| why.starts_with("not whole: write")), "{text}");

@@ -88,7 +88,7 @@ mod tests {
             ("17", "17", "17", "1", "1", "to repeat some of them give --shard I/N"),
             ("2", "2", "3", "2", "1", "to repeat some of them give --shard I/N"),
             ("1", "", "4", "4", "1", "SLURM_ARRAY_TASK_MIN is not set"),
-            ("one", "1", "4", "4", "1", "is `one`, no number"),
+            ("one", "1", "4", "4", "1", "is `one`, not a number"),
             ("1", "1", "18446744073709551615", "18446744073709551615", "3", "number the tasks evenly"),
         ] {
             let error = array(task, least, most, count, step).unwrap_err();
