@@ -93,11 +93,11 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
             .is_of("optimum", Role::Least, "The bound at that interval, ″/s."),
         Of::new("optimum_as_published", Unit::S, "best interval: Z(9) as published", |row| row.budget.optimum_as_published(row.t_s).into())
             .is(Role::Estimate, "The smaller root of Z(9) as printed, s; blank where Z(9) has no root."),
-        Of::new("optimum_expanded", Unit::S, "best interval: Z(9) put right", |row| row.budget.optimum_expanded(row.t_s).into())
+        Of::new("optimum_expanded", Unit::S, "best interval: Z(9) corrected", |row| row.budget.optimum_expanded(row.t_s).into())
             .is(Role::Estimate, "The root of the corrected Z(9), s."),
         Of::new("optimum_limit", Unit::S, "best interval: limit as published", |row| limit_as_published(&row.budget, row.t_s).into())
             .is(Role::Estimate, "√(δP_max t/Ω_m) as printed, s; blank without residuals."),
-        Of::new("optimum_limit_small", Unit::S, "best interval: limit put right", |row| row.budget.limit(row.t_s).into())
+        Of::new("optimum_limit_small", Unit::S, "best interval: limit corrected", |row| row.budget.limit(row.t_s).into())
             .is(Role::Estimate, "The corrected limit for a small A or a large τ, s; blank without residuals."),
         Of::new("optimum_true", Unit::S, "best interval: of the rms drift", |row| row.spread.best_interval(row.t_s).into())
             .is(Role::Estimate, "The interval with the least `rms_switching`, s, among those of which an even number makes the run."),
