@@ -153,7 +153,7 @@ fn options_that_make_no_sense_are_told_with_what_does() {
         ("--data rate --unit dps --rate 1Hz", vec!["`dps` is not a known unit", "deg/h, deg/s"]),
         ("--data rate --scale 0.5arcsec/pulse --rate 1Hz", vec!["--data increment"]),
         ("--data rate --unit deg/h --rate 100", vec!["its unit is missing", "--rate 100Hz"]),
-        ("--data rate --unit deg/h --rate 0Hz", vec!["not above 0"]),
+        ("--data rate --unit deg/h --rate 0Hz", vec!["the rate is not positive"]),
         ("--data rate --rate 1Hz --tau tenth", vec!["octave, decade10, decade20 or all"]),
         ("--data rate --rate 1Hz --tau -1 --unit deg/h --column gx", vec!["is not a time"]),
         ("--data rate --rate 1Hz --deviation avar", vec!["`avar` is not a deviation", "oadev"]),
