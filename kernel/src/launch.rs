@@ -21,7 +21,8 @@ pub trait Shape: Any + Debug + Send + Sync {
     fn has_table(&self) -> bool {
         false
     }
-    /// Steps of one trial with these parameters, each some tens of nanoseconds on one lane.
+    /// Steps of one trial with these parameters, each some tens of nanoseconds on one lane; at least as many as the shader
+    /// takes rounds in loops, because of [`MOST_STEPS`].
     fn steps(&self, _words: &[u32]) -> u64 {
         1
     }
@@ -90,7 +91,7 @@ impl<T: Trial> AnyWidth for Tally<'_, T> {
     }
 }
 
-/// Most steps of one invocation.
+/// Most steps of one invocation. Some drivers end its loops after 65535 rounds, without an error.
 pub const MOST_STEPS: u64 = 60_000;
 
 /// Trials of one point, with its parameters in fixed point.
@@ -128,7 +129,6 @@ impl Launch {
 
     /// Most trials that one invocation of the shader adds up.
     pub fn most_rounds(&self) -> u64 {
-        // Some drivers terminate an invocation's loops after 65535 rounds.
         (MOST_STEPS / self.steps()).clamp(1, FLUSH)
     }
 

@@ -86,6 +86,9 @@ purposes! {
         /// the hysteresis and, for switch 0, the error of f0 in the whole trial. Block 1, word 0: the phase of the
         /// beat. Blocks 2 to 5: noise of the detunings, for both halves of two ticks each.
         Relock = 16,
+        /// This purpose and those beyond, below the next: the draws that are a kernel's own. Points of different kinds have
+        /// different keys, so kernels share it and need no purpose for each.
+        Own = 32,
         /// This purpose and those beyond, one for each octave: its holds. Octaves 1 and 2 have one stream, four holds
         /// to a block; the others have four streams, one hold of each to a block.
         Flicker = 64,

@@ -67,6 +67,28 @@ pub struct Relock {
     pub signal_gain: Option<f64>,
 }
 
+impl Default for Relock {
+    fn default() -> Relock {
+        Relock {
+            miss: 0.0,
+            half_wave_error: 0.0,
+            dac_step: 0.0,
+            hysteresis: 0.0,
+            loop_s: 0.0,
+            bias_frequency_hz: 0.0,
+            pulse_weight_arcsec: 0.0,
+            curvature: 0.0,
+            temperature_error: 0.0,
+            adc_noise: 0.0,
+            adc_step: 0.0,
+            count_step: 1.0,
+            ticks: PAPER_TICKS,
+            first_half: FirstHalf::default(),
+            signal_gain: None,
+        }
+    }
+}
+
 impl Relock {
     /// The fraction q^2m of the angle of infinitely many ticks that comes after the last one followed.
     pub fn late(&self, tick_s: f64) -> f64 {
@@ -188,23 +210,8 @@ const PAPER_TICKS: u32 = 4;
 
 /// Reads the relock.
 pub(crate) fn read(reading: &mut Reading) -> Result<Relock, Fault> {
-    let mut relock = Relock {
-        miss: 0.0,
-        half_wave_error: 0.0,
-        dac_step: 0.0,
-        hysteresis: 0.0,
-        loop_s: 0.0,
-        bias_frequency_hz: 0.0,
-        pulse_weight_arcsec: 0.0,
-        curvature: 0.0,
-        temperature_error: 0.0,
-        adc_noise: 0.0,
-        adc_step: 0.0,
-        count_step: 1.0,
-        ticks: PAPER_TICKS,
-        first_half: FirstHalf::of(reading.get(&FIRST_HALF)),
-        signal_gain: None,
-    };
+    let first_half = FirstHalf::of(reading.get(&FIRST_HALF));
+    let mut relock = Relock { first_half, ..Relock::default() };
     reading.set(&mut relock, &SETTINGS)?;
     reading.note(&[&TICKS]);
     if let Some(ticks) = reading.get(&TICKS) {

@@ -24,8 +24,7 @@ pub fn relock() -> RelockInputs {
         adc_step: 0.0005,
         count_step: 1.0,
         ticks: 4,
-        first_half: FirstHalf::Negative,
-        signal_gain: None,
+        ..Relock::default()
     };
     RelockInputs { tick_s: 0.005, relock }
 }
