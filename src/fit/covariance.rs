@@ -66,8 +66,8 @@ impl Covariance {
     /// The covariance of simulated curves, one per row, shrunk towards `model`, the covariance of the same process in
     /// closed form.
     ///
-    /// A covariance from few realisations is singular or nearly so, and its inverse useless. It is replaced by (1 − λ)S
-    /// + λT, where λ, by Ledoit and Wolf (2004), is the fraction of the squared distance between sample S and model T
+    /// A covariance from few realisations is singular or nearly so, and its inverse useless. It is replaced by
+    /// (1 − λ)S + λT, where λ, by Ledoit and Wolf (2004), is the fraction of the squared distance between sample S and model T
     /// that is scatter of S, both measured in units of T. Many realisations, or a model that is far off, give S; few
     /// realisations, or a model that fits, give T.
     ///
