@@ -189,22 +189,23 @@ impl<W: Word> Sums<W> {
     fn flush(&self, trials: u64, tally: &mut Moments) {
         tally.count += trials;
         tally.square += self.square.total_unsigned();
-        let (mut lanes, mut halves) = ([0; 16], [0; 16]);
-        self.sum.store(&mut lanes);
+        let [mut sum, mut halves, mut least, mut greatest] = [[0; 16]; 4];
+        self.sum.store(&mut sum);
         self.halves.store(&mut halves);
-        for (&sum, &halves) in lanes.iter().zip(&halves).take(W::LANES) {
-            tally.sum += i128::from(whole_sum(sum, halves));
+        self.least.store(&mut least);
+        self.greatest.store(&mut greatest);
+        for lane in 0..W::LANES {
+            tally.sum += i128::from(whole_sum(sum[lane], halves[lane]));
+            tally.least = tally.least.min(least[lane] as i32);
+            tally.greatest = tally.greatest.max(greatest[lane] as i32);
         }
-        self.least.store(&mut lanes);
-        tally.least = lanes[..W::LANES].iter().fold(tally.least, |least, &lane| least.min(lane as i32));
-        self.greatest.store(&mut lanes);
-        tally.greatest = lanes[..W::LANES].iter().fold(tally.greatest, |most, &lane| most.max(lane as i32));
     }
 }
 
 /// A sum of at most [`FLUSH`] errors, from its lower 32 bits and the sum of the errors' upper halves.
 ///
 /// The halves omit a part between 0 and FLUSH·2^16 = 2^22, so its lower 32 bits are all of it.
+#[inline]
 fn whole_sum(low: u32, halves: u32) -> i64 {
     (i64::from(halves as i32) << 16) + i64::from(low.wrapping_sub(halves << 16))
 }

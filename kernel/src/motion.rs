@@ -105,9 +105,10 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
             angle = angle + constant::<W>(p.gap_constant, row);
         }
         if shape.gaussian {
-            let factor = &table[shape.motion_table() + row * shape.gap_ticks..];
-            for (number, &factor) in self.gaussian.iter().zip(&factor[..shape.gap_ticks]) {
-                angle = angle + number.mul_wide(W::splat(factor));
+            let factor = &table[shape.motion_table() + row * shape.gap_ticks..][..shape.gap_ticks];
+            let numbers = &self.gaussian[..factor.len()];
+            for k in 0..factor.len() {
+                angle = angle + numbers[k].mul_wide(W::splat(factor[k]));
             }
         }
         let angle = angle.high_word();
@@ -174,13 +175,13 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
         [sin, cos]
     }
 
-    /// The same factors for the k-th tick after the gap.
+    /// The angle of tone `t` in the k-th tick after the gap, as the factors that [`Motion::gap_factors`] returns.
     #[inline(always)]
     fn side_factors(&self, given: &Given, k: usize, t: usize) -> [W; 2] {
         self.factors(t, given.p.gap_length[0] + 1 + 2 * k as u32)
     }
 
-    /// The same factors for a tick whose middle lies `half_ticks` half ticks after that of the gap.
+    /// The angle of tone `t` in a tick whose middle lies `half_ticks` half ticks after that of the gap, as such factors.
     #[inline(always)]
     fn factors(&self, t: usize, half_ticks: u32) -> [W; 2] {
         let turn = self.half_turn[t] * W::splat(half_ticks);
@@ -211,10 +212,11 @@ impl<W: Word, const GAUSSIANS: usize> Motion<W, GAUSSIANS> {
     /// The Gaussian motion of a tick on the side: its row of the factor times the normal numbers up to its own.
     #[inline(always)]
     fn gaussian_side(&self, given: &Given, place: usize) -> W::Wide {
-        let factor = &given.table[given.shape.gaussian_row(place)..];
+        let factor = &given.table[given.shape.gaussian_row(place)..][..=place];
+        let numbers = &self.gaussian[..factor.len()];
         let mut angle = W::Wide::splat(0);
-        for (number, &factor) in self.gaussian.iter().zip(&factor[..=place]) {
-            angle = angle + number.mul_wide(W::splat(factor));
+        for k in 0..factor.len() {
+            angle = angle + numbers[k].mul_wide(W::splat(factor[k]));
         }
         angle
     }

@@ -113,7 +113,7 @@ impl<W: Word> Address<W> {
         self.draw_beyond(purpose, 0, block)
     }
 
-    /// The same for the purpose `beyond` places after the given one.
+    /// The four words of a block of the purpose `beyond` places after the given one.
     #[inline(always)]
     pub fn draw_beyond(&self, purpose: Purpose, beyond: usize, block: usize) -> [W; 4] {
         let counter = [
@@ -123,8 +123,8 @@ impl<W: Word> Address<W> {
             W::Factors::splat(purpose as u32 + beyond as u32),
         ];
         let mut keys = [[W::Factors::splat(0); 2]; ROUNDS];
-        for (keys, key) in keys.iter_mut().zip(&self.keys) {
-            *keys = [W::Factors::splat(key[0]), W::Factors::splat(key[1])];
+        for (round, keys) in keys.iter_mut().enumerate() {
+            *keys = [W::Factors::splat(self.keys[round][0]), W::Factors::splat(self.keys[round][1])];
         }
         let [a, b, c, d] = philox(counter, keys);
         [W::of_factors(a), W::of_factors(b), W::of_factors(c), W::of_factors(d)]

@@ -90,7 +90,7 @@ parameters! {
     half_bias: |shape: Shape| shape.only(Method::Frequency, 1),
     /// Deficit of the first half of each tick relative to `half_bias`, at a square of 2^32.
     lost_first: |shape: Shape| shape.only(Method::Frequency, shape.ticks),
-    /// Deficit of its second half.
+    /// Deficit of the second half of each tick relative to `half_bias`, at a square of 2^32.
     lost_second: |shape: Shape| shape.only(Method::Frequency, shape.ticks),
     /// Mask of the bits of a phase that are counted: those of whole periods.
     counted: |shape: Shape| shape.only(Method::Frequency, 1),
@@ -98,7 +98,7 @@ parameters! {
     beat_log: |shape: Shape| shape.only(Method::Frequency, 1),
     /// Mean detuning over the first half of each tick relative to Δλ0, in 2^−31.
     mean_first: |shape: Shape| shape.only(Method::Detuning, shape.ticks),
-    /// The same over the second half.
+    /// Mean detuning over the second half of each tick relative to Δλ0, in 2^−31.
     mean_second: |shape: Shape| shape.only(Method::Detuning, shape.ticks),
     /// Standard deviation of the noise of both means, in 2^−4 units.
     adc_sigma: |shape: Shape| shape.only(Method::Detuning, 1),

@@ -61,26 +61,31 @@ pub struct Shape {
 
 impl Shape {
     /// Ticks on the longer side of the gap.
+    #[inline]
     pub fn sides(self) -> usize {
         self.before.max(self.after)
     }
 
     /// Number of true angles needed: the one over the whole gap and, for errors in the gap, those over its first ticks.
+    #[inline]
     pub fn rows(self) -> usize {
         if self.in_gap { self.gap_ticks } else { 1 }
     }
 
     /// Index in the table where the weights of the errors in the gap end and the data of the motion begin.
+    #[inline]
     pub fn motion_table(self) -> usize {
         if self.in_gap { self.fillers * self.gap_ticks * self.extrapolation_before } else { 0 }
     }
 
     /// Normal numbers of the Gaussian motion: one for each tick of the gap, then one for each tick on either side.
+    #[inline]
     pub fn gaussians(self) -> usize {
         self.gap_ticks + 2 * self.sides()
     }
 
     /// Index in the table of the row of a place on the side, with places counted as in [`Shape::gaussians`].
+    #[inline]
     pub fn gaussian_row(self, place: usize) -> usize {
         let n = self.gap_ticks;
         // The rows over the gap come first, then a triangle whose row i has i + 1 words.
@@ -168,7 +173,7 @@ parameters! {
     sigma: |_| 1,
     /// The angle of each tone over the gap, row by row, at sine 1 of the phase at its middle, in 2^−2 LSB.
     gap_sin: |shape: Shape| only(!shape.frequencies, shape.rows() * shape.tones),
-    /// The same at cosine 1; over the whole gap it is 0.
+    /// The angle of each tone over the gap at cosine 1, laid out as `gap_sin`; over the whole gap it is 0.
     gap_cos: |shape: Shape| only(!shape.frequencies && shape.in_gap, shape.rows() * shape.tones),
     /// The angle of the k-th tick on either side at sine 1, tone by tone; it is the same on both sides.
     side_sin: |shape: Shape| only(!shape.frequencies, shape.sides() * shape.tones),
@@ -192,9 +197,9 @@ parameters! {
     gap_length: |_| 1,
     /// The part of the angle over the gap that is common to all trials, row by row, in 2^−32 LSB, two words each.
     gap_constant: |shape: Shape| only(shape.constants, 2 * shape.rows()),
-    /// The same for the ticks before the gap, outward.
+    /// The part of the angle of each tick before the gap that is common to all trials, outward, as in `gap_constant`.
     before_constant: |shape: Shape| only(shape.constants, 2 * shape.before),
-    /// The same for the ticks after the gap, outward.
+    /// The part of the angle of each tick after the gap that is common to all trials, outward, as in `gap_constant`.
     after_constant: |shape: Shape| only(shape.constants, 2 * shape.after),
     /// Number of places that the gap can have in the profile.
     positions: |shape: Shape| only(shape.profile, 1),

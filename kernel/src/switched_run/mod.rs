@@ -342,7 +342,7 @@ impl Sampler for SwitchedRun<'_> {
     }
 }
 
-/// One tone and no other spread, as in the paper's gyro.
+/// The shape of the paper's gyro: one tone and no other spread.
 const PLAIN: Shape = Shape {
     ends: true,
     times: 0,
@@ -357,7 +357,7 @@ const PLAIN: Shape = Shape {
     relock: None,
 };
 
-/// The same with a random walk.
+/// The shape of the paper's gyro with a random walk.
 const WALKING: Shape = Shape { walk: true, ..PLAIN };
 
 impl From<Shape> for Arc<dyn Sampled> {

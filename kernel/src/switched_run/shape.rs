@@ -42,11 +42,13 @@ pub struct Shape {
 
 impl Shape {
     /// Index of the first estimate at a time.
+    #[inline]
     pub fn first_time(self) -> usize {
         if self.ends { 2 } else { 0 }
     }
 
     /// Whether anything except phases is drawn once for a run.
+    #[inline]
     pub fn spreads(self) -> bool {
         self.magnetic || self.initial || self.non_magnetic || self.mode || self.warm_up
     }
@@ -62,6 +64,7 @@ impl Shape {
     }
 
     /// Words of a row of the table.
+    #[inline]
     pub fn row(self) -> usize {
         let words = [self.mode, self.magnetic, self.initial, self.non_magnetic, self.warm_up, self.warm_up];
         1 + words.into_iter().filter(|has| *has).count()
