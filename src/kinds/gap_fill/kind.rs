@@ -1,5 +1,7 @@
 //! The entry of gap-fill studies in the list of kinds.
 
+use std::sync::Arc;
+
 use crate::chart::Source;
 use crate::chart::ground::{Ground, Text};
 use crate::filler::keys::Error;
@@ -12,6 +14,7 @@ use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
+use crate::study::precision::Precision;
 use crate::table::column::abouts;
 
 /// Errors of gap fillers at a mode switch.
@@ -30,7 +33,7 @@ pub static GAP_FILL: Kind = Kind {
     columns: &[(Source::Points, columns::described)],
     kernels: || format!("gap_fill {VERSION}"),
     loads: crate::kinds::gap_fill::verify::loads,
-    read: |reading| Ok(Box::new(read(reading)?)),
+    read: |reading| Ok(Arc::new(read(reading)?)),
 };
 
 impl Subject for GapFill {
@@ -48,19 +51,7 @@ impl Subject for GapFill {
         }]
     }
 
-    fn notes(&self) -> &[String] {
-        &self.notes
-    }
-
-    fn has_stop_rule(&self) -> bool {
-        self.precision.is_some()
-    }
-
-    fn drop_stop_rule(&mut self) {
-        self.precision = None;
-    }
-
-    fn boxed(&self) -> Box<dyn Subject> {
-        Box::new(self.clone())
+    fn precision(&self) -> Option<Precision> {
+        self.precision
     }
 }

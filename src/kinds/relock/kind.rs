@@ -1,5 +1,7 @@
 //! The entry of relock studies in the list of kinds.
 
+use std::sync::Arc;
+
 use crate::chart::Source;
 use crate::chart::ground::{Ground, Text};
 use crate::chart::law::Law;
@@ -31,7 +33,7 @@ pub static RELOCK: Kind = Kind {
     columns: &[(Source::Points, columns::described)],
     kernels,
     loads: crate::kinds::relock::verify::loads,
-    read: |reading| Ok(Box::new(read(reading)?)),
+    read: |reading| Ok(Arc::new(read(reading)?)),
 };
 
 /// The kernel, with its version.
@@ -53,9 +55,5 @@ impl Subject for RelockStudy {
             laws: &[Law::ZeemanTables],
             ..Ground::of(Source::Points, columns, [compensations, ticks], &[Dimension::Angle])
         }]
-    }
-
-    fn boxed(&self) -> Box<dyn Subject> {
-        Box::new(self.clone())
     }
 }

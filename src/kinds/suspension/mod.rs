@@ -20,8 +20,6 @@ use crate::theory::suspension::{Response, Suspension};
 pub(crate) struct SuspensionStudy {
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
-    /// Notes on assumptions, each a sentence.
-    pub notes: Vec<String>,
 }
 
 /// One combination of swept values.
@@ -100,5 +98,6 @@ pub(crate) fn read(reading: &mut Reading) -> Result<SuspensionStudy, Wrong> {
         point
     });
     let points = points.collect();
-    Ok(SuspensionStudy { points, notes: OF_SUSPENSION.assumed(reading).into_iter().collect() })
+    reading.notes.extend(OF_SUSPENSION.assumed(reading));
+    Ok(SuspensionStudy { points })
 }

@@ -1,5 +1,7 @@
 //! The entry of studies of whole runs in the list of kinds.
 
+use std::sync::Arc;
+
 use crate::chart::Source;
 use crate::chart::ground::{Ground, Text};
 use crate::kernel::switched_run::VERSION;
@@ -33,7 +35,7 @@ pub(crate) static SWITCHED_RUN: Kind = Kind {
     ],
     kernels: || format!("switched_run {VERSION}, {}", relock::kind::kernels()),
     loads: crate::kinds::switched_run::verify::loads,
-    read: |reading| Ok(Box::new(read(reading)?)),
+    read: |reading| Ok(Arc::new(read(reading)?)),
 };
 
 impl Subject for SwitchedRun {
@@ -61,13 +63,5 @@ impl Subject for SwitchedRun {
             ..Ground::of(Source::Trajectories, trajectories, fillers().chain([runs]), limits)
         };
         vec![points, trajectories]
-    }
-
-    fn notes(&self) -> &[String] {
-        &self.notes
-    }
-
-    fn boxed(&self) -> Box<dyn Subject> {
-        Box::new(self.clone())
     }
 }

@@ -81,8 +81,6 @@ pub struct SwitchedRun {
     pub trajectories: u64,
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
-    /// Notes on rounded or omitted inputs, each a sentence.
-    pub notes: Vec<String>,
 }
 
 /// An angle of a run.
@@ -152,12 +150,11 @@ pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
     let (points, rounded) = base.points()?;
     check_size(&points, fill.as_ref(), sweeps)?;
     check_moves(&points, places, sweeps)?;
-    let fill_notes = fill.as_ref().map_or(&[][..], |fill| &fill.notes);
     let timing = Timing::of(reading.get(&TIMING));
-    let residuals = fill.as_ref().map_or(vec![], |fill| of_residuals(fill, timing));
-    let notes = rounded.into_iter().chain(fill_notes.iter().cloned()).chain(residuals).collect();
+    reading.notes.splice(0..0, rounded);
+    reading.notes.extend(fill.iter().flat_map(|fill| of_residuals(fill, timing)));
     let first_mode = FirstMode::of(reading.get(&FIRST_MODE));
-    Ok(SwitchedRun { first_mode, timing, notes, fill, times, trajectories, points })
+    Ok(SwitchedRun { first_mode, timing, fill, times, trajectories, points })
 }
 
 /// Most intervals of all points and fillers together, each of which has a row in memory.
