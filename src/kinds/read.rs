@@ -72,7 +72,7 @@ impl Study {
             Ok(Some(Spanned::new(given.span(), given.whole()?.cast_unsigned())))
         };
         let (seed, trials) = (count(&SEED)?, count(&TRIALS)?);
-        let places = Places::default();
+        let places = Places::of(&sweeps);
         let mut reading =
             Reading { table: table.clone(), sweeps: &sweeps, files: &files, places, notes: vec![] };
         reading.note(&[&KIND, &TRIALS, &PRECISION]);

@@ -138,6 +138,6 @@ impl Study {
     /// The place of the values of `key`, for an error about them: those of a sweep over it, else its own value. A table
     /// such as `gyro.tick_noise` stands for the keys in it; the place is empty at 0 where nothing is written.
     pub fn place_of(&self, key: &str) -> Range<usize> {
-        self.places.blame(&self.sweeps, &[key])
+        self.places.blame(&[key])
     }
 }

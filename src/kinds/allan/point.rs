@@ -105,8 +105,8 @@ impl Base<'_> {
     /// Refuses switches without effect at any point, and a warm-up without a drift.
     pub(crate) fn check_switching(&self) -> Result<(), Fault> {
         let is_swept = |names: &[&str]| self.sweeps.iter().any(|sweep| names.contains(&sweep.key.name));
-        let refuse = |names: &[&str], message: &str, label: &str, help: &str| {
-            Err(Fault::new(self.places.blame(&[], names), message, label, help))
+        let refuse = |names: &[&str], message, label, help| {
+            Err(Fault::new(self.places.written(names), message, label, help))
         };
         for switching in self.noises().iter().filter_map(|noise| noise.switching) {
             if switching.is_nothing() && !is_swept(&LEFT_BY_SWITCHES) {
@@ -120,12 +120,8 @@ impl Base<'_> {
             if warms_up && switching.magnetic == 0.0 && !is_swept(&[MAGNETIC.name]) {
                 let message = "noise.switching.warm_up_time is given without magnetic";
                 let help = "give magnetic = \"14 arcsec/s\", or leave warm_up_time out: initial_magnetic is there at once";
-                return refuse(
-                    &[SWITCHING_WARM_UP.name, FILE.name, "noise"],
-                    message,
-                    "nothing warms up",
-                    help,
-                );
+                let names = [SWITCHING_WARM_UP.name, FILE.name, "noise"];
+                return refuse(&names, message, "nothing warms up", help);
             }
         }
         Ok(())
@@ -158,9 +154,6 @@ impl Base<'_> {
 
     /// Checks limits that involve more than one value.
     fn check(&self, inputs: &Inputs) -> Result<(), Fault> {
-        let refuse = |names: &[&str], message: String, label: &str, help: &str| {
-            Err(Fault::new(self.places.blame(self.sweeps, names), message, label, help))
-        };
         let Inputs { sample_s, length_s, noise, .. } = inputs;
         let samples = inputs.samples();
         if !(FEWEST_SAMPLES..=MOST_SAMPLES).contains(&samples) {
@@ -171,7 +164,7 @@ impl Base<'_> {
             let help = format!(
                 "accepted: {FEWEST_SAMPLES} to {MOST_SAMPLES} samples, {shortest} s to {longest} s here"
             );
-            return refuse(&["record.length", "record.sample"], message, label, &help);
+            return self.places.refuse(&["record.length", "record.sample"], message, label, help);
         }
         let [_, sine_hz] = noise.of(Term::Sine);
         if sine_hz * sample_s > 0.5 {
@@ -182,7 +175,7 @@ impl Base<'_> {
             );
             let help = format!("accepted: up to {nyquist} Hz, or a shorter record.sample");
             let names = ["noise.sine.frequency", "noise.sine", "record.sample"];
-            return refuse(&names, message, "too high for the samples", &help);
+            return self.places.refuse(&names, message, "too high for the samples", help);
         }
         if let Some(switching) = noise.switching
             && !(1..samples).contains(&switching.interval(*sample_s))
@@ -201,13 +194,13 @@ impl Base<'_> {
             let longest = significant((samples - 1) as f64 * sample_s, 6);
             let help = format!("accepted: {sample_s} s to {longest} s here, or leave [noise.switching] out");
             let names = ["noise.switching.interval", "noise.file", "record.length", "record.sample"];
-            return refuse(&names, message, label, &help);
+            return self.places.refuse(&names, message, label, help);
         }
         let is_silent = noise.process(*sample_s, samples).parts.is_empty() && noise.readout_lsb == 0.0;
         if is_silent && noise.switched(*sample_s).is_none() {
-            let message = "[noise] is empty: all records would be constant".to_owned();
+            let message = "[noise] is empty: all records would be constant";
             let help = "add a coefficient as in angle_random_walk = \"0.00048 deg/sqrt(h)\", or file = \"noise.toml\"";
-            return refuse(&["noise"], message, "no noise", help);
+            return self.places.refuse(&["noise"], message, "no noise", help);
         }
         Ok(())
     }
@@ -215,7 +208,7 @@ impl Base<'_> {
     /// The averaging factors of the point's records.
     fn factors(&self, inputs: &Inputs, swept: &[(&'static str, Swept)]) -> Result<Vec<u64>, Fault> {
         let Estimate { taus, estimator, .. } = self.estimate;
-        let place = || self.places.blame(&[], &["allan.tau"]);
+        let place = || self.places.blame(&["allan.tau"]);
         if let Taus::Seconds(times) = taus {
             for tau_s in times {
                 let m = tau_s / inputs.sample_s;

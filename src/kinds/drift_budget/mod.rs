@@ -51,7 +51,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<DriftBudget, Wrong> {
         let mut point = Point { swept: vec![], drift: drift.clone(), schedule };
         setting::set(&mut point.drift, &parts::SETTINGS, &swept);
         setting::set(&mut point.schedule, &SCHEDULE_SETTINGS, &swept);
-        point.schedule.check(&reading.places, reading.sweeps)?;
+        point.schedule.check(&reading.places)?;
         Ok(Point { swept, ..point })
     };
     Ok(DriftBudget { points: (0..sweep::points(reading.sweeps)).map(point).collect::<Result<_, Fault>>()? })

@@ -149,7 +149,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
     let base = point::Base { drift, schedule, fill: fill.as_ref(), relock, times: &times, places, sweeps };
     let (points, rounded) = base.points()?;
     check_size(&points, fill.as_ref(), sweeps)?;
-    check_moves(&points, places, sweeps)?;
+    check_moves(&points, places)?;
     let timing = Timing::of(reading.get(&TIMING));
     reading.notes.splice(0..0, rounded);
     reading.notes.extend(fill.iter().flat_map(|fill| of_residuals(fill, timing)));
@@ -174,7 +174,7 @@ fn check_size(points: &[Point], fill: Option<&GapFill>, sweeps: &[Sweep]) -> Res
 }
 
 /// Refuses runs whose angle stays at 0 at every point.
-fn check_moves(points: &[Point], places: &Places, sweeps: &[Sweep]) -> Result<(), Fault> {
+fn check_moves(points: &[Point], places: &Places) -> Result<(), Fault> {
     let still = |point: &Point| {
         let filled = point.fill.as_ref().is_some_and(|fill| !fill.inputs.is_nothing());
         point.drift.is_nothing() && !filled && point.relock.is_none()
@@ -184,17 +184,16 @@ fn check_moves(points: &[Point], places: &Places, sweeps: &[Sweep]) -> Result<()
     }
     let message = "there is no drift and no residual of a switch: all runs would stay at 0";
     let help = "add a part of it as in\n[drift]\nmagnetic = \"14 arcsec/s\"\nresidual_max = \"10 arcsec\"";
-    Err(Fault::new(places.blame(sweeps, &["drift", "kind"]), message, "no drift", help))
+    places.refuse(&["drift", "kind"], message, "no drift", help)
 }
 
 /// Reads the switch, where fillers are given.
 fn read_fill(reading: &mut Reading, drift: &Drift) -> Result<Option<GapFill>, Wrong> {
     if reading.get(&FILLERS).is_some() {
         if drift.residual_max != 0.0 || reading.sweep(&RESIDUAL_MAX).is_some() {
-            let place = reading.places.blame(reading.sweeps, &[RESIDUAL_MAX.name]);
             let message = "drift.residual_max conflicts with switching.fillers, which give the residual";
             let help = "leave drift.residual_max out, or take [gyro], [motion] and fillers out";
-            return Err(Fault::new(place, message, "a second residual", help).into());
+            return Ok(reading.places.refuse(&[RESIDUAL_MAX.name], message, "a second residual", help)?);
         }
         return Ok(Some(gap_fill::read(reading)?));
     }
