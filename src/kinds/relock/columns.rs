@@ -14,6 +14,8 @@ use crate::theory::relock::{Relock, detuning_signal};
 pub(crate) struct Row<'a> {
     pub(crate) point: &'a RelockPoint,
     pub(crate) estimate: &'a RelockEstimate,
+    /// Size of a unit of the tally, ″.
+    pub(crate) unit_arcsec: f64,
     pub(crate) found: Found,
 }
 

@@ -6,9 +6,10 @@ use crate::chart::Source;
 use crate::chart::ground::{Ground, Text};
 use crate::chart::law::Law;
 use crate::kernel::relock_ticks::VERSION;
+use crate::kinds::plan::Planned;
 use crate::kinds::relock::columns::{self, ALL_TICKS};
 use crate::kinds::relock::inputs::Compensation;
-use crate::kinds::relock::run::Plan as Planned;
+use crate::kinds::relock::lower::LoweredRelock;
 use crate::kinds::relock::{RelockStudy, keys, read, sweepable};
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
@@ -43,7 +44,8 @@ pub(crate) fn kernels() -> String {
 
 impl Subject for RelockStudy {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
-        Ok(Box::new(Planned::new(study, self)?))
+        let lower = |point: &_| LoweredRelock::new(point, study.seed, study.streams);
+        Ok(Box::new(Planned::new(study, self, &self.points, |point| &point.swept, lower)?))
     }
 
     fn grounds(&self) -> Vec<Ground> {

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use crate::chart::Source;
 use crate::chart::ground::{Ground, Text};
 use crate::kernel::switched_run::VERSION;
+use crate::kinds::plan::Planned;
 use crate::kinds::relock;
 use crate::kinds::switched_run::columns;
-use crate::kinds::switched_run::run::Plan as Planned;
+use crate::kinds::switched_run::lower::LoweredRun;
 use crate::kinds::switched_run::{Angle, SwitchedRun, keys, read, sweepable};
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
@@ -40,7 +41,8 @@ pub(crate) static SWITCHED_RUN: Kind = Kind {
 
 impl Subject for SwitchedRun {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
-        Ok(Box::new(Planned::new(study, self)?))
+        let lower = |point: &_| LoweredRun::new(point, self, study.seed, study.streams);
+        Ok(Box::new(Planned::new(study, self, &self.points, |point| &point.swept, lower)?))
     }
 
     fn grounds(&self) -> Vec<Ground> {

@@ -227,7 +227,7 @@ impl plan::Plan for Plan<'_> {
     }
 
     fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
-        held_by_all(index, self.points.iter().map(|planned| &planned.address))
+        held_by_all(index, self.points.iter().map(|planned| planned.address))
     }
 
     fn ids(&self) -> Vec<Id> {
