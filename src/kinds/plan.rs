@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use crate::key::common::Streams;
 use crate::key::refusal::Refusal;
 use crate::kinds::table::Values;
 use crate::progress::Progress;
@@ -20,6 +21,16 @@ use crate::study::Study;
 use crate::tally::block::{Block, base_log2, row_log2};
 use crate::tally::id::Id;
 use crate::tally::share::Share;
+
+/// The identity of a point of a kind, and the key of its random numbers: its own one, or that of all points of the
+/// study. `inputs` is everything else on which its draws depend, as lines of text.
+pub(crate) fn identity(kind: &str, seed: u64, streams: Streams, inputs: &str) -> (Id, [u32; 2]) {
+    let id = Id::of(&format!("point\nkind={kind}\nseed={seed}\nstreams={}\n{inputs}", streams.name()));
+    match streams {
+        Streams::Independent => (id, id.key()),
+        Streams::Common => (id, Id::of(&format!("streams\nkind={kind}\nseed={seed}\n")).key()),
+    }
+}
 
 /// The blocks that the store lacks of some estimates, whose trials have that many steps.
 pub(crate) type Lacking<'a> = &'a dyn Fn(&[Address], u64) -> Result<Vec<Block>, StoreError>;

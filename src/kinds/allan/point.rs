@@ -50,8 +50,6 @@ impl Inputs {
 /// One combination of swept values, with everything derived from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// Index of the point; the first sweep changes slowest.
-    pub index: usize,
     /// Name of each swept key with its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
     /// Inputs that determine the draws.
@@ -81,14 +79,10 @@ impl Base<'_> {
                 let message =
                     "record.rate is swept, but a constant rate affects only a readout in whole pulses";
                 let help = "give noise.readout_lsb, or leave the sweep out";
-                return Err(Fault::new(sweep.key_span.clone(), message, "no effect", help));
+                return Err(sweep.fault(message, "no effect", help));
             }
-            let mut settings = NOISE_SETTINGS.iter();
-            let Some(setting) = settings.find(|setting| setting.key.name == sweep.key.name) else {
-                continue;
-            };
             for noise in noises {
-                setting.check_applies(noise, &NOISE_SETTINGS, "[noise]", sweep.key_span.clone())?;
+                setting::check_applies(sweep, noise, &NOISE_SETTINGS, "[noise]")?;
             }
         }
         Ok(())
@@ -99,7 +93,7 @@ impl Base<'_> {
     /// # Errors
     /// The first point that is invalid.
     pub(crate) fn points(&self) -> Result<Vec<Point>, Fault> {
-        (0..sweep::points(self.sweeps)).map(|index| self.point(index)).collect()
+        sweep::points(self.sweeps).map(|swept| self.point(swept)).collect()
     }
 
     /// Refuses switches without effect at any point, and a warm-up without a drift.
@@ -132,9 +126,8 @@ impl Base<'_> {
         if self.files.is_empty() { std::slice::from_ref(&self.inputs.noise) } else { &self.files }
     }
 
-    fn point(&self, index: usize) -> Result<Point, Fault> {
+    fn point(&self, swept: Vec<(&'static str, Swept)>) -> Result<Point, Fault> {
         let mut inputs = self.inputs.clone();
-        let swept = sweep::values_at(self.sweeps, index);
         if let Some(noise) = self.file(&swept) {
             inputs.noise = noise;
         }
@@ -142,7 +135,7 @@ impl Base<'_> {
         setting::set(&mut inputs.noise, &NOISE_SETTINGS, &swept);
         self.check(&inputs)?;
         let ms = self.factors(&inputs, &swept)?;
-        Ok(Point { index, swept, inputs, ms })
+        Ok(Point { swept, inputs, ms })
     }
 
     /// The noise of the file selected by a sweep.

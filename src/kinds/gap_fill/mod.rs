@@ -70,22 +70,15 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
     let written_fillers = filler::read::read(fillers)?;
     let errors = read_errors(reading.get(&ERRORS))?;
     for sweep in reading.sweeps {
-        let fault = |message: String, label: &str, help: &str| {
-            Err(Wrong::from(Fault::new(sweep.key_span.clone(), message, label, help)))
-        };
         if reading.get(&noise::keys::NOISE).is_some() && sweep.key.table() == TICK_NOISE.name {
             let message = format!("{} is swept, but [noise] gives the noise", sweep.key.name);
-            return fault(message, "a second noise", "leave one of them out");
+            return Err(sweep.fault(message, "a second noise", "leave one of them out").into());
         }
-        let mut settings = motion::keys::SETTINGS.iter();
-        if let Some(setting) = settings.find(|setting| setting.key.name == sweep.key.name) {
-            let span = sweep.key_span.clone();
-            setting.check_applies(&inputs.motion, &motion::keys::SETTINGS, "the motion", span)?;
-        }
+        setting::check_applies(sweep, &inputs.motion, &motion::keys::SETTINGS, "the motion")?;
         if sweep.key.name == SUSPENDED_GYRO.name && inputs.motion.vibration.is_none() {
-            let message = "motion.suspension.gyro is swept, but the motion has no suspension".to_owned();
+            let message = "motion.suspension.gyro is swept, but the motion has no suspension";
             let help = format!("add one as in\n[motion]\n{}", SUSPENSION.example);
-            return fault(message, "not in this study", &help);
+            return Err(sweep.fault(message, "not in this study", help).into());
         }
     }
     let base = point::Base {
@@ -150,15 +143,7 @@ fn read_relock(list: Option<Given>) -> Result<Vec<f64>, Fault> {
 fn read_errors(list: Option<Given>) -> Result<Vec<Error>, Fault> {
     let Some(list) = list else { return Ok(vec![Error::Residual, Error::Extrapolation]) };
     let help = "accepted: one or more of \"residual\", \"extrapolation\", \"in-gap\", each once";
-    let mut errors = Vec::new();
-    for item in list.items() {
-        let error = Error::of(Some(item));
-        if errors.contains(&error) {
-            let message = format!("switching.errors lists \"{}\" twice", error.name());
-            return Err(item.fault(message, "listed before", help));
-        }
-        errors.push(error);
-    }
+    let errors = list.distinct(|item| Ok((item.to_string(), Error::of(Some(item)))), help)?;
     if errors.is_empty() {
         return Err(list.fault("switching.errors is empty", "no errors", help));
     }

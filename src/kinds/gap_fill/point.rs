@@ -26,8 +26,6 @@ const MOST_SIGMA: f64 = 1e6;
 /// One combination of swept values, with everything derived from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// Index of the point; the first sweep changes slowest.
-    pub index: usize,
     /// Name of each swept key with its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
     /// Inputs that determine the draws.
@@ -52,12 +50,11 @@ impl Base<'_> {
     /// # Errors
     /// The first point that is invalid.
     pub(crate) fn points(&self) -> Result<Vec<Point>, Fault> {
-        (0..sweep::points(self.sweeps)).map(|index| self.point(index)).collect()
+        sweep::points(self.sweeps).map(|swept| self.point(swept)).collect()
     }
 
-    fn point(&self, index: usize) -> Result<Point, Fault> {
+    fn point(&self, swept: Vec<(&'static str, Swept)>) -> Result<Point, Fault> {
         let mut inputs = self.inputs.clone();
-        let swept = sweep::values_at(self.sweeps, index);
         setting::set(&mut inputs, &SETTINGS, &swept);
         setting::set(&mut inputs.motion, &motion::keys::SETTINGS, &swept);
         if let Some(mut vibration) = inputs.motion.vibration.clone() {
@@ -69,7 +66,7 @@ impl Base<'_> {
         self.check(&inputs)?;
         let fills =
             self.fillers.iter().map(|written| self.fill(written, &inputs)).collect::<Result<_, _>>()?;
-        Ok(Point { index, swept, inputs, fills })
+        Ok(Point { swept, inputs, fills })
     }
 
     /// Checks limits that involve more than one value.

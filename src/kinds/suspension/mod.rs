@@ -90,14 +90,12 @@ pub(crate) fn read(reading: &mut Reading) -> Result<SuspensionStudy, Wrong> {
         reading.table.needed(&FREQUENCY)?;
     }
     reading.set(&mut point, &SETTINGS)?;
-    let points = (0..sweep::points(reading.sweeps)).map(|index| {
-        let swept = sweep::values_at(reading.sweeps, index);
-        let mut point = Point { swept: swept.clone(), ..point.clone() };
+    let points = sweep::points(reading.sweeps).map(|swept| {
+        let mut point = point.clone();
         setting::set(&mut point, &SETTINGS, &swept);
-        point.suspension = OF_SUSPENSION.swept(&swept).unwrap_or(point.suspension);
-        point
+        let suspension = OF_SUSPENSION.swept(&swept).unwrap_or(point.suspension);
+        Point { swept, suspension, ..point }
     });
-    let points = points.collect();
     reading.notes.extend(OF_SUSPENSION.assumed(reading));
-    Ok(SuspensionStudy { points })
+    Ok(SuspensionStudy { points: points.collect() })
 }

@@ -210,7 +210,7 @@ fn read_fill(reading: &mut Reading, drift: &Drift) -> Result<Option<GapFill>, Wr
             let message = format!("{} is swept, but there are no fillers", sweep.key.name);
             let help =
                 "add [gyro], [motion] and switching.fillers, or sweep a key of [drift], [run] or [switching]";
-            return Err(Fault::new(sweep.key_span.clone(), message, "not in this study", help).into());
+            return Err(sweep.fault(message, "not in this study", help).into());
         }
     }
     Ok(None)

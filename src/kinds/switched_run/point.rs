@@ -31,8 +31,6 @@ const SETTLED: f64 = 5.0;
 /// One combination of swept values, with everything derived from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// Index of the point; the first sweep changes slowest.
-    pub index: usize,
     /// Name of each swept key with its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
     /// The parts of the drift, with their spreads.
@@ -102,9 +100,8 @@ impl Base<'_> {
     /// All points, in order, and a note on rounded intervals.
     pub(crate) fn points(&self) -> Result<(Vec<Point>, Option<String>), Fault> {
         let (mut points, mut rounded) = (Vec::new(), Vec::new());
-        for index in 0..sweep::points(self.sweeps) {
-            let point = self.point(index, &mut rounded)?;
-            points.push(point);
+        for (index, swept) in sweep::points(self.sweeps).enumerate() {
+            points.push(self.point(index, swept, &mut rounded)?);
         }
         rounded.dedup();
         let note = rounded.first().map(|first| match rounded.len() - 1 {
@@ -115,8 +112,12 @@ impl Base<'_> {
         Ok((points, note))
     }
 
-    fn point(&self, index: usize, rounded: &mut Vec<String>) -> Result<Point, Fault> {
-        let swept = sweep::values_at(self.sweeps, index);
+    fn point(
+        &self,
+        index: usize,
+        swept: Vec<(&'static str, Swept)>,
+        rounded: &mut Vec<String>,
+    ) -> Result<Point, Fault> {
         let (mut drift, mut schedule) = (self.drift.clone(), self.schedule);
         setting::set(&mut drift, &drift::SETTINGS, &swept);
         setting::set(&mut schedule, &schedule::SETTINGS, &swept);
@@ -132,7 +133,7 @@ impl Base<'_> {
         schedule.check(self.places)?;
         self.check_relock(relock.as_ref(), fill.as_ref(), schedule)?;
         self.check(&drift, schedule)?;
-        Ok(Point { index, swept, drift, schedule, fill, relock })
+        Ok(Point { swept, drift, schedule, fill, relock })
     }
 
     /// The nearest interval of whole ticks.

@@ -1,5 +1,6 @@
 //! The times at which the angle of a run is estimated.
 
+use crate::key::given::Given;
 use crate::key::reading::Reading;
 use crate::kinds::switched_run::TIMES;
 use crate::source::diagnose::Fault;
@@ -17,18 +18,11 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Vec<f64>, Fault> {
         let help = format!("accepted: up to {MOST_TIMES}; trajectories show all of a run");
         return Err(list.fault(message, "too many", help));
     }
-    let mut times = Vec::new();
-    for given in items {
-        let time = given.quantity()?;
-        if time.value <= 0.0 {
-            let message = format!("run.times lists {time}");
-            return Err(given.fault(message, "not above 0", "give times after the start"));
+    let time = |given: Given| match given.quantity()? {
+        time if time.value > 0.0 => Ok((time.to_string(), time.value)),
+        time => {
+            Err(given.fault(format!("run.times lists {time}"), "not above 0", "give times after the start"))
         }
-        if times.contains(&time.value) {
-            let message = format!("run.times lists {time} twice");
-            return Err(given.fault(message, "listed before", "leave it out here"));
-        }
-        times.push(time.value);
-    }
-    Ok(times)
+    };
+    list.distinct(time, "leave it out here")
 }

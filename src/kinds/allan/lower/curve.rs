@@ -4,6 +4,7 @@ use crate::key::common::Streams;
 use crate::key::refusal::Refusal;
 use crate::kinds::allan::lower::{Asked, Records};
 use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
+use crate::kinds::plan::identity;
 use crate::store::Address;
 use crate::tally::id::Id;
 use crate::theory::allan::estimator::{Difference, Estimator, Stride};
@@ -29,11 +30,7 @@ impl LoweredCurve {
         streams: Streams,
     ) -> Result<LoweredCurve, Refusal> {
         let inputs = &point.inputs;
-        let id = id(inputs, seed, streams);
-        let key = match streams {
-            Streams::Independent => id.key(),
-            Streams::Common => Id::of(&format!("streams\nkind=allan\nseed={seed}\n")).key(),
-        };
+        let (id, key) = identity("allan", seed, streams, &canonical(inputs));
         let samples = inputs.samples();
         let process = inputs.noise.process(inputs.sample_s, samples);
         let asked = Asked {
@@ -69,16 +66,11 @@ fn names(estimator: Estimator) -> [String; 2] {
     [difference.to_owned(), stride]
 }
 
-/// The identity of everything that determines the draws.
-fn id(inputs: &RecordInputs, seed: u64, streams: Streams) -> Id {
+/// The inputs that determine the draws.
+fn canonical(inputs: &RecordInputs) -> String {
     let RecordInputs { sample_s, rate, noise, .. } = inputs;
     // A constant rate affects whole pulses only.
     let rate = if noise.readout_lsb > 0.0 { *rate } else { 0.0 };
-    Id::of(&format!(
-        "point\nkind=allan\nseed={seed}\nstreams={}\nsample_s={sample_s:.11e}\nsamples={}\nrate={rate:.11e}\n\
-         {}",
-        streams.name(),
-        inputs.samples(),
-        noise.canonical(),
-    ))
+    let (samples, noise) = (inputs.samples(), noise.canonical());
+    format!("sample_s={sample_s:.11e}\nsamples={samples}\nrate={rate:.11e}\n{noise}")
 }

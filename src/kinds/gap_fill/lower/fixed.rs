@@ -212,6 +212,11 @@ impl FixedTone {
         FixedTone { motion, phase, phase_spread, part, rayleigh }
     }
 
+    /// Whether only the phase of the tone is drawn, or also its amplitude from a Rayleigh distribution.
+    pub(crate) fn is_plain(&self) -> bool {
+        matches!(self.motion, ToneMotion::Fixed { .. }) && self.part[1] == 0
+    }
+
     /// The angle of a tone of fixed frequency over a tick, at sine 1 and at cosine 1 of the phase at the middle of the
     /// gap.
     pub(crate) fn tick_words(&self, tick: i32, gap_ticks: i32) -> [i32; 2] {

@@ -93,7 +93,7 @@ fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64, drawn: Drawn) -> Op
         return None;
     }
     for tone in &fixed.tones {
-        if !is_plain(tone) {
+        if !tone.is_plain() {
             let swing =
                 (drawn == Drawn::AtSome).then(|| Swing::at_some(tone, &parts, to - from, n)).flatten()?;
             // Over many pulses the covariance vanishes.
@@ -155,11 +155,6 @@ fn covariance(fixed: &Fixed, from: i32, to: i32, pulse: f64, drawn: Drawn) -> Op
 /// The spans between two boundaries: ticks, and the gap as a whole.
 fn spans(from: i32, to: i32, n: i32) -> Vec<(i32, bool)> {
     (from + 1..=to).filter(|tick| !(2..=n).contains(tick)).map(|tick| (tick, tick == 1)).collect()
-}
-
-/// Whether only the phase of a tone is drawn, or also its amplitude from a Rayleigh distribution.
-fn is_plain(tone: &FixedTone) -> bool {
-    matches!(tone.motion, ToneMotion::Fixed { .. }) && tone.part[1] == 0
 }
 
 /// The angle of a plain tone over the spans, at sine 1 and cosine 1.

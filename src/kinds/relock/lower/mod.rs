@@ -14,6 +14,7 @@ use crate::kernel::relock_ticks::{self, MAX_TICKS, Method};
 use crate::kernel::width::Width;
 use crate::key::common::Streams;
 use crate::kinds::gap_fill::lower::words_of;
+use crate::kinds::plan::identity;
 use crate::kinds::relock::RelockPoint;
 use crate::kinds::relock::inputs::Compensation;
 use crate::store::Address;
@@ -60,16 +61,8 @@ impl LoweredRelock {
     /// The point cannot be represented; see [`Refusal`].
     pub fn new(point: &RelockPoint, seed: u64, streams: Streams) -> Result<LoweredRelock, Refusal> {
         let inputs = &point.inputs;
-        let id = Id::of(&format!(
-            "point\nkind=relock\nseed={seed}\nstreams={}\ntick_s={:.11e}\n{}",
-            streams.name(),
-            inputs.tick_s,
-            inputs.relock.identity()
-        ));
-        let key = match streams {
-            Streams::Independent => id.key(),
-            Streams::Common => Id::of(&format!("streams\nkind=relock\nseed={seed}\n")).key(),
-        };
+        let text = format!("tick_s={:.11e}\n{}", inputs.tick_s, inputs.relock.identity());
+        let (id, key) = identity("relock", seed, streams, &text);
         let fixed = FixedRelock::new(&inputs.relock, inputs.tick_s)?;
         let ticks = inputs.relock.ticks as usize;
         let mut lowered = LoweredRelock { id, key, fixed, ticks, estimates: vec![] };

@@ -20,6 +20,7 @@ use crate::key::common::Streams;
 use crate::key::refusal::Refusal;
 use crate::kinds::gap_fill::lower::residual::Residual;
 use crate::kinds::gap_fill::lower::{Lowered, definition, words_of};
+use crate::kinds::plan::identity;
 use crate::kinds::switched_run::lower::drift::Drift;
 use crate::kinds::switched_run::lower::fixed::Fixed;
 use crate::kinds::switched_run::lower::relocking::FixedRelocking;
@@ -111,11 +112,8 @@ impl LoweredRun {
         streams: Streams,
     ) -> Result<LoweredRun, Refusal> {
         let residuals = residuals(point, study, seed, streams)?;
-        let id = id(point, study, residuals.id, seed, streams);
-        let key = match streams {
-            Streams::Independent => id.key(),
-            Streams::Common => Id::of(&format!("streams\nkind=switched-run\nseed={seed}\n")).key(),
-        };
+        let text = canonical(point, study, &residuals.id);
+        let (id, key) = identity("switched-run", seed, streams, &text);
         let drift = Drift::of(point, study);
         let relocking = FixedRelocking::of(point)?;
         let filled = |(definition, residual): (String, Residual)| {
@@ -178,19 +176,17 @@ fn residuals(
     Ok(Residuals { id: lowered.id.to_string(), of_fillers })
 }
 
-/// The identity of everything that determines the draws and the angles to which they are added.
-fn id(point: &RunPoint, study: &SwitchedRun, switch: String, seed: u64, streams: Streams) -> Id {
+/// The inputs that determine the draws and the angles to which they are added.
+fn canonical(point: &RunPoint, study: &SwitchedRun, switch: &str) -> String {
     let Schedule { interval_s, duration_s } = point.schedule;
-    Id::of(&format!(
-        "point\nkind=switched-run\nseed={seed}\nstreams={}\ninterval_s={interval_s:.11e}\nduration_s={duration_s:.11e}\n\
-         first_mode={:?}\ntiming={:?}\nswitch={switch}\n{}{}",
-        streams.name(),
+    let relock = point.relock.as_ref().map_or_else(String::new, |relocking| {
+        let (compensation, ticks) = (relocking.compensation.name(), relocking.relock.ticks);
+        format!("compensation={compensation}\nrelock_ticks={ticks}\n{}", relocking.relock.identity())
+    });
+    format!(
+        "interval_s={interval_s:.11e}\nduration_s={duration_s:.11e}\nfirst_mode={:?}\ntiming={:?}\nswitch={switch}\n{}{relock}",
         study.first_mode,
         study.timing,
         point.drift.canonical(),
-        point.relock.as_ref().map_or_else(String::new, |relocking| {
-            let (compensation, ticks) = (relocking.compensation.name(), relocking.relock.ticks);
-            format!("compensation={compensation}\nrelock_ticks={ticks}\n{}", relocking.relock.identity())
-        }),
-    ))
+    )
 }
