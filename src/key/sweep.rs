@@ -167,10 +167,10 @@ impl Written<'_> {
         let (span, values) = match (list, linear, log) {
             (Some(list), None, None) => (list.span(), self.listed(list)?),
             (None, Some(spaced), None) => {
-                (spaced.span(), self.spaced(spaced, &LINEAR_FROM, &LINEAR_TO, &LINEAR_POINTS, false)?)
+                (spaced.span(), self.spaced(spaced, [&LINEAR_FROM, &LINEAR_TO, &LINEAR_POINTS], false)?)
             }
             (None, None, Some(spaced)) => {
-                (spaced.span(), self.spaced(spaced, &LOG_FROM, &LOG_TO, &LOG_POINTS, true)?)
+                (spaced.span(), self.spaced(spaced, [&LOG_FROM, &LOG_TO, &LOG_POINTS], true)?)
             }
             _ => {
                 let message =
@@ -270,9 +270,7 @@ impl Written<'_> {
     fn spaced(
         &self,
         spaced: Given,
-        from: &'static Key,
-        to: &'static Key,
-        points: &'static Key,
+        [from, to, points]: [&'static Key; 3],
         is_log: bool,
     ) -> Result<Vec<Quantity>, Fault> {
         let (from, to) = (self.table.needed(from)?.of(self.key), self.table.needed(to)?.of(self.key));

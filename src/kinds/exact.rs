@@ -14,13 +14,7 @@ use crate::tally::share::Share;
 
 /// The plan of such a study, which consists of its table only.
 #[derive(Debug)]
-pub(crate) struct Exact(Table);
-
-impl Exact {
-    pub(crate) fn new(table: Table) -> Exact {
-        Exact(table)
-    }
-}
+pub(crate) struct Exact(pub(crate) Table);
 
 impl Plan for Exact {
     fn is_sampled(&self) -> bool {

@@ -37,7 +37,7 @@ pub(crate) static DRIFT_BUDGET: Kind = Kind {
 impl Subject for DriftBudget {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
         let rows: Vec<Row> = self.points.iter().map(Row::of).collect();
-        Ok(Box::new(Exact::new(table(&study.sweeps, &columns::columns(), &rows, |row| &row.point.swept))))
+        Ok(Box::new(Exact(table(&study.sweeps, &columns::columns(), &rows, |row| &row.point.swept))))
     }
 
     fn grounds(&self) -> Vec<Ground> {

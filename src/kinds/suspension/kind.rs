@@ -36,7 +36,7 @@ pub(crate) static SUSPENSION: Kind = Kind {
 impl Subject for SuspensionStudy {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
         let table = table(&study.sweeps, &columns::columns(), &self.points, |point| &point.swept);
-        Ok(Box::new(Exact::new(table)))
+        Ok(Box::new(Exact(table)))
     }
 
     fn grounds(&self) -> Vec<Ground> {

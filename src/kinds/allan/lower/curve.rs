@@ -44,16 +44,14 @@ impl LoweredCurve {
             key,
         };
         let records = Records::new(&asked)?;
-        let [difference, stride] = names(estimator);
-        let estimate =
-            Id::of(&format!("estimate\ndifference={difference}\nstride={stride}\nms={:?}\n", point.ms));
+        let estimate = Id::of(&format!("estimate\n{}ms={:?}\n", named(estimator), point.ms));
         let address = Address { point: id, estimate, digest: records.digest() };
         Ok(LoweredCurve { records, address })
     }
 }
 
-/// The names of an estimator in identities.
-fn names(estimator: Estimator) -> [String; 2] {
+/// An estimator in identities.
+fn named(estimator: Estimator) -> String {
     let difference = match estimator.difference {
         Difference::Second => "second",
         Difference::Third => "third",
@@ -63,7 +61,7 @@ fn names(estimator: Estimator) -> [String; 2] {
         Stride::Cluster => "m".to_owned(),
         Stride::Part(parts) => format!("m/{parts}"),
     };
-    [difference.to_owned(), stride]
+    format!("difference={difference}\nstride={stride}\n")
 }
 
 /// The inputs that determine the draws.

@@ -22,7 +22,6 @@ pub use crate::kinds::allan::lower::oracle::Oracle;
 use crate::kernel::allan;
 use crate::kernel::recipe::Recipe;
 use crate::kinds::allan::lower::fixed::Fixed;
-use crate::kinds::allan::lower::levels::Places;
 use crate::kinds::allan::lower::model::Model;
 use crate::kinds::gap_fill::lower::words_of;
 use crate::tally::id::Id;
@@ -122,7 +121,7 @@ impl Records {
         }
         let model = Model::new(asked)?;
         let fixed = Fixed::new(&model)?;
-        let Places { levels, places } = Places::of(estimator, ms);
+        let (levels, places) = levels::levels(estimator, ms);
         let recipe = Recipe {
             key: asked.key,
             samples: samples as u32,
@@ -135,7 +134,7 @@ impl Records {
             quantisation: fixed.quantisation,
             pulse: fixed.pulse,
             switching: fixed.switching,
-            drift: crate::kinds::allan::lower::drift::angles(&model, &fixed),
+            drift: drift::angles(&model, &fixed),
             order: match estimator.difference {
                 Difference::Second => 2,
                 Difference::Third => 3,

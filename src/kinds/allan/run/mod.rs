@@ -3,7 +3,6 @@
 pub(crate) mod coefficients;
 pub(crate) mod curves;
 pub(crate) mod estimates;
-pub(crate) mod rows;
 pub(crate) mod sampling;
 
 use std::ops::Range;
@@ -88,18 +87,24 @@ impl<'a> Plan<'a> {
         }
         let mut plan = Plan { study, allan, points: vec![], off: (0.0, 0.0) };
         for point in &allan.points {
-            let lowered = plan.lowered(point).map_err(|refusal| study.refused(&point.swept, &refusal))?;
-            let recipe = lowered.records.recipe();
-            plan.check_memory(point, 4 * LANES * recipe.depth())?;
-            plan.check_fit(point)?;
-            let off = off(point, &lowered, allan.estimator);
-            if off.0 > plan.off.0 {
-                plan.off = off;
-            }
-            let (samples, width) = (recipe.samples.into(), recipe.places());
-            plan.points.push(Planned { point, address: lowered.address, samples, width });
+            plan.push(point).map_err(|refusal| study.refused(&point.swept, &refusal))?;
         }
         Ok(plan)
+    }
+
+    /// Lowers a point and adds it.
+    fn push(&mut self, point: &'a RecordPoint) -> Result<(), Refusal> {
+        let lowered = self.lowered(point)?;
+        let recipe = lowered.records.recipe();
+        check_memory(point, 4 * LANES * recipe.depth())?;
+        self.check_fit(point)?;
+        let off = off(point, &lowered, self.allan.estimator);
+        if off.0 > self.off.0 {
+            self.off = off;
+        }
+        let (samples, width) = (recipe.samples.into(), recipe.places());
+        self.points.push(Planned { point, address: lowered.address, samples, width });
+        Ok(())
     }
 
     fn lowered(&self, point: &RecordPoint) -> Result<LoweredCurve, Refusal> {
@@ -158,22 +163,8 @@ impl<'a> Plan<'a> {
         }
     }
 
-    /// Refuses records that take too much memory side by side.
-    fn check_memory(&self, point: &RecordPoint, bytes: usize) -> Result<(), StudyError> {
-        if bytes <= MOST_BYTES {
-            return Ok(());
-        }
-        let message = format!(
-            "records of {} samples need {} MiB on each thread for the longest averaging times",
-            point.inputs.samples(),
-            bytes >> 20
-        );
-        let help = "take overlap = \"m/64\" and tau = \"octave\" or \"decade10\", shorter averaging times, or a shorter record";
-        Err(self.study.refused(&point.swept, &Refusal { key: "allan", message, help }))
-    }
-
     /// Refuses a fit to fewer points than parameters.
-    fn check_fit(&self, point: &RecordPoint) -> Result<(), StudyError> {
+    fn check_fit(&self, point: &RecordPoint) -> Result<(), Refusal> {
         let Some(terms) = &self.allan.terms else { return Ok(()) };
         let points = point.ms.iter().filter(|&&m| is_fitted(m, point.inputs.samples())).count();
         let parameters = terms.fewest_parameters();
@@ -184,8 +175,20 @@ impl<'a> Plan<'a> {
             "there are {points} averaging times up to an eighth of the record, too few for {parameters} parameters"
         );
         let help = "take more averaging times, as of tau = \"decade10\", a longer record, or fewer terms";
-        Err(self.study.refused(&point.swept, &Refusal { key: "allan.tau", message, help }))
+        Err(Refusal { key: "allan.tau", message, help })
     }
+}
+
+/// Refuses records that take too much memory side by side.
+fn check_memory(point: &RecordPoint, bytes: usize) -> Result<(), Refusal> {
+    if bytes <= MOST_BYTES {
+        return Ok(());
+    }
+    let (samples, mib) = (point.inputs.samples(), bytes >> 20);
+    let message =
+        format!("records of {samples} samples need {mib} MiB on each thread for the longest averaging times");
+    let help = "take overlap = \"m/64\" and tau = \"octave\" or \"decade10\", shorter averaging times, or a shorter record";
+    Err(Refusal { key: "allan", message, help })
 }
 
 impl plan::Plan for Plan<'_> {

@@ -95,14 +95,7 @@ fn shape(fixed: &Fixed, ends: bool, times: usize) -> Shape {
 }
 
 fn table_row(row: &FixedRow, shape: Shape) -> Vec<u32> {
-    let words = [
-        (true, row.angle),
-        (shape.mode, row.magnetic),
-        (shape.magnetic, row.deviations[0]),
-        (shape.initial, row.deviations[1]),
-        (shape.non_magnetic, row.deviations[2]),
-        (shape.warm_up, row.heating[0]),
-        (shape.warm_up, row.heating[1]),
-    ];
-    words.into_iter().filter(|(has, _)| *has).map(|(_, word)| word as u32).collect()
+    let Shape { mode, magnetic, initial, non_magnetic, warm_up, .. } = shape;
+    let has = [true, mode, magnetic, initial, non_magnetic, warm_up, warm_up];
+    has.into_iter().zip(row.words()).filter(|(has, _)| *has).map(|(_, word)| word).collect()
 }
