@@ -6,7 +6,6 @@ pub mod lower;
 pub(crate) mod point;
 pub(crate) mod relock;
 pub(crate) mod run;
-pub(crate) mod times;
 pub mod verify;
 
 pub use crate::kinds::switched_run::point::Point;
@@ -16,6 +15,7 @@ use crate::drift::schedule::{self, Schedule};
 use crate::drift::{self, DRIFT, Drift, RESIDUAL_MAX};
 use crate::filler::Filler;
 use crate::filler::keys::{EXTRAPOLATION_TICKS, FILLERS, FIT_TICKS, GAP_TICKS};
+use crate::key::given::Given;
 use crate::key::holds::{Holds, unlimited, words};
 use crate::key::places::Places;
 use crate::key::reading::Reading;
@@ -140,7 +140,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
     reading.note(&[&DRIFT]);
     let fill = read_fill(reading, &drift)?;
     let relock = relock::read(reading, fill.as_ref())?;
-    let times = times::read(reading)?;
+    let times = read_times(reading)?;
     let trajectories = match reading.get(&TRAJECTORIES) {
         Some(given) => given.whole()?.cast_unsigned(),
         None => 0,
@@ -238,4 +238,26 @@ fn of_residuals(fill: &GapFill, timing: Timing) -> Vec<String> {
     .into_iter()
     .flatten()
     .collect()
+}
+
+/// Most times of a study.
+const MOST_TIMES: usize = 100;
+
+/// Reads the times in s, each once.
+fn read_times(reading: &mut Reading) -> Result<Vec<f64>, Fault> {
+    reading.note(&[&TIMES]);
+    let Some(list) = reading.get(&TIMES) else { return Ok(vec![]) };
+    let items = list.items();
+    if items.len() > MOST_TIMES {
+        let message = format!("run.times lists {} times", items.len());
+        let help = format!("accepted: up to {MOST_TIMES}; trajectories show all of a run");
+        return Err(list.fault(message, "too many", help));
+    }
+    let time = |given: Given| match given.quantity()? {
+        time if time.value > 0.0 => Ok((time.to_string(), time.value)),
+        time => {
+            Err(given.fault(format!("run.times lists {time}"), "not above 0", "give times after the start"))
+        }
+    };
+    list.distinct(time, "leave it out here")
 }

@@ -10,7 +10,7 @@ use std::ops::Range;
 use crate::fit::curve::Curve;
 use crate::key::refusal::Refusal;
 use crate::kinds::allan::Allan;
-use crate::kinds::allan::columns::{CoefficientRow, Row, coefficient_columns, columns};
+use crate::kinds::allan::columns::{coefficient_columns, columns};
 use crate::kinds::allan::lower::curve::LoweredCurve;
 use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
 use crate::kinds::allan::run::estimates::Estimates;
@@ -70,13 +70,6 @@ pub(crate) struct Planned<'a> {
     width: usize,
 }
 
-/// The rows of both tables.
-#[derive(Default)]
-struct Rows<'p> {
-    points: Vec<Row<'p>>,
-    coefficients: Vec<CoefficientRow<'p>>,
-}
-
 impl<'a> Plan<'a> {
     /// Lowers every point.
     pub(crate) fn new(study: &'a Study, allan: &'a Allan) -> Result<Plan<'a>, StudyError> {
@@ -130,39 +123,6 @@ impl<'a> Plan<'a> {
         self.points.iter().enumerate().filter(is_first)
     }
 
-    /// Number of records in the tables, each with a fit where terms are fitted.
-    fn all_records(&self) -> u64 {
-        self.study.trials * self.points.len() as u64
-    }
-
-    fn tables_of(&self, rows: &Rows) -> Tables {
-        let sweeps = &self.study.sweeps;
-        let mut points = table(sweeps, &columns(), &rows.points, |row| &row.point.swept);
-        if self.allan.estimator.difference == Difference::Third {
-            for column in &mut points.columns {
-                column.label = column.label.replace("Allan", "Hadamard");
-            }
-        }
-        let fitted = || table(sweeps, &coefficient_columns(), &rows.coefficients, |row| &row.point.swept);
-        let coefficients = self.allan.terms.as_ref().map(|_| fitted());
-        Tables { coefficients, ..Tables::of_points(points) }
-    }
-
-    /// Adds the rows of a point with these estimates.
-    fn add<'p>(
-        &self,
-        rows: &mut Rows<'p>,
-        point: &'p RecordPoint,
-        lowered: Option<&LoweredCurve>,
-        estimates: &Estimates,
-        progress: &(dyn Fn(u64) + Sync),
-    ) {
-        rows.points.extend(self.curve(point, lowered, estimates));
-        if let Some(terms) = &self.allan.terms {
-            rows.coefficients.extend(self.coefficients(point, terms, estimates, progress));
-        }
-    }
-
     /// Refuses a fit to fewer points than parameters.
     fn check_fit(&self, point: &RecordPoint) -> Result<(), Refusal> {
         let Some(terms) = &self.allan.terms else { return Ok(()) };
@@ -207,26 +167,38 @@ impl plan::Plan for Plan<'_> {
     }
 
     fn tables(&self, store: Option<&Store>, progress: &dyn Progress) -> Result<Tables, RunError> {
-        let mut all = Rows::default();
-        let Some(store) = store else {
-            for planned in &self.points {
-                self.add(&mut all, planned.point, None, &Estimates::default(), &|_| {});
-            }
-            return Ok(self.tables_of(&all));
-        };
-        // Only one point is in memory at a time.
         let unit = if self.allan.terms.is_some() { "fits" } else { "records" };
-        progress.start(unit, 0, self.all_records());
-        for planned in &self.points {
-            let lowered = self.lowered(planned.point)?;
-            let rows = store.rows(&planned.address, planned.width)?;
-            let estimates = Estimates::of(rows, |sums| lowered.records.variances(sums));
-            self.add(&mut all, planned.point, Some(&lowered), &estimates, &|fits| progress.advance(fits));
-            if self.allan.terms.is_none() {
-                progress.advance(self.study.trials);
+        // Number of records in the tables, each with a fit where terms are fitted.
+        progress.start(unit, 0, self.study.trials * self.points.len() as u64);
+        let (mut curves, mut coefficients) = (Vec::new(), Vec::new());
+        // Only one point is in memory at a time.
+        for Planned { point, address, width, .. } in &self.points {
+            let lowered = store.map(|_| self.lowered(point)).transpose()?;
+            let estimates = match store.zip(lowered.as_ref()) {
+                Some((store, LoweredCurve { records, .. })) => {
+                    Estimates::of(store.rows(address, *width)?, |sums| records.variances(sums))
+                }
+                None => Estimates::default(),
+            };
+            curves.extend(self.curve(point, lowered.as_ref(), &estimates));
+            match &self.allan.terms {
+                Some(terms) => {
+                    let advance = |fits| progress.advance(fits);
+                    coefficients.extend(self.coefficients(point, terms, &estimates, &advance));
+                }
+                None => progress.advance(self.study.trials),
             }
         }
-        Ok(self.tables_of(&all))
+        let sweeps = &self.study.sweeps;
+        let mut points = table(sweeps, &columns(), &curves, |row| &row.point.swept);
+        if self.allan.estimator.difference == Difference::Third {
+            for column in &mut points.columns {
+                column.label = column.label.replace("Allan", "Hadamard");
+            }
+        }
+        let fitted = || table(sweeps, &coefficient_columns(), &coefficients, |row| &row.point.swept);
+        let coefficients = self.allan.terms.as_ref().map(|_| fitted());
+        Ok(Tables { coefficients, ..Tables::of_points(points) })
     }
 
     fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
@@ -257,10 +229,6 @@ impl plan::Plan for Plan<'_> {
                 .to_owned()
         });
         Ok(rounded.into_iter().chain(shortened).chain(together).collect())
-    }
-
-    fn all_trials(&self) -> u64 {
-        u64::MAX
     }
 }
 

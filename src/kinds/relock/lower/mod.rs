@@ -68,12 +68,10 @@ impl LoweredRelock {
         let mut lowered = LoweredRelock { id, key, fixed, ticks, estimates: vec![] };
         for compensation in Compensation::ALL {
             let sums = (1..=ticks as u32).map(Some).chain([None]);
-            let estimates: Vec<RelockEstimate> =
+            let mut estimates: Vec<RelockEstimate> =
                 sums.map(|tick| lowered.estimate(point, compensation, tick)).collect();
-            for some in estimates.chunks(MAX_ESTIMATES) {
-                let some = lowered.with_histograms(some);
-                lowered.estimates.extend(some);
-            }
+            estimates.chunks_mut(MAX_ESTIMATES).for_each(|some| lowered.set_histograms(some));
+            lowered.estimates.extend(estimates);
         }
         Ok(lowered)
     }
@@ -104,12 +102,12 @@ impl LoweredRelock {
         RelockEstimate { compensation, tick, address, oracle, rounding, bin_base: 0, weights }
     }
 
-    /// The same estimates, with histograms that start at a quarter of the rms of their first trials.
-    fn with_histograms(&self, estimates: &[RelockEstimate]) -> Vec<RelockEstimate> {
+    /// Lets histograms start at a quarter of the rms of the first trials.
+    fn set_histograms(&self, estimates: &mut [RelockEstimate]) {
         let trials = Trials { first: 0, count: PILOT, histogram: false };
         let tallies = self.launch(&estimates.iter().collect::<Vec<_>>()).tally(Width::widest(), trials);
-        let with = |(estimate, square): (&RelockEstimate, u128)| {
-            let rms = libm::sqrt(square as f64 / PILOT as f64);
+        for (estimate, tally) in estimates.iter_mut().zip(&tallies) {
+            let rms = libm::sqrt(tally.square as f64 / PILOT as f64);
             let bin_base = level(libm::floor(0.25 * rms) as u32);
             let method = method(estimate.compensation);
             let ticks = relock_ticks::Shape { ticks: MAX_TICKS, method };
@@ -119,10 +117,9 @@ impl LoweredRelock {
                 .chain(words_of(self.fixed.lsb_arcsec))
                 .chain(self.fixed.words(ticks))
                 .chain(estimate.weights);
-            let address = Address { digest: Id::of_words(words), ..estimate.address };
-            RelockEstimate { bin_base, address, ..estimate.clone() }
-        };
-        estimates.iter().zip(tallies.iter().map(|tally| tally.square)).map(with).collect()
+            estimate.address.digest = Id::of_words(words);
+            estimate.bin_base = bin_base;
+        }
     }
 
     /// The launch that samples some of the estimates, at most [`MAX_ESTIMATES`] and all of one compensation.
