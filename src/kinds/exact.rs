@@ -12,10 +12,6 @@ use crate::table::Table;
 pub(crate) struct Exact(pub(crate) Table);
 
 impl Plan for Exact {
-    fn is_sampled(&self) -> bool {
-        false
-    }
-
     fn tables(&self, _: Option<&Store>, _: &dyn Progress) -> Result<Tables, RunError> {
         Ok(Tables::of_points(self.0.clone()))
     }

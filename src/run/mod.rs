@@ -41,7 +41,7 @@ impl<'a> Plan<'a> {
 
     /// Whether there is anything to sample, for which a device is needed.
     pub fn is_sampled(&self) -> bool {
-        self.work.is_sampled()
+        !self.study.kind().is_exact
     }
 
     /// The identity of the results, which ties them to this study.

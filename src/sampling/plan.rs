@@ -42,11 +42,6 @@ pub struct Done {
 
 /// The plan of a study of any kind; by default, one that samples nothing.
 pub(crate) trait Plan: fmt::Debug {
-    /// Whether there is anything to sample.
-    fn is_sampled(&self) -> bool {
-        true
-    }
-
     /// Samples the trials that the store lacks of a share. `progress` receives the total, and the work done as it
     /// completes.
     ///

@@ -48,18 +48,16 @@ fn estimator(study: &Table) -> Result<Estimator, Fault> {
 }
 
 fn taus(written: Given) -> Result<Taus, Fault> {
-    const NAMES: [&str; 3] = ["octave", "decade10", "decade20"];
+    const NAMED: [(&str, Taus); 3] =
+        [("octave", Taus::Octave), ("decade10", Taus::Decade(10)), ("decade20", Taus::Decade(20))];
     if !written.is_list() {
-        return match written.text() {
-            "octave" => Ok(Taus::Octave),
-            "decade10" => Ok(Taus::Decade(10)),
-            "decade20" => Ok(Taus::Decade(20)),
-            text => {
-                let message = format!("allan.tau = {written} is not a list of averaging times");
-                let help = format!("{}, or a list of times as in [\"1 s\", \"10 s\"]", choices(text, &NAMES));
-                Err(written.fault(message, "not a list of times", help))
-            }
-        };
+        let (text, names) = (written.text(), NAMED.map(|(name, _)| name));
+        let named = NAMED.into_iter().find(|(name, _)| *name == text);
+        return named.map(|(_, taus)| taus).ok_or_else(|| {
+            let message = format!("allan.tau = {written} is not a list of averaging times");
+            let help = format!("{}, or a list of times as in [\"1 s\", \"10 s\"]", choices(text, &names));
+            written.fault(message, "not a list of times", help)
+        });
     }
     let tau = |time: Given| match time.read(&TIMES)? {
         tau if tau.value > 0.0 => Ok((tau.to_string(), tau.value)),

@@ -61,7 +61,7 @@ pub struct Asked<'a> {
 /// ```
 /// use sagnac::device::cpu::Cpu;
 /// use sagnac::kernel::width::Width;
-/// use sagnac::kinds::gap_fill::lower::{Asked, Records};
+/// use sagnac::kinds::allan::lower::{Asked, Records};
 /// use sagnac::theory::allan::{Estimator, Part, Process};
 ///
 /// let white = Part::angle_random_walk(0.04);

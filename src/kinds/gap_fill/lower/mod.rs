@@ -35,13 +35,9 @@ pub(crate) mod unit;
 pub(crate) mod weights;
 
 use crate::key::refusal::Refusal;
-pub use crate::kinds::allan::lower::curve::LoweredCurve;
-pub use crate::kinds::allan::lower::{Asked, Records};
 pub use crate::kinds::gap_fill::lower::estimate::{Estimate, Oracle};
 pub use crate::kinds::gap_fill::lower::residual::{Residual, ResidualTone};
 pub use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
-pub use crate::kinds::switched_run::lower::oracle::RunOracle;
-pub use crate::kinds::switched_run::lower::{FilledRun, LoweredRun, RunEstimate};
 
 use crate::filler::keys::Error;
 use crate::filler::{Fill, Filler, Method};

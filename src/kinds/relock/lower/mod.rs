@@ -126,13 +126,12 @@ impl LoweredRelock {
     pub fn launch(&self, estimates: &[&RelockEstimate]) -> Launch {
         let method = estimates.first().map_or(Method::None, |estimate| method(estimate.compensation));
         let ticks = relock_ticks::Shape { ticks: self.ticks, method };
-        let weight: Vec<u32> =
-            estimates.iter().flat_map(|estimate| estimate.weights[..self.ticks].to_vec()).collect();
+        let weights = estimates.iter().map(|estimate| &estimate.weights[..self.ticks]);
         let bin_base: Vec<u32> = estimates.iter().map(|estimate| estimate.bin_base).collect();
         let words = Parameters {
             key: &self.key,
             relock: &self.fixed.words(ticks),
-            weight: &weight,
+            weight: &weights.collect::<Vec<_>>().concat(),
             bin_base: &bin_base,
         }
         .words();
