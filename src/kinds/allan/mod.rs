@@ -70,7 +70,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Allan, Wrong> {
     base.check_switching()?;
     let points = base.points()?;
     let terms = estimate.terms.map(|terms| with_shapes(terms, &points));
-    reading.notes = notes::of(terms.as_ref(), &points);
+    reading.notes.extend(notes::of(terms.as_ref(), &points));
     Ok(Allan { estimator: estimate.estimator, terms, points })
 }
 
