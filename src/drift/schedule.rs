@@ -4,7 +4,6 @@ use crate::key::holds::{Holds, measure};
 use crate::key::places::Places;
 use crate::key::row::keys;
 use crate::key::setting::Setting;
-use crate::key::sweep::Sweep;
 use crate::quantity::number::significant;
 use crate::quantity::units::Dimension;
 use crate::source::diagnose::Fault;
@@ -41,14 +40,14 @@ pub(crate) static SETTINGS: [Setting<Schedule>; 2] = [
 
 impl Schedule {
     /// Refuses a run that is shorter than an interval.
-    pub(crate) fn check(&self, places: &Places, sweeps: &[Sweep]) -> Result<(), Fault> {
+    pub(crate) fn check(&self, places: &Places) -> Result<(), Fault> {
         if self.interval_s <= self.duration_s {
             return Ok(());
         }
         let [interval, duration] = [self.interval_s, self.duration_s].map(|time| significant(time, 6));
         let message = format!("a run of {duration} s is shorter than the switching interval of {interval} s");
-        let place = places.blame(sweeps, &["switching.interval", "run.duration"]);
         let help = "shorten switching.interval, or lengthen run.duration";
-        Err(Fault::new(place, message, "the gyro would never switch", help))
+        let names = ["switching.interval", "run.duration"];
+        places.refuse(&names, message, "the gyro would never switch", help)
     }
 }

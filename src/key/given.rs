@@ -26,9 +26,7 @@ impl fmt::Display for Given<'_> {
             DeValue::Integer(number) => write!(f, "{number}"),
             DeValue::Float(number) => write!(f, "{number}"),
             DeValue::Boolean(flag) => write!(f, "{flag}"),
-            DeValue::Datetime(_) => f.write_str("a date or a time"),
-            DeValue::Array(_) => f.write_str("a list"),
-            DeValue::Table(_) => f.write_str("a table"),
+            _ => f.write_str(self.form()),
         }
     }
 }
@@ -75,6 +73,24 @@ impl<'a> Given<'a> {
     pub(crate) fn items(&self) -> Vec<Given<'a>> {
         let items = self.value.get_ref().as_array().into_iter().flat_map(|items| items.iter());
         items.map(|value| Given { key: self.key, value }).collect()
+    }
+
+    /// Reads the items of a list, of which each may occur once. `read` gives an item as messages show it, and its value.
+    pub(crate) fn distinct<T: PartialEq>(
+        &self,
+        read: impl Fn(Given<'a>) -> Result<(String, T), Fault>,
+        help: &str,
+    ) -> Result<Vec<T>, Fault> {
+        let mut values = Vec::new();
+        for item in self.items() {
+            let (shown, value) = read(item)?;
+            if values.contains(&value) {
+                let message = format!("{} lists {shown} twice", self.key.name);
+                return Err(item.fault(message, "listed before", help));
+            }
+            values.push(value);
+        }
+        Ok(values)
     }
 
     /// The table, where the value is one.

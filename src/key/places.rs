@@ -3,30 +3,57 @@
 use std::ops::Range;
 
 use crate::key::sweep::Sweep;
+use crate::source::diagnose::Fault;
 
-/// Keys as written, each with the byte range of its value.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct Places(Vec<(&'static str, Range<usize>)>);
+/// Keys, each with the byte range of its values.
+type Keys = Vec<(&'static str, Range<usize>)>;
+
+/// The keys of a study as written, and those that it sweeps.
+#[derive(Debug, Clone)]
+pub(crate) struct Places {
+    written: Keys,
+    swept: Keys,
+}
 
 impl Places {
+    pub(crate) fn of(sweeps: &[Sweep]) -> Places {
+        let swept = sweeps.iter().map(|sweep| (sweep.key.name, sweep.span.clone())).collect();
+        Places { written: vec![], swept }
+    }
+
     pub(crate) fn add(&mut self, key: &'static str, value: Range<usize>) {
-        self.0.push((key, value));
+        self.written.push((key, value));
     }
 
     /// The place to blame for the values of `keys`, with the chief suspect first: the values of a sweep over one of
     /// them, else the first value that is written; empty at 0 where all are defaults. A table stands for the keys in
     /// it.
-    pub(crate) fn blame(&self, sweeps: &[Sweep], keys: &[&str]) -> Range<usize> {
-        let swept = |key: &&str| sweeps.iter().find(|sweep| is_within(sweep.key.name, key));
-        let written = |key: &&str| self.0.iter().find(|(name, _)| is_within(name, key));
-        match keys.iter().find_map(swept) {
-            Some(sweep) => sweep.span.clone(),
-            None => keys.iter().find_map(written).map_or(0..0, |(_, span)| span.clone()),
-        }
+    pub(crate) fn blame(&self, keys: &[&str]) -> Range<usize> {
+        first(&self.swept, keys).unwrap_or_else(|| self.written(keys))
+    }
+
+    /// The place of the first of `keys` that is written; empty at 0 where all are defaults.
+    pub(crate) fn written(&self, keys: &[&str]) -> Range<usize> {
+        first(&self.written, keys).unwrap_or_default()
+    }
+
+    /// Refuses the values of `keys`, with the chief suspect first.
+    pub(crate) fn refuse<T>(
+        &self,
+        keys: &[&str],
+        message: impl Into<String>,
+        label: &str,
+        help: impl Into<String>,
+    ) -> Result<T, Fault> {
+        Err(Fault::new(self.blame(keys), message, label, help))
     }
 }
 
-/// Whether `name` is `key`, or a key in the table `key`.
-fn is_within(name: &str, key: &str) -> bool {
-    name.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+/// The place of the first of `keys`, or of a key in one of them that is a table.
+fn first(places: &Keys, keys: &[&str]) -> Option<Range<usize>> {
+    let is_within = |name: &str, key: &str| {
+        name.strip_prefix(key).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    };
+    let of = |key: &&str| places.iter().find(|(name, _)| is_within(name, key));
+    keys.iter().find_map(of).map(|(_, place)| place.clone())
 }

@@ -19,6 +19,8 @@ pub(crate) struct Reading<'a> {
     pub(crate) files: &'a Files,
     /// Places of the values read, for errors that are found later.
     pub(crate) places: Places,
+    /// Notes on inputs that are ignored, rounded or assumed, each a sentence.
+    pub(crate) notes: Vec<String>,
 }
 
 impl<'a> Reading<'a> {

@@ -1,5 +1,7 @@
 //! The JSON schema of study files, derived from the rows of keys.
 
+use std::collections::HashSet;
+
 use serde_json::{Value, json};
 
 use crate::key::holds::{Holds, Measure};
@@ -21,13 +23,13 @@ pub(crate) struct OfKind {
 
 /// The keys of all kinds, each once.
 pub(crate) fn all(kinds: &[OfKind]) -> Vec<&'static Key> {
-    let mut keys: Vec<&'static Key> = Vec::new();
-    for key in kinds.iter().flat_map(|kind| &kind.keys) {
-        if keys.iter().all(|known| known.name != key.name) {
-            keys.push(key);
-        }
-    }
-    keys
+    distinct(kinds.iter().flat_map(|kind| kind.keys.clone()))
+}
+
+/// The first of some keys with each name.
+pub(crate) fn distinct(keys: impl IntoIterator<Item = &'static Key>) -> Vec<&'static Key> {
+    let mut seen = HashSet::new();
+    keys.into_iter().filter(|key| seen.insert(key.name)).collect()
 }
 
 /// The schema as indented JSON.

@@ -1,9 +1,9 @@
 //! Settings: the keys that can be swept, with the inputs that they set.
 
 use std::fmt;
-use std::ops::Range;
 
 use crate::key::row::Key;
+use crate::key::sweep::Sweep;
 use crate::quantity::units::Quantity;
 use crate::source::diagnose::Fault;
 use crate::table::{Cell, Unit};
@@ -30,25 +30,23 @@ impl<I> Setting<I> {
     ) -> Setting<I> {
         Setting { key, applies, set }
     }
+}
 
-    /// Refuses a sweep over a key that does not apply to the inputs; `what` names the part that lacks it, such as `the
-    /// motion`.
-    pub(crate) fn check_applies(
-        &self,
-        inputs: &I,
-        settings: &[Setting<I>],
-        what: &str,
-        sweep: Range<usize>,
-    ) -> Result<(), Fault> {
-        if (self.applies)(inputs) {
-            return Ok(());
-        }
-        let message = format!("{} is swept, but {what} has none", self.key.name);
-        let applying = settings.iter().filter(|setting| (setting.applies)(inputs));
-        let applying: Vec<&str> = applying.map(|setting| setting.key.name).collect();
-        let help = format!("this study has {}", applying.join(", "));
-        Err(Fault::new(sweep, message, "not in this study", help))
+/// Refuses a sweep over a key that does not apply to the inputs; `what` names the part that lacks it, such as `the
+/// motion`.
+pub(crate) fn check_applies<I>(
+    sweep: &Sweep,
+    inputs: &I,
+    settings: &[Setting<I>],
+    what: &str,
+) -> Result<(), Fault> {
+    let (applying, other): (Vec<_>, Vec<_>) = settings.iter().partition(|setting| (setting.applies)(inputs));
+    if other.iter().all(|setting| setting.key.name != sweep.key.name) {
+        return Ok(());
     }
+    let message = format!("{} is swept, but {what} has none", sweep.key.name);
+    let applying: Vec<&str> = applying.iter().map(|setting| setting.key.name).collect();
+    Err(sweep.fault(message, "not in this study", format!("this study has {}", applying.join(", "))))
 }
 
 /// A value of a swept key at a point.

@@ -120,21 +120,31 @@ fn find(name: Given, keys: &[&'static Key], sweepable: &[&'static Key]) -> Resul
     Err(name.fault(message, "unknown key", choices(wanted, &names)))
 }
 
-/// Number of points of all sweeps together.
-pub(crate) fn points(sweeps: &[Sweep]) -> usize {
-    sweeps.iter().map(|sweep| sweep.values.len()).product()
+impl Sweep {
+    /// A fault at the name of its key.
+    pub(crate) fn fault(
+        &self,
+        message: impl Into<String>,
+        label: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Fault {
+        Fault::new(self.key_span.clone(), message, label, help)
+    }
 }
 
-/// The values at a point, each with the name of its key; the first sweep changes slowest.
-pub(crate) fn values_at(sweeps: &[Sweep], index: usize) -> Vec<(&'static str, Swept)> {
-    let mut swept = Vec::with_capacity(sweeps.len());
-    let mut rest = index;
-    for sweep in sweeps.iter().rev() {
-        swept.push((sweep.key.name, sweep.values[rest % sweep.values.len()].clone()));
-        rest /= sweep.values.len();
-    }
-    swept.reverse();
-    swept
+/// The values at each point of all sweeps together, each with the name of its key; the first sweep changes slowest.
+pub(crate) fn points(sweeps: &[Sweep]) -> impl Iterator<Item = Vec<(&'static str, Swept)>> {
+    let count: usize = sweeps.iter().map(|sweep| sweep.values.len()).product();
+    (0..count).map(move |mut index| {
+        let mut value = |sweep: &Sweep| {
+            let value = sweep.values[index % sweep.values.len()].clone();
+            index /= sweep.values.len();
+            (sweep.key.name, value)
+        };
+        let mut swept: Vec<_> = sweeps.iter().rev().map(&mut value).collect();
+        swept.reverse();
+        swept
+    })
 }
 
 /// A sweep as written.
@@ -157,10 +167,10 @@ impl Written<'_> {
         let (span, values) = match (list, linear, log) {
             (Some(list), None, None) => (list.span(), self.listed(list)?),
             (None, Some(spaced), None) => {
-                (spaced.span(), self.spaced(spaced, &LINEAR_FROM, &LINEAR_TO, &LINEAR_POINTS, false)?)
+                (spaced.span(), self.spaced(spaced, [&LINEAR_FROM, &LINEAR_TO, &LINEAR_POINTS], false)?)
             }
             (None, None, Some(spaced)) => {
-                (spaced.span(), self.spaced(spaced, &LOG_FROM, &LOG_TO, &LOG_POINTS, true)?)
+                (spaced.span(), self.spaced(spaced, [&LOG_FROM, &LOG_TO, &LOG_POINTS], true)?)
             }
             _ => {
                 let message =
@@ -260,9 +270,7 @@ impl Written<'_> {
     fn spaced(
         &self,
         spaced: Given,
-        from: &'static Key,
-        to: &'static Key,
-        points: &'static Key,
+        [from, to, points]: [&'static Key; 3],
         is_log: bool,
     ) -> Result<Vec<Quantity>, Fault> {
         let (from, to) = (self.table.needed(from)?.of(self.key), self.table.needed(to)?.of(self.key));

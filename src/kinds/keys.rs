@@ -7,7 +7,6 @@ use crate::chart::file as chart;
 use crate::key::common::{self, KIND, TITLE};
 use crate::key::explained::{Explained, explain};
 use crate::key::holds::Holds;
-use crate::key::row::Key;
 use crate::key::schema::{self, OfKind};
 use crate::key::sweep;
 use crate::key::table::{Table, check, wrong_shape};
@@ -19,12 +18,7 @@ use crate::study::kind::Kind;
 static OF_KINDS: LazyLock<Vec<OfKind>> = LazyLock::new(|| KINDS.into_iter().map(of).collect());
 
 fn of(kind: &Kind) -> OfKind {
-    let mut keys: Vec<&'static Key> = Vec::new();
-    for key in [common::KEYS, &(kind.keys)(), sweep::KEYS, chart::KEYS].concat() {
-        if keys.iter().all(|known| known.name != key.name) {
-            keys.push(key);
-        }
-    }
+    let keys = schema::distinct([common::KEYS, &(kind.keys)(), sweep::KEYS, chart::KEYS].concat());
     let Kind { name, subject, needs, sweepable, .. } = kind;
     OfKind { name, meaning: subject, keys, needs, sweepable: sweepable() }
 }

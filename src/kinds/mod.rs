@@ -8,6 +8,7 @@ pub(crate) mod exact;
 pub mod gap_fill;
 pub(crate) mod gyro;
 pub mod keys;
+pub(crate) mod plan;
 mod read;
 pub mod relock;
 pub(crate) mod suspension;

@@ -72,11 +72,12 @@ impl Study {
             Ok(Some(Spanned::new(given.span(), given.whole()?.cast_unsigned())))
         };
         let (seed, trials) = (count(&SEED)?, count(&TRIALS)?);
+        let places = Places::of(&sweeps);
         let mut reading =
-            Reading { table: table.clone(), sweeps: &sweeps, files: &files, places: Places::default() };
+            Reading { table: table.clone(), sweeps: &sweeps, files: &files, places, notes: vec![] };
         reading.note(&[&KIND, &TRIALS, &PRECISION]);
         let subject = (kind.read)(&mut reading)?;
-        let places = reading.places;
+        let Reading { places, notes, .. } = reading;
         let written_text = |key| table.get(key).map_or(String::new(), |given| given.text().to_owned());
         let grounds = subject.grounds();
         let mut charts = read_charts(&table, &sweeps, &grounds)?;
@@ -100,6 +101,8 @@ impl Study {
             streams: Streams::of(table.get(&STREAMS)),
             charts,
             kind,
+            notes,
+            precision: subject.precision(),
             subject,
             text: text.clone(),
             places,

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use crate::key::places::Places;
 use crate::key::reading::Reading;
-use crate::key::sweep::Sweep;
 use crate::motion::keys::{
     ACCELERATION_DENSITIES, ALIAS, GYRO, MODE_FREQUENCY, MODE_Q, MODE_RESPONSE, MODES, RANDOM, RANDOM_PSD,
     RANDOM_RMS, SINE, SINE_ACCELERATION, SINE_FREQUENCY, SUSPENSION,
@@ -108,13 +107,7 @@ impl Vibration {
 
     /// Refuses vibration above half the tick rate where aliasing is not allowed, and vibration so far above it that the
     /// result would be meaningless.
-    pub(crate) fn check(
-        &self,
-        tick_s: f64,
-        most_tick_rates: f64,
-        places: &Places,
-        sweeps: &[Sweep],
-    ) -> Result<(), Fault> {
+    pub(crate) fn check(&self, tick_s: f64, most_tick_rates: f64, places: &Places) -> Result<(), Fault> {
         const VIBRATION: [&str; 4] = [
             "motion.suspension.sine.frequency",
             "motion.suspension.random.psd",
@@ -133,12 +126,7 @@ impl Vibration {
             );
             let most = number(most_tick_rates / tick_s);
             let help = format!("accepted: up to {most_tick_rates} times the tick rate, {most} Hz here");
-            return Err(Fault::new(
-                places.blame(sweeps, &VIBRATION),
-                message,
-                "too fast for the ticks",
-                help,
-            ));
+            return places.refuse(&VIBRATION, message, "too fast for the ticks", help);
         }
         if self.alias {
             return Ok(());
@@ -148,10 +136,10 @@ impl Vibration {
         let (what, place) = match mode {
             Some(mode) => {
                 let names = ["motion.suspension.gyro", "motion.suspension.modes", "motion.suspension"];
-                (format!("the mode of {} Hz", number(mode)), places.blame(sweeps, &names))
+                (format!("the mode of {} Hz", number(mode)), places.blame(&names))
             }
             None if highest > nyquist => {
-                (format!("a vibration of {} Hz", number(highest)), places.blame(sweeps, &VIBRATION))
+                (format!("a vibration of {} Hz", number(highest)), places.blame(&VIBRATION))
             }
             None => return Ok(()),
         };

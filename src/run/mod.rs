@@ -36,12 +36,12 @@ impl<'a> Plan<'a> {
     /// # Errors
     /// A point cannot be represented; the error points at the key to change.
     pub fn new(study: &'a Study) -> Result<Plan<'a>, StudyError> {
-        Ok(Plan { study, work: study.subject().plan(study)? })
+        Ok(Plan { study, work: study.subject.plan(study)? })
     }
 
     /// Whether there is anything to sample, for which a device is needed.
     pub fn is_sampled(&self) -> bool {
-        self.work.is_sampled()
+        !self.study.kind().is_exact
     }
 
     /// The identity of the results, which ties them to this study.
@@ -119,7 +119,7 @@ impl<'a> Plan<'a> {
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
     pub fn notes(&self, store: &Store, index: &Index, held: u64) -> Result<Vec<String>, StoreError> {
-        let mut notes = self.study.notes().to_vec();
+        let mut notes = self.study.notes.clone();
         notes.extend(self.work.notes(store)?);
         if held > self.study.trials {
             let why = self.work.surplus();

@@ -45,9 +45,9 @@ const FIRST_BATCH: u64 = 1 << 20;
 const MOST_STEPS_LOG2: u32 = 30;
 
 /// The blocks of at most 2^`log2` trials that some estimates lack within these `trials`.
-pub(crate) fn lacking<'a>(
+pub(crate) fn lacking(
     index: &Index,
-    addresses: impl IntoIterator<Item = &'a Address>,
+    addresses: &[Address],
     trials: Range<u64>,
     log2: u32,
 ) -> Result<Vec<Block>, StoreError> {
@@ -63,13 +63,13 @@ pub(crate) fn lacking<'a>(
 }
 
 /// The number of first trials that all of some estimates have, where it is the same for all.
-pub(crate) fn held_by_all<'a>(
+pub(crate) fn held_by_all(
     index: &Index,
-    addresses: impl IntoIterator<Item = &'a Address>,
+    addresses: impl Iterator<Item = Address>,
 ) -> Result<Option<u64>, StoreError> {
     let mut held = None;
     for address in addresses {
-        let trials = index.trials(address)?;
+        let trials = index.trials(&address)?;
         if trials.is_none() || *held.get_or_insert(trials) != trials {
             return Ok(None);
         }
@@ -77,13 +77,14 @@ pub(crate) fn held_by_all<'a>(
     Ok(held.flatten())
 }
 
-/// Trials and estimates for the rows of a table. `of` gives the address of a row's tally, the level at which its
-/// histogram starts, and its unit, ″.
+/// Trials and estimates for the rows of a table; none without a store. `of` gives the address of a row's tally, the
+/// level at which its histogram starts, and its unit, ″.
 pub(crate) fn estimates<T: Sync>(
-    store: &Store,
+    store: Option<&Store>,
     rows: &[T],
     of: impl Fn(&T) -> (Address, u32, f64) + Sync,
 ) -> Result<Vec<Found>, StoreError> {
+    let Some(store) = store else { return Ok(vec![Found::default(); rows.len()]) };
     let addresses: Vec<Address> = rows.iter().map(|row| of(row).0).collect();
     store.of_totals(&addresses, |at, tally| {
         let (_, bin_base, unit) = of(&rows[at]);

@@ -4,5 +4,4 @@ pub(crate) mod batches;
 pub(crate) mod found;
 pub(crate) mod plan;
 pub(crate) mod tables;
-pub(crate) mod trials;
 pub(crate) mod worker;

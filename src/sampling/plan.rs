@@ -40,13 +40,8 @@ pub struct Done {
     pub degraded: Vec<String>,
 }
 
-/// The plan of a study of any kind.
+/// The plan of a study of any kind; by default, one that samples nothing.
 pub(crate) trait Plan: fmt::Debug {
-    /// Whether there is anything to sample.
-    fn is_sampled(&self) -> bool {
-        true
-    }
-
     /// Samples the trials that the store lacks of a share. `progress` receives the total, and the work done as it
     /// completes.
     ///
@@ -54,17 +49,21 @@ pub(crate) trait Plan: fmt::Debug {
     /// The device or the disk fails.
     fn run(
         &self,
-        store: &mut Store,
-        worker: &mut Worker,
-        share: Share,
-        progress: &dyn Progress,
-    ) -> Result<Done, RunError>;
+        _store: &mut Store,
+        _worker: &mut Worker,
+        _share: Share,
+        _progress: &dyn Progress,
+    ) -> Result<Done, RunError> {
+        Ok(Done { trials: 0, seconds: 0.0, stopped: false, degraded: vec![] })
+    }
 
     /// Number of trials that the store lacks of a share.
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    fn lacks(&self, store: &Store, share: Share) -> Result<u64, StoreError>;
+    fn lacks(&self, _store: &Store, _share: Share) -> Result<u64, StoreError> {
+        Ok(0)
+    }
 
     /// The tables of everything that the store holds; without a store, all rows without estimates.
     ///
@@ -76,10 +75,14 @@ pub(crate) trait Plan: fmt::Debug {
     ///
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
-    fn held(&self, index: &Index) -> Result<Option<u64>, StoreError>;
+    fn held(&self, _index: &Index) -> Result<Option<u64>, StoreError> {
+        Ok(None)
+    }
 
     /// The identities of all points.
-    fn ids(&self) -> Vec<Id>;
+    fn ids(&self) -> Vec<Id> {
+        vec![]
+    }
 
     /// Notes attached to the results, each a sentence.
     ///
@@ -88,7 +91,9 @@ pub(crate) trait Plan: fmt::Debug {
     fn notes(&self, store: &Store) -> Result<Vec<String>, StoreError>;
 
     /// Number of trials of all points together.
-    fn all_trials(&self) -> u64;
+    fn all_trials(&self) -> u64 {
+        u64::MAX
+    }
 
     /// Why points have more trials than the study requests.
     fn surplus(&self) -> &'static str {

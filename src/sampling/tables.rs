@@ -37,11 +37,6 @@ impl Tables {
 
     /// The table for a source.
     pub fn of(&self, source: Source) -> &Table {
-        let other = match source {
-            Source::Points => None,
-            Source::Coefficients => self.coefficients.as_ref(),
-            Source::Trajectories => self.trajectories.as_ref(),
-        };
-        other.unwrap_or(&self.points)
+        self.all().find(|(known, _)| *known == source).map_or(&self.points, |(_, table)| table)
     }
 }

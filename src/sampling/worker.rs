@@ -83,10 +83,7 @@ impl<'a> Worker<'a> {
             device.sums(recipe, first, count, progress)
         });
         let Err(error @ GpuError::TooLong { .. }) = made else { return made };
-        let cpu = match self.beside.take() {
-            Some(cpu) => cpu,
-            None => self.processor(&error)?,
-        };
+        let cpu = self.processor(&error)?;
         let why = format!("records of {} samples were made on the CPU: {error}", recipe.samples);
         if !self.notes.contains(&why) {
             self.say(why);
@@ -156,18 +153,17 @@ impl<'a> Worker<'a> {
 
     /// Replaces the device by the processor for the rest of the run.
     fn replace(&mut self, error: &GpuError, why: &str) -> Result<(), GpuError> {
-        let cpu = match self.beside.take() {
-            Some(cpu) => cpu,
-            None => self.processor(error)?,
-        };
-        let (failed, cpu) = (self.device.name(), Device::Cpu(cpu));
+        let (cpu, failed) = (Device::Cpu(self.processor(error)?), self.device.name());
         self.say(format!("{failed}: {why}; from here on {} computes", cpu.name()));
         *self.device = cpu;
         Ok(())
     }
 
-    /// The processor, or `error` where it can start no threads.
+    /// The processor, the one beside the device where there is one, or `error` where it can start no threads.
     fn processor(&mut self, error: &GpuError) -> Result<Cpu, GpuError> {
+        if let Some(cpu) = self.beside.take() {
+            return Ok(cpu);
+        }
         let threads = match &*self.device {
             Device::Gpu(gpu) => gpu.threads(),
             Device::Cpu(_) => 0,

@@ -96,7 +96,7 @@ impl Study {
                 Some(_) => {}
             }
         }
-        if let Some(span) = precision.clone().filter(|_| !self.has_stop_rule()) {
+        if let Some(span) = precision.clone().filter(|_| self.precision.is_none()) {
             edits.push((span, format!("\"{NO_PRECISION}\"")));
         }
         for input in inputs {

@@ -2,6 +2,7 @@
 
 use std::any::Any;
 use std::fmt;
+use std::sync::Arc;
 
 use crate::chart::file::Source;
 use crate::chart::ground::Ground;
@@ -11,6 +12,7 @@ use crate::key::row::Key;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::{StudyError, Wrong};
 use crate::study::Study;
+use crate::study::precision::Precision;
 use crate::table::About;
 
 /// A table of results, with its columns except the swept keys.
@@ -43,7 +45,7 @@ pub struct Kind {
     /// The loads on which its kernels are checked; none for closed forms.
     pub(crate) loads: fn() -> Vec<Load>,
     /// Reads the part of a study that belongs to this kind.
-    pub(crate) read: fn(&mut Reading) -> Result<Box<dyn Subject>, Wrong>,
+    pub(crate) read: fn(&mut Reading) -> Result<Arc<dyn Subject>, Wrong>,
 }
 
 impl PartialEq for Kind {
@@ -71,25 +73,8 @@ pub(crate) trait Subject: Any + fmt::Debug + Send + Sync {
     /// The tables of its results, as far as they are known before anything is sampled, with that of the points first.
     fn grounds(&self) -> Vec<Ground>;
 
-    /// Notes on inputs that are ignored, rounded or assumed, each a sentence.
-    fn notes(&self) -> &[String] {
-        &[]
-    }
-
-    /// Whether points stop at a precision.
-    fn has_stop_rule(&self) -> bool {
-        false
-    }
-
-    /// Drops the precision, so that every point takes all trials.
-    fn drop_stop_rule(&mut self) {}
-
-    /// A copy of this object.
-    fn boxed(&self) -> Box<dyn Subject>;
-}
-
-impl Clone for Box<dyn Subject> {
-    fn clone(&self) -> Self {
-        self.as_ref().boxed()
+    /// The precision at which points stop.
+    fn precision(&self) -> Option<Precision> {
+        None
     }
 }

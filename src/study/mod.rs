@@ -12,6 +12,7 @@ pub mod precision;
 
 use std::any::Any;
 use std::ops::Range;
+use std::sync::Arc;
 
 use crate::chart::Chart;
 use crate::chart::file::Source;
@@ -25,6 +26,7 @@ use crate::key::sweep::Sweep;
 use crate::source::diagnose::{Fault, StudyError, Text};
 use crate::study::kept::Written;
 use crate::study::kind::{Kind, Subject};
+use crate::study::precision::Precision;
 
 /// A valid study: every value is within its limits at every point.
 #[derive(Debug, Clone)]
@@ -44,7 +46,11 @@ pub struct Study {
     /// Charts as written, or those supplied by the kind.
     pub charts: Vec<Chart>,
     pub(crate) kind: &'static Kind,
-    pub(crate) subject: Box<dyn Subject>,
+    /// Notes on inputs that are ignored, rounded or assumed, each a sentence.
+    pub notes: Vec<String>,
+    /// Precision at which points stop instead of after a number of trials.
+    pub precision: Option<Precision>,
+    pub(crate) subject: Arc<dyn Subject>,
     pub(crate) text: Text,
     pub(crate) places: Places,
     pub(crate) written: Written,
@@ -59,11 +65,7 @@ impl Study {
     /// The part of the study that belongs to its kind, where that has the type `T`, such as `GapFill`; otherwise
     /// `None`.
     pub fn asked<T: 'static>(&self) -> Option<&T> {
-        (self.subject() as &dyn Any).downcast_ref()
-    }
-
-    pub(crate) fn subject(&self) -> &dyn Subject {
-        self.subject.as_ref()
+        (self.subject.as_ref() as &dyn Any).downcast_ref()
     }
 
     /// The properties of one of its tables, as far as they are known before anything is sampled.
@@ -83,11 +85,6 @@ impl Study {
         rows.map(|(column, value)| (column.name, value.text())).collect()
     }
 
-    /// Whether points stop at a precision instead of after a number of trials.
-    pub fn has_stop_rule(&self) -> bool {
-        self.subject.has_stop_rule()
-    }
-
     /// Drops the precision of the study, so that every point takes all trials.
     ///
     /// # Errors
@@ -102,13 +99,8 @@ impl Study {
                 "write it as a value, precision = { rms = \"0.5 %\" }, or remove it",
             ));
         }
-        self.subject.drop_stop_rule();
+        self.precision = None;
         Ok(())
-    }
-
-    /// Notes on inputs that are ignored, rounded or assumed, each a sentence.
-    pub fn notes(&self) -> &[String] {
-        self.subject.notes()
     }
 
     /// The laws drawn by any chart, each once.
@@ -146,6 +138,6 @@ impl Study {
     /// The place of the values of `key`, for an error about them: those of a sweep over it, else its own value. A table
     /// such as `gyro.tick_noise` stands for the keys in it; the place is empty at 0 where nothing is written.
     pub fn place_of(&self, key: &str) -> Range<usize> {
-        self.places.blame(&self.sweeps, &[key])
+        self.places.blame(&[key])
     }
 }

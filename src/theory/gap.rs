@@ -104,7 +104,7 @@ pub fn polynomial_weights(ticks: &[i32], order: usize, gap_ticks: u32) -> Option
     })
 }
 
-fn greatest_common_divisor(a: i128, b: i128) -> i128 {
+pub(crate) fn greatest_common_divisor(a: i128, b: i128) -> i128 {
     if b == 0 { a.abs() } else { greatest_common_divisor(b, a % b) }
 }
 

@@ -200,7 +200,7 @@ fn a_gap_fill_study_takes_the_noise_of_a_record_and_says_what_it_leaves_out() {
     // √12 times 0.11″, to the 12 digits of inputs.
     let gyro = "tick_noise = { angle_random_walk = \"0.00048 deg/sqrt(h)\" }\nreadout_lsb = \"0.381051177665 arcsec\"";
     assert_eq!(run(&of_file), run(&parsed("a.toml", &gap_fill("", gyro))));
-    let note = of_file.notes().join("\n");
+    let note = of_file.notes.join("\n");
     for piece in ["bias instability (0.000025 ″)", "angle random walk", "pulses of 0.381 ″"] {
         assert!(note.contains(piece), "`{piece}` is missing in {note}");
     }
@@ -236,7 +236,7 @@ fn points_keep_their_identities() {
 #[test]
 fn what_the_fit_leaves_out_is_said() {
     let notes = |noise: &str, fit: &str| {
-        parsed("a.toml", &text("", noise, &format!("[allan]\nfit = {fit}"))).notes().join("\n")
+        parsed("a.toml", &text("", noise, &format!("[allan]\nfit = {fit}"))).notes.join("\n")
     };
     let markov = format!("{LGV_1}\nmarkov = {{ amplitude = \"0.01 deg/h\", time = \"30 s\" }}");
     let some = notes(&markov, "[\"Q\", \"N\"]");
@@ -249,7 +249,7 @@ fn what_the_fit_leaves_out_is_said() {
 fn what_becomes_of_switches_is_said() {
     let notes = |switching: &str, bottom: &str| {
         let noise = format!("{LGV_1}\nswitching = {{ {switching} }}");
-        parsed("a.toml", &text("", &noise, bottom)).notes().join("\n")
+        parsed("a.toml", &text("", &noise, bottom)).notes.join("\n")
     };
     let both = "interval = \"40.3 s\", magnetic = \"1 deg/h\", residual = \"10 arcsec\"";
     assert_eq!(notes(both, ""), "noise.switching.interval is taken as whole samples: 40.3 s as 40 s");

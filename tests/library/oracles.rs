@@ -34,11 +34,11 @@ fn every_point_of_the_study_agrees_with_its_closed_form_within_5_standard_errors
 
     let plan = Plan::new(&study).unwrap();
     let store = Store::open(folder.path(), &plan.identity()).unwrap();
-    for point in &gap_fill(&study).points {
+    for (index, point) in gap_fill(&study).points.iter().enumerate() {
         let lowered = lowered(&study, point);
         let total = |filler: usize| store.total(&lowered.fillers[filler][0].address).unwrap();
         assert_eq!(gap_fill(&study).fillers[..2], [Filler::polynomial(0), Filler::polynomial(1)]);
-        assert_eq!(total(0), total(1), "residuals of const and linear differ at point {}", point.index);
+        assert_eq!(total(0), total(1), "residuals of const and linear differ at point {index}");
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-use crate::studies::{Silent, gap_fill, parsed, rows, run, run_afresh};
+use crate::studies::{Silent, parsed, rows, run, run_afresh};
 use sagnac::progress::Progress;
 use sagnac::run::Plan;
 use sagnac::store::Store;
@@ -98,7 +98,7 @@ fn stopping(trials: &str, precision: &str) -> String {
 #[test]
 fn sampling_stops_at_the_same_trial_wherever_it_is_begun() {
     let study = parsed("study.toml", &stopping("1_000_000", "\"0.5 %\""));
-    assert_eq!(gap_fill(&study).precision, Some(Precision { rms: Some(0.005), q9973: None }));
+    assert_eq!(study.precision, Some(Precision { rms: Some(0.005), q9973: None }));
     let at_once = run_afresh(&study);
     let trials: Vec<f64> = rows(&at_once).map(|row| row.number("trials")).collect();
     assert!(trials[0] < 1e6 && trials.iter().all(|&other| other == trials[0]), "{trials:?}");

@@ -118,7 +118,7 @@ fn without_residuals_there_is_no_best_interval_and_its_limits_are_blank() {
 #[test]
 fn that_the_response_of_a_known_suspension_is_assumed_is_said() {
     let note = "Q factors and responses of the suspension of LGK-400 are assumed";
-    let notes = |text: &str| parsed("study.toml", text).notes().join("\n");
+    let notes = |text: &str| parsed("study.toml", text).notes.join("\n");
     assert!(notes(SUSPENSION).contains(note), "{}", notes(SUSPENSION));
     let own = "modes = [{ frequency = \"380 Hz\", q = 50, response = \"1 deg/s/g\" }]";
     assert_eq!(notes(&SUSPENSION.replace("gyro = \"LGK-400\"", own)), "");

@@ -39,7 +39,7 @@ pub fn lacking(study: &Study, plan: &Plan, store: &Store, tables: &Tables) -> Re
     let trials = tables.points.of_role(Role::Trials);
     let has_all = |cell: &Cell| cell.number().is_some_and(|trials| trials >= study.trials as f64);
     match trials {
-        Some(trials) if !study.has_stop_rule() && trials.cells.iter().all(has_all) => Ok(0),
+        Some(trials) if study.precision.is_none() && trials.cells.iter().all(has_all) => Ok(0),
         _ => Ok(plan.lacks(store, Share::WHOLE)?),
     }
 }

@@ -179,7 +179,7 @@ fn studies(options: &Options, share: Share) -> Result<Vec<(PathBuf, Study)>, Fai
         let mut study = Study::read(path)?;
         study.trials = options.trials.unwrap_or(study.trials);
         study.seed = options.seed.unwrap_or(study.seed);
-        if options.shard.is_some() && study.has_stop_rule() {
+        if options.shard.is_some() && study.precision.is_some() {
             if options.trials.is_none() {
                 return Err(Failure::Study(study.error_at(
                     study.place_of("precision"),

@@ -300,7 +300,7 @@ fn notes(study: &Study, runs: &SwitchedRun) -> Vec<String> {
             runs.points.len()
         )),
     };
-    study.notes().iter().cloned().chain(late(runs)).chain(phases).chain(left_out).collect()
+    study.notes.iter().cloned().chain(late(runs)).chain(phases).chain(left_out).collect()
 }
 
 /// Inserts a result in the order of the intervals, each interval once.

@@ -48,31 +48,22 @@ fn estimator(study: &Table) -> Result<Estimator, Fault> {
 }
 
 fn taus(written: Given) -> Result<Taus, Fault> {
-    const NAMES: [&str; 3] = ["octave", "decade10", "decade20"];
+    const NAMED: [(&str, Taus); 3] =
+        [("octave", Taus::Octave), ("decade10", Taus::Decade(10)), ("decade20", Taus::Decade(20))];
     if !written.is_list() {
-        return match written.text() {
-            "octave" => Ok(Taus::Octave),
-            "decade10" => Ok(Taus::Decade(10)),
-            "decade20" => Ok(Taus::Decade(20)),
-            text => {
-                let message = format!("allan.tau = {written} is not a list of averaging times");
-                let help = format!("{}, or a list of times as in [\"1 s\", \"10 s\"]", choices(text, &NAMES));
-                Err(written.fault(message, "not a list of times", help))
-            }
-        };
+        let (text, names) = (written.text(), NAMED.map(|(name, _)| name));
+        let named = NAMED.into_iter().find(|(name, _)| *name == text);
+        return named.map(|(_, taus)| taus).ok_or_else(|| {
+            let message = format!("allan.tau = {written} is not a list of averaging times");
+            let help = format!("{}, or a list of times as in [\"1 s\", \"10 s\"]", choices(text, &names));
+            written.fault(message, "not a list of times", help)
+        });
     }
-    let mut seconds: Vec<f64> = Vec::new();
-    for time in written.items() {
-        let tau = time.read(&TIMES)?;
-        if tau.value <= 0.0 {
-            return Err(time.fault(format!("allan.tau lists {tau}"), "not above 0", "give times above 0"));
-        }
-        if seconds.contains(&tau.value) {
-            let message = format!("allan.tau lists {tau} twice");
-            return Err(time.fault(message, "listed before", "leave it out here"));
-        }
-        seconds.push(tau.value);
-    }
+    let tau = |time: Given| match time.read(&TIMES)? {
+        tau if tau.value > 0.0 => Ok((tau.to_string(), tau.value)),
+        tau => Err(time.fault(format!("allan.tau lists {tau}"), "not above 0", "give times above 0")),
+    };
+    let seconds = written.distinct(tau, "leave it out here")?;
     if seconds.is_empty() {
         let help = "give one time or more, as in [\"1 s\", \"10 s\"]";
         return Err(written.fault("allan.tau is empty", "no times", help));
@@ -90,26 +81,16 @@ fn terms(written: Given, difference: Difference) -> Result<Terms, Fault> {
         let message = format!("allan.fit = {written} names no terms");
         return Err(written.fault(message, "not auto and not a list", help("")));
     }
-    let mut terms: Vec<Term> = Vec::new();
-    for name in written.items() {
-        let Some(term) = Term::ALL.into_iter().find(|term| term.symbol() == name.text()) else {
-            return Err(name.fault(
-                format!("allan.fit: {name} is not a term"),
-                "not a term",
-                help(name.text()),
-            ));
-        };
-        if terms.contains(&term) {
-            let message = format!("allan.fit lists \"{}\" twice", term.symbol());
-            return Err(name.fault(message, "listed before", "leave it out here"));
-        }
-        if !is_seen(&term) {
+    let term = |name: Given| match Term::ALL.into_iter().find(|term| term.symbol() == name.text()) {
+        Some(term) if is_seen(&term) => Ok((name.to_string(), term)),
+        Some(_) => {
             let message = "allan.fit: the Hadamard variance does not see a rate ramp R";
             let help = "leave R out, or take estimator = \"overlapping\"";
-            return Err(name.fault(message, "not in this variance", help));
+            Err(name.fault(message, "not in this variance", help))
         }
-        terms.push(term);
-    }
+        None => Err(name.fault(format!("allan.fit: {name} is not a term"), "not a term", help(name.text()))),
+    };
+    let terms = written.distinct(term, "leave it out here")?;
     if terms.is_empty() {
         return Err(written.fault("allan.fit is empty", "no terms", help("")));
     }

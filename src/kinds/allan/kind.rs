@@ -1,5 +1,7 @@
 //! The entry of Allan-curve studies in the list of kinds.
 
+use std::sync::Arc;
+
 use crate::chart::Source;
 use crate::chart::ground::{Ground, Text};
 use crate::kernel::allan::VERSION;
@@ -33,7 +35,7 @@ pub(crate) static ALLAN: Kind = Kind {
     ],
     kernels: || format!("allan {VERSION}"),
     loads: crate::kinds::allan::verify::loads,
-    read: |reading| Ok(Box::new(read(reading)?)),
+    read: |reading| Ok(Arc::new(read(reading)?)),
 };
 
 /// Description of the bands of charts.
@@ -65,13 +67,5 @@ impl Subject for Allan {
                 )
             },
         ]
-    }
-
-    fn notes(&self) -> &[String] {
-        &self.notes
-    }
-
-    fn boxed(&self) -> Box<dyn Subject> {
-        Box::new(self.clone())
     }
 }

@@ -33,8 +33,6 @@ pub struct Allan {
     pub terms: Option<Terms>,
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
-    /// Notes on rounded inputs and on noise that the fit leaves out, each a sentence.
-    pub notes: Vec<String>,
 }
 
 /// Every key of this kind.
@@ -72,8 +70,8 @@ pub(crate) fn read(reading: &mut Reading) -> Result<Allan, Wrong> {
     base.check_switching()?;
     let points = base.points()?;
     let terms = estimate.terms.map(|terms| with_shapes(terms, &points));
-    let notes = notes::of(terms.as_ref(), &points);
-    Ok(Allan { estimator: estimate.estimator, terms, points, notes })
+    reading.notes.extend(notes::of(terms.as_ref(), &points));
+    Ok(Allan { estimator: estimate.estimator, terms, points })
 }
 
 /// Lets a fit that chooses its terms choose Markov noise and a sine where the noise has them.

@@ -50,8 +50,6 @@ impl Inputs {
 /// One combination of swept values, with everything derived from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// Index of the point; the first sweep changes slowest.
-    pub index: usize,
     /// Name of each swept key with its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
     /// Inputs that determine the draws.
@@ -81,14 +79,10 @@ impl Base<'_> {
                 let message =
                     "record.rate is swept, but a constant rate affects only a readout in whole pulses";
                 let help = "give noise.readout_lsb, or leave the sweep out";
-                return Err(Fault::new(sweep.key_span.clone(), message, "no effect", help));
+                return Err(sweep.fault(message, "no effect", help));
             }
-            let mut settings = NOISE_SETTINGS.iter();
-            let Some(setting) = settings.find(|setting| setting.key.name == sweep.key.name) else {
-                continue;
-            };
             for noise in noises {
-                setting.check_applies(noise, &NOISE_SETTINGS, "[noise]", sweep.key_span.clone())?;
+                setting::check_applies(sweep, noise, &NOISE_SETTINGS, "[noise]")?;
             }
         }
         Ok(())
@@ -99,14 +93,14 @@ impl Base<'_> {
     /// # Errors
     /// The first point that is invalid.
     pub(crate) fn points(&self) -> Result<Vec<Point>, Fault> {
-        (0..sweep::points(self.sweeps)).map(|index| self.point(index)).collect()
+        sweep::points(self.sweeps).map(|swept| self.point(swept)).collect()
     }
 
     /// Refuses switches without effect at any point, and a warm-up without a drift.
     pub(crate) fn check_switching(&self) -> Result<(), Fault> {
         let is_swept = |names: &[&str]| self.sweeps.iter().any(|sweep| names.contains(&sweep.key.name));
-        let refuse = |names: &[&str], message: &str, label: &str, help: &str| {
-            Err(Fault::new(self.places.blame(&[], names), message, label, help))
+        let refuse = |names: &[&str], message, label, help| {
+            Err(Fault::new(self.places.written(names), message, label, help))
         };
         for switching in self.noises().iter().filter_map(|noise| noise.switching) {
             if switching.is_nothing() && !is_swept(&LEFT_BY_SWITCHES) {
@@ -120,12 +114,8 @@ impl Base<'_> {
             if warms_up && switching.magnetic == 0.0 && !is_swept(&[MAGNETIC.name]) {
                 let message = "noise.switching.warm_up_time is given without magnetic";
                 let help = "give magnetic = \"14 arcsec/s\", or leave warm_up_time out: initial_magnetic is there at once";
-                return refuse(
-                    &[SWITCHING_WARM_UP.name, FILE.name, "noise"],
-                    message,
-                    "nothing warms up",
-                    help,
-                );
+                let names = [SWITCHING_WARM_UP.name, FILE.name, "noise"];
+                return refuse(&names, message, "nothing warms up", help);
             }
         }
         Ok(())
@@ -136,9 +126,8 @@ impl Base<'_> {
         if self.files.is_empty() { std::slice::from_ref(&self.inputs.noise) } else { &self.files }
     }
 
-    fn point(&self, index: usize) -> Result<Point, Fault> {
+    fn point(&self, swept: Vec<(&'static str, Swept)>) -> Result<Point, Fault> {
         let mut inputs = self.inputs.clone();
-        let swept = sweep::values_at(self.sweeps, index);
         if let Some(noise) = self.file(&swept) {
             inputs.noise = noise;
         }
@@ -146,7 +135,7 @@ impl Base<'_> {
         setting::set(&mut inputs.noise, &NOISE_SETTINGS, &swept);
         self.check(&inputs)?;
         let ms = self.factors(&inputs, &swept)?;
-        Ok(Point { index, swept, inputs, ms })
+        Ok(Point { swept, inputs, ms })
     }
 
     /// The noise of the file selected by a sweep.
@@ -158,9 +147,6 @@ impl Base<'_> {
 
     /// Checks limits that involve more than one value.
     fn check(&self, inputs: &Inputs) -> Result<(), Fault> {
-        let refuse = |names: &[&str], message: String, label: &str, help: &str| {
-            Err(Fault::new(self.places.blame(self.sweeps, names), message, label, help))
-        };
         let Inputs { sample_s, length_s, noise, .. } = inputs;
         let samples = inputs.samples();
         if !(FEWEST_SAMPLES..=MOST_SAMPLES).contains(&samples) {
@@ -171,7 +157,7 @@ impl Base<'_> {
             let help = format!(
                 "accepted: {FEWEST_SAMPLES} to {MOST_SAMPLES} samples, {shortest} s to {longest} s here"
             );
-            return refuse(&["record.length", "record.sample"], message, label, &help);
+            return self.places.refuse(&["record.length", "record.sample"], message, label, help);
         }
         let [_, sine_hz] = noise.of(Term::Sine);
         if sine_hz * sample_s > 0.5 {
@@ -182,7 +168,7 @@ impl Base<'_> {
             );
             let help = format!("accepted: up to {nyquist} Hz, or a shorter record.sample");
             let names = ["noise.sine.frequency", "noise.sine", "record.sample"];
-            return refuse(&names, message, "too high for the samples", &help);
+            return self.places.refuse(&names, message, "too high for the samples", help);
         }
         if let Some(switching) = noise.switching
             && !(1..samples).contains(&switching.interval(*sample_s))
@@ -201,13 +187,13 @@ impl Base<'_> {
             let longest = significant((samples - 1) as f64 * sample_s, 6);
             let help = format!("accepted: {sample_s} s to {longest} s here, or leave [noise.switching] out");
             let names = ["noise.switching.interval", "noise.file", "record.length", "record.sample"];
-            return refuse(&names, message, label, &help);
+            return self.places.refuse(&names, message, label, help);
         }
         let is_silent = noise.process(*sample_s, samples).parts.is_empty() && noise.readout_lsb == 0.0;
         if is_silent && noise.switched(*sample_s).is_none() {
-            let message = "[noise] is empty: all records would be constant".to_owned();
+            let message = "[noise] is empty: all records would be constant";
             let help = "add a coefficient as in angle_random_walk = \"0.00048 deg/sqrt(h)\", or file = \"noise.toml\"";
-            return refuse(&["noise"], message, "no noise", help);
+            return self.places.refuse(&["noise"], message, "no noise", help);
         }
         Ok(())
     }
@@ -215,7 +201,7 @@ impl Base<'_> {
     /// The averaging factors of the point's records.
     fn factors(&self, inputs: &Inputs, swept: &[(&'static str, Swept)]) -> Result<Vec<u64>, Fault> {
         let Estimate { taus, estimator, .. } = self.estimate;
-        let place = || self.places.blame(&[], &["allan.tau"]);
+        let place = || self.places.blame(&["allan.tau"]);
         if let Taus::Seconds(times) = taus {
             for tau_s in times {
                 let m = tau_s / inputs.sample_s;

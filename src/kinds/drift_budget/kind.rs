@@ -1,5 +1,7 @@
 //! The entry of drift-budget studies in the list of kinds.
 
+use std::sync::Arc;
+
 use crate::chart::Source;
 use crate::chart::ground::Ground;
 use crate::kinds::drift_budget::columns::{self, Row};
@@ -29,13 +31,13 @@ pub(crate) static DRIFT_BUDGET: Kind = Kind {
     columns: &[(Source::Points, || abouts(&columns::columns()))],
     kernels: || "none".to_owned(),
     loads: Vec::new,
-    read: |reading| Ok(Box::new(read(reading)?)),
+    read: |reading| Ok(Arc::new(read(reading)?)),
 };
 
 impl Subject for DriftBudget {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
         let rows: Vec<Row> = self.points.iter().map(Row::of).collect();
-        Ok(Box::new(Exact::new(table(&study.sweeps, &columns::columns(), &rows, |row| &row.point.swept))))
+        Ok(Box::new(Exact(table(&study.sweeps, &columns::columns(), &rows, |row| &row.point.swept))))
     }
 
     fn grounds(&self) -> Vec<Ground> {
@@ -43,9 +45,5 @@ impl Subject for DriftBudget {
             legend: ["", ""],
             ..Ground::of(Source::Points, abouts(&columns::columns()), [], &[Dimension::Rate, Dimension::Time])
         }]
-    }
-
-    fn boxed(&self) -> Box<dyn Subject> {
-        Box::new(self.clone())
     }
 }

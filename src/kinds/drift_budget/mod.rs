@@ -46,13 +46,12 @@ pub(crate) fn read(reading: &mut Reading) -> Result<DriftBudget, Wrong> {
     let (mut drift, mut schedule) = (Drift::default(), Schedule::default());
     reading.set(&mut drift, &parts::SETTINGS)?;
     reading.set(&mut schedule, &SCHEDULE_SETTINGS)?;
-    let point = |index: usize| {
-        let swept = sweep::values_at(reading.sweeps, index);
-        let mut point = Point { swept: vec![], drift: drift.clone(), schedule };
-        setting::set(&mut point.drift, &parts::SETTINGS, &swept);
-        setting::set(&mut point.schedule, &SCHEDULE_SETTINGS, &swept);
-        point.schedule.check(&reading.places, reading.sweeps)?;
-        Ok(Point { swept, ..point })
+    let point = |swept: Vec<_>| {
+        let (mut drift, mut schedule) = (drift.clone(), schedule);
+        setting::set(&mut drift, &parts::SETTINGS, &swept);
+        setting::set(&mut schedule, &SCHEDULE_SETTINGS, &swept);
+        schedule.check(&reading.places)?;
+        Ok(Point { swept, drift, schedule })
     };
-    Ok(DriftBudget { points: (0..sweep::points(reading.sweeps)).map(point).collect::<Result<_, Fault>>()? })
+    Ok(DriftBudget { points: sweep::points(reading.sweeps).map(point).collect::<Result<_, Fault>>()? })
 }

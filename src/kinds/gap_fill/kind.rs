@@ -1,17 +1,22 @@
 //! The entry of gap-fill studies in the list of kinds.
 
+use std::sync::Arc;
+
 use crate::chart::Source;
 use crate::chart::ground::{Ground, Text};
 use crate::filler::keys::Error;
 use crate::kernel::gap_fill::VERSION;
 use crate::kinds::gap_fill::columns;
-use crate::kinds::gap_fill::run::Plan as Planned;
+use crate::kinds::gap_fill::lower::Lowered;
+use crate::kinds::gap_fill::run;
 use crate::kinds::gap_fill::{GapFill, keys, read, sweepable};
+use crate::kinds::plan::Planned;
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
 use crate::source::diagnose::StudyError;
 use crate::study::Study;
 use crate::study::kind::{Kind, Subject};
+use crate::study::precision::Precision;
 use crate::table::column::abouts;
 
 /// Errors of gap fillers at a mode switch.
@@ -30,12 +35,15 @@ pub static GAP_FILL: Kind = Kind {
     columns: &[(Source::Points, columns::described)],
     kernels: || format!("gap_fill {VERSION}"),
     loads: crate::kinds::gap_fill::verify::loads,
-    read: |reading| Ok(Box::new(read(reading)?)),
+    read: |reading| Ok(Arc::new(read(reading)?)),
 };
 
 impl Subject for GapFill {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
-        Ok(Box::new(Planned::new(study, self)?))
+        let lower = |point: &_| Lowered::new(point, &self.fillers, &self.errors, study.seed, study.streams);
+        let plan = Planned::new(study, self, &self.points, |point| &point.swept, lower)?;
+        run::check_replays(&plan)?;
+        Ok(Box::new(plan))
     }
 
     fn grounds(&self) -> Vec<Ground> {
@@ -48,19 +56,7 @@ impl Subject for GapFill {
         }]
     }
 
-    fn notes(&self) -> &[String] {
-        &self.notes
-    }
-
-    fn has_stop_rule(&self) -> bool {
-        self.precision.is_some()
-    }
-
-    fn drop_stop_rule(&mut self) {
-        self.precision = None;
-    }
-
-    fn boxed(&self) -> Box<dyn Subject> {
-        Box::new(self.clone())
+    fn precision(&self) -> Option<Precision> {
+        self.precision
     }
 }

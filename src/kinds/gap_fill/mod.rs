@@ -43,8 +43,6 @@ pub struct GapFill {
     pub precision: Option<Precision>,
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
-    /// Notes on omitted noise, assumed suspensions and implausible motion, each a sentence.
-    pub notes: Vec<String>,
 }
 
 /// Every key of a switch and its fillers, which whole runs share.
@@ -68,29 +66,22 @@ pub(crate) fn sweepable() -> Vec<&'static Key> {
 /// Reads the part of a study that belongs to this kind.
 pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
     let fillers = reading.table.needed(&FILLERS)?;
-    let (inputs, mut notes) = read_inputs(reading)?;
-    let written_fillers = crate::filler::read::read(fillers)?;
+    let inputs = read_inputs(reading)?;
+    let written_fillers = filler::read::read(fillers)?;
     let errors = read_errors(reading.get(&ERRORS))?;
     for sweep in reading.sweeps {
-        let fault = |message: String, label: &str, help: &str| {
-            Err(Wrong::from(Fault::new(sweep.key_span.clone(), message, label, help)))
-        };
         if reading.get(&noise::keys::NOISE).is_some() && sweep.key.table() == TICK_NOISE.name {
             let message = format!("{} is swept, but [noise] gives the noise", sweep.key.name);
-            return fault(message, "a second noise", "leave one of them out");
+            return Err(sweep.fault(message, "a second noise", "leave one of them out").into());
         }
-        let mut settings = motion::keys::SETTINGS.iter();
-        if let Some(setting) = settings.find(|setting| setting.key.name == sweep.key.name) {
-            let span = sweep.key_span.clone();
-            setting.check_applies(&inputs.motion, &motion::keys::SETTINGS, "the motion", span)?;
-        }
+        setting::check_applies(sweep, &inputs.motion, &motion::keys::SETTINGS, "the motion")?;
         if sweep.key.name == SUSPENDED_GYRO.name && inputs.motion.vibration.is_none() {
-            let message = "motion.suspension.gyro is swept, but the motion has no suspension".to_owned();
+            let message = "motion.suspension.gyro is swept, but the motion has no suspension";
             let help = format!("add one as in\n[motion]\n{}", SUSPENSION.example);
-            return fault(message, "not in this study", &help);
+            return Err(sweep.fault(message, "not in this study", help).into());
         }
     }
-    let base = crate::kinds::gap_fill::point::Base {
+    let base = point::Base {
         inputs: inputs.clone(),
         places: &reading.places,
         sweeps: reading.sweeps,
@@ -99,9 +90,9 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
         extrapolation_ticks: TickList::read(Purpose::Extrapolation, reading.get(&EXTRAPOLATION_TICKS))?,
     };
     let points = base.points()?;
-    notes.extend(crate::kinds::gap_fill::notes::of_motion(&inputs, &points));
+    reading.notes.extend(notes::of_motion(&inputs, &points));
     let precision = precision::read(&reading.table)?;
-    notes.extend(precision.as_ref().and_then(precision::finer_than_bins));
+    reading.notes.extend(precision.as_ref().and_then(precision::finer_than_bins));
     if let (Some(_), Some(written), Some(Profile { position: Position::Every, .. })) =
         (&precision, reading.get(&PRECISION), &inputs.motion.profile)
     {
@@ -110,13 +101,13 @@ pub(crate) fn read(reading: &mut Reading) -> Result<GapFill, Wrong> {
         return Err(written.fault(message, "cannot stop early", help).into());
     }
     let fillers = written_fillers.into_iter().map(|written| written.filler).collect();
-    Ok(GapFill { inputs, fillers, errors, precision, points, notes })
+    Ok(GapFill { inputs, fillers, errors, precision, points })
 }
 
-/// Reads the inputs, and notes on what they leave out or assume.
-fn read_inputs(reading: &mut Reading) -> Result<(Inputs, Vec<String>), Wrong> {
+/// Reads the inputs, and notes what they leave out or assume.
+fn read_inputs(reading: &mut Reading) -> Result<Inputs, Wrong> {
     reading.table.needed(&GAP_TICKS)?;
-    let motion = crate::motion::read::read(reading)?;
+    let motion = motion::read::read(reading)?;
     // Each number is overwritten by its key.
     let mut inputs = Inputs {
         tick_s: 0.0,
@@ -126,16 +117,16 @@ fn read_inputs(reading: &mut Reading) -> Result<(Inputs, Vec<String>), Wrong> {
         motion,
         gap_ticks: 0,
     };
-    let noise = crate::kinds::gap_fill::of_noise::read(reading)?;
+    let noise = of_noise::read(reading)?;
     if let Some(noise) = &noise {
-        crate::kinds::gap_fill::of_noise::set(&mut inputs, noise);
+        of_noise::set(&mut inputs, noise);
     }
     reading.set(&mut inputs, &SETTINGS)?;
     reading.note(&[&RELOCK, &FILLERS, &FIT_TICKS, &EXTRAPOLATION_TICKS]);
-    let left_out =
-        noise.and_then(|noise| crate::kinds::gap_fill::of_noise::left_out(&noise, &inputs, reading.sweeps));
+    reading.notes.extend(noise.and_then(|noise| of_noise::left_out(&noise, &inputs, reading.sweeps)));
     let assumed = reading.get(&SUSPENSION).and_then(|_| vibration::KEYS.assumed(reading));
-    Ok((inputs, left_out.into_iter().chain(assumed).collect()))
+    reading.notes.extend(assumed);
+    Ok(inputs)
 }
 
 /// Reads the angles that the relock adds to ticks.
@@ -152,15 +143,7 @@ fn read_relock(list: Option<Given>) -> Result<Vec<f64>, Fault> {
 fn read_errors(list: Option<Given>) -> Result<Vec<Error>, Fault> {
     let Some(list) = list else { return Ok(vec![Error::Residual, Error::Extrapolation]) };
     let help = "accepted: one or more of \"residual\", \"extrapolation\", \"in-gap\", each once";
-    let mut errors = Vec::new();
-    for item in list.items() {
-        let error = Error::of(Some(item));
-        if errors.contains(&error) {
-            let message = format!("switching.errors lists \"{}\" twice", error.name());
-            return Err(item.fault(message, "listed before", help));
-        }
-        errors.push(error);
-    }
+    let errors = list.distinct(|item| Ok((item.to_string(), Error::of(Some(item)))), help)?;
     if errors.is_empty() {
         return Err(list.fault("switching.errors is empty", "no errors", help));
     }

@@ -57,7 +57,7 @@ mod tests {
             "title = \"t\"\nkind = \"gap-fill\"\n[gyro]\ntick = \"5 ms\"\ntick_noise = {{ std = \"1 arcsec\" }}\n[motion]\n\
              amplitude = \"{amplitude}\"\n{motion}\n[switching]\ngap_ticks = 3\nfillers = [\"const\"]\n{sweep}"
         );
-        Study::parse("a.toml", &text).unwrap().notes().to_vec()
+        Study::parse("a.toml", &text).unwrap().notes
     }
 
     #[test]

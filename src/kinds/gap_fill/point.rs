@@ -1,5 +1,7 @@
 //! Points of a gap-fill study: every combination of swept values, each checked as a whole.
 
+use std::ops::Range;
+
 use crate::filler::read::{Extrapolation, Written};
 use crate::filler::ticks::TickList;
 use crate::filler::{Fill, Method};
@@ -24,8 +26,6 @@ const MOST_SIGMA: f64 = 1e6;
 /// One combination of swept values, with everything derived from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// Index of the point; the first sweep changes slowest.
-    pub index: usize,
     /// Name of each swept key with its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
     /// Inputs that determine the draws.
@@ -50,32 +50,27 @@ impl Base<'_> {
     /// # Errors
     /// The first point that is invalid.
     pub(crate) fn points(&self) -> Result<Vec<Point>, Fault> {
-        (0..sweep::points(self.sweeps)).map(|index| self.point(index)).collect()
+        sweep::points(self.sweeps).map(|swept| self.point(swept)).collect()
     }
 
-    fn point(&self, index: usize) -> Result<Point, Fault> {
+    fn point(&self, swept: Vec<(&'static str, Swept)>) -> Result<Point, Fault> {
         let mut inputs = self.inputs.clone();
-        let swept = sweep::values_at(self.sweeps, index);
         setting::set(&mut inputs, &SETTINGS, &swept);
         setting::set(&mut inputs.motion, &motion::keys::SETTINGS, &swept);
         if let Some(mut vibration) = inputs.motion.vibration.clone() {
             vibration.suspension = vibration::KEYS.swept(&swept).unwrap_or(vibration.suspension);
-            vibration.check(inputs.tick_s, MOST_TICK_RATES, self.places, self.sweeps)?;
+            vibration.check(inputs.tick_s, MOST_TICK_RATES, self.places)?;
             vibration.add_to(&mut inputs.motion);
             inputs.motion.vibration = Some(vibration);
         }
         self.check(&inputs)?;
         let fills =
             self.fillers.iter().map(|written| self.fill(written, &inputs)).collect::<Result<_, _>>()?;
-        Ok(Point { index, swept, inputs, fills })
+        Ok(Point { swept, inputs, fills })
     }
 
     /// Checks limits that involve more than one value.
     fn check(&self, inputs: &Inputs) -> Result<(), Fault> {
-        let refuse = |names: &[&str], message, label, accepted: &str| {
-            let place = self.places.blame(self.sweeps, names);
-            Err(Fault::new(place, message, label, format!("accepted: {accepted}")))
-        };
         for tone in &inputs.motion.tones {
             self.check_tone(tone, inputs)?;
         }
@@ -92,39 +87,29 @@ impl Base<'_> {
         }
         for Written { filler, span, .. } in self.fillers {
             if let Method::MinimumVariance(Some(band)) = &filler.method {
-                above_nyquist(&filler.name, *band, inputs).map_or(Ok(()), |(message, accepted)| {
-                    Err(Fault::new(span.clone(), message, "too high for the ticks", accepted))
-                })?;
+                above_nyquist(&filler.name, *band, inputs, span.clone())?;
             }
         }
-        let rate = inputs.motion.rate.abs();
         let turned = inputs.motion.acceleration.abs() * inputs.tick_s * MAX_SIDE as f64;
         if turned > MOST_RATE {
             let message =
                 format!("motion.acceleration changes the rate by {turned:.3e} arcsec/s in {MAX_SIDE} ticks");
-            return refuse(&["motion.acceleration", "gyro.tick"], message, "too large", "up to 1e9 arcsec/s");
+            let names = ["motion.acceleration", "gyro.tick"];
+            return self.places.refuse(&names, message, "too large", "accepted: up to 1e9 arcsec/s");
         }
-        debug_assert!(rate <= MOST_RATE, "a key's limit");
+        debug_assert!(inputs.motion.rate.abs() <= MOST_RATE, "a key's limit");
         let sigma = inputs.sigma_arcsec();
         if sigma > MOST_SIGMA {
             let message =
                 format!("gyro.tick_noise comes to {sigma:.3e} arcsec per tick of {} s", inputs.tick_s);
-            return refuse(
-                &[NOISE_RANDOM_WALK.name, "gyro.tick"],
-                message,
-                "too large",
-                "0 to 1e6 arcsec per tick",
-            );
+            let names = [NOISE_RANDOM_WALK.name, "gyro.tick"];
+            return self.places.refuse(&names, message, "too large", "accepted: 0 to 1e6 arcsec per tick");
         }
         Ok(())
     }
 
     /// Limits of a tone.
     fn check_tone(&self, tone: &Tone, inputs: &Inputs) -> Result<(), Fault> {
-        let refuse = |names: &[&str], message, label, accepted: &str| {
-            let place = self.places.blame(self.sweeps, names);
-            Err(Fault::new(place, message, label, format!("accepted: {accepted}")))
-        };
         let tick_s = inputs.tick_s;
         let names = ["motion.frequency", "motion.tones", "gyro.tick"];
         if let Frequency::Band(band) = tone.frequency {
@@ -138,36 +123,33 @@ impl Base<'_> {
                 "motion.frequency = {highest} Hz is too fast for a tick rate of {tick_rate} Hz (gyro.tick = {tick_s} s)"
             );
             let most = significant(MOST_TICK_RATES / tick_s, 6);
-            let accepted = format!("up to {MOST_TICK_RATES} times the tick rate, {most} Hz here");
-            return refuse(&names, message, "too fast for the ticks", &accepted);
+            let help = format!("accepted: up to {MOST_TICK_RATES} times the tick rate, {most} Hz here");
+            return self.places.refuse(&names, message, "too fast for the ticks", help);
         }
         let drawn = inputs.motion.tones.iter().any(|tone| matches!(tone.frequency, Frequency::Band(_)));
         if drawn && highest * tick_s > 0.5 {
             let message = format!(
                 "a tone of {highest} Hz combined with one of drawn frequency is above the Nyquist frequency"
             );
-            let accepted = format!("up to {} Hz here", significant(0.5 / tick_s, 6));
-            return refuse(&names, message, "too fast for the ticks", &accepted);
+            let help = format!("accepted: up to {} Hz here", significant(0.5 / tick_s, 6));
+            return self.places.refuse(&names, message, "too fast for the ticks", help);
         }
         let rate = tone.amplitude.value.scale() * tone.rate_factor(highest);
         if rate > MOST_RATE {
             let message = format!("motion.amplitude comes to {rate:.3e} arcsec/s at {highest} Hz");
             let names = ["motion.amplitude", "motion.frequency", "motion.tones", "motion.suspension"];
-            return refuse(&names, message, "too large", "0 to 1e9 arcsec/s");
+            return self.places.refuse(&names, message, "too large", "accepted: 0 to 1e9 arcsec/s");
         }
         Ok(())
     }
 
     /// Checks that a band has its ends in order and lies below the Nyquist frequency of the ticks.
     fn check_band(&self, key: &str, band: Band, inputs: &Inputs, names: &[&str]) -> Result<(), Fault> {
-        let place = self.places.blame(self.sweeps, names);
         if band.low_hz > band.high_hz {
             let message = format!("{key}: the band runs from {} Hz down to {} Hz", band.low_hz, band.high_hz);
-            return Err(Fault::new(place, message, "backwards", "keep the lower end below the upper one"));
+            return self.places.refuse(names, message, "backwards", "keep the lower end below the upper one");
         }
-        above_nyquist(key, band, inputs).map_or(Ok(()), |(message, accepted)| {
-            Err(Fault::new(place, message, "too high for the ticks", accepted))
-        })
+        above_nyquist(key, band, inputs, self.places.blame(names))
     }
 
     /// The ticks of one filler at this point, after checking their number against the method and the weights.
@@ -212,16 +194,17 @@ impl Base<'_> {
     }
 }
 
-/// The message and the accepted values for a band that reaches above half the tick rate.
-fn above_nyquist(name: &str, band: Band, inputs: &Inputs) -> Option<(String, String)> {
-    let nyquist = significant(0.5 / inputs.tick_s, 6);
-    (band.high_hz * inputs.tick_s > 0.5).then(|| {
-        let high = significant(band.high_hz, 6);
-        let tick_s = inputs.tick_s;
-        let message =
-            format!("{name}: the band reaches {high} Hz, above the Nyquist frequency of ticks of {tick_s} s");
-        (message, format!("accepted: up to {nyquist} Hz, or a shorter gyro.tick"))
-    })
+/// Refuses a band at `place` that reaches above half the tick rate.
+fn above_nyquist(name: &str, band: Band, inputs: &Inputs, place: Range<usize>) -> Result<(), Fault> {
+    let tick_s = inputs.tick_s;
+    if band.high_hz * tick_s <= 0.5 {
+        return Ok(());
+    }
+    let [high, nyquist] = [band.high_hz, 0.5 / tick_s].map(|frequency| significant(frequency, 6));
+    let message =
+        format!("{name}: the band reaches {high} Hz, above the Nyquist frequency of ticks of {tick_s} s");
+    let help = format!("accepted: up to {nyquist} Hz, or a shorter gyro.tick");
+    Err(Fault::new(place, message, "too high for the ticks", help))
 }
 
 /// Largest difference between the sum of given weights and n that counts as rounding.
@@ -233,17 +216,13 @@ fn check_weights(
     weights: &[f64],
     ticks: &[i32],
     n: u32,
-    span: &std::ops::Range<usize>,
+    span: &Range<usize>,
 ) -> Result<(), Fault> {
     let at = format!("(at gap_ticks = {n})");
     if weights.len() != ticks.len() {
         let message = format!("{} {key} stand for {} ticks {ticks:?} {at}", weights.len(), ticks.len());
-        return Err(Fault::new(
-            span.clone(),
-            message,
-            "not one for each tick",
-            "write a weight for each tick",
-        ));
+        let help = "write a weight for each tick";
+        return Err(Fault::new(span.clone(), message, "not one for each tick", help));
     }
     let sum: f64 = weights.iter().sum();
     if (sum - f64::from(n)).abs() > SUM_TOLERANCE {

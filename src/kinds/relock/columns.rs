@@ -14,6 +14,8 @@ use crate::theory::relock::{Relock, detuning_signal};
 pub(crate) struct Row<'a> {
     pub(crate) point: &'a RelockPoint,
     pub(crate) estimate: &'a RelockEstimate,
+    /// Size of a unit of the tally, ″.
+    pub(crate) unit_arcsec: f64,
     pub(crate) found: Found,
 }
 
@@ -44,10 +46,24 @@ impl Row<'_> {
         })
     }
 
-    /// The law of the paper's tables 1 and 2.
+    /// The law of the paper's tables 1 and 2: the angle measured in a tick, or the part of it that the compensation
+    /// leaves, ″, without sign; `None` for ticks of another length.
     pub(crate) fn published(&self) -> Option<f64> {
-        let RelockEstimate { compensation, tick, .. } = self.estimate;
-        published(&self.point.inputs, *compensation, *tick)
+        let inputs = &self.point.inputs;
+        let left = |row: RelockRow| match self.estimate.compensation {
+            Compensation::None => row.measured,
+            Compensation::Frequency => row.measured - row.by_frequency.unwrap_or(0.0),
+            Compensation::Detuning => row.measured - row.by_detuning,
+        };
+        // 1 °/h is 1 ″/s.
+        let angle = match self.estimate.tick {
+            Some(tick) => left(*RELOCK_TABLES.get(tick as usize - 1)?),
+            None if inputs.relock.ticks as usize == RELOCK_TABLES.len() => {
+                RELOCK_TABLES.into_iter().map(left).sum()
+            }
+            None => return None,
+        };
+        (inputs.tick_s == RELOCK_TICK_S).then_some((angle * RELOCK_TICK_S).abs())
     }
 
     fn z(&self) -> Cell {
@@ -118,25 +134,6 @@ pub(crate) fn columns<'a>() -> Vec<ColumnOf<Row<'a>>> {
         Of::new("signal", Unit::NONE, "signal of the detuning at the start of the tick", Row::signal)
             .is(Role::Estimate, "A_I, the signal of the detuning at the start of the tick, in the unit of `relock.signal_gain`, Z(1)."),
     ]
-}
-
-/// The angle that the paper measured in a tick, or the part of it that its compensation leaves, ″, without sign; `None`
-/// for ticks of another length.
-fn published(inputs: &RelockInputs, compensation: Compensation, tick: Option<u32>) -> Option<f64> {
-    let left = |row: RelockRow| match compensation {
-        Compensation::None => row.measured,
-        Compensation::Frequency => row.measured - row.by_frequency.unwrap_or(0.0),
-        Compensation::Detuning => row.measured - row.by_detuning,
-    };
-    // 1 °/h is 1 ″/s.
-    let angle = match tick {
-        Some(tick) => left(*RELOCK_TABLES.get(tick as usize - 1)?),
-        None if inputs.relock.ticks as usize == RELOCK_TABLES.len() => {
-            RELOCK_TABLES.into_iter().map(left).sum()
-        }
-        None => return None,
-    };
-    (inputs.tick_s == RELOCK_TICK_S).then_some((angle * RELOCK_TICK_S).abs())
 }
 
 /// All possible columns of such a study except the swept keys.

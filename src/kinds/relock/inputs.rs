@@ -33,7 +33,7 @@ words! {
 
 /// Relock after a mode switch; 0 means absent. Detunings are fractions of the wavelength. Every number has 12
 /// significant digits.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Relock {
     /// Nominal miss Δλ0.
     pub miss: f64,
@@ -65,28 +65,6 @@ pub struct Relock {
     pub first_half: FirstHalf,
     /// Gain of the detuning signal A_I/Δλ.
     pub signal_gain: Option<f64>,
-}
-
-impl Default for Relock {
-    fn default() -> Relock {
-        Relock {
-            miss: 0.0,
-            half_wave_error: 0.0,
-            dac_step: 0.0,
-            hysteresis: 0.0,
-            loop_s: 0.0,
-            bias_frequency_hz: 0.0,
-            pulse_weight_arcsec: 0.0,
-            curvature: 0.0,
-            temperature_error: 0.0,
-            adc_noise: 0.0,
-            adc_step: 0.0,
-            count_step: 1.0,
-            ticks: PAPER_TICKS,
-            first_half: FirstHalf::default(),
-            signal_gain: None,
-        }
-    }
 }
 
 impl Relock {
@@ -211,7 +189,7 @@ const PAPER_TICKS: u32 = 4;
 /// Reads the relock.
 pub(crate) fn read(reading: &mut Reading) -> Result<Relock, Fault> {
     let first_half = FirstHalf::of(reading.get(&FIRST_HALF));
-    let mut relock = Relock { first_half, ..Relock::default() };
+    let mut relock = Relock { count_step: 1.0, ticks: PAPER_TICKS, first_half, ..Relock::default() };
     reading.set(&mut relock, &SETTINGS)?;
     reading.note(&[&TICKS]);
     if let Some(ticks) = reading.get(&TICKS) {

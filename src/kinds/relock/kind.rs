@@ -1,12 +1,15 @@
 //! The entry of relock studies in the list of kinds.
 
+use std::sync::Arc;
+
 use crate::chart::Source;
 use crate::chart::ground::{Ground, Text};
 use crate::chart::law::Law;
 use crate::kernel::relock_ticks::VERSION;
+use crate::kinds::plan::Planned;
 use crate::kinds::relock::columns::{self, ALL_TICKS};
 use crate::kinds::relock::inputs::Compensation;
-use crate::kinds::relock::run::Plan as Planned;
+use crate::kinds::relock::lower::LoweredRelock;
 use crate::kinds::relock::{RelockStudy, keys, read, sweepable};
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
@@ -31,7 +34,7 @@ pub static RELOCK: Kind = Kind {
     columns: &[(Source::Points, columns::described)],
     kernels,
     loads: crate::kinds::relock::verify::loads,
-    read: |reading| Ok(Box::new(read(reading)?)),
+    read: |reading| Ok(Arc::new(read(reading)?)),
 };
 
 /// The kernel, with its version.
@@ -41,7 +44,8 @@ pub(crate) fn kernels() -> String {
 
 impl Subject for RelockStudy {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
-        Ok(Box::new(Planned::new(study, self)?))
+        let lower = |point: &_| LoweredRelock::new(point, study.seed, study.streams);
+        Ok(Box::new(Planned::new(study, self, &self.points, |point| &point.swept, lower)?))
     }
 
     fn grounds(&self) -> Vec<Ground> {
@@ -53,9 +57,5 @@ impl Subject for RelockStudy {
             laws: &[Law::ZeemanTables],
             ..Ground::of(Source::Points, columns, [compensations, ticks], &[Dimension::Angle])
         }]
-    }
-
-    fn boxed(&self) -> Box<dyn Subject> {
-        Box::new(self.clone())
     }
 }

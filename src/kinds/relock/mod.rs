@@ -70,13 +70,11 @@ pub(crate) fn sweepable() -> Vec<&'static Key> {
 pub(crate) fn read(reading: &mut Reading) -> Result<RelockStudy, Wrong> {
     let mut inputs = RelockInputs { tick_s: 0.0, relock: inputs::read(reading)? };
     reading.set(&mut inputs, &SETTINGS)?;
-    let points = (0..sweep::points(reading.sweeps)).map(|index| {
+    let points = sweep::points(reading.sweeps).map(|swept| {
         let mut inputs = inputs.clone();
-        let swept = sweep::values_at(reading.sweeps, index);
         setting::set(&mut inputs, &SETTINGS, &swept);
         setting::set(&mut inputs.relock, &inputs::SETTINGS, &swept);
         RelockPoint { swept, inputs }
     });
-    let points = points.collect();
-    Ok(RelockStudy { inputs, points })
+    Ok(RelockStudy { points: points.collect(), inputs })
 }

@@ -5,7 +5,7 @@ use crate::kernel::launch::Launch;
 use crate::key::common::Streams;
 use crate::kinds::relock::inputs::FirstHalf;
 use crate::kinds::relock::inputs::{Compensation, Relock};
-use crate::kinds::relock::lower::{LoweredRelock, RelockEstimate};
+use crate::kinds::relock::lower::LoweredRelock;
 use crate::kinds::relock::{RelockInputs, RelockPoint};
 
 /// A relock like the paper's, with every kind of error.
@@ -34,9 +34,7 @@ pub fn launches_of(inputs: &RelockInputs, compensation: Compensation) -> Vec<Lau
     let point = RelockPoint { swept: vec![], inputs: inputs.clone() };
     let lowered = LoweredRelock::new(&point, 1, Streams::Independent)
         .unwrap_or_else(|error| panic!("a relock does not lower: {error}"));
-    let of = lowered.estimates.iter().filter(|estimate| estimate.compensation == compensation);
-    let of: Vec<&RelockEstimate> = of.collect();
-    of.chunks(crate::kernel::moments::MAX_ESTIMATES).map(|some| lowered.launch(some)).collect()
+    lowered.launched(compensation).iter().map(|estimates| lowered.launch(estimates)).collect()
 }
 
 /// The loads on which the kernel is checked.

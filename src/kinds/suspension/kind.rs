@@ -1,5 +1,7 @@
 //! The entry of suspension studies in the list of kinds.
 
+use std::sync::Arc;
+
 use crate::chart::Source;
 use crate::chart::ground::Ground;
 use crate::kinds::exact::Exact;
@@ -28,13 +30,13 @@ pub(crate) static SUSPENSION: Kind = Kind {
     columns: &[(Source::Points, || abouts(&columns::columns()))],
     kernels: || "none".to_owned(),
     loads: Vec::new,
-    read: |reading| Ok(Box::new(read(reading)?)),
+    read: |reading| Ok(Arc::new(read(reading)?)),
 };
 
 impl Subject for SuspensionStudy {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
         let table = table(&study.sweeps, &columns::columns(), &self.points, |point| &point.swept);
-        Ok(Box::new(Exact::new(table)))
+        Ok(Box::new(Exact(table)))
     }
 
     fn grounds(&self) -> Vec<Ground> {
@@ -42,13 +44,5 @@ impl Subject for SuspensionStudy {
             legend: ["", ""],
             ..Ground::of(Source::Points, abouts(&columns::columns()), [], &[Dimension::RatePerAcceleration])
         }]
-    }
-
-    fn notes(&self) -> &[String] {
-        &self.notes
-    }
-
-    fn boxed(&self) -> Box<dyn Subject> {
-        Box::new(self.clone())
     }
 }

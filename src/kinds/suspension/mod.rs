@@ -20,8 +20,6 @@ use crate::theory::suspension::{Response, Suspension};
 pub(crate) struct SuspensionStudy {
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
-    /// Notes on assumptions, each a sentence.
-    pub notes: Vec<String>,
 }
 
 /// One combination of swept values.
@@ -92,13 +90,12 @@ pub(crate) fn read(reading: &mut Reading) -> Result<SuspensionStudy, Wrong> {
         reading.table.needed(&FREQUENCY)?;
     }
     reading.set(&mut point, &SETTINGS)?;
-    let points = (0..sweep::points(reading.sweeps)).map(|index| {
-        let swept = sweep::values_at(reading.sweeps, index);
-        let mut point = Point { swept: swept.clone(), ..point.clone() };
+    let points = sweep::points(reading.sweeps).map(|swept| {
+        let mut point = point.clone();
         setting::set(&mut point, &SETTINGS, &swept);
-        point.suspension = OF_SUSPENSION.swept(&swept).unwrap_or(point.suspension);
-        point
+        let suspension = OF_SUSPENSION.swept(&swept).unwrap_or(point.suspension);
+        Point { swept, suspension, ..point }
     });
-    let points = points.collect();
-    Ok(SuspensionStudy { points, notes: OF_SUSPENSION.assumed(reading).into_iter().collect() })
+    reading.notes.extend(OF_SUSPENSION.assumed(reading));
+    Ok(SuspensionStudy { points: points.collect() })
 }

@@ -1,11 +1,14 @@
 //! The entry of studies of whole runs in the list of kinds.
 
+use std::sync::Arc;
+
 use crate::chart::Source;
 use crate::chart::ground::{Ground, Text};
 use crate::kernel::switched_run::VERSION;
+use crate::kinds::plan::Planned;
 use crate::kinds::relock;
 use crate::kinds::switched_run::columns;
-use crate::kinds::switched_run::run::Plan as Planned;
+use crate::kinds::switched_run::lower::LoweredRun;
 use crate::kinds::switched_run::{Angle, SwitchedRun, keys, read, sweepable};
 use crate::quantity::units::Dimension;
 use crate::sampling::plan::Plan;
@@ -33,12 +36,13 @@ pub(crate) static SWITCHED_RUN: Kind = Kind {
     ],
     kernels: || format!("switched_run {VERSION}, {}", relock::kind::kernels()),
     loads: crate::kinds::switched_run::verify::loads,
-    read: |reading| Ok(Box::new(read(reading)?)),
+    read: |reading| Ok(Arc::new(read(reading)?)),
 };
 
 impl Subject for SwitchedRun {
     fn plan<'a>(&'a self, study: &'a Study) -> Result<Box<dyn Plan + 'a>, StudyError> {
-        Ok(Box::new(Planned::new(study, self)?))
+        let lower = |point: &_| LoweredRun::new(point, self, study.seed, study.streams);
+        Ok(Box::new(Planned::new(study, self, &self.points, |point| &point.swept, lower)?))
     }
 
     fn grounds(&self) -> Vec<Ground> {
@@ -61,13 +65,5 @@ impl Subject for SwitchedRun {
             ..Ground::of(Source::Trajectories, trajectories, fillers().chain([runs]), limits)
         };
         vec![points, trajectories]
-    }
-
-    fn notes(&self) -> &[String] {
-        &self.notes
-    }
-
-    fn boxed(&self) -> Box<dyn Subject> {
-        Box::new(self.clone())
     }
 }

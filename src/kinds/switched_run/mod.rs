@@ -6,7 +6,6 @@ pub mod lower;
 pub(crate) mod point;
 pub(crate) mod relock;
 pub(crate) mod run;
-pub(crate) mod times;
 pub mod verify;
 
 pub use crate::kinds::switched_run::point::Point;
@@ -16,6 +15,7 @@ use crate::drift::schedule::{self, Schedule};
 use crate::drift::{self, DRIFT, Drift, RESIDUAL_MAX};
 use crate::filler::Filler;
 use crate::filler::keys::{EXTRAPOLATION_TICKS, FILLERS, FIT_TICKS, GAP_TICKS};
+use crate::key::given::Given;
 use crate::key::holds::{Holds, unlimited, words};
 use crate::key::places::Places;
 use crate::key::reading::Reading;
@@ -81,8 +81,6 @@ pub struct SwitchedRun {
     pub trajectories: u64,
     /// All points, in order; without a sweep, a single one.
     pub points: Vec<Point>,
-    /// Notes on rounded or omitted inputs, each a sentence.
-    pub notes: Vec<String>,
 }
 
 /// An angle of a run.
@@ -142,7 +140,7 @@ pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
     reading.note(&[&DRIFT]);
     let fill = read_fill(reading, &drift)?;
     let relock = relock::read(reading, fill.as_ref())?;
-    let times = times::read(reading)?;
+    let times = read_times(reading)?;
     let trajectories = match reading.get(&TRAJECTORIES) {
         Some(given) => given.whole()?.cast_unsigned(),
         None => 0,
@@ -151,13 +149,12 @@ pub(crate) fn read(reading: &mut Reading) -> Result<SwitchedRun, Wrong> {
     let base = point::Base { drift, schedule, fill: fill.as_ref(), relock, times: &times, places, sweeps };
     let (points, rounded) = base.points()?;
     check_size(&points, fill.as_ref(), sweeps)?;
-    check_moves(&points, places, sweeps)?;
-    let fill_notes = fill.as_ref().map_or(&[][..], |fill| &fill.notes);
+    check_moves(&points, places)?;
     let timing = Timing::of(reading.get(&TIMING));
-    let residuals = fill.as_ref().map_or(vec![], |fill| of_residuals(fill, timing));
-    let notes = rounded.into_iter().chain(fill_notes.iter().cloned()).chain(residuals).collect();
+    reading.notes.splice(0..0, rounded);
+    reading.notes.extend(fill.iter().flat_map(|fill| of_residuals(fill, timing)));
     let first_mode = FirstMode::of(reading.get(&FIRST_MODE));
-    Ok(SwitchedRun { first_mode, timing, notes, fill, times, trajectories, points })
+    Ok(SwitchedRun { first_mode, timing, fill, times, trajectories, points })
 }
 
 /// Most intervals of all points and fillers together, each of which has a row in memory.
@@ -177,7 +174,7 @@ fn check_size(points: &[Point], fill: Option<&GapFill>, sweeps: &[Sweep]) -> Res
 }
 
 /// Refuses runs whose angle stays at 0 at every point.
-fn check_moves(points: &[Point], places: &Places, sweeps: &[Sweep]) -> Result<(), Fault> {
+fn check_moves(points: &[Point], places: &Places) -> Result<(), Fault> {
     let still = |point: &Point| {
         let filled = point.fill.as_ref().is_some_and(|fill| !fill.inputs.is_nothing());
         point.drift.is_nothing() && !filled && point.relock.is_none()
@@ -187,17 +184,16 @@ fn check_moves(points: &[Point], places: &Places, sweeps: &[Sweep]) -> Result<()
     }
     let message = "there is no drift and no residual of a switch: all runs would stay at 0";
     let help = "add a part of it as in\n[drift]\nmagnetic = \"14 arcsec/s\"\nresidual_max = \"10 arcsec\"";
-    Err(Fault::new(places.blame(sweeps, &["drift", "kind"]), message, "no drift", help))
+    places.refuse(&["drift", "kind"], message, "no drift", help)
 }
 
 /// Reads the switch, where fillers are given.
 fn read_fill(reading: &mut Reading, drift: &Drift) -> Result<Option<GapFill>, Wrong> {
     if reading.get(&FILLERS).is_some() {
         if drift.residual_max != 0.0 || reading.sweep(&RESIDUAL_MAX).is_some() {
-            let place = reading.places.blame(reading.sweeps, &[RESIDUAL_MAX.name]);
             let message = "drift.residual_max conflicts with switching.fillers, which give the residual";
             let help = "leave drift.residual_max out, or take [gyro], [motion] and fillers out";
-            return Err(Fault::new(place, message, "a second residual", help).into());
+            return Ok(reading.places.refuse(&[RESIDUAL_MAX.name], message, "a second residual", help)?);
         }
         return Ok(Some(gap_fill::read(reading)?));
     }
@@ -214,7 +210,7 @@ fn read_fill(reading: &mut Reading, drift: &Drift) -> Result<Option<GapFill>, Wr
             let message = format!("{} is swept, but there are no fillers", sweep.key.name);
             let help =
                 "add [gyro], [motion] and switching.fillers, or sweep a key of [drift], [run] or [switching]";
-            return Err(Fault::new(sweep.key_span.clone(), message, "not in this study", help).into());
+            return Err(sweep.fault(message, "not in this study", help).into());
         }
     }
     Ok(None)
@@ -242,4 +238,26 @@ fn of_residuals(fill: &GapFill, timing: Timing) -> Vec<String> {
     .into_iter()
     .flatten()
     .collect()
+}
+
+/// Most times of a study.
+const MOST_TIMES: usize = 100;
+
+/// Reads the times in s, each once.
+fn read_times(reading: &mut Reading) -> Result<Vec<f64>, Fault> {
+    reading.note(&[&TIMES]);
+    let Some(list) = reading.get(&TIMES) else { return Ok(vec![]) };
+    let items = list.items();
+    if items.len() > MOST_TIMES {
+        let message = format!("run.times lists {} times", items.len());
+        let help = format!("accepted: up to {MOST_TIMES}; trajectories show all of a run");
+        return Err(list.fault(message, "too many", help));
+    }
+    let time = |given: Given| match given.quantity()? {
+        time if time.value > 0.0 => Ok((time.to_string(), time.value)),
+        time => {
+            Err(given.fault(format!("run.times lists {time}"), "not above 0", "give times after the start"))
+        }
+    };
+    list.distinct(time, "leave it out here")
 }

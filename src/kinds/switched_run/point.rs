@@ -31,8 +31,6 @@ const SETTLED: f64 = 5.0;
 /// One combination of swept values, with everything derived from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Point {
-    /// Index of the point; the first sweep changes slowest.
-    pub index: usize,
     /// Name of each swept key with its value here, in the order of the sweeps.
     pub swept: Vec<(&'static str, Swept)>,
     /// The parts of the drift, with their spreads.
@@ -102,9 +100,8 @@ impl Base<'_> {
     /// All points, in order, and a note on rounded intervals.
     pub(crate) fn points(&self) -> Result<(Vec<Point>, Option<String>), Fault> {
         let (mut points, mut rounded) = (Vec::new(), Vec::new());
-        for index in 0..sweep::points(self.sweeps) {
-            let point = self.point(index, &mut rounded)?;
-            points.push(point);
+        for (index, swept) in sweep::points(self.sweeps).enumerate() {
+            points.push(self.point(index, swept, &mut rounded)?);
         }
         rounded.dedup();
         let note = rounded.first().map(|first| match rounded.len() - 1 {
@@ -115,8 +112,12 @@ impl Base<'_> {
         Ok((points, note))
     }
 
-    fn point(&self, index: usize, rounded: &mut Vec<String>) -> Result<Point, Fault> {
-        let swept = sweep::values_at(self.sweeps, index);
+    fn point(
+        &self,
+        index: usize,
+        swept: Vec<(&'static str, Swept)>,
+        rounded: &mut Vec<String>,
+    ) -> Result<Point, Fault> {
         let (mut drift, mut schedule) = (self.drift.clone(), self.schedule);
         setting::set(&mut drift, &drift::SETTINGS, &swept);
         setting::set(&mut schedule, &schedule::SETTINGS, &swept);
@@ -129,10 +130,10 @@ impl Base<'_> {
             setting::set(&mut relocking.relock, &RELOCK_SETTINGS, &swept);
             relocking.compensation = relock::swept(&swept).unwrap_or(relocking.compensation);
         }
-        schedule.check(self.places, self.sweeps)?;
+        schedule.check(self.places)?;
         self.check_relock(relock.as_ref(), fill.as_ref(), schedule)?;
         self.check(&drift, schedule)?;
-        Ok(Point { index, swept, drift, schedule, fill, relock })
+        Ok(Point { swept, drift, schedule, fill, relock })
     }
 
     /// The nearest interval of whole ticks.
@@ -155,13 +156,9 @@ impl Base<'_> {
         let [interval, least] = [interval_s, used * tick_s].map(|time| significant(time, 6));
         let message =
             format!("a switching interval of {interval} s is shorter than the ticks round a switch");
-        let place = self.places.blame(self.sweeps, &["switching.interval", "switching.fit_ticks"]);
-        Err(Fault::new(
-            place,
-            message,
-            "too short",
-            format!("accepted: {least} s and more with these fit ticks"),
-        ))
+        let help = format!("accepted: {least} s and more with these fit ticks");
+        let names = ["switching.interval", "switching.fit_ticks"];
+        self.places.refuse(&names, message, "too short", help)
     }
 
     /// Refuses a loop that does not settle before the next switch.
@@ -180,7 +177,7 @@ impl Base<'_> {
             );
             let names = ["relock.ticks", "relock.loop_time", "relock"];
             let help = "accepted: up to 20 %; follow up to 8 ticks, or take a faster loop";
-            return Err(Fault::new(self.places.blame(self.sweeps, &names), message, "too few ticks", help));
+            return self.places.refuse(&names, message, "too few ticks", help);
         }
         let least_s = settled_s(relocking, fill);
         if schedule.interval_s >= least_s {
@@ -192,14 +189,11 @@ impl Base<'_> {
             format!("a loop of {loop_time} s does not settle within a switching interval of {interval} s");
         let names = ["relock.loop_time", "switching.interval", "relock.ticks"];
         let help = format!("accepted: an interval of at least {} s here", significant(least_s, 4));
-        Err(Fault::new(self.places.blame(self.sweeps, &names), message, "does not settle", help))
+        self.places.refuse(&names, message, "does not settle", help)
     }
 
     /// Checks limits that involve more than one value.
     fn check(&self, drift: &Drift, schedule: Schedule) -> Result<(), Fault> {
-        let refuse = |names: &[&str], message: String, label: &str, help: &str| {
-            Err(Fault::new(self.places.blame(self.sweeps, names), message, label, help))
-        };
         let Schedule { interval_s, duration_s } = schedule;
         let [interval, duration] = [interval_s, duration_s].map(|time| significant(time, 6));
         if switches(interval_s, duration_s) >= MOST_INTERVALS as f64 {
@@ -210,19 +204,16 @@ impl Base<'_> {
                 MOST_INTERVALS - 1,
                 significant(duration_s / MOST_INTERVALS as f64, 4)
             );
-            return refuse(&["switching.interval", "run.duration"], message, "too many switches", &help);
+            let names = ["switching.interval", "run.duration"];
+            return self.places.refuse(&names, message, "too many switches", help);
         }
         if let Some(late) = self.times.iter().find(|&&time| time > duration_s) {
             let message = format!(
                 "run.times lists {} s, after the end of a run of {duration} s",
                 significant(*late, 6)
             );
-            return refuse(
-                &["run.times", "run.duration"],
-                message,
-                "after the end",
-                "leave it out, or lengthen run.duration",
-            );
+            let help = "leave it out, or lengthen run.duration";
+            return self.places.refuse(&["run.times", "run.duration"], message, "after the end", help);
         }
         let [warm_ups, run] = [interval_s, duration_s].map(|time| time / drift.warm_up_s);
         // The remainder of the warm-up relative to the rounding of exponentials.
@@ -236,12 +227,12 @@ impl Base<'_> {
             let names = ["drift.warm_up_time_spread", "switching.interval", "drift.warm_up_time"];
             let help = "accepted with a spread: intervals up to 4 warm-up times, whose product with the run is 1e-5 at least; \
                         leave the spread out";
-            return refuse(&names, message, "out of range", help);
+            return self.places.refuse(&names, message, "out of range", help);
         }
         if drift.warm_up_spread > 0.0 && drift.warm_up_s == 0.0 {
-            let message = "drift.warm_up_time_spread is given without drift.warm_up_time".to_owned();
+            let message = "drift.warm_up_time_spread is given without drift.warm_up_time";
             let help = "add warm_up_time = \"3000 s\", or leave the spread out";
-            return refuse(&["drift.warm_up_time_spread"], message, "no time to spread", help);
+            return self.places.refuse(&["drift.warm_up_time_spread"], message, "no time to spread", help);
         }
         Ok(())
     }

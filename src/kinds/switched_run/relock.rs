@@ -47,7 +47,7 @@ pub(crate) fn read(reading: &mut Reading, fill: Option<&GapFill>) -> Result<Opti
         return reading.sweeps.iter().find(|sweep| of_relock(sweep.key.name)).map_or(Ok(None), |sweep| {
             let message = format!("{} is swept, but there is no [relock]", sweep.key.name);
             let help = "add the table [relock], or leave the sweep out";
-            Err(Fault::new(sweep.key_span.clone(), message, "not in this study", help))
+            Err(sweep.fault(message, "not in this study", help))
         });
     };
     if fill.is_none() {

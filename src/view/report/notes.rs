@@ -27,7 +27,7 @@ pub fn notes(
 ) -> Result<Vec<String>, StoreError> {
     let incomplete =
         (lacking > 0).then(|| format!("the run is incomplete: {} trials are missing", short(lacking as f64)));
-    let uneven = if study.has_stop_rule() { None } else { uneven(&tables.points) };
+    let uneven = if study.precision.is_some() { None } else { uneven(&tables.points) };
     let degraded = degraded.iter().cloned();
     Ok(incomplete.into_iter().chain(degraded).chain(plan.notes(store, index, held)?).chain(uneven).collect())
 }

@@ -79,7 +79,7 @@ impl Source {
             study: study.resolved(held),
             inputs: study.inputs().into_iter().map(Named::of).collect(),
             sampled: plan.is_sampled().then_some((study.seed, held)),
-            stops: study.has_stop_rule(),
+            stops: study.precision.is_some(),
             lacking,
             points: study.sweeps.iter().map(|sweep| sweep.values.len()).product(),
             counts_again: plan.counts_again(provenance.iter().map(|by| by.trials).sum()),

@@ -4,6 +4,7 @@ use crate::key::common::Streams;
 use crate::key::refusal::Refusal;
 use crate::kinds::allan::lower::{Asked, Records};
 use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
+use crate::kinds::plan::identity;
 use crate::store::Address;
 use crate::tally::id::Id;
 use crate::theory::allan::estimator::{Difference, Estimator, Stride};
@@ -29,11 +30,7 @@ impl LoweredCurve {
         streams: Streams,
     ) -> Result<LoweredCurve, Refusal> {
         let inputs = &point.inputs;
-        let id = id(inputs, seed, streams);
-        let key = match streams {
-            Streams::Independent => id.key(),
-            Streams::Common => Id::of(&format!("streams\nkind=allan\nseed={seed}\n")).key(),
-        };
+        let (id, key) = identity("allan", seed, streams, &canonical(inputs));
         let samples = inputs.samples();
         let process = inputs.noise.process(inputs.sample_s, samples);
         let asked = Asked {
@@ -47,16 +44,14 @@ impl LoweredCurve {
             key,
         };
         let records = Records::new(&asked)?;
-        let [difference, stride] = names(estimator);
-        let estimate =
-            Id::of(&format!("estimate\ndifference={difference}\nstride={stride}\nms={:?}\n", point.ms));
+        let estimate = Id::of(&format!("estimate\n{}ms={:?}\n", named(estimator), point.ms));
         let address = Address { point: id, estimate, digest: records.digest() };
         Ok(LoweredCurve { records, address })
     }
 }
 
-/// The names of an estimator in identities.
-fn names(estimator: Estimator) -> [String; 2] {
+/// An estimator in identities.
+fn named(estimator: Estimator) -> String {
     let difference = match estimator.difference {
         Difference::Second => "second",
         Difference::Third => "third",
@@ -66,19 +61,14 @@ fn names(estimator: Estimator) -> [String; 2] {
         Stride::Cluster => "m".to_owned(),
         Stride::Part(parts) => format!("m/{parts}"),
     };
-    [difference.to_owned(), stride]
+    format!("difference={difference}\nstride={stride}\n")
 }
 
-/// The identity of everything that determines the draws.
-fn id(inputs: &RecordInputs, seed: u64, streams: Streams) -> Id {
+/// The inputs that determine the draws.
+fn canonical(inputs: &RecordInputs) -> String {
     let RecordInputs { sample_s, rate, noise, .. } = inputs;
     // A constant rate affects whole pulses only.
     let rate = if noise.readout_lsb > 0.0 { *rate } else { 0.0 };
-    Id::of(&format!(
-        "point\nkind=allan\nseed={seed}\nstreams={}\nsample_s={sample_s:.11e}\nsamples={}\nrate={rate:.11e}\n\
-         {}",
-        streams.name(),
-        inputs.samples(),
-        noise.canonical(),
-    ))
+    let (samples, noise) = (inputs.samples(), noise.canonical());
+    format!("sample_s={sample_s:.11e}\nsamples={samples}\nrate={rate:.11e}\n{noise}")
 }

@@ -11,7 +11,6 @@ pub mod curve;
 pub(crate) mod drift;
 pub(crate) mod enough;
 pub(crate) mod fixed;
-pub(crate) mod levels;
 pub(crate) mod model;
 pub(crate) mod oracle;
 
@@ -20,9 +19,8 @@ use crate::kinds::allan::lower::model::too_long;
 pub use crate::kinds::allan::lower::oracle::Oracle;
 
 use crate::kernel::allan;
-use crate::kernel::recipe::Recipe;
+use crate::kernel::recipe::{Level, Recipe};
 use crate::kinds::allan::lower::fixed::Fixed;
-use crate::kinds::allan::lower::levels::Places;
 use crate::kinds::allan::lower::model::Model;
 use crate::kinds::gap_fill::lower::words_of;
 use crate::tally::id::Id;
@@ -63,7 +61,7 @@ pub struct Asked<'a> {
 /// ```
 /// use sagnac::device::cpu::Cpu;
 /// use sagnac::kernel::width::Width;
-/// use sagnac::kinds::gap_fill::lower::{Asked, Records};
+/// use sagnac::kinds::allan::lower::{Asked, Records};
 /// use sagnac::theory::allan::{Estimator, Part, Process};
 ///
 /// let white = Part::angle_random_walk(0.04);
@@ -122,7 +120,7 @@ impl Records {
         }
         let model = Model::new(asked)?;
         let fixed = Fixed::new(&model)?;
-        let Places { levels, places } = Places::of(estimator, ms);
+        let (levels, places) = levels(estimator, ms);
         let recipe = Recipe {
             key: asked.key,
             samples: samples as u32,
@@ -135,7 +133,7 @@ impl Records {
             quantisation: fixed.quantisation,
             pulse: fixed.pulse,
             switching: fixed.switching,
-            drift: crate::kinds::allan::lower::drift::angles(&model, &fixed),
+            drift: drift::angles(&model, &fixed),
             order: match estimator.difference {
                 Difference::Second => 2,
                 Difference::Third => 3,
@@ -231,4 +229,23 @@ impl Records {
         words.extend(switching.iter().flatten());
         Id::of_words(words)
     }
+}
+
+/// The levels for some averaging factors, grouped by stride in ascending order and, within one stride, in the given
+/// order; and the place of each factor in the sums.
+fn levels(estimator: Estimator, ms: &[u64]) -> (Vec<Level>, Vec<usize>) {
+    let mut order: Vec<usize> = (0..ms.len()).collect();
+    order.sort_by_key(|&at| estimator.stride(ms[at]));
+    let mut levels: Vec<Level> = Vec::new();
+    let mut places = vec![0; ms.len()];
+    for (place, &at) in order.iter().enumerate() {
+        places[at] = place;
+        let stride = estimator.stride(ms[at]) as u32;
+        let span = ms[at] as u32 / stride;
+        match levels.last_mut() {
+            Some(level) if level.stride == stride => level.spans.push(span),
+            _ => levels.push(Level { stride, spans: vec![span] }),
+        }
+    }
+    (levels, places)
 }

@@ -51,7 +51,7 @@ impl Plan<'_> {
     /// fitted as if it were the only one. Adjacent groups, however, scatter more than the closed form says, and for
     /// terms with a time or frequency the closed form takes a second per record.
     pub(crate) fn are_weighed_together(&self, terms: &Terms) -> bool {
-        self.allan.estimator.stride == Stride::Cluster || terms.all().iter().any(|term| term.has_shape())
+        self.allan.estimator.stride == Stride::Cluster || have_shapes(terms)
     }
 
     /// The fit of each record, in order; `None` for records without a valid curve.
@@ -68,8 +68,7 @@ impl Plan<'_> {
         let fitted = geometry.ms().len();
         let together = self.are_weighed_together(terms);
         let covariance = if together { covariance(point, &geometry, estimates) } else { None };
-        let errors =
-            if terms.all().iter().any(|term| term.has_shape()) { Errors::Known } else { Errors::OfModel };
+        let errors = if have_shapes(terms) { Errors::Known } else { Errors::OfModel };
         let fit = |record: &[f64]| {
             progress(1);
             match &covariance {
@@ -80,6 +79,11 @@ impl Plan<'_> {
         };
         estimates.records().map(fit).collect()
     }
+}
+
+/// Whether some terms have a time or frequency.
+fn have_shapes(terms: &Terms) -> bool {
+    terms.all().iter().any(|term| term.has_shape())
 }
 
 /// The covariance of the estimates of a point's records, estimated from the records together with the closed form for

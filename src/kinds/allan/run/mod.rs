@@ -3,7 +3,6 @@
 pub(crate) mod coefficients;
 pub(crate) mod curves;
 pub(crate) mod estimates;
-pub(crate) mod rows;
 pub(crate) mod sampling;
 
 use std::ops::Range;
@@ -11,7 +10,7 @@ use std::ops::Range;
 use crate::fit::curve::Curve;
 use crate::key::refusal::Refusal;
 use crate::kinds::allan::Allan;
-use crate::kinds::allan::columns::{CoefficientRow, Row, coefficient_columns, columns};
+use crate::kinds::allan::columns::{coefficient_columns, columns};
 use crate::kinds::allan::lower::curve::LoweredCurve;
 use crate::kinds::allan::point::{Inputs as RecordInputs, Point as RecordPoint};
 use crate::kinds::allan::run::estimates::Estimates;
@@ -71,13 +70,6 @@ pub(crate) struct Planned<'a> {
     width: usize,
 }
 
-/// The rows of both tables.
-#[derive(Default)]
-struct Rows<'p> {
-    points: Vec<Row<'p>>,
-    coefficients: Vec<CoefficientRow<'p>>,
-}
-
 impl<'a> Plan<'a> {
     /// Lowers every point.
     pub(crate) fn new(study: &'a Study, allan: &'a Allan) -> Result<Plan<'a>, StudyError> {
@@ -88,18 +80,24 @@ impl<'a> Plan<'a> {
         }
         let mut plan = Plan { study, allan, points: vec![], off: (0.0, 0.0) };
         for point in &allan.points {
-            let lowered = plan.lowered(point).map_err(|refusal| study.refused(&point.swept, &refusal))?;
-            let recipe = lowered.records.recipe();
-            plan.check_memory(point, 4 * LANES * recipe.depth())?;
-            plan.check_fit(point)?;
-            let off = off(point, &lowered, allan.estimator);
-            if off.0 > plan.off.0 {
-                plan.off = off;
-            }
-            let (samples, width) = (recipe.samples.into(), recipe.places());
-            plan.points.push(Planned { point, address: lowered.address, samples, width });
+            plan.push(point).map_err(|refusal| study.refused(&point.swept, &refusal))?;
         }
         Ok(plan)
+    }
+
+    /// Lowers a point and adds it.
+    fn push(&mut self, point: &'a RecordPoint) -> Result<(), Refusal> {
+        let lowered = self.lowered(point)?;
+        let recipe = lowered.records.recipe();
+        check_memory(point, 4 * LANES * recipe.depth())?;
+        self.check_fit(point)?;
+        let off = off(point, &lowered, self.allan.estimator);
+        if off.0 > self.off.0 {
+            self.off = off;
+        }
+        let (samples, width) = (recipe.samples.into(), recipe.places());
+        self.points.push(Planned { point, address: lowered.address, samples, width });
+        Ok(())
     }
 
     fn lowered(&self, point: &RecordPoint) -> Result<LoweredCurve, Refusal> {
@@ -125,55 +123,8 @@ impl<'a> Plan<'a> {
         self.points.iter().enumerate().filter(is_first)
     }
 
-    /// Number of records in the tables, each with a fit where terms are fitted.
-    fn all_records(&self) -> u64 {
-        self.study.trials * self.points.len() as u64
-    }
-
-    fn tables_of(&self, rows: &Rows) -> Tables {
-        let sweeps = &self.study.sweeps;
-        let mut points = table(sweeps, &columns(), &rows.points, |row| &row.point.swept);
-        if self.allan.estimator.difference == Difference::Third {
-            for column in &mut points.columns {
-                column.label = column.label.replace("Allan", "Hadamard");
-            }
-        }
-        let fitted = || table(sweeps, &coefficient_columns(), &rows.coefficients, |row| &row.point.swept);
-        let coefficients = self.allan.terms.as_ref().map(|_| fitted());
-        Tables { coefficients, ..Tables::of_points(points) }
-    }
-
-    /// Adds the rows of a point with these estimates.
-    fn add<'p>(
-        &self,
-        rows: &mut Rows<'p>,
-        point: &'p RecordPoint,
-        lowered: Option<&LoweredCurve>,
-        estimates: &Estimates,
-        progress: &(dyn Fn(u64) + Sync),
-    ) {
-        rows.points.extend(self.curve(point, lowered, estimates));
-        if let Some(terms) = &self.allan.terms {
-            rows.coefficients.extend(self.coefficients(point, terms, estimates, progress));
-        }
-    }
-
-    /// Refuses records that take too much memory side by side.
-    fn check_memory(&self, point: &RecordPoint, bytes: usize) -> Result<(), StudyError> {
-        if bytes <= MOST_BYTES {
-            return Ok(());
-        }
-        let message = format!(
-            "records of {} samples need {} MiB on each thread for the longest averaging times",
-            point.inputs.samples(),
-            bytes >> 20
-        );
-        let help = "take overlap = \"m/64\" and tau = \"octave\" or \"decade10\", shorter averaging times, or a shorter record";
-        Err(self.study.refused(&point.swept, &Refusal { key: "allan", message, help }))
-    }
-
     /// Refuses a fit to fewer points than parameters.
-    fn check_fit(&self, point: &RecordPoint) -> Result<(), StudyError> {
+    fn check_fit(&self, point: &RecordPoint) -> Result<(), Refusal> {
         let Some(terms) = &self.allan.terms else { return Ok(()) };
         let points = point.ms.iter().filter(|&&m| is_fitted(m, point.inputs.samples())).count();
         let parameters = terms.fewest_parameters();
@@ -184,8 +135,20 @@ impl<'a> Plan<'a> {
             "there are {points} averaging times up to an eighth of the record, too few for {parameters} parameters"
         );
         let help = "take more averaging times, as of tau = \"decade10\", a longer record, or fewer terms";
-        Err(self.study.refused(&point.swept, &Refusal { key: "allan.tau", message, help }))
+        Err(Refusal { key: "allan.tau", message, help })
     }
+}
+
+/// Refuses records that take too much memory side by side.
+fn check_memory(point: &RecordPoint, bytes: usize) -> Result<(), Refusal> {
+    if bytes <= MOST_BYTES {
+        return Ok(());
+    }
+    let (samples, mib) = (point.inputs.samples(), bytes >> 20);
+    let message =
+        format!("records of {samples} samples need {mib} MiB on each thread for the longest averaging times");
+    let help = "take overlap = \"m/64\" and tau = \"octave\" or \"decade10\", shorter averaging times, or a shorter record";
+    Err(Refusal { key: "allan", message, help })
 }
 
 impl plan::Plan for Plan<'_> {
@@ -204,30 +167,42 @@ impl plan::Plan for Plan<'_> {
     }
 
     fn tables(&self, store: Option<&Store>, progress: &dyn Progress) -> Result<Tables, RunError> {
-        let mut all = Rows::default();
-        let Some(store) = store else {
-            for planned in &self.points {
-                self.add(&mut all, planned.point, None, &Estimates::default(), &|_| {});
-            }
-            return Ok(self.tables_of(&all));
-        };
-        // Only one point is in memory at a time.
         let unit = if self.allan.terms.is_some() { "fits" } else { "records" };
-        progress.start(unit, 0, self.all_records());
-        for planned in &self.points {
-            let lowered = self.lowered(planned.point)?;
-            let rows = store.rows(&planned.address, planned.width)?;
-            let estimates = Estimates::of(rows, |sums| lowered.records.variances(sums));
-            self.add(&mut all, planned.point, Some(&lowered), &estimates, &|fits| progress.advance(fits));
-            if self.allan.terms.is_none() {
-                progress.advance(self.study.trials);
+        // Number of records in the tables, each with a fit where terms are fitted.
+        progress.start(unit, 0, self.study.trials * self.points.len() as u64);
+        let (mut curves, mut coefficients) = (Vec::new(), Vec::new());
+        // Only one point is in memory at a time.
+        for Planned { point, address, width, .. } in &self.points {
+            let lowered = store.map(|_| self.lowered(point)).transpose()?;
+            let estimates = match store.zip(lowered.as_ref()) {
+                Some((store, LoweredCurve { records, .. })) => {
+                    Estimates::of(store.rows(address, *width)?, |sums| records.variances(sums))
+                }
+                None => Estimates::default(),
+            };
+            curves.extend(self.curve(point, lowered.as_ref(), &estimates));
+            match &self.allan.terms {
+                Some(terms) => {
+                    let advance = |fits| progress.advance(fits);
+                    coefficients.extend(self.coefficients(point, terms, &estimates, &advance));
+                }
+                None => progress.advance(self.study.trials),
             }
         }
-        Ok(self.tables_of(&all))
+        let sweeps = &self.study.sweeps;
+        let mut points = table(sweeps, &columns(), &curves, |row| &row.point.swept);
+        if self.allan.estimator.difference == Difference::Third {
+            for column in &mut points.columns {
+                column.label = column.label.replace("Allan", "Hadamard");
+            }
+        }
+        let fitted = || table(sweeps, &coefficient_columns(), &coefficients, |row| &row.point.swept);
+        let coefficients = self.allan.terms.as_ref().map(|_| fitted());
+        Ok(Tables { coefficients, ..Tables::of_points(points) })
     }
 
     fn held(&self, index: &Index) -> Result<Option<u64>, StoreError> {
-        held_by_all(index, self.points.iter().map(|planned| &planned.address))
+        held_by_all(index, self.points.iter().map(|planned| planned.address))
     }
 
     fn ids(&self) -> Vec<Id> {
@@ -254,10 +229,6 @@ impl plan::Plan for Plan<'_> {
                 .to_owned()
         });
         Ok(rounded.into_iter().chain(shortened).chain(together).collect())
-    }
-
-    fn all_trials(&self) -> u64 {
-        u64::MAX
     }
 }
 

@@ -3,14 +3,14 @@
 use std::ops::Range;
 use std::time::Instant;
 
-use crate::kinds::allan::run::rows::rows;
+use crate::kernel::rows::Rows;
 use crate::kinds::allan::run::{Plan, Planned};
 use crate::progress::Progress;
 use crate::sampling::batches::BATCH_SECONDS;
 use crate::sampling::plan::{Done, RunError};
 use crate::sampling::worker::Worker;
-use crate::store::{Provenance, Store};
-use crate::tally::block::base_log2;
+use crate::store::{Provenance, Row, Store};
+use crate::tally::block::{Block, base_log2, cover};
 use crate::tally::share::Share;
 
 /// Samples of the first batch.
@@ -59,4 +59,14 @@ impl Plan<'_> {
         }
         Ok(Done { trials: made, seconds: started.elapsed().as_secs_f64(), stopped, degraded: vec![] })
     }
+}
+
+/// The rows of consecutive records, from their sums, in blocks of at most 2^`largest`.
+pub(crate) fn rows(planned: &Planned, records: Range<u64>, largest: u32, sums: &[u128]) -> Vec<Row<Rows>> {
+    let (first, width) = (records.start, planned.width);
+    let row = |block: Block| {
+        let [from, to] = [block.first, block.end()].map(|at| (at - first) as usize * width);
+        Row { address: planned.address, block, tally: Rows { width, values: sums[from..to].to_vec() } }
+    };
+    cover(records, largest).into_iter().map(row).collect()
 }

@@ -1,15 +1,15 @@
 //! One estimate of a point: the proof that it fits, and its exact value.
 
 use crate::filler::keys::Error;
+use crate::filler::{Filler, Method};
 use crate::kernel::gap_fill;
 use crate::kernel::moments::{LIMIT, level};
 use crate::kernel::normal::REACH;
 use crate::key::refusal::Refusal;
 use crate::kinds::gap_fill::lower::fixed::Fixed;
 use crate::kinds::gap_fill::lower::response::Functional;
-use crate::kinds::gap_fill::lower::weights::Rows;
-use crate::kinds::gap_fill::lower::weights::singular_covariance;
-use crate::kinds::gap_fill::lower::{readout, words_of};
+use crate::kinds::gap_fill::lower::weights::{Rows, singular_covariance};
+use crate::kinds::gap_fill::lower::{definition, readout, words_of};
 use crate::store::Address;
 use crate::tally::id::Id;
 
@@ -50,27 +50,22 @@ pub struct Estimate {
 /// to below the resolution of the arithmetic.
 const MOST_ROUNDING: f64 = 0.1;
 
-/// The filler and error to which an estimate belongs.
-pub(crate) struct Owner<'a> {
-    pub(crate) point: Id,
-    pub(crate) key: [u32; 2],
-    pub(crate) filler: &'a str,
-    /// Definition of the filler, regardless of its name.
-    pub(crate) definition: &'a str,
-    /// Whether its weights were chosen for the least error.
-    pub(crate) designed: bool,
-    pub(crate) error: Error,
-}
-
 impl Estimate {
-    /// Lowers one estimate.
-    pub(crate) fn new(owner: &Owner, fixed: &Fixed, rows: Rows) -> Result<Estimate, Refusal> {
+    /// Lowers an error of a filler, of the point `point` with the key `key`.
+    pub(crate) fn new(
+        point: Id,
+        key: [u32; 2],
+        filler: &Filler,
+        error: Error,
+        fixed: &Fixed,
+        rows: Rows,
+    ) -> Result<Estimate, Refusal> {
         let scale = rows.denominator as f64;
         let sigma = fixed.sigma_lsb();
         // Reading whole pulses changes each tick by less than one pulse.
         let pulse = fixed.readout.map_or(0.0, |readout| libm::exp2(f64::from(readout.bits)));
         let drawn = fixed.has_amplitudes() || fixed.has_frequencies();
-        let functionals = functionals(&rows, owner.error, fixed.gap_ticks);
+        let functionals = functionals(&rows, error, fixed.gap_ticks);
         let (mut bound, mut terms, mut rounding) = (0.0_f64, 0.0_f64, 0.0_f64);
         for f in &functionals {
             let response = fixed.response(f);
@@ -87,7 +82,7 @@ impl Estimate {
         }
         // Below 2^59 the shift stays below 32, as `bits_from` requires.
         if terms >= libm::exp2(59.0) {
-            let (filler, error, bits) = (owner.filler, owner.error.name(), libm::log2(terms));
+            let (filler, error, bits) = (&filler.name, error.name(), libm::log2(terms));
             let found = format!(
                 "the weighted sum of the {error} of `{filler}` reaches 2^{bits:.0}, more than its 64-bit sum can hold"
             );
@@ -104,7 +99,7 @@ impl Estimate {
         let whole = &functionals[functionals.len() - 1];
         let response = fixed.response(whole);
         let noise = sigma * whole.noise_gain();
-        let known = owner.error != Error::InGap || fixed.gap_ticks == 1;
+        let known = error != Error::InGap || fixed.gap_ticks == 1;
         let quantised = readout::variance(fixed, whole);
         let rms_with = |more: f64| {
             libm::sqrt(response.mean * response.mean + response.variance + noise * noise + more) / unit
@@ -134,34 +129,26 @@ impl Estimate {
         let bin_base = level(libm::floor((0.25 * rms_with(about)).max(tail)) as u32);
         let lost = oracle.rms.is_some_and(|rms| oracle.rounding > MOST_ROUNDING * rms);
         // Without motion nothing is cancelled, and an oracle of 0 is possible.
-        if owner.designed && lost && response.terms > whole.gain() {
-            return Err(singular_covariance(owner.filler, sigma * fixed.lsb_arcsec));
+        let designed = matches!(filler.method, Method::MinimumVariance(_));
+        if designed && lost && response.terms > whole.gain() {
+            return Err(singular_covariance(&filler.name, sigma * fixed.lsb_arcsec));
         }
-        let words = [gap_fill::VERSION, owner.key[0], owner.key[1]]
+        let words = [gap_fill::VERSION, key[0], key[1]]
             .into_iter()
             .chain(fixed.words(&rows.ticks))
             .chain(rows.ticks.iter().map(|&tick| tick as u32))
             .chain(rows.numerators.iter().flatten().map(|&w| w as u32))
             .chain([rows.denominator as u32, shift, bin_base])
             .chain(words_of(unit_arcsec));
-        let address = Address {
-            point: owner.point,
-            estimate: owner.estimate_id(&rows.ticks),
-            digest: Id::of_words(words),
-        };
-        Ok(Estimate { error: owner.error, address, oracle, unit_arcsec, bin_base, rows, shift })
+        let (definition, name, ticks) = (definition(filler), error.name(), &rows.ticks);
+        let estimate = Id::of(&format!("estimate\nfiller={definition}\nerror={name}\nticks={ticks:?}\n"));
+        let address = Address { point, estimate, digest: Id::of_words(words) };
+        Ok(Estimate { error, address, oracle, unit_arcsec, bin_base, rows, shift })
     }
 
     pub(crate) fn weight(&self, row: usize, tick: i32) -> u32 {
         let place = self.rows.ticks.iter().position(|&own| own == tick);
         place.map_or(0, |k| self.rows.numerators[row][k] as u32)
-    }
-}
-
-impl Owner<'_> {
-    fn estimate_id(&self, ticks: &[i32]) -> Id {
-        let (definition, error) = (self.definition, self.error.name());
-        Id::of(&format!("estimate\nfiller={definition}\nerror={error}\nticks={ticks:?}\n"))
     }
 }
 

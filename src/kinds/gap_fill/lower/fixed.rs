@@ -8,6 +8,7 @@ use crate::kernel::sine::ONE;
 use crate::kinds::gap_fill::lower::physical::{Physical, PhysicalTone, ToneKind};
 use crate::motion::Value;
 use crate::motion::keys::Phase;
+use crate::tally::id::Id;
 use crate::theory::cholesky::semidefinite;
 use crate::theory::gap::tick_phase;
 
@@ -124,11 +125,8 @@ impl Fixed {
 
     /// The angle of a tick that is common to all trials, in 2^−32 LSB.
     pub(crate) fn tick_constant(&self, tick: i32) -> i64 {
-        let relock = if tick > self.gap_ticks {
-            self.relock.get((tick - self.gap_ticks - 1) as usize).copied().unwrap_or(0.0)
-        } else {
-            0.0
-        };
+        let after_gap = usize::try_from(tick - self.gap_ticks - 1).ok();
+        let relock = after_gap.and_then(|place| self.relock.get(place)).copied().unwrap_or(0.0);
         let from_middle = f64::from(tick) - 0.5 * (f64::from(self.gap_ticks) + 1.0);
         libm::round((self.rate + self.acceleration * from_middle + relock) * libm::exp2(32.0)) as i64
     }
@@ -144,21 +142,14 @@ impl Fixed {
         let mut words = vec![n as u32, self.sigma];
         let all = || ticks.iter().copied().chain(1..=n);
         for tone in &self.tones {
-            words.extend([
-                tone.phase,
-                tone.phase_spread,
-                tone.part[0],
-                tone.part[1],
-                u32::from(tone.rayleigh),
-            ]);
+            let [low, width] = tone.part;
+            words.extend([tone.phase, tone.phase_spread, low, width, tone.rayleigh.into()]);
             match tone.motion {
                 ToneMotion::Fixed { .. } => {
                     let parts = all().flat_map(|tick| tone.tick_words(tick, n));
                     words.extend(parts.map(|word| word as u32));
                 }
-                ToneMotion::Drawn { peak, low, width, of_angle } => {
-                    words.extend([peak, low, width, u32::from(of_angle)]);
-                }
+                ToneMotion::Drawn { .. } => words.extend(tone.drawn_words()),
             }
         }
         if let Some(factor) = &self.gaussian {
@@ -166,7 +157,7 @@ impl Fixed {
             words.extend(rows.map(|&word| word as u32));
         }
         if let Some(profile) = &self.profile {
-            let content = crate::tally::id::Id::of_words(profile.angles.iter().copied());
+            let content = Id::of_words(profile.angles.iter().copied());
             words.extend(content.key());
             words.push(u32::from(profile.every));
         }
@@ -210,6 +201,20 @@ impl FixedTone {
             }
         };
         FixedTone { motion, phase, phase_spread, part, rayleigh }
+    }
+
+    /// Whether only the phase of the tone is drawn, or also its amplitude from a Rayleigh distribution.
+    pub(crate) fn is_plain(&self) -> bool {
+        matches!(self.motion, ToneMotion::Fixed { .. }) && self.part[1] == 0
+    }
+
+    /// Peak, least frequency, width of its range, and whether the amplitude is that of the angle, of a tone of drawn
+    /// frequency.
+    pub(crate) fn drawn_words(&self) -> [u32; 4] {
+        match self.motion {
+            ToneMotion::Fixed { .. } => [0; 4],
+            ToneMotion::Drawn { peak, low, width, of_angle } => [peak, low, width, of_angle.into()],
+        }
     }
 
     /// The angle of a tone of fixed frequency over a tick, at sine 1 and at cosine 1 of the phase at the middle of the

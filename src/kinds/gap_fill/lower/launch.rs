@@ -6,7 +6,7 @@ use crate::kernel::launch::Launch;
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::kinds::gap_fill::lower::Lowered;
 use crate::kinds::gap_fill::lower::estimate::Estimate;
-use crate::kinds::gap_fill::lower::fixed::{Fixed, ToneMotion, gaussian_place, long_words};
+use crate::kinds::gap_fill::lower::fixed::{Fixed, FixedTone, gaussian_place, long_words};
 
 impl Lowered {
     /// The launch that samples some of the fillers, which must have the same errors. Its estimates are all residuals,
@@ -19,59 +19,58 @@ impl Lowered {
         let n = fixed.gap_ticks;
         let before: Vec<i32> = (0..shape.before as i32).map(|k| -k).collect();
         let after: Vec<i32> = (1..=shape.after as i32).map(|k| n + k).collect();
+        let sides: Vec<i32> = (1..=shape.sides() as i32).map(|k| n + k).collect();
+        let lengths: Vec<i32> = lengths(shape, n).collect();
         let of = |error: Error| estimates.iter().filter(move |estimate| estimate.error == error);
-        let scales = |error: Error| -> Vec<u32> { of(error).map(|e| e.rows.denominator as u32).collect() };
-        let weights = |error: Error, ticks: &[i32]| -> Vec<u32> {
-            of(error).flat_map(|e| ticks.iter().map(|&tick| e.weight(0, tick))).collect()
+        let scales = |error: Error| words(of(error).map(|e| e.rows.denominator as u32));
+        let weights = |error: Error, ticks: &[i32]| {
+            words(of(error).flat_map(|e| ticks.iter().map(|&tick| e.weight(0, tick))))
         };
         let extrapolation_ticks = &before[..shape.extrapolation_before];
         let residual_ticks = [&before[..shape.residual_before], &after[..]].concat();
-        let tones = Tones::of(fixed, shape);
-        let constants = |ticks: &[i32]| -> Vec<u32> {
-            let words = ticks.iter().flat_map(|&tick| long_words(fixed.tick_constant(tick)));
-            words.filter(|_| shape.constants).collect()
+        let tones =
+            |has: bool, word: fn(&FixedTone) -> u32| words(fixed.tones.iter().filter(|_| has).map(word));
+        // The angles of tones of fixed frequency, at sine 1 or at cosine 1.
+        let angles = |has: bool, ticks: &[i32], word: fn(&FixedTone, i32, i32) -> i32| {
+            let ticks = ticks.iter().filter(|_| has && !shape.frequencies);
+            words(ticks.flat_map(|&tick| fixed.tones.iter().map(move |tone| word(tone, tick, n) as u32)))
         };
-        let gap_constant: Vec<u32> = lengths(shape, n)
-            .flat_map(|length| long_words(fixed.gap_constant(length)))
-            .filter(|_| shape.constants)
-            .collect();
-        let positions: Vec<u32> = fixed.profile.iter().map(|profile| profile.positions as u32).collect();
-        let inverse: Vec<u32> = positions.iter().map(|&count| u32::MAX / count).collect();
-        let mask: Vec<u32> = fixed.readout.iter().map(|readout| !((1 << readout.bits) - 1)).collect();
-        let gap_sigma: Vec<u32> = fixed.readout.iter().map(|readout| readout.gap_sigma).collect();
-        let shift: Vec<u32> = estimates.iter().map(|e| e.shift).filter(|_| shape.wide).collect();
-        let bin_base: Vec<u32> = estimates.iter().map(|e| e.bin_base).collect();
+        let constants = |ticks: &[i32], constant: fn(&Fixed, i32) -> i64| {
+            let ticks = ticks.iter().filter(|_| shape.constants);
+            words(ticks.flat_map(|&tick| long_words(constant(fixed, tick))))
+        };
+        let positions = words(fixed.profile.iter().map(|profile| profile.positions as u32));
         let words = Parameters {
             key: &self.key,
-            phase: &tones.phase,
-            phase_spread: &tones.phase_spread,
+            phase: &tones(true, |tone| tone.phase),
+            phase_spread: &tones(true, |tone| tone.phase_spread),
             sigma: &[fixed.sigma],
-            gap_sin: &tones.gap[0],
-            gap_cos: &tones.gap[1],
-            side_sin: &tones.side[0],
-            side_cos: &tones.side[1],
-            amplitude_low: &tones.amplitude[0],
-            amplitude_width: &tones.amplitude[1],
-            rayleigh: &tones.amplitude[2],
-            peak: &tones.frequency[0],
-            frequency_low: &tones.frequency[1],
-            frequency_width: &tones.frequency[2],
-            of_angle: &tones.frequency[3],
+            gap_sin: &angles(true, &lengths, |tone, length, n| tone.gap_words(length, n)[0]),
+            gap_cos: &angles(shape.in_gap, &lengths, |tone, length, n| tone.gap_words(length, n)[1]),
+            side_sin: &angles(true, &sides, |tone, tick, n| tone.tick_words(tick, n)[0]),
+            side_cos: &angles(true, &sides, |tone, tick, n| tone.tick_words(tick, n)[1]),
+            amplitude_low: &tones(shape.amplitudes, |tone| tone.part[0]),
+            amplitude_width: &tones(shape.amplitudes, |tone| tone.part[1]),
+            rayleigh: &tones(shape.amplitudes, |tone| mask(tone.rayleigh)),
+            peak: &tones(shape.frequencies, |tone| tone.drawn_words()[0]),
+            frequency_low: &tones(shape.frequencies, |tone| tone.drawn_words()[1]),
+            frequency_width: &tones(shape.frequencies, |tone| tone.drawn_words()[2]),
+            of_angle: &tones(shape.frequencies, |tone| mask(tone.drawn_words()[3] != 0)),
             gap_length: &[n as u32],
-            gap_constant: &gap_constant,
-            before_constant: &constants(&before),
-            after_constant: &constants(&after),
+            gap_constant: &constants(&lengths, Fixed::gap_constant),
+            before_constant: &constants(&before, Fixed::tick_constant),
+            after_constant: &constants(&after, Fixed::tick_constant),
             positions: &positions,
-            positions_inverse: &inverse,
-            readout_mask: &mask,
-            gap_sigma: &gap_sigma,
+            positions_inverse: &words(positions.iter().map(|&count| u32::MAX / count)),
+            readout_mask: &words(fixed.readout.iter().map(|readout| !((1 << readout.bits) - 1))),
+            gap_sigma: &words(fixed.readout.iter().map(|readout| readout.gap_sigma)),
             residual_weight: &weights(Error::Residual, &residual_ticks),
             residual_scale: &scales(Error::Residual),
             extrapolation_weight: &weights(Error::Extrapolation, extrapolation_ticks),
             extrapolation_scale: &scales(Error::Extrapolation),
             in_gap_scale: &scales(Error::InGap),
-            shift: &shift,
-            bin_base: &bin_base,
+            shift: &words(estimates.iter().filter(|_| shape.wide).map(|e| e.shift)),
+            bin_base: &words(estimates.iter().map(|e| e.bin_base)),
         }
         .words();
         let in_gap: Vec<u32> = of(Error::InGap)
@@ -128,67 +127,17 @@ fn shape(fixed: &Fixed, estimates: &[&Estimate], fillers: usize) -> Shape {
     }
 }
 
+fn words(words: impl Iterator<Item = u32>) -> Vec<u32> {
+    words.collect()
+}
+
+fn mask(is_set: bool) -> u32 {
+    if is_set { u32::MAX } else { 0 }
+}
+
 /// The lengths of the gap, counted from its start, that have a row.
 fn lengths(shape: Shape, n: i32) -> core::ops::RangeInclusive<i32> {
     if shape.in_gap { 1..=n } else { n..=n }
-}
-
-/// The words of the tones.
-#[derive(Default)]
-struct Tones {
-    phase: Vec<u32>,
-    phase_spread: Vec<u32>,
-    gap: [Vec<u32>; 2],
-    side: [Vec<u32>; 2],
-    /// Least fraction, width of its range, and Rayleigh mask.
-    amplitude: [Vec<u32>; 3],
-    /// Peak, least frequency, width of its range, and mask of angle amplitudes.
-    frequency: [Vec<u32>; 4],
-}
-
-impl Tones {
-    fn of(fixed: &Fixed, shape: Shape) -> Tones {
-        let n = fixed.gap_ticks;
-        let mask = |yes: bool| if yes { u32::MAX } else { 0 };
-        let mut words = Tones::default();
-        for tone in &fixed.tones {
-            words.phase.push(tone.phase);
-            words.phase_spread.push(tone.phase_spread);
-            if shape.amplitudes {
-                for (to, word) in
-                    words.amplitude.iter_mut().zip([tone.part[0], tone.part[1], mask(tone.rayleigh)])
-                {
-                    to.push(word);
-                }
-            }
-            if shape.frequencies {
-                let ToneMotion::Drawn { peak, low, width, of_angle } = tone.motion else {
-                    unreachable!("lowering makes all tones of drawn frequency where one is")
-                };
-                for (to, word) in words.frequency.iter_mut().zip([peak, low, width, mask(of_angle)]) {
-                    to.push(word);
-                }
-            }
-        }
-        if shape.frequencies {
-            return words;
-        }
-        for length in lengths(shape, n) {
-            for tone in &fixed.tones {
-                let [sin, cos] = tone.gap_words(length, n);
-                words.gap[0].push(sin as u32);
-                words.gap[1].extend(shape.in_gap.then_some(cos as u32));
-            }
-        }
-        for k in 1..=shape.sides() as i32 {
-            for tone in &fixed.tones {
-                let [sin, cos] = tone.tick_words(n + k, n);
-                words.side[0].push(sin as u32);
-                words.side[1].push(cos as u32);
-            }
-        }
-        words
-    }
 }
 
 /// The table of the motion: rows of the Gaussian factor over the gap, then those of the ticks outward; or a profile.

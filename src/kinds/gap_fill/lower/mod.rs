@@ -35,22 +35,18 @@ pub(crate) mod unit;
 pub(crate) mod weights;
 
 use crate::key::refusal::Refusal;
-pub use crate::kinds::allan::lower::curve::LoweredCurve;
-pub use crate::kinds::allan::lower::{Asked, Records};
 pub use crate::kinds::gap_fill::lower::estimate::{Estimate, Oracle};
 pub use crate::kinds::gap_fill::lower::residual::{Residual, ResidualTone};
 pub use crate::kinds::gap_fill::lower::weights::{Rows, Statistics};
-pub use crate::kinds::switched_run::lower::oracle::RunOracle;
-pub use crate::kinds::switched_run::lower::{FilledRun, LoweredRun, RunEstimate};
 
 use crate::filler::keys::Error;
-use crate::filler::{Filler, Method};
+use crate::filler::{Fill, Filler, Method};
 use crate::kernel::moments::MAX_ESTIMATES;
 use crate::key::common::Streams;
-use crate::kinds::gap_fill::lower::estimate::Owner;
-use crate::kinds::gap_fill::lower::fixed::Fixed;
+use crate::kinds::gap_fill::lower::fixed::{Fixed, long_words};
 use crate::kinds::gap_fill::lower::physical::Physical;
 use crate::kinds::gap_fill::point::Point;
+use crate::kinds::plan::identity;
 use crate::tally::id::Id;
 
 /// A point, ready to be sampled.
@@ -77,11 +73,7 @@ impl Lowered {
         streams: Streams,
     ) -> Result<Lowered, Refusal> {
         let physical = Physical::of(&point.inputs)?;
-        let id = physical.id(&point.inputs, seed, streams);
-        let key = match streams {
-            Streams::Independent => id.key(),
-            Streams::Common => Id::of(&format!("streams\nkind=gap-fill\nseed={seed}\n")).key(),
-        };
+        let (id, key) = identity("gap-fill", seed, streams, &physical.canonical(&point.inputs));
         let n = point.inputs.gap_ticks as i32;
         let reach = |tick: i32| if tick > 0 { tick - n } else { 1 - tick };
         let ticks = point
@@ -89,11 +81,9 @@ impl Lowered {
             .iter()
             .flat_map(|fill| fill.fit_ticks.iter().chain(fill.extrapolation_ticks.iter().flatten()));
         let sides = ticks.map(|&tick| reach(tick)).max().unwrap_or(1) as usize;
-        let lsb_arcsec = crate::kinds::gap_fill::lower::unit::lsb(&physical)?;
-        let fixed = Fixed::new(&physical, lsb_arcsec, sides);
+        let fixed = Fixed::new(&physical, unit::lsb(&physical)?, sides);
         let statistics = Statistics::of(&point.inputs);
-        let estimates = |filler: &Filler, fill: &crate::filler::Fill| {
-            let definition = definition(filler);
+        let estimates = |(filler, fill): (&Filler, &Fill)| {
             let mut estimates = Vec::new();
             for &error in errors {
                 let ticks = match error {
@@ -102,18 +92,11 @@ impl Lowered {
                 };
                 let Some(ticks) = ticks else { continue };
                 let Some(rows) = Rows::of(filler, error, ticks, &statistics)? else { continue };
-                let designed = matches!(filler.method, Method::MinimumVariance(_));
-                let owner =
-                    Owner { point: id, key, filler: &filler.name, definition: &definition, designed, error };
-                estimates.push(Estimate::new(&owner, &fixed, rows)?);
+                estimates.push(Estimate::new(id, key, filler, error, &fixed, rows)?);
             }
             Ok(estimates)
         };
-        let fillers = fillers
-            .iter()
-            .zip(&point.fills)
-            .map(|(filler, fill)| estimates(filler, fill))
-            .collect::<Result<Vec<_>, Refusal>>()?;
+        let fillers = fillers.iter().zip(&point.fills).map(estimates).collect::<Result<Vec<_>, Refusal>>()?;
         Ok(Lowered { id, key, fixed, fillers })
     }
 
@@ -152,5 +135,5 @@ pub(crate) fn definition(filler: &Filler) -> String {
 
 /// The bits of a number.
 pub(crate) fn words_of(x: f64) -> [u32; 2] {
-    [x.to_bits() as u32, (x.to_bits() >> 32) as u32]
+    long_words(x.to_bits().cast_signed())
 }

@@ -5,9 +5,9 @@ use std::fmt::Write as _;
 
 use crate::kernel::gap_fill::shape::MARGIN;
 use crate::kernel::normal::REACH;
-use crate::key::common::Streams;
 use crate::key::refusal::Refusal;
 use crate::kinds::gap_fill::inputs::Inputs;
+use crate::kinds::gap_fill::lower::words_of;
 use crate::motion::keys::{Phase, Position};
 use crate::motion::vibration::Acceleration;
 use crate::motion::{Frequency, Gaussian, Value};
@@ -186,16 +186,13 @@ impl Physical {
         self.rate_arcsec.abs() + self.acceleration_arcsec.abs() * farthest + relock
     }
 
-    /// The identity of the point in a study with this seed, from everything that determines draws and truth.
-    pub(crate) fn id(&self, inputs: &Inputs, seed: u64, streams: Streams) -> Id {
+    /// Everything that determines draws and truth, as lines of text.
+    pub(crate) fn canonical(&self, inputs: &Inputs) -> String {
         let Physical { gap_ticks, sigma_arcsec, readout_lsb, .. } = self;
         let mut text = format!(
-            "point\nkind=gap-fill\nseed={seed}\nstreams={}\ngap_ticks={gap_ticks}\nsigma_arcsec={sigma_arcsec:.11e}\n\
-             readout_lsb={readout_lsb:.11e}\nrelock={:?}\nrate_arcsec={:.11e}\nacceleration_arcsec={:.11e}\n",
-            streams.name(),
-            self.relock,
-            self.rate_arcsec,
-            self.acceleration_arcsec,
+            "gap_ticks={gap_ticks}\nsigma_arcsec={sigma_arcsec:.11e}\nreadout_lsb={readout_lsb:.11e}\nrelock={:?}\n\
+             rate_arcsec={:.11e}\nacceleration_arcsec={:.11e}\n",
+            self.relock, self.rate_arcsec, self.acceleration_arcsec,
         );
         let mut line = |line: std::fmt::Arguments| {
             // Writing to a text cannot fail.
@@ -223,11 +220,9 @@ impl Physical {
             None => {}
         }
         if let Some(profile) = &self.profile {
-            let content = Id::of_words(
-                profile.ticks.iter().flat_map(|angle| crate::kinds::gap_fill::lower::words_of(*angle)),
-            );
+            let content = Id::of_words(profile.ticks.iter().flat_map(|&angle| words_of(angle)));
             line(format_args!("profile={content} every={}", profile.every));
         }
-        Id::of(&text)
+        text
     }
 }

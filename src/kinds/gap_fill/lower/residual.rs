@@ -4,7 +4,6 @@
 use crate::filler::keys::Error;
 use crate::kernel::relock_ticks::MAX_TICKS;
 use crate::kinds::gap_fill::lower::estimate::{Estimate, functionals};
-use crate::kinds::gap_fill::lower::fixed::ToneMotion;
 use crate::kinds::gap_fill::lower::{Lowered, readout};
 
 /// The residual of a switch, ″.
@@ -51,9 +50,7 @@ impl Lowered {
         let (mut mean, mut variance) = (whole.mean, whole.variance);
         let mut tones = Vec::new();
         for (place, tone) in fixed.tones.iter().enumerate() {
-            let plain =
-                matches!(tone.motion, ToneMotion::Fixed { .. }) && tone.part[1] == 0 && !tone.rayleigh;
-            if plain && tone.phase_spread != 0 {
+            if tone.is_plain() && !tone.rayleigh && tone.phase_spread != 0 {
                 let part = tone.response(f, fixed.gap_ticks);
                 // A sine of uniform phase has half its squared amplitude as variance.
                 mean -= part.mean;

@@ -21,7 +21,7 @@ pub(crate) struct Functional<'a> {
 }
 
 /// Its value for the motion, without noise, in LSB.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Response {
     pub(crate) mean: f64,
     pub(crate) variance: f64,
@@ -59,6 +59,16 @@ impl Functional<'_> {
     }
 }
 
+impl Response {
+    /// Adds the response to another part of the motion, apart from the largest error and the level.
+    fn add(&mut self, part: &Response) {
+        self.mean += part.mean;
+        self.variance += part.variance;
+        self.bound += part.bound;
+        self.terms += part.terms;
+    }
+}
+
 impl Fixed {
     /// The response of the whole motion.
     pub(crate) fn response(&self, f: &Functional) -> Response {
@@ -66,34 +76,24 @@ impl Fixed {
         let constant = f.of(|tick| lsb(self.tick_constant(tick)), lsb(self.gap_constant(f.gap)));
         let terms = f.terms_of(|tick| lsb(self.tick_constant(tick)), lsb(self.gap_constant(f.gap)));
         let (bound, largest) = (constant.abs(), Some(constant));
-        let mut sum = Response { mean: constant, variance: 0.0, bound, largest, level: None, terms };
+        let mut sum = Response { mean: constant, bound, largest, terms, ..Response::default() };
         // `largest` is the signed mean until the parts that swing about it are added at the end.
         let mut swing = 0.0;
         for tone in &self.tones {
             let part = tone.response(f, self.gap_ticks);
-            sum.mean += part.mean;
-            sum.variance += part.variance;
-            sum.bound += part.bound;
-            sum.terms += part.terms;
-            let fixed =
-                tone.part[1] == 0 && !tone.rayleigh && matches!(tone.motion, ToneMotion::Fixed { .. });
+            sum.add(&part);
+            let fixed = tone.is_plain() && !tone.rayleigh;
             sum.largest = sum.largest.filter(|_| fixed).map(|fixed_sum| fixed_sum + part.mean);
             swing += if tone.phase_spread != 0 { part.bound } else { 0.0 };
         }
         sum.largest = sum.largest.map(|fixed| fixed.abs() + swing);
         if let Some(factor) = &self.gaussian {
-            let part = gaussian_response(factor, f, self.gap_ticks);
-            sum.variance += part.variance;
-            sum.bound += part.bound;
-            sum.terms += part.terms;
+            sum.add(&gaussian_response(factor, f, self.gap_ticks));
             sum.largest = None;
         }
         if let Some(profile) = &self.profile {
             let part = profile.response(f, constant);
-            sum.mean += part.mean;
-            sum.variance += part.variance;
-            sum.bound += part.bound;
-            sum.terms += part.terms;
+            sum.add(&part);
             sum.largest = part.largest;
             sum.level = part.level;
         }
@@ -115,12 +115,8 @@ impl FixedTone {
                 let [a, b] = [0, 1].map(|i| f.of(|t| tick(t, i), gap[i]));
                 let terms = [0, 1].map(|i| f.terms_of(|t| tick(t, i), gap[i])).iter().sum();
                 let e = self.fixed_phase(a, b);
-                self.parts(
-                    [0.5 * (a * a + b * b), e, e * e],
-                    [libm::hypot(a, b), e.abs()],
-                    a.abs() + b.abs(),
-                    terms,
-                )
+                let squares = [0.5 * (a * a + b * b), e, e * e];
+                self.parts(squares, [libm::hypot(a, b), e.abs()], a.abs() + b.abs(), terms)
             }
             ToneMotion::Drawn { low, width, .. } => {
                 let ends = [f64::from(low), f64::from(low) + f64::from(width)];
@@ -211,14 +207,8 @@ impl FixedTone {
         let [swinging, fixed, fixed_square] = squares;
         if self.rayleigh {
             let unit = RAYLEIGH_UNIT;
-            return Response {
-                mean: 0.0,
-                variance: 2.0 * swinging * unit * unit,
-                bound: REACH * unit * sum,
-                largest: None,
-                level: None,
-                terms: REACH * unit * terms,
-            };
+            let (bound, terms) = (REACH * unit * sum, REACH * unit * terms);
+            return Response { variance: 2.0 * swinging * unit * unit, bound, terms, ..Response::default() };
         }
         let whole = libm::exp2(31.0);
         let [low, width] = self.part.map(|word| f64::from(word) / whole);
@@ -228,7 +218,7 @@ impl FixedTone {
         } else {
             (fixed * mean_part, fixed_square * mean_square, bounds[1])
         };
-        Response { mean, variance: (square - mean * mean).max(0.0), bound, largest: None, level: None, terms }
+        Response { mean, variance: (square - mean * mean).max(0.0), bound, terms, ..Response::default() }
     }
 }
 
@@ -236,7 +226,7 @@ fn gaussian_response(factor: &[Vec<i32>], f: &Functional, n: i32) -> Response {
     let word = |tick: i32, i: usize| {
         factor[gaussian_place(tick, n)].get(i).map_or(0.0, |&word| f64::from(word) / SIGMA_UNITS)
     };
-    let mut sum = Response { mean: 0.0, variance: 0.0, bound: 0.0, largest: None, level: None, terms: 0.0 };
+    let mut sum = Response::default();
     for i in 0..factor.len() {
         let gap: f64 = (1..=f.gap).map(|tick| word(tick, i)).sum();
         let r = f.of(|tick| word(tick, i), gap);

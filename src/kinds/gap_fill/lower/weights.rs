@@ -8,7 +8,7 @@ use crate::filler::{Filler, Method};
 use crate::kernel::gap_fill::shape::MARGIN;
 use crate::key::refusal::{Refusal, shown};
 use crate::kinds::gap_fill::inputs::Inputs;
-use crate::theory::gap::Weights;
+use crate::theory::gap::{Weights, greatest_common_divisor};
 use crate::theory::minimum_variance::minimum_variance_weights;
 
 /// Weights on some ticks over a common denominator: one row for the whole gap, one row for each of its ticks, or for
@@ -172,13 +172,7 @@ impl<'a> Statistics<'a> {
 
 /// Fractions over one denominator, where they fit in 32 bits, else the nearest ones that do.
 fn exact(ticks: &[i32], rows: Vec<Weights>) -> Rows {
-    let divisor = |a: i64, b: i64| -> i64 {
-        let (mut a, mut b) = (a, b);
-        while b != 0 {
-            (a, b) = (b, a % b);
-        }
-        a
-    };
+    let divisor = |a: i64, b: i64| greatest_common_divisor(a.into(), b.into()) as i64;
     let common = rows.iter().try_fold(1_i64, |common, row| {
         (common / divisor(common, row.denominator)).checked_mul(row.denominator)
     });

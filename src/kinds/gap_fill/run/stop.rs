@@ -6,15 +6,12 @@ use crate::kinds::gap_fill::run::Plan;
 use crate::store::Store;
 use crate::store::error::StoreError;
 use crate::study::precision::Precision;
-use crate::tally::share::Share;
 use crate::tally::stats::{Estimates, NORMAL_95};
 
 impl Plan<'_> {
     /// Doubles the trials of points where an error is not precise enough; returns whether there were any.
-    pub(crate) fn raise(&self, wanted: &mut [u64], store: &Store, share: Share) -> Result<bool, StoreError> {
-        let Some(precision) = self.gap_fill.precision.as_ref().filter(|_| self.decides(share)) else {
-            return Ok(false);
-        };
+    pub(crate) fn raise_imprecise(&self, wanted: &mut [u64], store: &Store) -> Result<bool, StoreError> {
+        let Some(precision) = &self.study.precision else { return Ok(false) };
         let mut raised = false;
         for (point, wanted) in self.points.iter().zip(wanted) {
             let most = point.trials(self.study.trials);
@@ -37,7 +34,7 @@ impl Plan<'_> {
     /// # Errors
     /// A row of the store is damaged, or the disk fails.
     pub(crate) fn imprecise(&self, store: &Store) -> Result<(usize, usize), StoreError> {
-        let Some(precision) = &self.gap_fill.precision else { return Ok((0, 0)) };
+        let Some(precision) = &self.study.precision else { return Ok((0, 0)) };
         let (mut imprecise, mut all) = (0, 0);
         for estimates in self.points.iter().flat_map(|point| &point.fillers) {
             let mut is_precise = true;

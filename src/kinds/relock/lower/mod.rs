@@ -14,6 +14,7 @@ use crate::kernel::relock_ticks::{self, MAX_TICKS, Method};
 use crate::kernel::width::Width;
 use crate::key::common::Streams;
 use crate::kinds::gap_fill::lower::words_of;
+use crate::kinds::plan::identity;
 use crate::kinds::relock::RelockPoint;
 use crate::kinds::relock::inputs::Compensation;
 use crate::store::Address;
@@ -60,27 +61,17 @@ impl LoweredRelock {
     /// The point cannot be represented; see [`Refusal`].
     pub fn new(point: &RelockPoint, seed: u64, streams: Streams) -> Result<LoweredRelock, Refusal> {
         let inputs = &point.inputs;
-        let id = Id::of(&format!(
-            "point\nkind=relock\nseed={seed}\nstreams={}\ntick_s={:.11e}\n{}",
-            streams.name(),
-            inputs.tick_s,
-            inputs.relock.identity()
-        ));
-        let key = match streams {
-            Streams::Independent => id.key(),
-            Streams::Common => Id::of(&format!("streams\nkind=relock\nseed={seed}\n")).key(),
-        };
+        let text = format!("tick_s={:.11e}\n{}", inputs.tick_s, inputs.relock.identity());
+        let (id, key) = identity("relock", seed, streams, &text);
         let fixed = FixedRelock::new(&inputs.relock, inputs.tick_s)?;
         let ticks = inputs.relock.ticks as usize;
         let mut lowered = LoweredRelock { id, key, fixed, ticks, estimates: vec![] };
         for compensation in Compensation::ALL {
             let sums = (1..=ticks as u32).map(Some).chain([None]);
-            let estimates: Vec<RelockEstimate> =
+            let mut estimates: Vec<RelockEstimate> =
                 sums.map(|tick| lowered.estimate(point, compensation, tick)).collect();
-            for some in estimates.chunks(MAX_ESTIMATES) {
-                let some = lowered.with_histograms(some);
-                lowered.estimates.extend(some);
-            }
+            estimates.chunks_mut(MAX_ESTIMATES).for_each(|some| lowered.set_histograms(some));
+            lowered.estimates.extend(estimates);
         }
         Ok(lowered)
     }
@@ -111,12 +102,12 @@ impl LoweredRelock {
         RelockEstimate { compensation, tick, address, oracle, rounding, bin_base: 0, weights }
     }
 
-    /// The same estimates, with histograms that start at a quarter of the rms of their first trials.
-    fn with_histograms(&self, estimates: &[RelockEstimate]) -> Vec<RelockEstimate> {
+    /// Lets histograms start at a quarter of the rms of the first trials.
+    fn set_histograms(&self, estimates: &mut [RelockEstimate]) {
         let trials = Trials { first: 0, count: PILOT, histogram: false };
         let tallies = self.launch(&estimates.iter().collect::<Vec<_>>()).tally(Width::widest(), trials);
-        let with = |(estimate, square): (&RelockEstimate, u128)| {
-            let rms = libm::sqrt(square as f64 / PILOT as f64);
+        for (estimate, tally) in estimates.iter_mut().zip(&tallies) {
+            let rms = libm::sqrt(tally.square as f64 / PILOT as f64);
             let bin_base = level(libm::floor(0.25 * rms) as u32);
             let method = method(estimate.compensation);
             let ticks = relock_ticks::Shape { ticks: MAX_TICKS, method };
@@ -126,23 +117,21 @@ impl LoweredRelock {
                 .chain(words_of(self.fixed.lsb_arcsec))
                 .chain(self.fixed.words(ticks))
                 .chain(estimate.weights);
-            let address = Address { digest: Id::of_words(words), ..estimate.address };
-            RelockEstimate { bin_base, address, ..estimate.clone() }
-        };
-        estimates.iter().zip(tallies.iter().map(|tally| tally.square)).map(with).collect()
+            estimate.address.digest = Id::of_words(words);
+            estimate.bin_base = bin_base;
+        }
     }
 
     /// The launch that samples some of the estimates, at most [`MAX_ESTIMATES`] and all of one compensation.
     pub fn launch(&self, estimates: &[&RelockEstimate]) -> Launch {
         let method = estimates.first().map_or(Method::None, |estimate| method(estimate.compensation));
         let ticks = relock_ticks::Shape { ticks: self.ticks, method };
-        let weight: Vec<u32> =
-            estimates.iter().flat_map(|estimate| estimate.weights[..self.ticks].to_vec()).collect();
+        let weights = estimates.iter().map(|estimate| &estimate.weights[..self.ticks]);
         let bin_base: Vec<u32> = estimates.iter().map(|estimate| estimate.bin_base).collect();
         let words = Parameters {
             key: &self.key,
             relock: &self.fixed.words(ticks),
-            weight: &weight,
+            weight: &weights.collect::<Vec<_>>().concat(),
             bin_base: &bin_base,
         }
         .words();

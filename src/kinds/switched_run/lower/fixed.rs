@@ -125,11 +125,6 @@ impl Fixed {
 
     /// The words that determine all runs.
     pub(crate) fn words(&self) -> Vec<u32> {
-        let of_row = |row: &FixedRow| {
-            let [a, b, c] = row.deviations;
-            let [d, e] = row.heating;
-            [row.angle, row.magnetic, a, b, c, d, e].map(|word| word as u32)
-        };
         let tones = self.tones.iter().flat_map(|tone| [tone.amplitude, tone.step, u32::from(tone.each)]);
         let fixed = [self.walk[0], self.walk[1], self.noise, u32::from(self.mode)];
         let words = fixed.into_iter().chain(long_words(self.constant)).chain(tones);
@@ -139,15 +134,21 @@ impl Fixed {
             [warm_up.spread_word(), warm_up.interval_halvings(), a, spread, bits[0], bits[1]]
         });
         let relock = self.relock.iter().flat_map(|relock| relock.identity(self.lsb_arcsec));
-        words.chain(warm_up).chain(relock).chain(self.ends.iter().flat_map(of_row)).collect()
+        words.chain(warm_up).chain(relock).chain(self.ends.iter().flat_map(FixedRow::words)).collect()
     }
 
     /// The further words that determine one of the study's angles.
     pub(crate) fn time_words(&self, place: usize) -> Vec<u32> {
         let Some(time) = place.checked_sub(2).and_then(|time| self.times.get(time)) else { return vec![] };
-        let FixedRow { switches, angle, magnetic, deviations: [a, b, c], heating: [d, e], .. } = time.row;
-        let row = [angle, magnetic, a, b, c, d, e].map(|word| word as u32);
-        row.into_iter().chain([switches as u32, time.walk, time.bridge]).collect()
+        time.row.words().into_iter().chain([time.row.switches as u32, time.walk, time.bridge]).collect()
+    }
+}
+
+impl FixedRow {
+    /// The drift as words of the kernel.
+    pub(crate) fn words(&self) -> [u32; 7] {
+        let ([a, b, c], [d, e]) = (self.deviations, self.heating);
+        [self.angle, self.magnetic, a, b, c, d, e].map(|word| word as u32)
     }
 }
 

@@ -5,7 +5,7 @@ use crate::kernel::moments::MAX_ESTIMATES;
 use crate::kernel::switched_run::shape::{Parameters, Shape};
 use crate::kinds::gap_fill::lower::fixed::long_words;
 use crate::kinds::switched_run::lower::FilledRun;
-use crate::kinds::switched_run::lower::fixed::{Fixed, FixedRow};
+use crate::kinds::switched_run::lower::fixed::{Fixed, FixedRow, FixedTime, FixedTone};
 use crate::kinds::switched_run::lower::warm_up::WarmUp;
 
 /// The angle at the end and the largest one, which precede those at given times.
@@ -24,23 +24,15 @@ impl FilledRun {
         let times: Vec<usize> = places.iter().filter_map(|place| place.checked_sub(ENDS)).collect();
         let shape = shape(fixed, ends, times.len());
         let only = |wanted: bool, words: Vec<u32>| if wanted { words } else { vec![] };
-        let of_tones = |word: fn(&crate::kinds::switched_run::lower::fixed::FixedTone) -> u32| {
-            fixed.tones.iter().map(word).collect()
-        };
-        let of_times = |word: fn(&crate::kinds::switched_run::lower::fixed::FixedTime) -> u32| -> Vec<u32> {
+        let of_tones = |word: fn(&FixedTone) -> u32| -> Vec<u32> { fixed.tones.iter().map(word).collect() };
+        let of_times = |word: fn(&FixedTime) -> u32| -> Vec<u32> {
             times.iter().map(|&time| word(&fixed.times[time])).collect()
         };
         let of_warm_up =
             |words: fn(&WarmUp) -> Vec<u32>| -> Vec<u32> { fixed.warm_up.iter().flat_map(words).collect() };
-        let mask = |yes: bool| if yes { u32::MAX } else { 0 };
-        let [amplitude, phase_step]: [Vec<u32>; 2] =
-            [of_tones(|tone| tone.amplitude), of_tones(|tone| tone.step)];
-        let switch_spread: Vec<u32> = fixed.tones.iter().map(|tone| mask(tone.each)).collect();
-        let run_spread: Vec<u32> = fixed.tones.iter().map(|tone| mask(!tone.each)).collect();
         let bin_base: Vec<u32> = places.iter().map(|&place| self.estimates[place].bin_base).collect();
         let (relock_weight, bits) =
             fixed.relock.as_ref().map(|relock| relock.weights(fixed.lsb_arcsec)).unwrap_or_default();
-        let relock_bits = only(fixed.relock.is_some(), vec![bits]);
         let words = Parameters {
             key: &self.key,
             intervals: &[fixed.ends.len() as u32],
@@ -53,12 +45,12 @@ impl FilledRun {
             heated: &of_warm_up(|warm_up| warm_up.heated().map(|word| word as u32).to_vec()),
             relock: fixed.relock.as_ref().map_or(&[], |relock| &relock.words),
             relock_weight: &relock_weight,
-            relock_bits: &relock_bits,
+            relock_bits: &only(fixed.relock.is_some(), vec![bits]),
             constant: &long_words(fixed.constant),
-            amplitude: &amplitude,
-            phase_step: &phase_step,
-            switch_spread: &switch_spread,
-            run_spread: &run_spread,
+            amplitude: &of_tones(|tone| tone.amplitude),
+            phase_step: &of_tones(|tone| tone.step),
+            switch_spread: &of_tones(|tone| mask(tone.each)),
+            run_spread: &of_tones(|tone| mask(!tone.each)),
             time_interval: &of_times(|time| time.row.switches as u32),
             time_walk: &only(shape.walk, of_times(|time| time.walk)),
             time_bridge: &only(shape.walk, of_times(|time| time.bridge)),
@@ -75,6 +67,10 @@ impl FilledRun {
         let launch = self.launch(&[0, 1]);
         (launch, shape(&self.fixed, true, 0))
     }
+}
+
+fn mask(is_set: bool) -> u32 {
+    if is_set { u32::MAX } else { 0 }
 }
 
 fn shape(fixed: &Fixed, ends: bool, times: usize) -> Shape {
@@ -95,14 +91,7 @@ fn shape(fixed: &Fixed, ends: bool, times: usize) -> Shape {
 }
 
 fn table_row(row: &FixedRow, shape: Shape) -> Vec<u32> {
-    let words = [
-        (true, row.angle),
-        (shape.mode, row.magnetic),
-        (shape.magnetic, row.deviations[0]),
-        (shape.initial, row.deviations[1]),
-        (shape.non_magnetic, row.deviations[2]),
-        (shape.warm_up, row.heating[0]),
-        (shape.warm_up, row.heating[1]),
-    ];
-    words.into_iter().filter(|(has, _)| *has).map(|(_, word)| word as u32).collect()
+    let Shape { mode, magnetic, initial, non_magnetic, warm_up, .. } = shape;
+    let has = [true, mode, magnetic, initial, non_magnetic, warm_up, warm_up];
+    has.into_iter().zip(row.words()).filter(|(has, _)| *has).map(|(_, word)| word).collect()
 }

@@ -18,8 +18,9 @@ use crate::kernel::moments::level;
 use crate::kernel::switched_run;
 use crate::key::common::Streams;
 use crate::key::refusal::Refusal;
-use crate::kinds::gap_fill::lower::residual::Residual;
+use crate::kinds::gap_fill::lower::residual::{Residual, ResidualTone};
 use crate::kinds::gap_fill::lower::{Lowered, definition, words_of};
+use crate::kinds::plan::identity;
 use crate::kinds::switched_run::lower::drift::Drift;
 use crate::kinds::switched_run::lower::fixed::Fixed;
 use crate::kinds::switched_run::lower::relocking::FixedRelocking;
@@ -66,11 +67,15 @@ pub struct RunEstimate {
 }
 
 impl FilledRun {
+    /// Mean and standard deviation of the effect of the relock of a switch, ″.
+    fn relocked(&self) -> [f64; 2] {
+        let relock = self.fixed.relock.as_ref();
+        relock.map_or([0.0; 2], |relock| [relock.mean, libm::hypot(relock.deviation, relock.alike)])
+    }
+
     /// Root mean square over switches of everything that a switch adds, ″.
     pub fn residual_rms(&self) -> f64 {
-        let relock = self.fixed.relock.as_ref();
-        let [mean, deviation] =
-            relock.map_or([0.0; 2], |relock| [relock.mean, libm::hypot(relock.deviation, relock.alike)]);
+        let [mean, deviation] = self.relocked();
         let about_zero = self.residual.rms();
         libm::sqrt(
             about_zero * about_zero
@@ -82,9 +87,7 @@ impl FilledRun {
 
     /// Approximate largest effect of a switch, ″: sines at their peaks plus three standard deviations of the rest.
     pub fn residual_max(&self) -> f64 {
-        let relock = self.fixed.relock.as_ref();
-        let [mean, deviation] =
-            relock.map_or([0.0; 2], |relock| [relock.mean, libm::hypot(relock.deviation, relock.alike)]);
+        let [mean, deviation] = self.relocked();
         let amplitudes: f64 = self.residual.tones.iter().map(|tone| tone.amplitude_arcsec).sum();
         let normal = libm::sqrt(self.residual.variance_arcsec2 + deviation * deviation);
         amplitudes + (self.residual.constant_arcsec + mean).abs() + SIGMAS * normal
@@ -110,12 +113,9 @@ impl LoweredRun {
         seed: u64,
         streams: Streams,
     ) -> Result<LoweredRun, Refusal> {
-        let residuals = residuals(point, study, seed, streams)?;
-        let id = id(point, study, residuals.id, seed, streams);
-        let key = match streams {
-            Streams::Independent => id.key(),
-            Streams::Common => Id::of(&format!("streams\nkind=switched-run\nseed={seed}\n")).key(),
-        };
+        let (switch, residuals) = residuals(point, study, seed, streams)?;
+        let text = canonical(point, study, &switch);
+        let (id, key) = identity("switched-run", seed, streams, &text);
         let drift = Drift::of(point, study);
         let relocking = FixedRelocking::of(point)?;
         let filled = |(definition, residual): (String, Residual)| {
@@ -142,29 +142,24 @@ impl LoweredRun {
             let trajectory = of("trajectory".to_owned(), words_of(fixed.lsb_arcsec).to_vec());
             FilledRun { key, estimates, trajectory, fixed, residual }
         };
-        Ok(LoweredRun { id, fillers: residuals.of_fillers.into_iter().map(filled).collect() })
+        Ok(LoweredRun { id, fillers: residuals.into_iter().map(filled).collect() })
     }
 }
 
-/// The residual of each filler by its definition, and the identity of the switch.
-struct Residuals {
-    id: String,
-    of_fillers: Vec<(String, Residual)>,
-}
-
+/// The identity of the switch, and the residual of each filler with its definition.
 fn residuals(
     point: &RunPoint,
     study: &SwitchedRun,
     seed: u64,
     streams: Streams,
-) -> Result<Residuals, Refusal> {
+) -> Result<(String, Vec<(String, Residual)>), Refusal> {
     let Some(fill) = &point.fill else {
         let amplitude_arcsec = point.drift.residual_max;
-        let tone = crate::kinds::gap_fill::lower::residual::ResidualTone { amplitude_arcsec, tone: 0 };
+        let tone = ResidualTone { amplitude_arcsec, tone: 0 };
         let tones = if amplitude_arcsec > 0.0 { vec![tone] } else { vec![] };
         let residual = Residual { tones, ..Residual::default() };
         let id = format!("residual_max={amplitude_arcsec:.11e}");
-        return Ok(Residuals { id, of_fillers: vec![("none".to_owned(), residual)] });
+        return Ok((id, vec![("none".to_owned(), residual)]));
     };
     let lowered = Lowered::new(fill, study.fillers(), &[Error::Residual], seed, streams)?;
     // Delivered with the ticks, in addition to its effect on the filler.
@@ -174,23 +169,20 @@ fn residuals(
         residual.constant_arcsec += relock;
         (format!("{} ticks={:?}", definition(filler), fill.fills[place].fit_ticks), residual)
     };
-    let of_fillers = study.fillers().iter().enumerate().map(of_filler).collect();
-    Ok(Residuals { id: lowered.id.to_string(), of_fillers })
+    Ok((lowered.id.to_string(), study.fillers().iter().enumerate().map(of_filler).collect()))
 }
 
-/// The identity of everything that determines the draws and the angles to which they are added.
-fn id(point: &RunPoint, study: &SwitchedRun, switch: String, seed: u64, streams: Streams) -> Id {
+/// The inputs that determine the draws and the angles to which they are added.
+fn canonical(point: &RunPoint, study: &SwitchedRun, switch: &str) -> String {
     let Schedule { interval_s, duration_s } = point.schedule;
-    Id::of(&format!(
-        "point\nkind=switched-run\nseed={seed}\nstreams={}\ninterval_s={interval_s:.11e}\nduration_s={duration_s:.11e}\n\
-         first_mode={:?}\ntiming={:?}\nswitch={switch}\n{}{}",
-        streams.name(),
+    let relock = point.relock.as_ref().map_or_else(String::new, |relocking| {
+        let (compensation, ticks) = (relocking.compensation.name(), relocking.relock.ticks);
+        format!("compensation={compensation}\nrelock_ticks={ticks}\n{}", relocking.relock.identity())
+    });
+    format!(
+        "interval_s={interval_s:.11e}\nduration_s={duration_s:.11e}\nfirst_mode={:?}\ntiming={:?}\nswitch={switch}\n{}{relock}",
         study.first_mode,
         study.timing,
         point.drift.canonical(),
-        point.relock.as_ref().map_or_else(String::new, |relocking| {
-            let (compensation, ticks) = (relocking.compensation.name(), relocking.relock.ticks);
-            format!("compensation={compensation}\nrelock_ticks={ticks}\n{}", relocking.relock.identity())
-        }),
-    ))
+    )
 }

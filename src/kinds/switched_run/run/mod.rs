@@ -1,47 +1,60 @@
 //! Running a study of whole runs: missing trials are sampled, and the first runs are kept as trajectories.
 
-pub(crate) mod rows;
 pub(crate) mod trajectories;
 
+use crate::kernel::moments::MAX_ESTIMATES;
+use crate::kinds::plan::{Lacking, Planned, Results, Sampled};
 use crate::kinds::switched_run::SwitchedRun;
+use crate::kinds::switched_run::columns::{Row, columns};
 use crate::kinds::switched_run::lower::{FilledRun, LoweredRun};
 use crate::kinds::switched_run::point::Point as RunPoint;
+use crate::kinds::table::table;
+use crate::sampling::batches::{Work, estimates};
+use crate::sampling::found::Found;
 use crate::sampling::plan::RunError;
 use crate::sampling::tables::Tables;
-use crate::sampling::trials::{Addressed, Trials};
-use crate::source::diagnose::StudyError;
-use crate::store::Store;
 use crate::store::error::StoreError;
-use crate::study::Study;
+use crate::store::{Address, Store};
 use crate::tally::id::Id;
 use crate::tally::share::Share;
 
-/// A study whose points are all proven to fit.
-#[derive(Debug)]
-pub(crate) struct Plan<'a> {
-    study: &'a Study,
-    runs: &'a SwitchedRun,
-    points: Vec<LoweredRun>,
-}
+/// The plan of a study of whole runs.
+pub(crate) type Plan<'a> = Planned<'a, SwitchedRun, LoweredRun>;
 
-impl<'a> Plan<'a> {
-    /// Lowers every point.
-    pub(crate) fn new(study: &'a Study, runs: &'a SwitchedRun) -> Result<Plan<'a>, StudyError> {
-        let lower = |point: &RunPoint| {
-            LoweredRun::new(point, runs, study.seed, study.streams)
-                .map_err(|refusal| study.refused(&point.swept, &refusal))
-        };
-        let points = runs.points.iter().map(lower).collect::<Result<_, _>>()?;
-        Ok(Plan { study, runs, points })
+impl Sampled for LoweredRun {
+    fn id(&self) -> Id {
+        self.id
     }
 
+    fn addresses(&self) -> Vec<Address> {
+        let estimates = self.fillers.iter().flat_map(|filled| &filled.estimates);
+        estimates.map(|estimate| estimate.address).collect()
+    }
+
+    fn launches(&self) -> usize {
+        self.fillers.iter().map(|filled| filled.estimates.len().div_ceil(MAX_ESTIMATES)).sum()
+    }
+
+    fn work(&self, lacking: Lacking) -> Result<Vec<Work>, StoreError> {
+        let mut all = Vec::new();
+        for filled in &self.fillers {
+            for (launch, places) in filled.launches() {
+                let addresses: Vec<_> = places.iter().map(|&place| filled.estimates[place].address).collect();
+                all.push(Work { blocks: lacking(&addresses, launch.steps())?, launch, addresses });
+            }
+        }
+        Ok(all)
+    }
+}
+
+impl Plan<'_> {
     /// A note that some runs of a sweep over the interval end with an interval that no other cancels.
     fn uneven(&self) -> Option<String> {
         let is_even = |point: &&RunPoint| {
             let pairs = 0.5 * point.schedule.duration_s / point.schedule.interval_s;
             (pairs - libm::round(pairs)).abs() <= 1e-9 * pairs
         };
-        let points = &self.runs.points;
+        let points = &self.asked.points;
         let uneven = points.len() - points.iter().filter(is_even).count();
         let swept = self.study.sweeps.iter().any(|sweep| sweep.key.name == "switching.interval");
         (swept && uneven > 0).then(|| {
@@ -52,26 +65,38 @@ impl<'a> Plan<'a> {
             )
         })
     }
+
+    /// The runs of every point and filler, with the name of the filler, in the order of the tables.
+    fn filled(&self) -> impl Iterator<Item = (&RunPoint, Option<&str>, &FilledRun)> {
+        let points = self.asked.points.iter().zip(&self.points);
+        points.flat_map(|(point, lowered)| {
+            let names = self.asked.fillers().iter().map(|filler| Some(filler.name.as_str()));
+            let fillers = names.chain(std::iter::repeat(None)).zip(&lowered.fillers);
+            fillers.map(move |(filler, filled)| (point, filler, filled))
+        })
+    }
 }
 
-impl Trials for Plan<'_> {
-    fn trials(&self) -> u64 {
-        self.study.trials
+impl Results for Plan<'_> {
+    fn tables(&self, store: Option<&Store>) -> Result<Tables, RunError> {
+        let mut rows = Vec::new();
+        for (point, filler, filled) in self.filled() {
+            let row = |estimate| Row { point, filler, filled, estimate, found: Found::default() };
+            rows.extend(filled.estimates.iter().map(row));
+        }
+        let found = estimates(store, &rows, |Row { estimate, .. }| {
+            (estimate.address, estimate.bin_base, estimate.unit_arcsec)
+        })?;
+        rows.iter_mut().zip(found).for_each(|(row, found)| row.found = found);
+        let columns = columns(!self.asked.fillers().is_empty());
+        let points = table(&self.study.sweeps, &columns, &rows, |row| &row.point.swept);
+        let keeps = self.asked.trajectories > 0;
+        let trajectories = keeps.then(|| trajectories::table(self, store)).transpose()?;
+        Ok(Tables { trajectories, ..Tables::of_points(points) })
     }
 
-    fn ids(&self) -> Vec<Id> {
-        self.points.iter().map(|point| point.id).collect()
-    }
-
-    fn launches(&self, point: usize) -> Vec<Addressed> {
-        let addressed = |filled: &FilledRun, places: Vec<usize>| -> Vec<_> {
-            places.into_iter().map(|place| filled.estimates[place].address).collect()
-        };
-        let of = |filled: &FilledRun| -> Vec<Addressed> {
-            let launches = filled.launches().into_iter();
-            launches.map(|(launch, places)| (launch, addressed(filled, places))).collect()
-        };
-        self.points[point].fillers.iter().flat_map(of).collect()
+    fn notes(&self, _: &Store) -> Result<Vec<String>, StoreError> {
+        Ok(late(self.asked).into_iter().chain(trajectories::thinned(self)).chain(self.uneven()).collect())
     }
 
     fn keep(&self, store: &mut Store, share: Share) -> Result<(), RunError> {
@@ -83,20 +108,6 @@ impl Trials for Plan<'_> {
 
     fn lacks_kept(&self, store: &Store, share: Share) -> Result<u64, StoreError> {
         if makes_trajectories(share) { trajectories::lacks(self, store) } else { Ok(0) }
-    }
-
-    fn notes(&self) -> Vec<String> {
-        late(self.runs).into_iter().chain(trajectories::thinned(self)).chain(self.uneven()).collect()
-    }
-
-    fn tables(&self, store: Option<&Store>) -> Result<Tables, RunError> {
-        let keeps = self.runs.trajectories > 0;
-        let kept = |store| match store {
-            Some(store) => trajectories::table(self, store),
-            None => Ok(trajectories::blank(self)),
-        };
-        let trajectories = keeps.then(|| kept(store)).transpose()?;
-        Ok(Tables { trajectories, ..Tables::of_points(self.table(store)?) })
     }
 }
 

@@ -6,7 +6,6 @@ use crate::kernel::rows::Rows;
 use crate::kernel::switched_run::trajectory;
 use crate::kinds;
 use crate::kinds::switched_run::columns::{Moment, trajectory_columns};
-use crate::kinds::switched_run::lower::FilledRun;
 use crate::kinds::switched_run::point::Point as RunPoint;
 use crate::kinds::switched_run::run::Plan;
 use crate::store::error::StoreError;
@@ -22,9 +21,9 @@ const OFFSET: i64 = 1 << 31;
 
 /// Number of trajectories that the store lacks.
 pub(crate) fn lacks(plan: &Plan, store: &Store) -> Result<u64, StoreError> {
-    let wanted = plan.runs.trajectories.min(plan.study.trials);
+    let wanted = plan.asked.trajectories.min(plan.study.trials);
     let (index, mut lacking) = (store.index()?, 0);
-    for (_, filled) in filled(plan) {
+    for (.., filled) in plan.filled() {
         let gaps = missing(index.blocks(&filled.trajectory)?, 0..wanted);
         lacking += gaps.iter().map(|gap| gap.end - gap.start).sum::<u64>();
     }
@@ -33,9 +32,9 @@ pub(crate) fn lacks(plan: &Plan, store: &Store) -> Result<u64, StoreError> {
 
 /// Makes the trajectories that the store lacks.
 pub(crate) fn keep(plan: &Plan, store: &mut Store) -> Result<(), StoreError> {
-    let wanted = plan.runs.trajectories.min(plan.study.trials);
+    let wanted = plan.asked.trajectories.min(plan.study.trials);
     let index = store.index()?;
-    for (point, filled) in filled(plan) {
+    for (point, _, filled) in plan.filled() {
         let held = index.blocks(&filled.trajectory)?;
         let (launch, shape) = filled.trajectories();
         let mut rows = Vec::new();
@@ -54,28 +53,23 @@ pub(crate) fn keep(plan: &Plan, store: &mut Store) -> Result<(), StoreError> {
     Ok(())
 }
 
-/// The table before anything is computed, with a row for each point, filler and run.
-pub(crate) fn blank(plan: &Plan) -> Table {
+/// The table of the requested trajectories in the store; without a store, a row for each point, filler and run.
+pub(crate) fn table(plan: &Plan, store: Option<&Store>) -> Result<Table, StoreError> {
     let mut moments = Vec::new();
-    for (at, (point, _)) in filled(plan).enumerate() {
-        let filler = filler(plan, at);
-        let runs = 1..=plan.runs.trajectories;
-        moments.extend(runs.map(|run| Moment { point, filler, run, time_s: 0.0, angle: None }));
-    }
-    table_of(plan, &moments)
-}
-
-/// The table of the requested trajectories in the store.
-pub(crate) fn table(plan: &Plan, store: &Store) -> Result<Table, StoreError> {
-    let mut moments = Vec::new();
-    for (at, (point, filled)) in filled(plan).enumerate() {
-        let (filler, shown) = (filler(plan, at), shown(point));
+    for (point, filler, filled) in plan.filled() {
+        let runs = 1..=plan.asked.trajectories;
+        let start = |run, angle| Moment { point, filler, run, time_s: 0.0, angle };
+        let Some(store) = store else {
+            moments.extend(runs.map(|run| start(run, None)));
+            continue;
+        };
+        let shown = shown(point);
         let width = places(&shown).count();
         let held = store.rows(&filled.trajectory, width)?;
         let rows = held.iter().flat_map(|rows| rows.values.chunks_exact(width));
-        for (run, values) in (1..=plan.runs.trajectories).zip(rows) {
+        for (run, values) in runs.zip(rows) {
             let lsb = filled.estimates[0].unit_arcsec;
-            moments.push(Moment { point, filler, run, time_s: 0.0, angle: Some(0.0) });
+            moments.push(start(run, Some(0.0)));
             moments.extend(places(&shown).zip(values).map(|(place, value)| {
                 let interval = (place / 2 + 1) as f64 * point.schedule.interval_s;
                 let angle = (*value as i64 - OFFSET) as f64 * lsb;
@@ -84,18 +78,14 @@ pub(crate) fn table(plan: &Plan, store: &Store) -> Result<Table, StoreError> {
             }));
         }
     }
-    Ok(table_of(plan, &moments))
-}
-
-fn table_of(plan: &Plan, moments: &[Moment]) -> Table {
-    let columns = trajectory_columns(!plan.runs.fillers().is_empty());
-    kinds::table::table(&plan.study.sweeps, &columns, moments, |moment| &moment.point.swept)
+    let columns = trajectory_columns(!plan.asked.fillers().is_empty());
+    Ok(kinds::table::table(&plan.study.sweeps, &columns, &moments, |moment| &moment.point.swept))
 }
 
 /// A note that not every switch is in the table.
 pub(crate) fn thinned(plan: &Plan) -> Option<String> {
-    let most = plan.runs.points.iter().map(RunPoint::switches).max()?;
-    (plan.runs.trajectories > 0 && most > MOST_SHOWN).then(|| {
+    let most = plan.asked.points.iter().map(RunPoint::switches).max()?;
+    (plan.asked.trajectories > 0 && most > MOST_SHOWN).then(|| {
         format!(
             "trajectories of runs with more than {MOST_SHOWN} switches show only some of them, evenly spaced"
         )
@@ -117,15 +107,4 @@ fn places(shown: &[u64]) -> impl Iterator<Item = usize> {
         let first = 2 * k as usize;
         first..if k == last { first + 1 } else { first + 2 }
     })
-}
-
-fn filled<'a>(plan: &'a Plan) -> impl Iterator<Item = (&'a RunPoint, &'a FilledRun)> {
-    let points = plan.runs.points.iter().zip(&plan.points);
-    points.flat_map(|(point, lowered)| lowered.fillers.iter().map(move |filled| (point, filled)))
-}
-
-/// The name of the filler at an index of [`filled`].
-fn filler<'a>(plan: &'a Plan, at: usize) -> Option<&'a str> {
-    let fillers = plan.runs.fillers();
-    (!fillers.is_empty()).then(|| fillers[at % fillers.len()].name.as_str())
 }
