@@ -3,13 +3,12 @@
 use crate::allan::deviation::Deviation;
 use crate::fit::coefficient::Coefficient;
 use crate::fit::quantity::Quantity;
-use crate::key::scale::Scale;
 use crate::quantity::number::significant;
 use crate::theory::allan::estimator::{Difference, Estimator, Stride};
 use crate::theory::allan::holds;
 use crate::theory::allan::process::Process;
 use crate::theory::allan::terms::{Shape, Term};
-use crate::view::chart::figure::{Axis, Entry, Figure, Grouping, Part, Parts, Series, SeriesPoint};
+use crate::view::chart::figure::{Axis, Figure, Grouping, Part, Parts, Series, SeriesPoint};
 
 use crate::analysis::log::notes::heading;
 use crate::analysis::log::{Analysis, Column, Curve};
@@ -32,25 +31,15 @@ fn figure(analysis: &Analysis, wanted: &dyn Fn(Deviation) -> bool) -> Option<Fig
     let deviations: Vec<Deviation> =
         first.curves.iter().map(|curve| curve.deviation).filter(|deviation| wanted(*deviation)).collect();
     let [deviation, others @ ..] = &deviations[..] else { return None };
-    let several_deviations =
-        deviations.iter().map(|deviation| deviation.name()).collect::<Vec<_>>().join(", ");
-    let title = if others.is_empty() {
-        capitalised(deviation.title())
-    } else {
-        format!("Deviations {several_deviations}")
-    };
-    let entries = |names: Vec<String>| {
-        names.into_iter().enumerate().map(|(style, name)| Entry { style, name }).collect()
+    let names: Vec<String> = deviations.iter().map(|deviation| deviation.name().to_owned()).collect();
+    let title = match others {
+        [] => capitalised(deviation.title()),
+        _ => format!("Deviations {}", names.join(", ")),
     };
     let several = analysis.columns.len() > 1;
-    let columns = Grouping {
-        title: if several { "columns".to_owned() } else { "column".to_owned() },
-        entries: entries(analysis.columns.iter().map(|column| column.name.clone()).collect()),
-    };
-    let names = Grouping {
-        title: "deviations".to_owned(),
-        entries: entries(deviations.iter().map(|deviation| deviation.name().to_owned()).collect()),
-    };
+    let columns = analysis.columns.iter().map(|column| column.name.clone());
+    let columns = Grouping::of(if several { "columns" } else { "column" }, columns);
+    let names = Grouping::of("deviations", names);
     // With one column, colours distinguish the deviations instead of the columns.
     let (colours, dashes) = match (others.is_empty(), several) {
         (true, _) => (columns, Grouping::default()),
@@ -71,18 +60,16 @@ fn figure(analysis: &Analysis, wanted: &dyn Fn(Deviation) -> bool) -> Option<Fig
     Some(Figure {
         title,
         subtitle: Some(format!("{}; {}", heading(analysis), analysis.treatment.summary())),
-        x: axis("averaging time τ", "s"),
-        y: axis("deviation σ(τ)", first.unit.symbol(*deviation)),
+        x: Axis::log("averaging time τ", "s"),
+        y: Axis::log("deviation σ(τ)", first.unit.symbol(*deviation)),
         colours,
         dashes,
         points: if is_fitted { "measured".to_owned() } else { String::new() },
         bands: format!("{} intervals", analysis.percent()),
         lines: "fit".to_owned(),
         series,
-        laws: vec![],
         parts: if several { Parts::default() } else { parts(analysis, first, &deviations) },
-        limit: None,
-        chosen: vec![],
+        ..Figure::default()
     })
 }
 
@@ -170,10 +157,6 @@ fn label(coefficient: &Coefficient, value: f64, (factor, _, unit): (f64, &str, &
         None => format!("{} = {value}", coefficient.term.symbol()),
     };
     text.trim_end().replace(' ', "\u{a0}").replace(",\u{a0}", ", ").replace(":\u{a0}", ": ")
-}
-
-fn axis(label: &str, unit: &str) -> Axis {
-    Axis { label: label.to_owned(), unit: unit.to_owned(), scale: Scale::Log, whole: false, names: vec![] }
 }
 
 fn capitalised(text: &str) -> String {
