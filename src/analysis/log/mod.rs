@@ -21,7 +21,7 @@ use crate::allan::deviation::Deviation;
 use crate::allan::tau::{TauError, Taus};
 use crate::allan::trend::{Line, Trend};
 use crate::allan::unit::Unit;
-use crate::analysis::data_sheet::{DataSheet, Row, Simulated};
+use crate::analysis::data_sheet::{DataSheet, Intervals, Row};
 use crate::fit::choose::Terms;
 use crate::progress::Progress;
 use crate::quantity::number::significant;
@@ -248,7 +248,7 @@ fn column(
     let curves = curves.collect::<Result<_, TauError>>()?;
     let unit = if channel.unit.is_angular { Unit::Angular } else { Unit::Plain };
     let count = angles.len().saturating_sub(1);
-    let simulated = Simulated::of(asked.simulated, count);
+    let simulated = Intervals::simulated(asked.simulated, count);
     let records = simulated.records;
     if asked.terms.is_some() && count.saturating_mul(records) > LONG {
         progress.note(&format!(

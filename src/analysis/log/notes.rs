@@ -1,7 +1,6 @@
 //! Notes attached to the results of an analysis.
 
 use crate::allan::unit::Unit;
-use crate::analysis::data_sheet::Intervals;
 use crate::analysis::log::{Analysis, Column};
 use crate::quantity::number::significant;
 use crate::record::log::measure::Data;
@@ -24,7 +23,7 @@ pub fn notes(analysis: &Analysis) -> Vec<String> {
         if column.unit == Unit::Plain && column.noise().is_some() {
             notes.push(format!("{}: no noise.toml: plain numbers are not the noise of a gyro", column.name));
         }
-        if let Some(Intervals::ClosedForm { why: Some(why) }) = column.noise().map(|noise| &noise.intervals) {
+        if let Some(why) = column.noise().and_then(|noise| noise.intervals.without.as_ref()) {
             notes.push(format!("{}: intervals of coefficients are in closed form: {why}", column.name));
         }
         if let Some(noise) = column.noise()

@@ -199,7 +199,7 @@ fn of_column(analysis: &Analysis, column: &log::Column) -> Value {
         "coefficients_missing": column.noise.as_ref().err(),
         "coefficient_intervals": column.noise().map(|noise| json!({
             "from": noise.intervals.name(),
-            "simulated_records": noise.intervals.records(),
+            "simulated_records": noise.intervals.records,
         })),
         "curves": curves,
     })
