@@ -212,7 +212,7 @@ impl Failure {
     fn code(&self) -> u8 {
         match self {
             Failure::Gpu(_) | Failure::Interrupted(_) | Failure::Picture(_) | Failure::Signals(_) => 1,
-            Failure::Usage(_) | Failure::Store(StoreError::NoResults { .. }) => 2,
+            Failure::Usage(_) | Failure::Store(StoreError::NoResults(_)) => 2,
             Failure::Study(_)
             | Failure::Log(_)
             | Failure::Record(_)
