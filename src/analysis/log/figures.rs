@@ -84,7 +84,14 @@ fn series(analysis: &Analysis, column: &Column, curve: &Curve, (colour, dash): (
 
 /// The expected deviation of a process over the times of a curve; empty where there is no closed form.
 pub fn line(process: &Process, curve: &Curve, samples: usize) -> Vec<(f64, f64)> {
-    let Some(estimator) = estimator(curve.deviation) else { return vec![] };
+    let deviation = curve.deviation;
+    if deviation.is_modified() {
+        return vec![];
+    }
+    let estimator = Estimator {
+        difference: if deviation.differences() == 2 { Difference::Second } else { Difference::Third },
+        stride: if deviation.overlaps() { Stride::Sample } else { Stride::Cluster },
+    };
     let shown: Vec<f64> =
         curve.points.iter().filter(|point| point.value.is_some()).map(|point| point.m as f64).collect();
     let [Some(&first), Some(&last)] = [shown.first(), shown.last()] else { return vec![] };
@@ -99,18 +106,6 @@ pub fn line(process: &Process, curve: &Curve, samples: usize) -> Vec<(f64, f64)>
         Some((process.sample_s * m as f64, libm::sqrt(variance)))
     };
     ms.into_iter().filter_map(at).collect()
-}
-
-/// The estimator that has the expected square of a deviation in closed form.
-fn estimator(deviation: Deviation) -> Option<Estimator> {
-    let (difference, stride) = match deviation {
-        Deviation::Adev => (Difference::Second, Stride::Cluster),
-        Deviation::Oadev => (Difference::Second, Stride::Sample),
-        Deviation::Hdev => (Difference::Third, Stride::Cluster),
-        Deviation::Ohdev => (Difference::Third, Stride::Sample),
-        Deviation::Mdev | Deviation::Tdev => return None,
-    };
-    Some(Estimator { difference, stride })
 }
 
 /// The identified terms of the single column, where its Allan deviation is among those of a figure.

@@ -1,33 +1,23 @@
 //! The quantity measured by a log, and its unit.
 
+use crate::key::holds::words;
 use crate::quantity::units::{Dimension, parse as parse_quantity, parse_unit};
 
-/// The quantity of the numbers of a log.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Data {
-    /// The mean angular rate over a sample.
-    Rate,
-    /// The angle turned during a sample.
-    Increment,
-    /// The angle since some start; also for phase records.
-    Angle,
+words! {
+    /// The quantity of the numbers of a log.
+    pub enum Data {
+        /// The mean angular rate over a sample.
+        Rate = "rate",
+        /// The angle turned during a sample.
+        Increment = "increment",
+        /// The angle since some start; also for phase records.
+        Angle = "angle",
+    }
 }
 
 impl Data {
     fn dimension(self) -> Dimension {
-        match self {
-            Data::Rate => Dimension::Rate,
-            Data::Increment | Data::Angle => Dimension::Angle,
-        }
-    }
-
-    /// Name as in the option.
-    pub fn name(self) -> &'static str {
-        match self {
-            Data::Rate => "rate",
-            Data::Increment => "increment",
-            Data::Angle => "angle",
-        }
+        if self == Data::Rate { Dimension::Rate } else { Dimension::Angle }
     }
 }
 
