@@ -165,7 +165,7 @@ impl From<TauError> for Failure {
 impl From<KalibrError> for Failure {
     fn from(error: KalibrError) -> Failure {
         match error {
-            KalibrError::Plain { .. } => Failure::Usage(in_options(&error)),
+            KalibrError::Plain(_) => Failure::Usage(in_options(&error)),
             KalibrError::NoCoefficients { .. } => Failure::Record(error.to_string()),
         }
     }
