@@ -223,6 +223,11 @@ impl Analysis {
         self.samples as f64 * self.step_s
     }
 
+    /// Times of samples from the start of the file, s.
+    pub(crate) fn times<'a>(&'a self, samples: &'a [usize]) -> impl Iterator<Item = f64> + 'a {
+        samples.iter().map(|&sample| self.treatment.skip_s + sample as f64 * self.step_s)
+    }
+
     /// The confidence as a percentage, such as `95 %`.
     pub fn percent(&self) -> String {
         format!("{} %", significant(100.0 * self.confidence, 6))

@@ -181,12 +181,7 @@ fn of_column(analysis: &Analysis, column: &log::Column) -> Value {
     /// Most outliers in a document, which suffice to find them.
     const MOST: usize = 100;
     let outliers = &column.outliers;
-    let times: Vec<f64> = outliers
-        .samples
-        .iter()
-        .take(MOST)
-        .map(|&sample| analysis.treatment.skip_s + sample as f64 * analysis.step_s)
-        .collect();
+    let times: Vec<f64> = analysis.times(&outliers.samples).take(MOST).collect();
     let curves: Vec<Value> = column.curves.iter().map(|curve| of_curve(column, curve)).collect();
     json!({
         "column": column.name,
