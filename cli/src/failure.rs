@@ -156,7 +156,7 @@ impl From<ChoiceError> for Failure {
 impl From<TauError> for Failure {
     fn from(error: TauError) -> Failure {
         match error {
-            TauError::NoTime { .. } => Failure::Usage(in_options(&error)),
+            TauError::NoTime(_) => Failure::Usage(in_options(&error)),
             _ => Failure::Record(in_options(&error)),
         }
     }

@@ -138,18 +138,18 @@ fn in_words(fault: Fault, unit: &Unit) -> String {
     let off = "if the unit is right, give unit_check=False";
     let rate = |mean: f64| format!("{} deg/h", significant(mean, 3));
     match fault {
-        Fault::TooFew { there } => format!(
+        Fault::TooFew(there) => format!(
             "the array has {there} samples, at least {LEAST_SAMPLES} are needed\nrecord longer, or remove less"
         ),
         Fault::Constant { there, value } => format!(
             "the array is constant: all {there} samples are {value}\nis it the right column, and was the sensor on? a \
              constant has no deviation to show"
         ),
-        Fault::DegreesAsRadians { mean } => format!(
+        Fault::DegreesAsRadians(mean) => format!(
             "the array looks like degrees taken for radians: its mean is {}\ngive the unit in deg; {off}",
             rate(mean)
         ),
-        Fault::NeverAtRest { mean } => format!(
+        Fault::NeverAtRest(mean) => format!(
             "the array has a mean rate of {}, which no gyro at rest has\nis {} its unit? is kind= right? {off}",
             rate(mean),
             unit.text

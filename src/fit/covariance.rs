@@ -76,7 +76,7 @@ impl Covariance {
     pub fn of_realisations(rows: &[Vec<f64>], model: &Covariance) -> Result<Covariance, FitError> {
         let points = model.rows.len();
         if rows.len() < 2 || rows.iter().any(|row| row.len() != points) {
-            return Err(FitError::Realisations { rows: rows.len() });
+            return Err(FitError::Realisations(rows.len()));
         }
         let count = rows.len() as f64;
         let mean: Vec<f64> =

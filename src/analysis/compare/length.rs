@@ -27,16 +27,10 @@ const STEPS: u32 = 32;
 /// comparisons, if the true values are the estimated ones.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Length {
-    /// The required length, to 2 %.
-    Needed {
-        /// Length of each record, s.
-        length_s: f64,
-    },
-    /// More than the longest tried length.
-    Beyond {
-        /// The longest tried length, s.
-        length_s: f64,
-    },
+    /// The required length of each record to 2 %, s.
+    Needed(f64),
+    /// More than the longest tried length, s.
+    Beyond(f64),
     /// The values found are equal, or one is unknown and the difference not significant.
     Unknown,
 }
@@ -55,13 +49,13 @@ pub(crate) fn needed(
 ) -> Vec<Length> {
     let mut search = Search { processes, steps, terms, fits: BTreeMap::new() };
     let mut open: Vec<usize> = (0..quantities.len()).collect();
-    let mut lengths = vec![Length::Beyond { length_s: search.length(LONGEST * STEPS) }; quantities.len()];
+    let mut lengths = vec![Length::Beyond(search.length(LONGEST * STEPS)); quantities.len()];
     for octave in SHORTEST..=LONGEST {
         let at = octave * STEPS;
         open.retain(|&i| {
             let is_reached = search.distance(at, quantities[i]).is_some_and(|found| found >= DISTANCE);
             if is_reached {
-                lengths[i] = Length::Needed { length_s: search.between(at, quantities[i]) };
+                lengths[i] = Length::Needed(search.between(at, quantities[i]));
             }
             !is_reached
         });

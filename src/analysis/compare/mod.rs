@@ -50,7 +50,7 @@ pub mod words;
 pub use crate::analysis::compare::difference::{Difference, LEAST_P, SIGNIFICANT};
 pub use crate::analysis::compare::length::Length;
 pub use crate::analysis::compare::ratio::{Common, NEAREST, Ratio};
-pub use crate::analysis::compare::same::{By, Same};
+pub use crate::analysis::compare::same::Same;
 
 use crate::allan::angles::Angles;
 use crate::allan::curve::{Point, curve};

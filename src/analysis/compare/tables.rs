@@ -4,7 +4,6 @@ use crate::allan::curve::Point;
 use crate::allan::deviation::Deviation;
 use crate::analysis::compare::length::Length;
 use crate::analysis::compare::ratio::Ratio;
-use crate::analysis::compare::same::By;
 use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use serde_json::{Value, json};
@@ -117,12 +116,12 @@ fn verdict(ratio: &Ratio) -> &'static str {
 }
 
 fn needed(length: Length) -> Option<f64> {
-    if let Length::Needed { length_s } = length { Some(length_s) } else { None }
+    if let Length::Needed(length_s) = length { Some(length_s) } else { None }
 }
 
 /// The length up to which none was found to suffice.
 fn beyond(length: Length) -> Option<f64> {
-    if let Length::Beyond { length_s } = length { Some(length_s) } else { None }
+    if let Length::Beyond(length_s) = length { Some(length_s) } else { None }
 }
 
 /// The complete comparison as JSON.
@@ -130,11 +129,8 @@ pub fn document(analysis: &Analysis) -> Value {
     let comparison = &analysis.comparison;
     let [a, b] = &analysis.sides;
     let same = comparison.same.map(|same| {
-        let (by, chi_squared) = match same.by {
-            By::ChiSquared { value } => ("chi_squared", Some(value)),
-            By::LeastP => ("least_p", None),
-        };
-        json!({ "p": same.p, "times": same.times, "longest_s": same.longest_s, "by": by, "chi_squared": chi_squared })
+        let by = if same.chi_squared.is_some() { "chi_squared" } else { "least_p" };
+        json!({ "p": same.p, "times": same.times, "longest_s": same.longest_s, "by": by, "chi_squared": same.chi_squared })
     });
     json!({
         "a": of_side(a, &comparison.curves[0]),

@@ -1,7 +1,6 @@
 //! A comparison as sentences.
 
 use crate::analysis::compare::length::Length;
-use crate::analysis::compare::same::By;
 use crate::quantity::number::significant;
 
 use crate::analysis::compare::logs::Analysis;
@@ -44,8 +43,8 @@ pub fn duration(seconds: f64) -> String {
 /// The required length of a row, such as `31 h` or `> 2.1 years`; empty where it is unknown.
 pub fn length(length: Length) -> String {
     match length {
-        Length::Needed { length_s } => duration(length_s),
-        Length::Beyond { length_s } => format!("> {}", duration(length_s)),
+        Length::Needed(length_s) => duration(length_s),
+        Length::Beyond(length_s) => format!("> {}", duration(length_s)),
         Length::Unknown => String::new(),
     }
 }
@@ -54,11 +53,11 @@ pub fn length(length: Length) -> String {
 fn same(analysis: &Analysis) -> Option<String> {
     let same = analysis.comparison.same?;
     let times = format!("{} averaging times up to {} s", same.times, significant(same.longest_s, 6));
-    let how = match same.by {
-        By::ChiSquared { value } => {
+    let how = match same.chi_squared {
+        Some(value) => {
             format!("χ² = {} over {times}, with the covariance between them", significant(value, 4))
         }
-        By::LeastP => format!("the least p of {times}, times {}", same.times),
+        None => format!("the least p of {times}, times {}", same.times),
     };
     let said = if same.p < 0.05 { "The noise differs" } else { "No evidence that the noise differs" };
     Some(format!("{said}: {} for equal noise ({how}).", probability(same.p)))
@@ -104,14 +103,12 @@ fn of_row(row: &Row, a: &str, b: &str, shorter_s: f64) -> String {
 /// The required length of records for a significant difference.
 fn of_significant(length: Length, shorter_s: f64) -> String {
     match length {
-        Length::Needed { length_s } if length_s <= shorter_s => {
-            format!("; records of {} each would have been enough", duration(length_s))
+        Length::Needed(s) if s <= shorter_s => {
+            format!("; records of {} each would have been enough", duration(s))
         }
-        Length::Needed { length_s } => {
-            format!("; to show it in 9 of 10 cases takes records of {} each", duration(length_s))
-        }
-        Length::Beyond { length_s } => {
-            format!("; to show it in 9 of 10 cases takes records of more than {} each", duration(length_s))
+        Length::Needed(s) => format!("; to show it in 9 of 10 cases takes records of {} each", duration(s)),
+        Length::Beyond(s) => {
+            format!("; to show it in 9 of 10 cases takes records of more than {} each", duration(s))
         }
         Length::Unknown => String::new(),
     }
@@ -124,12 +121,8 @@ fn of_open(length: Length, ratio: f64) -> String {
         _ => format!("a factor of {}", significant(ratio.max(1.0 / ratio), 2)),
     };
     match length {
-        Length::Needed { length_s } => {
-            format!("; records of {} each would resolve {apart}", duration(length_s))
-        }
-        Length::Beyond { length_s } => {
-            format!("; to resolve {apart} takes records of more than {} each", duration(length_s))
-        }
+        Length::Needed(s) => format!("; records of {} each would resolve {apart}", duration(s)),
+        Length::Beyond(s) => format!("; to resolve {apart} takes records of more than {} each", duration(s)),
         Length::Unknown => String::new(),
     }
 }

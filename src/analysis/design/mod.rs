@@ -166,29 +166,20 @@ impl Design {
 /// Why a design is not possible.
 #[derive(Debug, thiserror::Error)]
 pub enum DesignError {
-    /// The study is of another kind.
-    #[error("a study of kind = \"{kind}\" has no switching interval to choose")]
-    Kind {
-        /// Kind of the study.
-        kind: &'static str,
-    },
-    /// A swept key makes the study describe more than one gyro.
-    #[error("{key} is swept: a design is for one gyro, and chooses the interval and the filler itself")]
-    Swept {
-        /// Swept key.
-        key: &'static str,
-    },
+    /// The study is of this other kind.
+    #[error("a study of kind = \"{0}\" has no switching interval to choose")]
+    Kind(&'static str),
+    /// This swept key makes the study describe more than one gyro.
+    #[error("{0} is swept: a design is for one gyro, and chooses the interval and the filler itself")]
+    Swept(&'static str),
     /// Nothing depends on the interval.
     #[error("there is no drift and no residual: every interval is as good as any other")]
     Nothing,
-    /// The run is too short for two intervals.
+    /// The run of this time t, in s, is too short for two intervals.
     #[error(
-        "no run of about {duration_s} s has an even number of the intervals that are tried, of which the shortest have to hold the fit ticks"
+        "no run of about {0} s has an even number of the intervals that are tried, of which the shortest have to hold the fit ticks"
     )]
-    NoCandidate {
-        /// Run time t, s.
-        duration_s: f64,
-    },
+    NoCandidate(f64),
     /// A run at one of the intervals does not fit into fixed point.
     #[error(transparent)]
     Lower(#[from] Refusal),
@@ -216,10 +207,10 @@ pub fn design(
     progress: &dyn Progress,
 ) -> Result<Design, DesignError> {
     let Some(runs) = study.asked::<SwitchedRun>() else {
-        return Err(DesignError::Kind { kind: study.kind().name });
+        return Err(DesignError::Kind(study.kind().name));
     };
     if let Some(sweep) = study.sweeps.iter().find(|sweep| sweep.key.name != INTERVAL.name) {
-        return Err(DesignError::Swept { key: sweep.key.name });
+        return Err(DesignError::Swept(sweep.key.name));
     }
     // Further times would cost runs and are not needed.
     let runs = SwitchedRun { times: vec![], ..runs.clone() };
