@@ -158,7 +158,7 @@ fn summary(found: &Design, table: &Table) -> String {
     ];
     for filler in &found.fillers {
         let best = filler.best();
-        let range = match report::range(filler) {
+        let range = match filler.optimum.interval {
             Some((lo, hi)) => format!("{} to {}", significant(lo, 4), significant(hi, 4)),
             None if filler.is_at_edge() => "at the end of the range".to_owned(),
             None => "too few candidates near it".to_owned(),

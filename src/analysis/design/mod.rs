@@ -47,11 +47,10 @@ pub mod report;
 pub(crate) mod sampling;
 
 pub use crate::analysis::design::measure::Measure;
-pub use crate::analysis::design::optimum::Optimum;
 pub use crate::analysis::design::paper::PapersRule;
 
 use crate::analysis::design::candidates::{Candidate, Maker, even};
-use crate::analysis::design::optimum::{T_95, jackknife};
+use crate::analysis::design::optimum::{T_95, jackknife, least_of};
 use crate::device::Device;
 use crate::device::error::GpuError;
 use crate::drift::schedule::INTERVAL;
@@ -65,7 +64,7 @@ use crate::quantity::number::significant;
 use crate::sampling::worker::Worker;
 use crate::study::Study;
 use crate::tally::stats::{Estimates, NORMAL_95};
-use crate::theory::drift::budget::Optimum as Minimum;
+use crate::theory::drift::budget::Optimum;
 
 /// A value with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,8 +103,9 @@ pub struct Filler {
     pub tried: Vec<Tried>,
     /// Index of the best interval.
     pub best: usize,
-    /// Optimum from a law fitted near the minimum.
-    pub optimum: Optimum,
+    /// Best interval, s, with the uncertainty from a law fitted near the minimum, which is absent where the minimum is
+    /// at an end of the tried range.
+    pub optimum: Found,
     /// The interval of the paper's rule, with its result.
     pub papers_rule: Option<PapersRule>,
 }
@@ -232,6 +232,7 @@ pub fn design(
         let parts = sampling::parts(candidate, trials, &mut worker, progress)?;
         of_parts(candidate, &parts, measure, trials)
     };
+    let point = &runs.points[0];
     let mut fillers = Vec::new();
     for (place, candidates) in chosen.iter().enumerate() {
         let mut tried = candidates
@@ -239,30 +240,27 @@ pub fn design(
             .map(|candidate| sampled(candidate, false))
             .collect::<Result<Vec<Tried>, _>>()?;
         let fitted = optimum::of(&tried);
-        if let Some(candidate) = maker.at(fitted.interval_s, place)?.filter(|_| !maker.swept) {
+        if let Some(candidate) = maker.at(fitted.value, place)?.filter(|_| !maker.swept) {
             insert(&mut tried, sampled(&candidate, true)?);
         }
-        let point = &runs.points[0];
-        let papers_rule = match paper::optimum(point, &candidates[0].filled) {
-            None => None,
-            Some((residual_max, Minimum { interval_s, bound })) => {
-                let candidate = maker.at(interval_s, place)?;
-                let tried = candidate.as_ref().map(|candidate| sampled(candidate, true)).transpose()?;
-                tried.map(|tried| PapersRule { residual_max, interval_s, bound, tried })
-            }
-        };
+        let filled = &candidates[0].filled;
+        let mut papers_rule = None;
+        if let Some(Optimum { interval_s, bound }) = paper::optimum(point, filled)
+            && let Some(candidate) = maker.at(interval_s, place)?
+        {
+            let tried = sampled(&candidate, true)?;
+            papers_rule = Some(PapersRule { interval_s, bound, tried });
+        }
         if let Some(rule) = papers_rule.as_ref().filter(|_| !maker.swept) {
             insert(&mut tried, rule.tried.clone());
         }
         let (best, optimum) = optimum::among(&tried, fitted);
         let name = runs.fillers().get(place).map(|filler| filler.name.clone());
-        let filled = &candidates[0].filled;
         let (residual_rms, residual_max) = (filled.residual_rms(), filled.residual_max());
         fillers.push(Filler { name, residual_rms, residual_max, tried, best, optimum, papers_rule });
     }
-    let of = |place: &usize| fillers[*place].best().drift.value;
-    let best = (0..fillers.len()).min_by(|a, b| of(a).total_cmp(&of(b))).unwrap_or(0);
-    let point = &runs.points[0];
+    let drifts: Vec<f64> = fillers.iter().map(|filler| filler.best().drift.value).collect();
+    let best = least_of(&drifts);
     Ok(Design {
         measure,
         trials,
@@ -278,11 +276,8 @@ pub fn design(
 fn notes(study: &Study, runs: &SwitchedRun) -> Vec<String> {
     let steady = runs.timing == Timing::Periodic
         && runs.points[0].fill.as_ref().is_some_and(|fill| !fill.inputs.motion.tones.is_empty());
-    let phases = steady.then(|| {
-        "with timing = \"periodic\" residuals add up or cancel by the phase of the vibration from switch to switch: the best interval holds \
-         for exactly this frequency and may be a coincidence, which timing = \"random\" avoids"
-            .to_owned()
-    });
+    const PHASES: &str = "with timing = \"periodic\" residuals add up or cancel by the phase of the vibration from switch to switch: the best interval holds \
+         for exactly this frequency and may be a coincidence, which timing = \"random\" avoids";
     let left_out = match (study.sweeps.is_empty(), runs.points.len() - even(&runs.points).len()) {
         (true, _) | (false, 0) => None,
         (false, count) => Some(format!(
@@ -291,7 +286,14 @@ fn notes(study: &Study, runs: &SwitchedRun) -> Vec<String> {
             runs.points.len()
         )),
     };
-    study.notes().iter().cloned().chain(late(runs)).chain(phases).chain(left_out).collect()
+    study
+        .notes()
+        .iter()
+        .cloned()
+        .chain(late(runs))
+        .chain(steady.then(|| PHASES.to_owned()))
+        .chain(left_out)
+        .collect()
 }
 
 /// Inserts a result in the order of the intervals, each interval once.
@@ -316,11 +318,8 @@ fn of_parts(
         let found = Estimates::of(tally, estimate.bin_base, estimate.unit_arcsec / duration_s)?;
         match measure {
             Measure::DriftRms | Measure::LargestRms => {
-                let half = found.rms_se.map(|se| NORMAL_95 * se);
-                Some(Found {
-                    value: found.rms,
-                    interval: half.map(|half| (found.rms - half, found.rms + half)),
-                })
+                let around = |se: f64| (found.rms - NORMAL_95 * se, found.rms + NORMAL_95 * se);
+                Some(Found { value: found.rms, interval: found.rms_se.map(around) })
             }
             Measure::DriftQ9973 | Measure::LargestQ9973 => {
                 let q = found.q9973?;
