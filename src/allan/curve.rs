@@ -2,12 +2,10 @@
 
 use rayon::prelude::*;
 
-use crate::allan::angles::Angles;
-use crate::allan::chi_squared;
-use crate::allan::deviation::Deviation;
 use crate::allan::edf::edf;
-use crate::allan::noise::{Noise, noise};
+use crate::allan::noise::noise;
 use crate::allan::sums::sums;
+use crate::allan::{Angles, Deviation, Noise, chi_squared};
 
 /// A deviation at one averaging time.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,7 +5,7 @@
 //! from white to random run. Comments give the numbers of its equations and tables; NIST SP 1065 (5.4) has the same
 //! procedure.
 
-use crate::allan::deviation::Deviation;
+use crate::allan::Deviation;
 
 /// Most terms of a sum; for longer sums the paper's fits are used.
 const MOST_TERMS: f64 = 100.0;

@@ -6,8 +6,7 @@
 
 use std::ops::Range;
 
-use crate::allan::angles::Angles;
-use crate::allan::deviation::Deviation;
+use crate::allan::{Angles, Deviation};
 
 /// Fewest groups that the identification needs.
 pub const LEAST_GROUPS: usize = 30;

@@ -1,6 +1,6 @@
 //! The averaging times of a curve.
 
-use crate::allan::deviation::Deviation;
+use crate::allan::Deviation;
 
 /// A list of averaging times.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,15 +1,9 @@
 //! Noise coefficients of a record as in a data sheet: the fit to its overlapping Allan curve, with intervals from
 //! simulated records.
 
-use crate::allan::angles::Angles;
-use crate::allan::unit::Unit;
+use crate::allan::{Angles, Unit};
 use crate::device::cpu::Cpu;
-use crate::fit::choose::Terms;
-use crate::fit::coefficient::{Coefficient, Fit, Verdict};
-use crate::fit::curve::{Curve, FitError};
-use crate::fit::fitter::Fitter;
-use crate::fit::quantity::Quantity;
-use crate::fit::record::curve_of;
+use crate::fit::{Coefficient, Curve, Fit, FitError, Fitter, Quantity, Terms, Verdict, curve_of};
 use crate::kernel::width::Width;
 use crate::kinds::allan::realisations::realisations;
 

@@ -5,14 +5,13 @@
 //! estimate that it would then have, which may be negative.
 
 use crate::fit::basis::shape_range;
-use crate::fit::coefficient::{Coefficient, Fit, Shape, Verdict};
-use crate::fit::curve::FitError;
 use crate::fit::evidence::Evidence;
 use crate::fit::growth::Growth;
 use crate::fit::interval::{Variance, WITHIN_95};
 use crate::fit::nnls::dot;
 use crate::fit::search::{Fitted, System};
-use crate::theory::allan::terms::Term;
+use crate::fit::{Coefficient, Fit, FitError, Shape, Verdict};
+use crate::theory::allan::Term;
 use crate::theory::cholesky;
 
 /// Logarithmic step of the derivative with respect to a shape.

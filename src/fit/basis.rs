@@ -1,7 +1,7 @@
 //! The terms of a fit at the averaging factors of its curves, before weights.
 
-use crate::fit::curve::Curve;
-use crate::theory::allan::terms::Term;
+use crate::fit::Curve;
+use crate::theory::allan::Term;
 
 /// Columns of one term, each with its shape.
 pub(crate) type Columns = Vec<(f64, Vec<f64>)>;

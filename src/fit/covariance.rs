@@ -1,8 +1,7 @@
 //! The covariance between the estimates of a curve, prepared for weighting.
 
-use crate::fit::curve::{Curve, FitError};
-use crate::theory::allan::gaussian;
-use crate::theory::allan::process::Process;
+use crate::fit::{Curve, FitError};
+use crate::theory::allan::{Process, gaussian};
 use crate::theory::cholesky;
 
 /// Independent variance added to every estimate, relative to its own variance: the least of these values that makes the

@@ -1,9 +1,6 @@
 //! The input of a fit: estimates of the Allan variance at averaging factors.
 
-use crate::theory::allan::estimator::{Difference, Estimator};
-use crate::theory::allan::holds;
-use crate::theory::allan::process::Process;
-use crate::theory::allan::terms::Term;
+use crate::theory::allan::{Difference, Estimator, Process, Term, holds};
 
 /// Estimates of one record, or their mean over many.
 #[derive(Debug, Clone, PartialEq)]

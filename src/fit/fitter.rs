@@ -4,13 +4,11 @@ use std::sync::{Arc, OnceLock};
 
 use crate::fit::assess::Judge;
 use crate::fit::basis::Basis;
-use crate::fit::choose::{Choice, Terms};
-use crate::fit::coefficient::Fit;
-use crate::fit::covariance::Covariance;
-use crate::fit::curve::{Curve, FitError};
+use crate::fit::choose::Choice;
 use crate::fit::growth::Growth;
 use crate::fit::search::{Solution, System};
-use crate::theory::allan::terms::Term;
+use crate::fit::{Covariance, Curve, Fit, FitError, Terms};
+use crate::theory::allan::Term;
 
 /// The source of the covariance between the estimates, which determines the errors of the coefficients.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

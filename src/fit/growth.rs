@@ -1,9 +1,9 @@
 //! The covariance of the estimates as a function of the coefficients of the model.
 
-use crate::fit::curve::{Curve, FitError};
 use crate::fit::interval::Variance;
+use crate::fit::{Curve, FitError};
+use crate::theory::allan::Term;
 use crate::theory::allan::gaussian::Components;
-use crate::theory::allan::terms::Term;
 
 /// The covariance of the estimates of one record as a function of the squares of some terms.
 #[derive(Debug)]

@@ -5,10 +5,9 @@
 //! golden sections around its best point.
 
 use crate::fit::basis::{Basis, per_decade, shape_range};
-use crate::fit::covariance::Covariance;
-use crate::fit::curve::Curve;
 use crate::fit::nnls::{dot, nnls};
-use crate::theory::allan::terms::Term;
+use crate::fit::{Covariance, Curve};
+use crate::theory::allan::Term;
 
 /// Golden sections of one bracket, which reduce it to 1e-8 of its length.
 const SECTIONS: usize = 40;

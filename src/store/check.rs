@@ -4,10 +4,8 @@ use std::path::Path;
 
 use crate::kernel::moments::Moments;
 use crate::kernel::rows::Rows;
-use crate::store::Tally;
-use crate::store::error::StoreError;
 use crate::store::row::Raw;
-use crate::store::source::Source;
+use crate::store::{Source, StoreError, Tally};
 
 /// What a check of a store found.
 #[derive(Debug, Default)]

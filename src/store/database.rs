@@ -6,10 +6,9 @@ use std::time::SystemTime;
 
 use rusqlite::{Connection, Params, Row, Transaction, TransactionBehavior, params};
 
-use crate::store::error::StoreError;
 use crate::store::lock::{Lock, own_name};
 use crate::store::row::{COLUMNS, Raw};
-use crate::store::{Address, Identity, Keep, Provenance, schema};
+use crate::store::{Address, Identity, Keep, Provenance, StoreError, schema};
 use crate::tally::block::Block;
 use crate::tally::id::Id;
 use crate::tally::share::Share;

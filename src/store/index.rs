@@ -3,9 +3,8 @@
 use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
 
-use crate::store::error::StoreError;
 use crate::store::row::NO_BLOCK;
-use crate::store::{Address, Store};
+use crate::store::{Address, Store, StoreError};
 use crate::tally::block::{Block, fold};
 use crate::tally::id::Id;
 

@@ -9,7 +9,7 @@ use std::io::{ErrorKind, Read, Seek, Write};
 use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use crate::store::error::StoreError;
+use crate::store::StoreError;
 
 /// The name of the file in a results folder.
 pub const LOCK: &str = "tallies.lock";

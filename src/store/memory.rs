@@ -3,9 +3,8 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use crate::store::error::StoreError;
 use crate::store::row::Raw;
-use crate::store::{Address, Keep, Provenance};
+use crate::store::{Address, Keep, Provenance, StoreError};
 use crate::tally::block::Block;
 use crate::tally::id::Id;
 use crate::tally::share::Share;

@@ -4,8 +4,7 @@ use std::path::Path;
 
 use crate::kernel::moments::Moments;
 use crate::store::encoding::add;
-use crate::store::error::StoreError;
-use crate::store::{Address, Row, Tally};
+use crate::store::{Address, Row, StoreError, Tally};
 use crate::tally::block::Block;
 #[cfg(feature = "store")]
 use crate::tally::id::Id;

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::store::database::Database;
-use crate::store::error::StoreError;
-use crate::store::{Identity, SCHEMA_VERSION};
+use crate::store::{Identity, SCHEMA_VERSION, StoreError};
 
 /// Application id in SQLite's header, "SGNC".
 const APPLICATION: i32 = 0x5347_4e43;

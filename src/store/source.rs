@@ -7,10 +7,9 @@ use std::path::Path;
 use rusqlite::{Connection, OpenFlags};
 
 use crate::store::database::Database;
-use crate::store::error::StoreError;
 use crate::store::lock::Lock;
 use crate::store::row::{COLUMNS, Raw};
-use crate::store::{FILE, Identity, Keep as _, Store, schema};
+use crate::store::{FILE, Identity, Keep as _, Store, StoreError, schema};
 use crate::tally::share::Share;
 
 /// A store opened only for reading. No other program can open it meanwhile, unless its folder is read-only.

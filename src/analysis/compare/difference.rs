@@ -1,14 +1,11 @@
 //! Coefficients of two records, term by term.
 
+use crate::analysis::compare::Length;
 use crate::analysis::compare::estimate::{Estimate, Two};
-use crate::analysis::compare::length::{self, Length};
-use crate::fit::choose::Terms;
-use crate::fit::coefficient::Fit;
-use crate::fit::curve::{Curve, FitError};
-use crate::fit::fitter::fit_record;
+use crate::analysis::compare::length;
 use crate::fit::interval::WITHIN_95;
-use crate::fit::quantity::Quantity;
-use crate::theory::allan::terms::Term;
+use crate::fit::{Curve, Fit, FitError, Quantity, Terms, fit_record};
+use crate::theory::allan::Term;
 
 /// Significance level: differences with a smaller p are significant.
 pub const SIGNIFICANT: f64 = 0.05;

@@ -1,8 +1,7 @@
 //! The charts of `sagnac compare`.
 
-use crate::allan::curve::Point;
-use crate::allan::deviation::Deviation;
-use crate::analysis::compare::ratio::Ratio;
+use crate::allan::{Deviation, Point};
+use crate::analysis::compare::Ratio;
 use crate::key::scale::Scale;
 use crate::view::chart::figure::{Axis, Figure, Grouping, Limit, Series, SeriesPoint};
 

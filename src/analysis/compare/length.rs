@@ -3,17 +3,9 @@
 use std::collections::BTreeMap;
 
 use crate::analysis::compare::difference::two;
-use crate::fit::choose::Terms;
-use crate::fit::coefficient::Fit;
-use crate::fit::curve::Curve;
-use crate::fit::fitter::fit_record;
-use crate::fit::quantity::Quantity;
 use crate::fit::record::factors;
-use crate::theory::allan::estimator::{Difference, Estimator};
-use crate::theory::allan::holds;
-use crate::theory::allan::part::Part;
-use crate::theory::allan::process::Process;
-use crate::theory::allan::terms::Term;
+use crate::fit::{Curve, Fit, Quantity, Terms, fit_record};
+use crate::theory::allan::{Difference, Estimator, Part, Process, Term, holds};
 
 /// Distance of 1.96 standard deviations for p = 5 %, plus 1.28, so that 90 % of records have at least that distance.
 const DISTANCE: f64 = 1.959_963_984_540_054 + 1.281_551_565_544_600_4;

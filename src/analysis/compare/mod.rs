@@ -52,15 +52,11 @@ pub use crate::analysis::compare::length::Length;
 pub use crate::analysis::compare::ratio::{Common, NEAREST, Ratio};
 pub use crate::analysis::compare::same::Same;
 
-use crate::allan::angles::Angles;
-use crate::allan::curve::{Point, curve};
-use crate::allan::deviation::Deviation;
-use crate::allan::tau::Taus;
+use crate::allan::curve::curve;
+use crate::allan::{Angles, Deviation, Point, Taus};
 use crate::analysis::compare::difference::Fits;
-use crate::fit::choose::Terms;
-use crate::fit::curve::{Curve, FitError};
-use crate::fit::record::curve_of;
-use crate::theory::allan::process::Process;
+use crate::fit::{Curve, FitError, Terms, curve_of};
+use crate::theory::allan::Process;
 
 /// The comparison of two records, the first of which has index 0.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,10 +1,8 @@
 //! Coefficients of two logs in the units of data sheets.
 
-use crate::allan::unit::Unit;
-use crate::analysis::compare::Comparison;
-use crate::analysis::compare::difference::{Difference, SIGNIFICANT};
-use crate::analysis::compare::length::Length;
-use crate::fit::quantity::Quantity;
+use crate::allan::Unit;
+use crate::analysis::compare::{Comparison, Difference, Length, SIGNIFICANT};
+use crate::fit::Quantity;
 
 /// The result for one coefficient of two logs.
 #[derive(Debug, Clone)]

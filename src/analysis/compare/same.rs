@@ -2,15 +2,11 @@
 
 use statrs::function::gamma::digamma;
 
-use crate::analysis::compare::difference::{Fits, LEAST_P};
-use crate::analysis::compare::ratio::Ratio;
-use crate::fit::chi_squared::survival;
-use crate::fit::covariance::Covariance;
-use crate::fit::curve::{Curve, FitError};
+use crate::analysis::compare::difference::Fits;
+use crate::analysis::compare::{LEAST_P, Ratio};
 use crate::fit::record::factors;
-use crate::theory::allan::estimator::{Difference, Estimator};
-use crate::theory::allan::gaussian;
-use crate::theory::allan::terms::Term;
+use crate::fit::{Covariance, Curve, FitError, survival};
+use crate::theory::allan::{Difference, Estimator, Term, gaussian};
 
 /// The test of two records for equal noise.
 #[derive(Debug, Clone, Copy, PartialEq)]

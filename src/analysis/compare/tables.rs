@@ -1,9 +1,7 @@
 //! The results of `sagnac compare` as tables and as JSON.
 
-use crate::allan::curve::Point;
-use crate::allan::deviation::Deviation;
-use crate::analysis::compare::length::Length;
-use crate::analysis::compare::ratio::Ratio;
+use crate::allan::{Deviation, Point};
+use crate::analysis::compare::{Length, Ratio};
 use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};
 use serde_json::{Value, json};

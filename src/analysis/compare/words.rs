@@ -1,6 +1,6 @@
 //! A comparison as sentences.
 
-use crate::analysis::compare::length::Length;
+use crate::analysis::compare::Length;
 use crate::quantity::number::significant;
 
 use crate::analysis::compare::logs::Analysis;

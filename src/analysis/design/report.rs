@@ -1,7 +1,6 @@
 //! The output of a design: the recommendation in words, all results as a table, and both as JSON.
 
-use crate::analysis::design::paper::PapersRule;
-use crate::analysis::design::{Design, Filler, Found, Measure, Tried};
+use crate::analysis::design::{Design, Filler, Found, Measure, PapersRule, Tried};
 use crate::chart::{Chart, Shows};
 use crate::filler::FILLERS;
 use crate::kinds::gap_fill::columns::FILLER;

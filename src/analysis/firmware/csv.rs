@@ -2,7 +2,7 @@
 
 use std::io;
 
-use crate::analysis::firmware::design::Firmware;
+use crate::analysis::firmware::Firmware;
 use crate::filler::FILLERS;
 use crate::kinds::gap_fill::columns::FILLER;
 use crate::table::column::columns_of;

@@ -1,6 +1,6 @@
 //! The fillers of one point of a study as integer rules, with their errors in closed form.
 
-use crate::analysis::firmware::rule::Rule;
+use crate::analysis::firmware::Rule;
 use crate::filler::keys::Error;
 use crate::filler::{Fill, Filler, Method};
 use crate::key::refusal::Refusal;

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::analysis::firmware::design::Firmware;
+use crate::analysis::firmware::Firmware;
 
 impl Firmware {
     /// All fillers as JSON.

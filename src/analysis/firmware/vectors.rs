@@ -4,8 +4,7 @@ use std::io;
 
 use rand::rand_core::Rng;
 
-use crate::analysis::firmware::design::{Design, Firmware};
-use crate::analysis::firmware::rule::Rule;
+use crate::analysis::firmware::{Design, Firmware, Rule};
 use crate::kernel::philox::Philox;
 use crate::kinds::gap_fill::columns::FILLER;
 use crate::table::{About, Cell, Column, Role, Table};

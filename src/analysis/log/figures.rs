@@ -1,13 +1,10 @@
 //! The charts of `sagnac allan`.
 
-use crate::allan::deviation::Deviation;
-use crate::fit::coefficient::Coefficient;
-use crate::fit::quantity::Quantity;
+use crate::allan::Deviation;
+use crate::fit::{Coefficient, Quantity};
 use crate::quantity::number::significant;
-use crate::theory::allan::estimator::{Difference, Estimator, Stride};
-use crate::theory::allan::holds;
-use crate::theory::allan::process::Process;
-use crate::theory::allan::terms::{Shape, Term};
+use crate::theory::allan::terms::Shape;
+use crate::theory::allan::{Difference, Estimator, Process, Stride, Term, holds};
 use crate::view::chart::figure::{Axis, Figure, Grouping, Part, Parts, Series, SeriesPoint};
 
 use crate::analysis::log::notes::heading;

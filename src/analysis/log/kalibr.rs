@@ -3,10 +3,10 @@
 //! Kalibr's model is a white rate noise and a random walk of the bias, both given by the square root of their two-sided
 //! density per Hz: N in rad/√s and K in rad/s^1.5. It has no other terms.
 
-use crate::allan::unit::Unit;
-use crate::fit::coefficient::Fit;
+use crate::allan::Unit;
+use crate::fit::Fit;
 use crate::quantity::number::significant;
-use crate::theory::allan::terms::Term;
+use crate::theory::allan::Term;
 
 use crate::analysis::log::notes::{heading, one_line};
 use crate::analysis::log::{Analysis, Column};

@@ -15,14 +15,10 @@ pub mod tables;
 
 use std::path::{Path, PathBuf};
 
-use crate::allan::angles::Angles;
-use crate::allan::curve::{Minimum, Point, curve, minimum};
-use crate::allan::deviation::Deviation;
-use crate::allan::tau::{TauError, Taus};
-use crate::allan::trend::{Line, Trend};
-use crate::allan::unit::Unit;
+use crate::allan::curve::curve;
+use crate::allan::{Angles, Deviation, Line, Minimum, Point, TauError, Taus, Trend, Unit, minimum};
 use crate::analysis::data_sheet::{DataSheet, Intervals, Row};
-use crate::fit::choose::Terms;
+use crate::fit::Terms;
 use crate::progress::Progress;
 use crate::quantity::number::significant;
 use crate::record::error::RecordError;

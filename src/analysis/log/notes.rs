@@ -1,6 +1,6 @@
 //! Notes attached to the results of an analysis.
 
-use crate::allan::unit::Unit;
+use crate::allan::Unit;
 use crate::analysis::log::{Analysis, Column};
 use crate::quantity::number::significant;
 use crate::record::log::measure::Data;

@@ -1,8 +1,6 @@
 //! The results of `sagnac allan` as a table and as JSON.
 
-use crate::allan::curve::Point;
-use crate::allan::deviation::Deviation;
-use crate::allan::trend::Trend;
+use crate::allan::{Deviation, Point, Trend};
 use crate::analysis::data_sheet::Row;
 use crate::table::column::columns_of;
 use crate::table::{Cell, ColumnOf, Role, Table, Unit};

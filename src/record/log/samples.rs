@@ -2,8 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::allan::angles::Angles;
-use crate::allan::trend::Trend;
+use crate::allan::{Angles, Trend};
 use crate::record::log::check::{LEAST_SAMPLES, UnitCheck};
 use crate::record::log::measure::{Data, Unit};
 use crate::record::log::outliers::{Outliers, outliers};
