@@ -70,11 +70,7 @@ impl Firmware {
     /// The ticks do not determine the weights of a filler, or the weights need more than 32 bits.
     pub fn new(study: &Study, point: &Point, fillers: &[Filler]) -> Result<Firmware, StudyError> {
         let rules = rules(study, point, fillers)?;
-        let fill_of = |filler: &Filler| {
-            let place = fillers_of(study).iter().position(|own| own.name == filler.name);
-            place.map(|place| point.fills[place].clone())
-        };
-        let fills: Vec<Fill> = fillers.iter().filter_map(fill_of).collect();
+        let fills = fillers.iter().filter_map(|filler| fill_of(study, point, filler).cloned()).collect();
         let point = Point { fills, ..point.clone() };
         let inputs = &point.inputs;
         let tone = inputs.motion.single_tone();
@@ -135,8 +131,7 @@ pub fn rules(
     let statistics = Statistics::of(&point.inputs);
     let mut rules = Vec::new();
     for filler in fillers {
-        let place = fillers_of(study).iter().position(|own| own.name == filler.name);
-        let Some(fill) = place.map(|place| &point.fills[place]) else { continue };
+        let Some(fill) = fill_of(study, point, filler) else { continue };
         let rule = |error, ticks: &[i32]| {
             let rows = match Rows::by_tick(filler, error, ticks, &statistics) {
                 Ok(None) => Rows::of(filler, error, ticks, &statistics),
@@ -209,7 +204,8 @@ fn too_large(study: &Study, filler: &Filler) -> StudyError {
     study.error_at(study.place_of("switching.fillers"), message, help)
 }
 
-/// The fillers of a study, in the order of the ticks of its points.
-fn fillers_of(study: &Study) -> &[Filler] {
-    study.asked::<GapFill>().map_or(&[], |gap_fill| &gap_fill.fillers)
+/// The ticks of a filler of a study at a point.
+fn fill_of<'p>(study: &Study, point: &'p Point, filler: &Filler) -> Option<&'p Fill> {
+    let place = study.asked::<GapFill>()?.fillers.iter().position(|own| own.name == filler.name)?;
+    Some(&point.fills[place])
 }
