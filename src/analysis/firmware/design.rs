@@ -1,6 +1,7 @@
 //! The fillers of one point of a study as integer rules, with their errors in closed form.
 
 use crate::analysis::firmware::Rule;
+use crate::analysis::firmware::choice::shown;
 use crate::filler::keys::Error;
 use crate::filler::{Fill, Filler, Method};
 use crate::key::refusal::Refusal;
@@ -101,11 +102,8 @@ impl Firmware {
 
     /// The point as text, such as `motion.frequency = 20 Hz, …`; empty without sweeps.
     pub fn place(&self) -> String {
-        let each = self.at.iter().filter_map(|(key, value)| {
-            let value = value.quantity()?;
-            let unit = value.dimension.unit().symbol;
-            Some(format!("{key} = {}", format!("{} {unit}", significant(value.shown(), 6)).trim_end()))
-        });
+        let each = self.at.iter();
+        let each = each.filter_map(|(key, value)| Some(format!("{key} = {}", shown(&value.quantity()?))));
         each.collect::<Vec<_>>().join(", ")
     }
 }
