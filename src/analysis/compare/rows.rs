@@ -2,13 +2,10 @@
 
 use crate::allan::Unit;
 use crate::analysis::compare::{Comparison, Difference, Length, SIGNIFICANT};
-use crate::fit::Quantity;
 
 /// The result for one coefficient of two logs.
 #[derive(Debug, Clone)]
 pub struct Row {
-    /// Quantity.
-    pub quantity: Quantity,
     /// Name in files.
     pub name: &'static str,
     /// Unit in files.
@@ -80,5 +77,5 @@ fn row(found: &Difference, length: Length, unit: Unit) -> Row {
         interval: found.interval.map(scaled),
         ..*found
     };
-    Row { quantity: found.quantity, name: found.quantity.name(), unit, symbol, found, length }
+    Row { name: found.quantity.name(), unit, symbol, found, length }
 }

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use crate::analysis::compare::logs::{Analysis, Side};
 use crate::analysis::compare::rows::Row;
 use crate::analysis::compare::words::sentences;
+use crate::analysis::log::tables::text;
 
 /// A row of `compare.csv`.
 pub(crate) struct RatioRow<'a> {
@@ -98,10 +99,6 @@ pub(crate) fn coefficient_columns<'a>() -> Vec<ColumnOf<&'a Row>> {
 pub fn coefficients(analysis: &Analysis) -> Table {
     let rows: Vec<&Row> = analysis.rows.iter().flatten().collect();
     Table { columns: columns_of(&coefficient_columns(), &rows) }
-}
-
-fn text(text: &str) -> Cell {
-    if text.is_empty() { Cell::Blank } else { Cell::Text(text.to_owned()) }
 }
 
 fn verdict(ratio: &Ratio) -> &'static str {

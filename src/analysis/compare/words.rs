@@ -64,7 +64,7 @@ fn same(analysis: &Analysis) -> Option<String> {
 }
 
 fn of_row(row: &Row, a: &str, b: &str, shorter_s: f64) -> String {
-    let name = row.quantity.title();
+    let name = row.found.quantity.title();
     let found = &row.found;
     let p = found.p.map(probability).unwrap_or_default();
     let (shows, other) = if found.values[1].is_some() { (b, a) } else { (a, b) };

@@ -22,7 +22,7 @@ use crate::fit::Terms;
 use crate::progress::Progress;
 use crate::quantity::number::significant;
 use crate::record::error::RecordError;
-use crate::record::log::channel::Log;
+use crate::record::log::channel::{Channel, Log};
 use crate::record::log::check::UnitCheck;
 use crate::record::log::measure::Data;
 use crate::record::log::outliers::Outliers;
@@ -201,8 +201,8 @@ impl Analysis {
         asked: &Asked,
         progress: &dyn Progress,
     ) -> Result<Analysis, TauError> {
-        let column = |at: usize| column(log, at, treatment, asked, progress);
-        let columns = (0..log.channels.len()).map(column).collect::<Result<_, _>>()?;
+        let column = |channel: &Channel| column(log, channel, treatment, asked, progress);
+        let columns = log.channels.iter().map(column).collect::<Result<_, _>>()?;
         Ok(Analysis {
             path: path.to_owned(),
             data: log.data,
@@ -232,13 +232,12 @@ impl Analysis {
 
 fn column(
     log: &Log,
-    at: usize,
+    channel: &Channel,
     treatment: &Treatment,
     asked: &Asked,
     progress: &dyn Progress,
 ) -> Result<Column, TauError> {
     let (data, step_s) = (log.data, log.step_s);
-    let channel = &log.channels[at];
     let samples = channel.view(data, step_s);
     let (angles, outliers) = treatment.angles(&samples);
     let curves = asked.deviations.iter().map(|&deviation| {

@@ -64,7 +64,8 @@ pub fn table(analysis: &Analysis) -> Table {
     Table { columns: columns_of(&curve_columns(), &rows) }
 }
 
-fn text(text: &str) -> Cell {
+/// A text, or a blank where it is empty.
+pub(crate) fn text(text: &str) -> Cell {
     if text.is_empty() { Cell::Blank } else { text.into() }
 }
 
