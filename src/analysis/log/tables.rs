@@ -55,12 +55,12 @@ pub(crate) fn curve_columns<'a>() -> Vec<ColumnOf<CurveRow<'a>>> {
 /// All curves, one row for each deviation and τ: `curve.csv`.
 pub fn table(analysis: &Analysis) -> Table {
     let treatment = &analysis.treatment.summary();
-    let curves = analysis.columns.iter();
-    let curves = curves.flat_map(|column| column.curves.iter().map(move |curve| (column, curve)));
-    let of_curve = |(column, curve)| move |point| CurveRow { column, curve, point, treatment };
-    let rows: Vec<CurveRow> = curves
-        .flat_map(|(column, curve): (_, &Curve)| curve.points.iter().map(of_curve((column, curve))))
-        .collect();
+    let mut rows = Vec::new();
+    for column in &analysis.columns {
+        for curve in &column.curves {
+            rows.extend(curve.points.iter().map(|point| CurveRow { column, curve, point, treatment }));
+        }
+    }
     Table { columns: columns_of(&curve_columns(), &rows) }
 }
 
@@ -78,14 +78,10 @@ pub(crate) struct Line<'a> {
 
 /// The coefficients of a column and the minimum of its curve.
 fn lines(column: &log::Column) -> Vec<Line<'_>> {
-    let line = |row: &Row, intervals: &str| Line {
-        column: &column.name,
-        row: row.clone(),
-        intervals: intervals.to_owned(),
-    };
     let name = column.noise().map_or_else(String::new, |noise| noise.intervals.name());
-    let found = column.coefficients().iter().map(|row| line(row, &name));
-    found.chain(stability(column).iter().map(|row| line(row, "of the curve"))).collect()
+    let found = column.coefficients().iter().cloned().map(|row| (row, name.clone()));
+    let stability = stability(column).into_iter().map(|row| (row, "of the curve".to_owned()));
+    found.chain(stability).map(|(row, intervals)| Line { column: &column.name, row, intervals }).collect()
 }
 
 /// The columns of `coefficients.csv`, in the order of the file.
