@@ -73,14 +73,12 @@ impl Fits {
 
     /// Both estimates of a term; `widening` multiplies the variance of each record.
     pub(crate) fn of_term(&self, term: Term, widening: [f64; 2]) -> Option<Two> {
-        let [a, b] = &self.fits;
-        two(a, b, Quantity::Coefficient(term), widening)
+        two(&self.fits, Quantity::Coefficient(term), widening)
     }
 
     /// The differences of all quantities of the terms.
     pub(crate) fn differences(&self, widening: [f64; 2]) -> Vec<Difference> {
-        let [a, b] = &self.fits;
-        let difference = |quantity| Some(self.difference(quantity, &two(a, b, quantity, widening)?));
+        let difference = |quantity| Some(self.difference(quantity, &two(&self.fits, quantity, widening)?));
         Quantity::all(&self.terms).into_iter().filter_map(difference).collect()
     }
 
@@ -129,7 +127,7 @@ impl Fits {
 }
 
 /// Both estimates of a quantity; `None` where a fit has none.
-pub(crate) fn two(a: &Fit, b: &Fit, quantity: Quantity, widening: [f64; 2]) -> Option<Two> {
+pub(crate) fn two([a, b]: &[Fit; 2], quantity: Quantity, widening: [f64; 2]) -> Option<Two> {
     let estimate = |fit: &Fit, widening: f64| match quantity {
         Quantity::Coefficient(term) => {
             Some(Estimate::Square(fit.coefficient(term)?.evidence?.widened(widening)))

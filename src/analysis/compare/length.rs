@@ -63,7 +63,7 @@ struct Search<'a> {
     steps: [f64; 2],
     terms: &'a [Term],
     /// Fits by the logarithm of the length.
-    fits: BTreeMap<u32, [Option<Fit>; 2]>,
+    fits: BTreeMap<u32, Option<[Fit; 2]>>,
 }
 
 impl Search<'_> {
@@ -78,10 +78,9 @@ impl Search<'_> {
         let fits = self.fits.entry(at).or_insert_with(|| {
             let fit = |i: usize| expected(processes[i], libm::round(length / steps[i]) as u64, terms);
             let (a, b) = rayon::join(|| fit(0), || fit(1));
-            [a, b]
+            Some([a?, b?])
         });
-        let [Some(a), Some(b)] = fits else { return None };
-        Some(two(a, b, quantity, [1.0; 2])?.distance().0)
+        Some(two(fits.as_ref()?, quantity, [1.0; 2])?.distance().0)
     }
 
     /// The shortest sufficient length within an octave below one that is sufficient.

@@ -67,6 +67,9 @@ fn of_row(row: &Row, a: &str, b: &str, shorter_s: f64) -> String {
     let name = row.found.quantity.title();
     let found = &row.found;
     let p = found.p.map(probability).unwrap_or_default();
+    let ratio = found.ratio.map(|ratio| times(ratio, 3)).unwrap_or_default();
+    let range = interval(found.ratio_interval);
+    let enough = of_significant(row.length, shorter_s);
     let (shows, other) = if found.values[1].is_some() { (b, a) } else { (a, b) };
     let most = at_most(row, found.at_most[usize::from(found.values[1].is_none())]);
     match (row.verdict(), found.ratio) {
@@ -77,22 +80,18 @@ fn of_row(row: &Row, a: &str, b: &str, shorter_s: f64) -> String {
         (Verdict::Equal, _) => {
             format!("Both have the same {name}: no length of records would show a difference.")
         }
-        (Verdict::Higher | Verdict::Lower, Some(ratio)) => format!(
-            "{b} has {} times the {name} of {a} ({}, {p}){}.",
-            times(ratio, 3),
-            interval(found.ratio_interval),
-            of_significant(row.length, shorter_s)
-        ),
-        (Verdict::Higher | Verdict::Lower, None) => format!(
-            "{shows} has more {name} than {other}, which shows none: {most} ({p}){}.",
-            of_significant(row.length, shorter_s)
-        ),
-        (Verdict::NotToldApart, Some(ratio)) => format!(
-            "No significant difference in {name}: {b} has {} times that of {a} ({}, {p}){}.",
-            times(ratio, 3),
-            interval(found.ratio_interval),
-            of_open(row.length, ratio)
-        ),
+        (Verdict::Higher | Verdict::Lower, Some(_)) => {
+            format!("{b} has {ratio} times the {name} of {a} ({range}, {p}){enough}.")
+        }
+        (Verdict::Higher | Verdict::Lower, None) => {
+            format!("{shows} has more {name} than {other}, which shows none: {most} ({p}){enough}.")
+        }
+        (Verdict::NotToldApart, Some(value)) => {
+            let needed = of_open(row.length, value);
+            format!(
+                "No significant difference in {name}: {b} has {ratio} times that of {a} ({range}, {p}){needed}."
+            )
+        }
         (Verdict::NotToldApart, None) => format!(
             "Only {shows} shows {name}, but {other} may have as much: {most} ({p}). As long as its value is unknown, no \
              length of records can be given that would show a difference."

@@ -101,14 +101,18 @@ pub fn called(filler: &Filler) -> &str {
 
 /// The recommendation in one line.
 pub fn headline(found: &Design) -> String {
-    let best = found.best();
-    let interval = significant(best.best().interval_s, 4);
+    let (best, label) = (found.best(), found.measure.label());
     let filler = best.name.as_ref().map_or(String::new(), |name| format!(" with the {name} filler"));
-    format!(
-        "Switch every {interval} s{filler}: {} {} °/h",
-        found.measure.label(),
-        significant(best.best().drift.value, 3)
-    )
+    let (interval, drift) = (four(best.best().interval_s), three(best.best().drift.value));
+    format!("Switch every {interval} s{filler}: {label} {drift} °/h")
+}
+
+fn three(value: f64) -> String {
+    significant(value, 3)
+}
+
+fn four(value: f64) -> String {
+    significant(value, 4)
 }
 
 /// The chart of the drift over the interval for each filler.
@@ -139,57 +143,44 @@ pub fn figure(study: &Study, found: &Design, table: &Table) -> Result<Figure, Ch
 pub fn recommendation(found: &Design) -> String {
     let best = found.best();
     let mut sentences = vec![format!("{}.", headline(found))];
-    match best.optimum.interval {
-        Some((lo, hi)) => sentences.push(format!(
-            "The best interval lies between {} s and {} s (95 %).",
-            significant(lo, 4),
-            significant(hi, 4)
-        )),
-        None if best.is_at_edge() => sentences.push(
-            "It is the shortest or longest that was tried: try others, by a sweep over switching.interval."
-                .to_owned(),
-        ),
-        None => {}
+    if let Some((lo, hi)) = best.optimum.interval {
+        let (lo, hi) = (four(lo), four(hi));
+        sentences.push(format!("The best interval lies between {lo} s and {hi} s (95 %)."));
+    } else if best.is_at_edge() {
+        let edge =
+            "It is the shortest or longest that was tried: try others, by a sweep over switching.interval.";
+        sentences.push(edge.to_owned());
     }
     let others = found.fillers.iter().enumerate().filter(|(place, _)| *place != found.best);
     let next = others.min_by(|a, b| a.1.best().drift.value.total_cmp(&b.1.best().drift.value));
     if let Some((_, next)) = next {
         let worse = found.worse_by(next);
         let (low, high) = worse.interval.unwrap_or((worse.value, worse.value));
-        sentences.push(if low > 1.0 {
-            format!(
-                "The next filler, {}, leaves {} times as much at its own best interval of {} s ({} to {}).",
-                called(next),
-                significant(worse.value, 3),
-                significant(next.best().interval_s, 4),
-                significant(low, 3),
-                significant(high, 3)
-            )
-        } else {
-            format!("{} does not differ significantly from it in these runs.", called(next))
+        let (name, interval) = (called(next), four(next.best().interval_s));
+        let [times, from, to] = [worse.value, low, high].map(three);
+        sentences.push(match low > 1.0 {
+            true => format!(
+                "The next filler, {name}, leaves {times} times as much at its own best interval of {interval} s ({from} to {to})."
+            ),
+            false => format!("{name} does not differ significantly from it in these runs."),
         });
     }
     if let Some(PapersRule { interval_s, bound, tried }) = &best.papers_rule {
         let times = found.times_best(tried);
         let (low, high) = times.interval.unwrap_or((times.value, times.value));
+        let [interval, tried_interval] = [*interval_s, tried.interval_s].map(four);
+        let [residual, bound, drift] = [best.residual_max, *bound, tried.drift.value].map(three);
+        let [times, from, to] = [times.value, low, high].map(three);
         sentences.push(format!(
-            "The paper's bound with δP_max = {} ″ has its minimum at {} s, where it allows {} °/h; switched every {} s the \
-             gyro would drift by {} °/h, {} times as much as at best ({} to {}).",
-            significant(best.residual_max, 3),
-            significant(*interval_s, 4),
-            significant(*bound, 3),
-            significant(tried.interval_s, 4),
-            significant(tried.drift.value, 3),
-            significant(times.value, 3),
-            significant(low, 3),
-            significant(high, 3)
+            "The paper's bound with δP_max = {residual} ″ has its minimum at {interval} s, where it allows {bound} °/h; \
+             switched every {tried_interval} s the gyro would drift by {drift} °/h, {times} times as much as at best \
+             ({from} to {to})."
         ));
     }
     if found.non_magnetic != 0.0 {
-        sentences.push(format!(
-            "The non-magnetic drift of {} °/h comes on top: no interval changes it.",
-            significant(found.non_magnetic, 3)
-        ));
+        let drift = three(found.non_magnetic);
+        sentences
+            .push(format!("The non-magnetic drift of {drift} °/h comes on top: no interval changes it."));
     }
     sentences.join("\n")
 }

@@ -74,12 +74,8 @@ fn outliers(column: &Column, analysis: &Analysis) -> Option<String> {
 /// The file, its rate and the part that was used.
 pub fn heading(analysis: &Analysis) -> String {
     let file = analysis.path.file_name().unwrap_or(analysis.path.as_os_str()).to_string_lossy();
-    format!(
-        "{file}: {} samples at {} Hz, {}",
-        analysis.samples,
-        significant(1.0 / analysis.step_s, 7),
-        duration(analysis.length_s())
-    )
+    let (samples, length) = (analysis.samples, duration(analysis.length_s()));
+    format!("{file}: {samples} samples at {} Hz, {length}", significant(1.0 / analysis.step_s, 7))
 }
 
 /// Text for a comment in a file, which must be a single line without control characters.
