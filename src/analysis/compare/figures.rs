@@ -8,7 +8,6 @@ use crate::view::chart::figure::{Axis, Figure, Grouping, Limit, Series, SeriesPo
 use crate::analysis::compare::logs::Analysis;
 use crate::analysis::compare::rows::{Row, Verdict};
 use crate::analysis::compare::words::{duration, probability, times};
-use crate::analysis::log::Curve;
 use crate::analysis::log::figures::line;
 
 /// Relative difference below which averaging times are the same.
@@ -80,11 +79,8 @@ type Line = Vec<(f64, f64)>;
 /// The expected curves of the fits of both records.
 fn fits(analysis: &Analysis) -> Option<[Line; 2]> {
     let models = analysis.comparison.models()?;
-    Some([0, 1].map(|i| {
-        let points = analysis.comparison.curves[i].clone();
-        let curve = Curve { deviation: Deviation::Oadev, points, minimum: None };
-        line(models[i], &curve, analysis.sides[i].samples)
-    }))
+    let points = &analysis.comparison.curves;
+    Some([0, 1].map(|i| line(models[i], Deviation::Oadev, &points[i], analysis.sides[i].samples)))
 }
 
 /// The second line over the first, at the times of the first that the second contains or spans.

@@ -4,7 +4,6 @@ use crate::analysis::firmware::Rule;
 use crate::analysis::firmware::choice::shown;
 use crate::filler::keys::Error;
 use crate::filler::{Fill, Filler, Method};
-use crate::key::refusal::Refusal;
 use crate::key::setting::Swept;
 use crate::kinds::gap_fill::GapFill;
 use crate::kinds::gap_fill::inputs::Inputs;
@@ -75,19 +74,23 @@ impl Firmware {
         let point = Point { fills, ..point.clone() };
         let inputs = &point.inputs;
         let tone = inputs.motion.single_tone();
+        let lowered = Lowered::new(&point, fillers, &ERRORS, study.seed, study.streams);
         let mut designs = Vec::new();
-        for (filler, (interpolation, extrapolation)) in fillers.iter().zip(rules) {
+        for (place, (filler, (interpolation, extrapolation))) in fillers.iter().zip(rules).enumerate() {
             let amplitude = |rule: &Rule| {
                 let (rate, frequency_hz) = tone?;
                 Some(rate * response(&rule.whole(), inputs.gap_ticks, inputs.tick_s, frequency_hz))
             };
-            let errors = [Some(&interpolation), extrapolation.as_ref()]
-                .map(|rule| Closed { amplitude: rule.and_then(amplitude), rms: None });
+            let rms = |error: Error| {
+                let estimates = lowered.as_ref().ok()?.fillers.get(place)?;
+                estimates.iter().find(|estimate| estimate.error == error)?.oracle.rms
+            };
+            let amplitudes =
+                [Some(&interpolation), extrapolation.as_ref()].map(|rule| rule.and_then(amplitude));
+            let errors = [0, 1].map(|i| Closed { amplitude: amplitudes[i], rms: rms(ERRORS[i]) });
             let (name, method) = (filler.name.clone(), method(filler, inputs));
             designs.push(Design { name, method, interpolation, extrapolation, errors });
         }
-        let lowered = Lowered::new(&point, fillers, &ERRORS, study.seed, study.streams);
-        let unsampled = add_rms(&mut designs, &lowered);
         Ok(Firmware {
             title: study.title.clone(),
             at: point.swept.clone(),
@@ -95,7 +98,7 @@ impl Firmware {
             gap_ticks: inputs.gap_ticks,
             tone,
             designs,
-            unsampled,
+            unsampled: lowered.err().map(|refusal| refusal.to_string()),
             seed: study.seed,
         })
     }
@@ -146,21 +149,6 @@ pub fn rules(
         );
     }
     Ok(rules)
-}
-
-/// Takes the rms of each error from the oracle; returns the reason where there is none.
-fn add_rms(designs: &mut [Design], lowered: &Result<Lowered, Refusal>) -> Option<String> {
-    let lowered = match lowered {
-        Ok(lowered) => lowered,
-        Err(error) => return Some(error.to_string()),
-    };
-    for (design, estimates) in designs.iter_mut().zip(&lowered.fillers) {
-        for (closed, error) in design.errors.iter_mut().zip(ERRORS) {
-            let estimate = estimates.iter().find(|estimate| estimate.error == error);
-            closed.rms = estimate.and_then(|estimate| estimate.oracle.rms);
-        }
-    }
-    None
 }
 
 /// Amplitude of the error of some weights for a vibration per amplitude of its rate, in ″ per ″/s, which is s.

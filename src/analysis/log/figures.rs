@@ -1,6 +1,6 @@
 //! The charts of `sagnac allan`.
 
-use crate::allan::Deviation;
+use crate::allan::{Deviation, Point};
 use crate::fit::{Coefficient, Quantity};
 use crate::quantity::number::significant;
 use crate::theory::allan::terms::Shape;
@@ -75,13 +75,14 @@ fn series(analysis: &Analysis, column: &Column, curve: &Curve, (colour, dash): (
         .points
         .iter()
         .filter_map(|point| Some(SeriesPoint { x: point.tau_s, y: point.value?, band: point.interval }));
-    let law = column.noise().map(|noise| line(&noise.fit.process, curve, analysis.samples));
+    let law = column
+        .noise()
+        .map(|noise| line(&noise.fit.process, curve.deviation, &curve.points, analysis.samples));
     Series { colour, dash, points: points.collect(), law: law.unwrap_or_default() }
 }
 
 /// The expected deviation of a process over the times of a curve; empty where there is no closed form.
-pub fn line(process: &Process, curve: &Curve, samples: usize) -> Vec<(f64, f64)> {
-    let deviation = curve.deviation;
+pub fn line(process: &Process, deviation: Deviation, points: &[Point], samples: usize) -> Vec<(f64, f64)> {
     if deviation.is_modified() {
         return vec![];
     }
@@ -90,7 +91,7 @@ pub fn line(process: &Process, curve: &Curve, samples: usize) -> Vec<(f64, f64)>
         stride: if deviation.overlaps() { Stride::Sample } else { Stride::Cluster },
     };
     let shown: Vec<f64> =
-        curve.points.iter().filter(|point| point.value.is_some()).map(|point| point.m as f64).collect();
+        points.iter().filter(|point| point.value.is_some()).map(|point| point.m as f64).collect();
     let [Some(&first), Some(&last)] = [shown.first(), shown.last()] else { return vec![] };
     let is_rippled = process.parts.iter().any(|part| part.term == Term::Sine);
     let octave = if is_rippled { PLACES[0] } else { PLACES[1] };
@@ -118,7 +119,7 @@ fn parts(analysis: &Analysis, column: &Column, deviations: &[Deviation]) -> Part
         let shape = coefficient.shape.map_or(1.0, |shape| shape.value);
         let part = term.part(value * value, shape, octaves);
         let process = Process { sample_s: analysis.step_s, parts: vec![part] };
-        let mut points = line(&process, curve, analysis.samples);
+        let mut points = line(&process, curve.deviation, &curve.points, analysis.samples);
         if term == Term::Sine {
             points.retain(|(tau_s, _)| shape * tau_s <= MOST_RIPPLES);
         }
