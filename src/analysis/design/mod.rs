@@ -235,10 +235,8 @@ pub fn design(
     let point = &runs.points[0];
     let mut fillers = Vec::new();
     for (place, candidates) in chosen.iter().enumerate() {
-        let mut tried = candidates
-            .iter()
-            .map(|candidate| sampled(candidate, false))
-            .collect::<Result<Vec<Tried>, _>>()?;
+        let tried = candidates.iter().map(|candidate| sampled(candidate, false));
+        let mut tried = tried.collect::<Result<Vec<Tried>, _>>()?;
         let fitted = optimum::of(&tried);
         if let Some(candidate) = maker.at(fitted.value, place)?.filter(|_| !maker.swept) {
             insert(&mut tried, sampled(&candidate, true)?);
@@ -248,11 +246,11 @@ pub fn design(
         if let Some(Optimum { interval_s, bound }) = paper::optimum(point, filled)
             && let Some(candidate) = maker.at(interval_s, place)?
         {
-            let tried = sampled(&candidate, true)?;
-            papers_rule = Some(PapersRule { interval_s, bound, tried });
-        }
-        if let Some(rule) = papers_rule.as_ref().filter(|_| !maker.swept) {
-            insert(&mut tried, rule.tried.clone());
+            let at_rule = sampled(&candidate, true)?;
+            if !maker.swept {
+                insert(&mut tried, at_rule.clone());
+            }
+            papers_rule = Some(PapersRule { interval_s, bound, tried: at_rule });
         }
         let (best, optimum) = optimum::among(&tried, fitted);
         let name = runs.fillers().get(place).map(|filler| filler.name.clone());
@@ -272,12 +270,15 @@ pub fn design(
     })
 }
 
+/// Note on residuals whose phases follow each other.
+const PHASES: &str = "with timing = \"periodic\" residuals add up or cancel by the phase of the vibration from switch to switch: the \
+                      best interval holds for exactly this frequency and may be a coincidence, which timing = \"random\" \
+                      avoids";
+
 /// Notes on the runs, and on a recommendation that depends on an exact frequency.
 fn notes(study: &Study, runs: &SwitchedRun) -> Vec<String> {
     let steady = runs.timing == Timing::Periodic
         && runs.points[0].fill.as_ref().is_some_and(|fill| !fill.inputs.motion.tones.is_empty());
-    const PHASES: &str = "with timing = \"periodic\" residuals add up or cancel by the phase of the vibration from switch to switch: the best interval holds \
-         for exactly this frequency and may be a coincidence, which timing = \"random\" avoids";
     let left_out = match (study.sweeps.is_empty(), runs.points.len() - even(&runs.points).len()) {
         (true, _) | (false, 0) => None,
         (false, count) => Some(format!(
@@ -286,14 +287,11 @@ fn notes(study: &Study, runs: &SwitchedRun) -> Vec<String> {
             runs.points.len()
         )),
     };
-    study
-        .notes()
-        .iter()
-        .cloned()
-        .chain(late(runs))
-        .chain(steady.then(|| PHASES.to_owned()))
-        .chain(left_out)
-        .collect()
+    let mut notes = study.notes().to_vec();
+    notes.extend(late(runs));
+    notes.extend(steady.then(|| PHASES.to_owned()));
+    notes.extend(left_out);
+    notes
 }
 
 /// Inserts a result in the order of the intervals, each interval once.
