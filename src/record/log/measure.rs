@@ -69,17 +69,14 @@ impl Unit {
     /// # Errors
     /// The text is not a number with a unit per pulse, or the unit does not measure this `data`.
     pub fn parse_scale(text: &str, data: Data) -> Result<Unit, UnitMismatch> {
-        let wrong = |message: String| UnitMismatch {
-            message,
-            help: match data {
-                Data::Rate => {
-                    "write the rate of a pulse, as in `scale = \"0.01 deg/s/LSB\"`; pulses counted in each \
-                               sample are `data = increment`"
-                        .to_owned()
-                }
-                _ => "write the angle of a pulse, as in `scale = \"0.5 arcsec/pulse\"`".to_owned(),
-            },
+        let help = match data {
+            Data::Rate => {
+                "write the rate of a pulse, as in `scale = \"0.01 deg/s/LSB\"`; pulses counted in each sample are \
+                 `data = increment`"
+            }
+            _ => "write the angle of a pulse, as in `scale = \"0.5 arcsec/pulse\"`",
         };
+        let wrong = |message: String| UnitMismatch { message, help: help.to_owned() };
         let size = text.trim().rsplit_once('/').filter(|(_, per)| PULSES.contains(&per.trim()));
         let Some((size, _)) = size else {
             return Err(wrong(format!("the scale \"{text}\" is not the size of a pulse")));
